@@ -1,0 +1,35 @@
+# Language, warnings and the floating-point rules that make results reproducible.
+set(CMAKE_CXX_STANDARD 20)
+set(CMAKE_CXX_STANDARD_REQUIRED ON)
+set(CMAKE_CXX_EXTENSIONS OFF)
+set(CMAKE_RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/bin)
+set(CMAKE_POSITION_INDEPENDENT_CODE ON)
+
+if(NOT CMAKE_BUILD_TYPE)
+  set(CMAKE_BUILD_TYPE Release)
+endif()
+set(CMAKE_CXX_FLAGS_RELEASE "-O3")
+
+# One hash on every machine: no contraction, no fast-math, the same baseline everywhere.
+add_compile_options(-ffp-contract=off -fno-math-errno -fno-trapping-math -Wall -Wextra -Wno-unused-parameter)
+if(CMAKE_SYSTEM_PROCESSOR MATCHES "x86_64|AMD64")
+  add_compile_options(-march=x86-64-v3 -mtune=generic)
+endif()
+
+set(TRUESTEP_SANITIZE "" CACHE STRING "Sanitizers, comma separated: address,undefined or thread")
+if(TRUESTEP_SANITIZE)
+  add_compile_options(-fsanitize=${TRUESTEP_SANITIZE} -fno-omit-frame-pointer -fno-sanitize-recover=all)
+  add_link_options(-fsanitize=${TRUESTEP_SANITIZE})
+endif()
+
+find_program(TRUESTEP_CCACHE ccache)
+if(TRUESTEP_CCACHE)
+  set(CMAKE_CXX_COMPILER_LAUNCHER ${CMAKE_COMMAND} -E env
+      CCACHE_SLOPPINESS=pch_defines,time_macros,include_file_mtime,include_file_ctime ${TRUESTEP_CCACHE})
+  add_compile_options(-fpch-preprocess)
+endif()
+
+find_program(TRUESTEP_LLD ld.lld)
+if(TRUESTEP_LLD AND NOT TRUESTEP_SANITIZE)
+  add_link_options(-fuse-ld=lld)
+endif()

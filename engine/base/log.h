@@ -1,0 +1,3 @@
+// Logging goes through spdlog's default logger (stderr); the server sets level and pattern.
+#pragma once
+#include <spdlog/spdlog.h>

@@ -1,0 +1,41 @@
+#include "engine/base/parallel.h"
+
+#include <tbb/parallel_for.h>
+#include <tbb/task_arena.h>
+
+#include <algorithm>
+#include <vector>
+
+namespace truestep {
+
+struct ThreadArena::Impl {
+  explicit Impl(int threads) : arena(threads) {}
+  tbb::task_arena arena;
+};
+
+ThreadArena::ThreadArena(int threads) : threads_(std::max(threads, 1)) {
+  if (threads_ > 1) impl_ = std::make_unique<Impl>(threads_);
+}
+ThreadArena::~ThreadArena() = default;
+
+void ThreadArena::run_blocks(size_t n, size_t block, const std::function<void(size_t, size_t)>& body) const {
+  const size_t blocks = (n + block - 1) / block;
+  impl_->arena.execute([&] {
+    tbb::parallel_for(size_t{0}, blocks, [&](size_t b) { body(b * block, std::min(n, (b + 1) * block)); });
+  });
+}
+
+double ThreadArena::sum_blocks(size_t n, size_t block,
+                               const std::function<double(size_t, size_t)>& body) const {
+  double total = 0;
+  if (n <= block || threads_ <= 1) {
+    for (size_t b = 0; b < n; b += block) total += body(b, std::min(n, b + block));
+    return total;
+  }
+  std::vector<double> partial((n + block - 1) / block);
+  run_blocks(n, block, [&](size_t begin, size_t end) { partial[begin / block] = body(begin, end); });
+  for (const double p : partial) total += p;
+  return total;
+}
+
+}  // namespace truestep
