@@ -35,12 +35,15 @@ class Error : public std::runtime_error {
 class Instability : public Error {
  public:
   Instability(std::string system, std::string quantity, long long index, const std::string& detail)
-      : Error("instability", detail), system(std::move(system)), quantity(std::move(quantity)), index(index) {}
-  std::string system;      ///< id of the system that failed
-  std::string quantity;    ///< column that is non-finite
-  long long index;         ///< row of the first bad value
-  long long step = -1;     ///< step that failed (filled in by the world)
-  double suggested_dt = 0; ///< step that the method would have held, 0 if unknown
+      : Error("instability", detail),
+        system(std::move(system)),
+        quantity(std::move(quantity)),
+        index(index) {}
+  std::string system;       ///< id of the system that failed
+  std::string quantity;     ///< column that is non-finite
+  long long index;          ///< row of the first bad value
+  long long step = -1;      ///< step that failed (filled in by the world)
+  double suggested_dt = 0;  ///< step that the method would have held, 0 if unknown
 };
 
 }  // namespace truestep

@@ -15,7 +15,7 @@ class Hasher {
   Hasher(const Hasher&) = delete;
   Hasher& operator=(const Hasher&) = delete;
   void bytes(const void* data, size_t size);
-  void text(std::string_view s);      ///< length, then bytes
+  void text(std::string_view s);  ///< length, then bytes
   void integer(uint64_t v);
   void doubles(std::span<const double> v);  ///< -0.0 hashed as +0.0
   void floats(std::span<const float> v);    ///< -0.0 hashed as +0.0

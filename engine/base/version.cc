@@ -5,7 +5,9 @@ namespace truestep {
 #define TRUESTEP_TEXT2(x) #x
 #define TRUESTEP_TEXT(x) TRUESTEP_TEXT2(x)
 
-std::string_view version() { return TRUESTEP_VERSION; }
+std::string_view version() {
+  return TRUESTEP_VERSION;
+}
 
 std::string_view build_description() {
   return

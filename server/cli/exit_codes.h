@@ -2,6 +2,11 @@
 #pragma once
 namespace truestep {
 enum ExitCode : int {
-  kExitOk = 0, kExitUsage = 2, kExitInvalidScene = 3, kExitUnstable = 4, kExitServer = 5, kExitMissed = 6,
+  kExitOk = 0,
+  kExitUsage = 2,
+  kExitInvalidScene = 3,
+  kExitUnstable = 4,
+  kExitServer = 5,
+  kExitMissed = 6,
 };
 }  // namespace truestep

@@ -1,0 +1,289 @@
+// Parameter tables. A system's parameters are one plain struct and one table of rows: name, member, unit,
+// bounds, sentence. The parser, the JSON Schema, the OpenAPI fragment, the recording's attributes and the
+// printed help are all read off that table; defaults are the struct's own member initialisers.
+//
+//   struct Def { double stiffness = 1000; Vec3 wind; };
+//   const DefTable& table() {
+//     static const DefTable t = TableOf<Def>("one sentence")
+//       .number("stiffness", &Def::stiffness, "N/m", at_least(0), "spring constant of every link")
+//       .vector("wind", &Def::wind, "m/s", any(), "velocity of the air").build();
+//     return t;
+//   }
+#pragma once
+#include <cstdint>
+#include <functional>
+#include <limits>
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+#include <variant>
+#include <vector>
+
+#include "engine/math/vec3.h"
+
+namespace truestep {
+
+enum class ParamKind : uint8_t {
+  number,
+  integer,
+  boolean,
+  text,
+  choice,
+  vector,  // one value
+  numbers,
+  integers,
+  vectors,
+  texts,     // arrays of values
+  object,    // a nested struct
+  objects,   // an array of nested structs
+  variants,  // an array of objects told apart by their "type"
+};
+
+/// Allowed range of a number, or of every element of a vector or array.
+struct Limits {
+  double min = -std::numeric_limits<double>::infinity();
+  double max = std::numeric_limits<double>::infinity();
+  enum class Ends : uint8_t { closed, open_min, open_max, open } ends = Ends::closed;
+};
+constexpr Limits any() {
+  return {};
+}
+constexpr Limits at_least(double min) {
+  return {.min = min};
+}
+constexpr Limits above(double min) {
+  return {.min = min, .ends = Limits::Ends::open_min};
+}
+constexpr Limits between(double min, double max) {
+  return {.min = min, .max = max};
+}
+
+/// Number of elements of an array parameter.
+struct Count {
+  size_t min = 0;
+  size_t max = 10'000'000;
+};
+
+using ParamValue = std::variant<std::monostate, double, int64_t, bool, std::string, Vec3, std::vector<double>,
+                                std::vector<int64_t>, std::vector<Vec3>, std::vector<std::string>>;
+
+struct DefTable;
+
+/// One alternative of a `variants` parameter.
+struct ParamVariant {
+  std::string type;
+  const DefTable* table = nullptr;
+  std::function<void*(void* owner)> append;                    ///< new element's struct
+  std::function<const void*(const void* owner, size_t i)> at;  ///< null when element i is another type
+};
+
+enum class Presence : uint8_t { optional, required };
+
+struct ParamRow {
+  std::string name;
+  ParamKind kind = ParamKind::number;
+  std::string unit;  ///< SI; empty where it makes no sense, "1" for a pure number
+  Limits limits;
+  Count count;
+  std::string sentence;
+  Presence presence = Presence::optional;
+  std::vector<std::string> choices;
+  const DefTable* nested = nullptr;
+  std::vector<ParamVariant> variants;
+
+  /// Plain values: monostate from `get` means "not set" (std::optional members).
+  std::function<void(void* owner, ParamValue)> set;
+  std::function<ParamValue(const void* owner)> get;
+  /// Nested values: `append` returns the struct to fill (creating it for optional members and arrays).
+  std::function<void*(void* owner)> append;
+  std::function<size_t(const void* owner)> size;
+  std::function<const void*(const void* owner, size_t i)> at;
+};
+
+struct DefTable {
+  std::string sentence;
+  std::vector<ParamRow> rows;
+  std::function<std::shared_ptr<void>()> make;  ///< a struct with all defaults
+  /// Extra checks across members, reported like the parser's own: (owner, report(pointer suffix, message)).
+  using Report = std::function<void(const std::string& pointer, const std::string& message)>;
+  std::function<void(const void* owner, const Report& report)> check;
+
+  const ParamRow* find(std::string_view name) const;
+};
+
+/// Builds the table of struct D; see the head of this file.
+template <class D>
+class TableOf {
+ public:
+  explicit TableOf(std::string sentence) {
+    table_.sentence = std::move(sentence);
+    table_.make = [] { return std::static_pointer_cast<void>(std::make_shared<D>()); };
+  }
+
+  template <class M>  // double or std::optional<double>
+  TableOf& number(const char* name, M D::*m, const char* unit, Limits limits, const char* sentence) {
+    return value<double>(ParamKind::number, name, m, unit, limits, sentence);
+  }
+  template <class M>  // any integer type, or std::optional of one
+  TableOf& integer(const char* name, M D::*m, Limits limits, const char* sentence) {
+    return value<int64_t>(ParamKind::integer, name, m, "1", limits, sentence);
+  }
+  template <class M>
+  TableOf& boolean(const char* name, M D::*m, const char* sentence) {
+    return value<bool>(ParamKind::boolean, name, m, "", any(), sentence);
+  }
+  template <class M>
+  TableOf& text(const char* name, M D::*m, const char* sentence) {
+    return value<std::string>(ParamKind::text, name, m, "", any(), sentence);
+  }
+  template <class M>
+  TableOf& vector(const char* name, M D::*m, const char* unit, Limits limits, const char* sentence) {
+    return value<Vec3>(ParamKind::vector, name, m, unit, limits, sentence);
+  }
+  TableOf& numbers(const char* name, std::vector<double> D::*m, const char* unit, Limits limits, Count count,
+                   const char* sentence) {
+    return array(ParamKind::numbers, name, m, unit, limits, count, sentence);
+  }
+  TableOf& integers(const char* name, std::vector<int64_t> D::*m, Limits limits, Count count,
+                    const char* sentence) {
+    return array(ParamKind::integers, name, m, "1", limits, count, sentence);
+  }
+  TableOf& vectors(const char* name, std::vector<Vec3> D::*m, const char* unit, Limits limits, Count count,
+                   const char* sentence) {
+    return array(ParamKind::vectors, name, m, unit, limits, count, sentence);
+  }
+  TableOf& texts(const char* name, std::vector<std::string> D::*m, Count count, const char* sentence) {
+    return array(ParamKind::texts, name, m, "", any(), count, sentence);
+  }
+  /// Enumeration E whose values 0, 1, 2 ... are named by `choices` in that order.
+  template <class E>
+  TableOf& choice(const char* name, E D::*m, std::vector<std::string> choices, const char* sentence) {
+    ParamRow& r = row(ParamKind::choice, name, "", any(), sentence);
+    r.choices = choices;
+    r.set = [m, choices](void* o, ParamValue v) {
+      const auto& s = std::get<std::string>(v);
+      for (size_t i = 0; i < choices.size(); ++i) {
+        if (choices[i] == s) static_cast<D*>(o)->*m = static_cast<E>(i);
+      }
+    };
+    r.get = [m, choices](const void* o) {
+      return ParamValue(choices[static_cast<size_t>(static_cast<const D*>(o)->*m)]);
+    };
+    return *this;
+  }
+  /// A nested struct that is always there.
+  template <class N>
+  TableOf& object(const char* name, N D::*m, const DefTable& nested, const char* sentence) {
+    ParamRow& r = row(ParamKind::object, name, "", any(), sentence);
+    r.nested = &nested;
+    r.append = [m](void* o) -> void* { return &(static_cast<D*>(o)->*m); };
+    r.size = [](const void*) -> size_t { return 1; };
+    r.at = [m](const void* o, size_t) -> const void* { return &(static_cast<const D*>(o)->*m); };
+    return *this;
+  }
+  /// A nested struct that may be absent.
+  template <class N>
+  TableOf& object(const char* name, std::optional<N> D::*m, const DefTable& nested, const char* sentence) {
+    ParamRow& r = row(ParamKind::object, name, "", any(), sentence);
+    r.nested = &nested;
+    r.append = [m](void* o) -> void* { return &(static_cast<D*>(o)->*m).emplace(); };
+    r.size = [m](const void* o) -> size_t { return (static_cast<const D*>(o)->*m).has_value(); };
+    r.at = [m](const void* o, size_t) -> const void* { return &*(static_cast<const D*>(o)->*m); };
+    return *this;
+  }
+  /// An array of one kind of struct.
+  template <class N>
+  TableOf& objects(const char* name, std::vector<N> D::*m, const DefTable& nested, Count count,
+                   const char* sentence) {
+    ParamRow& r = row(ParamKind::objects, name, "", any(), sentence);
+    r.nested = &nested;
+    r.count = count;
+    r.append = [m](void* o) -> void* { return &(static_cast<D*>(o)->*m).emplace_back(); };
+    r.size = [m](const void* o) -> size_t { return (static_cast<const D*>(o)->*m).size(); };
+    r.at = [m](const void* o, size_t i) -> const void* { return &(static_cast<const D*>(o)->*m)[i]; };
+    return *this;
+  }
+  /// An array of structs told apart by "type"; types and tables in the order of the std::variant.
+  template <class... N>
+  TableOf& variants(const char* name, std::vector<std::variant<N...>> D::*m,
+                    std::vector<std::pair<std::string, const DefTable*>> alternatives, Count count,
+                    const char* sentence) {
+    ParamRow& r = row(ParamKind::variants, name, "", any(), sentence);
+    r.count = count;
+    add_variants<N...>(r, m, alternatives, std::index_sequence_for<N...>{});
+    r.size = [m](const void* o) -> size_t { return (static_cast<const D*>(o)->*m).size(); };
+    return *this;
+  }
+
+  /// The row added last must be given.
+  TableOf& required() {
+    table_.rows.back().presence = Presence::required;
+    return *this;
+  }
+  /// A check across members.
+  TableOf& check(std::function<void(const D&, const DefTable::Report&)> f) {
+    table_.check = [f](const void* o, const DefTable::Report& report) {
+      f(*static_cast<const D*>(o), report);
+    };
+    return *this;
+  }
+  DefTable build() { return std::move(table_); }
+
+ private:
+  ParamRow& row(ParamKind kind, const char* name, const char* unit, Limits limits, const char* sentence) {
+    ParamRow& r = table_.rows.emplace_back();
+    r.kind = kind, r.name = name, r.unit = unit, r.limits = limits, r.sentence = sentence;
+    return r;
+  }
+  template <class V, class M>
+  TableOf& value(ParamKind kind, const char* name, M D::*m, const char* unit, Limits limits,
+                 const char* sentence) {
+    ParamRow& r = row(kind, name, unit, limits, sentence);
+    r.set = [m](void* o, ParamValue v) { assign(static_cast<D*>(o)->*m, std::get<V>(v)); };
+    r.get = [m](const void* o) { return read<V>(static_cast<const D*>(o)->*m); };
+    return *this;
+  }
+  template <class V>
+  TableOf& array(ParamKind kind, const char* name, std::vector<V> D::*m, const char* unit, Limits limits,
+                 Count count, const char* sentence) {
+    ParamRow& r = row(kind, name, unit, limits, sentence);
+    r.count = count;
+    r.set = [m](void* o, ParamValue v) { static_cast<D*>(o)->*m = std::get<std::vector<V>>(std::move(v)); };
+    r.get = [m](const void* o) { return ParamValue(static_cast<const D*>(o)->*m); };
+    return *this;
+  }
+  template <class M, class V>
+  static void assign(M& member, V v) {
+    member = static_cast<M>(std::move(v));
+  }
+  template <class M, class V>
+  static void assign(std::optional<M>& member, V v) {
+    member = static_cast<M>(std::move(v));
+  }
+  template <class V, class M>
+  static ParamValue read(const M& member) {
+    return ParamValue(static_cast<V>(member));
+  }
+  template <class V, class M>
+  static ParamValue read(const std::optional<M>& member) {
+    return member ? ParamValue(static_cast<V>(*member)) : ParamValue();
+  }
+  template <class... N, size_t... I, class Members>
+  void add_variants(ParamRow& r, Members m, const std::vector<std::pair<std::string, const DefTable*>>& names,
+                    std::index_sequence<I...>) {
+    (r.variants.push_back({names[I].first, names[I].second,
+                           [m](void* o) -> void* {
+                             auto& list = static_cast<D*>(o)->*m;
+                             list.emplace_back(std::in_place_index<I>);
+                             return &std::get<I>(list.back());
+                           },
+                           [m](const void* o, size_t i) -> const void* {
+                             return std::get_if<I>(&(static_cast<const D*>(o)->*m)[i]);
+                           }}),
+     ...);
+  }
+  DefTable table_;
+};
+
+}  // namespace truestep

@@ -1,0 +1,62 @@
+#include "engine/core/force_system.h"
+
+#include <cmath>
+
+#include "engine/base/errors.h"
+
+namespace truestep {
+
+ForceSystem::ForceSystem(std::unique_ptr<const ForceField> field, const Integrator& method,
+                         IntegratorOptions options)
+    : field_(std::move(field)), method_(method), options_(options) {
+  const State s = field_->initial_state();
+  position_ = s.info(s.at("position"));
+  velocity_ = s.info(s.at("velocity"));
+  max_rows_ = s.rows(s.at("position"));
+}
+
+void ForceSystem::add_integration_stage() {
+  add_stage("integrate", "advances position and velocity with " + std::string(method_.name),
+            [this](State& s, const StepInput& in) { method_.step(*field_, s, in, options_); });
+}
+
+State ForceSystem::initial_state() const {
+  State s = field_->initial_state();
+  if (method_.prepare) method_.prepare(*field_, s);
+  return s;
+}
+
+void ForceSystem::observe(const State& state, double t, Observables& out) const {
+  Workspace workspace;
+  static const ThreadArena kSerial(1);
+  Evaluation e{workspace, kSerial};
+  const Phase at{t, state.f64(state.at("position")), state.f64(state.at("velocity")), state};
+  const double kinetic = field_->kinetic(at, e);
+  out.add("energy.kinetic", kinetic, "J");
+  if (const auto potential = field_->potential(at, e)) {
+    out.add("energy.potential", *potential, "J");
+    out.add("energy.total", kinetic + *potential, "J");
+  }
+}
+
+std::vector<FieldInfo> ForceSystem::fields() const {
+  return {{"position", position_.unit, position_.type, position_.width},
+          {"velocity", velocity_.unit, velocity_.type, velocity_.width}};
+}
+
+FieldView ForceSystem::field(const State& state, size_t which, std::vector<double>&) const {
+  const ColumnInfo& info = which == 0 ? position_ : velocity_;
+  const auto c = state.at(info.name);
+  return {state.bytes(c).data(), info.type, state.rows(c), info.width};
+}
+
+std::optional<double> ForceSystem::stable_dt(const State& state) const {
+  const auto s = field_->stiffness(state);
+  if (!s || std::isinf(method_.imaginary_limit)) return std::nullopt;
+  double dt = HUGE_VAL;
+  if (s->omega > 0) dt = method_.imaginary_limit / s->omega;
+  if (s->damping > 0) dt = std::min(dt, method_.real_limit / s->damping);
+  return std::isinf(dt) ? std::nullopt : std::optional(dt);
+}
+
+}  // namespace truestep

@@ -1,0 +1,41 @@
+// A force field and an integrator make a system. Derived systems add stages before and after the integration
+// (emission, collisions ...) and commands of their own.
+#pragma once
+#include <memory>
+
+#include "engine/core/force_field.h"
+#include "engine/core/integrator.h"
+#include "engine/core/system.h"
+
+namespace truestep {
+
+class ForceSystem : public StagedSystem {
+ public:
+  State initial_state() const override;
+  /// energy.kinetic, energy.potential and energy.total (J) where the field has them.
+  void observe(const State& state, double t, Observables& out) const override;
+  /// position and velocity as they stand in the state.
+  std::vector<FieldInfo> fields() const override;
+  FieldView field(const State& state, size_t which, std::vector<double>& scratch) const override;
+  /// From the field's stiffness and the method's stability interval.
+  std::optional<double> stable_dt(const State& state) const override;
+  size_t max_rows() const override { return max_rows_; }
+
+  const ForceField& force_field() const { return *field_; }
+  const Integrator& integrator() const { return method_; }
+
+ protected:
+  /// Adds no stage yet: derived constructors call add_integration_stage where it belongs.
+  ForceSystem(std::unique_ptr<const ForceField> field, const Integrator& method, IntegratorOptions options);
+  void add_integration_stage();
+  void set_max_rows(size_t rows) { max_rows_ = rows; }
+
+ private:
+  std::unique_ptr<const ForceField> field_;
+  const Integrator& method_;
+  IntegratorOptions options_;
+  ColumnInfo position_, velocity_;
+  size_t max_rows_ = 0;
+};
+
+}  // namespace truestep

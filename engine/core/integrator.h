@@ -1,0 +1,48 @@
+// Time integration methods as table rows. A row promises an order, a stability interval and a structure, and
+// tests hold it to each of them.
+#pragma once
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+
+#include "engine/core/force_field.h"
+#include "engine/core/system.h"
+
+namespace truestep {
+
+/// Settings of the methods that have any.
+struct IntegratorOptions {
+  double tolerance = 1e-6;          ///< adaptive methods: bound on the local error, in the units of x and v
+  double newton_tolerance = 1e-10;  ///< implicit methods: relative residual at which Newton stops
+  int max_newton_iterations = 50;
+};
+
+struct Integrator {
+  std::string_view name;   ///< as in a scene
+  std::string_view title;  ///< e.g. "classical Runge-Kutta"
+  int order = 1;           ///< of the global error
+  double imaginary_limit =
+      0;                  ///< largest stable omega * h on an undamped oscillator; infinity: unconditional
+  double real_limit = 0;  ///< largest stable lambda * h on exponential decay; infinity: unconditional
+  enum class Structure : uint8_t { none, symplectic } structure = Structure::none;
+  enum class Stepping : uint8_t { fixed, adaptive } stepping = Stepping::fixed;
+  enum class Kind : uint8_t { explicit_, implicit } kind = Kind::explicit_;
+  /// Order that remains when the acceleration depends on velocity, 0: the method cannot serve such a field.
+  int order_with_velocity = 0;
+  std::string_view source;  ///< paper or textbook with equation
+
+  /// Adds the columns that the method carries from step to step (all named "integrator.*"); may be null.
+  void (*prepare)(const ForceField&, State&) = nullptr;
+  /// Advances position and velocity by input.h.
+  void (*step)(const ForceField&, State&, const StepInput&, const IntegratorOptions&) = nullptr;
+};
+
+/// All methods, in the order in which they are listed to users.
+std::span<const Integrator> integrators();
+/// The row of that name, or null.
+const Integrator* find_integrator(std::string_view name);
+/// Nothing when the method can serve the field, else one sentence why not.
+std::optional<std::string> refusal(const Integrator& method, const ForceField& field);
+
+}  // namespace truestep

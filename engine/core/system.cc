@@ -1,0 +1,28 @@
+#include "engine/core/system.h"
+
+namespace truestep {
+
+void StagedSystem::step(State& state, const StepInput& input) const {
+  for (const Stage& stage : stages_) {
+    ProfileScope scope(input.profile, stage.name);
+    stage.run(state, input);
+  }
+}
+
+std::vector<PlanRow> StagedSystem::plan() const {
+  std::vector<PlanRow> rows;
+  for (const Stage& s : stages_) rows.push_back({PlanRow::Status::runs, s.name, s.reason});
+  rows.insert(rows.end(), skipped_.begin(), skipped_.end());
+  return rows;
+}
+
+void StagedSystem::add_stage(std::string name, std::string reason,
+                             std::function<void(State&, const StepInput&)> run) {
+  stages_.push_back({std::move(name), std::move(reason), std::move(run)});
+}
+
+void StagedSystem::skip_stage(std::string name, std::string reason) {
+  skipped_.push_back({PlanRow::Status::skipped, std::move(name), std::move(reason)});
+}
+
+}  // namespace truestep

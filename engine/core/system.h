@@ -1,0 +1,113 @@
+// A physical system: immutable once built. Every member is const and all change happens in the State it is
+// handed, so two states advanced alternately by one system do not notice each other.
+#pragma once
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "engine/base/parallel.h"
+#include "engine/base/profile.h"
+#include "engine/core/command.h"
+#include "engine/core/observables.h"
+#include "engine/core/state.h"
+#include "engine/core/topology.h"
+#include "engine/core/workspace.h"
+
+namespace truestep {
+
+class ColliderSet;  // collision/: solids that other systems publish
+
+/// What a step is given. Time is step * h exactly, never an accumulated sum.
+struct StepInput {
+  double t = 0;       ///< s, at the step's start
+  double h = 0;       ///< s, length of this (sub)step
+  uint64_t step = 0;  ///< number of this (sub)step since the beginning, from 0
+  Workspace& workspace;
+  const ThreadArena& arena;
+  Profile* profile = nullptr;              ///< null: nobody asked where the time goes
+  const ColliderSet* colliders = nullptr;  ///< null: no other system publishes any
+};
+
+/// A pass of a step, or one that this scene does not need, with the reason either way.
+struct PlanRow {
+  enum class Status : uint8_t { runs, skipped } status = Status::runs;
+  std::string name;
+  std::string reason;
+};
+
+/// Something that may be streamed, recorded or drawn.
+struct FieldInfo {
+  std::string name;
+  std::string unit;
+  Scalar type = Scalar::f64;
+  uint32_t width = 1;
+};
+
+/// rows x width elements of a field, either inside the state or inside the scratch that was handed over.
+struct FieldView {
+  const void* data = nullptr;
+  Scalar type = Scalar::f64;
+  size_t rows = 0;
+  uint32_t width = 1;
+};
+
+class System {
+ public:
+  virtual ~System() = default;
+
+  virtual State initial_state() const = 0;
+  /// Advances the state by input.h. Throws Instability when it cannot.
+  virtual void step(State& state, const StepInput& input) const = 0;
+  /// Adds energies, momenta, residuals of this state (t in s).
+  virtual void observe(const State& state, double t, Observables& out) const = 0;
+
+  /// Fields that exist, "position" first where there is one. The order is that of `field`'s index.
+  virtual std::vector<FieldInfo> fields() const = 0;
+  /// The field's values; nothing is computed for fields nobody asks for.
+  virtual FieldView field(const State& state, size_t which, std::vector<double>& scratch) const = 0;
+
+  /// Carries out a command between two steps. Error "bad_command" (with an Issue) when it makes no sense.
+  virtual void apply(State& state, const Command& command) const = 0;
+
+  /// Passes of this system's step in order, then what this scene does not need.
+  virtual std::vector<PlanRow> plan() const = 0;
+
+  virtual Topology topology(const State& state) const { return {}; }
+  /// Changes when `topology` does.
+  virtual uint32_t topology_version(const State& state) const { return 1; }
+  /// Obstacles at time t (s), for drawing.
+  virtual std::vector<DrawnShape> shapes(const State& state, double t) const { return {}; }
+  /// Largest dt (s) that this system's method is known to hold in this state; nothing when unknown or
+  /// unlimited.
+  virtual std::optional<double> stable_dt(const State& state) const { return std::nullopt; }
+  /// Upper bound of rows that "position" may reach (emitters grow).
+  virtual size_t max_rows() const = 0;
+};
+
+/// One named pass of a step.
+struct Stage {
+  std::string name;
+  std::string reason;  ///< why this scene needs it
+  std::function<void(State&, const StepInput&)> run;
+};
+
+/// A system whose step is a list of stages, fixed when it is built from what the scene needs.
+class StagedSystem : public System {
+ public:
+  void step(State& state, const StepInput& input) const override;
+  std::vector<PlanRow> plan() const override;
+
+ protected:
+  void add_stage(std::string name, std::string reason, std::function<void(State&, const StepInput&)> run);
+  void skip_stage(std::string name, std::string reason);
+
+ private:
+  std::vector<Stage> stages_;
+  std::vector<PlanRow> skipped_;
+};
+
+}  // namespace truestep
