@@ -5,20 +5,6 @@
 
 namespace truestep {
 
-/// Adds "integrator", "tolerance", "newton_tolerance" to the table of a struct with a member
-/// IntegratorChoice-like flat members: std::string integrator; std::optional<double> tolerance,
-/// newton_tolerance.
-template <class D>
-TableOf<D>& add_integrator_rows(TableOf<D>& table) {
-  return table
-      .text("integrator", &D::integrator,
-            "time integration method; GET /v1/systems/{type} lists those that fit")
-      .number("tolerance", &D::tolerance, "1", above(0),
-              "adaptive methods: bound on the local error of a step")
-      .number("newton_tolerance", &D::newton_tolerance, "1", above(0),
-              "implicit methods: relative residual at which Newton's method stops");
-}
-
 /// Members that add_integrator_rows expects; systems' structs derive from it.
 struct IntegratorParams {
   std::string integrator;
@@ -32,5 +18,19 @@ struct IntegratorParams {
     return c;
   }
 };
+
+/// Adds "integrator", "tolerance" and "newton_tolerance" to the table of a struct D derived from
+/// IntegratorParams.
+template <class D>
+TableOf<D>& add_integrator_rows(TableOf<D>& table) {
+  std::string D::*integrator = &IntegratorParams::integrator;
+  std::optional<double> D::*tolerance = &IntegratorParams::tolerance;
+  std::optional<double> D::*newton_tolerance = &IntegratorParams::newton_tolerance;
+  return table
+      .text("integrator", integrator, "time integration method; GET /v1/systems/{type} lists those that fit")
+      .number("tolerance", tolerance, "1", above(0), "adaptive methods: bound on the local error of a step")
+      .number("newton_tolerance", newton_tolerance, "1", above(0),
+              "implicit methods: relative residual at which Newton's method stops");
+}
 
 }  // namespace truestep
