@@ -1,0 +1,48 @@
+#!/usr/bin/env python3
+"""Checks the house rules: include order, file sizes, head comments, flags, libm imports, README's folder table.
+
+check.py [--build DIR] [RULE...]     prints one line per finding, exit code 1 when one is no warning.
+Without a build folder the rules that read object files are left out (the pre-commit hook does that).
+"""
+import argparse
+import sys
+from pathlib import Path
+
+import files
+import includes
+import symbols
+from source import Tree
+
+RULES = {
+    "includes": includes.check,
+    "length": files.check_length,
+    "head": files.check_head,
+    "machine": files.check_machine_paths,
+    "folders": files.check_folder_table,
+    "flags": files.check_flags,
+    "libm": symbols.check,
+}
+
+
+def run(tree, names):
+    return [finding for name in names for finding in RULES[name](tree)]
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("rules", nargs="*", metavar="RULE", help=f"of {', '.join(RULES)} (default: all)")
+    parser.add_argument("--build", type=Path, help="build folder, for the rules that read object files")
+    options = parser.parse_args()
+    if unknown := set(options.rules) - set(RULES):
+        parser.error(f"unknown rules: {', '.join(sorted(unknown))}")
+    tree = Tree(Path(__file__).resolve().parents[2], options.build and options.build.resolve())
+    findings = run(tree, options.rules or RULES)
+    for finding in findings:
+        print(finding)
+    errors = sum(not f.warning for f in findings)
+    print(f"{errors} errors, {len(findings) - errors} warnings in {len(tree.paths)} files")
+    return 1 if errors else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

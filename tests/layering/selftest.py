@@ -1,0 +1,126 @@
+#!/usr/bin/env python3
+"""Every rule finds what it is there to find: a small clean tree passes, and the same tree with one fault fails
+with exactly that rule."""
+import shutil
+import subprocess
+import sys
+import tempfile
+import unittest
+from pathlib import Path
+
+import check
+import format as formatting
+from source import Tree
+
+HEAD = "// A file of the control tree.\n"
+CLEAN = {
+    "README.md": "".join(f"| `{f}/` | x |\n" for f in (
+        "cmake", "engine", "engine/base", "engine/kernels", "engine/systems", "engine/sinks", "server")),
+    "cmake/options.cmake": "# Flags.\nadd_compile_options(-ffp-contract=off)\n",
+    "engine/base/errors.h": HEAD + "#pragma once\n",
+    "engine/kernels/drag.h": HEAD + '#pragma once\n#include "engine/base/errors.h"\n',
+    "engine/systems/sph/step.cc": HEAD + '#include "engine/kernels/drag.h"\n#include <vector>\n',
+    "engine/sinks/picture/gl.cc": HEAD + "#include <GL/osmesa.h>\n",
+    "server/main.cc": HEAD + '#include <boost/asio.hpp>\n#include "engine/sinks/picture.h"\n',
+}
+# rule: (file, text added at its end), each a fault of its own.
+FAULTS = [
+    ("includes", "engine/kernels/drag.h", '#include "engine/core/state.h"\n', "a layer below"),
+    ("includes", "engine/base/errors.h", '#include "engine/session/session.h"\n', "far below"),
+    ("includes", "engine/kernels/drag.h", '#include "drag_table.h"\n', "a path not from the root"),
+    ("includes", "engine/systems/sph/step.cc", '#include "engine/systems/cloth/step.h"\n', "a sibling system"),
+    ("includes", "engine/systems/sph/step.cc", '#include "server/cli/cli.h"\n', "the server"),
+    ("includes", "engine/sinks/picture/gl.cc", "#include <sys/socket.h>\n", "a socket"),
+    ("includes", "engine/base/errors.h", "#include <boost/beast/http.hpp>\n", "HTTP"),
+    ("includes", "engine/systems/sph/step.cc", "#include <GL/gl.h>\n", "GL outside the picture sink"),
+    ("includes", "server/main.cc", '#include "engine/systems/sph/step.h"\n', "physics in the server"),
+    ("includes", "server/main.cc", '#  include "engine/kernels/drag.h"\n', "physics, spaces before include"),
+    ("layers", "engine/misc/junk.h", HEAD, "a folder that is no layer"),
+    ("length", "engine/base/errors.h", "\n" * 801, "more than 800 lines"),
+    ("head", "server/run.cc", "int x;\n", "no head comment"),
+    ("machine", "server/main.cc", "// see /wor" + "k/main\n", "a path of one machine"),
+    ("machine", "README.md", "npm --registry https://registry.npm" + "js.org\n", "a registry"),
+    ("folders", "README.md", "| `engine/gone/` | x |\n", "a row for no folder"),
+    ("folders", "web/main.ts", "// Viewer.\n", "a folder without a row"),
+    ("flags", "cmake/options.cmake", "add_compile_options(-ffast-math)\n", "fast-math"),
+    ("flags", "cmake/options.cmake", "add_compile_options(-march=native)\n", "one machine's instructions"),
+]
+
+
+class Rules(unittest.TestCase):
+    def setUp(self):
+        self.root = Path(tempfile.mkdtemp())
+        self.addCleanup(shutil.rmtree, self.root)
+        for path, text in CLEAN.items():
+            self.write(path, text)
+
+    def write(self, path, text, mode="w"):
+        (self.root / path).parent.mkdir(parents=True, exist_ok=True)
+        with open(self.root / path, mode) as file:
+            file.write(text)
+
+    def broken(self, build=None):
+        return {f.rule for f in check.run(Tree(self.root, build), check.RULES) if not f.warning}
+
+    def test_the_clean_tree_passes(self):
+        self.assertEqual(self.broken(), set())
+
+    def test_every_fault_is_found_by_its_rule(self):
+        for rule, path, text, what in FAULTS:
+            with self.subTest(what):
+                before = (self.root / path).read_text() if (self.root / path).exists() else None
+                self.write(path, text, "a")
+                self.assertIn(rule, self.broken())
+                (self.root / path).unlink() if before is None else self.write(path, before)
+
+    def test_every_rule_has_a_fault(self):
+        self.assertEqual(set(check.RULES) - {"libm"} - {rule for rule, *_ in FAULTS}, set())
+
+    def test_a_missing_contraction_flag_is_found(self):
+        self.write("cmake/options.cmake", "# Flags.\n")
+        self.assertEqual(self.broken(), {"flags"})
+
+    def test_a_long_file_with_a_reason_passes_and_401_lines_warn(self):
+        self.write("engine/base/errors.h", "// Longer than 800 lines because it is one table.\n" + "\n" * 900)
+        self.assertEqual(self.broken(), set())
+        self.write("engine/base/errors.h", HEAD + "\n" * 401)
+        self.assertEqual([f.rule for f in check.run(Tree(self.root), ["length"]) if f.warning], ["length"])
+
+    def compile(self, body):
+        """A build folder whose one object file is kernels/wave.cc with this body."""
+        source = "engine/kernels/wave.cc"
+        self.write(source, f"{HEAD}#include <cmath>\ndouble f(double x) {{ return {body}; }}\n")
+        build = self.root / "build"
+        target = build / "engine/CMakeFiles/truestep_engine.dir/kernels/wave.cc.o"
+        target.parent.mkdir(parents=True, exist_ok=True)
+        subprocess.run(["c++", "-c", self.root / source, "-o", target], check=True)
+        return build
+
+    def test_libm_imports_are_found_and_exact_functions_are_free(self):
+        self.assertEqual(self.broken(self.compile("std::sqrt(x) + std::floor(x) + std::fma(x, x, x)")), set())
+        self.assertEqual(self.broken(self.compile("std::pow(x, x)")), {"libm"})
+
+    def test_an_exception_needs_the_file_the_symbol_and_a_reason(self):
+        build = self.compile("std::sin(x)")
+        where = "tests/layering/libm_exceptions.txt"
+        self.write("README.md", "| `tests/` | x |\n| `tests/layering/` | x |\n", "a")
+        self.write(where, "engine/kernels/wave.cc: sin -- set once, before the first step\n")
+        self.assertEqual(self.broken(build), set())
+        self.write(where, "engine/kernels/wave.cc: cos -- set once, before the first step\n")
+        self.assertEqual(self.broken(build), {"libm"})
+        self.write(where, "engine/kernels/gone.cc: sin -- set once\n")
+        gone = [f for f in check.run(Tree(self.root, build), ["libm"]) if "gone.cc" in f.message]
+        self.assertEqual(len(gone), 1)
+
+    def test_a_build_without_objects_is_no_pass(self):
+        self.assertEqual(self.broken(self.root / "build"), {"libm"})
+
+    def test_the_formatter_sees_a_badly_formatted_file(self):
+        shutil.copy(Path(__file__).resolve().parents[2] / ".clang-format", self.root)
+        self.assertEqual(formatting.unformatted(self.root, "engine/base/errors.h"), "")
+        self.write("engine/base/errors.h", "int   x ;\n", "a")
+        self.assertIn("errors.h", formatting.unformatted(self.root, "engine/base/errors.h"))
+
+
+if __name__ == "__main__":
+    sys.exit(unittest.main())

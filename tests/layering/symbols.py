@@ -1,0 +1,60 @@
+"""The step path imports no transcendental of libm: those differ between processors, so hashes would too.
+
+Reads the undefined symbols of the engine's object files with nm. Exact functions (sqrt, fma, floor, fmod ...)
+are free. Setup code that may differ in the last bit is listed in libm_exceptions.txt with its reason.
+"""
+import subprocess
+
+from source import Finding
+
+STEP_LAYERS = ["base", "math", "kernels", "core", "integrators", "collision", "systems", "couplings", "session"]
+NAMES = ["sin", "cos", "tan", "asin", "acos", "atan", "atan2", "sincos", "sinh", "cosh", "tanh", "asinh", "acosh",
+         "atanh", "exp", "exp2", "exp10", "expm1", "log", "log2", "log10", "log1p", "pow", "cbrt", "hypot", "erf",
+         "erfc", "tgamma", "lgamma"]
+INEXACT = {name + suffix for name in NAMES for suffix in ("", "f", "l")}
+
+
+def exceptions(tree):
+    """{path: set of symbols} of libm_exceptions.txt; a line is `path: symbol symbol -- reason`."""
+    allowed = {}
+    path = "tests/layering/libm_exceptions.txt"
+    for line in (tree.text(path) if path in tree.paths else "").splitlines():
+        if line.strip() and not line.startswith("#"):
+            file, rest = line.split(":", 1)
+            symbols, reason = rest.split("--", 1)
+            if reason.strip():
+                allowed[file.strip()] = set(symbols.split())
+    return allowed
+
+
+def undefined(objects):
+    """{object: undefined symbols without their version} of object files."""
+    found, current = {}, None
+    listing = subprocess.run(["nm", "-u", "-A", "--format=posix", *objects], capture_output=True, text=True, check=True)
+    for line in listing.stdout.splitlines():
+        name, rest = line.split(": ", 1)
+        found.setdefault(name, set()).add(rest.split()[0].split("@")[0])
+    return found
+
+
+def check(tree):
+    if tree.build is None:
+        return
+    allowed = exceptions(tree)
+    for path in sorted(set(allowed) - set(tree.paths)):
+        yield Finding("tests/layering/libm_exceptions.txt", 1, "libm", f"{path} is not there any more")
+    top = tree.build / "engine/CMakeFiles/truestep_engine.dir"
+    objects = [o for layer in STEP_LAYERS for o in sorted(top.glob(f"{layer}/**/*.o"))]
+    # An object of a source that has since gone is no evidence.
+    objects = [o for o in objects if source_of(o, top) in tree.paths]
+    if not objects:
+        yield Finding("engine", 1, "libm", f"no object files below {top}: build first")
+        return
+    for name, symbols in sorted(undefined(objects).items()):
+        path = "engine/" + name.removeprefix(str(top) + "/").removesuffix(".o")
+        for symbol in sorted((symbols & INEXACT) - allowed.get(path, set())):
+            yield Finding(path, 1, "libm", f"imports {symbol} of libm: use engine/math/trig.h, or list it with its reason")
+
+
+def source_of(path, top):
+    return "engine/" + path.relative_to(top).as_posix().removesuffix(".o")
