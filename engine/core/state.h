@@ -4,13 +4,13 @@
 #pragma once
 #include <cstddef>
 #include <cstdint>
-#include <new>
 #include <optional>
 #include <span>
 #include <string>
 #include <string_view>
 #include <vector>
 
+#include "engine/base/cache_line.h"
 #include "engine/base/hash.h"
 
 namespace truestep {
@@ -55,18 +55,6 @@ struct ColumnInfo {
   uint32_t width = 1;
   Role role = Role::internal;
   friend bool operator==(const ColumnInfo&, const ColumnInfo&) = default;
-};
-
-/// Allocates on cache-line boundaries.
-template <class T>
-struct CacheLineAllocator {
-  using value_type = T;
-  CacheLineAllocator() = default;
-  template <class U>
-  CacheLineAllocator(const CacheLineAllocator<U>&) {}
-  T* allocate(size_t n) { return static_cast<T*>(::operator new (n * sizeof(T), std::align_val_t{64})); }
-  void deallocate(T* p, size_t) { ::operator delete (p, std::align_val_t{64}); }
-  friend bool operator==(const CacheLineAllocator&, const CacheLineAllocator&) { return true; }
 };
 
 class State {

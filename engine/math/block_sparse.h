@@ -11,8 +11,8 @@
 #include <span>
 #include <vector>
 
+#include "engine/base/cache_line.h"
 #include "engine/base/parallel.h"
-#include "engine/core/state.h"
 #include "engine/math/vec3.h"
 
 namespace truestep {

@@ -25,10 +25,12 @@ def check_length(tree):
 
 
 def check_head(tree):
-    """The first line that is neither empty, #!, nor #pragma once must be a comment. A .cc may leave it to its .h."""
+    """The first line that is neither empty, #!, nor #pragma once must be a comment. A .cc may leave it to its .h,
+    a unit test to what it tests."""
     for path in tree.paths:
         start = COMMENTED.get(Path(path).suffix)
-        if start is None or not (text := tree.text(path)) or path.removesuffix(".cc") + ".h" in tree.paths:
+        if start is None or not (text := tree.text(path)) or path.startswith("tests/unit/") \
+                or path.removesuffix(".cc") + ".h" in tree.paths:
             continue
         first = next((line for line in text.splitlines() if line.strip() and not line.startswith(("#!", "#pragma once"))), "")
         if not first.startswith(start):
