@@ -20,8 +20,10 @@ for file in /etc/apt/sources.list /etc/apt/sources.list.d/debian*.list /etc/apt/
 done
 [ "${#sources[@]}" -gt 0 ] || { echo "no apt sources of Debian found below /etc/apt" >&2; exit 1; }
 
-# Documentation and translations stay out, as in Debian's own slim images.
-mmdebstrap --quiet --variant=apt --include=ca-certificates \
+# Documentation and translations stay out, as in Debian's own slim images; born merged, it needs no usrmerge (and
+# no perl).
+mmdebstrap --quiet --variant=apt --include=ca-certificates,usr-is-merged \
+  --hook-dir=/usr/share/mmdebstrap/hooks/merged-usr \
   --dpkgopt='path-exclude=/usr/share/man/*' --dpkgopt='path-exclude=/usr/share/locale/*' \
   --dpkgopt='path-exclude=/usr/share/doc/*' --dpkgopt='path-include=/usr/share/doc/*/copyright' \
   --aptopt='Acquire::Languages "none"' \
