@@ -11,7 +11,8 @@ endif()
 set(CMAKE_CXX_FLAGS_RELEASE "-O3")
 
 # One hash on every machine: no contraction, no fast-math, the same baseline everywhere.
-add_compile_options(-ffp-contract=off -fno-math-errno -fno-trapping-math -Wall -Wextra -Wno-unused-parameter)
+add_compile_options(-ffp-contract=off -fno-math-errno -fno-trapping-math -Wall -Wextra -Wno-unused-parameter
+                    -Wno-maybe-uninitialized)  # false alarms of gcc 12 on std::variant
 if(CMAKE_SYSTEM_PROCESSOR MATCHES "x86_64|AMD64")
   add_compile_options(-march=x86-64-v3 -mtune=generic)
 endif()

@@ -1,0 +1,44 @@
+#include "engine/scene/admission.h"
+
+#include <cstdio>
+
+namespace truestep {
+
+namespace {
+std::string text(double v) {
+  char buffer[32];
+  std::snprintf(buffer, sizeof buffer, "%.3g", v);
+  return buffer;
+}
+}  // namespace
+
+Cost estimate(const Scene& scene) {
+  Cost sum;
+  for (const SceneSystem& s : scene.systems) {
+    const Cost c = s.row->cost(s.def.get());
+    sum.state_bytes += c.state_bytes;
+    sum.workspace_bytes += c.workspace_bytes;
+    sum.elements += c.elements;
+    sum.seconds_per_step += c.seconds_per_step * static_cast<double>(scene.header.time.substeps);
+  }
+  return sum;
+}
+
+void require_admission(const Cost& cost, const AdmissionLimits& limits) {
+  std::vector<Issue> issues;
+  // Written so that a NaN estimate is refused too.
+  const auto check = [&](const char* what, double value, double limit, const char* unit) {
+    if (!(value <= limit)) {
+      issues.push_back({"/systems", "quota",
+                        std::string("the scene's estimated ") + what + " exceeds the limit", text(value),
+                        "at most " + text(limit), "", unit});
+    }
+  };
+  check("memory", cost.state_bytes + cost.workspace_bytes, limits.memory_bytes, "B");
+  check("number of elements", cost.elements, limits.elements, "1");
+  check("time per step", cost.seconds_per_step, limits.seconds_per_step, "s");
+  if (!issues.empty())
+    throw Error("too_large", "the scene is larger than this server allows", std::move(issues));
+}
+
+}  // namespace truestep

@@ -1,0 +1,38 @@
+// JSON objects against parameter tables, both ways. Every fault is collected, none stops the reading.
+#pragma once
+#include <boost/json.hpp>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "engine/base/errors.h"
+#include "engine/core/def.h"
+
+namespace truestep {
+
+/// Fills the struct `owner` described by `table` from `object`. `also_allowed` are keys that the caller reads
+/// itself; keys that begin with x_ are free. Faults go to `issues` with pointers below `pointer`.
+void read_params(const DefTable& table, void* owner, const boost::json::object& object,
+                 const std::string& pointer, std::span<const std::string_view> also_allowed,
+                 std::vector<Issue>& issues);
+
+/// The struct as JSON with every value in SI, defaults included, absent optional values left out.
+boost::json::object write_params(const DefTable& table, const void* owner);
+
+/// JSON Schema (2020-12) of the object: properties, bounds, defaults, sentences, units under "x-unit".
+boost::json::object schema_of(const DefTable& table);
+
+/// The rows as a readable description: name, kind, unit, limits, default, sentence, choices, nested rows.
+boost::json::array describe_params(const DefTable& table);
+
+/// Nearest of `names` in edit distance, empty when none is near.
+std::string nearest_name(std::string_view name, std::span<const std::string> names);
+
+/// Escapes "~" and "/" for a JSON pointer.
+std::string pointer_token(std::string_view key);
+
+/// The value as JSON text of at most 80 characters.
+std::string shorten(const boost::json::value& value);
+
+}  // namespace truestep

@@ -1,0 +1,111 @@
+// A scene: what a client POSTs and `truestep run` reads. The header and every system are read off their
+// parameter tables; all faults are reported at once, each with its JSON pointer.
+//
+// Expectations name a quantity: an observable at the end ("energy.total", "rope.strain.max", a probe's
+// component "tip.position.y"), or "min(NAME)", "max(NAME)" over the run's steps, or "drift(NAME)" =
+// max |value - initial value| / max(|initial value|, largest |value| of the run's first step, 1e-300);
+// "energy.drift" is short for "drift(energy.total)".
+#pragma once
+#include <boost/json.hpp>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "engine/base/errors.h"
+#include "engine/core/build.h"
+#include "engine/scene/catalogue.h"
+
+namespace truestep {
+
+struct TimeParams {
+  double dt = 1.0 / 60;  ///< s, session step
+  int64_t substeps = 1;
+  double duration = 10;           ///< s, what `run` and expectations cover
+  int64_t max_catchup_steps = 8;  ///< steps that a late session may do at once
+};
+
+struct ProbeParams {
+  std::string id, system;
+  int64_t index = 0;  ///< row; negative counts from the end
+  std::vector<std::string> fields{"position"};
+};
+
+struct RecordingParams {
+  int64_t every = 1;
+  std::vector<std::string> fields{"position"};
+  enum class Precision { f32, f64 } precision = Precision::f32;
+};
+
+struct CameraParams {
+  Vec3 eye{3, 2, 4}, target{0, 1, 0}, up{0, 1, 0};
+  double fov = 0.7;  ///< rad, vertical
+};
+
+struct ViewerParams {
+  std::optional<CameraParams> camera;
+  std::string color_by;  ///< name of a field
+};
+
+struct ExpectParams {
+  std::string quantity;
+  std::optional<double> min, max, equals;
+  double tolerance = 0;  ///< allowed |value - equals|
+  std::string source;
+};
+
+struct SceneHeader {
+  std::string schema;  ///< "$schema", free
+  std::string schema_version = "1.0";
+  std::string name, title, teaches;
+  std::vector<std::string> tags;
+  uint64_t seed = 0;
+  Vec3 gravity{0, -9.81, 0};  ///< m/s^2
+  TimeParams time;
+  std::vector<std::string> observables;
+  std::vector<ProbeParams> probes;
+  std::optional<RecordingParams> recording;
+  enum class OnInstability { pause, stop } on_instability = OnInstability::pause;
+  ViewerParams viewer;
+  std::vector<ExpectParams> expect;
+};
+
+/// The table of the header (everything but "systems").
+const DefTable& scene_table();
+
+struct SceneSystem {
+  std::string id;
+  const CatalogueRow* row = nullptr;
+  std::shared_ptr<void> def;  ///< the struct that row->table describes
+};
+
+struct Scene {
+  SceneHeader header;
+  std::vector<SceneSystem> systems;
+
+  /// h = dt / substeps
+  double substep() const { return header.time.dt / static_cast<double>(header.time.substeps); }
+  /// What a system of this scene is told.
+  BuildContext context(size_t system) const;
+  /// The whole scene with defaults, in SI.
+  boost::json::object canonical() const;
+};
+
+/// A scene or the reasons why there is none.
+struct SceneReport {
+  std::optional<Scene> scene;
+  std::vector<Issue> errors, warnings;
+};
+
+/// Reads a parsed document. Never throws for anything a client can write.
+SceneReport read_scene(const boost::json::value& document);
+/// Strict JSON first (Error "bad_json"), then read_scene; Error "scene_invalid" with all issues.
+Scene parse_scene(std::string_view text);
+/// Throws the report's errors as Error "scene_invalid".
+Scene require_scene(SceneReport report);
+
+/// JSON Schema 2020-12 of a scene, from the same tables.
+boost::json::object scene_schema();
+
+}  // namespace truestep

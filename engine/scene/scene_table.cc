@@ -1,0 +1,116 @@
+// The scene header's parameter tables.
+#include "engine/scene/scene.h"
+
+namespace truestep {
+
+namespace {
+
+const DefTable& time_table() {
+  static const DefTable t =
+      TableOf<TimeParams>("the clock: a fixed step, divided into substeps")
+          .number("dt", &TimeParams::dt, "s", {.min = 1e-9, .max = 10}, "length of a session step")
+          .integer("substeps", &TimeParams::substeps, between(1, 10000),
+                   "equal parts that each step is computed in")
+          .number("duration", &TimeParams::duration, "s", between(0, 1e9),
+                  "how long `truestep run` simulates")
+          .integer("max_catchup_steps", &TimeParams::max_catchup_steps, between(1, 1000),
+                   "most steps that a session which fell behind does at once before it skips time")
+          .build();
+  return t;
+}
+
+const DefTable& probe_table() {
+  static const DefTable t =
+      TableOf<ProbeParams>("a row whose fields become observables")
+          .text("id", &ProbeParams::id, "name of the probe")
+          .required()
+          .text("system", &ProbeParams::system, "id of the system")
+          .required()
+          .integer("index", &ProbeParams::index, between(-1e9, 1e9), "row; -1 is the last one")
+          .texts("fields", &ProbeParams::fields, {1, 16}, "fields to report")
+          .build();
+  return t;
+}
+
+const DefTable& recording_table() {
+  static const DefTable t = TableOf<RecordingParams>("what goes into the recording")
+                                .integer("every", &RecordingParams::every, between(1, 1e9),
+                                         "steps from one recorded frame to the next")
+                                .texts("fields", &RecordingParams::fields, {1, 16}, "fields to record")
+                                .choice("precision", &RecordingParams::precision, {"f32", "f64"},
+                                        "of recorded floating-point fields")
+                                .build();
+  return t;
+}
+
+const DefTable& camera_table() {
+  static const DefTable t =
+      TableOf<CameraParams>("where the picture is taken from")
+          .vector("eye", &CameraParams::eye, "m", any(), "position of the camera")
+          .vector("target", &CameraParams::target, "m", any(), "point in the middle of the picture")
+          .vector("up", &CameraParams::up, "1", any(), "direction that is up in the picture")
+          .number("fov", &CameraParams::fov, "rad", between(0.05, 2.5), "vertical angle of view")
+          .build();
+  return t;
+}
+
+const DefTable& viewer_table() {
+  static const DefTable t =
+      TableOf<ViewerParams>("how viewers show the scene")
+          .object("camera", &ViewerParams::camera, camera_table(), "camera; without one the scene is framed")
+          .text("color_by", &ViewerParams::color_by, "field that colours points, e.g. speed")
+          .build();
+  return t;
+}
+
+const DefTable& expect_table() {
+  static const DefTable t =
+      TableOf<ExpectParams>("what a run of this scene should measure")
+          .text("quantity", &ExpectParams::quantity,
+                "an observable at the end, or min(...), max(...), drift(...) of one over the run")
+          .required()
+          .number("min", &ExpectParams::min, "", any(), "lower bound")
+          .number("max", &ExpectParams::max, "", any(), "upper bound")
+          .number("equals", &ExpectParams::equals, "", any(), "value, to within tolerance")
+          .number("tolerance", &ExpectParams::tolerance, "", at_least(0), "allowed difference from equals")
+          .text("source", &ExpectParams::source, "where the number comes from")
+          .check([](const ExpectParams& e, const DefTable::Report& report) {
+            if (!e.min && !e.max && !e.equals) report("", "an expectation needs min, max or equals");
+          })
+          .build();
+  return t;
+}
+
+}  // namespace
+
+const DefTable& scene_table() {
+  static const DefTable t =
+      TableOf<SceneHeader>("a scene")
+          .text("$schema", &SceneHeader::schema, "address of the JSON Schema")
+          .text("schema_version", &SceneHeader::schema_version, "version of the scene format, 1.0")
+          .text("name", &SceneHeader::name, "name of the scene")
+          .text("title", &SceneHeader::title, "one line for people")
+          .text("teaches", &SceneHeader::teaches, "what to see in it")
+          .texts("tags", &SceneHeader::tags, {0, 32}, "words to find it by")
+          .integer("seed", &SceneHeader::seed, between(0, 9007199254740992.0), "seed of every random draw")
+          .vector("gravity", &SceneHeader::gravity, "m/s^2", {-1e6, 1e6}, "acceleration of free fall")
+          .object("time", &SceneHeader::time, time_table(), "the clock")
+          .texts("observables", &SceneHeader::observables, {0, 64},
+                 "observables to keep (names or their beginnings); none: all")
+          .objects("probes", &SceneHeader::probes, probe_table(), {0, 256},
+                   "rows whose fields become observables")
+          .object("recording", &SceneHeader::recording, recording_table(),
+                  "what is recorded; without it, nothing")
+          .choice("on_instability", &SceneHeader::on_instability, {"pause", "stop"},
+                  "what happens when a state becomes non-finite")
+          .object("viewer", &SceneHeader::viewer, viewer_table(), "how viewers show the scene")
+          .objects("expect", &SceneHeader::expect, expect_table(), {0, 64}, "what a run should measure")
+          .check([](const SceneHeader& h, const DefTable::Report& report) {
+            if (h.schema_version != "1.0")
+              report("/schema_version", "this version reads scenes of version \"1.0\"");
+          })
+          .build();
+  return t;
+}
+
+}  // namespace truestep

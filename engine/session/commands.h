@@ -1,0 +1,27 @@
+// Commands as JSON, both ways: POST /v1/sessions/{id}/commands, the stream's Command, the journal.
+//   {"type": "impulse", "system": "cloth", "index": 5, "impulse": [0, 1, 0]}
+#pragma once
+#include <boost/json.hpp>
+#include <span>
+#include <string_view>
+#include <vector>
+
+#include "engine/base/errors.h"
+#include "engine/core/command.h"
+#include "engine/core/def.h"
+
+namespace truestep {
+
+/// One command type: its name, what it does and its parameters.
+struct CommandType {
+  std::string_view name;
+  CommandKind kind;
+  const DefTable* table;
+};
+std::span<const CommandType> command_types();
+
+/// Error "bad_command" with every fault and its pointer.
+Command read_command(const boost::json::value& document);
+boost::json::object write_command(const Command& command);
+
+}  // namespace truestep

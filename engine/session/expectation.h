@@ -1,0 +1,40 @@
+// What a run should measure (the scene's `expect`) against what it did measure.
+#pragma once
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "engine/session/world.h"
+
+namespace truestep {
+
+struct Verdict {
+  ExpectParams expected;
+  std::optional<double> measured;  ///< nothing when no such quantity exists
+  bool met = false;
+};
+
+/// Watches a run. Observables are computed at every step only when an expectation needs the whole run.
+class Expectations {
+ public:
+  explicit Expectations(const Scene& scene);
+  bool empty() const { return watched_.empty(); }
+  /// Whether the values at every step matter (min, max, drift), not just those at the end.
+  bool needs_every_step() const;
+  void add(const Observables& values);
+  /// Verdicts after the last `add`.
+  std::vector<Verdict> verdicts() const;
+
+ private:
+  enum class Reduction : uint8_t { last, min, max, drift };
+  struct Watched {
+    ExpectParams expected;
+    Reduction reduction = Reduction::last;
+    std::string name;
+    std::optional<double> first, value, least, greatest, deviation;
+    double scale = 0;  ///< largest |value| of the first step: a drift from zero is judged against it
+  };
+  std::vector<Watched> watched_;
+};
+
+}  // namespace truestep

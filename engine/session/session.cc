@@ -1,0 +1,309 @@
+#include "engine/session/session.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+
+#include "engine/base/errors.h"
+
+namespace truestep {
+
+Session::Session(std::shared_ptr<const World> world, std::shared_ptr<const ThreadArena> arena,
+                 SessionOptions options)
+    : world_(std::move(world)),
+      arena_(std::move(arena)),
+      options_(options),
+      state_(world_->initial_state()),
+      history_(options.history_bytes),
+      series_(world_->scene().header.observables) {
+  if (options_.profiling == SessionOptions::Profiling::on) profiles_.resize(world_->size());
+  record_series();
+}
+
+uint64_t Session::step(uint64_t n) {
+  if (failure_) throw Error("instability", failure_->detail);
+  uint64_t done = 0;
+  while (done < n && one_step()) ++done;
+  return done;
+}
+
+bool Session::one_step() {
+  drain_queue();
+  replay_commands();
+  try {
+    world_->step(state_, workspace_, *arena_, profiles_);
+  } catch (const Instability& e) {
+    fail(e);
+    return false;
+  }
+  after_step();
+  return true;
+}
+
+void Session::after_step() {
+  history_.offer(state_);
+  record_series();
+  // One frame serves every sink that is due and wants no more than the union of what they ask for.
+  FrameRequest wanted;
+  bool any = false;
+  for (const auto& sink : sinks_) {
+    if (!sink->due(state_.step)) continue;
+    any = true;
+    const FrameRequest& r = sink->request();
+    wanted.fields.insert(wanted.fields.end(), r.fields.begin(), r.fields.end());
+    if (r.extras == FrameRequest::Extras::observables) wanted.extras = r.extras;
+  }
+  if (!any) return;
+  std::sort(wanted.fields.begin(), wanted.fields.end());
+  wanted.fields.erase(std::unique(wanted.fields.begin(), wanted.fields.end()), wanted.fields.end());
+  const FramePtr built = frame(wanted);
+  for (const auto& sink : sinks_) {
+    if (sink->due(state_.step)) sink->accept(built);
+  }
+}
+
+// --- the clock
+
+void Session::play(double speed) {
+  if (!(speed > 0) || speed > 1000) {
+    throw Error(
+        "bad_request", "speed is a number above 0 and at most 1000",
+        {{"/speed", "out_of_range", "the value is outside the allowed range", "", "(0, 1000]", "", "1"}});
+  }
+  if (failure_) throw Error("instability", failure_->detail);
+  if (!playing_) accumulator_ = 0;
+  playing_ = true;
+  speed_ = speed;
+  notify("playback", "");
+}
+
+void Session::pause() {
+  playing_ = false;
+  notify("playback", "");
+}
+
+uint64_t Session::advance(double wall_seconds) {
+  if (!playing_ || failure_) return 0;
+  accumulator_ += std::max(wall_seconds, 0.0) * speed_;
+  const double dt = world_->dt();
+  const auto owed = static_cast<uint64_t>(std::min(accumulator_ / dt, 1e15));
+  const uint64_t bound = static_cast<uint64_t>(world_->scene().header.time.max_catchup_steps);
+  const uint64_t todo = std::min(owed, bound);
+  // Time beyond the bound is given up, not saved: a late session must not fall further behind.
+  skipped_ += owed - todo;
+  accumulator_ = std::max(0.0, accumulator_ - static_cast<double>(owed) * dt);
+  uint64_t done = 0;
+  while (done < todo && one_step()) ++done;
+  return done;
+}
+
+// --- commands
+
+uint64_t Session::post(Command command) {
+  const std::lock_guard lock(queue_mutex_);
+  const uint64_t sequence = next_sequence_++;
+  queue_.emplace_back(sequence, std::move(command));
+  queue_waiting_.store(true, std::memory_order_release);
+  return sequence;
+}
+
+uint64_t Session::command(const Command& command) {
+  drain_queue();
+  replay_commands();
+  const uint64_t sequence = next_sequence_++;
+  // A new command makes a new future: what was journalled for later steps no longer holds.
+  journal_.resize(journal_cursor_);
+  journal_.push_back({state_.step, sequence, command});
+  try {
+    world_->apply(state_, command);
+  } catch (...) {
+    journal_.pop_back();
+    throw;
+  }
+  journal_cursor_ = journal_.size();
+  // The snapshot of this very step stays: it was taken before the step's commands.
+  history_.truncate(state_.step);
+  series_.truncate(state_.step);
+  return sequence;
+}
+
+void Session::drain_queue() {
+  if (!queue_waiting_.load(std::memory_order_acquire)) return;
+  std::vector<std::pair<uint64_t, Command>> waiting;
+  {
+    const std::lock_guard lock(queue_mutex_);
+    waiting.swap(queue_);
+    queue_waiting_.store(false, std::memory_order_release);
+  }
+  for (auto& [sequence, command] : waiting) {
+    try {
+      this->command(command);
+    } catch (const Error& e) {
+      notify("command_refused", e.what());
+    }
+  }
+}
+
+void Session::replay_commands() {
+  for (; journal_cursor_ < journal_.size() && journal_[journal_cursor_].step <= state_.step;
+       ++journal_cursor_) {
+    world_->apply(state_, journal_[journal_cursor_].command);
+  }
+}
+
+// --- the past
+
+void Session::reset() {
+  load(world_->initial_state());
+  origin_.reset();
+  skipped_ = 0;
+  notify("reset", "");
+}
+
+void Session::restore(WorldState state) {
+  const WorldState fresh = world_->initial_state();
+  bool fits = state.systems.size() == fresh.systems.size();
+  for (size_t i = 0; fits && i < fresh.systems.size(); ++i) {
+    fits = state.systems[i].columns() == fresh.systems[i].columns();
+    for (State::Column c = 0; fits && c < fresh.systems[i].columns(); ++c) {
+      fits = state.systems[i].info(c) == fresh.systems[i].info(c);
+    }
+  }
+  if (!fits) throw Error("bad_snapshot", "the snapshot belongs to another scene");
+  origin_ = state;
+  load(std::move(state));
+  notify("reset", "");
+}
+
+void Session::load(WorldState state) {
+  state_ = std::move(state);
+  history_.clear();
+  series_.clear();
+  journal_.clear();
+  journal_cursor_ = 0;
+  failure_.reset();
+  accumulator_ = 0;
+  record_series();
+}
+
+WorldState Session::snapshot_at_or_before(uint64_t step) const {
+  if (const WorldState* s = history_.at_or_before(step)) return *s;
+  return origin_ ? *origin_ : world_->initial_state();
+}
+
+void Session::step_silently_to(uint64_t step) {
+  while (state_.step < step) {
+    replay_commands();
+    world_->step(state_, workspace_, *arena_, profiles_);
+    history_.offer(state_);
+    record_series();
+  }
+  replay_commands();
+}
+
+void Session::seek(uint64_t step) {
+  drain_queue();
+  const uint64_t first = origin_ ? origin_->step : 0;
+  if (step < first) {
+    throw Error("bad_request", "this session's past begins at step " + std::to_string(first));
+  }
+  if (step < state_.step || failure_) {
+    state_ = snapshot_at_or_before(step);
+    // Snapshots are taken before the commands of their step.
+    journal_cursor_ = 0;
+    while (journal_cursor_ < journal_.size() && journal_[journal_cursor_].step < state_.step)
+      ++journal_cursor_;
+    series_.truncate(state_.step);
+    failure_.reset();
+  }
+  try {
+    step_silently_to(step);
+  } catch (const Instability& e) {
+    fail(e);
+  }
+  accumulator_ = 0;
+  notify("seek", "");
+}
+
+void Session::fail(const Instability& e) {
+  Failure f;
+  f.system = e.system;
+  f.quantity = e.quantity;
+  f.index = e.index;
+  f.detail = "system \"" + e.system + "\": " + e.what() + " (row " + std::to_string(e.index) + ") in step " +
+             std::to_string(e.step + 1);
+  f.last_good_step = static_cast<uint64_t>(e.step);
+  // The failed state is of no use: the last good one is computed again from the nearest snapshot.
+  const uint64_t good = f.last_good_step;
+  state_ = snapshot_at_or_before(good);
+  journal_cursor_ = 0;
+  while (journal_cursor_ < journal_.size() && journal_[journal_cursor_].step < state_.step) ++journal_cursor_;
+  step_silently_to(good);
+  f.suggested_dt = e.suggested_dt > 0 ? std::optional(e.suggested_dt) : world_->stable_dt(state_);
+  failure_ = f;
+  playing_ = false;
+  notify("instability", f.detail);
+}
+
+// --- what comes out
+
+void Session::add_sink(std::shared_ptr<Sink> sink) {
+  sinks_.push_back(std::move(sink));
+}
+
+void Session::remove_sink(const Sink* sink) {
+  std::erase_if(sinks_, [&](const auto& s) { return s.get() == sink; });
+}
+
+void Session::notify(std::string_view kind, const std::string& detail) {
+  for (const auto& sink : sinks_) sink->notify(kind, state_.step, detail);
+}
+
+FramePtr Session::frame(const FrameRequest& request) const {
+  auto out = std::make_shared<Frame>();
+  out->step = state_.step;
+  out->time = time();
+  out->alpha = alpha();
+  out->state_hash = state_.hash();
+  out->topology_version = topology_version();
+  std::vector<double> scratch;
+  for (const FieldKey& key : request.fields) {
+    const FieldView view = world_->system(key.system).field(state_.systems[key.system], key.field, scratch);
+    FrameBlock& block = out->blocks.emplace_back();
+    block.key = key;
+    block.width = view.width;
+    block.rows = view.rows;
+    const size_t n = view.rows * view.width;
+    block.data.resize(n * scalar_size(key.type));
+    if (key.type == view.type) {
+      if (n) std::memcpy(block.data.data(), view.data, n * scalar_size(key.type));
+    } else if (key.type == Scalar::f32 && view.type == Scalar::f64) {
+      const auto* from = static_cast<const double*>(view.data);
+      auto* to = reinterpret_cast<float*>(block.data.data());
+      for (size_t i = 0; i < n; ++i) to[i] = static_cast<float>(from[i]);
+    } else {
+      throw Error("bad_request", "this field cannot be given as " + std::string(scalar_name(key.type)));
+    }
+  }
+  if (request.extras == FrameRequest::Extras::observables) out->observables = observe();
+  ++frames_built_;
+  return out;
+}
+
+void Session::record_series() {
+  if (series_.due(state_.step)) series_.add(state_.step, observe());
+}
+
+uint32_t Session::topology_version() const {
+  uint32_t version = 0;
+  for (size_t i = 0; i < world_->size(); ++i)
+    version += world_->system(i).topology_version(state_.systems[i]);
+  return version;
+}
+
+size_t Session::overhead_bytes() const {
+  return sizeof(*this) + history_.memory_bytes() + series_.memory_bytes() +
+         journal_.capacity() * sizeof(JournalEntry) + (origin_ ? origin_->memory_bytes() : 0);
+}
+
+}  // namespace truestep

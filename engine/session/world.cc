@@ -1,0 +1,192 @@
+#include "engine/session/world.h"
+
+#include <cstring>
+
+#include "engine/base/errors.h"
+
+namespace truestep {
+
+uint64_t WorldState::hash() const {
+  Hasher h;
+  h.integer(step);
+  h.integer(systems.size());
+  for (const State& s : systems) s.hash(h);
+  return h.value();
+}
+
+std::vector<std::byte> WorldState::serialize() const {
+  std::vector<std::byte> out;
+  const auto put = [&](const void* p, size_t n) {
+    const auto* b = static_cast<const std::byte*>(p);
+    out.insert(out.end(), b, b + n);
+  };
+  const uint64_t count = systems.size();
+  put(&step, 8);
+  put(&count, 8);
+  for (const State& s : systems) {
+    const auto bytes = s.serialize();
+    const uint64_t size = bytes.size();
+    put(&size, 8);
+    put(bytes.data(), bytes.size());
+  }
+  return out;
+}
+
+WorldState WorldState::deserialize(std::span<const std::byte> bytes) {
+  const auto get = [&]() {
+    uint64_t v;
+    if (bytes.size() < 8) throw Error("bad_snapshot", "the snapshot ends too early");
+    std::memcpy(&v, bytes.data(), 8);
+    bytes = bytes.subspan(8);
+    return v;
+  };
+  WorldState state;
+  state.step = get();
+  const uint64_t count = get();
+  if (count > 256) throw Error("bad_snapshot", "the snapshot names too many systems");
+  for (uint64_t i = 0; i < count; ++i) {
+    const uint64_t size = get();
+    if (size > bytes.size()) throw Error("bad_snapshot", "the snapshot ends too early");
+    state.systems.push_back(State::deserialize(bytes.first(size)));
+    bytes = bytes.subspan(size);
+  }
+  if (!bytes.empty()) throw Error("bad_snapshot", "bytes follow the end of the snapshot");
+  return state;
+}
+
+size_t WorldState::memory_bytes() const {
+  size_t n = 0;
+  for (const State& s : systems) n += s.memory_bytes();
+  return n;
+}
+
+World::World(Scene scene) : scene_(std::move(scene)) {
+  std::vector<Issue> issues;
+  std::string first;
+  for (size_t i = 0; i < scene_.systems.size(); ++i) {
+    const SceneSystem& s = scene_.systems[i];
+    try {
+      systems_.push_back(s.row->build(s.def.get(), scene_.context(i)));
+    } catch (const Error& e) {
+      if (e.code() != "scene_invalid") throw;
+      if (first.empty()) first = e.what();
+      for (Issue issue : e.issues()) {
+        issue.pointer = "/systems/" + std::to_string(i) + issue.pointer;
+        issues.push_back(std::move(issue));
+      }
+    }
+  }
+  if (!issues.empty()) throw Error("scene_invalid", first, std::move(issues));
+  for (size_t i = 0; i < systems_.size(); ++i) {
+    for (PlanRow& row : systems_[i]->plan()) plan_.push_back({id(i), std::move(row)});
+  }
+}
+
+size_t World::index_of(std::string_view wanted) const {
+  std::string ids;
+  for (size_t i = 0; i < size(); ++i) {
+    if (id(i) == wanted) return i;
+    ids += (i ? ", " : "") + id(i);
+  }
+  throw Error("unknown_system", "no system has the id \"" + std::string(wanted.substr(0, 64)) + '"',
+              {{"/system", "unknown_system", "no system has this id",
+                '"' + std::string(wanted.substr(0, 64)) + '"', ids, "", ""}});
+}
+
+WorldState World::initial_state() const {
+  WorldState state;
+  for (const auto& s : systems_) state.systems.push_back(s->initial_state());
+  return state;
+}
+
+void World::step(WorldState& state, Workspace& workspace, const ThreadArena& arena,
+                 std::span<Profile> profiles) const {
+  const double h = scene_.substep();
+  const auto substeps = static_cast<uint64_t>(scene_.header.time.substeps);
+  for (uint64_t k = 0; k < substeps; ++k) {
+    const uint64_t n = state.step * substeps + k;
+    for (size_t i = 0; i < systems_.size(); ++i) {
+      Workspace& scratch = workspace.object<Workspace>(id(i));
+      try {
+        systems_[i]->step(state.systems[i], {static_cast<double>(n) * h, h, n, scratch, arena,
+                                             profiles.empty() ? nullptr : &profiles[i]});
+        if (const auto bad = state.systems[i].first_non_finite()) {
+          const std::string& column = state.systems[i].info(bad->column).name;
+          throw Instability(id(i), column, static_cast<long long>(bad->row), column + " became non-finite");
+        }
+      } catch (Instability& e) {
+        e.system = id(i);
+        e.step = static_cast<long long>(state.step);
+        throw;
+      }
+    }
+  }
+  ++state.step;
+}
+
+void World::apply(WorldState& state, const Command& command) const {
+  const size_t i = index_of(command.system);
+  systems_[i]->apply(state.systems[i], command);
+}
+
+Observables World::observe(const WorldState& state) const {
+  const double t = static_cast<double>(state.step) * dt();
+  Observables total, own;
+  constexpr std::string_view kSummed[] = {"energy.kinetic", "energy.potential", "energy.total"};
+  double sums[3] = {};
+  bool known[3] = {true, true, true};
+  for (size_t i = 0; i < systems_.size(); ++i) {
+    Observables one;
+    systems_[i]->observe(state.systems[i], t, one);
+    for (size_t k = 0; k < 3; ++k) {
+      const auto v = one.find(kSummed[k]);
+      known[k] = known[k] && v;
+      sums[k] += v.value_or(0);
+    }
+    for (const Observation& o : one.rows()) own.add(id(i) + "." + o.name, o.value, o.unit);
+  }
+  // A sum that leaves out a system would mislead: it is given only when every system knows its part.
+  for (size_t k = 0; k < 3; ++k) {
+    if (known[k]) total.add(kSummed[k], sums[k], "J");
+  }
+  for (const Observation& o : own.rows()) total.add(o.name, o.value, o.unit);
+  for (const ProbeParams& p : scene_.header.probes) observe_probe(p, state, total);
+  return total;
+}
+
+void World::observe_probe(const ProbeParams& probe, const WorldState& state, Observables& out) const {
+  const size_t i = index_of(probe.system);
+  const auto infos = systems_[i]->fields();
+  std::vector<double> scratch;
+  for (size_t f = 0; f < infos.size(); ++f) {
+    bool wanted = false;
+    for (const std::string& name : probe.fields) wanted |= name == infos[f].name;
+    if (!wanted || infos[f].type != Scalar::f64) continue;
+    const FieldView view = systems_[i]->field(state.systems[i], f, scratch);
+    const int64_t row = probe.index < 0 ? static_cast<int64_t>(view.rows) + probe.index : probe.index;
+    if (row < 0 || row >= static_cast<int64_t>(view.rows)) continue;
+    const auto* values = static_cast<const double*>(view.data) + static_cast<size_t>(row) * view.width;
+    constexpr std::string_view kAxes[] = {".x", ".y", ".z"};
+    for (uint32_t c = 0; c < view.width; ++c) {
+      std::string name = probe.id + "." + infos[f].name;
+      if (view.width == 3)
+        name += kAxes[c];
+      else if (view.width > 1)
+        name += "." + std::to_string(c);
+      out.add(name, values[c], infos[f].unit);
+    }
+  }
+}
+
+std::optional<double> World::stable_dt(const WorldState& state) const {
+  std::optional<double> dt;
+  for (size_t i = 0; i < systems_.size(); ++i) {
+    if (const auto one = systems_[i]->stable_dt(state.systems[i])) {
+      const double whole = *one * static_cast<double>(scene_.header.time.substeps);
+      dt = dt ? std::min(*dt, whole) : whole;
+    }
+  }
+  return dt;
+}
+
+}  // namespace truestep

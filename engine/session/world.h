@@ -1,0 +1,68 @@
+// A world: the systems of a scene, their clock and the plan of a step. Immutable; the state travels outside.
+// Time is step * dt, and substep k of step n starts at (n * substeps + k) * h.
+#pragma once
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "engine/core/system.h"
+#include "engine/scene/scene.h"
+
+namespace truestep {
+
+/// The states of all systems at the end of step `step`.
+struct WorldState {
+  uint64_t step = 0;
+  std::vector<State> systems;
+
+  uint64_t hash() const;
+  friend bool operator==(const WorldState&, const WorldState&) = default;
+  /// Little-endian bytes, read back by deserialize (Error "bad_snapshot").
+  std::vector<std::byte> serialize() const;
+  static WorldState deserialize(std::span<const std::byte> bytes);
+  size_t memory_bytes() const;
+};
+
+class World {
+ public:
+  /// Builds every system. Error "scene_invalid" with pointers below /systems/<i> when one refuses.
+  explicit World(Scene scene);
+
+  const Scene& scene() const { return scene_; }
+  double dt() const { return scene_.header.time.dt; }
+  size_t size() const { return systems_.size(); }
+  const System& system(size_t i) const { return *systems_[i]; }
+  const std::string& id(size_t i) const { return scene_.systems[i].id; }
+  /// Index of the system with this id; Error "unknown_system" naming those there are.
+  size_t index_of(std::string_view id) const;
+
+  WorldState initial_state() const;
+  /// One step: every substep of every system, then a check that all is finite (Instability if not; the
+  /// state is then unusable and the caller restores an older one).
+  /// `profiles` has one entry per system, or is empty when nobody asked where the time goes.
+  void step(WorldState& state, Workspace& workspace, const ThreadArena& arena,
+            std::span<Profile> profiles) const;
+  /// Carries out a command between two steps; Error "bad_command" or "unknown_system".
+  void apply(WorldState& state, const Command& command) const;
+
+  /// Sums ("energy.total"), every system's own ("<id>.energy.total") and probes ("<probe>.position.x").
+  Observables observe(const WorldState& state) const;
+
+  struct PlanEntry {
+    std::string system;
+    PlanRow row;
+  };
+  /// Passes that a step runs, in order, and those it does not need, with the reasons.
+  const std::vector<PlanEntry>& plan() const { return plan_; }
+  /// Largest dt (s) of the session step that every method is known to hold in this state.
+  std::optional<double> stable_dt(const WorldState& state) const;
+
+ private:
+  void observe_probe(const ProbeParams& probe, const WorldState& state, Observables& out) const;
+
+  Scene scene_;
+  std::vector<std::unique_ptr<const System>> systems_;
+  std::vector<PlanEntry> plan_;
+};
+
+}  // namespace truestep

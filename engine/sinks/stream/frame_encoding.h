@@ -1,0 +1,45 @@
+// Frames on the wire (proto/truestep/v1/stream.proto). The blocks of a frame are encoded once and shared by
+// every client that asked for the same; only a short head (sequence number, drops) is made for each. A
+// protobuf message may come in parts whose bytes are simply joined, so head and blocks never meet in memory.
+#pragma once
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "engine/session/frame.h"
+#include "engine/session/world.h"
+
+namespace truestep {
+
+/// As Encoding in stream.proto.
+enum class WireEncoding : uint8_t { f32 = 0, f64 = 1, q16 = 2, u32 = 5 };
+
+/// One block to send: which field, and how.
+struct WireField {
+  FieldKey key;  ///< key.type is what the frame must hold
+  WireEncoding encoding = WireEncoding::f32;
+  std::string system, name;  ///< as they appear on the wire
+  std::string unit;
+  uint32_t width = 1;
+  friend bool operator==(const WireField&, const WireField&) = default;
+};
+
+/// Fields by name (empty: "position"), systems by id (empty: all), in the encoding wished for floating-point
+/// fields. Error "bad_request" with what there is when a name is unknown.
+std::vector<WireField> wire_fields(const World& world, const std::vector<std::string>& fields,
+                                   const std::vector<std::string>& systems, WireEncoding wish);
+/// What a session must put into its frames for these.
+FrameRequest request_for(std::span<const WireField> fields, FrameRequest::Extras extras);
+
+/// Bytes of repeated Block; shared between clients.
+std::shared_ptr<const std::string> encode_blocks(const Frame& frame, std::span<const WireField> fields);
+/// Everything of a ServerMessage{frame} but the blocks, which must follow these bytes.
+std::string encode_head(const Frame& frame, uint64_t seq, uint64_t dropped, size_t block_bytes);
+/// The frame as JSON: arrays of numbers (polling), or base64 bytes when `binary` says so (JSON stream).
+enum class JsonArrays : uint8_t { numbers, base64 };
+std::string encode_json(const Frame& frame, std::span<const WireField> fields, JsonArrays arrays,
+                        uint64_t seq, uint64_t dropped);
+
+}  // namespace truestep

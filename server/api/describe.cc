@@ -1,0 +1,153 @@
+#include "server/api/describe.h"
+
+#include <cmath>
+
+#include "engine/core/integrator.h"
+#include "engine/scene/gallery.h"
+#include "engine/scene/json.h"
+#include "engine/scene/params.h"
+
+namespace truestep {
+
+namespace json = boost::json;
+
+json::object describe_issue(const Issue& issue) {
+  json::object o{{"pointer", issue.pointer}, {"code", issue.code}, {"message", issue.message}};
+  if (!issue.value.empty()) o["value"] = issue.value;
+  if (!issue.allowed.empty()) o["allowed"] = issue.allowed;
+  if (!issue.did_you_mean.empty()) o["did_you_mean"] = issue.did_you_mean;
+  if (!issue.unit.empty()) o["unit"] = issue.unit;
+  return o;
+}
+
+json::array describe_issues(const std::vector<Issue>& issues) {
+  json::array a;
+  for (const Issue& i : issues) a.push_back(describe_issue(i));
+  return a;
+}
+
+json::object describe_integrator(const Integrator& m) {
+  const auto limit = [](double v) { return std::isinf(v) ? json::value("unlimited") : json::value(v); };
+  return {{"name", m.name},
+          {"title", m.title},
+          {"order", m.order},
+          {"symplectic", m.structure == Integrator::Structure::symplectic},
+          {"adaptive", m.stepping == Integrator::Stepping::adaptive},
+          {"implicit", m.kind == Integrator::Kind::implicit},
+          {"stable_omega_dt", limit(m.imaginary_limit)},
+          {"stable_lambda_dt", limit(m.real_limit)},
+          {"order_with_velocity_forces", m.order_with_velocity},
+          {"source", m.source}};
+}
+
+json::object describe_system(const CatalogueRow& row) {
+  json::array guarantees, methods;
+  for (const std::string_view g : row.guarantees) guarantees.emplace_back(g);
+  if (!row.default_integrator.empty()) {
+    for (const Integrator& m : integrators()) methods.push_back(describe_integrator(m));
+  }
+  return {{"type", row.type},
+          {"group", row.group},
+          {"description", row.sentence},
+          {"parameters", describe_params(*row.table)},
+          {"default_integrator", row.default_integrator},
+          {"integrators", std::move(methods)},
+          {"guarantees", std::move(guarantees)},
+          {"cost_of_defaults", describe_cost(row.cost(row.table->make().get()))}};
+}
+
+json::array describe_systems() {
+  json::array a;
+  for (const CatalogueRow& row : catalogue()) {
+    a.push_back(json::object{{"type", row.type}, {"group", row.group}, {"description", row.sentence}});
+  }
+  return a;
+}
+
+json::array describe_gallery() {
+  json::array a;
+  for (const GalleryScene& g : gallery()) {
+    const json::value document = parse_json(g.text);
+    const json::object& o = document.as_object();
+    json::object entry{{"name", g.name}};
+    for (const char* key : {"title", "teaches", "tags"}) {
+      if (const json::value* v = o.if_contains(key)) entry[key] = *v;
+    }
+    a.push_back(std::move(entry));
+  }
+  return a;
+}
+
+json::object describe_cost(const Cost& cost) {
+  return {{"memory_bytes", cost.state_bytes + cost.workspace_bytes},
+          {"elements", cost.elements},
+          {"seconds_per_step", cost.seconds_per_step}};
+}
+
+json::array describe_plan(const World& world, std::span<const Profile> profiles) {
+  double total = 0;
+  for (const Profile& p : profiles) {
+    for (const Profile::Row& r : p.rows()) total += r.seconds;
+  }
+  json::array a;
+  for (const World::PlanEntry& e : world.plan()) {
+    json::object row{{"system", e.system},
+                     {"pass", e.row.name},
+                     {"runs", e.row.status == PlanRow::Status::runs},
+                     {"reason", e.row.reason}};
+    if (!profiles.empty()) {
+      for (const Profile::Row& r : profiles[world.index_of(e.system)].rows()) {
+        if (r.name != e.row.name) continue;
+        row["seconds"] = r.seconds;
+        row["calls"] = r.calls;
+        row["share"] = total > 0 ? r.seconds / total : 0;
+      }
+    }
+    a.push_back(std::move(row));
+  }
+  return a;
+}
+
+json::object describe_observables(const Observables& values) {
+  json::object o;
+  for (const Observation& v : values.rows()) {
+    // JSON has no NaN: a quantity that is not finite is null.
+    o[v.name] = std::isfinite(v.value) ? json::value(v.value) : json::value(nullptr);
+  }
+  return o;
+}
+
+json::object validate_scene(const json::value& document, const AdmissionLimits& limits) {
+  SceneReport report = read_scene(document);
+  json::object out;
+  if (report.scene) {
+    try {
+      const Cost cost = estimate(*report.scene);
+      out["estimate"] = describe_cost(cost);
+      require_admission(cost, limits);
+      const World world(*report.scene);
+      out["plan"] = describe_plan(world, {});
+      const WorldState state = world.initial_state();
+      if (const auto dt = world.stable_dt(state)) {
+        out["stable_dt"] = *dt;
+        if (*dt < world.dt()) {
+          report.warnings.push_back({"/time/dt", "unstable_dt",
+                                     "the step is longer than this method holds; it will blow up",
+                                     json::serialize(json::value(world.dt())),
+                                     "at most " + json::serialize(json::value(*dt)), "", "s"});
+        }
+      }
+      out["scene"] = report.scene->canonical();
+    } catch (const Error& e) {
+      report.errors = e.issues();
+      if (report.errors.empty()) report.errors.push_back({"", e.code(), e.what(), "", "", "", ""});
+    }
+  }
+  json::object result{{"valid", report.errors.empty()},
+                      {"errors", describe_issues(report.errors)},
+                      {"warnings", describe_issues(report.warnings)}};
+  for (auto& [key, value] : out) result[key] = std::move(value);
+  return result;
+}
+
+}  // namespace truestep

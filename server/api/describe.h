@@ -1,0 +1,32 @@
+// JSON answers that the command line and HTTP share: what the program can do and what a scene amounts to.
+#pragma once
+#include <boost/json.hpp>
+
+#include "engine/base/errors.h"
+#include "engine/scene/admission.h"
+#include "engine/scene/catalogue.h"
+#include "engine/session/world.h"
+
+namespace truestep {
+
+/// {pointer, code, message, value, allowed, did_you_mean, unit}; empty members left out.
+boost::json::object describe_issue(const Issue& issue);
+boost::json::array describe_issues(const std::vector<Issue>& issues);
+/// One system type with parameters, integrators, guarantees.
+boost::json::object describe_system(const CatalogueRow& row);
+/// One line per system type.
+boost::json::array describe_systems();
+boost::json::object describe_integrator(const Integrator& method);
+/// One line per gallery scene: name, title, teaches, tags.
+boost::json::array describe_gallery();
+/// {memory_bytes, elements, seconds_per_step}
+boost::json::object describe_cost(const Cost& cost);
+/// [{system, pass, runs, reason}]; seconds and share where profiles are given.
+boost::json::array describe_plan(const World& world, std::span<const Profile> profiles);
+boost::json::object describe_observables(const Observables& values);
+
+/// Everything about a scene document: valid, errors, warnings, plan, estimate, canonical scene. Never throws
+/// for what a client can write.
+boost::json::object validate_scene(const boost::json::value& document, const AdmissionLimits& limits);
+
+}  // namespace truestep
