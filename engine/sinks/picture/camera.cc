@@ -1,0 +1,101 @@
+#include "engine/sinks/picture/camera.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace truestep::picture {
+namespace {
+
+constexpr double kMargin = 0.90;  // share of the half-angle that the scene may fill
+constexpr double kDegree = 3.14159265358979323846 / 180;
+
+bool finite(const Vec3& v) {
+  return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
+}
+
+struct Ball {
+  Vec3 centre;
+  double radius;
+};
+
+template <class Visit>
+void for_each_ball(const DrawList& list, Visit visit) {
+  for (const DrawPoints& set : list.points) {
+    const size_t n = set.positions.size() / 3;
+    for (size_t i = 0; i < n; ++i) {
+      const Vec3f p = load3(set.positions.data(), i);
+      const Vec3 c{p.x, p.y, p.z};
+      const float r = set.radii.size() == n ? set.radii[i] : set.radius;
+      if (finite(c) && std::isfinite(r)) visit(Ball{c, std::max(0.0f, r)});
+    }
+  }
+  for (const DrawShape& s : list.shapes) {
+    double r = s.size.x;
+    if (s.kind == ShapeKind::plane || !finite(s.position) || !finite(s.size)) continue;
+    if (s.kind == ShapeKind::capsule) r += s.size.y;
+    if (s.kind == ShapeKind::box) r = norm(s.size);
+    visit(Ball{s.position, std::abs(r)});
+  }
+}
+
+/// Smallest numbers that bound s (c.axis) + k (c.back) + r sqrt(1 + k^2) over all balls, for s = +1 and -1.
+struct Slab {
+  double plus = -std::numeric_limits<double>::infinity(), minus = plus;
+  void add(const Ball& ball, const Vec3& axis, const Vec3& back, double k) {
+    const double reach = k * dot(ball.centre, back) + ball.radius * std::sqrt(1 + k * k);
+    plus = std::max(plus, dot(ball.centre, axis) + reach);
+    minus = std::max(minus, -dot(ball.centre, axis) + reach);
+  }
+};
+
+}  // namespace
+
+Axes axes_of(const Vec3& up_hint) {
+  const Vec3 up = normalized(finite(up_hint) ? up_hint : Vec3{0, 1, 0}, {0, 1, 0});
+  // y-up looks along z as most scenes do; for another up the horizontal axis farthest from it serves.
+  const Vec3 hint = std::abs(up.z) < 0.9 ? Vec3{0, 0, 1} : Vec3{0, -1, 0};
+  const Vec3 side = normalized(cross(up, hint));
+  return {side, up, cross(side, up)};
+}
+
+DrawCamera camera_for(const DrawList& list, double aspect) {
+  if (list.camera && finite(list.camera->eye) && finite(list.camera->target) &&
+      norm2(list.camera->eye - list.camera->target) > 0) {
+    DrawCamera given = *list.camera;
+    given.fov_degrees = std::isfinite(given.fov_degrees) ? std::clamp(given.fov_degrees, 1.0, 160.0) : 35.0;
+    if (!given.up || !finite(*given.up)) given.up = list.up;
+    return given;
+  }
+  DrawCamera camera;
+  camera.up = list.up;
+  const Axes axes = axes_of(list.up);
+  const Vec3 back = normalized(axes.side * 0.5 + axes.up * 0.42 + axes.front);
+  const Vec3 right = normalized(cross(axes.up, back)), above = cross(back, right);
+  const double ky = std::tan(camera.fov_degrees * kDegree / 2) * kMargin, kx = ky * aspect;
+  Slab horizontal, vertical;
+  double nearest = -std::numeric_limits<double>::infinity(), farthest = -nearest;
+  for_each_ball(list, [&](const Ball& ball) {
+    horizontal.add(ball, right, back, kx);
+    vertical.add(ball, above, back, ky);
+    nearest = std::max(nearest, dot(ball.centre, back) + ball.radius);
+    farthest = std::min(farthest, dot(ball.centre, back) - ball.radius);
+  });
+  if (!(nearest >= farthest)) {  // nothing to see
+    camera.eye = back * 4.0;
+    return camera;
+  }
+  const double x = (horizontal.plus - horizontal.minus) / 2, y = (vertical.plus - vertical.minus) / 2;
+  double d =
+      std::max((horizontal.plus + horizontal.minus) / (2 * kx), (vertical.plus + vertical.minus) / (2 * ky));
+  const double middle = (nearest + farthest) / 2;
+  // A lone point without radius has no size: stand back by one metre or a millionth of its coordinates.
+  const double least =
+      std::max({1e-6 * (std::abs(x) + std::abs(y) + std::abs(middle)), (nearest - farthest) / 2, 0.0});
+  if (d - middle <= least) d = middle + (least > 0 ? 2 * least : 1.0);
+  camera.eye = right * x + above * y + back * d;
+  camera.target = right * x + above * y + back * middle;
+  return camera;
+}
+
+}  // namespace truestep::picture

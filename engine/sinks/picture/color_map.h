@@ -1,0 +1,16 @@
+// Colours: palette of systems, scalar maps, and the sRGB transfer function (IEC 61966-2-1).
+#pragma once
+#include "engine/sinks/picture/draw_list.h"
+
+namespace truestep::picture {
+
+/// Colour of the i-th system that names none; repeats after eight.
+Color palette(size_t i);
+
+/// Colour of t in [0, 1] (clamped; not-a-number counts as 0), piecewise linear between the map's stops.
+Color map_color(ColorMap map, float t);
+
+/// sRGB component -> linear light, both in [0, 1].
+float linear_from_srgb(float c);
+
+}  // namespace truestep::picture

@@ -1,0 +1,76 @@
+// What a picture shows, as plain numbers: points with their lines and triangles, solid shapes, a camera, a
+// ground and a caption. It knows no State and no system; whoever has a frame fills one of these. Lengths
+// in metres, colours are sRGB in [0, 1], indices refer to the points of the same set.
+#pragma once
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "engine/math/vec3.h"
+
+namespace truestep {
+
+/// sRGB components in [0, 1] as a screen shows them.
+struct Color {
+  float r = 0, g = 0, b = 0;
+};
+
+/// How a scalar becomes a colour, from its smallest to its largest value.
+enum class ColorMap : uint8_t { viridis, water, ember };
+
+/// The part a line plays in a net; it picks the line's tint.
+enum class LineKind : uint8_t { structural, shear, bending, other };
+
+/// The points of one system and what connects them; every vector but `positions` may be empty.
+struct DrawPoints {
+  std::vector<float> positions;            ///< n x 3, m; points that are not finite are left out
+  float radius = 0;                        ///< m; 0 = points are not drawn, only their lines and triangles
+  std::vector<float> radii;                ///< n, m; overrides `radius`
+  std::optional<Color> color;              ///< none = the next one of the palette
+  std::vector<float> scalar;               ///< n; colours points (and triangles) by `color_map`
+  ColorMap color_map = ColorMap::viridis;  ///< used when `scalar` is given
+  std::optional<float> scalar_min;         ///< none = smallest finite value
+  std::optional<float> scalar_max;         ///< none = largest finite value
+  std::string scalar_label;                ///< name and unit beside the colour bar; empty = no colour bar
+  std::vector<uint32_t> lines;             ///< 2 per line
+  std::vector<uint8_t> line_kinds;         ///< LineKind per line; empty = all structural
+  std::optional<Color> line_color;         ///< none = from `color`
+  float line_radius = 0;                   ///< m; lines are never thinner than about 1.5 pixels
+  std::vector<uint32_t> triangles;         ///< 3 per triangle, smooth, seen from both sides
+};
+
+enum class ShapeKind : uint8_t { plane, box, sphere, capsule };
+
+/// A fixed or moving solid. Size: plane = its normal; box = half extents; sphere = (radius, -, -);
+/// capsule = (radius, half length without the caps, -) along its own y.
+struct DrawShape {
+  ShapeKind kind = ShapeKind::sphere;
+  Vec3 position;
+  double orientation[4] = {1, 0, 0, 0};  ///< unit quaternion w x y z
+  Vec3 size{1, 1, 1};
+  bool container = false;  ///< things live inside: drawn as edges and a breath of glass
+  std::optional<Color> color;
+};
+
+/// Where the picture is taken from; `fov_degrees` is the vertical opening angle, 1 to 160.
+struct DrawCamera {
+  Vec3 eye{3, 2, 4};
+  Vec3 target;
+  std::optional<Vec3> up;  ///< none = the list's up
+  double fov_degrees = 35;
+};
+
+/// Everything one picture needs.
+struct DrawList {
+  std::vector<DrawPoints> points;
+  std::vector<DrawShape> shapes;
+  Vec3 up{0, 1, 0};                     ///< away from the ground; opposite to gravity
+  std::optional<DrawCamera> camera;     ///< none = chosen so that all points and shapes are in the picture
+  std::optional<double> ground_height;  ///< m along `up`; none = no ground
+  Color background_top{0.965f, 0.973f, 0.984f};
+  Color background_bottom{0.835f, 0.863f, 0.894f};
+  std::string caption;  ///< scene name and time, bottom left; ASCII, others become '?'
+};
+
+}  // namespace truestep

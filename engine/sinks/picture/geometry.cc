@@ -1,0 +1,154 @@
+#include "engine/sinks/picture/geometry.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "engine/base/errors.h"
+#include "engine/sinks/picture/color_map.h"
+
+namespace truestep::picture {
+namespace {
+
+constexpr float kVisible = 1e4f;  // picture units; beyond it a coordinate is off the far plane by any account
+
+bool drawable(const Vec3f& p) {
+  return std::abs(p.x) < kVisible && std::abs(p.y) < kVisible && std::abs(p.z) < kVisible;  // false for NaN
+}
+
+[[noreturn]] void refuse(size_t set, const std::string& what) {
+  throw Error("invalid_draw_list", "points[" + std::to_string(set) + "]: " + what);
+}
+
+void check(const DrawPoints& set, size_t index) {
+  if (set.positions.size() % 3) refuse(index, "positions are not triples");
+  const size_t n = set.positions.size() / 3;
+  if (!set.radii.empty() && set.radii.size() != n) refuse(index, "one radius per point is needed");
+  if (!set.scalar.empty() && set.scalar.size() != n) refuse(index, "one scalar per point is needed");
+  if (set.lines.size() % 2) refuse(index, "lines are not pairs");
+  if (set.triangles.size() % 3) refuse(index, "triangles are not triples");
+  if (!set.line_kinds.empty() && 2 * set.line_kinds.size() != set.lines.size())
+    refuse(index, "one kind per line is needed");
+  for (const std::vector<uint32_t>* indices : {&set.lines, &set.triangles})
+    for (uint32_t i : *indices)
+      if (i >= n) refuse(index, "index " + std::to_string(i) + " but only " + std::to_string(n) + " points");
+}
+
+std::vector<Bytes4> point_colors(const DrawPoints& set, const Color& base) {
+  const size_t n = set.positions.size() / 3;
+  std::vector<Bytes4> colors(n, bytes_of(base));
+  if (set.scalar.empty()) return colors;
+  const auto [low, high] = scalar_range(set);
+  std::array<Bytes4, 256> table;
+  for (size_t i = 0; i < table.size(); ++i)
+    table[i] = bytes_of(map_color(set.color_map, static_cast<float>(i) / 255));
+  const float scale = high > low ? 255 / (high - low) : 0;
+  for (size_t i = 0; i < n; ++i) {
+    const float t = (set.scalar[i] - low) * scale;
+    colors[i] = table[t > 0 ? static_cast<size_t>(std::min(t, 255.0f)) : 0];
+  }
+  return colors;
+}
+
+Color mix(const Color& a, const Color& b, float t) {
+  return {a.r + (b.r - a.r) * t, a.g + (b.g - a.g) * t, a.b + (b.b - a.b) * t};
+}
+
+// Structural springs carry the colour; shear and bending ones step back so that a net stays readable.
+std::array<Bytes4, 4> line_colors(const Color& base) {
+  return {bytes_of(mix(base, {0, 0, 0}, 0.12f)), bytes_of(mix(base, {1, 1, 1}, 0.35f)),
+          bytes_of(mix(base, {0.62f, 0.64f, 0.68f}, 0.7f)), bytes_of(mix(base, {0.5f, 0.5f, 0.5f}, 0.3f))};
+}
+
+void add_surface(Geometry& g, const View& view, const DrawPoints& set, const std::vector<Vec3f>& p,
+                 const std::vector<Bytes4>& colors) {
+  std::vector<Vec3f> normals(p.size());
+  const auto first = static_cast<uint32_t>(g.mesh.size());
+  for (size_t t = 0; t + 2 < set.triangles.size(); t += 3) {
+    const uint32_t a = set.triangles[t], b = set.triangles[t + 1], c = set.triangles[t + 2];
+    if (!drawable(p[a]) || !drawable(p[b]) || !drawable(p[c])) continue;
+    const Vec3f area = cross(p[b] - p[a], p[c] - p[a]);
+    for (uint32_t i : {a, b, c}) {
+      normals[i] += area;
+      g.triangles.push_back(first + i);
+    }
+  }
+  for (size_t i = 0; i < p.size(); ++i) {
+    g.mesh.push_back({p[i], normalized(normals[i], {0, 1, 0}), colors[i]});
+    if (norm2(normals[i]) > 0) g.extent.add(view, p[i], 0);
+  }
+}
+
+void add_points(Geometry& g, const View& view, const DrawPoints& set, const Color& base) {
+  const size_t n = set.positions.size() / 3;
+  std::vector<Vec3f> p(n);
+  for (size_t i = 0; i < n; ++i) {
+    const Vec3f q = load3(set.positions.data(), i);
+    p[i] = view.units.position({q.x, q.y, q.z});
+  }
+  const std::vector<Bytes4> colors = point_colors(set, base);
+  for (size_t i = 0; i < n; ++i) {
+    const float r = view.units.length(set.radii.empty() ? set.radius : set.radii[i]);
+    if (r > 0 && drawable(p[i])) g.add_sphere(view, p[i], r, colors[i]);
+  }
+  const std::array<Bytes4, 4> tints = line_colors(set.line_color.value_or(base));
+  const float thickness = std::max(0.0f, view.units.length(set.line_radius));
+  for (size_t l = 0; 2 * l + 1 < set.lines.size(); ++l) {
+    const Vec3f a = p[set.lines[2 * l]], b = p[set.lines[2 * l + 1]];
+    const size_t kind = set.line_kinds.empty() ? 0 : std::min<size_t>(set.line_kinds[l], 3);
+    if (drawable(a) && drawable(b)) g.add_line(view, a, b, thickness, tints[kind]);
+  }
+  if (!set.triangles.empty()) add_surface(g, view, set, p, colors);
+}
+
+bool level(const DrawShape& plane, const Vec3& up) {
+  return plane.kind == ShapeKind::plane && dot(normalized(plane.size), up) > 0.9999;
+}
+
+}  // namespace
+
+std::pair<float, float> scalar_range(const DrawPoints& set) {
+  float low = std::numeric_limits<float>::infinity(), high = -low;
+  for (float s : set.scalar)
+    if (std::isfinite(s)) low = std::min(low, s), high = std::max(high, s);
+  if (!(low <= high)) low = 0, high = 1;
+  return {set.scalar_min.value_or(low), set.scalar_max.value_or(high)};
+}
+
+Bytes4 bytes_of(const Color& c) {
+  const auto byte = [](float x) { return static_cast<uint8_t>(x > 0 ? std::min(x, 1.0f) * 255 + 0.5f : 0); };
+  return {byte(c.r), byte(c.g), byte(c.b), 255};
+}
+
+void Geometry::add_sphere(const View& view, const Vec3f& centre, float radius, Bytes4 color) {
+  spheres.insert(spheres.end(), 4, {centre, radius, color});
+  extent.add(view, centre, radius);
+}
+
+void Geometry::add_line(const View& view, const Vec3f& a, const Vec3f& b, float radius, Bytes4 color) {
+  lines.insert(lines.end(), 4, {a, b, radius, color});
+  extent.add(view, a, radius);
+  extent.add(view, b, radius);
+}
+
+void Geometry::build(const DrawList& list, const View& view) {
+  spheres.clear(), lines.clear(), mesh.clear(), triangles.clear(), glass.clear();
+  extent = {};
+  ground_height = list.ground_height;
+  for (size_t i = 0; i < list.points.size(); ++i) {
+    check(list.points[i], i);
+    add_points(*this, view, list.points[i], list.points[i].color.value_or(palette(i)));
+  }
+  for (const DrawShape& shape : list.shapes)
+    if (shape.kind != ShapeKind::plane) add_shape(*this, view, shape);
+  for (const DrawShape& shape : list.shapes) {
+    if (shape.kind != ShapeKind::plane) continue;
+    if (!ground_height && level(shape, view.axes.up)) {
+      ground_height = dot(shape.position, view.axes.up);
+    } else if (!level(shape, view.axes.up) || dot(shape.position, view.axes.up) != *ground_height) {
+      add_shape(*this, view, shape);
+    }
+  }
+}
+
+}  // namespace truestep::picture

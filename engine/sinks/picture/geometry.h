@@ -1,0 +1,56 @@
+// A DrawList as vertices: spheres and lines as four corners each (the vertex shader spreads them), surfaces
+// as triangles with area-weighted normals. Four copies of a corner beat instancing in a software rasteriser,
+// which starts a new batch per instance.
+#pragma once
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "engine/sinks/picture/view.h"
+
+namespace truestep::picture {
+
+using Bytes4 = std::array<uint8_t, 4>;  ///< sRGB and an opacity
+
+struct SphereVertex {
+  Vec3f centre;
+  float radius;
+  Bytes4 color;
+};
+struct MeshVertex {
+  Vec3f position, normal;
+  Bytes4 color;
+};
+struct LineVertex {
+  Vec3f from, to;
+  float radius;
+  Bytes4 color;
+};
+
+/// Vertices in picture units, ready for upload; cleared and refilled for every picture.
+struct Geometry {
+  std::vector<SphereVertex> spheres;  ///< 4 per sphere
+  std::vector<LineVertex> lines;      ///< 4 per line
+  std::vector<MeshVertex> mesh;       ///< opaque; indexed by `triangles`
+  std::vector<uint32_t> triangles;
+  std::vector<MeshVertex> glass;  ///< containers; 3 per triangle, far ones first
+  Extent extent;
+  std::optional<double> ground_height;  ///< m along the list's up
+
+  /// Throws Error("invalid_draw_list") when an index or an array length does not fit its points.
+  void build(const DrawList& list, const View& view);
+
+  void add_sphere(const View& view, const Vec3f& centre, float radius, Bytes4 color);
+  void add_line(const View& view, const Vec3f& a, const Vec3f& b, float radius, Bytes4 color);
+};
+
+Bytes4 bytes_of(const Color& color);
+
+/// Limits of the colour map of `set`: the given ones, else the smallest and largest finite value (0, 1 if
+/// none).
+std::pair<float, float> scalar_range(const DrawPoints& set);
+
+/// Appends `shape` (see shape_mesh.cc); planes need `extent` to be known.
+void add_shape(Geometry& geometry, const View& view, const DrawShape& shape);
+
+}  // namespace truestep::picture

@@ -1,0 +1,28 @@
+// GLSL 3.30 sources. Each pair exists twice where the thing casts a shadow: compiled with SHADOW defined, the
+// same vertices are drawn as the light sees them and only depth is kept.
+#pragma once
+#include <string>
+
+namespace truestep::picture {
+
+struct ShaderPair {
+  std::string vertex, fragment;
+};
+
+enum class ShaderKind {
+  background,
+  ground,
+  sphere,
+  sphere_shadow,
+  mesh,
+  mesh_shadow,
+  line,
+  line_shadow,
+  glass
+};
+constexpr int kShaderKinds = 9;
+
+/// Complete sources, ready to compile.
+ShaderPair shader_source(ShaderKind kind);
+
+}  // namespace truestep::picture

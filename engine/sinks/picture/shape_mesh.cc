@@ -1,0 +1,185 @@
+// Shapes as triangles: boxes, capsules and plane patches are tessellated, solid spheres stay exact. A
+// container is its edges plus a film of glass whose triangles are sorted far to near.
+#include <algorithm>
+#include <cmath>
+
+#include "engine/sinks/picture/geometry.h"
+
+namespace truestep::picture {
+namespace {
+
+constexpr int kAround = 48, kRings = 12;  // segments around the axis, rings per half sphere
+constexpr double kTurn = 6.28318530717958647692;
+constexpr Color kSolid{0.78f, 0.80f, 0.83f}, kEdge{0.42f, 0.46f, 0.52f};
+
+struct Pose {
+  Vec3 position;
+  Vec3 axis[3];  // the shape's x, y, z in the scene
+
+  explicit Pose(const DrawShape& s) : position(s.position) {
+    double w = s.orientation[0], x = s.orientation[1], y = s.orientation[2], z = s.orientation[3];
+    const double n = std::sqrt(w * w + x * x + y * y + z * z);
+    if (n > 0 && std::isfinite(n)) {
+      w /= n, x /= n, y /= n, z /= n;
+    } else {
+      w = 1, x = y = z = 0;
+    }
+    axis[0] = {1 - 2 * (y * y + z * z), 2 * (x * y + w * z), 2 * (x * z - w * y)};
+    axis[1] = {2 * (x * y - w * z), 1 - 2 * (x * x + z * z), 2 * (y * z + w * x)};
+    axis[2] = {2 * (x * z + w * y), 2 * (y * z - w * x), 1 - 2 * (x * x + y * y)};
+  }
+  Vec3 direction(const Vec3& v) const { return axis[0] * v.x + axis[1] * v.y + axis[2] * v.z; }
+  Vec3 point(const Vec3& v) const { return position + direction(v); }
+};
+
+Vec3f narrow(const Vec3& v) {
+  return {static_cast<float>(v.x), static_cast<float>(v.y), static_cast<float>(v.z)};
+}
+
+using Triangles = std::vector<MeshVertex>;
+
+void add_quad(Triangles& out, const View& view, const Vec3 (&corner)[4], const Vec3 (&normal)[4],
+              Bytes4 color) {
+  for (int i : {0, 1, 2, 0, 2, 3}) out.push_back({view.units.position(corner[i]), narrow(normal[i]), color});
+}
+
+void box_faces(Triangles& out, const View& view, const Pose& pose, const Vec3& h, Bytes4 color) {
+  for (int face = 0; face < 6; ++face) {
+    const int a = face / 2;
+    const double sign = face % 2 ? 1 : -1;
+    Vec3 unit[3];  // outward, and two along the face
+    for (int i = 0; i < 3; ++i) {
+      const int k = (a + i) % 3;
+      unit[i] = {k == 0 ? 1.0 : 0.0, k == 1 ? 1.0 : 0.0, k == 2 ? 1.0 : 0.0};
+    }
+    const auto scaled = [&](const Vec3& v) { return Vec3{v.x * h.x, v.y * h.y, v.z * h.z}; };
+    const Vec3 o = scaled(unit[0]) * sign, s = scaled(unit[1]), t = scaled(unit[2]);
+    const Vec3 corner[4] = {pose.point(o - s - t), pose.point(o + s - t), pose.point(o + s + t),
+                            pose.point(o - s + t)};
+    const Vec3 n = pose.direction(unit[0] * sign), normal[4] = {n, n, n, n};
+    add_quad(out, view, corner, normal, color);
+  }
+}
+
+// A sphere cut at its equator, the halves `half` away from the middle along y, joined by a cylinder.
+void capsule_faces(Triangles& out, const View& view, const Pose& pose, double r, double half, Bytes4 color) {
+  const auto ring = [&](int i, double& radial, double& y, double& offset) {
+    const int step = i <= kRings ? i : i - 1;  // the equator appears twice, once per half
+    const double latitude = kTurn / 4 * (static_cast<double>(step) / kRings - 1);
+    radial = std::cos(latitude), y = std::sin(latitude), offset = i <= kRings ? -half : half;
+  };
+  for (int i = 0; i < 2 * kRings + 1; ++i)
+    for (int j = 0; j < kAround; ++j) {
+      Vec3 corner[4], normal[4];
+      for (int c = 0; c < 4; ++c) {
+        double radial, y, offset;
+        ring(i + (c >= 2 ? 1 : 0), radial, y, offset);
+        const double angle = kTurn * (j + (c == 1 || c == 2 ? 1 : 0)) / kAround;
+        const Vec3 n{radial * std::cos(angle), y, radial * std::sin(angle)};
+        normal[c] = pose.direction(n);
+        corner[c] = pose.point(n * r + Vec3{0, offset, 0});
+      }
+      add_quad(out, view, corner, normal, color);
+    }
+}
+
+void circle(Geometry& g, const View& view, const Pose& pose, const Vec3& centre, const Vec3& u, const Vec3& v,
+            double r) {
+  const auto at = [&](int i) {
+    const double angle = kTurn * i / (2 * kAround);
+    return view.units.position(pose.point(centre + u * (r * std::cos(angle)) + v * (r * std::sin(angle))));
+  };
+  for (int i = 0; i < 2 * kAround; ++i) g.add_line(view, at(i), at(i + 1), 0, bytes_of(kEdge));
+}
+
+void box_edges(Geometry& g, const View& view, const Pose& pose, const Vec3& h) {
+  for (int a = 0; a < 8; ++a)
+    for (int bit : {1, 2, 4}) {
+      if (a & bit) continue;
+      const auto corner = [&](int c) {
+        return view.units.position(pose.point({c & 1 ? h.x : -h.x, c & 2 ? h.y : -h.y, c & 4 ? h.z : -h.z}));
+      };
+      g.add_line(view, corner(a), corner(a | bit), 0, bytes_of(kEdge));
+    }
+}
+
+void round_edges(Geometry& g, const View& view, const Pose& pose, double r, double half) {
+  const Vec3 x{1, 0, 0}, y{0, 1, 0}, z{0, 0, 1};
+  circle(g, view, pose, y * half, x, z, r);
+  if (half <= 0) return circle(g, view, pose, {}, x, y, r), circle(g, view, pose, {}, z, y, r);
+  circle(g, view, pose, y * -half, x, z, r);
+  for (const Vec3& side : {x, -x, z, -z})
+    g.add_line(view, view.units.position(pose.point(side * r - y * half)),
+               view.units.position(pose.point(side * r + y * half)), 0, bytes_of(kEdge));
+}
+
+// A square of the plane around the foot of the target; opaque from its free side, glass from behind.
+void plane_patch(Geometry& g, Triangles& out, const View& view, const DrawShape& s, Bytes4 color) {
+  const Vec3 n = normalized(s.size, {0, 1, 0});
+  const Vec3 u = normalized(cross(std::abs(dot(n, view.axes.up)) < 0.99 ? view.axes.up : view.axes.side, n));
+  const Vec3 v = cross(n, u);
+  const Vec3 foot = view.units.origin - n * dot(view.units.origin - s.position, n);
+  const double half = 1.1 * std::max(g.extent.radius, 0.1) / view.units.scale;
+  const Vec3 corner[4] = {foot - u * half - v * half, foot + u * half - v * half, foot + u * half + v * half,
+                          foot - u * half + v * half};
+  const Vec3 normal[4] = {n, n, n, n};
+  add_quad(out, view, corner, normal, color);
+  for (int i = 0; i < 4; ++i)
+    g.lines.insert(
+        g.lines.end(), 4,
+        {view.units.position(corner[i]), view.units.position(corner[(i + 1) % 4]), 0, bytes_of(kEdge)});
+}
+
+void sort_far_to_near(Triangles& glass, const View& view) {
+  using Triangle = std::array<MeshVertex, 3>;
+  std::vector<std::pair<double, Triangle>> order;
+  for (size_t i = 0; i + 2 < glass.size(); i += 3) {
+    const Vec3f c = glass[i].position + glass[i + 1].position + glass[i + 2].position;
+    order.push_back({dot(Vec3{c.x, c.y, c.z}, view.back), {glass[i], glass[i + 1], glass[i + 2]}});
+  }
+  std::stable_sort(order.begin(), order.end(),
+                   [](const auto& a, const auto& b) { return a.first < b.first; });
+  for (size_t i = 0; i < order.size(); ++i) std::copy_n(order[i].second.begin(), 3, glass.begin() + 3 * i);
+}
+
+}  // namespace
+
+void add_shape(Geometry& g, const View& view, const DrawShape& s) {
+  const Pose pose(s);
+  const Bytes4 color = bytes_of(s.color.value_or(kSolid));
+  const double sum = s.position.x + s.position.y + s.position.z + s.size.x + s.size.y + s.size.z;
+  if (!std::isfinite(sum)) return;
+  Triangles faces;
+  switch (s.kind) {
+    case ShapeKind::sphere:
+      if (!s.container)
+        return g.add_sphere(view, view.units.position(s.position), view.units.length(s.size.x), color);
+      capsule_faces(faces, view, pose, s.size.x, 0, color);
+      round_edges(g, view, pose, s.size.x, 0);
+      break;
+    case ShapeKind::capsule:
+      capsule_faces(faces, view, pose, s.size.x, s.size.y, color);
+      if (s.container) round_edges(g, view, pose, s.size.x, s.size.y);
+      break;
+    case ShapeKind::box:
+      box_faces(faces, view, pose, s.size, color);
+      if (s.container) box_edges(g, view, pose, s.size);
+      break;
+    case ShapeKind::plane:
+      plane_patch(g, faces, view, s, color);
+      break;
+  }
+  const bool behind = s.kind == ShapeKind::plane && dot(view.camera.eye - s.position, s.size) < 0;
+  if (s.container || behind) {
+    g.glass.insert(g.glass.end(), faces.begin(), faces.end());
+    sort_far_to_near(g.glass, view);
+    return;
+  }
+  for (const MeshVertex& v : faces) {
+    g.triangles.push_back(static_cast<uint32_t>(g.mesh.size()));
+    g.mesh.push_back(v);
+    if (s.kind != ShapeKind::plane) g.extent.add(view, v.position, 0);
+  }
+}
+
+}  // namespace truestep::picture

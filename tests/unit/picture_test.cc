@@ -1,0 +1,288 @@
+// Pictures: size, colour, light, shadow, determinism, limits and framing, all read back from pixels.
+#include "engine/sinks/picture/picture.h"
+
+#include <gtest/gtest.h>
+#include <png.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <limits>
+#include <thread>
+
+#include "engine/base/errors.h"
+#include "engine/sinks/picture/camera.h"
+#include "engine/sinks/picture/gl_context.h"
+#include "tests/unit/picture_lists.h"
+
+namespace truestep {
+namespace {
+
+using Pixels = std::vector<uint8_t>;
+
+struct Rgb {
+  int r, g, b;
+};
+
+Rgb at(const Pixels& rgba, int width, int x, int y) {
+  const size_t i = 4 * (static_cast<size_t>(y) * width + x);
+  return {rgba[i], rgba[i + 1], rgba[i + 2]};
+}
+int brightness(const Rgb& c) {
+  return c.r + c.g + c.b;
+}
+
+DrawList one_sphere(Color color) {
+  DrawList list;
+  DrawPoints set;
+  set.positions = {0, 0, 0};
+  set.radius = 0.5f;
+  set.color = color;
+  list.points.push_back(set);
+  list.camera = DrawCamera{{0, 0, 4}, {0, 0, 0}, {}, 30};
+  return list;
+}
+
+std::string code_of(const std::function<void()>& action) {
+  try {
+    action();
+  } catch (const Error& e) {
+    return e.code();
+  }
+  return "";
+}
+
+TEST(Picture, PngDecodesToTheSamePixels) {
+  PictureRenderer renderer(120, 80);
+  const Pixels rgba = renderer.render_rgba(one_sphere({0.8f, 0.1f, 0.1f}));
+  const std::vector<uint8_t> file = encode_png(rgba, 120, 80);
+  png_image image{};
+  image.version = PNG_IMAGE_VERSION;
+  ASSERT_TRUE(png_image_begin_read_from_memory(&image, file.data(), file.size()));
+  EXPECT_EQ(image.width, 120u);
+  EXPECT_EQ(image.height, 80u);
+  image.format = PNG_FORMAT_RGBA;
+  Pixels decoded(PNG_IMAGE_SIZE(image));
+  ASSERT_TRUE(png_image_finish_read(&image, nullptr, decoded.data(), 0, nullptr));
+  EXPECT_EQ(decoded, rgba);
+}
+
+TEST(Picture, PngRefusesAWrongNumberOfBytes) {
+  EXPECT_EQ(code_of([] { encode_png(Pixels(4 * 6), 2, 2); }), "invalid_picture");
+  EXPECT_EQ(code_of([] { encode_png({}, 0, 5); }), "invalid_picture");
+}
+
+TEST(Picture, ARedSphereIsRedInTheMiddleAndNowhereElse) {
+  PictureRenderer renderer(200, 150);
+  const Pixels red = renderer.render_rgba(one_sphere({0.9f, 0.05f, 0.05f}));
+  const Rgb centre = at(red, 200, 100, 75);
+  EXPECT_GT(centre.r, 120);
+  EXPECT_LT(centre.g, centre.r / 2);
+  EXPECT_LT(centre.b, centre.r / 2);
+  // Control: without the sphere every pixel is background, and the corners do not change.
+  const Pixels empty = renderer.render_rgba({});
+  EXPECT_GT(at(empty, 200, 100, 75).g, 200);
+  for (int x : {0, 199})
+    for (int y : {0, 149}) {
+      const Rgb a = at(red, 200, x, y), b = at(empty, 200, x, y);
+      EXPECT_EQ(brightness(a), brightness(b)) << x << " " << y;
+    }
+  // The first row is the top one: the key light comes from above, so the sphere's upper half is the brighter.
+  EXPECT_GT(at(red, 200, 100, 55).r, at(red, 200, 100, 95).r + 20);
+  // Radius 0.5 at distance 4 covers 75 pixels times 0.5 / (4 tan 15 deg), seen at sqrt(1 - (r/d)^2).
+  int covered = 0;
+  for (int x = 0; x < 200; ++x) covered += at(red, 200, x, 75).g < 150;
+  const double half = 75 * 0.5 / (4 * std::tan(15 * M_PI / 180)) / std::sqrt(1 - 0.125 * 0.125);
+  EXPECT_NEAR(covered, 2 * half, 1.5);  // a pixel of rounding at either edge
+}
+
+TEST(Picture, AShadowDarkensTheGroundUnderASphereOnly) {
+  PictureRenderer renderer(200, 200);
+  DrawList list = one_sphere({0.5f, 0.5f, 0.5f});
+  list.points[0].positions = {0, 1, 0};
+  list.ground_height = 0;
+  list.camera = DrawCamera{{0, 8, 0.01}, {0, 0, 0}, {}, 40};
+  const Pixels with = renderer.render_rgba(list);
+  // The light falls towards (0.5, -1, -0.45), so the shadow's centre is at x = 0.5, z = -0.45: right of and
+  // above the middle. One metre is 100 / (8 tan 20 deg) = 34 pixels; aim between grid lines.
+  const int x = 100 + 20, y = 100 - 19;
+  list.points.clear();
+  const Pixels without = renderer.render_rgba(list);
+  EXPECT_LT(brightness(at(with, 200, x, y)), brightness(at(without, 200, x, y)) - 90);
+  // Control: the mirrored place is as bright as without the sphere.
+  EXPECT_NEAR(brightness(at(with, 200, 200 - x, 200 - y)), brightness(at(without, 200, 200 - x, 200 - y)), 6);
+}
+
+TEST(Picture, SurfacesAreLitFromBothSides) {
+  PictureRenderer renderer(64, 64);
+  DrawList list;
+  DrawPoints sheet;
+  sheet.positions = {-1, 0, -1, 1, 0, -1, 1, 0, 1, -1, 0, 1};
+  sheet.triangles = {0, 1, 2, 0, 2, 3};
+  sheet.color = Color{0.2f, 0.7f, 0.3f};
+  list.points.push_back(sheet);
+  for (double height : {3.0, -3.0}) {
+    list.camera = DrawCamera{{0.2, height, 0.4}, {0, 0, 0}, {}, 30};
+    const Pixels one = renderer.render_rgba(list);
+    std::reverse(list.points[0].triangles.begin(), list.points[0].triangles.end());  // the other winding
+    const Pixels other = renderer.render_rgba(list);
+    const Rgb a = at(one, 64, 32, 32), b = at(other, 64, 32, 32);
+    EXPECT_GT(a.g, a.r + 30);
+    EXPECT_NEAR(a.g, b.g, 3);
+  }
+}
+
+TEST(Picture, SameListSameBytes) {
+  PictureRenderer renderer(160, 120), another(160, 120);
+  const DrawList list = test::balls_in_box(60);
+  const Pixels first = renderer.render_rgba(list);
+  EXPECT_EQ(first, renderer.render_rgba(list));
+  EXPECT_EQ(first, another.render_rgba(list));
+  Pixels elsewhere;
+  std::thread([&] { elsewhere = renderer.render_rgba(list); }).join();
+  EXPECT_EQ(first, elsewhere);
+  renderer.render_rgba(test::fountain(50));  // what came between leaves no trace
+  EXPECT_EQ(first, renderer.render_rgba(list));
+  EXPECT_NE(first, renderer.render_rgba(test::balls_in_box(61)));  // control
+}
+
+TEST(Picture, TwoThreadsWithTheirOwnRenderers) {
+  const DrawList list = test::spring_net(10);
+  Pixels results[2];
+  {
+    std::vector<std::thread> threads;
+    for (Pixels& result : results)
+      threads.emplace_back([&] {
+        PictureRenderer renderer(96, 64);
+        for (int i = 0; i < 3; ++i) result = renderer.render_rgba(list);
+      });
+    for (std::thread& t : threads) t.join();
+  }
+  EXPECT_EQ(results[0], results[1]);
+}
+
+TEST(Picture, BadSizesAreRefused) {
+  const std::pair<int, int> bad[] = {{15, 100}, {100, 4097}, {0, 0}, {-1, 64}, {1 << 30, 64}};
+  for (const auto& [w, h] : bad)
+    EXPECT_EQ(code_of([=] { PictureRenderer(w, h); }), "out_of_range") << w << " x " << h;
+  PictureRenderer renderer(16, 16);
+  EXPECT_EQ(code_of([&] { renderer.resize(5000, 16); }), "out_of_range");
+  EXPECT_EQ(renderer.render_rgba({}).size(), 16u * 16 * 4);
+  renderer.resize(40, 20);
+  EXPECT_EQ(renderer.render_rgba({}).size(), 40u * 20 * 4);
+}
+
+TEST(Picture, BadListsAreRefused) {
+  PictureRenderer renderer(32, 32);
+  DrawList list = one_sphere({});
+  const auto refused = [&](auto change) {
+    DrawList bad = list;
+    change(bad.points[0]);
+    return code_of([&] { renderer.render_rgba(bad); });
+  };
+  EXPECT_EQ(refused([](DrawPoints&) {}), "");  // control
+  EXPECT_EQ(refused([](DrawPoints& p) { p.lines = {0, 1}; }), "invalid_draw_list");
+  EXPECT_EQ(refused([](DrawPoints& p) { p.lines = {0}; }), "invalid_draw_list");
+  EXPECT_EQ(refused([](DrawPoints& p) { p.triangles = {0, 0, 7}; }), "invalid_draw_list");
+  EXPECT_EQ(refused([](DrawPoints& p) { p.radii = {1, 2}; }), "invalid_draw_list");
+  EXPECT_EQ(refused([](DrawPoints& p) { p.scalar = {1, 2}; }), "invalid_draw_list");
+  EXPECT_EQ(refused([](DrawPoints& p) { p.positions.pop_back(); }), "invalid_draw_list");
+}
+
+TEST(Picture, NumbersThatAreNotFiniteAreLeftOut) {
+  PictureRenderer renderer(64, 64);
+  DrawList list = one_sphere({0.9f, 0.1f, 0.1f});
+  const Pixels clean = renderer.render_rgba(list);
+  const float nan = std::numeric_limits<float>::quiet_NaN(), inf = std::numeric_limits<float>::infinity();
+  list.points[0].positions.insert(list.points[0].positions.end(), {nan, 0, 0, 0, inf, 0, 1e30f, 0, 0});
+  EXPECT_EQ(clean, renderer.render_rgba(list));
+  list.camera.reset();
+  list.points[0].positions.resize(9);
+  EXPECT_GT(at(renderer.render_rgba(list), 64, 32, 32).r, 100);  // framing ignores them too
+}
+
+TEST(Picture, ScaleDoesNotMatter) {
+  PictureRenderer renderer(64, 64);
+  const Pixels metre = renderer.render_rgba(one_sphere({0.9f, 0.1f, 0.1f}));
+  for (double scale : {1e-9, 1e11}) {
+    DrawList list = one_sphere({0.9f, 0.1f, 0.1f});
+    list.points[0].radius *= static_cast<float>(scale);
+    list.camera->eye = list.camera->eye * scale;
+    const Pixels scaled = renderer.render_rgba(list);
+    int worst = 0;
+    for (size_t i = 0; i < scaled.size(); ++i) worst = std::max(worst, std::abs(scaled[i] - metre[i]));
+    EXPECT_LE(worst, 64) << scale;  // one of four samples of an edge pixel may flip
+    EXPECT_EQ(at(scaled, 64, 32, 32).r, at(metre, 64, 32, 32).r);
+  }
+}
+
+// Angle of p off the camera's axis across and along, as a share of the half picture.
+std::pair<double, double> place(const DrawCamera& camera, double aspect, const Vec3& p) {
+  const Vec3 back = normalized(camera.eye - camera.target), right = normalized(cross(*camera.up, back));
+  const Vec3 above = cross(back, right), q = p - camera.eye;
+  const double depth = -dot(q, back), k = std::tan(camera.fov_degrees * M_PI / 360);
+  return {dot(q, right) / (depth * k * aspect), dot(q, above) / (depth * k)};
+}
+
+TEST(Picture, AutomaticCameraHoldsEveryPointWithLittleToSpare) {
+  for (const Vec3& up : {Vec3{0, 1, 0}, Vec3{0, 0, 1}, Vec3{-1, 0, 0}})
+    for (double aspect : {0.5, 1.0, 2.4}) {
+      DrawList list = test::fountain(300);
+      list.up = up;
+      const DrawCamera camera = picture::camera_for(list, aspect);
+      double widest = 0;
+      const std::vector<float>& x = list.points[0].positions;
+      for (size_t i = 0; i < x.size(); i += 3) {
+        const auto [u, v] = place(camera, aspect, {x[i], x[i + 1], x[i + 2]});
+        widest = std::max({widest, std::abs(u), std::abs(v)});
+      }
+      EXPECT_LE(widest, 1.0);
+      EXPECT_GE(widest, 0.8);  // control: a camera that is merely far away fails
+    }
+  EXPECT_GT(norm(picture::camera_for({}, 1).eye), 0);
+  DrawList lone = one_sphere({});
+  lone.camera.reset();
+  lone.points[0].radius = 0;
+  lone.points[0].positions = {1e6f, 0, 0};
+  const DrawCamera camera = picture::camera_for(lone, 1);
+  EXPECT_GT(norm(camera.eye - camera.target), 0);
+}
+
+TEST(Picture, EglDrawsTheSameOrSaysWhyNot) {
+  std::unique_ptr<picture::GlContext> egl;
+  const std::string code = code_of([&] { egl = picture::create_egl_context(); });
+  EXPECT_EQ(code, egl ? "" : "render_unavailable");
+  if (egl) {
+    EXPECT_EQ(egl->backend(), "egl");
+    const picture::GlCurrent current(*egl);
+    EXPECT_NE(egl->gl().GetString(GL_VERSION), nullptr);
+  }
+}
+
+TEST(Picture, DemosAreWrittenForPeopleToLookAt) {
+  const std::filesystem::path folder = std::filesystem::path(TRUESTEP_BINARY).parent_path() / "pictures";
+  std::filesystem::create_directories(folder);
+  PictureRenderer renderer(800, 600);
+  const std::pair<const char*, DrawList> demos[] = {{"cloth", test::draped_cloth(60)},
+                                                    {"fountain", test::fountain(5000)},
+                                                    {"spring_net", test::spring_net(20)},
+                                                    {"balls", test::balls_in_box(150)}};
+  for (const auto& [name, list] : demos) {
+    const Pixels rgba = renderer.render_rgba(list);
+    const std::vector<uint8_t> file = encode_png(rgba, 800, 600);
+    std::ofstream(folder / (std::string(name) + ".png"), std::ios::binary)
+        .write(reinterpret_cast<const char*>(file.data()), static_cast<std::streamsize>(file.size()));
+    DrawList bare = list;
+    bare.points.clear();
+    bare.camera = picture::camera_for(list, 800.0 / 600);
+    const Pixels empty = renderer.render_rgba(bare);
+    size_t changed = 0;
+    for (size_t i = 0; i < rgba.size(); i += 4) changed += std::abs(rgba[i] - empty[i]) > 12;
+    EXPECT_GT(changed, rgba.size() / 4 / 20)
+        << name << ": the points fill less than a twentieth of the picture";
+  }
+}
+
+}  // namespace
+}  // namespace truestep
