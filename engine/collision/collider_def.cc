@@ -1,6 +1,5 @@
 #include "engine/collision/collider_def.h"
 
-
 namespace truestep {
 namespace {
 

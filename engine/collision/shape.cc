@@ -2,7 +2,6 @@
 
 #include <limits>
 
-
 namespace truestep {
 namespace {
 constexpr double kTwoPi = 6.283185307179586;
