@@ -41,8 +41,10 @@ class ForceField {
 
   /// a = M^-1 f(x, v, t), as long as v. Rows with inverse mass 0 get 0.
   virtual void acceleration(const Phase& at, std::span<double> a, Evaluation& e) const = 0;
-  /// dx/dt = G(x) v, as long as x. The default copies v.
-  virtual void position_rate(const Phase& at, std::span<double> rate, Evaluation& e) const;
+  /// dx/dt = G(x) v, as long as x: either written to `rate`, which is then returned, or the velocity itself
+  /// where G is the identity, as in the default.
+  virtual std::span<const double> position_rate(const Phase& at, std::span<double> rate,
+                                                Evaluation& e) const;
   /// Brings a stepped (x, v) back to its manifold (unit quaternions ...). The default does nothing.
   virtual void project(std::span<double> x, std::span<double> v, const State& state) const {}
 

@@ -52,7 +52,10 @@ FieldView ForceSystem::field(const State& state, size_t which, std::vector<doubl
 
 std::optional<double> ForceSystem::stable_dt(const State& state) const {
   const auto s = field_->stiffness(state);
-  if (!s || std::isinf(method_.imaginary_limit)) return std::nullopt;
+  // Adaptive methods divide a step themselves; unconditionally stable ones need no limit.
+  if (!s || method_.stepping == Integrator::Stepping::adaptive || std::isinf(method_.imaginary_limit)) {
+    return std::nullopt;
+  }
   double dt = HUGE_VAL;
   if (s->omega > 0) dt = method_.imaginary_limit / s->omega;
   if (s->damping > 0) dt = std::min(dt, method_.real_limit / s->damping);

@@ -22,8 +22,9 @@ struct Integrator {
   std::string_view name;   ///< as in a scene
   std::string_view title;  ///< e.g. "classical Runge-Kutta"
   int order = 1;           ///< of the global error
-  double imaginary_limit =
-      0;                  ///< largest stable omega * h on an undamped oscillator; infinity: unconditional
+  /// Largest stable omega * h on an undamped oscillator; infinity: unconditional. Adaptive methods: of one
+  /// internal step.
+  double imaginary_limit = 0;
   double real_limit = 0;  ///< largest stable lambda * h on exponential decay; infinity: unconditional
   enum class Structure : uint8_t { none, symplectic } structure = Structure::none;
   enum class Stepping : uint8_t { fixed, adaptive } stepping = Stepping::fixed;
@@ -36,6 +37,8 @@ struct Integrator {
   void (*prepare)(const ForceField&, State&) = nullptr;
   /// Advances position and velocity by input.h.
   void (*step)(const ForceField&, State&, const StepInput&, const IntegratorOptions&) = nullptr;
+  /// The method's own reason for not serving a field, if it has one; may be null. Users call `refusal`.
+  std::optional<std::string> (*refuses)(const ForceField&) = nullptr;
 };
 
 /// All methods, in the order in which they are listed to users.

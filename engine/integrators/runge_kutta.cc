@@ -1,0 +1,128 @@
+// Kutta 1901 (rk4), Heun 1900, Runge 1895 (midpoint), as in Hairer, Norsett, Wanner 1993, table II.1.2;
+// Dormand, Prince 1980, "A family of embedded Runge-Kutta formulae", table 2 (RK5(4)7M).
+#include "engine/integrators/runge_kutta.h"
+
+#include <algorithm>
+
+#include "engine/integrators/combine.h"
+#include "engine/integrators/methods.h"
+
+namespace truestep {
+
+const Tableau kEulerTableau = {.stages = 1, .a = {}, .b = {1}, .c = {0}};
+const Tableau kMidpointTableau = {.stages = 2, .a = {{{}, {0.5}}}, .b = {0, 1}, .c = {0, 0.5}};
+const Tableau kHeunTableau = {.stages = 2, .a = {{{}, {1}}}, .b = {0.5, 0.5}, .c = {0, 1}};
+const Tableau kRk4Tableau = {.stages = 4,
+                             .a = {{{}, {0.5}, {0, 0.5}, {0, 0, 1}}},
+                             .b = {1.0 / 6, 1.0 / 3, 1.0 / 3, 1.0 / 6},
+                             .c = {0, 0.5, 0.5, 1}};
+const Tableau kDopri5Tableau = {
+    .stages = 7,
+    .a = {{{},
+           {1.0 / 5},
+           {3.0 / 40, 9.0 / 40},
+           {44.0 / 45, -56.0 / 15, 32.0 / 9},
+           {19372.0 / 6561, -25360.0 / 2187, 64448.0 / 6561, -212.0 / 729},
+           {9017.0 / 3168, -355.0 / 33, 46732.0 / 5247, 49.0 / 176, -5103.0 / 18656},
+           {35.0 / 384, 0, 500.0 / 1113, 125.0 / 192, -2187.0 / 6784, 11.0 / 84}}},
+    .b = {35.0 / 384, 0, 500.0 / 1113, 125.0 / 192, -2187.0 / 6784, 11.0 / 84, 0},
+    .c = {0, 1.0 / 5, 3.0 / 10, 4.0 / 5, 8.0 / 9, 1, 1}};
+
+namespace {
+constexpr std::array<std::string_view, Tableau::kMaxStages> kAccelerationKeys = {
+    "integrator.k1", "integrator.k2", "integrator.k3", "integrator.k4",
+    "integrator.k5", "integrator.k6", "integrator.k7"};
+constexpr std::array<std::string_view, Tableau::kMaxStages> kRateKeys = {
+    "integrator.r1", "integrator.r2", "integrator.r3", "integrator.r4",
+    "integrator.r5", "integrator.r6", "integrator.r7"};
+}  // namespace
+
+RungeKutta::RungeKutta(const Tableau& tableau, Motion& motion)
+    : tableau_(tableau), motion_(motion), plain_(motion.plain_rate()) {
+  for (size_t i = 0; i < tableau.stages; ++i) {
+    k_[i] = motion.scratch(kAccelerationKeys[i], motion.v.size()).data();
+    if (!plain_) rate_[i] = motion.scratch(kRateKeys[i], motion.x.size()).data();
+  }
+}
+
+void RungeKutta::combine_position(double h, const std::array<double, Tableau::kMaxStages>& w,
+                                  std::span<const double> base, std::span<const double> v,
+                                  std::span<double> out) {
+  Combination t;
+  if (plain_) {
+    double weight_of_v = 0;
+    std::array<double, Tableau::kMaxStages> nystrom{};
+    for (size_t j = 0; j < tableau_.stages; ++j) {
+      weight_of_v += w[j];
+      for (size_t l = 0; l < j; ++l) nystrom[l] += w[j] * tableau_.a[j][l];
+    }
+    t.add(h * weight_of_v, v.data());
+    for (size_t j = 0; j < tableau_.stages; ++j) t.add(h * h * nystrom[j], k_[j]);
+  } else {
+    for (size_t j = 0; j < tableau_.stages; ++j) t.add(h * w[j], rate_[j]);
+  }
+  combine(motion_, out.size(), out.data(), base.data(), t);
+}
+
+void RungeKutta::combine_velocity(double h, const std::array<double, Tableau::kMaxStages>& w,
+                                  std::span<const double> base, std::span<double> out) {
+  Combination t;
+  for (size_t j = 0; j < tableau_.stages; ++j) t.add(h * w[j], k_[j]);
+  combine(motion_, out.size(), out.data(), base.data(), t);
+}
+
+void RungeKutta::stage(size_t i, double t, double h, std::span<const double> x, std::span<const double> v) {
+  std::span<const double> xs = x, vs = v;
+  if (i > 0) {
+    const auto x_stage = motion_.scratch("integrator.x", x.size());
+    combine_position(h, tableau_.a[i], x, v, x_stage);
+    xs = x_stage;
+    if (!plain_ || motion_.field.dependence() == Dependence::position_and_velocity) {
+      const auto v_stage = motion_.scratch("integrator.v", v.size());
+      combine_velocity(h, tableau_.a[i], v, v_stage);
+      vs = v_stage;
+    }
+  }
+  const double t_stage = t + tableau_.c[i] * h;
+  motion_.acceleration(t_stage, xs, vs, {k_[i], v.size()});
+  if (!plain_) {
+    const std::span<double> out{rate_[i], x.size()};
+    const auto rate = motion_.rate(t_stage, xs, vs, out);
+    if (rate.data() != out.data()) std::copy(rate.begin(), rate.end(), out.begin());
+  }
+}
+
+void RungeKutta::step(double t, double h, std::span<const double> x, std::span<const double> v,
+                      std::span<double> x_out, std::span<double> v_out, size_t first) {
+  for (size_t i = first; i < tableau_.stages; ++i) stage(i, t, h, x, v);
+  combine_position(h, tableau_.b, x, v, x_out);
+  combine_velocity(h, tableau_.b, v, v_out);
+}
+
+void RungeKutta::last_stage_becomes_first() {
+  const size_t last = tableau_.stages - 1;
+  motion_.loop(motion_.v.size(), [to = k_[0], from = k_[last]](size_t i) { to[i] = from[i]; });
+  if (!plain_) {
+    motion_.loop(motion_.x.size(), [to = rate_[0], from = rate_[last]](size_t i) { to[i] = from[i]; });
+  }
+}
+
+namespace {
+void fixed_step(const Tableau& tableau, const ForceField& field, State& state, const StepInput& in) {
+  Motion m(field, state, in);
+  RungeKutta(tableau, m).step(in.t, in.h, m.x, m.v, m.x, m.v);
+  m.project();
+}
+}  // namespace
+
+void step_midpoint(const ForceField& f, State& s, const StepInput& in, const IntegratorOptions&) {
+  fixed_step(kMidpointTableau, f, s, in);
+}
+void step_heun(const ForceField& f, State& s, const StepInput& in, const IntegratorOptions&) {
+  fixed_step(kHeunTableau, f, s, in);
+}
+void step_rk4(const ForceField& f, State& s, const StepInput& in, const IntegratorOptions&) {
+  fixed_step(kRk4Tableau, f, s, in);
+}
+
+}  // namespace truestep

@@ -1,0 +1,127 @@
+#include "engine/systems/oscillator/oscillator.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "engine/base/errors.h"
+
+namespace truestep {
+
+const DefTable& oscillator_table() {
+  using D = OscillatorDef;
+  static const DefTable kTable = [] {
+    TableOf<D> t("a mass on a spring along the first axis, damped and driven at will");
+    t.number("mass", &D::mass, "kg", above(0), "mass of the point")
+        .number("stiffness", &D::stiffness, "N/m", at_least(0), "spring constant")
+        .number("damping", &D::damping, "N s/m", at_least(0), "damping force per velocity")
+        .number("position", &D::position, "m", any(), "initial distance from the rest position")
+        .number("velocity", &D::velocity, "m/s", any(), "initial velocity")
+        .number("drive_force", &D::drive_force, "N", any(), "amplitude of the driving force")
+        .number("drive_frequency", &D::drive_frequency, "Hz", at_least(0), "frequency of the driving force");
+    add_integrator_rows(t);
+    return t.build();
+  }();
+  return kTable;
+}
+
+namespace {
+
+[[noreturn]] void refuse(const std::string& pointer, const std::string& message, const std::string& allowed) {
+  throw Error("bad_command", message, {{pointer, "bad_command", message, "", allowed, "", ""}});
+}
+
+class Oscillator : public ForceSystem {
+ public:
+  using C = OscillatorColumns;
+
+  Oscillator(const OscillatorDef& def, std::unique_ptr<const ForceField> field, const Integrator& method)
+      : ForceSystem(std::move(field), method, def.choice().options), def_(def) {
+    add_integration_stage();
+    add_stage("push", "ends a push command when its time is over", end_push);
+    if (def.drive_force == 0) skip_stage("drive", "the driving force is zero");
+    if (def.damping == 0) skip_stage("damping", "the damping is zero");
+  }
+
+  void observe(const State& state, double t, Observables& out) const override {
+    ForceSystem::observe(state, t, out);
+    if (def_.drive_force == 0 && state.f64(C::kDisturbed)[0] == 0) {
+      const auto exact = oscillator_exact(def_, t);
+      out.add("error.exact", std::abs(state.f64(C::kPosition)[0] - exact.x), "m");
+    }
+  }
+
+  void apply(State& state, const Command& c) const override {
+    if (c.index > 0 || c.index < -1) refuse("/index", "an oscillator has one point", "0");
+    switch (c.kind) {
+      case CommandKind::impulse:
+        state.f64(C::kVelocity)[0] += c.vector.x * state.f64(C::kInverseMass)[0];
+        break;
+      case CommandKind::push:
+        state.f64(C::kPushForce)[0] = c.vector.x;
+        state.f64(C::kPushRemaining)[0] = c.duration;
+        break;
+      case CommandKind::set_parameter:
+        set_parameter(state, c);
+        break;
+      default:
+        refuse("/kind", "an oscillator knows no such command", "push, impulse, set_parameter");
+    }
+    state.f64(C::kDisturbed)[0] = 1;
+  }
+
+  Topology topology(const State&) const override {
+    Topology t;
+    t.point_radius = 0.05;
+    return t;
+  }
+
+ private:
+  static void end_push(State& s, const StepInput& in) {
+    double& remaining = s.f64(C::kPushRemaining)[0];
+    remaining = std::max(0.0, remaining - in.h);
+    if (remaining < 1e-9 * in.h) s.f64(C::kPushForce)[0] = 0;
+  }
+
+  void set_parameter(State& s, const Command& c) const {
+    static constexpr std::pair<std::string_view, C::Index> kSettable[] = {
+        {"stiffness", C::kStiffness},
+        {"damping", C::kDamping},
+        {"mass", C::kInverseMass},
+        {"drive_force", C::kDriveForce},
+        {"drive_frequency", C::kDriveFrequency}};
+    for (const auto& [name, column] : kSettable) {
+      if (c.name != name) continue;
+      // Without damping the scene was planned for forces of position alone.
+      if (column == C::kDamping && def_.damping == 0) {
+        refuse("/name", "damping can change only in a scene that starts with some",
+               "a scene with damping > 0");
+      }
+      const bool positive = column == C::kInverseMass, any_sign = column == C::kDriveForce;
+      if (!std::isfinite(c.value) || (!any_sign && c.value < 0) || (positive && c.value == 0)) {
+        refuse("/value", c.name + " is out of range", positive ? "> 0" : ">= 0");
+      }
+      s.f64(column)[0] = positive ? 1 / c.value : c.value;
+      return;
+    }
+    refuse("/name", "no parameter " + c.name + " to set",
+           "stiffness, damping, mass, drive_force, drive_frequency");
+  }
+
+  OscillatorDef def_;
+};
+
+}  // namespace
+
+std::unique_ptr<const System> make_oscillator(const void* def, const BuildContext&) {
+  const auto& d = *static_cast<const OscillatorDef*>(def);
+  auto field = make_oscillator_field(d);
+  const Integrator& method = choose_integrator(d.choice(), "rk4", *field);
+  return std::make_unique<Oscillator>(d, std::move(field), method);
+}
+
+Cost cost_oscillator(const void*) {
+  return {.state_bytes = 512, .workspace_bytes = 4096, .elements = 1, .seconds_per_step = 2e-6};
+}
+
+}  // namespace truestep
