@@ -1,9 +1,20 @@
 #include "engine/scene/catalogue.h"
 
+#include "engine/systems/oscillator/oscillator.h"
+
 namespace truestep {
 
 std::span<const CatalogueRow> catalogue() {
-  static const std::vector<CatalogueRow> kRows = {};
+  static const std::vector<CatalogueRow> kRows = {
+      {"oscillator",
+       "equations",
+       "a damped, driven mass on a spring with its exact solution",
+       &oscillator_table(),
+       make_oscillator,
+       cost_oscillator,
+       {"every integrator shows its order on it", "the amplitude per step is the method's own, to 1e-12"},
+       "rk4"},
+  };
   return kRows;
 }
 

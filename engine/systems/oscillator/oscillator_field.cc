@@ -19,7 +19,7 @@ class OscillatorField : public ForceField {
   State initial_state() const override {
     using C = OscillatorColumns;
     State s;
-    const auto add = [&s](C expected, const char* name, const char* unit, uint32_t width, Role role,
+    const auto add = [&s](C::Index expected, const char* name, const char* unit, uint32_t width, Role role,
                           double v) {
       const auto c = s.add({name, unit, Scalar::f64, width, role}, 1);
       assert(c == expected);

@@ -1,0 +1,51 @@
+// Every row of the integrator table has the order it promises, on every problem it serves.
+#include <gtest/gtest.h>
+
+#include <cstdio>
+
+#include "tests/convergence/problems.h"
+
+namespace truestep::test {
+namespace {
+
+// Halving h must divide the error by 2^order: within 0.1 in the exponent, which the next term of the error
+// expansion (a few per cent at these step counts) stays below.
+constexpr double kTolerance = 0.1;
+
+// Adaptive methods take every step as one when no error is too large.
+const IntegratorOptions kOptions = {.tolerance = 1e300, .newton_tolerance = 1e-13};
+
+struct Named {
+  const char* name;
+  Problem (*make)();
+};
+constexpr Named kProblems[] = {{"oscillator", oscillator},
+                               {"damped_oscillator", damped_oscillator},
+                               {"kepler", kepler},
+                               {"free_body", free_body}};
+
+double order_of(const Integrator& m, const Problem& p) {
+  // Low orders converge slowly and need more halvings, high ones reach rounding early.
+  const size_t first = m.order <= 1 ? 512 : m.order == 2 ? 128 : 32;
+  return observed_order([&](size_t n) { return end_error(m, p, n, kOptions); }, first, 3);
+}
+
+TEST(Order, EveryRowKeepsItsPromise) {
+  for (const Named& named : kProblems) {
+    const Problem p = named.make();
+    for (const Integrator& m : integrators()) {
+      if (const auto why = refusal(m, *p.field)) {
+        std::printf("%-18s %-22s refused: %s\n", named.name, std::string(m.name).c_str(), why->c_str());
+        continue;
+      }
+      const int promised = p.field->dependence() == Dependence::position ? m.order : m.order_with_velocity;
+      const double observed = order_of(m, p);
+      std::printf("%-18s %-22s promised %d observed %.3f\n", named.name, std::string(m.name).c_str(),
+                  promised, observed);
+      EXPECT_NEAR(observed, promised, kTolerance) << m.name << " on " << named.name;
+    }
+  }
+}
+
+}  // namespace
+}  // namespace truestep::test

@@ -1,0 +1,37 @@
+// Smooth problems with known solutions for order measurements, and the measurement itself: the slope of
+// log(error) against log(h) between successive halvings.
+#pragma once
+#include <cmath>
+#include <functional>
+#include <memory>
+#include <vector>
+
+#include "engine/core/integrator.h"
+
+namespace truestep::test {
+
+/// A force field with the end of its motion: (x, v) at t_end.
+struct Problem {
+  std::unique_ptr<const ForceField> field;
+  double t_end = 1;
+  std::vector<double> x_end, v_end;
+};
+
+/// m = 1, k = 4, exact.
+Problem oscillator();
+/// The same with c = 0.6: the acceleration depends on velocity.
+Problem damped_oscillator();
+/// Two-body motion with eccentricity 0.2 from its near point over 2 time units, exact.
+Problem kepler();
+/// A free rigid body with three different moments of inertia: orientation quaternion and body-frame angular
+/// velocity, q' = 1/2 q (0, w); reference by Gragg's extrapolation of order 8.
+Problem free_body();
+
+/// Steps a problem `steps` times; largest error of position and velocity at the end.
+double end_error(const Integrator& method, const Problem& problem, size_t steps,
+                 const IntegratorOptions& options = {});
+
+/// Observed order: slope of log error over step counts n, 2n, 4n ... at the finest pair above rounding.
+double observed_order(const std::function<double(size_t steps)>& error, size_t first, size_t doublings);
+
+}  // namespace truestep::test
