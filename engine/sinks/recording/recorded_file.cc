@@ -1,0 +1,261 @@
+#include "engine/sinks/recording/recorded_file.h"
+
+#include <algorithm>
+#include <cstring>
+#include <filesystem>
+
+#include "engine/base/errors.h"
+#include "engine/sinks/recording/fletcher32.h"
+
+namespace truestep {
+namespace {
+
+[[noreturn]] void damaged(const std::string& what) {
+  throw Error("recording_damaged", what);
+}
+
+H5 open_file(const std::string& path, RecordingOwner owner) {
+  H5 access = h5_id(H5Pcreate(H5P_FILE_ACCESS), "make file properties");
+  h5_ok(H5Pset_fclose_degree(access, H5F_CLOSE_STRONG), "set how the file closes");
+  h5_ok(H5Pset_file_locking(access, 1, 1), "set file locking");
+  if (owner == RecordingOwner::kDead) h5_ok(H5Pset_metadata_read_attempts(access, 1), "set the attempts");
+  // A file whose writer lives or died is marked: only a SWMR reader may open it, and needs no repair.
+  for (unsigned mode : {H5F_ACC_RDONLY, H5F_ACC_RDONLY | H5F_ACC_SWMR_READ}) {
+    const hid_t id = H5Fopen(path.c_str(), mode, access);
+    if (id >= 0) return H5(id);
+  }
+  throw_h5_error("open the recording");
+}
+
+bool exists(hid_t at, const std::string& name) {
+  return H5Lexists(at, name.c_str(), H5P_DEFAULT) > 0;
+}
+
+std::vector<std::string> links(hid_t file, const char* path) {
+  H5 group = h5_id(H5Gopen2(file, path, H5P_DEFAULT), "open a group");
+  std::vector<std::string> names;
+  const auto visit = [](hid_t, const char* name, const H5L_info_t*, void* data) -> herr_t {
+    static_cast<std::vector<std::string>*>(data)->emplace_back(name);
+    return 0;
+  };
+  hsize_t at = 0;
+  h5_ok(H5Literate(group, H5_INDEX_CRT_ORDER, H5_ITER_INC, &at, visit, &names), "list a group");
+  return names;
+}
+
+std::string text_of(hid_t type, const std::string& bytes) {
+  return H5Tis_variable_str(type) > 0 ? std::string() : bytes.substr(0, bytes.find_last_not_of('\0') + 1);
+}
+
+std::string read_text(hid_t file, const std::string& path) {
+  H5 set = h5_id(H5Dopen2(file, path.c_str(), H5P_DEFAULT), "open a text");
+  H5 type = h5_id(H5Dget_type(set), "read a type");
+  std::string bytes(H5Tget_size(type), '\0');
+  h5_ok(H5Dread(set, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, bytes.data()), "read a text");
+  return text_of(type, bytes);
+}
+
+std::string read_text_attribute(hid_t object, const char* name) {
+  if (H5Aexists(object, name) <= 0) return "";
+  H5 attribute = h5_id(H5Aopen(object, name, H5P_DEFAULT), "open an attribute");
+  H5 type = h5_id(H5Aget_type(attribute), "read a type");
+  std::string bytes(H5Tget_size(type), '\0');
+  h5_ok(H5Aread(attribute, type, bytes.data()), "read an attribute");
+  return text_of(type, bytes);
+}
+
+template <typename T>
+void read_scalar(hid_t file, const char* path, hid_t type, T& value) {
+  H5 set = h5_id(H5Dopen2(file, path, H5P_DEFAULT), "open a parameter");
+  h5_ok(H5Dread(set, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, &value), "read a parameter");
+}
+
+std::vector<uint32_t> read_indices(hid_t file, const std::string& path) {
+  if (!exists(file, path)) return {};
+  H5 set = h5_id(H5Dopen2(file, path.c_str(), H5P_DEFAULT), "open the topology");
+  H5 space = h5_id(H5Dget_space(set), "read a shape");
+  std::vector<uint32_t> v(static_cast<size_t>(H5Sget_simple_extent_npoints(space)));
+  h5_ok(H5Dread(set, H5T_NATIVE_UINT32, H5S_ALL, H5S_ALL, H5P_DEFAULT, v.data()), "read the topology");
+  return v;
+}
+
+double element(Precision precision, const std::byte* p) {
+  if (precision == Precision::kF64) {
+    double v;
+    std::memcpy(&v, p, sizeof v);
+    return v;
+  }
+  if (precision == Precision::kF32) {
+    float v;
+    std::memcpy(&v, p, sizeof v);
+    return v;
+  }
+  uint32_t v;
+  std::memcpy(&v, p, sizeof v);
+  return v;
+}
+
+}  // namespace
+
+RecordedFile::RecordedFile(const std::string& path, RecordingOwner owner) : file_(open_file(path, owner)) {
+  file_size_ = std::filesystem::file_size(path);
+  info_.layout.path = path;
+  if (!exists(file_, "/clock") || !exists(file_, "/clock/step") || !exists(file_, "/particles")) {
+    throw Error("recording_foreign", "this HDF5 file is not a Truestep recording");
+  }
+  info_.frames = ~uint64_t{0};
+  step_ = open_array("/clock/step", info_.frames);
+  time_ = open_array("/clock/time", info_.frames);
+  read_parameters();
+  read_systems();
+  read_observables();
+}
+
+void RecordedFile::read_parameters() {
+  RecordingLayout& layout = info_.layout;
+  layout.scene_json = read_text(file_, "/parameters/scene");
+  layout.build = read_text(file_, "/parameters/build");
+  read_scalar(file_, "/parameters/seed", H5T_NATIVE_UINT64, layout.seed);
+  read_scalar(file_, "/parameters/dt", H5T_NATIVE_DOUBLE, layout.dt);
+  if (exists(file_, "/parameters/journal")) {
+    try {
+      info_.journal = read_text(file_, "/parameters/journal");
+      info_.completion = RecordingCompletion::kFinalized;
+    } catch (const Error&) {  // it is written last: a file that lost its tail lost the journal first
+      info_.completion = RecordingCompletion::kUnfinished;
+    }
+  }
+}
+
+RecordedFile::Array RecordedFile::open_array(const std::string& path, uint64_t& frames) {
+  Array a;
+  a.set = h5_id(H5Dopen2(file_, path.c_str(), H5P_DEFAULT), "open a dataset");
+  H5 space = h5_id(H5Dget_space(a.set), "read a shape");
+  H5 create = h5_id(H5Dget_create_plist(a.set), "read dataset properties");
+  hsize_t dims[3] = {0, 1, 1}, chunk[3] = {1, 1, 1};
+  const int rank = H5Sget_simple_extent_ndims(space);
+  if (rank < 1 || rank > 3 || H5Pget_chunk(create, rank, chunk) != rank) damaged("a dataset has no chunks");
+  h5_ok(H5Sget_simple_extent_dims(space, dims, nullptr), "read a shape");
+  H5 type = h5_id(H5Dget_type(a.set), "read a type");
+  a.element = H5Tget_size(type);
+  const bool floating = H5Tget_class(type) == H5T_FLOAT;
+  a.precision = !floating ? Precision::kU32 : a.element == 4 ? Precision::kF32 : Precision::kF64;
+  a.rows = dims[1];
+  a.width = dims[2];
+  a.frames = chunk[0];
+  a.chunk_rows = chunk[1];
+  if (chunk[2] != dims[2] || a.rows == 0 || a.element > 8) damaged("a dataset has an unknown shape");
+  a.chunks = (a.rows + a.chunk_rows - 1) / a.chunk_rows;
+  frames = std::min<uint64_t>(frames, dims[0]);
+  return a;
+}
+
+RecordedField RecordedFile::read_field(const std::string& path, const std::string& name) {
+  fields_.back().push_back(open_array(path + "/" + name + "/value", info_.frames));
+  const Array& a = fields_.back().back();
+  return {name, read_text_attribute(a.set, "si_unit"), static_cast<uint32_t>(a.width), a.precision};
+}
+
+void RecordedFile::read_systems() {
+  for (const std::string& id : links(file_, "/particles")) {
+    const std::string path = "/particles/" + id;
+    H5 group = h5_id(H5Gopen2(file_, path.c_str(), H5P_DEFAULT), "open a system");
+    RecordedSystem system;
+    system.id = id;
+    system.type = read_text_attribute(group, "type");
+    system.rows =
+        read_text_attribute(group, "row_policy") == "fixed" ? RowPolicy::kFixed : RowPolicy::kVariable;
+    fields_.emplace_back();
+    for (const std::string& name : links(file_, path.c_str())) {
+      if (name != "box" && name != "rows") system.fields.push_back(read_field(path, name));
+    }
+    if (fields_.back().empty()) damaged("the system '" + id + "' has no fields");
+    system.max_rows = static_cast<uint32_t>(fields_.back()[0].rows);
+    counts_.push_back(system.rows == RowPolicy::kVariable ? open_array(path + "/rows", info_.frames)
+                                                          : Array());
+    system.lines = read_indices(file_, "/connectivity/" + id + "/lines");
+    system.triangles = read_indices(file_, "/connectivity/" + id + "/triangles");
+    info_.layout.systems.push_back(std::move(system));
+  }
+}
+
+void RecordedFile::read_observables() {
+  for (const std::string& name : links(file_, "/observables")) {
+    observables_.push_back(open_array("/observables/" + name + "/value", info_.frames));
+    info_.layout.observables.push_back({name, read_text_attribute(observables_.back().set, "si_unit")});
+  }
+}
+
+// HDF5 reads zeros behind the end of a file that lost its tail, and zeros have the checksum zero. The search
+// is linear in the frames, so it is made for chunks of zeros only.
+void RecordedFile::check_not_behind_end(hid_t set, const hsize_t* at, uint64_t frame) {
+  haddr_t address = HADDR_UNDEF;
+  hsize_t size = 0;
+  unsigned filters = 0;
+  h5_ok(H5Dget_chunk_info_by_coord(set, at, &filters, &address, &size), "find a frame");
+  if (address == HADDR_UNDEF || address + size > file_size_) {
+    damaged("frame " + std::to_string(frame) + " lies behind the end of the file");
+  }
+}
+
+// The stored row of `frame` in chunk column `column`, checked and kept for the frames beside it.
+const std::byte* RecordedFile::row_data(Array& a, uint64_t frame, size_t column) {
+  const uint64_t row = frame / a.frames;
+  const size_t frame_bytes = a.chunk_rows * a.width * a.element;
+  const size_t bytes = a.frames * frame_bytes;
+  if (a.chunk_row != row || a.chunk_column != column) {
+    const hsize_t at[3] = {row * a.frames, column * a.chunk_rows, 0};
+    hsize_t stored = 0;
+    uint32_t skipped_filters = 0, sum = 0;
+    a.chunk.resize(bytes + 4);
+    a.chunk_row = ~uint64_t{0};
+    h5_ok(H5Dget_chunk_storage_size(a.set, at, &stored), "find a frame");
+    if (stored != bytes + 4) damaged("frame " + std::to_string(frame) + " is missing");
+    h5_ok(H5Dread_chunk(a.set, H5P_DEFAULT, at, &skipped_filters, a.chunk.data()), "read a frame");
+    std::memcpy(&sum, a.chunk.data() + bytes, 4);
+    if (skipped_filters != 0 || sum != fletcher32(a.chunk.data(), bytes)) {
+      damaged("frame " + std::to_string(frame) + " has a wrong checksum");
+    }
+    if (sum == 0 && info_.completion == RecordingCompletion::kUnfinished)
+      check_not_behind_end(a.set, at, frame);
+    a.chunk_row = row;
+    a.chunk_column = column;
+  }
+  return a.chunk.data() + (frame % a.frames) * frame_bytes;
+}
+
+void RecordedFile::read_rows(Array& a, uint64_t frame, size_t rows, std::vector<double>& out) {
+  out.resize(rows * a.width);
+  for (size_t c = 0; c * a.chunk_rows < std::max<size_t>(rows, 1); ++c) {
+    const std::byte* from = row_data(a, frame, c);
+    const size_t first = c * a.chunk_rows * a.width;
+    const size_t last = std::min(rows * a.width, first + a.chunk_rows * a.width);
+    for (size_t i = first; i < last; ++i) out[i] = element(a.precision, from + (i - first) * a.element);
+  }
+}
+
+void RecordedFile::read(uint64_t index, RecordedFrame& frame) {
+  if (index >= info_.frames) {
+    throw Error("out_of_range", "the recording has " + std::to_string(info_.frames) + " frames");
+  }
+  std::memcpy(&frame.step, row_data(step_, index, 0), sizeof frame.step);
+  std::memcpy(&frame.time, row_data(time_, index, 0), sizeof frame.time);
+  frame.systems.resize(info_.layout.systems.size());
+  for (size_t s = 0; s < frame.systems.size(); ++s) {
+    const RecordedSystem& system = info_.layout.systems[s];
+    RecordedRows& out = frame.systems[s];
+    out.rows = system.max_rows;
+    if (system.rows == RowPolicy::kVariable) {
+      out.rows = static_cast<size_t>(element(Precision::kU32, row_data(counts_[s], index, 0)));
+      if (out.rows > system.max_rows) damaged("frame " + std::to_string(index) + " has too many rows");
+    }
+    out.fields.resize(system.fields.size());
+    for (size_t f = 0; f < out.fields.size(); ++f) read_rows(fields_[s][f], index, out.rows, out.fields[f]);
+  }
+  frame.observables.resize(observables_.size());
+  for (size_t o = 0; o < observables_.size(); ++o) {
+    frame.observables[o] = element(Precision::kF64, row_data(observables_[o], index, 0));
+  }
+}
+
+}  // namespace truestep

@@ -1,0 +1,30 @@
+// What reading a recording gives: its description, and frames as numbers.
+#pragma once
+#include "engine/sinks/recording/layout.h"
+
+namespace truestep {
+
+/// Whether the run ended properly (journal and VTKHDF part present) or the file was left while frames came.
+enum class RecordingCompletion { kFinalized, kUnfinished };
+
+struct RecordingInfo {
+  RecordingLayout layout;
+  RecordingCompletion completion = RecordingCompletion::kUnfinished;
+  uint64_t frames = 0;
+  std::string journal;
+};
+
+/// One system at one frame: every field holds rows x width elements (f32 and u32 are exact as double).
+struct RecordedRows {
+  size_t rows = 0;
+  std::vector<std::vector<double>> fields;
+};
+
+struct RecordedFrame {
+  int64_t step = 0;
+  double time = 0;  ///< s
+  std::vector<RecordedRows> systems;
+  std::vector<double> observables;
+};
+
+}  // namespace truestep

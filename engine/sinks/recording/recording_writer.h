@@ -1,0 +1,56 @@
+// Records one session: the producer lays rows out as finished chunks, the recording thread stores them.
+// append() waits when the thread is behind (its queue is bounded in bytes) and never drops a frame.
+// An HDF5 error ends this recording only: the state becomes failed with a code and a sentence, frames that
+// were durable stay readable, later frames are ignored.
+#pragma once
+#include <memory>
+
+#include "engine/sinks/recording/layout.h"
+#include "engine/sinks/recording/recording_thread.h"
+
+namespace truestep {
+
+enum class RecordingState { kRecording, kFinalized, kFailed };
+
+struct RecordingStatus {
+  RecordingState state = RecordingState::kRecording;
+  uint64_t appended_frames = 0;
+  uint64_t durable_frames = 0;  ///< readable even if the process dies now
+  std::string code;             ///< disk_full, recording_io; empty unless failed
+  std::string message;
+};
+
+class RecordingWriter {
+ public:
+  /// Creates the file. Throws Error("recording_invalid") for a layout that cannot be recorded, or the HDF5
+  /// error.
+  RecordingWriter(std::shared_ptr<RecordingThread> thread, RecordingLayout layout);
+  ~RecordingWriter();  ///< finalises with an empty journal when that was not done
+  RecordingWriter(const RecordingWriter&) = delete;
+  RecordingWriter& operator=(const RecordingWriter&) = delete;
+
+  /// Takes one frame; the data is copied before it returns. Throws Error("recording_mismatch") when shapes
+  /// differ from the layout; ignored unless recording. Small frames become durable in groups of
+  /// `frames_per_chunk()`.
+  void append(int64_t step, double time, std::span<const SystemRows> systems,
+              std::span<const double> observables);
+
+  /// Writes what is left, the journal and the VTKHDF part, closes the file and waits for it; a second call
+  /// does nothing.
+  RecordingStatus finalize(const std::string& journal);
+
+  RecordingStatus status() const;
+  uint64_t durable_frames() const;
+  size_t frames_per_chunk() const;
+  const RecordingLayout& layout() const;
+
+ private:
+  struct Core;
+  struct Batch;
+  void submit();
+
+  std::shared_ptr<Core> core_;
+  std::unique_ptr<Batch> batch_;  // being filled
+};
+
+}  // namespace truestep
