@@ -1,0 +1,132 @@
+#include "engine/systems/mass_spring/mass_spring.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace truestep {
+
+using Columns = MassSpringColumns;
+
+namespace {
+
+constexpr std::string_view kDefaultIntegrator = "symplectic_euler";
+
+// A push lasts until its time is used up; counting down by whole steps, half a step of tolerance hides
+// rounding.
+void expire_pushes(State& s, double h) {
+  const size_t n = s.rows(Columns::push_row);
+  if (n == 0) return;
+  size_t kept = 0;
+  for (size_t k = 0; k < n; ++k) {
+    const double remaining = s.f64(Columns::push_remaining)[k] - h;
+    if (remaining < 0.5 * h) continue;
+    s.f64(Columns::push_remaining)[kept] = remaining;
+    s.span<uint32_t>(Columns::push_row)[kept] = s.span<uint32_t>(Columns::push_row)[k];
+    const auto force = s.f64(Columns::push_force);
+    store3(force.data(), kept, load3<double>(force.data(), k));
+    ++kept;
+  }
+  for (const auto c : {Columns::push_row, Columns::push_force, Columns::push_remaining}) s.resize(c, kept);
+}
+
+}  // namespace
+
+MassSpring::MassSpring(std::unique_ptr<const MassSpringField> field, const Integrator& method,
+                       const MassSpringDef& def)
+    : ForceSystem(std::move(field), method, def.choice().options),
+      springs_(static_cast<const MassSpringField&>(force_field())) {
+  add_integration_stage();
+  add_stage("hands", "ends pushes whose time is over",
+            [](State& s, const StepInput& in) { expire_pushes(s, in.h); });
+  if (!def.wind) skip_stage("air", "no wind is given; set_parameter wind brings it");
+  if (!(def.damping > 0)) skip_stage("viscous damping", "damping is 0");
+  if (!(def.internal_damping > 0)) skip_stage("internal damping", "internal_damping is 0");
+
+  const SpringSchedule& schedule = springs_.schedule();
+  for (size_t s = 0; s < schedule.a.size(); ++s) {
+    topology_.lines.push_back({schedule.a[s], schedule.b[s]});
+    topology_.line_kinds.push_back(line_kind(schedule.family[s]));
+  }
+  topology_.triangles = springs_.network().triangles;
+}
+
+void MassSpring::observe(const State& state, double t, Observables& out) const {
+  ForceSystem::observe(state, t, out);
+  const auto x = state.f64(Columns::position), v = state.f64(Columns::velocity);
+  const auto w = state.f64(Columns::inverse_mass);
+  Vec3 p;
+  size_t pins = 0;
+  for (size_t i = 0; i < w.size(); ++i) {
+    if (w[i] > 0) {
+      p += springs_.masses()[i] * load3(v.data(), i);
+    } else {
+      ++pins;
+    }
+  }
+  out.add("momentum.x", p.x, "kg m/s");
+  out.add("momentum.y", p.y, "kg m/s");
+  out.add("momentum.z", p.z, "kg m/s");
+  double largest = 0, squares = 0;
+  size_t count = 0;
+  const SpringSchedule& schedule = springs_.schedule();
+  for (size_t s = 0; s < schedule.a.size(); ++s) {
+    if (schedule.family[s] != SpringFamily::structural && schedule.family[s] != SpringFamily::own) continue;
+    const double strain = std::abs(springs_.strain(x, s));
+    largest = std::max(largest, strain);
+    squares += strain * strain;
+    ++count;
+  }
+  out.add("strain.max", largest, "1");
+  out.add("strain.rms", count > 0 ? std::sqrt(squares / static_cast<double>(count)) : 0, "1");
+  out.add("pins", static_cast<double>(pins), "1");
+}
+
+std::vector<FieldInfo> MassSpring::fields() const {
+  auto list = ForceSystem::fields();
+  list.push_back({"force", "N", Scalar::f64, 3});
+  list.push_back({"strain", "1", Scalar::f64, 1});
+  return list;
+}
+
+FieldView MassSpring::field(const State& state, size_t which, std::vector<double>& scratch) const {
+  if (which < 2) return ForceSystem::field(state, which, scratch);
+  const auto x = state.f64(Columns::position);
+  const size_t n = springs_.masses().size();
+  if (which == 2) {
+    scratch.resize(3 * n);
+    Workspace workspace;
+    static const ThreadArena kSerial(1);
+    Evaluation e{workspace, kSerial};
+    springs_.acceleration({0, x, state.f64(Columns::velocity), state}, scratch, e);
+    for (size_t i = 0; i < 3 * n; ++i) scratch[i] *= springs_.masses()[i / 3];
+    return {scratch.data(), Scalar::f64, n, 3};
+  }
+  scratch.assign(n, 0);
+  const SpringSchedule& schedule = springs_.schedule();
+  for (size_t s = 0; s < schedule.a.size(); ++s) {
+    const double strain = std::abs(springs_.strain(x, s));
+    for (const uint32_t p : {schedule.a[s], schedule.b[s]}) scratch[p] = std::max(scratch[p], strain);
+  }
+  return {scratch.data(), Scalar::f64, n, 1};
+}
+
+std::unique_ptr<const MassSpring> MassSpring::make(const MassSpringDef& def, const BuildContext& context) {
+  auto field = std::make_unique<const MassSpringField>(def, context);
+  const Integrator& method = choose_integrator(def.choice(), kDefaultIntegrator, *field);
+  return std::unique_ptr<const MassSpring>(new MassSpring(std::move(field), method, def));
+}
+
+std::unique_ptr<const System> build_mass_spring(const void* def, const BuildContext& context) {
+  return MassSpring::make(*static_cast<const MassSpringDef*>(def), context);
+}
+
+Cost mass_spring_cost(const void* def) {
+  const MassSpringCounts n = mass_spring_counts(*static_cast<const MassSpringDef*>(def));
+  // Measured on a 100 x 100 cloth with an implicit method; explicit ones are far below.
+  return {.state_bytes = 56 * n.points,
+          .workspace_bytes = 1000 * n.points + 350 * n.springs,
+          .elements = n.points + n.springs,
+          .seconds_per_step = 1e-7 * n.points + 1e-6 * n.springs};
+}
+
+}  // namespace truestep

@@ -1,0 +1,39 @@
+// The system type "mass_spring": a MassSpringField advanced by any integrator, then contacts with obstacles
+// and the end of pushes. Commands: push, impulse, drag, release, pin, unpin, set_parameter (stiffness,
+// shear_stiffness, bending_stiffness, damping, internal_damping, gravity, wind).
+#pragma once
+#include "engine/core/force_system.h"
+#include "engine/systems/mass_spring/mass_spring_field.h"
+
+namespace truestep {
+
+class MassSpring final : public ForceSystem {
+ public:
+  /// Error "scene_invalid" when the def's integrator is unknown or does not fit.
+  static std::unique_ptr<const MassSpring> make(const MassSpringDef& def, const BuildContext& context);
+
+  /// Besides the energies: momentum.x/y/z (kg m/s), strain.max, strain.rms (1, structural springs), pins.
+  void observe(const State& state, double t, Observables& out) const override;
+  /// position, velocity, force (N, total on a point), strain (1, largest magnitude at a point).
+  std::vector<FieldInfo> fields() const override;
+  FieldView field(const State& state, size_t which, std::vector<double>& scratch) const override;
+  void apply(State& state, const Command& command) const override;
+  Topology topology(const State& state) const override { return topology_; }
+
+  const MassSpringField& springs() const { return springs_; }
+
+ private:
+  MassSpring(std::unique_ptr<const MassSpringField> field, const Integrator& method,
+             const MassSpringDef& def);
+  double default_drag(const State& state, size_t row) const;
+  size_t checked_row(const State& state, const Command& command) const;
+  void set_parameter(State& state, const Command& command) const;
+
+  const MassSpringField& springs_;
+  Topology topology_;
+};
+
+std::unique_ptr<const System> build_mass_spring(const void* def, const BuildContext& context);
+Cost mass_spring_cost(const void* def);
+
+}  // namespace truestep

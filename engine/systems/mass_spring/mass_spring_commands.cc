@@ -1,0 +1,153 @@
+// What commands do to a mass_spring state; errors name the member of the command that is wrong.
+#include <algorithm>
+#include <cmath>
+
+#include "engine/base/errors.h"
+#include "engine/systems/mass_spring/mass_spring.h"
+
+namespace truestep {
+
+using Columns = MassSpringColumns;
+
+namespace {
+
+[[noreturn]] void refuse(const std::string& member, const std::string& code, const std::string& why,
+                         const std::string& allowed = "") {
+  throw Error("bad_command", why, {{"/" + member, code, why, "", allowed, "", ""}});
+}
+
+bool finite(const Vec3& v) {
+  return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
+}
+
+void add_push(State& s, size_t row, const Vec3& force, double duration) {
+  const size_t k = s.rows(Columns::push_row);
+  for (const auto c : {Columns::push_row, Columns::push_force, Columns::push_remaining}) s.resize(c, k + 1);
+  s.span<uint32_t>(Columns::push_row)[k] = static_cast<uint32_t>(row);
+  store3(s.f64(Columns::push_force).data(), k, force);
+  s.f64(Columns::push_remaining)[k] = duration;
+}
+
+void set_drag(State& s, size_t row, const Vec3& target, double stiffness) {
+  const auto rows = s.span<uint32_t>(Columns::drag_row);
+  const size_t k = static_cast<size_t>(std::find(rows.begin(), rows.end(), row) - rows.begin());
+  if (k == rows.size()) {
+    for (const auto c : {Columns::drag_row, Columns::drag_target, Columns::drag_stiffness})
+      s.resize(c, k + 1);
+  }
+  s.span<uint32_t>(Columns::drag_row)[k] = static_cast<uint32_t>(row);
+  store3(s.f64(Columns::drag_target).data(), k, target);
+  s.f64(Columns::drag_stiffness)[k] = stiffness;
+}
+
+void end_drag(State& s, std::optional<size_t> row) {
+  size_t kept = 0;
+  for (size_t k = 0; k < s.rows(Columns::drag_row); ++k) {
+    const auto rows = s.span<uint32_t>(Columns::drag_row);
+    if (!row || rows[k] == *row) continue;
+    rows[kept] = rows[k];
+    const auto target = s.f64(Columns::drag_target);
+    store3(target.data(), kept, load3<double>(target.data(), k));
+    s.f64(Columns::drag_stiffness)[kept] = s.f64(Columns::drag_stiffness)[k];
+    ++kept;
+  }
+  for (const auto c : {Columns::drag_row, Columns::drag_target, Columns::drag_stiffness}) s.resize(c, kept);
+}
+
+}  // namespace
+
+size_t MassSpring::checked_row(const State& state, const Command& command) const {
+  const size_t n = state.rows(Columns::inverse_mass);
+  if (command.index < 0 || static_cast<size_t>(command.index) >= n) {
+    refuse("index", "out_of_range", "there is no point " + std::to_string(command.index),
+           "0 to " + std::to_string(n - 1));
+  }
+  return static_cast<size_t>(command.index);
+}
+
+void MassSpring::apply(State& s, const Command& c) const {
+  if (!finite(c.vector)) refuse("vector", "not_finite", "the vector must be finite");
+  if (!std::isfinite(c.value) || c.value < 0) refuse("value", "out_of_range", "the value must be at least 0");
+  if (!std::isfinite(c.duration) || c.duration < 0) {
+    refuse("duration", "out_of_range", "the duration must be at least 0");
+  }
+  const auto w = s.f64(Columns::inverse_mass);
+  double* v = s.f64(Columns::velocity).data();
+  switch (c.kind) {
+    case CommandKind::push:
+      return add_push(s, checked_row(s, c), c.vector, c.duration);
+    case CommandKind::impulse: {
+      const size_t i = checked_row(s, c);
+      return store3(v, i, load3(v, i) + w[i] * c.vector);
+    }
+    case CommandKind::drag: {
+      const size_t i = checked_row(s, c);
+      return set_drag(s, i, c.vector, c.value > 0 ? c.value : default_drag(s, i));
+    }
+    case CommandKind::release:
+      return end_drag(s, c.index == -1 ? std::nullopt : std::optional(checked_row(s, c)));
+    case CommandKind::pin: {
+      const size_t i = checked_row(s, c);
+      w[i] = 0;
+      return store3(v, i, Vec3{});
+    }
+    case CommandKind::unpin: {
+      const size_t i = checked_row(s, c);
+      w[i] = 1 / springs_.masses()[i];
+      return;
+    }
+    case CommandKind::set_parameter:
+      return set_parameter(s, c);
+    case CommandKind::spawn:
+    case CommandKind::remove:
+      break;
+  }
+  refuse("kind", "unsupported_command", "a network of springs keeps its points",
+         "push, impulse, drag, release, pin, unpin, set_parameter");
+}
+
+double MassSpring::default_drag(const State& s, size_t row) const {
+  // As stiff as the stiffest spring at the point: it follows the hand and asks for no smaller step.
+  const SpringSchedule& schedule = springs_.schedule();
+  double k = 0;
+  for (size_t i = 0; i < schedule.a.size(); ++i) {
+    if (schedule.a[i] != row && schedule.b[i] != row) continue;
+    k = std::max(k, schedule.scale[i] * s.f64(Columns::stiffness)[static_cast<size_t>(schedule.family[i])]);
+  }
+  return k > 0 ? k : 100 * springs_.masses()[row];
+}
+
+void MassSpring::set_parameter(State& s, const Command& c) const {
+  const auto families = springs_.schedule().family;
+  const auto set_stiffness = [&](SpringFamily family) {
+    if (std::find(families.begin(), families.end(), family) == families.end()) {
+      refuse("name", "unknown_parameter", "this scene has no such springs");
+    }
+    s.f64(Columns::stiffness)[static_cast<size_t>(family)] = c.value;
+  };
+  const auto needs_velocity = [&] {
+    if (springs_.dependence() == Dependence::position && integrator().order_with_velocity == 0) {
+      refuse("name", "unsuitable_integrator",
+             std::string(integrator().name) + " cannot follow forces that depend on velocity");
+    }
+  };
+  if (c.name == "stiffness") return set_stiffness(SpringFamily::structural);
+  if (c.name == "shear_stiffness") return set_stiffness(SpringFamily::shear);
+  if (c.name == "bending_stiffness") return set_stiffness(SpringFamily::bending);
+  if (c.name == "gravity") return store3(s.f64(Columns::gravity).data(), 0, c.vector);
+  if (c.name == "damping" || c.name == "internal_damping") {
+    if (c.value > 0) needs_velocity();
+    s.f64(Columns::damping)[c.name == "damping" ? 0 : 1] = c.value;
+    return;
+  }
+  if (c.name == "wind") {
+    needs_velocity();
+    store3(s.f64(Columns::wind).data(), 0, c.vector);
+    s.span<uint32_t>(Columns::air)[0] = 1;
+    return;
+  }
+  refuse("name", "unknown_parameter", "there is no parameter \"" + c.name + "\" to set",
+         "stiffness, shear_stiffness, bending_stiffness, damping, internal_damping, gravity, wind");
+}
+
+}  // namespace truestep

@@ -1,0 +1,87 @@
+// Parameters of the system type "mass_spring": points, springs of three families (structural, shear,
+// bending), pins, air and damping. The points come from exactly one of five shapes.
+#pragma once
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "engine/core/integrator_def.h"
+
+namespace truestep {
+
+struct RopeShape {
+  Vec3 from, to;                 // m
+  int links = 20;                // springs; links + 1 points
+  std::optional<double> length;  // m at rest; absent: the distance from -> to
+};
+
+struct HairShape {
+  Vec3 root;  // m, centre of the roots' disc
+  double radius = 0.1;
+  int strands = 50;
+  int links = 16;
+  double length = 0.5;
+  Vec3 direction{0, -1, 0};
+};
+
+enum class ShearSprings : uint8_t { both, one, none };
+
+struct ClothGridShape {
+  Vec3 origin, edge_u{1, 0, 0}, edge_v{0, 0, 1};  // m
+  int nx = 20, ny = 20;                           // points along u and v
+  ShearSprings shear = ShearSprings::both;
+};
+
+struct MeshShape {
+  std::vector<Vec3> vertices;      // m
+  std::vector<int64_t> triangles;  // three indices each
+};
+
+struct FreeSpring {
+  int64_t a = 0, b = 0;
+  std::optional<double> stiffness, rest_length;
+};
+
+struct FreeShape {
+  std::vector<Vec3> points;      // m
+  std::vector<Vec3> velocities;  // m/s, one per point or none
+  std::vector<double> masses;    // kg, one per point or none
+  std::vector<FreeSpring> springs;
+};
+
+struct MassSpringDef : IntegratorParams {
+  std::optional<RopeShape> rope;
+  std::optional<HairShape> hair;
+  std::optional<ClothGridShape> cloth_grid;
+  std::optional<MeshShape> mesh;
+  std::optional<FreeShape> free;
+
+  double mass = 0.01;             // kg per point
+  std::optional<double> density;  // kg/m or kg/m^2, instead of mass
+  double stiffness = 1000;        // N/m
+  double shear_stiffness = 500;
+  double bending_stiffness = 0;
+  double rest_scale = 1;
+  double damping = 0;           // N s/m per point
+  double internal_damping = 0;  // N s/m per spring
+  Vec3 velocity;                // m/s, initial
+  std::vector<int64_t> pins;
+  std::vector<std::string> pinned;
+  std::optional<Vec3> wind;  // m/s
+  double gust = 0, gust_period = 2;
+  double air_density = 1.2, drag_coefficient = 1.2;
+  double thickness = 0.01;  // m
+  double restitution = 0, friction = 0.3;
+};
+
+/// The table that parser, schema and documentation read.
+const DefTable& mass_spring_table();
+/// Numbers of points and springs of the def's shape, from counts alone (an upper bound for meshes).
+struct MassSpringCounts {
+  double points = 0, springs = 0, triangles = 0;
+};
+MassSpringCounts mass_spring_counts(const MassSpringDef& def);
+/// Names that "pinned" understands for the def's shape.
+std::vector<std::string> pin_names(const MassSpringDef& def);
+
+}  // namespace truestep

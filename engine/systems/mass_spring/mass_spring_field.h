@@ -1,0 +1,105 @@
+// Forces on a network of springs (kernels/spring.h, kernels/air.h):
+//   m a = m g + sum springs - c_d v + air + drag springs + pushes,    V = sum k/2 (l - L)^2 - sum m g . x +
+//   ...
+// Everything that commands may change is read from the state; the network itself is fixed.
+#pragma once
+#include <memory>
+#include <vector>
+
+#include "engine/core/build.h"
+#include "engine/core/force_field.h"
+#include "engine/systems/mass_spring/network.h"
+#include "engine/systems/mass_spring/spring_schedule.h"
+
+namespace truestep {
+
+/// Columns of the state, in the order in which initial_state adds them.
+struct MassSpringColumns {
+  enum : State::Column {
+    position,
+    velocity,
+    inverse_mass,  ///< 1/kg, 0: held
+    stiffness,     ///< N/m, one row per family; the last is the factor 1 of springs with their own
+    damping,       ///< N s/m: viscous, internal
+    gravity,       ///< m/s^2
+    wind,          ///< m/s
+    air,           ///< u32: 0 means that there is no air
+    drag_row,
+    drag_target,     ///< m
+    drag_stiffness,  ///< N/m
+    push_row,
+    push_force,      ///< N
+    push_remaining,  ///< s
+  };
+};
+
+class MassSpringField final : public ForceField {
+ public:
+  MassSpringField(const MassSpringDef& def, const BuildContext& context);
+
+  State initial_state() const override;
+  void acceleration(const Phase& at, std::span<double> a, Evaluation& e) const override;
+  Dependence dependence() const override { return dependence_; }
+  std::optional<double> potential(const Phase& at, Evaluation& e) const override;
+  double kinetic(const Phase& at, Evaluation& e) const override;
+
+  bool has_jacobian() const override { return true; }
+  bool symmetric_jacobian() const override { return true; }
+  std::span<const double> inverse_mass(const State& state) const override;
+  void jacobian_pattern(const State& state, BlockSparse& dfdx, BlockSparse& dfdv) const override;
+  /// 1 when velocities of different points act on each other (internal damping, air on triangles), else 0.
+  uint64_t pattern_version(const State& state) const override;
+  void jacobian(const Phase& at, BlockSparse& dfdx, BlockSparse& dfdv, Evaluation& e) const override;
+  /// omega^2 <= 2 max_i |K_ii| / m_i with the blocks of the present state: 4 k/m for a chain.
+  std::optional<Stiffness> stiffness(const State& state) const override;
+
+  const Network& network() const { return network_; }
+  const SpringSchedule& schedule() const { return schedule_; }
+  const std::vector<double>& masses() const { return masses_; }
+  /// (l - L) / L of spring s of the schedule; l / 1 m where the rest length is zero.
+  double strain(std::span<const double> x, size_t s) const;
+
+ private:
+  /// Positions, velocities and forces of all points, coordinate by coordinate.
+  struct Scratch {
+    double *x[3], *v[3], *f[3];
+  };
+  /// Rows of one block.
+  struct Rows {
+    size_t index, begin, end;
+  };
+  void spring_forces(const Rows& rows, const State& state, const Scratch& s) const;
+  void air_forces(const Rows& rows, const Phase& at, const Scratch& s) const;
+  void hand_forces(const Rows& rows, const State& state, const Scratch& s) const;
+  void build_rows();
+  Vec3 wind_at(const Phase& at) const;
+
+  struct RowEntry {
+    uint32_t column, spring, slot;  // spring == kNoSpring: only air couples the two points
+    static constexpr uint32_t kNoSpring = UINT32_MAX;
+  };
+
+  struct PointTriangle {
+    uint32_t triangle;
+    std::array<uint32_t, 3> slots;  // of the blocks (point, corner)
+  };
+
+  Network network_;
+  std::vector<double> masses_;
+  SpringSchedule schedule_;
+  std::vector<double> section_;  // m^2 per point, for the air; empty when triangles catch the wind
+  Vec3 gravity_;
+  double stiffness_[kSpringFamilies], damping_[2];
+  Vec3 wind_;
+  uint32_t air_ = 0;
+  double air_factor_, gust_, gust_period_;
+  Dependence dependence_;
+
+  std::vector<std::array<uint32_t, 2>> pairs_;
+  std::vector<uint32_t> row_begin_;  // entries of block row i: row_begin_[i] ... row_begin_[i + 1]
+  std::vector<RowEntry> rows_;
+  std::vector<uint32_t> point_triangles_begin_;
+  std::vector<PointTriangle> point_triangles_;  // triangles at every point
+};
+
+}  // namespace truestep
