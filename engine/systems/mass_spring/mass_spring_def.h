@@ -10,13 +10,13 @@
 namespace truestep {
 
 struct RopeShape {
-  Vec3 from, to;                 // m
-  int links = 20;                // springs; links + 1 points
-  std::optional<double> length;  // m at rest; absent: the distance from -> to
+  Vec3 from{}, to{};               // m
+  int links = 20;                  // springs; links + 1 points
+  std::optional<double> length{};  // m at rest; absent: the distance from -> to
 };
 
 struct HairShape {
-  Vec3 root;  // m, centre of the roots' disc
+  Vec3 root{};  // m, centre of the roots' disc
   double radius = 0.1;
   int strands = 50;
   int links = 16;
@@ -27,26 +27,26 @@ struct HairShape {
 enum class ShearSprings : uint8_t { both, one, none };
 
 struct ClothGridShape {
-  Vec3 origin, edge_u{1, 0, 0}, edge_v{0, 0, 1};  // m
-  int nx = 20, ny = 20;                           // points along u and v
+  Vec3 origin{}, edge_u{1, 0, 0}, edge_v{0, 0, 1};  // m
+  int nx = 20, ny = 20;                             // points along u and v
   ShearSprings shear = ShearSprings::both;
 };
 
 struct MeshShape {
-  std::vector<Vec3> vertices;      // m
-  std::vector<int64_t> triangles;  // three indices each
+  std::vector<Vec3> vertices{};      // m
+  std::vector<int64_t> triangles{};  // three indices each
 };
 
 struct FreeSpring {
   int64_t a = 0, b = 0;
-  std::optional<double> stiffness, rest_length;
+  std::optional<double> stiffness{}, rest_length{};
 };
 
 struct FreeShape {
-  std::vector<Vec3> points;      // m
-  std::vector<Vec3> velocities;  // m/s, one per point or none
-  std::vector<double> masses;    // kg, one per point or none
-  std::vector<FreeSpring> springs;
+  std::vector<Vec3> points{};      // m
+  std::vector<Vec3> velocities{};  // m/s, one per point or none
+  std::vector<double> masses{};    // kg, one per point or none
+  std::vector<FreeSpring> springs{};
 };
 
 struct MassSpringDef : IntegratorParams {
