@@ -42,4 +42,7 @@ inline void combine(const Motion& m, size_t size, double* out, const double* y, 
   kKernels[t.n](m, size, out, y, t);
 }
 
+/// Largest |sum_j c_j k_j[i]| over all i; NaN as soon as any is NaN. The same for any number of threads.
+double largest(const Motion& m, size_t size, const Combination& t);
+
 }  // namespace truestep

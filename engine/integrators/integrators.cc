@@ -11,6 +11,7 @@ namespace truestep {
 
 std::span<const Integrator> integrators() {
   using Structure = Integrator::Structure;
+  using Stepping = Integrator::Stepping;
   static const std::array kTable = {
       Integrator{.name = "euler",
                  .title = "explicit Euler",
@@ -99,6 +100,26 @@ std::span<const Integrator> integrators() {
                  .order_with_velocity = 4,
                  .source = "Kutta 1901; Hairer, Norsett, Wanner 1993, table II.1.2",
                  .step = step_rk4},
+      Integrator{.name = "step_doubling",
+                 .title = "classical Runge-Kutta with step doubling and local extrapolation",
+                 .order = 5,
+                 .imaginary_limit = 0,
+                 .real_limit = 6.45912776782572093513853141564,
+                 .stepping = Stepping::adaptive,
+                 .order_with_velocity = 5,
+                 .source = "Hairer, Norsett, Wanner 1993, eq. II.4.4",
+                 .prepare = prepare_adaptive,
+                 .step = step_step_doubling},
+      Integrator{.name = "dopri5",
+                 .title = "Dormand and Prince's pair of order 5 and 4",
+                 .order = 5,
+                 .imaginary_limit = 0.997189008632529915522534818476,
+                 .real_limit = 3.306567892634946503721371,
+                 .stepping = Stepping::adaptive,
+                 .order_with_velocity = 5,
+                 .source = "Dormand, Prince 1980, table 2; Hairer, Norsett, Wanner 1993, table II.5.2",
+                 .prepare = prepare_adaptive,
+                 .step = step_dopri5},
   };
   return kTable;
 }

@@ -15,4 +15,7 @@ PrepareFunction prepare_verlet;                                       // verlet.
 RefusalFunction refuses_general_rates;                                // verlet.cc
 StepFunction step_velocity_verlet, step_leapfrog, step_yoshida4;      // splitting.cc
 
+StepFunction step_step_doubling, step_dopri5;  // adaptive.cc
+PrepareFunction prepare_adaptive;              // adaptive.cc
+
 }  // namespace truestep

@@ -3,8 +3,8 @@
 #include "engine/integrators/runge_kutta.h"
 
 #include <algorithm>
+#include <utility>
 
-#include "engine/integrators/combine.h"
 #include "engine/integrators/methods.h"
 
 namespace truestep {
@@ -45,13 +45,11 @@ RungeKutta::RungeKutta(const Tableau& tableau, Motion& motion)
   }
 }
 
-void RungeKutta::combine_position(double h, const std::array<double, Tableau::kMaxStages>& w,
-                                  std::span<const double> base, std::span<const double> v,
-                                  std::span<double> out) {
+Combination RungeKutta::position_terms(double h, const Weights& w, std::span<const double> v) const {
   Combination t;
   if (plain_) {
     double weight_of_v = 0;
-    std::array<double, Tableau::kMaxStages> nystrom{};
+    Weights nystrom{};
     for (size_t j = 0; j < tableau_.stages; ++j) {
       weight_of_v += w[j];
       for (size_t l = 0; l < j; ++l) nystrom[l] += w[j] * tableau_.a[j][l];
@@ -61,25 +59,24 @@ void RungeKutta::combine_position(double h, const std::array<double, Tableau::kM
   } else {
     for (size_t j = 0; j < tableau_.stages; ++j) t.add(h * w[j], rate_[j]);
   }
-  combine(motion_, out.size(), out.data(), base.data(), t);
+  return t;
 }
 
-void RungeKutta::combine_velocity(double h, const std::array<double, Tableau::kMaxStages>& w,
-                                  std::span<const double> base, std::span<double> out) {
+Combination RungeKutta::velocity_terms(double h, const Weights& w) const {
   Combination t;
   for (size_t j = 0; j < tableau_.stages; ++j) t.add(h * w[j], k_[j]);
-  combine(motion_, out.size(), out.data(), base.data(), t);
+  return t;
 }
 
 void RungeKutta::stage(size_t i, double t, double h, std::span<const double> x, std::span<const double> v) {
   std::span<const double> xs = x, vs = v;
   if (i > 0) {
     const auto x_stage = motion_.scratch("integrator.x", x.size());
-    combine_position(h, tableau_.a[i], x, v, x_stage);
+    combine(motion_, x.size(), x_stage.data(), x.data(), position_terms(h, tableau_.a[i], v));
     xs = x_stage;
     if (!plain_ || motion_.field.dependence() == Dependence::position_and_velocity) {
       const auto v_stage = motion_.scratch("integrator.v", v.size());
-      combine_velocity(h, tableau_.a[i], v, v_stage);
+      combine(motion_, v.size(), v_stage.data(), v.data(), velocity_terms(h, tableau_.a[i]));
       vs = v_stage;
     }
   }
@@ -95,16 +92,13 @@ void RungeKutta::stage(size_t i, double t, double h, std::span<const double> x, 
 void RungeKutta::step(double t, double h, std::span<const double> x, std::span<const double> v,
                       std::span<double> x_out, std::span<double> v_out, size_t first) {
   for (size_t i = first; i < tableau_.stages; ++i) stage(i, t, h, x, v);
-  combine_position(h, tableau_.b, x, v, x_out);
-  combine_velocity(h, tableau_.b, v, v_out);
+  combine(motion_, x.size(), x_out.data(), x.data(), position_terms(h, tableau_.b, v));
+  combine(motion_, v.size(), v_out.data(), v.data(), velocity_terms(h, tableau_.b));
 }
 
 void RungeKutta::last_stage_becomes_first() {
-  const size_t last = tableau_.stages - 1;
-  motion_.loop(motion_.v.size(), [to = k_[0], from = k_[last]](size_t i) { to[i] = from[i]; });
-  if (!plain_) {
-    motion_.loop(motion_.x.size(), [to = rate_[0], from = rate_[last]](size_t i) { to[i] = from[i]; });
-  }
+  std::swap(k_[0], k_[tableau_.stages - 1]);
+  std::swap(rate_[0], rate_[tableau_.stages - 1]);
 }
 
 namespace {

@@ -7,15 +7,17 @@
 #pragma once
 #include <array>
 
+#include "engine/integrators/combine.h"
 #include "engine/integrators/motion.h"
 
 namespace truestep {
 
 struct Tableau {
   static constexpr size_t kMaxStages = 7;
+  using Weights = std::array<double, kMaxStages>;
   size_t stages = 1;
-  std::array<std::array<double, kMaxStages>, kMaxStages> a{};
-  std::array<double, kMaxStages> b{}, c{};
+  std::array<Weights, kMaxStages> a{};
+  Weights b{}, c{};
 };
 
 /// The tableaus of the named methods.
@@ -26,16 +28,16 @@ extern const Tableau kEulerTableau, kMidpointTableau, kHeunTableau, kRk4Tableau,
 /// v_out), which may be x and v. `first` = 1 reuses the first stage of an earlier call with the same x, v, t.
 class RungeKutta {
  public:
+  using Weights = Tableau::Weights;
+
   RungeKutta(const Tableau& tableau, Motion& motion);
   void step(double t, double h, std::span<const double> x, std::span<const double> v, std::span<double> x_out,
             std::span<double> v_out, size_t first = 0);
   /// Evaluates stage `i` alone; stages 0 ... i-1 must stand.
   void stage(size_t i, double t, double h, std::span<const double> x, std::span<const double> v);
-  /// out = base + h sum w_i rate_i, for position and velocity.
-  void combine_position(double h, const std::array<double, Tableau::kMaxStages>& w,
-                        std::span<const double> base, std::span<const double> v, std::span<double> out);
-  void combine_velocity(double h, const std::array<double, Tableau::kMaxStages>& w,
-                        std::span<const double> base, std::span<double> out);
+  /// The terms of h sum_i w_i (rate of x, rate of v) over the stages that stand.
+  Combination position_terms(double h, const Weights& w, std::span<const double> v) const;
+  Combination velocity_terms(double h, const Weights& w) const;
   /// Makes the last stage's evaluation the first one of the next step ("first same as last").
   void last_stage_becomes_first();
 

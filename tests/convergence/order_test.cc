@@ -8,8 +8,8 @@
 namespace truestep::test {
 namespace {
 
-// Halving h must divide the error by 2^order: within 0.1 in the exponent, which the next term of the error
-// expansion (a few per cent at these step counts) stays below.
+// Halving h must divide the error by 2^order: within 0.1 in the exponent. After extrapolation the next term
+// of the error expansion leaves a few hundredths.
 constexpr double kTolerance = 0.1;
 
 // Adaptive methods take every step as one when no error is too large.
@@ -26,7 +26,7 @@ constexpr Named kProblems[] = {{"oscillator", oscillator},
 
 double order_of(const Integrator& m, const Problem& p) {
   // Low orders converge slowly and need more halvings, high ones reach rounding early.
-  const size_t first = m.order <= 1 ? 512 : m.order == 2 ? 128 : 32;
+  const size_t first = m.order <= 1 ? 1024 : m.order == 2 ? 256 : 64;
   return observed_order([&](size_t n) { return end_error(m, p, n, kOptions); }, first, 3);
 }
 

@@ -21,7 +21,7 @@ struct Problem {
 Problem oscillator();
 /// The same with c = 0.6: the acceleration depends on velocity.
 Problem damped_oscillator();
-/// Two-body motion with eccentricity 0.2 from its near point over 2 time units, exact.
+/// Two-body motion with eccentricity 0.2 from its near point over 5 time units, exact.
 Problem kepler();
 /// A free rigid body with three different moments of inertia: orientation quaternion and body-frame angular
 /// velocity, q' = 1/2 q (0, w); reference by Gragg's extrapolation of order 8.
@@ -31,7 +31,8 @@ Problem free_body();
 double end_error(const Integrator& method, const Problem& problem, size_t steps,
                  const IntegratorOptions& options = {});
 
-/// Observed order: slope of log error over step counts n, 2n, 4n ... at the finest pair above rounding.
+/// Observed order: slopes s_k = log2(e(n) / e(2n)) over n, 2n, 4n ... until rounding shares in the error
+/// (1e-12), the last two extrapolated to h = 0 (2 s_k - s_{k-1}: the error's second term falls like h).
 double observed_order(const std::function<double(size_t steps)>& error, size_t first, size_t doublings);
 
 }  // namespace truestep::test
