@@ -43,23 +43,21 @@ bool Session::one_step() {
 void Session::after_step() {
   history_.offer(state_);
   record_series();
-  // One frame serves every sink that is due and wants no more than the union of what they ask for.
+  // One frame serves every sink that is due; it holds the union of what they ask for.
+  due_.clear();
   FrameRequest wanted;
-  bool any = false;
   for (const auto& sink : sinks_) {
     if (!sink->due(state_.step)) continue;
-    any = true;
+    due_.push_back(sink);
     const FrameRequest& r = sink->request();
     wanted.fields.insert(wanted.fields.end(), r.fields.begin(), r.fields.end());
     if (r.extras == FrameRequest::Extras::observables) wanted.extras = r.extras;
   }
-  if (!any) return;
+  if (due_.empty()) return;
   std::sort(wanted.fields.begin(), wanted.fields.end());
   wanted.fields.erase(std::unique(wanted.fields.begin(), wanted.fields.end()), wanted.fields.end());
   const FramePtr built = frame(wanted);
-  for (const auto& sink : sinks_) {
-    if (sink->due(state_.step)) sink->accept(built);
-  }
+  for (const auto& sink : due_) sink->accept(built);
 }
 
 // --- the clock
@@ -87,7 +85,10 @@ uint64_t Session::advance(double wall_seconds) {
   accumulator_ += std::max(wall_seconds, 0.0) * speed_;
   const double dt = world_->dt();
   const auto owed = static_cast<uint64_t>(std::min(accumulator_ / dt, 1e15));
-  const uint64_t bound = static_cast<uint64_t>(world_->scene().header.time.max_catchup_steps);
+  // The steps of one sixtieth of a second are never "late", however small dt is.
+  const double display = std::ceil(speed_ / (60 * dt));
+  const double most = std::max(static_cast<double>(world_->scene().header.time.max_catchup_steps), display);
+  const auto bound = static_cast<uint64_t>(std::min(most, 1e15));
   const uint64_t todo = std::min(owed, bound);
   // Time beyond the bound is given up, not saved: a late session must not fall further behind.
   skipped_ += owed - todo;
@@ -259,16 +260,16 @@ void Session::notify(std::string_view kind, const std::string& detail) {
   for (const auto& sink : sinks_) sink->notify(kind, state_.step, detail);
 }
 
-FramePtr Session::frame(const FrameRequest& request) const {
+FramePtr Session::build_frame(const WorldState& state, double alpha, const FrameRequest& request) const {
   auto out = std::make_shared<Frame>();
-  out->step = state_.step;
-  out->time = time();
-  out->alpha = alpha();
-  out->state_hash = state_.hash();
+  out->step = state.step;
+  out->time = static_cast<double>(state.step) * world_->dt();
+  out->alpha = alpha;
+  out->state_hash = state.hash();
   out->topology_version = topology_version();
   std::vector<double> scratch;
   for (const FieldKey& key : request.fields) {
-    const FieldView view = world_->system(key.system).field(state_.systems[key.system], key.field, scratch);
+    const FieldView view = world_->system(key.system).field(state.systems[key.system], key.field, scratch);
     FrameBlock& block = out->blocks.emplace_back();
     block.key = key;
     block.width = view.width;
@@ -285,9 +286,35 @@ FramePtr Session::frame(const FrameRequest& request) const {
       throw Error("bad_request", "this field cannot be given as " + std::string(scalar_name(key.type)));
     }
   }
-  if (request.extras == FrameRequest::Extras::observables) out->observables = observe();
+  if (request.extras == FrameRequest::Extras::observables) out->observables = world_->observe(state);
   ++frames_built_;
   return out;
+}
+
+FramePtr Session::frame(const FrameRequest& request) const {
+  return build_frame(state_, alpha(), request);
+}
+
+WorldState Session::state_at(uint64_t step) const {
+  if (step == state_.step) return state_;
+  if (step > state_.step || step < (origin_ ? origin_->step : 0))
+    throw Error("not_found", "this session's past does not hold this step");
+  WorldState state = snapshot_at_or_before(step);
+  Workspace scratch;
+  size_t cursor = 0;
+  while (cursor < journal_.size() && journal_[cursor].step < state.step) ++cursor;
+  while (true) {
+    // Like the session itself: a step's commands come first, and those of the wanted step count.
+    for (; cursor < journal_.size() && journal_[cursor].step <= state.step; ++cursor) {
+      world_->apply(state, journal_[cursor].command);
+    }
+    if (state.step == step) return state;
+    world_->step(state, scratch, *arena_, {});
+  }
+}
+
+FramePtr Session::frame_at(uint64_t step, const FrameRequest& request) const {
+  return step == state_.step ? frame(request) : build_frame(state_at(step), 0, request);
 }
 
 void Session::record_series() {

@@ -83,6 +83,10 @@ class Session {
   void remove_sink(const Sink* sink);
   /// Builds a frame of the present state.
   FramePtr frame(const FrameRequest& request) const;
+  /// The state of an earlier step, computed from the nearest snapshot; the session stays where it is.
+  WorldState state_at(uint64_t step) const;
+  /// A frame of an earlier step. Error "not_found" when the step lies before this session's past or ahead.
+  FramePtr frame_at(uint64_t step, const FrameRequest& request) const;
   /// Frames built so far; a frame nobody asked for is not built.
   uint64_t frames_built() const { return frames_built_; }
   Observables observe() const { return world_->observe(state_); }
@@ -104,6 +108,7 @@ class Session {
   void load(WorldState state);
   void fail(const Instability& e);
   void notify(std::string_view kind, const std::string& detail);
+  FramePtr build_frame(const WorldState& state, double alpha, const FrameRequest& request) const;
   void record_series();
   WorldState snapshot_at_or_before(uint64_t step) const;
   void step_silently_to(uint64_t step);
@@ -131,6 +136,7 @@ class Session {
   size_t journal_cursor_ = 0;  ///< first entry not yet carried out at this step
 
   std::vector<std::shared_ptr<Sink>> sinks_;
+  std::vector<std::shared_ptr<Sink>> due_;  ///< those of the present step
   mutable uint64_t frames_built_ = 0;
   std::optional<Failure> failure_;
 };

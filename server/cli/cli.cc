@@ -1,19 +1,50 @@
 #include "server/cli/cli.h"
 
+#include <CLI/CLI.hpp>
 #include <iostream>
 
+#include "engine/base/errors.h"
 #include "engine/base/version.h"
+#include "server/cli/describe_commands.h"
 #include "server/cli/exit_codes.h"
+#include "server/cli/input.h"
+#include "server/cli/run.h"
+#include "server/cli/serve.h"
 
 namespace truestep {
 
+namespace {
+
+int exit_code_of(const Error& e) {
+  const std::string& c = e.code();
+  if (c == "scene_invalid" || c == "bad_json" || c == "too_large") return kExitInvalidScene;
+  if (c == "instability") return kExitUnstable;
+  if (c == "not_found" || c == "bad_request") return kExitUsage;
+  return kExitServer;
+}
+
+}  // namespace
+
 int run_command_line(int argc, char** argv) {
-  if (argc == 2 && std::string_view(argv[1]) == "--version") {
-    std::cout << version() << '\n';
-    return kExitOk;
+  CLI::App app("Truestep: a physics simulation service", "truestep");
+  app.require_subcommand(1);
+  app.set_version_flag("--version", std::string(version()));
+  int exit_code = kExitOk;
+  add_run_command(app, exit_code);
+  add_serve_command(app, exit_code);
+  add_describe_commands(app, exit_code);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& e) {
+    return app.exit(e) == 0 ? kExitOk : kExitUsage;
+  } catch (const Error& e) {
+    print_error(e);
+    return exit_code_of(e);
+  } catch (const std::exception& e) {
+    std::cerr << "error: " << e.what() << '\n';
+    return kExitServer;
   }
-  std::cerr << "usage: truestep --version\n";
-  return kExitUsage;
+  return exit_code;
 }
 
 }  // namespace truestep

@@ -13,6 +13,7 @@
 #include "server/cli/exit_codes.h"
 #include "server/cli/input.h"
 #include "server/cli/progress.h"
+#include "server/cli/run_outputs.h"
 
 namespace truestep {
 
@@ -71,6 +72,7 @@ int run(const RunOptions& options) {
       options.threads > 0 ? options.threads : static_cast<int>(std::thread::hardware_concurrency());
   const auto world = std::make_shared<const World>(std::move(scene));
   Session session(world, std::make_shared<const ThreadArena>(threads), {.history_bytes = 0});
+  RunOutputs outputs(session, options.output, options.picture);
 
   const auto start = std::chrono::steady_clock::now();
   Progress progress(options.progress == "none"    ? Progress::Style::none
@@ -87,6 +89,8 @@ int run(const RunOptions& options) {
   progress.finish();
   const double wall = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   if (!expectations.empty() && !every_step) expectations.add(session.observe());
+
+  outputs.finish();
 
   const auto verdicts = expectations.verdicts();
   const auto& failure = session.failure();
@@ -139,6 +143,8 @@ void add_run_command(CLI::App& app, int& exit_code) {
   c->add_option("--steps", options->steps, "steps instead of seconds")
       ->check(CLI::Range(int64_t{0}, int64_t{1} << 60))
       ->excludes(seconds);
+  c->add_option("-o,--output", options->output, "recording to write (.vtkhdf)");
+  c->add_option("--picture", options->picture, "picture of the last frame to write (.png)");
   c->add_option("--threads", options->threads, "threads of the simulation (default: all)")
       ->check(CLI::Range(1, 1024));
   c->add_flag("--json", options->json, "the result as one JSON object on standard output");

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "engine/core/topology.h"
 #include "engine/math/vec3.h"
 
 namespace truestep {
@@ -18,9 +19,6 @@ struct Color {
 
 /// How a scalar becomes a colour, from its smallest to its largest value.
 enum class ColorMap : uint8_t { viridis, water, ember };
-
-/// The part a line plays in a net; it picks the line's tint.
-enum class LineKind : uint8_t { structural, shear, bending, other };
 
 /// The points of one system and what connects them; every vector but `positions` may be empty.
 struct DrawPoints {

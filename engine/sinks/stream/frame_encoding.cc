@@ -8,7 +8,6 @@
 #include <cstring>
 
 #include "engine/base/errors.h"
-#include "engine/sinks/stream/base64.h"
 
 namespace truestep {
 
@@ -165,8 +164,6 @@ void append_rows(std::string& out, const FrameBlock& block) {
   }
 }
 
-constexpr std::string_view kEncodingNames[] = {"F32", "F64", "Q16", "Q16_DELTA", "QUAT32", "U32"};
-
 }  // namespace
 
 std::vector<WireField> wire_fields(const World& world, const std::vector<std::string>& fields,
@@ -251,79 +248,51 @@ std::shared_ptr<const std::string> encode_blocks(const Frame& frame, std::span<c
   return out;
 }
 
-std::string encode_head(const Frame& frame, uint64_t seq, uint64_t dropped, size_t block_bytes) {
-  std::string fields;
-  put_integer(fields, 1, seq);
-  put_integer(fields, 2, frame.step);
-  put_double(fields, 3, frame.time);
-  put_varint(fields, tag(4, 1));
-  put_raw(fields, frame.state_hash);
-  put_integer(fields, 5, dropped);
-  put_integer(fields, 6, frame.topology_version);
-  put_integer(fields, 7, 1);
-  put_double(fields, 10, frame.alpha);
+std::string encode_frame_fields(const Frame& frame, uint64_t seq, uint64_t dropped) {
   std::string out;
-  put_varint(out, tag(3, 2));  // ServerMessage.frame
-  put_varint(out, fields.size() + block_bytes);
-  out += fields;
+  put_integer(out, 1, seq);
+  put_integer(out, 2, frame.step);
+  put_double(out, 3, frame.time);
+  put_varint(out, tag(4, 1));
+  put_raw(out, frame.state_hash);
+  put_integer(out, 5, dropped);
+  put_integer(out, 6, frame.topology_version);
+  put_integer(out, 7, 1);
+  put_double(out, 10, frame.alpha);
   return out;
 }
 
-std::string encode_json(const Frame& frame, std::span<const WireField> fields, JsonArrays arrays,
-                        uint64_t seq, uint64_t dropped) {
-  std::string out = "{";
-  if (arrays == JsonArrays::base64) {
-    out +=
-        "\"seq\":" + std::to_string(seq) + ",\"dropped\":" + std::to_string(dropped) + ",\"keyframe\":true,";
-  }
-  out += "\"step\":" + std::to_string(frame.step) + ",\"time\":";
+std::string encode_head(const Frame& frame, uint64_t seq, uint64_t dropped, size_t block_bytes) {
+  const std::string fields = encode_frame_fields(frame, seq, dropped);
+  std::string out;
+  put_varint(out, tag(3, 2));  // ServerMessage.frame
+  put_varint(out, fields.size() + block_bytes);
+  return out + fields;
+}
+
+std::string encode_json(const Frame& frame, std::span<const WireField> fields) {
+  std::string out = "{\"step\":" + std::to_string(frame.step) + ",\"time\":";
   append_number(out, frame.time);
   out += ",\"alpha\":";
   append_number(out, frame.alpha);
   out += ",\"state_hash\":\"" + hex64(frame.state_hash) +
-         "\",\"topology_version\":" + std::to_string(frame.topology_version);
-  out += ",\"blocks\":[";
-  bool first = true;
-  for (const WireField& f : fields) {
+         "\",\"topology_version\":" + std::to_string(frame.topology_version) + ",\"blocks\":[";
+  for (size_t k = 0; k < fields.size(); ++k) {
+    const WireField& f = fields[k];
     const FrameBlock& block = block_of(frame, f);
-    if (!first) out += ',';
-    first = false;
-    // Ids and field names hold no character that JSON escapes.
-    out += "{\"system\":\"" + f.system + "\",\"field\":\"" + f.name + "\",\"unit\":\"" + f.unit +
-           "\",\"count\":" + std::to_string(block.rows) + ",\"width\":" + std::to_string(block.width);
-    if (arrays == JsonArrays::numbers) {
-      out += ",\"values\":";
-      append_rows(out, block);
-    } else {
-      out += ",\"encoding\":\"" + std::string(kEncodingNames[static_cast<size_t>(f.encoding)]) + '"';
-      std::string_view data = view_of(block);
-      Quantized q;
-      if (f.encoding == WireEncoding::q16) {
-        q = quantize(block);
-        data = q.data;
-        for (const auto& [name, list] : {std::pair{"offset", &q.offset}, {"scale", &q.scale}}) {
-          out += std::string(",\"") + name + "\":[";
-          for (size_t c = 0; c < list->size(); ++c) {
-            if (c) out += ',';
-            append_number(out, (*list)[c]);
-          }
-          out += ']';
-        }
-      }
-      out += ",\"data\":\"";
-      append_base64(out, data);
-      out += '"';
-    }
+    // Ids, field names and units hold no character that JSON escapes.
+    out += std::string(k ? "," : "") + "{\"system\":\"" + f.system + "\",\"field\":\"" + f.name +
+           "\",\"unit\":\"" + f.unit + "\",\"count\":" + std::to_string(block.rows) +
+           ",\"width\":" + std::to_string(block.width) + ",\"values\":";
+    append_rows(out, block);
     out += '}';
   }
   out += ']';
   if (!frame.observables.rows().empty()) {
     out += ",\"observables\":{";
-    first = true;
-    for (const Observation& o : frame.observables.rows()) {
-      if (!first) out += ',';
-      first = false;
-      out += '"' + o.name + "\":";
+    for (size_t k = 0; k < frame.observables.rows().size(); ++k) {
+      const Observation& o = frame.observables.rows()[k];
+      out += std::string(k ? "," : "") + '"' + o.name + "\":";
       append_number(out, o.value);
     }
     out += '}';

@@ -37,9 +37,9 @@ FrameRequest request_for(std::span<const WireField> fields, FrameRequest::Extras
 std::shared_ptr<const std::string> encode_blocks(const Frame& frame, std::span<const WireField> fields);
 /// Everything of a ServerMessage{frame} but the blocks, which must follow these bytes.
 std::string encode_head(const Frame& frame, uint64_t seq, uint64_t dropped, size_t block_bytes);
-/// The frame as JSON: arrays of numbers (polling), or base64 bytes when `binary` says so (JSON stream).
-enum class JsonArrays : uint8_t { numbers, base64 };
-std::string encode_json(const Frame& frame, std::span<const WireField> fields, JsonArrays arrays,
-                        uint64_t seq, uint64_t dropped);
+/// The fields of a Frame message but its blocks; a Frame's bytes are these and encode_blocks joined.
+std::string encode_frame_fields(const Frame& frame, uint64_t seq, uint64_t dropped);
+/// The frame as JSON with arrays of numbers, as polling clients get it. A number that is not finite is null.
+std::string encode_json(const Frame& frame, std::span<const WireField> fields);
 
 }  // namespace truestep

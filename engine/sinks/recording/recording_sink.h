@@ -1,0 +1,41 @@
+// A session's recording: takes every n-th step's fields and hands them to the writer, which makes the session
+// wait rather than leave a hole. The recording ends at the scene's duration, when the clock goes back, or
+// when it is told to.
+#pragma once
+#include <memory>
+#include <string>
+
+#include "engine/session/session.h"
+#include "engine/sinks/recording/recording_writer.h"
+
+namespace truestep {
+
+/// The layout that the scene's `recording` (or its default) asks for. Error "scene_invalid" with the pointer
+/// of a field that no system has or that cannot be recorded.
+RecordingLayout recording_layout(const World& world, const std::string& path);
+
+class RecordingSink : public Sink {
+ public:
+  /// Creates the file and records the session's present state.
+  RecordingSink(std::shared_ptr<RecordingThread> thread, const Session& session, const std::string& path);
+
+  bool due(uint64_t step) override;
+  const FrameRequest& request() const override { return request_; }
+  void accept(const FramePtr& frame) override;
+  void notify(std::string_view kind, uint64_t step, const std::string& detail) override;
+
+  /// Completes the file: journal, VTKHDF part. Afterwards it can be downloaded; a second call does nothing.
+  RecordingStatus finish();
+  RecordingStatus status() const { return writer_.status(); }
+  const std::string& path() const { return writer_.layout().path; }
+
+ private:
+  const Session& session_;
+  uint64_t every_, first_step_, last_step_;
+  bool finished_ = false;
+  RecordingWriter writer_;
+  FrameRequest request_;
+  std::vector<std::vector<FieldKey>> keys_;  ///< per recorded system, in the layout's order
+};
+
+}  // namespace truestep

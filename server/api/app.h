@@ -1,0 +1,45 @@
+// The application behind the routes: sessions, threads, counters. One object, handed to every route.
+#pragma once
+#include <memory>
+#include <string>
+
+#include "engine/sinks/recording/recording_thread.h"
+#include "server/net/options.h"
+#include "server/net/router.h"
+#include "server/net/server.h"
+#include "server/sessions/idempotency.h"
+#include "server/sessions/runner.h"
+#include "server/sessions/store.h"
+#include "server/stream/stream_client.h"
+
+namespace truestep {
+
+struct AppOptions {
+  net::Options net;
+  StoreLimits limits;
+  int workers = 2;       ///< threads that advance sessions
+  std::string data_dir;  ///< where recordings go; empty: none are made
+};
+
+struct App {
+  explicit App(AppOptions o) : options(std::move(o)), store(options.limits), runner(options.workers) {}
+
+  const AppOptions options;
+  std::shared_ptr<RecordingThread> recording_thread = std::make_shared<RecordingThread>();
+  SessionStore store;
+  IdempotencyKeys idempotency;
+  StreamStats stream_stats;
+  Runner runner;                        ///< last: its threads end before what they use
+  const net::Server* server = nullptr;  ///< for the metrics page; set before the server starts
+};
+
+/// The whole table of routes. `app` outlives the router.
+net::Router make_router(App& app);
+
+// Parts of the table, one file each.
+void add_session_routes(net::Router& router, App& app);
+void add_frame_routes(net::Router& router, App& app);
+void add_catalogue_routes(net::Router& router, App& app);
+void add_service_routes(net::Router& router, App& app);
+
+}  // namespace truestep

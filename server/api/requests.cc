@@ -1,0 +1,88 @@
+#include "server/api/requests.h"
+
+#include <charconv>
+#include <cmath>
+
+#include "engine/scene/json.h"
+
+namespace truestep {
+
+namespace json = boost::json;
+
+namespace {
+
+[[noreturn]] void bad_query(std::string_view name, std::string_view value, const std::string& allowed) {
+  throw Error("bad_request", "the query parameter " + std::string(name) + " is out of range",
+              {{"?" + std::string(name), "out_of_range", "the value is outside the allowed range",
+                '"' + std::string(value.substr(0, 60)) + '"', allowed, "", ""}});
+}
+
+template <class T>
+T parse_query(const net::Request& request, std::string_view name, T fallback, T max, const char* kind) {
+  const auto text = request.query_value(name);
+  if (!text) return fallback;
+  T value{};
+  const auto [end, error] = std::from_chars(text->data(), text->data() + text->size(), value);
+  const bool good =
+      error == std::errc() && end == text->data() + text->size() && value >= T(0) && value <= max;
+  if (!good) bad_query(name, *text, std::string(kind) + " from 0 to " + json::serialize(json::value(max)));
+  return value;
+}
+
+}  // namespace
+
+json::value json_body(const net::Request& request) {
+  if (request.body.empty()) return json::object{};
+  std::string_view type = request.header("content-type");
+  type = net::trim(type.substr(0, type.find(';')));
+  if (!type.empty() && !net::iequals(type, "application/json") && !type.ends_with("+json")) {
+    throw Error("unsupported_media", "the body must be application/json");
+  }
+  return parse_json(request.body);
+}
+
+json::object json_object_body(const net::Request& request) {
+  json::value v = json_body(request);
+  if (!v.is_object())
+    throw Error("bad_request", "the body must be a JSON object",
+                {{"", "wrong_type", "the body must be a JSON object", "", "an object", "", ""}});
+  return std::move(v.as_object());
+}
+
+uint64_t query_integer(const net::Request& request, std::string_view name, uint64_t fallback, uint64_t max) {
+  return parse_query<uint64_t>(request, name, fallback, max, "an integer");
+}
+
+double query_number(const net::Request& request, std::string_view name, double fallback, double max) {
+  return parse_query<double>(request, name, fallback, max, "a number");
+}
+
+std::vector<std::string> query_list(const net::Request& request, std::string_view name) {
+  std::vector<std::string> out;
+  std::string_view text = request.query_value(name).value_or("");
+  while (!text.empty() && out.size() < 64) {
+    const size_t comma = text.find(',');
+    if (comma != 0) out.emplace_back(text.substr(0, comma));
+    text = comma == std::string_view::npos ? "" : text.substr(comma + 1);
+  }
+  return out;
+}
+
+double number_member(const json::object& o, const char* name, double min, double max) {
+  const json::value& v = o.at(name);
+  const double x = v.is_number() ? v.to_number<double>() : NAN;
+  if (!(x >= min && x <= max)) {
+    throw Error(
+        "bad_request", std::string(name) + " is out of range",
+        {{std::string("/") + name, v.is_number() ? "out_of_range" : "wrong_type",
+          "expected a number in the allowed range", v.is_structured() ? "" : json::serialize(v).substr(0, 80),
+          json::serialize(json::value(min)) + " to " + json::serialize(json::value(max)), "", ""}});
+  }
+  return x;
+}
+
+net::Response json_response(const json::value& value, int status) {
+  return net::Response::json(json::serialize(value), status);
+}
+
+}  // namespace truestep

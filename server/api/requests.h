@@ -1,0 +1,52 @@
+// What several routes need of a request: its JSON body, numbers in the query, a session under its lock.
+#pragma once
+#include <boost/asio/awaitable.hpp>
+#include <boost/json.hpp>
+#include <mutex>
+#include <string>
+#include <vector>
+
+#include "server/api/app.h"
+#include "server/net/async.h"
+
+namespace truestep {
+
+/// The body as strict JSON. Error unsupported_media unless it is application/json (or empty, which counts as
+/// {}).
+boost::json::value json_body(const net::Request& request);
+/// An object; Error bad_request otherwise.
+boost::json::object json_object_body(const net::Request& request);
+
+/// A non-negative integer or number from the query; Error bad_request with the pointer "?name" when it is no
+/// such thing or above `max`.
+uint64_t query_integer(const net::Request& request, std::string_view name, uint64_t fallback, uint64_t max);
+double query_number(const net::Request& request, std::string_view name, double fallback, double max);
+/// "a,b,c" from the query; empty when absent.
+std::vector<std::string> query_list(const net::Request& request, std::string_view name);
+
+/// A finite number of an object in [min, max]; Error bad_request with its pointer otherwise.
+double number_member(const boost::json::object& o, const char* name, double min, double max);
+
+net::Response json_response(const boost::json::value& value, int status = 200);
+
+/// f(entry) under the entry's lock: at once when the lock is free, else on a worker, so that the network
+/// thread never waits for a step.
+template <class F>
+boost::asio::awaitable<net::Response> with_session(App& app, EntryPtr entry, F f) {
+  if (std::unique_lock lock(entry->mutex, std::try_to_lock); lock.owns_lock()) co_return f(*entry);
+  co_return co_await net::offload(app.runner.pool(), [entry, f = std::move(f)]() mutable {
+    const std::lock_guard lock(entry->mutex);
+    return f(*entry);
+  });
+}
+
+/// The same, always on a worker: for what takes long.
+template <class F>
+boost::asio::awaitable<net::Response> with_session_on_worker(App& app, EntryPtr entry, F f) {
+  co_return co_await net::offload(app.runner.pool(), [entry, f = std::move(f)]() mutable {
+    const std::lock_guard lock(entry->mutex);
+    return f(*entry);
+  });
+}
+
+}  // namespace truestep

@@ -1,0 +1,287 @@
+// /v1/sessions/{id}: what comes out - frames, observables, pictures, the stream.
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+
+#include "engine/sinks/picture/draw_world.h"
+#include "engine/sinks/picture/picture.h"
+#include "engine/sinks/picture/png.h"
+#include "engine/sinks/stream/frame_encoding.h"
+#include "server/api/requests.h"
+#include "server/stream/stream_client.h"
+
+namespace truestep {
+
+namespace json = boost::json;
+namespace asio = boost::asio;
+using net::Method;
+using net::Request;
+using net::Response;
+
+namespace {
+
+// "ex,ey,ez,tx,ty,tz" in m; nothing for an empty text.
+std::optional<DrawCamera> camera_of(std::string_view text) {
+  if (text.empty()) return std::nullopt;
+  double v[6];
+  const char *at = text.data(), *end = at + text.size();
+  for (int i = 0; i < 6; ++i) {
+    const auto [next, error] = std::from_chars(at, end, v[i]);
+    const bool last = i == 5;
+    if (error != std::errc() || !std::isfinite(v[i]) || (last ? next != end : next == end || *next != ',')) {
+      throw Error("bad_request", "a camera is six numbers: eye x,y,z and target x,y,z",
+                  {{"?camera", "wrong_type", "a camera is six numbers",
+                    '"' + std::string(text.substr(0, 60)) + '"', "ex,ey,ez,tx,ty,tz", "", "m"}});
+    }
+    at = next + 1;
+  }
+  return DrawCamera{{v[0], v[1], v[2]}, {v[3], v[4], v[5]}, std::nullopt, 40};
+}
+
+enum class Media : uint8_t { json, protobuf };
+
+Media media_of(const Request& request) {
+  const std::string_view accept = request.header("accept");
+  if (accept.find("application/x-protobuf") != std::string_view::npos) return Media::protobuf;
+  if (!accept.empty() && !request.accepts("application/json")) {
+    throw Error("not_acceptable", "frames are application/json or application/x-protobuf");
+  }
+  return Media::json;
+}
+
+// Which fields of which systems a request asks for; JSON gives f64 fields in full.
+std::vector<WireField> fields_of(const Request& request, const World& world, Media media) {
+  return wire_fields(world, query_list(request, "fields"), query_list(request, "systems"),
+                     media == Media::json ? WireEncoding::f64 : WireEncoding::f32);
+}
+
+std::string encode(const Frame& frame, std::span<const WireField> fields, Media media) {
+  if (media == Media::json) return encode_json(frame, fields);
+  const auto blocks = encode_blocks(frame, fields);
+  // A polled frame is the bare Frame message, without the stream's envelope.
+  return encode_frame_fields(frame, 0, 0) + *blocks;
+}
+
+const char* media_type(Media media) {
+  return media == Media::json ? "application/json" : "application/x-protobuf";
+}
+
+// The newest frame. While the session stands still the answer is made once and shared.
+Response latest_frame(SessionEntry& e, const Request& request, Media media) {
+  const std::string key(request.target);
+  const uint64_t version = e.version.load(std::memory_order_acquire);
+  CachedAnswer& c = e.cached_frame;
+  if (c.version == version && c.key == key && c.content_type == media_type(media)) {
+    return Response::shared(c.body, c.content_type, c.etag);
+  }
+  const auto fields = fields_of(request, e.session.world(), media);
+  const FramePtr frame = e.session.frame(request_for(fields, FrameRequest::Extras::none));
+  c = {key, version, std::make_shared<const std::string>(encode(*frame, fields, media)), media_type(media),
+       '"' + hex64(frame->state_hash) + '-' + std::to_string(frame->step) + '"'};
+  return Response::shared(c.body, c.content_type, c.etag);
+}
+
+asio::awaitable<Response> frame_at(App& app, const Request& request) {
+  EntryPtr entry = app.store.find(request.param("id"));
+  const Media media = media_of(request);
+  const std::string_view which = request.param("step");
+  if (which == "latest") {
+    co_return co_await with_session(app, entry,
+                                    [&](SessionEntry& e) { return latest_frame(e, request, media); });
+  }
+  uint64_t step = 0;
+  const auto [end, error] = std::from_chars(which.data(), which.data() + which.size(), step);
+  if (error != std::errc() || end != which.data() + which.size())
+    throw Error("not_found", "a frame is named by its step, or latest");
+  co_return co_await with_session_on_worker(app, entry, [&](SessionEntry& e) {
+    const auto fields = fields_of(request, e.session.world(), media);
+    if (step > e.session.step_index()) throw Error("not_found", "the session has not reached this step");
+    const FramePtr frame = e.session.frame_at(step, request_for(fields, FrameRequest::Extras::none));
+    return Response::text(encode(*frame, fields, media), media_type(media));
+  });
+}
+
+// Poll: frames after a step, waiting up to `wait` seconds for the first one.
+asio::awaitable<Response> poll(App& app, const Request& request) {
+  EntryPtr entry = app.store.find(request.param("id"));
+  const Media media = media_of(request);
+  const bool any_step = !request.query_value("after");
+  const uint64_t after = query_integer(request, "after", 0, UINT64_MAX);
+  const uint64_t limit = std::max<uint64_t>(1, query_integer(request, "limit", 16, 1024));
+  const double wait = query_number(request, "wait", 0, 60);
+  const auto deadline =
+      Clock::now() + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(wait));
+  while (true) {
+    const uint64_t seen = entry->changed.version();
+    Response response = co_await with_session(app, entry, [&](SessionEntry& e) {
+      const auto fields = fields_of(request, e.session.world(), media);
+      const FrameRequest wanted = request_for(fields, FrameRequest::Extras::none);
+      // The first poll makes the session keep frames for the next ones.
+      if (!e.poll || e.poll->expired() || e.poll->request().fields != wanted.fields) {
+        if (e.poll) e.session.remove_sink(e.poll.get());
+        e.poll = std::make_shared<PollSink>(wanted);
+        e.session.add_sink(e.poll);
+      }
+      e.poll->touch();
+      std::vector<FramePtr> frames = e.poll->after(any_step ? 0 : after, limit);
+      const uint64_t now = e.session.step_index();
+      if (frames.empty() && (any_step || now > after)) frames.push_back(e.session.frame(wanted));
+      if (frames.empty()) return Response(204);
+      if (media == Media::protobuf) {
+        // One frame to a message: the client asks again for the next.
+        return Response::text(encode(*frames.front(), fields, media), media_type(media));
+      }
+      std::string body = "{\"frames\":[";
+      for (size_t i = 0; i < frames.size(); ++i) body += (i ? "," : "") + encode(*frames[i], fields, media);
+      body += "],\"last_step\":" + std::to_string(frames.back()->step) +
+              ",\"dropped\":" + std::to_string(e.poll->dropped()) + "}";
+      return Response::json(std::move(body));
+    });
+    if (response.status != 204 || Clock::now() >= deadline || entry->removed) co_return response;
+    co_await entry->changed.wait(seen, deadline);
+    if (app.server && app.server->draining()) co_return response;
+  }
+}
+
+void append_csv_number(std::string& out, double v) {
+  char text[32];
+  out.append(text, std::to_chars(text, text + sizeof text, v).ptr);
+}
+
+// The series that the session kept, or the present values when the scene names no observables.
+Response observables(SessionEntry& e, const std::vector<std::string>& names, size_t max_points, bool csv) {
+  const Session& s = e.session;
+  Series now({}, 1);
+  std::vector<std::string> columns, units;
+  std::vector<std::vector<double>> values;
+  std::vector<uint64_t> steps;
+  const auto wanted = [&](std::string_view name) {
+    return names.empty() || std::any_of(names.begin(), names.end(), [&](const std::string& n) {
+             return name == n || (name.starts_with(n) && name[n.size()] == '.');
+           });
+  };
+  const Observables current = s.observe();
+  if (s.series().active() && !s.series().steps().empty()) {
+    const Series& series = s.series();
+    const size_t every =
+        std::max<size_t>(1, (series.steps().size() + max_points - 1) / std::max<size_t>(1, max_points));
+    for (size_t i = 0; i < series.steps().size(); i += every) steps.push_back(series.steps()[i]);
+    for (size_t k = 0; k < series.names().size(); ++k) {
+      if (!wanted(series.names()[k])) continue;
+      columns.push_back(series.names()[k]);
+      units.push_back(series.units()[k]);
+      auto& column = values.emplace_back();
+      for (size_t i = 0; i < series.steps().size(); i += every) column.push_back(series.values(k)[i]);
+    }
+  } else {
+    steps.push_back(s.step_index());
+    for (const Observation& o : current.rows()) {
+      if (!wanted(o.name)) continue;
+      columns.push_back(o.name);
+      units.push_back(o.unit);
+      values.push_back({o.value});
+    }
+  }
+  const double dt = s.world().dt();
+  if (csv) {
+    std::string out = "step,time";
+    for (const std::string& c : columns) out += "," + c;
+    out += "\n";
+    for (size_t i = 0; i < steps.size(); ++i) {
+      out += std::to_string(steps[i]) + ",";
+      append_csv_number(out, static_cast<double>(steps[i]) * dt);
+      for (const auto& column : values) {
+        out += ",";
+        append_csv_number(out, column[i]);
+      }
+      out += "\n";
+    }
+    return Response::text(std::move(out), "text/csv; charset=utf-8");
+  }
+  json::object series;
+  json::object unit_of;
+  for (size_t k = 0; k < columns.size(); ++k) {
+    json::array a;
+    for (const double v : values[k]) a.push_back(std::isfinite(v) ? json::value(v) : json::value(nullptr));
+    series[columns[k]] = std::move(a);
+    unit_of[columns[k]] = units[k];
+  }
+  json::array step_list, time_list;
+  for (const uint64_t n : steps)
+    step_list.emplace_back(n), time_list.emplace_back(static_cast<double>(n) * dt);
+  json::object latest;
+  for (const Observation& o : current.rows()) {
+    if (wanted(o.name)) latest[o.name] = std::isfinite(o.value) ? json::value(o.value) : json::value(nullptr);
+  }
+  return json_response(json::object{{"step", s.step_index()},
+                                    {"latest", std::move(latest)},
+                                    {"units", std::move(unit_of)},
+                                    {"series", json::object{{"step", std::move(step_list)},
+                                                            {"time", std::move(time_list)},
+                                                            {"values", std::move(series)}}}});
+}
+
+asio::awaitable<Response> picture(App& app, const Request& request) {
+  EntryPtr entry = app.store.find(request.param("id"));
+  const int width = static_cast<int>(query_integer(request, "width", 800, 4096));
+  const int height = static_cast<int>(query_integer(request, "height", 600, 4096));
+  if (width < 16 || height < 16)
+    throw Error(
+        "bad_request", "a picture has 16 to 4096 pixels a side",
+        {{"?width", "out_of_range", "a picture has 16 to 4096 pixels a side", "", "16 to 4096", "", ""}});
+  const auto camera = camera_of(request.query_value("camera").value_or(""));
+  std::optional<uint64_t> step;
+  if (request.query_value("step")) step = query_integer(request, "step", 0, UINT64_MAX);
+  DrawList list;
+  std::string etag;
+  co_await with_session_on_worker(app, entry, [&](SessionEntry& e) {
+    if (step && *step > e.session.step_index())
+      throw Error("not_found", "the session has not reached this step");
+    const WorldState* state = &e.session.state();
+    WorldState past;
+    if (step && *step != e.session.step_index()) {
+      past = e.session.state_at(*step);
+      state = &past;
+    }
+    list = draw_list_of(e.session.world(), *state);
+    return Response();
+  });
+  if (camera) list.camera = camera;
+  // One thread draws: a software renderer uses all cores by itself.
+  co_return co_await net::offload(app.runner.picture_thread(), [&] {
+    thread_local PictureRenderer renderer(width, height);
+    renderer.resize(width, height);
+    const auto png = encode_png(renderer.render_rgba(list), width, height);
+    Response r = Response::text({reinterpret_cast<const char*>(png.data()), png.size()}, "image/png");
+    r.header("Cache-Control", "no-store");
+    return r;
+  });
+}
+
+}  // namespace
+
+void add_frame_routes(net::Router& router, App& app) {
+  const std::string session = "/v1/sessions/{id}";
+  router.add(Method::get, session + "/frames",
+             "Frames after a step; waits up to `wait` seconds for one; 204 when there is none",
+             [&app](const Request& r) { return poll(app, r); });
+  router.add(Method::get, session + "/frames/{step}", "The frame of a step, or the latest",
+             [&app](const Request& r) { return frame_at(app, r); });
+  router.add(Method::get, session + "/observables",
+             "Energies, momenta, probes: latest values and series, JSON or CSV", [&app](const Request& r) {
+               const auto names = query_list(r, "names");
+               const auto max_points = static_cast<size_t>(query_integer(r, "max_points", 4096, 1'000'000));
+               const bool csv = r.header("accept").find("text/csv") != std::string_view::npos;
+               return with_session(app, app.store.find(r.param("id")),
+                                   [=](SessionEntry& e) { return observables(e, names, max_points, csv); });
+             });
+  router.add(Method::get, session + "/picture.png", "A picture of the present state or of an earlier step",
+             [&app](const Request& r) { return picture(app, r); });
+  router.websocket(session + "/stream", "Frames, events and control over a WebSocket",
+                   {"truestep.v1.proto", "truestep.v1.json"}, [&app](const Request& r) {
+                     return std::make_shared<StreamClient>(app.store.find(r.param("id")), app.runner,
+                                                           app.stream_stats);
+                   });
+}
+
+}  // namespace truestep

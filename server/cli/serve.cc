@@ -1,0 +1,172 @@
+#include "server/cli/serve.h"
+
+#include <signal.h>
+
+#include <CLI/CLI.hpp>
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/ip/tcp.hpp>
+#include <boost/asio/signal_set.hpp>
+#include <boost/asio/steady_timer.hpp>
+#include <filesystem>
+#include <iostream>
+#include <thread>
+
+#include "engine/base/log.h"
+#include "engine/base/version.h"
+#include "server/api/app.h"
+#include "server/api/recordings.h"
+#include "server/cli/exit_codes.h"
+
+namespace truestep {
+
+namespace asio = boost::asio;
+
+namespace {
+
+struct ServeOptions {
+  std::string host = "127.0.0.1", data_dir, key_file, log_level = "info";
+  uint16_t port = 8080;
+  int threads = 0;
+  double max_memory_mb = 8000;
+  int64_t max_sessions = 10000, session_ttl = 3600;
+  std::vector<std::string> hosts, origins;
+  bool insecure = false;
+};
+
+bool is_loopback(const std::string& host) {
+  if (host == "localhost") return true;
+  boost::system::error_code e;
+  const auto address = asio::ip::make_address(host, e);
+  return !e && address.is_loopback();
+}
+
+AppOptions app_options(const ServeOptions& o) {
+  if (!is_loopback(o.host) && o.key_file.empty() && !o.insecure) {
+    throw Error("bad_request",
+                "binding " + o.host + " lets others in: give --api-key-file, or --insecure if that is meant");
+  }
+  AppOptions a;
+  a.net.host = o.host;
+  a.net.port = o.port;
+  a.net.api_key_file = o.key_file;
+  a.net.allowed_hosts = o.hosts;
+  a.net.allowed_origins = o.origins;
+  if (o.insecure && a.net.allowed_hosts.empty()) a.net.allowed_hosts = {"*"};
+  a.workers = o.threads > 0 ? o.threads : static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
+  a.limits.threads_per_session = a.workers;
+  a.limits.max_memory_bytes = o.max_memory_mb * 1e6;
+  a.limits.per_session.memory_bytes = std::min(a.limits.per_session.memory_bytes, a.limits.max_memory_bytes);
+  a.limits.max_sessions = static_cast<size_t>(o.max_sessions);
+  a.limits.idle_ttl = std::chrono::seconds(o.session_ttl);
+  a.data_dir = o.data_dir;
+  return a;
+}
+
+std::string default_data_dir() {
+  const char* xdg = std::getenv("XDG_DATA_HOME");
+  const char* home = std::getenv("HOME");
+  if (xdg && *xdg) return std::string(xdg) + "/truestep";
+  return home && *home ? std::string(home) + "/.local/share/truestep" : "/tmp/truestep";
+}
+
+// Removes what nobody uses, once in a while.
+void sweep_every(asio::steady_timer& timer, App& app) {
+  timer.expires_after(std::chrono::seconds(30));
+  timer.async_wait([&](const boost::system::error_code& e) {
+    if (e) return;
+    for (const EntryPtr& entry : app.store.expire()) {
+      const std::lock_guard lock(entry->mutex);
+      discard_recording(*entry);
+    }
+    sweep_every(timer, app);
+  });
+}
+
+int serve(const ServeOptions& options) {
+  spdlog::set_level(spdlog::level::from_str(options.log_level));
+  AppOptions settings = app_options(options);
+  if (settings.data_dir.empty()) settings.data_dir = default_data_dir();
+  std::error_code failed;
+  std::filesystem::create_directories(settings.data_dir, failed);
+  if (failed) {
+    spdlog::warn("no recordings: {} cannot be created ({})", settings.data_dir, failed.message());
+    settings.data_dir.clear();
+  }
+  // Declared first, so that it goes last: the server's connections use it.
+  App app(settings);
+  net::Server server(settings.net, make_router(app));
+  app.server = &server;
+  asio::io_context main_loop;
+  asio::signal_set signals(main_loop, SIGTERM, SIGINT);
+  server.start();
+  std::cout << "Truestep " << version() << " at " << server.url() << std::endl;
+  recover_recordings(app);
+
+  asio::steady_timer sweeper(main_loop);
+  sweep_every(sweeper, app);
+  signals.async_wait([&](const boost::system::error_code&, int) {
+    sweeper.cancel();
+    main_loop.stop();
+  });
+  main_loop.run();
+  spdlog::info("shutting down");
+  server.stop();
+  app.runner.stop();
+  finish_recordings(app);
+  return kExitOk;
+}
+
+// A GET of /healthz by hand: the container's health check needs no other program.
+int health(const std::string& url) {
+  std::string_view rest = url;
+  if (rest.starts_with("http://")) rest.remove_prefix(7);
+  rest = rest.substr(0, rest.find('/'));
+  const size_t colon = rest.rfind(':');
+  const std::string host(rest.substr(0, colon)),
+      port(colon == std::string_view::npos ? "80" : rest.substr(colon + 1));
+  asio::ip::tcp::iostream stream;
+  stream.expires_after(std::chrono::seconds(3));
+  stream.connect(host, port);
+  stream << "GET /healthz HTTP/1.1\r\nHost: " << rest << "\r\nConnection: close\r\n\r\n" << std::flush;
+  std::string line;
+  std::getline(stream, line);
+  const bool good = line.starts_with("HTTP/1.1 200");
+  std::cout << (good ? "ok" : "no answer from " + url) << '\n';
+  return good ? kExitOk : kExitServer;
+}
+
+}  // namespace
+
+void add_serve_command(CLI::App& app, int& exit_code) {
+  auto o = std::make_shared<ServeOptions>();
+  CLI::App* c = app.add_subcommand("serve", "serves API and viewer");
+  c->add_option("--host", o->host, "address to listen on")->capture_default_str();
+  c->add_option("--port", o->port, "port; 0: any free one")->capture_default_str();
+  c->add_option("--data-dir", o->data_dir, "where recordings go (default: ~/.local/share/truestep)");
+  c->add_option("--api-key-file", o->key_file, "keys that clients must present, one a line");
+  c->add_flag("--insecure", o->insecure, "serve other machines without keys");
+  c->add_option("--allow-host", o->hosts, "further names in the Host header");
+  c->add_option("--allow-origin", o->origins, "further origins of browsers");
+  c->add_option("--threads", o->threads, "threads that advance sessions (default: all)")
+      ->check(CLI::Range(1, 1024));
+  c->add_option("--max-memory", o->max_memory_mb, "megabytes of all sessions together")
+      ->check(CLI::Range(1.0, 1e9))
+      ->capture_default_str();
+  c->add_option("--max-sessions", o->max_sessions, "sessions at once")
+      ->check(CLI::Range(1, 1000000))
+      ->capture_default_str();
+  c->add_option("--session-ttl", o->session_ttl, "seconds after which an unused session is removed")
+      ->check(CLI::Range(1, 1000000000))
+      ->capture_default_str();
+  c->add_option("--log-level", o->log_level, "log level")
+      ->check(CLI::IsMember({"debug", "info", "warn", "error", "off"}))
+      ->capture_default_str();
+  c->callback([o, &exit_code] { exit_code = serve(*o); });
+
+  auto url = std::make_shared<std::string>("http://127.0.0.1:8080");
+  CLI::App* h = app.add_subcommand("health", "asks a running server whether it is well");
+  h->add_option("url", *url, "address of the server")->capture_default_str();
+  h->callback([url, &exit_code] { exit_code = health(*url); });
+}
+
+}  // namespace truestep

@@ -1,0 +1,67 @@
+// A session as the server holds it: the engine's session behind a mutex, a signal for those who wait, and
+// what HTTP needs around it. Lock `mutex` for everything but the atomics and the constants.
+#pragma once
+#include <atomic>
+#include <chrono>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <string>
+
+#include "engine/session/session.h"
+#include "server/net/async.h"
+#include "server/net/message.h"
+#include "server/sessions/poll_sink.h"
+#include "server/stream/encoded_frames.h"
+
+namespace truestep {
+
+using Clock = std::chrono::steady_clock;
+
+/// The answer to the last GET of a frame, valid while the session stands still.
+struct CachedAnswer {
+  std::string key;       ///< query and media type that it answers
+  uint64_t version = 0;  ///< SessionEntry::version it was made at
+  net::SharedBuffer body;
+  std::string content_type, etag;
+};
+
+class RecordingSink;
+
+struct SessionEntry {
+  SessionEntry(std::string id, std::shared_ptr<const World> world, std::shared_ptr<const ThreadArena> arena,
+               double estimated_bytes)
+      : id(std::move(id)),
+        estimated_bytes(estimated_bytes),
+        session(std::move(world), std::move(arena), {.profiling = SessionOptions::Profiling::on}) {}
+
+  const std::string id;
+  const double estimated_bytes;
+  const Clock::time_point created = Clock::now();
+  uint64_t scene_hash = 0;  ///< of the document that created it (PUT is idempotent)
+  std::atomic<Clock::rep> last_used{Clock::now().time_since_epoch().count()};
+  std::atomic<int> streams{0};       ///< open WebSockets
+  std::atomic<bool> removed{false};  ///< taken out of the store; jobs stop
+  std::atomic<uint64_t> version{1};  ///< grows whenever the state or its past changes
+  net::Signal changed;               ///< notified with `version`
+
+  std::mutex mutex;
+  Session session;
+  std::map<std::string, std::shared_ptr<const WorldState>> snapshots;
+  std::shared_ptr<PollSink> poll;            ///< keeps frames for clients that poll
+  std::shared_ptr<RecordingSink> recording;  ///< null: the scene asks for none
+  CachedAnswer cached_frame;
+  EncodedFrames encoded;  ///< of the newest frame that was streamed
+  bool ticking = false;   ///< the runner has a timer for it
+
+  void touch() { last_used.store(Clock::now().time_since_epoch().count(), std::memory_order_relaxed); }
+  /// To be called after every change, with or without the lock.
+  void publish() {
+    version.fetch_add(1, std::memory_order_release);
+    changed.notify();
+  }
+};
+
+using EntryPtr = std::shared_ptr<SessionEntry>;
+
+}  // namespace truestep

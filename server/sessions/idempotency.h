@@ -1,0 +1,39 @@
+// Answers remembered under a client's Idempotency-Key, so that a repeated request is answered and not
+// repeated.
+#pragma once
+#include <cstdint>
+#include <deque>
+#include <map>
+#include <mutex>
+#include <optional>
+#include <string>
+
+namespace truestep {
+
+struct RememberedAnswer {
+  uint64_t request_hash = 0;
+  int status = 0;
+  std::string body, location;
+};
+
+class IdempotencyKeys {
+ public:
+  explicit IdempotencyKeys(size_t capacity = 10000) : capacity_(capacity) {}
+  /// The answer given before. Error "idempotency_key_reused" when that was another request, "conflict" when
+  /// the first one is still being answered. Nothing: the key is now taken and remember or forget must follow.
+  std::optional<RememberedAnswer> begin(const std::string& key, uint64_t request_hash);
+  void remember(const std::string& key, RememberedAnswer answer);
+  void forget(const std::string& key);
+
+ private:
+  struct Slot {
+    RememberedAnswer answer;
+    enum class Stage { running, done } stage = Stage::running;
+  };
+  size_t capacity_;
+  std::mutex mutex_;
+  std::map<std::string, Slot> slots_;
+  std::deque<std::string> order_;
+};
+
+}  // namespace truestep

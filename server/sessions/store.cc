@@ -1,0 +1,143 @@
+#include "server/sessions/store.h"
+
+#include "engine/base/hash.h"
+#include "server/net/digest.h"
+
+namespace truestep {
+
+namespace json = boost::json;
+
+std::string random_session_id() {
+  std::string h = net::random_hex128();
+  h[12] = '4';
+  h[16] = "89ab"[(h[16] <= '9' ? h[16] - '0' : h[16] - 'a' + 10) & 3];
+  return h.substr(0, 8) + '-' + h.substr(8, 4) + '-' + h.substr(12, 4) + '-' + h.substr(16, 4) + '-' +
+         h.substr(20);
+}
+
+bool is_session_id(std::string_view text) {
+  if (text.size() != 36) return false;
+  for (size_t i = 0; i < text.size(); ++i) {
+    const bool dash = i == 8 || i == 13 || i == 18 || i == 23;
+    const char c = text[i];
+    if (dash ? c != '-' : !((c >= '0' && c <= '9') || (c >= 'a' && c <= 'f'))) return false;
+  }
+  return true;
+}
+
+SessionStore::SessionStore(StoreLimits limits)
+    : limits_(limits), arena_(std::make_shared<const ThreadArena>(limits.threads_per_session)) {}
+
+void SessionStore::check_room(double bytes) const {
+  if (entries_.size() >= limits_.max_sessions) {
+    throw Error("quota_exceeded",
+                "this server holds its most of " + std::to_string(limits_.max_sessions) + " sessions");
+  }
+  if (memory_ + bytes > limits_.max_memory_bytes) {
+    throw Error("quota_exceeded", "the sessions of this server use all memory that it may use");
+  }
+}
+
+SessionStore::Created SessionStore::create(const json::value& document, const std::string& id) {
+  Hasher hasher;
+  hasher.text(json::serialize(document));
+  const uint64_t scene_hash = hasher.value();
+  const auto existing = [&]() -> EntryPtr {
+    const auto it = entries_.find(id);
+    if (it == entries_.end()) return nullptr;
+    if (it->second->scene_hash != scene_hash)
+      throw Error("conflict", "a session with this id and another scene exists");
+    return it->second;
+  };
+  {
+    const std::lock_guard lock(mutex_);
+    if (EntryPtr e = existing()) return {e, Created::How::existed};
+    check_room(0);
+  }
+  Scene scene = require_scene(read_scene(document));
+  const Cost cost = estimate(scene);
+  require_admission(cost, limits_.per_session);
+  const double bytes = cost.state_bytes + cost.workspace_bytes;
+  {
+    const std::lock_guard lock(mutex_);
+    check_room(bytes);
+  }
+  auto entry =
+      std::make_shared<SessionEntry>(id, std::make_shared<const World>(std::move(scene)), arena_, bytes);
+  entry->scene_hash = scene_hash;
+  const std::lock_guard lock(mutex_);
+  if (EntryPtr e = existing()) return {e, Created::How::existed};
+  check_room(bytes);
+  entries_.emplace(id, entry);
+  memory_ += bytes;
+  return {entry, Created::How::made};
+}
+
+EntryPtr SessionStore::find(std::string_view id) {
+  const std::lock_guard lock(mutex_);
+  const auto it = entries_.find(id);
+  if (it != entries_.end()) {
+    it->second->touch();
+    return it->second;
+  }
+  if (expired_.contains(id))
+    throw Error("session_expired", "this session was removed because nobody used it");
+  throw Error("unknown_session", "there is no session with this id");
+}
+
+EntryPtr SessionStore::remove(std::string_view id) {
+  EntryPtr entry = find(id);
+  const std::lock_guard lock(mutex_);
+  if (entries_.erase(entry->id)) memory_ -= entry->estimated_bytes;
+  entry->removed = true;
+  return entry;
+}
+
+std::vector<EntryPtr> SessionStore::list(std::string_view after, size_t limit) const {
+  const std::lock_guard lock(mutex_);
+  std::vector<EntryPtr> out;
+  for (auto it = entries_.upper_bound(after); it != entries_.end() && out.size() < limit; ++it)
+    out.push_back(it->second);
+  return out;
+}
+
+std::vector<EntryPtr> SessionStore::all() const {
+  return list("", SIZE_MAX);
+}
+
+size_t SessionStore::size() const {
+  const std::lock_guard lock(mutex_);
+  return entries_.size();
+}
+
+std::vector<EntryPtr> SessionStore::expire() {
+  std::vector<EntryPtr> out;
+  const auto now = Clock::now();
+  const std::lock_guard lock(mutex_);
+  for (auto it = entries_.begin(); it != entries_.end();) {
+    SessionEntry& e = *it->second;
+    const Clock::time_point used{Clock::duration(e.last_used.load(std::memory_order_relaxed))};
+    bool idle = now - used > limits_.idle_ttl && e.streams == 0;
+    if (idle) {
+      const std::unique_lock session_lock(e.mutex, std::try_to_lock);
+      idle = session_lock.owns_lock() && !e.session.playing();
+    }
+    if (!idle) {
+      ++it;
+      continue;
+    }
+    e.removed = true;
+    memory_ -= e.estimated_bytes;
+    expired_.insert(e.id);
+    expired_order_.push_back(e.id);
+    if (expired_order_.size() > 10000) {
+      expired_.erase(expired_order_.front());
+      expired_order_.pop_front();
+    }
+    out.push_back(it->second);
+    it = entries_.erase(it);
+  }
+  return out;
+}
+
+}  // namespace truestep

@@ -1,0 +1,65 @@
+// All sessions of a server: created under limits, found by id, forgotten when nobody has used them for long.
+#pragma once
+#include <boost/json.hpp>
+#include <deque>
+#include <map>
+#include <mutex>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "engine/scene/admission.h"
+#include "server/sessions/entry.h"
+
+namespace truestep {
+
+struct StoreLimits {
+  size_t max_sessions = 10000;
+  double max_memory_bytes = 8e9;  ///< sum of all sessions' estimates
+  AdmissionLimits per_session;
+  std::chrono::seconds idle_ttl{3600};  ///< unused, not playing, no stream for so long: removed
+  int threads_per_session = 1;
+};
+
+class SessionStore {
+ public:
+  explicit SessionStore(StoreLimits limits);
+
+  /// Builds a world from a parsed scene document and a session from that. Takes as long as the scene needs,
+  /// so not on a network thread. Error scene_invalid, too_large, quota_exceeded. An id that exists with the
+  /// same document is returned as it is; with another one it is Error "conflict".
+  struct Created {
+    EntryPtr entry;
+    enum class How { made, existed } how = How::made;
+  };
+  Created create(const boost::json::value& scene, const std::string& id);
+
+  /// Error "unknown_session", or "session_expired" when it was removed for want of use.
+  EntryPtr find(std::string_view id);
+  /// Takes a session out; error as find.
+  EntryPtr remove(std::string_view id);
+  /// Sessions in the order of their ids, starting after `after`.
+  std::vector<EntryPtr> list(std::string_view after, size_t limit) const;
+  std::vector<EntryPtr> all() const;
+  size_t size() const;
+  /// Removes what has been idle for too long and returns it.
+  std::vector<EntryPtr> expire();
+  const StoreLimits& limits() const { return limits_; }
+
+ private:
+  void check_room(double bytes) const;
+  StoreLimits limits_;
+  std::shared_ptr<const ThreadArena> arena_;
+  mutable std::mutex mutex_;
+  std::map<std::string, EntryPtr, std::less<>> entries_;
+  double memory_ = 0;
+  std::set<std::string, std::less<>> expired_;
+  std::deque<std::string> expired_order_;
+};
+
+/// A random session id (UUID version 4).
+std::string random_session_id();
+/// Whether a client may use this as a session id: a UUID in lower-case hexadecimal digits.
+bool is_session_id(std::string_view text);
+
+}  // namespace truestep

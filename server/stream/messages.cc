@@ -1,0 +1,135 @@
+#include "server/stream/messages.h"
+
+#include <google/protobuf/util/json_util.h>
+
+#include "engine/base/version.h"
+#include "engine/scene/json.h"
+#include "server/net/problem.h"
+
+namespace truestep {
+
+namespace {
+
+template <class T>
+std::string bytes_of(const std::vector<T>& v) {
+  return {reinterpret_cast<const char*>(v.data()), v.size() * sizeof(T)};
+}
+
+void add_shape(v1::Topology& topology, const DrawnShape& shape) {
+  constexpr const char* kNames[] = {"plane", "box", "sphere", "capsule"};
+  v1::Shape& s = *topology.add_shapes();
+  s.set_kind(kNames[static_cast<size_t>(shape.kind)]);
+  for (const double v : {shape.position.x, shape.position.y, shape.position.z}) s.add_position(v);
+  for (const double v : shape.orientation) s.add_orientation(v);
+  for (const double v : {shape.size.x, shape.size.y, shape.size.z}) s.add_size(v);
+  s.set_id(shape.id);
+  s.set_container(shape.container);
+}
+
+}  // namespace
+
+v1::ServerMessage hello_message(const Session& session, const std::string& id) {
+  v1::ServerMessage m;
+  v1::Hello& h = *m.mutable_hello();
+  h.set_api("truestep.v1");
+  h.set_session(id);
+  h.set_server(std::string(version()));
+  h.set_dt(session.world().dt());
+  h.set_step(session.step_index());
+  h.set_scene_name(session.world().scene().header.name);
+  for (const char* c : {"F32", "F64", "Q16", "latest", "every", "commands", "observables"})
+    h.add_capabilities(c);
+  for (size_t i = 0; i < session.world().size(); ++i) {
+    v1::SystemInfo& info = *h.add_systems();
+    info.set_id(session.world().id(i));
+    info.set_type(std::string(session.world().scene().systems[i].row->type));
+    for (const FieldInfo& f : session.world().system(i).fields()) {
+      v1::Field& field = *info.add_fields();
+      field.set_name(f.name);
+      field.set_unit(f.unit);
+      field.set_width(f.width);
+      field.set_encoding(f.type == Scalar::f64 || f.type == Scalar::f32 ? v1::F32 : v1::U32);
+    }
+    Observables values;
+    session.world().system(i).observe(session.state().systems[i], session.time(), values);
+    for (const Observation& o : values.rows()) info.add_observables(o.name);
+  }
+  return m;
+}
+
+v1::ServerMessage topology_message(const Session& session) {
+  v1::ServerMessage m;
+  v1::Topology& t = *m.mutable_topology();
+  t.set_version(session.topology_version());
+  for (size_t i = 0; i < session.world().size(); ++i) {
+    const System& system = session.world().system(i);
+    const Topology topology = system.topology(session.state().systems[i]);
+    v1::SystemTopology& s = *t.add_systems();
+    s.set_system(session.world().id(i));
+    s.set_lines(bytes_of(topology.lines));
+    s.set_triangles(bytes_of(topology.triangles));
+    s.set_line_kind(bytes_of(topology.line_kinds));
+    s.set_point_radius(topology.point_radius);
+    if (topology.color) {
+      for (const double c : *topology.color) s.add_color(c);
+    }
+    for (const DrawnShape& shape : system.shapes(session.state().systems[i], session.time()))
+      add_shape(t, shape);
+  }
+  return m;
+}
+
+v1::ServerMessage playback_message(const Session& session) {
+  v1::ServerMessage m;
+  v1::PlaybackState& p = *m.mutable_playback();
+  p.set_playing(session.playing());
+  p.set_speed(session.speed());
+  p.set_step(session.step_index());
+  p.set_time(session.time());
+  p.set_skipped_steps(session.skipped_steps());
+  return m;
+}
+
+v1::ServerMessage problem_message(std::string_view code, std::string_view detail, std::string_view request_id,
+                                  std::string_view pointer) {
+  const net::ProblemKind& kind = net::problem_kind(code);
+  v1::ServerMessage m;
+  v1::Problem& p = *m.mutable_problem();
+  p.set_code(std::string(kind.code));
+  p.set_title(std::string(kind.title));
+  p.set_status(static_cast<uint32_t>(kind.status));
+  p.set_detail(std::string(detail));
+  p.set_request_id(std::string(request_id));
+  p.set_pointer(std::string(pointer));
+  return m;
+}
+
+net::SharedBuffer to_wire(const v1::ServerMessage& message, WireForm form) {
+  auto out = std::make_shared<std::string>();
+  if (form == WireForm::protobuf) {
+    message.SerializeToString(out.get());
+  } else {
+    google::protobuf::util::JsonPrintOptions options;
+    options.preserve_proto_field_names = true;
+    options.always_print_primitive_fields = true;
+    const auto status = google::protobuf::util::MessageToJsonString(message, out.get(), options);
+    if (!status.ok()) throw Error("internal", std::string(status.message()));
+  }
+  return out;
+}
+
+v1::ClientMessage client_message_from_wire(std::string_view payload, WireForm form) {
+  v1::ClientMessage m;
+  if (form == WireForm::protobuf) {
+    if (!m.ParseFromArray(payload.data(), static_cast<int>(payload.size()))) {
+      throw Error("bad_request", "the message is no truestep.v1.ClientMessage");
+    }
+    return m;
+  }
+  parse_json(payload);  // strict about duplicates, depth and numbers, which the mapping below is not
+  const auto status = google::protobuf::util::JsonStringToMessage({payload.data(), payload.size()}, &m);
+  if (!status.ok()) throw Error("bad_request", std::string(status.message()));
+  return m;
+}
+
+}  // namespace truestep

@@ -1,0 +1,282 @@
+#include "server/stream/stream_client.h"
+
+#include <boost/asio/co_spawn.hpp>
+#include <boost/asio/detached.hpp>
+#include <boost/asio/post.hpp>
+
+#include "engine/base/log.h"
+#include "engine/scene/json.h"
+#include "engine/session/commands.h"
+
+namespace truestep {
+
+namespace asio = boost::asio;
+
+StreamClient::StreamClient(EntryPtr entry, Runner& runner, StreamStats& stats)
+    : entry_(std::move(entry)), runner_(runner), stats_(stats), strand_(runner.pool().get_executor()) {
+  fields_ = wire_fields(entry_->session.world(), {}, {}, WireEncoding::f32);
+  request_ = request_for(fields_, FrameRequest::Extras::none);
+}
+
+template <class F>
+void StreamClient::locked(F f) {
+  asio::post(strand_, [self = shared_from_this(), f = std::move(f)] {
+    if (self->closed_) return;
+    const std::lock_guard lock(self->entry_->mutex);
+    f();
+  });
+}
+
+// --- from the connection
+
+void StreamClient::on_open(std::shared_ptr<net::WebSocket> socket) {
+  form_ = socket->subprotocol() == "truestep.v1.json" ? WireForm::json : WireForm::protobuf;
+  socket_ = std::move(socket);
+  entry_->streams++;
+  locked([this] {
+    Session& session = entry_->session;
+    send(hello_message(session, entry_->id));
+    refresh_topology();
+    send(playback_message(session));
+    send_current_frame();
+    session.add_sink(shared_from_this());
+  });
+}
+
+void StreamClient::on_close(uint16_t, std::string_view) {
+  closed_ = true;
+  entry_->streams--;
+  entry_->touch();
+  // Not through locked(): it does nothing once closed.
+  asio::post(strand_, [self = shared_from_this()] {
+    const std::lock_guard lock(self->entry_->mutex);
+    self->entry_->session.remove_sink(self.get());
+  });
+}
+
+void StreamClient::on_drain() {
+  // Only a client that missed something needs more work now.
+  if (refresh_waiting_.exchange(false)) {
+    locked([this] {
+      if (stale_ && has_room()) send_current_frame();
+    });
+  }
+}
+
+void StreamClient::on_message(net::MessageKind kind, std::string_view payload) {
+  const bool binary = kind == net::MessageKind::binary;
+  if (binary != (form_ == WireForm::protobuf)) {
+    throw Error("bad_request", form_ == WireForm::protobuf ? "this subprotocol takes binary messages"
+                                                           : "this subprotocol takes text messages");
+  }
+  v1::ClientMessage message;
+  try {
+    message = client_message_from_wire(payload, form_);
+  } catch (const Error& e) {
+    send(problem_message(e.code(), e.what(), "", ""));
+    return;
+  }
+  if (message.has_credit()) {
+    flow_ = Flow::credit;
+    credit_.fetch_add(std::min<int64_t>(message.credit().frames(), 1000));
+    on_drain();
+    return;
+  }
+  locked([this, message = std::move(message)] {
+    try {
+      handle(message);
+    } catch (const Error& e) {
+      send(problem_message(e.code(), e.what(), message.request_id(),
+                           e.issues().empty() ? "" : e.issues().front().pointer));
+    } catch (const std::exception& e) {
+      spdlog::error("stream: {}", e.what());
+      send(problem_message("internal", "", message.request_id(), ""));
+    }
+  });
+}
+
+void StreamClient::handle(const v1::ClientMessage& message) {
+  Session& session = entry_->session;
+  switch (message.kind_case()) {
+    case v1::ClientMessage::kSubscribe:
+      subscribe(message.subscribe());
+      break;
+    case v1::ClientMessage::kControl:
+      control(message.control());
+      break;
+    case v1::ClientMessage::kCommand:
+      session.command(read_command(parse_json(message.command().json())));
+      entry_->publish();
+      if (!session.playing()) send_current_frame();
+      break;
+    case v1::ClientMessage::kRequestKeyframe:
+      send_current_frame();
+      break;
+    default:
+      throw Error("bad_request", "the message is empty");
+  }
+  // Drags come many times a second and nobody waits for their answers.
+  if (message.request_id().empty()) return;
+  v1::ServerMessage reply;
+  reply.mutable_reply()->set_request_id(message.request_id());
+  reply.mutable_reply()->set_step(session.step_index());
+  send(reply);
+}
+
+void StreamClient::subscribe(const v1::Subscribe& wish) {
+  if (wish.encoding() != v1::F32 && wish.encoding() != v1::F64 && wish.encoding() != v1::Q16) {
+    throw Error("bad_request", "this server sends F32, F64 and Q16");
+  }
+  if (!(wish.rate() >= 0) || wish.rate() > 10000)
+    throw Error("bad_request", "rate is a number of frames a second from 0 to 10000");
+  fields_ =
+      wire_fields(entry_->session.world(), {wish.fields().begin(), wish.fields().end()},
+                  {wish.systems().begin(), wish.systems().end()}, static_cast<WireEncoding>(wish.encoding()));
+  request_ = request_for(fields_,
+                         wish.observables() ? FrameRequest::Extras::observables : FrameRequest::Extras::none);
+  policy_ = wish.policy();
+  interval_ =
+      wish.rate() > 0
+          ? std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(1 / wish.rate()))
+          : Clock::duration{};
+  next_ = {};
+  if (wish.credit() > 0) {
+    credit_ = std::min<int64_t>(wish.credit(), 1000);
+    flow_ = Flow::credit;
+  }
+  send_current_frame();
+}
+
+void StreamClient::control(const v1::Control& control) {
+  Session& session = entry_->session;
+  const std::string& action = control.action();
+  const double value = control.value();
+  if (action == "play" || action == "speed") {
+    const double speed = value == 0 ? session.speed() : value;
+    if (action == "play" || session.playing()) {
+      session.play(speed);
+      runner_.keep_playing(entry_);
+    }
+  } else if (action == "pause") {
+    session.pause();
+  } else if (action == "reset") {
+    session.reset();
+  } else if (action == "step" || action == "seek") {
+    if (!(value >= 0) || value > 1e15) throw Error("bad_request", action + " takes a number from 0 to 1e15");
+    if (action == "seek") {
+      session.seek(static_cast<uint64_t>(value));
+    } else {
+      const uint64_t target = session.step_index() + std::max<uint64_t>(1, static_cast<uint64_t>(value));
+      asio::co_spawn(runner_.pool(), runner_.step_to(entry_, target), asio::detached);
+    }
+  } else {
+    throw Error("bad_request", "unknown action; there are: play, pause, step, seek, speed, reset");
+  }
+  entry_->publish();
+}
+
+// --- from the session
+
+bool StreamClient::has_room() const {
+  if (closed_ || !socket_->is_open()) return false;
+  if (flow_ == Flow::credit && credit_ <= 0) return false;
+  // One frame may be on its way while the next is made; more would only make what is seen older.
+  return socket_->queued_bytes() == 0;
+}
+
+bool StreamClient::due(uint64_t) {
+  if (closed_) return false;
+  const auto now = Clock::now();
+  if (interval_ > Clock::duration{} && now < next_) {
+    stale_ = true;
+    return false;
+  }
+  if (policy_ == v1::LATEST && !has_room()) {
+    ++dropped_;
+    stats_.dropped.fetch_add(1, std::memory_order_relaxed);
+    stale_ = true;
+    refresh_waiting_ = true;
+    // A drain that came just before the flag was set would be missed.
+    if (has_room()) return true;
+    return false;
+  }
+  // Keeping to the grid of the interval, not to the last frame, holds the mean rate.
+  next_ = next_ + interval_ > now ? next_ + interval_ : now + interval_;
+  return true;
+}
+
+void StreamClient::accept(const FramePtr& frame) {
+  if (closed_) return;
+  if (frame->topology_version != topology_version_) refresh_topology();
+  if (flow_ == Flow::credit) credit_.fetch_sub(1);
+  const auto blocks = entry_->encoded.get(frame, fields_);
+  std::string head = encode_head(*frame, ++seq_, dropped_, blocks->size());
+  const size_t bytes = head.size() + blocks->size();
+  bool sent = false;
+  if (form_ == WireForm::protobuf) {
+    sent = socket_->send_binary(std::move(head), blocks);
+  } else {
+    v1::ServerMessage message;
+    message.ParseFromString(head + *blocks);
+    sent = socket_->send_text(to_wire(message, form_));
+  }
+  if (!sent) {
+    if (socket_->is_open()) socket_->close(4408, "the client reads too slowly for policy every");
+    return;
+  }
+  last_step_ = frame->step;
+  stale_ = false;
+  stats_.frames.fetch_add(1, std::memory_order_relaxed);
+  stats_.bytes.fetch_add(bytes, std::memory_order_relaxed);
+  if (request_.extras == FrameRequest::Extras::observables) {
+    v1::ServerMessage message;
+    v1::Observables& o = *message.mutable_observables();
+    o.set_step(frame->step);
+    o.set_time(frame->time);
+    for (const Observation& v : frame->observables.rows()) {
+      v1::Observation& row = *o.add_values();
+      row.set_name(v.name);
+      row.set_value(v.value);
+      row.set_unit(v.unit);
+    }
+    send(message);
+  }
+}
+
+void StreamClient::notify(std::string_view kind, uint64_t step, const std::string& detail) {
+  if (kind != "playback" && kind != "reset" && kind != "seek") {
+    v1::ServerMessage message;
+    v1::Event& e = *message.mutable_event();
+    e.set_kind(std::string(kind));
+    e.set_step(step);
+    e.set_detail(detail);
+    send(message);
+  }
+  send(playback_message(entry_->session));
+  if (kind == "reset" || kind == "seek" || stale_) {
+    if (has_room())
+      send_current_frame();
+    else
+      stale_ = true, refresh_waiting_ = true;
+  }
+}
+
+void StreamClient::send_current_frame() {
+  accept(entry_->session.frame(request_));
+}
+
+void StreamClient::refresh_topology() {
+  topology_version_ = entry_->session.topology_version();
+  send(topology_message(entry_->session));
+}
+
+void StreamClient::send(const v1::ServerMessage& message) {
+  if (closed_) return;
+  const net::SharedBuffer wire = to_wire(message, form_);
+  if (form_ == WireForm::protobuf)
+    socket_->send_binary(wire);
+  else
+    socket_->send_text(wire);
+}
+
+}  // namespace truestep
