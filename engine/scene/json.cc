@@ -66,7 +66,9 @@ class Reader {
     std::string_view near(where, std::min<size_t>(20, static_cast<size_t>(end_ - where)));
     near = near.substr(0, std::min(near.size(), find_invalid_utf8(near)));
     issue.value = std::string(near);
-    throw Error("bad_json", "not acceptable as JSON: " + issue.message, {issue});
+    // Too deep is a limit of this service and no fault of the document's syntax.
+    const bool limit = std::string_view(code) == "too_deep";
+    throw Error(limit ? "too_large" : "bad_json", "not acceptable as JSON: " + issue.message, {issue});
   }
 
   void skip_space() {

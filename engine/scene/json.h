@@ -18,7 +18,7 @@ struct JsonLimits {
 };
 
 /// Parses one document. Throws Error("bad_json") with one Issue that names the JSON pointer and the byte
-/// offset, or Error("too_large") when the text is longer than the limit.
+/// offset, or Error("too_large") when the text is longer or nested deeper than the limits.
 boost::json::value parse_json(std::string_view text, const JsonLimits& limits = {});
 
 /// Appends one reference token to a JSON pointer, escaped as RFC 6901 asks ("~" -> "~0", "/" -> "~1").

@@ -1,0 +1,88 @@
+// One accepted connection: reads requests, asks the guard and the router, writes responses, upgrades to
+// WebSocket. Runs as one coroutine on one network thread. Time-outs are deadlines that the event loop's sweep
+// compares a few times a second, so a request costs no timer; a request whose handler answers at once costs
+// no further coroutine.
+#pragma once
+#include <boost/asio/awaitable.hpp>
+#include <boost/asio/cancellation_signal.hpp>
+#include <memory>
+#include <string>
+
+#include "server/net/guard.h"
+#include "server/net/head_parser.h"
+#include "server/net/options.h"
+#include "server/net/response_head.h"
+#include "server/net/router.h"
+#include "server/net/server.h"
+#include "server/net/websocket.h"
+
+namespace truestep::net {
+
+/// What all connections of a server share.
+struct Service {
+  Service(Options o, Router r) : options(std::move(o)), router(std::move(r)), guard(options) {}
+  Options options;
+  Router router;
+  Guard guard;
+  ServerStats stats;
+  std::atomic<bool> draining{false};
+};
+
+class Connection : public std::enable_shared_from_this<Connection> {
+ public:
+  Connection(Socket socket, Service& service);
+
+  /// Serves until the connection ends.
+  boost::asio::awaitable<void> run();
+  /// Compares deadlines.
+  void tick(Clock::time_point now);
+  /// Lets a running request finish; an idle connection ends at once, a WebSocket is closed with 1001.
+  void drain();
+  /// Ends at once.
+  void abort();
+
+ private:
+  enum class Phase : uint8_t { idle, head, body, handler, write, linger };
+
+  boost::asio::awaitable<bool> read_more();
+  boost::asio::awaitable<bool> read_body(size_t limit);
+  boost::asio::awaitable<bool> read_sized(size_t size);
+  boost::asio::awaitable<bool> read_chunked(size_t limit);
+  boost::asio::awaitable<size_t> read_into(char* to, size_t size);
+  boost::asio::awaitable<Response> wait_for(const Route& route);
+  Response answer(const Route& route);
+  Response no_route(const Router::Match& match);
+  void deny(Response response);
+  void refuse(int status, std::string_view reason);
+  bool prepare(Response& response, std::string_view& large_body);
+  boost::asio::awaitable<bool> finish_response(const Response& response, std::string_view large_body);
+  boost::asio::awaitable<bool> write_out(std::string_view body);
+  boost::asio::awaitable<bool> send_file(const FileBody& file, uint64_t offset, uint64_t length);
+  boost::asio::awaitable<void> wait_writable();
+  boost::asio::awaitable<void> linger();
+  Response handshake(const Route& route);
+  void enter(Phase phase);
+  bool flush_now(std::string_view body);
+  void make_room();
+
+  Socket socket_;
+  Service& service_;
+  HeadParser parser_;
+  Request request_;
+  std::string buffer_;  ///< received and not yet consumed bytes are [begin_, end_)
+  size_t begin_ = 0, end_ = 0;
+  std::string out_;     ///< heads and small bodies on their way
+  size_t written_ = 0;  ///< of out_ followed by the body being written
+  std::string remote_;
+  Phase phase_ = Phase::idle;
+  Clock::time_point deadline_;
+  bool timed_out_ = false;
+  bool closing_ = false;                       ///< no further request after the current response
+  bool unread_ = false;                        ///< the peer may still be sending: linger before closing
+  std::shared_ptr<WebSocketHandler> upgrade_;  ///< set by a successful handshake
+  std::string subprotocol_;
+  std::shared_ptr<WebSocket> websocket_;
+  boost::asio::cancellation_signal cancel_handler_;
+};
+
+}  // namespace truestep::net

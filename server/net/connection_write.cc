@@ -1,0 +1,78 @@
+// Writing of a connection: one system call for head and body where the socket takes them, waiting only when
+// it does not; files go from the page cache to the socket without passing through this process.
+#include <sys/sendfile.h>
+#include <sys/socket.h>
+#include <sys/uio.h>
+
+#include <boost/asio/redirect_error.hpp>
+#include <boost/asio/use_awaitable.hpp>
+#include <cerrno>
+
+#include "server/net/connection.h"
+
+namespace truestep::net {
+
+namespace asio = boost::asio;
+
+// Writes out_ and then body. True when both are gone; false when the socket is full or, then closed, broken.
+bool Connection::flush_now(std::string_view body) {
+  const size_t total = out_.size() + body.size();
+  while (written_ < total) {
+    iovec iov[2];
+    size_t n = 0;
+    if (written_ < out_.size()) iov[n++] = {out_.data() + written_, out_.size() - written_};
+    const size_t skip = written_ > out_.size() ? written_ - out_.size() : 0;
+    if (body.size() > skip) iov[n++] = {const_cast<char*>(body.data()) + skip, body.size() - skip};
+    msghdr message{};
+    message.msg_iov = iov;
+    message.msg_iovlen = n;
+    const ssize_t sent = ::sendmsg(socket_.native_handle(), &message, MSG_NOSIGNAL | MSG_DONTWAIT);
+    if (sent < 0) {
+      if (errno == EINTR) continue;
+      if (errno != EAGAIN && errno != EWOULDBLOCK) abort();
+      return false;
+    }
+    written_ += static_cast<size_t>(sent);
+  }
+  out_.clear();
+  written_ = 0;
+  return true;
+}
+
+asio::awaitable<bool> Connection::write_out(std::string_view body) {
+  while (socket_.is_open()) {
+    co_await wait_writable();
+    if (!socket_.is_open()) break;
+    if (flush_now(body)) co_return true;
+  }
+  co_return false;
+}
+
+// The write time-out starts anew whenever the peer has taken something.
+asio::awaitable<void> Connection::wait_writable() {
+  enter(Phase::write);
+  boost::system::error_code ec;
+  co_await socket_.async_wait(Socket::wait_write, asio::redirect_error(asio::use_awaitable, ec));
+}
+
+asio::awaitable<bool> Connection::send_file(const FileBody& file, uint64_t offset, uint64_t length) {
+  auto at = static_cast<off_t>(offset);
+  while (length > 0) {
+    const ssize_t sent =
+        ::sendfile(socket_.native_handle(), file.fd(), &at, std::min<uint64_t>(length, uint64_t{1} << 20));
+    if (sent > 0) {
+      length -= static_cast<uint64_t>(sent);
+      // A fast reader must not keep the network thread to itself for a whole file.
+      if (length > 0) co_await wait_writable();
+    } else if (sent < 0 && (errno == EAGAIN || errno == EWOULDBLOCK)) {
+      co_await wait_writable();
+    } else if (sent == 0 || errno != EINTR) {
+      // The file became shorter than announced, or the peer left: only closing tells the truth.
+      abort();
+    }
+    if (!socket_.is_open()) co_return false;
+  }
+  co_return true;
+}
+
+}  // namespace truestep::net

@@ -1,0 +1,112 @@
+#include "server/net/guard.h"
+
+#include <boost/asio/ip/address.hpp>
+#include <fstream>
+#include <sstream>
+
+#include "engine/base/errors.h"
+#include "server/net/digest.h"
+#include "server/net/problem.h"
+
+namespace truestep::net {
+namespace {
+
+// Host without port and brackets.
+std::string_view host_name(std::string_view authority) {
+  if (authority.starts_with('[')) return authority.substr(1, authority.find(']') - 1);
+  return authority.substr(0, authority.find(':'));
+}
+
+bool is_address(std::string_view text) {
+  boost::system::error_code ec;
+  boost::asio::ip::make_address(std::string(text), ec);
+  return !ec;
+}
+
+}  // namespace
+
+KeyRing KeyRing::load(const std::string& path) {
+  std::ifstream in(path);
+  if (!in) throw Error("bad_request", "the key file " + path + " cannot be read");
+  KeyRing ring;
+  std::string line;
+  while (std::getline(in, line)) {
+    std::istringstream words(line.substr(0, line.find('#')));
+    std::string name, key;
+    if (!(words >> name)) continue;
+    if (!(words >> key)) std::swap(name, key);
+    std::string digest = key.starts_with("sha256:") ? key.substr(7) : sha256_hex(key);
+    if (name.empty()) name = digest.substr(0, 12);
+    ring.keys_.push_back({std::move(name), std::move(digest)});
+  }
+  if (ring.keys_.empty()) throw Error("bad_request", "the key file " + path + " holds no key");
+  return ring;
+}
+
+std::string_view KeyRing::principal(std::string_view key) const {
+  const std::string digest = sha256_hex(key);
+  std::string_view found;
+  for (const Key& k : keys_) {
+    if (equal_constant_time(k.digest, digest)) found = k.name;
+  }
+  return found;
+}
+
+Guard::Guard(const Options& options) : hosts_(options.allowed_hosts), origins_(options.allowed_origins) {
+  for (const std::string& h : hosts_) any_host_ = any_host_ || h == "*";
+  for (const std::string& o : origins_) any_origin_ = any_origin_ || o == "*";
+  for (const char* name : {"localhost", "127.0.0.1", "::1"}) hosts_.emplace_back(name);
+  hosts_.push_back(options.host);
+  // On all interfaces any literal address may be ours. Rebinding needs a name, so literals are safe.
+  any_literal_ = options.host == "0.0.0.0" || options.host == "::";
+  if (!options.api_key_file.empty()) keys_ = KeyRing::load(options.api_key_file);
+}
+
+bool Guard::host_allowed(std::string_view host) const {
+  if (any_host_) return true;
+  const std::string_view name = host_name(host);
+  for (const std::string& h : hosts_) {
+    if (iequals(h, name)) return true;
+  }
+  return any_literal_ && is_address(name);
+}
+
+bool Guard::origin_allowed(std::string_view origin, std::string_view host) const {
+  if (any_origin_) return true;
+  for (const std::string& o : origins_) {
+    if (iequals(o, origin)) return true;
+  }
+  const size_t scheme = origin.find("://");
+  if (scheme == std::string_view::npos) return false;
+  if (origin.substr(0, scheme) != "http" && origin.substr(0, scheme) != "https") return false;
+  return iequals(origin.substr(scheme + 3), host);
+}
+
+std::optional<Response> Guard::check_source(const Request& request) const {
+  const std::string_view host = request.header("host");
+  if (!(host.empty() && request.http10) && !host_allowed(host)) {
+    return problem(request, "misdirected", "the Host header names a host that is not served here");
+  }
+  for (const Field& f : request.headers) {
+    if (f.name.size() == 6 && iequals(f.name, "origin") && !origin_allowed(f.value, host)) {
+      return problem(request, "forbidden", "requests from this origin are not allowed");
+    }
+  }
+  return std::nullopt;
+}
+
+std::optional<Response> Guard::check_key(Request& request) const {
+  if (keys_.empty()) return std::nullopt;
+  std::string_view key;
+  const std::string_view authorization = request.header("authorization");
+  if (authorization.size() > 7 && iequals(authorization.substr(0, 7), "bearer "))
+    key = trim(authorization.substr(7));
+  if (key.empty() && request.header_has_token("upgrade", "websocket"))
+    key = request.query_value("access_token").value_or("");
+  if (!key.empty()) request.principal = keys_.principal(key);
+  if (request.principal.empty())
+    return problem(request, "unauthorized", key.empty() ? "no API key was sent" : "the API key is not known");
+  return std::nullopt;
+}
+
+}  // namespace truestep::net

@@ -1,0 +1,67 @@
+#include "server/net/response_head.h"
+
+#include <charconv>
+#include <ctime>
+
+#include "server/net/status.h"
+
+namespace truestep::net {
+namespace {
+
+// The Date line of the current second; one copy per thread.
+std::string_view date_line() {
+  thread_local std::time_t second = 0;
+  thread_local std::string line;
+  timespec now;
+  clock_gettime(CLOCK_REALTIME_COARSE, &now);
+  if (now.tv_sec != second) {
+    second = now.tv_sec;
+    line = "Date: " + http_date(second) + "\r\n";
+  }
+  return line;
+}
+
+}  // namespace
+
+std::string http_date(std::time_t time) {
+  constexpr const char* kDays[] = {"Sun", "Mon", "Tue", "Wed", "Thu", "Fri", "Sat"};
+  constexpr const char* kMonths[] = {"Jan", "Feb", "Mar", "Apr", "May", "Jun",
+                                     "Jul", "Aug", "Sep", "Oct", "Nov", "Dec"};
+  std::tm t{};
+  gmtime_r(&time, &t);
+  char text[64];
+  const int n = std::snprintf(text, sizeof text, "%s, %02d %s %04d %02d:%02d:%02d GMT", kDays[t.tm_wday],
+                              t.tm_mday, kMonths[t.tm_mon], t.tm_year + 1900, t.tm_hour, t.tm_min, t.tm_sec);
+  return std::string(text, static_cast<size_t>(n));
+}
+
+void append_head(std::string& out, const Response& r, uint64_t content_length, ConnectionFate fate) {
+  out += status_line(r.status);
+  out += date_line();
+  if (!r.content_type.empty()) {
+    out += "Content-Type: ";
+    out += r.content_type;
+    out += "\r\nX-Content-Type-Options: nosniff\r\n";
+  }
+  if (r.status != 204 && r.status != 304) {
+    char digits[24];
+    const auto end = std::to_chars(digits, digits + sizeof digits, content_length).ptr;
+    out += "Content-Length: ";
+    out.append(digits, static_cast<size_t>(end - digits));
+    out += "\r\n";
+  }
+  if (!r.etag.empty()) {
+    out += "ETag: ";
+    out += r.etag;
+    out += "\r\n";
+  }
+  out += r.header_block();
+  if (fate == ConnectionFate::close) {
+    out += "Connection: close\r\n";
+  } else if (fate == ConnectionFate::keep_http10) {
+    out += "Connection: keep-alive\r\n";
+  }
+  out += "\r\n";
+}
+
+}  // namespace truestep::net

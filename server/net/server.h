@@ -1,0 +1,57 @@
+// The server: listens, accepts, and runs one event loop per network thread. It knows routes and nothing of
+// what they do.
+#pragma once
+#include <atomic>
+#include <chrono>
+#include <cstdint>
+#include <memory>
+#include <string>
+
+#include "server/net/options.h"
+#include "server/net/router.h"
+
+namespace truestep::net {
+
+/// Counters for the metrics page; all monotonic except the two gauges.
+struct ServerStats {
+  std::atomic<uint64_t> accepted{0};
+  std::atomic<uint64_t> refused{0};  ///< connections turned away: limit reached or no descriptors
+  std::atomic<uint64_t> requests{0};
+  std::atomic<uint64_t> errors_4xx{0};
+  std::atomic<uint64_t> errors_5xx{0};
+  std::atomic<uint64_t> timeouts{0};
+  std::atomic<int64_t> connections{0};  ///< gauge: open now
+  std::atomic<int64_t> websockets{0};   ///< gauge: open now
+};
+
+class Server {
+ public:
+  /// Throws Error("bad_request") for unusable options (key file, host).
+  Server(Options options, Router router);
+  /// Stops at once when still running.
+  ~Server();
+  Server(const Server&) = delete;
+  Server& operator=(const Server&) = delete;
+
+  /// Binds, listens and starts the network threads. Throws Error("bind_failed") when the address is taken or
+  /// not ours.
+  void start();
+  /// Stops accepting, lets running requests finish, closes WebSockets with 1001 and joins the threads;
+  /// whatever is still open after `grace` is cut. Not to be called from a handler.
+  void stop(std::chrono::milliseconds grace = std::chrono::milliseconds(3000));
+  /// True from the call of stop() on.
+  bool draining() const;
+
+  /// The port that is listened on (the real one when 0 was asked for).
+  uint16_t port() const;
+  /// "http://127.0.0.1:8080".
+  std::string url() const;
+  const ServerStats& stats() const;
+  const Router& router() const;
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace truestep::net

@@ -1,0 +1,42 @@
+// One network thread: an event loop, the connections it serves, and the sweep that compares their deadlines.
+#pragma once
+#include <boost/asio/executor_work_guard.hpp>
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/steady_timer.hpp>
+#include <list>
+#include <memory>
+#include <thread>
+
+#include "server/net/connection.h"
+
+namespace truestep::net {
+
+class Shard {
+ public:
+  explicit Shard(Service& service);
+  ~Shard();
+
+  void start();
+  /// Any thread: closes idle connections and asks the others to finish.
+  void drain();
+  /// Any thread: cuts every connection.
+  void abort_all();
+  /// Lets the loop end once nothing is left to do, or at once after `stop_loop`; then joins the thread.
+  void join();
+  void stop_loop() { io_.stop(); }
+  boost::asio::io_context& io() { return io_; }
+  /// On this shard's thread: serves an accepted connection.
+  void adopt(Socket socket);
+
+ private:
+  void sweep();
+  Service& service_;
+  boost::asio::io_context io_{1};
+  boost::asio::executor_work_guard<boost::asio::io_context::executor_type> work_;
+  boost::asio::steady_timer timer_;
+  bool sweeping_ = false;
+  std::list<std::shared_ptr<Connection>> connections_;
+  std::thread thread_;
+};
+
+}  // namespace truestep::net

@@ -1,0 +1,84 @@
+#!/usr/bin/env python3
+"""Runs one check script against a freshly started server.
+
+usage: run_check.py --script NAME --server 'COMMAND ...' [--arg ...] [--expect TEXT]
+
+COMMAND must print a line 'listening on URL' on stdout. In the arguments after '--', {url}, {ws} and {pid} stand for
+the server's address, its ws:// form and its process id. The scripts are looked for in $TRUESTEP_CHECKS, then in
+../shared/checks beside the source tree; where neither exists the check counts as skipped (exit 77).
+--expect TEXT: some line of the script's output must contain TEXT (the full score). The server must survive the
+check and end with exit 0 on SIGTERM.
+"""
+import argparse
+import os
+import pathlib
+import shlex
+import signal
+import subprocess
+import sys
+import threading
+
+SKIPPED = 77
+
+
+def find_script(name):
+    source = pathlib.Path(__file__).resolve().parents[2]
+    for folder in (os.environ.get("TRUESTEP_CHECKS"), source.parent / "shared" / "checks", source.parent.parent / "shared" / "checks"):
+        if folder and (pathlib.Path(folder) / name).is_file():
+            return str(pathlib.Path(folder) / name)
+    return None
+
+
+def start(command):
+    """Starts the server and waits for its address."""
+    server = subprocess.Popen(shlex.split(command), stdout=subprocess.PIPE, text=True)
+    killer = threading.Timer(30, server.kill)
+    killer.start()
+    for line in server.stdout:
+        if "listening on " in line:
+            killer.cancel()
+            # Keep the pipe empty so that the server never blocks on it.
+            threading.Thread(target=server.stdout.read, daemon=True).start()
+            return server, line.split("listening on ", 1)[1].split()[0]
+    killer.cancel()
+    sys.exit("the server ended before it listened: %s" % command)
+
+
+def main():
+    parser = argparse.ArgumentParser()
+    parser.add_argument("--script", required=True)
+    parser.add_argument("--server", required=True)
+    parser.add_argument("--expect", default="")
+    parser.add_argument("rest", nargs=argparse.REMAINDER)
+    options = parser.parse_args()
+    script = find_script(options.script)
+    if not script:
+        print("skipped: %s is not here (set TRUESTEP_CHECKS)" % options.script)
+        return SKIPPED
+    server, url = start(options.server)
+    try:
+        values = {"url": url, "ws": url.replace("http", "ws", 1), "pid": server.pid}
+        arguments = [a.format(**values) if "{url}" in a or "{ws}" in a or "{pid}" in a else a for a in options.rest if a != "--"]
+        done = subprocess.run([sys.executable, script, *arguments], stdout=subprocess.PIPE, text=True)
+        print(done.stdout, end="")
+        if done.returncode:
+            return done.returncode
+        if options.expect not in done.stdout:
+            print("expected: %s" % options.expect)
+            return 1
+        if server.poll() is not None:
+            print("the server died with %d" % server.returncode)
+            return 1
+        server.send_signal(signal.SIGTERM)
+        if server.wait(10) != 0:
+            print("the server's exit code was %d" % server.returncode)
+            return 1
+        return 0
+    finally:
+        if server.poll() is None:
+            server.kill()
+            server.wait()
+
+
+if __name__ == "__main__":
+    sys.exit(main())
