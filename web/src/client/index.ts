@@ -1,0 +1,7 @@
+// What the browser viewer and Node programs share: HTTP calls, the stream, decoding. No DOM in here.
+export * from "./decode";
+export * from "./problem";
+export * from "./rest";
+export * from "./stream";
+export * as messages from "./gen/truestep/v1/stream_pb";
+export { create, fromBinary, toBinary } from "@bufbuild/protobuf";

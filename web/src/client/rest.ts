@@ -1,0 +1,135 @@
+// The HTTP face of the service as typed calls. Every refusal is a ProblemError.
+import { ProblemError, problemOfResponse, type Issue } from "./problem";
+
+export interface GalleryEntry {
+  name: string;
+  title: string;
+  teaches?: string;
+  description?: string;
+  thumbnail?: string;
+  tags?: string[];
+}
+
+export interface Expectation {
+  quantity: string;
+  source?: string;
+  [bound: string]: unknown;
+}
+
+/** A scene as the service takes it; the viewer only looks at the parts named here. */
+export interface Scene {
+  name?: string;
+  viewer?: { camera?: { eye?: number[]; target?: number[] }; color_by?: string };
+  expect?: Expectation[];
+  [key: string]: unknown;
+}
+
+export interface GalleryScene extends GalleryEntry {
+  scene: Scene;
+  expect?: Expectation[];
+}
+
+export interface Session {
+  id: string;
+  dt?: number;
+  name?: string;
+  scene?: Scene;
+  links: Record<string, string>;
+  [key: string]: unknown;
+}
+
+export interface Validation {
+  valid?: boolean;
+  errors?: Issue[];
+  warnings?: Issue[];
+  suggestions?: Issue[];
+  estimate?: Record<string, unknown>;
+  [key: string]: unknown;
+}
+
+/** The service at `base` ("" is the page's own origin). */
+export class Service {
+  constructor(
+    readonly base = "",
+    private readonly fetcher: typeof fetch = (input, init) => fetch(input, init),
+  ) {}
+
+  async gallery(): Promise<GalleryEntry[]> {
+    return ((await this.call("GET", "/v1/gallery")) as { scenes: GalleryEntry[] }).scenes;
+  }
+
+  async galleryScene(name: string): Promise<GalleryScene> {
+    return (await this.call("GET", `/v1/gallery/${encodeURIComponent(name)}`)) as GalleryScene;
+  }
+
+  async validate(scene: unknown): Promise<Validation> {
+    return (await this.call("POST", "/v1/scenes/validate", scene)) as Validation;
+  }
+
+  async createSession(body: { gallery: string } | Scene): Promise<Session> {
+    return (await this.call("POST", "/v1/sessions", body)) as Session;
+  }
+
+  async session(id: string): Promise<Session> {
+    return (await this.call("GET", this.path(id))) as Session;
+  }
+
+  async deleteSession(id: string): Promise<void> {
+    await this.call("DELETE", this.path(id));
+  }
+
+  async play(id: string, speed: number): Promise<void> {
+    await this.call("POST", this.path(id, "/play"), { speed });
+  }
+
+  async pause(id: string): Promise<void> {
+    await this.call("POST", this.path(id, "/pause"), {});
+  }
+
+  async reset(id: string): Promise<void> {
+    await this.call("POST", this.path(id, "/reset"), {});
+  }
+
+  async step(id: string, steps: number): Promise<void> {
+    await this.call("POST", this.path(id, "/step"), { steps });
+  }
+
+  /** Milliseconds that the smallest request takes there and back. */
+  async roundTrip(): Promise<number> {
+    const start = performance.now();
+    await (await this.fetcher(`${this.base}/healthz`, { cache: "no-store" })).arrayBuffer();
+    return performance.now() - start;
+  }
+
+  /** The WebSocket address of a session's stream. */
+  streamUrl(id: string, origin: string): string {
+    const url = new URL(this.path(id, "/stream"), this.base || origin);
+    url.protocol = url.protocol === "https:" ? "wss:" : "ws:";
+    return url.href;
+  }
+
+  private path(id: string, rest = ""): string {
+    return `/v1/sessions/${encodeURIComponent(id)}${rest}`;
+  }
+
+  private async call(method: string, path: string, body?: unknown): Promise<unknown> {
+    let response: Response;
+    try {
+      response = await this.fetcher(this.base + path, {
+        method,
+        headers: { accept: "application/json", ...(body === undefined ? {} : { "content-type": "application/json" }) },
+        ...(body === undefined ? {} : { body: typeof body === "string" ? body : JSON.stringify(body) }),
+      });
+    } catch {
+      throw new ProblemError({
+        title: "The service does not answer",
+        status: 0,
+        code: "unreachable",
+        detail: `${method} ${path} got no answer. Is the server still running?`,
+      });
+    }
+    if (!response.ok) throw new ProblemError(await problemOfResponse(response));
+    const text = await response.text();
+    return text === "" ? undefined : JSON.parse(text);
+  }
+}

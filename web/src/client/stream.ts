@@ -1,0 +1,301 @@
+// The stream of one session, for the browser and for Node.
+//
+//   const stream = connect(url, {observables: true});
+//   stream.on("playback", p => ...);
+//   for await (const frame of stream.frames()) draw(frame);
+//
+// Frames are taken newest first: while the loop's body runs, later frames replace each other, and asking for
+// the next frame returns the credit of all that arrived. A consumer that is slow, or a hidden tab, therefore
+// makes the server drop frames, never queue them. A lost connection comes back by itself with growing,
+// jittered pauses; a session that is gone, or a refused key, ends the stream with the server's problem.
+import { create, fromBinary, toBinary, type MessageInitShape } from "@bufbuild/protobuf";
+import { decodeFrame, type DecodedFrame } from "./decode";
+import { ProblemError, problemOfResponse, type Problem } from "./problem";
+import {
+  ClientMessageSchema,
+  Encoding,
+  Policy,
+  ServerMessageSchema,
+  type Event as StreamEvent,
+  type Hello,
+  type Observables,
+  type PlaybackState,
+  type Reply,
+  type Topology,
+} from "./gen/truestep/v1/stream_pb";
+
+export const kSubprotocol = "truestep.v1.proto";
+
+export type StreamState = "connecting" | "open" | "waiting" | "closed";
+
+export interface StreamEvents {
+  hello: Hello;
+  topology: Topology;
+  observables: Observables;
+  event: StreamEvent;
+  playback: PlaybackState;
+  problem: Problem;
+  /** What the connection does; `waiting` is the pause before the next attempt. */
+  state: StreamState;
+}
+
+export interface StreamOptions {
+  /** Fields to ask for, given what the server says it has; default: position. */
+  fields?: (hello: Hello) => string[];
+  rate?: number;
+  credit?: number;
+  observables?: boolean;
+  /** The WebSocket class; Node before 22 has none of its own. */
+  webSocket?: typeof WebSocket;
+  /** First and longest pause between attempts, ms. */
+  backoff?: { first: number; longest: number };
+  /** Asked when a connection fails: a problem that makes further attempts pointless, or undefined. */
+  probe?: () => Promise<Problem | undefined>;
+}
+
+type ClientInit = MessageInitShape<typeof ClientMessageSchema>;
+type Handlers = { [K in keyof StreamEvents]: Set<(value: StreamEvents[K]) => void> };
+interface Pending {
+  resolve: (reply: Reply) => void;
+  reject: (error: ProblemError) => void;
+}
+
+const lost: Problem = { title: "The connection was lost", status: 0, code: "connection_lost" };
+
+export class Stream {
+  private readonly handlers: Handlers = {
+    hello: new Set(),
+    topology: new Set(),
+    observables: new Set(),
+    event: new Set(),
+    playback: new Set(),
+    problem: new Set(),
+    state: new Set(),
+  };
+  private readonly pending = new Map<string, Pending>();
+  private socket: WebSocket | undefined;
+  private current: StreamState = "connecting";
+  private attempts = 0;
+  private requests = 0;
+  private timer: ReturnType<typeof setTimeout> | undefined;
+  private newest: DecodedFrame | undefined;
+  private owed = 0;
+  private wake: (() => void) | undefined;
+  private failure: Problem | undefined;
+
+  /** Frames that arrived and frames that a newer one replaced before they were used. */
+  received = 0;
+  superseded = 0;
+
+  constructor(
+    private readonly url: string,
+    private readonly options: StreamOptions,
+  ) {
+    this.open();
+  }
+
+  get state(): StreamState {
+    return this.current;
+  }
+
+  /** Calls `handler` for every such message from now on; returns a function that stops it. */
+  on<K extends keyof StreamEvents>(kind: K, handler: (value: StreamEvents[K]) => void): () => void {
+    this.handlers[kind].add(handler);
+    return () => void this.handlers[kind].delete(handler);
+  }
+
+  /** The newest frame, again and again, until the stream is closed. Throws ProblemError when it ended in one. */
+  async *frames(): AsyncGenerator<DecodedFrame, void, void> {
+    for (;;) {
+      while (this.newest === undefined && this.current !== "closed") {
+        await new Promise<void>((resolve) => (this.wake = resolve));
+      }
+      if (this.newest === undefined) break;
+      const frame = this.newest;
+      this.newest = undefined;
+      yield frame;
+      this.returnCredit();
+    }
+    if (this.failure) throw new ProblemError(this.failure);
+  }
+
+  /** Sends a command (the body of POST .../commands) and waits until it is accepted or refused. */
+  command(body: Record<string, unknown>): Promise<Reply> {
+    return this.request({ case: "command", value: { json: JSON.stringify(body) } });
+  }
+
+  /** Playback over the stream: play, pause, step, seek, speed, reset. */
+  control(action: string, value = 0): Promise<Reply> {
+    return this.request({ case: "control", value: { action, value } });
+  }
+
+  close(): void {
+    this.finish(undefined);
+  }
+
+  private request(kind: ClientInit["kind"]): Promise<Reply> {
+    const requestId = String(++this.requests);
+    return new Promise((resolve, reject) => {
+      if (this.socket?.readyState !== 1) return reject(new ProblemError(lost));
+      this.pending.set(requestId, { resolve, reject });
+      this.send({ requestId, kind });
+    });
+  }
+
+  private send(message: ClientInit): void {
+    if (this.socket?.readyState !== 1) return;
+    this.socket.send(toBinary(ClientMessageSchema, create(ClientMessageSchema, message)) as Uint8Array<ArrayBuffer>);
+  }
+
+  private returnCredit(): void {
+    if (this.owed === 0) return;
+    this.send({ kind: { case: "credit", value: { frames: this.owed } } });
+    this.owed = 0;
+  }
+
+  private emit<K extends keyof StreamEvents>(kind: K, value: StreamEvents[K]): void {
+    for (const handler of this.handlers[kind]) handler(value);
+  }
+
+  private become(state: StreamState): void {
+    if (state === this.current) return;
+    this.current = state;
+    this.emit("state", state);
+  }
+
+  private open(): void {
+    const Socket = this.options.webSocket ?? WebSocket;
+    const socket = new Socket(this.url, [kSubprotocol]);
+    socket.binaryType = "arraybuffer";
+    this.socket = socket;
+    socket.onmessage = (message: MessageEvent) => {
+      if (!(message.data instanceof ArrayBuffer)) return;
+      try {
+        this.receive(message.data);
+      } catch (error) {
+        const detail = error instanceof Error ? error.message : String(error);
+        this.finish({ title: "A message could not be read", status: 0, code: "bad_message", detail });
+      }
+    };
+    socket.onerror = () => undefined; // "close" follows and says more
+    socket.onclose = (event: CloseEvent) => void this.closed(socket, event);
+  }
+
+  private receive(buffer: ArrayBuffer): void {
+    const arrived = performance.now();
+    const { kind } = fromBinary(ServerMessageSchema, new Uint8Array(buffer));
+    switch (kind.case) {
+      case "frame":
+        ++this.received;
+        ++this.owed;
+        if (this.newest) ++this.superseded;
+        this.newest = decodeFrame(kind.value, arrived, buffer.byteLength);
+        this.wake?.();
+        break;
+      case "hello":
+        this.attempts = 0;
+        this.owed = 0;
+        this.emit("hello", kind.value);
+        this.subscribe(kind.value);
+        this.become("open");
+        break;
+      case "reply":
+        this.settle(kind.value.requestId)?.resolve(kind.value);
+        break;
+      case "problem": {
+        const problem: Problem = { ...kind.value, detail: kind.value.detail || undefined };
+        if (kind.value.pointer) problem.errors = [{ pointer: kind.value.pointer, code: kind.value.code, message: kind.value.detail }];
+        const asked = this.settle(kind.value.requestId);
+        if (asked) asked.reject(new ProblemError(problem));
+        else this.emit("problem", problem);
+        break;
+      }
+      case "topology":
+        this.emit("topology", kind.value);
+        break;
+      case "observables":
+        this.emit("observables", kind.value);
+        break;
+      case "event":
+        this.emit("event", kind.value);
+        break;
+      case "playback":
+        this.emit("playback", kind.value);
+        break;
+      case "bye":
+      case undefined:
+        break;
+    }
+  }
+
+  private subscribe(hello: Hello): void {
+    this.send({
+      kind: {
+        case: "subscribe",
+        value: {
+          fields: this.options.fields?.(hello) ?? [],
+          rate: this.options.rate ?? 60,
+          encoding: Encoding.F32,
+          policy: Policy.LATEST,
+          credit: this.options.credit ?? 4,
+          observables: this.options.observables ?? false,
+        },
+      },
+    });
+  }
+
+  private settle(requestId: string): Pending | undefined {
+    const pending = this.pending.get(requestId);
+    this.pending.delete(requestId);
+    return pending;
+  }
+
+  private async closed(socket: WebSocket, event: CloseEvent): Promise<void> {
+    if (socket !== this.socket || this.current === "closed") return;
+    this.socket = undefined;
+    for (const { reject } of this.pending.values()) reject(new ProblemError(lost));
+    this.pending.clear();
+    this.become("waiting");
+    if (event.code === 1008 || event.code === 1002 || event.code === 1003) {
+      return this.finish({ title: "The server closed the stream", status: 0, code: "stream_refused", detail: event.reason || `close code ${event.code}` });
+    }
+    const problem = await (this.options.probe ?? (() => this.probe()))();
+    if (this.state === "closed") return;
+    if (problem) return this.finish(problem);
+    const { first, longest } = this.options.backoff ?? { first: 250, longest: 8000 };
+    const pause = Math.min(longest, first * 2 ** this.attempts++) * (0.75 + 0.5 * Math.random());
+    this.timer = setTimeout(() => {
+      this.become("connecting");
+      this.open();
+    }, pause);
+  }
+
+  /** A browser does not say why a handshake failed, so ask over HTTP whether the session still exists. */
+  private async probe(): Promise<Problem | undefined> {
+    const url = this.url.replace(/^ws/, "http").replace(/\/stream$/, "");
+    try {
+      const response = await fetch(url);
+      return [401, 403, 404, 410].includes(response.status) ? await problemOfResponse(response) : undefined;
+    } catch {
+      return undefined;
+    }
+  }
+
+  private finish(failure: Problem | undefined): void {
+    if (this.current === "closed") return;
+    this.failure = failure;
+    clearTimeout(this.timer);
+    for (const { reject } of this.pending.values()) reject(new ProblemError(failure ?? lost));
+    this.pending.clear();
+    const socket = this.socket;
+    this.socket = undefined;
+    socket?.close(1000);
+    this.become("closed");
+    this.wake?.();
+  }
+}
+
+/** Opens the stream of a session at a ws:// or wss:// address. Failures arrive through frames() and `state`. */
+export function connect(url: string, options: StreamOptions = {}): Stream {
+  return new Stream(url, options);
+}

@@ -1,0 +1,17 @@
+import { defineConfig } from "vite";
+
+// No inline scripts and no data: URLs in the output, so that a strict Content-Security-Policy holds.
+export default defineConfig({
+  build: {
+    target: "es2022",
+    assetsInlineLimit: 0,
+    modulePreload: { polyfill: false },
+    chunkSizeWarningLimit: 900,
+    rollupOptions: {
+      output: {
+        manualChunks: (id) => (id.includes("/three/") ? "three" : undefined),
+      },
+    },
+  },
+  server: { proxy: { "/v1": { target: "http://127.0.0.1:8080", ws: true } } },
+});
