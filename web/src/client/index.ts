@@ -1,5 +1,6 @@
 // What the browser viewer and Node programs share: HTTP calls, the stream, decoding. No DOM in here.
 export * from "./decode";
+export * from "./locate";
 export * from "./problem";
 export * from "./rest";
 export * from "./stream";

@@ -1,0 +1,109 @@
+// The ground: a disc that fades into the background, a one-metre grid, and the soft shadow of everything
+// above it. The shadow needs no depth map: nothing lies below the ground, so a point of it is shaded exactly
+// where something covers it as seen from the light. Coverage is the alpha of one small orthographic picture
+// (layer 1), softened by its mipmaps and a few taps.
+import {
+  CircleGeometry, LinearFilter, LinearMipmapLinearFilter, Matrix4, Mesh, OrthographicCamera, ShaderMaterial,
+  WebGLRenderTarget, type IUniform, type Scene, type Sphere, type WebGLRenderer,
+} from "three";
+import { backgroundColor, keyDirection } from "./shading";
+
+const kMapSize = 512;
+
+const vertex = /* glsl */ `
+uniform mat4 toLight;
+out vec3 vWorld;
+out vec2 vLight;
+void main() {
+  vec4 w = modelMatrix * vec4(position, 1.0);
+  vWorld = w.xyz;
+  vLight = (toLight * w).xy * 0.5 + 0.5;
+  gl_Position = projectionMatrix * (viewMatrix * w);
+}`;
+
+const fragment = /* glsl */ `
+uniform sampler2D coverage;
+uniform vec3 background, middle;
+uniform float fade, cell, shadow;
+in vec3 vWorld;
+in vec2 vLight;
+float grid(vec2 p, float size) {
+  vec2 q = p / size;
+  vec2 w = fwidth(q);
+  vec2 d = abs(fract(q - 0.5) - 0.5) / max(w, vec2(1e-5));
+  return (1.0 - min(min(d.x, d.y), 1.0)) * clamp(1.0 - 2.0 * max(w.x, w.y), 0.0, 1.0);
+}
+void main() {
+  vec2 p = vWorld.xz - middle.xz;
+  float near = exp(-dot(p, p) / (fade * fade));
+  vec3 c = mix(background, vec3(0.024, 0.030, 0.039), near);
+  float lines = max(0.35 * grid(vWorld.xz, cell), grid(vWorld.xz, cell * 5.0));
+  c += vec3(0.030, 0.036, 0.046) * lines * near;
+  if (shadow > 0.0 && all(greaterThan(vLight, vec2(0.0))) && all(lessThan(vLight, vec2(1.0)))) {
+    float covered = 0.0;
+    for (int k = 0; k < 8; ++k) {
+      float a = 2.399963 * float(k);
+      float r = 0.0045 * sqrt(float(k) + 0.5);
+      covered += textureLod(coverage, vLight + r * vec2(cos(a), sin(a)), 1.5).a;
+    }
+    c *= 1.0 - shadow * covered / 8.0;
+  }
+  gl_FragColor = vec4(c, 1.0);
+  #include <colorspace_fragment>
+}`;
+
+export class Ground {
+  readonly object: Mesh;
+  /** False where the machine is too slow for the second picture. */
+  shadows = true;
+  private readonly target = new WebGLRenderTarget(kMapSize, kMapSize, {
+    generateMipmaps: true, minFilter: LinearMipmapLinearFilter, magFilter: LinearFilter,
+  });
+  private readonly light = new OrthographicCamera();
+  private readonly uniforms: Record<string, IUniform>;
+
+  constructor() {
+    this.light.layers.set(1);
+    this.uniforms = {
+      coverage: { value: this.target.texture }, toLight: { value: new Matrix4() }, background: { value: backgroundColor },
+      middle: { value: this.light.position.clone() }, fade: { value: 6 }, cell: { value: 0.2 }, shadow: { value: 0 },
+    };
+    const geometry = new CircleGeometry(1, 64).rotateX(-Math.PI / 2);
+    this.object = new Mesh(geometry, new ShaderMaterial({ uniforms: this.uniforms, vertexShader: vertex, fragmentShader: fragment }));
+    this.object.frustumCulled = false;
+    this.object.renderOrder = -1;
+  }
+
+  /** Puts the ground at height `y` and sizes disc, grid and light for a scene inside `bounds`. */
+  fit(bounds: Sphere, y: number): void {
+    const { center, radius } = bounds;
+    const fade = Math.max(2.2 * radius, 1e-3);
+    this.object.position.set(center.x, y, center.z);
+    this.object.scale.setScalar(2.6 * fade);
+    this.uniforms.fade!.value = fade;
+    this.uniforms.cell!.value = 10 ** Math.floor(Math.log10(radius)) * 0.2;
+    this.uniforms.middle!.value.copy(center);
+    const reach = 1.3 * radius;
+    this.light.position.copy(center).addScaledVector(keyDirection, 4 * radius);
+    this.light.lookAt(center);
+    Object.assign(this.light, { left: -reach, right: reach, top: reach, bottom: -reach, near: 0.01 * radius, far: 8 * radius });
+    this.light.updateProjectionMatrix();
+    this.light.updateMatrixWorld();
+    this.uniforms.toLight!.value.multiplyMatrices(this.light.projectionMatrix, this.light.matrixWorldInverse);
+  }
+
+  /** Draws the coverage picture; `viewHeight` tells point sprites how many pixels high it is. */
+  castShadows(renderer: WebGLRenderer, scene: Scene, viewHeight: IUniform<number>): void {
+    this.uniforms.shadow!.value = this.shadows ? 0.62 : 0;
+    if (!this.shadows) return;
+    const height = viewHeight.value;
+    viewHeight.value = kMapSize;
+    renderer.setRenderTarget(this.target);
+    renderer.setClearColor(0x000000, 0);
+    renderer.clear();
+    renderer.render(scene, this.light);
+    renderer.setRenderTarget(null);
+    renderer.setClearColor(backgroundColor, 1);
+    viewHeight.value = height;
+  }
+}

@@ -1,0 +1,31 @@
+// The one light of the viewer as GLSL, so that points, surfaces and shapes look alike: a sky and a floor
+// colour by the normal's height (hemisphere), one key light with a Blinn-Phong highlight, and a soft rim.
+import { Color, Vector3 } from "three";
+
+export const keyDirection = new Vector3(0.42, 0.8, 0.43).normalize();
+export const backgroundColor = new Color("#0f1319");
+
+export const shadeGlsl = /* glsl */ `
+const vec3 kKey = vec3(${keyDirection.toArray().map((c) => c.toFixed(4)).join(",")});
+vec3 shade(vec3 albedo, vec3 n, vec3 toEye) {
+  vec3 sky = mix(vec3(0.13, 0.12, 0.14), vec3(0.34, 0.39, 0.47), 0.5 + 0.5 * n.y);
+  float key = max(dot(n, kKey), 0.0);
+  float gloss = pow(max(dot(n, normalize(kKey + toEye)), 0.0), 36.0);
+  float rim = pow(1.0 - max(dot(n, toEye), 0.0), 3.0);
+  return albedo * (sky + vec3(0.80, 0.75, 0.68) * key) + vec3(0.10) * gloss + sky * rim * 0.12;
+}
+`;
+
+/** Five stops from still to fast: blue, teal, green, amber, coral. */
+export const rampGlsl = /* glsl */ `
+vec3 ramp(float t) {
+  t = clamp(t, 0.0, 1.0) * 4.0;
+  vec3 c = mix(vec3(0.06, 0.14, 0.48), vec3(0.03, 0.37, 0.62), clamp(t, 0.0, 1.0));
+  c = mix(c, vec3(0.06, 0.56, 0.46), clamp(t - 1.0, 0.0, 1.0));
+  c = mix(c, vec3(0.92, 0.56, 0.12), clamp(t - 2.0, 0.0, 1.0));
+  return mix(c, vec3(0.90, 0.20, 0.13), clamp(t - 3.0, 0.0, 1.0));
+}
+`;
+
+/** Colours for systems that bring none, in the order of the scene. */
+export const palette = ["#e8795a", "#4aa3e8", "#e9b44c", "#58c28f", "#b287e0", "#e58fb4"].map((hex) => new Color(hex));

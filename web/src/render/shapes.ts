@@ -1,0 +1,95 @@
+// The scene's solid shapes: planes, boxes, spheres and capsules. Containers are drawn as their edges and a
+// breath of their inner faces, so that what is inside stays visible. A plane that faces up is the ground.
+import {
+  BackSide, BoxGeometry, BufferGeometry, CapsuleGeometry, Color, DoubleSide, EdgesGeometry, FrontSide, Group, LineBasicMaterial,
+  LineSegments, Mesh, PlaneGeometry, Quaternion, ShaderMaterial, SphereGeometry, Vector3, type Object3D,
+} from "three";
+import type { Shape } from "../client/gen/truestep/v1/stream_pb";
+import { shadeGlsl } from "./shading";
+
+const vertex = /* glsl */ `
+out vec3 vNormal, vWorld;
+void main() {
+  vec4 w = modelMatrix * vec4(position, 1.0);
+  vNormal = mat3(modelMatrix) * normal;
+  vWorld = w.xyz;
+  gl_Position = projectionMatrix * (viewMatrix * w);
+}`;
+
+const fragment = /* glsl */ `
+uniform vec3 color;
+uniform float opacity;
+in vec3 vNormal, vWorld;
+${shadeGlsl}
+void main() {
+  vec3 toEye = normalize(cameraPosition - vWorld);
+  vec3 n = normalize(vNormal);
+  if (dot(n, toEye) < 0.0) n = -n;
+  gl_FragColor = vec4(shade(color, n, toEye), opacity);
+  #include <colorspace_fragment>
+}`;
+
+const edgeColor = new Color("#7f8fa6");
+
+/** True for a horizontal plane that faces up: the viewer's ground takes its place. */
+export function isGround(shape: Shape): boolean {
+  const normal = planeNormal(shape);
+  return shape.kind === "plane" && normal.y > 0.999;
+}
+
+function planeNormal(shape: Shape): Vector3 {
+  const [x = 0, y = 1, z = 0] = shape.size;
+  return new Vector3(x, y, z).normalize().applyQuaternion(orientation(shape));
+}
+
+function orientation(shape: Shape): Quaternion {
+  const [w = 1, x = 0, y = 0, z = 0] = shape.orientation;
+  return new Quaternion(x, y, z, w);
+}
+
+function geometryOf(shape: Shape, extent: number): BufferGeometry | undefined {
+  const [a = 1, b = a, c = a] = shape.size;
+  switch (shape.kind) {
+    case "box":
+      return new BoxGeometry(2 * a, 2 * b, 2 * c);
+    case "sphere":
+      return new SphereGeometry(a, 48, 32);
+    case "capsule":
+      return new CapsuleGeometry(a, 2 * (shape.size[1] ?? 0.5), 16, 32);
+    case "plane":
+      return new PlaneGeometry(2 * extent, 2 * extent);
+    default:
+      return undefined;
+  }
+}
+
+/** A drawable for `shape`, or undefined for the ground and for kinds this viewer does not know. */
+export function makeShape(shape: Shape, extent: number): Object3D | undefined {
+  if (isGround(shape)) return undefined;
+  const geometry = geometryOf(shape, extent);
+  if (!geometry) return undefined;
+  const open = shape.container || shape.kind === "plane";
+  const material = new ShaderMaterial({
+    uniforms: { color: { value: new Color(open ? "#7d93b3" : "#8a96a8") }, opacity: { value: open ? 0.1 : 1 } },
+    vertexShader: vertex,
+    fragmentShader: fragment,
+    transparent: open,
+    depthWrite: !open,
+    side: shape.container ? BackSide : shape.kind === "plane" ? DoubleSide : FrontSide,
+  });
+  const mesh = new Mesh(geometry, material);
+  const group = new Group();
+  group.add(mesh);
+  if (open) {
+    const edges = new LineSegments(new EdgesGeometry(geometry, 30), new LineBasicMaterial({ color: edgeColor, transparent: true, opacity: 0.5 }));
+    group.add(edges);
+  } else {
+    mesh.layers.enable(1);
+  }
+  group.userData.solid = shape.kind !== "plane";
+  const [x = 0, y = 0, z = 0] = shape.position;
+  group.position.set(x, y, z);
+  if (shape.kind === "plane") group.quaternion.setFromUnitVectors(new Vector3(0, 0, 1), planeNormal(shape));
+  else group.quaternion.copy(orientation(shape));
+  return group;
+}

@@ -1,0 +1,235 @@
+// The picture: camera, ground, shapes and systems. Draws only when something changed: a frame, the camera,
+// the size. A machine that cannot keep up loses shadows first and resolution second.
+import { Box3, Mesh, PerspectiveCamera, Scene, Sphere, Vector3, WebGLRenderer, type IUniform, type Object3D } from "three";
+import { OrbitControls } from "three/addons/controls/OrbitControls.js";
+import type { DecodedFrame } from "../client/decode";
+import type { Topology } from "../client/gen/truestep/v1/stream_pb";
+import { Ground } from "./ground";
+import { Handle } from "./handle";
+import { backgroundColor } from "./shading";
+import { isGround, makeShape } from "./shapes";
+import { SystemView, type Visibility } from "./system_view";
+
+export interface CameraPose {
+  eye?: number[];
+  target?: number[];
+}
+
+export class Stage {
+  readonly camera = new PerspectiveCamera(40, 1, 0.05, 400);
+  readonly controls: OrbitControls;
+  readonly views = new Map<string, SystemView>();
+  readonly handle = new Handle();
+  readonly show: Visibility = { points: true, lines: true, surface: true, bySpeed: true };
+  /** Called after each drawn picture with the milliseconds since the one before. */
+  onDraw: (milliseconds: number) => void = () => undefined;
+
+  private readonly renderer: WebGLRenderer;
+  private readonly scene = new Scene();
+  private readonly ground = new Ground();
+  private readonly viewHeight: IUniform<number> = { value: 1 };
+  private shapes: Object3D[] = [];
+  private topology: Topology | undefined;
+  private pose: CameraPose | undefined;
+  private framed = false;
+  private dirty = true;
+  private shadowsDirty = true;
+  private scale = 1;
+  private slow = 0;
+  private last = 0;
+  private presented: (() => void)[] = [];
+  private inset = { left: 0, right: 0, top: 0, bottom: 0 };
+
+  constructor(private readonly canvas: HTMLCanvasElement) {
+    this.renderer = new WebGLRenderer({ canvas, antialias: true, powerPreference: "high-performance" });
+    this.renderer.setClearColor(backgroundColor, 1);
+    this.scene.background = null;
+    this.scene.add(this.ground.object, this.handle.object);
+    this.controls = new OrbitControls(this.camera, canvas);
+    Object.assign(this.controls, { enableDamping: true, dampingFactor: 0.12, zoomToCursor: true, maxPolarAngle: Math.PI * 0.55 });
+    this.controls.addEventListener("change", () => this.invalidate());
+    this.lookAt([3, 2, 4], [0, 0.8, 0]);
+    this.ground.fit(new Sphere(new Vector3(0, 0.8, 0), 2.5), 0);
+    new ResizeObserver(() => this.resize()).observe(canvas);
+    this.resize();
+    this.renderer.setAnimationLoop((now) => this.tick(now));
+  }
+
+  /** Forgets the last session; `pose` is the next scene's camera, undefined frames what appears. */
+  clear(pose: CameraPose | undefined): void {
+    for (const view of this.views.values()) view.dispose();
+    this.views.clear();
+    this.topology = undefined;
+    this.setShapes([]);
+    this.pose = pose;
+    this.framed = false;
+    this.handle.hide();
+    this.invalidate(true);
+  }
+
+  setTopology(topology: Topology): void {
+    for (const view of this.views.values()) view.dispose();
+    this.views.clear();
+    this.topology = topology;
+    topology.systems.forEach((system, index) => {
+      const view = new SystemView(system.system, system, index, this.viewHeight);
+      this.views.set(view.id, view);
+      this.scene.add(view.group);
+    });
+    this.invalidate(true);
+  }
+
+  /** Draws `frame` with the next picture; the promise ends when that picture is out. */
+  present(frame: DecodedFrame): Promise<void> {
+    for (const view of this.views.values()) {
+      const fields = frame.fields.filter((field) => field.system === view.id);
+      if (fields.length > 0) view.update(fields, this.show);
+    }
+    if (!this.framed && this.views.size > 0) this.frameScene();
+    this.invalidate(true);
+    return new Promise((resolve) => this.presented.push(resolve));
+  }
+
+  /** Applies `show` to everything on the screen. */
+  applyVisibility(): void {
+    for (const view of this.views.values()) view.apply(this.show);
+    this.invalidate(true);
+  }
+
+  get has(): { points: boolean; lines: boolean; surface: boolean } {
+    const all = [...this.views.values()].map((view) => view.has);
+    return { points: all.some((h) => h.points), lines: all.some((h) => h.lines), surface: all.some((h) => h.surface) };
+  }
+
+  /** Puts the camera back to where the scene wants it. */
+  resetCamera(): void {
+    this.frameScene();
+    this.invalidate(true);
+  }
+
+  /** Tells how much of the picture other things cover (CSS pixels); its middle moves to the middle of the rest. */
+  setInset(inset: { left: number; right: number; top: number; bottom: number }): void {
+    this.inset = inset;
+    this.project();
+  }
+
+  invalidate(shadows = false): void {
+    this.dirty = true;
+    this.shadowsDirty ||= shadows;
+  }
+
+  /** Sizes ground, light and camera for what the first frame shows. */
+  private frameScene(): void {
+    this.framed = true;
+    const box = new Box3();
+    const point = new Vector3();
+    for (const view of this.views.values()) {
+      for (let k = 0; k < view.count; ++k) {
+        point.fromArray(view.positions, 3 * k);
+        if (Number.isFinite(point.x + point.y + point.z)) box.expandByPoint(point);
+      }
+    }
+    if (box.isEmpty()) box.set(new Vector3(-1, 0, -1), new Vector3(1, 1, 1));
+    const shapes = this.topology?.shapes ?? [];
+    const radius = Math.max(box.getBoundingSphere(new Sphere()).radius, 0.2);
+    this.setShapes(shapes.map((shape) => makeShape(shape, 1.5 * radius)));
+    for (const object of this.shapes) if (object.userData.solid) box.expandByObject(object);
+    const bounds = box.getBoundingSphere(new Sphere());
+    bounds.radius = Math.max(bounds.radius, 0.2);
+    const plane = shapes.find(isGround);
+    const floor = plane ? (plane.position[1] ?? 0) : box.min.y >= -1e-3 * bounds.radius ? 0 : box.min.y - 0.15 * bounds.radius;
+    // What hangs far above the ground throws its shadow outside the light's view; include the floor below it.
+    const lit = bounds.clone().expandByPoint(new Vector3(bounds.center.x, floor, bounds.center.z));
+    this.ground.fit(lit, floor);
+    this.camera.near = bounds.radius / 200;
+    this.camera.far = bounds.radius * 80;
+    Object.assign(this.controls, { minDistance: bounds.radius * 0.05, maxDistance: bounds.radius * 30 });
+    const { eye, target } = this.pose ?? {};
+    const aim = target ?? bounds.center.toArray();
+    const narrow = this.free();
+    const away = (0.95 * bounds.radius) / Math.sin((this.camera.fov * Math.PI) / 360) / narrow;
+    const direction = new Vector3(0.55, 0.38, 0.75).normalize().multiplyScalar(away);
+    const from = eye ? new Vector3(...(eye as [number, number, number])) : direction.add(new Vector3(...(aim as [number, number, number])));
+    // A camera made for a whole picture steps back where less of it is free.
+    const centre = new Vector3(...(aim as [number, number, number]));
+    if (eye && narrow < 1) from.sub(centre).multiplyScalar(1 / Math.min(1, 1.25 * narrow)).add(centre);
+    this.lookAt(from.toArray(), aim);
+  }
+
+  private lookAt(eye: number[], target: number[]): void {
+    this.camera.position.fromArray(eye);
+    this.controls.target.fromArray(target);
+    this.camera.updateProjectionMatrix();
+    this.controls.update();
+  }
+
+  private setShapes(shapes: (Object3D | undefined)[]): void {
+    for (const object of this.shapes) {
+      object.traverse((child) => child instanceof Mesh && child.geometry.dispose());
+      object.removeFromParent();
+    }
+    this.shapes = shapes.filter((object) => object !== undefined);
+    if (this.shapes.length > 0) this.scene.add(...this.shapes);
+  }
+
+  private resize(): void {
+    const { clientWidth: width, clientHeight: height } = this.canvas;
+    if (width === 0 || height === 0) return;
+    this.renderer.setPixelRatio(Math.min(window.devicePixelRatio, 2) * this.scale);
+    this.renderer.setSize(width, height, false);
+    this.viewHeight.value = this.canvas.height;
+    this.project();
+  }
+
+  private project(): void {
+    const { clientWidth: width, clientHeight: height } = this.canvas;
+    if (width === 0 || height === 0) return;
+    const { left, right, top, bottom } = this.inset;
+    this.camera.aspect = width / height;
+    this.camera.setViewOffset(width, height, (right - left) / 2, (bottom - top) / 2, width, height);
+    this.invalidate();
+  }
+
+  /** The side of the largest square in the uncovered part, as a share of the picture's height. */
+  private free(): number {
+    const { clientWidth: width, clientHeight: height } = this.canvas;
+    const { left, right, top, bottom } = this.inset;
+    return Math.max(0.3, Math.min(1, Math.min(width - left - right, height - top - bottom) / (height || 1)));
+  }
+
+  private tick(now: number): void {
+    this.controls.update();
+    if (!this.dirty) return this.release();
+    this.dirty = false;
+    if (this.shadowsDirty) {
+      this.shadowsDirty = false;
+      this.ground.castShadows(this.renderer, this.scene, this.viewHeight);
+    }
+    this.handle.face(this.camera, this.canvas.clientHeight);
+    this.renderer.render(this.scene, this.camera);
+    const elapsed = now - this.last;
+    this.last = now;
+    this.onDraw(elapsed);
+    this.adapt(elapsed);
+    this.release();
+  }
+
+  private release(): void {
+    for (const resolve of this.presented.splice(0)) resolve();
+  }
+
+  /** After a second of pictures slower than 24 a second: no shadows, then fewer pixels. */
+  private adapt(elapsed: number): void {
+    if (elapsed > 500) return;
+    this.slow = elapsed > 42 ? this.slow + 1 : Math.max(0, this.slow - 2);
+    if (this.slow < 24) return;
+    this.slow = 0;
+    if (this.ground.shadows) {
+      this.ground.shadows = false;
+      this.invalidate(true);
+    } else if (this.scale > 0.6) {
+      this.scale *= 0.8;
+      this.resize();
+    }
+  }
+}

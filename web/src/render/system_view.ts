@@ -1,0 +1,137 @@
+// One system on the screen: its positions in one array that points, lines and triangles share.
+import { BufferAttribute, Color, DynamicDrawUsage, Group, type IUniform, type LineSegments } from "three";
+import { uints, type FieldArray } from "../client/decode";
+import type { SystemTopology } from "../client/gen/truestep/v1/stream_pb";
+import { makeLines } from "./lines";
+import { PointCloud } from "./points";
+import { palette } from "./shading";
+import { Surface } from "./surface";
+
+export interface Visibility {
+  points: boolean;
+  lines: boolean;
+  surface: boolean;
+  /** Colour points by speed where the server sends it. */
+  bySpeed: boolean;
+}
+
+export class SystemView {
+  readonly group = new Group();
+  positions = new Float32Array(0);
+  count = 0;
+  private attribute = new BufferAttribute(this.positions, 3);
+  private points: PointCloud | undefined;
+  private surface: Surface | undefined;
+  private lines: LineSegments | undefined;
+  private readonly pairs: Uint32Array;
+  private readonly triangles: Uint32Array;
+  private readonly color: Color | undefined;
+
+  constructor(
+    readonly id: string,
+    private readonly topology: SystemTopology,
+    private readonly index: number,
+    viewHeight: IUniform<number>,
+  ) {
+    const [r, g, b] = topology.color;
+    this.color = r !== undefined && g !== undefined && b !== undefined ? new Color().setRGB(r, g, b, "srgb") : undefined;
+    this.pairs = uints(topology.lines);
+    this.triangles = uints(topology.triangles);
+    if (topology.pointRadius > 0) this.points = new PointCloud(topology.pointRadius, this.fill(), viewHeight);
+  }
+
+  get pointRadius(): number {
+    return this.topology.pointRadius;
+  }
+
+  /** What a viewer can switch: points, lines, surface. */
+  get has(): { points: boolean; lines: boolean; surface: boolean } {
+    return { points: this.points !== undefined, lines: this.pairs.length > 0, surface: this.triangles.length > 0 };
+  }
+
+  /** Takes a frame's fields of this system. */
+  update(fields: FieldArray[], show: Visibility): void {
+    const position = fields.find((field) => field.field === "position");
+    if (position) this.take(position);
+    this.points?.update(this.positions, this.count, show.bySpeed ? speeds(fields) : undefined);
+    if (this.points?.object && !this.points.object.parent) {
+      this.points.object.layers.enable(1);
+      this.group.add(this.points.object);
+    }
+    if (this.surface?.object.visible) this.surface.update();
+    this.apply(show);
+  }
+
+  /** Hides and shows the parts. */
+  apply(show: Visibility): void {
+    if (this.points?.object) this.points.object.visible = show.points;
+    if (this.lines) this.lines.visible = show.lines;
+    if (this.surface && this.surface.object.visible !== show.surface) {
+      this.surface.object.visible = show.surface;
+      if (show.surface) this.surface.update();
+    }
+  }
+
+  dispose(): void {
+    this.points?.dispose();
+    this.surface?.dispose();
+    this.lines?.geometry.dispose();
+    this.group.removeFromParent();
+  }
+
+  private fill(): Color {
+    return this.color ?? palette[this.index % palette.length]!;
+  }
+
+  private take(field: FieldArray): void {
+    const { count, width, data } = field;
+    if (3 * count > this.positions.length || this.attribute.array !== this.positions) this.grow(count);
+    this.count = count;
+    if (width === 3) {
+      this.positions.set(data);
+    } else {
+      this.positions.fill(0);
+      for (let k = 0; k < count; ++k) for (let c = 0; c < Math.min(width, 3); ++c) this.positions[3 * k + c] = data[k * width + c]!;
+    }
+    this.attribute.needsUpdate = true;
+  }
+
+  /** New arrays, and lines and triangles over them; a topology that names rows beyond them is not drawn. */
+  private grow(count: number): void {
+    this.positions = new Float32Array(3 * count);
+    this.attribute = new BufferAttribute(this.positions, 3).setUsage(DynamicDrawUsage);
+    const inside = (index: Uint32Array): boolean => index.length > 0 && index.reduce((a, b) => Math.max(a, b), 0) < count;
+    this.surface?.dispose();
+    this.surface = undefined;
+    if (inside(this.triangles)) {
+      this.surface = new Surface(this.attribute, this.triangles, this.fill());
+      this.surface.object.layers.enable(1);
+      this.group.add(this.surface.object);
+    }
+    this.lines?.geometry.dispose();
+    this.lines?.removeFromParent();
+    this.lines = undefined;
+    if (inside(this.pairs)) {
+      this.lines = makeLines(this.attribute, this.pairs, this.topology.lineKind, this.color, this.surface !== undefined);
+      if (!this.surface) this.lines.layers.enable(1);
+      this.group.add(this.lines);
+    }
+  }
+}
+
+let scratch = new Float32Array(0);
+
+/** A speed per point from the field speed, or from velocity; undefined when the frame has neither. */
+function speeds(fields: FieldArray[]): Float32Array | undefined {
+  const speed = fields.find((field) => field.field === "speed");
+  if (speed?.data instanceof Float32Array) return speed.data;
+  const velocity = fields.find((field) => field.field === "velocity" && field.width === 3);
+  if (!velocity) return undefined;
+  const { count, data } = velocity;
+  if (scratch.length < count) scratch = new Float32Array(count);
+  for (let k = 0; k < count; ++k) {
+    const x = data[3 * k]!, y = data[3 * k + 1]!, z = data[3 * k + 2]!;
+    scratch[k] = Math.sqrt(x * x + y * y + z * z);
+  }
+  return scratch.subarray(0, count);
+}

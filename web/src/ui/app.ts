@@ -1,0 +1,315 @@
+// The viewer as a whole: which session is on the screen, and what the buttons do to it.
+import { connect, type Stream } from "../client/stream";
+import { ProblemError, problemOf } from "../client/problem";
+import { Service, type Scene, type Session } from "../client/rest";
+import type { Hello, PlaybackState } from "../client/gen/truestep/v1/stream_pb";
+import { Stage } from "../render/stage";
+import { byId, make } from "./dom";
+import { Editor } from "./editor";
+import { markScene, showGallery } from "./gallery";
+import { Interaction } from "./interact";
+import { Plot } from "./plot";
+import { clearProblems, showProblem } from "./problems";
+import { Readout } from "./readout";
+import { installShortcuts } from "./shortcuts";
+
+const speeds = [0.05, 0.1, 0.25, 0.5, 1, 2, 4];
+const stateText = { connecting: "connecting", open: "live", waiting: "connection lost, trying again", closed: "closed" } as const;
+
+export class App {
+  private readonly service = new Service();
+  private readonly canvas = byId<HTMLCanvasElement>("view");
+  private readonly stage = new Stage(this.canvas);
+  private readonly plot = new Plot();
+  private readonly readout = new Readout();
+  private readonly editor = new Editor(this.service, (scene) => this.create(scene, undefined));
+  private readonly interaction: Interaction;
+  private readonly speed = byId<HTMLSelectElement>("speed");
+  private stream: Stream | undefined;
+  private id: string | undefined;
+  /** True for a session that this page created and therefore ends when it opens the next one. */
+  private own = false;
+  private playing = false;
+
+  constructor() {
+    this.interaction = new Interaction(this.stage, this.canvas, {
+      send: (body) => void this.stream?.command(body).catch((error: unknown) => this.fail(error)),
+      say: (text) => this.hint(text),
+    });
+    this.speed.append(...speeds.map((value) => make("option", { value: String(value), selected: value === 1 }, `${value}×`)));
+    this.wire();
+  }
+
+  /** Opens what the address asks for. */
+  async start(): Promise<void> {
+    const query = new URLSearchParams(location.search);
+    const session = query.get("session");
+    const scene = query.get("gallery");
+    const narrow = window.innerWidth < 720;
+    this.panel(session || (scene && narrow) ? "none" : "gallery");
+    const listed = this.listGallery();
+    if (session) await this.attempt(() => this.openSession(session));
+    else if (scene) await this.attempt(() => this.openGallery(scene));
+    await listed;
+    setInterval(() => void this.measureTrip(), 2000);
+    void this.measureTrip();
+  }
+
+  private async listGallery(): Promise<void> {
+    await this.attempt(async () => {
+      const entries = await this.service.gallery();
+      showGallery(
+        entries,
+        (name) => void this.attempt(() => this.openGallery(name)),
+        (name) => void this.attempt(() => this.edit(name)),
+      );
+    });
+  }
+
+  private async edit(name: string): Promise<void> {
+    this.editor.set((await this.service.galleryScene(name)).scene);
+    this.panel("editor");
+  }
+
+  private async openGallery(name: string): Promise<void> {
+    const entry = await this.service.galleryScene(name);
+    this.editor.set(entry.scene);
+    await this.create(entry.scene, name, entry.title);
+    this.lesson(entry.teaches);
+    if (window.innerWidth < 720) this.panel("none");
+  }
+
+  /** Creates a session, shows it and plays it. Throws ProblemError when the service refuses. */
+  private async create(scene: Scene, name: string | undefined, title?: string): Promise<void> {
+    const session = await this.service.createSession(name === undefined ? scene : { gallery: name });
+    clearProblems();
+    this.leave();
+    this.own = true;
+    this.show(session, scene, title);
+    markScene(name);
+    history.replaceState(null, "", `/?session=${encodeURIComponent(session.id)}`);
+    this.speed.value = "1";
+    await this.service.play(session.id, 1);
+  }
+
+  private async openSession(id: string): Promise<void> {
+    const session = await this.service.session(id);
+    this.leave();
+    this.own = false;
+    this.show(session, session.scene);
+  }
+
+  /** Ends what was on the screen. */
+  private leave(): void {
+    this.stream?.close();
+    if (this.id !== undefined && this.own) void this.service.deleteSession(this.id).catch(() => undefined);
+    this.lesson(undefined);
+    markScene(undefined);
+  }
+
+  private show(session: Session, scene: Scene | undefined, title?: string): void {
+    this.id = session.id;
+    this.stage.clear(scene?.viewer?.camera);
+    this.plot.clear();
+    this.readout.clear();
+    this.interaction.clear();
+    this.title(title ?? scene?.name ?? session.name ?? "");
+    byId("transport").hidden = false;
+    document.body.classList.add("running");
+    this.layout();
+    this.playback(undefined);
+    const stream = connect(this.service.streamUrl(session.id, location.origin), { observables: true, credit: 4, fields: fieldsOf });
+    this.stream = stream;
+    const mine = <T>(handler: (value: T) => void) => (value: T) => {
+      if (this.stream === stream) handler(value);
+    };
+    this.connection("connecting");
+    stream.on("state", mine((state) => this.connection(state)));
+    stream.on("hello", mine((hello) => hello.sceneName && !title && this.title(hello.sceneName)));
+    stream.on("topology", mine((topology) => {
+      this.stage.setTopology(topology);
+      this.toggles();
+    }));
+    stream.on("playback", mine((state) => this.playback(state)));
+    stream.on("observables", mine((observables) => this.plot.add(observables)));
+    stream.on("problem", mine((problem) => showProblem(problem)));
+    stream.on("event", mine((event) => {
+      if (/instab|error|fail|full/.test(event.kind)) showProblem({ title: event.kind.replaceAll("_", " "), status: 0, code: event.kind, detail: event.detail });
+      else if (event.kind === "warning") showProblem({ title: "Warning", status: 0, code: event.kind, detail: event.detail }, "warning");
+    }));
+    void this.consume(stream);
+  }
+
+  private async consume(stream: Stream): Promise<void> {
+    try {
+      for await (const frame of stream.frames()) {
+        if (this.stream !== stream) break;
+        await this.stage.present(frame);
+        this.interaction.follow();
+        this.readout.shown(frame, stream.superseded);
+      }
+    } catch (error) {
+      if (this.stream === stream) this.fail(error);
+    }
+  }
+
+  private async measureTrip(): Promise<void> {
+    if (document.hidden || this.stream?.state !== "open") return;
+    await this.service.roundTrip().then((ms) => this.readout.roundTrip(ms), () => undefined);
+  }
+
+  private wire(): void {
+    const click = (id: string, action: () => void): void => byId(id).addEventListener("click", action);
+    click("play", () => this.act((id) => (this.playing ? this.service.pause(id) : this.service.play(id, this.wanted()))));
+    click("step", () => this.step(1));
+    click("reset", () => this.act(async (id) => {
+      await this.service.reset(id);
+      this.plot.clear();
+    }));
+    this.speed.addEventListener("change", () => this.playing && this.act((id) => this.service.play(id, this.wanted())));
+    click("camera", () => this.stage.resetCamera());
+    const toggle = (id: string, key: "points" | "lines" | "surface" | "bySpeed"): void =>
+      click(id, () => {
+        this.stage.show[key] = !this.stage.show[key];
+        byId(id).setAttribute("aria-pressed", String(this.stage.show[key]));
+        this.stage.applyVisibility();
+      });
+    toggle("show-points", "points");
+    toggle("show-lines", "lines");
+    toggle("show-surface", "surface");
+    toggle("show-speed", "bySpeed");
+    click("show-side", () => {
+      const side = byId("side");
+      side.hidden = !side.hidden;
+      byId("show-side").setAttribute("aria-pressed", String(!side.hidden));
+      this.layout();
+    });
+    click("toggle-panel", () => this.panel(byId("panel").hidden ? "gallery" : "none"));
+    click("close-panel", () => this.panel("none"));
+    click("tab-gallery", () => this.panel("gallery"));
+    click("tab-editor", () => this.panel("editor"));
+    click("show-help", () => byId<HTMLDialogElement>("help").showModal());
+    const layout = new ResizeObserver(() => this.layout());
+    for (const id of ["app", "side", "panel"]) layout.observe(byId(id));
+    installShortcuts({
+      step: (steps) => this.step(steps),
+      faster: (by) => this.faster(by),
+      editor: () => this.panel("editor"),
+      escape: () => this.panel("none"),
+    });
+  }
+
+  private step(steps: number): void {
+    this.act(async (id) => {
+      if (this.playing) await this.service.pause(id);
+      await this.service.step(id, steps);
+    });
+  }
+
+  private faster(by: 1 | -1): void {
+    const next = Math.min(speeds.length - 1, Math.max(0, this.speed.selectedIndex + by));
+    this.speed.selectedIndex = next;
+    this.speed.dispatchEvent(new Event("change"));
+    this.hint(`speed ${speeds[next]}×`);
+  }
+
+  private wanted(): number {
+    return Number(this.speed.value);
+  }
+
+  private act(action: (id: string) => Promise<void>): void {
+    const { id } = this;
+    if (id !== undefined) void this.attempt(() => action(id));
+  }
+
+  private async attempt(action: () => Promise<void>): Promise<void> {
+    try {
+      await action();
+    } catch (error) {
+      this.fail(error);
+    }
+  }
+
+  private fail(error: unknown): void {
+    if (!(error instanceof ProblemError)) console.error(error);
+    const problem = problemOf(error);
+    // The connection line already says so, and the next attempt is under way.
+    if (problem.code !== "connection_lost") showProblem(problem);
+  }
+
+  private playback(state: PlaybackState | undefined): void {
+    this.playing = state?.playing ?? false;
+    const button = byId("play");
+    button.querySelector("use")?.setAttribute("href", this.playing ? "#i-pause" : "#i-play");
+    button.setAttribute("aria-label", this.playing ? "Pause" : "Play");
+    button.title = this.playing ? "Pause (Space)" : "Play (Space)";
+    if (!state || state.speed <= 0) return;
+    if (speeds.includes(state.speed)) this.speed.value = String(state.speed);
+  }
+
+  /** Shows only the switches that do something in this scene. */
+  private toggles(): void {
+    const { points, lines, surface } = this.stage.has;
+    byId("show-points").hidden = !points;
+    byId("show-speed").hidden = !points;
+    byId("show-lines").hidden = !lines;
+    byId("show-surface").hidden = !surface;
+  }
+
+  private panel(which: "gallery" | "editor" | "none"): void {
+    byId("panel").hidden = which === "none";
+    byId("gallery").hidden = which !== "gallery";
+    byId("editor").hidden = which !== "editor";
+    byId("tab-gallery").setAttribute("aria-selected", String(which === "gallery"));
+    byId("tab-editor").setAttribute("aria-selected", String(which === "editor"));
+    byId("app").dataset.panel = which;
+    if (which === "editor") byId("scene-text").focus();
+    this.layout();
+  }
+
+  /** Tells the stage which part of the picture the panels leave free. */
+  private layout(): void {
+    const box = (id: string): DOMRect => byId(id).getBoundingClientRect();
+    const panel = box("panel");
+    const side = box("side");
+    const bottom = box("transport").height > 0 ? 90 : 0;
+    const running = document.body.classList.contains("running");
+    if (window.innerWidth <= 720) {
+      this.stage.setInset({ left: 0, right: 0, top: running && side.height > 0 ? side.bottom : 56, bottom: running ? Math.max(panel.height, bottom) : 0 });
+    } else {
+      this.stage.setInset({ left: running && panel.width > 0 ? panel.right : 0, right: running && side.width > 0 ? window.innerWidth - side.left : 0, top: 50, bottom });
+    }
+  }
+
+  private title(text: string): void {
+    byId("title").textContent = text;
+    document.title = text ? `${text} · Truestep` : "Truestep";
+  }
+
+  private lesson(text: string | undefined): void {
+    const lesson = byId("lesson");
+    lesson.hidden = !text;
+    lesson.textContent = text ?? "";
+  }
+
+  private connection(state: keyof typeof stateText): void {
+    const line = byId("connection");
+    line.dataset.state = state;
+    line.querySelector("span")!.textContent = stateText[state];
+  }
+
+  private hintTimer: ReturnType<typeof setTimeout> | undefined;
+  private hint(text: string): void {
+    const hint = byId("hint");
+    hint.textContent = text;
+    hint.hidden = false;
+    clearTimeout(this.hintTimer);
+    this.hintTimer = setTimeout(() => (hint.hidden = true), 1600);
+  }
+}
+
+/** Position, and for systems drawn as points what they are coloured by, where the server has it. */
+function fieldsOf(hello: Hello): string[] {
+  const names = new Set(hello.systems.flatMap((system) => system.fields.map((field) => field.name)));
+  return ["position", ...["speed", "velocity"].filter((name) => names.has(name)).slice(0, 1)];
+}

@@ -1,0 +1,46 @@
+// The gallery: one card a scene, with the server's picture of it or, without one, a drawing of its kind.
+import type { GalleryEntry } from "../client/rest";
+import { byId, make } from "./dom";
+
+const drawings: [RegExp, string][] = [
+  [/cloth|flag|sheet/, "M20 22q20-10 40 0t40 0v34q-20 10-40 0t-40 0zM20 33q20-10 40 0t40 0M20 45q20-10 40 0t40 0M40 18v36M60 22v36M80 26v36"],
+  [/rope|chain|hair|spring|bridge|catenary/, "M14 22q8 40 46 40t46-40M14 22h.1M29 47h.1M46 58h.1M60 62h.1M74 58h.1M91 47h.1M106 22h.1"],
+  [/particle|fountain|drop|ball|bounc|rain|smoke/, "M60 66v.1M60 52v.1M52 40v.1M68 40v.1M42 30v.1M78 30v.1M60 26v.1M32 38v.1M88 38v.1M26 52v.1M94 52v.1M50 20v.1M70 20v.1"],
+  [/pendulum/, "M60 14 84 40 70 64M60 14h.1M84 40h.1M70 64h.1M44 14h32"],
+  [/orbit|body|planet|kepler/, "M60 40h.1M20 40a40 18 0 1 0 80 0a40 18 0 1 0-80 0M92 29h.1"],
+  [/oscill|ode|wave|euler|damp|integrat/, "M10 40c10-44 20-44 30 0s20 44 30 0 20-30 24-12 10 12 16 12"],
+];
+
+function drawing(entry: GalleryEntry): SVGSVGElement {
+  const text = `${entry.tags?.join(" ") ?? ""} ${entry.name} ${entry.title}`.toLowerCase();
+  const path = drawings.find(([pattern]) => pattern.test(text))?.[1] ?? drawings[5]![1];
+  const svg = document.createElementNS("http://www.w3.org/2000/svg", "svg");
+  svg.setAttribute("viewBox", "0 0 120 80");
+  const line = document.createElementNS("http://www.w3.org/2000/svg", "path");
+  line.setAttribute("d", path);
+  svg.append(line);
+  return svg;
+}
+
+/** Fills the gallery; `open` runs a scene, `edit` puts it into the editor. */
+export function showGallery(entries: GalleryEntry[], open: (name: string) => void, edit: (name: string) => void): void {
+  const cards = entries.map((entry) => {
+    const picture = make("span", { class: "thumbnail" });
+    if (entry.thumbnail) {
+      const image = make("img", { src: entry.thumbnail, alt: "", loading: "lazy", decoding: "async" });
+      image.addEventListener("error", () => image.replaceWith(drawing(entry)));
+      picture.append(image);
+    } else {
+      picture.append(drawing(entry));
+    }
+    const run = make("button", { class: "run", "data-scene": entry.name, onclick: () => open(entry.name) }, picture, make("strong", {}, entry.title || entry.name), make("span", { class: "teaches" }, entry.teaches ?? entry.description ?? ""));
+    const change = make("button", { class: "edit", "aria-label": `Edit ${entry.title || entry.name}`, onclick: () => edit(entry.name) }, "Edit");
+    return make("article", { class: "scene", "data-scene": entry.name }, run, change);
+  });
+  byId("gallery").replaceChildren(...(cards.length > 0 ? cards : [make("p", { class: "empty" }, "The gallery is empty. The scene editor takes any scene.")]));
+}
+
+/** Marks the card of the scene that runs. */
+export function markScene(name: string | undefined): void {
+  for (const card of byId("gallery").querySelectorAll<HTMLElement>("article")) card.toggleAttribute("data-current", card.dataset.scene === name);
+}

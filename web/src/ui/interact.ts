@@ -1,0 +1,139 @@
+// Mouse and touch on the picture: a point under the pointer is marked, pressed it is pulled by a spring of
+// the service's, double clicked it is pinned or set free. The background turns the camera.
+import { Vector3 } from "three";
+import { dragTarget, pickPoint, pointOf, type Pick } from "../render/picker";
+import type { Stage } from "../render/stage";
+
+const kReachMouse = 14; // CSS pixels
+const kReachTouch = 26;
+
+export interface Commands {
+  /** Sends a command of the session; failures are shown by the caller. */
+  send(body: Record<string, unknown>): void;
+  /** A short sentence for the person. */
+  say(text: string): void;
+}
+
+export class Interaction {
+  private hovered: Pick | undefined;
+  private dragged: Pick | undefined;
+  private readonly anchor = new Vector3();
+  private readonly target = new Vector3();
+  private readonly at = new Vector3();
+  private moved = false;
+  private queued = false;
+  private pinned = new Set<string>();
+  private pointer: { x: number; y: number; touch: boolean } | undefined;
+
+  constructor(
+    private readonly stage: Stage,
+    private readonly canvas: HTMLCanvasElement,
+    private readonly commands: Commands,
+  ) {
+    // Capture comes before OrbitControls, which then stays out of a drag.
+    canvas.addEventListener("pointerdown", (event) => this.down(event), { capture: true });
+    canvas.addEventListener("pointermove", (event) => this.move(event));
+    canvas.addEventListener("pointerup", () => this.up());
+    canvas.addEventListener("pointercancel", () => this.up());
+    canvas.addEventListener("pointerleave", () => this.leave());
+    canvas.addEventListener("dblclick", (event) => this.pin(event));
+  }
+
+  /** A new session: nothing is held any more. */
+  clear(): void {
+    this.dragged = this.hovered = this.pointer = undefined;
+    this.pinned.clear();
+    this.stage.controls.enabled = true;
+    this.stage.handle.hide();
+  }
+
+  /** Moves the mark with its point; to be called when a frame is on the screen. */
+  follow(): void {
+    if (this.dragged) this.mark(this.dragged, this.moved ? this.target : undefined);
+    else if (this.pointer && !this.pointer.touch) this.hover();
+  }
+
+  private pick(event: MouseEvent, reach: number): Pick | undefined {
+    const box = this.canvas.getBoundingClientRect();
+    return pickPoint(this.stage.views.values(), this.stage.camera, event.clientX - box.left, event.clientY - box.top, box.width, box.height, reach);
+  }
+
+  private down(event: PointerEvent): void {
+    if (event.button !== 0 || event.shiftKey || event.ctrlKey) return;
+    const pick = this.pick(event, event.pointerType === "mouse" ? kReachMouse : kReachTouch);
+    if (!pick) return;
+    this.dragged = pick;
+    this.moved = false;
+    pointOf(pick, this.anchor);
+    this.stage.controls.enabled = false;
+    this.canvas.setPointerCapture(event.pointerId);
+    this.mark(pick, undefined);
+  }
+
+  private move(event: PointerEvent): void {
+    const box = this.canvas.getBoundingClientRect();
+    this.pointer = { x: event.clientX - box.left, y: event.clientY - box.top, touch: event.pointerType !== "mouse" };
+    if (!this.dragged) {
+      if (event.buttons === 0 && !this.pointer.touch) this.hover();
+      return;
+    }
+    const hit = dragTarget(this.stage.camera, this.anchor, (2 * this.pointer.x) / box.width - 1, 1 - (2 * this.pointer.y) / box.height, this.target);
+    if (!hit) return;
+    this.moved = true;
+    this.mark(this.dragged, this.target);
+    // At most one command a picture.
+    if (this.queued) return;
+    this.queued = true;
+    requestAnimationFrame(() => {
+      this.queued = false;
+      if (this.dragged) this.commands.send({ type: "drag", system: this.dragged.view.id, index: this.dragged.index, target: this.target.toArray() });
+    });
+  }
+
+  private up(): void {
+    const pick = this.dragged;
+    if (!pick) return;
+    this.dragged = undefined;
+    this.stage.controls.enabled = true;
+    if (this.moved) this.commands.send({ type: "release", system: pick.view.id, index: pick.index });
+    this.stage.handle.hide();
+    this.stage.invalidate();
+  }
+
+  private leave(): void {
+    this.pointer = undefined;
+    this.hovered = undefined;
+    if (this.dragged) return;
+    this.stage.handle.hide();
+    this.stage.invalidate();
+  }
+
+  private pin(event: MouseEvent): void {
+    const pick = this.pick(event, kReachMouse);
+    if (!pick) return;
+    const key = `${pick.view.id} ${pick.index}`;
+    const free = this.pinned.delete(key);
+    if (!free) this.pinned.add(key);
+    this.commands.send({ type: free ? "unpin" : "pin", system: pick.view.id, index: pick.index });
+    this.commands.say(`${pick.view.id}, point ${pick.index}: ${free ? "free" : "pinned"}`);
+  }
+
+  private hover(): void {
+    if (!this.pointer) return;
+    const { x, y } = this.pointer;
+    const { clientWidth, clientHeight } = this.canvas;
+    const before = this.hovered;
+    this.hovered = pickPoint(this.stage.views.values(), this.stage.camera, x, y, clientWidth, clientHeight, kReachMouse);
+    this.canvas.classList.toggle("grabbable", this.hovered !== undefined);
+    if (this.hovered) return this.mark(this.hovered, undefined);
+    if (!before) return;
+    this.stage.handle.hide();
+    this.stage.invalidate();
+  }
+
+  private mark(pick: Pick, target: Vector3 | undefined): void {
+    if (pick.index >= pick.view.count) return;
+    this.stage.handle.mark(pointOf(pick, this.at), target);
+    this.stage.invalidate();
+  }
+}

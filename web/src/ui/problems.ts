@@ -1,0 +1,46 @@
+// Problems as cards a person can read: what happened, where in the input, what would have been allowed.
+import type { Issue, Problem } from "../client/problem";
+import { brief, byId, icon, make } from "./dom";
+
+/** One issue as a list item; `onShow` is called with its pointer, `onFix` applies the suggested name. */
+export function issueItem(issue: Issue, onShow?: (issue: Issue) => void): HTMLElement {
+  const pointer = make(onShow ? "button" : "code", { class: "pointer", ...(onShow ? { type: "button", title: "Show it in the scene", onclick: () => onShow(issue) } : {}) }, issue.pointer === "" ? "(whole scene)" : issue.pointer);
+  const item = make("li", { class: "issue" }, pointer);
+  const text = issue.message || issue.code.replaceAll("_", " ");
+  item.append(make("p", {}, text));
+  const facts = make("dl", {});
+  const fact = (name: string, value: unknown): void => {
+    if (value !== undefined && value !== "" && value !== null) facts.append(make("div", {}, make("dt", {}, name), make("dd", {}, brief(value))));
+  };
+  fact("value", issue.value);
+  fact("allowed", Array.isArray(issue.allowed) ? issue.allowed.map(brief).join(", ") : issue.allowed);
+  fact("unit", issue.unit);
+  fact("did you mean", issue.did_you_mean);
+  if (facts.childElementCount > 0) item.append(facts);
+  return item;
+}
+
+/** Shows a card for `problem`; the same problem again replaces its card. */
+export function showProblem(problem: Problem, tone: "error" | "warning" = "error"): void {
+  const list = byId("problems");
+  const key = `${problem.code} ${problem.detail ?? ""}`;
+  for (const old of [...list.children]) if ((old as HTMLElement).dataset.key === key) old.remove();
+  while (list.childElementCount > 2) list.firstElementChild?.remove();
+  const card: HTMLElement = make("article", { class: `card ${tone}`, role: "alert" });
+  card.dataset.key = key;
+  const head = make("header", {}, make("h2", {}, problem.title));
+  if (problem.status > 0) head.append(make("span", { class: "status" }, String(problem.status)));
+  head.append(make("button", { class: "icon-button small", "aria-label": "Close", onclick: () => card.remove() }, icon("close")));
+  card.append(head);
+  if (problem.detail && problem.detail !== problem.title) card.append(make("p", {}, problem.detail));
+  const extras = ["last_good_step", "suggested_dt", "suggested_integrator", "limit", "estimate"].filter((name) => problem[name] !== undefined);
+  if (extras.length > 0) card.append(make("dl", { class: "extras" }, ...extras.map((name) => make("div", {}, make("dt", {}, name.replaceAll("_", " ")), make("dd", {}, brief(problem[name]))))));
+  const issues = [...(problem.errors ?? []), ...(problem.suggestions ?? [])];
+  if (issues.length > 0) card.append(make("ul", { class: "issues" }, ...issues.slice(0, 12).map((issue) => issueItem(issue))));
+  if (problem.trace_id) card.append(make("p", { class: "trace" }, `trace ${problem.trace_id}`));
+  list.append(card);
+}
+
+export function clearProblems(): void {
+  byId("problems").replaceChildren();
+}

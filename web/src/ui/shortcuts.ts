@@ -1,0 +1,35 @@
+// Keys: the elements with aria-keyshortcuts say theirs themselves, so that the page and the keys agree.
+import { byId } from "./dom";
+
+const buttons: Record<string, string> = {
+  " ": "play", ".": "step", r: "reset", f: "camera", "1": "show-points", "2": "show-lines", "3": "show-surface",
+  c: "show-speed", m: "show-side", g: "toggle-panel", "?": "show-help",
+};
+
+export interface KeyActions {
+  step(steps: number): void;
+  faster(by: 1 | -1): void;
+  editor(): void;
+  escape(): void;
+}
+
+export function installShortcuts(actions: KeyActions): void {
+  document.addEventListener("keydown", (event) => {
+    const target = event.target as HTMLElement;
+    if (event.ctrlKey || event.metaKey || event.altKey || /^(TEXTAREA|INPUT|SELECT)$/.test(target.tagName)) return;
+    if (byId<HTMLDialogElement>("help").open) return;
+    // A focused button answers to Space itself.
+    if (event.key === " " && target.tagName === "BUTTON") return;
+    const key = event.key.length === 1 ? event.key.toLowerCase() : event.key;
+    if (event.code === "Period" && event.shiftKey) actions.step(10);
+    else if (key === "[") actions.faster(-1);
+    else if (key === "]") actions.faster(1);
+    else if (key === "e") actions.editor();
+    else if (key === "Escape") actions.escape();
+    else if (buttons[key]) {
+      const button = byId<HTMLButtonElement>(buttons[key]);
+      if (!button.disabled && button.offsetParent !== null) button.click();
+    } else return;
+    event.preventDefault();
+  });
+}
