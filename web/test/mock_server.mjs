@@ -152,7 +152,7 @@ function attach(session, socket) {
         return client.send({ kind: { case: "problem", value: { code: "unknown_command", title: "Unknown command", detail: `There is no command ${body.type}`, status: 422, requestId, pointer: "/type" } } });
       }
       session.world.command(body);
-      client.send({ kind: { case: "reply", value: { requestId, step: BigInt(session.step) } } });
+      if (requestId) client.send({ kind: { case: "reply", value: { requestId, step: BigInt(session.step) } } });
     }
   });
 }

@@ -124,6 +124,11 @@ export class Stream {
     return this.request({ case: "command", value: { json: JSON.stringify(body) } });
   }
 
+  /** Sends a command without waiting: a refusal arrives as a `problem` event. For drags, many a second. */
+  post(body: Record<string, unknown>): void {
+    this.send({ kind: { case: "command", value: { json: JSON.stringify(body) } } });
+  }
+
   /** Playback over the stream: play, pause, step, seek, speed, reset. */
   control(action: string, value = 0): Promise<Reply> {
     return this.request({ case: "control", value: { action, value } });

@@ -34,6 +34,7 @@ export class App {
   constructor() {
     this.interaction = new Interaction(this.stage, this.canvas, {
       send: (body) => void this.stream?.command(body).catch((error: unknown) => this.fail(error)),
+      post: (body) => this.stream?.post(body),
       say: (text) => this.hint(text),
     });
     this.speed.append(...speeds.map((value) => make("option", { value: String(value), selected: value === 1 }, `${value}×`)));

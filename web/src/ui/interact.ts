@@ -3,6 +3,7 @@
 import { Vector3 } from "three";
 import { dragTarget, pickPoint, pointOf, type Pick } from "../render/picker";
 import type { Stage } from "../render/stage";
+import { byId } from "./dom";
 
 const kReachMouse = 14; // CSS pixels
 const kReachTouch = 26;
@@ -10,6 +11,8 @@ const kReachTouch = 26;
 export interface Commands {
   /** Sends a command of the session; failures are shown by the caller. */
   send(body: Record<string, unknown>): void;
+  /** The same for commands that come many a second. */
+  post(body: Record<string, unknown>): void;
   /** A short sentence for the person. */
   say(text: string): void;
 }
@@ -23,6 +26,7 @@ export class Interaction {
   private moved = false;
   private queued = false;
   private pinned = new Set<string>();
+  private readonly probe = byId("probe");
   private pointer: { x: number; y: number; touch: boolean } | undefined;
 
   constructor(
@@ -44,7 +48,7 @@ export class Interaction {
     this.dragged = this.hovered = this.pointer = undefined;
     this.pinned.clear();
     this.stage.controls.enabled = true;
-    this.stage.handle.hide();
+    this.unmark();
   }
 
   /** Moves the mark with its point; to be called when a frame is on the screen. */
@@ -62,6 +66,8 @@ export class Interaction {
     if (event.button !== 0 || event.shiftKey || event.ctrlKey) return;
     const pick = this.pick(event, event.pointerType === "mouse" ? kReachMouse : kReachTouch);
     if (!pick) return;
+    const box = this.canvas.getBoundingClientRect();
+    this.pointer = { x: event.clientX - box.left, y: event.clientY - box.top, touch: event.pointerType !== "mouse" };
     this.dragged = pick;
     this.moved = false;
     pointOf(pick, this.anchor);
@@ -86,7 +92,7 @@ export class Interaction {
     this.queued = true;
     requestAnimationFrame(() => {
       this.queued = false;
-      if (this.dragged) this.commands.send({ type: "drag", system: this.dragged.view.id, index: this.dragged.index, target: this.target.toArray() });
+      if (this.dragged) this.commands.post({ type: "drag", system: this.dragged.view.id, index: this.dragged.index, target: this.target.toArray() });
     });
   }
 
@@ -96,16 +102,13 @@ export class Interaction {
     this.dragged = undefined;
     this.stage.controls.enabled = true;
     if (this.moved) this.commands.send({ type: "release", system: pick.view.id, index: pick.index });
-    this.stage.handle.hide();
-    this.stage.invalidate();
+    this.unmark();
   }
 
   private leave(): void {
     this.pointer = undefined;
     this.hovered = undefined;
-    if (this.dragged) return;
-    this.stage.handle.hide();
-    this.stage.invalidate();
+    if (!this.dragged) this.unmark();
   }
 
   private pin(event: MouseEvent): void {
@@ -124,16 +127,28 @@ export class Interaction {
     const { clientWidth, clientHeight } = this.canvas;
     const before = this.hovered;
     this.hovered = pickPoint(this.stage.views.values(), this.stage.camera, x, y, clientWidth, clientHeight, kReachMouse);
-    this.canvas.classList.toggle("grabbable", this.hovered !== undefined);
-    if (this.hovered) return this.mark(this.hovered, undefined);
-    if (!before) return;
-    this.stage.handle.hide();
-    this.stage.invalidate();
+    if (this.hovered) this.mark(this.hovered, undefined);
+    else if (before) this.unmark();
   }
 
   private mark(pick: Pick, target: Vector3 | undefined): void {
-    if (pick.index >= pick.view.count) return;
-    this.stage.handle.mark(pointOf(pick, this.at), target);
+    if (pick.index >= pick.view.count) return this.unmark();
+    const { x, y, z } = pointOf(pick, this.at);
+    this.stage.handle.mark(this.at, target);
     this.stage.invalidate();
+    this.canvas.classList.add("grabbable");
+    this.probe.hidden = false;
+    this.probe.querySelector("b")!.textContent = `${pick.view.id} ${pick.index}`;
+    this.probe.querySelector("span")!.textContent = [x, y, z].map((c) => c.toFixed(3)).join("  ");
+    if (!this.pointer) return;
+    const flip = this.pointer.x > this.canvas.clientWidth - 220;
+    this.probe.style.transform = `translate(${this.pointer.x + (flip ? -18 : 18)}px, ${this.pointer.y + 14}px) translateX(${flip ? -100 : 0}%)`;
+  }
+
+  private unmark(): void {
+    this.stage.handle.hide();
+    this.stage.invalidate();
+    this.canvas.classList.remove("grabbable");
+    this.probe.hidden = true;
   }
 }
