@@ -1,3 +1,4 @@
+// How Vite builds the viewer into dist/ and, for `npm run dev`, forwards the API to a running service.
 import { defineConfig } from "vite";
 
 // No inline scripts and no data: URLs in the output, so that a strict Content-Security-Policy holds.

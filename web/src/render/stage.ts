@@ -21,8 +21,6 @@ export class Stage {
   readonly views = new Map<string, SystemView>();
   readonly handle = new Handle();
   readonly show: Visibility = { points: true, lines: true, surface: true, bySpeed: true };
-  /** Called after each drawn picture with the milliseconds since the one before. */
-  onDraw: (milliseconds: number) => void = () => undefined;
 
   private readonly renderer: WebGLRenderer;
   private readonly scene = new Scene();
@@ -35,13 +33,15 @@ export class Stage {
   private dirty = true;
   private shadowsDirty = true;
   private scale = 1;
-  private slow = 0;
+  private late = 0;
+  private restores = 3;
   private last = 0;
+  private drew = false;
   private presented: (() => void)[] = [];
   private inset = { left: 0, right: 0, top: 0, bottom: 0 };
 
   constructor(private readonly canvas: HTMLCanvasElement) {
-    this.renderer = new WebGLRenderer({ canvas, antialias: true, powerPreference: "high-performance" });
+    this.renderer = new WebGLRenderer({ canvas, context: contextOf(canvas) });
     this.renderer.setClearColor(backgroundColor, 1);
     this.scene.background = null;
     this.scene.add(this.ground.object, this.handle.object);
@@ -198,7 +198,11 @@ export class Stage {
   }
 
   private tick(now: number): void {
+    // Time since the last turn counts as the cost of a picture only if that turn drew one.
+    if (this.drew) this.adapt(now - this.last);
+    this.last = now;
     this.controls.update();
+    this.drew = this.dirty;
     if (!this.dirty) return this.release();
     this.dirty = false;
     if (this.shadowsDirty) {
@@ -207,10 +211,6 @@ export class Stage {
     }
     this.handle.face(this.camera, this.canvas.clientHeight);
     this.renderer.render(this.scene, this.camera);
-    const elapsed = now - this.last;
-    this.last = now;
-    this.onDraw(elapsed);
-    this.adapt(elapsed);
     this.release();
   }
 
@@ -218,18 +218,35 @@ export class Stage {
     for (const resolve of this.presented.splice(0)) resolve();
   }
 
-  /** After a second of pictures slower than 24 a second: no shadows, then fewer pixels. */
+  /** After a second of pictures slower than 24 a second: no shadows, then fewer pixels. Back after calm. */
   private adapt(elapsed: number): void {
-    if (elapsed > 500) return;
-    this.slow = elapsed > 42 ? this.slow + 1 : Math.max(0, this.slow - 2);
-    if (this.slow < 24) return;
-    this.slow = 0;
-    if (this.ground.shadows) {
-      this.ground.shadows = false;
-      this.invalidate(true);
-    } else if (this.scale > 0.6) {
-      this.scale *= 0.8;
-      this.resize();
+    if (document.hidden || elapsed > 4000) return;
+    this.late = elapsed > 42 ? Math.max(0, this.late) + elapsed : elapsed < 21 ? Math.min(0, this.late) - elapsed : 0;
+    if (this.late > 1000) {
+      this.late = 0;
+      if (this.ground.shadows) this.ground.shadows = false;
+      else this.scale = Math.max(0.6, this.scale * 0.8);
+    } else if (this.late < -4000 && this.restores > 0 && (this.scale < 1 || !this.ground.shadows)) {
+      this.late = 0;
+      --this.restores;
+      if (this.scale < 1) this.scale = Math.min(1, this.scale / 0.8);
+      else this.ground.shadows = true;
+    } else {
+      return;
     }
+    this.resize();
+    this.invalidate(true);
   }
+}
+
+/** WebGL 2, smoothed where a graphics processor draws; a processor that draws by itself is spared that. */
+function contextOf(canvas: HTMLCanvasElement): WebGL2RenderingContext {
+  const probe = document.createElement("canvas").getContext("webgl2");
+  const info = probe?.getExtension("WEBGL_debug_renderer_info");
+  const name = String(info ? probe?.getParameter(info.UNMASKED_RENDERER_WEBGL) : "");
+  probe?.getExtension("WEBGL_lose_context")?.loseContext();
+  const software = /swiftshader|llvmpipe|softpipe|basic render/i.test(name);
+  const context = canvas.getContext("webgl2", { antialias: !software, powerPreference: "high-performance" });
+  if (!context) throw new Error("WebGL 2 is not available");
+  return context;
 }

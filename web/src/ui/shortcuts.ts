@@ -14,11 +14,15 @@ export interface KeyActions {
 }
 
 export function installShortcuts(actions: KeyActions): void {
+  // A button pressed with the mouse gives the keys back, or Space would press it again.
+  document.addEventListener("click", (event) => {
+    if (event.detail > 0) (event.target as Element).closest("button")?.blur();
+  });
   document.addEventListener("keydown", (event) => {
     const target = event.target as HTMLElement;
     if (event.ctrlKey || event.metaKey || event.altKey || /^(TEXTAREA|INPUT|SELECT)$/.test(target.tagName)) return;
     if (byId<HTMLDialogElement>("help").open) return;
-    // A focused button answers to Space itself.
+    // A button focused by the keyboard answers to Space itself.
     if (event.key === " " && target.tagName === "BUTTON") return;
     const key = event.key.length === 1 ? event.key.toLowerCase() : event.key;
     if (event.code === "Period" && event.shiftKey) actions.step(10);

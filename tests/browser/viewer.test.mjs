@@ -1,0 +1,236 @@
+// A person's way through the viewer in Chromium: load, pick a scene, see it move, pause, pull a point, make a
+// mistake in a scene, reset. Runs against the executable in TRUESTEP_BINARY, or against the JavaScript mock of
+// the protocol when that is unset. Every check that something changes has a control in which it must not.
+import assert from "node:assert/strict";
+import { spawn } from "node:child_process";
+import { existsSync, mkdtempSync, rmSync } from "node:fs";
+import { tmpdir } from "node:os";
+import path from "node:path";
+import { after, before, test as nodeTest } from "node:test";
+import { fileURLToPath, pathToFileURL } from "node:url";
+
+const web = path.join(path.dirname(fileURLToPath(import.meta.url)), "..", "..", "web");
+const chromiumPath = process.env.CHROMIUM ?? "/usr/bin/chromium";
+const binary = process.env.TRUESTEP_BINARY;
+const patience = 30_000; // software rendering on a busy machine
+
+let url;
+let stop;
+let browser;
+let page;
+let bad = []; // console errors and uncaught exceptions
+
+// The steps build on each other: after one that failed the others fail at once.
+let broken;
+function test(name, step) {
+  nodeTest(name, async () => {
+    if (broken) throw new Error(`not tried, for "${broken}" failed`);
+    broken = name;
+    await step();
+    broken = undefined;
+  });
+}
+
+function need(file, sentence) {
+  if (!existsSync(file)) throw new Error(sentence);
+}
+
+/** Starts the real server on a free port and reads the address that it prints. */
+function serveBinary() {
+  const data = mkdtempSync(path.join(tmpdir(), "truestep-browser-"));
+  const child = spawn(binary, ["serve", "--port", "0", "--data-dir", data], { stdio: ["ignore", "pipe", "pipe"] });
+  stop = async () => {
+    const gone = new Promise((resolve) => child.once("exit", resolve));
+    child.kill("SIGTERM");
+    await gone;
+    rmSync(data, { recursive: true, force: true });
+  };
+  return new Promise((resolve, reject) => {
+    let printed = "";
+    const read = (chunk) => {
+      printed += chunk;
+      const found = /http:\/\/[\w.[\]]+:\d+/.exec(printed);
+      if (found) resolve(found[0]);
+    };
+    child.stdout.on("data", read);
+    child.stderr.on("data", read);
+    child.once("exit", (code) => reject(new Error(`the server ended with ${code}:\n${printed}`)));
+  });
+}
+
+before(async () => {
+  need(path.join(web, "node_modules/playwright-core"), "playwright-core is missing: run npm ci in web/");
+  need(path.join(web, "dist/index.html"), "the viewer is not built: run npm run build in web/");
+  need(chromiumPath, `no Chromium at ${chromiumPath}: install Debian's chromium or set CHROMIUM`);
+  if (binary) {
+    need(binary, `no executable at ${binary}: build the target truestep`);
+    url = await serveBinary();
+  } else {
+    const { serve } = await import(pathToFileURL(path.join(web, "test/mock_server.mjs")));
+    const mock = await serve();
+    url = mock.url;
+    stop = () => mock.close();
+  }
+  const { chromium } = await import(pathToFileURL(path.join(web, "node_modules/playwright-core/index.mjs")));
+  browser = await chromium.launch({
+    executablePath: chromiumPath,
+    args: [
+      "--headless", "--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run", "--disable-background-networking",
+      "--disable-component-update", "--disable-sync", "--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader",
+    ],
+  });
+  page = await browser.newPage({ viewport: { width: 1280, height: 800 } });
+  page.setDefaultTimeout(patience);
+  page.on("console", (message) => message.type() === "error" && bad.push(message.text()));
+  page.on("pageerror", (error) => bad.push(String(error)));
+});
+
+after(async () => {
+  await browser?.close();
+  await stop?.();
+});
+
+const number = async (id) => Number((await page.textContent(id)).replace(/[^\d.]/g, ""));
+
+async function until(condition, what) {
+  const end = Date.now() + patience;
+  while (!(await condition())) {
+    if (Date.now() > end) assert.fail(`timed out: ${what}`);
+    await page.waitForTimeout(100);
+  }
+}
+
+/** The picture without what floats over it. */
+async function picture() {
+  await page.evaluate(() => new Promise((resolve) => requestAnimationFrame(() => requestAnimationFrame(resolve))));
+  return page.screenshot({ clip: { x: 380, y: 80, width: 560, height: 600 } });
+}
+
+const playing = async () => (await page.getAttribute("#play", "aria-label")) === "Pause";
+
+test("the gallery shows its scenes, and picking one plays it", async () => {
+  await page.goto(url);
+  await page.waitForSelector("#gallery [data-scene]");
+  const names = await page.$$eval("#gallery article", (cards) => cards.map((card) => card.dataset.scene));
+  assert.ok(names.length >= 3, names.join());
+  const scene = names.find((name) => name.includes("cloth")) ?? names[0];
+  await page.click(`#gallery .run[data-scene="${scene}"]`);
+  await until(async () => (await page.getAttribute("#connection", "data-state")) === "open", "connected");
+  await until(async () => (await number("#read-frame")) >= 3, "frames arrive");
+  assert.match(page.url(), /\?session=/);
+  assert.ok(await playing());
+});
+
+test("frame number, time and picture change while it plays, and stand still when paused", async () => {
+  const frame = await number("#read-frame");
+  const first = await picture();
+  await until(async () => (await number("#read-frame")) > frame + 2, "the frame number grows");
+  assert.ok((await number("#read-time")) > 0);
+  assert.ok(!first.equals(await picture()), "the picture changes");
+
+  await page.keyboard.press("Space");
+  await until(async () => !(await playing()), "paused");
+  // What was on its way when the key was pressed still arrives.
+  let step = -1;
+  await until(async () => {
+    const last = step;
+    step = await number("#read-step");
+    await page.waitForTimeout(700);
+    return step === last;
+  }, "the last frame is shown");
+  const still = await picture();
+  await page.waitForTimeout(1000);
+  assert.equal(await number("#read-step"), step);
+  assert.ok(still.equals(await picture()), "a paused picture stands still");
+});
+
+test("one step is one step", async () => {
+  const step = await number("#read-step");
+  await page.click("#step");
+  await until(async () => (await number("#read-step")) === step + 1, "one step more");
+});
+
+test("the energy plot has series with values", async () => {
+  await page.waitForSelector("#energy:not([hidden]) canvas");
+  assert.ok((await page.$$("#legend button")).length >= 1);
+  assert.match(await page.textContent("#legend button b"), /\d/);
+});
+
+test("a point follows the mouse", async () => {
+  const box = await page.locator("#view").boundingBox();
+  // Search the free part of the picture, from the middle outwards, for a point under the mouse.
+  let at;
+  search: for (let ring = 0; ring < 16; ++ring) {
+    for (let k = 0; k < 8; ++k) {
+      const angle = (Math.PI * k) / 4 + ring;
+      at = { x: box.x + 660 + 14 * ring * Math.cos(angle), y: box.y + 400 + 14 * ring * Math.sin(angle) };
+      await page.mouse.move(at.x, at.y);
+      await page.waitForTimeout(30);
+      if (await page.locator("#probe").isVisible()) break search;
+    }
+  }
+  assert.ok(await page.locator("#probe").isVisible(), "no point under the mouse anywhere");
+  const height = async () => Number((await page.textContent("#probe span")).trim().split(/\s+/)[1]);
+  const name = await page.textContent("#probe b");
+  const before = await height();
+
+  await page.mouse.down();
+  await page.keyboard.press("Space");
+  await until(playing, "playing again");
+  await page.mouse.move(at.x, at.y - 60, { steps: 4 });
+  await page.mouse.move(at.x, at.y - 200, { steps: 6 });
+  // A point of a cloth does not rise by itself; a pull of 200 pixels lifts it by far more than 5 cm.
+  await until(async () => (await height()) > before + 0.05, `${name} rises from ${before}`);
+  assert.equal(await page.textContent("#probe b"), name);
+  await page.mouse.up();
+  await page.mouse.move(5, 5);
+  await until(async () => !(await page.locator("#probe").isVisible()), "the mark goes");
+});
+
+test("reset goes back to step 0", async () => {
+  await page.click("#reset");
+  await until(async () => (await number("#read-step")) < 30, "back at the start");
+});
+
+test("nothing was written to the console as an error so far", () => assert.deepEqual(bad, []));
+
+test("a scene with a mistake names its pointer in the editor, and a click shows the place", async () => {
+  await page.click("#toggle-panel");
+  if (!(await page.locator("#tab-editor").isVisible())) await page.click("#toggle-panel");
+  await page.click("#tab-editor");
+  const scene = JSON.parse(await page.inputValue("#scene-text"));
+  scene.gravitty = [0, 1, 0];
+  await page.fill("#scene-text", JSON.stringify(scene, null, 2));
+  await page.click("#create");
+  const pointer = page.locator("#findings .pointer", { hasText: "/gravitty" });
+  await pointer.waitFor();
+  await pointer.click();
+  const selected = await page.$eval("#scene-text", (text) => text.value.slice(text.selectionStart, text.selectionEnd));
+  assert.match(selected, /^"gravitty"/);
+  assert.ok((await page.$$("#gutter .marked")).length >= 1);
+});
+
+test("what the service refuses becomes a card that can be read and closed", async () => {
+  await page.goto(`${url}/?session=00000000-0000-4000-8000-000000000000`);
+  const card = page.locator("#problems .card");
+  await card.waitFor();
+  assert.match(await card.textContent(), /session/i);
+  await card.locator("button").click();
+  assert.equal(await card.count(), 0);
+});
+
+test("a narrow window keeps its buttons inside", async () => {
+  await page.setViewportSize({ width: 400, height: 800 });
+  await page.goto(url);
+  await page.waitForSelector("#gallery [data-scene]");
+  await page.click("#gallery .run");
+  await until(async () => (await number("#read-frame")) >= 1, "frames arrive");
+  for (const id of ["#play", "#reset", "#step", "#camera", "#toggle-panel"]) {
+    const box = await page.locator(id).boundingBox();
+    assert.ok(box && box.x >= 0 && box.x + box.width <= 400 && box.y + box.height <= 800, `${id} ${JSON.stringify(box)}`);
+  }
+});
+
+test("only refused requests were written to the console as errors", () => {
+  assert.deepEqual(bad.filter((text) => !/status of 4(04|22)/.test(text)), []);
+});
