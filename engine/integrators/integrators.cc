@@ -10,6 +10,7 @@
 namespace truestep {
 
 std::span<const Integrator> integrators() {
+  constexpr double kUnlimited = std::numeric_limits<double>::infinity();
   using Structure = Integrator::Structure;
   using Stepping = Integrator::Stepping;
   static const std::array kTable = {
@@ -120,6 +121,26 @@ std::span<const Integrator> integrators() {
                  .source = "Dormand, Prince 1980, table 2; Hairer, Norsett, Wanner 1993, table II.5.2",
                  .prepare = prepare_adaptive,
                  .step = step_dopri5},
+      Integrator{.name = "implicit_euler",
+                 .title = "implicit Euler, Newton's method on the full equations",
+                 .order = 1,
+                 .imaginary_limit = kUnlimited,
+                 .real_limit = kUnlimited,
+                 .kind = Integrator::Kind::implicit,
+                 .order_with_velocity = 1,
+                 .source = "Hairer, Wanner 1996, eq. IV.3.1",
+                 .step = step_implicit_euler,
+                 .refuses = refuses_without_jacobian},
+      Integrator{.name = "linear_implicit_euler",
+                 .title = "implicit Euler with one Newton step",
+                 .order = 1,
+                 .imaginary_limit = kUnlimited,
+                 .real_limit = kUnlimited,
+                 .kind = Integrator::Kind::implicit,
+                 .order_with_velocity = 1,
+                 .source = "Baraff, Witkin 1998, eq. 6",
+                 .step = step_linear_implicit_euler,
+                 .refuses = refuses_without_jacobian},
   };
   return kTable;
 }

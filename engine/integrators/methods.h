@@ -18,4 +18,7 @@ StepFunction step_velocity_verlet, step_leapfrog, step_yoshida4;      // splitti
 StepFunction step_step_doubling, step_dopri5;  // adaptive.cc
 PrepareFunction prepare_adaptive;              // adaptive.cc
 
+StepFunction step_implicit_euler, step_linear_implicit_euler;  // implicit.cc
+RefusalFunction refuses_without_jacobian;                      // implicit.cc
+
 }  // namespace truestep

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "engine/base/errors.h"
+#include "engine/math/lanes.h"
 
 namespace truestep {
 
@@ -13,15 +14,15 @@ namespace {
 // One block row of 3 x 3 blocks. Four lanes, the last one unused: three loads and three fused products per
 // block. Separate sums per column shorten the dependency chain.
 inline void row3(const double* values, const uint32_t* columns, size_t n, const double* x, double* y) {
-  double c0[4] = {}, c1[4] = {}, c2[4] = {};
+  Lanes4 c0 = Lanes4::zero(), c1 = c0, c2 = c0;
   for (size_t s = 0; s < n; ++s) {
     const double* a = values + 9 * s;
     const double* xj = x + 3 * size_t{columns[s]};
-    for (int k = 0; k < 4; ++k) c0[k] = std::fma(a[k], xj[0], c0[k]);
-    for (int k = 0; k < 4; ++k) c1[k] = std::fma(a[3 + k], xj[1], c1[k]);
-    for (int k = 0; k < 4; ++k) c2[k] = std::fma(a[6 + k], xj[2], c2[k]);
+    c0 = c0.plus(Lanes4::load(a), xj[0]);
+    c1 = c1.plus(Lanes4::load(a + 3), xj[1]);
+    c2 = c2.plus(Lanes4::load(a + 6), xj[2]);
   }
-  for (int k = 0; k < 3; ++k) y[k] = c0[k] + c1[k] + c2[k];
+  store3(c0 + c1 + c2, y);
 }
 
 inline void row_any(int b, const double* values, const uint32_t* columns, size_t n, const double* x,

@@ -1,6 +1,7 @@
 #include "engine/scene/catalogue.h"
 
 #include "engine/systems/oscillator/oscillator.h"
+#include "engine/systems/pendulum/pendulum.h"
 
 namespace truestep {
 
@@ -13,6 +14,14 @@ std::span<const CatalogueRow> catalogue() {
        make_oscillator,
        cost_oscillator,
        {"every integrator shows its order on it", "the amplitude per step is the method's own, to 1e-12"},
+       "rk4"},
+      {"pendulum",
+       "equations",
+       "a chain of point masses on rigid rods that swings in a plane",
+       &pendulum_table(),
+       make_pendulum,
+       cost_pendulum,
+       {"follows the published simple and double pendulum to 1e-8", "keeps its energy when undamped"},
        "rk4"},
   };
   return kRows;

@@ -1,0 +1,54 @@
+// Implicit Euler and its one-step linearisation:
+//   implicit_euler         x' = x + h G(x') v',  v' = v + h a(x', v', t + h)
+//   linear_implicit_euler  (M - h df/dv - h^2 df/dx) dv = h (f + h df/dx v),  v' = v + dv,  x' = x + h v'
+// which is one Newton step of the former from x' = x; with v' = dx / h and no damping it reads
+// (M/h^2 - df/dx) dx = M v / h + f. Baraff, Witkin 1998, "Large steps in cloth simulation", eq. 6.
+// Fields without a Jacobian are served up to 64 unknowns, with central differences.
+#include "engine/integrators/implicit.h"
+
+#include "engine/integrators/methods.h"
+
+namespace truestep {
+
+namespace {
+
+bool sparse(Motion& m) {
+  return m.field.has_jacobian() && m.plain_rate();
+}
+
+void step(const ForceField& field, State& state, const StepInput& in, const IntegratorOptions& options,
+          NewtonSteps steps) {
+  Motion m(field, state, in);
+  if (sparse(m)) {
+    implicit_euler_sparse(m, options, steps);
+  } else {
+    implicit_euler_dense(m, options, steps);
+  }
+  m.project();
+}
+
+}  // namespace
+
+std::optional<std::string> refuses_without_jacobian(const ForceField& field) {
+  State state = field.initial_state();
+  Workspace workspace;
+  const ThreadArena serial(1);
+  const StepInput in{.workspace = workspace, .arena = serial};
+  Motion m(field, state, in);
+  if (sparse(m) || m.x.size() + m.v.size() <= kDenseUnknowns) return std::nullopt;
+  return "implicit methods need the forces' derivatives, which this system does not provide, and " +
+         std::to_string(m.x.size() + m.v.size()) + " unknowns are too many for differences (at most " +
+         std::to_string(kDenseUnknowns) + ")";
+}
+
+void step_implicit_euler(const ForceField& field, State& state, const StepInput& in,
+                         const IntegratorOptions& options) {
+  step(field, state, in, options, NewtonSteps::converged);
+}
+
+void step_linear_implicit_euler(const ForceField& field, State& state, const StepInput& in,
+                                const IntegratorOptions& options) {
+  step(field, state, in, options, NewtonSteps::one);
+}
+
+}  // namespace truestep

@@ -1,0 +1,18 @@
+// The two ways in which implicit methods solve their equations: sparse, with the field's own Jacobian, and
+// dense, with differences, for small systems.
+#pragma once
+#include "engine/integrators/motion.h"
+
+namespace truestep {
+
+/// How far a step goes: Newton's method to its tolerance, or exactly one Newton step.
+enum class NewtonSteps : uint8_t { converged, one };
+
+/// For fields with a Jacobian and dx/dt = v.
+void implicit_euler_sparse(Motion& m, const IntegratorOptions& options, NewtonSteps steps);
+/// For at most kDenseUnknowns components of x and v together; any G(x).
+void implicit_euler_dense(Motion& m, const IntegratorOptions& options, NewtonSteps steps);
+
+inline constexpr size_t kDenseUnknowns = 64;
+
+}  // namespace truestep

@@ -1,0 +1,56 @@
+// Four doubles side by side, for kernels over 3 x 3 blocks that a compiler would cut into pieces of two and
+// one. The portable variant gives the same bits: every operation is one IEEE operation per lane.
+#pragma once
+#if defined(__AVX2__) && defined(__FMA__)
+#include <immintrin.h>
+#else
+#include <cmath>
+#endif
+
+namespace truestep {
+
+#if defined(__AVX2__) && defined(__FMA__)
+
+struct Lanes4 {
+  __m256d v;
+  static Lanes4 zero() { return {_mm256_setzero_pd()}; }
+  static Lanes4 load(const double* p) { return {_mm256_loadu_pd(p)}; }
+  void store(double* p) const { _mm256_storeu_pd(p, v); }
+  /// this + a * s, rounded once.
+  Lanes4 plus(Lanes4 a, double s) const { return {_mm256_fmadd_pd(a.v, _mm256_set1_pd(s), v)}; }
+  /// this - a * s, rounded once.
+  Lanes4 minus(Lanes4 a, double s) const { return {_mm256_fnmadd_pd(a.v, _mm256_set1_pd(s), v)}; }
+  friend Lanes4 operator+(Lanes4 a, Lanes4 b) { return {_mm256_add_pd(a.v, b.v)}; }
+};
+
+#else
+
+struct Lanes4 {
+  double v[4];
+  static Lanes4 zero() { return {}; }
+  static Lanes4 load(const double* p) { return {{p[0], p[1], p[2], p[3]}}; }
+  void store(double* p) const {
+    for (int k = 0; k < 4; ++k) p[k] = v[k];
+  }
+  Lanes4 plus(Lanes4 a, double s) const {
+    Lanes4 r;
+    for (int k = 0; k < 4; ++k) r.v[k] = std::fma(a.v[k], s, v[k]);
+    return r;
+  }
+  Lanes4 minus(Lanes4 a, double s) const { return plus(a, -s); }
+  friend Lanes4 operator+(Lanes4 a, Lanes4 b) {
+    for (int k = 0; k < 4; ++k) a.v[k] += b.v[k];
+    return a;
+  }
+};
+
+#endif
+
+/// The first three lanes at p; p[3] keeps what it holds.
+inline void store3(const Lanes4& a, double* p) {
+  double all[4];
+  a.store(all);
+  p[0] = all[0], p[1] = all[1], p[2] = all[2];
+}
+
+}  // namespace truestep

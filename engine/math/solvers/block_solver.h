@@ -1,0 +1,37 @@
+// Solves A x = b for the systems that implicit methods make: conjugate gradients while they promise to be
+// cheaper than a factorisation, else L D L^T with the cached order of the pattern; matrices that are not
+// symmetric go to a sparse LU. The choice depends on the matrix and the arguments alone, never on timings or
+// earlier solves, so it is part of the reproducible result.
+#pragma once
+#include <span>
+
+#include "engine/math/solvers/block_ldlt.h"
+#include "engine/math/solvers/pcg.h"
+
+namespace truestep {
+
+class BlockSolver {
+ public:
+  enum class Symmetry : uint8_t { symmetric, general };
+  struct Request {
+    double tolerance = 1e-10;  ///< relative reduction of the residual that is wanted
+    /// Estimate of the condition number after scaling with the diagonal blocks.
+    double condition = 1;
+    Symmetry symmetry = Symmetry::symmetric;
+  };
+  enum class Method : uint8_t { conjugate_gradients, ldlt, lu };
+  struct Result {
+    Method method = Method::conjugate_gradients;
+    int iterations = 0;
+    bool solved = true;  ///< false: the matrix is singular
+  };
+
+  Result solve(const BlockSparse& a, std::span<const double> b, std::span<double> x, const Request& request,
+               const ThreadArena& arena);
+
+ private:
+  Pcg pcg_;
+  BlockLdlt ldlt_;
+};
+
+}  // namespace truestep

@@ -1,0 +1,158 @@
+#include "engine/systems/pendulum/pendulum.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "engine/base/errors.h"
+
+namespace truestep {
+
+using C = PendulumColumns;
+
+const DefTable& pendulum_table() {
+  using D = PendulumDef;
+  static const DefTable kTable = [] {
+    const Count per_link{0, 10000};
+    TableOf<D> t("point masses on rigid massless rods, one below the other, swinging in a plane");
+    t.integer("links", &D::links, between(1, 10000), "number of rods")
+        .number("length", &D::length, "m", above(0), "length of every rod")
+        .number("mass", &D::mass, "kg", above(0), "mass at the end of every rod")
+        .number("angle", &D::angle, "rad", any(), "initial angle of every rod from the direction of gravity")
+        .number("damping", &D::damping, "N s/m", at_least(0), "drag force per velocity of every mass")
+        .vector("anchor", &D::anchor, "m", any(), "where the first rod hangs")
+        .numbers("lengths", &D::lengths, "m", above(0), per_link, "length of each rod, instead of length")
+        .numbers("masses", &D::masses, "kg", above(0), per_link, "each mass, instead of mass")
+        .numbers("angles", &D::angles, "rad", any(), per_link, "initial angle of each rod, instead of angle")
+        .numbers("angular_velocities", &D::angular_velocities, "rad/s", any(), per_link,
+                 "initial angular velocity of each rod; 0 when absent");
+    t.check([](const D& d, const DefTable::Report& report) {
+      const std::pair<const char*, const std::vector<double>*> arrays[] = {
+          {"/lengths", &d.lengths},
+          {"/masses", &d.masses},
+          {"/angles", &d.angles},
+          {"/angular_velocities", &d.angular_velocities}};
+      for (const auto& [pointer, values] : arrays) {
+        if (!values->empty() && values->size() != static_cast<size_t>(d.links)) {
+          report(pointer, "needs one value per link, " + std::to_string(d.links) + " in all");
+        }
+      }
+    });
+    add_integrator_rows(t);
+    return t.build();
+  }();
+  return kTable;
+}
+
+namespace {
+
+[[noreturn]] void refuse(const std::string& pointer, const std::string& message, const std::string& allowed) {
+  throw Error("bad_command", message, {{pointer, "bad_command", message, "", allowed, "", ""}});
+}
+
+class Pendulum final : public ForceSystem {
+ public:
+  Pendulum(std::unique_ptr<const PendulumField> field, const Integrator& method, const PendulumDef& def)
+      : ForceSystem(std::move(field), method, def.choice().options),
+        chain_(static_cast<const PendulumField&>(force_field())) {
+    add_integration_stage();
+    add_stage("push", "ends a push command when its time is over", end_push);
+    if (def.damping == 0) skip_stage("damping", "the damping is zero");
+    set_max_rows(chain_.links() + 1);
+  }
+
+  std::vector<FieldInfo> fields() const override {
+    return {{"position", "m", Scalar::f64, 3},
+            {"velocity", "m/s", Scalar::f64, 3},
+            {"angle", "rad", Scalar::f64, 1},
+            {"angular_velocity", "rad/s", Scalar::f64, 1}};
+  }
+  FieldView field(const State& s, size_t which, std::vector<double>& scratch) const override {
+    const auto angles = s.f64(C::kAngle), rates = s.f64(C::kAngularVelocity);
+    if (which >= 2) return {which == 2 ? angles.data() : rates.data(), Scalar::f64, angles.size(), 1};
+    scratch.resize(3 * (angles.size() + 1));
+    if (which == 0) {
+      chain_.positions(angles, scratch.data());
+    } else {
+      chain_.velocities(angles, rates, scratch.data());
+    }
+    return {scratch.data(), Scalar::f64, angles.size() + 1, 3};
+  }
+
+  void apply(State& s, const Command& c) const override {
+    switch (c.kind) {
+      case CommandKind::impulse: {
+        const auto change = chain_.response(s.f64(C::kAngle), link(c), c.vector);
+        const auto rates = s.f64(C::kAngularVelocity);
+        for (size_t i = 0; i < change.size(); ++i) rates[i] += change[i];
+        return;
+      }
+      case CommandKind::push:
+        s.span<int32_t>(C::kPushRow)[0] = static_cast<int32_t>(link(c));
+        std::ranges::copy(chain_.in_plane(c.vector), s.f64(C::kPushForce).begin());
+        s.f64(C::kPushRemaining)[0] = c.duration;
+        return;
+      case CommandKind::set_parameter:
+        return set_parameter(s, c);
+      default:
+        refuse("/kind", "a pendulum knows no such command", "push, impulse, set_parameter");
+    }
+  }
+
+  Topology topology(const State&) const override {
+    Topology t;
+    t.point_radius = 0.05;
+    for (uint32_t i = 0; i < chain_.links(); ++i) t.lines.push_back({i, i + 1});
+    t.line_kinds.assign(t.lines.size(), LineKind::structural);
+    return t;
+  }
+
+ private:
+  // Rows count the anchor as 0; -1 is the last mass.
+  size_t link(const Command& c) const {
+    const auto n = static_cast<int64_t>(chain_.links());
+    if (c.index == -1) return static_cast<size_t>(n - 1);
+    if (c.index < 1 || c.index > n) {
+      refuse("/index", "no mass has this index", "1 to " + std::to_string(n) + ", or -1 for the last");
+    }
+    return static_cast<size_t>(c.index - 1);
+  }
+
+  void set_parameter(State& s, const Command& c) const {
+    const bool damping = c.name == "damping";
+    if (!damping && c.name != "gravity")
+      refuse("/name", "no parameter " + c.name + " to set", "damping, gravity");
+    // Otherwise the scene was planned for forces of position alone.
+    if (damping && chain_.dependence() == Dependence::position) {
+      refuse("/name", "damping can change only in a scene that starts with some", "a scene with damping > 0");
+    }
+    if (!(c.value >= 0) || !std::isfinite(c.value)) refuse("/value", c.name + " is out of range", ">= 0");
+    s.f64(damping ? C::kDamping : C::kGravity)[0] = c.value;
+  }
+
+  static void end_push(State& s, const StepInput& in) {
+    double& remaining = s.f64(C::kPushRemaining)[0];
+    remaining = std::max(0.0, remaining - in.h);
+    if (remaining < 1e-9 * in.h) s.span<int32_t>(C::kPushRow)[0] = -1;
+  }
+
+  const PendulumField& chain_;
+};
+
+}  // namespace
+
+std::unique_ptr<const System> make_pendulum(const void* def, const BuildContext& context) {
+  const auto& d = *static_cast<const PendulumDef*>(def);
+  auto field = std::make_unique<PendulumField>(d, context.gravity);
+  const Integrator& method = choose_integrator(d.choice(), "rk4", *field);
+  return std::make_unique<Pendulum>(std::move(field), method, d);
+}
+
+Cost cost_pendulum(const void* def) {
+  const double n = static_cast<const PendulumDef*>(def)->links;
+  return {.state_bytes = 512 + 16 * n,
+          .workspace_bytes = 4096 + 150 * n,
+          .elements = n,
+          .seconds_per_step = 2e-6 + 3e-7 * n};
+}
+
+}  // namespace truestep
