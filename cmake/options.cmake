@@ -11,8 +11,10 @@ endif()
 set(CMAKE_CXX_FLAGS_RELEASE "-O3")
 
 # One hash on every machine: no contraction, no fast-math, the same baseline everywhere.
-add_compile_options(-ffp-contract=off -fno-math-errno -fno-trapping-math -Wall -Wextra -Wno-unused-parameter
-                    -Wno-maybe-uninitialized)  # false alarms of gcc 12 on std::variant
+add_compile_options(-ffp-contract=off -fno-math-errno -fno-trapping-math -Wall -Wextra -Wno-unused-parameter)
+if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
+  add_compile_options(-Wno-maybe-uninitialized)  # false alarms of gcc 12 on std::variant
+endif()
 if(CMAKE_SYSTEM_PROCESSOR MATCHES "x86_64|AMD64")
   add_compile_options(-march=x86-64-v3 -mtune=generic)
 endif()
@@ -23,11 +25,17 @@ if(TRUESTEP_SANITIZE)
   add_link_options(-fsanitize=${TRUESTEP_SANITIZE})
 endif()
 
+# Paths below the source folder are hashed relative to it, so that every clone on a machine shares one cache.
 find_program(TRUESTEP_CCACHE ccache)
 if(TRUESTEP_CCACHE)
   set(CMAKE_CXX_COMPILER_LAUNCHER ${CMAKE_COMMAND} -E env
+      CCACHE_BASEDIR=${PROJECT_SOURCE_DIR} CCACHE_NOHASHDIR=1
       CCACHE_SLOPPINESS=pch_defines,time_macros,include_file_mtime,include_file_ctime ${TRUESTEP_CCACHE})
-  add_compile_options(-fpch-preprocess)
+  if(CMAKE_CXX_COMPILER_ID STREQUAL "Clang")
+    add_compile_options("SHELL:-Xclang -fno-pch-timestamp")
+  else()
+    add_compile_options(-fpch-preprocess)
+  endif()
 endif()
 
 find_program(TRUESTEP_LLD ld.lld)

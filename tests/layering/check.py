@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Checks the house rules: include order, file sizes, head comments, flags, libm imports, README's folder table.
 
-check.py [--build DIR] [RULE...]     prints one line per finding, exit code 1 when one is no warning.
+check.py [--build DIR] [--in PATH...] [RULE...]     prints one line per finding, exit code 1 when one is no warning.
 Without a build folder the rules that read object files are left out (the pre-commit hook does that).
 """
 import argparse
@@ -32,11 +32,12 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("rules", nargs="*", metavar="RULE", help=f"of {', '.join(RULES)} (default: all)")
     parser.add_argument("--build", type=Path, help="build folder, for the rules that read object files")
+    parser.add_argument("--in", dest="only", metavar="PATH", action="append", help="only findings in this file (repeatable)")
     options = parser.parse_args()
     if unknown := set(options.rules) - set(RULES):
         parser.error(f"unknown rules: {', '.join(sorted(unknown))}")
     tree = Tree(Path(__file__).resolve().parents[2], options.build and options.build.resolve())
-    findings = run(tree, options.rules or RULES)
+    findings = [f for f in run(tree, options.rules or RULES) if not options.only or f.path in options.only]
     for finding in findings:
         print(finding)
     errors = sum(not f.warning for f in findings)
