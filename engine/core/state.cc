@@ -163,7 +163,7 @@ State State::deserialize(std::span<const std::byte> bytes) {
     const auto type = r.get<uint8_t>(), role = r.get<uint8_t>();
     info.width = r.get<uint32_t>();
     const auto rows = r.get<uint64_t>();
-    if (type > 4 || role > 2 || info.width > 4096 || rows > (uint64_t{1} << 40)) {
+    if (type > 4 || role > 2 || info.width > 4096 || rows > (uint64_t{1} << 40) || state.find(info.name)) {
       throw Error("bad_snapshot", "a column of the snapshot is malformed");
     }
     info.type = static_cast<Scalar>(type);
