@@ -43,8 +43,7 @@ class ForceField {
   virtual void acceleration(const Phase& at, std::span<double> a, Evaluation& e) const = 0;
   /// dx/dt = G(x) v, as long as x: either written to `rate`, which is then returned, or the velocity itself
   /// where G is the identity, as in the default.
-  virtual std::span<const double> position_rate(const Phase& at, std::span<double> rate,
-                                                Evaluation& e) const;
+  virtual std::span<const double> position_rate(const Phase& at, std::span<double> rate, Evaluation& e) const;
   /// Brings a stepped (x, v) back to its manifold (unit quaternions ...). The default does nothing.
   virtual void project(std::span<double> x, std::span<double> v, const State& state) const {}
 

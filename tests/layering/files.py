@@ -15,10 +15,13 @@ FAST_MATH = re.compile(r"-f(fast|unsafe)-math|-funsafe-math-optimizations|-Ofast
 
 
 def check_length(tree):
+    """Generated files may be as long as they like; they say so in their head."""
     for path in tree.paths:
         if Path(path).suffix in SOURCES and (text := tree.text(path)):
-            lines = text.count("\n")
-            if lines > MOST_LINES and not REASON.search("\n".join(text.splitlines()[:12])):
+            lines, head = text.count("\n"), "\n".join(text.splitlines()[:12])
+            if "@generated" in head:
+                continue
+            if lines > MOST_LINES and not REASON.search(head):
                 yield Finding(path, lines, "length", f"{lines} lines; split it, or say in the head comment: longer than 800 lines because ...")
             elif lines > WARN_LINES:
                 yield Finding(path, lines, "length", f"{lines} lines, {WARN_LINES} is a smell", warning=True)
