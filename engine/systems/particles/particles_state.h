@@ -1,0 +1,75 @@
+// Columns of a particles state. The first group has one row per particle, in order of birth, so that ids
+// ascend; dead particles are closed over without changing the order of the others. What a command may change
+// while the session runs (gravity, drag, surfaces ...) lives here too.
+#pragma once
+#include "engine/collision/collider_set.h"
+#include "engine/core/state.h"
+#include "engine/systems/particles/particles_def.h"
+
+namespace truestep {
+
+namespace particle_columns {
+enum : State::Column {
+  position,
+  velocity,
+  mass,   ///< kg
+  birth,  ///< s
+  death,  ///< s, infinity: never
+  id,     ///< u64, ascending, never used twice
+  per_particle_end,
+  time = per_particle_end,  ///< s, of this state
+  next_particle,            ///< u64 per emitter: number of the next particle
+  counters,                 ///< u64: see Counter
+  parameters,               ///< f64: see Parameter
+  attractors,               ///< f64 x 5: position, mu, softening
+  surfaces,                 ///< f64 x 3 per collider: restitution, friction, rest speed
+  spring_rows,              ///< u32 x 2
+  spring_values,            ///< f64 x 3: stiffness, rest length, damping
+  push_id,                  ///< u64
+  push_force,               ///< f64 x 3, N
+  push_remaining,           ///< f64, s
+  drag_id,                  ///< u64
+  drag_target,              ///< f64 x 3, m
+  drag_stiffness,           ///< f64, N/m
+};
+}  // namespace particle_columns
+
+enum class Counter : uint8_t { next_id, emitted, killed, refused, count };
+/// Places in the column `parameters`; vectors take three.
+enum class Parameter : uint8_t {
+  gravity = 0,
+  linear_drag = 3,
+  quadratic_drag = 4,
+  wind = 5,
+  electric_field = 8,
+  magnetic_field = 11,
+  thrust = 14,
+  count = 15,
+};
+
+inline Vec3 vector_parameter(const State& s, Parameter p) {
+  return load3(s.f64(particle_columns::parameters).data() + static_cast<size_t>(p), 0);
+}
+inline double parameter(const State& s, Parameter p) {
+  return s.f64(particle_columns::parameters)[static_cast<size_t>(p)];
+}
+
+/// The state at t = 0, with memory set aside for `capacity` particles.
+State particles_at_start(const ParticlesDef& def, const ColliderSet& colliders, const Vec3& gravity,
+                         uint64_t seed, size_t capacity);
+
+/// One particle more, at the end; its id.
+struct NewParticle {
+  Vec3 x, v;
+  double mass, birth, death;
+};
+uint64_t append_particle(State& s, const NewParticle& p);
+
+/// Row of the particle with this id, or nothing.
+std::optional<size_t> row_of(const State& s, uint64_t id);
+
+/// Removes the rows whose flag is not zero, keeping the order of the others: every per-particle column and
+/// the integrator's columns of the same length, springs with a removed end.
+void remove_rows(State& s, std::span<const uint8_t> dead, size_t dead_count, Workspace& workspace);
+
+}  // namespace truestep
