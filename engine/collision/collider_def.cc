@@ -1,5 +1,7 @@
 #include "engine/collision/collider_def.h"
 
+#include "engine/math/trig.h"
+
 namespace truestep {
 namespace {
 
@@ -115,8 +117,8 @@ Collider build(const BoxColliderDef& d) {
   c.shape = {ShapeKind::box, side(d.container), d.half_extents};
   c.start.position = d.center;
   if (d.angle != 0) {
-    const Vec3 axis = normalized(d.axis, {0, 1, 0}) * std::sin(0.5 * d.angle);
-    c.start.orientation = normalized(Quat{std::cos(0.5 * d.angle), axis.x, axis.y, axis.z});
+    const Vec3 axis = normalized(d.axis, {0, 1, 0}) * trig::sin(0.5 * d.angle);
+    c.start.orientation = normalized(Quat{trig::cos(0.5 * d.angle), axis.x, axis.y, axis.z});
   }
   return c;
 }

@@ -2,6 +2,8 @@
 
 #include <limits>
 
+#include "engine/math/trig.h"
+
 namespace truestep {
 namespace {
 constexpr double kTwoPi = 6.283185307179586;
@@ -31,13 +33,13 @@ Pose moved(const Pose& start, const ShapeMotion& m, double t) {
   if (m.frequency != 0 && m.amplitude != Vec3{}) {
     // fmod is exact, so a long run keeps the phase's precision.
     const double turn = std::fmod(m.frequency * t, 1.0) * kTwoPi;
-    pose.position += m.amplitude * (std::sin(turn + m.phase) - std::sin(m.phase));
+    pose.position += m.amplitude * (trig::sin(turn + m.phase) - trig::sin(m.phase));
   }
   const double rate = norm(m.spin);
   if (rate > 0) {
     const double half = 0.5 * std::fmod(rate * t, 2 * kTwoPi);
-    const Vec3 axis = m.spin * (std::sin(half) / rate);
-    pose.orientation = normalized(Quat{std::cos(half), axis.x, axis.y, axis.z} * start.orientation);
+    const Vec3 axis = m.spin * (trig::sin(half) / rate);
+    pose.orientation = normalized(Quat{trig::cos(half), axis.x, axis.y, axis.z} * start.orientation);
   }
   return pose;
 }

@@ -50,6 +50,8 @@ const DefTable& emitter_table() {
           .number("mass", &D::mass, "kg", above(0), "of each particle; absent: the system's mass")
           .check([](const D& d, const DefTable::Report& report) {
             if (!(norm(d.direction) > 0)) report("/direction", "the direction must not be zero");
+            if (d.rate > 0 && !d.bursts.empty())
+              report("/bursts", "an emitter has a rate or bursts, not both");
             if (!std::is_sorted(d.bursts.begin(), d.bursts.end())) {
               report("/bursts", "the burst times must be ascending");
             }

@@ -45,8 +45,7 @@ void add_springs(State& s, const ParticlesDef& def) {
     const PairSpringDef& d = def.springs[k];
     rows[2 * k] = static_cast<uint32_t>(d.a);
     rows[2 * k + 1] = static_cast<uint32_t>(d.b);
-    const double apart =
-        norm(load3(x, static_cast<size_t>(d.b)) - load3(x, static_cast<size_t>(d.a)));
+    const double apart = norm(load3(x, static_cast<size_t>(d.b)) - load3(x, static_cast<size_t>(d.a)));
     store3(values, k, Vec3{d.stiffness, d.rest_length.value_or(apart), d.damping});
   }
 }
@@ -107,7 +106,8 @@ State particles_at_start(const ParticlesDef& def, const ColliderSet& colliders, 
 
   double* attractors = s.f64(columns::attractors).data();
   for (const AttractorDef& a : def.attractors) {
-    for (const double value : {a.position.x, a.position.y, a.position.z, a.mu, a.softening}) *attractors++ = value;
+    for (const double value : {a.position.x, a.position.y, a.position.z, a.mu, a.softening})
+      *attractors++ = value;
   }
   double* surfaces = s.f64(columns::surfaces).data();
   for (const Collider& c : colliders.colliders()) {

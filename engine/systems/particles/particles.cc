@@ -1,0 +1,291 @@
+#include "engine/systems/particles/particles.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "engine/systems/particles/emission.h"
+
+namespace truestep {
+
+namespace columns = particle_columns;
+
+namespace {
+
+constexpr std::string_view kDefaultIntegrator = "leapfrog";
+constexpr const char* kOldPositions = "particles.old_positions";
+constexpr const char* kOldVelocities = "particles.old_velocities";
+
+uint64_t& counter(State& s, Counter c) {
+  return s.span<uint64_t>(columns::counters)[static_cast<size_t>(c)];
+}
+uint64_t counter(const State& s, Counter c) {
+  return s.span<uint64_t>(columns::counters)[static_cast<size_t>(c)];
+}
+
+/// The colliders' surfaces as they stand in the state.
+std::span<const Surface> surfaces(const State& s, Workspace& workspace) {
+  auto& out = workspace.object<std::vector<Surface>>("particles.surfaces");
+  const auto rows = s.f64(columns::surfaces);
+  out.clear();
+  for (size_t k = 0; k < rows.size(); k += 3) out.push_back({rows[k], rows[k + 1], rows[k + 2]});
+  return out;
+}
+
+/// Ends pushes whose time is over (half a step of tolerance hides rounding) or whose particle is gone.
+void expire_pushes(State& s, double h) {
+  size_t kept = 0;
+  for (size_t k = 0; k < s.rows(columns::push_id); ++k) {
+    const double remaining = s.f64(columns::push_remaining)[k] - h;
+    const uint64_t id = s.span<uint64_t>(columns::push_id)[k];
+    if (remaining < 0.5 * h || !row_of(s, id)) continue;
+    s.f64(columns::push_remaining)[kept] = remaining;
+    s.span<uint64_t>(columns::push_id)[kept] = id;
+    double* force = s.f64(columns::push_force).data();
+    store3(force, kept++, load3(force, k));
+  }
+  for (const auto c : {columns::push_id, columns::push_force, columns::push_remaining}) s.resize(c, kept);
+}
+
+}  // namespace
+
+Particles::Particles(std::unique_ptr<const ParticlesField> field, const Integrator& method,
+                     const ParticlesDef& def, uint64_t seed)
+    : ForceSystem(std::move(field), method, def.choice().options),
+      particles_(static_cast<const ParticlesField&>(force_field())),
+      seed_(seed) {
+  set_max_rows(particles_.capacity());
+  plan_stages();
+}
+
+std::unique_ptr<const Particles> Particles::make(const ParticlesDef& def, const BuildContext& context) {
+  auto field = std::make_unique<const ParticlesField>(def, context.gravity, context.seed);
+  const Integrator& method = choose_integrator(def.choice(), kDefaultIntegrator, *field);
+  return std::unique_ptr<const Particles>(new Particles(std::move(field), method, def, context.seed));
+}
+
+void Particles::plan_stages() {
+  const ParticlesDef& d = particles_.def();
+  if (!d.colliders.empty()) {
+    add_stage("remember", "contacts need the step's start",
+              [this](State& s, const StepInput& in) { remember(s, in); });
+  }
+  add_integration_stage();
+  if (!d.colliders.empty()) {
+    add_stage("contacts", std::to_string(d.colliders.size()) + " colliders",
+              [this](State& s, const StepInput& in) { collide(s, in); });
+  } else {
+    skip_stage("contacts", "no colliders given");
+  }
+  const bool ends =
+      !d.kill_planes.empty() || !d.kill_boxes.empty() ||
+      std::any_of(d.emitters.begin(), d.emitters.end(), [](auto& e) { return e.lifetime.has_value(); });
+  if (ends) {
+    add_stage("removal", "lifetimes or kill regions",
+              [this](State& s, const StepInput& in) { end_lives(s, in); });
+  } else {
+    skip_stage("removal", "no lifetimes and no kill regions given");
+  }
+  add_stage("clock", "the state's time, and pushes whose time is over", [](State& s, const StepInput& in) {
+    s.f64(columns::time)[0] = in.t + in.h;
+    if (s.rows(columns::push_id) > 0) expire_pushes(s, in.h);
+  });
+  if (!d.emitters.empty()) {
+    add_stage("births", std::to_string(d.emitters.size()) + " emitters",
+              [this](State& s, const StepInput& in) { emit(s, in); });
+  } else {
+    skip_stage("births", "no emitters given");
+  }
+  if (d.linear_drag == 0 && d.quadratic_drag == 0) skip_stage("drag", "both coefficients are 0");
+  if (d.attractors.empty()) skip_stage("point gravity", "no attractors given");
+  if (d.pair_forces.empty()) skip_stage("pair forces", "none given: no neighbour search");
+  if (d.springs.empty()) skip_stage("springs", "none given");
+  if (!d.propulsion) skip_stage("propulsion", "none given");
+  if (!d.expression) skip_stage("expression", "none given");
+  if (d.charge == 0) skip_stage("Lorentz force", "charge is 0");
+}
+
+State Particles::initial_state() const {
+  State s = ForceSystem::initial_state();
+  // What the integrator carries per particle grows with the particles.
+  for (State::Column c = 0; c < s.columns(); ++c) {
+    if (s.info(c).name.starts_with("integrator.") && s.rows(c) != 1) s.reserve(c, particles_.capacity());
+  }
+  return s;
+}
+
+void Particles::remember(State& s, const StepInput& in) const {
+  const auto x = s.f64(columns::position), v = s.f64(columns::velocity);
+  // Sized for the largest number of particles at once, so that births allocate nothing later.
+  double* old_x = in.workspace.doubles(kOldPositions, 3 * particles_.capacity()).data();
+  double* old_v = in.workspace.doubles(kOldVelocities, 3 * particles_.capacity()).data();
+  in.arena.for_blocks(x.size(), 3 * kBlockRows, [&](size_t begin, size_t end) {
+    std::copy(x.begin() + begin, x.begin() + end, old_x + begin);
+    std::copy(v.begin() + begin, v.begin() + end, old_v + begin);
+  });
+}
+
+void Particles::collide(State& s, const StepInput& in) const {
+  const auto x = s.f64(columns::position), v = s.f64(columns::velocity);
+  const size_t capacity = 3 * particles_.capacity();
+  const auto old_x = in.workspace.doubles(kOldPositions, capacity).first(x.size());
+  const auto old_v = in.workspace.doubles(kOldVelocities, capacity).first(v.size());
+  ContactSweep sweep{in.t, in.h, old_x, old_v, x, v};
+  sweep.radius = particles_.def().radius;
+  sweep.surfaces = surfaces(s, in.workspace);
+  particles_.colliders().resolve(sweep, in.workspace, in.arena);
+}
+
+void Particles::end_lives(State& s, const StepInput& in) const {
+  const ParticlesDef& d = particles_.def();
+  const auto death = s.f64(columns::death);
+  const double* x = s.f64(columns::position).data();
+  const size_t n = death.size();
+  const double now = in.t + in.h;
+  auto& dead = in.workspace.object<std::vector<uint8_t>>("particles.dead");
+  if (dead.size() < n) dead.resize(particles_.capacity());
+
+  const double count = in.arena.sum_blocks(n, kBlockRows, [&](size_t begin, size_t end) {
+    uint8_t* flag = dead.data();
+    for (size_t i = begin; i < end; ++i) flag[i] = death[i] <= now;
+    for (const KillPlaneDef& k : d.kill_planes) {
+      const double level = dot(k.normal, k.point);
+      for (size_t i = begin; i < end; ++i) flag[i] |= dot(k.normal, load3(x, i)) < level;
+    }
+    for (const KillBoxDef& k : d.kill_boxes) {
+      const Vec3 low = k.center - k.half_extents, high = k.center + k.half_extents;
+      const bool kills_inside = k.where == KillBoxDef::Where::inside;
+      for (size_t i = begin; i < end; ++i) {
+        const Vec3 p = load3(x, i);
+        const bool inside =
+            (p.x > low.x) & (p.y > low.y) & (p.z > low.z) & (p.x < high.x) & (p.y < high.y) & (p.z < high.z);
+        flag[i] |= inside == kills_inside;
+      }
+    }
+    size_t sum = 0;
+    for (size_t i = begin; i < end; ++i) sum += flag[i];
+    return static_cast<double>(sum);
+  });
+  if (count == 0) return;
+  counter(s, Counter::killed) += static_cast<uint64_t>(count);
+  remove_rows(s, {dead.data(), n}, static_cast<size_t>(count), in.workspace);
+}
+
+void Particles::emit(State& s, const StepInput& in) const {
+  const ParticlesDef& d = particles_.def();
+  for (size_t k = 0; k < d.emitters.size(); ++k) {
+    uint64_t n = s.span<uint64_t>(columns::next_particle)[k];
+    for (double born; (born = birth_time(d.emitters[k], n)) < in.t + in.h; ++n) {
+      add_newborn(s, in, d.emitters[k], k, n, born);
+    }
+    s.span<uint64_t>(columns::next_particle)[k] = n;
+  }
+}
+
+void Particles::add_newborn(State& s, const StepInput& in, const EmitterDef& e, size_t emitter, uint64_t n,
+                            double born) const {
+  if (s.rows(columns::position) >= particles_.capacity()) {
+    ++counter(s, Counter::refused);
+    return;
+  }
+  const ParticlesDef& d = particles_.def();
+  const Birth b = birth(e, seed_, emitter, n);
+  const double mass = e.mass.value_or(d.mass), left = in.t + in.h - born;
+  if (b.lifetime <= left) {
+    ++counter(s, Counter::emitted), ++counter(s, Counter::killed);
+    return;
+  }
+  // The rest of the step, to second order with the forces at birth.
+  const Vec3 a = particles_.single_acceleration(s, born, b.x, b.v, mass);
+  Vec3 x = b.x + b.v * left + a * (0.5 * left * left), v = b.v + a * left;
+  if (!particles_.colliders().empty() && left > 0) {
+    const double x0[3] = {b.x.x, b.x.y, b.x.z}, v0[3] = {b.v.x, b.v.y, b.v.z};
+    double x1[3] = {x.x, x.y, x.z}, v1[3] = {v.x, v.y, v.z};
+    ContactSweep sweep{born, left, x0, v0, x1, v1};
+    sweep.radius = d.radius;
+    sweep.surfaces = surfaces(s, in.workspace);
+    particles_.colliders().resolve(sweep, in.workspace, in.arena);
+    x = load3(x1, 0), v = load3(v1, 0);
+  }
+  append_particle(s, {x, v, mass, born, born + b.lifetime});
+  ++counter(s, Counter::emitted);
+}
+
+void Particles::observe(const State& s, double t, Observables& out) const {
+  ForceSystem::observe(s, t, out);
+  const auto mass = s.f64(columns::mass);
+  const double* v = s.f64(columns::velocity).data();
+  Vec3 p;
+  for (size_t i = 0; i < mass.size(); ++i) p += load3(v, i) * mass[i];
+  out.add("momentum.x", p.x, "kg m/s");
+  out.add("momentum.y", p.y, "kg m/s");
+  out.add("momentum.z", p.z, "kg m/s");
+  out.add("count", static_cast<double>(mass.size()), "1");
+  out.add("emitted", static_cast<double>(counter(s, Counter::emitted)), "1");
+  out.add("killed", static_cast<double>(counter(s, Counter::killed)), "1");
+  out.add("refused", static_cast<double>(counter(s, Counter::refused)), "1");
+}
+
+std::vector<FieldInfo> Particles::fields() const {
+  auto out = ForceSystem::fields();
+  out.push_back({"speed", "m/s", Scalar::f64, 1});
+  out.push_back({"age", "s", Scalar::f64, 1});
+  out.push_back({"id", "1", Scalar::u64, 1});
+  return out;
+}
+
+FieldView Particles::field(const State& s, size_t which, std::vector<double>& scratch) const {
+  if (which < 2) return ForceSystem::field(s, which, scratch);
+  const size_t n = s.rows(columns::position);
+  if (which == 4) return {s.bytes(columns::id).data(), Scalar::u64, n, 1};
+  scratch.resize(n);
+  if (which == 2) {
+    const double* v = s.f64(columns::velocity).data();
+    for (size_t i = 0; i < n; ++i) scratch[i] = norm(load3(v, i));
+  } else {
+    const double now = s.f64(columns::time)[0];
+    const auto birth = s.f64(columns::birth);
+    for (size_t i = 0; i < n; ++i) scratch[i] = now - birth[i];
+  }
+  return {scratch.data(), Scalar::f64, n, 1};
+}
+
+Topology Particles::topology(const State& s) const {
+  const ParticlesDef& d = particles_.def();
+  Topology t;
+  const auto rows = s.span<uint32_t>(columns::spring_rows);
+  for (size_t k = 0; k < rows.size(); k += 2) t.lines.push_back({rows[k], rows[k + 1]});
+  t.point_radius = std::max(d.draw_radius, d.radius);
+  if (d.color) t.color = {d.color->x, d.color->y, d.color->z};
+  return t;
+}
+
+uint32_t Particles::topology_version(const State& s) const {
+  // Lines name rows, which move only when particles die.
+  if (particles_.def().springs.empty()) return 1;
+  return static_cast<uint32_t>(1 + counter(s, Counter::killed));
+}
+
+std::vector<DrawnShape> Particles::shapes(const State&, double t) const {
+  return particles_.colliders().drawn(t);
+}
+
+std::unique_ptr<const System> build_particles(const void* def, const BuildContext& context) {
+  return Particles::make(*static_cast<const ParticlesDef*>(def), context);
+}
+
+Cost particles_cost(const void* def) {
+  const auto& d = *static_cast<const ParticlesDef*>(def);
+  const auto n = static_cast<double>(largest_count(d));
+  Cost c;
+  c.state_bytes = n * 80 + static_cast<double>(d.springs.size()) * 32;
+  // Two accelerations or velocities, and the step's start where there are contacts.
+  c.workspace_bytes = n * (d.colliders.empty() ? 48 : 96);
+  c.elements = n + static_cast<double>(d.springs.size());
+  const double pairs = d.pair_forces.empty() ? 0 : 1e-6;
+  const double own = d.expression ? 2e-7 : 0;
+  c.seconds_per_step = n * (8e-9 + 3e-9 * static_cast<double>(d.colliders.size()) + pairs + own) +
+                       1e-8 * static_cast<double>(d.springs.size());
+  return c;
+}
+
+}  // namespace truestep

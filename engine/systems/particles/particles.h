@@ -1,0 +1,44 @@
+// The system type "particles": a ParticlesField advanced by any explicit integrator, then contacts with
+// colliders, removals and births. Commands: push, impulse, drag, release, spawn, remove, set_parameter.
+#pragma once
+#include "engine/core/force_system.h"
+#include "engine/systems/particles/particles_field.h"
+
+namespace truestep {
+
+class Particles final : public ForceSystem {
+ public:
+  /// Error "scene_invalid" when the integrator does not fit or an expression does not parse.
+  static std::unique_ptr<const Particles> make(const ParticlesDef& def, const BuildContext& context);
+
+  State initial_state() const override;
+  /// Besides the energies: momentum.x/y/z (kg m/s), count, emitted, killed, refused (1).
+  void observe(const State& state, double t, Observables& out) const override;
+  /// position, velocity, speed (m/s), age (s), id; the last three are computed when asked for.
+  std::vector<FieldInfo> fields() const override;
+  FieldView field(const State& state, size_t which, std::vector<double>& scratch) const override;
+  void apply(State& state, const Command& command) const override;
+  Topology topology(const State& state) const override;
+  uint32_t topology_version(const State& state) const override;
+  std::vector<DrawnShape> shapes(const State& state, double t) const override;
+
+ private:
+  Particles(std::unique_ptr<const ParticlesField> field, const Integrator& method, const ParticlesDef& def,
+            uint64_t seed);
+  void plan_stages();
+  void remember(State& state, const StepInput& in) const;
+  void collide(State& state, const StepInput& in) const;
+  void end_lives(State& state, const StepInput& in) const;
+  void emit(State& state, const StepInput& in) const;
+  void add_newborn(State& state, const StepInput& in, const EmitterDef& e, size_t emitter, uint64_t n,
+                   double born) const;
+  void set_parameter(State& state, const Command& command) const;
+
+  const ParticlesField& particles_;
+  uint64_t seed_;
+};
+
+std::unique_ptr<const System> build_particles(const void* def, const BuildContext& context);
+Cost particles_cost(const void* def);
+
+}  // namespace truestep

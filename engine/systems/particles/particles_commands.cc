@@ -1,0 +1,172 @@
+// What commands do to a particles state; errors name the member of the command that is wrong. A row named by
+// a command is remembered by its id, since rows move when particles die.
+#include <algorithm>
+#include <cmath>
+
+#include "engine/base/errors.h"
+#include "engine/systems/particles/particles.h"
+
+namespace truestep {
+
+namespace columns = particle_columns;
+
+namespace {
+
+[[noreturn]] void refuse(const std::string& member, const std::string& code, const std::string& why,
+                         const std::string& allowed = "") {
+  throw Error("bad_command", why, {{"/" + member, code, why, "", allowed, "", ""}});
+}
+
+bool finite(const Vec3& v) {
+  return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
+}
+
+size_t checked_row(const State& s, const Command& c) {
+  const size_t n = s.rows(columns::position);
+  if (c.index < 0 || static_cast<size_t>(c.index) >= n) {
+    refuse("index", "out_of_range", "there is no particle " + std::to_string(c.index),
+           n > 0 ? "0 to " + std::to_string(n - 1) : "no particle is there");
+  }
+  return static_cast<size_t>(c.index);
+}
+
+uint64_t id_of(const State& s, size_t row) {
+  return s.span<uint64_t>(columns::id)[row];
+}
+
+void add_push(State& s, uint64_t id, const Vec3& force, double duration) {
+  const size_t k = s.rows(columns::push_id);
+  for (const auto c : {columns::push_id, columns::push_force, columns::push_remaining}) s.resize(c, k + 1);
+  s.span<uint64_t>(columns::push_id)[k] = id;
+  store3(s.f64(columns::push_force).data(), k, force);
+  s.f64(columns::push_remaining)[k] = duration;
+}
+
+void end_drags(State& s, std::optional<uint64_t> id) {
+  size_t kept = 0;
+  const auto ids = s.span<uint64_t>(columns::drag_id);
+  double *target = s.f64(columns::drag_target).data(), *stiffness = s.f64(columns::drag_stiffness).data();
+  for (size_t k = 0; k < ids.size(); ++k) {
+    if (!id || ids[k] == *id) continue;
+    ids[kept] = ids[k];
+    store3(target, kept, load3(target, k));
+    stiffness[kept++] = stiffness[k];
+  }
+  for (const auto c : {columns::drag_id, columns::drag_target, columns::drag_stiffness}) s.resize(c, kept);
+}
+
+void start_drag(State& s, uint64_t id, const Vec3& target, double stiffness) {
+  end_drags(s, id);
+  const size_t k = s.rows(columns::drag_id);
+  for (const auto c : {columns::drag_id, columns::drag_target, columns::drag_stiffness}) s.resize(c, k + 1);
+  s.span<uint64_t>(columns::drag_id)[k] = id;
+  store3(s.f64(columns::drag_target).data(), k, target);
+  s.f64(columns::drag_stiffness)[k] = stiffness;
+}
+
+/// Parameters of the whole system that set_parameter changes.
+struct Settable {
+  std::string_view name;
+  Parameter place;
+  enum class Kind : uint8_t { any_number, not_negative, vector } kind;
+};
+constexpr Settable kSettable[] = {
+    {"gravity", Parameter::gravity, Settable::Kind::vector},
+    {"wind", Parameter::wind, Settable::Kind::vector},
+    {"electric_field", Parameter::electric_field, Settable::Kind::vector},
+    {"magnetic_field", Parameter::magnetic_field, Settable::Kind::vector},
+    {"linear_drag", Parameter::linear_drag, Settable::Kind::not_negative},
+    {"quadratic_drag", Parameter::quadratic_drag, Settable::Kind::not_negative},
+    {"thrust", Parameter::thrust, Settable::Kind::any_number},
+};
+
+}  // namespace
+
+void Particles::apply(State& s, const Command& c) const {
+  if (!finite(c.vector)) refuse("vector", "not_finite", "the vector must be finite");
+  if (!finite(c.velocity)) refuse("velocity", "not_finite", "the velocity must be finite");
+  if (!std::isfinite(c.value)) refuse("value", "not_finite", "the value must be finite");
+  if (!std::isfinite(c.duration) || c.duration < 0) {
+    refuse("duration", "out_of_range", "the duration must be at least 0");
+  }
+  switch (c.kind) {
+    case CommandKind::push:
+      return add_push(s, id_of(s, checked_row(s, c)), c.vector, c.duration);
+    case CommandKind::impulse: {
+      const size_t i = checked_row(s, c);
+      double* v = s.f64(columns::velocity).data();
+      return store3(v, i, load3(v, i) + c.vector / s.f64(columns::mass)[i]);
+    }
+    case CommandKind::drag: {
+      const size_t i = checked_row(s, c);
+      if (c.value < 0) refuse("value", "out_of_range", "the stiffness must be at least 0");
+      // 100 m: a period of 0.6 s, soft enough for every step that draws smoothly.
+      return start_drag(s, id_of(s, i), c.vector, c.value > 0 ? c.value : 100 * s.f64(columns::mass)[i]);
+    }
+    case CommandKind::release:
+      return end_drags(s, c.index == -1 ? std::nullopt : std::optional(id_of(s, checked_row(s, c))));
+    case CommandKind::spawn: {
+      if (s.rows(columns::position) >= particles_.capacity()) {
+        refuse("kind", "full", "the system holds its largest number of particles",
+               std::to_string(particles_.capacity()));
+      }
+      append_particle(s, {c.vector, c.velocity, particles_.def().mass, s.f64(columns::time)[0],
+                          std::numeric_limits<double>::infinity()});
+      ++s.span<uint64_t>(columns::counters)[static_cast<size_t>(Counter::emitted)];
+      return;
+    }
+    case CommandKind::remove: {
+      std::vector<uint8_t> dead(s.rows(columns::position));
+      dead[checked_row(s, c)] = 1;
+      Workspace workspace;
+      remove_rows(s, dead, 1, workspace);
+      ++s.span<uint64_t>(columns::counters)[static_cast<size_t>(Counter::killed)];
+      return;
+    }
+    case CommandKind::set_parameter:
+      return set_parameter(s, c);
+    case CommandKind::pin:
+    case CommandKind::unpin:
+      break;
+  }
+  refuse("kind", "unsupported_command", "particles cannot be pinned; drag one instead",
+         "push, impulse, drag, release, spawn, remove, set_parameter");
+}
+
+void Particles::set_parameter(State& s, const Command& c) const {
+  std::string allowed;
+  for (const Settable& p : kSettable) {
+    allowed += std::string(p.name) + ", ";
+    if (p.name != c.name) continue;
+    double* place = s.f64(columns::parameters).data() + static_cast<size_t>(p.place);
+    if (p.kind == Settable::Kind::vector) return store3(place, 0, c.vector);
+    if (p.kind == Settable::Kind::not_negative && c.value < 0) {
+      refuse("value", "out_of_range", c.name + " must be at least 0", "at least 0");
+    }
+    *place = c.value;
+    return;
+  }
+  // "restitution" and "friction" are those of all colliders, "<id>.restitution" that of one.
+  const size_t dot_at = c.name.rfind('.');
+  const std::string id = dot_at == std::string::npos ? "" : c.name.substr(0, dot_at);
+  const std::string what = dot_at == std::string::npos ? c.name : c.name.substr(dot_at + 1);
+  const auto& colliders = particles_.colliders().colliders();
+  double* surface = s.f64(columns::surfaces).data();
+  bool found = false;
+  for (size_t k = 0; k < colliders.size(); ++k) {
+    if (!id.empty() && colliders[k].id != id) continue;
+    if (what != "restitution" && what != "friction") continue;
+    if (c.value < 0 || (what == "restitution" && c.value > 1)) {
+      refuse("value", "out_of_range", what + " is out of range",
+             what == "friction" ? "at least 0" : "0 to 1");
+    }
+    surface[3 * k + (what == "friction")] = c.value;
+    found = true;
+  }
+  if (!found) {
+    refuse("name", "unknown_parameter", "there is no parameter \"" + c.name + "\" to set",
+           allowed + "restitution, friction, <collider>.restitution, <collider>.friction");
+  }
+}
+
+}  // namespace truestep

@@ -1,0 +1,159 @@
+#include "engine/systems/particles/particles_field.h"
+
+#include <cmath>
+
+#include "engine/kernels/spring.h"
+
+namespace truestep {
+
+namespace columns = particle_columns;
+
+namespace {
+
+Dependence dependence_of(const ParticlesDef& d) {
+  bool on_velocity = d.linear_drag > 0 || d.quadratic_drag > 0 || d.expression.has_value() ||
+                     (d.charge != 0 && d.magnetic_field != Vec3{}) ||
+                     (d.propulsion && d.propulsion->along == PropulsionDef::Along::velocity);
+  for (const PairSpringDef& s : d.springs) on_velocity |= s.damping > 0;
+  for (const PairForceDef& p : d.pair_forces) on_velocity |= std::holds_alternative<ViscosityDef>(p);
+  return on_velocity ? Dependence::position_and_velocity : Dependence::position;
+}
+
+void add(std::span<double> a, size_t row, const Vec3& da) {
+  store3(a.data(), row, load3<double>(a.data(), row) + da);
+}
+
+}  // namespace
+
+ParticlesField::ParticlesField(const ParticlesDef& def, const Vec3& gravity, uint64_t seed)
+    : def_(def),
+      colliders_(build_colliders(def.colliders)),
+      gravity_(gravity),
+      seed_(seed),
+      capacity_(largest_count(def)),
+      dependence_(dependence_of(def)) {}
+
+State ParticlesField::initial_state() const {
+  return particles_at_start(def_, colliders_, gravity_, seed_, capacity_);
+}
+
+BodyForces ParticlesField::body_forces(const State& s) const {
+  BodyForces f;
+  f.gravity = vector_parameter(s, Parameter::gravity);
+  f.wind = vector_parameter(s, Parameter::wind);
+  f.linear_drag = parameter(s, Parameter::linear_drag);
+  f.quadratic_drag = parameter(s, Parameter::quadratic_drag);
+  f.attractors = s.f64(columns::attractors);
+  f.electric = vector_parameter(s, Parameter::electric_field);
+  f.magnetic = vector_parameter(s, Parameter::magnetic_field);
+  if (f.electric != Vec3{} || f.magnetic != Vec3{}) f.charge = def_.charge;
+  f.thrust = parameter(s, Parameter::thrust);
+  if (def_.propulsion && def_.propulsion->along == PropulsionDef::Along::direction) {
+    f.thrust_direction = normalized(def_.propulsion->direction, {0, 1, 0});
+  }
+  return f;
+}
+
+void ParticlesField::acceleration(const Phase& at, std::span<double> a, Evaluation& e) const {
+  const State& s = at.state;
+  const ParticleArrays arrays{at.x.data(), at.v.data(), s.f64(columns::mass).data()};
+  const BodyForces body = body_forces(s);
+  e.arena.for_blocks(a.size() / 3, kBlockRows, [&](size_t begin, size_t end) {
+    body_accelerations(body, arrays, a.data(), begin, end);
+  });
+  if (s.rows(columns::spring_rows) > 0) add_springs(at, a);
+  if (s.rows(columns::push_id) + s.rows(columns::drag_id) > 0) add_commands(at, a);
+}
+
+void ParticlesField::add_springs(const Phase& at, std::span<double> a) const {
+  const auto rows = at.state.span<uint32_t>(columns::spring_rows);
+  const double* values = at.state.f64(columns::spring_values).data();
+  const double* mass = at.state.f64(columns::mass).data();
+  for (size_t k = 0; k < rows.size() / 2; ++k) {
+    const size_t i = rows[2 * k], j = rows[2 * k + 1];
+    const Vec3 f = spring::force(load3(at.x.data(), j) - load3(at.x.data(), i),
+                                 load3(at.v.data(), j) - load3(at.v.data(), i), values[3 * k],
+                                 values[3 * k + 1], values[3 * k + 2]);
+    add(a, i, f / mass[i]);
+    add(a, j, -f / mass[j]);
+  }
+}
+
+void ParticlesField::add_commands(const Phase& at, std::span<double> a) const {
+  const State& s = at.state;
+  const double* mass = s.f64(columns::mass).data();
+  const auto pushed = s.span<uint64_t>(columns::push_id), dragged = s.span<uint64_t>(columns::drag_id);
+  for (size_t k = 0; k < pushed.size(); ++k) {
+    if (const auto i = row_of(s, pushed[k]))
+      add(a, *i, load3(s.f64(columns::push_force).data(), k) / mass[*i]);
+  }
+  for (size_t k = 0; k < dragged.size(); ++k) {
+    const auto i = row_of(s, dragged[k]);
+    if (!i) continue;
+    // Critically damped, so that the particle follows the hand without swinging.
+    const double stiffness = s.f64(columns::drag_stiffness)[k], m = mass[*i];
+    const Vec3 pull = (load3(s.f64(columns::drag_target).data(), k) - load3(at.x.data(), *i)) * stiffness -
+                      load3(at.v.data(), *i) * (2 * std::sqrt(stiffness * m));
+    add(a, *i, pull / m);
+  }
+}
+
+std::optional<double> ParticlesField::potential(const Phase& at, Evaluation& e) const {
+  const State& s = at.state;
+  const ParticleArrays arrays{at.x.data(), at.v.data(), s.f64(columns::mass).data()};
+  const BodyForces body = body_forces(s);
+  double sum = e.arena.sum_blocks(at.x.size() / 3, kBlockRows, [&](size_t begin, size_t end) {
+    return body_potential(body, arrays, begin, end);
+  });
+  const auto rows = s.span<uint32_t>(columns::spring_rows);
+  const double* values = s.f64(columns::spring_values).data();
+  for (size_t k = 0; k < rows.size() / 2; ++k) {
+    const double length = norm(load3(at.x.data(), rows[2 * k + 1]) - load3(at.x.data(), rows[2 * k]));
+    sum += spring::energy(length, values[3 * k], values[3 * k + 1]);
+  }
+  return sum;
+}
+
+double ParticlesField::kinetic(const Phase& at, Evaluation& e) const {
+  const double* mass = at.state.f64(columns::mass).data();
+  return e.arena.sum_blocks(at.v.size() / 3, kBlockRows, [&](size_t begin, size_t end) {
+    double sum = 0;
+    for (size_t i = begin; i < end; ++i) sum += 0.5 * mass[i] * norm2(load3(at.v.data(), i));
+    return sum;
+  });
+}
+
+std::optional<ForceField::Stiffness> ParticlesField::stiffness(const State& s) const {
+  Stiffness out;
+  const auto mass = s.f64(columns::mass);
+  if (mass.empty()) return out;
+  const double lightest = *std::min_element(mass.begin(), mass.end());
+  // A spring between two masses: omega^2 = k (1/m + 1/m); neighbours add, bounded by twice the largest sum.
+  double stiffest = 0, damping = 0;
+  const double* values = s.f64(columns::spring_values).data();
+  for (size_t k = 0; k < s.rows(columns::spring_rows); ++k) {
+    stiffest = std::max(stiffest, values[3 * k]);
+    damping = std::max(damping, values[3 * k + 2]);
+  }
+  double fastest = 0;
+  if (parameter(s, Parameter::quadratic_drag) > 0) {
+    const double* v = s.f64(columns::velocity).data();
+    const Vec3 wind = vector_parameter(s, Parameter::wind);
+    for (size_t i = 0; i < mass.size(); ++i) fastest = std::max(fastest, norm(load3(v, i) - wind));
+  }
+  out.omega = 2 * std::sqrt(stiffest / lightest);
+  out.damping = (parameter(s, Parameter::linear_drag) +
+                 2 * parameter(s, Parameter::quadratic_drag) * fastest + 4 * damping) /
+                lightest;
+  return out;
+}
+
+Vec3 ParticlesField::single_acceleration(const State& s, double t, const Vec3& x, const Vec3& v,
+                                         double mass) const {
+  const double xs[3] = {x.x, x.y, x.z}, vs[3] = {v.x, v.y, v.z};
+  double a[3];
+  body_accelerations(body_forces(s), {xs, vs, &mass}, a, 0, 1);
+  return load3(a, 0);
+}
+
+}  // namespace truestep

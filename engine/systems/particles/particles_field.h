@@ -1,0 +1,42 @@
+// Right-hand side of the system "particles": forces on single particles (body_forces.h), between neighbours
+// (pair_forces.h), springs, user expressions, and what commands push and drag.
+#pragma once
+#include "engine/core/force_field.h"
+#include "engine/systems/particles/body_forces.h"
+#include "engine/systems/particles/particles_state.h"
+
+namespace truestep {
+
+class ParticlesField final : public ForceField {
+ public:
+  /// Error "scene_invalid" with an Issue when an expression does not parse.
+  ParticlesField(const ParticlesDef& def, const Vec3& gravity, uint64_t seed);
+
+  State initial_state() const override;
+  void acceleration(const Phase& at, std::span<double> a, Evaluation& e) const override;
+  Dependence dependence() const override { return dependence_; }
+  std::optional<double> potential(const Phase& at, Evaluation& e) const override;
+  double kinetic(const Phase& at, Evaluation& e) const override;
+  std::optional<Stiffness> stiffness(const State& state) const override;
+
+  /// Acceleration of one particle by the forces that act on it alone, at its birth.
+  Vec3 single_acceleration(const State& state, double t, const Vec3& x, const Vec3& v, double mass) const;
+
+  const ParticlesDef& def() const { return def_; }
+  const ColliderSet& colliders() const { return colliders_; }
+  size_t capacity() const { return capacity_; }
+
+ private:
+  BodyForces body_forces(const State& s) const;
+  void add_springs(const Phase& at, std::span<double> a) const;
+  void add_commands(const Phase& at, std::span<double> a) const;
+
+  ParticlesDef def_;
+  ColliderSet colliders_;
+  Vec3 gravity_;
+  uint64_t seed_;
+  size_t capacity_;
+  Dependence dependence_;
+};
+
+}  // namespace truestep
