@@ -1,6 +1,7 @@
 #include "engine/scene/catalogue.h"
 
 #include "engine/systems/oscillator/oscillator.h"
+#include "engine/systems/particles/particles.h"
 #include "engine/systems/pendulum/pendulum.h"
 
 namespace truestep {
@@ -23,6 +24,15 @@ std::span<const CatalogueRow> catalogue() {
        cost_pendulum,
        {"follows the published simple and double pendulum to 1e-8", "keeps its energy when undamped"},
        "rk4"},
+      {"particles",
+       "points",
+       "points with emitters, lifetimes, forces and obstacles",
+       &particles_table(),
+       build_particles,
+       particles_cost,
+       {"a birth is a function of seed, emitter and number alone, at its exact time between steps",
+        "no point passes a collider, however thin or fast", "points at rest stay at rest to the bit"},
+       "leapfrog"},
   };
   return kRows;
 }

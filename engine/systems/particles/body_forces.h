@@ -7,6 +7,7 @@
 // Each loop runs over contiguous rows and vectorises; what is zero is not run.
 #pragma once
 #include <cstddef>
+#include <cstdint>
 #include <optional>
 #include <span>
 
