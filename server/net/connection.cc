@@ -8,7 +8,6 @@
 #include "engine/base/errors.h"
 #include "engine/base/log.h"
 #include "server/net/chunk_decoder.h"
-#include "server/net/digest.h"
 #include "server/net/problem.h"
 
 namespace truestep::net {
@@ -163,7 +162,7 @@ asio::awaitable<void> Connection::run() {
       if (!out_.empty() && !flush_now({}) && !co_await write_out({})) break;
       response = co_await wait_for(*match.route);
     } else {
-      response = handshake(*match.route);
+      response = open_websocket(*match.route);
       if (upgrade_) break;
     }
     std::string_view large_body;
@@ -178,8 +177,9 @@ asio::awaitable<void> Connection::run() {
     std::string early = buffer_.substr(begin_, end_ - begin_);
     std::string().swap(buffer_);
     std::string().swap(out_);
-    websocket_ = std::make_shared<WebSocket>(std::move(socket_), std::move(upgrade_),
-                                             service_.options.websocket, std::move(subprotocol_), remote_);
+    websocket_ =
+        std::make_shared<WebSocket>(std::move(socket_), std::move(upgrade_), service_.options.websocket,
+                                    handshake_.compression, std::move(handshake_.subprotocol), remote_);
     service_.stats.websockets++;
     co_await websocket_->run(std::move(early));
     service_.stats.websockets--;
@@ -329,45 +329,9 @@ void Connection::refuse(int status, std::string_view reason) {
   deny(std::move(r));
 }
 
-// The opening handshake, RFC 6455 section 4.2, without shortcuts. On success upgrade_ is set and the 101
-// queued.
-Response Connection::handshake(const Route& route) {
-  if (parser_.framing() != Framing::none) return problem(request_, "bad_request", "a handshake has no body");
-  if (!parser_.upgrade_websocket() || request_.header("sec-websocket-version") != "13") {
-    return problem(request_, "upgrade_required", "this is a WebSocket: ask for an upgrade to version 13");
-  }
-  size_t keys = 0;
-  std::string_view key;
-  std::vector<std::string_view> offered;
-  for (const Field& f : request_.headers) {
-    if (iequals(f.name, "sec-websocket-key")) {
-      ++keys;
-      key = f.value;
-    } else if (iequals(f.name, "sec-websocket-protocol")) {
-      for (std::string_view rest = f.value; !rest.empty();) {
-        const size_t comma = std::min(rest.find(','), rest.size());
-        offered.push_back(trim(rest.substr(0, comma)));
-        rest.remove_prefix(std::min(comma + 1, rest.size()));
-      }
-    }
-  }
-  const auto decoded = base64_decode(key);
-  if (keys != 1 || !decoded || decoded->size() != 16) {
-    return problem(request_, "bad_request", "Sec-WebSocket-Key must hold 16 bytes in base64, once");
-  }
-  subprotocol_.clear();
-  for (const std::string& supported : route.subprotocols) {
-    if (subprotocol_.empty() && std::find(offered.begin(), offered.end(), supported) != offered.end())
-      subprotocol_ = supported;
-  }
-  if (!offered.empty() && subprotocol_.empty()) {
-    Issue issue;
-    issue.code = "unknown_subprotocol";
-    for (const std::string& supported : route.subprotocols)
-      issue.allowed += (issue.allowed.empty() ? "" : ", ") + supported;
-    issue.message = "none of the offered subprotocols is spoken here";
-    return problem(request_, "bad_request", "supported subprotocols: " + issue.allowed, {&issue, 1});
-  }
+// On success upgrade_ is set and the 101 queued.
+Response Connection::open_websocket(const Route& route) {
+  if (auto refused = check_handshake(request_, parser_, route, handshake_)) return std::move(*refused);
   if (service_.draining) return problem(request_, "draining", "the service is shutting down");
   try {
     upgrade_ = route.open_websocket(request_);
@@ -376,13 +340,7 @@ Response Connection::handshake(const Route& route) {
   } catch (const std::exception& e) {
     return problem(request_, e);
   }
-  const auto accept = sha1(std::string(key) + "258EAFA5-E914-47DA-95CA-C5AB0DC85B11");
-  out_ +=
-      "HTTP/1.1 101 Switching Protocols\r\nUpgrade: websocket\r\nConnection: "
-      "Upgrade\r\nSec-WebSocket-Accept: ";
-  out_ += base64_encode(accept.data(), accept.size());
-  if (!subprotocol_.empty()) out_ += "\r\nSec-WebSocket-Protocol: " + subprotocol_;
-  out_ += "\r\n\r\n";
+  out_ += handshake_.head;
   return {};
 }
 

@@ -9,6 +9,7 @@
 #include <string>
 
 #include "server/net/guard.h"
+#include "server/net/handshake.h"
 #include "server/net/head_parser.h"
 #include "server/net/options.h"
 #include "server/net/response_head.h"
@@ -60,7 +61,7 @@ class Connection : public std::enable_shared_from_this<Connection> {
   boost::asio::awaitable<bool> send_file(const FileBody& file, uint64_t offset, uint64_t length);
   boost::asio::awaitable<void> wait_writable();
   boost::asio::awaitable<void> linger();
-  Response handshake(const Route& route);
+  Response open_websocket(const Route& route);
   void enter(Phase phase);
   bool flush_now(std::string_view body);
   void make_room();
@@ -80,7 +81,7 @@ class Connection : public std::enable_shared_from_this<Connection> {
   bool closing_ = false;                       ///< no further request after the current response
   bool unread_ = false;                        ///< the peer may still be sending: linger before closing
   std::shared_ptr<WebSocketHandler> upgrade_;  ///< set by a successful handshake
-  std::string subprotocol_;
+  Handshake handshake_;
   std::shared_ptr<WebSocket> websocket_;
   boost::asio::cancellation_signal cancel_handler_;
 };

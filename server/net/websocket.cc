@@ -25,13 +25,13 @@ constexpr size_t kFairShare = size_t{4} << 20;
 }  // namespace
 
 WebSocket::WebSocket(Socket socket, std::shared_ptr<WebSocketHandler> handler, WebSocketLimits limits,
-                     std::string subprotocol, std::string remote)
+                     Compression compression, std::string subprotocol, std::string remote)
     : socket_(std::move(socket)),
       handler_(std::move(handler)),
       limits_(limits),
       subprotocol_(std::move(subprotocol)),
       remote_(std::move(remote)),
-      decoder_(limits.max_message),
+      decoder_(limits.max_message, compression),
       last_read_(Clock::now()),
       last_write_(last_read_),
       ping_sent_(last_read_),

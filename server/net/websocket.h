@@ -54,7 +54,7 @@ struct WebSocketLimits {
 class WebSocket : public std::enable_shared_from_this<WebSocket> {
  public:
   WebSocket(Socket socket, std::shared_ptr<WebSocketHandler> handler, WebSocketLimits limits,
-            std::string subprotocol, std::string remote);
+            Compression compression, std::string subprotocol, std::string remote);
 
   /// Queues one message. False, and nothing is queued, when the socket is closing or the queue would exceed
   /// its limit (one message of any size is accepted into an empty queue).

@@ -60,7 +60,9 @@ FrameDecoder::Header FrameDecoder::take_header(char*& data, size_t& size) {
     const uint8_t op = header_[0] & 15;
     const bool control = op & 8;
     const char* wrong = nullptr;
-    if (header_[0] & 0x70)
+    // RSV1 marks a compressed message, on its first frame only.
+    const uint8_t allowed = compression_ == Compression::deflate && (op == 1 || op == 2) ? 0x40 : 0;
+    if (header_[0] & 0x70 & ~allowed)
       wrong = "reserved bits are set";
     else if (op > 10 || (op > 2 && op < 8))
       wrong = "unknown opcode";
@@ -102,6 +104,7 @@ FrameDecoder::Event FrameDecoder::next(char*& data, size_t& size) {
   if (deliver_) {
     // A long message's memory is given back at once; most are short and reuse theirs.
     if (message_.capacity() > 65536) std::string().swap(message_);
+    if (inflated_.capacity() > 65536) std::string().swap(inflated_);
     message_.clear();
     deliver_ = false;
   }
@@ -116,6 +119,7 @@ FrameDecoder::Event FrameDecoder::next(char*& data, size_t& size) {
       } else {
         if (opcode_ != Opcode::continuation) {
           message_kind_ = opcode_;
+          compressed_ = header_[0] & 0x40;
           utf8_.reset();
         }
         in_message_ = true;
@@ -131,19 +135,37 @@ FrameDecoder::Event FrameDecoder::next(char*& data, size_t& size) {
     size -= n;
     left_ -= n;
     (control ? control_ : message_).append(piece);
-    if (!control && message_kind_ == Opcode::text && !utf8_.feed(piece))
+    if (!control && message_kind_ == Opcode::text && !compressed_ && !utf8_.feed(piece))
       return violate(1007, "the text is not valid UTF-8");
     if (left_ > 0) return Event::need_more;
     in_payload_ = false;
     if (control) return finish_control();
     if (!final_) continue;
-    in_message_ = false;
-    if (message_kind_ == Opcode::text && !utf8_.complete())
-      return violate(1007, "the text ends inside a character");
-    deliver_ = true;
-    payload_ = message_;
-    return message_kind_ == Opcode::text ? Event::text : Event::binary;
+    return finish_message();
   }
+}
+
+FrameDecoder::Event FrameDecoder::finish_message() {
+  in_message_ = false;
+  deliver_ = true;
+  payload_ = message_;
+  if (compressed_) {
+    if (!inflater_) inflater_ = std::make_unique<Inflater>();
+    switch (inflater_->run(message_, message_limit_, inflated_)) {
+      case InflateResult::good:
+        break;
+      case InflateResult::bad:
+        return violate(1007, "the compressed message is malformed");
+      case InflateResult::too_large:
+        return violate(1009, "the message is too long");
+    }
+    payload_ = inflated_;
+    if (message_kind_ == Opcode::text && !utf8_.feed(payload_))
+      return violate(1007, "the text is not valid UTF-8");
+  }
+  if (message_kind_ == Opcode::text && !utf8_.complete())
+    return violate(1007, "the text ends inside a character");
+  return message_kind_ == Opcode::text ? Event::text : Event::binary;
 }
 
 FrameDecoder::Event FrameDecoder::finish_control() {

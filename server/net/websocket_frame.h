@@ -1,12 +1,15 @@
-// The WebSocket wire format (RFC 6455 sections 5 and 7.4), server side, without extensions. Beast's stream is
-// not used because it answers out-of-range close codes with an echo and cannot queue shared buffers.
+// The WebSocket wire format (RFC 6455 sections 5 and 7.4), server side, with permessage-deflate for what is
+// received. Beast's stream is not used because it answers out-of-range close codes with an echo and cannot
+// queue shared buffers.
 #pragma once
 #include <array>
 #include <cstdint>
+#include <memory>
 #include <string>
 #include <string_view>
 
 #include "engine/base/utf8.h"
+#include "server/net/inflate.h"
 
 namespace truestep::net {
 
@@ -30,7 +33,8 @@ class FrameDecoder {
  public:
   enum class Event : uint8_t { need_more, text, binary, ping, pong, close, violation };
 
-  explicit FrameDecoder(size_t message_limit) : message_limit_(message_limit) {}
+  FrameDecoder(size_t message_limit, Compression compression)
+      : message_limit_(message_limit), compression_(compression) {}
 
   /// Takes bytes from the front of `data` up to the next event and removes them from it. Unmasks in place.
   Event next(char*& data, size_t& size);
@@ -49,9 +53,11 @@ class FrameDecoder {
   enum class Header : uint8_t { incomplete, complete, bad };
   Header take_header(char*& data, size_t& size);
   Event finish_control();
+  Event finish_message();
   Event violate(uint16_t code, std::string_view reason);
 
   size_t message_limit_;
+  Compression compression_;
   std::array<uint8_t, 14> header_{};
   uint8_t have_ = 0;  ///< header bytes collected
   bool in_payload_ = false;
@@ -63,7 +69,9 @@ class FrameDecoder {
   bool in_message_ = false;  ///< between a first fragment and the final one
   bool deliver_ = false;     ///< message_ was handed out and may be cleared
   Opcode message_kind_ = Opcode::text;
-  std::string message_, control_;
+  bool compressed_ = false;  ///< the current message is
+  std::string message_, inflated_, control_;
+  std::unique_ptr<Inflater> inflater_;  ///< from the first compressed message on
   Utf8Validator utf8_;
   std::string_view payload_, close_reason_, violation_reason_;
   uint16_t close_code_ = 0, violation_code_ = 0;
