@@ -40,7 +40,7 @@ DrawList draped_cloth(int side) {
       cloth.triangles.insert(cloth.triangles.end(), {a, a + n, a + 1, a + 1, a + n, a + n + 1});
     }
   list.points.push_back(std::move(cloth));
-  list.shapes.push_back({ShapeKind::sphere, {0, 0.5, 0}, {1, 0, 0, 0}, {0.49, 0, 0}, false, {}});
+  list.shapes.push_back({ShapeKind::sphere, {0, 0.5, 0}, {1, 0, 0, 0}, {0.45, 0, 0}, false, {}});
   list.ground_height = 0;
   list.caption = "Cloth over a ball   t = 1.250 s";
   return list;

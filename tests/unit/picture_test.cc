@@ -217,6 +217,80 @@ TEST(Picture, ScaleDoesNotMatter) {
   }
 }
 
+// Number of pixels that are more red than the background.
+int red_pixels(const Pixels& rgba) {
+  int n = 0;
+  for (size_t i = 0; i < rgba.size(); i += 4) n += rgba[i] > rgba[i + 1] + 60;
+  return n;
+}
+
+TEST(Picture, SmallSpheresAreAsLargeAsBigOnes) {
+  // Spheres under 5 pixels of radius are drawn as flat-depth sprites, larger ones are ray-cast.
+  PictureRenderer renderer(600, 600);
+  DrawList list = one_sphere({0.9f, 0.1f, 0.1f});
+  const double pixel = 2 * 4 * std::tan(15 * M_PI / 180) / 600;  // m at the sphere
+  for (double radius : {3.0, 4.8, 5.2, 20.0}) {
+    list.points[0].radius = static_cast<float>(radius * pixel);
+    // Half-covered edge pixels count or not: within a third of a pixel of the circle's edge.
+    EXPECT_NEAR(red_pixels(renderer.render_rgba(list)), M_PI * radius * radius, 2 * M_PI * radius / 3)
+        << radius;
+  }
+}
+
+TEST(Picture, NearSpritesHideFarOnesInAnyOrder) {
+  PictureRenderer renderer(200, 200);
+  DrawList list = one_sphere({0.9f, 0.1f, 0.1f});
+  list.points[0].positions = {0, 0, 0.1f, 0, 0, -0.1f};
+  list.points[0].radius = 0.03f;
+  list.points[0].scalar = {1, 0};
+  const Rgb near_first = at(renderer.render_rgba(list), 200, 100, 100);
+  list.points[0].positions = {0, 0, -0.1f, 0, 0, 0.1f};
+  list.points[0].scalar = {0, 1};
+  const Rgb near_last = at(renderer.render_rgba(list), 200, 100, 100);
+  EXPECT_EQ(brightness(near_first), brightness(near_last));
+  EXPECT_GT(near_first.g, 150);  // the yellow end of the map, not the violet one behind
+}
+
+TEST(Picture, TilesOfALargePictureFitTogether) {
+  PictureRenderer renderer(4096, 64);  // two tiles; their seam runs through the sphere
+  DrawList list = one_sphere({0.9f, 0.1f, 0.1f});
+  list.camera->fov_degrees = 16;  // 57 pixels of diameter
+  const Pixels rgba = renderer.render_rgba(list);
+  for (int k : {0, 5, 20, 27, 29, 31}) {
+    const auto height = [&](int x) {
+      int n = 0;
+      for (int y = 0; y < 64; ++y) n += at(rgba, 4096, x, y).g < 150;
+      return n;
+    };
+    EXPECT_NEAR(height(2047 - k), height(2048 + k), 1) << k;
+    if (k < 10) EXPECT_GT(height(2048 + k), 45);
+  }
+}
+
+TEST(Picture, CaptionAndColourBarStayInTheirCorners) {
+  PictureRenderer renderer(400, 300);
+  const Pixels bare = renderer.render_rgba({});
+  const auto changed = [&](const DrawList& list, int x0, int x1, int y0, int y1) {
+    const Pixels rgba = renderer.render_rgba(list);
+    int n = 0;
+    for (int y = y0; y < y1; ++y)
+      for (int x = x0; x < x1; ++x) n += brightness(at(rgba, 400, x, y)) != brightness(at(bare, 400, x, y));
+    return n;
+  };
+  DrawList list;
+  list.caption = "t = 1.25 s \xc3\xa9\n";  // what the font lacks is no reason to fail
+  EXPECT_GT(changed(list, 0, 200, 270, 300), 60);
+  EXPECT_EQ(changed(list, 0, 400, 0, 260), 0);
+  list.caption.clear();
+  list.points.emplace_back();
+  list.points[0].positions = {0, 0, 0};
+  list.points[0].scalar = {2};
+  EXPECT_EQ(changed(list, 0, 400, 0, 300), 0);  // control: no label, no bar
+  list.points[0].scalar_label = "speed m/s";
+  EXPECT_GT(changed(list, 250, 400, 240, 300), 400);
+  EXPECT_EQ(changed(list, 0, 250, 0, 300), 0);
+}
+
 // Angle of p off the camera's axis across and along, as a share of the half picture.
 std::pair<double, double> place(const DrawCamera& camera, double aspect, const Vec3& p) {
   const Vec3 back = normalized(camera.eye - camera.target), right = normalized(cross(*camera.up, back));

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include "engine/sinks/picture/pose.h"
+
 namespace truestep::picture {
 namespace {
 
@@ -31,11 +33,25 @@ void for_each_ball(const DrawList& list, Visit visit) {
     }
   }
   for (const DrawShape& s : list.shapes) {
-    double r = s.size.x;
-    if (s.kind == ShapeKind::plane || !finite(s.position) || !finite(s.size)) continue;
-    if (s.kind == ShapeKind::capsule) r += s.size.y;
-    if (s.kind == ShapeKind::box) r = norm(s.size);
-    visit(Ball{s.position, std::abs(r)});
+    if (!finite(s.position) || !finite(s.size)) continue;
+    const Pose pose(s);
+    const double r = std::abs(s.size.x);
+    switch (s.kind) {
+      case ShapeKind::plane:
+        break;
+      case ShapeKind::sphere:
+        visit(Ball{s.position, r});
+        break;
+      case ShapeKind::capsule:
+        for (double end : {-s.size.y, s.size.y}) visit(Ball{pose.point({0, end, 0}), r});
+        break;
+      case ShapeKind::box:
+        for (int corner = 0; corner < 8; ++corner)
+          visit(Ball{pose.point({corner & 1 ? s.size.x : -s.size.x, corner & 2 ? s.size.y : -s.size.y,
+                                 corner & 4 ? s.size.z : -s.size.z}),
+                     0});
+        break;
+    }
   }
 }
 

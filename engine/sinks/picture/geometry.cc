@@ -10,6 +10,8 @@
 namespace truestep::picture {
 namespace {
 
+constexpr double kSpritePixels = 5;     // radius below which flat depth cannot be told from a ball's
+constexpr double kSpriteRadius = 0.01;  // picture units
 constexpr float kVisible = 1e4f;  // picture units; beyond it a coordinate is off the far plane by any account
 
 bool drawable(const Vec3f& p) {
@@ -101,6 +103,36 @@ void add_points(Geometry& g, const View& view, const DrawPoints& set, const Colo
   if (!set.triangles.empty()) add_surface(g, view, set, p, colors);
 }
 
+// Small in the picture and in the shadow map (whose texels have a least width), and not
+// centred outside the picture, where a point would be clipped as a whole.
+bool is_sprite(const View& view, const Vec3f& centre, float radius) {
+  const Vec3 c = Vec3{centre.x, centre.y, centre.z} - view.eye;
+  const double depth = -dot(c, view.back), half = depth * view.pixel * view.height / 2;
+  return depth > view.near_plane && radius < kSpritePixels * depth * view.pixel && radius < kSpriteRadius &&
+         std::abs(dot(c, view.above)) < half &&
+         std::abs(dot(c, view.right)) < half * view.width / view.height;
+}
+
+// Counting sort on depth in buckets: stable, linear, and exact order within a bucket does not matter.
+void sort_near_to_far(std::vector<SphereVertex>& sprites, const View& view) {
+  constexpr size_t kBuckets = 4096;
+  std::vector<double> depth(sprites.size());
+  double near = std::numeric_limits<double>::infinity(), far = -near;
+  for (size_t i = 0; i < sprites.size(); ++i) {
+    const Vec3f& c = sprites[i].centre;
+    depth[i] = -dot(Vec3{c.x, c.y, c.z}, view.back);
+    near = std::min(near, depth[i]), far = std::max(far, depth[i]);
+  }
+  const double scale = far > near ? (kBuckets - 1) / (far - near) : 0;
+  std::array<size_t, kBuckets + 1> start{};
+  const auto bucket = [&](size_t i) { return static_cast<size_t>((depth[i] - near) * scale); };
+  for (size_t i = 0; i < sprites.size(); ++i) ++start[bucket(i) + 1];
+  for (size_t b = 0; b < kBuckets; ++b) start[b + 1] += start[b];
+  std::vector<SphereVertex> sorted(sprites.size());
+  for (size_t i = 0; i < sprites.size(); ++i) sorted[start[bucket(i)]++] = sprites[i];
+  sprites.swap(sorted);
+}
+
 bool level(const DrawShape& plane, const Vec3& up) {
   return plane.kind == ShapeKind::plane && dot(normalized(plane.size), up) > 0.9999;
 }
@@ -121,7 +153,11 @@ Bytes4 bytes_of(const Color& c) {
 }
 
 void Geometry::add_sphere(const View& view, const Vec3f& centre, float radius, Bytes4 color) {
-  spheres.insert(spheres.end(), 4, {centre, radius, color});
+  if (is_sprite(view, centre, radius)) {
+    sprites.push_back({centre, radius, color});
+  } else {
+    spheres.insert(spheres.end(), 4, {centre, radius, color});
+  }
   extent.add(view, centre, radius);
 }
 
@@ -132,7 +168,7 @@ void Geometry::add_line(const View& view, const Vec3f& a, const Vec3f& b, float 
 }
 
 void Geometry::build(const DrawList& list, const View& view) {
-  spheres.clear(), lines.clear(), mesh.clear(), triangles.clear(), glass.clear();
+  spheres.clear(), sprites.clear(), lines.clear(), mesh.clear(), triangles.clear(), glass.clear();
   extent = {};
   ground_height = list.ground_height;
   for (size_t i = 0; i < list.points.size(); ++i) {
@@ -149,6 +185,7 @@ void Geometry::build(const DrawList& list, const View& view) {
       add_shape(*this, view, shape);
     }
   }
+  sort_near_to_far(sprites, view);
 }
 
 }  // namespace truestep::picture

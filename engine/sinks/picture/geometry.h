@@ -30,6 +30,7 @@ struct LineVertex {
 /// Vertices in picture units, ready for upload; cleared and refilled for every picture.
 struct Geometry {
   std::vector<SphereVertex> spheres;  ///< 4 per sphere
+  std::vector<SphereVertex> sprites;  ///< 1 per small sphere, near ones first
   std::vector<LineVertex> lines;      ///< 4 per line
   std::vector<MeshVertex> mesh;       ///< opaque; indexed by `triangles`
   std::vector<uint32_t> triangles;

@@ -15,7 +15,7 @@ namespace truestep::picture {
   X(PolygonOffset) X(Viewport) X(Clear) X(ColorMask) \
   X(DrawArrays) X(DrawElements) X(DrawBuffer) X(ReadBuffer) \
   X(ReadPixels) X(PixelStorei) X(GenTextures) X(DeleteTextures) \
-  X(BindTexture) X(TexImage2D) X(TexParameteri) X(ActiveTexture) \
+  X(BindTexture) X(TexImage2D) X(TexParameteri) X(ActiveTexture) X(GenSamplers) X(BindSampler) X(SamplerParameteri) \
   X(CreateShader) X(ShaderSource) X(CompileShader) X(GetShaderiv) \
   X(GetShaderInfoLog) X(DeleteShader) X(CreateProgram) X(AttachShader) \
   X(LinkProgram) X(GetProgramiv) X(GetProgramInfoLog) X(DeleteProgram) \

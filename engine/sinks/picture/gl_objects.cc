@@ -47,8 +47,9 @@ GLuint make_program(const GlApi& gl, const ShaderPair& source) {
   const GLuint block = gl.GetUniformBlockIndex(program, "Scene");
   if (block != GL_INVALID_INDEX) gl.UniformBlockBinding(program, block, 0);
   gl.UseProgram(program);
-  const GLint map = gl.GetUniformLocation(program, "shadow_map");
-  if (map >= 0) gl.Uniform1i(map, 0);
+  const std::pair<const char*, GLint> samplers[] = {{"shadow_map", 0}, {"shadow_depth", 1}};
+  for (const auto& [name, unit] : samplers)
+    if (const GLint place = gl.GetUniformLocation(program, name); place >= 0) gl.Uniform1i(place, unit);
   return program;
 }
 
@@ -78,23 +79,44 @@ void VertexStream::upload(const GlApi& gl, const void* vertices, size_t bytes,
                   GL_STREAM_DRAW);
 }
 
-ShadowTarget::ShadowTarget(const GlApi& gl, int side) {
-  gl.GenTextures(1, &texture);
-  gl.BindTexture(GL_TEXTURE_2D, texture);
-  gl.TexImage2D(GL_TEXTURE_2D, 0, GL_DEPTH_COMPONENT24, side, side, 0, GL_DEPTH_COMPONENT, GL_UNSIGNED_INT,
-                nullptr);
-  gl.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_LINEAR);
-  gl.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, GL_LINEAR);
-  gl.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_S, GL_CLAMP_TO_EDGE);
-  gl.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_T, GL_CLAMP_TO_EDGE);
-  gl.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_COMPARE_MODE, GL_COMPARE_REF_TO_TEXTURE);
-  gl.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_COMPARE_FUNC, GL_LEQUAL);
-  gl.GenFramebuffers(1, &framebuffer);
-  gl.BindFramebuffer(GL_FRAMEBUFFER, framebuffer);
-  gl.FramebufferTexture2D(GL_FRAMEBUFFER, GL_DEPTH_ATTACHMENT, GL_TEXTURE_2D, texture, 0);
-  gl.DrawBuffer(GL_NONE);
-  gl.ReadBuffer(GL_NONE);
-  require_complete(gl);
+ShadowTarget::ShadowTarget(const GlApi& gl) {
+  gl.GenTextures(1, &texture_);
+  gl.GenSamplers(2, samplers_);
+  for (int unit : {0, 1}) {
+    const GLint filter = unit == 0 ? GL_LINEAR : GL_NEAREST;
+    gl.SamplerParameteri(samplers_[unit], GL_TEXTURE_MIN_FILTER, filter);
+    gl.SamplerParameteri(samplers_[unit], GL_TEXTURE_MAG_FILTER, filter);
+    gl.SamplerParameteri(samplers_[unit], GL_TEXTURE_WRAP_S, GL_CLAMP_TO_EDGE);
+    gl.SamplerParameteri(samplers_[unit], GL_TEXTURE_WRAP_T, GL_CLAMP_TO_EDGE);
+  }
+  gl.SamplerParameteri(samplers_[0], GL_TEXTURE_COMPARE_MODE, GL_COMPARE_REF_TO_TEXTURE);
+  gl.SamplerParameteri(samplers_[0], GL_TEXTURE_COMPARE_FUNC, GL_LEQUAL);
+  gl.GenFramebuffers(1, &framebuffer_);
+}
+
+void ShadowTarget::bind(const GlApi& gl, int side) {
+  if (side != side_) {
+    gl.BindTexture(GL_TEXTURE_2D, texture_);
+    gl.TexImage2D(GL_TEXTURE_2D, 0, GL_DEPTH_COMPONENT24, side, side, 0, GL_DEPTH_COMPONENT, GL_UNSIGNED_INT,
+                  nullptr);
+    gl.BindFramebuffer(GL_FRAMEBUFFER, framebuffer_);
+    gl.FramebufferTexture2D(GL_FRAMEBUFFER, GL_DEPTH_ATTACHMENT, GL_TEXTURE_2D, texture_, 0);
+    gl.DrawBuffer(GL_NONE);
+    gl.ReadBuffer(GL_NONE);
+    require_complete(gl);
+    side_ = side;
+  }
+  gl.BindFramebuffer(GL_FRAMEBUFFER, framebuffer_);
+  gl.Viewport(0, 0, side, side);
+}
+
+void ShadowTarget::sample(const GlApi& gl) const {
+  for (GLuint unit : {0u, 1u}) {
+    gl.ActiveTexture(GL_TEXTURE0 + unit);
+    gl.BindTexture(GL_TEXTURE_2D, texture_);
+    gl.BindSampler(unit, samplers_[unit]);
+  }
+  gl.ActiveTexture(GL_TEXTURE0);
 }
 
 void ColorTarget::allocate(const GlApi& gl, int width, int height) {

@@ -8,8 +8,8 @@
 
 namespace truestep::picture {
 
-/// Compiles and links; binds block `Scene` to point 0 and `shadow_map` to texture unit 0.
-/// Throws Error("render_unavailable") with the driver's log.
+/// Compiles and links; binds block `Scene` to point 0, `shadow_map` and `shadow_depth` to texture units 0
+/// and 1. Throws Error("render_unavailable") with the driver's log.
 GLuint make_program(const GlApi& gl, const ShaderPair& source);
 
 /// One float or byte attribute of a vertex struct.
@@ -31,10 +31,17 @@ class VertexStream {
   GLuint array_ = 0, buffer_ = 0, indices_ = 0;
 };
 
-/// Depth texture for the shadow map with comparison and linear filtering.
-struct ShadowTarget {
-  ShadowTarget(const GlApi& gl, int side);
-  GLuint framebuffer = 0, texture = 0;
+/// The shadow map: one depth texture, sampled compared and filtered (unit 0) and as plain numbers (unit 1).
+class ShadowTarget {
+ public:
+  explicit ShadowTarget(const GlApi& gl);
+  /// Makes it the framebuffer, `side` x `side` texels.
+  void bind(const GlApi& gl, int side);
+  void sample(const GlApi& gl) const;
+
+ private:
+  GLuint framebuffer_ = 0, texture_ = 0, samplers_[2] = {0, 0};
+  int side_ = 0;
 };
 
 /// 4-fold multisampled sRGB colour and depth, and the plain buffer that it is resolved into.

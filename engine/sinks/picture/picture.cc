@@ -8,6 +8,7 @@
 #include "engine/sinks/picture/geometry.h"
 #include "engine/sinks/picture/gl_context.h"
 #include "engine/sinks/picture/gl_objects.h"
+#include "engine/sinks/picture/overlay.h"
 
 namespace truestep {
 namespace {
@@ -55,15 +56,17 @@ struct Scene {
       : gl(g),
         quads(make_quad_indices(g)),
         spheres(g, sizeof(SphereVertex), kSphereLayout, quads),
+        sprites(g, sizeof(SphereVertex), kSphereLayout, quads),
         lines(g, sizeof(LineVertex), kLineLayout, quads),
         mesh(g, sizeof(MeshVertex), kMeshLayout, 0),
         glass(g, sizeof(MeshVertex), kMeshLayout, 0),
         nothing(g, 4, {}, quads),
-        shadow(g, kShadowSide) {
+        shadow(g) {
     for (int i = 0; i < kShaderKinds; ++i)
       programs[i] = make_program(gl, shader_source(static_cast<ShaderKind>(i)));
     gl.GenBuffers(1, &uniforms);
     gl.PixelStorei(GL_PACK_ALIGNMENT, 1);
+    gl.Enable(GL_PROGRAM_POINT_SIZE);
   }
 
   void use(ShaderKind kind) const { gl.UseProgram(programs[static_cast<int>(kind)]); }
@@ -72,13 +75,13 @@ struct Scene {
     gl.DrawElements(GL_TRIANGLES, static_cast<GLsizei>(vertices / 4 * 6), GL_UNSIGNED_INT, nullptr);
   }
   void upload(const Geometry& g, const Uniforms& u);
-  void draw_shadow(const Geometry& g) const;
+  void draw_shadow(const Geometry& g, int side);
   void draw_color(const Geometry& g) const;
 
   const GlApi& gl;
   GLuint quads;
   size_t quad_count = 0;
-  VertexStream spheres, lines, mesh, glass, nothing;
+  VertexStream spheres, sprites, lines, mesh, glass, nothing;
   ShadowTarget shadow;
   ColorTarget target;
   std::array<GLuint, kShaderKinds> programs{};
@@ -99,6 +102,7 @@ void Scene::upload(const Geometry& g, const Uniforms& u) {
                   GL_STATIC_DRAW);
   }
   spheres.upload(gl, g.spheres.data(), g.spheres.size() * sizeof(SphereVertex), {});
+  sprites.upload(gl, g.sprites.data(), g.sprites.size() * sizeof(SphereVertex), {});
   lines.upload(gl, g.lines.data(), g.lines.size() * sizeof(LineVertex), {});
   mesh.upload(gl, g.mesh.data(), g.mesh.size() * sizeof(MeshVertex), g.triangles);
   glass.upload(gl, g.glass.data(), g.glass.size() * sizeof(MeshVertex), {});
@@ -107,9 +111,8 @@ void Scene::upload(const Geometry& g, const Uniforms& u) {
   gl.BindBufferBase(GL_UNIFORM_BUFFER, 0, uniforms);
 }
 
-void Scene::draw_shadow(const Geometry& g) const {
-  gl.BindFramebuffer(GL_FRAMEBUFFER, shadow.framebuffer);
-  gl.Viewport(0, 0, kShadowSide, kShadowSide);
+void Scene::draw_shadow(const Geometry& g, int side) {
+  shadow.bind(gl, side);
   gl.Enable(GL_DEPTH_TEST);
   gl.DepthMask(GL_TRUE);
   gl.DepthFunc(GL_LEQUAL);
@@ -122,6 +125,9 @@ void Scene::draw_shadow(const Geometry& g) const {
   gl.Disable(GL_POLYGON_OFFSET_FILL);
   use(ShaderKind::sphere_shadow);
   draw_quads(spheres, g.spheres.size());
+  use(ShaderKind::sprite_shadow);
+  sprites.bind(gl);
+  gl.DrawArrays(GL_POINTS, 0, static_cast<GLsizei>(g.sprites.size()));
   use(ShaderKind::line_shadow);
   draw_quads(lines, g.lines.size());
 }
@@ -130,8 +136,7 @@ void Scene::draw_shadow(const Geometry& g) const {
 void Scene::draw_color(const Geometry& g) const {
   gl.Enable(GL_FRAMEBUFFER_SRGB);
   gl.Enable(GL_MULTISAMPLE);
-  gl.ActiveTexture(GL_TEXTURE0);
-  gl.BindTexture(GL_TEXTURE_2D, shadow.texture);
+  shadow.sample(gl);
   gl.Clear(GL_DEPTH_BUFFER_BIT);
   gl.Disable(GL_DEPTH_TEST);
   use(ShaderKind::background);
@@ -147,6 +152,9 @@ void Scene::draw_color(const Geometry& g) const {
   use(ShaderKind::sphere);
   gl.Enable(GL_SAMPLE_ALPHA_TO_COVERAGE);
   draw_quads(spheres, g.spheres.size());
+  use(ShaderKind::sprite);
+  sprites.bind(gl);
+  gl.DrawArrays(GL_POINTS, 0, static_cast<GLsizei>(g.sprites.size()));
   gl.Disable(GL_SAMPLE_ALPHA_TO_COVERAGE);
   use(ShaderKind::line);
   draw_quads(lines, g.lines.size());
@@ -188,7 +196,7 @@ class PictureRenderer::Impl {
       const GlApi& gl = context_->gl();
       scene_->target.allocate(gl, std::min(width_, kTile), std::min(height_, kTile));
       scene_->upload(geometry_, uniforms);
-      scene_->draw_shadow(geometry_);
+      scene_->draw_shadow(geometry_, view.shadow_side);
       for (int y = 0; y < height_; y += kTile)
         for (int x = 0; x < width_; x += kTile) {
           scene_->target.bind(gl);
@@ -200,6 +208,7 @@ class PictureRenderer::Impl {
       if (const GLenum error = gl.GetError(); error != GL_NO_ERROR)
         throw Error("render_unavailable", "OpenGL error " + std::to_string(error));
     }
+    draw_overlay(list, {rgba.data(), width_, height_});
     return rgba;
   }
 

@@ -1,4 +1,5 @@
-// Light: one warm key light with a shadow map (percentage-closer filtering over a Vogel disc), a cool sky and
+// Light: one warm key light with a shadow map (percentage-closer filtering; on the ground with a
+// blocker search, Fernando 2005), a cool sky and
 // a warm bounce from below (hemisphere ambient), a weak fill from the camera. All in linear light; the
 // framebuffer encodes sRGB. Spheres are ray-cast in their billboard, silhouettes become sample coverage.
 #include "engine/sinks/picture/shaders.h"
@@ -16,25 +17,49 @@ vec3 linear(vec3 srgb) { return srgb * (srgb * (srgb * 0.305306011 + 0.682171111
 )";
 
 constexpr const char* kLight = R"(
-uniform sampler2DShadow shadow_map;
-// Share of the key light that reaches p, whose lit side faces n. Points on a Vogel disc: r ~ sqrt(i), golden angle.
-const vec2 disc[12] = vec2[](vec2(0.204, 0.0), vec2(-0.261, 0.239), vec2(0.040, -0.455), vec2(0.328, 0.429),
-  vec2(-0.603, -0.107), vec2(0.571, -0.363), vec2(-0.188, 0.712), vec2(-0.374, -0.696), vec2(0.790, 0.279),
-  vec2(-0.822, 0.347), vec2(0.395, -0.848), vec2(0.300, 0.932));
-float lit(vec3 p, vec3 n, int taps, float spread) {
-  vec3 q = (light_matrix * vec4(p + n * (light.w * (1.0 + spread)), 1.0)).xyz;
-  if (any(lessThan(q.xy, vec2(0.0))) || any(greaterThan(q.xy, vec2(1.0)))) return 1.0;
-  q.z = clamp(q.z - 0.0008, 0.0, 1.0);
-  float sum = 0.0;
-  for (int i = 0; i < taps; ++i) sum += texture(shadow_map, vec3(q.xy + disc[i] * (spread / depth.z), q.z));
+uniform sampler2DShadow shadow_map;  // compared and filtered
+uniform sampler2D shadow_depth;      // the same texture, read as numbers
+// A Vogel disc: r ~ sqrt(i), golden angle.
+const vec2 disc[24] = vec2[](
+  vec2(0.144, 0.000), vec2(-0.184, 0.169), vec2(0.028, -0.322), vec2(0.232, 0.303), vec2(-0.426, -0.075),
+  vec2(0.404, -0.257), vec2(-0.135, 0.503), vec2(-0.258, -0.496), vec2(0.559, 0.204), vec2(-0.582, 0.240),
+  vec2(0.280, -0.599), vec2(0.207, 0.660), vec2(-0.624, -0.362), vec2(0.733, -0.161), vec2(-0.447, 0.636),
+  vec2(-0.103, -0.797), vec2(0.634, 0.534), vec2(-0.853, 0.035), vec2(0.622, -0.619), vec2(-0.042, 0.900),
+  vec2(-0.592, -0.710), vec2(0.938, 0.126), vec2(-0.795, 0.553), vec2(0.217, -0.965));
+vec3 in_light(vec3 p, vec3 n, float spread) { return (light_matrix * vec4(p + n * (light.w * (1.0 + spread)), 1.0)).xyz; }
+bool outside(vec3 q) { return any(lessThan(q.xy, vec2(0.0))) || any(greaterThan(q.xy, vec2(1.0))); }
+float filtered(vec3 q, int taps, float spread) {
+  float z = clamp(q.z - 0.0008, 0.0, 1.0), sum = 0.0;
+  for (int i = 0; i < taps; ++i) sum += texture(shadow_map, vec3(q.xy + disc[i] * (spread / depth.z), z));
   return sum / float(taps);
 }
-vec3 shade(vec3 albedo, vec3 n, vec3 v, float share, float gloss) {
+// Share of the key light that reaches p, whose lit side faces n; the edge is `spread` texels soft.
+float lit(vec3 p, vec3 n, int taps, float spread) {
+  vec3 q = in_light(p, n, spread);
+  return outside(q) ? 1.0 : filtered(q, taps, spread);
+}
+// The same with an edge that widens with the distance to what casts it, as under a lamp of finite size.
+float lit_softly(vec3 p, vec3 n) {
+  const float widest = 7.0, lamp = 0.03;
+  vec3 q = in_light(p, n, 1.5);
+  if (outside(q)) return 1.0;
+  float blockers = 0.0, sum = 0.0;
+  for (int i = 0; i < 24; i += 2) {
+    float z = texture(shadow_depth, q.xy + disc[i] * (widest / depth.z)).r;
+    float blocks = z < min(q.z - 0.0008, 0.99999) ? 1.0 : 0.0;
+    blockers += blocks;
+    sum += blocks * z;
+  }
+  if (blockers == 0.0) return 1.0;
+  float gap = (q.z - sum / blockers) * depth.w;  // in texels
+  return filtered(q, 24, clamp(lamp * gap, 1.2, widest));
+}
+vec3 shade(vec3 albedo, vec3 n, vec3 v, float share, float gloss, float sharpness) {
   float key = max(dot(n, light.xyz), 0.0) * share;
   vec3 sky = mix(vec3(0.25, 0.235, 0.225), vec3(0.44, 0.47, 0.52), 0.5 + 0.5 * dot(n, up.xyz));
   float fill = 0.10 * max(dot(n, v), 0.0);
   vec3 h = normalize(light.xyz + v);
-  float shine = gloss * share * pow(max(dot(n, h), 0.0), 40.0);
+  float shine = gloss * share * pow(max(dot(n, h), 0.0), sharpness);
   return albedo * (sky + fill + vec3(0.80, 0.765, 0.71) * key) + vec3(shine);
 }
 )";
@@ -78,8 +103,8 @@ float lines(float step, float pixels) {
 void main() {
   vec3 base = background_bottom.rgb * 1.06;
   float dark = step(dot(base, vec3(0.2126, 0.7152, 0.0722)), 0.18);
-  float share = lit(v_point, up.xyz, 12, 3.5);
-  base *= mix(0.42, 1.0, share);
+  float share = lit_softly(v_point, up.xyz);
+  base *= mix(0.46, 1.0, share);
   float grid = max(0.45 * lines(ground_side.w, 0.2), lines(ground_front.w, 0.6));
   base = mix(base, mix(base * 0.62, base * 1.9 + 0.02, dark), 0.75 * grid);
   float r = length(v_at) / ground_centre.w;
@@ -132,14 +157,56 @@ void main() {
   vec3 off = along * w - v_sphere.xyz;  // from the centre to the ray, perpendicular to it: no cancellation
   float r = v_sphere.w, miss = length(off), pixel = along * eye.w;
   float coverage = (r - miss) / pixel + 0.5;
-  if (coverage <= 0.0) discard;
   float depth_in = sqrt(max(r * r - miss * miss, 0.0));
   vec3 n = normalize(off - depth_in * w), hit = (along - depth_in) * w;
   float share = dot(n, light.xyz) > 0.0 ? lit(eye.xyz + hit, n, 4, 1.6) : 0.0;
   float small = clamp(r / pixel / 6.0, 0.0, 1.0);  // highlights of tiny spheres would only sparkle
-  color = vec4(shade(v_albedo, n, -w, share, 0.22 * small), min(coverage, 1.0));
+  color = vec4(shade(v_albedo, n, -w, share, 0.22 * small, 40.0), min(coverage, 1.0));
   float z = dot(hit, forward.xyz);
   gl_FragDepth = clamp(0.5 * (depth.x + depth.y / z) + 0.5, 0.0, 1.0);
+}
+)";
+
+// A sphere of a few pixels: one depth, one shadow test (at its point nearest the light), shading per pixel.
+constexpr const char* kSpriteVertex = R"(
+layout(location = 0) in vec4 a_sphere;
+layout(location = 1) in vec4 a_color;
+flat out vec3 v_albedo, v_right, v_above, v_toward;
+flat out vec3 v_pixels;  // radius, side of the square, share of the key light
+void main() {
+#ifdef SHADOW
+  vec4 c = light_matrix * vec4(a_sphere.xyz, 1.0);
+  gl_Position = vec4(c.xyz * 2.0 - 1.0, 1.0);
+  gl_PointSize = 2.0 * max(a_sphere.w / light.w, 0.75);
+#else
+  vec3 c = a_sphere.xyz - eye.xyz;
+  float radius = max(a_sphere.w / (eye.w * dot(c, forward.xyz)), 0.8);
+  v_albedo = linear(a_color.rgb);
+  v_toward = -normalize(c);
+  v_right = normalize(cross(camera_up.xyz, v_toward));
+  v_above = cross(v_toward, v_right);
+  v_pixels = vec3(radius, 2.0 * radius + 1.5, lit(a_sphere.xyz + light.xyz * a_sphere.w, light.xyz, 4, 1.6));
+  gl_Position = view_projection * vec4(a_sphere.xyz, 1.0);
+  gl_PointSize = v_pixels.y;
+#endif
+}
+)";
+constexpr const char* kSpriteShadowFragment = R"(
+void main() {
+  vec2 q = gl_PointCoord * 2.0 - 1.0;
+  if (dot(q, q) > 1.0) discard;
+}
+)";
+constexpr const char* kSpriteFragment = R"(
+flat in vec3 v_albedo, v_right, v_above, v_toward, v_pixels;
+out vec4 color;
+void main() {
+  vec2 q = (gl_PointCoord - 0.5) * v_pixels.y;
+  float miss = length(q), radius = v_pixels.x;
+  float coverage = radius - miss + 0.5;
+  q *= min(1.0, radius / miss) / radius;
+  vec3 n = v_right * q.x + v_above * q.y + v_toward * sqrt(max(1.0 - dot(q, q), 0.0));
+  color = vec4(shade(v_albedo, n, v_toward, v_pixels.z, 0.03 * radius, 40.0), min(coverage, 1.0));
 }
 )";
 
@@ -174,7 +241,7 @@ void main() {
   float facing = dot(n, light.xyz);
   float share = lit(v_point, facing < 0.0 ? -n : n, 8, 2.5);
   vec3 through = v_albedo * vec3(0.80, 0.765, 0.71) * (0.33 * max(-facing, 0.0) * share);
-  color = vec4(shade(v_albedo, n, v, share, 0.05) + through, 1.0);
+  color = vec4(shade(v_albedo, n, v, share, 0.05, 12.0) + through, 1.0);
 }
 )";
 constexpr const char* kGlassFragment = R"(
@@ -239,7 +306,7 @@ void main() {
   float s = clamp(v_across, -1.0, 1.0) * 0.9;
   vec3 n = side * s + normalize(cross(side, v_along)) * sqrt(1.0 - s * s);
   n *= dot(n, v) < 0.0 ? -1.0 : 1.0;
-  color = vec4(shade(v_albedo, n, v, lit(v_point, n, 1, 1.0), 0.08), 1.0);
+  color = vec4(shade(v_albedo, n, v, lit(v_point, n, 1, 1.0), 0.08, 40.0), 1.0);
 }
 )";
 
@@ -257,6 +324,10 @@ ShaderPair shader_source(ShaderKind kind) {
       return {head + kSphereVertex, head + kLight + kSphereFragment};
     case ShaderKind::sphere_shadow:
       return {shadow_head + kSphereVertex, head + kSphereShadowFragment};
+    case ShaderKind::sprite:
+      return {head + kLight + kSpriteVertex, head + kLight + kSpriteFragment};
+    case ShaderKind::sprite_shadow:
+      return {shadow_head + kSpriteVertex, head + kSpriteShadowFragment};
     case ShaderKind::mesh:
       return {head + kMeshVertex, head + kLight + kMeshFragment};
     case ShaderKind::mesh_shadow:

@@ -14,13 +14,15 @@ enum class ShaderKind {
   ground,
   sphere,
   sphere_shadow,
+  sprite,
+  sprite_shadow,
   mesh,
   mesh_shadow,
   line,
   line_shadow,
   glass
 };
-constexpr int kShaderKinds = 9;
+constexpr int kShaderKinds = 11;
 
 /// Complete sources, ready to compile.
 ShaderPair shader_source(ShaderKind kind);

@@ -12,6 +12,9 @@ constexpr double kDegree = 3.14159265358979323846 / 180;
 constexpr double kReach =
     8;  // things farther from the target than this many eye distances do not shape the view
 
+constexpr double kLeastShadowHalf =
+    0.25;  // picture units; keeps point sprites within the driver's largest size
+
 void set(float (&to)[4], const Vec3& v, double w) {
   to[0] = static_cast<float>(v.x), to[1] = static_cast<float>(v.y), to[2] = static_cast<float>(v.z);
   to[3] = static_cast<float>(w);
@@ -34,14 +37,15 @@ Mat4 projection(const View& v) {
 }
 
 // The casters' box -> [0, 1]^3, depth growing away from the light.
-Mat4 light_matrix(const View& v, const Extent& e, double& texel) {
-  double half = 1e-3, centre[3] = {0, 0, 0}, depth = 1;
+Mat4 light_matrix(const View& v, const Extent& e, double& texel, double& depth_texels) {
+  double half = kLeastShadowHalf, centre[3] = {0, 0, 0}, depth = 1;
   if (e.lo[0] <= e.hi[0]) {
     for (int i = 0; i < 3; ++i) centre[i] = (e.lo[i] + e.hi[i]) / 2;
-    half = std::max({(e.hi[0] - e.lo[0]) / 2, (e.hi[1] - e.lo[1]) / 2, 1e-3}) * 1.02;
+    half = std::max({(e.hi[0] - e.lo[0]) / 2, (e.hi[1] - e.lo[1]) / 2, kLeastShadowHalf}) * 1.02;
     depth = std::max(e.hi[2] - e.lo[2], 1e-3) * 1.02;
   }
-  texel = 2 * half / kShadowSide;
+  texel = 2 * half / v.shadow_side;
+  depth_texels = depth / texel;
   Mat4 m = to_basis(v.light_side, v.light_above, v.light, {0, 0, 0});
   const double scale[3] = {0.5 / half, 0.5 / half, -1 / depth};
   for (int row = 0; row < 3; ++row) {
@@ -67,6 +71,7 @@ View::View(const DrawList& list, int w, int h)
   light = normalized(axes.up * 1.0 - axes.side * 0.5 + axes.front * 0.45);
   light_side = normalized(cross(axes.up, light), axes.side);
   light_above = cross(light, light_side);
+  shadow_side = std::max(w, h) <= 1200 ? 1024 : 2048;
   near_plane = 0.004;
   far_plane = 200;
   pixel = 2 * std::tan(camera.fov_degrees * kDegree / 2) / h;
@@ -88,15 +93,17 @@ void Extent::add(const View& view, const Vec3f& p, float r) {
 Uniforms make_uniforms(const DrawList& list, const View& v, const Extent& extent, double ground_height) {
   Uniforms u{};
   u.view_projection = projection(v) * to_basis(v.right, v.above, v.back, v.eye);
-  double texel = 0;
-  u.light_matrix = light_matrix(v, extent, texel);
+  double texel = 0, depth_texels = 0;
+  u.light_matrix = light_matrix(v, extent, texel, depth_texels);
   set(u.eye, v.eye, v.pixel);
   set(u.forward, -v.back, v.near_plane);
   set(u.camera_up, v.above, 0);
   set(u.light, v.light, texel);
   const double range = v.far_plane - v.near_plane;
-  set(u.depth, {(v.far_plane + v.near_plane) / range, -2 * v.far_plane * v.near_plane / range, kShadowSide},
-      0);
+  set(u.depth,
+      {(v.far_plane + v.near_plane) / range, -2 * v.far_plane * v.near_plane / range,
+       static_cast<double>(v.shadow_side)},
+      depth_texels);
   set(u.viewport, {static_cast<double>(v.width), static_cast<double>(v.height), 0}, 0);
 
   // Grid lines stay where they are in the scene: the centre below the target is moved to the nearest

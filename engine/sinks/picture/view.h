@@ -32,6 +32,7 @@ struct View {
   double near_plane, far_plane;         ///< picture units
   double pixel;                         ///< size of a pixel at distance 1
   int width, height;
+  int shadow_side;  ///< texels of the shadow map, about the picture's pixels
 };
 
 /// Axis-aligned box in the light's axes around everything that casts a shadow, and the reach of the scene.
@@ -48,18 +49,16 @@ struct Uniforms {
   float eye[4];      ///< w: size of a pixel at distance 1
   float forward[4];  ///< w: near plane
   float camera_up[4];
-  float light[4];          ///< w: size of a shadow texel
-  float up[4];             ///< w: 1 when the camera is above the ground, else 0
-  float depth[4];          ///< ndc z = depth.x + depth.y / distance; z: shadow map side in texels
-  float viewport[4];       ///< width, height
-  float ground_centre[4];  ///< w: radius at which the ground has faded
-  float ground_side[4];    ///< w: distance of minor grid lines
-  float ground_front[4];   ///< w: distance of major grid lines
+  float light[4];     ///< w: size of a shadow texel
+  float up[4];        ///< w: 1 when the camera is above the ground, else 0
+  float depth[4];     ///< ndc z = depth.x + depth.y / distance; z: shadow map side in texels; w: its depth in
+                      ///< texels
+  float viewport[4];  ///< width, height
+  float ground_centre[4];                         ///< w: radius at which the ground has faded
+  float ground_side[4];                           ///< w: distance of minor grid lines
+  float ground_front[4];                          ///< w: distance of major grid lines
   float background_top[4], background_bottom[4];  ///< linear light
 };
-
-/// Texels along one side of the shadow map.
-constexpr int kShadowSide = 2048;
 
 Uniforms make_uniforms(const DrawList& list, const View& view, const Extent& extent, double ground_height);
 
