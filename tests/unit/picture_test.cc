@@ -263,7 +263,7 @@ TEST(Picture, TilesOfALargePictureFitTogether) {
       return n;
     };
     EXPECT_NEAR(height(2047 - k), height(2048 + k), 1) << k;
-    if (k < 10) EXPECT_GT(height(2048 + k), 45);
+    EXPECT_GT(height(2048 + k), k < 10 ? 45 : -1);
   }
 }
 
