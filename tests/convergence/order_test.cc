@@ -2,7 +2,9 @@
 #include <gtest/gtest.h>
 
 #include <cstdio>
+#include <utility>
 
+#include "engine/integrators/runge_kutta.h"
 #include "tests/convergence/problems.h"
 
 namespace truestep::test {
@@ -44,6 +46,37 @@ TEST(Order, EveryRowKeepsItsPromise) {
                   promised, observed);
       EXPECT_NEAR(observed, promised, kTolerance) << m.name << " on " << named.name;
     }
+  }
+}
+
+TEST(Order, AMutatedTableauFails) {
+  // The last two weights of rk4 exchanged: they still add up to 1.
+  static const Tableau kWrong = [] {
+    Tableau t = kRk4Tableau;
+    std::swap(t.b[2], t.b[3]);
+    return t;
+  }();
+  Integrator wrong = *find_integrator("rk4");
+  wrong.step = [](const ForceField& field, State& state, const StepInput& in, const IntegratorOptions&) {
+    Motion m(field, state, in);
+    RungeKutta(kWrong, m).step(in.t, in.h, m.x, m.v, m.x, m.v);
+  };
+  for (const Named& named : kProblems) {
+    EXPECT_LT(order_of(wrong, named.make()), 4 - kTolerance) << named.name;
+  }
+}
+
+TEST(Order, AdaptiveErrorsFollowTheTolerance) {
+  // Ten times the tolerance, at most some ten times the error: proportionality within a factor of 4.
+  const Problem p = kepler();
+  for (const char* name : {"step_doubling", "dopri5"}) {
+    const Integrator& m = *find_integrator(name);
+    const double coarse = end_error(m, p, 5, {.tolerance = 1e-6}),
+                 fine = end_error(m, p, 5, {.tolerance = 1e-9});
+    EXPECT_LT(coarse, 1e-4) << name;
+    EXPECT_LT(fine, coarse / 30) << name;
+    // Control: without error control five steps are far off.
+    EXPECT_GT(end_error(m, p, 5, kOptions), 1e-3) << name;
   }
 }
 

@@ -1,0 +1,70 @@
+// No step after the first allocates: a counting operator new watches the steps of every integrator.
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <cstdlib>
+#include <new>
+
+#include "engine/systems/mass_spring/mass_spring.h"
+#include "engine/systems/mass_spring/mass_spring_def.h"
+
+namespace {
+std::atomic<uint64_t> allocations{0};
+
+void* counted(std::size_t size, std::size_t alignment) {
+  ++allocations;
+  void* p = nullptr;
+  if (posix_memalign(&p, alignment, size) != 0) throw std::bad_alloc();
+  return p;
+}
+}  // namespace
+
+void* operator new(std::size_t size) {
+  return counted(size, 16);
+}
+void* operator new(std::size_t size, std::align_val_t a) {
+  return counted(size, static_cast<std::size_t>(a));
+}
+void operator delete(void* p) noexcept {
+  std::free(p);
+}
+void operator delete(void* p, std::size_t) noexcept {
+  std::free(p);
+}
+void operator delete(void* p, std::align_val_t) noexcept {
+  std::free(p);
+}
+void operator delete(void* p, std::size_t, std::align_val_t) noexcept {
+  std::free(p);
+}
+
+namespace truestep {
+namespace {
+
+TEST(Allocation, NoStepAfterTheFirstAllocates) {
+  for (const Integrator& m : integrators()) {
+    MassSpringDef d;
+    d.cloth_grid.emplace();
+    d.mass = 1e-3, d.stiffness = 50, d.internal_damping = 1e-3;
+    d.pins = {0};
+    d.integrator = m.name;
+    d.tolerance = 1e-5;
+    const BuildContext context{.id = "cloth"};
+    const auto system = build_mass_spring(&d, context);
+    State s = system->initial_state();
+    Workspace workspace;
+    const ThreadArena arena(1);
+    uint64_t first = 0, later = 0;
+    for (uint64_t n = 0; n < 20; ++n) {
+      const uint64_t before = allocations;
+      system->step(s,
+                   {.t = double(n) / 500, .h = 1.0 / 500, .step = n, .workspace = workspace, .arena = arena});
+      (n == 0 ? first : later) += allocations - before;
+    }
+    EXPECT_GT(first, 0u) << m.name << ": the counter does not count";
+    EXPECT_EQ(later, 0u) << m.name;
+  }
+}
+
+}  // namespace
+}  // namespace truestep
