@@ -23,7 +23,7 @@ class RecordingTask {
 /// Create one per process and share it; a second one at the same time throws Error("internal").
 class RecordingThread {
  public:
-  static constexpr size_t kDefaultQueueBytes = size_t{64} << 20;
+  static constexpr size_t kDefaultQueueBytes = size_t{16} << 20;
 
   explicit RecordingThread(size_t queue_bytes = kDefaultQueueBytes);
   ~RecordingThread();  ///< runs what is queued, then stops

@@ -1,5 +1,6 @@
 #include "engine/sinks/recording/recover.h"
 
+#include <sys/prctl.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -137,9 +138,14 @@ RecoveryReport recover_in_child(const std::string& path, const RecoveryOptions& 
   RecoveryReport report;
   int ends[2];
   if (pipe(ends) != 0) throw Error("recording_io", "no pipe for the repair");
+  const pid_t parent = getpid();
   const pid_t child = fork();
   if (child == 0) {
     close(ends[0]);
+    // A killed server must not leave a repair behind that meets the next server's. Its parent may be gone
+    // already.
+    prctl(PR_SET_PDEATHSIG, SIGKILL);
+    if (getppid() != parent) _exit(1);
     const Answer a = recover_here(path);
     const bool told = write(ends[1], &a, sizeof a) == static_cast<ssize_t>(sizeof a);
     _exit(told ? 0 : 1);
