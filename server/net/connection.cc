@@ -114,6 +114,8 @@ void Connection::abort() {
   socket_.close(ec);
 }
 
+// co_await stands in statements of its own: GCC 12 destroys the awaitable of a co_await that && or || has
+// skipped.
 asio::awaitable<void> Connection::run() {
   const auto self = shared_from_this();
   for (;;) {
@@ -159,14 +161,18 @@ asio::awaitable<void> Connection::run() {
     } else if (match.route->handler) {
       response = answer(*match.route);
     } else if (match.route->async_handler) {
-      if (!out_.empty() && !flush_now({}) && !co_await write_out({})) break;
+      if (!out_.empty() && !flush_now({})) {
+        if (!co_await write_out({})) break;
+      }
       response = co_await wait_for(*match.route);
     } else {
       response = open_websocket(*match.route);
       if (upgrade_) break;
     }
     std::string_view large_body;
-    if (!prepare(response, large_body) && !co_await finish_response(response, large_body)) break;
+    if (!prepare(response, large_body)) {
+      if (!co_await finish_response(response, large_body)) break;
+    }
     if (closing_) break;
     parser_.reset();
     if (begin_ == end_) begin_ = end_ = 0;
@@ -225,12 +231,17 @@ asio::awaitable<bool> Connection::read_body(size_t limit) {
   enter(Phase::body);
   if (parser_.expects_continue() && begin_ == end_) {
     out_ += "HTTP/1.1 100 Continue\r\n\r\n";
-    if (!flush_now({}) && !co_await write_out({})) co_return false;
+    if (!flush_now({})) {
+      if (!co_await write_out({})) co_return false;
+    }
     enter(Phase::body);
   }
-  const bool complete = parser_.framing() == Framing::chunked
-                            ? co_await read_chunked(limit)
-                            : co_await read_sized(static_cast<size_t>(parser_.content_length()));
+  bool complete = false;
+  if (parser_.framing() == Framing::chunked) {
+    complete = co_await read_chunked(limit);
+  } else {
+    complete = co_await read_sized(static_cast<size_t>(parser_.content_length()));
+  }
   if (!complete && timed_out_) refuse(408, "the request's body took too long to arrive");
   phase_ = Phase::handler;
   deadline_ = Clock::time_point::max();
@@ -373,18 +384,21 @@ bool Connection::prepare(Response& r, std::string_view& large_body) {
 }
 
 asio::awaitable<bool> Connection::finish_response(const Response& r, std::string_view large_body) {
-  if (!flush_now(large_body) && !co_await write_out(large_body)) co_return false;
+  if (!flush_now(large_body)) {
+    if (!co_await write_out(large_body)) co_return false;
+  }
   const auto* file = std::get_if<FileBody>(&r.body);
-  const bool empty = request_.method == Method::head || r.status == 304;
-  co_return !file || empty || co_await send_file(*file, r.offset, r.length.value_or(file->size()));
+  if (!file || request_.method == Method::head || r.status == 304) co_return true;
+  const bool sent = co_await send_file(*file, r.offset, r.length.value_or(file->size()));
+  co_return sent;
 }
 
 asio::awaitable<void> Connection::linger() {
   boost::system::error_code ec;
   socket_.shutdown(Socket::shutdown_send, ec);
   enter(Phase::linger);
-  while (co_await read_into(buffer_.data(), buffer_.size()) > 0) {
-  }
+  size_t n = 1;
+  while (n > 0) n = co_await read_into(buffer_.data(), buffer_.size());
 }
 
 }  // namespace truestep::net
