@@ -14,6 +14,7 @@
 #include "engine/base/errors.h"
 #include "engine/sinks/picture/camera.h"
 #include "engine/sinks/picture/gl_context.h"
+#include "engine/sinks/picture/gl_objects.h"
 #include "tests/unit/picture_lists.h"
 
 namespace truestep {
@@ -323,15 +324,26 @@ TEST(Picture, AutomaticCameraHoldsEveryPointWithLittleToSpare) {
   EXPECT_GT(norm(camera.eye - camera.target), 0);
 }
 
-TEST(Picture, EglDrawsTheSameOrSaysWhyNot) {
+TEST(Picture, EglCanDoItTooOrSaysWhyNot) {
   std::unique_ptr<picture::GlContext> egl;
   const std::string code = code_of([&] { egl = picture::create_egl_context(); });
   EXPECT_EQ(code, egl ? "" : "render_unavailable");
-  if (egl) {
-    EXPECT_EQ(egl->backend(), "egl");
-    const picture::GlCurrent current(*egl);
-    EXPECT_NE(egl->gl().GetString(GL_VERSION), nullptr);
-  }
+  if (!egl) return;
+  EXPECT_EQ(egl->backend(), "egl");
+  const picture::GlCurrent current(*egl);
+  const picture::GlApi& gl = egl->gl();
+  for (int kind = 0; kind < picture::kShaderKinds; ++kind)
+    EXPECT_NE(picture::make_program(gl, picture::shader_source(static_cast<picture::ShaderKind>(kind))), 0u);
+  picture::ShadowTarget shadow(gl);
+  shadow.bind(gl, 64);
+  picture::ColorTarget target;
+  target.allocate(gl, 32, 16);
+  target.bind(gl);
+  Pixels pixels(4 * 32 * 16, 77);
+  gl.Clear(GL_COLOR_BUFFER_BIT);
+  target.read(gl, 32, 16, 32, pixels.data());
+  EXPECT_EQ(pixels, Pixels(pixels.size(), 0));
+  EXPECT_EQ(gl.GetError(), static_cast<GLenum>(GL_NO_ERROR));
 }
 
 TEST(Picture, DemosAreWrittenForPeopleToLookAt) {

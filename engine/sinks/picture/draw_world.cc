@@ -84,16 +84,27 @@ DrawShape shape_of(const DrawnShape& s) {
   return d;
 }
 
+// Pictures stand upright: up is the axis that gravity points against; y when there is none, or a slanted one.
+Vec3 up_of(const Vec3& gravity) {
+  const Vec3 up = normalized(-gravity, {0, 1, 0});
+  for (const Vec3& axis : {Vec3{1, 0, 0}, Vec3{0, 0, 1}}) {
+    if (std::abs(dot(up, axis)) > 0.9) return axis * (dot(up, axis) > 0 ? 1.0 : -1.0);
+  }
+  return {0, 1, 0};
+}
+
 // The ground lies under everything that is drawn.
 double lowest_point(const DrawList& list) {
   double low = HUGE_VAL;
   for (const DrawPoints& p : list.points) {
-    for (size_t i = 1; i < p.positions.size(); i += 3) {
-      if (std::isfinite(p.positions[i])) low = std::min(low, static_cast<double>(p.positions[i]) - p.radius);
+    for (size_t i = 0; i + 2 < p.positions.size(); i += 3) {
+      const Vec3f x = load3(p.positions.data(), i / 3);
+      const double height = dot(Vec3{x.x, x.y, x.z}, list.up);
+      if (std::isfinite(height)) low = std::min(low, height - p.radius);
     }
   }
   for (const DrawShape& s : list.shapes) {
-    if (s.kind != ShapeKind::plane) low = std::min(low, s.position.y - norm(s.size));
+    if (s.kind != ShapeKind::plane) low = std::min(low, dot(s.position, list.up) - norm(s.size));
   }
   return low;
 }
@@ -104,6 +115,7 @@ DrawList draw_list_of(const World& world, const WorldState& state) {
   DrawList list;
   const SceneHeader& header = world.scene().header;
   const double t = static_cast<double>(state.step) * world.dt();
+  list.up = up_of(header.gravity);
   bool has_plane = false;
   for (size_t i = 0; i < world.size(); ++i) {
     DrawPoints points = points_of(world.system(i), state.systems[i], header.viewer.color_by);
