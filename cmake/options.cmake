@@ -29,7 +29,7 @@ endif()
 find_program(TRUESTEP_CCACHE ccache)
 if(TRUESTEP_CCACHE)
   set(CMAKE_CXX_COMPILER_LAUNCHER ${CMAKE_COMMAND} -E env
-      CCACHE_BASEDIR=${PROJECT_SOURCE_DIR} CCACHE_NOHASHDIR=1
+      CCACHE_BASEDIR=${PROJECT_SOURCE_DIR} CCACHE_NOHASHDIR=1 CCACHE_PCH_EXTSUM=1
       CCACHE_SLOPPINESS=pch_defines,time_macros,include_file_mtime,include_file_ctime ${TRUESTEP_CCACHE})
   if(CMAKE_CXX_COMPILER_ID STREQUAL "Clang")
     add_compile_options("SHELL:-Xclang -fno-pch-timestamp")
@@ -42,3 +42,13 @@ find_program(TRUESTEP_LLD ld.lld)
 if(TRUESTEP_LLD AND NOT TRUESTEP_SANITIZE)
   add_link_options(-fuse-ld=lld)
 endif()
+
+# precompile(TARGET HEADER): gcc's precompiled headers never come out the same twice, so what ccache hashes in their
+# place is what they are made from. HEADER includes only what its packages bring, no header of ours.
+function(precompile target header)
+  target_precompile_headers(${target} PRIVATE <${header}>)
+  set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/${header})
+  file(SHA256 ${PROJECT_SOURCE_DIR}/${header} sum)
+  file(CONFIGURE OUTPUT CMakeFiles/${target}.dir/cmake_pch.hxx.gch.sum
+       CONTENT "${sum} ${CMAKE_CXX_COMPILER_VERSION} Boost ${Boost_VERSION} ${CMAKE_BUILD_TYPE} ${TRUESTEP_SANITIZE}\n" @ONLY)
+endfunction()

@@ -184,8 +184,9 @@ std::optional<ForceField::Stiffness> MassSpringField::stiffness(const State& sta
     add_symmetric(&sum_k[9 * size_t{drag_row[k]}], 0.5 * state.f64(Columns::drag_stiffness)[k], 0, {});
   }
   const auto largest = [](const double* block) {
+    // Not computeDirect: that calls libm's atan2 and cos.
     Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver;
-    solver.computeDirect(Eigen::Map<const Eigen::Matrix3d>(block), Eigen::EigenvaluesOnly);
+    solver.compute(Eigen::Map<const Eigen::Matrix3d>(block), Eigen::EigenvaluesOnly);
     return std::max(0.0, solver.eigenvalues()[2]);
   };
   Stiffness bound;
