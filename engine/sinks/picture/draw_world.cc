@@ -54,6 +54,7 @@ DrawPoints points_of(const System& system, const State& state, const std::string
   }
   const Topology topology = system.topology(state);
   points.radius = static_cast<float>(topology.point_radius);
+  points.line_radius = points.radius / 4;
   const auto n = static_cast<uint32_t>(points.positions.size() / 3);
   for (size_t i = 0; i < topology.lines.size(); ++i) {
     const auto& l = topology.lines[i];

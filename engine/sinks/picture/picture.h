@@ -13,7 +13,8 @@
 
 namespace truestep {
 
-/// Holds an off-screen OpenGL context; making one costs some 0.1 s, so callers keep one per worker.
+/// Holds an off-screen OpenGL context. Making one and drawing its first picture costs some 0.5 s (shaders are
+/// compiled), so callers keep one per worker.
 /// Any thread may use it, one at a time.
 class PictureRenderer {
  public:
