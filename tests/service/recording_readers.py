@@ -2,7 +2,7 @@
 """A finished recording as h5py and VTK read it: the same positions, bit for bit, at every time step; a recording
 that is being written as a SWMR reader sees it; and readers that must notice a file that is wrong.
 
-usage: recording_readers.py RECORD_LOOP [CASE...]     (interpreter: one with h5py, numpy and vtk >= 9.4)"""
+usage: recording_readers.py RECORD_LOOP RECORD_READ [CASE...]     (interpreter: one with h5py, numpy and vtk >= 9.4)"""
 import os
 import subprocess
 import sys
@@ -16,6 +16,7 @@ import vtk
 from vtk.util.numpy_support import vtk_to_numpy
 
 BOTH = "both"
+READ = os.path.abspath(sys.argv[2])
 
 
 def value(frame, system, field, count):
@@ -155,6 +156,51 @@ def case_swmr(loop, folder):
         process.wait()
 
 
+def case_export(loop, folder):
+    """csv, npz, ply and vtu hold the numbers of the recording."""
+    path = record(loop, folder, 50, 6)
+    stem = Path(folder) / "out"
+    def export(name):
+        done = subprocess.run([READ, path, "export", name, stem], check=True, capture_output=True, text=True)
+        return done.stdout.split()
+    with h5py.File(path, "r") as f:
+        x, rows = f["particles/sparks/position/value"][:], f["particles/sparks/rows"][:]
+        v = f["particles/cloth/velocity/value"][:]
+        files = export("csv")
+        assert len(files) == 3, files
+        table = np.genfromtxt(f"{stem}.sparks.csv", delimiter=",", names=True)
+        assert len(table) == rows.sum()
+        want = np.concatenate([x[i, :n] for i, n in enumerate(rows)])
+        for c in range(3):
+            assert np.array_equal(table[f"position_{c}"], want[:, c])
+        assert np.genfromtxt(f"{stem}.observables.csv", delimiter=",", skip_header=1).shape == (6, 4)
+
+        export("npz")
+        with np.load(f"{stem}.npz") as z:  # checks every CRC
+            assert np.array_equal(z["sparks.position"], x, equal_nan=True)
+            assert np.array_equal(z["cloth.velocity"], v) and np.array_equal(z["sparks.rows"], rows)
+            assert np.array_equal(z["time"], f["clock/time"][:])
+            assert np.array_equal(z["cloth.triangles"], [[0, 1, 2]])
+
+        assert len(export("vtu")) == 13
+        grid = vtk.vtkXMLUnstructuredGridReader()
+        for i in range(6):
+            grid.SetFileName(f"{stem}.sparks.{i:06}.vtu")
+            grid.Update()
+            out = grid.GetOutput()
+            assert out.GetNumberOfPoints() == out.GetNumberOfCells() == rows[i]
+            if rows[i]:
+                assert np.array_equal(points_of(out), x[i, :rows[i]])
+                assert np.array_equal(arrays_of(out)["id"], f["particles/sparks/id/value"][i, :rows[i]])
+
+        assert len(export("ply")) == 12
+        ply = vtk.vtkPLYReader()
+        ply.SetFileName(f"{stem}.cloth.000003.ply")
+        ply.Update()
+        assert np.array_equal(points_of(ply.GetOutput()), f["particles/cloth/position/value"][3])
+        assert ply.GetOutput().GetNumberOfPolys() == 1
+
+
 def case_controls(loop, folder):
     """Wrong files must fail the same comparison."""
     def fails(damage, systems, kind=BOTH):
@@ -192,7 +238,7 @@ def case_controls(loop, folder):
 def main():
     loop = os.path.abspath(sys.argv[1])
     cases = {k[5:]: v for k, v in globals().items() if k.startswith("case_")}
-    for name in sys.argv[2:] or cases:
+    for name in sys.argv[3:] or cases:
         with tempfile.TemporaryDirectory() as folder:
             cases[name](loop, folder)
             print(name, "ok")

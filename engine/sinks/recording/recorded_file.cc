@@ -234,27 +234,47 @@ void RecordedFile::read_rows(Array& a, uint64_t frame, size_t rows, std::vector<
   }
 }
 
-void RecordedFile::read(uint64_t index, RecordedFrame& frame) {
+void RecordedFile::check_index(uint64_t index) const {
   if (index >= info_.frames) {
     throw Error("out_of_range", "the recording has " + std::to_string(info_.frames) + " frames");
   }
-  std::memcpy(&frame.step, row_data(step_, index, 0), sizeof frame.step);
-  std::memcpy(&frame.time, row_data(time_, index, 0), sizeof frame.time);
-  frame.systems.resize(info_.layout.systems.size());
-  for (size_t s = 0; s < frame.systems.size(); ++s) {
-    const RecordedSystem& system = info_.layout.systems[s];
-    RecordedRows& out = frame.systems[s];
-    out.rows = system.max_rows;
-    if (system.rows == RowPolicy::kVariable) {
-      out.rows = static_cast<size_t>(element(Precision::kU32, row_data(counts_[s], index, 0)));
-      if (out.rows > system.max_rows) damaged("frame " + std::to_string(index) + " has too many rows");
+}
+
+size_t RecordedFile::row_count(uint64_t frame, size_t system) {
+  const RecordedSystem& s = info_.layout.systems[system];
+  if (s.rows == RowPolicy::kFixed) return s.max_rows;
+  const size_t rows = static_cast<size_t>(element(Precision::kU32, row_data(counts_[system], frame, 0)));
+  if (rows > s.max_rows) damaged("frame " + std::to_string(frame) + " has too many rows");
+  return rows;
+}
+
+RecordedClock RecordedFile::read_clock(uint64_t index) {
+  check_index(index);
+  RecordedClock clock;
+  std::memcpy(&clock.step, row_data(step_, index, 0), sizeof clock.step);
+  std::memcpy(&clock.time, row_data(time_, index, 0), sizeof clock.time);
+  for (size_t s = 0; s < info_.layout.systems.size(); ++s) clock.rows.push_back(row_count(index, s));
+  for (Array& o : observables_) clock.observables.push_back(element(Precision::kF64, row_data(o, index, 0)));
+  return clock;
+}
+
+void RecordedFile::read_field(uint64_t index, size_t system, size_t field, std::vector<double>& out) {
+  check_index(index);
+  read_rows(fields_.at(system).at(field), index, row_count(index, system), out);
+}
+
+void RecordedFile::read(uint64_t index, RecordedFrame& frame) {
+  RecordedClock clock = read_clock(index);
+  frame.step = clock.step;
+  frame.time = clock.time;
+  frame.observables = std::move(clock.observables);
+  frame.systems.resize(fields_.size());
+  for (size_t s = 0; s < fields_.size(); ++s) {
+    frame.systems[s].rows = clock.rows[s];
+    frame.systems[s].fields.resize(fields_[s].size());
+    for (size_t f = 0; f < fields_[s].size(); ++f) {
+      read_rows(fields_[s][f], index, clock.rows[s], frame.systems[s].fields[f]);
     }
-    out.fields.resize(system.fields.size());
-    for (size_t f = 0; f < out.fields.size(); ++f) read_rows(fields_[s][f], index, out.rows, out.fields[f]);
-  }
-  frame.observables.resize(observables_.size());
-  for (size_t o = 0; o < observables_.size(); ++o) {
-    frame.observables[o] = element(Precision::kF64, row_data(observables_[o], index, 0));
   }
 }
 

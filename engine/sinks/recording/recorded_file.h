@@ -22,6 +22,8 @@ class RecordedFile {
 
   /// Frame `index` below info().frames. Precondition: index in range, else Error("out_of_range").
   void read(uint64_t index, RecordedFrame& frame);
+  RecordedClock read_clock(uint64_t index);
+  void read_field(uint64_t index, size_t system, size_t field, std::vector<double>& out);
 
  private:
   struct Array {
@@ -41,6 +43,8 @@ class RecordedFile {
   RecordedField read_field(const std::string& path, const std::string& name);
   Array open_array(const std::string& path, uint64_t& frames);
   const std::byte* row_data(Array& a, uint64_t frame, size_t column);
+  size_t row_count(uint64_t frame, size_t system);
+  void check_index(uint64_t index) const;
   void read_rows(Array& a, uint64_t frame, size_t rows, std::vector<double>& out);
 
   void check_not_behind_end(hid_t set, const hsize_t* at, uint64_t frame);

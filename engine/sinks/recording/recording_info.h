@@ -20,6 +20,14 @@ struct RecordedRows {
   std::vector<std::vector<double>> fields;
 };
 
+/// What belongs to a frame besides its fields.
+struct RecordedClock {
+  int64_t step = 0;
+  double time = 0;           ///< s
+  std::vector<size_t> rows;  ///< per system
+  std::vector<double> observables;
+};
+
 struct RecordedFrame {
   int64_t step = 0;
   double time = 0;  ///< s

@@ -25,4 +25,14 @@ void RecordingReader::read(uint64_t index, RecordedFrame& frame) {
   thread_->run([&] { file_->file.read(index, frame); });
 }
 
+RecordedClock RecordingReader::read_clock(uint64_t index) {
+  RecordedClock clock;
+  thread_->run([&] { clock = file_->file.read_clock(index); });
+  return clock;
+}
+
+void RecordingReader::read_field(uint64_t index, size_t system, size_t field, std::vector<double>& out) {
+  thread_->run([&] { file_->file.read_field(index, system, field, out); });
+}
+
 }  // namespace truestep

@@ -22,6 +22,12 @@ class RecordingReader {
   /// Frame `index`, checksums verified. Throws Error: out_of_range, recording_damaged.
   void read(uint64_t index, RecordedFrame& frame);
 
+  /// Step, time, row counts and observables of frame `index` alone.
+  RecordedClock read_clock(uint64_t index);
+
+  /// One field of frame `index`: rows x width elements.
+  void read_field(uint64_t index, size_t system, size_t field, std::vector<double>& out);
+
  private:
   struct File;
   std::shared_ptr<RecordingThread> thread_;
