@@ -31,7 +31,7 @@ if(TRUESTEP_KILL9)
   add_recording_test(disk_full ${full} --cmd "${loop} {file} 100" --read "${read} {file}")
   add_recording_test(disk_full_big ${full} --cmd "${loop} {file} 5000" --read "${read} {file} recover")
   # Controls: frames that were only handed over are lost, and the checks say so.
-  add_recording_test(kill9_control ${kill9} --trials 10 --cmd "${loop} {file} 20000 0 both appended" --read "${read} {file}")
+  add_recording_test(kill9_control ${kill9} --trials 40 --cmd "${loop} {file} 20000 0 both appended" --read "${read} {file}")
   add_recording_test(disk_full_control ${full} --cmd "${loop} {file} 100 0 both appended" --read "${read} {file}")
   set_tests_properties(service.recording_kill9_control service.recording_disk_full_control PROPERTIES WILL_FAIL ON)
   # Mounting the small disk needs root; the unit tests limit the file's size instead.
