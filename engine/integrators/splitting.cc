@@ -7,8 +7,9 @@
 // Where the acceleration depends on velocity, a kick first predicts the velocity it is evaluated at, which
 // keeps order 2; a composition of three such leapfrogs still cancels the h^3 error but, no longer being its
 // own adjoint, not the h^4 error: order 3.
-// velocity_verlet evaluates twice per step: the second evaluation is not kept for the next step because
-// commands and collisions may change anything between two steps.
+// The last evaluation of velocity_verlet is the next step's first, unless a command or a collision changed
+// anything in between: last_force.h keeps it as long as every bit that it depends on stays the same.
+#include "engine/integrators/last_force.h"
 #include "engine/integrators/methods.h"
 #include "engine/integrators/motion.h"
 
@@ -78,7 +79,8 @@ void step_velocity_verlet(const ForceField& field, State& state, const StepInput
   const auto a = m.scratch("integrator.k1", n);
   double *x = m.x.data(), *v = m.v.data(), *pa = a.data();
   const double h = in.h, half = 0.5 * in.h;
-  m.acceleration(in.t, m.x, m.v, a);
+  LastForce& last = in.workspace.object<LastForce>("integrator.last_force");
+  if (!last.holds(m, in.t)) m.acceleration(in.t, m.x, m.v, a);
   if (m.plain_rate()) {
     m.loop(n, [=](size_t i) {
       v[i] += half * pa[i];
@@ -95,9 +97,12 @@ void step_velocity_verlet(const ForceField& field, State& state, const StepInput
     m.loop(n, [=](size_t i) { p[i] = v[i] + half * pa[i]; });
     v_at = predicted;
   }
-  m.acceleration(in.t + h, m.x, v_at, a);
+  // The next step's own t, to the bit.
+  const double t_end = double(in.step + 1) * h;
+  m.acceleration(t_end, m.x, v_at, a);
   m.loop(n, [=](size_t i) { v[i] += half * pa[i]; });
   m.project();
+  last.keep(m, t_end);
 }
 
 void step_leapfrog(const ForceField& field, State& state, const StepInput& in, const IntegratorOptions&) {
