@@ -17,10 +17,6 @@ namespace asio = boost::asio;
 namespace {
 
 constexpr size_t kFirstBuffer = 4096;
-// Bodies up to here are copied behind their head and leave in one segment.
-constexpr size_t kSmallBody = size_t{16} << 10;
-// Answers to pipelined requests are collected up to here.
-constexpr size_t kCollect = size_t{64} << 10;
 constexpr auto kLinger = std::chrono::milliseconds(1000);
 // A body that arrives faster than this may take longer than the body time-out.
 constexpr size_t kBodyBytesPerSecond = 65536;
@@ -353,52 +349,6 @@ Response Connection::open_websocket(const Route& route) {
   }
   out_ += handshake_.head;
   return {};
-}
-
-// Serialises a response. True when it is complete in out_, which leaves with the next flush; false when
-// finish_response has to send a large body or too much has been collected.
-bool Connection::prepare(Response& r, std::string_view& large_body) {
-  if (!r.etag.empty()) apply_conditions(request_, r);
-  if (r.status >= 500) {
-    service_.stats.errors_5xx++;
-  } else if (r.status >= 400) {
-    service_.stats.errors_4xx++;
-  }
-  closing_ =
-      closing_ || r.close || !parser_.keep_alive() || service_.draining.load(std::memory_order_relaxed);
-  const uint64_t length = r.length.value_or(r.body_size());
-  append_head(out_, r, length,
-              closing_          ? ConnectionFate::close
-              : request_.http10 ? ConnectionFate::keep_http10
-                                : ConnectionFate::keep);
-  if (request_.method == Method::head || r.status == 204 || r.status == 304 || length == 0)
-    return out_.size() < kCollect;
-  if (std::holds_alternative<FileBody>(r.body)) return false;
-  const std::string_view body = r.body_bytes().substr(r.offset, length);
-  if (body.size() > kSmallBody) {
-    large_body = body;
-    return false;
-  }
-  out_ += body;
-  return out_.size() < kCollect;
-}
-
-asio::awaitable<bool> Connection::finish_response(const Response& r, std::string_view large_body) {
-  if (!flush_now(large_body)) {
-    if (!co_await write_out(large_body)) co_return false;
-  }
-  const auto* file = std::get_if<FileBody>(&r.body);
-  if (!file || request_.method == Method::head || r.status == 304) co_return true;
-  const bool sent = co_await send_file(*file, r.offset, r.length.value_or(file->size()));
-  co_return sent;
-}
-
-asio::awaitable<void> Connection::linger() {
-  boost::system::error_code ec;
-  socket_.shutdown(Socket::shutdown_send, ec);
-  enter(Phase::linger);
-  size_t n = 1;
-  while (n > 0) n = co_await read_into(buffer_.data(), buffer_.size());
 }
 
 }  // namespace truestep::net
