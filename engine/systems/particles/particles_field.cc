@@ -2,7 +2,9 @@
 
 #include <cmath>
 
+#include "engine/base/errors.h"
 #include "engine/kernels/spring.h"
+#include "engine/systems/particles/pair_forces.h"
 
 namespace truestep {
 
@@ -23,6 +25,27 @@ void add(std::span<double> a, size_t row, const Vec3& da) {
   store3(a.data(), row, load3<double>(a.data(), row) + da);
 }
 
+/// The three components, all faults reported at once.
+std::vector<Expression> parse_expressions(const ExpressionDef& d) {
+  static const std::vector<std::string> kVariables = {"x", "y", "z", "vx", "vy", "vz", "t", "m"};
+  std::vector<std::pair<std::string, double>> constants;
+  for (const NamedNumberDef& c : d.constants) constants.emplace_back(c.name, c.value);
+  std::vector<Expression> out;
+  std::vector<Issue> issues;
+  const std::pair<const char*, const std::string*> parts[] = {{"fx", &d.fx}, {"fy", &d.fy}, {"fz", &d.fz}};
+  for (const auto& [name, text] : parts) {
+    try {
+      out.push_back(Expression::parse(*text, kVariables, constants));
+    } catch (const ExpressionFault& fault) {
+      issues.push_back({std::string("/expression/") + name, "bad_expression",
+                        fault.message + " (character " + std::to_string(fault.position + 1) + ')',
+                        '"' + text->substr(0, 80) + '"', "see the sentence of \"expression\"", "", "N"});
+    }
+  }
+  if (!issues.empty()) throw Error("scene_invalid", issues[0].pointer + ": " + issues[0].message, issues);
+  return out;
+}
+
 }  // namespace
 
 ParticlesField::ParticlesField(const ParticlesDef& def, const Vec3& gravity, uint64_t seed)
@@ -31,7 +54,10 @@ ParticlesField::ParticlesField(const ParticlesDef& def, const Vec3& gravity, uin
       gravity_(gravity),
       seed_(seed),
       capacity_(largest_count(def)),
-      dependence_(dependence_of(def)) {}
+      dependence_(dependence_of(def)),
+      pair_laws_(pair_laws(def.pair_forces)) {
+  if (def.expression) expression_ = parse_expressions(*def.expression);
+}
 
 State ParticlesField::initial_state() const {
   return particles_at_start(def_, colliders_, gravity_, seed_, capacity_);
@@ -60,7 +86,9 @@ void ParticlesField::acceleration(const Phase& at, std::span<double> a, Evaluati
   const BodyForces body = body_forces(s);
   e.arena.for_blocks(a.size() / 3, kBlockRows, [&](size_t begin, size_t end) {
     body_accelerations(body, arrays, a.data(), begin, end);
+    if (!expression_.empty()) add_expression(at, arrays.mass, a.data(), begin, end);
   });
+  if (!pair_laws_.empty()) add_pair_forces(pair_laws_, at, arrays.mass, a, e);
   if (s.rows(columns::spring_rows) > 0) add_springs(at, a);
   if (s.rows(columns::push_id) + s.rows(columns::drag_id) > 0) add_commands(at, a);
 }
@@ -76,6 +104,22 @@ void ParticlesField::add_springs(const Phase& at, std::span<double> a) const {
                                  values[3 * k + 1], values[3 * k + 2]);
     add(a, i, f / mass[i]);
     add(a, j, -f / mass[j]);
+  }
+}
+
+void ParticlesField::add_expression(const Phase& at, const double* mass, double* a, size_t begin,
+                                    size_t end) const {
+  const Expression::Column variables[] = {
+      {at.x.data(), 3},     {at.x.data() + 1, 3}, {at.x.data() + 2, 3}, {at.v.data(), 3},
+      {at.v.data() + 1, 3}, {at.v.data() + 2, 3}, {&at.t, 0},           {mass, 1}};
+  constexpr size_t kChunk = 256;
+  double force[kChunk];
+  for (size_t first = begin; first < end; first += kChunk) {
+    const size_t stop = std::min(end, first + kChunk);
+    for (size_t axis = 0; axis < 3; ++axis) {
+      expression_[axis].evaluate(variables, force, first, stop);
+      for (size_t i = first; i < stop; ++i) a[3 * i + axis] += force[i - first] / mass[i];
+    }
   }
 }
 
@@ -105,6 +149,7 @@ std::optional<double> ParticlesField::potential(const Phase& at, Evaluation& e) 
   double sum = e.arena.sum_blocks(at.x.size() / 3, kBlockRows, [&](size_t begin, size_t end) {
     return body_potential(body, arrays, begin, end);
   });
+  if (!pair_laws_.empty()) sum += pair_potential_energy(pair_laws_, at, e);
   const auto rows = s.span<uint32_t>(columns::spring_rows);
   const double* values = s.f64(columns::spring_values).data();
   for (size_t k = 0; k < rows.size() / 2; ++k) {
@@ -153,6 +198,7 @@ Vec3 ParticlesField::single_acceleration(const State& s, double t, const Vec3& x
   const double xs[3] = {x.x, x.y, x.z}, vs[3] = {v.x, v.y, v.z};
   double a[3];
   body_accelerations(body_forces(s), {xs, vs, &mass}, a, 0, 1);
+  if (!expression_.empty()) add_expression({t, xs, vs, s}, &mass, a, 0, 1);
   return load3(a, 0);
 }
 

@@ -2,6 +2,8 @@
 // (pair_forces.h), springs, user expressions, and what commands push and drag.
 #pragma once
 #include "engine/core/force_field.h"
+#include "engine/kernels/pair_force.h"
+#include "engine/math/expression.h"
 #include "engine/systems/particles/body_forces.h"
 #include "engine/systems/particles/particles_state.h"
 
@@ -29,6 +31,7 @@ class ParticlesField final : public ForceField {
  private:
   BodyForces body_forces(const State& s) const;
   void add_springs(const Phase& at, std::span<double> a) const;
+  void add_expression(const Phase& at, const double* mass, double* a, size_t begin, size_t end) const;
   void add_commands(const Phase& at, std::span<double> a) const;
 
   ParticlesDef def_;
@@ -37,6 +40,8 @@ class ParticlesField final : public ForceField {
   uint64_t seed_;
   size_t capacity_;
   Dependence dependence_;
+  std::vector<PairLaw> pair_laws_;
+  std::vector<Expression> expression_;  ///< none, or fx, fy, fz
 };
 
 }  // namespace truestep

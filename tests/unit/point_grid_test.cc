@@ -1,0 +1,57 @@
+#include "engine/collision/point_grid.h"
+
+#include <gtest/gtest.h>
+
+#include <limits>
+#include <set>
+
+#include "engine/base/random.h"
+
+namespace truestep {
+namespace {
+
+std::vector<double> cloud(size_t n, double size) {
+  std::vector<double> x;
+  for (size_t i = 0; i < n; ++i) {
+    const auto u = uniform4(1, 2, i);
+    for (int k = 0; k < 3; ++k) x.push_back(size * u[k]);
+  }
+  return x;
+}
+
+TEST(PointGrid, FindsEveryNeighbourOnce) {
+  for (const double reach : {0.01, 0.1, 0.5, 3.0}) {
+    auto x = cloud(500, 1);
+    x[0] = 1e6;  // an outlier makes cells large, never wrong
+    PointGrid grid;
+    grid.build(x, reach);
+    ASSERT_EQ(grid.size(), 500u);
+    for (size_t i = 0; i < 500; i += 7) {
+      std::multiset<uint32_t> found, expected;
+      grid.near(load3(x.data(), i), [&](size_t begin, size_t end) {
+        for (size_t q = begin; q < end; ++q) {
+          if (norm(grid.position(q) - load3(x.data(), i)) < reach) found.insert(grid.point(q));
+        }
+      });
+      for (uint32_t j = 0; j < 500; ++j) {
+        if (norm(load3(x.data(), j) - load3(x.data(), i)) < reach) expected.insert(j);
+      }
+      EXPECT_EQ(found, expected);
+    }
+  }
+}
+
+TEST(PointGrid, LeavesOutWhatIsNotFinite) {
+  auto x = cloud(10, 1);
+  x[4] = std::numeric_limits<double>::quiet_NaN();
+  x[9] = std::numeric_limits<double>::infinity();
+  PointGrid grid;
+  grid.build(x, 0.1);
+  EXPECT_EQ(grid.size(), 8u);
+  x.clear();
+  grid.build(x, 0.1);
+  EXPECT_EQ(grid.size(), 0u);
+}
+
+}  // namespace
+}  // namespace truestep
