@@ -34,19 +34,23 @@ net::Response json_response(const boost::json::value& value, int status = 200);
 template <class F>
 boost::asio::awaitable<net::Response> with_session(App& app, EntryPtr entry, F f) {
   if (std::unique_lock lock(entry->mutex, std::try_to_lock); lock.owns_lock()) co_return f(*entry);
-  co_return co_await net::offload(app.runner.pool(), [entry, f = std::move(f)]() mutable {
+  // Named: gcc 12 destroys the captures of a closure that is a temporary of a co_await expression twice.
+  auto work = [entry, f = std::move(f)]() mutable {
     const std::lock_guard lock(entry->mutex);
     return f(*entry);
-  });
+  };
+  co_return co_await net::offload(app.runner.pool(), std::move(work));
 }
 
 /// The same, always on a worker: for what takes long.
 template <class F>
 boost::asio::awaitable<net::Response> with_session_on_worker(App& app, EntryPtr entry, F f) {
-  co_return co_await net::offload(app.runner.pool(), [entry, f = std::move(f)]() mutable {
+  // Named: gcc 12 destroys the captures of a closure that is a temporary of a co_await expression twice.
+  auto work = [entry, f = std::move(f)]() mutable {
     const std::lock_guard lock(entry->mutex);
     return f(*entry);
-  });
+  };
+  co_return co_await net::offload(app.runner.pool(), std::move(work));
 }
 
 }  // namespace truestep

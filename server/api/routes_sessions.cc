@@ -134,7 +134,7 @@ asio::awaitable<Response> create(App& app, const Request& request, std::string i
     if (const auto before = app.idempotency.begin(key, hasher.value())) co_return created(*before);
   }
   try {
-    auto made = co_await net::offload(app.runner.pool(), [&app, id, document = std::move(document)] {
+    auto build = [&app, id, document = std::move(document)] {
       SessionStore::Created c = app.store.create(document, id);
       const std::lock_guard lock(c.entry->mutex);
       if (c.how == SessionStore::Created::How::made) attach_recording(app, *c.entry);
@@ -143,7 +143,8 @@ asio::awaitable<Response> create(App& app, const Request& request, std::string i
       answer.body = json::serialize(describe_session(*c.entry));
       answer.location = "/v1/sessions/" + c.entry->id;
       return answer;
-    });
+    };
+    auto made = co_await net::offload(app.runner.pool(), std::move(build));
     made.request_hash = hasher.value();
     if (!key.empty()) app.idempotency.remember(key, made);
     co_return created(made);
@@ -201,11 +202,12 @@ asio::awaitable<Response> step(App& app, const Request& request) {
       co_return Response::json(before->body, before->status);
   }
   try {
-    const uint64_t target = co_await net::offload(app.runner.pool(), [entry, &body] {
+    auto find_target = [entry, &body] {
       const std::lock_guard lock(entry->mutex);
       if (!entry->session.failure()) return step_target(body, entry->session);
       return UINT64_MAX;
-    });
+    };
+    const uint64_t target = co_await net::offload(app.runner.pool(), std::move(find_target));
     if (target != UINT64_MAX) co_await app.runner.step_to(entry, target);
     Response response = co_await with_session(app, entry, [&](SessionEntry& e) {
       return e.session.failure() ? instability(request, e.session) : json_response(describe_clock(e));
@@ -282,7 +284,7 @@ std::shared_ptr<const WorldState> snapshot_of(SessionEntry& e, std::string_view 
 
 asio::awaitable<Response> branch(App& app, const Request& request) {
   EntryPtr entry = app.store.find(request.param("id"));
-  co_return co_await net::offload(app.runner.pool(), [&app, entry] {
+  auto copy = [&app, entry] {
     json::value document;
     WorldState state;
     {
@@ -296,7 +298,8 @@ asio::awaitable<Response> branch(App& app, const Request& request) {
     Response r = json_response(describe_session(*made.entry), 201);
     r.header("Location", "/v1/sessions/" + made.entry->id);
     return r;
-  });
+  };
+  co_return co_await net::offload(app.runner.pool(), std::move(copy));
 }
 
 }  // namespace
@@ -389,7 +392,7 @@ void add_session_routes(net::Router& router, App& app) {
              [&app](const Request& r) -> asio::awaitable<Response> {
                const std::string sid(r.param("sid"));
                co_return co_await with_session_on_worker(
-                   app, app.store.find(r.param("id")), [sid](SessionEntry& e) {
+                   app, app.store.find(r.param("id")), [&sid](SessionEntry& e) {
                      const auto bytes = snapshot_of(e, sid)->serialize();
                      return Response::text({reinterpret_cast<const char*>(bytes.data()), bytes.size()},
                                            "application/octet-stream");
@@ -399,7 +402,7 @@ void add_session_routes(net::Router& router, App& app) {
              [&app](const Request& r) -> asio::awaitable<Response> {
                const std::string sid(r.param("sid"));
                co_return co_await with_session_on_worker(app, app.store.find(r.param("id")),
-                                                         [sid](SessionEntry& e) {
+                                                         [&sid](SessionEntry& e) {
                                                            e.session.restore(*snapshot_of(e, sid));
                                                            e.publish();
                                                            return json_response(describe_clock(e));

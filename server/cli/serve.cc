@@ -99,7 +99,7 @@ int serve(const ServeOptions& options) {
   asio::io_context main_loop;
   asio::signal_set signals(main_loop, SIGTERM, SIGINT);
   server.start();
-  std::cout << "Truestep " << version() << " at " << server.url() << std::endl;
+  std::cout << "Truestep " << version() << " listening on " << server.url() << std::endl;
   recover_recordings(app);
 
   asio::steady_timer sweeper(main_loop);

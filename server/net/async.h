@@ -22,9 +22,9 @@ namespace truestep::net {
 template <class Pool, class F>
 boost::asio::awaitable<std::invoke_result_t<F>> offload(Pool& pool, F f) {
   using T = std::invoke_result_t<F>;
-  co_return co_await boost::asio::co_spawn(
-      pool.get_executor(), [f = std::move(f)]() mutable -> boost::asio::awaitable<T> { co_return f(); },
-      boost::asio::use_awaitable);
+  // Named, not a temporary of the co_await expression: gcc 12 destroys the captures of such a closure twice.
+  auto work = [f = std::move(f)]() mutable -> boost::asio::awaitable<T> { co_return f(); };
+  co_return co_await boost::asio::co_spawn(pool.get_executor(), std::move(work), boost::asio::use_awaitable);
 }
 
 /// A counter that any thread raises and coroutines wait for. Read version(), check the condition, then wait

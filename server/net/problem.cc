@@ -31,6 +31,9 @@ constexpr ProblemKind kKinds[] = {
     {"misdirected", 421, "This host name is not served here"},
     {"scene_invalid", 422, "The scene is not valid"},
     {"invalid", 422, "The request is not valid"},
+    {"bad_command", 422, "The command makes no sense here"},
+    {"unknown_system", 422, "No such system"},
+    {"bad_snapshot", 422, "The snapshot cannot be used"},
     {"idempotency_key_reused", 422, "The idempotency key was used for another request"},
     {"upgrade_required", 426, "A WebSocket handshake is required"},
     {"quota_exceeded", 429, "A limit is reached"},
@@ -39,6 +42,8 @@ constexpr ProblemKind kKinds[] = {
     {"not_implemented", 501, "Not implemented"},
     {"draining", 503, "The service is shutting down"},
     {"overloaded", 503, "The service is at its limit"},
+    {"render_unavailable", 503, "Pictures cannot be drawn here"},
+    {"recording_io", 500, "The recording failed"},
     {"disk_full", 507, "The disk is full"},
 };
 

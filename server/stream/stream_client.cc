@@ -210,11 +210,14 @@ void StreamClient::accept(const FramePtr& frame) {
   if (frame->topology_version != topology_version_) refresh_topology();
   if (flow_ == Flow::credit) credit_.fetch_sub(1);
   const auto blocks = entry_->encoded.get(frame, fields_);
-  std::string head = encode_head(*frame, ++seq_, dropped_, blocks->size());
+  const std::string head = encode_head(*frame, ++seq_, dropped_, blocks->size());
   const size_t bytes = head.size() + blocks->size();
   bool sent = false;
   if (form_ == WireForm::protobuf) {
-    sent = socket_->send_binary(std::move(head), blocks);
+    auto whole = std::make_shared<std::string>();
+    whole->reserve(bytes);
+    whole->append(head).append(*blocks);
+    sent = socket_->send_binary(std::move(whole));
   } else {
     v1::ServerMessage message;
     message.ParseFromString(head + *blocks);
