@@ -137,11 +137,12 @@ class NetServer : public testing::Test {
   static std::string body(const std::string& answer) { return answer.substr(answer.find("\r\n\r\n") + 4); }
 
   using Client = beast::websocket::stream<tcp::socket>;
-  Client websocket(const std::string& headers_protocol = "") {
+  Client websocket(const std::string& subprotocols = "") {
     Client client(connect());
-    client.set_option(beast::websocket::stream_base::decorator([&](beast::websocket::request_type& r) {
-      if (!headers_protocol.empty()) r.set(beast::http::field::sec_websocket_protocol, headers_protocol);
-    }));
+    client.set_option(
+        beast::websocket::stream_base::decorator([subprotocols](beast::websocket::request_type& r) {
+          if (!subprotocols.empty()) r.set(beast::http::field::sec_websocket_protocol, subprotocols);
+        }));
     return client;
   }
 
