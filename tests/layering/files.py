@@ -48,13 +48,13 @@ def check_machine_paths(tree):
 
 
 def folders_of(tree):
-    """Folders that the README explains: those at the root, the engine's layers and the kinds of tests."""
+    """Folders that the README explains: those at the root, and instead of engine/ its layers."""
     found = set()
     for path in tree.paths:
         parts = path.split("/")[:-1]
-        if parts and not parts[0].startswith("."):
+        if parts and parts[0] != "engine" and not parts[0].startswith("."):
             found.add(parts[0] + "/")
-        if len(parts) > 1 and parts[0] in ("engine", "tests"):
+        if len(parts) > 1 and parts[0] == "engine":
             found.add("/".join(parts[:2]) + "/")
     return found
 
