@@ -40,10 +40,10 @@ void group_bounds(const double* a, const double* b, size_t begin, size_t end, Ve
 /// True when no point that stays in the box can touch.
 bool box_clear_of(const SweptCollider& c, const Vec3& low, const Vec3& high) {
   if (c.shape.kind == ShapeKind::plane) {
-    const Vec3 n = c.end_rotation.apply(c.shape.size), &o = c.end.position;
-    const double least = n.x * ((n.x > 0 ? low.x : high.x) - o.x) + n.y * ((n.y > 0 ? low.y : high.y) - o.y) +
-                         n.z * ((n.z > 0 ? low.z : high.z) - o.z);
-    return least > c.gap + 2 * kContactSlop;
+    const Vec3& n = c.end_normal;
+    const double least = n.x * (n.x > 0 ? low.x : high.x) + n.y * (n.y > 0 ? low.y : high.y) +
+                         n.z * (n.z > 0 ? low.z : high.z);
+    return least > c.end_level;
   }
   if (c.shape.side == PointSide::inside) {
     return low.x >= c.safe_low.x && low.y >= c.safe_low.y && low.z >= c.safe_low.z &&
@@ -52,6 +52,61 @@ bool box_clear_of(const SweptCollider& c, const Vec3& low, const Vec3& high) {
   return high.x < c.low.x || high.y < c.low.y || high.z < c.low.z || low.x > c.high.x || low.y > c.high.y ||
          low.z > c.high.z;
 }
+
+/// A group's paths by axis, so that tests against a solid are flat loops: smaller and larger end, end of the
+/// step, and the room left before anything can be touched (a bound; at most 0 means look closer).
+struct GroupPaths {
+  alignas(64) double small[3][kGroup], large[3][kGroup], end[3][kGroup], room[kGroup];
+
+  void load(const double* a, const double* b, size_t count) {
+    for (size_t i = 0; i < count; ++i) {
+      for (size_t k = 0; k < 3; ++k) {
+        const double p = a[3 * i + k], q = b[3 * i + k];
+        small[k][i] = p < q ? p : q;
+        large[k][i] = p < q ? q : p;
+        end[k][i] = q;
+      }
+      room[i] = std::numeric_limits<double>::infinity();
+    }
+  }
+  // Loops run over the whole group: what lies beyond `count` is computed and ignored.
+  void against_plane(const SweptCollider& c) {
+    const Vec3 n = c.end_normal;
+    for (size_t i = 0; i < kGroup; ++i) {
+      const double d = n.x * end[0][i] + n.y * end[1][i] + n.z * end[2][i] - c.end_level;
+      room[i] = d < room[i] ? d : room[i];
+    }
+  }
+  void against_solid(const SweptCollider& c) {
+    const double low[3] = {c.low.x, c.low.y, c.low.z}, high[3] = {c.high.x, c.high.y, c.high.z};
+    for (size_t i = 0; i < kGroup; ++i) {
+      double apart = low[0] - large[0][i];
+      for (size_t k = 0; k < 3; ++k) {
+        const double below = low[k] - large[k][i], above = small[k][i] - high[k];
+        apart = below > apart ? below : apart;
+        apart = above > apart ? above : apart;
+      }
+      room[i] = apart < room[i] ? apart : room[i];
+    }
+  }
+  void against_container(const SweptCollider& c) {
+    const double low[3] = {c.safe_low.x, c.safe_low.y, c.safe_low.z};
+    const double high[3] = {c.safe_high.x, c.safe_high.y, c.safe_high.z};
+    for (size_t i = 0; i < kGroup; ++i) {
+      double inside = end[0][i] - low[0];
+      for (size_t k = 0; k < 3; ++k) {
+        const double from_low = end[k][i] - low[k], to_high = high[k] - end[k][i];
+        inside = from_low < inside ? from_low : inside;
+        inside = to_high < inside ? to_high : inside;
+      }
+      room[i] = inside < room[i] ? inside : room[i];
+    }
+  }
+  void against(const SweptCollider& c) {
+    if (c.shape.kind == ShapeKind::plane) return against_plane(c);
+    return c.shape.side == PointSide::inside ? against_container(c) : against_solid(c);
+  }
+};
 
 }  // namespace
 
@@ -74,6 +129,7 @@ void ColliderSet::resolve(const ContactSweep& sweep, Workspace& workspace, const
   const double h = sweep.h;
   arena.for_blocks(sweep.x.size() / 3, kBlockRows, [&](size_t begin, size_t end) {
     std::array<uint16_t, kMaxColliders> near_group;
+    GroupPaths paths{};
     for (size_t group = begin; group < end; group += kGroup) {
       const size_t stop = std::min(end, group + kGroup);
       Vec3 low, high;
@@ -83,7 +139,10 @@ void ColliderSet::resolve(const ContactSweep& sweep, Workspace& workspace, const
         if (!box_clear_of(swept[k], low, high)) near_group[count++] = static_cast<uint16_t>(k);
       }
       if (count == 0) continue;
+      paths.load(&sweep.x_old[3 * group], &sweep.x[3 * group], stop - group);
+      for (size_t k = 0; k < count; ++k) paths.against(swept[near_group[k]]);
       for (size_t i = group; i < stop; ++i) {
+        if (paths.room[i - group] > 0) continue;
         if (!sweep.inverse_mass.empty() && sweep.inverse_mass[i] == 0) continue;
         const Vec3 x0 = load3(sweep.x_old.data(), i), x1 = load3(sweep.x.data(), i);
         bool touches = false;

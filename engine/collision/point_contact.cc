@@ -113,6 +113,10 @@ SweptCollider sweep_collider(const Collider& c, const Surface& surface, double t
   }
   s.begin_rotation = rotation(s.begin.orientation);
   s.end_rotation = rotation(s.end.orientation);
+  if (c.shape.kind == ShapeKind::plane) {
+    s.end_normal = s.end_rotation.apply(c.shape.size);
+    s.end_level = dot(s.end_normal, s.end.position) + s.gap + kContactSlop;
+  }
 
   // Half size of the shape's box at one end of the step; a turning shape gets its ball.
   const auto reach = [&](const Rotation& r) -> Vec3 {
@@ -153,20 +157,12 @@ SweptCollider sweep_collider(const Collider& c, const Surface& surface, double t
   return s;
 }
 
-bool clear_of(const SweptCollider& c, const Vec3& a, const Vec3& b) {
-  if (c.shape.kind == ShapeKind::plane) {
-    return dot(c.end_rotation.apply(c.shape.size), b - c.end.position) > c.gap + kContactSlop;
+bool held_by(const SweptCollider& c, const Vec3& b) {
+  if (b.x >= c.safe_low.x && b.y >= c.safe_low.y && b.z >= c.safe_low.z && b.x <= c.safe_high.x &&
+      b.y <= c.safe_high.y && b.z <= c.safe_high.z) {
+    return true;
   }
-  if (c.shape.side == PointSide::inside) {
-    if (b.x >= c.safe_low.x && b.y >= c.safe_low.y && b.z >= c.safe_low.z && b.x <= c.safe_high.x &&
-        b.y <= c.safe_high.y && b.z <= c.safe_high.z) {
-      return true;
-    }
-    return clearance_at(c, b, 1).d > c.gap + kContactSlop;
-  }
-  return (a.x < c.low.x && b.x < c.low.x) || (a.x > c.high.x && b.x > c.high.x) ||
-         (a.y < c.low.y && b.y < c.low.y) || (a.y > c.high.y && b.y > c.high.y) ||
-         (a.z < c.low.z && b.z < c.low.z) || (a.z > c.high.z && b.z > c.high.z);
+  return clearance_at(c, b, 1).d > c.gap + kContactSlop;
 }
 
 namespace {

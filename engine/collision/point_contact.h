@@ -16,6 +16,8 @@ struct SweptCollider {
   Rotation begin_rotation, end_rotation;
   Vec3 velocity;             ///< mean over the step, m/s
   Vec3 spin;                 ///< rad/s
+  Vec3 end_normal;           ///< plane: unit normal at the step's end
+  double end_level = 0;      ///< plane: end_normal . x beyond which nothing touches, m
   double gap = 0;            ///< m, distance kept: point radius + slop
   Vec3 low, high;            ///< box that holds every place where a point could touch from outside
   Vec3 safe_low, safe_high;  ///< box inside which a container holds points anyway (empty when it moves)
@@ -24,8 +26,21 @@ struct SweptCollider {
 
 SweptCollider sweep_collider(const Collider& c, const Surface& surface, double t, double h, double radius);
 
-/// True when a point that moves straight from a to b during the whole step cannot touch.
-bool clear_of(const SweptCollider& c, const Vec3& a, const Vec3& b);
+/// True when a point that ends at b cannot have left the container.
+bool held_by(const SweptCollider& c, const Vec3& b);
+
+/// True when a point that moves straight from a to b during the whole step cannot touch. Without branches
+/// inside: most points are far from most solids, but which ones is anyone's guess.
+inline bool clear_of(const SweptCollider& c, const Vec3& a, const Vec3& b) {
+  if (c.shape.kind == ShapeKind::plane) return dot(c.end_normal, b) > c.end_level;
+  if (c.shape.side == PointSide::inside) return held_by(c, b);
+  const auto apart = [](double p, double q, double low, double high) {
+    const double small = p < q ? p : q, large = p < q ? q : p;
+    return static_cast<int>(large < low) | static_cast<int>(small > high);
+  };
+  return (apart(a.x, b.x, c.low.x, c.high.x) | apart(a.y, b.y, c.low.y, c.high.y) |
+          apart(a.z, b.z, c.low.z, c.high.z)) != 0;
+}
 
 /// A point in the step of length h: position and velocity at fraction `from` of it.
 struct PointFlight {
