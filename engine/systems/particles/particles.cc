@@ -269,6 +269,32 @@ std::vector<DrawnShape> Particles::shapes(const State&, double t) const {
   return particles_.colliders().drawn(t);
 }
 
+namespace {
+
+/// Neighbours within the largest cutoff of a particle, from the density at t = 0: an estimate for admission.
+double expected_neighbours(const ParticlesDef& d, double count) {
+  double reach = 0;
+  for (const PairForceDef& p : d.pair_forces) {
+    reach = std::max(reach, std::visit([](const auto& law) { return law.cutoff; }, p));
+  }
+  Vec3 low{HUGE_VAL, HUGE_VAL, HUGE_VAL}, high = -low;
+  const auto cover = [&](const Vec3& a, const Vec3& b) {
+    low = {std::min(low.x, a.x), std::min(low.y, a.y), std::min(low.z, a.z)};
+    high = {std::max(high.x, b.x), std::max(high.y, b.y), std::max(high.z, b.z)};
+  };
+  for (const Vec3& x : d.positions) cover(x, x);
+  for (const FillDef& f : d.fill) {
+    const Vec3 half = f.shape == FillDef::Shape::box ? f.half_extents : Vec3{f.radius, f.radius, f.radius};
+    cover(f.center - half, f.center + half);
+  }
+  // A flat or empty region counts as thick as the reach.
+  const auto extent = [reach](double a, double b) { return std::max(b - a, reach); };
+  const double volume = extent(low.x, high.x) * extent(low.y, high.y) * extent(low.z, high.z);
+  return std::min(count, count * 4.2 * reach * reach * reach / volume);
+}
+
+}  // namespace
+
 std::unique_ptr<const System> build_particles(const void* def, const BuildContext& context) {
   return Particles::make(*static_cast<const ParticlesDef*>(def), context);
 }
@@ -281,7 +307,9 @@ Cost particles_cost(const void* def) {
   // Two accelerations or velocities, and the step's start where there are contacts.
   c.workspace_bytes = n * (d.colliders.empty() ? 48 : 96);
   c.elements = n + static_cast<double>(d.springs.size());
-  const double pairs = d.pair_forces.empty() ? 0 : 1e-6;
+  const double pairs = d.pair_forces.empty() ? 0
+                                             : 5e-7 + 1e-8 * expected_neighbours(d, n) *
+                                                          static_cast<double>(d.pair_forces.size());
   const double own = d.expression ? 2e-7 : 0;
   c.seconds_per_step = n * (8e-9 + 3e-9 * static_cast<double>(d.colliders.size()) + pairs + own) +
                        1e-8 * static_cast<double>(d.springs.size());

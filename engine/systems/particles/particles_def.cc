@@ -35,7 +35,7 @@ const DefTable& emitter_table() {
           .number("radius", &D::radius, "m", at_least(0), "of the disk or ball")
           .vector("half_extents", &D::half_extents, "m", at_least(0), "half edges of the box")
           .vector("end", &D::end, "m", any(), "other end of the line")
-          .number("rate", &D::rate, "1/s", between(0, 1e8), "particles per second")
+          .number("rate", &D::rate, "1/s", between(0, 1e7), "particles per second")
           .number("start", &D::start, "s", at_least(0), "time of the first particle")
           .number("stop", &D::stop, "s", at_least(0), "no particle from then on; absent: goes on")
           .numbers("bursts", &D::bursts, "s", at_least(0), {0, 10000},
@@ -52,6 +52,9 @@ const DefTable& emitter_table() {
             if (!(norm(d.direction) > 0)) report("/direction", "the direction must not be zero");
             if (d.rate > 0 && !d.bursts.empty())
               report("/bursts", "an emitter has a rate or bursts, not both");
+            if (static_cast<double>(d.bursts.size()) * static_cast<double>(d.burst_count) > kMostParticles) {
+              report("/burst_count", "all bursts together are more than ten million particles");
+            }
             if (!std::is_sorted(d.bursts.begin(), d.bursts.end())) {
               report("/bursts", "the burst times must be ascending");
             }
