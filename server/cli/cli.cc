@@ -8,6 +8,7 @@
 #include "server/cli/describe_commands.h"
 #include "server/cli/exit_codes.h"
 #include "server/cli/input.h"
+#include "server/cli/recording_commands.h"
 #include "server/cli/run.h"
 #include "server/cli/serve.h"
 
@@ -33,6 +34,7 @@ int run_command_line(int argc, char** argv) {
   add_run_command(app, exit_code);
   add_serve_command(app, exit_code);
   add_describe_commands(app, exit_code);
+  add_recording_commands(app, exit_code);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& e) {

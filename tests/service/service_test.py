@@ -273,9 +273,14 @@ class Catalogue(Case):
 
 
 class Stream(Case):
+    def socket(self, *arguments):
+        ws = Socket(self.service, *arguments)
+        self.addCleanup(ws.close)
+        return ws
+
     def open(self, scene=OSCILLATOR):
         self.session = self.service.create(scene)
-        return Socket(self.service, self.session["links"]["stream"], "truestep.v1.json")
+        return self.socket(self.session["links"]["stream"], "truestep.v1.json")
 
     def test_hello_topology_playback_frame(self):
         ws = self.open()
@@ -322,9 +327,9 @@ class Stream(Case):
 
     def test_unknown_subprotocols_and_foreign_origins_are_refused(self):
         s = self.service.create(OSCILLATOR)
-        self.assertEqual(Socket(self.service, s["links"]["stream"], "chat").status, 400)
-        self.assertEqual(Socket(self.service, s["links"]["stream"], None, ["Origin: http://evil.example"]).status, 403)
-        self.assertEqual(Socket(self.service, "/v1/sessions/nobody/stream").status, 404)
+        self.assertEqual(self.socket(s["links"]["stream"], "chat").status, 400)
+        self.assertEqual(self.socket(s["links"]["stream"], None, ["Origin: http://evil.example"]).status, 403)
+        self.assertEqual(self.socket("/v1/sessions/nobody/stream").status, 404)
 
 
 class Ending(unittest.TestCase):
@@ -333,6 +338,7 @@ class Ending(unittest.TestCase):
         try:
             s = service.create({**OSCILLATOR, "recording": {}})
             ws = Socket(service, s["links"]["stream"], "truestep.v1.json")
+            self.addCleanup(ws.close)
             service.post(s["links"]["play"])
             ws.message("frame")
             service.process.terminate()
