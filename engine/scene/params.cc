@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "engine/scene/json_write.h"
 #include "engine/scene/units.h"
 
 namespace truestep {
@@ -30,9 +31,9 @@ std::string shorten(const json::value& value) {
     size_t cut = 60;
     const auto& s = value.as_string();
     while (cut > 0 && (static_cast<unsigned char>(s[cut]) & 0xC0) == 0x80) --cut;
-    return json::serialize(json::value(json::string_view(s.data(), cut))) + "...";
+    return write_json(json::value(json::string_view(s.data(), cut))) + "...";
   }
-  return json::serialize(value);
+  return write_json(value);
 }
 
 namespace {
@@ -59,7 +60,7 @@ std::string join(std::span<const std::string> names) {
 }
 
 std::string number_text(double v) {
-  return json::serialize(json::value(v));
+  return write_json(json::value(v));
 }
 
 std::string limits_text(const Limits& l) {

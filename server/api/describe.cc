@@ -5,6 +5,7 @@
 #include "engine/core/integrator.h"
 #include "engine/scene/gallery.h"
 #include "engine/scene/json.h"
+#include "engine/scene/json_write.h"
 #include "engine/scene/params.h"
 
 namespace truestep {
@@ -131,10 +132,9 @@ json::object validate_scene(const json::value& document, const AdmissionLimits& 
       if (const auto dt = world.stable_dt(state)) {
         out["stable_dt"] = *dt;
         if (*dt < world.dt()) {
-          report.warnings.push_back({"/time/dt", "unstable_dt",
-                                     "the step is longer than this method holds; it will blow up",
-                                     json::serialize(json::value(world.dt())),
-                                     "at most " + json::serialize(json::value(*dt)), "", "s"});
+          report.warnings.push_back(
+              {"/time/dt", "unstable_dt", "the step is longer than this method holds; it will blow up",
+               write_json(json::value(world.dt())), "at most " + write_json(json::value(*dt)), "", "s"});
         }
       }
       out["scene"] = report.scene->canonical();

@@ -1,6 +1,7 @@
 #include "server/api/openapi.h"
 
 #include "engine/base/version.h"
+#include "engine/scene/json_write.h"
 #include "engine/scene/params.h"
 #include "engine/session/commands.h"
 #include "server/net/problem.h"
@@ -216,7 +217,7 @@ void add_description_routes(net::Router& router) {
       .add(net::Method::get, "/docs", "This description as a page",
            [page](const net::Request&) { return net::Response::shared(*page, "text/html; charset=utf-8"); })
       .access = net::Access::open;
-  *document = std::make_shared<const std::string>(json::serialize(openapi_document(router)));
+  *document = std::make_shared<const std::string>(write_json(openapi_document(router)));
   *page = std::make_shared<const std::string>(docs_page(router));
 }
 

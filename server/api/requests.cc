@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "engine/scene/json.h"
+#include "engine/scene/json_write.h"
 
 namespace truestep {
 
@@ -25,7 +26,7 @@ T parse_query(const net::Request& request, std::string_view name, T fallback, T 
   const auto [end, error] = std::from_chars(text->data(), text->data() + text->size(), value);
   const bool good =
       error == std::errc() && end == text->data() + text->size() && value >= T(0) && value <= max;
-  if (!good) bad_query(name, *text, std::string(kind) + " from 0 to " + json::serialize(json::value(max)));
+  if (!good) bad_query(name, *text, std::string(kind) + " from 0 to " + write_json(json::value(max)));
   return value;
 }
 
@@ -75,14 +76,14 @@ double number_member(const json::object& o, const char* name, double min, double
     throw Error(
         "bad_request", std::string(name) + " is out of range",
         {{std::string("/") + name, v.is_number() ? "out_of_range" : "wrong_type",
-          "expected a number in the allowed range", v.is_structured() ? "" : json::serialize(v).substr(0, 80),
-          json::serialize(json::value(min)) + " to " + json::serialize(json::value(max)), "", ""}});
+          "expected a number in the allowed range", v.is_structured() ? "" : write_json(v).substr(0, 80),
+          write_json(json::value(min)) + " to " + write_json(json::value(max)), "", ""}});
   }
   return x;
 }
 
 net::Response json_response(const json::value& value, int status) {
-  return net::Response::json(json::serialize(value), status);
+  return net::Response::json(write_json(value), status);
 }
 
 }  // namespace truestep

@@ -1,6 +1,7 @@
 // What the service can do: systems, schema, gallery, validation.
 #include "engine/scene/gallery.h"
 #include "engine/scene/json.h"
+#include "engine/scene/json_write.h"
 #include "server/api/describe.h"
 #include "server/api/requests.h"
 
@@ -24,13 +25,12 @@ void add_catalogue_routes(net::Router& router, App& app) {
              });
   router.add(Method::get, "/v1/schemas/scene-1.json", "JSON Schema of a scene, from the parameter tables",
              [](const Request&) {
-               static const auto kSchema =
-                   std::make_shared<const std::string>(json::serialize(scene_schema()));
+               static const auto kSchema = std::make_shared<const std::string>(write_json(scene_schema()));
                return Response::shared(kSchema, "application/schema+json");
              });
   router.add(Method::get, "/v1/gallery", "Scenes that teach something", [](const Request&) {
     static const auto kList =
-        std::make_shared<const std::string>(json::serialize(json::object{{"scenes", describe_gallery()}}));
+        std::make_shared<const std::string>(write_json(json::object{{"scenes", describe_gallery()}}));
     return Response::shared(kList, "application/json");
   });
   router.add(Method::get, "/v1/gallery/{name}", "One gallery scene with what it teaches and what to expect",

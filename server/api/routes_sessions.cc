@@ -4,6 +4,7 @@
 #include "engine/base/hash.h"
 #include "engine/scene/gallery.h"
 #include "engine/scene/json.h"
+#include "engine/scene/json_write.h"
 #include "engine/session/commands.h"
 #include "server/api/describe.h"
 #include "server/api/recordings.h"
@@ -112,7 +113,7 @@ json::value scene_document(json::value body) {
     std::string all;
     for (const GalleryScene& s : gallery()) all += (all.empty() ? "" : ", ") + std::string(s.name);
     issues.push_back({"/gallery", "unknown_choice", "the gallery has no such scene",
-                      name.is_string() ? json::serialize(name) : "", all, "", ""});
+                      name.is_string() ? write_json(name) : "", all, "", ""});
   }
   if (!issues.empty()) throw Error("scene_invalid", "there is no such gallery scene", std::move(issues));
   return parse_json(g->text);
@@ -140,7 +141,7 @@ asio::awaitable<Response> create(App& app, const Request& request, std::string i
       if (c.how == SessionStore::Created::How::made) attach_recording(app, *c.entry);
       RememberedAnswer answer;
       answer.status = c.how == SessionStore::Created::How::made ? 201 : 200;
-      answer.body = json::serialize(describe_session(*c.entry));
+      answer.body = write_json(describe_session(*c.entry));
       answer.location = "/v1/sessions/" + c.entry->id;
       return answer;
     };
@@ -174,7 +175,7 @@ uint64_t step_target(const json::object& body, const Session& s) {
     if (from != now) {
       throw Error("step_conflict", "the session is at step " + std::to_string(s.step_index()),
                   {{"/from_step", "precondition", "the session is at another step",
-                    json::serialize(body.at("from_step")), std::to_string(s.step_index()), "", ""}});
+                    write_json(body.at("from_step")), std::to_string(s.step_index()), "", ""}});
     }
   }
   double steps = 1;

@@ -5,6 +5,7 @@
 
 #include "engine/scene/gallery.h"
 #include "engine/scene/json.h"
+#include "engine/scene/json_write.h"
 #include "server/api/describe.h"
 #include "server/cli/exit_codes.h"
 #include "server/cli/input.h"
@@ -39,7 +40,7 @@ int validate(const Options& options) {
   const json::object report = validate_scene(load_scene_document(options.name), AdmissionLimits{});
   const bool valid = report.at("valid").as_bool();
   if (options.json) {
-    std::cout << json::serialize(report) << '\n';
+    std::cout << write_json(report) << '\n';
     return valid ? kExitOk : kExitInvalidScene;
   }
   print_issues(report.at("errors").as_array(), "error  ");
@@ -66,9 +67,9 @@ void print_parameters(const json::array& rows, const std::string& indent) {
     std::cout << indent << r.at("name").as_string().c_str() << " (" << r.at("kind").as_string().c_str();
     if (r.contains("unit")) std::cout << ", " << r.at("unit").as_string().c_str();
     if (r.contains("required")) std::cout << ", required";
-    if (r.contains("default")) std::cout << ", default " << json::serialize(r.at("default"));
+    if (r.contains("default")) std::cout << ", default " << write_json(r.at("default"));
     if (r.contains("allowed")) std::cout << ", " << r.at("allowed").as_string().c_str();
-    if (r.contains("choices")) std::cout << ", one of " << json::serialize(r.at("choices"));
+    if (r.contains("choices")) std::cout << ", one of " << write_json(r.at("choices"));
     std::cout << "): " << r.at("description").as_string().c_str() << '\n';
     if (r.contains("parameters")) print_parameters(r.at("parameters").as_array(), indent + "  ");
     if (r.contains("types")) {
@@ -83,7 +84,7 @@ void print_parameters(const json::array& rows, const std::string& indent) {
 int systems(const Options& options) {
   if (options.name.empty()) {
     if (options.json) {
-      std::cout << json::serialize(describe_systems()) << '\n';
+      std::cout << write_json(describe_systems()) << '\n';
     } else {
       for (const CatalogueRow& row : catalogue()) std::cout << row.type << "\t" << row.sentence << '\n';
     }
@@ -97,7 +98,7 @@ int systems(const Options& options) {
   }
   const json::object d = describe_system(*row);
   if (options.json) {
-    std::cout << json::serialize(d) << '\n';
+    std::cout << write_json(d) << '\n';
     return kExitOk;
   }
   std::cout << row->type << ": " << row->sentence << "\n\nparameters\n";
@@ -123,7 +124,7 @@ int show_gallery(const Options& options) {
   }
   const json::array list = describe_gallery();
   if (options.json) {
-    std::cout << json::serialize(list) << '\n';
+    std::cout << write_json(list) << '\n';
     return kExitOk;
   }
   for (const json::value& v : list) {
@@ -152,7 +153,7 @@ void add_describe_commands(CLI::App& app, int& exit_code) {
   add("gallery", "the scenes that come with the program, or one scene's document", show_gallery)
       ->add_option("name", options->name, "a gallery scene");
   add("schema", "the JSON Schema of a scene", [](const Options&) {
-    std::cout << json::serialize(scene_schema()) << '\n';
+    std::cout << write_json(scene_schema()) << '\n';
     return static_cast<int>(kExitOk);
   });
 }

@@ -4,6 +4,7 @@
 #include <boost/json.hpp>
 #include <iostream>
 
+#include "engine/scene/json_write.h"
 #include "engine/sinks/recording/diff.h"
 #include "engine/sinks/recording/export.h"
 #include "server/cli/exit_codes.h"
@@ -60,7 +61,7 @@ int info(const Options& o) {
   RecordingReader reader(std::make_shared<RecordingThread>(), o.file);
   const json::object d = describe(reader);
   if (o.json) {
-    std::cout << json::serialize(d) << '\n';
+    std::cout << write_json(d) << '\n';
     return kExitOk;
   }
   std::cout << "frames  " << reader.info().frames
@@ -100,15 +101,15 @@ int diff(const Options& o) {
     return kExitOk;
   }
   if (o.json) {
-    std::cout << json::serialize(json::object{{"equal", false},
-                                              {"frame", d->frame},
-                                              {"step", d->step},
-                                              {"system", d->system},
-                                              {"field", d->field},
-                                              {"row", d->row},
-                                              {"component", d->component},
-                                              {"first", d->first},
-                                              {"second", d->second}})
+    std::cout << write_json(json::object{{"equal", false},
+                                         {"frame", d->frame},
+                                         {"step", d->step},
+                                         {"system", d->system},
+                                         {"field", d->field},
+                                         {"row", d->row},
+                                         {"component", d->component},
+                                         {"first", d->first},
+                                         {"second", d->second}})
               << '\n';
   } else {
     std::cout << "first difference at frame " << d->frame << " (step " << d->step << "), "

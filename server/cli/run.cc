@@ -7,6 +7,7 @@
 #include <thread>
 
 #include "engine/scene/admission.h"
+#include "engine/scene/json_write.h"
 #include "engine/session/expectation.h"
 #include "engine/session/session.h"
 #include "server/api/describe.h"
@@ -110,7 +111,7 @@ int run(const RunOptions& options) {
                                       {"last_good_step", failure->last_good_step}};
       if (failure->suggested_dt) o["instability"].as_object()["suggested_dt"] = *failure->suggested_dt;
     }
-    std::cout << json::serialize(o) << '\n';
+    std::cout << write_json(o) << '\n';
   } else {
     std::cout << "steps   " << session.step_index() << "\ntime    " << session.time() << " s\nwall    "
               << wall << " s\nhash    " << hex64(session.hash()) << '\n';

@@ -4,6 +4,7 @@
 
 #include "engine/base/log.h"
 #include "engine/base/utf8.h"
+#include "engine/scene/json_write.h"
 
 namespace truestep::net {
 namespace {
@@ -108,7 +109,7 @@ Response problem(const Request& request, std::string_view code, std::string_view
   o["trace_id"] = request.trace_id();
   if (!issues.empty()) o["errors"] = issues_json(issues);
   for (const auto& member : extra) o[member.key()] = member.value();
-  Response r = Response::text(json::serialize(o), "application/problem+json", kind.status);
+  Response r = Response::text(write_json(o), "application/problem+json", kind.status);
   r.header("Cache-Control", "no-store");
   if (kind.status == 429 || kind.status == 503) r.header("Retry-After", "1");
   if (kind.status == 401) r.header("WWW-Authenticate", "Bearer realm=\"truestep\"");

@@ -1,6 +1,7 @@
 #include "server/sessions/store.h"
 
 #include "engine/base/hash.h"
+#include "engine/scene/json_write.h"
 #include "server/net/digest.h"
 
 namespace truestep {
@@ -40,7 +41,7 @@ void SessionStore::check_room(double bytes) const {
 
 SessionStore::Created SessionStore::create(const json::value& document, const std::string& id) {
   Hasher hasher;
-  hasher.text(json::serialize(document));
+  hasher.text(write_json(document));
   const uint64_t scene_hash = hasher.value();
   const auto existing = [&]() -> EntryPtr {
     const auto it = entries_.find(id);

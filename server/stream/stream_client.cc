@@ -66,8 +66,10 @@ void StreamClient::on_drain() {
 void StreamClient::on_message(net::MessageKind kind, std::string_view payload) {
   const bool binary = kind == net::MessageKind::binary;
   if (binary != (form_ == WireForm::protobuf)) {
-    throw Error("bad_request", form_ == WireForm::protobuf ? "this subprotocol takes binary messages"
-                                                           : "this subprotocol takes text messages");
+    send(problem_message(
+        "bad_request",
+        binary ? "this subprotocol takes text messages" : "this subprotocol takes binary messages", "", ""));
+    return;
   }
   v1::ClientMessage message;
   try {

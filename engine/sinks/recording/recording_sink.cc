@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "engine/base/version.h"
+#include "engine/scene/json_write.h"
 #include "engine/session/commands.h"
 
 namespace truestep {
@@ -41,7 +42,7 @@ RecordingLayout recording_layout(const World& world, const std::string& path) {
   const RecordingParams params = params_of(world);
   RecordingLayout layout;
   layout.path = path;
-  layout.scene_json = boost::json::serialize(world.scene().canonical());
+  layout.scene_json = write_json(world.scene().canonical());
   layout.seed = world.scene().header.seed;
   layout.dt = world.dt();
   layout.build = std::string(version()) + ' ' + std::string(build_description());
@@ -156,7 +157,7 @@ RecordingStatus RecordingSink::finish() {
     journal.push_back(boost::json::object{
         {"step", e.step}, {"sequence", e.sequence}, {"command", write_command(e.command)}});
   }
-  return writer_.finalize(boost::json::serialize(journal));
+  return writer_.finalize(write_json(journal));
 }
 
 }  // namespace truestep
