@@ -67,6 +67,17 @@ json::object describe_session(SessionEntry& e) {
                                    {"fields", std::move(fields)}});
   }
   o["systems"] = std::move(systems);
+  const SceneHeader& header = s.world().scene().header;
+  if (!header.title.empty()) o["title"] = header.title;
+  if (!header.teaches.empty()) o["teaches"] = header.teaches;
+  json::object viewer;
+  if (!header.viewer.color_by.empty()) viewer["color_by"] = header.viewer.color_by;
+  if (const auto& c = header.viewer.camera) {
+    const auto vector = [](const Vec3& v) { return json::array{v.x, v.y, v.z}; };
+    viewer["camera"] = json::object{
+        {"eye", vector(c->eye)}, {"target", vector(c->target)}, {"up", vector(c->up)}, {"fov", c->fov}};
+  }
+  if (!viewer.empty()) o["viewer"] = std::move(viewer);
   if (const auto& f = s.failure()) {
     o["instability"] = json::object{{"system", f->system},
                                     {"quantity", f->quantity},

@@ -43,6 +43,8 @@ const sceneOf = (entry) => ({
   viewer: { ...(entry.camera ? { camera: entry.camera } : {}), color_by: "speed" },
 });
 
+const describe = ({ id, entry, scene, step }) => ({ id, dt, step, title: entry.title, teaches: entry.teaches, viewer: scene.viewer ?? {} });
+
 class Session {
   constructor(entry, scene) {
     Object.assign(this, { id: randomUUID(), entry, scene, step: 0, playing: false, speed: 1, clients: new Set(), clock: 0 });
@@ -185,7 +187,7 @@ export function serve(port = 0) {
       const session = new Session(entry, named ? sceneOf(entry) : body);
       sessions.set(session.id, session);
       const self = `/v1/sessions/${session.id}`;
-      return { status: 201, body: { id: session.id, dt, links: { self, stream: `${self}/stream`, viewer: `/?session=${session.id}` } } };
+      return { status: 201, body: { ...describe(session), links: { self, stream: `${self}/stream`, viewer: `/?session=${session.id}` } } };
     }
     const session = sessions.get(id);
     if (!session) return problem(404, "unknown_session", "No such session", { detail: `There is no session ${id}. It may have expired.` });
@@ -199,7 +201,7 @@ export function serve(port = 0) {
     if (action === "reset") session.reset();
     if (action === "step") for (let k = 0; k < body.steps; ++k) session.advance();
     if (action) session.tell();
-    return { status: 200, body: { id, dt, step: session.step, scene: session.scene, links: { self: `/v1/sessions/${id}` } } };
+    return { status: 200, body: { ...describe(session), links: { self: `/v1/sessions/${id}` } } };
   }
 
   const server = createServer(async (request, response) => {

@@ -16,10 +16,17 @@ export interface Expectation {
   [bound: string]: unknown;
 }
 
+/** What a scene says about how it is shown; lengths in m, fov in rad. */
+export interface ViewerSettings {
+  camera?: { eye?: number[]; target?: number[]; fov?: number };
+  color_by?: string;
+}
+
 /** A scene as the service takes it; the viewer only looks at the parts named here. */
 export interface Scene {
   name?: string;
-  viewer?: { camera?: { eye?: number[]; target?: number[] }; color_by?: string };
+  title?: string;
+  viewer?: ViewerSettings;
   expect?: Expectation[];
   [key: string]: unknown;
 }
@@ -33,7 +40,9 @@ export interface Session {
   id: string;
   dt?: number;
   name?: string;
-  scene?: Scene;
+  title?: string;
+  teaches?: string;
+  viewer?: ViewerSettings;
   links: Record<string, string>;
   [key: string]: unknown;
 }

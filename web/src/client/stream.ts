@@ -40,8 +40,8 @@ export interface StreamEvents {
 }
 
 export interface StreamOptions {
-  /** Fields to ask for, given what the server says it has; default: position. */
-  fields?: (hello: Hello) => string[];
+  /** Fields to ask for, given what the server has and how it is drawn; default: position. Asked again when either changes. */
+  fields?: (hello: Hello, topology: Topology | undefined) => string[];
   rate?: number;
   credit?: number;
   observables?: boolean;
@@ -82,6 +82,9 @@ export class Stream {
   private owed = 0;
   private wake: (() => void) | undefined;
   private failure: Problem | undefined;
+  private greeting: Hello | undefined;
+  private topology: Topology | undefined;
+  private fields: string[] = [];
 
   /** Frames that arrived and frames that a newer one replaced before they were used. */
   received = 0;
@@ -132,6 +135,11 @@ export class Stream {
   /** Playback over the stream: play, pause, step, seek, speed, reset. */
   control(action: string, value = 0): Promise<Reply> {
     return this.request({ case: "control", value: { action, value } });
+  }
+
+  /** Asks `fields` again and tells the server when its answer changed. */
+  resubscribe(): void {
+    if (this.greeting && this.wanted().join() !== this.fields.join()) this.subscribe();
   }
 
   close(): void {
@@ -200,8 +208,10 @@ export class Stream {
       case "hello":
         this.attempts = 0;
         this.owed = 0;
+        this.greeting = kind.value;
+        this.topology = undefined;
         this.emit("hello", kind.value);
-        this.subscribe(kind.value);
+        this.subscribe();
         this.become("open");
         break;
       case "reply":
@@ -216,7 +226,9 @@ export class Stream {
         break;
       }
       case "topology":
+        this.topology = kind.value;
         this.emit("topology", kind.value);
+        this.resubscribe();
         break;
       case "observables":
         this.emit("observables", kind.value);
@@ -233,12 +245,17 @@ export class Stream {
     }
   }
 
-  private subscribe(hello: Hello): void {
+  private wanted(): string[] {
+    return (this.greeting && this.options.fields?.(this.greeting, this.topology)) ?? [];
+  }
+
+  private subscribe(): void {
+    this.fields = this.wanted();
     this.send({
       kind: {
         case: "subscribe",
         value: {
-          fields: this.options.fields?.(hello) ?? [],
+          fields: this.fields,
           rate: this.options.rate ?? 60,
           encoding: Encoding.F32,
           policy: Policy.LATEST,

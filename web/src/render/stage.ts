@@ -13,6 +13,8 @@ import { SystemView, type Visibility } from "./system_view";
 export interface CameraPose {
   eye?: number[];
   target?: number[];
+  /** Vertical, rad. */
+  fov?: number;
 }
 
 export class Stage {
@@ -144,7 +146,8 @@ export class Stage {
     this.camera.near = bounds.radius / 200;
     this.camera.far = bounds.radius * 80;
     Object.assign(this.controls, { minDistance: bounds.radius * 0.05, maxDistance: bounds.radius * 30 });
-    const { eye, target } = this.pose ?? {};
+    const { eye, target, fov } = this.pose ?? {};
+    this.camera.fov = fov ? (fov * 180) / Math.PI : 40;
     const aim = target ?? bounds.center.toArray();
     const narrow = this.free();
     const away = (0.95 * bounds.radius) / Math.sin((this.camera.fov * Math.PI) / 360) / narrow;

@@ -2,7 +2,7 @@
 import { connect, type Stream } from "../client/stream";
 import { ProblemError, problemOf } from "../client/problem";
 import { Service, type Scene, type Session } from "../client/rest";
-import type { Hello, PlaybackState } from "../client/gen/truestep/v1/stream_pb";
+import type { Hello, PlaybackState, Topology } from "../client/gen/truestep/v1/stream_pb";
 import { Stage } from "../render/stage";
 import { byId, make } from "./dom";
 import { Editor } from "./editor";
@@ -75,18 +75,17 @@ export class App {
   private async openGallery(name: string): Promise<void> {
     const entry = await this.service.galleryScene(name);
     this.editor.set(entry.scene);
-    await this.create(entry.scene, name, entry.title);
-    this.lesson(entry.teaches);
+    await this.create(entry.scene, name);
     if (window.innerWidth < 720) this.panel("none");
   }
 
   /** Creates a session, shows it and plays it. Throws ProblemError when the service refuses. */
-  private async create(scene: Scene, name: string | undefined, title?: string): Promise<void> {
+  private async create(scene: Scene, name: string | undefined): Promise<void> {
     const session = await this.service.createSession(name === undefined ? scene : { gallery: name });
     clearProblems();
     this.leave();
     this.own = true;
-    this.show(session, scene, title);
+    this.show(session);
     markScene(name);
     history.replaceState(null, "", `/?session=${encodeURIComponent(session.id)}`);
     this.speed.value = "1";
@@ -97,7 +96,7 @@ export class App {
     const session = await this.service.session(id);
     this.leave();
     this.own = false;
-    this.show(session, session.scene);
+    this.show(session);
   }
 
   /** Ends what was on the screen. */
@@ -108,25 +107,25 @@ export class App {
     markScene(undefined);
   }
 
-  private show(session: Session, scene: Scene | undefined, title?: string): void {
+  private show(session: Session): void {
     this.id = session.id;
-    this.stage.clear(scene?.viewer?.camera);
+    this.stage.clear(session.viewer?.camera);
     this.plot.clear();
     this.readout.clear();
     this.interaction.clear();
-    this.title(title ?? scene?.name ?? session.name ?? "");
+    this.title(session.title ?? session.name ?? "");
+    this.lesson(session.teaches);
     byId("transport").hidden = false;
     document.body.classList.add("running");
     this.layout();
     this.playback(undefined);
-    const stream = connect(this.service.streamUrl(session.id, location.origin), { observables: true, credit: 4, fields: fieldsOf });
+    const stream = connect(this.service.streamUrl(session.id, location.origin), { observables: true, credit: 4, fields: (hello, topology) => this.fieldsOf(hello, topology) });
     this.stream = stream;
     const mine = <T>(handler: (value: T) => void) => (value: T) => {
       if (this.stream === stream) handler(value);
     };
     this.connection("connecting");
     stream.on("state", mine((state) => this.connection(state)));
-    stream.on("hello", mine((hello) => hello.sceneName && !title && this.title(hello.sceneName)));
     stream.on("topology", mine((topology) => {
       this.stage.setTopology(topology);
       this.toggles();
@@ -174,6 +173,7 @@ export class App {
         this.stage.show[key] = !this.stage.show[key];
         byId(id).setAttribute("aria-pressed", String(this.stage.show[key]));
         this.stage.applyVisibility();
+        if (key === "bySpeed") this.stream?.resubscribe();
       });
     toggle("show-points", "points");
     toggle("show-lines", "lines");
@@ -307,10 +307,12 @@ export class App {
     clearTimeout(this.hintTimer);
     this.hintTimer = setTimeout(() => (hint.hidden = true), 1600);
   }
-}
 
-/** Position, and for systems drawn as points what they are coloured by, where the server has it. */
-function fieldsOf(hello: Hello): string[] {
-  const names = new Set(hello.systems.flatMap((system) => system.fields.map((field) => field.name)));
-  return ["position", ...["speed", "velocity"].filter((name) => names.has(name)).slice(0, 1)];
+  /** Position; and where points have no colour of their own, what they are coloured by. */
+  private fieldsOf(hello: Hello, topology: Topology | undefined): string[] {
+    const plain = topology?.systems.filter((system) => system.pointRadius > 0 && system.color.length === 0) ?? [];
+    if (!this.stage.show.bySpeed || plain.length === 0) return ["position"];
+    const names = new Set(hello.systems.filter(({ id }) => plain.some((system) => system.system === id)).flatMap((system) => system.fields.map((field) => field.name)));
+    return ["position", ...["speed", "velocity"].filter((name) => names.has(name)).slice(0, 1)];
+  }
 }
