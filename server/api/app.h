@@ -40,6 +40,7 @@ net::Router make_router(App& app);
 void add_session_routes(net::Router& router, App& app);
 void add_frame_routes(net::Router& router, App& app);
 void add_catalogue_routes(net::Router& router, App& app);
+void add_thumbnail_routes(net::Router& router, App& app);
 void add_service_routes(net::Router& router, App& app);
 
 }  // namespace truestep

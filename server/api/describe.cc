@@ -74,6 +74,7 @@ json::array describe_gallery() {
     for (const char* key : {"title", "teaches", "tags"}) {
       if (const json::value* v = o.if_contains(key)) entry[key] = *v;
     }
+    entry["thumbnail"] = "/v1/gallery/" + std::string(g.name) + "/picture.png";
     a.push_back(std::move(entry));
   }
   return a;

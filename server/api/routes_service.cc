@@ -114,6 +114,7 @@ net::Router make_router(App& app) {
   net::Router router;
   add_service_routes(router, app);
   add_catalogue_routes(router, app);
+  add_thumbnail_routes(router, app);
   add_session_routes(router, app);
   add_frame_routes(router, app);
   add_recording_routes(router, app);

@@ -1,5 +1,5 @@
 // The picture: camera, ground, shapes and systems. Draws only when something changed: a frame, the camera,
-// the size. A machine that cannot keep up loses shadows first and resolution second.
+// the size. A machine that cannot keep up gets fewer pixels first and no shadows second.
 import { Box3, Mesh, PerspectiveCamera, Scene, Sphere, Vector3, WebGLRenderer, type IUniform, type Object3D } from "three";
 import { OrbitControls } from "three/addons/controls/OrbitControls.js";
 import type { DecodedFrame } from "../client/decode";
@@ -221,18 +221,18 @@ export class Stage {
     for (const resolve of this.presented.splice(0)) resolve();
   }
 
-  /** After a second of pictures slower than 24 a second: no shadows, then fewer pixels. Back after calm. */
+  /** After a second of pictures slower than 24 a second: fewer pixels, then no shadows. Back after calm. */
   private adapt(elapsed: number): void {
     if (document.hidden || elapsed > 4000) return;
     this.late = elapsed > 42 ? Math.max(0, this.late) + elapsed : elapsed < 21 ? Math.min(0, this.late) - elapsed : 0;
     if (this.late > 1000) {
       this.late = 0;
-      if (this.ground.shadows) this.ground.shadows = false;
-      else this.scale = Math.max(0.6, this.scale * 0.8);
+      if (this.scale === 1 || !this.ground.shadows) this.scale = Math.max(0.6, this.scale * 0.8);
+      else this.ground.shadows = false;
     } else if (this.late < -4000 && this.restores > 0 && (this.scale < 1 || !this.ground.shadows)) {
       this.late = 0;
       --this.restores;
-      if (this.scale < 1) this.scale = Math.min(1, this.scale / 0.8);
+      if (this.ground.shadows) this.scale = Math.min(1, this.scale / 0.8);
       else this.ground.shadows = true;
     } else {
       return;

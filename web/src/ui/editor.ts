@@ -102,7 +102,7 @@ export class Editor {
       const title = errors.length > 0 ? `${errors.length} ${errors.length === 1 ? "value needs" : "values need"} a change` : "Valid, with remarks";
       this.say(
         make("p", { class: errors.length > 0 ? "bad" : "good" }, title),
-        make("ul", { class: "issues" }, ...[...errors, ...warnings].map((issue) => issueItem(issue, show))),
+        make("ul", { class: "issues" }, ...[...errors, ...warnings].map((issue) => issueItem(issue, show, (wrong) => this.fix(wrong)))),
       );
     }
     const lines = errors.flatMap((issue) => {
@@ -120,6 +120,18 @@ export class Editor {
     this.text.setSelectionRange(range.start, range.end);
     const height = this.text.scrollHeight / this.text.value.split("\n").length;
     this.text.scrollTop = Math.max(0, (this.lineOf(range.start) - 3) * height);
+  }
+
+  /** Puts the suggested name in the place of the unknown key or value. */
+  private fix(issue: Issue): void {
+    const range = locate(this.text.value, issue.pointer);
+    if (!range || !issue.did_you_mean) return;
+    const before = this.text.value.slice(range.start, range.end);
+    const name = JSON.stringify(issue.did_you_mean);
+    const after = issue.code.includes("key") ? before.replace(/^"(?:[^"\\]|\\.)*"/, name) : before.replace(/"(?:[^"\\]|\\.)*"\s*$/, name);
+    this.text.focus();
+    this.text.setRangeText(after, range.start, range.end, "select");
+    void this.validate();
   }
 
   private lineOf(offset: number): number {

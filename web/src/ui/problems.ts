@@ -2,8 +2,8 @@
 import type { Issue, Problem } from "../client/problem";
 import { brief, byId, icon, make } from "./dom";
 
-/** One issue as a list item; `onShow` is called with its pointer, `onFix` applies the suggested name. */
-export function issueItem(issue: Issue, onShow?: (issue: Issue) => void): HTMLElement {
+/** One issue as a list item; `onShow` goes to the place of its pointer, `onFix` puts the suggested name there. */
+export function issueItem(issue: Issue, onShow?: (issue: Issue) => void, onFix?: (issue: Issue) => void): HTMLElement {
   const pointer = make(onShow ? "button" : "code", { class: "pointer", ...(onShow ? { type: "button", title: "Show it in the scene", onclick: () => onShow(issue) } : {}) }, issue.pointer === "" ? "(whole scene)" : issue.pointer);
   const item = make("li", { class: "issue" }, pointer);
   const text = issue.message || issue.code.replaceAll("_", " ");
@@ -15,8 +15,9 @@ export function issueItem(issue: Issue, onShow?: (issue: Issue) => void): HTMLEl
   fact("value", issue.value);
   fact("allowed", Array.isArray(issue.allowed) ? issue.allowed.map(brief).join(", ") : issue.allowed);
   fact("unit", issue.unit);
-  fact("did you mean", issue.did_you_mean);
+  if (!onFix) fact("did you mean", issue.did_you_mean);
   if (facts.childElementCount > 0) item.append(facts);
+  if (onFix && issue.did_you_mean) item.append(make("button", { class: "fix", type: "button", onclick: () => onFix(issue) }, "Use ", make("code", {}, issue.did_you_mean)));
   return item;
 }
 

@@ -1,0 +1,68 @@
+// GET /v1/gallery/{name}/picture.png: what a gallery scene looks like after its first moments. Drawn when
+// first asked for, by the thread that draws pictures, and kept as long as the server runs.
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include "engine/base/hash.h"
+#include "engine/scene/admission.h"
+#include "engine/scene/gallery.h"
+#include "engine/scene/json.h"
+#include "engine/session/session.h"
+#include "engine/sinks/picture/draw_world.h"
+#include "engine/sinks/picture/picture.h"
+#include "engine/sinks/picture/png.h"
+#include "server/api/app.h"
+#include "server/net/async.h"
+
+namespace truestep {
+
+using net::Request;
+using net::Response;
+
+namespace {
+
+constexpr int kWidth = 480, kHeight = 304;  // pixels
+constexpr double kMoment = 1.2;             // s of the scene's time
+constexpr double kWork = 0.15;  // s of computing, as estimated, so that every machine draws the same
+
+std::string draw(const GalleryScene& scene) {
+  Scene parsed = require_scene(read_scene(parse_json(scene.text)));
+  const double cost = std::max(estimate(parsed).seconds_per_step, 1e-9);
+  const TimeParams& time = parsed.header.time;
+  const double steps = std::min(std::min(kMoment, 0.5 * time.duration) / time.dt, kWork / cost);
+  const auto world = std::make_shared<const World>(std::move(parsed));
+  Session session(world, std::make_shared<const ThreadArena>(1), {.history_bytes = 0});
+  session.step(static_cast<uint64_t>(std::llround(steps)));
+  PictureRenderer renderer(kWidth, kHeight);
+  const auto png =
+      encode_png(renderer.render_rgba(draw_list_of(session.world(), session.state())), kWidth, kHeight);
+  return {reinterpret_cast<const char*>(png.data()), png.size()};
+}
+
+// Pictures by scene name; used by the picture thread alone, so there is no lock.
+using Drawn = std::map<std::string_view, net::SharedBuffer>;
+
+}  // namespace
+
+void add_thumbnail_routes(net::Router& router, App& app) {
+  auto drawn = std::make_shared<Drawn>();
+  router.add(net::Method::get, "/v1/gallery/{name}/picture.png",
+             "A gallery scene after its first moments, 480 x 304",
+             [&app, drawn](const Request& r) -> boost::asio::awaitable<Response> {
+               const GalleryScene* g = find_gallery_scene(r.param("name"));
+               if (!g) throw Error("not_found", "the gallery has no such scene");
+               Hasher hasher;
+               hasher.text(g->text);
+               const std::string etag = "\"" + hex64(hasher.value()) + "\"";
+               co_return co_await net::offload(app.runner.picture_thread(), [&] {
+                 net::SharedBuffer& png = (*drawn)[g->name];
+                 if (!png) png = std::make_shared<const std::string>(draw(*g));
+                 Response response = Response::shared(png, "image/png", etag);
+                 response.header("Cache-Control", "no-cache");
+                 return response;
+               });
+             });
+}
+
+}  // namespace truestep
