@@ -15,9 +15,11 @@ std::string bytes_of(const std::vector<T>& v) {
   return {reinterpret_cast<const char*>(v.data()), v.size() * sizeof(T)};
 }
 
-void add_shape(v1::Topology& topology, const DrawnShape& shape) {
+// Into a Topology or a Shapes.
+template <class Message>
+void add_shape(Message& message, const DrawnShape& shape) {
   constexpr const char* kNames[] = {"plane", "box", "sphere", "capsule"};
-  v1::Shape& s = *topology.add_shapes();
+  v1::Shape& s = *message.add_shapes();
   s.set_kind(kNames[static_cast<size_t>(shape.kind)]);
   for (const double v : {shape.position.x, shape.position.y, shape.position.z}) s.add_position(v);
   for (const double v : shape.orientation) s.add_orientation(v);
@@ -75,6 +77,17 @@ v1::ServerMessage topology_message(const Session& session) {
     }
     for (const DrawnShape& shape : system.shapes(session.state().systems[i], session.time()))
       add_shape(t, shape);
+  }
+  return m;
+}
+
+v1::ServerMessage shapes_message(const Session& session) {
+  v1::ServerMessage m;
+  v1::Shapes& all = *m.mutable_shapes();
+  for (size_t i = 0; i < session.world().size(); ++i) {
+    for (const DrawnShape& shape :
+         session.world().system(i).shapes(session.state().systems[i], session.time()))
+      add_shape(all, shape);
   }
   return m;
 }

@@ -13,6 +13,8 @@ enum class WireForm : uint8_t { protobuf, json };
 
 v1::ServerMessage hello_message(const Session& session, const std::string& id);
 v1::ServerMessage topology_message(const Session& session);
+/// Where the scene's shapes are now.
+v1::ServerMessage shapes_message(const Session& session);
 v1::ServerMessage playback_message(const Session& session);
 v1::ServerMessage problem_message(std::string_view code, std::string_view detail, std::string_view request_id,
                                   std::string_view pointer);

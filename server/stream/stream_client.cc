@@ -210,6 +210,7 @@ bool StreamClient::due(uint64_t) {
 void StreamClient::accept(const FramePtr& frame) {
   if (closed_) return;
   if (frame->topology_version != topology_version_) refresh_topology();
+  refresh_shapes();
   if (flow_ == Flow::credit) credit_.fetch_sub(1);
   const auto blocks = entry_->encoded.get(frame, fields_);
   const std::string head = encode_head(*frame, ++seq_, dropped_, blocks->size());
@@ -273,6 +274,16 @@ void StreamClient::send_current_frame() {
 void StreamClient::refresh_topology() {
   topology_version_ = entry_->session.topology_version();
   send(topology_message(entry_->session));
+}
+
+void StreamClient::refresh_shapes() {
+  const v1::ServerMessage message = shapes_message(entry_->session);
+  if (message.shapes().shapes().empty()) return;
+  std::string now = message.shapes().SerializeAsString();
+  if (now == shapes_) return;
+  // The first ones came with the topology.
+  if (!shapes_.empty()) send(message);
+  shapes_ = std::move(now);
 }
 
 void StreamClient::send(const v1::ServerMessage& message) {

@@ -48,6 +48,8 @@ class StreamClient : public net::WebSocketHandler,
   void send(const v1::ServerMessage& message);
   bool has_room() const;
   void refresh_topology();
+  /// Sends the shapes when one has moved since they were sent last.
+  void refresh_shapes();
 
   EntryPtr entry_;
   Runner& runner_;
@@ -64,6 +66,7 @@ class StreamClient : public net::WebSocketHandler,
   Clock::time_point next_{};
   uint64_t seq_ = 0, dropped_ = 0, last_step_ = UINT64_MAX;
   uint32_t topology_version_ = 0;
+  std::string shapes_;  ///< as sent last
   bool stale_ = false;  ///< the client has not seen the newest state
 
   enum class Flow : uint8_t { connection, credit };

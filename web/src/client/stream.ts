@@ -21,6 +21,7 @@ import {
   type Observables,
   type PlaybackState,
   type Reply,
+  type Shapes,
   type Topology,
 } from "./gen/truestep/v1/stream_pb";
 
@@ -31,6 +32,8 @@ export type StreamState = "connecting" | "open" | "waiting" | "closed";
 export interface StreamEvents {
   hello: Hello;
   topology: Topology;
+  /** Where the shapes are now, in the order of the topology. */
+  shapes: Shapes;
   observables: Observables;
   event: StreamEvent;
   playback: PlaybackState;
@@ -66,6 +69,7 @@ export class Stream {
   private readonly handlers: Handlers = {
     hello: new Set(),
     topology: new Set(),
+    shapes: new Set(),
     observables: new Set(),
     event: new Set(),
     playback: new Set(),
@@ -229,6 +233,9 @@ export class Stream {
         this.topology = kind.value;
         this.emit("topology", kind.value);
         this.resubscribe();
+        break;
+      case "shapes":
+        this.emit("shapes", kind.value);
         break;
       case "observables":
         this.emit("observables", kind.value);

@@ -75,6 +75,10 @@ export function makeShape(shape: Shape, extent: number): Object3D | undefined {
     fragmentShader: fragment,
     transparent: open,
     depthWrite: !open,
+    // A container's floor in the plane of the ground would flicker with it.
+    polygonOffset: open,
+    polygonOffsetFactor: 2,
+    polygonOffsetUnits: 4,
     side: shape.container ? BackSide : shape.kind === "plane" ? DoubleSide : FrontSide,
   });
   const mesh = new Mesh(geometry, material);
@@ -87,9 +91,14 @@ export function makeShape(shape: Shape, extent: number): Object3D | undefined {
     mesh.layers.enable(1);
   }
   group.userData.solid = shape.kind !== "plane";
-  const [x = 0, y = 0, z = 0] = shape.position;
-  group.position.set(x, y, z);
-  if (shape.kind === "plane") group.quaternion.setFromUnitVectors(new Vector3(0, 0, 1), planeNormal(shape));
-  else group.quaternion.copy(orientation(shape));
+  placeShape(group, shape);
   return group;
+}
+
+/** Moves a drawable to where `shape` is. */
+export function placeShape(object: Object3D, shape: Shape): void {
+  const [x = 0, y = 0, z = 0] = shape.position;
+  object.position.set(x, y, z);
+  if (shape.kind === "plane") object.quaternion.setFromUnitVectors(new Vector3(0, 0, 1), planeNormal(shape));
+  else object.quaternion.copy(orientation(shape));
 }

@@ -3,12 +3,14 @@
 import { Box3, Mesh, PerspectiveCamera, Scene, Sphere, Vector3, WebGLRenderer, type IUniform, type Object3D } from "three";
 import { OrbitControls } from "three/addons/controls/OrbitControls.js";
 import type { DecodedFrame } from "../client/decode";
-import type { Topology } from "../client/gen/truestep/v1/stream_pb";
+import type { Shape, SystemTopology, Topology } from "../client/gen/truestep/v1/stream_pb";
 import { Ground } from "./ground";
 import { Handle } from "./handle";
 import { backgroundColor } from "./shading";
-import { isGround, makeShape } from "./shapes";
+import { isGround, makeShape, placeShape } from "./shapes";
 import { SystemView, type Visibility } from "./system_view";
+
+const kCheckEvery = 20; // frames between two looks at whether the scene outgrew its frame
 
 export interface CameraPose {
   eye?: number[];
@@ -28,10 +30,17 @@ export class Stage {
   private readonly scene = new Scene();
   private readonly ground = new Ground();
   private readonly viewHeight: IUniform<number> = { value: 1 };
-  private shapes: Object3D[] = [];
+  /** In the order of the topology; undefined where nothing is drawn, as for the ground. */
+  private shapes: (Object3D | undefined)[] = [];
   private topology: Topology | undefined;
   private pose: CameraPose | undefined;
   private framed = false;
+  /** The person has turned the camera: it is theirs until they ask for the scene's again. */
+  private moved = false;
+  private growths = 4;
+  private sinceCheck = 0;
+  private extent = 1;
+  private bounds = new Sphere(new Vector3(), 1);
   private dirty = true;
   private shadowsDirty = true;
   private scale = 1;
@@ -50,6 +59,7 @@ export class Stage {
     this.controls = new OrbitControls(this.camera, canvas);
     Object.assign(this.controls, { enableDamping: true, dampingFactor: 0.12, zoomToCursor: true, maxPolarAngle: Math.PI * 0.55 });
     this.controls.addEventListener("change", () => this.invalidate());
+    this.controls.addEventListener("start", () => (this.moved = true));
     this.lookAt([3, 2, 4], [0, 0.8, 0]);
     this.ground.fit(new Sphere(new Vector3(0, 0.8, 0), 2.5), 0);
     new ResizeObserver(() => this.resize()).observe(canvas);
@@ -65,18 +75,39 @@ export class Stage {
     this.setShapes([]);
     this.pose = pose;
     this.framed = false;
+    this.moved = false;
+    this.growths = 4;
     this.handle.hide();
     this.invalidate(true);
   }
 
+  /** Takes a new topology; systems that are connected as before keep their place on the screen. */
   setTopology(topology: Topology): void {
-    for (const view of this.views.values()) view.dispose();
-    this.views.clear();
+    const before = this.topology;
     this.topology = topology;
     topology.systems.forEach((system, index) => {
+      const old = before?.systems.find((other) => other.system === system.system);
+      if (old && this.views.has(system.system) && sameTopology(old, system)) return;
+      this.views.get(system.system)?.dispose();
       const view = new SystemView(system.system, system, index, this.viewHeight);
       this.views.set(view.id, view);
       this.scene.add(view.group);
+    });
+    for (const [id, view] of this.views) {
+      if (topology.systems.some((system) => system.system === id)) continue;
+      view.dispose();
+      this.views.delete(id);
+    }
+    if (this.framed) this.drawShapes();
+    this.invalidate(true);
+  }
+
+  /** Moves the shapes of the topology to where they are now. */
+  moveShapes(shapes: Shape[]): void {
+    if (this.topology) this.topology.shapes = shapes;
+    shapes.forEach((shape, k) => {
+      const object = this.shapes[k];
+      if (object) placeShape(object, shape);
     });
     this.invalidate(true);
   }
@@ -88,6 +119,7 @@ export class Stage {
       if (fields.length > 0) view.update(fields, this.show);
     }
     if (!this.framed && this.views.size > 0) this.frameScene();
+    else if (++this.sinceCheck >= kCheckEvery) this.followGrowth();
     this.invalidate(true);
     return new Promise((resolve) => this.presented.push(resolve));
   }
@@ -105,6 +137,7 @@ export class Stage {
 
   /** Puts the camera back to where the scene wants it. */
   resetCamera(): void {
+    this.moved = false;
     this.frameScene();
     this.invalidate(true);
   }
@@ -120,9 +153,54 @@ export class Stage {
     this.shadowsDirty ||= shadows;
   }
 
-  /** Sizes ground, light and camera for what the first frame shows. */
+  /** Sizes ground, light and camera for what is on the screen. */
   private frameScene(): void {
     this.framed = true;
+    this.sinceCheck = 0;
+    const points = this.pointBounds();
+    this.extent = Math.max(points.getBoundingSphere(new Sphere()).radius, 0.2);
+    this.drawShapes();
+    for (const object of this.shapes) if (object?.userData.solid) points.expandByObject(object);
+    if (points.isEmpty()) points.set(new Vector3(-1, 0, -1), new Vector3(1, 1, 1));
+    const bounds = points.getBoundingSphere(new Sphere());
+    bounds.radius = Math.max(bounds.radius, 0.2);
+    this.bounds = bounds;
+    const plane = this.topology?.shapes.find(isGround);
+    const floor = plane ? (plane.position[1] ?? 0) : points.min.y >= -1e-3 * bounds.radius ? 0 : points.min.y - 0.15 * bounds.radius;
+    // What hangs far above the ground throws its shadow outside the light's view; include the floor below it.
+    this.ground.fit(bounds.clone().expandByPoint(new Vector3(bounds.center.x, floor, bounds.center.z)), floor);
+    this.camera.near = bounds.radius / 200;
+    this.camera.far = bounds.radius * 80;
+    Object.assign(this.controls, { minDistance: bounds.radius * 0.05, maxDistance: bounds.radius * 30 });
+    this.camera.updateProjectionMatrix();
+    if (!this.moved) this.aim(bounds);
+  }
+
+  /** Points the camera as the scene says, or so that `bounds` fills what is free of the picture. */
+  private aim(bounds: Sphere): void {
+    const { eye, target, fov } = this.pose ?? {};
+    this.camera.fov = fov ? (fov * 180) / Math.PI : 40;
+    const at = target ?? bounds.center.toArray();
+    const centre = new Vector3().fromArray(at);
+    const narrow = this.free();
+    const away = (0.95 * bounds.radius) / Math.sin((this.camera.fov * Math.PI) / 360) / narrow;
+    const from = eye ? new Vector3().fromArray(eye) : new Vector3(0.55, 0.38, 0.75).normalize().multiplyScalar(away).add(centre);
+    // A camera made for a whole picture steps back where less of it is free.
+    if (eye) from.sub(centre).multiplyScalar(1 / Math.min(1, 1.25 * narrow)).add(centre);
+    this.lookAt(from.toArray(), at);
+  }
+
+  /** A scene that outgrows its frame (an emitter starts with nothing) gets a larger one, a few times at most. */
+  private followGrowth(): void {
+    this.sinceCheck = 0;
+    if (this.growths <= 0) return;
+    const radius = this.pointBounds().getBoundingSphere(new Sphere()).radius;
+    if (radius < 1.5 * this.bounds.radius) return;
+    --this.growths;
+    this.frameScene();
+  }
+
+  private pointBounds(): Box3 {
     const box = new Box3();
     const point = new Vector3();
     for (const view of this.views.values()) {
@@ -131,32 +209,11 @@ export class Stage {
         if (Number.isFinite(point.x + point.y + point.z)) box.expandByPoint(point);
       }
     }
-    if (box.isEmpty()) box.set(new Vector3(-1, 0, -1), new Vector3(1, 1, 1));
-    const shapes = this.topology?.shapes ?? [];
-    const radius = Math.max(box.getBoundingSphere(new Sphere()).radius, 0.2);
-    this.setShapes(shapes.map((shape) => makeShape(shape, 1.5 * radius)));
-    for (const object of this.shapes) if (object.userData.solid) box.expandByObject(object);
-    const bounds = box.getBoundingSphere(new Sphere());
-    bounds.radius = Math.max(bounds.radius, 0.2);
-    const plane = shapes.find(isGround);
-    const floor = plane ? (plane.position[1] ?? 0) : box.min.y >= -1e-3 * bounds.radius ? 0 : box.min.y - 0.15 * bounds.radius;
-    // What hangs far above the ground throws its shadow outside the light's view; include the floor below it.
-    const lit = bounds.clone().expandByPoint(new Vector3(bounds.center.x, floor, bounds.center.z));
-    this.ground.fit(lit, floor);
-    this.camera.near = bounds.radius / 200;
-    this.camera.far = bounds.radius * 80;
-    Object.assign(this.controls, { minDistance: bounds.radius * 0.05, maxDistance: bounds.radius * 30 });
-    const { eye, target, fov } = this.pose ?? {};
-    this.camera.fov = fov ? (fov * 180) / Math.PI : 40;
-    const aim = target ?? bounds.center.toArray();
-    const narrow = this.free();
-    const away = (0.95 * bounds.radius) / Math.sin((this.camera.fov * Math.PI) / 360) / narrow;
-    const direction = new Vector3(0.55, 0.38, 0.75).normalize().multiplyScalar(away);
-    const from = eye ? new Vector3(...(eye as [number, number, number])) : direction.add(new Vector3(...(aim as [number, number, number])));
-    // A camera made for a whole picture steps back where less of it is free.
-    const centre = new Vector3(...(aim as [number, number, number]));
-    if (eye && narrow < 1) from.sub(centre).multiplyScalar(1 / Math.min(1, 1.25 * narrow)).add(centre);
-    this.lookAt(from.toArray(), aim);
+    return box;
+  }
+
+  private drawShapes(): void {
+    this.setShapes((this.topology?.shapes ?? []).map((shape) => makeShape(shape, 1.5 * this.extent)));
   }
 
   private lookAt(eye: number[], target: number[]): void {
@@ -168,11 +225,11 @@ export class Stage {
 
   private setShapes(shapes: (Object3D | undefined)[]): void {
     for (const object of this.shapes) {
-      object.traverse((child) => child instanceof Mesh && child.geometry.dispose());
-      object.removeFromParent();
+      object?.traverse((child) => child instanceof Mesh && child.geometry.dispose());
+      object?.removeFromParent();
     }
-    this.shapes = shapes.filter((object) => object !== undefined);
-    if (this.shapes.length > 0) this.scene.add(...this.shapes);
+    this.shapes = shapes;
+    for (const object of shapes) if (object) this.scene.add(object);
   }
 
   private resize(): void {
@@ -240,6 +297,12 @@ export class Stage {
     this.resize();
     this.invalidate(true);
   }
+}
+
+const sameBytes = (a: Uint8Array, b: Uint8Array): boolean => a.length === b.length && a.every((byte, k) => byte === b[k]);
+
+function sameTopology(a: SystemTopology, b: SystemTopology): boolean {
+  return a.pointRadius === b.pointRadius && sameBytes(a.lines, b.lines) && sameBytes(a.triangles, b.triangles) && a.color.join() === b.color.join();
 }
 
 /** WebGL 2, smoothed where a graphics processor draws; a processor that draws by itself is spared that. */

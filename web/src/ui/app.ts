@@ -130,6 +130,7 @@ export class App {
       this.stage.setTopology(topology);
       this.toggles();
     }));
+    stream.on("shapes", mine(({ shapes }) => this.stage.moveShapes(shapes)));
     stream.on("playback", mine((state) => this.playback(state)));
     stream.on("observables", mine((observables) => this.plot.add(observables)));
     stream.on("problem", mine((problem) => showProblem(problem)));

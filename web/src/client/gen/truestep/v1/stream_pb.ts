@@ -16,7 +16,7 @@ import type { Message } from "@bufbuild/protobuf";
  * Describes the file truestep/v1/stream.proto.
  */
 export const file_truestep_v1_stream: GenFile = /*@__PURE__*/
-  fileDesc("Chh0cnVlc3RlcC92MS9zdHJlYW0ucHJvdG8SC3RydWVzdGVwLnYxIpoBCgVCbG9jaxIOCgZzeXN0ZW0YASABKAkSDQoFZmllbGQYAiABKAkSJwoIZW5jb2RpbmcYAyABKA4yFS50cnVlc3RlcC52MS5FbmNvZGluZxIOCgZvZmZzZXQYBCADKAESDQoFc2NhbGUYBSADKAESDQoFY291bnQYBiABKA0SDQoFd2lkdGgYByABKA0SDAoEZGF0YRgIIAEoDCLGAQoFRnJhbWUSCwoDc2VxGAEgASgEEgwKBHN0ZXAYAiABKAQSDAoEdGltZRgDIAEoARISCgpzdGF0ZV9oYXNoGAQgASgGEg8KB2Ryb3BwZWQYBSABKAQSGAoQdG9wb2xvZ3lfdmVyc2lvbhgGIAEoDRIQCghrZXlmcmFtZRgHIAEoCBIQCghiYXNlX3NlcRgIIAEoBBIiCgZibG9ja3MYCSADKAsyEi50cnVlc3RlcC52MS5CbG9jaxINCgVhbHBoYRgKIAEoASJbCgVGaWVsZBIMCgRuYW1lGAEgASgJEgwKBHVuaXQYAiABKAkSDQoFd2lkdGgYAyABKA0SJwoIZW5jb2RpbmcYBCABKA4yFS50cnVlc3RlcC52MS5FbmNvZGluZyJfCgpTeXN0ZW1JbmZvEgoKAmlkGAEgASgJEgwKBHR5cGUYAiABKAkSIgoGZmllbGRzGAMgAygLMhIudHJ1ZXN0ZXAudjEuRmllbGQSEwoLb2JzZXJ2YWJsZXMYBCADKAkiowEKBUhlbGxvEgsKA2FwaRgBIAEoCRIPCgdzZXNzaW9uGAIgASgJEg4KBnNlcnZlchgDIAEoCRIKCgJkdBgEIAEoARIMCgRzdGVwGAUgASgEEigKB3N5c3RlbXMYBiADKAsyFy50cnVlc3RlcC52MS5TeXN0ZW1JbmZvEhQKDGNhcGFiaWxpdGllcxgHIAMoCRISCgpzY2VuZV9uYW1lGAggASgJInoKDlN5c3RlbVRvcG9sb2d5Eg4KBnN5c3RlbRgBIAEoCRINCgVsaW5lcxgCIAEoDBIRCgl0cmlhbmdsZXMYAyABKAwSEQoJbGluZV9raW5kGAQgASgMEhQKDHBvaW50X3JhZGl1cxgFIAEoARINCgVjb2xvchgGIAMoASJpCgVTaGFwZRIMCgRraW5kGAEgASgJEhAKCHBvc2l0aW9uGAIgAygBEhMKC29yaWVudGF0aW9uGAMgAygBEgwKBHNpemUYBCADKAESCgoCaWQYBSABKAkSEQoJY29udGFpbmVyGAYgASgIIm0KCFRvcG9sb2d5Eg8KB3ZlcnNpb24YASABKA0SLAoHc3lzdGVtcxgCIAMoCzIbLnRydWVzdGVwLnYxLlN5c3RlbVRvcG9sb2d5EiIKBnNoYXBlcxgDIAMoCzISLnRydWVzdGVwLnYxLlNoYXBlIjgKC09ic2VydmF0aW9uEgwKBG5hbWUYASABKAkSDQoFdmFsdWUYAiABKAESDAoEdW5pdBgDIAEoCSJTCgtPYnNlcnZhYmxlcxIMCgRzdGVwGAEgASgEEgwKBHRpbWUYAiABKAESKAoGdmFsdWVzGAMgAygLMhgudHJ1ZXN0ZXAudjEuT2JzZXJ2YXRpb24iQwoFRXZlbnQSDAoEa2luZBgBIAEoCRIMCgRzdGVwGAIgASgEEg4KBmRldGFpbBgDIAEoCRIOCgZzeXN0ZW0YBCABKAkiYgoNUGxheWJhY2tTdGF0ZRIPCgdwbGF5aW5nGAEgASgIEg0KBXNwZWVkGAIgASgBEgwKBHN0ZXAYAyABKAQSDAoEdGltZRgEIAEoARIVCg1za2lwcGVkX3N0ZXBzGAUgASgEIjkKBVJlcGx5EhIKCnJlcXVlc3RfaWQYASABKAkSDAoEc3RlcBgCIAEoBBIOCgZkZXRhaWwYAyABKAkiawoHUHJvYmxlbRIMCgRjb2RlGAEgASgJEg0KBXRpdGxlGAIgASgJEg4KBmRldGFpbBgDIAEoCRIOCgZzdGF0dXMYBCABKA0SEgoKcmVxdWVzdF9pZBgFIAEoCRIPCgdwb2ludGVyGAYgASgJIhUKA0J5ZRIOCgZyZWFzb24YASABKAkigQMKDVNlcnZlck1lc3NhZ2USIwoFaGVsbG8YASABKAsyEi50cnVlc3RlcC52MS5IZWxsb0gAEikKCHRvcG9sb2d5GAIgASgLMhUudHJ1ZXN0ZXAudjEuVG9wb2xvZ3lIABIjCgVmcmFtZRgDIAEoCzISLnRydWVzdGVwLnYxLkZyYW1lSAASLwoLb2JzZXJ2YWJsZXMYBCABKAsyGC50cnVlc3RlcC52MS5PYnNlcnZhYmxlc0gAEiMKBWV2ZW50GAUgASgLMhIudHJ1ZXN0ZXAudjEuRXZlbnRIABIuCghwbGF5YmFjaxgGIAEoCzIaLnRydWVzdGVwLnYxLlBsYXliYWNrU3RhdGVIABIjCgVyZXBseRgHIAEoCzISLnRydWVzdGVwLnYxLlJlcGx5SAASJwoHcHJvYmxlbRgIIAEoCzIULnRydWVzdGVwLnYxLlByb2JsZW1IABIfCgNieWUYCSABKAsyEC50cnVlc3RlcC52MS5CeWVIAEIGCgRraW5kIq0BCglTdWJzY3JpYmUSDgoGZmllbGRzGAEgAygJEg8KB3N5c3RlbXMYAiADKAkSDAoEcmF0ZRgDIAEoARInCghlbmNvZGluZxgEIAEoDjIVLnRydWVzdGVwLnYxLkVuY29kaW5nEiMKBnBvbGljeRgFIAEoDjITLnRydWVzdGVwLnYxLlBvbGljeRIOCgZjcmVkaXQYBiABKA0SEwoLb2JzZXJ2YWJsZXMYByABKAgiGAoGQ3JlZGl0Eg4KBmZyYW1lcxgBIAEoDSIoCgdDb250cm9sEg4KBmFjdGlvbhgBIAEoCRINCgV2YWx1ZRgCIAEoASIXCgdDb21tYW5kEgwKBGpzb24YASABKAkiEQoPUmVxdWVzdEtleWZyYW1lIosCCg1DbGllbnRNZXNzYWdlEhIKCnJlcXVlc3RfaWQYASABKAkSKwoJc3Vic2NyaWJlGAIgASgLMhYudHJ1ZXN0ZXAudjEuU3Vic2NyaWJlSAASJQoGY3JlZGl0GAMgASgLMhMudHJ1ZXN0ZXAudjEuQ3JlZGl0SAASJwoHY29udHJvbBgEIAEoCzIULnRydWVzdGVwLnYxLkNvbnRyb2xIABInCgdjb21tYW5kGAUgASgLMhQudHJ1ZXN0ZXAudjEuQ29tbWFuZEgAEjgKEHJlcXVlc3Rfa2V5ZnJhbWUYBiABKAsyHC50cnVlc3RlcC52MS5SZXF1ZXN0S2V5ZnJhbWVIAEIGCgRraW5kKkkKCEVuY29kaW5nEgcKA0YzMhAAEgcKA0Y2NBABEgcKA1ExNhACEg0KCVExNl9ERUxUQRADEgoKBlFVQVQzMhAEEgcKA1UzMhAFKh8KBlBvbGljeRIKCgZMQVRFU1QQABIJCgVFVkVSWRABYgZwcm90bzM");
+  fileDesc("Chh0cnVlc3RlcC92MS9zdHJlYW0ucHJvdG8SC3RydWVzdGVwLnYxIpoBCgVCbG9jaxIOCgZzeXN0ZW0YASABKAkSDQoFZmllbGQYAiABKAkSJwoIZW5jb2RpbmcYAyABKA4yFS50cnVlc3RlcC52MS5FbmNvZGluZxIOCgZvZmZzZXQYBCADKAESDQoFc2NhbGUYBSADKAESDQoFY291bnQYBiABKA0SDQoFd2lkdGgYByABKA0SDAoEZGF0YRgIIAEoDCLGAQoFRnJhbWUSCwoDc2VxGAEgASgEEgwKBHN0ZXAYAiABKAQSDAoEdGltZRgDIAEoARISCgpzdGF0ZV9oYXNoGAQgASgGEg8KB2Ryb3BwZWQYBSABKAQSGAoQdG9wb2xvZ3lfdmVyc2lvbhgGIAEoDRIQCghrZXlmcmFtZRgHIAEoCBIQCghiYXNlX3NlcRgIIAEoBBIiCgZibG9ja3MYCSADKAsyEi50cnVlc3RlcC52MS5CbG9jaxINCgVhbHBoYRgKIAEoASJbCgVGaWVsZBIMCgRuYW1lGAEgASgJEgwKBHVuaXQYAiABKAkSDQoFd2lkdGgYAyABKA0SJwoIZW5jb2RpbmcYBCABKA4yFS50cnVlc3RlcC52MS5FbmNvZGluZyJfCgpTeXN0ZW1JbmZvEgoKAmlkGAEgASgJEgwKBHR5cGUYAiABKAkSIgoGZmllbGRzGAMgAygLMhIudHJ1ZXN0ZXAudjEuRmllbGQSEwoLb2JzZXJ2YWJsZXMYBCADKAkiowEKBUhlbGxvEgsKA2FwaRgBIAEoCRIPCgdzZXNzaW9uGAIgASgJEg4KBnNlcnZlchgDIAEoCRIKCgJkdBgEIAEoARIMCgRzdGVwGAUgASgEEigKB3N5c3RlbXMYBiADKAsyFy50cnVlc3RlcC52MS5TeXN0ZW1JbmZvEhQKDGNhcGFiaWxpdGllcxgHIAMoCRISCgpzY2VuZV9uYW1lGAggASgJInoKDlN5c3RlbVRvcG9sb2d5Eg4KBnN5c3RlbRgBIAEoCRINCgVsaW5lcxgCIAEoDBIRCgl0cmlhbmdsZXMYAyABKAwSEQoJbGluZV9raW5kGAQgASgMEhQKDHBvaW50X3JhZGl1cxgFIAEoARINCgVjb2xvchgGIAMoASJpCgVTaGFwZRIMCgRraW5kGAEgASgJEhAKCHBvc2l0aW9uGAIgAygBEhMKC29yaWVudGF0aW9uGAMgAygBEgwKBHNpemUYBCADKAESCgoCaWQYBSABKAkSEQoJY29udGFpbmVyGAYgASgIIm0KCFRvcG9sb2d5Eg8KB3ZlcnNpb24YASABKA0SLAoHc3lzdGVtcxgCIAMoCzIbLnRydWVzdGVwLnYxLlN5c3RlbVRvcG9sb2d5EiIKBnNoYXBlcxgDIAMoCzISLnRydWVzdGVwLnYxLlNoYXBlIiwKBlNoYXBlcxIiCgZzaGFwZXMYASADKAsyEi50cnVlc3RlcC52MS5TaGFwZSI4CgtPYnNlcnZhdGlvbhIMCgRuYW1lGAEgASgJEg0KBXZhbHVlGAIgASgBEgwKBHVuaXQYAyABKAkiUwoLT2JzZXJ2YWJsZXMSDAoEc3RlcBgBIAEoBBIMCgR0aW1lGAIgASgBEigKBnZhbHVlcxgDIAMoCzIYLnRydWVzdGVwLnYxLk9ic2VydmF0aW9uIkMKBUV2ZW50EgwKBGtpbmQYASABKAkSDAoEc3RlcBgCIAEoBBIOCgZkZXRhaWwYAyABKAkSDgoGc3lzdGVtGAQgASgJImIKDVBsYXliYWNrU3RhdGUSDwoHcGxheWluZxgBIAEoCBINCgVzcGVlZBgCIAEoARIMCgRzdGVwGAMgASgEEgwKBHRpbWUYBCABKAESFQoNc2tpcHBlZF9zdGVwcxgFIAEoBCI5CgVSZXBseRISCgpyZXF1ZXN0X2lkGAEgASgJEgwKBHN0ZXAYAiABKAQSDgoGZGV0YWlsGAMgASgJImsKB1Byb2JsZW0SDAoEY29kZRgBIAEoCRINCgV0aXRsZRgCIAEoCRIOCgZkZXRhaWwYAyABKAkSDgoGc3RhdHVzGAQgASgNEhIKCnJlcXVlc3RfaWQYBSABKAkSDwoHcG9pbnRlchgGIAEoCSIVCgNCeWUSDgoGcmVhc29uGAEgASgJIqgDCg1TZXJ2ZXJNZXNzYWdlEiMKBWhlbGxvGAEgASgLMhIudHJ1ZXN0ZXAudjEuSGVsbG9IABIpCgh0b3BvbG9neRgCIAEoCzIVLnRydWVzdGVwLnYxLlRvcG9sb2d5SAASIwoFZnJhbWUYAyABKAsyEi50cnVlc3RlcC52MS5GcmFtZUgAEi8KC29ic2VydmFibGVzGAQgASgLMhgudHJ1ZXN0ZXAudjEuT2JzZXJ2YWJsZXNIABIjCgVldmVudBgFIAEoCzISLnRydWVzdGVwLnYxLkV2ZW50SAASLgoIcGxheWJhY2sYBiABKAsyGi50cnVlc3RlcC52MS5QbGF5YmFja1N0YXRlSAASIwoFcmVwbHkYByABKAsyEi50cnVlc3RlcC52MS5SZXBseUgAEicKB3Byb2JsZW0YCCABKAsyFC50cnVlc3RlcC52MS5Qcm9ibGVtSAASHwoDYnllGAkgASgLMhAudHJ1ZXN0ZXAudjEuQnllSAASJQoGc2hhcGVzGAogASgLMhMudHJ1ZXN0ZXAudjEuU2hhcGVzSABCBgoEa2luZCKtAQoJU3Vic2NyaWJlEg4KBmZpZWxkcxgBIAMoCRIPCgdzeXN0ZW1zGAIgAygJEgwKBHJhdGUYAyABKAESJwoIZW5jb2RpbmcYBCABKA4yFS50cnVlc3RlcC52MS5FbmNvZGluZxIjCgZwb2xpY3kYBSABKA4yEy50cnVlc3RlcC52MS5Qb2xpY3kSDgoGY3JlZGl0GAYgASgNEhMKC29ic2VydmFibGVzGAcgASgIIhgKBkNyZWRpdBIOCgZmcmFtZXMYASABKA0iKAoHQ29udHJvbBIOCgZhY3Rpb24YASABKAkSDQoFdmFsdWUYAiABKAEiFwoHQ29tbWFuZBIMCgRqc29uGAEgASgJIhEKD1JlcXVlc3RLZXlmcmFtZSKLAgoNQ2xpZW50TWVzc2FnZRISCgpyZXF1ZXN0X2lkGAEgASgJEisKCXN1YnNjcmliZRgCIAEoCzIWLnRydWVzdGVwLnYxLlN1YnNjcmliZUgAEiUKBmNyZWRpdBgDIAEoCzITLnRydWVzdGVwLnYxLkNyZWRpdEgAEicKB2NvbnRyb2wYBCABKAsyFC50cnVlc3RlcC52MS5Db250cm9sSAASJwoHY29tbWFuZBgFIAEoCzIULnRydWVzdGVwLnYxLkNvbW1hbmRIABI4ChByZXF1ZXN0X2tleWZyYW1lGAYgASgLMhwudHJ1ZXN0ZXAudjEuUmVxdWVzdEtleWZyYW1lSABCBgoEa2luZCpJCghFbmNvZGluZxIHCgNGMzIQABIHCgNGNjQQARIHCgNRMTYQAhINCglRMTZfREVMVEEQAxIKCgZRVUFUMzIQBBIHCgNVMzIQBSofCgZQb2xpY3kSCgoGTEFURVNUEAASCQoFRVZFUlkQAWIGcHJvdG8z");
 
 /**
  * One array of one system at one step. count rows of width elements each.
@@ -404,6 +404,25 @@ export const TopologySchema: GenMessage<Topology> = /*@__PURE__*/
   messageDesc(file_truestep_v1_stream, 7);
 
 /**
+ * Where the shapes are now: all of them, in the order of Topology. Sent before a frame when one has moved.
+ *
+ * @generated from message truestep.v1.Shapes
+ */
+export type Shapes = Message<"truestep.v1.Shapes"> & {
+  /**
+   * @generated from field: repeated truestep.v1.Shape shapes = 1;
+   */
+  shapes: Shape[];
+};
+
+/**
+ * Describes the message truestep.v1.Shapes.
+ * Use `create(ShapesSchema)` to create a new message.
+ */
+export const ShapesSchema: GenMessage<Shapes> = /*@__PURE__*/
+  messageDesc(file_truestep_v1_stream, 8);
+
+/**
  * @generated from message truestep.v1.Observation
  */
 export type Observation = Message<"truestep.v1.Observation"> & {
@@ -428,7 +447,7 @@ export type Observation = Message<"truestep.v1.Observation"> & {
  * Use `create(ObservationSchema)` to create a new message.
  */
 export const ObservationSchema: GenMessage<Observation> = /*@__PURE__*/
-  messageDesc(file_truestep_v1_stream, 8);
+  messageDesc(file_truestep_v1_stream, 9);
 
 /**
  * @generated from message truestep.v1.Observables
@@ -455,7 +474,7 @@ export type Observables = Message<"truestep.v1.Observables"> & {
  * Use `create(ObservablesSchema)` to create a new message.
  */
 export const ObservablesSchema: GenMessage<Observables> = /*@__PURE__*/
-  messageDesc(file_truestep_v1_stream, 9);
+  messageDesc(file_truestep_v1_stream, 10);
 
 /**
  * @generated from message truestep.v1.Event
@@ -489,7 +508,7 @@ export type Event = Message<"truestep.v1.Event"> & {
  * Use `create(EventSchema)` to create a new message.
  */
 export const EventSchema: GenMessage<Event> = /*@__PURE__*/
-  messageDesc(file_truestep_v1_stream, 10);
+  messageDesc(file_truestep_v1_stream, 11);
 
 /**
  * @generated from message truestep.v1.PlaybackState
@@ -530,7 +549,7 @@ export type PlaybackState = Message<"truestep.v1.PlaybackState"> & {
  * Use `create(PlaybackStateSchema)` to create a new message.
  */
 export const PlaybackStateSchema: GenMessage<PlaybackState> = /*@__PURE__*/
-  messageDesc(file_truestep_v1_stream, 11);
+  messageDesc(file_truestep_v1_stream, 12);
 
 /**
  * @generated from message truestep.v1.Reply
@@ -557,7 +576,7 @@ export type Reply = Message<"truestep.v1.Reply"> & {
  * Use `create(ReplySchema)` to create a new message.
  */
 export const ReplySchema: GenMessage<Reply> = /*@__PURE__*/
-  messageDesc(file_truestep_v1_stream, 12);
+  messageDesc(file_truestep_v1_stream, 13);
 
 /**
  * @generated from message truestep.v1.Problem
@@ -599,7 +618,7 @@ export type Problem = Message<"truestep.v1.Problem"> & {
  * Use `create(ProblemSchema)` to create a new message.
  */
 export const ProblemSchema: GenMessage<Problem> = /*@__PURE__*/
-  messageDesc(file_truestep_v1_stream, 13);
+  messageDesc(file_truestep_v1_stream, 14);
 
 /**
  * @generated from message truestep.v1.Bye
@@ -616,7 +635,7 @@ export type Bye = Message<"truestep.v1.Bye"> & {
  * Use `create(ByeSchema)` to create a new message.
  */
 export const ByeSchema: GenMessage<Bye> = /*@__PURE__*/
-  messageDesc(file_truestep_v1_stream, 14);
+  messageDesc(file_truestep_v1_stream, 15);
 
 /**
  * @generated from message truestep.v1.ServerMessage
@@ -679,6 +698,12 @@ export type ServerMessage = Message<"truestep.v1.ServerMessage"> & {
      */
     value: Bye;
     case: "bye";
+  } | {
+    /**
+     * @generated from field: truestep.v1.Shapes shapes = 10;
+     */
+    value: Shapes;
+    case: "shapes";
   } | { case: undefined; value?: undefined };
 };
 
@@ -687,7 +712,7 @@ export type ServerMessage = Message<"truestep.v1.ServerMessage"> & {
  * Use `create(ServerMessageSchema)` to create a new message.
  */
 export const ServerMessageSchema: GenMessage<ServerMessage> = /*@__PURE__*/
-  messageDesc(file_truestep_v1_stream, 15);
+  messageDesc(file_truestep_v1_stream, 16);
 
 /**
  * @generated from message truestep.v1.Subscribe
@@ -746,7 +771,7 @@ export type Subscribe = Message<"truestep.v1.Subscribe"> & {
  * Use `create(SubscribeSchema)` to create a new message.
  */
 export const SubscribeSchema: GenMessage<Subscribe> = /*@__PURE__*/
-  messageDesc(file_truestep_v1_stream, 16);
+  messageDesc(file_truestep_v1_stream, 17);
 
 /**
  * @generated from message truestep.v1.Credit
@@ -763,7 +788,7 @@ export type Credit = Message<"truestep.v1.Credit"> & {
  * Use `create(CreditSchema)` to create a new message.
  */
 export const CreditSchema: GenMessage<Credit> = /*@__PURE__*/
-  messageDesc(file_truestep_v1_stream, 17);
+  messageDesc(file_truestep_v1_stream, 18);
 
 /**
  * @generated from message truestep.v1.Control
@@ -789,7 +814,7 @@ export type Control = Message<"truestep.v1.Control"> & {
  * Use `create(ControlSchema)` to create a new message.
  */
 export const ControlSchema: GenMessage<Control> = /*@__PURE__*/
-  messageDesc(file_truestep_v1_stream, 18);
+  messageDesc(file_truestep_v1_stream, 19);
 
 /**
  * @generated from message truestep.v1.Command
@@ -806,7 +831,7 @@ export type Command = Message<"truestep.v1.Command"> & {
  * Use `create(CommandSchema)` to create a new message.
  */
 export const CommandSchema: GenMessage<Command> = /*@__PURE__*/
-  messageDesc(file_truestep_v1_stream, 19);
+  messageDesc(file_truestep_v1_stream, 20);
 
 /**
  * @generated from message truestep.v1.RequestKeyframe
@@ -819,7 +844,7 @@ export type RequestKeyframe = Message<"truestep.v1.RequestKeyframe"> & {
  * Use `create(RequestKeyframeSchema)` to create a new message.
  */
 export const RequestKeyframeSchema: GenMessage<RequestKeyframe> = /*@__PURE__*/
-  messageDesc(file_truestep_v1_stream, 20);
+  messageDesc(file_truestep_v1_stream, 21);
 
 /**
  * @generated from message truestep.v1.ClientMessage
@@ -871,7 +896,7 @@ export type ClientMessage = Message<"truestep.v1.ClientMessage"> & {
  * Use `create(ClientMessageSchema)` to create a new message.
  */
 export const ClientMessageSchema: GenMessage<ClientMessage> = /*@__PURE__*/
-  messageDesc(file_truestep_v1_stream, 21);
+  messageDesc(file_truestep_v1_stream, 22);
 
 /**
  * @generated from enum truestep.v1.Encoding
