@@ -34,7 +34,7 @@ export class SystemView {
     viewHeight: IUniform<number>,
   ) {
     const [r, g, b] = topology.color;
-    this.color = r !== undefined && g !== undefined && b !== undefined ? new Color().setRGB(r, g, b, "srgb") : undefined;
+    this.color = r !== undefined && g !== undefined && b !== undefined ? new Color().setRGB(r, g, b) : undefined;
     this.pairs = uints(topology.lines);
     this.triangles = uints(topology.triangles);
     if (topology.pointRadius > 0) this.points = new PointCloud(topology.pointRadius, this.fill(), viewHeight);

@@ -2,7 +2,7 @@
 // when they are full every second one goes, so that the whole run stays visible at a falling resolution.
 import uPlot from "uplot";
 import "uplot/dist/uPlot.min.css";
-import type { Observables } from "../client/gen/truestep/v1/stream_pb";
+import type { Observables, Observation } from "../client/gen/truestep/v1/stream_pb";
 import { byId, make } from "./dom";
 
 const kPoints = 3000;
@@ -56,17 +56,16 @@ export class Plot {
   }
 
   private begin({ values }: Observables): void {
-    const energies = values.filter((value) => /(^|\.)energy/.test(value.name) && !/drift|error/.test(value.name));
-    const chosen = (energies.length > 0 ? energies : values).slice(0, kSeries);
+    const { title, chosen } = choose(values);
     this.names = chosen.map((value) => value.name);
     this.data = [[], ...this.names.map(() => [])];
     const unit = chosen[0]?.unit;
-    byId("energy-title").textContent = (energies.length > 0 ? "Energy" : "Observables") + (unit ? ` [${unit}]` : "");
+    byId("energy-title").textContent = title + (unit ? ` [${unit}]` : "");
     this.figure.hidden = false;
     this.values = this.names.map(() => make("b", {}));
     this.legend.replaceChildren(
       ...this.names.map((name, k) => {
-        const label = name.replace(/(^|\.)energy\./, "$1") || name;
+        const label = name.replace(/\.energy\.(total|kinetic)$|^energy\./, "") || name;
         const button: HTMLElement = make("button", { "aria-pressed": "true", title: "Show or hide", onclick: () => this.toggle(k, button) }, make("i", {}), make("span", {}, label), this.values[k]!);
         button.style.setProperty("--series", colors[k]!);
         return button;
@@ -107,6 +106,18 @@ export class Plot {
   private fit(): void {
     if (this.plot && this.host.clientWidth > 0) this.plot.setSize({ width: this.host.clientWidth, height: this.host.clientHeight });
   }
+}
+
+/** One system: its kinetic, potential and total energy. Several: the energy of each, to compare them. */
+function choose(values: Observation[]): { title: string; chosen: Observation[] } {
+  const of = (pattern: RegExp): Observation[] => values.filter((value) => pattern.test(value.name)).slice(0, kSeries);
+  const totals = of(/^.+\.energy\.total$/);
+  if (totals.length > 1) return { title: "Total energy", chosen: totals };
+  const kinetic = of(/^.+\.energy\.kinetic$/);
+  if (kinetic.length > 1) return { title: "Kinetic energy", chosen: kinetic };
+  const whole = of(/^energy\.(kinetic|potential|total)$/);
+  if (whole.length > 0) return { title: "Energy", chosen: whole };
+  return { title: "Observables", chosen: values.slice(0, 3) };
 }
 
 function short(value: number): string {
