@@ -1,5 +1,6 @@
 #include "engine/scene/catalogue.h"
 
+#include "engine/systems/mass_spring/mass_spring.h"
 #include "engine/systems/oscillator/oscillator.h"
 #include "engine/systems/pendulum/pendulum.h"
 
@@ -23,6 +24,15 @@ std::span<const CatalogueRow> catalogue() {
        cost_pendulum,
        {"follows the published simple and double pendulum to 1e-8", "keeps its energy when undamped"},
        "rk4"},
+      {"mass_spring",
+       "springs",
+       "points joined by springs: ropes, hair, cloth on a grid or a mesh, free networks",
+       &mass_spring_table(),
+       build_mass_spring,
+       mass_spring_cost,
+       {"force is minus the gradient of the potential", "springs and their damping conserve momentum",
+        "pinned points do not move", "the same bits on any number of threads"},
+       "symplectic_euler"},
   };
   return kRows;
 }
