@@ -32,7 +32,7 @@ std::span<const CatalogueRow> catalogue() {
        mass_spring_cost,
        {"force is minus the gradient of the potential", "springs and their damping conserve momentum",
         "pinned points do not move", "the same bits on any number of threads"},
-       "symplectic_euler"},
+       "linear_implicit_euler"},
   };
   return kRows;
 }

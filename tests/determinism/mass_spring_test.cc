@@ -21,7 +21,9 @@ class SpringDeterminism : public testing::TestWithParam<const char*> {
   }
 };
 
-INSTANTIATE_TEST_SUITE_P(Methods, SpringDeterminism, testing::Values("symplectic_euler", "rk4"));
+INSTANTIATE_TEST_SUITE_P(Methods, SpringDeterminism,
+                         testing::Values("symplectic_euler", "rk4", "linear_implicit_euler",
+                                         "implicit_euler"));
 
 TEST_P(SpringDeterminism, ThreadsChangeNothing) {
   SpringRun one(cloth()), two(cloth(), {0, -9.81, 0}, 2), four(cloth(), {0, -9.81, 0}, 4);

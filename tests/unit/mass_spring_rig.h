@@ -11,10 +11,15 @@ namespace truestep::testing_rig {
 
 struct SpringRun {
   explicit SpringRun(const MassSpringDef& def, Vec3 gravity = {0, -9.81, 0}, int threads = 1)
-      : system(MassSpring::make(def, {.id = "s", .gravity = gravity})),
+      : system(MassSpring::make(with_integrator(def), {.id = "s", .gravity = gravity})),
         state(system->initial_state()),
         arena(threads) {}
 
+  /// The simplest method unless the test names one.
+  static MassSpringDef with_integrator(MassSpringDef def) {
+    if (def.integrator.empty()) def.integrator = "symplectic_euler";
+    return def;
+  }
   std::span<double> x() { return state.f64(MassSpringColumns::position); }
   std::span<double> v() { return state.f64(MassSpringColumns::velocity); }
   Vec3 position(size_t i) { return load3<double>(x().data(), i); }

@@ -9,7 +9,7 @@ using Columns = MassSpringColumns;
 
 namespace {
 
-constexpr std::string_view kDefaultIntegrator = "symplectic_euler";
+constexpr std::string_view kDefaultIntegrator = "linear_implicit_euler";
 
 // A push lasts until its time is used up; counting down by whole steps, half a step of tolerance hides
 // rounding.
