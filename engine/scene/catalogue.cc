@@ -1,5 +1,6 @@
 #include "engine/scene/catalogue.h"
 
+#include "engine/systems/mass_spring/mass_spring.h"
 #include "engine/systems/oscillator/oscillator.h"
 #include "engine/systems/particles/particles.h"
 #include "engine/systems/pendulum/pendulum.h"
@@ -33,6 +34,15 @@ std::span<const CatalogueRow> catalogue() {
        {"a birth is a function of seed, emitter and number alone, at its exact time between steps",
         "no point passes a collider, however thin or fast", "points at rest stay at rest to the bit"},
        "leapfrog"},
+      {"mass_spring",
+       "springs",
+       "points joined by springs: ropes, hair, cloth on a grid or a mesh, free networks",
+       &mass_spring_table(),
+       build_mass_spring,
+       mass_spring_cost,
+       {"force is minus the gradient of the potential", "springs and their damping conserve momentum",
+        "pinned points do not move", "the same bits on any number of threads"},
+       "linear_implicit_euler"},
   };
   return kRows;
 }

@@ -9,7 +9,7 @@ using Columns = MassSpringColumns;
 
 namespace {
 
-constexpr std::string_view kDefaultIntegrator = "symplectic_euler";
+constexpr std::string_view kDefaultIntegrator = "linear_implicit_euler";
 
 // A push lasts until its time is used up; counting down by whole steps, half a step of tolerance hides
 // rounding.
@@ -29,13 +29,39 @@ void expire_pushes(State& s, double h) {
   for (const auto c : {Columns::push_row, Columns::push_force, Columns::push_remaining}) s.resize(c, kept);
 }
 
+constexpr std::string_view kOldPosition = "mass_spring.x_old", kOldVelocity = "mass_spring.v_old";
+
+void remember(State& s, const StepInput& in) {
+  const auto copy = [&](State::Column c, std::string_view key) {
+    const auto now = s.f64(c);
+    std::copy(now.begin(), now.end(), in.workspace.doubles(key, now.size()).begin());
+  };
+  copy(Columns::position, kOldPosition);
+  copy(Columns::velocity, kOldVelocity);
+}
+
 }  // namespace
 
 MassSpring::MassSpring(std::unique_ptr<const MassSpringField> field, const Integrator& method,
                        const MassSpringDef& def)
     : ForceSystem(std::move(field), method, def.choice().options),
-      springs_(static_cast<const MassSpringField&>(force_field())) {
+      springs_(static_cast<const MassSpringField&>(force_field())),
+      colliders_(build_colliders(def.colliders)),
+      radius_(0.5 * def.thickness) {
+  for (const Collider& c : colliders_.colliders()) {
+    surfaces_.push_back(c.surface);
+    surfaces_.back().restitution = def.restitution;
+    if (def.friction) surfaces_.back().friction = *def.friction;
+  }
+  if (!colliders_.empty()) {
+    add_stage("remember", "contacts need where every point came from", remember);
+  }
   add_integration_stage();
+  if (colliders_.empty()) {
+    skip_stage("contacts", "there are no colliders");
+  } else {
+    add_contact_stage();
+  }
   add_stage("hands", "ends pushes whose time is over",
             [](State& s, const StepInput& in) { expire_pushes(s, in.h); });
   if (!def.wind) skip_stage("air", "no wind is given; set_parameter wind brings it");
@@ -48,6 +74,23 @@ MassSpring::MassSpring(std::unique_ptr<const MassSpringField> field, const Integ
     topology_.line_kinds.push_back(line_kind(schedule.family[s]));
   }
   topology_.triangles = springs_.network().triangles;
+}
+
+void MassSpring::add_contact_stage() {
+  add_stage("contacts", std::to_string(colliders_.colliders().size()) + " colliders keep the points out",
+            [this](State& s, const StepInput& in) {
+              const size_t n = s.f64(Columns::position).size();
+              colliders_.resolve({.t = in.t,
+                                  .h = in.h,
+                                  .x_old = in.workspace.doubles(kOldPosition, n),
+                                  .v_old = in.workspace.doubles(kOldVelocity, n),
+                                  .x = s.f64(Columns::position),
+                                  .v = s.f64(Columns::velocity),
+                                  .inverse_mass = s.f64(Columns::inverse_mass),
+                                  .radius = radius_,
+                                  .surfaces = surfaces_},
+                                 in.workspace, in.arena);
+            });
 }
 
 void MassSpring::observe(const State& state, double t, Observables& out) const {

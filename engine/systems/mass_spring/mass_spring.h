@@ -19,18 +19,23 @@ class MassSpring final : public ForceSystem {
   FieldView field(const State& state, size_t which, std::vector<double>& scratch) const override;
   void apply(State& state, const Command& command) const override;
   Topology topology(const State& state) const override { return topology_; }
+  std::vector<DrawnShape> shapes(const State& state, double t) const override { return colliders_.drawn(t); }
 
   const MassSpringField& springs() const { return springs_; }
 
  private:
   MassSpring(std::unique_ptr<const MassSpringField> field, const Integrator& method,
              const MassSpringDef& def);
+  void add_contact_stage();
   double default_drag(const State& state, size_t row) const;
   size_t checked_row(const State& state, const Command& command) const;
   void set_parameter(State& state, const Command& command) const;
 
   const MassSpringField& springs_;
   Topology topology_;
+  ColliderSet colliders_;
+  std::vector<Surface> surfaces_;  // one per collider
+  double radius_;                  // m, distance kept from colliders
 };
 
 std::unique_ptr<const System> build_mass_spring(const void* def, const BuildContext& context);

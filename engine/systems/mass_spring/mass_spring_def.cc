@@ -213,8 +213,11 @@ const DefTable& mass_spring_table() {
                 "of the cloth's faces or the rope's cross-section")
         .number("thickness", &D::thickness, "m", at_least(0),
                 "diameter of the rope for the wind; half of it is kept from every obstacle")
-        .number("restitution", &D::restitution, "1", between(0, 1), "of impacts on obstacles")
-        .number("friction", &D::friction, "1", at_least(0), "Coulomb's coefficient on obstacles");
+        .number("restitution", &D::restitution, "1", between(0, 1),
+                "of these points on any collider, in place of the collider's own")
+        .number("friction", &D::friction, "1", at_least(0),
+                "Coulomb's coefficient on colliders; absent: each collider's own");
+    add_collider_rows(table, &D::colliders);
     return add_integrator_rows(table).check(check_def).build();
   }();
   return t;

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "engine/collision/collider_def.h"
 #include "engine/core/integrator_def.h"
 
 namespace truestep {
@@ -71,7 +72,9 @@ struct MassSpringDef : IntegratorParams {
   double gust = 0, gust_period = 2;
   double air_density = 1.2, drag_coefficient = 1.2;
   double thickness = 0.01;  // m
-  double restitution = 0, friction = 0.3;
+  double restitution = 0;
+  std::optional<double> friction;
+  ColliderDefs colliders;
 };
 
 /// The table that parser, schema and documentation read.
