@@ -24,7 +24,7 @@ export class Stage {
   readonly controls: OrbitControls;
   readonly views = new Map<string, SystemView>();
   readonly handle = new Handle();
-  readonly show: Visibility = { points: true, lines: true, surface: true, bySpeed: true };
+  readonly show: Visibility = { points: true, lines: true, surface: true, bySpeed: true, colorBy: "" };
 
   private readonly renderer: WebGLRenderer;
   private readonly scene = new Scene();

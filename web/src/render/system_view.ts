@@ -11,8 +11,10 @@ export interface Visibility {
   points: boolean;
   lines: boolean;
   surface: boolean;
-  /** Colour points by speed where the server sends it. */
+  /** Colour points by their speed, or by the field that the scene names, where the server sends it. */
   bySpeed: boolean;
+  /** Name of that field; "" for speed, and only where a system has no colour of its own. */
+  colorBy: string;
 }
 
 export class SystemView {
@@ -53,7 +55,7 @@ export class SystemView {
   update(fields: FieldArray[], show: Visibility): void {
     const position = fields.find((field) => field.field === "position");
     if (position) this.take(position);
-    this.points?.update(this.positions, this.count, show.bySpeed ? speeds(fields) : undefined);
+    this.points?.update(this.positions, this.count, show.bySpeed && (show.colorBy || !this.color) ? values(fields, show.colorBy) : undefined);
     if (this.points?.object && !this.points.object.parent) {
       this.points.object.layers.enable(1);
       this.group.add(this.points.object);
@@ -121,10 +123,12 @@ export class SystemView {
 
 let scratch = new Float32Array(0);
 
-/** A speed per point from the field speed, or from velocity; undefined when the frame has neither. */
-function speeds(fields: FieldArray[]): Float32Array | undefined {
-  const speed = fields.find((field) => field.field === "speed");
-  if (speed?.data instanceof Float32Array) return speed.data;
+/** A value per point: the named field, else speed, else the length of velocity; undefined without any. */
+function values(fields: FieldArray[], name: string): Float32Array | undefined {
+  for (const wanted of [name, "speed"]) {
+    const scalar = fields.find((field) => field.field === wanted && field.width === 1);
+    if (scalar) return scalar.data instanceof Float32Array ? scalar.data : Float32Array.from(scalar.data);
+  }
   const velocity = fields.find((field) => field.field === "velocity" && field.width === 3);
   if (!velocity) return undefined;
   const { count, data } = velocity;

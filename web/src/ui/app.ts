@@ -112,6 +112,7 @@ export class App {
   private show(session: Session): void {
     this.id = session.id;
     this.stage.clear(session.viewer?.camera);
+    this.stage.show.colorBy = session.viewer?.color_by ?? "";
     this.plot.clear();
     this.readout.clear();
     this.interaction.clear();
@@ -312,11 +313,12 @@ export class App {
     this.hintTimer = setTimeout(() => (hint.hidden = true), 1600);
   }
 
-  /** Position; and where points have no colour of their own, what they are coloured by. */
+  /** Position; and for points what the scene colours them by, or their speed if they have no colour of their own. */
   private fieldsOf(hello: Hello, topology: Topology | undefined): string[] {
-    const plain = topology?.systems.filter((system) => system.pointRadius > 0 && system.color.length === 0) ?? [];
-    if (!this.stage.show.bySpeed || plain.length === 0) return ["position"];
-    const names = new Set(hello.systems.filter(({ id }) => plain.some((system) => system.system === id)).flatMap((system) => system.fields.map((field) => field.name)));
-    return ["position", ...["speed", "velocity"].filter((name) => names.has(name)).slice(0, 1)];
+    const { colorBy } = this.stage.show;
+    const drawn = topology?.systems.filter((system) => system.pointRadius > 0 && (colorBy || system.color.length === 0)) ?? [];
+    if (!this.stage.show.bySpeed || drawn.length === 0) return ["position"];
+    const names = new Set(hello.systems.filter(({ id }) => drawn.some((system) => system.system === id)).flatMap((system) => system.fields.map((field) => field.name)));
+    return ["position", ...[colorBy, "speed", "velocity"].filter((name) => names.has(name)).slice(0, 1)];
   }
 }
