@@ -67,6 +67,12 @@ class ForceField {
   /// Overwrites the values of df/dx (N/m) and df/dv (N s/m) at `at`; exact, including compressed springs.
   virtual void jacobian(const Phase& at, BlockSparse& dfdx, BlockSparse& dfdv, Evaluation& e) const;
 
+  /// The same with the parts left out that make -df/dx indefinite (compressed springs push sideways), for
+  /// methods that solve with M - h^2 df/dx and would be thrown off by them. The default is the exact one.
+  virtual void definite_jacobian(const Phase& at, BlockSparse& dfdx, BlockSparse& dfdv, Evaluation& e) const {
+    jacobian(at, dfdx, dfdv, e);
+  }
+
   /// Largest angular frequency (1/s) and damping rate (1/s) of the linearised field, for step suggestions.
   struct Stiffness {
     double omega = 0;

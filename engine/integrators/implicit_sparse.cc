@@ -1,9 +1,9 @@
 // Implicit Euler with the field's sparse Jacobian. Unknown is v'; with x' = x + h v' the equations are
 //   r(v') = M (v' - v) - h f(x', v', t + h) = 0,       A = M - h df/dv - h^2 df/dx.
 // Held rows keep their velocity: their rows and columns of A become those of the identity. Newton's direction
-// descends |r| in the norm weighted with 1/M whether or not A is positive definite, so a line search on that
-// norm suffices; compressed springs, whose exact Jacobian makes A indefinite, only send the linear solve to
-// the factorisation.
+// descends |r| in the norm weighted with 1/M, which the line search uses. Compressed springs can make A
+// indefinite; then the direction is taken with the field's definite Jacobian instead, and the single step of
+// linear_implicit_euler always is.
 #include <algorithm>
 #include <cmath>
 
@@ -114,7 +114,8 @@ class SparseStep {
   void one() {
     const double h = m_.input.h;
     m_.acceleration(end(), m_.x, m_.v, a_);
-    m_.field.jacobian({end(), m_.x, m_.v, m_.state}, matrices_.dfdx, matrices_.dfdv, e_);
+    // Not the exact Jacobian: one step along an indefinite system throws compressed cloth apart.
+    m_.field.definite_jacobian({end(), m_.x, m_.v, m_.state}, matrices_.dfdx, matrices_.dfdv, e_);
     // h (f + h df/dx v); the velocity of held rows counts on the right-hand side.
     each_row([&](size_t begin, size_t end) {
       matrices_.dfdx.multiply_rows(m_.v.data(), b_.data(), begin, end);
@@ -144,7 +145,11 @@ class SparseStep {
       }
       m_.field.jacobian({end(), x_, v_, m_.state}, matrices_.dfdx, matrices_.dfdv, e_);
       // No more accuracy than this iterate deserves.
-      solve(std::clamp(std::max(0.1 * target / norm, 0.1 * norm / first), 1e-14, 1e-2));
+      const double accuracy = std::clamp(std::max(0.1 * target / norm, 0.1 * norm / first), 1e-14, 1e-2);
+      if (solve(accuracy) == BlockSolver::Result::Sign::indefinite) {
+        m_.field.definite_jacobian({end(), x_, v_, m_.state}, matrices_.dfdx, matrices_.dfdv, e_);
+        solve(accuracy);
+      }
       double share = 1, next = residual(share);
       while (!(next < norm) && share > 1e-3) {
         share *= 0.5;
@@ -216,7 +221,7 @@ class SparseStep {
     }));
   }
 
-  void solve(double tolerance) {
+  BlockSolver::Result::Sign solve(double tolerance) {
     const double ratio = matrices_.assemble(w_, m_.input.h, m_.input.arena, partial_);
     const auto result =
         matrices_.solver.solve(matrices_.system, b_, dv_,
@@ -227,6 +232,7 @@ class SparseStep {
                                                                           : BlockSolver::Symmetry::general},
                                m_.input.arena);
     if (!result.solved) fail("the system of an implicit step is singular");
+    return result.sign;
   }
 
   [[noreturn]] void fail(const std::string& why) {

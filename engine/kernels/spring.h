@@ -35,6 +35,13 @@ inline Stiffness stiffness(double l2, double k, double rest) {
   return {k * (1 - rest * inv), k * rest * inv * (inv * inv)};
 }
 
+/// The same without the sideways push of a compressed spring, so that -df/dx is positive semidefinite
+/// (Choi, Ko 2002, "Stable but responsive cloth", section 4).
+inline Stiffness definite_stiffness(double l2, double k, double rest) {
+  const Stiffness exact = stiffness(l2, k, rest);
+  return exact.alpha >= 0 ? exact : Stiffness{0, l2 > 0 ? k / l2 : 0};
+}
+
 inline constexpr size_t kRunChunk = 128;
 
 /// Forces of n <= kRunChunk springs from their differences, in place: (dx, dy, dz) becomes the force on a.

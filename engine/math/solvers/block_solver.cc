@@ -39,9 +39,12 @@ BlockSolver::Result BlockSolver::solve(const BlockSparse& a, std::span<const dou
     if (r.outcome == Pcg::Outcome::converged) return {Method::conjugate_gradients, r.iterations, true};
     spent = r.iterations;
   }
-  if (ldlt_.factorize(a) == BlockLdlt::Outcome::singular) return {Method::ldlt, spent, false};
+  const BlockLdlt::Outcome outcome = ldlt_.factorize(a);
+  if (outcome == BlockLdlt::Outcome::singular) return {Method::ldlt, spent, false};
   ldlt_.solve(b, x);
-  return {Method::ldlt, spent, true};
+  return {
+      Method::ldlt, spent, true,
+      outcome == BlockLdlt::Outcome::positive_definite ? Result::Sign::positive : Result::Sign::indefinite};
 }
 
 }  // namespace truestep

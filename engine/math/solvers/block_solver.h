@@ -24,6 +24,7 @@ class BlockSolver {
     Method method = Method::conjugate_gradients;
     int iterations = 0;
     bool solved = true;  ///< false: the matrix is singular
+    enum class Sign : uint8_t { positive, indefinite } sign = Sign::positive;  ///< as far as the method saw
   };
 
   Result solve(const BlockSparse& a, std::span<const double> b, std::span<double> x, const Request& request,

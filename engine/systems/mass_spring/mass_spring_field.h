@@ -8,6 +8,7 @@
 
 #include "engine/core/build.h"
 #include "engine/core/force_field.h"
+#include "engine/kernels/spring.h"
 #include "engine/systems/mass_spring/network.h"
 #include "engine/systems/mass_spring/spring_schedule.h"
 
@@ -49,7 +50,13 @@ class MassSpringField final : public ForceField {
   void jacobian_pattern(const State& state, BlockSparse& dfdx, BlockSparse& dfdv) const override;
   /// 1 when velocities of different points act on each other (internal damping, air on triangles), else 0.
   uint64_t pattern_version(const State& state) const override;
-  void jacobian(const Phase& at, BlockSparse& dfdx, BlockSparse& dfdv, Evaluation& e) const override;
+  void jacobian(const Phase& at, BlockSparse& dfdx, BlockSparse& dfdv, Evaluation& e) const override {
+    assemble_jacobian(at, dfdx, dfdv, e, spring::stiffness);
+  }
+  void definite_jacobian(const Phase& at, BlockSparse& dfdx, BlockSparse& dfdv,
+                         Evaluation& e) const override {
+    assemble_jacobian(at, dfdx, dfdv, e, spring::definite_stiffness);
+  }
   /// omega^2 <= 2 max_i |K_ii| / m_i with the blocks of the present state: 4 k/m for a chain.
   std::optional<Stiffness> stiffness(const State& state) const override;
 
@@ -60,6 +67,11 @@ class MassSpringField final : public ForceField {
   double strain(std::span<const double> x, size_t s) const;
 
  private:
+  /// How a spring's stiffness follows from its squared length, constant and rest length.
+  using SpringStiffness = spring::Stiffness (*)(double l2, double k, double rest);
+  void assemble_jacobian(const Phase& at, BlockSparse& dfdx, BlockSparse& dfdv, Evaluation& e,
+                         SpringStiffness stiffness) const;
+
   /// Positions, velocities and forces of all points, coordinate by coordinate.
   struct Scratch {
     double *x[3], *v[3], *f[3];

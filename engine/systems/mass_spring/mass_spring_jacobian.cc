@@ -89,7 +89,8 @@ void MassSpringField::jacobian_pattern(const State& state, BlockSparse& dfdx, Bl
   }
 }
 
-void MassSpringField::jacobian(const Phase& at, BlockSparse& dfdx, BlockSparse& dfdv, Evaluation& e) const {
+void MassSpringField::assemble_jacobian(const Phase& at, BlockSparse& dfdx, BlockSparse& dfdv, Evaluation& e,
+                                        SpringStiffness stiffness) const {
   const State& state = at.state;
   const double* x = at.x.data();
   const double* k_family = state.f64(Columns::stiffness).data();
@@ -105,7 +106,7 @@ void MassSpringField::jacobian(const Phase& at, BlockSparse& dfdx, BlockSparse& 
     for (size_t s = begin; s < end; ++s) {
       const Vec3 d = load3(x, schedule_.b[s]) - load3(x, schedule_.a[s]);
       const double k = k_family[static_cast<size_t>(schedule_.family[s])] * schedule_.scale[s];
-      const spring::Stiffness c = spring::stiffness(norm2(d), k, schedule_.rest[s]);
+      const spring::Stiffness c = stiffness(norm2(d), k, schedule_.rest[s]);
       coefficients[2 * s] = c.alpha, coefficients[2 * s + 1] = c.beta;
     }
   });
