@@ -122,12 +122,16 @@ export class Service {
   }
 
   private async call(method: string, path: string, body?: unknown): Promise<unknown> {
+    // Answers lost on the way are asked for again, once: the key lets the service do a creation or a step once only.
+    const headers: Record<string, string> = { accept: "application/json" };
+    if (body !== undefined) headers["content-type"] = "application/json";
+    if (method === "POST") headers["idempotency-key"] = `${Date.now().toString(36)}-${Math.random().toString(36).slice(2)}`;
+    const ask = (): Promise<Response> => this.fetcher(this.base + path, { method, headers, ...(body === undefined ? {} : { body: JSON.stringify(body) }) });
     let response: Response;
     try {
-      response = await this.fetcher(this.base + path, {
-        method,
-        headers: { accept: "application/json", ...(body === undefined ? {} : { "content-type": "application/json" }) },
-        ...(body === undefined ? {} : { body: typeof body === "string" ? body : JSON.stringify(body) }),
+      response = await ask().catch(async () => {
+        await new Promise((resolve) => setTimeout(resolve, 400));
+        return ask();
       });
     } catch {
       throw new ProblemError({

@@ -1,5 +1,6 @@
 // Springs and links as line segments over the system's shared positions. The kind of a line (structural,
-// shear, bending) sets its colour; where a surface is drawn too, lines are only a hint of it.
+// shear, bending) sets its colour; where a surface is drawn too, the structural
+// lines alone are hinted at.
 import { BufferAttribute, BufferGeometry, Color, LineBasicMaterial, LineSegments } from "three";
 
 const kindColors = ["#dfe7f1", "#6fb7ff", "#e9b44c", "#9aa6b5"].map((hex) => new Color(hex));
@@ -14,11 +15,11 @@ export function makeLines(positions: BufferAttribute, pairs: Uint32Array, kinds:
   const index = new Uint32Array(pairs.length);
   const materials = kindColors.map(
     (kindColor, kind) =>
-      new LineBasicMaterial({ color: kind === 0 && color ? color : kindColor, transparent: true, opacity: faint ? 0.16 : kind === 0 ? 0.95 : 0.4, depthWrite: !faint }),
+      new LineBasicMaterial({ color: kind === 0 && color ? color : kindColor, transparent: true, opacity: faint ? 0.14 : [0.95, 0.4, 0.15, 0.6][kind]!, depthWrite: !faint }),
   );
   let start = 0;
   byKind.forEach((group, kind) => {
-    if (group.length === 0) return;
+    if (group.length === 0 || (faint && kind > 0)) return;
     index.set(group, start);
     geometry.addGroup(start, group.length, kind);
     start += group.length;

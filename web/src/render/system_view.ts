@@ -7,6 +7,8 @@ import { PointCloud } from "./points";
 import { palette } from "./shading";
 import { Surface } from "./surface";
 
+const kMarked = 128; // points
+
 export interface Visibility {
   points: boolean;
   lines: boolean;
@@ -33,7 +35,7 @@ export class SystemView {
     readonly id: string,
     private readonly topology: SystemTopology,
     private readonly index: number,
-    viewHeight: IUniform<number>,
+    private readonly viewHeight: IUniform<number>,
   ) {
     const [r, g, b] = topology.color;
     this.color = r !== undefined && g !== undefined && b !== undefined ? new Color().setRGB(r, g, b) : undefined;
@@ -48,13 +50,14 @@ export class SystemView {
 
   /** What a viewer can switch: points, lines, surface. */
   get has(): { points: boolean; lines: boolean; surface: boolean } {
-    return { points: this.points !== undefined, lines: this.pairs.length > 0, surface: this.triangles.length > 0 };
+    return { points: this.points !== undefined || (this.triangles.length === 0 && this.count <= kMarked), lines: this.pairs.length > 0, surface: this.triangles.length > 0 };
   }
 
   /** Takes a frame's fields of this system. */
   update(fields: FieldArray[], show: Visibility): void {
     const position = fields.find((field) => field.field === "position");
     if (position) this.take(position);
+    this.mark();
     this.points?.update(this.positions, this.count, show.bySpeed && (show.colorBy || !this.color) ? values(fields, show.colorBy) : undefined);
     if (this.points?.object && !this.points.object.parent) {
       this.points.object.layers.enable(1);
@@ -83,6 +86,14 @@ export class SystemView {
 
   private fill(): Color {
     return this.color ?? palette[this.index % palette.length]!;
+  }
+
+  /** Marks the points of a small network that has no size of its own, or two masses on springs are two thin lines. */
+  private mark(): void {
+    if (this.points || this.triangles.length > 0 || this.count === 0 || this.count > kMarked) return;
+    let longest = 0;
+    for (let k = 0; k < 3 * this.count; ++k) longest = Math.max(longest, Math.abs(this.positions[k]! - this.positions[k % 3]!));
+    this.points = new PointCloud(Math.max(0.012 * longest, 1e-3), this.fill(), this.viewHeight);
   }
 
   private take(field: FieldArray): void {
