@@ -192,7 +192,7 @@ void implicit_step() {
     const auto x = hand.f64(0), v = hand.f64(1);
     Eigen::VectorXd f(n), kv(n);
     field.acceleration({h, x, v, hand}, {f.data(), static_cast<size_t>(n)}, e);
-    field.jacobian({h, x, v, hand}, dfdx, dfdv, e);
+    field.definite_jacobian({h, x, v, hand}, dfdx, dfdv, e);
     dfdx.multiply(v, {kv.data(), static_cast<size_t>(n)}, arena);
     for (size_t i = 0; i < from.size(); ++i) a.valuePtr()[i] = -h * h * dfdx.values()[from[i]];
     for (Eigen::Index c = 0; c < n; ++c) {
