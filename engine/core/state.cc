@@ -187,14 +187,17 @@ std::optional<State::BadValue> State::first_non_finite() const {
     const ColumnInfo& info = columns_[c].info;
     if (info.role == Role::internal || info.type != Scalar::f64) continue;
     const auto values = span<double>(c);
-    // v * 0 is NaN exactly when v is NaN or infinite: one vectorised sweep answers for the whole column.
-    double sum[8] = {};
+    // v * 0 is NaN exactly when v is NaN or infinite: one sweep answers for the whole column. Many sums, so
+    // that the additions of one do not wait for each other.
+    constexpr size_t kLanes = 32;
+    double sum[kLanes] = {};
     size_t i = 0;
-    for (; i + 8 <= values.size(); i += 8) {
-      for (size_t k = 0; k < 8; ++k) sum[k] += values[i + k] * 0.0;
+    for (; i + kLanes <= values.size(); i += kLanes) {
+      for (size_t k = 0; k < kLanes; ++k) sum[k] += values[i + k] * 0.0;
     }
     for (; i < values.size(); ++i) sum[0] += values[i] * 0.0;
-    const double total = sum[0] + sum[1] + sum[2] + sum[3] + sum[4] + sum[5] + sum[6] + sum[7];
+    double total = 0;
+    for (const double lane : sum) total += lane;
     if (total == 0) continue;
     for (i = 0; i < values.size(); ++i) {
       if (!std::isfinite(values[i])) return BadValue{c, i / info.width};

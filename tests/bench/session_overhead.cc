@@ -9,7 +9,7 @@
 namespace truestep {
 namespace {
 
-const char* const kScene = R"({"time": {"dt": 0.001}, "systems": [{"type": "mass_spring", "id": "c",
+const char* const kScene = R"({"time": {"dt": 0.0001}, "systems": [{"type": "mass_spring", "id": "c",
   "cloth_grid": {"origin": [0, 0, 0], "edge_u": [1, 0, 0], "edge_v": [0, 0, 1], "nx": 42, "ny": 42},
   "density": 0.3, "stiffness": 400, "shear_stiffness": 100, "bending_stiffness": 5, "pinned": ["corner_00", "corner_10"],
   "integrator": "symplectic_euler"}]})";
