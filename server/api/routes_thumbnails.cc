@@ -24,7 +24,7 @@ namespace {
 
 constexpr int kWidth = 480, kHeight = 304;  // pixels
 constexpr double kMoment = 1.2;             // s of the scene's time
-constexpr double kWork = 0.15;  // s of computing, as estimated, so that every machine draws the same
+constexpr double kWork = 0.4;  // s of computing, as estimated, so that every machine draws the same
 
 std::string draw(const GalleryScene& scene) {
   Scene parsed = require_scene(read_scene(parse_json(scene.text)));

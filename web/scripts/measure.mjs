@@ -1,6 +1,6 @@
 // What the viewer costs: size of the bundle as it travels, time from the address to the first picture, pictures
 // a second and processor time per picture with large scenes. Prints one JSON line per figure.
-//   node scripts/measure.mjs [URL SCENE...]     against the mock service, or scenes of the service at URL
+//   node scripts/measure.mjs URL     of a running service
 // The service's own work is not in cpu_ms_per_picture; drawing is, for Chromium draws in software here.
 import { readFileSync, readdirSync } from "node:fs";
 import path from "node:path";
@@ -33,10 +33,28 @@ function cpuOf(root) {
   return rows.filter((row) => inside.has(row.pid)).reduce((sum, row) => sum + row.ticks, 0) / 100;
 }
 
-const [given, ...named] = process.argv.slice(2);
-const mock = given ? undefined : await (await import("../test/mock_server.mjs")).serve();
-const url = given ?? mock.url;
-const scenes = named.length > 0 ? named : ["hanging-cloth", "hundred-thousand", "large-cloth"];
+const url = process.argv[2];
+if (!url) throw new Error("usage: node scripts/measure.mjs URL");
+const scenes = {
+  "100,000 particles": {
+    time: { dt: 1 / 60, duration: 100 },
+    systems: [{ type: "particles", id: "drops", fill: [{ shape: "box", arrangement: "random", center: [0, 1.5, 0], half_extents: [1.5, 1, 1.5], count: 100000, speed_spread: 1 }], gravity: [0, 0, 0], draw_radius: 0.012 }],
+  },
+  "cloth of 100 x 100": {
+    time: { dt: 1 / 60, duration: 100 },
+    systems: [{ type: "mass_spring", id: "cloth", cloth_grid: { origin: [-1, 2, 0], edge_u: [2, 0, 0], edge_v: [0, 0, 2], nx: 100, ny: 100 }, density: 0.2, stiffness: 100, shear_stiffness: 30, pins: [0, 99], integrator: "linear_implicit_euler" }],
+  },
+};
+
+async function create(scene) {
+  const ask = (path, body) => fetch(url + path, { method: "POST", headers: { "content-type": "application/json" }, body: JSON.stringify(body) });
+  const response = await ask("/v1/sessions", scene);
+  const session = await response.json();
+  if (!response.ok) throw new Error(JSON.stringify(session));
+  await ask(`/v1/sessions/${session.id}/play`, { speed: 1 });
+  return session;
+}
+
 const server = await chromium.launchServer({
   executablePath: process.env.CHROMIUM ?? "/usr/bin/chromium",
   args: [
@@ -45,9 +63,10 @@ const server = await chromium.launchServer({
   ],
 });
 const browser = await chromium.connect(server.wsEndpoint());
-for (const scene of scenes) {
+for (const [scene, document] of Object.entries(scenes)) {
+  const session = await create({ schema_version: "1.0", name: scene, ...document });
   const page = await browser.newPage({ viewport: { width: 1280, height: 800 } });
-  await page.goto(`${url}/?gallery=${scene}`);
+  await page.goto(`${url}/?session=${session.id}`);
   await page.waitForFunction(() => performance.getEntriesByName("first-picture").length > 0, undefined, { timeout: 60000 });
   say("first_picture", await page.evaluate(() => performance.getEntriesByName("first-picture")[0].startTime), "ms", { scene });
   await page.waitForTimeout(6000);
@@ -61,7 +80,7 @@ for (const scene of scenes) {
   say("pictures_per_second", pictures / seconds, "1/s", { scene, size });
   say("cpu_per_picture", (1000 * (cpuOf(server.process().pid) - cpu)) / pictures, "ms", { scene, size });
   await page.close();
+  await fetch(`${url}/v1/sessions/${session.id}`, { method: "DELETE" });
 }
 await browser.close();
 await server.close();
-mock?.close();

@@ -10,6 +10,7 @@ import { backgroundColor } from "./shading";
 import { isGround, makeShape, placeShape } from "./shapes";
 import { SystemView, type Visibility } from "./system_view";
 
+const kMany = 20000; // points
 const kCheckEvery = 20; // frames between two looks at whether the scene outgrew its frame
 
 export interface CameraPose {
@@ -284,8 +285,10 @@ export class Stage {
     this.late = elapsed > 42 ? Math.max(0, this.late) + elapsed : elapsed < 21 ? Math.min(0, this.late) - elapsed : 0;
     if (this.late > 1000) {
       this.late = 0;
-      if (this.scale === 1 || !this.ground.shadows) this.scale = Math.max(0.6, this.scale * 0.8);
-      else this.ground.shadows = false;
+      // With many points it is drawing them twice that costs, with few it is filling the picture.
+      const many = [...this.views.values()].reduce((sum, view) => sum + view.count, 0) > kMany;
+      if (this.ground.shadows && (many || this.scale < 1)) this.ground.shadows = false;
+      else this.scale = Math.max(0.6, this.scale * 0.8);
     } else if (this.late < -4000 && this.restores > 0 && (this.scale < 1 || !this.ground.shadows)) {
       this.late = 0;
       --this.restores;

@@ -93,7 +93,7 @@ export class SystemView {
     if (this.points || this.triangles.length > 0 || this.count === 0 || this.count > kMarked) return;
     let longest = 0;
     for (let k = 0; k < 3 * this.count; ++k) longest = Math.max(longest, Math.abs(this.positions[k]! - this.positions[k % 3]!));
-    this.points = new PointCloud(Math.max(Math.min(0.04, 0.35 / (this.count - 1 || 1)) * longest, 1e-3), this.fill(), this.viewHeight);
+    this.points = new PointCloud(Math.max(Math.min(0.08, 0.35 / (this.count - 1 || 1)) * longest, 1e-3), this.fill(), this.viewHeight);
   }
 
   private take(field: FieldArray): void {
