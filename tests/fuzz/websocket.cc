@@ -15,7 +15,7 @@ using Decoder = truestep::net::FrameDecoder;
 using Events = std::vector<std::pair<Decoder::Event, std::string>>;
 
 Events decode(std::string bytes, size_t piece) {
-  Decoder decoder(1 << 12);
+  Decoder decoder(1 << 12, truestep::net::Compression::deflate);
   Events events;
   for (size_t at = 0; at < bytes.size(); at += piece) {
     char* data = bytes.data() + at;
