@@ -56,11 +56,13 @@ void StreamClient::on_close(uint16_t, std::string_view) {
 
 void StreamClient::on_drain() {
   // Only a client that missed something needs more work now.
-  if (refresh_waiting_.exchange(false)) {
-    locked([this] {
-      if (stale_ && has_room()) send_current_frame();
-    });
-  }
+  if (!refresh_waiting_.exchange(false)) return;
+  locked([this] {
+    if (!stale_) return;
+    // Armed again before looking: room that comes in between calls here once more.
+    refresh_waiting_ = true;
+    if (has_room()) send_current_frame();
+  });
 }
 
 void StreamClient::on_message(net::MessageKind kind, std::string_view payload) {
@@ -232,6 +234,7 @@ void StreamClient::accept(const FramePtr& frame) {
   }
   last_step_ = frame->step;
   stale_ = false;
+  refresh_waiting_ = false;
   stats_.frames.fetch_add(1, std::memory_order_relaxed);
   stats_.bytes.fetch_add(bytes, std::memory_order_relaxed);
   if (request_.extras == FrameRequest::Extras::observables) {
@@ -260,10 +263,9 @@ void StreamClient::notify(std::string_view kind, uint64_t step, const std::strin
   }
   send(playback_message(entry_->session));
   if (kind == "reset" || kind == "seek" || stale_) {
-    if (has_room())
-      send_current_frame();
-    else
-      stale_ = true, refresh_waiting_ = true;
+    stale_ = true;
+    refresh_waiting_ = true;
+    if (has_room()) send_current_frame();
   }
 }
 

@@ -46,6 +46,9 @@ void throw_h5_error(const char* what) {
 }
 
 void h5_quiet() {
+  // Every handle here is closed by its owner. The library's own cleanup at exit crashes on a file whose last
+  // writes failed (a full disk), and must not take the process's exit code with it.
+  H5dont_atexit();
   H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
 }
 
