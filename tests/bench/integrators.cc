@@ -141,9 +141,9 @@ void explicit_methods() {
     const ThreadArena arena(1);
     ByHand hand(field, h);
     uint64_t step = 0;
-    constexpr int kSteps = 100;
+    constexpr int kSteps = 5;  // short turns, so that a busy machine disturbs both alike
     const Times t = interleaved(
-        21,
+        101,
         [&] {
           for (int i = 0; i < kSteps; ++i, ++step) {
             m.step(field, state,
@@ -235,7 +235,7 @@ void elementary_functions() {
   const auto compare = [&](const char* name, auto ours, auto libm) {
     double sum = 0, other = 0;
     const Times t = interleaved(
-        21,
+        101,
         [&] {
           for (const double v : x) sum += ours(v);
         },
