@@ -6,10 +6,12 @@ usage: run_check.py --script NAME --server 'COMMAND ...' [--arg ...] [--expect T
 COMMAND must print a line 'listening on URL' on stdout. In the arguments after '--', {url}, {ws} and {pid} stand for
 the server's address, its ws:// form and its process id. The scripts are looked for in $TRUESTEP_CHECKS, then in
 ../shared/checks beside the source tree; where neither exists the check counts as skipped (exit 77).
+--play NAME: creates a session from the gallery's scene NAME and plays it; {stream} is the ws:// address of its stream.
 --expect TEXT: some line of the script's output must contain TEXT (the full score). The server must survive the
 check and end with exit 0 on SIGTERM.
 """
 import argparse
+import json
 import os
 import pathlib
 import shlex
@@ -17,6 +19,7 @@ import signal
 import subprocess
 import sys
 import threading
+import urllib.request
 
 SKIPPED = 77
 
@@ -44,11 +47,23 @@ def start(command):
     sys.exit("the server ended before it listened: %s" % command)
 
 
+def play(url, name):
+    """The path of the stream of a new session that plays a gallery scene."""
+    def post(path, body):
+        request = urllib.request.Request(url + path, json.dumps(body).encode(), {"Content-Type": "application/json"})
+        return json.load(urllib.request.urlopen(request, timeout=30))
+
+    links = post("/v1/sessions", {"gallery": name})["links"]
+    post(links["play"], {})
+    return links["stream"]
+
+
 def main():
     parser = argparse.ArgumentParser()
     parser.add_argument("--script", required=True)
     parser.add_argument("--server", required=True)
     parser.add_argument("--expect", default="")
+    parser.add_argument("--play", default="")
     parser.add_argument("rest", nargs=argparse.REMAINDER)
     options = parser.parse_args()
     script = find_script(options.script)
@@ -58,7 +73,10 @@ def main():
     server, url = start(options.server)
     try:
         values = {"url": url, "ws": url.replace("http", "ws", 1), "pid": server.pid}
-        arguments = [a.format(**values) if "{url}" in a or "{ws}" in a or "{pid}" in a else a for a in options.rest if a != "--"]
+        if options.play:
+            values["stream"] = values["ws"] + play(url, options.play)
+        named = ["{%s}" % name for name in values]
+        arguments = [a.format(**values) if any(n in a for n in named) else a for a in options.rest if a != "--"]
         done = subprocess.run([sys.executable, script, *arguments], stdout=subprocess.PIPE, text=True)
         print(done.stdout, end="")
         if done.returncode:

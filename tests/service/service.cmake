@@ -5,3 +5,20 @@ foreach(part Sessions Output Catalogue Stream Ending CommandLine)
   set_tests_properties(service.${part} PROPERTIES LABELS service TIMEOUT 300
                        ENVIRONMENT "TRUESTEP_BINARY=$<TARGET_FILE:truestep>")
 endforeach()
+
+# check_service(NAME SCRIPT EXPECT ARGUMENT...): a script of the checks folder against the program itself, while it
+# plays and streams a scene.
+function(check_service name script expect)
+  add_test(NAME service.program.${name}
+    COMMAND ${Python3_EXECUTABLE} ${PROJECT_SOURCE_DIR}/tests/service/run_check.py --script ${script} --play fountain
+            --server "$<TARGET_FILE:truestep> serve --port 0 --log-level warn --data-dir ${CMAKE_BINARY_DIR}/check-data"
+            --expect ${expect} -- ${ARGN})
+  set_tests_properties(service.program.${name} PROPERTIES LABELS service TIMEOUT 600 SKIP_RETURN_CODE 77)
+endfunction()
+check_service(http_torture http_torture.py "94 of 94" {url}/healthz)
+check_service(ws_conformance ws_conformance.py "141 of 141" {stream} --strict --alive)
+check_service(json_torture json_torture.py "147 of 147" {url}/v1/scenes/validate --strict-i)
+check_service(json_torture_wrapped json_torture.py "145 of 145" {url}/v1/sessions --strict-i --wrap "{\"x\":|}")
+check_service(ws_slow_consumer ws_slow_consumer.py "kept fraction" {stream} --pid {pid} --slow 20 --seconds 8)
+check_service(conn_flood conn_flood.py "health failures: 0" {url}/healthz --n 2000 --pid {pid} --drip-limit 15)
+set_tests_properties(service.program.conn_flood service.program.ws_slow_consumer PROPERTIES RUN_SERIAL TRUE)
