@@ -40,7 +40,7 @@ def measure(server, url, script):
 
 
 def report(metric, mine, theirs):
-    print(json.dumps({"bench": "http", "metric": metric, "ours": mine, "peer": theirs, "peer_name": "Beast 1.81 hello",
+    print(json.dumps({"bench": "http_layer", "metric": metric, "ours": mine, "peer": theirs, "peer_name": "Beast 1.81 hello",
                       "ratio": mine / theirs, "error_ours": None, "error_peer": None, "threads": 1}), flush=True)
 
 
