@@ -11,6 +11,8 @@
 
 namespace truestep {
 
+struct Advance;  // integrators/advance.h
+
 /// Settings of the methods that have any.
 struct IntegratorOptions {
   double tolerance = 1e-6;          ///< adaptive methods: bound on the local error, in the units of x and v
@@ -37,6 +39,8 @@ struct Integrator {
   void (*prepare)(const ForceField&, State&) = nullptr;
   /// Advances position and velocity by input.h.
   void (*step)(const ForceField&, State&, const StepInput&, const IntegratorOptions&) = nullptr;
+  /// Integrates y' = f(t, y); null: the method needs a force field. Such a method serves both.
+  void (*advance)(Advance&) = nullptr;
   /// The method's own reason for not serving a field, if it has one; may be null. Users call `refusal`.
   std::optional<std::string> (*refuses)(const ForceField&) = nullptr;
 };

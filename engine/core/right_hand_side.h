@@ -1,0 +1,66 @@
+// Ordinary differential equations of first order, y' = f(t, y), as methods of integration see them: ode
+// systems and studies hand them in directly, force fields through an adapter (y = positions, then
+// velocities). One virtual call evaluates all components. Jacobians are optional; where a right-hand side has
+// none, methods form coloured finite differences on the pattern that `jacobian_shape` names.
+#pragma once
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
+namespace truestep {
+
+/// Where entries of a square matrix may differ from 0, and in which order their values are stored.
+struct MatrixShape {
+  enum class Kind : uint8_t {
+    dense,   ///< n * n values, column by column
+    banded,  ///< column by column, lower + upper + 1 values each: entry (i, j) at j * (lower + upper + 1) +
+             ///< upper + i - j
+    sparse  ///< compressed columns: rows[column_start[j] ... column_start[j + 1]) ascending, values alongside
+  } kind = Kind::dense;
+  size_t lower = 0, upper = 0;            ///< banded: diagonals below and above the main one
+  std::span<const int32_t> column_start;  ///< sparse: n + 1 offsets into `rows`
+  std::span<const int32_t> rows;
+
+  size_t values(size_t n) const {
+    return kind == Kind::dense ? n * n : kind == Kind::banded ? n * (lower + upper + 1) : rows.size();
+  }
+};
+
+/// Equations of second order behind a right-hand side: y = (x, v), x' = v, v' = a(t, x, v), each half as
+/// long. Methods that know the structure (symplectic, Nystroem, Newmark ...) need it; implicit ones solve
+/// systems of half the size.
+class SecondOrder {
+ public:
+  virtual ~SecondOrder() = default;
+  /// a(t, x, v), as long as x.
+  virtual void acceleration(double t, const double* x, const double* v, double* a) const = 0;
+  /// False: `acceleration` may be called with v = null.
+  virtual bool depends_on_velocity() const = 0;
+  /// Shape of both da/dx and da/dv.
+  virtual MatrixShape shape() const { return {}; }
+  virtual bool has_jacobian() const { return false; }
+  /// Overwrites the values of da/dx and da/dv in the order of `shape`.
+  virtual void jacobian(double t, const double* x, const double* v, double* dadx, double* dadv) const {}
+};
+
+class RightHandSide {
+ public:
+  virtual ~RightHandSide() = default;
+
+  /// Number of equations; constant during an integration.
+  virtual size_t size() const = 0;
+  /// dydt = f(t, y). The arrays do not overlap.
+  virtual void rate(double t, const double* y, double* dydt) const = 0;
+
+  virtual MatrixShape jacobian_shape() const { return {}; }
+  virtual bool has_jacobian() const { return false; }
+  /// Overwrites the values of df/dy in the order of `jacobian_shape`.
+  virtual void jacobian(double t, const double* y, double* values) const {}
+  /// True: f does not depend on t. False: Rosenbrock methods difference df/dt.
+  virtual bool autonomous() const { return false; }
+
+  /// The equations of second order behind this, or null.
+  virtual const SecondOrder* second_order() const { return nullptr; }
+};
+
+}  // namespace truestep
