@@ -1,22 +1,59 @@
 #include "engine/session/history.h"
 
-namespace truestep {
+#include <algorithm>
 
-void History::offer(const WorldState& state) {
-  if (state.step % interval_ != 0) return;
+namespace truestep {
+namespace {
+
+constexpr double kShare = 0.005;  // of the run's time for snapshots
+
+// Seconds of a snapshot, measured into memory touched for the first time: page faults are most of it.
+double copy_seconds(size_t bytes) {
+  return 1e-6 + 3e-10 * static_cast<double>(bytes);
+}
+
+}  // namespace
+
+void History::set_cadence(size_t bytes, double step_seconds) {
+  // A step that was interrupted looks long: at most twice the last is believed.
+  step_seconds_ = step_seconds_ > 0 ? std::min(step_seconds, 2 * step_seconds_) : step_seconds;
+  const double wanted = copy_seconds(bytes) / (kShare * step_seconds_);
+  while (cadence_ < kMostCadence && static_cast<double>(cadence_) < wanted) cadence_ *= 2;
+  while (cadence_ > kLeastCadence && static_cast<double>(cadence_ / 2) >= wanted) cadence_ /= 2;
+}
+
+void History::offer(const WorldState& state, double step_seconds) {
+  set_cadence(state.memory_bytes(), step_seconds);
+  if (!due(state.step)) return;
   if (!snapshots_.empty() && snapshots_.back().step >= state.step) return;
   const size_t size = state.memory_bytes();
   if (size > max_bytes_) return;
-  while (bytes_ + size > max_bytes_) {
-    // Thin out: only multiples of the doubled interval stay.
-    interval_ *= 2;
-    std::erase_if(snapshots_, [&](const WorldState& s) { return s.step % interval_ != 0; });
-    bytes_ = 0;
-    for (const WorldState& s : snapshots_) bytes_ += s.memory_bytes();
-    if (state.step % interval_ != 0) return;
+  WorldState place;
+  // Spare memory that does not fit (states with emitters grow) is given back before the past is thinned.
+  while (bytes_ + size > max_bytes_ || !spare_.empty()) {
+    if (spare_.empty()) {
+      thin_out();
+      if (!due(state.step)) return;
+      continue;
+    }
+    place = std::move(spare_.back());
+    spare_.pop_back();
+    bytes_ -= place.memory_bytes();
+    if (bytes_ + std::max(size, place.memory_bytes()) <= max_bytes_) break;
+    place = {};
   }
-  snapshots_.push_back(state);
-  bytes_ += size;
+  place = state;
+  bytes_ += place.memory_bytes();
+  snapshots_.push_back(std::move(place));
+}
+
+// Only multiples of the doubled spacing stay.
+void History::thin_out() {
+  spacing_ *= 2;
+  const auto gone = std::stable_partition(snapshots_.begin(), snapshots_.end(),
+                                          [&](const WorldState& s) { return s.step % spacing_ == 0; });
+  std::move(gone, snapshots_.end(), std::back_inserter(spare_));
+  snapshots_.erase(gone, snapshots_.end());
 }
 
 const WorldState* History::at_or_before(uint64_t step) const {
@@ -28,15 +65,17 @@ const WorldState* History::at_or_before(uint64_t step) const {
 
 void History::truncate(uint64_t step) {
   while (!snapshots_.empty() && snapshots_.back().step > step) {
-    bytes_ -= snapshots_.back().memory_bytes();
+    spare_.push_back(std::move(snapshots_.back()));
     snapshots_.pop_back();
   }
 }
 
 void History::clear() {
   snapshots_.clear();
+  spare_.clear();
   bytes_ = 0;
-  interval_ = kFirstInterval;
+  cadence_ = spacing_ = kLeastCadence;
+  step_seconds_ = 0;
 }
 
 std::vector<uint64_t> History::steps() const {

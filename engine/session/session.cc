@@ -1,6 +1,7 @@
 #include "engine/session/session.h"
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <cstring>
 
@@ -31,7 +32,7 @@ bool Session::one_step() {
   drain_queue();
   replay_commands();
   try {
-    world_->step(state_, workspace_, *arena_, profiles_);
+    step_world();
   } catch (const Instability& e) {
     fail(e);
     return false;
@@ -40,8 +41,16 @@ bool Session::one_step() {
   return true;
 }
 
+// A step that a snapshot may follow is timed, for the history to know what it may cost.
+void Session::step_world() {
+  if (!history_.due(state_.step + 1)) return world_->step(state_, workspace_, *arena_, profiles_);
+  const auto start = std::chrono::steady_clock::now();
+  world_->step(state_, workspace_, *arena_, profiles_);
+  const std::chrono::duration<double> took = std::chrono::steady_clock::now() - start;
+  history_.offer(state_, took.count());
+}
+
 void Session::after_step() {
-  history_.offer(state_);
   record_series();
   // One frame serves every sink that is due; it holds the union of what they ask for.
   due_.clear();
@@ -195,8 +204,7 @@ WorldState Session::snapshot_at_or_before(uint64_t step) const {
 void Session::step_silently_to(uint64_t step) {
   while (state_.step < step) {
     replay_commands();
-    world_->step(state_, workspace_, *arena_, profiles_);
-    history_.offer(state_);
+    step_world();
     record_series();
   }
   replay_commands();

@@ -102,6 +102,7 @@ class Session {
 
  private:
   bool one_step();
+  void step_world();
   void after_step();
   void drain_queue();
   void replay_commands();

@@ -1,5 +1,7 @@
 #include "tests/bench/report.h"
 
+#include <time.h>
+
 #include <algorithm>
 #include <boost/json.hpp>
 #include <chrono>
@@ -30,6 +32,12 @@ void report(const Comparison& c) {
 
 double now_seconds() {
   return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
+
+double thread_seconds() {
+  timespec t{};
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
+  return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
 }
 
 double median(double* values, int count) {

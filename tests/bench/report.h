@@ -1,8 +1,10 @@
 // What a benchmark prints: one JSON line per comparison of ours with a peer's, run interleaved in one process
 // or one script. Ratio > 1 means that we are better. The driver (driver.py) checks and collects the lines.
 #pragma once
+#include <algorithm>
 #include <optional>
 #include <string>
+#include <vector>
 
 namespace truestep::bench {
 
@@ -14,8 +16,9 @@ struct Comparison {
   double peer = 0;
   std::string peer_name;
   enum class Better { lower, higher } better = Better::lower;
-  std::optional<double> error_ours;  ///< in the same measure for both, absent where nothing is approximated
-  std::optional<double> error_peer;
+  std::optional<double> error_ours =
+      {};  ///< in the same measure for both, absent where nothing is approximated
+  std::optional<double> error_peer = {};
   int threads = 1;
 };
 
@@ -32,23 +35,41 @@ struct Times {
 template <class Ours, class Peer>
 Times interleaved(int rounds, Ours&& ours, Peer&& peer);
 
+/// CPU seconds of the calling thread: what a busy machine disturbs least, for work of one thread.
+double thread_seconds();
+
+/// Like interleaved, with the quartiles of the rounds' ratios ours / peer: what a busy machine does to one
+/// half of a round shows in their spread.
+struct Paired {
+  Times times;
+  double low, middle, high;
+};
+template <class Ours, class Peer>
+Paired paired(int rounds, Ours&& ours, Peer&& peer, double (*clock)() = now_seconds);
+
 /// Middle element; values are reordered.
 double median(double* values, int count);
 
 template <class Ours, class Peer>
-Times interleaved(int rounds, Ours&& ours, Peer&& peer) {
-  constexpr int kMost = 101;
-  double a[kMost], b[kMost];
-  if (rounds > kMost) rounds = kMost;
+Paired paired(int rounds, Ours&& ours, Peer&& peer, double (*clock)()) {
+  std::vector<double> a, b, ratio;
   for (int i = 0; i < rounds; ++i) {
-    const double t0 = now_seconds();
+    const double t0 = clock();
     ours();
-    const double t1 = now_seconds();
+    const double t1 = clock();
     peer();
-    a[i] = t1 - t0;
-    b[i] = now_seconds() - t1;
+    a.push_back(t1 - t0);
+    b.push_back(clock() - t1);
+    ratio.push_back(a.back() / b.back());
   }
-  return {median(a, rounds), median(b, rounds)};
+  std::sort(ratio.begin(), ratio.end());
+  const auto quartile = [&](size_t k) { return ratio[(ratio.size() - 1) * k / 4]; };
+  return {{median(a.data(), rounds), median(b.data(), rounds)}, quartile(1), quartile(2), quartile(3)};
+}
+
+template <class Ours, class Peer>
+Times interleaved(int rounds, Ours&& ours, Peer&& peer) {
+  return paired(rounds, ours, peer).times;
 }
 
 }  // namespace truestep::bench

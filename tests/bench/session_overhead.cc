@@ -35,25 +35,36 @@ int main() {
   Session session(world, arena);
   session.add_sink(std::make_shared<IdleSink>());
   session.play(1);
-  WorldState bare = world->initial_state();
-  Workspace workspace;
-  constexpr int kSteps = 50;
-  uint64_t step = 0;
+  WorldState bare = world->initial_state(), other = bare;
+  Workspace workspace, other_workspace;
+  // The interval of the first snapshots: every round pays for one.
+  constexpr int kSteps = 128, kRounds = 301;
   const double h = world->dt();
-  const auto times = bench::interleaved(
-      41,
+  const auto loop = [&](WorldState& state, Workspace& scratch) {
+    for (int i = 0; i < kSteps; ++i, ++state.step) {
+      world->system(0).step(state.systems[0],
+                            {static_cast<double>(state.step) * h, h, state.step, scratch, *arena});
+    }
+  };
+  const auto noise = bench::paired(
+      kRounds, [&] { loop(other, other_workspace); }, [&] { loop(bare, workspace); }, bench::thread_seconds);
+  const auto cost = bench::paired(
+      kRounds,
       [&] {
         for (int i = 0; i < kSteps; ++i) session.advance(h);
       },
-      [&] {
-        for (int i = 0; i < kSteps; ++i, ++step) {
-          world->system(0).step(bare.systems[0], {static_cast<double>(step) * h, h, step, workspace, *arena});
-        }
-      });
+      [&] { loop(bare, workspace); }, bench::thread_seconds);
   bench::report({.bench = "session_overhead",
-                 .metric = "seconds per step, cloth of some 10,000 springs, session with one idle sink",
-                 .ours = times.ours / kSteps,
-                 .peer = times.peer / kSteps,
+                 .metric = "CPU seconds per step, cloth of some 10,000 springs, session with one idle sink",
+                 .ours = cost.times.ours / kSteps,
+                 .peer = cost.times.peer / kSteps,
                  .peer_name = "the same integrator without a session"});
-  std::fprintf(stderr, "frames built: %llu\n", static_cast<unsigned long long>(session.frames_built()));
+  const auto line = [](const char* what, const bench::Paired& p) {
+    std::fprintf(stderr, "%s: %+.2f %% (quartiles %+.2f, %+.2f)\n", what, 100 * (p.middle - 1),
+                 100 * (p.low - 1), 100 * (p.high - 1));
+  };
+  line("the loop beside itself", noise);
+  line("session beside the loop", cost);
+  std::fprintf(stderr, "frames built: %llu, memory beside the state: %zu bytes\n",
+               static_cast<unsigned long long>(session.frames_built()), session.overhead_bytes());
 }
