@@ -59,7 +59,7 @@ std::string encode(const Frame& frame, std::span<const WireField> fields, Media 
   if (media == Media::json) return encode_json(frame, fields);
   const auto blocks = encode_blocks(frame, fields);
   // A polled frame is the bare Frame message, without the stream's envelope.
-  return encode_frame_fields(frame, 0, 0) + *blocks;
+  return encode_frame_fields(frame, {}) + *blocks;
 }
 
 const char* media_type(Media media) {

@@ -39,7 +39,8 @@ v1::ServerMessage hello_message(const Session& session, const std::string& id) {
   h.set_dt(session.world().dt());
   h.set_step(session.step_index());
   h.set_scene_name(session.world().scene().header.name);
-  for (const char* c : {"F32", "F64", "Q16", "latest", "every", "commands", "observables"})
+  for (const char* c :
+       {"F32", "F64", "Q16", "Q16_DELTA", "QUAT32", "latest", "every", "commands", "observables"})
     h.add_capabilities(c);
   for (size_t i = 0; i < session.world().size(); ++i) {
     v1::SystemInfo& info = *h.add_systems();

@@ -51,6 +51,7 @@ void StreamClient::on_close(uint16_t, std::string_view) {
   asio::post(strand_, [self = shared_from_this()] {
     const std::lock_guard lock(self->entry_->mutex);
     self->entry_->session.remove_sink(self.get());
+    if (self->entry_->streams == 0) self->entry_->encoded.clear();
   });
 }
 
@@ -114,6 +115,7 @@ void StreamClient::handle(const v1::ClientMessage& message) {
       if (!session.playing()) send_current_frame();
       break;
     case v1::ClientMessage::kRequestKeyframe:
+      base_.reset();
       send_current_frame();
       break;
     default:
@@ -128,9 +130,8 @@ void StreamClient::handle(const v1::ClientMessage& message) {
 }
 
 void StreamClient::subscribe(const v1::Subscribe& wish) {
-  if (wish.encoding() != v1::F32 && wish.encoding() != v1::F64 && wish.encoding() != v1::Q16) {
-    throw Error("bad_request", "this server sends F32, F64 and Q16");
-  }
+  if (wish.encoding() < v1::F32 || wish.encoding() > v1::QUAT32)
+    throw Error("bad_request", "encoding is one of F32, F64, Q16, Q16_DELTA and QUAT32");
   if (!(wish.rate() >= 0) || wish.rate() > 10000)
     throw Error("bad_request", "rate is a number of frames a second from 0 to 10000");
   fields_ =
@@ -144,6 +145,7 @@ void StreamClient::subscribe(const v1::Subscribe& wish) {
           ? std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(1 / wish.rate()))
           : Clock::duration{};
   next_ = {};
+  base_.reset();
   if (wish.credit() > 0) {
     credit_ = std::min<int64_t>(wish.credit(), 1000);
     flow_ = Flow::credit;
@@ -214,8 +216,9 @@ void StreamClient::accept(const FramePtr& frame) {
   if (frame->topology_version != topology_version_) refresh_topology();
   refresh_shapes();
   if (flow_ == Flow::credit) credit_.fetch_sub(1);
-  const auto blocks = entry_->encoded.get(frame, fields_);
-  const std::string head = encode_head(*frame, ++seq_, dropped_, blocks->size());
+  const auto [blocks, held, kind] = entry_->encoded.get(frame, fields_, base_);
+  const uint64_t base_seq = kind == EncodedBlocks::Kind::refers_to_base ? base_seq_ : 0;
+  const std::string head = encode_head(*frame, {++seq_, dropped_, base_seq}, blocks->size());
   const size_t bytes = head.size() + blocks->size();
   bool sent = false;
   if (form_ == WireForm::protobuf) {
@@ -232,7 +235,8 @@ void StreamClient::accept(const FramePtr& frame) {
     if (socket_->is_open()) socket_->close(4408, "the client reads too slowly for policy every");
     return;
   }
-  last_step_ = frame->step;
+  base_ = held;
+  base_seq_ = seq_;
   stale_ = false;
   refresh_waiting_ = false;
   stats_.frames.fetch_add(1, std::memory_order_relaxed);

@@ -7,6 +7,7 @@
 #include <memory>
 #include <string>
 
+#include "engine/sinks/stream/delta_coder.h"
 #include "engine/sinks/stream/frame_encoding.h"
 #include "server/net/websocket.h"
 #include "server/sessions/runner.h"
@@ -64,7 +65,9 @@ class StreamClient : public net::WebSocketHandler,
   v1::Policy policy_ = v1::LATEST;
   Clock::duration interval_{};  ///< shortest time between frames; 0: every step
   Clock::time_point next_{};
-  uint64_t seq_ = 0, dropped_ = 0, last_step_ = UINT64_MAX;
+  uint64_t seq_ = 0, dropped_ = 0;
+  QuantisedFramePtr base_;  ///< what the client holds after the frame that was sent last
+  uint64_t base_seq_ = 0;
   uint32_t topology_version_ = 0;
   std::string shapes_;  ///< as sent last
   bool stale_ = false;  ///< the client has not seen the newest state

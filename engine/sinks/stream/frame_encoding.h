@@ -14,7 +14,7 @@
 namespace truestep {
 
 /// As Encoding in stream.proto.
-enum class WireEncoding : uint8_t { f32 = 0, f64 = 1, q16 = 2, u32 = 5 };
+enum class WireEncoding : uint8_t { f32 = 0, f64 = 1, q16 = 2, q16_delta = 3, quat32 = 4, u32 = 5 };
 
 /// One block to send: which field, and how.
 struct WireField {
@@ -27,7 +27,8 @@ struct WireField {
 };
 
 /// Fields by name (empty: "position"), systems by id (empty: all), in the encoding wished for floating-point
-/// fields. Error "bad_request" with what there is when a name is unknown.
+/// fields: with Q16_DELTA orientations (w x y z) go as QUAT32, with QUAT32 everything else goes as F32. Error
+/// "bad_request" with what there is when a name is unknown.
 std::vector<WireField> wire_fields(const World& world, const std::vector<std::string>& fields,
                                    const std::vector<std::string>& systems, WireEncoding wish);
 /// What a session must put into its frames for these.
@@ -35,10 +36,15 @@ FrameRequest request_for(std::span<const WireField> fields, FrameRequest::Extras
 
 /// Bytes of repeated Block; shared between clients.
 std::shared_ptr<const std::string> encode_blocks(const Frame& frame, std::span<const WireField> fields);
+/// Where a frame stands in one client's stream.
+struct StreamPlace {
+  uint64_t seq = 0, dropped = 0;
+  uint64_t base_seq = 0;  ///< the frame that Q16_DELTA blocks refer to; 0: none, a key frame
+};
 /// Everything of a ServerMessage{frame} but the blocks, which must follow these bytes.
-std::string encode_head(const Frame& frame, uint64_t seq, uint64_t dropped, size_t block_bytes);
+std::string encode_head(const Frame& frame, const StreamPlace& place, size_t block_bytes);
 /// The fields of a Frame message but its blocks; a Frame's bytes are these and encode_blocks joined.
-std::string encode_frame_fields(const Frame& frame, uint64_t seq, uint64_t dropped);
+std::string encode_frame_fields(const Frame& frame, const StreamPlace& place);
 /// The frame as JSON with arrays of numbers, as polling clients get it. A number that is not finite is null.
 std::string encode_json(const Frame& frame, std::span<const WireField> fields);
 

@@ -4,5 +4,6 @@ export * from "./locate";
 export * from "./problem";
 export * from "./rest";
 export * from "./stream";
+export * from "./unpack";
 export * as messages from "./gen/truestep/v1/stream_pb";
 export { create, fromBinary, toBinary } from "@bufbuild/protobuf";

@@ -924,14 +924,21 @@ export enum Encoding {
   Q16 = 2,
 
   /**
-   * int16 differences to the frame base_seq in units of scale[c]
+   * The same values as Q16's, as differences to those of the frame base_seq, which is the one that came last.
+   * Both ends count in integers, so the error is half a scale[c] in every frame and does not add up. d = element -
+   * base element mod 2^16 as int16 (a row that the base does not have counts as 0), z = 2 d for d >= 0, else -2 d - 1.
+   * data: one byte b (0 ... 16) per group of 256 elements, zeros up to a multiple of 4, then the groups. Element
+   * 16 j + l of a group is entry j of lane l; a lane is a string of b-bit z, lowest bit first, in ceil(b * entries /
+   * 16) uint16 words, entries = ceil(elements / 16); word w of lane l is word 16 w + l of the group.
    *
    * @generated from enum value: Q16_DELTA = 3;
    */
   Q16_DELTA = 3,
 
   /**
-   * smallest-three quaternion in 32 bits
+   * Unit quaternion (w x y z, either sign) in a uint32: bits 30-31 tell which component is left out, the greatest,
+   * sqrt(1 - the others' squares); bits 20-29, 10-19, 0-9 are the others in order, (k - 511) / (511 sqrt(2)). The
+   * rotation is within 4.8e-3 rad (0.275 degrees). Fields named orientation of width 4.
    *
    * @generated from enum value: QUAT32 = 4;
    */

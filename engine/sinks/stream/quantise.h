@@ -1,0 +1,34 @@
+// Numbers in 16 bits: value = offset[c] + scale[c] * k, k = 0 ... 65535, per component c of a row.
+//   k = round((value - offset[c]) / scale[c]), so |decoded - value| <= scale[c] / 2
+// and whoever writes the decoded value as a float rounds it once more. Pure functions of arrays.
+#pragma once
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace truestep {
+
+/// Offsets and quanta of a row's components; a scale of 0 stands for a component that holds its offset only.
+struct QuantumBox {
+  std::vector<double> offset, scale;
+  friend bool operator==(const QuantumBox&, const QuantumBox&) = default;
+};
+
+/// Least and greatest value of each component.
+struct ColumnBounds {
+  std::vector<float> low, high;
+};
+
+/// Bounds of rows x width values into `bounds` (zeros where there is no row); false when one is not finite.
+bool column_bounds(const float* values, size_t rows, uint32_t width, ColumnBounds& bounds);
+
+/// The box whose first and last quantum are the bounds.
+QuantumBox tight_box(const ColumnBounds& bounds);
+/// A box with an eighth of the extent to spare on every side, for values that move.
+QuantumBox roomy_box(const ColumnBounds& bounds);
+
+/// Writes rows x width 16-bit values to `out`; false when a value lies outside the box or is not finite, and
+/// then `out` holds nothing of use.
+bool quantise(const float* values, size_t rows, uint32_t width, const QuantumBox& box, uint16_t* out);
+
+}  // namespace truestep
