@@ -1,6 +1,8 @@
 // Four doubles side by side, for kernels over 3 x 3 blocks that a compiler would cut into pieces of two and
 // one. The portable variant gives the same bits: every operation is one IEEE operation per lane.
 #pragma once
+#include <cstdint>
+
 #if defined(__AVX2__) && defined(__FMA__)
 #include <immintrin.h>
 #else
@@ -20,7 +22,17 @@ struct Lanes4 {
   Lanes4 plus(Lanes4 a, double s) const { return {_mm256_fmadd_pd(a.v, _mm256_set1_pd(s), v)}; }
   /// this - a * s, rounded once.
   Lanes4 minus(Lanes4 a, double s) const { return {_mm256_fnmadd_pd(a.v, _mm256_set1_pd(s), v)}; }
+  static Lanes4 all(double s) { return {_mm256_set1_pd(s)}; }
+  /// p[i[0]], p[i[1]], p[i[2]], p[i[3]].
+  static Lanes4 gather(const double* p, const uint32_t* i) {
+    return {_mm256_set_pd(p[i[3]], p[i[2]], p[i[1]], p[i[0]])};
+  }
   friend Lanes4 operator+(Lanes4 a, Lanes4 b) { return {_mm256_add_pd(a.v, b.v)}; }
+  friend Lanes4 operator-(Lanes4 a, Lanes4 b) { return {_mm256_sub_pd(a.v, b.v)}; }
+  friend Lanes4 operator*(Lanes4 a, Lanes4 b) { return {_mm256_mul_pd(a.v, b.v)}; }
+  friend Lanes4 operator/(Lanes4 a, Lanes4 b) { return {_mm256_div_pd(a.v, b.v)}; }
+  friend Lanes4 operator-(Lanes4 a) { return {_mm256_xor_pd(a.v, _mm256_set1_pd(-0.0))}; }
+  friend Lanes4 sqrt(Lanes4 a) { return {_mm256_sqrt_pd(a.v)}; }
 };
 
 #else
@@ -38,8 +50,30 @@ struct Lanes4 {
     return r;
   }
   Lanes4 minus(Lanes4 a, double s) const { return plus(a, -s); }
+  static Lanes4 all(double s) { return {{s, s, s, s}}; }
+  static Lanes4 gather(const double* p, const uint32_t* i) { return {{p[i[0]], p[i[1]], p[i[2]], p[i[3]]}}; }
   friend Lanes4 operator+(Lanes4 a, Lanes4 b) {
     for (int k = 0; k < 4; ++k) a.v[k] += b.v[k];
+    return a;
+  }
+  friend Lanes4 operator-(Lanes4 a, Lanes4 b) {
+    for (int k = 0; k < 4; ++k) a.v[k] -= b.v[k];
+    return a;
+  }
+  friend Lanes4 operator*(Lanes4 a, Lanes4 b) {
+    for (int k = 0; k < 4; ++k) a.v[k] *= b.v[k];
+    return a;
+  }
+  friend Lanes4 operator/(Lanes4 a, Lanes4 b) {
+    for (int k = 0; k < 4; ++k) a.v[k] /= b.v[k];
+    return a;
+  }
+  friend Lanes4 operator-(Lanes4 a) {
+    for (int k = 0; k < 4; ++k) a.v[k] = -a.v[k];
+    return a;
+  }
+  friend Lanes4 sqrt(Lanes4 a) {
+    for (int k = 0; k < 4; ++k) a.v[k] = std::sqrt(a.v[k]);
     return a;
   }
 };

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "engine/base/errors.h"
+#include "engine/base/nearest_name.h"
 #include "engine/core/def.h"
 
 namespace truestep {
@@ -25,9 +26,6 @@ boost::json::object schema_of(const DefTable& table);
 
 /// The rows as a readable description: name, kind, unit, limits, default, sentence, choices, nested rows.
 boost::json::array describe_params(const DefTable& table);
-
-/// Nearest of `names` in edit distance, empty when none is near.
-std::string nearest_name(std::string_view name, std::span<const std::string> names);
 
 /// Escapes "~" and "/" for a JSON pointer.
 std::string pointer_token(std::string_view key);

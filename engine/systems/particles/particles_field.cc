@@ -25,25 +25,38 @@ void add(std::span<double> a, size_t row, const Vec3& da) {
   store3(a.data(), row, load3<double>(a.data(), row) + da);
 }
 
-/// The three components, all faults reported at once.
-std::vector<Expression> parse_expressions(const ExpressionDef& d) {
-  static const std::vector<std::string> kVariables = {"x", "y", "z", "vx", "vy", "vz", "t", "m"};
-  std::vector<std::pair<std::string, double>> constants;
-  for (const NamedNumberDef& c : d.constants) constants.emplace_back(c.name, c.value);
-  std::vector<Expression> out;
+/// The three components compiled together, all faults reported at once.
+ExpressionRows compile_expressions(const ExpressionDef& d) {
+  ExpressionGraph graph;
+  ExpressionNames names;
+  int32_t number = 0;
+  for (const char* name : {"x", "y", "z", "vx", "vy", "vz", "t", "m"}) {
+    names.add_value(name, graph.variable(number++));
+  }
+  for (const NamedNumberDef& c : d.constants) names.add_value(c.name, graph.constant(c.value));
+  std::vector<ExpressionGraph::Node> roots;
   std::vector<Issue> issues;
   const std::pair<const char*, const std::string*> parts[] = {{"fx", &d.fx}, {"fy", &d.fy}, {"fz", &d.fz}};
+  const auto report = [&issues](const char* name, const std::string& text, const ExpressionFault& fault) {
+    issues.push_back({std::string("/expression/") + name, "bad_expression", describe(fault, text),
+                      '"' + text.substr(0, 80) + '"', "see the sentence of \"expression\"",
+                      fault.did_you_mean, "N"});
+  };
   for (const auto& [name, text] : parts) {
     try {
-      out.push_back(Expression::parse(*text, kVariables, constants));
+      roots.push_back(names.require(graph, *text));
     } catch (const ExpressionFault& fault) {
-      issues.push_back({std::string("/expression/") + name, "bad_expression",
-                        fault.message + " (character " + std::to_string(fault.position + 1) + ')',
-                        '"' + text->substr(0, 80) + '"', "see the sentence of \"expression\"", "", "N"});
+      report(name, *text, fault);
     }
   }
-  if (!issues.empty()) throw Error("scene_invalid", issues[0].pointer + ": " + issues[0].message, issues);
-  return out;
+  if (issues.empty()) {
+    try {
+      return {graph, roots};
+    } catch (const ExpressionFault& fault) {
+      report("fx", d.fx, fault);
+    }
+  }
+  throw Error("scene_invalid", issues[0].pointer + ": " + issues[0].message, issues);
 }
 
 }  // namespace
@@ -56,7 +69,7 @@ ParticlesField::ParticlesField(const ParticlesDef& def, const Vec3& gravity, uin
       capacity_(largest_count(def)),
       dependence_(dependence_of(def)),
       pair_laws_(pair_laws(def.pair_forces)) {
-  if (def.expression) expression_ = parse_expressions(*def.expression);
+  if (def.expression) expression_ = compile_expressions(*def.expression);
 }
 
 State ParticlesField::initial_state() const {
@@ -86,7 +99,7 @@ void ParticlesField::acceleration(const Phase& at, std::span<double> a, Evaluati
   const BodyForces body = body_forces(s);
   e.arena.for_blocks(a.size() / 3, kBlockRows, [&](size_t begin, size_t end) {
     body_accelerations(body, arrays, a.data(), begin, end);
-    if (!expression_.empty()) add_expression(at, arrays.mass, a.data(), begin, end);
+    if (expression_.outputs() > 0) add_expression(at, arrays.mass, a.data(), begin, end);
   });
   if (!pair_laws_.empty()) add_pair_forces(pair_laws_, at, arrays.mass, a, e);
   if (s.rows(columns::spring_rows) > 0) add_springs(at, a);
@@ -109,16 +122,17 @@ void ParticlesField::add_springs(const Phase& at, std::span<double> a) const {
 
 void ParticlesField::add_expression(const Phase& at, const double* mass, double* a, size_t begin,
                                     size_t end) const {
-  const Expression::Column variables[] = {
+  const ExpressionRows::Column variables[] = {
       {at.x.data(), 3},     {at.x.data() + 1, 3}, {at.x.data() + 2, 3}, {at.v.data(), 3},
       {at.v.data() + 1, 3}, {at.v.data() + 2, 3}, {&at.t, 0},           {mass, 1}};
   constexpr size_t kChunk = 256;
-  double force[kChunk];
+  double force[3][kChunk];
+  const ExpressionRows::Output outputs[] = {{force[0]}, {force[1]}, {force[2]}};
   for (size_t first = begin; first < end; first += kChunk) {
     const size_t stop = std::min(end, first + kChunk);
+    expression_.run(variables, outputs, first, stop);
     for (size_t axis = 0; axis < 3; ++axis) {
-      expression_[axis].evaluate(variables, force, first, stop);
-      for (size_t i = first; i < stop; ++i) a[3 * i + axis] += force[i - first] / mass[i];
+      for (size_t i = first; i < stop; ++i) a[3 * i + axis] += force[axis][i - first] / mass[i];
     }
   }
 }
@@ -198,7 +212,7 @@ Vec3 ParticlesField::single_acceleration(const State& s, double t, const Vec3& x
   const double xs[3] = {x.x, x.y, x.z}, vs[3] = {v.x, v.y, v.z};
   double a[3];
   body_accelerations(body_forces(s), {xs, vs, &mass}, a, 0, 1);
-  if (!expression_.empty()) add_expression({t, xs, vs, s}, &mass, a, 0, 1);
+  if (expression_.outputs() > 0) add_expression({t, xs, vs, s}, &mass, a, 0, 1);
   return load3(a, 0);
 }
 

@@ -3,7 +3,8 @@
 #pragma once
 #include "engine/core/force_field.h"
 #include "engine/kernels/pair_force.h"
-#include "engine/math/expression.h"
+#include "engine/math/expression/names.h"
+#include "engine/math/expression/rows.h"
 #include "engine/systems/particles/body_forces.h"
 #include "engine/systems/particles/particles_state.h"
 
@@ -41,7 +42,7 @@ class ParticlesField final : public ForceField {
   size_t capacity_;
   Dependence dependence_;
   std::vector<PairLaw> pair_laws_;
-  std::vector<Expression> expression_;  ///< none, or fx, fy, fz
+  ExpressionRows expression_;  ///< no outputs, or fx, fy, fz
 };
 
 }  // namespace truestep
