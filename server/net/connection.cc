@@ -7,7 +7,7 @@
 
 #include "engine/base/errors.h"
 #include "engine/base/log.h"
-#include "server/net/chunk_decoder.h"
+#include "server/net/handshake.h"
 #include "server/net/problem.h"
 
 namespace truestep::net {
@@ -16,7 +16,7 @@ namespace asio = boost::asio;
 
 namespace {
 
-constexpr size_t kFirstBuffer = 4096;
+constexpr size_t kRead = 4096, kReadBody = 65536;
 constexpr auto kLinger = std::chrono::milliseconds(1000);
 // A body that arrives faster than this may take longer than the body time-out.
 constexpr size_t kBodyBytesPerSecond = 65536;
@@ -51,11 +51,7 @@ std::string_view code_of(int status) {
 }  // namespace
 
 Connection::Connection(Socket socket, Service& service)
-    : socket_(std::move(socket)),
-      service_(service),
-      parser_(service.options.max_head),
-      buffer_(kFirstBuffer, '\0'),
-      remote_(endpoint_text(socket_)) {
+    : socket_(std::move(socket)), service_(service), remote_(endpoint_text(socket_)) {
   enter(Phase::idle);
 }
 
@@ -114,23 +110,9 @@ void Connection::abort() {
 // skipped.
 asio::awaitable<void> Connection::run() {
   const auto self = shared_from_this();
-  for (;;) {
-    const HeadParser::Result result = parser_.parse({buffer_.data() + begin_, end_ - begin_}, request_);
-    if (result == HeadParser::Result::need_more) {
-      if (!out_.empty() && !flush_now({})) {
-        if (!co_await write_out({})) break;
-        enter(Phase::idle);
-      }
-      if (end_ > begin_ && phase_ == Phase::idle) enter(Phase::head);
-      if (!co_await read_more()) break;
-      continue;
-    }
-    if (result == HeadParser::Result::error) {
-      request_.clear();
-      refuse(parser_.status(), parser_.reason());
-      break;
-    }
-    begin_ += parser_.consumed();
+  while (!closing_) {
+    const bool complete = co_await read_head();
+    if (!complete) break;
     request_.received = std::chrono::system_clock::now();
     request_.remote = remote_;
     service_.stats.requests.fetch_add(1, std::memory_order_relaxed);
@@ -146,7 +128,7 @@ asio::awaitable<void> Connection::run() {
         break;
       }
     }
-    if (parser_.framing() != Framing::none) {
+    if (parser_->has_body()) {
       const size_t limit =
           match.route && match.route->max_body ? match.route->max_body : service_.options.max_body;
       if (!co_await read_body(limit)) break;
@@ -157,8 +139,8 @@ asio::awaitable<void> Connection::run() {
     } else if (match.route->handler) {
       response = answer(*match.route);
     } else if (match.route->async_handler) {
-      if (!out_.empty() && !flush_now({})) {
-        if (!co_await write_out({})) break;
+      if (!out_.empty()) {
+        if (!co_await write_out()) break;
       }
       response = co_await wait_for(*match.route);
     } else {
@@ -169,21 +151,16 @@ asio::awaitable<void> Connection::run() {
     if (!prepare(response, large_body)) {
       if (!co_await finish_response(response, large_body)) break;
     }
-    if (closing_) break;
-    parser_.reset();
-    if (begin_ == end_) begin_ = end_ = 0;
-    enter(Phase::idle);
   }
-  if (!out_.empty() && !flush_now({})) co_await write_out({});
+  if (!out_.empty() && socket_.is_open()) co_await write_out();
   if (upgrade_ && socket_.is_open()) {
-    std::string early = buffer_.substr(begin_, end_ - begin_);
-    std::string().swap(buffer_);
+    websocket_ = make_websocket(std::move(socket_), request_, std::move(upgrade_), service_.options.websocket,
+                                std::move(subprotocol_));
+    parser_.reset();
+    buffer_ = {};
     std::string().swap(out_);
-    websocket_ =
-        std::make_shared<WebSocket>(std::move(socket_), std::move(upgrade_), service_.options.websocket,
-                                    handshake_.compression, std::move(handshake_.subprotocol), remote_);
     service_.stats.websockets++;
-    co_await websocket_->run(std::move(early));
+    co_await websocket_->run();
     service_.stats.websockets--;
   } else if (unread_ && socket_.is_open()) {
     co_await linger();
@@ -191,97 +168,71 @@ asio::awaitable<void> Connection::run() {
   abort();
 }
 
-void Connection::make_room() {
-  if (begin_ > 0 && (begin_ == end_ || end_ == buffer_.size())) {
-    std::memmove(buffer_.data(), buffer_.data() + begin_, end_ - begin_);
-    end_ -= begin_;
-    begin_ = 0;
+RequestParser::Progress Connection::parse() {
+  const auto data = buffer_.data();
+  buffer_.consume(parser_->feed({static_cast<const char*>(data.data()), data.size()}));
+  return parser_->progress();
+}
+
+asio::awaitable<bool> Connection::read_head() {
+  enter(Phase::idle);
+  parser_.emplace(request_, service_.options.max_head);
+  if (buffer_.size() == 0 && buffer_.capacity() > 2 * kRead) buffer_.shrink_to_fit();
+  while (parse() == RequestParser::Progress::need_more) {
+    if (!out_.empty()) {
+      if (!co_await write_out()) co_return false;
+      enter(Phase::idle);
+    }
+    if (phase_ == Phase::idle && (parser_->got_some() || buffer_.size() > 0)) enter(Phase::head);
+    const bool more = co_await read_more(kRead);
+    if (more) continue;
+    if (timed_out_ && phase_ == Phase::head) {
+      request_.clear();
+      refuse(408, "the request's head took too long to arrive");
+    }
+    co_return false;
   }
-  if (end_ == buffer_.size()) buffer_.resize(2 * buffer_.size());
-}
-
-asio::awaitable<size_t> Connection::read_into(char* to, size_t size) {
-  boost::system::error_code ec;
-  const size_t n =
-      co_await socket_.async_read_some(asio::buffer(to, size), asio::redirect_error(asio::use_awaitable, ec));
-  co_return ec ? 0 : n;
-}
-
-// More bytes of a head. The buffer grows to the head's limit at most: the parser refuses longer ones.
-asio::awaitable<bool> Connection::read_more() {
-  make_room();
-  boost::system::error_code ec;
-  const size_t n =
-      co_await socket_.async_read_some(asio::buffer(buffer_.data() + end_, buffer_.size() - end_),
-                                       asio::redirect_error(asio::use_awaitable, ec));
-  end_ += n;
-  if (ec && timed_out_ && phase_ == Phase::head) refuse(408, "the request's head took too long to arrive");
-  co_return !ec;
+  if (parser_->status() == 0) co_return true;
+  request_.clear();
+  refuse(parser_->status(), parser_->reason());
+  co_return false;
 }
 
 asio::awaitable<bool> Connection::read_body(size_t limit) {
-  if (parser_.framing() == Framing::length && parser_.content_length() > limit) {
-    refuse(413, "the body is larger than " + std::to_string(limit) + " bytes");
-    co_return false;
-  }
   enter(Phase::body);
-  if (parser_.expects_continue() && begin_ == end_) {
+  parser_->set_body_limit(limit);
+  if (parser_->expects_continue() && buffer_.size() == 0 && parser_->status() == 0) {
     out_ += "HTTP/1.1 100 Continue\r\n\r\n";
-    if (!flush_now({})) {
-      if (!co_await write_out({})) co_return false;
-    }
+    if (!co_await write_out()) co_return false;
     enter(Phase::body);
   }
-  bool complete = false;
-  if (parser_.framing() == Framing::chunked) {
-    complete = co_await read_chunked(limit);
-  } else {
-    complete = co_await read_sized(static_cast<size_t>(parser_.content_length()));
-  }
-  if (!complete && timed_out_) refuse(408, "the request's body took too long to arrive");
-  phase_ = Phase::handler;
-  deadline_ = Clock::time_point::max();
-  co_return complete;
-}
-
-asio::awaitable<bool> Connection::read_sized(size_t size) {
-  std::string& body = request_.body;
-  size_t have = std::min(size, end_ - begin_);
-  body.assign(buffer_.data() + begin_, have);
-  begin_ += have;
-  while (have < size) {
-    // Memory follows what has arrived, not what was announced.
-    if (have == body.size()) body.resize(std::min(size, std::max<size_t>(2 * have, 65536)));
-    const size_t n = co_await read_into(body.data() + have, body.size() - have);
-    if (n == 0) co_return false;
-    have += n;
-    deadline_ += std::chrono::microseconds(n * 1000000 / kBodyBytesPerSecond);
-  }
-  co_return true;
-}
-
-asio::awaitable<bool> Connection::read_chunked(size_t limit) {
-  ChunkDecoder decoder(limit);
   for (;;) {
-    size_t used = 0;
     const size_t before = request_.body.size();
-    const auto result = decoder.feed({buffer_.data() + begin_, end_ - begin_}, request_.body, used);
-    begin_ += used;
+    const auto progress = parser_->status() == 0 ? parse() : RequestParser::Progress::refused;
     deadline_ += std::chrono::microseconds((request_.body.size() - before) * 1000000 / kBodyBytesPerSecond);
-    if (result == ChunkDecoder::Result::done) co_return true;
-    if (result == ChunkDecoder::Result::bad) {
-      refuse(400, "the chunked body is malformed");
+    if (progress == RequestParser::Progress::refused) {
+      refuse(parser_->status(), parser_->reason());
       co_return false;
     }
-    if (result == ChunkDecoder::Result::too_large) {
-      refuse(413, "the body is larger than " + std::to_string(limit) + " bytes");
-      co_return false;
+    if (progress == RequestParser::Progress::complete) {
+      enter(Phase::handler);
+      co_return true;
     }
-    make_room();
-    const size_t n = co_await read_into(buffer_.data() + end_, buffer_.size() - end_);
-    if (n == 0) co_return false;
-    end_ += n;
+    const size_t size =
+        std::clamp<uint64_t>(parser_->content_length_remaining().value_or(kReadBody), kRead, kReadBody);
+    const bool more = co_await read_more(size);
+    if (more) continue;
+    if (timed_out_) refuse(408, "the request's body took too long to arrive");
+    co_return false;
   }
+}
+
+asio::awaitable<bool> Connection::read_more(size_t size) {
+  boost::system::error_code ec;
+  const size_t n =
+      co_await socket_.async_read_some(buffer_.prepare(size), asio::redirect_error(asio::use_awaitable, ec));
+  buffer_.commit(n);
+  co_return !ec;
 }
 
 Response Connection::answer(const Route& route) {
@@ -295,8 +246,7 @@ Response Connection::answer(const Route& route) {
 }
 
 asio::awaitable<Response> Connection::wait_for(const Route& route) {
-  phase_ = Phase::handler;
-  deadline_ = Clock::time_point::max();
+  enter(Phase::handler);
   try {
     co_return co_await asio::co_spawn(
         socket_.get_executor(), route.async_handler(request_),
@@ -336,9 +286,13 @@ void Connection::refuse(int status, std::string_view reason) {
   deny(std::move(r));
 }
 
-// On success upgrade_ is set and the 101 queued.
+// On success upgrade_ is set.
 Response Connection::open_websocket(const Route& route) {
-  if (auto refused = check_handshake(request_, parser_, route, handshake_)) return std::move(*refused);
+  if (request_.header("content-length").size() + request_.header("transfer-encoding").size() +
+          buffer_.size() >
+      0)
+    return problem(request_, "bad_request", "nothing may follow a handshake before its answer");
+  if (auto refused = check_handshake(request_, route, subprotocol_)) return std::move(*refused);
   if (service_.draining) return problem(request_, "draining", "the service is shutting down");
   try {
     upgrade_ = route.open_websocket(request_);
@@ -347,7 +301,6 @@ Response Connection::open_websocket(const Route& route) {
   } catch (const std::exception& e) {
     return problem(request_, e);
   }
-  out_ += handshake_.head;
   return {};
 }
 

@@ -5,17 +5,17 @@
 #pragma once
 #include <boost/asio/awaitable.hpp>
 #include <boost/asio/cancellation_signal.hpp>
+#include <boost/beast/core/flat_buffer.hpp>
 #include <memory>
+#include <optional>
 #include <string>
 
 #include "server/net/guard.h"
-#include "server/net/handshake.h"
-#include "server/net/head_parser.h"
 #include "server/net/options.h"
-#include "server/net/response_head.h"
+#include "server/net/request_parser.h"
 #include "server/net/router.h"
 #include "server/net/server.h"
-#include "server/net/websocket.h"
+#include "server/net/websocket_stream.h"
 
 namespace truestep::net {
 
@@ -45,11 +45,10 @@ class Connection : public std::enable_shared_from_this<Connection> {
  private:
   enum class Phase : uint8_t { idle, head, body, handler, write, linger };
 
-  boost::asio::awaitable<bool> read_more();
+  RequestParser::Progress parse();
+  boost::asio::awaitable<bool> read_head();
   boost::asio::awaitable<bool> read_body(size_t limit);
-  boost::asio::awaitable<bool> read_sized(size_t size);
-  boost::asio::awaitable<bool> read_chunked(size_t limit);
-  boost::asio::awaitable<size_t> read_into(char* to, size_t size);
+  boost::asio::awaitable<bool> read_more(size_t size);
   boost::asio::awaitable<Response> wait_for(const Route& route);
   Response answer(const Route& route);
   Response no_route(const Router::Match& match);
@@ -57,23 +56,19 @@ class Connection : public std::enable_shared_from_this<Connection> {
   void refuse(int status, std::string_view reason);
   bool prepare(Response& response, std::string_view& large_body);
   boost::asio::awaitable<bool> finish_response(const Response& response, std::string_view large_body);
-  boost::asio::awaitable<bool> write_out(std::string_view body);
+  boost::asio::awaitable<bool> write_out(std::string_view body = {});
   boost::asio::awaitable<bool> send_file(const FileBody& file, uint64_t offset, uint64_t length);
   boost::asio::awaitable<void> wait_writable();
   boost::asio::awaitable<void> linger();
   Response open_websocket(const Route& route);
   void enter(Phase phase);
-  bool flush_now(std::string_view body);
-  void make_room();
 
   Socket socket_;
   Service& service_;
-  HeadParser parser_;
+  std::optional<RequestParser> parser_;  ///< of the current request
   Request request_;
-  std::string buffer_;  ///< received and not yet consumed bytes are [begin_, end_)
-  size_t begin_ = 0, end_ = 0;
-  std::string out_;     ///< heads and small bodies on their way
-  size_t written_ = 0;  ///< of out_ followed by the body being written
+  boost::beast::flat_buffer buffer_;  ///< received and not yet consumed
+  std::string out_;                   ///< heads and small bodies on their way
   std::string remote_;
   Phase phase_ = Phase::idle;
   Clock::time_point deadline_;
@@ -81,8 +76,8 @@ class Connection : public std::enable_shared_from_this<Connection> {
   bool closing_ = false;                       ///< no further request after the current response
   bool unread_ = false;                        ///< the peer may still be sending: linger before closing
   std::shared_ptr<WebSocketHandler> upgrade_;  ///< set by a successful handshake
-  Handshake handshake_;
-  std::shared_ptr<WebSocket> websocket_;
+  std::string subprotocol_;
+  std::shared_ptr<ServedWebSocket> websocket_;
   boost::asio::cancellation_signal cancel_handler_;
 };
 

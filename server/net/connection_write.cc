@@ -1,14 +1,14 @@
 // Writing of a connection: one system call for head and body where the socket takes them, waiting only when
 // it does not; files go from the page cache to the socket without passing through this process.
 #include <sys/sendfile.h>
-#include <sys/socket.h>
-#include <sys/uio.h>
 
 #include <boost/asio/redirect_error.hpp>
 #include <boost/asio/use_awaitable.hpp>
+#include <boost/beast/core/buffers_suffix.hpp>
 #include <cerrno>
 
 #include "server/net/connection.h"
+#include "server/net/response_head.h"
 
 namespace truestep::net {
 
@@ -20,41 +20,26 @@ namespace {
 constexpr size_t kSmallBody = size_t{16} << 10;
 // Answers to pipelined requests are collected up to here.
 constexpr size_t kCollect = size_t{64} << 10;
+constexpr size_t kRead = 4096;
 
 }  // namespace
 
-// Writes out_ and then body. True when both are gone; false when the socket is full or, then closed, broken.
-bool Connection::flush_now(std::string_view body) {
-  const size_t total = out_.size() + body.size();
-  while (written_ < total) {
-    iovec iov[2];
-    size_t n = 0;
-    if (written_ < out_.size()) iov[n++] = {out_.data() + written_, out_.size() - written_};
-    const size_t skip = written_ > out_.size() ? written_ - out_.size() : 0;
-    if (body.size() > skip) iov[n++] = {const_cast<char*>(body.data()) + skip, body.size() - skip};
-    msghdr message{};
-    message.msg_iov = iov;
-    message.msg_iovlen = n;
-    const ssize_t sent = ::sendmsg(socket_.native_handle(), &message, MSG_NOSIGNAL | MSG_DONTWAIT);
-    if (sent < 0) {
-      if (errno == EINTR) continue;
-      if (errno != EAGAIN && errno != EWOULDBLOCK) abort();
-      return false;
+// Writes out_ and then body; false when the connection is gone.
+asio::awaitable<bool> Connection::write_out(std::string_view body) {
+  const std::array<asio::const_buffer, 2> both{asio::buffer(out_), asio::buffer(body)};
+  boost::beast::buffers_suffix<std::array<asio::const_buffer, 2>> rest(both);
+  while (boost::beast::buffer_bytes(rest) > 0) {
+    boost::system::error_code ec;
+    rest.consume(socket_.write_some(rest, ec));
+    if (ec == asio::error::would_block) {
+      co_await wait_writable();
+    } else if (ec) {
+      abort();
+      co_return false;
     }
-    written_ += static_cast<size_t>(sent);
   }
   out_.clear();
-  written_ = 0;
-  return true;
-}
-
-asio::awaitable<bool> Connection::write_out(std::string_view body) {
-  while (socket_.is_open()) {
-    co_await wait_writable();
-    if (!socket_.is_open()) break;
-    if (flush_now(body)) co_return true;
-  }
-  co_return false;
+  co_return true;
 }
 
 // The write time-out starts anew whenever the peer has taken something.
@@ -93,8 +78,9 @@ bool Connection::prepare(Response& r, std::string_view& large_body) {
   } else if (r.status >= 400) {
     service_.stats.errors_4xx++;
   }
-  closing_ =
-      closing_ || r.close || !parser_.keep_alive() || service_.draining.load(std::memory_order_relaxed);
+  // Without a complete head nothing is known of the peer's wishes, and the connection ends anyway.
+  const bool may_continue = parser_->is_header_done() && parser_->keep_alive();
+  closing_ = closing_ || r.close || !may_continue || service_.draining.load(std::memory_order_relaxed);
   const uint64_t length = r.length.value_or(r.body_size());
   append_head(out_, r, length,
               closing_          ? ConnectionFate::close
@@ -113,9 +99,7 @@ bool Connection::prepare(Response& r, std::string_view& large_body) {
 }
 
 asio::awaitable<bool> Connection::finish_response(const Response& r, std::string_view large_body) {
-  if (!flush_now(large_body)) {
-    if (!co_await write_out(large_body)) co_return false;
-  }
+  if (!co_await write_out(large_body)) co_return false;
   const auto* file = std::get_if<FileBody>(&r.body);
   if (!file || request_.method == Method::head || r.status == 304) co_return true;
   const bool sent = co_await send_file(*file, r.offset, r.length.value_or(file->size()));
@@ -126,8 +110,11 @@ asio::awaitable<void> Connection::linger() {
   boost::system::error_code ec;
   socket_.shutdown(Socket::shutdown_send, ec);
   enter(Phase::linger);
-  size_t n = 1;
-  while (n > 0) n = co_await read_into(buffer_.data(), buffer_.size());
+  bool more = true;
+  while (more) {
+    buffer_.clear();
+    more = co_await read_more(kRead);
+  }
 }
 
 }  // namespace truestep::net

@@ -1,5 +1,4 @@
-// Merkle-Damgard with 64-byte blocks for both hashes; the block functions follow FIPS 180-4 sections 6.1.2
-// and 6.2.2.
+// Merkle-Damgard with 64-byte blocks; the block function follows FIPS 180-4 section 6.2.2.
 #include "server/net/digest.h"
 
 #include <sys/random.h>
@@ -34,13 +33,6 @@ void for_padded_blocks(std::string_view data, Block&& block) {
   for (size_t i = 0; i < size; i += 64) block(tail + i);
 }
 
-template <size_t N>
-std::array<uint8_t, 4 * N> to_bytes(const std::array<uint32_t, N>& words) {
-  std::array<uint8_t, 4 * N> out;
-  for (size_t i = 0; i < N; ++i) store_be(out.data() + 4 * i, words[i]);
-  return out;
-}
-
 constexpr uint32_t kSha256[64] = {
     0x428a2f98, 0x71374491, 0xb5c0fbcf, 0xe9b5dba5, 0x3956c25b, 0x59f111f1, 0x923f82a4, 0xab1c5ed5,
     0xd807aa98, 0x12835b01, 0x243185be, 0x550c7dc3, 0x72be5d74, 0x80deb1fe, 0x9bdc06a7, 0xc19bf174,
@@ -51,41 +43,7 @@ constexpr uint32_t kSha256[64] = {
     0x19a4c116, 0x1e376c08, 0x2748774c, 0x34b0bcb5, 0x391c0cb3, 0x4ed8aa4a, 0x5b9cca4f, 0x682e6ff3,
     0x748f82ee, 0x78a5636f, 0x84c87814, 0x8cc70208, 0x90befffa, 0xa4506ceb, 0xbef9a3f7, 0xc67178f2};
 
-constexpr char kBase64[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-
-int base64_value(char c) {
-  if (c >= 'A' && c <= 'Z') return c - 'A';
-  if (c >= 'a' && c <= 'z') return c - 'a' + 26;
-  if (c >= '0' && c <= '9') return c - '0' + 52;
-  return c == '+' ? 62 : c == '/' ? 63 : -1;
-}
-
 }  // namespace
-
-std::array<uint8_t, 20> sha1(std::string_view data) {
-  std::array<uint32_t, 5> h = {0x67452301, 0xEFCDAB89, 0x98BADCFE, 0x10325476, 0xC3D2E1F0};
-  for_padded_blocks(data, [&](const uint8_t* p) {
-    uint32_t w[80];
-    for (int t = 0; t < 16; ++t) w[t] = load_be(p + 4 * t);
-    for (int t = 16; t < 80; ++t) w[t] = std::rotl(w[t - 3] ^ w[t - 8] ^ w[t - 14] ^ w[t - 16], 1);
-    auto [a, b, c, d, e] = h;
-    for (int t = 0; t < 80; ++t) {
-      const uint32_t f = t < 20   ? ((b & c) | (~b & d))
-                         : t < 40 ? (b ^ c ^ d)
-                         : t < 60 ? ((b & c) | (b & d) | (c & d))
-                                  : (b ^ c ^ d);
-      const uint32_t k = t < 20 ? 0x5A827999 : t < 40 ? 0x6ED9EBA1 : t < 60 ? 0x8F1BBCDC : 0xCA62C1D6;
-      const uint32_t next = std::rotl(a, 5) + f + e + k + w[t];
-      e = d;
-      d = c;
-      c = std::rotl(b, 30);
-      b = a;
-      a = next;
-    }
-    h = {h[0] + a, h[1] + b, h[2] + c, h[3] + d, h[4] + e};
-  });
-  return to_bytes(h);
-}
 
 std::array<uint8_t, 32> sha256(std::string_view data) {
   std::array<uint32_t, 8> h = {0x6a09e667, 0xbb67ae85, 0x3c6ef372, 0xa54ff53a,
@@ -108,7 +66,9 @@ std::array<uint8_t, 32> sha256(std::string_view data) {
     }
     for (int i = 0; i < 8; ++i) h[i] += v[i];
   });
-  return to_bytes(h);
+  std::array<uint8_t, 32> out;
+  for (size_t i = 0; i < h.size(); ++i) store_be(out.data() + 4 * i, h[i]);
+  return out;
 }
 
 std::string hex(const uint8_t* data, size_t size) {
@@ -124,40 +84,6 @@ std::string hex(const uint8_t* data, size_t size) {
 std::string sha256_hex(std::string_view data) {
   const auto digest = sha256(data);
   return hex(digest.data(), digest.size());
-}
-
-std::string base64_encode(const uint8_t* data, size_t size) {
-  std::string out;
-  out.reserve((size + 2) / 3 * 4);
-  for (size_t i = 0; i < size; i += 3) {
-    const uint32_t b = uint32_t{data[i]} << 16 | (i + 1 < size ? uint32_t{data[i + 1]} << 8 : 0) |
-                       (i + 2 < size ? data[i + 2] : 0);
-    out += kBase64[b >> 18];
-    out += kBase64[b >> 12 & 63];
-    out += i + 1 < size ? kBase64[b >> 6 & 63] : '=';
-    out += i + 2 < size ? kBase64[b & 63] : '=';
-  }
-  return out;
-}
-
-std::optional<std::string> base64_decode(std::string_view text) {
-  if (text.size() % 4 != 0) return std::nullopt;
-  std::string out;
-  out.reserve(text.size() / 4 * 3);
-  for (size_t i = 0; i < text.size(); i += 4) {
-    const bool last = i + 4 == text.size();
-    const int padding = last ? (text[i + 3] == '=') + (text[i + 3] == '=' && text[i + 2] == '=') : 0;
-    uint32_t b = 0;
-    for (int k = 0; k < 4; ++k) {
-      const int v = k >= 4 - padding ? 0 : base64_value(text[i + k]);
-      if (v < 0) return std::nullopt;
-      b = b << 6 | static_cast<uint32_t>(v);
-    }
-    // Bits that no byte uses must be zero, so that every byte string has one spelling.
-    if ((padding == 1 && (b & 0xFF)) || (padding == 2 && (b & 0xFFFF))) return std::nullopt;
-    for (int k = 0; k < 3 - padding; ++k) out += static_cast<char>(b >> (16 - 8 * k));
-  }
-  return out;
 }
 
 bool equal_constant_time(std::string_view a, std::string_view b) {

@@ -1,25 +1,24 @@
-// The opening handshake of a WebSocket (RFC 6455 section 4.2), without shortcuts: the key must decode to 16
-// bytes, the version must be 13, and a client that offers subprotocols must offer one that the route speaks.
+// What Beast leaves unchecked in the opening handshake of a WebSocket (RFC 6455 section 4.2): the key must be
+// 16 bytes in base64, data must not precede the answer, a client that offers subprotocols must offer one that
+// the route speaks, and an offer of permessage-deflate that Beast answers wrongly is ignored.
 #pragma once
 #include <optional>
 #include <string>
+#include <string_view>
 
-#include "server/net/head_parser.h"
-#include "server/net/inflate.h"
 #include "server/net/message.h"
 #include "server/net/router.h"
 
 namespace truestep::net {
 
-/// What was agreed.
-struct Handshake {
-  std::string head;         ///< the 101 response, ready for the wire
-  std::string subprotocol;  ///< empty when the client offered none
-  Compression compression = Compression::none;
-};
+/// Is this the base64 form of exactly 16 bytes?
+bool is_websocket_key(std::string_view key);
+/// May Beast answer these offers of extensions? It answers server_max_window_bits=8 with 9, which is more
+/// than the client allows.
+bool is_deflate_offer_safe(std::string_view extensions);
 
-/// The problem to answer, or nullopt when the handshake is good and `result` is filled.
-std::optional<Response> check_handshake(const Request& request, const HeadParser& parser, const Route& route,
-                                        Handshake& result);
+/// The problem to answer, or nullopt when the handshake is good; `subprotocol` is then what was agreed, empty
+/// when the client offered none.
+std::optional<Response> check_handshake(const Request& request, const Route& route, std::string& subprotocol);
 
 }  // namespace truestep::net

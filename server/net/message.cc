@@ -150,6 +150,8 @@ const std::string& Request::trace_id() const {
 }
 
 void Request::clear() {
+  head_.clear();
+  ends_.clear();
   segments.clear();
   query.clear();
   headers.clear();

@@ -66,10 +66,11 @@ class Request {
   void clear();
 
  private:
-  friend class HeadParser;
-  friend bool parse_target(Request& request);
-  std::string head_;     // owns the texts as sent
-  std::string decoded_;  // owns what percent-decoding changed
+  friend class RequestParser;
+  friend bool split_target(Request& request);
+  std::string head_;            // owns the texts as sent: method, target, names and values
+  std::vector<uint32_t> ends_;  // of the texts in head_
+  std::string decoded_;         // owns what percent-decoding changed
   mutable std::string trace_id_;
 };
 

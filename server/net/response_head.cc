@@ -1,9 +1,8 @@
 #include "server/net/response_head.h"
 
+#include <boost/beast/http/status.hpp>
 #include <charconv>
 #include <ctime>
-
-#include "server/net/status.h"
 
 namespace truestep::net {
 namespace {
@@ -21,6 +20,11 @@ std::string_view date_line() {
   return line;
 }
 
+void append_number(std::string& out, uint64_t n) {
+  char digits[24];
+  out.append(digits, std::to_chars(digits, digits + sizeof digits, n).ptr);
+}
+
 }  // namespace
 
 std::string http_date(std::time_t time) {
@@ -36,7 +40,10 @@ std::string http_date(std::time_t time) {
 }
 
 void append_head(std::string& out, const Response& r, uint64_t content_length, ConnectionFate fate) {
-  out += status_line(r.status);
+  append_number(out += "HTTP/1.1 ", static_cast<uint64_t>(r.status));
+  out += ' ';
+  out += boost::beast::http::obsolete_reason(static_cast<boost::beast::http::status>(r.status));
+  out += "\r\n";
   out += date_line();
   if (!r.content_type.empty()) {
     out += "Content-Type: ";
@@ -44,10 +51,7 @@ void append_head(std::string& out, const Response& r, uint64_t content_length, C
     out += "\r\nX-Content-Type-Options: nosniff\r\n";
   }
   if (r.status != 204 && r.status != 304) {
-    char digits[24];
-    const auto end = std::to_chars(digits, digits + sizeof digits, content_length).ptr;
-    out += "Content-Length: ";
-    out.append(digits, static_cast<size_t>(end - digits));
+    append_number(out += "Content-Length: ", content_length);
     out += "\r\n";
   }
   if (!r.etag.empty()) {

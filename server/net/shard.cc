@@ -25,7 +25,7 @@ void Shard::start() {
 
 void Shard::adopt(Socket socket) {
   boost::system::error_code ec;
-  socket.native_non_blocking(true, ec);
+  socket.non_blocking(true, ec);
   socket.set_option(asio::ip::tcp::no_delay(true), ec);
   service_.stats.connections++;
   const auto at =

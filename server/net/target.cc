@@ -1,7 +1,7 @@
 // Path and query of a request target, RFC 3986 sections 2.1, 3.3 and 3.4; query as HTML forms send it ('+' is
 // a space). A path is split before it is decoded, so an encoded slash is data and never a separator.
 #include "engine/base/utf8.h"
-#include "server/net/head_parser.h"
+#include "server/net/request_parser.h"
 
 namespace truestep::net {
 namespace {
@@ -42,7 +42,7 @@ bool decode(std::string_view in, std::string& store, std::string_view& out, Plus
 
 }  // namespace
 
-bool parse_target(Request& request) {
+bool split_target(Request& request) {
   request.decoded_.clear();
   // Decoding never lengthens, so after this the views below stay valid.
   request.decoded_.reserve(request.target.size());

@@ -218,17 +218,15 @@ void StreamClient::accept(const FramePtr& frame) {
   if (flow_ == Flow::credit) credit_.fetch_sub(1);
   const auto [blocks, held, kind] = entry_->encoded.get(frame, fields_, base_);
   const uint64_t base_seq = kind == EncodedBlocks::Kind::refers_to_base ? base_seq_ : 0;
-  const std::string head = encode_head(*frame, {++seq_, dropped_, base_seq}, blocks->size());
-  const size_t bytes = head.size() + blocks->size();
+  const auto head =
+      std::make_shared<const std::string>(encode_head(*frame, {++seq_, dropped_, base_seq}, blocks->size()));
+  const size_t bytes = head->size() + blocks->size();
   bool sent = false;
   if (form_ == WireForm::protobuf) {
-    auto whole = std::make_shared<std::string>();
-    whole->reserve(bytes);
-    whole->append(head).append(*blocks);
-    sent = socket_->send_binary(std::move(whole));
+    sent = socket_->send(net::MessageKind::binary, {head, blocks});
   } else {
     v1::ServerMessage message;
-    message.ParseFromString(head + *blocks);
+    message.ParseFromString(*head + *blocks);
     sent = socket_->send_text(to_wire(message, form_));
   }
   if (!sent) {

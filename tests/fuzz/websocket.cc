@@ -1,48 +1,79 @@
-// WebSocket frames: the decoder yields the same events with the same payloads whether the bytes come at once
-// or in pieces (the first byte of the input is the piece's length), and ends for good at a violation.
+// A WebSocket that Beast speaks and we serve: whatever a client sends after the handshake, in pieces (the
+// first byte of the input is the piece's length), the conversation ends once, and what is echoed is valid.
+#include <sys/socket.h>
+#include <unistd.h>
+
 #include <algorithm>
+#include <boost/asio/co_spawn.hpp>
+#include <boost/asio/detached.hpp>
 #include <cstddef>
 #include <cstdint>
 #include <string>
-#include <utility>
-#include <vector>
 
-#include "server/net/websocket_frame.h"
+#include "engine/base/utf8.h"
+#include "server/net/request_parser.h"
+#include "server/net/websocket_stream.h"
 
 namespace {
 
-using Decoder = truestep::net::FrameDecoder;
-using Events = std::vector<std::pair<Decoder::Event, std::string>>;
+using namespace truestep::net;
 
-Events decode(std::string bytes, size_t piece) {
-  Decoder decoder(1 << 12, truestep::net::Compression::deflate);
-  Events events;
-  for (size_t at = 0; at < bytes.size(); at += piece) {
-    char* data = bytes.data() + at;
-    size_t size = std::min(piece, bytes.size() - at);
-    for (;;) {
-      const auto event = decoder.next(data, size);
-      if (event == Decoder::Event::need_more) break;
-      if (event == Decoder::Event::violation) {
-        events.emplace_back(event, "");
-        return events;
-      }
-      events.emplace_back(event, decoder.payload());
-    }
-    if (size != 0) __builtin_trap();
+constexpr char kHandshake[] =
+    "GET / HTTP/1.1\r\nHost: a\r\nUpgrade: websocket\r\nConnection: Upgrade\r\nSec-WebSocket-Version: 13\r\n"
+    "Sec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\nSec-WebSocket-Extensions: permessage-deflate\r\n\r\n";
+
+class Echo : public WebSocketHandler {
+ public:
+  explicit Echo(int& ends) : ends_(ends) {}
+  void on_open(std::shared_ptr<WebSocket> socket) override { socket_ = std::move(socket); }
+  void on_message(MessageKind kind, std::string_view payload) override {
+    if (ends_ != 0 || (kind == MessageKind::text && !truestep::valid_utf8(payload))) __builtin_trap();
+    socket_->send(kind, {std::make_shared<const std::string>(payload), nullptr});
   }
-  return events;
+  void on_close(uint16_t code, std::string_view) override {
+    if (code < 1000 || code > 4999) __builtin_trap();
+    ++ends_;
+  }
+
+ private:
+  int& ends_;
+  std::shared_ptr<WebSocket> socket_;
+};
+
+void drain(int fd) {
+  char scratch[65536];
+  while (::recv(fd, scratch, sizeof scratch, MSG_DONTWAIT) > 0) {
+  }
 }
 
 }  // namespace
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   if (size < 2) return 0;
-  const std::string bytes(reinterpret_cast<const char*>(data) + 1, size - 1);
-  const Events whole = decode(bytes, bytes.size()), pieces = decode(bytes, std::max<size_t>(1, data[0]));
-  if (whole.size() != pieces.size()) __builtin_trap();
-  for (size_t i = 0; i < whole.size(); ++i) {
-    if (whole[i] != pieces[i]) __builtin_trap();
+  int pair[2];
+  if (::socketpair(AF_UNIX, SOCK_STREAM | SOCK_NONBLOCK, 0, pair) != 0) return 0;
+  Request request;
+  RequestParser(request, 4096).feed(kHandshake);
+  int ends = 0;
+  {
+    boost::asio::io_context io(1);
+    const auto socket = make_websocket(Socket(io, boost::asio::ip::tcp::v4(), pair[0]), request,
+                                       std::make_shared<Echo>(ends), {.max_message = 1 << 12}, "");
+    boost::asio::co_spawn(io, socket->run(), boost::asio::detached);
+    io.poll();
+    const size_t piece = std::max<size_t>(1, data[0]);
+    for (size_t at = 1; at < size; at += piece) {
+      if (::send(pair[1], data + at, std::min(piece, size - at), MSG_NOSIGNAL) < 0) break;
+      io.poll();
+      drain(pair[1]);
+    }
+    ::shutdown(pair[1], SHUT_WR);
+    for (int i = 0; i < 1000 && ends == 0; ++i) {
+      io.poll();
+      drain(pair[1]);
+    }
   }
+  ::close(pair[1]);
+  if (ends != 1) __builtin_trap();
   return 0;
 }

@@ -1,36 +1,22 @@
 #!/usr/bin/env python3
 """Runs one check script against a freshly started server.
 
-usage: run_check.py --script NAME --server 'COMMAND ...' [--arg ...] [--expect TEXT]
+usage: run_check.py --script FILE --server 'COMMAND ...' [--arg ...] [--expect TEXT]
 
 COMMAND must print a line 'listening on URL' on stdout. In the arguments after '--', {url}, {ws} and {pid} stand for
-the server's address, its ws:// form and its process id. The scripts are looked for in $TRUESTEP_CHECKS, then in
-../shared/checks beside the source tree; where neither exists the check counts as skipped (exit 77).
+the server's address, its ws:// form and its process id.
 --play NAME: creates a session from the gallery's scene NAME and plays it; {stream} is the ws:// address of its stream.
 --expect TEXT: some line of the script's output must contain TEXT (the full score). The server must survive the
 check and end with exit 0 on SIGTERM.
 """
 import argparse
 import json
-import os
-import pathlib
 import shlex
 import signal
 import subprocess
 import sys
 import threading
 import urllib.request
-
-SKIPPED = 77
-
-
-def find_script(name):
-    source = pathlib.Path(__file__).resolve().parents[2]
-    for folder in (os.environ.get("TRUESTEP_CHECKS"), source.parent / "shared" / "checks", source.parent.parent / "shared" / "checks"):
-        if folder and (pathlib.Path(folder) / name).is_file():
-            return str(pathlib.Path(folder) / name)
-    return None
-
 
 def start(command):
     """Starts the server and waits for its address."""
@@ -66,10 +52,6 @@ def main():
     parser.add_argument("--play", default="")
     parser.add_argument("rest", nargs=argparse.REMAINDER)
     options = parser.parse_args()
-    script = find_script(options.script)
-    if not script:
-        print("skipped: %s is not here (set TRUESTEP_CHECKS)" % options.script)
-        return SKIPPED
     server, url = start(options.server)
     try:
         values = {"url": url, "ws": url.replace("http", "ws", 1), "pid": server.pid}
@@ -77,7 +59,7 @@ def main():
             values["stream"] = values["ws"] + play(url, options.play)
         named = ["{%s}" % name for name in values]
         arguments = [a.format(**values) if any(n in a for n in named) else a for a in options.rest if a != "--"]
-        done = subprocess.run([sys.executable, script, *arguments], stdout=subprocess.PIPE, text=True)
+        done = subprocess.run([sys.executable, options.script, *arguments], stdout=subprocess.PIPE, text=True)
         print(done.stdout, end="")
         if done.returncode:
             return done.returncode

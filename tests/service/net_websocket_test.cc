@@ -1,0 +1,213 @@
+// WebSockets: messages, subprotocols, compression, closing, the queue; and what Beast alone gets wrong, with
+// raw frames.
+#include <boost/beast/core.hpp>
+#include <boost/beast/websocket.hpp>
+
+#include "tests/service/net_server.h"
+
+namespace truestep::net {
+namespace {
+
+namespace beast = boost::beast;
+using namespace std::string_literals;
+
+class NetWebSocket : public NetServer {
+ protected:
+  using Client = beast::websocket::stream<tcp::socket>;
+  Client websocket(const std::string& subprotocols = "") {
+    Client client(connect());
+    client.set_option(
+        beast::websocket::stream_base::decorator([subprotocols](beast::websocket::request_type& r) {
+          if (!subprotocols.empty()) r.set(beast::http::field::sec_websocket_protocol, subprotocols);
+        }));
+    return client;
+  }
+  // A connection after its handshake, and the answer to that.
+  std::pair<tcp::socket, std::string> shake(const std::string& headers = "") {
+    tcp::socket s = connect();
+    asio::write(s, asio::buffer("GET /echo HTTP/1.1\r\nHost: localhost\r\nUpgrade: websocket\r\n"
+                                "Connection: Upgrade\r\nSec-WebSocket-Version: 13\r\n"
+                                "Sec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\n" +
+                                headers + "\r\n"));
+    std::string head;
+    asio::read_until(s, asio::dynamic_buffer(head), "\r\n\r\n");
+    return {std::move(s), head};
+  }
+  // Sends the bytes and the end of all bytes, and returns everything that comes back.
+  static std::string rest_after(tcp::socket& s, const std::string& bytes) {
+    asio::write(s, asio::buffer(bytes));
+    s.shutdown(tcp::socket::shutdown_send);
+    std::string all;
+    boost::system::error_code ec;
+    asio::read(s, asio::dynamic_buffer(all), ec);
+    EXPECT_EQ(ec, asio::error::eof) << "closed gently, not reset";
+    return all;
+  }
+};
+
+TEST_F(NetWebSocket, EchoesToBeastsClient) {
+  start();
+  auto client = websocket();
+  beast::websocket::permessage_deflate deflate;
+  deflate.client_enable = true;
+  client.set_option(deflate);
+  client.handshake("localhost", "/echo");
+  client.read_message_max(size_t{2} << 20);
+  for (const size_t size : {0u, 1u, 125u, 126u, 65535u, 65536u, 1u << 20}) {
+    for (const bool text : {true, false}) {
+      client.text(text);
+      const std::string sent(size, 'm');
+      client.write(asio::buffer(sent));
+      beast::flat_buffer buffer;
+      client.read(buffer);
+      EXPECT_EQ(client.got_text(), text);
+      EXPECT_TRUE(beast::buffers_to_string(buffer.data()) == sent) << size;
+    }
+  }
+  client.close(beast::websocket::close_code::normal);
+  for (int i = 0; i < 2000 && seen_.close_code == 0; ++i) std::this_thread::sleep_for(1ms);
+  EXPECT_EQ(seen_.close_code, 1000);
+}
+
+TEST_F(NetWebSocket, SubprotocolsAreChosenOrRefused) {
+  start();
+  const auto chosen = [&](const std::string& offered) {
+    auto client = websocket(offered);
+    beast::websocket::response_type response;
+    boost::system::error_code ec;
+    client.handshake(response, "localhost", "/echo", ec);
+    return std::to_string(response.result_int()) +
+           std::string(response[beast::http::field::sec_websocket_protocol]);
+  };
+  EXPECT_EQ(chosen(""), "101");
+  EXPECT_EQ(chosen("a.v1"), "101a.v1");
+  EXPECT_EQ(chosen("x, a.v1, b.v1"), "101b.v1") << "the server's order of preference";
+  EXPECT_EQ(chosen("x.v1"), "400");
+  EXPECT_EQ(status(get("/echo")), 426);
+}
+
+TEST_F(NetWebSocket, AnErrorOfTheHandlerClosesWithAReason) {
+  start();
+  auto client = websocket();
+  client.handshake("localhost", "/echo");
+  client.text(true);
+  client.write(asio::buffer(std::string("throw")));
+  beast::flat_buffer buffer;
+  boost::system::error_code ec;
+  client.read(buffer, ec);
+  EXPECT_EQ(ec, beast::websocket::error::closed);
+  EXPECT_EQ(client.reason().code, 1008);
+  EXPECT_EQ(client.reason().reason, "as asked");
+}
+
+TEST_F(NetWebSocket, DeflateIsOfferedToThoseWhoCanUseIt) {
+  start();
+  const auto agreed = [&](const std::string& offer) {
+    return shake("Sec-WebSocket-Extensions: " + offer + "\r\n").second.find("permessage-deflate") !=
+           std::string::npos;
+  };
+  EXPECT_TRUE(agreed("permessage-deflate"));
+  EXPECT_TRUE(agreed("permessage-deflate; client_max_window_bits; server_max_window_bits=10"));
+  EXPECT_FALSE(agreed("permessage-deflate; server_max_window_bits=8")) << "Beast would answer 9";
+  EXPECT_FALSE(agreed("permessage-deflate; server_max_window_bits=99"));
+  EXPECT_FALSE(agreed("x-other"));
+}
+
+TEST_F(NetWebSocket, TextThatEndsInsideACharacterIsRefused) {
+  start();
+  auto [s, head] = shake();
+  // The first byte of a two-byte character, then an empty last fragment.
+  rest_after(s, "\x01\x81\0\0\0\0\xCE\x80\x80\0\0\0\0"s);
+  for (int i = 0; i < 2000 && seen_.close_code == 0; ++i) std::this_thread::sleep_for(1ms);
+  EXPECT_EQ(seen_.close_code, 1007);
+}
+
+TEST_F(NetWebSocket, CloseCodesBeyondTheRangeAreRefused) {
+  start();
+  const std::string close_5000 = "\x88\x82\0\0\0\0\x13\x88"s,
+                    refused = "\x88\x1F\x03\xEAthe close code is not allowed"s;
+  {
+    auto [s, head] = shake();
+    EXPECT_TRUE(rest_after(s, close_5000).ends_with(refused));
+  }
+  seen_.close_code = 0;
+  // The same while a message that fills the socket is on its way and another one waits.
+  auto [s, head] = shake();
+  const auto socket = seen_.get();
+  ASSERT_TRUE(socket);
+  const auto frame = std::make_shared<const std::string>(size_t{16} << 20, 'f');
+  EXPECT_TRUE(socket->send_binary(frame));
+  EXPECT_TRUE(socket->send_text(frame));
+  EXPECT_TRUE(rest_after(s, close_5000).ends_with(refused));
+  for (int i = 0; i < 2000 && seen_.close_code == 0; ++i) std::this_thread::sleep_for(1ms);
+  EXPECT_EQ(seen_.close_code, 1002);
+}
+
+TEST_F(NetWebSocket, TwoPartsMakeOneMessage) {
+  start();
+  auto client = websocket();
+  client.handshake("localhost", "/echo");
+  const auto socket = seen_.get();
+  ASSERT_TRUE(socket);
+  const auto part = [](size_t n, char c) { return std::make_shared<const std::string>(n, c); };
+  EXPECT_TRUE(socket->send(MessageKind::binary, {part(10, 'a'), part(100000, 'b')}));
+  EXPECT_TRUE(socket->send(MessageKind::text, {part(3, 'c'), nullptr}));
+  beast::flat_buffer buffer;
+  client.read(buffer);
+  EXPECT_TRUE(beast::buffers_to_string(buffer.data()) == *part(10, 'a') + *part(100000, 'b'));
+  buffer.clear();
+  client.read(buffer);
+  EXPECT_TRUE(client.got_text());
+  EXPECT_EQ(beast::buffers_to_string(buffer.data()), "ccc");
+}
+
+TEST_F(NetWebSocket, QueueIsBoundedAndOtherThreadsMaySend) {
+  Options options;
+  options.websocket.max_queue = size_t{8} << 20;
+  start(options);
+  auto client = websocket();
+  client.handshake("localhost", "/echo");
+  const auto socket = seen_.get();
+  ASSERT_TRUE(socket);
+  const auto frame = std::make_shared<const std::string>(size_t{1} << 20, 'f');
+  // Nobody reads: at most the queue's limit and what the kernel takes is accepted, then sends are refused.
+  int accepted = 0;
+  std::vector<std::jthread> senders;
+  std::atomic<int> total{0};
+  for (int t = 0; t < 2; ++t) {
+    senders.emplace_back([&] {
+      for (int i = 0; i < 100; ++i) total += socket->send_binary(frame);
+    });
+  }
+  senders.clear();
+  accepted = total;
+  EXPECT_LT(accepted, 60);
+  EXPECT_GE(accepted, 8);
+  EXPECT_LE(socket->queued_bytes(), options.websocket.max_queue);
+  // Every accepted message arrives, whole and in one piece.
+  client.read_message_max(size_t{2} << 20);
+  for (int i = 0; i < accepted; ++i) {
+    beast::flat_buffer buffer;
+    client.read(buffer);
+    ASSERT_EQ(buffer.size(), frame->size());
+  }
+  EXPECT_TRUE(socket->send_binary(frame)) << "room again";
+}
+
+TEST_F(NetWebSocket, StopClosesStreamsWith1001) {
+  start();
+  auto client = websocket();
+  client.handshake("localhost", "/echo");
+  ASSERT_TRUE(seen_.get());
+  std::jthread stopper([&] { server_->stop(); });
+  beast::flat_buffer buffer;
+  boost::system::error_code ec;
+  client.read(buffer, ec);
+  EXPECT_EQ(client.reason().code, 1001);
+  stopper.join();
+  EXPECT_EQ(seen_.close_code, 1001);
+  EXPECT_EQ(server_->stats().connections, 0);
+}
+
+}  // namespace
+}  // namespace truestep::net
