@@ -12,25 +12,32 @@
 namespace truestep {
 
 struct Advance;  // integrators/advance.h
+class RightHandSide;
 
 /// Settings of the methods that have any.
 struct IntegratorOptions {
   double tolerance = 1e-6;          ///< adaptive methods: bound on the local error, in the units of x and v
   double newton_tolerance = 1e-10;  ///< implicit methods: relative residual at which Newton stops
   int max_newton_iterations = 50;
+  /// Adaptive methods: error per component against absolute + relative |y|; `absolute` is `tolerance` when
+  /// not given, `relative` is 0.
+  std::optional<double> relative_tolerance = {}, absolute_tolerance = {};
 };
 
 struct Integrator {
   std::string_view name;   ///< as in a scene
   std::string_view title;  ///< e.g. "classical Runge-Kutta"
   int order = 1;           ///< of the global error
-  /// Largest stable omega * h on an undamped oscillator; infinity: unconditional. Adaptive methods: of one
-  /// internal step.
+  /// Largest stable omega * h on an undamped oscillator; infinity: unconditional; NaN: no promise (methods
+  /// that iterate a step until it converges). Adaptive methods: of one internal step.
   double imaginary_limit = 0;
-  double real_limit = 0;  ///< largest stable lambda * h on exponential decay; infinity: unconditional
+  double real_limit = 0;  ///< largest stable lambda * h on exponential decay; likewise
   enum class Structure : uint8_t { none, symplectic } structure = Structure::none;
   enum class Stepping : uint8_t { fixed, adaptive } stepping = Stepping::fixed;
   enum class Kind : uint8_t { explicit_, implicit } kind = Kind::explicit_;
+  /// What `advance` needs to be given: any y' = f(t, y), equations of second order, or such whose
+  /// acceleration does not depend on velocity.
+  enum class Equations : uint8_t { any, second_order, without_velocity } equations = Equations::any;
   /// Order that remains when the acceleration depends on velocity, 0: the method cannot serve such a field.
   int order_with_velocity = 0;
   std::string_view source;  ///< paper or textbook with equation
@@ -51,5 +58,7 @@ std::span<const Integrator> integrators();
 const Integrator* find_integrator(std::string_view name);
 /// Nothing when the method can serve the field, else one sentence why not.
 std::optional<std::string> refusal(const Integrator& method, const ForceField& field);
+/// The same for `advance` on a right-hand side.
+std::optional<std::string> refusal(const Integrator& method, const RightHandSide& f);
 
 }  // namespace truestep

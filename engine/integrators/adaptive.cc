@@ -1,21 +1,17 @@
-// Methods that divide a session's step into as many internal steps as the tolerance asks for, and never step
-// over its end. The next internal step and the last error live in the state, so a restored run repeats
-// every choice.
-//   step_doubling  one rk4 step of T against two of T/2: e = |x_{T/2} - x_T|; redone with a smaller T while e
-//                  exceeds the tolerance, else x = x_{T/2} + (x_{T/2} - x_T) / 15 (local extrapolation,
-//                  order 5). Hairer, Norsett, Wanner 1993, eqs. II.4.3 to II.4.5.
-//   dopri5         the embedded error of order 4; proportional-integral control of the step, Gustafsson 1991,
-//                  "Control theoretic techniques for stepsize selection", as in Hairer and Wanner's section
-//                  IV.2. The last stage is the next internal step's first; across session steps it is
-//                  evaluated again, because commands may have changed anything.
-// The tolerance bounds the largest component of the error in x and in v, in their own units.
+// Embedded pairs (tableau.h) on force fields: as many internal steps as the tolerance asks for, never over
+// the end of the session's step. The next internal step and the last error live in the state, so a restored
+// run repeats every choice. Control of the step: step_control.h; where a pair's last stage is the next
+// internal step's first, it is not evaluated again, except across session steps, because commands may have
+// changed anything. The tolerance bounds the largest component of the error in x and in v, in their own
+// units, plus relative_tolerance times the component.
 #include <algorithm>
 #include <cmath>
 
 #include "engine/base/errors.h"
 #include "engine/integrators/methods.h"
 #include "engine/integrators/runge_kutta.h"
-#include "engine/math/trig.h"
+#include "engine/integrators/step_control.h"
+#include "engine/integrators/tableau_dop853.h"
 
 namespace truestep {
 
@@ -36,16 +32,15 @@ double worse(double a, double b) {
   return a > b || a != a ? a : b;
 }
 
-// Runs attempts over [0, input.h]. attempt(t, h) leaves a candidate and returns its error over the tolerance;
-// accept(h) takes it. `control(error, last error)` is the factor for the next step.
-template <class Attempt, class Accept, class Control>
-void subdivide(Motion& m, Attempt attempt, Accept accept, Control control) {
+// attempt(t, h) leaves a candidate and returns its error over the tolerance; accept(h) takes it.
+template <class Attempt, class Accept>
+void subdivide(Motion& m, const step_control::Law& law, Attempt attempt, Accept accept) {
   const double length = m.input.h;
   const auto column = m.state.at(kInternalStep), error_column = m.state.at(kLastError);
-  double h = m.state.f64(column)[0], last_error = m.state.f64(error_column)[0];
-  if (!(h > 0)) h = length, last_error = 1e-4;
+  double h = m.state.f64(column)[0];
+  step_control::Controller control(law, m.state.f64(error_column)[0]);
+  if (!(h > 0)) h = length;
   double done = 0;
-  bool rejected = false;
   for (;;) {
     const double left = length - done;
     const bool last = h >= left * (1 - 1e-12);
@@ -53,21 +48,48 @@ void subdivide(Motion& m, Attempt attempt, Accept accept, Control control) {
     const double now = last ? left : 2 * h > left ? 0.5 * left : h;
     const double error = attempt(m.input.t + done, now);
     if (!(error <= 1)) {
-      h = now * (std::isfinite(error) ? std::clamp(0.9 * trig::pow(error, -0.2), 0.1, 0.9) : 0.1);
-      rejected = true;
+      h = now * control.rejected(error * error);
       if (h < 1e-9 * length) give_up(m, m.input.t + done, h);
       continue;
     }
     accept(now);
-    const double factor = std::clamp(control(error, last_error), 0.2, rejected ? 1.0 : 10.0);
+    const double factor = control.accepted(error * error);
     h = now < h ? std::max(h, now * factor) : now * factor;
-    last_error = std::max(error, 1e-4);
-    rejected = false;
     if (last) break;
     done += now;
   }
   m.state.f64(column)[0] = std::min(h, length);
-  m.state.f64(error_column)[0] = last_error;
+  m.state.f64(error_column)[0] = control.last_error();
+}
+
+void step_pair(const Tableau& tableau, const step_control::Law& law, const ForceField& field, State& state,
+               const StepInput& in, const IntegratorOptions& options) {
+  Motion m(field, state, in);
+  RungeKutta rk(tableau, m);
+  const ErrorScale scale{options.absolute_tolerance.value_or(options.tolerance),
+                         options.relative_tolerance.value_or(0)};
+  const auto error_of = [&](double h, const Tableau::Weights& w) {
+    return worse(largest(m, m.x.size(), rk.position_terms(h, w, m.v), m.x.data(), scale),
+                 largest(m, m.v.size(), rk.velocity_terms(h, w), m.v.data(), scale));
+  };
+  bool first_stands = false;
+  const auto attempt = [&](double t, double h) {
+    for (size_t i = first_stands ? 1 : 0; i < tableau.stages; ++i) rk.stage(i, t, h, m.x, m.v);
+    first_stands = true;
+    const double error = error_of(h, tableau.error);
+    if (!tableau.two_errors() || !(error > 0)) return error;
+    const double ratio = error_of(h, tableau.second_error) / error;
+    return error / std::sqrt(1 + 0.01 * ratio * ratio);
+  };
+  const auto accept = [&](double h) {
+    // Position first: its terms contain the old velocity.
+    combine(m, m.x.size(), m.x.data(), m.x.data(), rk.position_terms(h, tableau.b, m.v));
+    combine(m, m.v.size(), m.v.data(), m.v.data(), rk.velocity_terms(h, tableau.b));
+    first_stands = tableau.first_same_as_last();
+    if (first_stands) rk.last_stage_becomes_first();
+  };
+  subdivide(m, law, attempt, accept);
+  m.project();
 }
 
 }  // namespace
@@ -77,66 +99,23 @@ void prepare_adaptive(const ForceField&, State& s) {
   s.add({std::string(kLastError), "1", Scalar::f64, 1, Role::internal}, 1);
 }
 
-void step_step_doubling(const ForceField& field, State& state, const StepInput& in,
-                        const IntegratorOptions& options) {
-  Motion m(field, state, in);
-  RungeKutta rk(kRk4Tableau, m);
-  const size_t nx = m.x.size(), nv = m.v.size();
-  const auto x_full = m.scratch("integrator.x_full", nx), v_full = m.scratch("integrator.v_full", nv);
-  const auto x_half = m.scratch("integrator.x_half", nx), v_half = m.scratch("integrator.v_half", nv);
-  const auto difference = [](std::span<double> fine, std::span<double> coarse) {
-    Combination t;
-    t.add(1, fine.data());
-    t.add(-1, coarse.data());
-    return t;
-  };
-  const auto attempt = [&](double t, double h) {
-    rk.step(t, h, m.x, m.v, x_full, v_full);
-    // The first stage of the first half is that of the whole.
-    rk.step(t, 0.5 * h, m.x, m.v, x_half, v_half, 1);
-    rk.step(t + 0.5 * h, 0.5 * h, x_half, v_half, x_half, v_half);
-    return worse(largest(m, nx, difference(x_half, x_full)), largest(m, nv, difference(v_half, v_full))) /
-           options.tolerance;
-  };
-  const auto accept = [&](double) {
-    const auto extrapolate = [&m](std::span<double> out, std::span<double> fine, std::span<double> coarse) {
-      double* o = out.data();
-      const double *f = fine.data(), *c = coarse.data();
-      m.loop(out.size(), [=](size_t i) { o[i] = f[i] + (f[i] - c[i]) * (1.0 / 15); });
-    };
-    extrapolate(m.x, x_half, x_full);
-    extrapolate(m.v, v_half, v_full);
-  };
-  subdivide(m, attempt, accept,
-            [](double error, double) { return error > 0 ? 0.9 * trig::pow(error, -0.2) : 10.0; });
-  m.project();
+void step_step_doubling(const ForceField& f, State& s, const StepInput& in, const IntegratorOptions& o) {
+  step_pair(kStepDoublingTableau, {.q = 5, .beta = 0}, f, s, in, o);
 }
-
-void step_dopri5(const ForceField& field, State& state, const StepInput& in,
-                 const IntegratorOptions& options) {
-  // b - b^, of which only the sum of products with the stages matters.
-  static constexpr Tableau::Weights kError = {71.0 / 57600,      0,          -71.0 / 16695, 71.0 / 1920,
-                                              -17253.0 / 339200, 22.0 / 525, -1.0 / 40};
-  Motion m(field, state, in);
-  RungeKutta rk(kDopri5Tableau, m);
-  bool first_stands = false;
-  const auto attempt = [&](double t, double h) {
-    for (size_t i = first_stands ? 1 : 0; i < kDopri5Tableau.stages; ++i) rk.stage(i, t, h, m.x, m.v);
-    first_stands = true;
-    return worse(largest(m, m.x.size(), rk.position_terms(h, kError, m.v)),
-                 largest(m, m.v.size(), rk.velocity_terms(h, kError))) /
-           options.tolerance;
-  };
-  const auto accept = [&](double h) {
-    // Position first: its terms contain the old velocity.
-    combine(m, m.x.size(), m.x.data(), m.x.data(), rk.position_terms(h, kDopri5Tableau.b, m.v));
-    combine(m, m.v.size(), m.v.data(), m.v.data(), rk.velocity_terms(h, kDopri5Tableau.b));
-    rk.last_stage_becomes_first();
-  };
-  subdivide(m, attempt, accept, [](double error, double last) {
-    return error > 0 ? 0.9 * trig::pow(error, -0.17) * trig::pow(last, 0.04) : 10.0;
-  });
-  m.project();
+void step_bs32(const ForceField& f, State& s, const StepInput& in, const IntegratorOptions& o) {
+  step_pair(kBs32Tableau, {.q = 3}, f, s, in, o);
+}
+void step_rkf45(const ForceField& f, State& s, const StepInput& in, const IntegratorOptions& o) {
+  step_pair(kRkf45Tableau, {.q = 5}, f, s, in, o);
+}
+void step_dopri5(const ForceField& f, State& s, const StepInput& in, const IntegratorOptions& o) {
+  step_pair(kDopri5Tableau, {.q = 5}, f, s, in, o);
+}
+void step_tsit5(const ForceField& f, State& s, const StepInput& in, const IntegratorOptions& o) {
+  step_pair(kTsit5Tableau, {.q = 5}, f, s, in, o);
+}
+void step_dop853(const ForceField& f, State& s, const StepInput& in, const IntegratorOptions& o) {
+  step_pair(kDop853Tableau, {.q = 8, .beta = 0, .safety = 0.9, .shrink = 1.0 / 3, .grow = 6}, f, s, in, o);
 }
 
 }  // namespace truestep

@@ -3,6 +3,7 @@
 #pragma once
 #include <array>
 #include <cstddef>
+#include <utility>
 
 #include "engine/integrators/motion.h"
 
@@ -10,7 +11,7 @@ namespace truestep {
 
 /// Terms of a linear combination; those with coefficient 0 are left out.
 struct Combination {
-  static constexpr size_t kMax = 8;
+  static constexpr size_t kMax = 14;
   std::array<double, kMax> c{};
   std::array<const double*, kMax> k{};
   size_t n = 0;
@@ -35,14 +36,19 @@ void combine_n(const Motion& m, size_t size, double* out, const double* y, const
 /// out = y + the combination; out may be y or one of the arrays.
 inline void combine(const Motion& m, size_t size, double* out, const double* y, const Combination& t) {
   using Kernel = void (*)(const Motion&, size_t, double*, const double*, const Combination&);
-  static constexpr std::array<Kernel, Combination::kMax + 1> kKernels = {
-      detail::combine_n<0>, detail::combine_n<1>, detail::combine_n<2>,
-      detail::combine_n<3>, detail::combine_n<4>, detail::combine_n<5>,
-      detail::combine_n<6>, detail::combine_n<7>, detail::combine_n<8>};
+  static constexpr auto kKernels = []<size_t... N>(std::index_sequence<N...>) {
+    return std::array<Kernel, sizeof...(N)>{detail::combine_n<N>...};
+  }
+  (std::make_index_sequence<Combination::kMax + 1>());
   kKernels[t.n](m, size, out, y, t);
 }
 
-/// Largest |sum_j c_j k_j[i]| over all i; NaN as soon as any is NaN. The same for any number of threads.
-double largest(const Motion& m, size_t size, const Combination& t);
+/// What errors are measured against: absolute + relative |y[i]|.
+struct ErrorScale {
+  double absolute = 1, relative = 0;
+};
+/// Largest |sum_j c_j k_j[i]| / scale at y[i] over all i; NaN as soon as any is NaN. The same for any number
+/// of threads.
+double largest(const Motion& m, size_t size, const Combination& t, const double* y, ErrorScale scale);
 
 }  // namespace truestep

@@ -1,5 +1,3 @@
-// Kutta 1901 (rk4), Heun 1900, Runge 1895 (midpoint), as in Hairer, Norsett, Wanner 1993, table II.1.2;
-// Dormand, Prince 1980, "A family of embedded Runge-Kutta formulae", table 2 (RK5(4)7M).
 #include "engine/integrators/runge_kutta.h"
 
 #include <algorithm>
@@ -9,32 +7,15 @@
 
 namespace truestep {
 
-const Tableau kEulerTableau = {.stages = 1, .a = {}, .b = {1}, .c = {0}};
-const Tableau kMidpointTableau = {.stages = 2, .a = {{{}, {0.5}}}, .b = {0, 1}, .c = {0, 0.5}};
-const Tableau kHeunTableau = {.stages = 2, .a = {{{}, {1}}}, .b = {0.5, 0.5}, .c = {0, 1}};
-const Tableau kRk4Tableau = {.stages = 4,
-                             .a = {{{}, {0.5}, {0, 0.5}, {0, 0, 1}}},
-                             .b = {1.0 / 6, 1.0 / 3, 1.0 / 3, 1.0 / 6},
-                             .c = {0, 0.5, 0.5, 1}};
-const Tableau kDopri5Tableau = {
-    .stages = 7,
-    .a = {{{},
-           {1.0 / 5},
-           {3.0 / 40, 9.0 / 40},
-           {44.0 / 45, -56.0 / 15, 32.0 / 9},
-           {19372.0 / 6561, -25360.0 / 2187, 64448.0 / 6561, -212.0 / 729},
-           {9017.0 / 3168, -355.0 / 33, 46732.0 / 5247, 49.0 / 176, -5103.0 / 18656},
-           {35.0 / 384, 0, 500.0 / 1113, 125.0 / 192, -2187.0 / 6784, 11.0 / 84}}},
-    .b = {35.0 / 384, 0, 500.0 / 1113, 125.0 / 192, -2187.0 / 6784, 11.0 / 84, 0},
-    .c = {0, 1.0 / 5, 3.0 / 10, 4.0 / 5, 8.0 / 9, 1, 1}};
-
 namespace {
 constexpr std::array<std::string_view, Tableau::kMaxStages> kAccelerationKeys = {
-    "integrator.k1", "integrator.k2", "integrator.k3", "integrator.k4",
-    "integrator.k5", "integrator.k6", "integrator.k7"};
+    "integrator.k1",  "integrator.k2",  "integrator.k3", "integrator.k4", "integrator.k5",
+    "integrator.k6",  "integrator.k7",  "integrator.k8", "integrator.k9", "integrator.k10",
+    "integrator.k11", "integrator.k12", "integrator.k13"};
 constexpr std::array<std::string_view, Tableau::kMaxStages> kRateKeys = {
-    "integrator.r1", "integrator.r2", "integrator.r3", "integrator.r4",
-    "integrator.r5", "integrator.r6", "integrator.r7"};
+    "integrator.r1",  "integrator.r2",  "integrator.r3", "integrator.r4", "integrator.r5",
+    "integrator.r6",  "integrator.r7",  "integrator.r8", "integrator.r9", "integrator.r10",
+    "integrator.r11", "integrator.r12", "integrator.r13"};
 }  // namespace
 
 RungeKutta::RungeKutta(const Tableau& tableau, Motion& motion)

@@ -1,4 +1,5 @@
-// Explicit Runge-Kutta methods as data. For dx/dt = G(x) v, dv/dt = a(x, v, t) with stages
+// Steps of explicit Runge-Kutta methods (tableau.h) on force fields. For dx/dt = G(x) v, dv/dt = a(x, v, t)
+// with stages
 //   X_i = x + h sum_j a_ij G(X_j) V_j,  V_i = v + h sum_j a_ij K_j,  K_i = a(X_i, V_i, t + c_i h).
 // Where G is the identity, inserting V_j into X_i leaves only the K_j (Nystrom's form of the same method;
 // Hairer, Norsett, Wanner 1993, "Solving ordinary differential equations I", eqs. II.14.2 to II.14.4):
@@ -9,19 +10,9 @@
 
 #include "engine/integrators/combine.h"
 #include "engine/integrators/motion.h"
+#include "engine/integrators/tableau.h"
 
 namespace truestep {
-
-struct Tableau {
-  static constexpr size_t kMaxStages = 7;
-  using Weights = std::array<double, kMaxStages>;
-  size_t stages = 1;
-  std::array<Weights, kMaxStages> a{};
-  Weights b{}, c{};
-};
-
-/// The tableaus of the named methods.
-extern const Tableau kEulerTableau, kMidpointTableau, kHeunTableau, kRk4Tableau, kDopri5Tableau;
 
 /// Evaluates stages [first, stages) of a step of length h from (x, v) at time t, leaving the K_i (and the
 /// rates G(X_i) V_i where G is not the identity) in the workspace; then writes x + h sum b_i ... to (x_out,

@@ -1,14 +1,13 @@
 // Compositions of drifts (x moves with constant v) and kicks (v changes at constant x), symplectic for
-// forces that depend on position only.
+// forces that depend on position only (splitting.h).
 //   velocity_verlet  kick h/2, drift h, kick h/2          leapfrog  drift h/2, kick h, drift h/2
-//   yoshida4         leapfrog over w1 h, w0 h, w1 h with w1 = 1 / (2 - 2^(1/3)), w0 = 1 - 2 w1
-// Swope et al. 1982 (velocity Verlet); Hairer, Lubich, Wanner 2006, section I.1.4; Yoshida 1990,
-// "Construction of higher order symplectic integrators", eq. 2.13.
+// Swope et al. 1982 (velocity Verlet); Hairer, Lubich, Wanner 2006, section I.1.4.
 // Where the acceleration depends on velocity, a kick first predicts the velocity it is evaluated at, which
-// keeps order 2; a composition of three such leapfrogs still cancels the h^3 error but, no longer being its
-// own adjoint, not the h^4 error: order 3.
+// keeps order 2; a composition of such leapfrogs still cancels the h^3 error but, these no longer being their
+// own adjoints, not the h^4 error: order 3.
 // The last evaluation of velocity_verlet is the next step's first, unless a command or a collision changed
 // anything in between: last_force.h keeps it as long as every bit that it depends on stays the same.
+#include "engine/integrators/splitting.h"
 #include "engine/integrators/last_force.h"
 #include "engine/integrators/methods.h"
 #include "engine/integrators/motion.h"
@@ -43,31 +42,42 @@ void drift(Motion& m, double t, double h) {
   m.loop(n, [=](size_t i) { x[i] += w * (k1[i] + 2 * (k2[i] + k3[i]) + k4[i]); });
 }
 
-// Drift h/2, kick h, drift h/2.
-void drift_kick_drift(Motion& m, double t, double h) {
+// v changes by h times the acceleration at (x, v + h/2 a): a itself where it does not depend on velocity.
+// With plain rates the drift that follows shares the pass.
+void kick_then_drift(Motion& m, double t, double h, double drift_h) {
   const size_t n = m.v.size();
   const auto a = m.scratch("integrator.k1", n);
   const double* pa = a.data();
-  const double half = 0.5 * h;
-  drift(m, t, half);
-  m.acceleration(t + half, m.x, m.v, a);
+  m.acceleration(t, m.x, m.v, a);
   if (m.field.dependence() == Dependence::position_and_velocity) {
     const auto predicted = m.scratch("integrator.v", n);
     double* p = predicted.data();
     const double* v = m.v.data();
+    const double half = 0.5 * h;
     m.loop(n, [=](size_t i) { p[i] = v[i] + half * pa[i]; });
-    m.acceleration(t + half, m.x, predicted, a);
+    m.acceleration(t, m.x, predicted, a);
   }
   double *x = m.x.data(), *v = m.v.data();
   if (m.plain_rate()) {
     m.loop(n, [=](size_t i) {
       v[i] += h * pa[i];
-      x[i] += half * v[i];
+      x[i] += drift_h * v[i];
     });
   } else {
     m.loop(n, [=](size_t i) { v[i] += h * pa[i]; });
-    drift(m, t + half, half);
+    drift(m, t, drift_h);
   }
+}
+
+void step_splitting(const Splitting& s, const ForceField& field, State& state, const StepInput& in) {
+  Motion m(field, state, in);
+  double place = s.drift[0];  // of x in the step
+  drift(m, in.t, s.drift[0] * in.h);
+  for (size_t i = 0; i < s.kicks; ++i) {
+    kick_then_drift(m, in.t + place * in.h, s.kick[i] * in.h, s.drift[i + 1] * in.h);
+    place += s.drift[i + 1];
+  }
+  m.project();
 }
 
 }  // namespace
@@ -105,19 +115,23 @@ void step_velocity_verlet(const ForceField& field, State& state, const StepInput
   last.keep(m, t_end);
 }
 
-void step_leapfrog(const ForceField& field, State& state, const StepInput& in, const IntegratorOptions&) {
-  Motion m(field, state, in);
-  drift_kick_drift(m, in.t, in.h);
-  m.project();
+void step_leapfrog(const ForceField& f, State& s, const StepInput& in, const IntegratorOptions&) {
+  step_splitting(kLeapfrog, f, s, in);
 }
-
-void step_yoshida4(const ForceField& field, State& state, const StepInput& in, const IntegratorOptions&) {
-  constexpr double kW1 = 1.35120719195965763404768780897, kW0 = -1.70241438391931526809537561794;
-  Motion m(field, state, in);
-  drift_kick_drift(m, in.t, kW1 * in.h);
-  drift_kick_drift(m, in.t + kW1 * in.h, kW0 * in.h);
-  drift_kick_drift(m, in.t + (kW1 + kW0) * in.h, kW1 * in.h);
-  m.project();
+void step_yoshida4(const ForceField& f, State& s, const StepInput& in, const IntegratorOptions&) {
+  step_splitting(kYoshida4, f, s, in);
+}
+void step_yoshida6(const ForceField& f, State& s, const StepInput& in, const IntegratorOptions&) {
+  step_splitting(kYoshida6, f, s, in);
+}
+void step_yoshida8(const ForceField& f, State& s, const StepInput& in, const IntegratorOptions&) {
+  step_splitting(kYoshida8, f, s, in);
+}
+void step_kahan_li8(const ForceField& f, State& s, const StepInput& in, const IntegratorOptions&) {
+  step_splitting(kKahanLi8, f, s, in);
+}
+void step_pefrl(const ForceField& f, State& s, const StepInput& in, const IntegratorOptions&) {
+  step_splitting(kPefrl, f, s, in);
 }
 
 }  // namespace truestep

@@ -40,7 +40,7 @@ std::optional<std::string> refuses_general_rates(const ForceField& field) {
   const ThreadArena serial(1);
   const StepInput in{.workspace = workspace, .arena = serial};
   if (Motion(field, state, in).plain_rate()) return std::nullopt;
-  return "differences of positions are no velocities here (orientations); velocity_verlet does the same job";
+  return "positions are no integrals of velocities here (orientations); velocity_verlet serves them";
 }
 
 void prepare_verlet(const ForceField&, State& s) {

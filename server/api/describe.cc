@@ -28,7 +28,9 @@ json::array describe_issues(const std::vector<Issue>& issues) {
 }
 
 json::object describe_integrator(const Integrator& m) {
-  const auto limit = [](double v) { return std::isinf(v) ? json::value("unlimited") : json::value(v); };
+  const auto limit = [](double v) {
+    return std::isnan(v) ? json::value(nullptr) : std::isinf(v) ? json::value("unlimited") : json::value(v);
+  };
   return {{"name", m.name},
           {"title", m.title},
           {"order", m.order},

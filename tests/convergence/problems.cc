@@ -2,6 +2,7 @@
 #include "tests/convergence/problems.h"
 
 #include <algorithm>
+#include <utility>
 
 #include "engine/math/vec3.h"
 #include "engine/systems/oscillator/oscillator.h"
@@ -127,7 +128,7 @@ Problem free_body() {
   for (int n = 0; n < steps; ++n) {
     std::vector<std::vector<double>> row;
     const int counts[] = {2, 4, 6, 8};
-    for (int k = 0; k < 4; ++k) {
+    for (int k = 0; k < 3; ++k) {
       const double sub = h / counts[k];
       auto before = y, now = combine(y, sub, f(y));
       for (int i = 1; i < counts[k]; ++i) {
@@ -178,12 +179,41 @@ double observed_order(const std::function<double(size_t steps)>& error, size_t f
   for (size_t k = 0, n = first; k < doublings; ++k) {
     const double fine = error(n *= 2);
     if (fine < 1e-12) break;
-    const double last = slope;
-    slope = std::log2(coarse / fine);
+    const double last = std::exchange(slope, std::log2(coarse / fine));
     order = k == 0 ? slope : 2 * slope - last;
     coarse = fine;
   }
   return order;
+}
+
+double fitted_order(const std::function<double(size_t)>& error) {
+  // Normal equations of the three unknowns, summed over the step counts that count.
+  double a[3][4] = {};
+  size_t points = 0;
+  for (size_t n = 6; n < 3000; n += n / 16 + 1) {
+    const double e = error(n);
+    if (e > 1e-7 || std::isnan(e)) continue;
+    if (e < 1e-12) break;
+    const double h = 1.0 / double(n), row[4] = {1, std::log(h), h, std::log(e)};
+    for (int i = 0; i < 3; ++i) {
+      for (int j = 0; j < 4; ++j) a[i][j] += row[i] * row[j];
+    }
+    ++points;
+  }
+  if (points < 5) return 0;
+  for (int k = 0; k < 3; ++k) {
+    int pivot = k;
+    for (int i = k; i < 3; ++i) {
+      if (std::abs(a[i][k]) > std::abs(a[pivot][k])) pivot = i;
+    }
+    std::swap(a[k], a[pivot]);
+    for (int i = 0; i < 3; ++i) {
+      if (i == k) continue;
+      const double f = a[i][k] / a[k][k];
+      for (int j = k; j < 4; ++j) a[i][j] -= f * a[k][j];
+    }
+  }
+  return a[1][3] / a[1][1];
 }
 
 }  // namespace truestep::test

@@ -45,7 +45,7 @@ TEST(Allocation, NoStepAfterTheFirstAllocates) {
   for (const Integrator& m : integrators()) {
     MassSpringDef d;
     d.cloth_grid.emplace();
-    d.mass = 1e-3, d.stiffness = 50, d.internal_damping = 1e-3;
+    d.mass = 1e-3, d.stiffness = 50, d.internal_damping = m.order_with_velocity > 0 ? 1e-3 : 0;
     d.pins = {0};
     d.integrator = m.name;
     d.tolerance = 1e-5;

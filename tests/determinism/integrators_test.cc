@@ -39,7 +39,9 @@ constexpr uint64_t kSteps = 6;
 class Bits : public testing::TestWithParam<std::string> {};
 
 TEST_P(Bits, DoNotDependOnHowTheRunIsMade) {
-  const auto system = cloth(GetParam());
+  // Damping makes the force depend on velocity, which some methods refuse.
+  const bool damped = find_integrator(GetParam())->order_with_velocity > 0;
+  const auto system = cloth(GetParam(), damped ? 1e-3 : 0);
   Stepper one(*system, 1);
   State reference = system->initial_state();
   std::vector<std::byte> snapshot;

@@ -1,0 +1,32 @@
+// The `advance` column of the explicit Runge-Kutta rows. Step laws: the pairs' own codes where these exist
+// (DOPRI5 and DOP853: Hairer, Norsett, Wanner 1993, appendix; proportional-integral control with beta 0.04
+// for order 5, none for order 8, whose error estimate is smooth enough).
+#include "engine/integrators/explicit_pair.h"
+#include "engine/integrators/methods.h"
+
+namespace truestep {
+
+void advance_euler(Advance& in) {
+  advance_fixed<kEulerTableau>(in);
+}
+void advance_midpoint(Advance& in) {
+  advance_fixed<kMidpointTableau>(in);
+}
+void advance_heun(Advance& in) {
+  advance_fixed<kHeunTableau>(in);
+}
+void advance_rk4(Advance& in) {
+  advance_fixed<kRk4Tableau>(in);
+}
+void advance_step_doubling(Advance& in) {
+  ExplicitPair<kStepDoublingTableau, 0, Sums::plain> pair(in);
+  drive(in, pair, {.q = 5, .beta = 0});
+}
+void advance_bs32(Advance& in) {
+  advance_pair<kBs32Tableau>(in, {.q = 3});
+}
+void advance_rkf45(Advance& in) {
+  advance_pair<kRkf45Tableau>(in, {.q = 5});
+}
+
+}  // namespace truestep

@@ -1,0 +1,84 @@
+// Arrays of a first-order integration: `Count` of them, each as long as the system. Small systems (N
+// equations known at compile time) keep them in the object itself, padded with zeros to whole vectors, so
+// that loops unroll; for N = 0 they lie in the workspace.
+#pragma once
+#include <algorithm>
+#include <array>
+#include <string_view>
+#include <utility>
+
+#include "engine/integrators/advance.h"
+
+namespace truestep {
+
+template <size_t N, size_t Count>
+class Arrays {
+ public:
+  /// Elements that loops run over.
+  static constexpr size_t kWidth = N <= 2 ? N : (N + 3) / 4 * 4;
+  Arrays(Workspace&, std::string_view, size_t) {}
+  double* operator[](size_t i) { return data_[i].data(); }
+  const double* operator[](size_t i) const { return data_[i].data(); }
+  void exchange(size_t i, size_t j) { std::swap(data_[i], data_[j]); }
+  /// Array i receives what j holds.
+  void take(size_t i, size_t j) { data_[i] = data_[j]; }
+
+  /// body(i) for every element; iterations do not depend on each other.
+  template <class Body>
+  void loop(Body body) const {
+#pragma GCC ivdep
+    for (size_t i = 0; i < kWidth; ++i) body(i);
+  }
+  /// Sum of term(i) over the elements.
+  template <class Term>
+  double sum(Term term) const {
+    alignas(32) std::array<double, kWidth> terms;
+    for (size_t i = 0; i < kWidth; ++i) terms[i] = i < N ? term(i) : 0;
+    for (size_t half = kWidth; half > 1; half = (half + 1) / 2) {
+      for (size_t i = 0; i < half / 2; ++i) terms[i] += terms[half - 1 - i];
+    }
+    return terms[0];
+  }
+
+ private:
+  alignas(32) std::array<std::array<double, kWidth>, Count> data_{};
+};
+
+template <size_t Count>
+class Arrays<0, Count> {
+ public:
+  Arrays(Workspace& workspace, std::string_view key, size_t n) : n_(n) {
+    // Whole cache lines each, so that loops over different arrays are aligned alike.
+    const size_t stride = (n + 7) / 8 * 8;
+    double* data = workspace.doubles(key, stride * Count).data();
+    for (size_t i = 0; i < Count; ++i) data_[i] = data + i * stride;
+  }
+  double* operator[](size_t i) { return data_[i]; }
+  const double* operator[](size_t i) const { return data_[i]; }
+  void exchange(size_t i, size_t j) { std::swap(data_[i], data_[j]); }
+  void take(size_t i, size_t j) { exchange(i, j); }
+
+  template <class Body>
+  void loop(Body body) const {
+    const size_t n = n_;
+#pragma GCC ivdep
+    for (size_t i = 0; i < n; ++i) body(i);
+  }
+  /// Eight interleaved partial sums: the same on every machine.
+  template <class Term>
+  double sum(Term term) const {
+    alignas(32) std::array<double, 8> lanes{};
+    size_t i = 0;
+    for (; i + 8 <= n_; i += 8) {
+      for (size_t l = 0; l < 8; ++l) lanes[l] += term(i + l);
+    }
+    for (size_t l = 0; i < n_; ++i, ++l) lanes[l] += term(i);
+    return ((lanes[0] + lanes[4]) + (lanes[1] + lanes[5])) + ((lanes[2] + lanes[6]) + (lanes[3] + lanes[7]));
+  }
+
+ private:
+  size_t n_;
+  std::array<double*, Count> data_{};
+};
+
+}  // namespace truestep

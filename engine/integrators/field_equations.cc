@@ -1,0 +1,62 @@
+#include "engine/integrators/field_equations.h"
+
+#include <algorithm>
+
+#include "engine/base/errors.h"
+
+namespace truestep {
+
+void FieldEquations::rate(double t, const double* y, double* dydt) const {
+  const size_t nx = motion_.x.size(), nv = motion_.v.size();
+  const std::span<const double> x{y, nx}, v{y + nx, nv};
+  const auto moved = motion_.rate(t, x, v, {dydt, nx});
+  if (moved.data() != dydt) std::copy(moved.begin(), moved.end(), dydt);
+  motion_.acceleration(t, x, v, {dydt + nx, nv});
+}
+
+void FieldEquations::acceleration(double t, const double* x, const double* v, double* a) const {
+  const size_t n = motion_.v.size();
+  // A field that does not depend on velocity is still handed one.
+  motion_.acceleration(t, {x, n}, {v ? v : motion_.v.data(), n}, {a, n});
+}
+
+void step_equations(AdvanceFunction* method, const ForceField& field, State& state, const StepInput& in,
+                    const IntegratorOptions& options) {
+  Motion m(field, state, in);
+  const FieldEquations f(m);
+  const size_t nx = m.x.size(), nv = m.v.size();
+  const auto y = m.scratch("integrator.y", nx + nv);
+  std::copy(m.x.begin(), m.x.end(), y.begin());
+  std::copy(m.v.begin(), m.v.end(), y.begin() + static_cast<std::ptrdiff_t>(nx));
+  const auto step = state.find("integrator.internal_step"), error = state.find("integrator.last_error");
+  Carry carry;
+  if (step) carry.step = state.f64(*step)[0];
+  if (error) carry.last_error = state.f64(*error)[0];
+  if (!(carry.step > 0)) carry.step = in.h;
+  Advance advance{.f = f,
+                  .t = in.t,
+                  .t_end = in.t + in.h,
+                  .y = y.data(),
+                  .workspace = in.workspace,
+                  .carry = carry,
+                  .tolerance = tolerance_of(options),
+                  .newton_tolerance = options.newton_tolerance};
+  try {
+    method(advance);
+  } catch (const Instability& e) {
+    // The component's own column and row.
+    if (e.index < 0) throw;
+    const auto i = static_cast<size_t>(e.index);
+    const bool moving = i >= nx;
+    const char* name = moving ? "velocity" : "position";
+    throw Instability(
+        "", name, static_cast<long long>((moving ? i - nx : i) / state.info(state.at(name)).width), e.what());
+  }
+  std::copy_n(y.begin(), nx, m.x.begin());
+  std::copy_n(y.begin() + static_cast<std::ptrdiff_t>(nx), nv, m.v.begin());
+  m.project();
+  if (step) state.f64(*step)[0] = std::min(carry.step, in.h);
+  if (error) state.f64(*error)[0] = carry.last_error;
+}
+
+}  // namespace truestep

@@ -1,0 +1,46 @@
+// A force field as first-order equations, y = (x, v) with the rest of the state as it stands: how methods
+// that only know right-hand sides serve force systems. Where dx/dt is v itself it is an equation of second
+// order.
+#pragma once
+#include "engine/integrators/advance.h"
+#include "engine/integrators/motion.h"
+
+namespace truestep {
+
+class FieldEquations final : public RightHandSide, public SecondOrder {
+ public:
+  /// Both must outlive this.
+  explicit FieldEquations(Motion& motion) : motion_(motion), plain_(motion.plain_rate()) {}
+
+  size_t size() const override { return motion_.x.size() + motion_.v.size(); }
+  void rate(double t, const double* y, double* dydt) const override;
+  const SecondOrder* second_order() const override { return plain_ ? this : nullptr; }
+
+  void acceleration(double t, const double* x, const double* v, double* a) const override;
+  bool depends_on_velocity() const override {
+    return motion_.field.dependence() == Dependence::position_and_velocity;
+  }
+
+ private:
+  Motion& motion_;
+  bool plain_;
+};
+
+/// The tolerances that options stand for.
+inline Tolerance tolerance_of(const IntegratorOptions& options) {
+  return {.relative = options.relative_tolerance.value_or(0),
+          .absolute = options.absolute_tolerance.value_or(options.tolerance)};
+}
+
+/// Advances a force field's state by one session step with `method`, in as many internal steps as it wants
+/// (one, for fixed-step methods). The carry lives in the columns of prepare_adaptive where these exist.
+void step_equations(AdvanceFunction* method, const ForceField& field, State& state, const StepInput& in,
+                    const IntegratorOptions& options);
+
+/// A step function made of an advance function.
+template <AdvanceFunction* method>
+void step_by(const ForceField& field, State& state, const StepInput& in, const IntegratorOptions& options) {
+  step_equations(method, field, state, in, options);
+}
+
+}  // namespace truestep
