@@ -230,7 +230,7 @@ std::span<const Integrator> integrators() {
       Integrator{.name = "rkn86",
                  .title = "Runge-Kutta-Nystroem pair of order 8 and 6",
                  .order = 8,
-                 .imaginary_limit = 3.16000000000000014211,
+                 .imaginary_limit = 3.14025416253900649749,
                  .real_limit = kNoPromise,
                  .stepping = Stepping::adaptive,
                  .equations = Integrator::Equations::without_velocity,
