@@ -13,13 +13,12 @@
 #include "engine/base/profile.h"
 #include "engine/core/command.h"
 #include "engine/core/observables.h"
+#include "engine/core/points.h"
 #include "engine/core/state.h"
 #include "engine/core/topology.h"
 #include "engine/core/workspace.h"
 
 namespace truestep {
-
-class ColliderSet;  // collision/: solids that other systems publish
 
 /// What a step is given. Time is step * h exactly, never an accumulated sum.
 struct StepInput {
@@ -28,8 +27,7 @@ struct StepInput {
   uint64_t step = 0;  ///< number of this (sub)step since the beginning, from 0
   Workspace& workspace;
   const ThreadArena& arena;
-  Profile* profile = nullptr;              ///< null: nobody asked where the time goes
-  const ColliderSet* colliders = nullptr;  ///< null: no other system publishes any
+  Profile* profile = nullptr;  ///< null: nobody asked where the time goes
 };
 
 /// A pass of a step, or one that this scene does not need, with the reason either way.
@@ -84,6 +82,11 @@ class System {
   /// Largest dt (s) that this system's method is known to hold in this state; nothing when unknown or
   /// unlimited.
   virtual std::optional<double> stable_dt(const State& state) const { return std::nullopt; }
+  /// Where couplings find the points of this system's states; nothing when it has none that they could move.
+  virtual std::optional<PointColumns> points() const { return std::nullopt; }
+  /// Solids that points of other systems collide with; corners are rows of `points`. Valid while the system
+  /// lives.
+  virtual PublishedSolids solids() const { return {}; }
   /// Upper bound of rows that "position" may reach (emitters grow).
   virtual size_t max_rows() const = 0;
 };

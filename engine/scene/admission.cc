@@ -14,13 +14,15 @@ std::string text(double v) {
 
 Cost estimate(const Scene& scene) {
   Cost sum;
-  for (const SceneSystem& s : scene.systems) {
-    const Cost c = s.row->cost(s.def.get());
+  const auto add = [&](const Cost& c) {
     sum.state_bytes += c.state_bytes;
     sum.workspace_bytes += c.workspace_bytes;
     sum.elements += c.elements;
     sum.seconds_per_step += c.seconds_per_step * static_cast<double>(scene.header.time.substeps);
-  }
+  };
+  std::vector<Cost> own;
+  for (const SceneSystem& s : scene.systems) add(own.emplace_back(s.row->cost(s.def.get())));
+  for (const SceneCoupling& c : scene.couplings) add(c.row->cost(c.def.get(), own[c.a], own[c.b]));
   return sum;
 }
 

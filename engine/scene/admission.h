@@ -12,7 +12,7 @@ struct AdmissionLimits {
   double seconds_per_step = 60;
 };
 
-/// Sum over the scene's systems, substeps included.
+/// Sum over the scene's systems and couplings, substeps included.
 Cost estimate(const Scene& scene);
 
 /// Error "too_large" with the estimate and the limit of everything that exceeds one.

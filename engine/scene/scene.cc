@@ -12,11 +12,12 @@ namespace json = boost::json;
 
 namespace {
 
-constexpr size_t kMaxSystems = 256;
+constexpr size_t kMaxSystems = 256, kMaxCouplings = 256;
 
-std::vector<std::string> type_names() {
+template <class Row>
+std::vector<std::string> type_names(std::span<const Row> rows) {
   std::vector<std::string> names;
-  for (const CatalogueRow& row : catalogue()) names.emplace_back(row.type);
+  for (const Row& row : rows) names.emplace_back(row.type);
   return names;
 }
 
@@ -33,44 +34,124 @@ bool good_id(std::string_view id) {
   });
 }
 
+// An object whose "type" names one of the rows; null and a fault otherwise.
+template <class Row>
+const Row* read_type(const json::value& v, const std::string& where, const std::string& noun,
+                     std::span<const Row> rows, std::vector<Issue>& errors) {
+  if (!v.is_object()) {
+    errors.push_back(
+        {where, "wrong_type", "a " + noun + " is an object", shorten(v), "an object with \"type\"", "", ""});
+    return nullptr;
+  }
+  const json::value* type = v.as_object().if_contains("type");
+  const std::vector<std::string> names = type_names(rows);
+  const std::string name = type && type->is_string() ? std::string(type->as_string().c_str()) : "";
+  for (const Row& row : rows) {
+    if (row.type == name) return &row;
+  }
+  errors.push_back({where + "/type", type ? "unknown_choice" : "missing",
+                    type ? "no " + noun + " has this type" : "\"type\" is required",
+                    type ? shorten(*type) : "", join(names), nearest_name(name, names), ""});
+  return nullptr;
+}
+
+// The object's "id", or `otherwise`; what is no id is a fault.
+std::string read_id(const json::object& o, const std::string& where, std::string otherwise,
+                    std::vector<Issue>& errors) {
+  const json::value* id = o.if_contains("id");
+  if (!id) return otherwise;
+  if (id->is_string() && good_id({id->as_string().data(), id->as_string().size()})) {
+    return id->as_string().c_str();
+  }
+  errors.push_back({where + "/id", "bad_id", "an id is 1 to 64 letters, digits, _ or -", shorten(*id),
+                    "[A-Za-z0-9_-]{1,64}", "", ""});
+  return otherwise;
+}
+
+void require_new_id(const Scene& scene, const std::string& id, const std::string& where,
+                    std::vector<Issue>& errors) {
+  const auto taken = [&](const auto& other) { return other.id == id; };
+  if (std::any_of(scene.systems.begin(), scene.systems.end(), taken)) {
+    errors.push_back(
+        {where + "/id", "duplicate_id", "another system has this id", '"' + id + '"', "", "", ""});
+  } else if (std::any_of(scene.couplings.begin(), scene.couplings.end(), taken)) {
+    errors.push_back(
+        {where + "/id", "duplicate_id", "another coupling has this id", '"' + id + '"', "", "", ""});
+  }
+}
+
 // "type" picks the row; then "id" and the row's own parameters.
 void read_system(const json::value& v, size_t index, Scene& scene, std::vector<Issue>& errors) {
   const std::string where = "/systems/" + std::to_string(index);
-  if (!v.is_object()) {
-    errors.push_back(
-        {where, "wrong_type", "a system is an object", shorten(v), "an object with \"type\"", "", ""});
-    return;
-  }
-  const json::object& o = v.as_object();
-  const json::value* type = o.if_contains("type");
-  const std::vector<std::string> names = type_names();
-  const std::string name = type && type->is_string() ? std::string(type->as_string().c_str()) : "";
-  const CatalogueRow* row = find_system_type(name);
-  if (!row) {
-    errors.push_back({where + "/type", type ? "unknown_choice" : "missing",
-                      type ? "no system has this type" : "\"type\" is required", type ? shorten(*type) : "",
-                      join(names), nearest_name(name, names), ""});
-    return;
-  }
-  SceneSystem system{std::string(row->type) + std::to_string(index), row, row->table->make()};
-  if (const json::value* id = o.if_contains("id")) {
-    const bool good = id->is_string() && good_id({id->as_string().data(), id->as_string().size()});
-    if (good) {
-      system.id = id->as_string().c_str();
-    } else {
-      errors.push_back({where + "/id", "bad_id", "an id is 1 to 64 letters, digits, _ or -", shorten(*id),
-                        "[A-Za-z0-9_-]{1,64}", "", ""});
-    }
-  }
-  for (const SceneSystem& other : scene.systems) {
-    if (other.id == system.id) {
-      errors.push_back(
-          {where + "/id", "duplicate_id", "another system has this id", '"' + system.id + '"', "", "", ""});
-    }
-  }
+  const CatalogueRow* row = read_type(v, where, "system", catalogue(), errors);
+  if (!row) return;
+  SceneSystem system{read_id(v.as_object(), where, std::string(row->type) + std::to_string(index), errors),
+                     row, row->table->make()};
+  require_new_id(scene, system.id, where, errors);
   constexpr std::string_view kOwn[] = {"type", "id"};
-  read_params(*row->table, system.def.get(), o, where, kOwn, errors);
+  read_params(*row->table, system.def.get(), v.as_object(), where, kOwn, errors);
   scene.systems.push_back(std::move(system));
+}
+
+// Index of the system that a coupling's "a" or "b" names.
+size_t read_side(const json::object& o, std::string_view member, const std::string& where, const Scene& scene,
+                 std::vector<Issue>& errors) {
+  std::vector<std::string> ids;
+  for (const SceneSystem& s : scene.systems) ids.push_back(s.id);
+  const json::value* v = o.if_contains(member);
+  const std::string id = v && v->is_string() ? std::string(v->as_string().c_str()) : "";
+  const auto at = std::find(ids.begin(), ids.end(), id);
+  if (at == ids.end()) {
+    const std::string name(member);
+    errors.push_back({where + "/" + name, v ? "unknown_system" : "missing",
+                      v ? "no system has this id" : "\"" + name + "\" is required: id of a system",
+                      v ? shorten(*v) : "", join(ids), nearest_name(id, ids), ""});
+  }
+  return static_cast<size_t>(at - ids.begin());
+}
+
+void read_coupling(const json::value& v, size_t index, Scene& scene, std::vector<Issue>& errors) {
+  const std::string where = "/couplings/" + std::to_string(index);
+  const CouplingRow* row = read_type(v, where, "coupling", coupling_catalogue(), errors);
+  if (!row) return;
+  const json::object& o = v.as_object();
+  SceneCoupling c;
+  c.id = read_id(o, where, std::string(row->type) + std::to_string(index), errors);
+  require_new_id(scene, c.id, where, errors);
+  c.a = read_side(o, "a", where, scene, errors);
+  c.b = read_side(o, "b", where, scene, errors);
+  c.row = row;
+  c.def = row->table->make();
+  constexpr std::string_view kOwn[] = {"type", "id", "a", "b"};
+  read_params(*row->table, c.def.get(), o, where, kOwn, errors);
+  scene.couplings.push_back(std::move(c));
+}
+
+void read_couplings(const json::value& v, Scene& scene, std::vector<Issue>& errors) {
+  if (!v.is_array() || v.as_array().size() > kMaxCouplings) {
+    errors.push_back({"/couplings", v.is_array() ? "too_many" : "wrong_type",
+                      "couplings are an array of at most 256 objects", shorten(v),
+                      "an array of at most 256 objects", "", ""});
+    return;
+  }
+  for (size_t i = 0; i < v.as_array().size(); ++i) read_coupling(v.as_array()[i], i, scene, errors);
+}
+
+// Schema of one system or coupling: its type and what every row has, then the row's parameters.
+json::object typed_schema(std::string_view type, std::string_view sentence, const DefTable& table,
+                          json::object properties, std::vector<std::string_view> required) {
+  json::object s = schema_of(table);
+  for (auto& [key, value] : s["properties"].as_object()) properties[key] = std::move(value);
+  properties["type"] = json::object{{"const", type}};
+  properties["id"] = json::object{{"type", "string"}, {"pattern", "^[A-Za-z0-9_-]{1,64}$"}};
+  s["properties"] = std::move(properties);
+  s["description"] = sentence;
+  json::array all(required.begin(), required.end());
+  if (const json::value* own = s.if_contains("required")) {
+    all.insert(all.end(), own->as_array().begin(), own->as_array().end());
+  }
+  s["required"] = std::move(all);
+  return s;
 }
 
 // References from the header to systems.
@@ -113,6 +194,14 @@ json::object Scene::canonical() const {
     list.push_back(std::move(entry));
   }
   o["systems"] = std::move(list);
+  if (couplings.empty()) return o;
+  json::array joined;
+  for (const SceneCoupling& c : couplings) {
+    json::object entry{{"type", c.row->type}, {"id", c.id}, {"a", systems[c.a].id}, {"b", systems[c.b].id}};
+    for (auto& [key, value] : write_params(*c.row->table, c.def.get())) entry[key] = std::move(value);
+    joined.push_back(std::move(entry));
+  }
+  o["couplings"] = std::move(joined);
   return o;
 }
 
@@ -125,7 +214,7 @@ SceneReport read_scene(const json::value& document) {
   }
   const json::object& o = document.as_object();
   Scene scene;
-  constexpr std::string_view kOwn[] = {"systems"};
+  constexpr std::string_view kOwn[] = {"systems", "couplings"};
   read_params(scene_table(), &scene.header, o, "", kOwn, report.errors);
   const json::value* systems = o.if_contains("systems");
   if (!systems || !systems->is_array() || systems->as_array().empty() ||
@@ -135,6 +224,9 @@ SceneReport read_scene(const json::value& document) {
   } else {
     for (size_t i = 0; i < systems->as_array().size(); ++i)
       read_system(systems->as_array()[i], i, scene, report.errors);
+    if (const json::value* couplings = o.if_contains("couplings")) {
+      read_couplings(*couplings, scene, report.errors);
+    }
     if (report.errors.empty()) check_references(scene, report.errors);
   }
   if (scene.header.expect.empty() && !scene.header.teaches.empty()) {
@@ -160,23 +252,25 @@ Scene parse_scene(std::string_view text) {
 
 json::object scene_schema() {
   json::object schema = schema_of(scene_table());
-  json::array systems;
+  json::array systems, couplings;
   for (const CatalogueRow& row : catalogue()) {
-    json::object s = schema_of(*row.table);
-    json::object properties{{"type", json::object{{"const", row.type}}},
-                            {"id", json::object{{"type", "string"}, {"pattern", "^[A-Za-z0-9_-]{1,64}$"}}}};
-    for (auto& [key, value] : s["properties"].as_object()) properties[key] = std::move(value);
-    s["properties"] = std::move(properties);
-    s["description"] = row.sentence;
-    if (!s.contains("required")) s["required"] = json::array{};
-    s["required"].as_array().insert(s["required"].as_array().begin(), json::value("type"));
-    systems.push_back(std::move(s));
+    systems.push_back(typed_schema(row.type, row.sentence, *row.table, {}, {"type"}));
+  }
+  const json::object side{{"type", "string"}, {"description", "id of a system"}};
+  for (const CouplingRow& row : coupling_catalogue()) {
+    couplings.push_back(
+        typed_schema(row.type, row.sentence, *row.table, {{"a", side}, {"b", side}}, {"type", "a", "b"}));
   }
   json::object array{{"type", "array"},
                      {"minItems", 1},
                      {"maxItems", kMaxSystems},
                      {"items", json::object{{"oneOf", std::move(systems)}}}};
   schema["properties"].as_object()["systems"] = std::move(array);
+  schema["properties"].as_object()["couplings"] =
+      json::object{{"type", "array"},
+                   {"description", "what systems do to each other"},
+                   {"maxItems", kMaxCouplings},
+                   {"items", json::object{{"oneOf", std::move(couplings)}}}};
   if (!schema.contains("required")) schema["required"] = json::array{};
   schema["required"].as_array().emplace_back("systems");
   json::object out{{"$schema", "https://json-schema.org/draft/2020-12/schema"},

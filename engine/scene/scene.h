@@ -16,6 +16,7 @@
 #include "engine/base/errors.h"
 #include "engine/core/build.h"
 #include "engine/scene/catalogue.h"
+#include "engine/scene/coupling_catalogue.h"
 
 namespace truestep {
 
@@ -71,7 +72,7 @@ struct SceneHeader {
   std::vector<ExpectParams> expect;
 };
 
-/// The table of the header (everything but "systems").
+/// The table of the header (everything but "systems" and "couplings").
 const DefTable& scene_table();
 
 struct SceneSystem {
@@ -80,9 +81,17 @@ struct SceneSystem {
   std::shared_ptr<void> def;  ///< the struct that row->table describes
 };
 
+struct SceneCoupling {
+  std::string id;
+  size_t a = 0, b = 0;  ///< indices of the systems
+  const CouplingRow* row = nullptr;
+  std::shared_ptr<void> def;
+};
+
 struct Scene {
   SceneHeader header;
   std::vector<SceneSystem> systems;
+  std::vector<SceneCoupling> couplings;
 
   /// h = dt / substeps
   double substep() const { return header.time.dt / static_cast<double>(header.time.substeps); }

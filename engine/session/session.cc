@@ -17,7 +17,7 @@ Session::Session(std::shared_ptr<const World> world, std::shared_ptr<const Threa
       state_(world_->initial_state()),
       history_(options.history_bytes),
       series_(world_->scene().header.observables) {
-  if (options_.profiling == SessionOptions::Profiling::on) profiles_.resize(world_->size());
+  if (options_.profiling == SessionOptions::Profiling::on) profiles_.resize(world_->profiled());
   record_series();
 }
 
@@ -172,13 +172,15 @@ void Session::reset() {
 
 void Session::restore(WorldState state) {
   const WorldState fresh = world_->initial_state();
-  bool fits = state.systems.size() == fresh.systems.size();
-  for (size_t i = 0; fits && i < fresh.systems.size(); ++i) {
-    fits = state.systems[i].columns() == fresh.systems[i].columns();
-    for (State::Column c = 0; fits && c < fresh.systems[i].columns(); ++c) {
-      fits = state.systems[i].info(c) == fresh.systems[i].info(c);
+  const auto same_shape = [](const std::vector<State>& a, const std::vector<State>& b) {
+    bool fits = a.size() == b.size();
+    for (size_t i = 0; fits && i < b.size(); ++i) {
+      fits = a[i].columns() == b[i].columns();
+      for (State::Column c = 0; fits && c < b[i].columns(); ++c) fits = a[i].info(c) == b[i].info(c);
     }
-  }
+    return fits;
+  };
+  const bool fits = same_shape(state.systems, fresh.systems) && same_shape(state.couplings, fresh.couplings);
   if (!fits) throw Error("bad_snapshot", "the snapshot belongs to another scene");
   origin_ = state;
   load(std::move(state));

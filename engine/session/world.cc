@@ -11,6 +11,7 @@ uint64_t WorldState::hash() const {
   h.integer(step);
   h.integer(systems.size());
   for (const State& s : systems) s.hash(h);
+  for (const State& s : couplings) s.hash(h);
   return h.value();
 }
 
@@ -20,14 +21,17 @@ std::vector<std::byte> WorldState::serialize() const {
     const auto* b = static_cast<const std::byte*>(p);
     out.insert(out.end(), b, b + n);
   };
-  const uint64_t count = systems.size();
+  // Systems in the lower half of the count, couplings in the upper.
+  const uint64_t count = systems.size() | uint64_t{couplings.size()} << 32;
   put(&step, 8);
   put(&count, 8);
-  for (const State& s : systems) {
-    const auto bytes = s.serialize();
-    const uint64_t size = bytes.size();
-    put(&size, 8);
-    put(bytes.data(), bytes.size());
+  for (const auto* states : {&systems, &couplings}) {
+    for (const State& s : *states) {
+      const auto bytes = s.serialize();
+      const uint64_t size = bytes.size();
+      put(&size, 8);
+      put(bytes.data(), bytes.size());
+    }
   }
   return out;
 }
@@ -42,12 +46,14 @@ WorldState WorldState::deserialize(std::span<const std::byte> bytes) {
   };
   WorldState state;
   state.step = get();
-  const uint64_t count = get();
-  if (count > 256) throw Error("bad_snapshot", "the snapshot names too many systems");
-  for (uint64_t i = 0; i < count; ++i) {
+  const uint64_t count = get(), systems = count & 0xffffffff, couplings = count >> 32;
+  if (systems > 256 || couplings > 256) {
+    throw Error("bad_snapshot", "the snapshot names too many systems or couplings");
+  }
+  for (uint64_t i = 0; i < systems + couplings; ++i) {
     const uint64_t size = get();
     if (size > bytes.size()) throw Error("bad_snapshot", "the snapshot ends too early");
-    state.systems.push_back(State::deserialize(bytes.first(size)));
+    (i < systems ? state.systems : state.couplings).push_back(State::deserialize(bytes.first(size)));
     bytes = bytes.subspan(size);
   }
   if (!bytes.empty()) throw Error("bad_snapshot", "bytes follow the end of the snapshot");
@@ -57,29 +63,80 @@ WorldState WorldState::deserialize(std::span<const std::byte> bytes) {
 size_t WorldState::memory_bytes() const {
   size_t n = 0;
   for (const State& s : systems) n += s.memory_bytes();
+  for (const State& s : couplings) n += s.memory_bytes();
   return n;
 }
 
-World::World(Scene scene) : scene_(std::move(scene)) {
-  std::vector<Issue> issues;
-  std::string first;
-  for (size_t i = 0; i < scene_.systems.size(); ++i) {
-    const SceneSystem& s = scene_.systems[i];
-    try {
-      systems_.push_back(s.row->build(s.def.get(), scene_.context(i)));
-    } catch (const Error& e) {
-      if (e.code() != "scene_invalid") throw;
-      if (first.empty()) first = e.what();
-      for (Issue issue : e.issues()) {
-        issue.pointer = "/systems/" + std::to_string(i) + issue.pointer;
-        issues.push_back(std::move(issue));
-      }
+namespace {
+
+/// Runs `build`; what it refuses is collected with pointers below `where`.
+template <class Build>
+void collecting(std::vector<Issue>& issues, const std::string& where, Build build) {
+  try {
+    build();
+  } catch (const Error& e) {
+    if (e.code() != "scene_invalid") throw;
+    for (Issue issue : e.issues()) {
+      issue.pointer = where + issue.pointer;
+      issues.push_back(std::move(issue));
     }
   }
-  if (!issues.empty()) throw Error("scene_invalid", first, std::move(issues));
-  for (size_t i = 0; i < systems_.size(); ++i) {
-    for (PlanRow& row : systems_[i]->plan()) plan_.push_back({id(i), std::move(row)});
+}
+
+}  // namespace
+
+World::World(Scene scene) : scene_(std::move(scene)) {
+  std::vector<Issue> issues;
+  for (size_t i = 0; i < scene_.systems.size(); ++i) {
+    const SceneSystem& s = scene_.systems[i];
+    collecting(issues, "/systems/" + std::to_string(i),
+               [&] { systems_.push_back(s.row->build(s.def.get(), scene_.context(i))); });
   }
+  // Couplings look at their sides, which must all be there.
+  if (issues.empty() && !scene_.couplings.empty()) build_couplings(issues);
+  if (!issues.empty()) {
+    const std::string first = issues[0].message;
+    throw Error("scene_invalid", first, std::move(issues));
+  }
+  list_plan();
+}
+
+void World::build_couplings(std::vector<Issue>& issues) {
+  std::vector<CouplingSide> sides;
+  for (size_t i = 0; i < size(); ++i) sides.push_back({id(i), *systems_[i], systems_[i]->initial_state()});
+  for (size_t k = 0; k < scene_.couplings.size(); ++k) {
+    const SceneCoupling& c = scene_.couplings[k];
+    collecting(issues, "/couplings/" + std::to_string(k), [&] {
+      couplings_.push_back(c.row->build(c.def.get(), {c.id, sides[c.a], sides[c.b]}));
+    });
+  }
+}
+
+void World::list_plan() {
+  for (size_t i = 0; i < size(); ++i) {
+    for (PlanRow& row : systems_[i]->plan()) plan_.push_back({id(i), std::move(row), i});
+  }
+  for (size_t k = 0; k < couplings_.size(); ++k) {
+    for (PlanRow& row : couplings_[k]->plan()) {
+      plan_.push_back({scene_.couplings[k].id, std::move(row), size() + k});
+    }
+  }
+  if (couplings_.empty()) {
+    plan_.push_back({"",
+                     {PlanRow::Status::skipped, "couplings",
+                      size() > 1 ? "none given: the systems do not meet" : "there is one system alone"},
+                     std::nullopt});
+  }
+}
+
+CoupledStates World::sides(WorldState& state, size_t k) const {
+  const SceneCoupling& c = scene_.couplings[k];
+  return {state.couplings[k], state.systems[c.a], state.systems[c.b]};
+}
+
+ConstCoupledStates World::sides(const WorldState& state, size_t k) const {
+  const SceneCoupling& c = scene_.couplings[k];
+  return {state.couplings[k], state.systems[c.a], state.systems[c.b]};
 }
 
 size_t World::index_of(std::string_view wanted) const {
@@ -96,6 +153,7 @@ size_t World::index_of(std::string_view wanted) const {
 WorldState World::initial_state() const {
   WorldState state;
   for (const auto& s : systems_) state.systems.push_back(s->initial_state());
+  for (const auto& c : couplings_) state.couplings.push_back(c->initial_state());
   return state;
 }
 
@@ -103,23 +161,34 @@ void World::step(WorldState& state, Workspace& workspace, const ThreadArena& are
                  std::span<Profile> profiles) const {
   const double h = scene_.substep();
   const auto substeps = static_cast<uint64_t>(scene_.header.time.substeps);
+  const auto named = [&](size_t i, auto&& body) {
+    try {
+      body();
+      if (const auto bad = state.systems[i].first_non_finite()) {
+        const std::string& column = state.systems[i].info(bad->column).name;
+        throw Instability(id(i), column, static_cast<long long>(bad->row), column + " became non-finite");
+      }
+    } catch (Instability& e) {
+      e.system = id(i);
+      e.step = static_cast<long long>(state.step);
+      throw;
+    }
+  };
   for (uint64_t k = 0; k < substeps; ++k) {
     const uint64_t n = state.step * substeps + k;
+    const auto input = [&](const std::string& name, size_t profile) -> StepInput {
+      return {static_cast<double>(n) * h,        h,     n,
+              workspace.object<Workspace>(name), arena, profiles.empty() ? nullptr : &profiles[profile]};
+    };
+    const auto coupling_input = [&](size_t c) { return input(scene_.couplings[c].id, size() + c); };
+    for (size_t c = 0; c < couplings_.size(); ++c) couplings_[c]->begin(sides(state, c), coupling_input(c));
     for (size_t i = 0; i < systems_.size(); ++i) {
-      Workspace& scratch = workspace.object<Workspace>(id(i));
-      try {
-        systems_[i]->step(state.systems[i], {static_cast<double>(n) * h, h, n, scratch, arena,
-                                             profiles.empty() ? nullptr : &profiles[i]});
-        if (const auto bad = state.systems[i].first_non_finite()) {
-          const std::string& column = state.systems[i].info(bad->column).name;
-          throw Instability(id(i), column, static_cast<long long>(bad->row), column + " became non-finite");
-        }
-      } catch (Instability& e) {
-        e.system = id(i);
-        e.step = static_cast<long long>(state.step);
-        throw;
-      }
+      named(i, [&] { systems_[i]->step(state.systems[i], input(id(i), i)); });
     }
+    for (size_t c = couplings_.size(); c-- > 0;) couplings_[c]->end(sides(state, c), coupling_input(c));
+  }
+  if (!couplings_.empty()) {
+    for (size_t i = 0; i < systems_.size(); ++i) named(i, [] {});
   }
   ++state.step;
 }
@@ -144,6 +213,16 @@ Observables World::observe(const WorldState& state) const {
       sums[k] += v.value_or(0);
     }
     for (const Observation& o : one.rows()) own.add(id(i) + "." + o.name, o.value, o.unit);
+  }
+  for (size_t k = 0; k < couplings_.size(); ++k) {
+    Observables one;
+    couplings_[k]->observe(sides(state, k), one);
+    // What a coupling stores belongs to the potential and to the total.
+    const double stored = one.find("energy.potential").value_or(0);
+    sums[1] += stored, sums[2] += stored;
+    for (const Observation& o : one.rows()) {
+      own.add(scene_.couplings[k].id + "." + o.name, o.value, o.unit);
+    }
   }
   // A sum that leaves out a system would mislead: it is given only when every system knows its part.
   for (size_t k = 0; k < 3; ++k) {
@@ -180,12 +259,13 @@ void World::observe_probe(const ProbeParams& probe, const WorldState& state, Obs
 
 std::optional<double> World::stable_dt(const WorldState& state) const {
   std::optional<double> dt;
-  for (size_t i = 0; i < systems_.size(); ++i) {
-    if (const auto one = systems_[i]->stable_dt(state.systems[i])) {
-      const double whole = *one * static_cast<double>(scene_.header.time.substeps);
-      dt = dt ? std::min(*dt, whole) : whole;
-    }
-  }
+  const auto bound = [&](std::optional<double> h) {
+    if (!h) return;
+    const double whole = *h * static_cast<double>(scene_.header.time.substeps);
+    dt = dt ? std::min(*dt, whole) : whole;
+  };
+  for (size_t i = 0; i < systems_.size(); ++i) bound(systems_[i]->stable_dt(state.systems[i]));
+  for (size_t k = 0; k < couplings_.size(); ++k) bound(couplings_[k]->stable_h(sides(state, k)));
   return dt;
 }
 

@@ -1,19 +1,21 @@
-// A world: the systems of a scene, their clock and the plan of a step. Immutable; the state travels outside.
-// Time is step * dt, and substep k of step n starts at (n * substeps + k) * h.
+// A world: the systems of a scene, what they do to each other, their clock and the plan of a step. Immutable;
+// the state travels outside. Time is step * dt, and substep k of step n starts at (n * substeps + k) * h.
 #pragma once
 #include <memory>
 #include <string>
 #include <vector>
 
+#include "engine/core/coupling.h"
 #include "engine/core/system.h"
 #include "engine/scene/scene.h"
 
 namespace truestep {
 
-/// The states of all systems at the end of step `step`.
+/// The states of all systems and couplings at the end of step `step`.
 struct WorldState {
   uint64_t step = 0;
   std::vector<State> systems;
+  std::vector<State> couplings;
 
   uint64_t hash() const;
   friend bool operator==(const WorldState&, const WorldState&) = default;
@@ -25,7 +27,8 @@ struct WorldState {
 
 class World {
  public:
-  /// Builds every system. Error "scene_invalid" with pointers below /systems/<i> when one refuses.
+  /// Builds every system and coupling. Error "scene_invalid" with pointers below /systems/<i> and
+  /// /couplings/<i> where one refuses.
   explicit World(Scene scene);
 
   const Scene& scene() const { return scene_; }
@@ -33,24 +36,30 @@ class World {
   size_t size() const { return systems_.size(); }
   const System& system(size_t i) const { return *systems_[i]; }
   const std::string& id(size_t i) const { return scene_.systems[i].id; }
+  const std::vector<std::unique_ptr<const Coupling>>& couplings() const { return couplings_; }
   /// Index of the system with this id; Error "unknown_system" naming those there are.
   size_t index_of(std::string_view id) const;
 
   WorldState initial_state() const;
-  /// One step: every substep of every system, then a check that all is finite (Instability if not; the
-  /// state is then unusable and the caller restores an older one).
-  /// `profiles` has one entry per system, or is empty when nobody asked where the time goes.
+  /// One step: every substep of every system between the two halves of every coupling (core/coupling.h), with
+  /// checks that all is finite (Instability if not; the state is then unusable and the caller restores an
+  /// older one). `profiles` has `profiled` entries, or is empty when nobody asked where the time goes.
   void step(WorldState& state, Workspace& workspace, const ThreadArena& arena,
             std::span<Profile> profiles) const;
   /// Carries out a command between two steps; Error "bad_command" or "unknown_system".
   void apply(WorldState& state, const Command& command) const;
 
-  /// Sums ("energy.total"), every system's own ("<id>.energy.total") and probes ("<probe>.position.x").
+  /// Sums ("energy.total"), every system's and coupling's own ("<id>.energy.total") and probes
+  /// ("<probe>.position.x").
   Observables observe(const WorldState& state) const;
 
+  /// Systems, then couplings: what has a profile of its own.
+  size_t profiled() const { return systems_.size() + couplings_.size(); }
+
   struct PlanEntry {
-    std::string system;
+    std::string system;  ///< id of a system or coupling; empty: of neither
     PlanRow row;
+    std::optional<size_t> profile;  ///< index among the `profiled`
   };
   /// Passes that a step runs, in order, and those it does not need, with the reasons.
   const std::vector<PlanEntry>& plan() const { return plan_; }
@@ -58,10 +67,15 @@ class World {
   std::optional<double> stable_dt(const WorldState& state) const;
 
  private:
+  void build_couplings(std::vector<Issue>& issues);
+  void list_plan();
+  CoupledStates sides(WorldState& state, size_t coupling) const;
+  ConstCoupledStates sides(const WorldState& state, size_t coupling) const;
   void observe_probe(const ProbeParams& probe, const WorldState& state, Observables& out) const;
 
   Scene scene_;
   std::vector<std::unique_ptr<const System>> systems_;
+  std::vector<std::unique_ptr<const Coupling>> couplings_;
   std::vector<PlanEntry> plan_;
 };
 

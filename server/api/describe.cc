@@ -99,8 +99,8 @@ json::array describe_plan(const World& world, std::span<const Profile> profiles)
                      {"pass", e.row.name},
                      {"runs", e.row.status == PlanRow::Status::runs},
                      {"reason", e.row.reason}};
-    if (!profiles.empty()) {
-      for (const Profile::Row& r : profiles[world.index_of(e.system)].rows()) {
+    if (!profiles.empty() && e.profile) {
+      for (const Profile::Row& r : profiles[*e.profile].rows()) {
         if (r.name != e.row.name) continue;
         row["seconds"] = r.seconds;
         row["calls"] = r.calls;

@@ -74,6 +74,26 @@ MassSpring::MassSpring(std::unique_ptr<const MassSpringField> field, const Integ
     topology_.line_kinds.push_back(line_kind(schedule.family[s]));
   }
   topology_.triangles = springs_.network().triangles;
+  if (topology_.triangles.empty()) publish_segments();
+}
+
+void MassSpring::publish_segments() {
+  std::vector<uint8_t> covered(springs_.masses().size());
+  for (const SpringLink& s : springs_.network().springs) {
+    if (s.family != SpringFamily::structural && s.family != SpringFamily::own) continue;
+    segments_.push_back({s.a, s.b});
+    covered[s.a] = covered[s.b] = 1;
+  }
+  for (uint32_t i = 0; i < covered.size(); ++i) {
+    if (!covered[i]) segments_.push_back({i, i});
+  }
+}
+
+std::optional<PointColumns> MassSpring::points() const {
+  return PointColumns{.position = Columns::position,
+                      .velocity = Columns::velocity,
+                      .inverse_mass = Columns::inverse_mass,
+                      .radius = radius_};
 }
 
 void MassSpring::add_contact_stage() {

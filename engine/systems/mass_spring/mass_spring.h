@@ -20,6 +20,10 @@ class MassSpring final : public ForceSystem {
   void apply(State& state, const Command& command) const override;
   Topology topology(const State& state) const override { return topology_; }
   std::vector<DrawnShape> shapes(const State& state, double t) const override { return colliders_.drawn(t); }
+  std::optional<PointColumns> points() const override;
+  /// The triangles of a cloth; otherwise a capsule along every structural spring and a ball at every point
+  /// without one.
+  PublishedSolids solids() const override { return {springs_.network().triangles, segments_}; }
 
   const MassSpringField& springs() const { return springs_; }
 
@@ -27,15 +31,16 @@ class MassSpring final : public ForceSystem {
   MassSpring(std::unique_ptr<const MassSpringField> field, const Integrator& method,
              const MassSpringDef& def);
   void add_contact_stage();
+  void publish_segments();
   double default_drag(const State& state, size_t row) const;
-  size_t checked_row(const State& state, const Command& command) const;
   void set_parameter(State& state, const Command& command) const;
 
   const MassSpringField& springs_;
   Topology topology_;
   ColliderSet colliders_;
-  std::vector<Surface> surfaces_;  // one per collider
-  double radius_;                  // m, distance kept from colliders
+  std::vector<Surface> surfaces_;                  // one per collider
+  double radius_;                                  // m, distance kept from colliders
+  std::vector<std::array<uint32_t, 2>> segments_;  // published where there are no triangles
 };
 
 std::unique_ptr<const System> build_mass_spring(const void* def, const BuildContext& context);

@@ -2,7 +2,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "engine/base/errors.h"
+#include "engine/core/command_checks.h"
 #include "engine/systems/mass_spring/mass_spring.h"
 
 namespace truestep {
@@ -10,15 +10,6 @@ namespace truestep {
 using Columns = MassSpringColumns;
 
 namespace {
-
-[[noreturn]] void refuse(const std::string& member, const std::string& code, const std::string& why,
-                         const std::string& allowed = "") {
-  throw Error("bad_command", why, {{"/" + member, code, why, "", allowed, "", ""}});
-}
-
-bool finite(const Vec3& v) {
-  return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
-}
 
 void add_push(State& s, size_t row, const Vec3& force, double duration) {
   const size_t k = s.rows(Columns::push_row);
@@ -56,43 +47,32 @@ void end_drag(State& s, std::optional<size_t> row) {
 
 }  // namespace
 
-size_t MassSpring::checked_row(const State& state, const Command& command) const {
-  const size_t n = state.rows(Columns::inverse_mass);
-  if (command.index < 0 || static_cast<size_t>(command.index) >= n) {
-    refuse("index", "out_of_range", "there is no point " + std::to_string(command.index),
-           "0 to " + std::to_string(n - 1));
-  }
-  return static_cast<size_t>(command.index);
-}
-
 void MassSpring::apply(State& s, const Command& c) const {
-  if (!finite(c.vector)) refuse("vector", "not_finite", "the vector must be finite");
-  if (!std::isfinite(c.value) || c.value < 0) refuse("value", "out_of_range", "the value must be at least 0");
-  if (!std::isfinite(c.duration) || c.duration < 0) {
-    refuse("duration", "out_of_range", "the duration must be at least 0");
-  }
+  check_command_numbers(c);
+  if (c.value < 0) refuse_command("value", "out_of_range", "the value must be at least 0");
+  const auto row = [&] { return checked_command_row(c, s.rows(Columns::inverse_mass), "point"); };
   const auto w = s.f64(Columns::inverse_mass);
   double* v = s.f64(Columns::velocity).data();
   switch (c.kind) {
     case CommandKind::push:
-      return add_push(s, checked_row(s, c), c.vector, c.duration);
+      return add_push(s, row(), c.vector, c.duration);
     case CommandKind::impulse: {
-      const size_t i = checked_row(s, c);
+      const size_t i = row();
       return store3(v, i, load3(v, i) + w[i] * c.vector);
     }
     case CommandKind::drag: {
-      const size_t i = checked_row(s, c);
+      const size_t i = row();
       return set_drag(s, i, c.vector, c.value > 0 ? c.value : default_drag(s, i));
     }
     case CommandKind::release:
-      return end_drag(s, c.index == -1 ? std::nullopt : std::optional(checked_row(s, c)));
+      return end_drag(s, c.index == -1 ? std::nullopt : std::optional(row()));
     case CommandKind::pin: {
-      const size_t i = checked_row(s, c);
+      const size_t i = row();
       w[i] = 0;
       return store3(v, i, Vec3{});
     }
     case CommandKind::unpin: {
-      const size_t i = checked_row(s, c);
+      const size_t i = row();
       w[i] = 1 / springs_.masses()[i];
       return;
     }
@@ -102,8 +82,8 @@ void MassSpring::apply(State& s, const Command& c) const {
     case CommandKind::remove:
       break;
   }
-  refuse("kind", "unsupported_command", "a network of springs keeps its points",
-         "push, impulse, drag, release, pin, unpin, set_parameter");
+  refuse_command("kind", "unsupported_command", "a network of springs keeps its points",
+                 "push, impulse, drag, release, pin, unpin, set_parameter");
 }
 
 double MassSpring::default_drag(const State& s, size_t row) const {
@@ -121,14 +101,14 @@ void MassSpring::set_parameter(State& s, const Command& c) const {
   const auto families = springs_.schedule().family;
   const auto set_stiffness = [&](SpringFamily family) {
     if (std::find(families.begin(), families.end(), family) == families.end()) {
-      refuse("name", "unknown_parameter", "this scene has no such springs");
+      refuse_command("name", "unknown_parameter", "this scene has no such springs");
     }
     s.f64(Columns::stiffness)[static_cast<size_t>(family)] = c.value;
   };
   const auto needs_velocity = [&] {
     if (springs_.dependence() == Dependence::position && integrator().order_with_velocity == 0) {
-      refuse("name", "unsuitable_integrator",
-             std::string(integrator().name) + " cannot follow forces that depend on velocity");
+      refuse_command("name", "unsuitable_integrator",
+                     std::string(integrator().name) + " cannot follow forces that depend on velocity");
     }
   };
   if (c.name == "stiffness") return set_stiffness(SpringFamily::structural);
@@ -146,8 +126,8 @@ void MassSpring::set_parameter(State& s, const Command& c) const {
     s.span<uint32_t>(Columns::air)[0] = 1;
     return;
   }
-  refuse("name", "unknown_parameter", "there is no parameter \"" + c.name + "\" to set",
-         "stiffness, shear_stiffness, bending_stiffness, damping, internal_damping, gravity, wind");
+  refuse_command("name", "unknown_parameter", "there is no parameter \"" + c.name + "\" to set",
+                 "stiffness, shear_stiffness, bending_stiffness, damping, internal_damping, gravity, wind");
 }
 
 }  // namespace truestep

@@ -269,6 +269,15 @@ std::vector<DrawnShape> Particles::shapes(const State&, double t) const {
   return particles_.colliders().drawn(t);
 }
 
+std::optional<PointColumns> Particles::points() const {
+  return PointColumns{columns::position, columns::velocity, columns::mass,
+                      std::nullopt,      columns::id,       particles_.def().radius};
+}
+
+PublishedSolids Particles::solids() const {
+  return {.balls = PublishedSolids::Balls::every_point};
+}
+
 namespace {
 
 /// Neighbours within the largest cutoff of a particle, from the density at t = 0: an estimate for admission.

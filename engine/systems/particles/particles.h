@@ -21,6 +21,9 @@ class Particles final : public ForceSystem {
   Topology topology(const State& state) const override;
   uint32_t topology_version(const State& state) const override;
   std::vector<DrawnShape> shapes(const State& state, double t) const override;
+  std::optional<PointColumns> points() const override;
+  /// A ball around every particle.
+  PublishedSolids solids() const override;
 
  private:
   Particles(std::unique_ptr<const ParticlesField> field, const Integrator& method, const ParticlesDef& def,

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "engine/base/errors.h"
+#include "engine/core/command_checks.h"
 #include "engine/systems/particles/particles.h"
 
 namespace truestep {
@@ -12,22 +12,8 @@ namespace columns = particle_columns;
 
 namespace {
 
-[[noreturn]] void refuse(const std::string& member, const std::string& code, const std::string& why,
-                         const std::string& allowed = "") {
-  throw Error("bad_command", why, {{"/" + member, code, why, "", allowed, "", ""}});
-}
-
-bool finite(const Vec3& v) {
-  return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
-}
-
 size_t checked_row(const State& s, const Command& c) {
-  const size_t n = s.rows(columns::position);
-  if (c.index < 0 || static_cast<size_t>(c.index) >= n) {
-    refuse("index", "out_of_range", "there is no particle " + std::to_string(c.index),
-           n > 0 ? "0 to " + std::to_string(n - 1) : "no particle is there");
-  }
-  return static_cast<size_t>(c.index);
+  return checked_command_row(c, s.rows(columns::position), "particle");
 }
 
 uint64_t id_of(const State& s, size_t row) {
@@ -83,12 +69,7 @@ constexpr Settable kSettable[] = {
 }  // namespace
 
 void Particles::apply(State& s, const Command& c) const {
-  if (!finite(c.vector)) refuse("vector", "not_finite", "the vector must be finite");
-  if (!finite(c.velocity)) refuse("velocity", "not_finite", "the velocity must be finite");
-  if (!std::isfinite(c.value)) refuse("value", "not_finite", "the value must be finite");
-  if (!std::isfinite(c.duration) || c.duration < 0) {
-    refuse("duration", "out_of_range", "the duration must be at least 0");
-  }
+  check_command_numbers(c);
   switch (c.kind) {
     case CommandKind::push:
       return add_push(s, id_of(s, checked_row(s, c)), c.vector, c.duration);
@@ -99,7 +80,7 @@ void Particles::apply(State& s, const Command& c) const {
     }
     case CommandKind::drag: {
       const size_t i = checked_row(s, c);
-      if (c.value < 0) refuse("value", "out_of_range", "the stiffness must be at least 0");
+      if (c.value < 0) refuse_command("value", "out_of_range", "the stiffness must be at least 0");
       // 100 m: a period of 0.6 s, soft enough for every step that draws smoothly.
       return start_drag(s, id_of(s, i), c.vector, c.value > 0 ? c.value : 100 * s.f64(columns::mass)[i]);
     }
@@ -107,8 +88,8 @@ void Particles::apply(State& s, const Command& c) const {
       return end_drags(s, c.index == -1 ? std::nullopt : std::optional(id_of(s, checked_row(s, c))));
     case CommandKind::spawn: {
       if (s.rows(columns::position) >= particles_.capacity()) {
-        refuse("kind", "full", "the system holds its largest number of particles",
-               std::to_string(particles_.capacity()));
+        refuse_command("kind", "full", "the system holds its largest number of particles",
+                       std::to_string(particles_.capacity()));
       }
       append_particle(s, {c.vector, c.velocity, particles_.def().mass, s.f64(columns::time)[0],
                           std::numeric_limits<double>::infinity()});
@@ -129,8 +110,8 @@ void Particles::apply(State& s, const Command& c) const {
     case CommandKind::unpin:
       break;
   }
-  refuse("kind", "unsupported_command", "particles cannot be pinned; drag one instead",
-         "push, impulse, drag, release, spawn, remove, set_parameter");
+  refuse_command("kind", "unsupported_command", "particles cannot be pinned; drag one instead",
+                 "push, impulse, drag, release, spawn, remove, set_parameter");
 }
 
 void Particles::set_parameter(State& s, const Command& c) const {
@@ -141,7 +122,7 @@ void Particles::set_parameter(State& s, const Command& c) const {
     double* place = s.f64(columns::parameters).data() + static_cast<size_t>(p.place);
     if (p.kind == Settable::Kind::vector) return store3(place, 0, c.vector);
     if (p.kind == Settable::Kind::not_negative && c.value < 0) {
-      refuse("value", "out_of_range", c.name + " must be at least 0", "at least 0");
+      refuse_command("value", "out_of_range", c.name + " must be at least 0", "at least 0");
     }
     *place = c.value;
     return;
@@ -157,15 +138,15 @@ void Particles::set_parameter(State& s, const Command& c) const {
     if (!id.empty() && colliders[k].id != id) continue;
     if (what != "restitution" && what != "friction") continue;
     if (c.value < 0 || (what == "restitution" && c.value > 1)) {
-      refuse("value", "out_of_range", what + " is out of range",
-             what == "friction" ? "at least 0" : "0 to 1");
+      refuse_command("value", "out_of_range", what + " is out of range",
+                     what == "friction" ? "at least 0" : "0 to 1");
     }
     surface[3 * k + (what == "friction")] = c.value;
     found = true;
   }
   if (!found) {
-    refuse("name", "unknown_parameter", "there is no parameter \"" + c.name + "\" to set",
-           allowed + "restitution, friction, <collider>.restitution, <collider>.friction");
+    refuse_command("name", "unknown_parameter", "there is no parameter \"" + c.name + "\" to set",
+                   allowed + "restitution, friction, <collider>.restitution, <collider>.friction");
   }
 }
 

@@ -1,0 +1,58 @@
+// What two systems do to each other. Const like a system: a coupling reads both states at the boundaries of a
+// substep and writes equal and opposite impulses (and corrections of place that keep the centre of mass) to
+// them; what it has to remember for later steps lives in a State of its own.
+//
+//   for each coupling, in order: begin      kicks of the first half, and a look at where everything is
+//   for each system:             step
+//   for each coupling, backwards: end       kicks of the second half, contacts, corrections
+//
+// The order is a palindrome, so that couplings by forces compose to second order (Strang 1968).
+#pragma once
+#include "engine/core/points.h"
+#include "engine/core/system.h"
+
+namespace truestep {
+
+/// The states of a coupling and of its two sides; `a` and `b` may be the same one.
+struct CoupledStates {
+  State& own;
+  State& a;
+  State& b;
+};
+struct ConstCoupledStates {
+  const State& own;
+  const State& a;
+  const State& b;
+};
+
+class Coupling {
+ public:
+  virtual ~Coupling() = default;
+
+  /// Everything that influences a later step, and the sums that are observed.
+  virtual State initial_state() const = 0;
+  /// Before both sides advance by input.h.
+  virtual void begin(const CoupledStates& s, const StepInput& input) const = 0;
+  /// After both sides have advanced by input.h.
+  virtual void end(const CoupledStates& s, const StepInput& input) const = 0;
+  /// Adds what was exchanged: impulses, energy lost, energy stored ("energy.potential", J).
+  virtual void observe(const ConstCoupledStates& s, Observables& out) const = 0;
+  /// Passes of `begin` and `end`, then what this scene does not need.
+  virtual std::vector<PlanRow> plan() const = 0;
+  /// Largest substep (s) that the coupling is known to hold; nothing when unknown or unlimited.
+  virtual std::optional<double> stable_h(const ConstCoupledStates& s) const { return std::nullopt; }
+};
+
+/// What a coupling's factory is told: its sides with their states at t = 0.
+struct CouplingSide {
+  std::string id;
+  const System& system;
+  State state;
+};
+struct CouplingContext {
+  std::string id;  ///< of the coupling
+  const CouplingSide& a;
+  const CouplingSide& b;
+};
+
+}  // namespace truestep

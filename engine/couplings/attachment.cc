@@ -1,0 +1,232 @@
+#include "engine/couplings/attachment.h"
+
+#include <cmath>
+#include <map>
+
+#include "engine/couplings/sides.h"
+
+namespace truestep {
+
+namespace {
+
+constexpr const char* kStart = "attachment.start";
+/// Links are swept until each is within this part of its length (or of a metre); rounding itself is 1e-16.
+constexpr double kLengthTolerance = 1e-13;
+constexpr int kMostSweeps = 200;
+
+Vec3 separation(const double* a, size_t i, const double* b, size_t j) {
+  return load3(b, j) - load3(a, i);
+}
+
+/// Id of the point that an index of the scene names.
+uint64_t named_point(int64_t index, const CouplingSide& side, const PointColumns& columns,
+                     const std::string& pointer) {
+  const ConstPoints points(side.state, columns);
+  const auto n = static_cast<int64_t>(points.count);
+  const int64_t row = index < 0 ? n + index : index;
+  if (row < 0 || row >= n) {
+    const std::string why = "\"" + side.id + "\" has " + std::to_string(n) + " points at t = 0";
+    throw Error(
+        "scene_invalid", why,
+        {{pointer, "out_of_range", why, std::to_string(index),
+          n > 0 ? std::to_string(-n) + " to " + std::to_string(n - 1) : "no point is there", "", ""}});
+  }
+  return points.ids.empty() ? static_cast<uint64_t>(row) : points.ids[static_cast<size_t>(row)];
+}
+
+/// Correction of r that restores |r| = L along the direction d of the substep's start (the root near zero of
+/// a quadratic); along r itself where the link has turned too far for that.
+Vec3 length_correction(const Vec3& r, const Vec3& d, double rest) {
+  if (rest == 0) return -r;
+  const double rd = dot(r, d), dd = norm2(d), excess = norm2(r) - rest * rest;
+  const double discriminant = rd * rd - dd * excess;
+  if (rd > 0 && discriminant > 0) return d * (-excess / (rd + std::sqrt(discriminant)));
+  return normalized(r) * rest - r;
+}
+
+}  // namespace
+
+std::unique_ptr<const Attachment> Attachment::make(const AttachmentDef& def, const CouplingContext& context) {
+  const PointColumns a = require_points(context.a, "a"), b = require_points(context.b, "b");
+  std::unique_ptr<Attachment> out(new Attachment(def, a, b));
+  const ConstPoints pa(context.a.state, a), pb(context.b.state, b);
+  std::map<uint64_t, double> a_pairs, b_pairs;
+  const bool same = &context.a.system == &context.b.system;
+  for (size_t k = 0; k < def.a_points.size(); ++k) {
+    const std::string at = "/" + std::to_string(k);
+    Pair p{};
+    p.a = named_point(def.a_points[k], context.a, a, "/a_points" + at);
+    p.b = named_point(def.b_points[k], context.b, b, "/b_points" + at);
+    if (same && p.a == p.b) {
+      const std::string why = "a pair needs two different points";
+      throw Error("scene_invalid", why, {{"/b_points" + at, "inconsistent", why, "", "", "", ""}});
+    }
+    const Vec3 r = separation(pa.x, *pa.row_of(p.a), pb.x, *pb.row_of(p.b));
+    p.rest = def.rest_length.value_or(norm(r));
+    ++a_pairs[p.a];
+    ++(same ? a_pairs : b_pairs)[p.b];
+    out->pairs_.push_back(p);
+  }
+  for (Pair& p : out->pairs_) p.a_share = a_pairs[p.a], p.b_share = (same ? a_pairs : b_pairs)[p.b];
+  return out;
+}
+
+template <class Real>
+void Attachment::collect(const PointsOf<Real>& a, const PointsOf<Real>& b, std::vector<Live>& out) const {
+  out.clear();
+  for (size_t k = 0; k < pairs_.size(); ++k) {
+    const auto i = a.row_of(pairs_[k].a), j = b.row_of(pairs_[k].b);
+    if (!i || !j) continue;
+    const double wa = a.inverse_mass(*i), wb = b.inverse_mass(*j);
+    if (wa + wb > 0) out.push_back({k, *i, *j, wa, wb, pairs_[k].rest});
+  }
+}
+
+std::vector<Attachment::Live>& Attachment::live_pairs(const Points& a, const Points& b,
+                                                      Workspace& workspace) const {
+  auto& live = workspace.object<std::vector<Live>>("attachment.live");
+  collect(a, b, live);
+  return live;
+}
+
+void Attachment::begin(const CoupledStates& s, const StepInput& in) const {
+  Points a(s.a, a_), b(s.b, b_);
+  const auto& live = live_pairs(a, b, in.workspace);
+  if (def_.link == AttachmentDef::Link::rigid) {
+    double* start = in.workspace.doubles(kStart, 3 * pairs_.size()).data();
+    for (const Live& p : live) store3(start, p.pair, separation(a.x, p.a, b.x, p.b));
+    return;
+  }
+  Exchange sum;
+  pull(a, b, live, 0.5 * in.h, sum);
+  damp(a, b, live, 0.5 * in.h, sum);
+  book(s.own, sum);
+}
+
+void Attachment::end(const CoupledStates& s, const StepInput& in) const {
+  Points a(s.a, a_), b(s.b, b_);
+  const auto& live = live_pairs(a, b, in.workspace);
+  Exchange sum;
+  if (def_.link == AttachmentDef::Link::rigid) {
+    const double* start = in.workspace.doubles(kStart, 3 * pairs_.size()).data();
+    restore_lengths(a, b, live, start, in.h, sum);
+    match_velocities(a, b, live, sum);
+  } else {
+    damp(a, b, live, 0.5 * in.h, sum);
+    pull(a, b, live, 0.5 * in.h, sum);
+  }
+  book(s.own, sum);
+}
+
+// J = -half k (|r| - L) n; with L = 0 it needs no direction.
+void Attachment::pull(Points& a, Points& b, const std::vector<Live>& live, double half, Exchange& sum) const {
+  for (const Live& p : live) {
+    const Vec3 r = separation(a.x, p.a, b.x, p.b);
+    const Vec3 stretch = p.rest == 0 ? r : r - normalized(r) * p.rest;
+    const Vec3 impulse = stretch * (-half * def_.stiffness);
+    exchange_impulse(a.v, p.a, p.wa, b.v, p.b, p.wb, impulse);
+    sum.add(impulse, 0);
+  }
+}
+
+// du/dt = -c K u along n (coinciding points: in every direction) by the trapezoid rule: u' = u (1 - q) / (1 +
+// q), q = c K half / 2.
+void Attachment::damp(Points& a, Points& b, const std::vector<Live>& live, double half, Exchange& sum) const {
+  if (def_.damping == 0) return;
+  for (const Live& p : live) {
+    const Vec3 r = separation(a.x, p.a, b.x, p.b), u = separation(a.v, p.a, b.v, p.b);
+    const Vec3 along = norm2(r) > 0 ? r * (dot(u, r) / norm2(r)) : u;
+    const double k = p.wa + p.wb, q = 0.5 * def_.damping * k * half;
+    const Vec3 impulse = along * (-2 * q / ((1 + q) * k));
+    exchange_impulse(a.v, p.a, p.wa, b.v, p.b, p.wb, impulse);
+    sum.add(impulse, -dot(impulse, along + impulse * (0.5 * k)));
+  }
+}
+
+// SHAKE's part: every correction of place is one of velocity, 1/h times it, too.
+void Attachment::restore_lengths(Points& a, Points& b, const std::vector<Live>& live, const double* start,
+                                 double h, Exchange& sum) {
+  for (int sweep = 0; sweep < kMostSweeps; ++sweep) {
+    double worst = 0;
+    for (const Live& p : live) {
+      const Vec3 r = separation(a.x, p.a, b.x, p.b);
+      const Vec3 dr = length_correction(r, load3(start, p.pair), p.rest);
+      worst = std::max(worst, norm(dr) / std::max(p.rest, 1.0));
+      const Vec3 share = dr / (p.wa + p.wb);
+      exchange_impulse(a.x, p.a, p.wa, b.x, p.b, p.wb, share);
+      exchange_impulse(a.v, p.a, p.wa, b.v, p.b, p.wb, share / h);
+      sum.add(share / h, 0);
+    }
+    if (worst <= kLengthTolerance) break;
+  }
+}
+
+// RATTLE's part: u.n = 0.
+void Attachment::match_velocities(Points& a, Points& b, const std::vector<Live>& live, Exchange& sum) {
+  for (int sweep = 0; sweep < kMostSweeps; ++sweep) {
+    double worst = 0, fastest = 0;
+    for (const Live& p : live) {
+      const Vec3 n = normalized(separation(a.x, p.a, b.x, p.b)), u = separation(a.v, p.a, b.v, p.b);
+      const Vec3 along = p.rest == 0 ? u : n * dot(u, n), impulse = along / -(p.wa + p.wb);
+      worst = std::max(worst, norm(along));
+      fastest = std::max(fastest, norm(u));
+      exchange_impulse(a.v, p.a, p.wa, b.v, p.b, p.wb, impulse);
+      sum.add(impulse, -0.5 * dot(impulse, along));
+    }
+    if (worst <= kLengthTolerance * fastest) break;
+  }
+}
+
+void Attachment::observe(const ConstCoupledStates& s, Observables& out) const {
+  const ConstPoints a(s.a, a_), b(s.b, b_);
+  std::vector<Live> live;
+  collect(a, b, live);
+  double stored = 0, error = 0;
+  for (const Live& p : live) {
+    const double stretch = norm(separation(a.x, p.a, b.x, p.b)) - p.rest;
+    stored += 0.5 * def_.stiffness * stretch * stretch;
+    error = std::max(error, std::abs(stretch));
+  }
+  observe_exchange(s.own, out);
+  if (def_.link == AttachmentDef::Link::spring) {
+    out.add("energy.potential", stored, "J");
+  } else {
+    out.add("length.error", error, "m");
+  }
+  out.add("pairs", static_cast<double>(live.size()), "1");
+}
+
+std::vector<PlanRow> Attachment::plan() const {
+  using enum PlanRow::Status;
+  const std::string count = std::to_string(pairs_.size()) + (pairs_.size() == 1 ? " pair" : " pairs");
+  if (def_.link == AttachmentDef::Link::rigid) {
+    return {{runs, "links", count + " of points at a fixed distance"},
+            {skipped, "damping", "rigid links have none"}};
+  }
+  std::vector<PlanRow> rows{{runs, "springs", count + " of points, a kick at both ends of the substep"}};
+  if (def_.damping > 0) {
+    rows.push_back({runs, "damping", "along the pairs"});
+  } else {
+    rows.push_back({skipped, "damping", "damping is 0"});
+  }
+  return rows;
+}
+
+std::optional<double> Attachment::stable_h(const ConstCoupledStates& s) const {
+  if (def_.link == AttachmentDef::Link::rigid || def_.stiffness == 0) return std::nullopt;
+  const ConstPoints a(s.a, a_), b(s.b, b_);
+  std::vector<Live> live;
+  collect(a, b, live);
+  double fastest = 0;
+  for (const Live& p : live) {
+    const Pair& pair = pairs_[p.pair];
+    fastest = std::max(fastest, def_.stiffness * (pair.a_share * p.wa + pair.b_share * p.wb));
+  }
+  return fastest > 0 ? std::optional(2 / std::sqrt(fastest)) : std::nullopt;
+}
+
+std::unique_ptr<const Coupling> build_attachment(const void* def, const CouplingContext& context) {
+  return Attachment::make(*static_cast<const AttachmentDef*>(def), context);
+}
+
+}  // namespace truestep

@@ -1,0 +1,63 @@
+// The coupling type "attachment": pairs (i of a, j of b), r = x_j - x_i, u = v_j - v_i, K = w_i + w_j
+// (inverse masses).
+//   spring  J = -h/2 (k (|r| - L) + c u.n) n on j at both ends of the substep, -J on i; the damping part by
+//   the
+//           trapezoid rule, which is stable for every c. Impulse method of Tuckerman, Berne, Martyna 1992,
+//           "Reversible multiple time scale molecular dynamics": order 2, stable for h sqrt(k K) < 2.
+//   rigid   |r| = L: RATTLE (Andersen 1983) across the two systems. After both have moved, places go back to
+//           the link's length along its direction at the substep's start, velocities along with them, and
+//           then u.n = 0. Links that share points are swept until all hold.
+// A particle that dies lets go.
+#pragma once
+#include <memory>
+
+#include "engine/core/coupling.h"
+#include "engine/couplings/attachment_def.h"
+#include "engine/couplings/exchange.h"
+
+namespace truestep {
+
+class Attachment final : public Coupling {
+ public:
+  /// Error "scene_invalid" when a system has no points to attach or a pair names one that is not there.
+  static std::unique_ptr<const Attachment> make(const AttachmentDef& def, const CouplingContext& context);
+
+  State initial_state() const override { return exchange_state(); }
+  void begin(const CoupledStates& s, const StepInput& input) const override;
+  void end(const CoupledStates& s, const StepInput& input) const override;
+  /// The exchange; energy.potential (J) of springs; length.error (m), largest ||r| - L| of rigid links;
+  /// pairs.
+  void observe(const ConstCoupledStates& s, Observables& out) const override;
+  std::vector<PlanRow> plan() const override;
+  std::optional<double> stable_h(const ConstCoupledStates& s) const override;
+
+ private:
+  /// Ids of the two points, and how many pairs hold on to each of them.
+  struct Pair {
+    uint64_t a, b;
+    double rest;  ///< m
+    double a_share, b_share;
+  };
+  /// A pair whose points are both there and not both held.
+  struct Live {
+    size_t pair, a, b;  ///< index of the pair, rows
+    double wa, wb, rest;
+  };
+  Attachment(const AttachmentDef& def, PointColumns a, PointColumns b) : def_(def), a_(a), b_(b) {}
+  template <class Real>
+  void collect(const PointsOf<Real>& a, const PointsOf<Real>& b, std::vector<Live>& out) const;
+  void pull(Points& a, Points& b, const std::vector<Live>& live, double half, Exchange& sum) const;
+  void damp(Points& a, Points& b, const std::vector<Live>& live, double half, Exchange& sum) const;
+  static void restore_lengths(Points& a, Points& b, const std::vector<Live>& live, const double* start,
+                              double h, Exchange& sum);
+  static void match_velocities(Points& a, Points& b, const std::vector<Live>& live, Exchange& sum);
+  std::vector<Live>& live_pairs(const Points& a, const Points& b, Workspace& workspace) const;
+
+  AttachmentDef def_;
+  PointColumns a_, b_;
+  std::vector<Pair> pairs_;
+};
+
+std::unique_ptr<const Coupling> build_attachment(const void* def, const CouplingContext& context);
+
+}  // namespace truestep

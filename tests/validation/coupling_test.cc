@@ -1,0 +1,72 @@
+// Couplings against closed forms: normal modes of attached bodies, collisions of two bodies.
+#include <cmath>
+
+#include "tests/support/coupled.h"
+
+namespace truestep {
+namespace {
+
+using namespace testing_coupled;
+
+constexpr double kPi = 3.14159265358979323846;
+
+// Two free masses on a spring: omega^2 = k (1/m1 + 1/m2) (Landau, Lifshitz, Mechanics, section 13 and 21).
+// One system is a network, the other particles; released 10 % stretched, after half a period the length is
+// the mirror image, and the error falls with the square of the step.
+double half_period_error(double h) {
+  const double m1 = 0.3, m2 = 0.7, k = 50, omega = std::sqrt(k * (1 / m1 + 1 / m2));
+  const auto steps = static_cast<uint64_t>(std::llround(kPi / omega / h));
+  const double dt = kPi / omega / static_cast<double>(steps);
+  char scene[1024];
+  std::snprintf(scene, sizeof scene, R"({"gravity": [0, 0, 0], "time": {"dt": %.17g}, "systems": [
+      {"type": "mass_spring", "id": "a", "free": {"points": [[0, 0, 0]], "masses": [%g]}, "integrator": "leapfrog"},
+      {"type": "particles", "id": "b", "positions": [[1.1, 0, 0]], "masses": [%g]}],
+    "couplings": [{"type": "attachment", "a": "a", "b": "b", "stiffness": %g, "rest_length": 1}],
+    "probes": [{"id": "p", "system": "a"}, {"id": "q", "system": "b"}]})",
+                dt, m1, m2, k);
+  SceneRun run(scene);
+  run.session.step(steps);
+  // At the turning point the length's error is of second order in that of the period: look at the speed.
+  const double speed = run.session.observe().find("p.position.x").value();
+  const ConstPoints p(run.session.state().systems[0], *run.world->system(0).points());
+  const ConstPoints q(run.session.state().systems[1], *run.world->system(1).points());
+  EXPECT_NEAR(q.x[0] - speed, 0.9, 1e-3);
+  return std::abs(q.v[0] - p.v[0]) / (0.1 * omega);
+}
+
+TEST(CouplingValidation, AttachedBodiesSwingWithTheirNormalMode) {
+  // Kicks and drifts: the phase after half a period is off by pi (h omega)^2 / 24 (leapfrog's frequency).
+  const double omega = std::sqrt(50 * (1 / 0.3 + 1 / 0.7));
+  const double coarse = half_period_error(0.005), fine = half_period_error(0.0025);
+  EXPECT_NEAR(coarse, kPi * 0.005 * omega * 0.005 * omega / 24, 0.05 * coarse);
+  EXPECT_NEAR(coarse / fine, 4, 0.1);
+  // The control: the same check without the reduced mass misses by half.
+  EXPECT_GT(std::abs(std::sqrt(50 / 0.3) - omega), 0.1 * omega);
+}
+
+// A particle on a rigid link to a pinned point is a pendulum: T = 4 K(sin(theta0 / 2)) sqrt(L / g) with the
+// complete elliptic integral (Landau, Lifshitz, Mechanics, section 11); theta0 = 90 degrees, K
+// = 1.854074677301372.
+double pendulum_error(uint64_t steps) {
+  const double period = 4 * 1.854074677301372 * std::sqrt(1 / 9.81);
+  char scene[1024];
+  std::snprintf(scene, sizeof scene, R"({"time": {"dt": %.17g}, "systems": [
+      {"type": "mass_spring", "id": "pin", "free": {"points": [[0, 0, 0]]}, "pins": [0]},
+      {"type": "particles", "id": "bob", "positions": [[1, 0, 0]], "integrator": "velocity_verlet"}],
+    "couplings": [{"type": "attachment", "a": "pin", "b": "bob", "link": "rigid"}],
+    "probes": [{"id": "bob", "system": "bob"}]})",
+                0.25 * period / static_cast<double>(steps));
+  SceneRun run(scene);
+  run.session.step(steps);
+  // A quarter of a period after the release it passes the bottom.
+  return std::abs(run.observe("bob.position.x"));
+}
+
+TEST(CouplingValidation, RigidLinkMakesAPendulumOfSecondOrder) {
+  const double coarse = pendulum_error(200), fine = pendulum_error(400);
+  EXPECT_LT(coarse, 1e-4);
+  EXPECT_NEAR(std::log2(coarse / fine), 2, 0.1);
+}
+
+}  // namespace
+}  // namespace truestep
