@@ -114,8 +114,7 @@ test("the gallery shows its scenes, and picking one plays it", async () => {
   await page.waitForSelector("#gallery [data-scene]");
   const names = await page.$$eval("#gallery article", (cards) => cards.map((card) => card.dataset.scene));
   assert.ok(names.length >= 3, names.join());
-  // One in which nothing rises by itself, for the pull further down.
-  const scene = names.find((name) => /terminal/.test(name)) ?? names.find((name) => /cloth/.test(name)) ?? names[0];
+  const scene = names.find((name) => /hanging_cloth/.test(name)) ?? names.find((name) => /cloth/.test(name)) ?? names[0];
   await page.click(`#gallery .run[data-scene="${scene}"]`);
   await until(async () => (await page.getAttribute("#connection", "data-state")) === "open", "connected");
   await until(async () => (await number("#read-frame")) >= 3, "frames arrive");
@@ -158,35 +157,76 @@ test("the energy plot has series with values", async () => {
   assert.match(await page.textContent("#legend button b"), /\d/);
 });
 
-test("a point follows the mouse", async () => {
-  const box = await page.locator("#view").boundingBox();
+const place = async () => (await page.textContent("#probe span")).trim().split(/\s+/).map(Number);
+
+/** Goes back to the start, and the mouse over a point of the lower part: what hangs is held at the top. */
+async function overAPoint() {
+  await page.mouse.move(5, 5);
+  if (await playing()) await page.keyboard.press("Space");
+  await until(async () => !(await playing()), "paused");
   await page.click("#reset");
   await until(async () => (await number("#read-step")) === 0, "back at the start");
-  // Search the free part of the picture for a point under the mouse; the viewer looks 14 pixels far.
-  let at;
-  search: for (let y = 100; y < 680; y += 18) {
-    for (let x = 380; x < 940; x += 18) {
-      at = { x: box.x + x, y: box.y + y };
-      await page.mouse.move(at.x, at.y);
-      if (await page.$eval("#probe", (probe) => !probe.hidden)) break search;
+  const box = await page.locator("#view").boundingBox();
+  // The viewer looks 14 pixels far.
+  for (let y = 640; y > 100; y -= 18) {
+    for (let x = 400; x < 900; x += 18) {
+      await page.mouse.move(box.x + x, box.y + y);
+      if (await page.$eval("#probe", (probe) => !probe.hidden)) return { x: box.x + x, y: box.y + y };
     }
   }
-  assert.ok(await page.locator("#probe").isVisible(), "no point under the mouse anywhere");
-  const height = async () => Number((await page.textContent("#probe span")).trim().split(/\s+/)[1]);
-  const name = await page.textContent("#probe b");
-  const before = await height();
+  assert.fail("no point under the mouse anywhere");
+}
 
+/** Presses on the point at `at`, plays, and pulls it up by 200 pixels; the mouse stays down. */
+async function pullUp(at) {
+  await page.mouse.move(at.x, at.y);
   await page.mouse.down();
   await page.keyboard.press("Space");
   await until(playing, "playing again");
   await page.mouse.move(at.x, at.y - 60, { steps: 4 });
   await page.mouse.move(at.x, at.y - 200, { steps: 6 });
-  // The point would fall or stay; a pull of 200 pixels lifts it by far more than 5 cm.
-  await until(async () => (await height()) > before + 0.05, `${name} rises from ${before}`);
-  assert.equal(await page.textContent("#probe b"), name);
+}
+
+async function letGo() {
   await page.mouse.up();
   await page.mouse.move(5, 5);
   await until(async () => !(await page.locator("#probe").isVisible()), "the mark goes");
+}
+
+test("a point follows the mouse", async () => {
+  const at = await overAPoint();
+  const name = await page.textContent("#probe b");
+  const [, before] = await place();
+  await pullUp(at);
+  // The point would fall or stay; a pull of 200 pixels lifts it by far more than 5 cm.
+  await until(async () => (await place())[1] > before + 0.05, `${name} rises from ${before}`);
+  assert.equal(await page.textContent("#probe b"), name);
+  await letGo();
+});
+
+test("a double click pins a point, and another one sets it free", async () => {
+  const at = await overAPoint();
+  const name = await page.textContent("#probe b");
+  const before = await place();
+  await page.mouse.dblclick(at.x, at.y);
+  await until(async () => /pinned$/.test(await page.textContent("#hint")), "it says that the point is pinned");
+  await pullUp(at);
+  const step = await number("#read-step");
+  await until(async () => (await number("#read-step")) > step + 30, "steps with the pull");
+  assert.deepEqual(await place(), before, `${name} stays where it is pinned`);
+  await letGo();
+
+  // The control is the same point, free again: it does not stay.
+  const again = await overAPoint();
+  assert.deepEqual(again, at);
+  await page.mouse.dblclick(at.x, at.y);
+  await until(async () => /pinned$/.test(await page.textContent("#hint")), "pinned again after the reset");
+  await page.waitForTimeout(400); // a third click within the double click's time would be one of it
+  await page.mouse.dblclick(at.x, at.y);
+  await until(async () => /free$/.test(await page.textContent("#hint")), "it says that the point is free");
+  await pullUp(at);
+  await until(async () => (await place())[1] > before[1] + 0.05, `${name} rises when it is free`);
+  await letGo();
 });
 
 test("reset goes back to step 0", async () => {

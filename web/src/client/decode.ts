@@ -11,6 +11,8 @@ export interface FieldArray {
   count: number;
   width: number;
   data: Float32Array | Float64Array | Uint32Array;
+  /** Greatest distance between two numbers that can be told apart; 0 where they came as they are. */
+  quantum: number;
 }
 
 /** A frame as the viewer uses it. */
@@ -95,7 +97,7 @@ export class Decoder {
     if (data.length !== length) {
       throw new RangeError(`${block.system}.${block.field}: ${data.length} numbers for ${block.count} rows of ${width}`);
     }
-    return { system: block.system, field: block.field, count: block.count, width, data };
+    return { system: block.system, field: block.field, count: block.count, width, data, quantum: Math.max(0, ...block.scale) };
   }
 
   private values(block: Block, length: number): FieldArray["data"] {

@@ -6,7 +6,8 @@
 //
 // Frames are taken newest first: while the loop's body runs, later frames replace each other, and asking for
 // the next frame returns the credit of all that arrived. A consumer that is slow, or a hidden tab, therefore
-// makes the server drop frames, never queue them. A lost connection comes back by itself with growing,
+// makes the server drop frames, never queue them; where frames arrive only to be replaced, credit is held back
+// until one comes per turn, and handed out again when none is replaced any more. A lost connection comes back by itself with growing,
 // jittered pauses; a session that is gone, or a refused key, ends the stream with the server's problem.
 import { create, fromBinary, toBinary, type MessageInitShape } from "@bufbuild/protobuf";
 import { Decoder, MissingBase, type DecodedFrame } from "./decode";
@@ -27,6 +28,7 @@ import {
 } from "./gen/truestep/v1/stream_pb";
 
 export const kSubprotocol = "truestep.v1.proto";
+const kCalm = 120; // turns of the consumer before one more frame may be in flight
 
 export type StreamState = "connecting" | "open" | "waiting" | "closed";
 
@@ -49,8 +51,6 @@ export interface StreamOptions {
   rate?: number;
   credit?: number;
   observables?: boolean;
-  /** How floating-point fields travel; default F32. Q16_DELTA takes about a third of its bytes. */
-  encoding?: Encoding;
   /** The WebSocket class; Node before 22 has none of its own. */
   webSocket?: typeof WebSocket;
   /** First and longest pause between attempts, ms. */
@@ -93,6 +93,10 @@ export class Stream {
   private greeting: Hello | undefined;
   private topology: Topology | undefined;
   private fields: string[] = [];
+  private encoding = Encoding.F32;
+  /** Frames that may be in flight now, and turns of the consumer since that changed. */
+  private window = 0;
+  private calm = 0;
 
   /** Frames that arrived and frames that a newer one replaced before they were used. */
   received = 0;
@@ -150,6 +154,13 @@ export class Stream {
     if (this.greeting && this.wanted().join() !== this.fields.join()) this.subscribe();
   }
 
+  /** How floating-point fields travel from now on, at first F32; Q16_DELTA takes about a third of its bytes. */
+  encode(encoding: Encoding): void {
+    if (encoding === this.encoding) return;
+    this.encoding = encoding;
+    if (this.greeting) this.subscribe();
+  }
+
   close(): void {
     this.finish(undefined);
   }
@@ -169,9 +180,20 @@ export class Stream {
   }
 
   private returnCredit(): void {
-    if (this.owed === 0) return;
-    this.send({ kind: { case: "credit", value: { frames: this.owed } } });
+    let frames = this.owed;
+    if (frames === 0) return;
     this.owed = 0;
+    ++this.calm;
+    if (frames > 1 && this.window > 1) {
+      --this.window;
+      --frames;
+      this.calm = 0;
+    } else if (this.calm >= kCalm && this.window < this.credit) {
+      ++this.window;
+      ++frames;
+      this.calm = 0;
+    }
+    this.send({ kind: { case: "credit", value: { frames } } });
   }
 
   private emit<K extends keyof StreamEvents>(kind: K, value: StreamEvents[K]): void {
@@ -268,21 +290,27 @@ export class Stream {
     }
   }
 
+  private get credit(): number {
+    return this.options.credit ?? 4;
+  }
+
   private wanted(): string[] {
     return (this.greeting && this.options.fields?.(this.greeting, this.topology)) ?? [];
   }
 
   private subscribe(): void {
     this.fields = this.wanted();
+    this.window = this.credit;
+    this.calm = 0;
     this.send({
       kind: {
         case: "subscribe",
         value: {
           fields: this.fields,
           rate: this.options.rate ?? 60,
-          encoding: this.options.encoding ?? Encoding.F32,
+          encoding: this.encoding,
           policy: Policy.LATEST,
-          credit: this.options.credit ?? 4,
+          credit: this.credit,
           observables: this.options.observables ?? false,
         },
       },

@@ -4,6 +4,7 @@ import { ProblemError, problemOf } from "../client/problem";
 import { Service, type Scene, type Session } from "../client/rest";
 import type { Hello, PlaybackState, Topology } from "../client/gen/truestep/v1/stream_pb";
 import { Stage } from "../render/stage";
+import { Compact } from "./compact";
 import { byId, make } from "./dom";
 import { Editor } from "./editor";
 import { markScene, showGallery } from "./gallery";
@@ -26,6 +27,7 @@ export class App {
   private readonly editor = new Editor(this.service, (scene) => this.create(scene, undefined));
   private readonly interaction: Interaction;
   private readonly speed = byId<HTMLSelectElement>("speed");
+  private readonly compact = new Compact();
   private stream: Stream | undefined;
   private id: string | undefined;
   /** True for a session that this page created and therefore ends when it opens the next one. */
@@ -129,7 +131,9 @@ export class App {
     };
     this.connection("connecting");
     stream.on("state", mine((state) => this.connection(state)));
+    stream.on("hello", mine((hello) => this.compact.greet(hello)));
     stream.on("topology", mine((topology) => {
+      this.compact.connect(topology);
       this.stage.setTopology(topology);
       this.toggles();
     }));
@@ -148,6 +152,7 @@ export class App {
     try {
       for await (const frame of stream.frames()) {
         if (this.stream !== stream) break;
+        stream.encode(this.compact.choose(frame));
         await this.stage.present(frame);
         if (this.measured++ < kMarks) performance.mark(this.measured === 1 ? "first-picture" : "picture");
         this.interaction.follow();
@@ -170,6 +175,7 @@ export class App {
     click("reset", () => this.act(async (id) => {
       await this.service.reset(id);
       this.plot.clear();
+      this.interaction.clear();
     }));
     this.speed.addEventListener("change", () => this.playing && this.act((id) => this.service.play(id, this.wanted())));
     click("camera", () => this.stage.resetCamera());

@@ -1,0 +1,34 @@
+// Which encoding a session's frames travel in: as floats while they are small, as 16-bit differences where points
+// are many, and as floats again where a quantum of those could be seen (one point far away makes the box large).
+import type { DecodedFrame } from "../client/decode";
+import { Encoding, type Hello, type Topology } from "../client/gen/truestep/v1/stream_pb";
+
+const kMany = 20000; // rows of a frame's positions
+const kSeen = 0.1; // quanta a point's radius
+
+export class Compact {
+  private able = false;
+  private radius = new Map<string, number>();
+  private encoding = Encoding.F32;
+
+  greet(hello: Hello): void {
+    this.able = hello.capabilities.includes("Q16_DELTA");
+    this.encoding = Encoding.F32;
+  }
+
+  connect(topology: Topology): void {
+    this.radius = new Map(topology.systems.map((system) => [system.system, system.pointRadius]));
+  }
+
+  /** What the frames after this one should travel in. */
+  choose(frame: DecodedFrame): Encoding {
+    const positions = frame.fields.filter((field) => field.field === "position");
+    if (positions.some((field) => field.quantum > kSeen * (this.radius.get(field.system) ?? 0))) {
+      this.able = false;
+      this.encoding = Encoding.F32;
+    } else if (this.able && positions.reduce((sum, field) => sum + field.count, 0) >= kMany) {
+      this.encoding = Encoding.Q16_DELTA;
+    }
+    return this.encoding;
+  }
+}
