@@ -288,9 +288,7 @@ void Connection::refuse(int status, std::string_view reason) {
 
 // On success upgrade_ is set.
 Response Connection::open_websocket(const Route& route) {
-  if (request_.header("content-length").size() + request_.header("transfer-encoding").size() +
-          buffer_.size() >
-      0)
+  if (!request_.body.empty() || buffer_.size() > 0)
     return problem(request_, "bad_request", "nothing may follow a handshake before its answer");
   if (auto refused = check_handshake(request_, route, subprotocol_)) return std::move(*refused);
   if (service_.draining) return problem(request_, "draining", "the service is shutting down");

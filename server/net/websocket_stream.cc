@@ -154,15 +154,19 @@ bool BeastWebSocket::send(MessageKind kind, MessageParts parts) {
 }
 
 void BeastWebSocket::write_next() {
+  // Nothing follows a close frame; what another thread has queued meanwhile ends with the connection.
+  if (close_sent_) return;
+  bool idle = false;
   {
     const std::lock_guard lock(mutex_);
-    writing_ = !queue_.empty();
-    if (writing_) {
+    idle = queue_.empty();
+    writing_ = !idle;
+    if (!idle) {
       current_ = std::move(queue_.front());
       queue_.pop_front();
     }
   }
-  if (!writing_) {
+  if (idle) {
     if (close_due_) return send_close();
     if (handler_) handler_->on_drain();
     return;

@@ -33,6 +33,11 @@ class NetWebSocket : public NetServer {
     asio::read_until(s, asio::dynamic_buffer(head), "\r\n\r\n");
     return {std::move(s), head};
   }
+  // What the handler was told at the end.
+  int end_code() {
+    for (int i = 0; i < 10000 && seen_.close_code == 0; ++i) std::this_thread::sleep_for(1ms);
+    return seen_.close_code;
+  }
   // Sends the bytes and the end of all bytes, and returns everything that comes back.
   static std::string rest_after(tcp::socket& s, const std::string& bytes) {
     asio::write(s, asio::buffer(bytes));
@@ -65,8 +70,7 @@ TEST_F(NetWebSocket, EchoesToBeastsClient) {
     }
   }
   client.close(beast::websocket::close_code::normal);
-  for (int i = 0; i < 2000 && seen_.close_code == 0; ++i) std::this_thread::sleep_for(1ms);
-  EXPECT_EQ(seen_.close_code, 1000);
+  EXPECT_EQ(end_code(), 1000);
 }
 
 TEST_F(NetWebSocket, SubprotocolsAreChosenOrRefused) {
@@ -118,8 +122,7 @@ TEST_F(NetWebSocket, TextThatEndsInsideACharacterIsRefused) {
   auto [s, head] = shake();
   // The first byte of a two-byte character, then an empty last fragment.
   rest_after(s, "\x01\x81\0\0\0\0\xCE\x80\x80\0\0\0\0"s);
-  for (int i = 0; i < 2000 && seen_.close_code == 0; ++i) std::this_thread::sleep_for(1ms);
-  EXPECT_EQ(seen_.close_code, 1007);
+  EXPECT_EQ(end_code(), 1007);
 }
 
 TEST_F(NetWebSocket, CloseCodesBeyondTheRangeAreRefused) {
@@ -139,8 +142,7 @@ TEST_F(NetWebSocket, CloseCodesBeyondTheRangeAreRefused) {
   EXPECT_TRUE(socket->send_binary(frame));
   EXPECT_TRUE(socket->send_text(frame));
   EXPECT_TRUE(rest_after(s, close_5000).ends_with(refused));
-  for (int i = 0; i < 2000 && seen_.close_code == 0; ++i) std::this_thread::sleep_for(1ms);
-  EXPECT_EQ(seen_.close_code, 1002);
+  EXPECT_EQ(end_code(), 1002);
 }
 
 TEST_F(NetWebSocket, TwoPartsMakeOneMessage) {
@@ -192,6 +194,49 @@ TEST_F(NetWebSocket, QueueIsBoundedAndOtherThreadsMaySend) {
     ASSERT_EQ(buffer.size(), frame->size());
   }
   EXPECT_TRUE(socket->send_binary(frame)) << "room again";
+}
+
+TEST_F(NetWebSocket, SilentPeersAreAskedAndThenCut) {
+  Options options;
+  options.websocket.ping_interval = 1s;
+  start(options);
+  auto [silent, head] = shake();
+  std::string all;
+  boost::system::error_code ec;
+  const auto begin = std::chrono::steady_clock::now();
+  asio::read(silent, asio::dynamic_buffer(all), ec);
+  EXPECT_EQ(all, "\x89\0"s) << "one ping";
+  // Asked after 1 s, cut 2 s later, both found by a sweep every 0.25 s; the rest is for a busy machine.
+  EXPECT_GE(std::chrono::steady_clock::now() - begin, 2900ms);
+  EXPECT_LT(std::chrono::steady_clock::now() - begin, 15s);
+  EXPECT_EQ(end_code(), 1006);
+  // The control: Beast's client answers pings while it reads, and its message still comes back afterwards.
+  seen_.close_code = 0;
+  auto client = websocket();
+  client.handshake("localhost", "/echo");
+  const auto socket = seen_.get();
+  ASSERT_TRUE(socket);
+  std::jthread later([socket] {
+    std::this_thread::sleep_for(4s);
+    socket->send_text(std::make_shared<const std::string>("still there"));
+  });
+  beast::flat_buffer buffer;
+  client.read(buffer, ec);
+  EXPECT_EQ(beast::buffers_to_string(buffer.data()), "still there");
+}
+
+TEST_F(NetWebSocket, PeersThatTakeNothingAreCut) {
+  Options options;
+  options.websocket.stall = 1s;
+  start(options);
+  auto [peer, head] = shake();
+  const auto socket = seen_.get();
+  ASSERT_TRUE(socket);
+  // More than the kernel's buffers hold.
+  EXPECT_TRUE(socket->send_binary(std::make_shared<const std::string>(size_t{32} << 20, 'f')));
+  EXPECT_GT(socket->queued_bytes(), 0u);
+  EXPECT_EQ(end_code(), 1006);
+  EXPECT_FALSE(socket->is_open());
 }
 
 TEST_F(NetWebSocket, StopClosesStreamsWith1001) {
