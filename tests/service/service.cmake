@@ -1,14 +1,10 @@
-# The real program as a client sees it, one test per class of service_test.py, and the checks that it must survive.
-foreach(part Sessions Output Catalogue Stream Ending CommandLine)
-  add_test(NAME service.${part} COMMAND ${Python3_EXECUTABLE} -m unittest -v service_test.${part}
+# The real program as a client sees it, a file of tests per subject; their controls; and the checks that it must survive.
+foreach(part sessions output catalogue stream ending command_line control)
+  add_test(NAME service.${part} COMMAND ${Python3_EXECUTABLE} -m unittest -v ${part}_test
            WORKING_DIRECTORY ${PROJECT_SOURCE_DIR}/tests/service)
   set_tests_properties(service.${part} PROPERTIES LABELS service TIMEOUT 300
                        ENVIRONMENT "TRUESTEP_BINARY=$<TARGET_FILE:truestep>")
 endforeach()
-
-if(NOT TRUESTEP_CHECKS_FOLDER)
-  return()
-endif()
 
 # check_service(NAME SCRIPT EXPECT ARGUMENT...): a script of the checks folder against the program itself, while it
 # plays and streams a scene.

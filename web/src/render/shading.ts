@@ -27,5 +27,5 @@ vec3 ramp(float t) {
 }
 `;
 
-/** Colours for systems that bring none, in the order of the scene. */
-export const palette = ["#e8795a", "#4aa3e8", "#e9b44c", "#58c28f", "#b287e0", "#e58fb4"].map((hex) => new Color(hex));
+/** Colours for systems that bring none, in the order of the scene: those of the service's pictures, for a dark ground. */
+export const palette = ["#3f86d6", "#e8873f", "#45b085", "#dc5f5f", "#9a7ad0", "#dcb23c", "#3fb4c2", "#cf6fa4"].map((hex) => new Color(hex));

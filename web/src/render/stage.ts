@@ -59,6 +59,7 @@ export class Stage {
     this.scene.add(this.ground.object, this.handle.object);
     this.controls = new OrbitControls(this.camera, canvas);
     Object.assign(this.controls, { enableDamping: true, dampingFactor: 0.12, zoomToCursor: true, maxPolarAngle: Math.PI * 0.55 });
+    this.controls.listenToKeyEvents(canvas);
     this.controls.addEventListener("change", () => this.invalidate());
     this.controls.addEventListener("start", () => (this.moved = true));
     this.lookAt([3, 2, 4], [0, 0.8, 0]);

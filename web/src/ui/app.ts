@@ -53,8 +53,11 @@ export class App {
     const narrow = window.innerWidth < 720;
     this.panel(session || (scene && narrow) ? "none" : "gallery");
     const listed = this.listGallery();
-    if (session) await this.attempt(() => this.openSession(session));
-    else if (scene) await this.attempt(() => this.openGallery(scene));
+    if (session) {
+      await this.attempt(() => this.openSession(session));
+      // A session that is gone leaves nothing to look at but the way to another one.
+      if (this.id === undefined) this.panel("gallery");
+    } else if (scene) await this.attempt(() => this.openGallery(scene));
     await listed;
     setInterval(() => void this.measureTrip(), 2000);
     void this.measureTrip();

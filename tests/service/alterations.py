@@ -1,0 +1,122 @@
+"""Wrong answers, one or more per service test: which answer is altered and how. control_test.py expects the test to fail."""
+import itertools
+import json
+import re
+
+
+def answer(pattern, change):
+    """Alters every HTTP answer whose "METHOD path" matches: `change` gets the Answer."""
+    return "http", re.compile(pattern), change
+
+
+def body(pattern, change):
+    """Alters the JSON of those answers: `change` gets the object."""
+    def apply(a):
+        if a.status == 204 or not a.body.lstrip().startswith((b"{", b"[")):
+            return
+        value = json.loads(a.body)
+        change(value)
+        a.body = json.dumps(value).encode()
+    return answer(pattern, apply)
+
+
+def message(kind, change):
+    """Alters every stream message of this kind: `change` gets the message."""
+    return "stream", kind, change
+
+
+def output(change):
+    """Alters what the program gave: `change` gets the CompletedProcess."""
+    return "program", None, change
+
+
+def put(key, value):
+    return lambda o: o.update({key: value})
+
+
+def status(value):
+    return lambda a: setattr(a, "status", value)
+
+
+def text(old, new):
+    return lambda a: setattr(a, "body", a.body.replace(old, new))
+
+
+def nudge(o):
+    if "blocks" in o:
+        o["blocks"][0]["values"][0][0] += 1e-7
+
+
+numbers = itertools.count()
+
+
+def another_hash(o):
+    if "state_hash" in o:
+        o["state_hash"] = "%016x" % next(numbers)
+
+
+def shift_scale(m):
+    for block in m["blocks"]:
+        if block["encoding"].startswith("Q16"):
+            block["offset"] = [x + 0.7 * q for x, q in zip(block["offset"], block["scale"])]
+
+
+def stdout(old, new):
+    return lambda p: setattr(p, "stdout", p.stdout.replace(old, new))
+
+
+STEP, SELF, FRAMES = r"POST .*/step$", r"GET /v1/sessions/[^/]+$", r"GET .*/frames"
+
+ALTERED = {
+    "sessions_test.Sessions": {
+        "test_create_answers_with_location_and_links": [body("POST /v1/sessions$", lambda o: o["links"].pop("picture"))],
+        "test_damped_oscillator_through_http": [body(FRAMES, nudge)],
+        "test_from_step_is_a_precondition": [body(SELF, put("step", 10))],
+        "test_idempotency_key_repeats_the_answer_not_the_step": [body(SELF, put("step", 6))],
+        "test_create_under_the_clients_own_id": [answer("PUT", lambda a: a.status == 409 and status(200)(a))],
+        "test_pages_of_sessions": [body("GET /v1/sessions.page_token=|GET /v1/sessions.limit", lambda o: o["sessions"].clear())],
+        "test_deleted_sessions_are_unknown": [body(SELF, put("code", "ok"))],
+        "test_play_pause_reset": [body("POST .*/reset$", put("step", 1))],
+        "test_snapshot_restore_and_branch_continue_the_trajectory": [body(STEP, another_hash)],
+        "test_seek_is_exact": [body("POST .*/seek$", put("state_hash", "0" * 16))],
+        "test_instability_says_where_and_what_would_have_held": [body(STEP, put("suggested_dt", 2.001e-3))],
+    },
+    "output_test.Output": {
+        "test_poll_and_long_poll": [body(FRAMES, lambda o: o["frames"][1:2] and o["frames"].pop(4))],
+        "test_frames_nobody_asked_for_are_not_built": [body(SELF, put("frames_built", 1))],
+        "test_protobuf_frame": [answer(FRAMES, text(b"\x00\x00\x80\x3f", b"\x01\x00\x80\x3f"))],
+        "test_earlier_frames_are_exact": [body(FRAMES, put("state_hash", "0" * 16))],
+        "test_observables_as_json_and_csv": [body("GET .*/observables", lambda o: o["series"]["values"]["energy.total"].__setitem__(0, 50 + 1e-11))],
+        "test_plan_names_passes_and_what_was_skipped": [body("GET .*/plan", lambda o: o["passes"][-1].update(reason=""))],
+        "test_picture_is_a_png_of_the_wanted_size": [answer("GET .*width=320", text(b"\x00\x00\x01\x40", b"\x00\x00\x01\x41"))],
+        "test_recording_is_refused_while_written_and_served_afterwards": [answer("GET .*/recording", lambda a: a.status == 206 and text(b"\x89", b"\x88")(a))],
+        "test_recording_ends_by_itself_at_the_scenes_duration": [answer("GET .*/recording", status(409))],
+    },
+    "catalogue_test.Catalogue": {
+        "test_every_system_is_described": [body("GET /v1/systems/", lambda o: o["parameters"].clear())],
+        "test_every_gallery_scene_is_valid_and_says_what_it_teaches": [body("GET /v1/gallery/", lambda o: o["expect"][0].pop("source"))],
+        "test_all_faults_of_a_scene_at_once": [body("POST /v1/sessions$", lambda o: o["errors"].pop())],
+        "test_units_are_echoed_in_si": [body("POST .*/validate", lambda o: o["scene"]["systems"][0].update(mass=250))],
+        "test_descriptions": [body("GET /openapi.json", lambda o: o["paths"].pop("/v1/gallery"))],
+        "test_health_and_metrics": [answer("GET /metrics", text(b"truestep_sessions ", b"sessions "))],
+        "test_bad_requests": [answer("POST .*/seek", status(200))],
+    },
+    "stream_test.Stream": {
+        "test_hello_topology_playback_frame": [message("hello", put("session", "another"))],
+        "test_credit_bounds_the_frames_in_flight_and_gaps_are_counted": [message("frame", put("dropped", "0"))],
+        "test_every_policy_leaves_no_gap": [message("frame", lambda m: m["step"] == "150" and m.update(step="151"))],
+        "test_differences_decode_to_the_positions_within_half_a_quantum": [message("frame", shift_scale)],
+        "test_commands_and_control_over_the_stream": [message("problem", put("code", "internal"))],
+        "test_unknown_subprotocols_and_foreign_origins_are_refused": [("handshake", None, 101)],
+    },
+    "ending_test.Ending": {
+        "test_sigterm_closes_streams_and_finishes_recordings": [output(stdout('"finalized":true', '"finalized":false'))],
+        "test_limits_are_answered_with_the_estimate": [body("POST /v1/sessions$", put("code", "internal"))],
+        "test_other_machines_need_a_key": [output(lambda p: setattr(p, "returncode", 0))],
+    },
+    "command_line_test.CommandLine": {
+        "test_exit_codes": [output(lambda p: p.returncode == 6 and setattr(p, "returncode", 0))],
+        "test_run_prints_one_json_object": [output(lambda p: "--threads" in p.args and stdout('"state_hash":"', '"state_hash":"0')(p))],
+        "test_validate_lists_faults": [output(stdout("/systems/0/mas", "/systems/0"))],
+    },
+}
