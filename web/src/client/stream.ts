@@ -7,7 +7,7 @@
 // Frames are taken newest first: while the loop's body runs, later frames replace each other, and asking for
 // the next frame returns the credit of all that arrived. A consumer that is slow, or a hidden tab, therefore
 // makes the server drop frames, never queue them; where frames arrive only to be replaced, credit is held back
-// until one comes per turn, and handed out again when none is replaced any more. A lost connection comes back by itself with growing,
+// until the next one is just there in time, and handed out again when none is replaced any more. A lost connection comes back by itself with growing,
 // jittered pauses; a session that is gone, or a refused key, ends the stream with the server's problem.
 import { create, fromBinary, toBinary, type MessageInitShape } from "@bufbuild/protobuf";
 import { Decoder, MissingBase, type DecodedFrame } from "./decode";
@@ -29,6 +29,7 @@ import {
 
 export const kSubprotocol = "truestep.v1.proto";
 const kCalm = 120; // turns of the consumer before one more frame may be in flight
+const kLeast = 2; // the frame that is being used, and the next one on its way
 
 export type StreamState = "connecting" | "open" | "waiting" | "closed";
 
@@ -184,7 +185,7 @@ export class Stream {
     if (frames === 0) return;
     this.owed = 0;
     ++this.calm;
-    if (frames > 1 && this.window > 1) {
+    if (frames > 1 && this.window > kLeast) {
       --this.window;
       --frames;
       this.calm = 0;
