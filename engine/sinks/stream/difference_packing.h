@@ -6,6 +6,7 @@
 // the group's word 16 w + l. Entries beyond the last value are 0. A value that the base does not have counts
 // as 0 there. (Bit packing by lanes: D. Lemire, L. Boytsov, Decoding billions of integers per second, 2015.)
 #pragma once
+#include <cstddef>
 #include <cstdint>
 #include <span>
 #include <string>

@@ -2,6 +2,7 @@
 //   k = round((value - offset[c]) / scale[c]), so |decoded - value| <= scale[c] / 2
 // and whoever writes the decoded value as a float rounds it once more. Pure functions of arrays.
 #pragma once
+#include <cstddef>
 #include <cstdint>
 #include <span>
 #include <vector>

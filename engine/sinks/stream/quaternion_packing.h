@@ -6,6 +6,7 @@
 // four components are equal; the rotation between q and its decoded form is then 4 sqrt(3) half
 // quanta, 4.80e-3 rad or 0.275 degrees. ("Smallest three", the usual packing of rotations in network play.)
 #pragma once
+#include <cstddef>
 #include <cstdint>
 
 namespace truestep {
