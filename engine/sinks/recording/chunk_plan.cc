@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "engine/base/errors.h"
+#include "engine/sinks/recording/fletcher32.h"
 
 namespace truestep {
 namespace {
@@ -28,7 +29,9 @@ void place(ChunkPlan& plan, PlannedArray a) {
   a.row_bytes = a.width * element_size(a.type);
   a.chunk_rows = rows;
   if (plan.frames == 1 && rows * a.row_bytes > 2 * kChunkBytes) {
-    a.chunk_rows = std::max<size_t>(1, kChunkBytes / a.row_bytes);
+    // Equal parts, so that the last chunk is as full as the others.
+    const size_t most = std::max<size_t>(1, kChunkBytes / a.row_bytes), parts = (rows + most - 1) / most;
+    a.chunk_rows = (rows + parts - 1) / parts;
   }
   a.chunks = (rows + a.chunk_rows - 1) / a.chunk_rows;
   a.chunk_bytes = plan.frames * a.chunk_rows * a.row_bytes;
@@ -171,6 +174,25 @@ void fill_frame(const RecordingLayout& layout, const ChunkPlan& plan, std::byte*
   }
   put(plan.arrays[plan.arrays.size() - 2], image, slot, time);
   put(plan.arrays[plan.arrays.size() - 1], image, slot, step);
+}
+
+void seal_batch(const RecordingLayout& layout, const ChunkPlan& plan, std::byte* image) {
+  for (const PlannedArray& a : plan.arrays) {
+    const size_t used = used_chunks(layout, plan, image, a);
+    for (size_t c = 0; c < used; ++c) {
+      std::byte* chunk = image + a.offset + c * a.stride;
+      const uint32_t sum = fletcher32(chunk, a.chunk_bytes);
+      std::memcpy(chunk + a.chunk_bytes, &sum, sizeof sum);
+    }
+  }
+}
+
+size_t used_chunks(const RecordingLayout& layout, const ChunkPlan& plan, const std::byte* image,
+                   const PlannedArray& a) {
+  if (a.system < 0 || a.chunks == 1) return a.chunks;
+  // More than one chunk per frame: one frame per batch.
+  const size_t rows = rows_in_image(layout, plan, image, static_cast<size_t>(a.system), 0);
+  return std::max<size_t>(1, (rows + a.chunk_rows - 1) / a.chunk_rows);
 }
 
 size_t rows_in_image(const RecordingLayout& layout, const ChunkPlan& plan, const std::byte* image,

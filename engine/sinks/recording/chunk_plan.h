@@ -50,6 +50,13 @@ void fill_frame(const RecordingLayout& layout, const ChunkPlan& plan, std::byte*
                 int64_t step, double time, std::span<const SystemRows> systems,
                 std::span<const double> observables);
 
+/// Puts the checksums behind the chunks of a filled image, soon after it was filled: then it is in the cache.
+void seal_batch(const RecordingLayout& layout, const ChunkPlan& plan, std::byte* image);
+
+/// Chunks of an array that a filled image writes; those that hold no rows are left out.
+size_t used_chunks(const RecordingLayout& layout, const ChunkPlan& plan, const std::byte* image,
+                   const PlannedArray& array);
+
 /// Row count of `system` in frame `slot` of a filled image.
 size_t rows_in_image(const RecordingLayout& layout, const ChunkPlan& plan, const std::byte* image,
                      size_t system, size_t slot);

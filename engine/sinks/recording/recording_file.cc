@@ -1,10 +1,8 @@
 #include "engine/sinks/recording/recording_file.h"
 
-#include <cstring>
 #include <limits>
 
 #include "engine/base/errors.h"
-#include "engine/sinks/recording/fletcher32.h"
 #include "engine/sinks/recording/h5_types.h"
 #include "engine/sinks/recording/vtkhdf.h"
 
@@ -122,29 +120,23 @@ void RecordingFile::create_arrays() {
   }
 }
 
-void RecordingFile::write_chunks(const PlannedArray& a, hid_t set, std::byte* chunks, uint64_t first,
+void RecordingFile::write_chunks(const PlannedArray& a, hid_t set, const std::byte* chunks, uint64_t first,
                                  size_t frames, size_t chunks_used) {
   hsize_t dims[3] = {first + frames, a.rows, a.width};
   h5_ok(H5Dset_extent(set, dims), "extend a dataset");
   for (size_t c = 0; c < chunks_used; ++c) {
     // The image is already what HDF5's filter would make of it, so the library only stores it: one pass over
     // the data instead of three, and never a partly filled chunk that is written again.
-    std::byte* chunk = chunks + c * a.stride;
-    const uint32_t sum = fletcher32(chunk, a.chunk_bytes);
-    std::memcpy(chunk + a.chunk_bytes, &sum, 4);
+    const std::byte* chunk = chunks + c * a.stride;
     const hsize_t at[3] = {first, c * a.chunk_rows, 0};
     h5_ok(H5Dwrite_chunk(set, H5P_DEFAULT, 0, at, a.chunk_bytes + 4, chunk), "write a frame");
   }
 }
 
-void RecordingFile::write(std::byte* image, size_t frames) {
+void RecordingFile::write(const std::byte* image, size_t frames) {
   for (size_t i = 0; i < plan_.first_clock; ++i) {
     const PlannedArray& a = plan_.arrays[i];
-    size_t used = a.chunks;
-    if (a.system >= 0 && a.chunks > 1) {  // more than one chunk per frame: one frame per batch
-      const size_t rows = rows_in_image(layout_, plan_, image, static_cast<size_t>(a.system), 0);
-      used = std::max<size_t>(1, (rows + a.chunk_rows - 1) / a.chunk_rows);
-    }
+    const size_t used = used_chunks(layout_, plan_, image, a);
     write_chunks(a, sets_[i], image + a.offset, written_, frames, used);
   }
   if (pending_count_ == pending_.size()) pending_.emplace_back();
@@ -161,7 +153,7 @@ void RecordingFile::flush() {
   for (size_t i = plan_.first_clock; i < plan_.arrays.size(); ++i) {
     const PlannedArray& a = plan_.arrays[i];
     for (size_t p = 0; p < pending_count_; ++p) {
-      PendingClock& clock = pending_[p];
+      const PendingClock& clock = pending_[p];
       write_chunks(a, sets_[i], clock.bytes.data() + (a.offset - plan_.clock_offset), clock.first_frame,
                    clock.frames, 1);
     }

@@ -21,8 +21,8 @@ class RecordingFile {
   RecordingFile(const RecordingLayout& layout, const ChunkPlan& plan);
   ~RecordingFile();
 
-  /// Writes the first `frames` frames of a batch's image; adds the checksums to `image`.
-  void write(std::byte* image, size_t frames);
+  /// Writes the first `frames` frames of a sealed batch's image.
+  void write(const std::byte* image, size_t frames);
 
   /// Makes all frames written so far readable after the death of the process.
   void flush();
@@ -42,7 +42,7 @@ class RecordingFile {
 
   void create_groups();
   void create_arrays();
-  void write_chunks(const PlannedArray& a, hid_t set, std::byte* chunks, uint64_t first, size_t frames,
+  void write_chunks(const PlannedArray& a, hid_t set, const std::byte* chunks, uint64_t first, size_t frames,
                     size_t chunks_used);
   void close();
 

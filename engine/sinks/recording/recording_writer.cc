@@ -68,7 +68,8 @@ struct RecordingWriter::Core {
 struct RecordingWriter::Batch final : RecordingTask {
   explicit Batch(std::shared_ptr<Core> c) : core(std::move(c)), size(core->plan.bytes) {
     image.reset(static_cast<std::byte*>(::operator new (size, std::align_val_t{64})));
-    std::memset(image.get(), 0, size);
+    // A single frame fills every byte that is written.
+    if (core->plan.frames > 1) std::memset(image.get(), 0, size);
   }
   struct Free {
     void operator()(std::byte* p) const { ::operator delete (p, std::align_val_t{64}); }
@@ -125,6 +126,7 @@ void RecordingWriter::append(int64_t step, double time, std::span<const SystemRo
 }
 
 void RecordingWriter::submit() {
+  seal_batch(core_->layout, core_->plan, batch_->image.get());
   batch_->core = core_;
   ++core_->queued;
   core_->thread->post(std::move(batch_));

@@ -61,12 +61,16 @@ uint64_t rewrite(RecordedFile& source, const std::string& path, std::string& why
     }
     fill_frame(layout, plan, image.data(), filled, frame.step, frame.time, systems, frame.observables);
     if (++filled == plan.frames) {
+      seal_batch(layout, plan, image.data());
       file.write(image.data(), filled);
       file.flush();
       filled = 0;
     }
   }
-  if (filled > 0) file.write(image.data(), filled);
+  if (filled > 0) {
+    seal_batch(layout, plan, image.data());
+    file.write(image.data(), filled);
+  }
   file.finalize(source.info().journal);
   return kept;
 }
