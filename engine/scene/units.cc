@@ -107,7 +107,7 @@ std::optional<Unit> parse_unit(std::string_view text) {
     const std::string_view factor = text.substr(0, end);
     if (factor.empty() || !multiply_factor(factor, sign, unit)) return std::nullopt;
     if (end == std::string_view::npos) return unit;
-    // "N/m s" reads as N/(m s)? No: only the factor after the slash is divided, as in SI's N/m*s.
+    // A slash divides by the next factor alone: "N/m s" is (N/m) s, and N/(m s) is written "N/m/s".
     std::string_view rest = trim(text.substr(end));
     sign = 1;
     if (rest.front() == '/' || rest.front() == '*') {

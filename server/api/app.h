@@ -38,6 +38,8 @@ net::Router make_router(App& app);
 
 // Parts of the table, one file each.
 void add_session_routes(net::Router& router, App& app);
+void add_playback_routes(net::Router& router, App& app);
+void add_snapshot_routes(net::Router& router, App& app);
 void add_frame_routes(net::Router& router, App& app);
 void add_catalogue_routes(net::Router& router, App& app);
 void add_thumbnail_routes(net::Router& router, App& app);

@@ -2,7 +2,7 @@
 #include "engine/scene/gallery.h"
 #include "engine/scene/json.h"
 #include "engine/scene/json_write.h"
-#include "server/api/describe.h"
+#include "engine/session/describe.h"
 #include "server/api/requests.h"
 
 namespace truestep {

@@ -151,7 +151,6 @@ void append_csv_number(std::string& out, double v) {
 // The series that the session kept, or the present values when the scene names no observables.
 Response observables(SessionEntry& e, const std::vector<std::string>& names, size_t max_points, bool csv) {
   const Session& s = e.session;
-  Series now({}, 1);
   std::vector<std::string> columns, units;
   std::vector<std::vector<double>> values;
   std::vector<uint64_t> steps;

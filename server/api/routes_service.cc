@@ -116,6 +116,8 @@ net::Router make_router(App& app) {
   add_catalogue_routes(router, app);
   add_thumbnail_routes(router, app);
   add_session_routes(router, app);
+  add_playback_routes(router, app);
+  add_snapshot_routes(router, app);
   add_frame_routes(router, app);
   add_recording_routes(router, app);
   add_description_routes(router);

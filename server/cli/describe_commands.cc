@@ -6,7 +6,7 @@
 #include "engine/scene/gallery.h"
 #include "engine/scene/json.h"
 #include "engine/scene/json_write.h"
-#include "server/api/describe.h"
+#include "engine/session/describe.h"
 #include "server/cli/exit_codes.h"
 #include "server/cli/input.h"
 

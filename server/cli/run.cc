@@ -8,9 +8,9 @@
 
 #include "engine/scene/admission.h"
 #include "engine/scene/json_write.h"
+#include "engine/session/describe.h"
 #include "engine/session/expectation.h"
 #include "engine/session/session.h"
-#include "server/api/describe.h"
 #include "server/cli/exit_codes.h"
 #include "server/cli/input.h"
 #include "server/cli/progress.h"

@@ -1,4 +1,4 @@
-#include "server/api/describe.h"
+#include "engine/session/describe.h"
 
 #include <cmath>
 

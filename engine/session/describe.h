@@ -1,4 +1,5 @@
-// JSON answers that the command line and HTTP share: what the program can do and what a scene amounts to.
+// JSON answers that the command line and the service share: what the program can do and what a scene amounts
+// to.
 #pragma once
 #include <boost/json.hpp>
 

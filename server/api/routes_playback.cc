@@ -1,0 +1,145 @@
+// /v1/sessions/{id}: step, play, pause, reset, seek.
+#include <cmath>
+
+#include "engine/base/hash.h"
+#include "engine/scene/json_write.h"
+#include "server/api/requests.h"
+#include "server/api/session_answers.h"
+
+namespace truestep {
+
+namespace json = boost::json;
+namespace asio = boost::asio;
+using net::Method;
+using net::Request;
+using net::Response;
+
+namespace {
+
+// The step that {"steps": n | "seconds": s | "until": t} leads to.
+uint64_t step_target(const json::object& body, const Session& s) {
+  std::vector<Issue> issues;
+  int given = 0;
+  for (const auto& [key, value] : body) {
+    if (key == "steps" || key == "seconds" || key == "until")
+      ++given;
+    else if (key != "from_step")
+      issues.push_back({"/" + std::string(key), "unknown_key", "this is no member of a step request", "",
+                        "steps, seconds, until, from_step", "", ""});
+  }
+  if (given > 1)
+    issues.push_back({"", "inconsistent", "give one of steps, seconds and until", "", "", "", ""});
+  if (!issues.empty()) throw Error("bad_request", "the step request has faults", std::move(issues));
+  const double now = static_cast<double>(s.step_index()), dt = s.world().dt();
+  if (body.contains("from_step")) {
+    const double from = number_member(body, "from_step", 0, 9e15);
+    if (from != now) {
+      throw Error("step_conflict", "the session is at step " + std::to_string(s.step_index()),
+                  {{"/from_step", "precondition", "the session is at another step",
+                    write_json(body.at("from_step")), std::to_string(s.step_index()), "", ""}});
+    }
+  }
+  double steps = 1;
+  if (body.contains("steps")) steps = number_member(body, "steps", 0, 1e9);
+  if (body.contains("seconds")) steps = std::round(number_member(body, "seconds", 0, 1e9) / dt);
+  if (body.contains("until"))
+    steps = std::max(0.0, std::round(number_member(body, "until", 0, 1e9) / dt) - now);
+  if (steps != std::floor(steps) || steps > 1e9) {
+    throw Error(
+        "bad_request", "a request does a whole number of steps, at most 1e9",
+        {{"/steps", "out_of_range", "the value is outside the allowed range", "", "0 to 1e9", "", ""}});
+  }
+  return s.step_index() + static_cast<uint64_t>(steps);
+}
+
+asio::awaitable<Response> step(App& app, const Request& request) {
+  EntryPtr entry = app.store.find(request.param("id"));
+  const std::string key(request.header("idempotency-key"));
+  const json::object body = json_object_body(request);
+  Hasher hasher;
+  hasher.text(entry->id);
+  hasher.text(request.body);
+  if (!key.empty()) {
+    if (const auto before = app.idempotency.begin(key, hasher.value()))
+      co_return Response::json(before->body, before->status);
+  }
+  try {
+    auto find_target = [entry, &body] {
+      const std::lock_guard lock(entry->mutex);
+      if (!entry->session.failure()) return step_target(body, entry->session);
+      return UINT64_MAX;
+    };
+    const uint64_t target = co_await net::offload(app.runner.pool(), std::move(find_target));
+    if (target != UINT64_MAX) co_await app.runner.step_to(entry, target);
+    Response response = co_await with_session(app, entry, [&](SessionEntry& e) {
+      return e.session.failure() ? instability(request, e.session) : json_response(describe_clock(e));
+    });
+    if (!key.empty())
+      app.idempotency.remember(key,
+                               {hasher.value(), response.status, std::string(response.body_bytes()), ""});
+    co_return response;
+  } catch (...) {
+    if (!key.empty()) app.idempotency.forget(key);
+    throw;
+  }
+}
+
+asio::awaitable<Response> play(App& app, const Request& request) {
+  EntryPtr entry = app.store.find(request.param("id"));
+  const json::object body = json_object_body(request);
+  co_return co_await with_session(app, entry, [&](SessionEntry& e) {
+    if (e.session.failure()) return instability(request, e.session);
+    e.session.play(body.contains("speed") ? number_member(body, "speed", 1e-6, 1000) : 1.0);
+    app.runner.keep_playing(entry);
+    e.publish();
+    return json_response(describe_clock(e));
+  });
+}
+
+asio::awaitable<Response> seek(App& app, const Request& request) {
+  EntryPtr entry = app.store.find(request.param("id"));
+  const json::object body = json_object_body(request);
+  co_return co_await with_session_on_worker(app, entry, [&](SessionEntry& e) {
+    double target = 0;
+    if (body.contains("step"))
+      target = number_member(body, "step", 0, 1e9);
+    else if (body.contains("time"))
+      target = std::round(number_member(body, "time", 0, 1e9) / e.session.world().dt());
+    else
+      throw Error("bad_request", "give step or time",
+                  {{"", "missing", "give step or time", "", "step, time", "", ""}});
+    e.session.seek(static_cast<uint64_t>(target));
+    e.publish();
+    return e.session.failure() ? instability(request, e.session) : json_response(describe_clock(e));
+  });
+}
+
+}  // namespace
+
+void add_playback_routes(net::Router& router, App& app) {
+  const std::string session = "/v1/sessions/{id}";
+  router.add(Method::post, session + "/step",
+             "Steps: {\"steps\": n | \"seconds\": s | \"until\": t, \"from_step\"?: k}",
+             [&app](const Request& r) { return step(app, r); });
+  router.add(Method::post, session + "/play", "Runs in real time times speed",
+             [&app](const Request& r) { return play(app, r); });
+  router.add(Method::post, session + "/pause", "Stops running", [&app](const Request& r) {
+    return with_session(app, app.store.find(r.param("id")), [](SessionEntry& e) {
+      e.session.pause();
+      e.publish();
+      return json_response(describe_clock(e));
+    });
+  });
+  router.add(Method::post, session + "/reset", "Back to step 0; the journal is forgotten",
+             [&app](const Request& r) {
+               return with_session_on_worker(app, app.store.find(r.param("id")), [](SessionEntry& e) {
+                 e.session.reset();
+                 e.publish();
+                 return json_response(describe_clock(e));
+               });
+             });
+  router.add(Method::post, session + "/seek", "Goes to a step or time of this run, exactly",
+             [&app](const Request& r) { return seek(app, r); });
+}
+
+}  // namespace truestep

@@ -1,0 +1,94 @@
+// /v1/sessions/{id}/snapshots and branch: states that a session, or another one, continues from.
+#include "engine/base/hash.h"
+#include "server/api/requests.h"
+#include "server/api/session_answers.h"
+
+namespace truestep {
+
+namespace json = boost::json;
+namespace asio = boost::asio;
+using net::Method;
+using net::Request;
+using net::Response;
+
+namespace {
+
+asio::awaitable<Response> take_snapshot(App& app, const Request& request) {
+  EntryPtr entry = app.store.find(request.param("id"));
+  co_return co_await with_session_on_worker(app, entry, [](SessionEntry& e) {
+    if (e.snapshots.size() >= 64) throw Error("quota_exceeded", "a session keeps at most 64 snapshots");
+    const std::string sid = "step-" + std::to_string(e.session.step_index());
+    e.snapshots[sid] = std::make_shared<const WorldState>(e.session.state());
+    Response r = json_response(
+        json::object{{"id", sid}, {"step", e.session.step_index()}, {"state_hash", hex64(e.session.hash())}},
+        201);
+    r.header("Location", "/v1/sessions/" + e.id + "/snapshots/" + sid);
+    return r;
+  });
+}
+
+std::shared_ptr<const WorldState> snapshot_of(SessionEntry& e, std::string_view sid) {
+  const auto it = e.snapshots.find(std::string(sid));
+  if (it == e.snapshots.end()) throw Error("not_found", "this session has no such snapshot");
+  return it->second;
+}
+
+asio::awaitable<Response> branch(App& app, const Request& request) {
+  EntryPtr entry = app.store.find(request.param("id"));
+  auto copy = [&app, entry] {
+    json::value document;
+    WorldState state;
+    {
+      const std::lock_guard lock(entry->mutex);
+      document = entry->session.world().scene().canonical();
+      state = entry->session.state();
+    }
+    auto made = app.store.create(document, random_session_id());
+    const std::lock_guard lock(made.entry->mutex);
+    made.entry->session.restore(std::move(state));
+    Response r = json_response(describe_session(*made.entry), 201);
+    r.header("Location", "/v1/sessions/" + made.entry->id);
+    return r;
+  };
+  co_return co_await net::offload(app.runner.pool(), std::move(copy));
+}
+
+}  // namespace
+
+void add_snapshot_routes(net::Router& router, App& app) {
+  const std::string session = "/v1/sessions/{id}";
+  router.add(Method::post, session + "/branch", "A new session that continues from this one's state",
+             [&app](const Request& r) { return branch(app, r); });
+  router.add(Method::get, session + "/snapshots", "Snapshots that were taken", [&app](const Request& r) {
+    return with_session(app, app.store.find(r.param("id")), [](SessionEntry& e) {
+      json::array list;
+      for (const auto& [sid, state] : e.snapshots)
+        list.push_back(json::object{{"id", sid}, {"step", state->step}});
+      return json_response(json::object{{"snapshots", std::move(list)}});
+    });
+  });
+  router.add(Method::post, session + "/snapshots", "Takes a snapshot of the present state",
+             [&app](const Request& r) { return take_snapshot(app, r); });
+  router.add(Method::get, session + "/snapshots/{sid}", "A snapshot's bytes",
+             [&app](const Request& r) -> asio::awaitable<Response> {
+               const std::string sid(r.param("sid"));
+               co_return co_await with_session_on_worker(
+                   app, app.store.find(r.param("id")), [&sid](SessionEntry& e) {
+                     const auto bytes = snapshot_of(e, sid)->serialize();
+                     return Response::text({reinterpret_cast<const char*>(bytes.data()), bytes.size()},
+                                           "application/octet-stream");
+                   });
+             });
+  router.add(Method::post, session + "/snapshots/{sid}/restore", "Continues from a snapshot",
+             [&app](const Request& r) -> asio::awaitable<Response> {
+               const std::string sid(r.param("sid"));
+               co_return co_await with_session_on_worker(app, app.store.find(r.param("id")),
+                                                         [&sid](SessionEntry& e) {
+                                                           e.session.restore(*snapshot_of(e, sid));
+                                                           e.publish();
+                                                           return json_response(describe_clock(e));
+                                                         });
+             });
+}
+
+}  // namespace truestep

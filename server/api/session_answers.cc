@@ -1,0 +1,97 @@
+#include "server/api/session_answers.h"
+
+#include "engine/base/hash.h"
+#include "server/net/problem.h"
+
+namespace truestep {
+
+namespace json = boost::json;
+using net::Request;
+using net::Response;
+
+json::object links_of(const std::string& id) {
+  const std::string self = "/v1/sessions/" + id;
+  return {{"self", self},
+          {"step", self + "/step"},
+          {"play", self + "/play"},
+          {"pause", self + "/pause"},
+          {"reset", self + "/reset"},
+          {"frames", self + "/frames"},
+          {"latest_frame", self + "/frames/latest"},
+          {"observables", self + "/observables"},
+          {"plan", self + "/plan"},
+          {"commands", self + "/commands"},
+          {"snapshots", self + "/snapshots"},
+          {"picture", self + "/picture.png"},
+          {"recording", self + "/recording"},
+          {"stream", self + "/stream"},
+          {"viewer", "/?session=" + id}};
+}
+
+json::object describe_session(SessionEntry& e) {
+  const Session& s = e.session;
+  json::object o{{"id", e.id},
+                 {"name", s.world().scene().header.name},
+                 {"step", s.step_index()},
+                 {"time", s.time()},
+                 {"dt", s.world().dt()},
+                 {"status", s.failure()   ? "unstable"
+                            : s.playing() ? "playing"
+                                          : "paused"},
+                 {"speed", s.speed()},
+                 {"skipped_steps", s.skipped_steps()},
+                 {"frames_built", s.frames_built()},
+                 {"state_hash", hex64(s.hash())}};
+  json::array systems;
+  for (size_t i = 0; i < s.world().size(); ++i) {
+    json::array fields;
+    for (const FieldInfo& f : s.world().system(i).fields()) {
+      fields.push_back(json::object{
+          {"name", f.name}, {"unit", f.unit}, {"width", f.width}, {"type", scalar_name(f.type)}});
+    }
+    systems.push_back(json::object{{"id", s.world().id(i)},
+                                   {"type", s.world().scene().systems[i].row->type},
+                                   {"fields", std::move(fields)}});
+  }
+  o["systems"] = std::move(systems);
+  const SceneHeader& header = s.world().scene().header;
+  if (!header.title.empty()) o["title"] = header.title;
+  if (!header.teaches.empty()) o["teaches"] = header.teaches;
+  json::object viewer;
+  if (!header.viewer.color_by.empty()) viewer["color_by"] = header.viewer.color_by;
+  if (const auto& c = header.viewer.camera) {
+    const auto vector = [](const Vec3& v) { return json::array{v.x, v.y, v.z}; };
+    viewer["camera"] = json::object{
+        {"eye", vector(c->eye)}, {"target", vector(c->target)}, {"up", vector(c->up)}, {"fov", c->fov}};
+  }
+  if (!viewer.empty()) o["viewer"] = std::move(viewer);
+  if (const auto& f = s.failure()) {
+    o["instability"] = json::object{{"system", f->system},
+                                    {"quantity", f->quantity},
+                                    {"index", f->index},
+                                    {"detail", f->detail},
+                                    {"last_good_step", f->last_good_step}};
+    if (f->suggested_dt) o["instability"].as_object()["suggested_dt"] = *f->suggested_dt;
+  }
+  o["links"] = links_of(e.id);
+  return o;
+}
+
+json::object describe_clock(const SessionEntry& e) {
+  const Session& s = e.session;
+  return {{"id", e.id},         {"step", s.step_index()},
+          {"time", s.time()},   {"status", s.failure() ? "unstable" : s.playing() ? "playing" : "paused"},
+          {"speed", s.speed()}, {"state_hash", hex64(s.hash())}};
+}
+
+Response instability(const Request& request, const Session& s) {
+  const Failure& f = *s.failure();
+  json::object extra{{"last_good_step", f.last_good_step},
+                     {"system", f.system},
+                     {"quantity", f.quantity},
+                     {"index", f.index}};
+  if (f.suggested_dt) extra["suggested_dt"] = *f.suggested_dt;
+  return net::problem(request, "instability", f.detail, {}, extra);
+}
+
+}  // namespace truestep

@@ -1,0 +1,23 @@
+// What several routes answer about a session: its description, its clock, and why it cannot go on.
+#pragma once
+#include <boost/json.hpp>
+#include <string>
+
+#include "server/net/message.h"
+#include "server/sessions/entry.h"
+
+namespace truestep {
+
+/// Paths of everything that belongs to the session.
+boost::json::object links_of(const std::string& id);
+
+/// Clock, status, systems with their fields, what the viewer needs, links. Under the entry's lock.
+boost::json::object describe_session(SessionEntry& entry);
+
+/// Step, time, status, speed and hash. Under the entry's lock.
+boost::json::object describe_clock(const SessionEntry& entry);
+
+/// The problem "instability" of a session that has failed.
+net::Response instability(const net::Request& request, const Session& session);
+
+}  // namespace truestep
