@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Builds and runs the fuzz targets: run.py build | run.py NAME | run.py control.
 
-NAME runs fuzz_NAME on its kept seeds (corpus/NAME), then for TRUESTEP_FUZZ_SECONDS (15) on mutations of them and of
+NAME runs fuzz_NAME on its kept seeds (corpus/NAME), then for TRUESTEP_FUZZ_SECONDS (60) on mutations of them and of
 what earlier runs found (build/fuzz/found/NAME). A crash, a sanitizer report, a leak, 10 s for one input or 2 GiB of
 memory fail the run; the input stays in build/fuzz/artifacts. control expects that of a target with a planted fault.
 """
@@ -43,7 +43,7 @@ def main():
     what = sys.argv[1]
     if what == "build":
         return build(sys.argv[3])
-    code, tried = fuzz(what, int(os.environ.get("TRUESTEP_FUZZ_SECONDS", "15")))
+    code, tried = fuzz(what, int(os.environ.get("TRUESTEP_FUZZ_SECONDS", "60")))
     if what == "control":
         return 0 if code else 1
     return code or (0 if tried else 1)

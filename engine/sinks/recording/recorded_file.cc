@@ -18,7 +18,10 @@ H5 open_file(const std::string& path, RecordingOwner owner) {
   H5 access = h5_id(H5Pcreate(H5P_FILE_ACCESS), "make file properties");
   h5_ok(H5Pset_fclose_degree(access, H5F_CLOSE_STRONG), "set how the file closes");
   h5_ok(H5Pset_file_locking(access, 1, 1), "set file locking");
-  if (owner == RecordingOwner::kDead) h5_ok(H5Pset_metadata_read_attempts(access, 1), "set the attempts");
+  // The library waits twice as long before each new attempt: 20 take a millisecond, its own 100 would never
+  // end.
+  const unsigned attempts = owner == RecordingOwner::kDead ? 1 : 20;
+  h5_ok(H5Pset_metadata_read_attempts(access, attempts), "set the attempts");
   // A file whose writer lives or died is marked: only a SWMR reader may open it, and needs no repair.
   for (unsigned mode : {H5F_ACC_RDONLY, H5F_ACC_RDONLY | H5F_ACC_SWMR_READ}) {
     const hid_t id = H5Fopen(path.c_str(), mode, access);
@@ -43,39 +46,65 @@ std::vector<std::string> links(hid_t file, const char* path) {
   return names;
 }
 
-std::string text_of(hid_t type, const std::string& bytes) {
-  return H5Tis_variable_str(type) > 0 ? std::string() : bytes.substr(0, bytes.find_last_not_of('\0') + 1);
+// A text of `bytes` bytes is no longer than the file that holds it.
+std::string room_for_text(hid_t type, uint64_t file_size) {
+  const size_t bytes = H5Tget_size(type);
+  if (H5Tget_class(type) != H5T_STRING || bytes > file_size)
+    damaged("a text is none, or longer than the file");
+  return std::string(bytes, '\0');
 }
 
-std::string read_text(hid_t file, const std::string& path) {
+std::string text_of(const std::string& bytes) {
+  return bytes.substr(0, bytes.find_last_not_of('\0') + 1);
+}
+
+// One element, or reading it would write over what lies behind the place for one.
+void check_scalar(hid_t space) {
+  if (H5Sget_simple_extent_npoints(space) != 1) damaged("a single value is many");
+}
+
+std::string read_text(hid_t file, const std::string& path, uint64_t file_size) {
   H5 set = h5_id(H5Dopen2(file, path.c_str(), H5P_DEFAULT), "open a text");
   H5 type = h5_id(H5Dget_type(set), "read a type");
-  std::string bytes(H5Tget_size(type), '\0');
+  check_scalar(h5_id(H5Dget_space(set), "read a shape"));
+  if (H5Tis_variable_str(type) > 0) return "";
+  std::string bytes = room_for_text(type, file_size);
   h5_ok(H5Dread(set, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, bytes.data()), "read a text");
-  return text_of(type, bytes);
+  return text_of(bytes);
 }
 
-std::string read_text_attribute(hid_t object, const char* name) {
+std::string read_text_attribute(hid_t object, const char* name, uint64_t file_size) {
   if (H5Aexists(object, name) <= 0) return "";
   H5 attribute = h5_id(H5Aopen(object, name, H5P_DEFAULT), "open an attribute");
   H5 type = h5_id(H5Aget_type(attribute), "read a type");
-  std::string bytes(H5Tget_size(type), '\0');
+  check_scalar(h5_id(H5Aget_space(attribute), "read a shape"));
+  if (H5Tis_variable_str(type) > 0) return "";
+  std::string bytes = room_for_text(type, file_size);
   h5_ok(H5Aread(attribute, type, bytes.data()), "read an attribute");
-  return text_of(type, bytes);
+  return text_of(bytes);
 }
 
 template <typename T>
 void read_scalar(hid_t file, const char* path, hid_t type, T& value) {
   H5 set = h5_id(H5Dopen2(file, path, H5P_DEFAULT), "open a parameter");
+  check_scalar(h5_id(H5Dget_space(set), "read a shape"));
   h5_ok(H5Dread(set, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, &value), "read a parameter");
 }
 
-std::vector<uint32_t> read_indices(hid_t file, const std::string& path) {
+// Rows of `corners` indices below `rows`.
+std::vector<uint32_t> read_indices(hid_t file, const std::string& path, uint64_t corners, uint64_t rows,
+                                   uint64_t file_size) {
   if (!exists(file, path)) return {};
   H5 set = h5_id(H5Dopen2(file, path.c_str(), H5P_DEFAULT), "open the topology");
   H5 space = h5_id(H5Dget_space(set), "read a shape");
-  std::vector<uint32_t> v(static_cast<size_t>(H5Sget_simple_extent_npoints(space)));
+  const auto count = static_cast<uint64_t>(H5Sget_simple_extent_npoints(space));
+  if (count > file_size / sizeof(uint32_t) || count % corners != 0)
+    damaged("the topology has an unknown shape");
+  std::vector<uint32_t> v(count);
   h5_ok(H5Dread(set, H5T_NATIVE_UINT32, H5S_ALL, H5S_ALL, H5P_DEFAULT, v.data()), "read the topology");
+  for (const uint32_t index : v) {
+    if (index >= rows) damaged("the topology names a row that there is not");
+  }
   return v;
 }
 
@@ -104,8 +133,8 @@ RecordedFile::RecordedFile(const std::string& path, RecordingOwner owner) : file
     throw Error("recording_foreign", "this HDF5 file is not a Truestep recording");
   }
   info_.frames = ~uint64_t{0};
-  step_ = open_array("/clock/step", info_.frames);
-  time_ = open_array("/clock/time", info_.frames);
+  step_ = open_number("/clock/step", Precision::kU32, 8);
+  time_ = open_number("/clock/time", Precision::kF64, 8);
   read_parameters();
   read_systems();
   read_observables();
@@ -113,13 +142,13 @@ RecordedFile::RecordedFile(const std::string& path, RecordingOwner owner) : file
 
 void RecordedFile::read_parameters() {
   RecordingLayout& layout = info_.layout;
-  layout.scene_json = read_text(file_, "/parameters/scene");
-  layout.build = read_text(file_, "/parameters/build");
+  layout.scene_json = read_text(file_, "/parameters/scene", file_size_);
+  layout.build = read_text(file_, "/parameters/build", file_size_);
   read_scalar(file_, "/parameters/seed", H5T_NATIVE_UINT64, layout.seed);
   read_scalar(file_, "/parameters/dt", H5T_NATIVE_DOUBLE, layout.dt);
   if (exists(file_, "/parameters/journal")) {
     try {
-      info_.journal = read_text(file_, "/parameters/journal");
+      info_.journal = read_text(file_, "/parameters/journal", file_size_);
       info_.completion = RecordingCompletion::kFinalized;
     } catch (const Error&) {  // it is written last: a file that lost its tail lost the journal first
       info_.completion = RecordingCompletion::kUnfinished;
@@ -144,16 +173,38 @@ RecordedFile::Array RecordedFile::open_array(const std::string& path, uint64_t& 
   a.width = dims[2];
   a.frames = chunk[0];
   a.chunk_rows = chunk[1];
-  if (chunk[2] != dims[2] || a.rows == 0 || a.element > 8) damaged("a dataset has an unknown shape");
+  const bool known = floating ? a.element == 4 || a.element == 8
+                              : H5Tget_class(type) == H5T_INTEGER && (a.element == 4 || a.element == 8);
+  if (!known || chunk[2] != dims[2] || a.rows == 0 || a.rows > UINT32_MAX) {
+    damaged("a dataset has an unknown shape");
+  }
+  // A chunk that is there fits into the file; none of these products overflows then.
+  if (dims[0] > 0 && (a.width > file_size_ || a.chunk_rows > file_size_ / (a.width * a.element) ||
+                      a.frames > file_size_ / (a.chunk_rows * a.width * a.element))) {
+    damaged("a dataset's chunks are larger than the file");
+  }
   a.chunks = (a.rows + a.chunk_rows - 1) / a.chunk_rows;
   frames = std::min<uint64_t>(frames, dims[0]);
+  return a;
+}
+
+// An array of one number per frame.
+RecordedFile::Array RecordedFile::open_number(const std::string& path, Precision precision, size_t element) {
+  Array a = open_array(path, info_.frames);
+  if (a.precision != precision || a.element != element || a.rows != 1 || a.width != 1) {
+    damaged("the dataset " + path + " has an unknown shape");
+  }
   return a;
 }
 
 RecordedField RecordedFile::read_field(const std::string& path, const std::string& name) {
   fields_.back().push_back(open_array(path + "/" + name + "/value", info_.frames));
   const Array& a = fields_.back().back();
-  return {name, read_text_attribute(a.set, "si_unit"), static_cast<uint32_t>(a.width), a.precision};
+  if (a.rows != fields_.back().front().rows || (a.precision == Precision::kU32 && a.element != 4)) {
+    damaged("the field '" + name + "' has an unknown shape");
+  }
+  return {name, read_text_attribute(a.set, "si_unit", file_size_), static_cast<uint32_t>(a.width),
+          a.precision};
 }
 
 void RecordedFile::read_systems() {
@@ -162,27 +213,29 @@ void RecordedFile::read_systems() {
     H5 group = h5_id(H5Gopen2(file_, path.c_str(), H5P_DEFAULT), "open a system");
     RecordedSystem system;
     system.id = id;
-    system.type = read_text_attribute(group, "type");
-    system.rows =
-        read_text_attribute(group, "row_policy") == "fixed" ? RowPolicy::kFixed : RowPolicy::kVariable;
+    system.type = read_text_attribute(group, "type", file_size_);
+    system.rows = read_text_attribute(group, "row_policy", file_size_) == "fixed" ? RowPolicy::kFixed
+                                                                                  : RowPolicy::kVariable;
     fields_.emplace_back();
     for (const std::string& name : links(file_, path.c_str())) {
       if (name != "box" && name != "rows") system.fields.push_back(read_field(path, name));
     }
     if (fields_.back().empty()) damaged("the system '" + id + "' has no fields");
     system.max_rows = static_cast<uint32_t>(fields_.back()[0].rows);
-    counts_.push_back(system.rows == RowPolicy::kVariable ? open_array(path + "/rows", info_.frames)
+    counts_.push_back(system.rows == RowPolicy::kVariable ? open_number(path + "/rows", Precision::kU32, 4)
                                                           : Array());
-    system.lines = read_indices(file_, "/connectivity/" + id + "/lines");
-    system.triangles = read_indices(file_, "/connectivity/" + id + "/triangles");
+    system.lines = read_indices(file_, "/connectivity/" + id + "/lines", 2, system.max_rows, file_size_);
+    system.triangles =
+        read_indices(file_, "/connectivity/" + id + "/triangles", 3, system.max_rows, file_size_);
     info_.layout.systems.push_back(std::move(system));
   }
 }
 
 void RecordedFile::read_observables() {
   for (const std::string& name : links(file_, "/observables")) {
-    observables_.push_back(open_array("/observables/" + name + "/value", info_.frames));
-    info_.layout.observables.push_back({name, read_text_attribute(observables_.back().set, "si_unit")});
+    observables_.push_back(open_number("/observables/" + name + "/value", Precision::kF64, 8));
+    info_.layout.observables.push_back(
+        {name, read_text_attribute(observables_.back().set, "si_unit", file_size_)});
   }
 }
 
@@ -207,10 +260,10 @@ const std::byte* RecordedFile::row_data(Array& a, uint64_t frame, size_t column)
     const hsize_t at[3] = {row * a.frames, column * a.chunk_rows, 0};
     hsize_t stored = 0;
     uint32_t skipped_filters = 0, sum = 0;
-    a.chunk.resize(bytes + 4);
     a.chunk_row = ~uint64_t{0};
     h5_ok(H5Dget_chunk_storage_size(a.set, at, &stored), "find a frame");
     if (stored != bytes + 4) damaged("frame " + std::to_string(frame) + " is missing");
+    a.chunk.resize(bytes + 4);
     h5_ok(H5Dread_chunk(a.set, H5P_DEFAULT, at, &skipped_filters, a.chunk.data()), "read a frame");
     std::memcpy(&sum, a.chunk.data() + bytes, 4);
     if (skipped_filters != 0 || sum != fletcher32(a.chunk.data(), bytes)) {
@@ -225,12 +278,14 @@ const std::byte* RecordedFile::row_data(Array& a, uint64_t frame, size_t column)
 }
 
 void RecordedFile::read_rows(Array& a, uint64_t frame, size_t rows, std::vector<double>& out) {
-  out.resize(rows * a.width);
+  out.clear();
   for (size_t c = 0; c * a.chunk_rows < std::max<size_t>(rows, 1); ++c) {
     const std::byte* from = row_data(a, frame, c);
-    const size_t first = c * a.chunk_rows * a.width;
-    const size_t last = std::min(rows * a.width, first + a.chunk_rows * a.width);
-    for (size_t i = first; i < last; ++i) out[i] = element(a.precision, from + (i - first) * a.element);
+    const size_t count = std::min(rows - c * a.chunk_rows, a.chunk_rows) * a.width;
+    // Grown as chunks are found, so that no claim of a damaged file is believed beforehand.
+    out.resize(out.size() + count);
+    double* to = out.data() + out.size() - count;
+    for (size_t i = 0; i < count; ++i) to[i] = element(a.precision, from + i * a.element);
   }
 }
 

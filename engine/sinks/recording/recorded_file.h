@@ -42,6 +42,7 @@ class RecordedFile {
   void read_observables();
   RecordedField read_field(const std::string& path, const std::string& name);
   Array open_array(const std::string& path, uint64_t& frames);
+  Array open_number(const std::string& path, Precision precision, size_t element);
   const std::byte* row_data(Array& a, uint64_t frame, size_t column);
   size_t row_count(uint64_t frame, size_t system);
   void check_index(uint64_t index) const;
