@@ -53,7 +53,7 @@ void subdivide(Motion& m, const step_control::Law& law, Attempt attempt, Accept 
       continue;
     }
     accept(now);
-    const double factor = control.accepted(error * error);
+    const double factor = control.accepted(error * error, now);
     h = now < h ? std::max(h, now * factor) : now * factor;
     if (last) break;
     done += now;
@@ -110,6 +110,9 @@ void step_rkf45(const ForceField& f, State& s, const StepInput& in, const Integr
 }
 void step_dopri5(const ForceField& f, State& s, const StepInput& in, const IntegratorOptions& o) {
   step_pair(kDopri5Tableau, {.q = 5}, f, s, in, o);
+}
+void step_ssprk104(const ForceField& f, State& s, const StepInput& in, const IntegratorOptions& o) {
+  step_pair(kSsprk104Tableau, {.q = 4, .foresight = 0}, f, s, in, o);
 }
 void step_tsit5(const ForceField& f, State& s, const StepInput& in, const IntegratorOptions& o) {
   step_pair(kTsit5Tableau, {.q = 5}, f, s, in, o);

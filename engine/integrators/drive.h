@@ -36,7 +36,7 @@ void drive(Advance& in, Method& method, const step_control::Law& law) {
       continue;
     }
     ++steps;
-    const double factor = controller.accepted(error);
+    const double factor = controller.accepted(error, now);
     h = now < h ? std::max(h, now * factor) : now * factor;
     const double forward = now + t_low, sum = t + forward, part = sum - t;
     t_low = (t - (sum - part)) + (forward - part);

@@ -17,8 +17,9 @@ RefusalFunction refuses_general_rates;                                  // verle
 StepFunction step_velocity_verlet, step_leapfrog, step_yoshida4;        // splitting.cc
 StepFunction step_yoshida6, step_yoshida8, step_kahan_li8, step_pefrl;  // splitting.cc
 
-StepFunction step_step_doubling, step_bs32, step_rkf45, step_dopri5, step_tsit5, step_dop853;  // adaptive.cc
-PrepareFunction prepare_adaptive;                                                              // adaptive.cc
+StepFunction step_step_doubling, step_bs32, step_rkf45, step_dopri5;  // adaptive.cc
+StepFunction step_tsit5, step_dop853, step_ssprk104;                  // adaptive.cc
+PrepareFunction prepare_adaptive;                                     // adaptive.cc
 
 AdvanceFunction advance_euler, advance_midpoint, advance_heun, advance_rk4;           // advance_pairs.cc
 AdvanceFunction advance_step_doubling, advance_bs32, advance_rkf45;                   // advance_pairs.cc
@@ -26,6 +27,7 @@ AdvanceFunction advance_symplectic_euler, advance_velocity_verlet, advance_leapf
 AdvanceFunction advance_yoshida4, advance_yoshida6, advance_yoshida8;                 // advance_splitting.cc
 AdvanceFunction advance_kahan_li8, advance_pefrl;                                     // advance_splitting.cc
 AdvanceFunction advance_rkn86, advance_rkn1210;                                       // advance_nystrom.cc
+AdvanceFunction advance_ssprk104;                                                     // ssprk104.cc
 AdvanceFunction advance_ias15;                                                        // ias15.cc
 AdvanceFunction advance_dopri5, advance_tsit5, advance_dop853;                        // advance_NAME.cc
 

@@ -48,6 +48,10 @@ struct Law {
   double q = 5;  ///< the error is O(h^q)
   double beta = 0.04;
   double safety = 0.9, shrink = 0.2, grow = 10;
+  /// How far a growth of e / h^q from one step to the next is expected to go on (Gustafsson 1994, "Control
+  /// theoretic techniques for stepsize selection in implicit Runge-Kutta methods"): saves most of the
+  /// rejected steps where a solution gets steeper and steeper. 0: not at all.
+  double foresight = 1;
 };
 
 /// Proposes steps from squared errors.
@@ -56,12 +60,17 @@ class Controller {
   Controller(const Law& law, double last_error)
       : law_(law), log_last_(last_error > 0 ? std::max(rough_log2(last_error), kFloor) : kFloor) {}
 
-  /// Factor after an accepted step.
-  double accepted(double squared_error) {
+  /// Factor after an accepted step of length h.
+  double accepted(double squared_error, double h) {
     const double log_error = squared_error > 1e-60 ? 0.5 * rough_log2(squared_error) : -100;
     const double alpha = 1 / law_.q - 0.75 * law_.beta;
-    const double factor =
-        law_.safety * rough_exp2(std::clamp(law_.beta * log_last_ - alpha * log_error, -50.0, 50.0));
+    double log_factor = law_.beta * log_last_ - alpha * log_error;
+    const double log_constant = log_error - law_.q * rough_log2(h);
+    if (known_ && log_constant > log_constant_) {
+      log_factor -= law_.foresight / law_.q * (log_constant - log_constant_);
+    }
+    known_ = true, log_constant_ = log_constant;
+    const double factor = law_.safety * rough_exp2(std::clamp(log_factor, -50.0, 50.0));
     log_last_ = std::max(log_error, kFloor);
     const double most = rejected_ ? 1.0 : law_.grow;
     rejected_ = false;
@@ -78,8 +87,8 @@ class Controller {
  private:
   static constexpr double kFloor = -13.287712379549449;  // log2(1e-4)
   Law law_;
-  double log_last_;
-  bool rejected_ = false;
+  double log_last_, log_constant_ = 0;
+  bool rejected_ = false, known_ = false;
 };
 
 /// First step for y' = f(t, y) when nothing is known: y and rate as long as f, two scratch arrays as well;

@@ -152,4 +152,22 @@ inline constexpr Tableau kTsit5Tableau = {
                {0, -27.896526289197286, 65.09189467479366, -34.87065786149661},
                {0, 1.5, -4, 2.5}}}};
 
+/// Ten stages of order 4 whose region of stability contains the disc of radius 6 around -6: explicit steps as
+/// long as any for equations whose fast modes are damped (Ketcheson 2008, "Highly efficient strong
+/// stability-preserving Runge-Kutta methods with low-storage implementations", section 4; embedded solution:
+/// Conde, Fekete, Shadid 2018, "Embedded error estimation and adaptive step-size control for optimal explicit
+/// strong stability preserving Runge-Kutta methods").
+inline constexpr Tableau kSsprk104Tableau = [] {
+  Tableau t{.stages = 10,
+            .b = {0.1, 0.1, 0.1, 0.1, 0.1, 0.1, 0.1, 0.1, 0.1, 0.1},
+            .c = {0, 1.0 / 6, 1.0 / 3, 0.5, 2.0 / 3, 1.0 / 3, 0.5, 2.0 / 3, 5.0 / 6, 1},
+            .order = 4,
+            .error_order = 3,
+            .error = {-0.1, 0.1, 0.1, -0.2, 0.1, 0.1, -0.1, 0.1, -0.2, 0.1}};
+  for (size_t i = 1; i < 10; ++i) {
+    for (size_t j = 0; j < i; ++j) t.a[i][j] = i >= 5 && j < 5 ? 1.0 / 15 : 1.0 / 6;
+  }
+  return t;
+}();
+
 }  // namespace truestep

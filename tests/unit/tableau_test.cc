@@ -17,11 +17,11 @@ struct Named {
   const char* name;
   const Tableau& tableau;
 };
-constexpr Named kAll[] = {{"euler", kEulerTableau}, {"midpoint", kMidpointTableau},
-                          {"heun", kHeunTableau},   {"rk4", kRk4Tableau},
-                          {"bs32", kBs32Tableau},   {"step_doubling", kStepDoublingTableau},
-                          {"rkf45", kRkf45Tableau}, {"dopri5", kDopri5Tableau},
-                          {"tsit5", kTsit5Tableau}, {"dop853", kDop853Tableau}};
+constexpr Named kAll[] = {
+    {"euler", kEulerTableau},       {"midpoint", kMidpointTableau}, {"heun", kHeunTableau},
+    {"rk4", kRk4Tableau},           {"bs32", kBs32Tableau},         {"step_doubling", kStepDoublingTableau},
+    {"rkf45", kRkf45Tableau},       {"dopri5", kDopri5Tableau},     {"tsit5", kTsit5Tableau},
+    {"ssprk104", kSsprk104Tableau}, {"dop853", kDop853Tableau}};
 
 ElementaryWeights weights_of(const Tableau& t, const std::vector<RootedTree>& trees) {
   return elementary_weights(
