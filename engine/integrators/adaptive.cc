@@ -112,7 +112,7 @@ void step_dopri5(const ForceField& f, State& s, const StepInput& in, const Integ
   step_pair(kDopri5Tableau, {.q = 5}, f, s, in, o);
 }
 void step_ssprk104(const ForceField& f, State& s, const StepInput& in, const IntegratorOptions& o) {
-  step_pair(kSsprk104Tableau, {.q = 4, .foresight = 0}, f, s, in, o);
+  step_pair(kSsprk104Tableau, {.q = 4, .beta = 0.1, .foresight = 0}, f, s, in, o);
 }
 void step_tsit5(const ForceField& f, State& s, const StepInput& in, const IntegratorOptions& o) {
   step_pair(kTsit5Tableau, {.q = 5}, f, s, in, o);

@@ -53,7 +53,10 @@ StepWatcher::Verdict EventWatcher::accepted(double t0, double& t1, double* y1, c
   for (size_t e = 0; e < events_.size(); ++e) {
     double before = last_[e];
     for (int part = 1; part <= kParts; ++part) {
-      const double from = double(part - 1) / kParts, to = double(part) / kParts, now = value(events_[e], to);
+      const double to = double(part) / kParts, now = value(events_[e], to);
+      double from = double(part - 1) / kParts;
+      // On which side a zero is left tells a place a little further on.
+      if (before == 0) from += 1e-6 / kParts, before = value(events_[e], from);
       const bool rising = before < 0 && now >= 0, falling = before > 0 && now <= 0;
       const auto wanted = events_[e].direction;
       if ((rising && wanted != Event::Direction::falling) ||

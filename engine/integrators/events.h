@@ -2,8 +2,9 @@
 // accepted step. Four places inside the step are looked at besides its end, so that two crossings within one
 // step are seen unless they lie within a quarter of it; each is then bracketed and refined by Chandrupatla's
 // method (1997, "A new hybrid quadratic/bisection algorithm for finding the zero of a nonlinear function
-// without using derivatives") until t is known to rounding. A zero at the start of the run is no crossing. An
-// event may stop the run at its own time; those behind it in the same step have not happened then.
+// without using derivatives") until t is known to rounding. A zero at the start of the run is no crossing,
+// but the way back to it is. An event may stop the run at its own time; those behind it in the same step have
+// not happened then.
 #pragma once
 #include <functional>
 #include <optional>

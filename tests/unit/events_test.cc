@@ -1,0 +1,130 @@
+// Events are found where they happen, to rounding, in order, with direction, and stop a run at their own
+// time.
+#include "engine/integrators/events.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "engine/core/integrator.h"
+#include "tests/support/ode_problems.h"
+
+namespace truestep::test {
+namespace {
+
+using Direction = Event::Direction;
+using Then = Event::Then;
+
+struct Watched {
+  std::vector<double> y = {};
+  Workspace workspace = {};
+  Carry carry = {};
+  double go(const RightHandSide& f, const char* method, double t, double t_end, double tolerance,
+            EventWatcher& watcher) {
+    Advance in{.f = f,
+               .t = t,
+               .t_end = t_end,
+               .y = y.data(),
+               .workspace = workspace,
+               .carry = carry,
+               .tolerance = {tolerance, tolerance},
+               .watcher = &watcher};
+    watcher.start(t, y.data());
+    find_integrator(method)->advance(in);
+    return in.reached;
+  }
+};
+
+struct HarmonicForce {
+  void operator()(const double* x, double* a) const { a[0] = -x[0]; }
+};
+
+TEST(Events, CosineVanishesAtHalfIntegersOfPi) {
+  const Motions<HarmonicForce> f(1, {});
+  const Event events[] = {{[](double, const double* y) { return y[0]; }},
+                          {[](double, const double* y) { return y[0]; }, Direction::rising},
+                          {[](double, const double* y) { return y[0]; }, Direction::falling}};
+  // The error is that of the interpolant; orders 4 and below need the tolerance that makes short steps.
+  const std::pair<const char*, double> methods[] = {
+      {"dop853", 1e-8}, {"dopri5", 1e-7}, {"tsit5", 1e-7}, {"bs32", 1e-6}, {"rkn86", 1e-8}};
+  for (const auto& [method, error] : methods) {
+    Watched run{{1, 0}};
+    EventWatcher watcher(events, 2);
+    run.go(f, method, 0, 20, 1e-10, watcher);
+    size_t count[3] = {};
+    double last = 0;
+    for (const auto& hit : watcher.hits()) {
+      ++count[hit.event];
+      const double turns = hit.t / M_PI - 0.5;
+      EXPECT_NEAR(turns, std::round(turns), error) << method;
+      const bool rising = static_cast<long>(std::round(turns)) % 2 == 1;
+      if (hit.event > 0) {
+        EXPECT_EQ(rising, hit.event == 1);
+      }
+      EXPECT_GE(hit.t, last) << "order of time";
+      last = hit.t;
+    }
+    EXPECT_EQ(count[0], 6u) << method;
+    EXPECT_EQ(count[1], 3u) << method;
+    EXPECT_EQ(count[2], 3u) << method;
+  }
+}
+
+TEST(Events, ABallBouncesAtItsTimes) {
+  // Height 1 under g = 2: the floor at t = 1, then every 1 s with half the speed's sign turned and e = 1/2:
+  // impacts at 1, 1 + 1, 2 + 1/2, 2.5 + 1/4 ...
+  struct Fall {
+    void operator()(const double*, double* a) const { a[0] = -2; }
+  };
+  const Motions<Fall> f(1, {});
+  const Event floor{[](double, const double* y) { return y[0]; }, Direction::falling, Then::stop};
+  Watched run{{1, 0}};
+  EventWatcher watcher({&floor, 1}, 2);
+  double t = 0, expected = 1, pause = 1;
+  for (int bounce = 0; bounce < 6; ++bounce) {
+    t = run.go(f, "tsit5", t, 10, 1e-9, watcher);
+    ASSERT_EQ(watcher.stopped_by(), std::optional<size_t>(0)) << bounce;
+    // Parabolas are exact in every interpolant; what is left is rounding.
+    EXPECT_NEAR(t, expected, 1e-12) << bounce;
+    EXPECT_NEAR(run.y[0], 0, 1e-12);
+    run.y[0] = 0, run.y[1] *= -0.5;
+    expected += pause, pause *= 0.5;
+  }
+  EXPECT_EQ(watcher.hits().size(), 6u);
+}
+
+TEST(Events, TwoCrossingsInOneStepAreSeenAndLaterOnesDoNotHappen) {
+  // The parabola crosses the line at 0.4 and 1.6; with constant acceleration one step covers it all.
+  struct Fall {
+    void operator()(const double*, double* a) const { a[0] = -2; }
+  };
+  const Motions<Fall> f(1, {});
+  const Event line{[](double, const double* y) { return y[0] - 0.64; }};
+  const Event late{[](double t, const double*) { return t - 1.5; }, Direction::rising, Then::stop};
+  const Event events[] = {line, late};
+  Watched run{{0, 2}};
+  run.carry.step = 4;
+  EventWatcher watcher(events, 2);
+  const double t = run.go(f, "dopri5", 0, 4, 1e-3, watcher);
+  ASSERT_EQ(watcher.hits().size(), 2u);
+  EXPECT_NEAR(watcher.hits()[0].t, 0.4, 1e-12);
+  EXPECT_NEAR(watcher.hits()[1].t, 1.5, 1e-12) << "the line is crossed again at 1.6, behind the stop";
+  EXPECT_NEAR(t, 1.5, 1e-12);
+}
+
+TEST(Events, RootsAreExactAndBracketed) {
+  // Functions that spoil secants: a flat one, a steep one, one with a pole's shape.
+  const std::function<double(double)> functions[] = {
+      [](double x) { return x * x * x * x * x - 1e-10; }, [](double x) { return std::tanh(1e4 * (x - 0.3)); },
+      [](double x) { return 1 / (1.0001 - x) - 2; }, [](double x) { return x < 0.7 ? -1e-3 : 1.0; }};
+  const double roots[] = {1e-2, 0.3, 0.5001, 0.7};
+  for (int i = 0; i < 4; ++i) {
+    int calls = 0;
+    const std::function<double(double)> counted = [&](double x) { return ++calls, functions[i](x); };
+    EXPECT_NEAR(bracketed_root(counted, 0, functions[i](0), 1, functions[i](1), 1e-15), roots[i], 1e-12) << i;
+    EXPECT_LT(calls, 80) << i << ": bisection alone takes 50";
+  }
+}
+
+}  // namespace
+}  // namespace truestep::test
