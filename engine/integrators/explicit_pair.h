@@ -93,6 +93,7 @@ class ExplicitPair final : public Interpolant {
     double largest = -1;
     for (size_t i = 0; i < n_; ++i) {
       const double q = std::abs(h * error<kError>(i)) / step_control::weight(in_.tolerance, i, a_[kY][i]);
+      if (q != q) return static_cast<long long>(i);
       if (q > largest) largest = q, most = i;
     }
     return static_cast<long long>(most);
@@ -191,7 +192,7 @@ class ExplicitPair final : public Interpolant {
       if (!in_.tolerance.absolute_each.empty()) {
         const double* each = in_.tolerance.absolute_each.data();
         return a_.sum([&](size_t i) {
-          const double size = std::fmax(std::abs(y[i]), std::abs(y_new[i]));
+          const double p = std::abs(y[i]), r = std::abs(y_new[i]), size = p > r ? p : r;
           const double q = error<Weights>(i) / std::fma(relative, size, each[i]);
           return q * q;
         });

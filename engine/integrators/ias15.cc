@@ -70,12 +70,12 @@ class Radau15 final : public Interpolant {
   }
 
   void run() {
-    const double tolerance = std::fmax(in_.tolerance.relative, in_.tolerance.absolute);
+    const double tolerance = std::max(in_.tolerance.relative, in_.tolerance.absolute);
     const double epsilon =
         tolerance > 1 ? 0.1 * tolerance
-                      : std::fmax(1e-9, 0.1 * step_control::rough_pow(std::fmax(tolerance, 1e-30), 0.4375));
+                      : std::max(1e-9, 0.1 * step_control::rough_pow(std::max(tolerance, 1e-30), 0.4375));
     double t = in_.t, t_low = 0, h = in_.carry.step > 0 ? in_.carry.step : first_step();
-    const double smallest = 4e-16 * std::fmax(std::abs(in_.t), std::abs(in_.t_end));
+    const double smallest = 4e-16 * std::max(std::abs(in_.t), std::abs(in_.t_end));
     sample(t, y_[kNow], a_[kA0]);
     for (uint64_t tried = 0;; ++tried) {
       if (tried >= in_.max_steps) step_control::too_many_steps(in_, t, h);
@@ -94,8 +94,8 @@ class Radau15 final : public Interpolant {
       }
       finish(now);
       if (in_.statistics) ++in_.statistics->steps;
-      const double proposal = now * std::fmin(factor, kGrow);
-      h = now < h ? std::fmax(h, proposal) : proposal;
+      const double proposal = now * std::min(factor, double{kGrow});
+      h = now < h ? std::max(h, proposal) : proposal;
       const TwoSum sum = two_sum(t, now + t_low);
       t_low = sum.low;
       double t1 = last ? in_.t_end : sum.sum;
@@ -202,9 +202,9 @@ class Radau15 final : public Interpolant {
       const double* sampled = a_[kAt];
       double poison = 0;
       for (size_t i = 0; i < m_; ++i) {
-        change = std::fmax(change, std::abs(b6[i] - before[i]));
-        most_b = std::fmax(most_b, std::abs(b6[i]));
-        most_a = std::fmax(most_a, std::abs(sampled[i]));
+        change = std::max(change, std::abs(b6[i] - before[i]));
+        most_b = std::max(most_b, std::abs(b6[i]));
+        most_a = std::max(most_a, std::abs(sampled[i]));
         poison += 0.0 * b6[i] + 0.0 * sampled[i];
       }
       if (poison != 0) return poison;  // not a number

@@ -63,6 +63,7 @@ class NystromPair final : public Interpolant {
     for (size_t i = 0; i < 2 * m_; ++i) {
       const double e = i < m_ ? h * h * sum<kError>(i) : h * sum<kErrorV>(i - m_);
       const double q = std::abs(e) / step_control::weight(in_.tolerance, i, y_[kNow][i]);
+      if (q != q) return static_cast<long long>(i);
       if (q > largest) largest = q, most = i;
     }
     return static_cast<long long>(most);

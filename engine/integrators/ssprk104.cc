@@ -77,6 +77,7 @@ class LowStorage final : public Interpolant {
     for (size_t i = 0; i < n_; ++i) {
       const double q =
           std::abs(a_[kNew][i] - a_[kEmbedded][i]) / step_control::weight(in_.tolerance, i, a_[kY][i]);
+      if (q != q) return static_cast<long long>(i);
       if (q > largest) largest = q, most = i;
     }
     return static_cast<long long>(most);
