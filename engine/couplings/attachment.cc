@@ -90,6 +90,7 @@ std::vector<Attachment::Live>& Attachment::live_pairs(const Points& a, const Poi
 }
 
 void Attachment::begin(const CoupledStates& s, const StepInput& in) const {
+  const ProfileScope scope(in.profile, pass());
   Points a(s.a, a_), b(s.b, b_);
   const auto& live = live_pairs(a, b, in.workspace);
   if (def_.link == AttachmentDef::Link::rigid) {
@@ -104,6 +105,7 @@ void Attachment::begin(const CoupledStates& s, const StepInput& in) const {
 }
 
 void Attachment::end(const CoupledStates& s, const StepInput& in) const {
+  const ProfileScope scope(in.profile, pass());
   Points a(s.a, a_), b(s.b, b_);
   const auto& live = live_pairs(a, b, in.workspace);
   Exchange sum;
@@ -200,10 +202,10 @@ std::vector<PlanRow> Attachment::plan() const {
   using enum PlanRow::Status;
   const std::string count = std::to_string(pairs_.size()) + (pairs_.size() == 1 ? " pair" : " pairs");
   if (def_.link == AttachmentDef::Link::rigid) {
-    return {{runs, "links", count + " of points at a fixed distance"},
+    return {{runs, pass(), count + " of points at a fixed distance"},
             {skipped, "damping", "rigid links have none"}};
   }
-  std::vector<PlanRow> rows{{runs, "springs", count + " of points, a kick at both ends of the substep"}};
+  std::vector<PlanRow> rows{{runs, pass(), count + " of points, a kick at both ends of the substep"}};
   if (def_.damping > 0) {
     rows.push_back({runs, "damping", "along the pairs"});
   } else {

@@ -44,6 +44,8 @@ class Attachment final : public Coupling {
     double wa, wb, rest;
   };
   Attachment(const AttachmentDef& def, PointColumns a, PointColumns b) : def_(def), a_(a), b_(b) {}
+  /// Name of the pass.
+  const char* pass() const { return def_.link == AttachmentDef::Link::rigid ? "links" : "springs"; }
   template <class Real>
   void collect(const PointsOf<Real>& a, const PointsOf<Real>& b, std::vector<Live>& out) const;
   void pull(Points& a, Points& b, const std::vector<Live>& live, double half, Exchange& sum) const;

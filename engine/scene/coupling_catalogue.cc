@@ -1,11 +1,20 @@
 #include "engine/scene/coupling_catalogue.h"
 
 #include "engine/couplings/attachment.h"
+#include "engine/couplings/contact.h"
 
 namespace truestep {
 
 std::span<const CouplingRow> coupling_catalogue() {
   static const std::vector<CouplingRow> kRows = {
+      {"contact",
+       "points of one system against the solids of the other, which recoil",
+       &contact_table(),
+       build_contact,
+       contact_cost,
+       {"what one side gains in momentum the other loses",
+        "a point that crosses a solid within one step is stopped, however thin the solid",
+        "restitution and Coulomb's friction as on a wall, with the masses of both sides"}},
       {"attachment",
        "joins points of two systems, pair by pair, with springs or rigid links",
        &attachment_table(),

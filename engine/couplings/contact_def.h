@@ -1,0 +1,18 @@
+// Parameters of the coupling type "contact".
+#pragma once
+#include "engine/core/build.h"
+#include "engine/core/def.h"
+
+namespace truestep {
+
+struct ContactDef {
+  double restitution = 0.5;  ///< Newton's e
+  double friction = 0.3;     ///< Coulomb's mu
+  double rest_speed = 0.01;  ///< m/s
+};
+
+const DefTable& contact_table();
+/// `a` and `b` are what the two systems cost by themselves.
+Cost contact_cost(const void* def, const Cost& a, const Cost& b);
+
+}  // namespace truestep
