@@ -1,0 +1,88 @@
+// When Newton's method is done: simplified iterations contract by a factor theta, so what is left after an
+// increment d is about theta / (1 - theta) |d| (Hairer, Wanner 1996, eq. IV.8.10).
+// Increments are measured against the error tolerance of an adaptive method, 1 = kappa tolerances. Fixed-step
+// methods, and adaptive ones whose tolerance exceeds the solution itself (it then says nothing), measure
+// against newton_tolerance times the largest component.
+#pragma once
+#include <cmath>
+
+#include "engine/integrators/equations.h"
+
+namespace truestep {
+
+/// How an integration measures Newton's increments.
+template <class Equations>
+class IncrementScale {
+ public:
+  enum class By : uint8_t { tolerance, solution };
+  IncrementScale(const Equations& eq, By by) : eq_(eq), by_(by) {
+    const Tolerance& t = eq.advance().tolerance;
+    if (by == By::tolerance && t.absolute_each.empty() && t.absolute > 1e3 * largest(eq.advance().y)) {
+      by_ = By::solution;
+    }
+    // Tighter than the tolerance by a factor that keeps the iteration's error out of the error estimate.
+    if (t.relative > 0) {
+      kappa_ = std::max(10 * 0x1p-52 / t.relative, std::min(0.03, std::sqrt(t.relative)));
+    }
+  }
+
+  /// Size of increment d of a solution near y; 1 is small enough.
+  double operator()(const double* d, const double* y) const {
+    if (by_ == By::tolerance) return eq_.norm(d, y, y) / kappa_;
+    const double moved = largest(d);
+    return moved > 0 ? moved / (eq_.advance().newton_tolerance * largest(y)) : moved;
+  }
+
+ private:
+  // Largest absolute value, NaN as soon as there is one.
+  double largest(const double* y) const {
+    double m = 0;
+    for (size_t i = 0; i < eq_.size(); ++i) {
+      const double a = std::abs(y[i]);
+      if (!(a <= m) && m == m) m = a;
+    }
+    return m;
+  }
+  const Equations& eq_;
+  By by_;
+  double kappa_ = 0.03;
+};
+
+/// One iteration's progress, fed with the size of every increment.
+class Convergence {
+ public:
+  enum class Verdict : uint8_t { go_on, done, failed };
+  /// `quality` is theta / (1 - theta) as an earlier system with a similar matrix left it.
+  explicit Convergence(int most, double quality = 1) : most_(most), quality_(quality) {}
+
+  Verdict judge(double size) {
+    ++iterations_;
+    if (!std::isfinite(size)) return Verdict::failed;
+    if (iterations_ > 1) {
+      const double ratio = size / last_;
+      theta_ = iterations_ == 2 ? ratio : std::sqrt(ratio * last_ratio_);
+      last_ratio_ = ratio;
+      if (size > 0 && theta_ >= 0.99) return Verdict::failed;
+      quality_ = theta_ / (1 - theta_);
+    }
+    if (quality_ * size <= 1) return Verdict::done;
+    if (iterations_ >= most_) return Verdict::failed;
+    if (iterations_ > 1) {
+      // Hopeless at this rate?
+      double then = quality_ * size;
+      for (int k = iterations_; k < most_ && then > 1; ++k) then *= theta_;
+      if (then > 1) return Verdict::failed;
+    }
+    last_ = size;
+    return Verdict::go_on;
+  }
+  int iterations() const { return iterations_; }
+  double theta() const { return theta_; }
+  double quality() const { return quality_; }
+
+ private:
+  int most_, iterations_ = 0;
+  double quality_, last_ = 0, last_ratio_ = 0, theta_ = 0;
+};
+
+}  // namespace truestep
