@@ -12,3 +12,8 @@ pkg_check_modules(OSMESA REQUIRED IMPORTED_TARGET osmesa)
 pkg_check_modules(XXHASH REQUIRED IMPORTED_TARGET libxxhash)
 find_package(prometheus-cpp CONFIG REQUIRED COMPONENTS core)
 find_package(CLI11 CONFIG REQUIRED)
+
+# CVODE's library holds the serial vectors and the dense and band solvers that it needs; nothing else of SUNDIALS
+# is linked. Its CMake package is left alone because that asks for MPI.
+find_path(SUNDIALS_INCLUDE_DIR cvode/cvode.h REQUIRED)
+find_library(SUNDIALS_CVODE_LIBRARY sundials_cvode REQUIRED)

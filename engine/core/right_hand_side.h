@@ -59,7 +59,8 @@ class RightHandSide {
   /// True: f does not depend on t. False: Rosenbrock methods difference df/dt.
   virtual bool autonomous() const { return false; }
 
-  /// The equations of second order behind this, or null.
+  /// The equations of second order behind this, or null. Implicit methods then ask for their derivatives and
+  /// never for df/dy.
   virtual const SecondOrder* second_order() const { return nullptr; }
 };
 

@@ -13,8 +13,7 @@
 namespace truestep {
 
 CvodeJacobian::CvodeJacobian(const RightHandSide& f) : f_(f), second_(f.second_order()), n_(f.size()) {
-  if (f.has_jacobian() || !second_) {
-    second_ = nullptr;
+  if (!second_) {
     shape_ = f.jacobian_shape();
     analytic_ = f.has_jacobian();
   } else {
@@ -28,6 +27,10 @@ CvodeJacobian::CvodeJacobian(const RightHandSide& f) : f_(f), second_(f.second_o
     upper_ = interleaved_ ? 2 * shape_.upper + 1 : shape_.upper;
   } else if (shape_.kind == MatrixShape::Kind::sparse && m > 100 && analytic_) {
     kind_ = Kind::sparse;
+  }
+  if (second_ && !analytic_) {
+    // Differences are of df/dy as a whole, whose two halves make no band.
+    kind_ = Kind::dense, interleaved_ = false;
   }
   if (kind_ == Kind::dense && n_ > 5000) {
     throw Error("too_many_unknowns", "CVODE needs the derivatives of the right-hand side for more than 5000 "

@@ -39,7 +39,7 @@ class CvodeJacobian {
   void for_entries(const MatrixShape& shape, size_t n, F&& f) const;
 
   const RightHandSide& f_;
-  const SecondOrder* second_;  // where its Jacobian is the one to use
+  const SecondOrder* second_;
   size_t n_;
   MatrixShape shape_;
   Kind kind_ = Kind::dense;

@@ -18,7 +18,6 @@ void drive(Advance& in, Method& method, const step_control::Law& law) {
   method.begin(in.t);
   double h = in.carry.step > 0 ? in.carry.step : method.first_step();
   double t = in.t, t_low = 0;
-  const double smallest = 4e-16 * std::max(std::abs(in.t), std::abs(in.t_end));
   uint64_t steps = 0, rejected = 0;
   for (;;) {
     const double left = (in.t_end - t) - t_low;
@@ -30,7 +29,7 @@ void drive(Advance& in, Method& method, const step_control::Law& law) {
     if (!(error <= 1)) {
       h = now * controller.rejected(error);
       ++rejected;
-      if (h <= smallest) {
+      if (h <= step_control::smallest_step(in, t)) {
         step_control::give_up(in, t, h, method.solution(), method.candidate(), method.worst(now));
       }
       continue;

@@ -33,7 +33,8 @@ void SmallEquations<N>::differentiate(double t, const double* y, const double* f
   const RightHandSide& f = this->a_.f;
   // Any shape of at most N columns: a band may be wider than the matrix.
   constexpr size_t kRoom = size_t(3 * N * N);
-  if (f.has_jacobian()) {
+  const SecondOrder* second = f.second_order();
+  if (!second && f.has_jacobian()) {
     const MatrixShape shape = f.jacobian_shape();
     if (shape.kind == MatrixShape::Kind::dense) return f.jacobian(t, y, jacobian_.data());
     if (shape.values(N) <= kRoom) {
@@ -43,7 +44,6 @@ void SmallEquations<N>::differentiate(double t, const double* y, const double* f
       return expand(shape, values.data(), N, 0, 0);
     }
   }
-  const SecondOrder* second = f.second_order();
   if (second && second->has_jacobian() && second->shape().values(N / 2) <= kRoom) {
     constexpr size_t kHalf = N / 2;
     std::array<double, kRoom> dadx, dadv;

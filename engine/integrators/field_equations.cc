@@ -20,6 +20,18 @@ void FieldEquations::acceleration(double t, const double* x, const double* v, do
   motion_.acceleration(t, {x, n}, {v ? v : motion_.v.data(), n}, {a, n});
 }
 
+FieldJacobian& FieldEquations::bound_jacobian() const {
+  auto& j = motion_.input.workspace.object<FieldJacobian>("integrator.field_jacobian");
+  j.bind(motion_);
+  return j;
+}
+MatrixShape FieldEquations::shape() const {
+  return has_jacobian() ? bound_jacobian().shape() : MatrixShape{};
+}
+void FieldEquations::jacobian(double t, const double* x, const double* v, double* dadx, double* dadv) const {
+  bound_jacobian().evaluate(motion_, t, x, v, dadx, dadv);
+}
+
 void step_equations(AdvanceFunction* method, const ForceField& field, State& state, const StepInput& in,
                     const IntegratorOptions& options) {
   Motion m(field, state, in);

@@ -3,6 +3,7 @@
 // order.
 #pragma once
 #include "engine/integrators/advance.h"
+#include "engine/integrators/field_jacobian.h"
 #include "engine/integrators/motion.h"
 
 namespace truestep {
@@ -20,8 +21,15 @@ class FieldEquations final : public RightHandSide, public SecondOrder {
   bool depends_on_velocity() const override {
     return motion_.field.dependence() == Dependence::position_and_velocity;
   }
+  /// The field's own, brought into columns when an implicit method first asks.
+  bool has_jacobian() const override { return plain_ && motion_.field.has_jacobian(); }
+  MatrixShape shape() const override;
+  using RightHandSide::jacobian;
+  void jacobian(double t, const double* x, const double* v, double* dadx, double* dadv) const override;
 
  private:
+  FieldJacobian& bound_jacobian() const;
+
   Motion& motion_;
   bool plain_;
 };

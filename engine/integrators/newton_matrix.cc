@@ -14,7 +14,8 @@ namespace {
 // Up to this size a dense factorisation is at least as fast as anything that knows a pattern.
 constexpr size_t kAlwaysDense = 24;
 constexpr size_t kDenseIfNoBand = 128;
-constexpr size_t kWidestBand = 64;
+// Multiplications up to which the simple loops of a band beat a sparse factorisation and its bookkeeping.
+constexpr double kMostBandWork = 3e8;
 
 bool same(const MatrixShape& a, const MatrixShape& b) {
   return a.kind == b.kind && a.lower == b.lower && a.upper == b.upper &&
@@ -47,7 +48,9 @@ void NewtonMatrix::analyse(const MatrixShape& shape) {
   sparse_.reset();
   real_ = {}, complex_ = {};
 
-  const auto band_is_narrow = [&] { return 2 * lower_ + upper_ <= std::min(kWidestBand, m_ / 3); };
+  const auto band_is_narrow = [&] {
+    return 2 * lower_ + upper_ <= m_ / 2 && double(m_) * double(lower_) * double(lower_ + upper_) <= kMostBandWork;
+  };
   kind_ = Kind::dense;
   group_.resize(m_);
   if (shape_.kind == MatrixShape::Kind::dense) {

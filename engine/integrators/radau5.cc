@@ -109,7 +109,7 @@ class Radau5 final : public Interpolant {
   double reject(double h, double factor, uint64_t& rejected) {
     ++rejected;
     const double shorter = h * factor;
-    if (shorter <= std::max(4e-16 * std::abs(t_), 1e-24 * (a_.t_end - t_))) {
+    if (shorter <= step_control::smallest_step(a_, t_)) {
       step_control::give_up(a_, t_, shorter, eq_.array(kY), eq_.array(kNew), worst());
     }
     have_polynomial_ = false;

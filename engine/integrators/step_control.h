@@ -96,6 +96,12 @@ class Controller {
 double first_step(const Advance& in, const double* y, const double* rate, int order, double* scratch,
                   double* scratch_rate);
 
+/// Steps that are not longer than this say that the method cannot go on: a few roundings of t itself, not of
+/// t_end, because integrations over many decades begin with tiny steps.
+inline double smallest_step(const Advance& in, double t) {
+  return std::max(4e-16 * std::abs(t), 1e-24 * (in.t_end - in.t));
+}
+
 /// absolute + relative |y| of component i.
 inline double weight(const Tolerance& tolerance, size_t i, double y) {
   const double absolute = tolerance.absolute_each.empty() ? tolerance.absolute : tolerance.absolute_each[i];

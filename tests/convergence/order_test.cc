@@ -52,6 +52,11 @@ TEST(Order, EveryRowKeepsItsPromise) {
         std::printf("%-18s %-22s refused: %s\n", named.name, std::string(m.name).c_str(), why->c_str());
         continue;
       }
+      if (m.name.starts_with("cvode")) {
+        // Every call begins at order 1 again: what such a method promises is its tolerance.
+        EXPECT_LT(end_error(m, p, 1, {.tolerance = 1e-10}), 1e-6) << m.name << " on " << named.name;
+        continue;
+      }
       if (m.order > kMeasurable) {
         // Accurate where order 8 is not yet.
         EXPECT_LT(end_error(m, p, 24, kOptions), 1e-11) << m.name << " on " << named.name;

@@ -1,0 +1,36 @@
+// A force field's Jacobian, blocks of f = M a, as da/dx and da/dv in compressed columns of one pattern: what
+// implicit methods on y' = f(t, y) ask of equations of second order. Lives in the workspace; the pattern is
+// worked out again only when the field says that it changed.
+#pragma once
+#include <vector>
+
+#include "engine/core/right_hand_side.h"
+#include "engine/integrators/motion.h"
+#include "engine/math/block_sparse.h"
+
+namespace truestep {
+
+class FieldJacobian {
+ public:
+  /// Must come first. The field must have a Jacobian.
+  void bind(const Motion& m);
+  /// Its spans stay valid until the pattern changes.
+  MatrixShape shape() const {
+    return {.kind = MatrixShape::Kind::sparse, .column_start = column_start_, .rows = rows_};
+  }
+  void evaluate(const Motion& m, double t, const double* x, const double* v, double* dadx, double* dadv);
+
+ private:
+  // Where entry k of the columns comes from: an element of a matrix's values, kNowhere when it is 0.
+  static constexpr uint32_t kNowhere = UINT32_MAX;
+  void compress(const BlockSparse& matrix, std::vector<uint32_t>& source) const;
+
+  const ForceField* field_ = nullptr;
+  uint64_t version_ = 0;
+  size_t points_ = 0;
+  BlockSparse dfdx_, dfdv_;
+  std::vector<int32_t> column_start_, rows_;
+  std::vector<uint32_t> from_dfdx_, from_dfdv_;
+};
+
+}  // namespace truestep
