@@ -1,7 +1,7 @@
 // One integration of y' = f(t, y) from t to t_end: what every method of the table's `advance` column is
-// given. A method adds no state of its own beyond `Carry`, so a run restored at t_end repeats every choice;
-// its arrays come from the workspace and may vanish between two calls. Adaptive methods accept a step when
-// the weighted root mean square of its error estimate is at most 1:
+// given. A method adds no state of its own beyond `Carry` and `memory`, so a run restored at t_end repeats
+// every choice; its arrays come from the workspace and may vanish between two calls. Adaptive methods accept
+// a step when the weighted root mean square of its error estimate is at most 1:
 //   sqrt(1/n sum_i (e_i / (absolute + relative * max(|y_i|, |y_i new|)))^2) <= 1
 // (Hairer, Norsett, Wanner 1993, eq. II.4.11). They never step over t_end. Fixed-step methods divide
 // [t, t_end] into `fixed_steps` equal steps.
@@ -60,6 +60,9 @@ struct Advance {
   uint64_t fixed_steps = 1;
   uint64_t max_steps = 10'000'000;  ///< accepted + rejected, then Instability
   double newton_tolerance = 1e-10;  ///< fixed-step implicit methods: relative change at which Newton stops
+  /// What multistep methods keep from call to call, NaN in front when there is nothing yet; methods that need
+  /// another length start anew.
+  std::span<double> memory = {};
   StepWatcher* watcher = nullptr;
   Statistics* statistics = nullptr;
   double reached = 0;  ///< out: t_end, or where a watcher stopped

@@ -1,8 +1,8 @@
 // CVODE behind the face of all methods. Every call is a run of its own that begins at order 1: nothing of
 // CVODE's history survives, so a restored state repeats every choice; long calls suit it best. BDF solves its
 // systems with the right-hand side's own Jacobian (or CVODE's differences, or ours for sparse patterns) and
-// CVODE's dense or band factors; equations of second order with a band are interleaved, (x0, v0, x1, v1, ...),
-// which keeps the band narrow; sparse ones go to Eigen's SparseLU. Adams uses fixed-point iterations.
+// CVODE's dense or band factors; equations of second order with a band are interleaved, (x0, v0, x1, v1,
+// ...), which keeps the band narrow; sparse ones go to Eigen's SparseLU. Adams uses fixed-point iterations.
 // CVODE calls the C library's pow: its bits are those of one machine.
 #include "engine/integrators/cvode.h"
 
@@ -63,7 +63,8 @@ class Run final : public Interpolant {
     jacobian_.to_cvode(a.y, N_VGetArrayPointer(y_.get()));
     check(CVodeInit(memory_.get(), rate, a.t, y_.get()), "CVodeInit");
     check(CVodeSetUserData(memory_.get(), this), "CVodeSetUserData");
-    check(CVodeSetErrHandlerFn(memory_.get(), [](int, const char*, const char*, char*, void*) {}, nullptr),
+    check(CVodeSetErrHandlerFn(
+              memory_.get(), [](int, const char*, const char*, char*, void*) {}, nullptr),
           "CVodeSetErrHandlerFn");
     set_tolerances();
     check(CVodeSetStopTime(memory_.get(), a.t_end), "CVodeSetStopTime");
@@ -106,7 +107,8 @@ class Run final : public Interpolant {
 
  private:
   static void check(int flag, const char* what) {
-    if (flag < 0) throw Error("cvode_failed", std::string(what) + " failed with code " + std::to_string(flag));
+    if (flag < 0)
+      throw Error("cvode_failed", std::string(what) + " failed with code " + std::to_string(flag));
   }
   static std::string flag_name(int flag) {
     const std::unique_ptr<char, void (*)(void*)> name(CVodeGetReturnFlagName(flag), std::free);
@@ -130,7 +132,8 @@ class Run final : public Interpolant {
       matrix_.reset(jacobian_.sparse_matrix(context));
       solver_.reset(jacobian_.sparse_solver(context));
     } else if (jacobian_.kind() == CvodeJacobian::Kind::band) {
-      matrix_.reset(SUNBandMatrix(n, sunindextype(jacobian_.lower()), sunindextype(jacobian_.upper()), context));
+      matrix_.reset(
+          SUNBandMatrix(n, sunindextype(jacobian_.lower()), sunindextype(jacobian_.upper()), context));
       solver_.reset(SUNLinSol_Band(y_.get(), matrix_.get(), context));
     } else {
       matrix_.reset(SUNDenseMatrix(n, n, context));
@@ -164,7 +167,8 @@ class Run final : public Interpolant {
       return -1;
     }
   }
-  static int jacobian(realtype t, N_Vector y, N_Vector, SUNMatrix j, void* user, N_Vector, N_Vector, N_Vector) {
+  static int jacobian(realtype t, N_Vector y, N_Vector, SUNMatrix j, void* user, N_Vector, N_Vector,
+                      N_Vector) {
     Run& self = *static_cast<Run*>(user);
     try {
       self.jacobian_.evaluate(t, N_VGetArrayPointer(y), j);

@@ -33,8 +33,9 @@ CvodeJacobian::CvodeJacobian(const RightHandSide& f) : f_(f), second_(f.second_o
     kind_ = Kind::dense, interleaved_ = false;
   }
   if (kind_ == Kind::dense && n_ > 5000) {
-    throw Error("too_many_unknowns", "CVODE needs the derivatives of the right-hand side for more than 5000 "
-                                     "equations without a band");
+    throw Error("too_many_unknowns",
+                "CVODE needs the derivatives of the right-hand side for more than 5000 "
+                "equations without a band");
   }
   if (analytic_) {
     first_.resize(shape_.values(m));
@@ -153,8 +154,8 @@ int setup(SUNLinearSolver s, SUNMatrix a) {
     const auto* start = SUNSparseMatrix_IndexPointers(a);
     const auto* rows = SUNSparseMatrix_IndexValues(a);
     const std::vector<int> new_start(start, start + n + 1), new_rows(rows, rows + start[n]);
-    c.matrix = Eigen::Map<const Eigen::SparseMatrix<double>>(n, n, start[n], new_start.data(), new_rows.data(),
-                                                             SUNSparseMatrix_Data(a));
+    c.matrix = Eigen::Map<const Eigen::SparseMatrix<double>>(n, n, start[n], new_start.data(),
+                                                             new_rows.data(), SUNSparseMatrix_Data(a));
     if (new_start != c.start || new_rows != c.rows) {
       c.lu.analyzePattern(c.matrix);
       c.start = new_start, c.rows = new_rows;

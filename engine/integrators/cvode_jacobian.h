@@ -1,5 +1,5 @@
-// How CVODE's Newton iteration sees the Jacobian of a right-hand side: which matrix it needs, where the values
-// go, and in which order the unknowns stand (equations of second order with a band are interleaved).
+// How CVODE's Newton iteration sees the Jacobian of a right-hand side: which matrix it needs, where the
+// values go, and in which order the unknowns stand (equations of second order with a band are interleaved).
 #pragma once
 #include <sundials/sundials_linearsolver.h>
 #include <sundials/sundials_matrix.h>

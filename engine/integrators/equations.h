@@ -1,7 +1,7 @@
 // What implicit methods see of an integration: the right-hand side with its linear systems, a fixed number of
-// work arrays, and the weighted norm of errors. Two classes with the same members: SmallEquations<N> for N <= 8
-// knows its size when it is compiled (arrays on the stack, unrolled loops, dense factors in one or two cache
-// lines), LargeEquations takes the rest. Methods are templates over the two; visit_equations chooses.
+// work arrays, and the weighted norm of errors. Two classes with the same members: SmallEquations<N> for N <=
+// 8 knows its size when it is compiled (arrays on the stack, unrolled loops, dense factors in one or two
+// cache lines), LargeEquations takes the rest. Methods are templates over the two; visit_equations chooses.
 #pragma once
 #include <algorithm>
 #include <array>
@@ -160,33 +160,59 @@ class LargeEquations : public EquationsBase<LargeEquations> {
   NewtonMatrix& matrix_;
 };
 
-/// body(equations) with the class that fits; adds the counts to a.statistics also when body throws.
+namespace detail {
+// Adds the counts to a.statistics also when body throws.
+template <class Equations, class Body>
+void run_and_count(Advance& a, Equations&& equations, Body&& body) {
+  struct Report {
+    Advance& a;
+    const Statistics& s;
+    ~Report() {
+      if (!a.statistics) return;
+      a.statistics->rates += s.rates, a.statistics->jacobians += s.jacobians;
+      a.statistics->factorisations += s.factorisations, a.statistics->solves += s.solves;
+    }
+  } report{a, equations.count()};
+  body(equations);
+}
+}  // namespace detail
+
+/// body(equations) with LargeEquations, whatever the size.
+template <class Body>
+void with_large_equations(Advance& a, Body&& body) {
+  if (a.f.size() == 0) {
+    a.reached = a.t_end;
+    return;
+  }
+  detail::run_and_count(a, LargeEquations(a), body);
+}
+
+/// body(equations) with the class that fits.
 template <class Body>
 void visit_equations(Advance& a, Body&& body) {
-  const auto run = [&](auto&& equations) {
-    struct Report {
-      Advance& a;
-      Statistics& s;
-      ~Report() {
-        if (!a.statistics) return;
-        a.statistics->steps += s.steps, a.statistics->rejected += s.rejected, a.statistics->rates += s.rates;
-        a.statistics->jacobians += s.jacobians, a.statistics->factorisations += s.factorisations;
-        a.statistics->solves += s.solves;
-      }
-    } report{a, equations.count()};
-    body(equations);
-  };
+  const auto run = [&](auto&& equations) { detail::run_and_count(a, equations, body); };
   switch (a.f.size()) {
-    case 0: a.reached = a.t_end; return;
-    case 1: return run(SmallEquations<1>(a));
-    case 2: return run(SmallEquations<2>(a));
-    case 3: return run(SmallEquations<3>(a));
-    case 4: return run(SmallEquations<4>(a));
-    case 5: return run(SmallEquations<5>(a));
-    case 6: return run(SmallEquations<6>(a));
-    case 7: return run(SmallEquations<7>(a));
-    case 8: return run(SmallEquations<8>(a));
-    default: return run(LargeEquations(a));
+    case 0:
+      a.reached = a.t_end;
+      return;
+    case 1:
+      return run(SmallEquations<1>(a));
+    case 2:
+      return run(SmallEquations<2>(a));
+    case 3:
+      return run(SmallEquations<3>(a));
+    case 4:
+      return run(SmallEquations<4>(a));
+    case 5:
+      return run(SmallEquations<5>(a));
+    case 6:
+      return run(SmallEquations<6>(a));
+    case 7:
+      return run(SmallEquations<7>(a));
+    case 8:
+      return run(SmallEquations<8>(a));
+    default:
+      return with_large_equations(a, body);
   }
 }
 

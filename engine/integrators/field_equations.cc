@@ -1,8 +1,10 @@
 #include "engine/integrators/field_equations.h"
 
 #include <algorithm>
+#include <limits>
 
 #include "engine/base/errors.h"
+#include "engine/integrators/implicit_methods.h"
 
 namespace truestep {
 
@@ -32,6 +34,12 @@ void FieldEquations::jacobian(double t, const double* x, const double* v, double
   bound_jacobian().evaluate(motion_, t, x, v, dadx, dadv);
 }
 
+void add_memory(State& state, size_t n) {
+  const auto column = state.add({"integrator.memory", "1", Scalar::f64, 1, Role::internal}, n);
+  const auto memory = state.f64(column);
+  std::fill(memory.begin(), memory.end(), std::numeric_limits<double>::quiet_NaN());
+}
+
 void step_equations(AdvanceFunction* method, const ForceField& field, State& state, const StepInput& in,
                     const IntegratorOptions& options) {
   Motion m(field, state, in);
@@ -53,6 +61,7 @@ void step_equations(AdvanceFunction* method, const ForceField& field, State& sta
                   .carry = carry,
                   .tolerance = tolerance_of(options),
                   .newton_tolerance = options.newton_tolerance};
+  if (const auto memory = state.find("integrator.memory")) advance.memory = state.f64(*memory);
   try {
     method(advance);
   } catch (const Instability& e) {

@@ -19,7 +19,8 @@ void FieldJacobian::bind(const Motion& m) {
     blocks.clear();
     for (const BlockSparse* matrix : {&dfdx_, &dfdv_}) {
       if (matrix->empty()) continue;
-      for (auto s = matrix->row_begin(j); s < matrix->row_begin(j + 1); ++s) blocks.push_back(matrix->column(s));
+      for (auto s = matrix->row_begin(j); s < matrix->row_begin(j + 1); ++s)
+        blocks.push_back(matrix->column(s));
     }
     std::sort(blocks.begin(), blocks.end());
     blocks.erase(std::unique(blocks.begin(), blocks.end()), blocks.end());
@@ -43,7 +44,8 @@ void FieldJacobian::compress(const BlockSparse& matrix, std::vector<uint32_t>& s
     for (auto s = matrix.row_begin(i); s < matrix.row_begin(i + 1); ++s) {
       for (size_t c = 0; c < b; ++c) {
         const size_t column = matrix.column(s) * b + c;
-        const auto begin = rows_.begin() + column_start_[column], end = rows_.begin() + column_start_[column + 1];
+        const auto begin = rows_.begin() + column_start_[column],
+                   end = rows_.begin() + column_start_[column + 1];
         const auto first = std::lower_bound(begin, end, static_cast<int32_t>(i * b)) - rows_.begin();
         for (size_t r = 0; r < b; ++r) {
           source[static_cast<size_t>(first) + r] = static_cast<uint32_t>(s * b * b + c * b + r);

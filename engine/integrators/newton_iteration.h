@@ -32,6 +32,9 @@ class IncrementScale {
     const double moved = largest(d);
     return moved > 0 ? moved / (eq_.advance().newton_tolerance * largest(y)) : moved;
   }
+  /// Iterations after which a shorter step or a new Jacobian is the better idea; a fixed step has no such way
+  /// out.
+  int most_iterations() const { return by_ == By::tolerance ? 10 : 30; }
 
  private:
   // Largest absolute value, NaN as soon as there is one.

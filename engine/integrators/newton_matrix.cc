@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <string>
 
+#include "engine/base/errors.h"
 #include "engine/integrators/sparse_factors.h"
 #include "engine/math/solvers/reordering.h"
 
@@ -14,6 +16,7 @@ namespace {
 // Up to this size a dense factorisation is at least as fast as anything that knows a pattern.
 constexpr size_t kAlwaysDense = 24;
 constexpr size_t kDenseIfNoBand = 128;
+constexpr size_t kLargestDense = 4000;  // 128 MB
 // Multiplications up to which the simple loops of a band beat a sparse factorisation and its bookkeeping.
 constexpr double kMostBandWork = 3e8;
 
@@ -31,12 +34,17 @@ void NewtonMatrix::bind(const RightHandSide& f) {
   const SecondOrder* second = f.second_order();
   const MatrixShape shape = second ? second->shape() : f.jacobian_shape();
   const size_t m = second ? f.size() / 2 : f.size();
-  const bool known = f_ && m == m_ && (second != nullptr) == (second_order_ != nullptr) && same(shape, shape_);
+  const bool known =
+      f_ && m == m_ && (second != nullptr) == (second_order_ != nullptr) && same(shape, shape_);
   f_ = &f, second_order_ = second, m_ = m;
   if (!known) analyse(shape);
 }
 
 void NewtonMatrix::analyse(const MatrixShape& shape) {
+  if (shape.kind == MatrixShape::Kind::dense && m_ > kLargestDense) {
+    throw Error("too_many_unknowns", "implicit methods need the pattern of the derivatives for more than " +
+                                         std::to_string(kLargestDense) + " unknowns");
+  }
   shape_ = shape;
   column_start_.assign(shape.column_start.begin(), shape.column_start.end());
   rows_.assign(shape.rows.begin(), shape.rows.end());
@@ -49,7 +57,8 @@ void NewtonMatrix::analyse(const MatrixShape& shape) {
   real_ = {}, complex_ = {};
 
   const auto band_is_narrow = [&] {
-    return 2 * lower_ + upper_ <= m_ / 2 && double(m_) * double(lower_) * double(lower_ + upper_) <= kMostBandWork;
+    return 2 * lower_ + upper_ <= m_ / 2 &&
+           double(m_) * double(lower_) * double(lower_ + upper_) <= kMostBandWork;
   };
   kind_ = Kind::dense;
   group_.resize(m_);
@@ -99,7 +108,8 @@ void NewtonMatrix::for_column(size_t j, F&& f) const {
       break;
     }
     case MatrixShape::Kind::sparse:
-      for (int32_t k = column_start_[j]; k < column_start_[j + 1]; ++k) f(size_t(rows_[size_t(k)]), size_t(k));
+      for (int32_t k = column_start_[j]; k < column_start_[j + 1]; ++k)
+        f(size_t(rows_[size_t(k)]), size_t(k));
       break;
   }
 }
@@ -197,7 +207,8 @@ bool NewtonMatrix::factor(double z) {
 }
 bool NewtonMatrix::factor(Complex z) {
   z_complex_ = z;
-  return second_order_ ? assemble_and_factor(complex_, z * z, z) : assemble_and_factor(complex_, z, Complex{});
+  return second_order_ ? assemble_and_factor(complex_, z * z, z)
+                       : assemble_and_factor(complex_, z, Complex{});
 }
 bool NewtonMatrix::factor_second_order(double with_x, double with_v) {
   return assemble_and_factor(real_, with_x, with_v);

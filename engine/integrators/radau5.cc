@@ -2,9 +2,10 @@
 // With T^-1 A^-1 T = diag(g, (a -b; b a)) the 3n equations Z = h (A x I) F(y + Z) become a real system and a
 // complex one of size n:
 //   (g/h I - J) w1 = ...,   ((a + i b)/h I - J) (w2 + i w3) = ...
-// solved by simplified Newton iterations with the contraction test, the start from the last step's collocation
-// polynomial, the filtered error estimate of order 3 and the predictive step control of Hairer, Wanner 1996,
-// section IV.8. Jacobian and factors live on while iterations contract fast, within one call only.
+// solved by simplified Newton iterations with the contraction test, the start from the last step's
+// collocation polynomial, the filtered error estimate of order 3 and the predictive step control of Hairer,
+// Wanner 1996, section IV.8. Jacobian and factors live on while iterations contract fast, within one call
+// only.
 #include <array>
 
 #include "engine/integrators/drive.h"
@@ -59,8 +60,7 @@ class Radau5 final : public Interpolant {
       ++steps;
       double factor = safety * rough_pow(error, -0.25);
       if (h_accepted > 0) {
-        factor = std::min(
-            factor, 0.9 * (h / h_accepted) * rough_pow(error_accepted / (error * error), 0.25));
+        factor = std::min(factor, 0.9 * (h / h_accepted) * rough_pow(error_accepted / (error * error), 0.25));
       }
       factor = std::clamp(factor, 0.2, retry && steps > 1 ? 1.0 : 8.0);
       retry = false;
@@ -92,7 +92,7 @@ class Radau5 final : public Interpolant {
   using Scale = IncrementScale<Equations>;
   // Q: the collocation polynomial's coefficients, Z: stages minus y, W: the same transformed.
   enum : size_t { kY, kNew, kRate, kZ, kW = kZ + 3, kD = kW + 3, kQ = kD + 3, kArgument = kQ + 3, kError };
-  static constexpr int kMost = 7;
+  static constexpr int kMost = 7;  // iterations that the step control calls many
 
   double first_step() {
     ++eq_.count().rates;
@@ -177,7 +177,8 @@ class Radau5 final : public Interpolant {
     double* argument = eq_.array(kArgument);
     double* y_new = eq_.array(kNew);
     predict(h);
-    Convergence convergence(kMost, std::max(quality_ > 0 ? rough_quality() : 1.0, 0x1p-40));
+    Convergence convergence(scale_.most_iterations(),
+                            std::max(quality_ > 0 ? rough_quality() : 1.0, 0x1p-40));
     for (;;) {
       for (size_t k = 0; k < 3; ++k) {
         const double* z = eq_.array(kZ + k);
@@ -218,7 +219,9 @@ class Radau5 final : public Interpolant {
     quality_ = convergence.quality();
     return 1;
   }
-  double rough_quality() const { return step_control::rough_pow(quality_, 0.8); }
+  double rough_quality() const {
+    return step_control::rough_pow(quality_, 0.8);
+  }
 
   double root_mean_square(const double* d1, const double* d2, const double* d3) const {
     const double* y = eq_.array(kNew);
@@ -256,7 +259,9 @@ class Radau5 final : public Interpolant {
   }
 
   // Contraction slower than this: a new Jacobian costs less than the iterations it saves.
-  bool slow_contraction() const { return iterations_ > 1 && theta_ > 1e-3; }
+  bool slow_contraction() const {
+    return iterations_ > 1 && theta_ > 1e-3;
+  }
 
   // The step is taken; true: the run ends here.
   bool finish(double h, bool last) {
@@ -290,8 +295,8 @@ class Radau5 final : public Interpolant {
     size_t most = 0;
     double largest = -1;
     for (size_t i = 0; i < eq_.size(); ++i) {
-      const double q = std::abs(eq_.array(kError)[i]) /
-                       step_control::weight(a_.tolerance, i, eq_.array(kY)[i]);
+      const double q =
+          std::abs(eq_.array(kError)[i]) / step_control::weight(a_.tolerance, i, eq_.array(kY)[i]);
       if (q > largest) largest = q, most = i;
     }
     return static_cast<long long>(most);

@@ -1,6 +1,6 @@
-// Rosenbrock methods: one Newton step per stage, with the Jacobian of the step's start, in place of the stages'
-// equations; no iteration, nothing to converge. Tableaus in rosenbrock_tableau.h. Where f depends on t, df/dt
-// comes from one forward difference per step.
+// Rosenbrock methods: one Newton step per stage, with the Jacobian of the step's start, in place of the
+// stages' equations; no iteration, nothing to converge. Tableaus in rosenbrock_tableau.h. Where f depends on
+// t, df/dt comes from one forward difference per step.
 #include "engine/integrators/rosenbrock_tableau.h"
 
 #include "engine/integrators/drive.h"

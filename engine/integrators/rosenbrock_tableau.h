@@ -1,5 +1,5 @@
-// Coefficients of Rosenbrock methods in the form that needs no product with the Jacobian (Hairer, Wanner 1996,
-// eq. IV.7.25):
+// Coefficients of Rosenbrock methods in the form that needs no product with the Jacobian (Hairer, Wanner
+// 1996, eq. IV.7.25):
 //   (I/(gamma h) - J) u_i = f(t + alpha_i h, y + sum_j a_ij u_j) + sum_j c_ij/h u_j + d_i h df/dt,  j < i
 //   y1 = y + sum_j m_j u_j,  error = sum_j e_j u_j
 // The last dense_terms rows of `dense` give y(theta) = (1 - s) y + s (y1 + (1 - s)(k1 + s (k2 + s k3))) with

@@ -1,14 +1,14 @@
 // Singly diagonally implicit Runge-Kutta methods (dirk_tableau.h). Every stage is a system
 //   Y = base + h gamma f(t + c h, Y)
-// solved by Newton's method with one Jacobian per step or less: it is formed again when iterations stop
-// contracting fast. Stage rates are (Y - base) / (h gamma), which damps what f would amplify. Error estimates
-// are filtered, (I - h gamma J)^-1 h sum_i e_i k_i, so that stiff components do not inflate them (Hosea,
-// Shampine 1996, section 3; Hairer, Wanner 1996, eq. IV.8.20).
+// solved by Newton's method with one Jacobian per step or less (stage_solver.h). Stage rates are (Y - base) /
+// (h gamma), which damps what f would amplify. Error estimates are filtered, (I - h gamma J)^-1 h sum_i e_i
+// k_i, so that stiff components do not inflate them (Hosea, Shampine 1996, section 3; Hairer, Wanner 1996,
+// eq. IV.8.20).
 #include "engine/integrators/dirk_tableau.h"
 #include "engine/integrators/drive_fixed.h"
 #include "engine/integrators/equations.h"
 #include "engine/integrators/implicit_methods.h"
-#include "engine/integrators/newton_iteration.h"
+#include "engine/integrators/stage_solver.h"
 
 namespace truestep {
 
@@ -17,10 +17,11 @@ namespace {
 template <const DirkTableau& T, class Equations>
 class Dirk final : public Interpolant {
   static constexpr bool kAdaptive = T.error_order > 0;
+  using Scale = IncrementScale<Equations>;
 
  public:
   explicit Dirk(Equations& eq)
-      : eq_(eq), scale_(eq, kAdaptive ? Scale::By::tolerance : Scale::By::solution) {
+      : eq_(eq), solver_(eq, kAdaptive ? Scale::By::tolerance : Scale::By::solution) {
     std::copy_n(eq.advance().y, eq.size(), eq.array(y_));
   }
 
@@ -29,8 +30,8 @@ class Dirk final : public Interpolant {
   void begin(double t) { eq_.rate(t, eq_.array(y_), eq_.array(kRate)); }
   double first_step() {
     eq_.count().rates += 1;
-    return step_control::first_step(eq_.advance(), eq_.array(y_), eq_.array(kRate), T.order,
-                                    eq_.array(kBase), eq_.array(kIncrement));
+    return step_control::first_step(eq_.advance(), eq_.array(y_), eq_.array(kRate), T.order, eq_.array(kBase),
+                                    eq_.array(kIncrement));
   }
   /// A failed iteration counts as an error that makes the next step a quarter as long.
   double attempt(double t, double h) {
@@ -52,7 +53,7 @@ class Dirk final : public Interpolant {
   }
   void accept(double t1) {
     y_ = 1 - y_;
-    jacobian_is_fresh_ = false;
+    solver_.step_accepted();
     if constexpr (T.stiffly_accurate()) {
       std::copy_n(eq_.array(kStages + T.stages - 1), eq_.padded(), eq_.array(kRate));
     } else {
@@ -87,38 +88,23 @@ class Dirk final : public Interpolant {
 
   /// Candidate = one step from the solution; false when Newton's method fails even with a new Jacobian.
   bool step(double t, double h) {
-    const double z = h * T.gamma;
-    for (;;) {
-      const bool fresh = jacobian_is_fresh_;
-      if (!linearised_) {
-        eq_.differentiate(t, eq_.array(y_), eq_.array(kRate));
-        linearised_ = jacobian_is_fresh_ = true;
-        factored_ = 0;
-      }
-      if (factored_ != z) {
-        factored_ = 0;
-        if (!eq_.factor(z)) return false;
-        factored_ = z;
-      }
+    do {
+      if (!solver_.prepare(t, eq_.array(y_), eq_.array(kRate), h * T.gamma)) return false;
       if (stages(t, h)) return true;
-      if (fresh || (jacobian_is_fresh_ && linearised_)) return false;
-      linearised_ = false;
-    }
+    } while (solver_.try_again());
+    return false;
   }
 
  private:
-  using Scale = IncrementScale<Equations>;
   using Row = DirkTableau::Row;
   // Arrays 0 and 1: the solution at both ends of a step, in turns.
   enum : size_t { kRate = 2, kBase, kIncrement, kEndRate, kStages };
   static constexpr double kFailed = T.error_order == 4 ? 3e4 : 4e3;  // (0.9 / 0.25)^(2 order)
-  static constexpr int kMostIterations = 10;
 
   bool stages(double t, double h) {
     double* const y_new = eq_.array(1 - y_);
     const size_t n = eq_.padded();
     const double z = h * T.gamma;
-    double worst_theta = 0;
     for (size_t i = 0; i < T.stages; ++i) {
       double* k = eq_.array(kStages + i);
       if (i == 0 && T.explicit_first()) {
@@ -131,18 +117,7 @@ class Dirk final : public Interpolant {
       combine(eq_, base, eq_.array(y_), weights.data(), kStages, i);
       const double* guess = i == 0 ? eq_.array(kRate) : eq_.array(kStages + i - 1);
       for (size_t m = 0; m < n; ++m) y_new[m] = base[m] + z * guess[m];
-      Convergence convergence(kMostIterations);
-      double* d = eq_.array(kIncrement);
-      for (;;) {
-        eq_.rate(t + T.c[i] * h, y_new, d);
-        for (size_t m = 0; m < n; ++m) d[m] = (base[m] - y_new[m]) + z * d[m];
-        eq_.solve(d);
-        for (size_t m = 0; m < n; ++m) y_new[m] += d[m];
-        const auto verdict = convergence.judge(scale_(d, y_new));
-        if (verdict == Convergence::Verdict::failed) return false;
-        if (verdict == Convergence::Verdict::done) break;
-      }
-      worst_theta = std::max(worst_theta, convergence.theta());
+      if (!solver_.solve(t + T.c[i] * h, base, z, y_new, eq_.array(kIncrement))) return false;
       const double inverse = 1 / z;
       for (size_t m = 0; m < n; ++m) k[m] = (y_new[m] - base[m]) * inverse;
     }
@@ -151,16 +126,13 @@ class Dirk final : public Interpolant {
       for (size_t i = 0; i < T.stages; ++i) weights[i] = h * T.b[i];
       combine(eq_, y_new, eq_.array(y_), weights.data(), kStages, T.stages);
     }
-    // Contraction slower than this: the next step forms the Jacobian anew.
-    if (worst_theta > 0.05) linearised_ = false;
     return true;
   }
 
   Equations& eq_;
-  Scale scale_;
+  StageSolver<Equations> solver_;
   size_t y_ = 0;
-  bool linearised_ = false, jacobian_is_fresh_ = false;
-  double factored_ = 0, t_ = 0, h_ = 0;
+  double t_ = 0, h_ = 0;
   mutable bool end_stands_ = false;
 };
 
@@ -187,6 +159,9 @@ void advance_sdirk4(Advance& a) {
 }
 void advance_tr_bdf2(Advance& a) {
   advance_adaptive<kTrBdf2>(a);
+}
+void advance_tr_bdf2_fixed(Advance& a) {
+  advance_fixed<kTrBdf2>(a);
 }
 void advance_implicit_midpoint(Advance& a) {
   advance_fixed<kImplicitMidpoint>(a);

@@ -1,6 +1,6 @@
-// Sparse LU of M = I - c1 A1 - c2 A2 for two matrices of one pattern, real or complex: the fill-reducing order
-// is found once per pattern. Eigen's SparseLU (supernodal, after Demmel et al. 1999). It allocates at every
-// factorisation, the one exception to "no allocation per step".
+// Sparse LU of M = I - c1 A1 - c2 A2 for two matrices of one pattern, real or complex: the fill-reducing
+// order is found once per pattern. Eigen's SparseLU (supernodal, after Demmel et al. 1999). It allocates at
+// every factorisation, the one exception to "no allocation per step".
 #pragma once
 #include <cstdint>
 #include <memory>

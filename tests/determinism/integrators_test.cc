@@ -10,13 +10,14 @@
 namespace truestep {
 namespace {
 
-std::unique_ptr<const System> cloth(std::string_view integrator, double internal_damping = 1e-3) {
+std::unique_ptr<const System> cloth(std::string_view integrator, double internal_damping = 1e-3,
+                                    int side = 70) {
   MassSpringDef d;
   d.cloth_grid.emplace();
-  d.cloth_grid->nx = d.cloth_grid->ny = 70;
+  d.cloth_grid->nx = d.cloth_grid->ny = side;
   d.mass = 1e-3, d.stiffness = 50, d.shear_stiffness = 30, d.bending_stiffness = 5,
   d.internal_damping = internal_damping;
-  d.pins = {0, 69};
+  d.pins = {0, side - 1};
   d.integrator = integrator;
   d.tolerance = 1e-5, d.newton_tolerance = 1e-6;
   const BuildContext context{.id = "cloth"};
@@ -40,8 +41,11 @@ class Bits : public testing::TestWithParam<std::string> {};
 
 TEST_P(Bits, DoNotDependOnHowTheRunIsMade) {
   // Damping makes the force depend on velocity, which some methods refuse.
-  const bool damped = find_integrator(GetParam())->order_with_velocity > 0;
-  const auto system = cloth(GetParam(), damped ? 1e-3 : 0);
+  const Integrator& method = *find_integrator(GetParam());
+  const bool damped = method.order_with_velocity > 0;
+  // Methods that factorise the whole Jacobian in every step run on 256 points: they have no threads to mix up.
+  const bool factorises = method.kind == Integrator::Kind::implicit && method.advance;
+  const auto system = cloth(GetParam(), damped ? 1e-3 : 0, factorises ? 16 : 70);
   Stepper one(*system, 1);
   State reference = system->initial_state();
   std::vector<std::byte> snapshot;

@@ -1,5 +1,5 @@
-// Stiff problems with known ends, for tests and benchmarks: Van der Pol, ROBER, HIRES and BEAM of the IVP test
-// set (Mazzia, Magherini), a chain of masses, Curtiss-Hirschfelder and Prothero-Robinson.
+// Stiff problems with known ends, for tests and benchmarks: Van der Pol, ROBER, HIRES and BEAM of the IVP
+// test set (Mazzia, Magherini), a chain of masses, Curtiss-Hirschfelder and Prothero-Robinson.
 #pragma once
 #include <array>
 #include <cmath>
@@ -69,8 +69,11 @@ class Rober final : public RightHandSide {
     j[1] = 0.04, j[4] = -j[3] - j[5], j[7] = -j[6];
   }
   static StiffCase published() {
-    return {1e11, {1, 0, 0},          {0.2083340149701255e-7, 0.8333360770334713e-13, 0.9999999791665050},
-            1e-8, StiffCase::Measure::component};
+    return {1e11,
+            {1, 0, 0},
+            {0.2083340149701255e-7, 0.8333360770334713e-13, 0.9999999791665050},
+            1e-8,
+            StiffCase::Measure::component};
   }
 };
 
@@ -177,6 +180,8 @@ class Chain final : public RightHandSide, public SecondOrder {
  public:
   Chain(size_t masses, double k, double c) : n_(masses), k_(k), c_(c) {}
 
+  double stiffness() const { return k_; }
+  double damping() const { return c_; }
   size_t size() const override { return 2 * n_; }
   bool autonomous() const override { return true; }
   void rate(double t, const double* y, double* d) const override {
@@ -197,8 +202,12 @@ class Chain final : public RightHandSide, public SecondOrder {
     }
     a[end] = k * (x[end - 1] - x[end]) + c * (v[end - 1] - v[end]) - kGravity;
   }
-  MatrixShape shape() const override { return {.kind = MatrixShape::Kind::banded, .lower = 1, .upper = 1}; }
-  bool has_jacobian() const override { return true; }
+  MatrixShape shape() const override {
+    return {.kind = MatrixShape::Kind::banded, .lower = 1, .upper = 1};
+  }
+  bool has_jacobian() const override {
+    return true;
+  }
   void jacobian(double, const double*, const double*, double* dadx, double* dadv) const override {
     for (size_t j = 0; j < n_; ++j) {
       const double diagonal = j + 1 < n_ ? -2 : -1;

@@ -77,10 +77,14 @@ class SmallLu {
 
  private:
   static constexpr double kHuge = 1e300;
-  T& at(int i, int j) { return a_[static_cast<size_t>(j * N + i)]; }
-  const T& at(int i, int j) const { return a_[static_cast<size_t>(j * N + i)]; }
+  T& at(int i, int j) {
+    return a_[static_cast<size_t>(j * N + i)];
+  }
+  const T& at(int i, int j) const {
+    return a_[static_cast<size_t>(j * N + i)];
+  }
 
-  std::array<T, static_cast<size_t>(N * N)> a_;
+  std::array<T, static_cast<size_t>(N* N)> a_;
   std::array<T, N> inverse_;
   std::array<int, N> pivot_;
 };

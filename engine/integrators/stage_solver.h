@@ -1,0 +1,68 @@
+// Solves the equations that most implicit methods consist of,
+//   Y = base + z f(t, Y),
+// by simplified Newton iterations with (I - z J)^-1. The Jacobian is that of a step's start or an earlier
+// one; it is formed again when iterations contract slowly or fail. The factors live as long as z and J do.
+#pragma once
+#include "engine/integrators/newton_iteration.h"
+
+namespace truestep {
+
+template <class Equations>
+class StageSolver {
+ public:
+  using Scale = IncrementScale<Equations>;
+  StageSolver(Equations& eq, typename Scale::By by) : eq_(eq), scale_(eq, by) {}
+
+  /// Before a step from (t, y) with rate f(t, y); false: no factors. May be repeated with another z.
+  bool prepare(double t, const double* y, const double* rate, double z) {
+    if (!linearised_) {
+      eq_.differentiate(t, y, rate);
+      linearised_ = fresh_ = true;
+      factored_ = 0;
+    }
+    if (factored_ == z) return true;
+    factored_ = 0;
+    if (!eq_.factor(z)) return false;
+    factored_ = z;
+    return true;
+  }
+  /// y: a guess, then the solution; d: scratch. False: no convergence.
+  bool solve(double t, const double* base, double z, double* y, double* d) {
+    const size_t n = eq_.padded();
+    Convergence convergence(scale_.most_iterations());
+    for (;;) {
+      eq_.rate(t, y, d);
+#pragma GCC ivdep
+      for (size_t i = 0; i < n; ++i) d[i] = (base[i] - y[i]) + z * d[i];
+      eq_.solve(d);
+#pragma GCC ivdep
+      for (size_t i = 0; i < n; ++i) y[i] += d[i];
+      const auto verdict = convergence.judge(scale_(d, y));
+      if (verdict == Convergence::Verdict::failed) return false;
+      if (verdict == Convergence::Verdict::done) break;
+    }
+    slowest_ = std::max(slowest_, convergence.theta());
+    return true;
+  }
+  /// After a failure: true when the same step deserves another try, with a Jacobian of its own.
+  bool try_again() {
+    if (fresh_) return false;
+    linearised_ = false;
+    return true;
+  }
+  /// After an accepted step: the Jacobian is now an old one, and a bad one if iterations were slow.
+  void step_accepted() {
+    fresh_ = false;
+    if (slowest_ > kSlow) linearised_ = false;
+    slowest_ = 0;
+  }
+
+ private:
+  static constexpr double kSlow = 0.05;
+  Equations& eq_;
+  Scale scale_;
+  bool linearised_ = false, fresh_ = false;
+  double factored_ = 0, slowest_ = 0;
+};
+
+}  // namespace truestep
