@@ -108,6 +108,8 @@ class Bdf2 final : public Interpolant {
     start.statistics = a_.statistics;
     advance_tr_bdf2_fixed(start);
     eq_.rate(t + h, y_new, eq_.array(kEndRate));
+    // The next steps' matrix, so that they allocate nothing.
+    solver_.prepare(t, eq_.array(y_), eq_.array(kRate), h * (2.0 / 3));
     if (a_.statistics) --a_.statistics->steps;
     return true;
   }

@@ -150,8 +150,7 @@ class NewmarkSteps final : public Interpolant {
         moved = larger(moved, larger(std::abs(along * d[i]), std::abs(across * d[i])));
         size = larger(size, larger(std::abs(y1[i]), std::abs(y1[n_ + i])));
       }
-      const double relative = moved > 0 ? moved / (in_.newton_tolerance * size) : moved;
-      const auto verdict = convergence.judge(relative);
+      const auto verdict = convergence.judge(relative_increment(moved, size, in_.newton_tolerance));
       if (verdict == Convergence::Verdict::failed) return false;
       if (verdict == Convergence::Verdict::done) break;
     }

@@ -2,13 +2,22 @@
 // increment d is about theta / (1 - theta) |d| (Hairer, Wanner 1996, eq. IV.8.10).
 // Increments are measured against the error tolerance of an adaptive method, 1 = kappa tolerances. Fixed-step
 // methods, and adaptive ones whose tolerance exceeds the solution itself (it then says nothing), measure
-// against newton_tolerance times the largest component.
+// against a hundredth of newton_tolerance times the largest component.
 #pragma once
 #include <cmath>
 
 #include "engine/integrators/equations.h"
 
 namespace truestep {
+
+/// Size of the largest increment `moved` of values up to `size` for a method without error control; 1 is
+/// small enough: a hundredth of newton_tolerance, because what is left over adds up from step to step.
+/// Increments of a few roundings, and those of values that all but vanish, are 0.
+inline double relative_increment(double moved, double size, double newton_tolerance) {
+  constexpr double kRoundings = 8 * 0x1p-52, kNothing = 1e-280;
+  if (moved <= kRoundings * size || moved <= kNothing) return 0;
+  return moved / (0.01 * newton_tolerance * size);
+}
 
 /// How an integration measures Newton's increments.
 template <class Equations>
@@ -29,8 +38,7 @@ class IncrementScale {
   /// Size of increment d of a solution near y; 1 is small enough.
   double operator()(const double* d, const double* y) const {
     if (by_ == By::tolerance) return eq_.norm(d, y, y) / kappa_;
-    const double moved = largest(d);
-    return moved > 0 ? moved / (eq_.advance().newton_tolerance * largest(y)) : moved;
+    return relative_increment(largest(d), largest(y), eq_.advance().newton_tolerance);
   }
   /// Iterations after which a shorter step or a new Jacobian is the better idea; a fixed step has no such way
   /// out.

@@ -62,7 +62,10 @@ TEST(Order, EveryRowKeepsItsPromise) {
         EXPECT_LT(end_error(m, p, 24, kOptions), 1e-11) << m.name << " on " << named.name;
         continue;
       }
-      const int promised = p.field->dependence() == Dependence::position ? m.order : m.order_with_velocity;
+      // Rodas5P's error of order 5 vanishes on linear equations with constant coefficients.
+      const bool better = m.name == "rodas5p" && std::string_view(named.name).ends_with("oscillator");
+      const int promised = (p.field->dependence() == Dependence::position ? m.order : m.order_with_velocity) +
+                           (better ? 1 : 0);
       const double observed = order_of(m, p, promised);
       std::printf("%-18s %-22s promised %d observed %.3f\n", named.name, std::string(m.name).c_str(),
                   promised, observed);
