@@ -43,7 +43,8 @@ TEST_P(Bits, DoNotDependOnHowTheRunIsMade) {
   // Damping makes the force depend on velocity, which some methods refuse.
   const Integrator& method = *find_integrator(GetParam());
   const bool damped = method.order_with_velocity > 0;
-  // Methods that factorise the whole Jacobian in every step run on 256 points: they have no threads to mix up.
+  // Methods that factorise the whole Jacobian in every step run on 256 points: they have no threads to mix
+  // up.
   const bool factorises = method.kind == Integrator::Kind::implicit && method.advance;
   const auto system = cloth(GetParam(), damped ? 1e-3 : 0, factorises ? 16 : 70);
   Stepper one(*system, 1);
