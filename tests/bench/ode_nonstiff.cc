@@ -151,11 +151,25 @@ double time_at(const std::vector<Point>& curve, double error) {
   return best;
 }
 
+enum class Output : uint8_t { comparisons, curves, points };
+
 template <class F>
-void compare(const F& f, const Problem& p, bool print) {
-  const std::vector<Method> all = methods(f, p);
+void compare(const F& f, const Problem& p, Output output) {
+  std::vector<Method> all = methods(f, p);
+  if (output == Output::points)
+    std::erase_if(all, [](const Method& m) { return m.side != Method::Side::ours; });
   const auto measured = curves(all, p);
-  if (print) {
+  if (output == Output::points) {
+    for (size_t m = 0; m < all.size(); ++m) {
+      for (const Point& q : measured[m]) {
+        if (!std::isfinite(q.error)) continue;
+        std::printf("{\"problem\": \"%s\", \"method\": \"%s\", \"seconds\": %.6e, \"error\": %.6e}\n",
+                    p.name.c_str(), all[m].name.c_str(), q.seconds, q.error);
+      }
+    }
+    return;
+  }
+  if (output == Output::curves) {
     for (size_t m = 0; m < all.size(); ++m) {
       for (const Point& q : measured[m]) {
         std::fprintf(stderr, "%-10s %-18s %8.0e %10.3f ms  %9.2e\n", p.name.c_str(), all[m].name.c_str(),
@@ -194,11 +208,12 @@ void compare(const F& f, const Problem& p, bool print) {
 int main(int argc, char** argv) {
   using namespace truestep;
   using namespace truestep::bench;
-  bool print = false;
+  Output output = Output::comparisons;
   std::string only;
   for (int i = 1; i < argc; ++i) {
     const std::string word = argv[i];
-    if (word == "--curves") print = true;
+    if (word == "--curves") output = Output::curves;
+    if (word == "--points") output = Output::points;
     if (word == "--problem" && i + 1 < argc) only = argv[++i];
   }
   const auto wanted = [&](const char* name) { return only.empty() || only == name; };
@@ -211,7 +226,7 @@ int main(int argc, char** argv) {
              1e-3,
              {"dopri5", "tsit5", "dop853", "rkn86", "rkn1210", "ias15"},
              powers(3, 15)},
-            print);
+            output);
   }
   if (wanted("pleiades")) {
     compare(test::pleiades(),
@@ -222,7 +237,7 @@ int main(int argc, char** argv) {
              1e-4,
              {"dopri5", "tsit5", "dop853", "rkn86", "rkn1210", "ias15"},
              powers(2, 15)},
-            print);
+            output);
   }
   if (wanted("arenstorf")) {
     compare(test::arenstorf(),
@@ -233,7 +248,7 @@ int main(int argc, char** argv) {
              1e-4,
              {"dopri5", "tsit5", "dop853"},
              powers(4, 15)},
-            print);
+            output);
   }
   if (wanted("chain")) {
     const test::Chain chain(1000, 1e6, 1e3);
@@ -245,6 +260,6 @@ int main(int argc, char** argv) {
              1e-4,
              {"bs32", "dopri5", "tsit5", "dop853", "ssprk104"},
              powers(3, 9)},
-            print);
+            output);
   }
 }
