@@ -25,6 +25,7 @@
 #include "engine/base/errors.h"
 #include "engine/integrators/cvode_jacobian.h"
 #include "engine/integrators/implicit_methods.h"
+#include "engine/integrators/step_control.h"
 
 namespace truestep {
 
@@ -85,6 +86,9 @@ class Run final : public Interpolant {
       const int flag = CVode(memory_.get(), a_.t_end, y_.get(), &t1, CV_ONE_STEP);
       if (thrown_) std::rethrow_exception(thrown_);
       if (flag < 0) fail(t, flag_name(flag));
+      if (t1 < a_.t_end && t1 - t <= step_control::smallest_step(a_, t)) {
+        fail(t, "CVODE's steps have become as short as the rounding of the time");
+      }
       t0_ = t, t1_ = t1;
       jacobian_.from_cvode(N_VGetArrayPointer(y_.get()), a_.y);
       const bool last = t1 >= a_.t_end;

@@ -26,6 +26,7 @@ TEST(OscillatorReference, ExactSolutionIsThePublishedOne) {
 TEST(OscillatorReference, EveryMethodFindsTheDampedMotion) {
   const auto field = unit_oscillator(100, 2, 1, 0);
   for (const Integrator& m : integrators()) {
+    if (refusal(m, *field)) continue;
     // Global error: some 100 h^order; the suggested 1e-6 from order 2 on.
     const double h = m.order == 1 ? 1e-6 : m.order == 2 ? 1e-4 : 1e-3, tolerance = m.order == 1 ? 5e-5 : 1e-6;
     SteppedField run(*field, m, h, {.tolerance = 1e-9});
