@@ -203,7 +203,7 @@ class Chain final : public RightHandSide, public SecondOrder {
     a[end] = k * (x[end - 1] - x[end]) + c * (v[end - 1] - v[end]) - kGravity;
   }
   MatrixShape shape() const override {
-    return {.kind = MatrixShape::Kind::banded, .lower = 1, .upper = 1};
+    return {.kind = MatrixShape::Kind::banded, .lower = 1, .upper = 1, .column_start = {}, .rows = {}};
   }
   bool has_jacobian() const override {
     return true;

@@ -39,7 +39,7 @@ class Neighbours final : public RightHandSide, public SecondOrder {
       case MatrixShape::Kind::dense:
         return {};
       case MatrixShape::Kind::banded:
-        return {.kind = kind_, .lower = 1, .upper = 1};
+        return {.kind = kind_, .lower = 1, .upper = 1, .column_start = {}, .rows = {}};
       default:
         return {.kind = kind_, .column_start = start_, .rows = rows_};
     }
