@@ -75,7 +75,6 @@ class Radau15 final : public Interpolant {
         tolerance > 1 ? 0.1 * tolerance
                       : std::max(1e-9, 0.1 * step_control::rough_pow(std::max(tolerance, 1e-30), 0.4375));
     double t = in_.t, t_low = 0, h = in_.carry.step > 0 ? in_.carry.step : first_step();
-    const double smallest = 4e-16 * std::max(std::abs(in_.t), std::abs(in_.t_end));
     sample(t, y_[kNow], a_[kA0]);
     for (uint64_t tried = 0;; ++tried) {
       if (tried >= in_.max_steps) step_control::too_many_steps(in_, t, h);
@@ -88,7 +87,9 @@ class Radau15 final : public Interpolant {
       if (!(factor > kShrink)) {  // includes an error that is no number
         h = now * (factor > 0.05 ? factor : 0.05);
         if (in_.statistics) ++in_.statistics->rejected;
-        if (h <= smallest) step_control::give_up(in_, t, h, y_[kNow], y_[kNew], -1);
+        if (h <= step_control::smallest_step(in_, t)) {
+          step_control::give_up(in_, t, h, y_[kNow], y_[kNew], -1);
+        }
         predict(h / now);
         continue;
       }

@@ -91,7 +91,8 @@ std::vector<Method> methods(const F& f, const Problem& p) {
                    p.tolerances});
   };
   for (const std::string_view name : p.ours) add_row(name, Method::Side::ours);
-  add_row("cvode_adams", Method::Side::cvode);
+  // Not on the chain: functional iteration makes it 40 times slower than odeint there, and minutes long.
+  if (p.start.size() < 100) add_row("cvode_adams", Method::Side::cvode);
   all.push_back({"odeint dopri5", Method::Side::odeint,
                  [&](double tol) { return integrate_odeint<odeint::runge_kutta_dopri5<Vector>>(f, p, tol); },
                  p.tolerances});
