@@ -50,6 +50,9 @@ class ForceField {
   virtual Dependence dependence() const = 0;
   /// V(x, t) in J when the forces have one (dissipative parts left out); nothing otherwise.
   virtual std::optional<double> potential(const Phase& at, Evaluation& e) const { return std::nullopt; }
+  /// R(x, v, t) in W of all forces that the potential leaves out (damping, air, prescribed forces), so that
+  /// f = -dV/dx - dR/dv; nothing when there is no such function or nobody has written it.
+  virtual std::optional<double> dissipation(const Phase& at, Evaluation& e) const { return std::nullopt; }
   /// T in J.
   virtual double kinetic(const Phase& at, Evaluation& e) const = 0;
 

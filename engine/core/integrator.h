@@ -18,7 +18,7 @@ class RightHandSide;
 struct IntegratorOptions {
   double tolerance = 1e-6;          ///< adaptive methods: bound on the local error, in the units of x and v
   double newton_tolerance = 1e-10;  ///< implicit methods: relative residual at which Newton stops
-  int max_newton_iterations = 50;
+  int max_newton_iterations = 200;
   /// Adaptive methods: error per component against absolute + relative |y|; `absolute` is `tolerance` when
   /// not given, `relative` is 0.
   std::optional<double> relative_tolerance = {}, absolute_tolerance = {};

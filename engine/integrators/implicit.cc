@@ -20,7 +20,7 @@ void step(const ForceField& field, State& state, const StepInput& in, const Inte
           NewtonSteps steps) {
   Motion m(field, state, in);
   if (sparse(m)) {
-    implicit_euler_sparse(m, options, steps);
+    steps == NewtonSteps::one ? linear_implicit_euler_sparse(m, options) : implicit_euler_sparse(m, options);
   } else {
     implicit_euler_dense(m, options, steps);
   }

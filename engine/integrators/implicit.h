@@ -5,11 +5,12 @@
 
 namespace truestep {
 
+/// For fields with a Jacobian and dx/dt = v.
+void implicit_euler_sparse(Motion& m, const IntegratorOptions& options);
+void linear_implicit_euler_sparse(Motion& m, const IntegratorOptions& options);
+
 /// How far a step goes: Newton's method to its tolerance, or exactly one Newton step.
 enum class NewtonSteps : uint8_t { converged, one };
-
-/// For fields with a Jacobian and dx/dt = v.
-void implicit_euler_sparse(Motion& m, const IntegratorOptions& options, NewtonSteps steps);
 /// For at most kDenseUnknowns components of x and v together; any G(x).
 void implicit_euler_dense(Motion& m, const IntegratorOptions& options, NewtonSteps steps);
 

@@ -27,9 +27,22 @@ inline double plate_slope(const Vec3& area2, const Vec3& u, double q) {
   return q * std::abs(dot(u, area2) / length) / length;
 }
 
+/// R (W) with plate_force = dR/du.
+inline double plate_dissipation(const Vec3& area2, const Vec3& u, double q) {
+  const double length2 = norm2(area2);
+  if (!(length2 > 0)) return 0;
+  const double un = std::abs(dot(u, area2));
+  return q * un * un * un / (6 * length2);
+}
+
 /// Force (N) on a piece of cylinder of cross-section `section` m^2.
 inline Vec3 cylinder_force(const Vec3& u, double q, double section) {
   return (q * section * norm(u)) * u;
+}
+
+/// R (W) with cylinder_force = dR/du.
+inline double cylinder_dissipation(const Vec3& u, double q, double section) {
+  return q * section * norm(u) * norm2(u) / 3;
 }
 
 /// df/du of cylinder_force = alpha I + beta u u^T; returns {alpha, beta}.

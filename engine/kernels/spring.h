@@ -26,6 +26,12 @@ inline Vec3 force(const Vec3& d, const Vec3& w, double k, double rest, double c)
   return (k * (1 - rest * inv) + c * dot(w, d) * (inv * inv)) * d;
 }
 
+/// R in W of the damping force: c/2 (w . n)^2.
+inline double dissipation(const Vec3& d, const Vec3& w, double c) {
+  const double l2 = norm2(d), wd = dot(w, d);
+  return l2 > 0 ? 0.5 * c * wd * wd / l2 : 0;
+}
+
 /// K = alpha I + beta d d^T (N/m and N/m^3).
 struct Stiffness {
   double alpha, beta;

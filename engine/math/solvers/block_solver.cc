@@ -36,15 +36,26 @@ BlockSolver::Result BlockSolver::solve(const BlockSparse& a, std::span<const dou
   if (iterate) {
     const int limit = static_cast<int>(std::min(2 * expected + 20, 1e5));
     const Pcg::Result r = pcg_.solve(a, b, x, request.tolerance, limit, arena);
-    if (r.outcome == Pcg::Outcome::converged) return {Method::conjugate_gradients, r.iterations, true};
+    last_ = Method::conjugate_gradients;
+    if (r.outcome == Pcg::Outcome::converged) return {last_, r.iterations, true};
     spent = r.iterations;
   }
+  last_ = Method::ldlt;
   const BlockLdlt::Outcome outcome = ldlt_.factorize(a);
   if (outcome == BlockLdlt::Outcome::singular) return {Method::ldlt, spent, false};
   ldlt_.solve(b, x);
   return {
       Method::ldlt, spent, true,
       outcome == BlockLdlt::Outcome::positive_definite ? Result::Sign::positive : Result::Sign::indefinite};
+}
+
+void BlockSolver::solve_again(const BlockSparse& a, std::span<const double> b, std::span<double> x,
+                              double tolerance, const ThreadArena& arena) {
+  if (last_ == Method::ldlt) {
+    ldlt_.solve(b, x);
+  } else {
+    pcg_.solve(a, b, x, tolerance, 1000, arena);
+  }
 }
 
 }  // namespace truestep

@@ -29,8 +29,13 @@ class BlockSolver {
 
   Result solve(const BlockSparse& a, std::span<const double> b, std::span<double> x, const Request& request,
                const ThreadArena& arena);
+  /// Another right-hand side for the matrix of the last solve, which was symmetric and must not have changed;
+  /// a factorisation is used again.
+  void solve_again(const BlockSparse& a, std::span<const double> b, std::span<double> x, double tolerance,
+                   const ThreadArena& arena);
 
  private:
+  Method last_ = Method::ldlt;
   Pcg pcg_;
   BlockLdlt ldlt_;
 };

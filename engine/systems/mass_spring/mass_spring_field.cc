@@ -224,43 +224,6 @@ void MassSpringField::hand_forces(const Rows& rows, const State& state, const Sc
   }
 }
 
-std::optional<double> MassSpringField::potential(const Phase& at, Evaluation& e) const {
-  const double* x = at.x.data();
-  const auto stiffness = at.state.f64(Columns::stiffness);
-  double v = e.arena.sum_blocks(schedule_.a.size(), kBlockRows, [&](size_t begin, size_t end) {
-    double sum = 0;
-    for (size_t s = begin; s < end; ++s) {
-      const double l = norm(load3(x, schedule_.b[s]) - load3(x, schedule_.a[s]));
-      const double k = stiffness[static_cast<size_t>(schedule_.family[s])] * schedule_.scale[s];
-      sum += spring::energy(l, k, schedule_.rest[s]);
-    }
-    return sum;
-  });
-  const Vec3 g = load3(at.state.f64(Columns::gravity).data(), 0);
-  v += e.arena.sum_blocks(masses_.size(), kBlockRows, [&](size_t begin, size_t end) {
-    double sum = 0;
-    for (size_t i = begin; i < end; ++i) sum -= masses_[i] * dot(g, load3(x, i));
-    return sum;
-  });
-  const auto drag_row = at.state.span<uint32_t>(Columns::drag_row);
-  for (size_t k = 0; k < drag_row.size(); ++k) {
-    const Vec3 d = load3(at.state.f64(Columns::drag_target).data(), k) - load3(x, drag_row[k]);
-    v += 0.5 * at.state.f64(Columns::drag_stiffness)[k] * norm2(d);
-  }
-  return v;
-}
-
-double MassSpringField::kinetic(const Phase& at, Evaluation& e) const {
-  const auto w = at.state.f64(Columns::inverse_mass);
-  return e.arena.sum_blocks(masses_.size(), kBlockRows, [&](size_t begin, size_t end) {
-    double sum = 0;
-    for (size_t i = begin; i < end; ++i) {
-      if (w[i] > 0) sum += 0.5 * masses_[i] * norm2(load3(at.v.data(), i));
-    }
-    return sum;
-  });
-}
-
 double MassSpringField::strain(std::span<const double> x, size_t s) const {
   const double l = norm(load3(x.data(), schedule_.b[s]) - load3(x.data(), schedule_.a[s]));
   const double rest = schedule_.rest[s];

@@ -42,6 +42,8 @@ class MassSpringField final : public ForceField {
   void acceleration(const Phase& at, std::span<double> a, Evaluation& e) const override;
   Dependence dependence() const override { return dependence_; }
   std::optional<double> potential(const Phase& at, Evaluation& e) const override;
+  /// Viscous and internal damping, air and pushes.
+  std::optional<double> dissipation(const Phase& at, Evaluation& e) const override;
   double kinetic(const Phase& at, Evaluation& e) const override;
 
   bool has_jacobian() const override { return true; }

@@ -41,10 +41,8 @@ class OscillatorField : public ForceField {
   void acceleration(const Phase& at, std::span<double> a, Evaluation&) const override {
     using C = OscillatorColumns;
     const State& s = at.state;
-    double f = -s.f64(C::kStiffness)[0] * at.x[0] - s.f64(C::kDamping)[0] * at.v[0] + s.f64(C::kPushForce)[0];
-    if (const double amplitude = s.f64(C::kDriveForce)[0]; amplitude != 0) {
-      f += amplitude * trig::sin(2 * std::numbers::pi * s.f64(C::kDriveFrequency)[0] * at.t);
-    }
+    const double f =
+        -s.f64(C::kStiffness)[0] * at.x[0] - s.f64(C::kDamping)[0] * at.v[0] + prescribed_force(at);
     a[0] = f * s.f64(C::kInverseMass)[0];
     a[1] = a[2] = 0;
   }
@@ -54,6 +52,10 @@ class OscillatorField : public ForceField {
   }
   std::optional<double> potential(const Phase& at, Evaluation&) const override {
     return 0.5 * at.state.f64(OscillatorColumns::kStiffness)[0] * at.x[0] * at.x[0];
+  }
+  std::optional<double> dissipation(const Phase& at, Evaluation&) const override {
+    return 0.5 * at.state.f64(OscillatorColumns::kDamping)[0] * at.v[0] * at.v[0] -
+           prescribed_force(at) * at.v[0];
   }
   double kinetic(const Phase& at, Evaluation&) const override {
     return 0.5 * at.v[0] * at.v[0] / at.state.f64(OscillatorColumns::kInverseMass)[0];
@@ -81,6 +83,17 @@ class OscillatorField : public ForceField {
   }
 
  private:
+  // Push and drive, in N.
+  static double prescribed_force(const Phase& at) {
+    using C = OscillatorColumns;
+    const State& s = at.state;
+    double f = s.f64(C::kPushForce)[0];
+    if (const double amplitude = s.f64(C::kDriveForce)[0]; amplitude != 0) {
+      f += amplitude * trig::sin(2 * std::numbers::pi * s.f64(C::kDriveFrequency)[0] * at.t);
+    }
+    return f;
+  }
+
   OscillatorDef def_;
 };
 

@@ -1,0 +1,256 @@
+#include "engine/integrators/stage_newton.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "engine/base/errors.h"
+
+namespace truestep {
+
+StageNewton::StageNewton(Motion& m, const IntegratorOptions& options)
+    : m_(m),
+      options_(options),
+      n_(m.v.size()),
+      system_(m),
+      report_(m.input.workspace.object<NewtonReport>(kNewtonReport)),
+      a_(m.scratch("integrator.k1", n_)),
+      b_(m.scratch("integrator.rhs", n_)),
+      d_(m.scratch("integrator.dv", n_)),
+      x_(m.scratch("integrator.x", n_)),
+      lagged_(m.scratch("integrator.x_lagged", n_)),
+      trial_(m.scratch("integrator.u", n_)) {}
+
+void StageNewton::solve(const StageEquation& eq, std::span<double> u) {
+  constexpr double kNear = 1e-4;  // of the first residual: a solution is near
+  report_ = {};
+  choose_start(eq, u);
+  norm_ = evaluate(eq, u);
+  const double first = norm_;
+  const double momentum =
+      std::sqrt(system_.sum_free([&](size_t k, double w) { return eq.u0[k] * eq.u0[k] / w; }));
+  report_.target = options_.newton_tolerance * std::max(first, momentum);
+  for (int it = 0;; ++it) {
+    record(it);
+    if (!std::isfinite(norm_)) fail("the forces became non-finite");
+    if (norm_ <= report_.target) return;
+    system_.differentiate(eq.t, x_, u, Derivatives::exact);
+    report_.floor = system_.rounding_floor(x_, u, eq.g);
+    if (norm_ <= report_.floor) return;
+    if (it >= options_.max_newton_iterations) {
+      fail("Newton's method did not converge in " + std::to_string(options_.max_newton_iterations) +
+           " iterations");
+    }
+    // No more accuracy than this iterate deserves.
+    const double accuracy =
+        std::clamp(std::max(0.1 * report_.target / norm_, 0.1 * norm_ / first), 1e-14, 1e-2);
+    const Search kind = norm_ <= kNear * first ? Search::any_solution : Search::descent;
+    if (!iterate(eq, u, accuracy, kind)) fail("Newton's method found no better point");
+  }
+}
+
+// Of the guess and of standing still, the one with the lower incremental potential: the solution lies lower
+// still, so V never exceeds what V and the kinetic energy were together.
+void StageNewton::choose_start(const StageEquation& eq, std::span<double> u) {
+  const auto move = [&](std::span<const double> to) {
+    m_.loop(n_, [x = x_.data(), x0 = eq.x0.data(), u = to.data(), s = eq.s](size_t i) {
+      x[i] = x0[i] + s * u[i];
+    });
+  };
+  const auto w = system_.inverse_mass();
+  for (size_t k = 0; k < n_; ++k) trial_[k] = w[k / system_.width()] > 0 ? 0 : u[k];
+  move(u);
+  std::copy(x_.begin(), x_.end(), lagged_.begin());
+  const double guess = value(eq, u);
+  if (merit_ == Merit::residual) return;
+  move(trial_);
+  if (value(eq, trial_) < guess) std::copy(trial_.begin(), trial_.end(), u.begin());
+}
+
+// Leaves x(u) and -r; the norm of r.
+double StageNewton::evaluate(const StageEquation& eq, std::span<const double> u) {
+  ++report_.evaluations;
+  m_.loop(n_,
+          [x = x_.data(), x0 = eq.x0.data(), u = u.data(), s = eq.s](size_t i) { x[i] = x0[i] + s * u[i]; });
+  m_.acceleration(eq.t, x_, u, a_);
+  const auto w = system_.inverse_mass();
+  const size_t width = system_.width();
+  return std::sqrt(system_.sum([&](size_t i) {
+    double s = 0;
+    for (size_t k = i * width; k < (i + 1) * width; ++k) {
+      const double per_mass = eq.g * a_[k] - (u[k] - eq.u0[k]);
+      b_[k] = w[i] > 0 ? per_mass / w[i] : 0;
+      s += b_[k] * per_mass;
+    }
+    return s;
+  }));
+}
+
+// phi at u, whose position the last evaluation left.
+double StageNewton::value(const StageEquation& eq, std::span<const double> u) {
+  Evaluation e{m_.input.workspace, m_.input.arena};
+  const auto potential = m_.field.potential({eq.t, x_, u, m_.state}, e);
+  const auto dissipation = m_.field.dissipation({eq.t, lagged_, u, m_.state}, e);
+  if (!potential || !dissipation) {
+    merit_ = Merit::residual;
+    return 0;
+  }
+  const double inertia =
+      0.5 * system_.sum_free([&](size_t k, double w) { return (u[k] - eq.u0[k]) * (u[k] - eq.u0[k]) / w; });
+  const double v = eq.g / eq.s * *potential, r = eq.g * *dissipation;
+  magnitude_ = inertia + std::abs(v) + std::abs(r);
+  return inertia + v + r;
+}
+
+// One iteration. Newton's direction has as little of the definite Jacobian in it as makes the matrix
+// definite: with the definite one alone cloth that buckles takes some hundred iterations, because folds grow
+// by a factor of 1.3 in each. Near a solution that is no minimum (cloth that stays flat by symmetry) descent
+// would leave it at a snail's pace, so there the exact direction may lead to it.
+bool StageNewton::iterate(const StageEquation& eq, std::span<double> u, double accuracy, Search kind) {
+  constexpr double kFirstShare = 0.25, kSmallShare = 0.1;
+  std::copy(x_.begin(), x_.end(), lagged_.begin());
+  // What the last iteration needed, less a half.
+  definite_ = kind == Search::descent && definite_ > kSmallShare ? 0.5 * definite_ : 0;
+  bool both = false;
+  for (;;) {
+    if (definite_ > 0 && !both) {
+      system_.differentiate(eq.t, x_, u, Derivatives::both);
+      both = true;
+    }
+    system_.assemble(eq.g, eq.s, definite_);
+    const auto sign = system_.solve(b_, d_, accuracy);
+    ++report_.solves;
+    const double slope = -system_.sum_free([&](size_t k, double) { return b_[k] * d_[k]; });
+    const bool down = sign == BlockSolver::Result::Sign::positive && slope < 0;
+    if (definite_ == 0 && (!down || m_.field.dependence() == Dependence::position_and_velocity)) {
+      if ((down || kind == Search::any_solution) && full_step(eq, u, accuracy)) return true;
+    }
+    if (down || definite_ >= 1) {
+      if (definite_ > 0) ++report_.definite;
+      return search(eq, u, slope);
+    }
+    definite_ = std::min(1.0, std::max(kFirstShare, 2 * definite_));
+  }
+}
+
+// q = J z for the Jacobian J of the residual at u, by a difference of forces.
+void StageNewton::slope_along(const StageEquation& eq, std::span<const double> u, std::span<const double> z,
+                              std::span<double> q) {
+  const double z2 = system_.sum_free([&](size_t k, double) { return z[k] * z[k]; });
+  const double x2 = system_.sum_free([&](size_t k, double) { return x_[k] * x_[k]; });
+  // A change of position of 1e-7 of its size: half of the digits.
+  const double step = 1e-7 * (std::sqrt(x2) + eq.s) / (eq.s * std::sqrt(z2));
+  const auto a = m_.scratch("integrator.k2", n_), x = m_.scratch("integrator.x_near", n_);
+  m_.loop(n_, [&, x0 = x_.data(), s = eq.s](size_t k) {
+    trial_[k] = u[k] + step * z[k];
+    x[k] = x0[k] + s * step * z[k];
+  });
+  m_.acceleration(eq.t, x, trial_, a);
+  ++report_.evaluations;
+  const auto w = system_.inverse_mass();
+  for (size_t k = 0; k < n_; ++k) {
+    const double wk = w[k / system_.width()];
+    q[k] = wk > 0 ? (z[k] - eq.g * (a[k] - a_[k]) / step) / wk : 0;
+  }
+}
+
+// Fields leave parts of their derivatives out that are not symmetric (damping and air change with position).
+// Conjugate residuals (GCR; Eisenstat, Elman, Schultz 1983) on the whole Jacobian, preconditioned with the
+// matrix at hand, bring them back: the full step is taken when it halves the residual, and d stays as it was
+// when not.
+bool StageNewton::full_step(const StageEquation& eq, std::span<double> u, double accuracy) {
+  constexpr size_t kMost = 12;
+  const size_t most = m_.field.dependence() == Dependence::position ? 1 : kMost;
+  const auto memory = m_.scratch("integrator.krylov", 2 * most * n_);
+  const auto r = m_.scratch("integrator.krylov_r", n_), d = m_.scratch("integrator.krylov_d", n_);
+  std::span<double> z[kMost], q[kMost];
+  double q2[kMost];
+  const auto dot = [&](std::span<const double> p, std::span<const double> q) {
+    return system_.sum_free([&](size_t k, double w) { return w * p[k] * q[k]; });
+  };
+  std::copy(b_.begin(), b_.end(), r.begin());
+  std::fill(d.begin(), d.end(), 0);
+  const double norm = norm_;
+  for (size_t i = 0; i < most; ++i) {
+    z[i] = memory.subspan(2 * i * n_, n_), q[i] = memory.subspan((2 * i + 1) * n_, n_);
+    if (i == 0) {
+      std::copy(d_.begin(), d_.end(), z[0].begin());
+    } else {
+      system_.solve_again(r, z[i], accuracy);
+    }
+    slope_along(eq, u, z[i], q[i]);
+    for (size_t j = 0; j < i; ++j) {
+      const double share = dot(q[i], q[j]) / q2[j];
+      m_.loop(n_, [&](size_t k) { q[i][k] -= share * q[j][k], z[i][k] -= share * z[j][k]; });
+    }
+    q2[i] = dot(q[i], q[i]);
+    if (!(q2[i] > 0)) break;
+    const double share = dot(r, q[i]) / q2[i];
+    m_.loop(n_, [&](size_t k) { d[k] += share * z[i][k], r[k] -= share * q[i][k]; });
+    if (dot(r, r) <= accuracy * accuracy * norm * norm) break;
+  }
+  m_.loop(n_, [&](size_t k) { trial_[k] = u[k] + d[k]; });
+  norm_ = evaluate(eq, trial_);
+  if (norm_ < 0.5 * norm) {
+    std::copy(trial_.begin(), trial_.end(), u.begin());
+    return true;
+  }
+  norm_ = evaluate(eq, u);
+  return false;
+}
+
+// Moves u along d; false when no step is better than none.
+bool StageNewton::search(const StageEquation& eq, std::span<double> u, double slope) {
+  constexpr double kNoise = 1e-12;  // relative error of sums over many terms, generously
+  const bool potential = merit_ == Merit::incremental_potential;
+  const double norm = norm_;
+  const line_search::Point start{potential ? value(eq, u) : 0, slope};
+  const double noise = kNoise * magnitude_;
+  const auto go = [&](double share) {
+    m_.loop(n_, [to = trial_.data(), u = u.data(), d = d_.data(), share](size_t i) {
+      to[i] = u[i] + share * d[i];
+    });
+    norm_ = evaluate(eq, trial_);
+    if (!potential) return line_search::Point{norm_, 0};
+    return line_search::Point{value(eq, trial_),
+                              -system_.sum_free([&](size_t k, double) { return b_[k] * d_[k]; })};
+  };
+  double share = 1;
+  line_search::Point at = go(share);
+  const auto good = [&] {
+    return potential ? line_search::accepts(start, at, share, noise)
+                     : norm_ < (1 - line_search::kShare * share) * norm;
+  };
+  if (good()) {
+    while (potential && line_search::goes_on(start, at) && share < line_search::kLongest) {
+      const double value_here = at.value;
+      at = go(share *= 2);
+      if (good() && at.value < value_here) continue;
+      at = go(share *= 0.5);
+      break;
+    }
+  } else {
+    do {
+      share = potential ? line_search::shorter(start, at, share) : 0.5 * share;
+      if (share < line_search::kShortest) return false;
+      at = go(share);
+    } while (!good());
+  }
+  std::copy(trial_.begin(), trial_.end(), u.begin());
+  return true;
+}
+
+void StageNewton::record(int iteration) {
+  report_.iterations = iteration;
+  if (iteration < NewtonReport::kKept) report_.residuals[iteration] = norm_;
+}
+
+void StageNewton::fail(const std::string& why) {
+  size_t worst = 0;
+  for (size_t k = 0; k < n_; ++k) {
+    if (!(std::abs(b_[k]) <= std::abs(b_[worst]))) worst = k;
+  }
+  throw Instability("", "velocity", static_cast<long long>(worst / std::max<size_t>(system_.width(), 1)),
+                    why + "; a smaller dt would help");
+}
+
+}  // namespace truestep

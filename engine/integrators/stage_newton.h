@@ -1,0 +1,75 @@
+// Newton's method for the equation that one stage of an implicit method asks of the velocity u,
+//   M (u - u0) = g f(x, u, t),  x = x0 + s u,
+// for any g and s, so that every implicit method can use it (implicit Euler: u0 = v, x0 = x, g = s = h).
+// Where the forces are f = -dV/dx - dR/du, its solutions are stationary points of the incremental potential
+//   phi(u) = 1/2 |u - u0|^2_M + g/s V(x0 + s u) + g R(x, u)      (Kharevych et al. 2006, "Geometric,
+// variational integrators for computer animation"; Gast, Schroeder 2015, "Optimization integrator for large
+// time steps"), which a line search makes fall; R is taken at the iterate's position, so that it falls along
+// every direction that A, made definite where it is not, gives. What A lacks (damping and air change with
+// position, asymmetrically) is brought back by conjugate residuals as soon as that halves the residual.
+// Fields without a potential are judged by the residual norm alone.
+#pragma once
+#include "engine/integrators/implicit_system.h"
+#include "engine/integrators/line_search.h"
+
+namespace truestep {
+
+struct StageEquation {
+  double t = 0;                ///< s, when the force is taken
+  double g = 0;                ///< s, factor of the force
+  double s = 0;                ///< s, factor of the velocity in the position
+  std::span<const double> x0;  ///< m
+  std::span<const double> u0;  ///< m/s
+};
+
+/// What the last solution took; kept in the workspace under kNewtonReport for tests and benchmarks.
+struct NewtonReport {
+  static constexpr int kKept = 64;
+  int iterations = 0;
+  int definite = 0;              ///< of them, with a share of the definite Jacobian
+  int solves = 0;                ///< of linear systems with a matrix of their own
+  int evaluations = 0;           ///< of the forces
+  double target = 0;             ///< residual norm that the tolerance asks for
+  double floor = 0;              ///< residual norm that rounding leaves, 0: never needed
+  double residuals[kKept] = {};  ///< norms before each iteration and after the last, the first of them
+};
+inline constexpr std::string_view kNewtonReport = "integrator.newton";
+
+class StageNewton {
+ public:
+  StageNewton(Motion& m, const IntegratorOptions& options);
+
+  /// u: a guess in, the solution out; rows that are held keep it. Instability when there is none to be found.
+  /// Converged: sqrt(sum |r|^2 / m) <= newton_tolerance times its first value or sqrt(sum m |u0|^2),
+  /// whichever is larger, or at the rounding of the forces. From there no step could tell better from worse:
+  /// A >= g s K, so a residual of g |K| eps |x| is a change of position by s |u| = eps |x|.
+  void solve(const StageEquation& equation, std::span<double> u);
+
+ private:
+  enum class Merit : uint8_t { incremental_potential, residual };
+  enum class Search : uint8_t { descent, any_solution };
+
+  void choose_start(const StageEquation& eq, std::span<double> u);
+  double evaluate(const StageEquation& eq, std::span<const double> u);
+  double value(const StageEquation& eq, std::span<const double> u);
+  bool iterate(const StageEquation& eq, std::span<double> u, double accuracy, Search kind);
+  bool full_step(const StageEquation& eq, std::span<double> u, double accuracy);
+  void slope_along(const StageEquation& eq, std::span<const double> u, std::span<const double> z,
+                   std::span<double> q);
+  bool search(const StageEquation& eq, std::span<double> u, double slope);
+  void record(int iteration);
+  [[noreturn]] void fail(const std::string& why);
+
+  Motion& m_;
+  const IntegratorOptions& options_;
+  size_t n_;
+  ImplicitSystem system_;
+  NewtonReport& report_;
+  Merit merit_ = Merit::incremental_potential;
+  double definite_ = 0;   // share of the definite Jacobian in the matrix of the last direction
+  double norm_ = 0;       // of the residual at the last evaluation
+  double magnitude_ = 0;  // sum of |terms| of the last value
+  std::span<double> a_, b_, d_, x_, lagged_, trial_;
+};
+
+}  // namespace truestep
