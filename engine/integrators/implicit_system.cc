@@ -14,7 +14,7 @@ struct ImplicitSystem::Matrices {
   uint64_t version = 0;
   size_t rows = 0;
   BlockSparse dfdx, dfdv, system;
-  BlockSparse definite;  // df/dx, for means; without a pattern until the first is needed
+  BlockSparse definite;                                 // df/dx, for means; without a pattern until reserved
   std::vector<BlockSparse::Slot> dfdx_slot, dfdv_slot;  // where their blocks go in `system`
   BlockSolver solver;
 
@@ -56,6 +56,12 @@ ImplicitSystem::ImplicitSystem(Motion& m)
   matrices_.prepare(m.field, m.state, w_.size());
 }
 
+void ImplicitSystem::reserve() {
+  if (!matrices_.definite.empty()) return;
+  matrices_.definite = matrices_.dfdx;
+  if (m_.field.symmetric_jacobian()) matrices_.solver.reserve(matrices_.system);
+}
+
 void ImplicitSystem::differentiate(double t, std::span<const double> x, std::span<const double> u,
                                    Derivatives which) {
   Evaluation e{m_.input.workspace, m_.input.arena};
@@ -65,7 +71,7 @@ void ImplicitSystem::differentiate(double t, std::span<const double> x, std::spa
   } else if (which == Derivatives::definite) {
     m_.field.definite_jacobian(at, matrices_.dfdx, matrices_.dfdv, e);
   } else {
-    if (matrices_.definite.empty()) matrices_.definite = matrices_.dfdx;
+    reserve();
     m_.field.definite_jacobian(at, matrices_.definite, matrices_.dfdv, e);
   }
 }

@@ -20,6 +20,8 @@ class ImplicitSystem {
  public:
   explicit ImplicitSystem(Motion& m);
 
+  /// Sets aside what means of Jacobians and any solution of the systems need, so that no later step does.
+  void reserve();
   /// Evaluates df/dx and df/du at (t, x, u); `both` adds the definite ones to the exact ones, which must be
   /// there already.
   void differentiate(double t, std::span<const double> x, std::span<const double> u, Derivatives which);

@@ -18,7 +18,15 @@ StageNewton::StageNewton(Motion& m, const IntegratorOptions& options)
       d_(m.scratch("integrator.dv", n_)),
       x_(m.scratch("integrator.x", n_)),
       lagged_(m.scratch("integrator.x_lagged", n_)),
-      trial_(m.scratch("integrator.u", n_)) {}
+      trial_(m.scratch("integrator.u", n_)),
+      a_near_(m.scratch("integrator.k2", n_)),
+      x_near_(m.scratch("integrator.x_near", n_)),
+      rest_(m.scratch("integrator.krylov_r", n_)),
+      whole_(m.scratch("integrator.krylov_d", n_)),
+      most_(m.field.dependence() == Dependence::position ? 1 : kMostDirections),
+      krylov_(m.scratch("integrator.krylov", 2 * most_ * n_)) {
+  system_.reserve();
+}
 
 void StageNewton::solve(const StageEquation& eq, std::span<double> u) {
   constexpr double kNear = 1e-4;  // of the first residual: a solution is near
@@ -139,17 +147,16 @@ void StageNewton::slope_along(const StageEquation& eq, std::span<const double> u
   const double x2 = system_.sum_free([&](size_t k, double) { return x_[k] * x_[k]; });
   // A change of position of 1e-7 of its size: half of the digits.
   const double step = 1e-7 * (std::sqrt(x2) + eq.s) / (eq.s * std::sqrt(z2));
-  const auto a = m_.scratch("integrator.k2", n_), x = m_.scratch("integrator.x_near", n_);
   m_.loop(n_, [&, x0 = x_.data(), s = eq.s](size_t k) {
     trial_[k] = u[k] + step * z[k];
-    x[k] = x0[k] + s * step * z[k];
+    x_near_[k] = x0[k] + s * step * z[k];
   });
-  m_.acceleration(eq.t, x, trial_, a);
+  m_.acceleration(eq.t, x_near_, trial_, a_near_);
   ++report_.evaluations;
   const auto w = system_.inverse_mass();
   for (size_t k = 0; k < n_; ++k) {
     const double wk = w[k / system_.width()];
-    q[k] = wk > 0 ? (z[k] - eq.g * (a[k] - a_[k]) / step) / wk : 0;
+    q[k] = wk > 0 ? (z[k] - eq.g * (a_near_[k] - a_[k]) / step) / wk : 0;
   }
 }
 
@@ -158,20 +165,17 @@ void StageNewton::slope_along(const StageEquation& eq, std::span<const double> u
 // matrix at hand, bring them back: the full step is taken when it halves the residual, and d stays as it was
 // when not.
 bool StageNewton::full_step(const StageEquation& eq, std::span<double> u, double accuracy) {
-  constexpr size_t kMost = 12;
-  const size_t most = m_.field.dependence() == Dependence::position ? 1 : kMost;
-  const auto memory = m_.scratch("integrator.krylov", 2 * most * n_);
-  const auto r = m_.scratch("integrator.krylov_r", n_), d = m_.scratch("integrator.krylov_d", n_);
-  std::span<double> z[kMost], q[kMost];
-  double q2[kMost];
+  const auto r = rest_, d = whole_;
+  std::span<double> z[kMostDirections], q[kMostDirections];
+  double q2[kMostDirections];
   const auto dot = [&](std::span<const double> p, std::span<const double> q) {
     return system_.sum_free([&](size_t k, double w) { return w * p[k] * q[k]; });
   };
   std::copy(b_.begin(), b_.end(), r.begin());
   std::fill(d.begin(), d.end(), 0);
   const double norm = norm_;
-  for (size_t i = 0; i < most; ++i) {
-    z[i] = memory.subspan(2 * i * n_, n_), q[i] = memory.subspan((2 * i + 1) * n_, n_);
+  for (size_t i = 0; i < most_; ++i) {
+    z[i] = krylov_.subspan(2 * i * n_, n_), q[i] = krylov_.subspan((2 * i + 1) * n_, n_);
     if (i == 0) {
       std::copy(d_.begin(), d_.end(), z[0].begin());
     } else {

@@ -70,6 +70,11 @@ class StageNewton {
   double norm_ = 0;       // of the residual at the last evaluation
   double magnitude_ = 0;  // sum of |terms| of the last value
   std::span<double> a_, b_, d_, x_, lagged_, trial_;
+  // Conjugate residuals.
+  static constexpr size_t kMostDirections = 12;
+  std::span<double> a_near_, x_near_, rest_, whole_;
+  size_t most_;
+  std::span<double> krylov_;
 };
 
 }  // namespace truestep

@@ -29,6 +29,8 @@ class BlockSolver {
 
   Result solve(const BlockSparse& a, std::span<const double> b, std::span<double> x, const Request& request,
                const ThreadArena& arena);
+  /// Sets aside what any later solve with this pattern may need.
+  void reserve(const BlockSparse& a) { ldlt_.analyze(a); }
   /// Another right-hand side for the matrix of the last solve, which was symmetric and must not have changed;
   /// a factorisation is used again.
   void solve_again(const BlockSparse& a, std::span<const double> b, std::span<double> x, double tolerance,
