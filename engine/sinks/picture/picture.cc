@@ -178,7 +178,8 @@ void Scene::draw_color(const Geometry& g) const {
 
 class PictureRenderer::Impl {
  public:
-  Impl(int width, int height) : width_(width), height_(height), context_(create_gl_context()) {
+  Impl(int width, int height, Backend backend)
+      : width_(width), height_(height), context_(create_context(backend)) {
     const GlCurrent current(*context_);
     scene_.emplace(context_->gl());
   }
@@ -217,15 +218,27 @@ class PictureRenderer::Impl {
   std::string backend() const { return context_->backend(); }
 
  private:
+  static std::unique_ptr<GlContext> create_context(Backend backend) {
+    switch (backend) {
+      case Backend::osmesa:
+        return create_osmesa_context();
+      case Backend::egl:
+        return create_egl_context();
+      case Backend::any:
+        break;
+    }
+    return create_gl_context();
+  }
+
   int width_, height_;
   std::unique_ptr<GlContext> context_;
   std::optional<Scene> scene_;
   Geometry geometry_;
 };
 
-PictureRenderer::PictureRenderer(int width, int height) {
+PictureRenderer::PictureRenderer(int width, int height, Backend backend) {
   check_size(width, height);
-  impl_ = std::make_unique<Impl>(width, height);
+  impl_ = std::make_unique<Impl>(width, height, backend);
 }
 PictureRenderer::~PictureRenderer() = default;
 PictureRenderer::PictureRenderer(PictureRenderer&&) noexcept = default;

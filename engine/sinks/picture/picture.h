@@ -20,8 +20,10 @@ class PictureRenderer {
  public:
   static constexpr int kMinSide = 16, kMaxSide = 4096;  ///< pixels
 
+  enum class Backend : uint8_t { any, osmesa, egl };  ///< any: OSMesa, else EGL
+
   /// Throws Error("out_of_range") for a size outside the limits, Error("render_unavailable") without OpenGL.
-  PictureRenderer(int width, int height);
+  PictureRenderer(int width, int height, Backend backend = Backend::any);
   ~PictureRenderer();
   PictureRenderer(PictureRenderer&&) noexcept;
   PictureRenderer& operator=(PictureRenderer&&) noexcept;

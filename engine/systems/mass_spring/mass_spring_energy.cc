@@ -6,24 +6,34 @@ namespace truestep {
 
 using Columns = MassSpringColumns;
 
+namespace {
+
+// sum_i term(i), i < n, in fixed blocks; the line search asks for it in every step, so without allocation.
+template <class Term>
+double sum(Evaluation& e, size_t n, Term term) {
+  const auto partial = e.workspace.doubles("mass_spring.partial", (n + kBlockRows - 1) / kBlockRows);
+  e.arena.for_blocks(n, kBlockRows, [&](size_t begin, size_t end) {
+    double s = 0;
+    for (size_t i = begin; i < end; ++i) s += term(i);
+    partial[begin / kBlockRows] = s;
+  });
+  double total = 0;
+  for (const double p : partial) total += p;
+  return total;
+}
+
+}  // namespace
+
 std::optional<double> MassSpringField::potential(const Phase& at, Evaluation& e) const {
   const double* x = at.x.data();
   const auto stiffness = at.state.f64(Columns::stiffness);
-  double v = e.arena.sum_blocks(schedule_.a.size(), kBlockRows, [&](size_t begin, size_t end) {
-    double sum = 0;
-    for (size_t s = begin; s < end; ++s) {
-      const double l = norm(load3(x, schedule_.b[s]) - load3(x, schedule_.a[s]));
-      const double k = stiffness[static_cast<size_t>(schedule_.family[s])] * schedule_.scale[s];
-      sum += spring::energy(l, k, schedule_.rest[s]);
-    }
-    return sum;
+  double v = sum(e, schedule_.a.size(), [&](size_t s) {
+    const double l = norm(load3(x, schedule_.b[s]) - load3(x, schedule_.a[s]));
+    const double k = stiffness[static_cast<size_t>(schedule_.family[s])] * schedule_.scale[s];
+    return spring::energy(l, k, schedule_.rest[s]);
   });
   const Vec3 g = load3(at.state.f64(Columns::gravity).data(), 0);
-  v += e.arena.sum_blocks(masses_.size(), kBlockRows, [&](size_t begin, size_t end) {
-    double sum = 0;
-    for (size_t i = begin; i < end; ++i) sum -= masses_[i] * dot(g, load3(x, i));
-    return sum;
-  });
+  v += sum(e, masses_.size(), [&](size_t i) { return -masses_[i] * dot(g, load3(x, i)); });
   const auto drag_row = at.state.span<uint32_t>(Columns::drag_row);
   for (size_t k = 0; k < drag_row.size(); ++k) {
     const Vec3 d = load3(at.state.f64(Columns::drag_target).data(), k) - load3(x, drag_row[k]);
@@ -34,13 +44,8 @@ std::optional<double> MassSpringField::potential(const Phase& at, Evaluation& e)
 
 double MassSpringField::kinetic(const Phase& at, Evaluation& e) const {
   const auto w = at.state.f64(Columns::inverse_mass);
-  return e.arena.sum_blocks(masses_.size(), kBlockRows, [&](size_t begin, size_t end) {
-    double sum = 0;
-    for (size_t i = begin; i < end; ++i) {
-      if (w[i] > 0) sum += 0.5 * masses_[i] * norm2(load3(at.v.data(), i));
-    }
-    return sum;
-  });
+  return sum(e, masses_.size(),
+             [&](size_t i) { return w[i] > 0 ? 0.5 * masses_[i] * norm2(load3(at.v.data(), i)) : 0.0; });
 }
 
 std::optional<double> MassSpringField::dissipation(const Phase& at, Evaluation& e) const {
@@ -48,30 +53,23 @@ std::optional<double> MassSpringField::dissipation(const Phase& at, Evaluation& 
   const double* v = at.v.data();
   const State& state = at.state;
   const double viscous = state.f64(Columns::damping)[0], internal = state.f64(Columns::damping)[1];
-  const auto sum = [&](size_t n, auto term) {
-    return e.arena.sum_blocks(n, kBlockRows, [&](size_t begin, size_t end) {
-      double s = 0;
-      for (size_t i = begin; i < end; ++i) s += term(i);
-      return s;
-    });
-  };
   double r = 0;
-  if (viscous > 0) r += sum(masses_.size(), [&](size_t i) { return 0.5 * viscous * norm2(load3(v, i)); });
+  if (viscous > 0) r += sum(e, masses_.size(), [&](size_t i) { return 0.5 * viscous * norm2(load3(v, i)); });
   if (internal > 0) {
-    r += sum(schedule_.a.size(), [&](size_t s) {
+    r += sum(e, schedule_.a.size(), [&](size_t s) {
       const uint32_t a = schedule_.a[s], b = schedule_.b[s];
       return spring::dissipation(load3(x, b) - load3(x, a), load3(v, b) - load3(v, a), internal);
     });
   }
   if (state.span<uint32_t>(Columns::air)[0] != 0) {
     const Vec3 wind = wind_at(at);
-    r += sum(network_.triangles.size(), [&](size_t k) {
+    r += sum(e, network_.triangles.size(), [&](size_t k) {
       const auto& t = network_.triangles[k];
       const Vec3 normal = cross(load3(x, t[1]) - load3(x, t[0]), load3(x, t[2]) - load3(x, t[0]));
       const Vec3 u = wind - (load3(v, t[0]) + load3(v, t[1]) + load3(v, t[2])) * (1.0 / 3);
       return air::plate_dissipation(normal, u, air_factor_);
     });
-    r += sum(section_.size(), [&](size_t i) {
+    r += sum(e, section_.size(), [&](size_t i) {
       return air::cylinder_dissipation(wind - load3(v, i), air_factor_, section_[i]);
     });
   }
