@@ -66,8 +66,8 @@ struct DrawList {
   Vec3 up{0, 1, 0};                     ///< away from the ground; opposite to gravity
   std::optional<DrawCamera> camera;     ///< none = chosen so that all points and shapes are in the picture
   std::optional<double> ground_height;  ///< m along `up`; none = no ground
-  Color background_top{0.965f, 0.973f, 0.984f};
-  Color background_bottom{0.835f, 0.863f, 0.894f};
+  Color background_top{0.79f, 0.825f, 0.87f};
+  Color background_bottom{0.60f, 0.65f, 0.71f};
   std::string caption;  ///< scene name and time, bottom left; ASCII, others become '?'
 };
 
