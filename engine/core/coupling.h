@@ -4,6 +4,7 @@
 //
 //   for each coupling, in order: begin      kicks of the first half, and a look at where everything is
 //   for each system:             step
+//   for each coupling, in order: midway     a look at where the systems alone have led
 //   for each coupling, backwards: end       kicks of the second half, contacts, corrections
 //
 // The order is a palindrome, so that couplings by forces compose to second order (Strang 1968).
@@ -33,6 +34,8 @@ class Coupling {
   virtual State initial_state() const = 0;
   /// Before both sides advance by input.h.
   virtual void begin(const CoupledStates& s, const StepInput& input) const = 0;
+  /// After both sides have advanced by input.h, before any coupling has ended: nothing is written to them.
+  virtual void midway(const CoupledStates& s, const StepInput& input) const {}
   /// After both sides have advanced by input.h.
   virtual void end(const CoupledStates& s, const StepInput& input) const = 0;
   /// Adds what was exchanged: impulses, energy lost, energy stored ("energy.potential", J).

@@ -78,20 +78,25 @@ void Contact::begin(const CoupledStates& s, const StepInput& in) const {
   if (roles_ != Roles::on_itself) scratch.other.store(ConstPoints(swapped ? s.a : s.b, other_));
 }
 
+void Contact::midway(const CoupledStates& s, const StepInput& in) const {
+  auto& scratch = in.workspace.object<ContactScratch>("contact");
+  const ProfileScope scope(in.profile, "remember");
+  const bool swapped = roles_ == Roles::b_on_a;
+  scratch.points.follow(ConstPoints(swapped ? s.b : s.a, points_));
+  if (roles_ != Roles::on_itself) scratch.other.follow(ConstPoints(swapped ? s.a : s.b, other_));
+}
+
 void Contact::end(const CoupledStates& s, const StepInput& in) const {
   auto& scratch = in.workspace.object<ContactScratch>("contact");
   const bool swapped = roles_ == Roles::b_on_a, itself = roles_ == Roles::on_itself;
   Points points(swapped ? s.b : s.a, points_), other(swapped ? s.a : s.b, other_);
-  PointMemory& other_memory = itself ? scratch.points : scratch.other;
-  scratch.points.align(ConstPoints(swapped ? s.b : s.a, points_));
-  if (!itself) scratch.other.align(ConstPoints(swapped ? s.a : s.b, other_));
-
+  const PointMemory& other_memory = itself ? scratch.points : scratch.other;
   RowTraces& other_traces = itself ? scratch.point_traces : scratch.other_traces;
   scratch.point_traces.prepare(points.count);
   other_traces.prepare(other.count);
-  const ContactQuery query{{points.x, points.v, scratch.points.x(), scratch.points.v(), scratch.point_traces},
+  const ContactQuery query{{points.x, points.v, scratch.points, scratch.point_traces},
                            points.count,
-                           {other.x, other.v, other_memory.x(), other_memory.v(), other_traces},
+                           {other.x, other.v, other_memory, other_traces},
                            solids(other),
                            itself ? OwnSolids::yes : OwnSolids::no,
                            reach_,
@@ -138,7 +143,7 @@ std::vector<PlanRow> Contact::plan() const {
     what += std::string(what.empty() ? "" : ", ") + "a ball around every point";
   }
   std::vector<PlanRow> rows{
-      {runs, "remember", "a touch needs the substep's start"},
+      {runs, "remember", "a touch needs the substep's start, and where the systems alone lead"},
       {runs, "search", "points of " + points_id_ + " near the solids of " + solids_id_ + ": " + what},
       {runs, "contacts", "impulses on both sides, in the order of the touches"}};
   if (def_.friction == 0) rows.push_back({skipped, "friction", "friction is 0"});

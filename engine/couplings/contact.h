@@ -32,6 +32,7 @@ class Contact final : public Coupling {
 
   State initial_state() const override;
   void begin(const CoupledStates& s, const StepInput& input) const override;
+  void midway(const CoupledStates& s, const StepInput& input) const override;
   void end(const CoupledStates& s, const StepInput& input) const override;
   /// The exchange, and contacts: those of the last substep (1).
   void observe(const ConstCoupledStates& s, Observables& out) const override;

@@ -13,18 +13,20 @@
 
 namespace truestep {
 
-/// Where points were at the substep's start, in the order of their present
-/// rows.
+/// Where points were at the substep's start, and how fast the systems alone have made them by its end.
 class PointMemory {
  public:
-  void store(const ConstPoints& now);
-  /// Follows rows that moved since; a point that is new was where it is.
-  void align(const ConstPoints& now);
+  void store(const ConstPoints& start);
+  /// After the systems' step: follows rows that moved (a point that is new was where it is).
+  void follow(const ConstPoints& end);
   const double* x() const { return x_.data(); }
   const double* v() const { return v_.data(); }
+  const double* free_v() const { return free_v_.data(); }
 
  private:
-  std::vector<double> x_, v_;
+  void align(const ConstPoints& now);
+
+  std::vector<double> x_, v_, free_v_;
   std::vector<uint64_t> ids_;
 };
 
@@ -44,8 +46,8 @@ class RowTraces {
   /// n x 3: of touched rows, the velocity (m/s) at the substep's end had only the acceleration acted.
   double* end() { return end_.data(); }
   Vec3 end(size_t row) const { return load3(end_.data(), row); }
-  void touch(size_t row, double s, const Vec3& place, const Vec3& velocity) {
-    if (!touched(row)) store3(end_.data(), row, velocity);
+  void touch(size_t row, double s, const Vec3& place, const Vec3& free_velocity) {
+    if (!touched(row)) store3(end_.data(), row, free_velocity);
     store3(from_.data(), row, place);
     since_[row] = s;
   }
@@ -58,15 +60,17 @@ class RowTraces {
 
 /// One side of a contact: its points now and at the substep's start, and what touched them in between.
 struct MovingPoints {
-  const double *x, *v, *old_x, *old_v;
+  const double *x, *v;
+  const PointMemory& memory;
   RowTraces& traces;
 
-  /// m/s^2, the mean one of the substep without impacts.
+  /// m/s^2, the mean one of the substep without any impacts, those of other couplings too.
   Vec3 acceleration(size_t row, double h) const {
-    return ((traces.touched(row) ? traces.end(row) : load3(v, row)) - load3(old_v, row)) / h;
+    return ((traces.touched(row) ? traces.end(row) : free_velocity(row)) - load3(memory.v(), row)) / h;
   }
+  Vec3 free_velocity(size_t row) const { return load3(memory.free_v(), row); }
   /// Where the row's way begins.
-  Vec3 from(size_t row) const { return traces.touched(row) ? traces.from(row) : load3(old_x, row); }
+  Vec3 from(size_t row) const { return traces.touched(row) ? traces.from(row) : load3(memory.x(), row); }
   /// The parabola from there to the present place with that acceleration, over s in [since, 1].
   HullPath path(size_t row, double h) const {
     const double since = traces.since(row), rest = 1 - since;
@@ -136,11 +140,15 @@ class ContactSearch {
   const std::vector<Touch>& run(const ContactQuery& q, SearchRound round, const ThreadArena& arena);
 
  private:
-  void find(const ContactQuery& q, SearchRound round, size_t begin, size_t end,
-            std::vector<Touch>& found) const;
+  void look_at_all(const ContactQuery& q, const ThreadArena& arena);
+  void look_at_changes(const ContactQuery& q, const ThreadArena& arena);
+  void find_first(const ContactQuery& q, size_t begin, size_t end, std::vector<Touch>& found);
+  void find_later(const ContactQuery& q, size_t begin, size_t end, std::vector<Touch>& found) const;
 
-  std::vector<Box> boxes_;
-  BoxGrid grid_;
+  std::vector<Box> boxes_, point_boxes_;  // as the first round found them
+  std::vector<uint32_t> changed_;         // solids with a touched corner, and their boxes
+  std::vector<Box> changed_boxes_;
+  BoxGrid grid_, changed_grid_;
   std::vector<std::vector<Touch>> found_;  // per block of points
   std::vector<Touch> touches_;
 };

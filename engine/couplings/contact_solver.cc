@@ -82,14 +82,15 @@ bool ContactSolver::answer(const Pair& c, const HullContact& at) {
            dot(force, held.velocity * left + held.acceleration * (0.5 * left * left));
   }
   const auto touch = [&](const MovingPoints& p, size_t row) {
-    p.traces.touch(row, at.s, p.path(row, q_.h).at(at.s), load3(p.v, row));
+    p.traces.touch(row, at.s, p.path(row, q_.h).at(at.s), p.free_velocity(row));
   };
   touch(q_.points, c.point);
   for (size_t i = 0; i < c.corners.count; ++i) touch(q_.other, c.corners.rows[i]);
   const Vec3 dv = jump + force * left;
   change(c, p_.v, o_.v, dv);
   change(c, p_.x, o_.x, jump * left + force * (0.5 * left * left));
-  change(c, pt_.end(), ot_.end(), force * q_.h);
+  // Later touches of these rows see the support. Friction may stop within a moment, and counts as a jump.
+  change(c, pt_.end(), ot_.end(), n * (dot(force, n) * q_.h));
   exchange_.add(dv / -c.k, -work / c.k);
   return true;
 }
@@ -101,7 +102,9 @@ bool ContactSolver::settle(const Touch& t, HullContact& at) {
   std::array<Vec3, 3> x;
   for (size_t i = 0; i < corners.count; ++i) x[i] = load3(o_.x, corners.rows[i]);
   HullContact now = hull_distance(load3(p_.x, t.point), x, corners.count, -at.n);
-  if (dot(now.n, at.n) < 0) now.apart = -now.apart, now.n = -now.n;
+  // Only over a face has a point that sees the other side passed it; around edges the direction just turns.
+  const bool over_face = corners.count == 3 && now.w[0] > 0 && now.w[1] > 0 && now.w[2] > 0;
+  if (over_face && dot(now.n, at.n) < 0) now.apart = -now.apart, now.n = -now.n;
   const double overlap = q_.reach - now.apart;
   if (overlap <= kSettled) return false;
   const Pair c = pair(t, now.w);

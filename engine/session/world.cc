@@ -185,6 +185,7 @@ void World::step(WorldState& state, Workspace& workspace, const ThreadArena& are
     for (size_t i = 0; i < systems_.size(); ++i) {
       named(i, [&] { systems_[i]->step(state.systems[i], input(id(i), i)); });
     }
+    for (size_t c = 0; c < couplings_.size(); ++c) couplings_[c]->midway(sides(state, c), coupling_input(c));
     for (size_t c = couplings_.size(); c-- > 0;) couplings_[c]->end(sides(state, c), coupling_input(c));
   }
   if (!couplings_.empty()) {
