@@ -38,6 +38,22 @@ enum class ParamKind : uint8_t {
   object,    // a nested struct
   objects,   // an array of nested structs
   variants,  // an array of objects told apart by their "type"
+  named_numbers,
+  named_texts,  // objects whose keys are the user's own names
+};
+
+/// Most elements of one entry of a named_numbers parameter.
+inline constexpr size_t kMaxNamedNumbers = 100'000;
+
+/// One entry of a `named_numbers` parameter: "x": 1 or "x": [1, 2, 3].
+struct NamedNumbers {
+  std::string name;
+  std::vector<double> values;
+  enum class Form : uint8_t { number, array } form = Form::number;
+};
+/// One entry of a `named_texts` parameter: "x": "-k * x"; a number stands for its text.
+struct NamedText {
+  std::string name, text;
 };
 
 /// Allowed range of a number, or of every element of a vector or array.
@@ -66,7 +82,8 @@ struct Count {
 };
 
 using ParamValue = std::variant<std::monostate, double, int64_t, bool, std::string, Vec3, std::vector<double>,
-                                std::vector<int64_t>, std::vector<Vec3>, std::vector<std::string>>;
+                                std::vector<int64_t>, std::vector<Vec3>, std::vector<std::string>,
+                                std::vector<NamedNumbers>, std::vector<NamedText>>;
 
 struct DefTable;
 
@@ -155,6 +172,15 @@ class TableOf {
   }
   TableOf& texts(const char* name, std::vector<std::string> D::*m, Count count, const char* sentence) {
     return array(ParamKind::texts, name, m, "", any(), count, sentence);
+  }
+  /// An object of the user's own names with numbers or arrays of at most `count.max` numbers, in their order.
+  TableOf& named_numbers(const char* name, std::vector<NamedNumbers> D::*m, Limits limits, Count count,
+                         const char* sentence) {
+    return array(ParamKind::named_numbers, name, m, "", limits, count, sentence);
+  }
+  /// An object of the user's own names with texts, in their order.
+  TableOf& named_texts(const char* name, std::vector<NamedText> D::*m, Count count, const char* sentence) {
+    return array(ParamKind::named_texts, name, m, "", any(), count, sentence);
   }
   /// Enumeration E whose values 0, 1, 2 ... are named by `choices` in that order.
   template <class E>

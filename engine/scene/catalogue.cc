@@ -1,6 +1,7 @@
 #include "engine/scene/catalogue.h"
 
 #include "engine/systems/mass_spring/mass_spring.h"
+#include "engine/systems/ode/ode.h"
 #include "engine/systems/oscillator/oscillator.h"
 #include "engine/systems/particles/particles.h"
 #include "engine/systems/pendulum/pendulum.h"
@@ -9,6 +10,16 @@ namespace truestep {
 
 std::span<const CatalogueRow> catalogue() {
   static const std::vector<CatalogueRow> kRows = {
+      {"ode",
+       "equations",
+       "named states, parameters and right-hand sides as expressions, with events; tracers in a velocity field",
+       &ode_table(),
+       make_ode,
+       ode_cost,
+       {"equations compile to a small multiple of the time of C++", "the same bits on any number of threads",
+        "events are located on the method's interpolant, not at steps",
+        "texts cannot loop, allocate without bound or touch the machine"},
+       "tsit5"},
       {"oscillator",
        "equations",
        "a damped, driven mass on a spring with its exact solution",

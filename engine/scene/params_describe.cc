@@ -8,9 +8,9 @@ namespace json = boost::json;
 
 namespace {
 
-constexpr const char* kKindNames[] = {"number", "integer", "boolean",  "string",  "choice",
-                                      "vector", "numbers", "integers", "vectors", "strings",
-                                      "object", "objects", "variants"};
+constexpr const char* kKindNames[] = {"number", "integer", "boolean",  "string",        "choice",
+                                      "vector", "numbers", "integers", "vectors",       "strings",
+                                      "object", "objects", "variants", "named numbers", "named strings"};
 
 }  // namespace
 

@@ -79,6 +79,10 @@ void ParamReader::row(const ParamRow& r, void* owner, const json::value& v, cons
       if (text(r, v, where, s)) r.set(owner, std::move(s));
       return;
     }
+    case ParamKind::named_numbers:
+      return named_numbers(r, owner, v, where);
+    case ParamKind::named_texts:
+      return named_texts(r, owner, v, where);
     case ParamKind::choice:
       return choice(r, owner, v, where);
     case ParamKind::vector: {

@@ -30,10 +30,13 @@ class ParamReader {
   bool integer(const ParamRow& r, const boost::json::value& v, const std::string& where, int64_t& out);
   bool vector(const ParamRow& r, const boost::json::value& v, const std::string& where, Vec3& out);
   bool text(const ParamRow& r, const boost::json::value& v, const std::string& where, std::string& out);
+  bool named_shape(const ParamRow& r, const boost::json::value& v, const std::string& where);
   bool array_shape(const ParamRow& r, const boost::json::value& v, const std::string& where);
 
   // The value of a row into its owner.
   void row(const ParamRow& r, void* owner, const boost::json::value& v, const std::string& where);
+  void named_numbers(const ParamRow& r, void* owner, const boost::json::value& v, const std::string& where);
+  void named_texts(const ParamRow& r, void* owner, const boost::json::value& v, const std::string& where);
   void choice(const ParamRow& r, void* owner, const boost::json::value& v, const std::string& where);
   void objects(const ParamRow& r, void* owner, const boost::json::value& v, const std::string& where);
   void variant(const ParamRow& r, void* owner, const boost::json::value& e, const std::string& where);

@@ -29,6 +29,13 @@ json::object array_schema(json::object items, const Count& count) {
   return {{"type", "array"}, {"items", std::move(items)}, {"minItems", count.min}, {"maxItems", count.max}};
 }
 
+json::object named_schema(json::object values, const Count& count) {
+  return {{"type", "object"},
+          {"additionalProperties", std::move(values)},
+          {"minProperties", count.min},
+          {"maxProperties", count.max}};
+}
+
 json::object row_schema(const ParamRow& r) {
   switch (r.kind) {
     case ParamKind::number:
@@ -66,6 +73,12 @@ json::object row_schema(const ParamRow& r) {
       }
       return array_schema({{"oneOf", std::move(alternatives)}}, r.count);
     }
+    case ParamKind::named_numbers:
+      return named_schema({{"anyOf", json::array{quantity_schema(r),
+                                                 array_schema(quantity_schema(r), {1, kMaxNamedNumbers})}}},
+                          r.count);
+    case ParamKind::named_texts:
+      return named_schema({{"type", json::array{"string", "number"}}, {"maxLength", 4096}}, r.count);
   }
   return {};
 }

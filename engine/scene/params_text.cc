@@ -89,6 +89,10 @@ std::string kind_text(const ParamRow& r) {
       for (const ParamVariant& v : r.variants) types += (types.empty() ? "" : ", ") + v.type;
       return "an array of objects with \"type\": " + types;
     }
+    case ParamKind::named_numbers:
+      return "an object of names with numbers or arrays of numbers";
+    case ParamKind::named_texts:
+      return "an object of names with strings";
   }
   return "";
 }

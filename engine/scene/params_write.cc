@@ -19,6 +19,20 @@ json::value to_json(const ParamValue& value) {
           json::array a;
           for (const Vec3& e : v) a.push_back(json::array{e.x, e.y, e.z});
           return a;
+        } else if constexpr (std::is_same_v<T, std::vector<NamedNumbers>>) {
+          json::object o;
+          for (const NamedNumbers& e : v) {
+            if (e.form == NamedNumbers::Form::number) {
+              o[e.name] = e.values[0];
+            } else {
+              o[e.name] = json::array(e.values.begin(), e.values.end());
+            }
+          }
+          return o;
+        } else if constexpr (std::is_same_v<T, std::vector<NamedText>>) {
+          json::object o;
+          for (const NamedText& e : v) o[e.name] = json::value(e.text);
+          return o;
         } else if constexpr (std::is_same_v<T, std::string>) {
           return json::value(v);
         } else if constexpr (std::is_arithmetic_v<T>) {

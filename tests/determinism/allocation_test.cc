@@ -7,6 +7,7 @@
 
 #include "engine/systems/mass_spring/mass_spring.h"
 #include "engine/systems/mass_spring/mass_spring_def.h"
+#include "engine/systems/ode/ode.h"
 
 namespace {
 std::atomic<uint64_t> allocations{0};
@@ -64,6 +65,39 @@ TEST(Allocation, NoStepAfterTheFirstAllocates) {
     }
     EXPECT_GT(first, 0u) << m.name << ": the counter does not count";
     EXPECT_EQ(later, 0u) << m.name;
+  }
+}
+
+TEST(Allocation, EquationsEventsAndTracersAllocateNothingAfterTheFirstSteps) {
+  OdeDef d;
+  d.states = {{"h", {1}, NamedNumbers::Form::number}, {"v", {0}, NamedNumbers::Form::number}};
+  d.equations = {{"h", "v"}, {"v", "-9.81 - 0.1 * sin(h)"}};
+  OdeEventDef bounce, tick;
+  bounce.when = "h", bounce.direction = OdeEventDef::Direction::falling, bounce.set = {{"v", "-0.9 * v"}};
+  tick.every = 0.03;
+  d.events = {bounce, tick};
+  d.integrator = "dopri5";
+  for (const bool with_tracers : {false, true}) {
+    if (with_tracers) {
+      d.tracers.emplace();
+      d.tracers->velocity = {{"x", "y + h"}, {"y", "-sin(x)"}};
+      d.tracers->count = 1000;
+    }
+    const BuildContext context{.id = "ode", .dt = 0.02};
+    const auto system = make_ode(&d, context);
+    State s = system->initial_state();
+    Workspace workspace;
+    const ThreadArena arena(1);
+    const auto step = [&](uint64_t n) {
+      system->step(
+          s,
+          {.t = static_cast<double>(n) * 0.02, .h = 0.02, .step = n, .workspace = workspace, .arena = arena});
+    };
+    // The first bounce comes in step 23.
+    for (uint64_t n = 0; n < 30; ++n) step(n);
+    const uint64_t before = allocations;
+    for (uint64_t n = 30; n < 100; ++n) step(n);
+    EXPECT_EQ(allocations - before, 0u) << with_tracers;
   }
 }
 

@@ -1,0 +1,280 @@
+#include "engine/systems/ode/ode.h"
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+#include <limits>
+
+#include "engine/systems/ode/ode_events.h"
+#include "engine/systems/ode/ode_method.h"
+#include "engine/systems/ode/ode_tracers.h"
+
+namespace truestep {
+
+using C = OdeColumns;
+
+namespace {
+
+/// Events of one step; more of them are taken for a pile-up that never ends.
+constexpr int kMaxEventsPerStep = 1000;
+}  // namespace
+
+/// What a step computes with; rebuilt whenever the workspace was thrown away.
+struct Ode::Scratch {
+  const OdeModel* model = nullptr;
+  std::unique_ptr<OdeEquations> equations;
+  std::unique_ptr<OdeCrossings> crossings;
+  std::vector<OdeEvaluation> event_values;
+  std::vector<double> values;  ///< of an event's targets
+  std::unique_ptr<OdeEvaluation> plot;
+  std::vector<double> points;                               ///< that `plot` gives
+  std::vector<double> start, middle, rate_start, rate_end;  ///< of the states, for tracers
+
+  void set_parameters(std::span<const double> p) {
+    equations->set_parameters(p);
+    crossings->set_parameters(p);
+    plot->set_parameters(p);
+    for (OdeEvaluation& e : event_values) e.set_parameters(p);
+  }
+};
+
+Ode::Ode(const OdeDef& def, const BuildContext& context)
+    : def_(def), model_(compile_ode(def)), seed_(context.seed) {
+  if (model_.size() > 0) {
+    OdeMethod chosen = choose_ode_method(def_, model_, context.dt);
+    method_ = chosen.row;
+    why_this_method_ = std::move(chosen.why);
+  }
+  const double both = def_.tolerance.value_or(kOdeTolerance);
+  tolerance_.relative = def_.relative_tolerance.value_or(both);
+  tolerance_.absolute = def_.absolute_tolerance.value_or(both);
+  tolerance_.absolute_each = model_.absolute_tolerances;
+  constexpr int kPath = 400;
+  trail_ = static_cast<size_t>(def_.trail.value_or(model_.bodies <= 16 && !def_.tracers ? kPath : 0));
+  if (def_.tracers) {
+    const auto x = tracer_positions(*def_.tracers, seed_);
+    rows_ = x.size() / 3;
+    const double width = def_.tracers->box_max.x - def_.tracers->box_min.x;
+    for (size_t i = 0; i < rows_; ++i) {
+      tags_.push_back(width > 0 ? (x[3 * i] - def_.tracers->box_min.x) / width : 0);
+    }
+    trail_ = 0;
+  } else {
+    rows_ = model_.bodies * (1 + trail_);
+  }
+  plan_stages();
+}
+
+void Ode::plan_stages() {
+  if (method_) {
+    add_stage("integrate",
+              std::to_string(model_.size()) + " states with " + std::string(method_->name) + ": " +
+                  why_this_method_,
+              [this](State& s, const StepInput& in) { integrate(s, in); });
+  } else {
+    skip_stage("integrate", "no states");
+  }
+  if (def_.events.empty()) skip_stage("events", "none given");
+  if (def_.tracers) {
+    add_stage("tracers", std::to_string(rows_) + " points",
+              [this](State& s, const StepInput& in) { carry_tracers(s, in); });
+  } else {
+    skip_stage("tracers", "none given");
+  }
+  if (model_.bodies > 0 && !def_.tracers) {
+    add_stage("path",
+              "what is drawn: " + std::to_string(model_.bodies) + " points and " + std::to_string(trail_) +
+                  " past ones of each",
+              [this](State& s, const StepInput& in) {
+                draw_path(s, static_cast<double>(in.step + 1) * in.h, in.workspace);
+              });
+  }
+}
+
+State Ode::initial_state() const {
+  State s;
+  const auto add = [&s]<class T>(C::Index expected, const char* name, const char* unit, uint32_t width,
+                                 Role role, const std::vector<T>& values) {
+    const auto c = s.add({name, unit, scalar_of<T>(), width, role}, values.size() / width);
+    assert(c == expected);
+    std::copy(values.begin(), values.end(), s.span<T>(c).begin());
+  };
+  const size_t events = model_.events.size();
+  add(C::kStates, "states", "1", 1, Role::position, model_.initial);
+  add(C::kTracers, "tracers", "m", 3, Role::position,
+      def_.tracers ? tracer_positions(*def_.tracers, seed_) : std::vector<double>{});
+  add(C::kParameters, "parameters", "1", 1, Role::internal, model_.parameter_values);
+  add(C::kCarry, "integrator.carry", "1", 1, Role::internal, std::vector<double>(2));
+  add(C::kEventCounts, "events.counts", "1", 1, Role::internal, std::vector<uint64_t>(events));
+  add(C::kEventSigns, "events.signs", "1", 1, Role::internal, std::vector<int32_t>(events));
+  add(C::kStopped, "stopped", "1", 1, Role::internal, std::vector<double>(2));
+  std::vector<double> invariants(model_.invariants.outputs());
+  if (!invariants.empty()) {
+    OdeEvaluation evaluate(model_.invariants);
+    evaluate.set_parameters(model_.parameter_values);
+    evaluate(0, model_.initial.data(), model_.size(), model_.parameter_values.size(), invariants.data());
+  }
+  add(C::kInvariantsAtStart, "invariants.start", "1", 1, Role::internal, invariants);
+  add(C::kWork, "integrator.work", "1", 1, Role::internal, std::vector<uint64_t>(kOdeWorkCounters));
+  add(C::kTrail, "trail", "m", 3, Role::internal, std::vector<double>(def_.tracers ? 0 : 3 * rows_));
+  if (rows_ > 0 && !def_.tracers) {
+    Workspace workspace;
+    for (size_t k = 0; k <= trail_; ++k) draw_path(s, 0, workspace);
+  }
+  if (model_.guards.outputs() > 0) {
+    Workspace workspace;
+    Scratch& work = scratch(s, workspace);
+    work.crossings->look(0, model_.initial.data());
+  }
+  return s;
+}
+
+Ode::Scratch& Ode::scratch(State& s, Workspace& workspace) const {
+  Scratch& work = workspace.object<Scratch>("ode");
+  if (work.model != &model_) {
+    work.model = &model_;
+    work.equations = std::make_unique<OdeEquations>(model_);
+    work.crossings = std::make_unique<OdeCrossings>(model_);
+    work.plot = std::make_unique<OdeEvaluation>(model_.plot);
+    work.event_values.clear();
+    size_t most = 0;
+    for (const OdeModel::Event& e : model_.events) {
+      work.event_values.emplace_back(e.values);
+      most = std::max(most, e.targets.size());
+    }
+    work.values.resize(most);
+  }
+  work.set_parameters(s.f64(C::kParameters));
+  work.crossings->attach(s.span<int32_t>(C::kEventSigns));
+  return work;
+}
+
+void Ode::integrate(State& s, const StepInput& in) const {
+  Scratch& work = scratch(s, in.workspace);
+  const auto y = s.f64(C::kStates);
+  if (def_.tracers) work.start.assign(y.begin(), y.end());
+  // The next step begins exactly where this one ends. Times closer than `slack` are one.
+  const double t_end = static_cast<double>(in.step + 1) * in.h, slack = 1e-9 * in.h;
+  double t = in.t;
+  int times = 0;
+  while (t < t_end && s.f64(C::kStopped)[0] == 0) {
+    const double timed = next_timed_event(t, slack);
+    const double target = timed < t_end - slack ? timed : t_end;
+    t = advance(s, work, in.workspace, t, target);
+    const auto& crossed = work.crossings->fired();
+    for (const uint32_t k : crossed) fire(s, work, k, t);
+    const bool on_time = crossed.empty() && timed <= t_end + slack;
+    for (size_t k = 0; on_time && k < model_.events.size(); ++k) {
+      const OdeEventDef& e = model_.events[k].def;
+      const double due = e.at ? *e.at : e.every ? std::round(timed / *e.every) * *e.every : -1;
+      if (std::abs(due - timed) <= slack) fire(s, work, k, t);
+    }
+    if (!crossed.empty() || on_time) {
+      if (model_.guards.outputs() > 0) work.crossings->look(t, y.data());
+      if (++times > kMaxEventsPerStep) {
+        throw Instability("", "events", crossed.empty() ? 0 : crossed[0],
+                          "more than 1000 events in one step: they pile up; let one of them stop the system");
+      }
+    }
+    work.crossings->clear();
+  }
+  for (size_t i = 0; i < y.size(); ++i) {
+    if (!std::isfinite(y[i])) {
+      throw Instability("", model_.labels[i], static_cast<long long>(i),
+                        model_.labels[i] + " became non-finite");
+    }
+  }
+}
+
+double Ode::advance(State& s, Scratch& work, Workspace& workspace, double t, double t_end) const {
+  const auto carried = s.f64(C::kCarry);
+  Carry carry{carried[0], carried[1]};
+  Statistics statistics;
+  Advance run{.f = *work.equations,
+              .t = t,
+              .t_end = t_end,
+              .y = s.f64(C::kStates).data(),
+              .workspace = workspace,
+              .carry = carry};
+  run.tolerance = tolerance_;
+  if (def_.newton_tolerance) run.newton_tolerance = *def_.newton_tolerance;
+  run.watcher = model_.guards.outputs() > 0 ? work.crossings.get() : nullptr;
+  run.statistics = &statistics;
+  try {
+    method_->advance(run);
+  } catch (Instability& e) {
+    if (e.index >= 0 && static_cast<size_t>(e.index) < model_.size()) {
+      e.quantity = model_.labels[static_cast<size_t>(e.index)];
+    }
+    throw;
+  }
+  carried[0] = carry.step, carried[1] = carry.last_error;
+  const auto done = s.span<uint64_t>(C::kWork);
+  done[kOdeSteps] += statistics.steps, done[kOdeRejected] += statistics.rejected;
+  done[kOdeRates] += statistics.rates, done[kOdeJacobians] += statistics.jacobians;
+  return run.reached;
+}
+
+double Ode::next_timed_event(double t, double slack) const {
+  double next = HUGE_VAL;
+  for (const OdeModel::Event& e : model_.events) {
+    if (e.def.at && *e.def.at > t + slack) next = std::min(next, *e.def.at);
+    if (e.def.every) next = std::min(next, (std::floor((t + slack) / *e.def.every) + 1) * *e.def.every);
+  }
+  return next;
+}
+
+void Ode::fire(State& s, Scratch& work, size_t k, double t) const {
+  const OdeModel::Event& e = model_.events[k];
+  const auto y = s.f64(C::kStates), p = s.f64(C::kParameters);
+  ++s.span<uint64_t>(C::kEventCounts)[k];
+  if (!e.targets.empty()) {
+    work.event_values[k](t, y.data(), y.size(), p.size(), work.values.data());
+    for (size_t i = 0; i < e.targets.size(); ++i) {
+      (e.targets[i].kind == OdeModel::Event::Target::Kind::state ? y : p)[e.targets[i].place] =
+          work.values[i];
+    }
+    work.set_parameters(p);
+    std::ranges::fill(s.f64(C::kCarry), 0.0);
+  }
+  if (e.def.then == OdeEventDef::Then::stop) s.f64(C::kStopped)[0] = 1, s.f64(C::kStopped)[1] = t;
+}
+
+void Ode::carry_tracers(State& s, const StepInput& in) const {
+  if (s.f64(C::kStopped)[0] != 0) return;
+  Scratch& work = scratch(s, in.workspace);
+  const size_t n = model_.size();
+  const double* end = s.f64(C::kStates).data();
+  OdeSurroundings around{in.t, in.h, s.f64(C::kParameters), {work.start.data(), nullptr, end}};
+  if (n > 0) {
+    // Half way by Hermite's cubic, whose error is of the order of the tracers' own.
+    for (auto* v : {&work.middle, &work.rate_start, &work.rate_end}) v->resize(n);
+    work.equations->rate(in.t, work.start.data(), work.rate_start.data());
+    work.equations->rate(in.t + in.h, end, work.rate_end.data());
+    for (size_t i = 0; i < n; ++i) {
+      work.middle[i] =
+          0.5 * (work.start[i] + end[i]) + 0.125 * in.h * (work.rate_start[i] - work.rate_end[i]);
+    }
+  }
+  around.states[1] = work.middle.data();
+  move_tracers(model_, def_.tracers->method, around, s.f64(C::kTracers), in.arena);
+}
+
+void Ode::draw_path(State& s, double t, Workspace& workspace) const {
+  Scratch& work = scratch(s, workspace);
+  work.points.resize(3 * model_.bodies);
+  (*work.plot)(t, s.f64(C::kStates).data(), model_.size(), model_.parameter_values.size(),
+               work.points.data());
+  double* path = s.f64(C::kTrail).data();
+  const size_t length = 3 * (1 + trail_);
+  for (size_t b = 0; b < model_.bodies; ++b, path += length) {
+    std::copy_backward(path, path + length - 3, path + length);
+    std::copy_n(work.points.data() + 3 * b, 3, path);
+  }
+}
+
+std::unique_ptr<const System> make_ode(const void* def, const BuildContext& context) {
+  return std::make_unique<Ode>(*static_cast<const OdeDef*>(def), context);
+}
+
+}  // namespace truestep

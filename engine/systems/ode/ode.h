@@ -1,0 +1,60 @@
+// The system type "ode": states, parameters and right-hand sides as a user writes them,
+//   dy/dt = f(t, y, p)   or   d2x/dt2 = a(t, x, x', p),
+// integrated by any method of the table that serves right-hand sides, with events on the way; and tracers,
+// points that a velocity field v(x, y, z, t) carries. Without a named integrator the default is tsit5 (dop853
+// for tolerances below 1e-9), or radau5 where the system looks stiff: at the start, or one explicit Euler
+// step of a scene step from it, the dominant eigenvalue of df/dy (power iteration, differences of f) is real,
+// negative and such that an explicit method would need more than 50 internal steps per step. Commands:
+// set_parameter of a parameter or a state ("mu", "m[3]", "x").
+#pragma once
+#include "engine/core/system.h"
+#include "engine/integrators/advance.h"
+#include "engine/systems/ode/ode_columns.h"
+#include "engine/systems/ode/ode_equations.h"
+
+namespace truestep {
+
+class Ode final : public StagedSystem {
+ public:
+  Ode(const OdeDef& def, const BuildContext& context);
+
+  State initial_state() const override;
+  /// Every number state (arrays of at most 16 elements as well), invariants and their drift relative to the
+  /// start, event counts, work of the integrator.
+  void observe(const State& state, double t, Observables& out) const override;
+  /// position (tracers, or what "plot" draws with its trail), tag (tracers: place along x at the start, 0 to
+  /// 1), then every state by name.
+  std::vector<FieldInfo> fields() const override;
+  FieldView field(const State& state, size_t which, std::vector<double>& scratch) const override;
+  void apply(State& state, const Command& command) const override;
+  Topology topology(const State& state) const override;
+  std::vector<DrawnShape> shapes(const State& state, double t) const override;
+  size_t max_rows() const override { return rows_; }
+
+  const OdeModel& model() const { return model_; }
+  const Integrator* method() const { return method_; }
+
+ private:
+  struct Scratch;
+  Scratch& scratch(State& state, Workspace& workspace) const;
+  void plan_stages();
+  void integrate(State& state, const StepInput& in) const;
+  double advance(State& state, Scratch& work, Workspace& workspace, double t, double t_end) const;
+  double next_timed_event(double t, double slack) const;
+  void fire(State& state, Scratch& work, size_t event, double t) const;
+  void carry_tracers(State& state, const StepInput& in) const;
+  void draw_path(State& state, double t, Workspace& workspace) const;
+
+  OdeDef def_;
+  OdeModel model_;
+  const Integrator* method_ = nullptr;  ///< null: no states, only tracers
+  Tolerance tolerance_;
+  std::string why_this_method_;
+  uint64_t seed_;
+  size_t trail_ = 0, rows_ = 0;
+  std::vector<double> tags_;  ///< per tracer
+};
+
+std::unique_ptr<const System> make_ode(const void* def, const BuildContext& context);
+
+}  // namespace truestep

@@ -1,0 +1,25 @@
+// Columns of an ode system's state in their order: everything that influences a later step.
+#pragma once
+#include "engine/core/state.h"
+
+namespace truestep {
+
+struct OdeColumns {
+  enum Index : State::Column {
+    kStates,             ///< y, Role::position
+    kTracers,            ///< x, y, z of every tracer, m, Role::position
+    kParameters,         ///< values of all parameters
+    kCarry,              ///< proposal for the next internal step, error of the last one
+    kEventCounts,        ///< u64, times that each event has happened
+    kEventSigns,         ///< i32, side of zero on which each guard was last seen, 0: not yet since it fired
+    kStopped,            ///< 1 and the time, once an event has stopped the system
+    kInvariantsAtStart,  ///< value of each invariant at t = 0
+    kWork,               ///< u64: internal steps, rejected ones, right-hand sides, Jacobians
+    kTrail  ///< what is drawn: for every body its present point, then the past ones, newest first
+  };
+};
+
+/// Places in the column of work.
+enum OdeWork : size_t { kOdeSteps, kOdeRejected, kOdeRates, kOdeJacobians, kOdeWorkCounters };
+
+}  // namespace truestep

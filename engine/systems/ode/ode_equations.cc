@@ -1,0 +1,25 @@
+#include "engine/systems/ode/ode_equations.h"
+
+namespace truestep {
+
+OdeEquations::OdeEquations(const OdeModel& model)
+    : model_(model),
+      parameters_(model.parameter_values.size()),
+      rate_(model.rate),
+      jacobian_(model.jacobian.program),
+      acceleration_(model.acceleration),
+      acceleration_jacobian_(model.acceleration_jacobian.program),
+      both_(model.acceleration_jacobian.program.outputs()) {}
+
+void OdeEquations::set_parameters(std::span<const double> p) {
+  for (OdeEvaluation* e : {&rate_, &jacobian_, &acceleration_, &acceleration_jacobian_}) e->set_parameters(p);
+}
+
+void OdeEquations::jacobian(double t, const double* x, const double* v, double* dadx, double* dadv) const {
+  acceleration_jacobian_(t, x, v, model_.size() / 2, parameters_, both_.data());
+  const size_t half = both_.size() / 2;
+  std::copy_n(both_.data(), half, dadx);
+  std::copy_n(both_.data() + half, half, dadv);
+}
+
+}  // namespace truestep

@@ -1,0 +1,76 @@
+// A compiled model as the right-hand side that integrators see, together with the scratch of one thread.
+#pragma once
+#include <vector>
+
+#include "engine/base/cache_line.h"
+#include "engine/systems/ode/ode_model.h"
+
+namespace truestep {
+
+/// A program with its registers: variables t, parameters, states.
+class OdeEvaluation {
+ public:
+  explicit OdeEvaluation(const ExpressionProgram& program)
+      : program_(program), registers_(program.registers()) {
+    program_.start(registers_.data());
+  }
+  void set_parameters(std::span<const double> p) {
+    if (program_.outputs() > 0) std::copy(p.begin(), p.end(), registers_.begin() + 1);
+  }
+  void operator()(double t, const double* y, size_t n, size_t parameters, double* out) {
+    registers_[0] = t;
+    std::copy_n(y, n, registers_.data() + 1 + parameters);
+    program_.run(registers_.data(), out);
+  }
+  /// States in two parts.
+  void operator()(double t, const double* x, const double* v, size_t half, size_t parameters, double* out) {
+    registers_[0] = t;
+    double* y = registers_.data() + 1 + parameters;
+    std::copy_n(x, half, y);
+    if (v) std::copy_n(v, half, y + half);
+    program_.run(registers_.data(), out);
+  }
+
+ private:
+  const ExpressionProgram& program_;
+  std::vector<double, CacheLineAllocator<double>> registers_;
+};
+
+class OdeEquations final : public RightHandSide, public SecondOrder {
+ public:
+  /// The model must outlive this.
+  explicit OdeEquations(const OdeModel& model);
+  void set_parameters(std::span<const double> p);
+  const OdeModel& model() const { return model_; }
+
+  size_t size() const override { return model_.size(); }
+  void rate(double t, const double* y, double* dydt) const override {
+    rate_(t, y, model_.size(), parameters_, dydt);
+  }
+  MatrixShape jacobian_shape() const override { return model_.jacobian.shape(); }
+  /// Of both: the first-order equations and, where there are such, those of second order.
+  bool has_jacobian() const override {
+    return model_.jacobian.program.outputs() > 0 &&
+           (!model_.second_order || model_.acceleration_jacobian.program.outputs() > 0);
+  }
+  void jacobian(double t, const double* y, double* values) const override {
+    jacobian_(t, y, model_.size(), parameters_, values);
+  }
+  bool autonomous() const override { return model_.autonomous; }
+  const SecondOrder* second_order() const override { return model_.second_order ? this : nullptr; }
+
+  void acceleration(double t, const double* x, const double* v, double* a) const override {
+    acceleration_(t, x, v, model_.size() / 2, parameters_, a);
+  }
+  bool depends_on_velocity() const override { return model_.depends_on_velocity; }
+  MatrixShape shape() const override { return model_.acceleration_jacobian.shape(); }
+  void jacobian(double t, const double* x, const double* v, double* dadx, double* dadv) const override;
+
+ private:
+  const OdeModel& model_;
+  size_t parameters_;
+  mutable OdeEvaluation rate_, jacobian_, acceleration_, acceleration_jacobian_;
+  mutable std::vector<double> both_;  ///< da/dx and da/dv together
+};
+
+}  // namespace truestep

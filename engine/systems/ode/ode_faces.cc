@@ -1,0 +1,157 @@
+// What an ode system shows and what commands may change.
+#include <algorithm>
+#include <cmath>
+
+#include "engine/base/errors.h"
+#include "engine/base/nearest_name.h"
+#include "engine/systems/ode/ode.h"
+
+namespace truestep {
+
+using C = OdeColumns;
+
+namespace {
+
+/// Longer arrays are fields only.
+constexpr size_t kObservedElements = 16;
+
+[[noreturn]] void refuse(const char* pointer, const char* code, const std::string& why,
+                         const std::string& allowed, const std::string& did_you_mean = "") {
+  throw Error("bad_command", why, {{pointer, code, why, "", allowed, did_you_mean, ""}});
+}
+
+}  // namespace
+
+void Ode::observe(const State& s, double t, Observables& out) const {
+  const auto y = s.f64(C::kStates);
+  for (const OdeModel::Named& n : model_.states) {
+    if (n.places.size() > kObservedElements) continue;
+    for (size_t k = 0; k < n.places.size(); ++k) {
+      const bool one = n.form == NamedNumbers::Form::number;
+      out.add(one ? n.name : n.name + "." + std::to_string(k), y[n.places[k]], "1");
+    }
+  }
+  if (const size_t count = model_.invariants.outputs(); count > 0) {
+    OdeEvaluation evaluate(model_.invariants);
+    evaluate.set_parameters(s.f64(C::kParameters));
+    std::vector<double> now(count);
+    evaluate(t, y.data(), y.size(), model_.parameter_values.size(), now.data());
+    for (size_t k = 0; k < count; ++k) {
+      const double start = s.f64(C::kInvariantsAtStart)[k];
+      out.add(model_.invariant_names[k], now[k], "1");
+      // Relative, but absolute where the invariant starts at 0.
+      out.add(model_.invariant_names[k] + ".drift",
+              std::abs(now[k] - start) / (start != 0 ? std::abs(start) : 1), "1");
+    }
+  }
+  for (size_t k = 0; k < model_.events.size(); ++k) {
+    out.add("events." + model_.events[k].name, static_cast<double>(s.span<uint64_t>(C::kEventCounts)[k]),
+            "1");
+  }
+  if (!model_.events.empty()) {
+    const bool stopped = s.f64(C::kStopped)[0] != 0;
+    out.add("stopped", stopped ? 1 : 0, "1");
+    if (stopped) out.add("stopped.time", s.f64(C::kStopped)[1], "s");
+  }
+  if (def_.tracers) {
+    // One pass in the order of the points.
+    const auto x = s.f64(C::kTracers);
+    constexpr const char* kAxes[] = {"x", "y", "z"};
+    out.add("tracers.count", static_cast<double>(x.size() / 3), "1");
+    for (size_t axis = 0; axis < 3; ++axis) {
+      double least = HUGE_VAL, greatest = -HUGE_VAL, sum = 0;
+      for (size_t i = axis; i < x.size(); i += 3) {
+        least = std::min(least, x[i]), greatest = std::max(greatest, x[i]);
+        sum += x[i];
+      }
+      const std::string name = std::string("tracers.") + kAxes[axis];
+      out.add(name + ".min", least, "m");
+      out.add(name + ".max", greatest, "m");
+      out.add(name + ".mean", sum / static_cast<double>(x.size() / 3), "m");
+    }
+  }
+  if (method_) {
+    constexpr const char* kNames[] = {"integrator.steps", "integrator.rejected", "integrator.rates",
+                                      "integrator.jacobians"};
+    for (size_t k = 0; k < kOdeWorkCounters; ++k) {
+      out.add(kNames[k], static_cast<double>(s.span<uint64_t>(C::kWork)[k]), "1");
+    }
+  }
+}
+
+std::vector<FieldInfo> Ode::fields() const {
+  std::vector<FieldInfo> out;
+  if (rows_ > 0) out.push_back({"position", "m", Scalar::f64, 3});
+  if (!tags_.empty()) out.push_back({"tag", "1", Scalar::f64, 1});
+  for (const OdeModel::Named& n : model_.states) out.push_back({n.name, "1", Scalar::f64, 1});
+  return out;
+}
+
+FieldView Ode::field(const State& s, size_t which, std::vector<double>& scratch) const {
+  if (rows_ > 0 && which-- == 0) {
+    return {s.f64(def_.tracers ? C::kTracers : C::kTrail).data(), Scalar::f64, rows_, 3};
+  }
+  if (!tags_.empty() && which-- == 0) return {tags_.data(), Scalar::f64, tags_.size(), 1};
+  const OdeModel::Named& n = model_.states[which];
+  scratch.resize(n.places.size());
+  for (size_t k = 0; k < n.places.size(); ++k) scratch[k] = s.f64(C::kStates)[n.places[k]];
+  return {scratch.data(), Scalar::f64, scratch.size(), 1};
+}
+
+void Ode::apply(State& s, const Command& c) const {
+  if (c.kind != CommandKind::set_parameter) {
+    refuse("/kind", "unsupported_command", "an ode system knows no such command", "set_parameter");
+  }
+  const auto target = model_.find(c.name);
+  if (!target) {
+    std::vector<std::string> known;
+    for (const auto* list : {&model_.parameters, &model_.states}) {
+      for (const OdeModel::Named& n : *list) {
+        known.push_back(n.form == NamedNumbers::Form::number ? n.name : n.name + "[0]");
+      }
+    }
+    std::string allowed;
+    for (const std::string& k : known) {
+      if (allowed.size() < 200) allowed += (allowed.empty() ? "" : ", ") + k;
+    }
+    refuse("/name", "unknown_parameter", "no parameter and no state has this name", allowed,
+           nearest_name(c.name, known));
+  }
+  if (!std::isfinite(c.value)) refuse("/value", "not_finite", "the value must be finite", "a finite number");
+  using Kind = OdeModel::Event::Target::Kind;
+  s.f64(target->kind == Kind::state ? C::kStates : C::kParameters)[target->place] = c.value;
+  // The integrator begins afresh, guards count from where they are next seen, and a system that stood still
+  // goes on.
+  std::ranges::fill(s.f64(C::kCarry), 0.0);
+  std::ranges::fill(s.span<int32_t>(C::kEventSigns), 0);
+  std::ranges::fill(s.f64(C::kStopped), 0.0);
+}
+
+Topology Ode::topology(const State&) const {
+  Topology t;
+  if (def_.color) t.color = {def_.color->x, def_.color->y, def_.color->z};
+  // The path of every body as a line; its head is one of `shapes`.
+  if (trail_ == 0) t.point_radius = def_.draw_radius;
+  const auto length = static_cast<uint32_t>(trail_ + 1);
+  for (uint32_t b = 0; trail_ > 0 && b < model_.bodies; ++b) {
+    for (uint32_t k = 0; k + 1 < length; ++k) t.lines.push_back({b * length + k, b * length + k + 1});
+  }
+  t.line_kinds.assign(t.lines.size(), LineKind::structural);
+  return t;
+}
+
+std::vector<DrawnShape> Ode::shapes(const State& s, double) const {
+  std::vector<DrawnShape> out;
+  if (trail_ == 0 || def_.draw_radius == 0) return out;
+  for (size_t b = 0; b < model_.bodies; ++b) {
+    DrawnShape head;
+    head.kind = DrawnShape::Kind::sphere;
+    head.position = load3(s.f64(C::kTrail).data(), b * (trail_ + 1));
+    head.size = {def_.draw_radius, 0, 0};
+    head.id = "head" + std::to_string(b);
+    out.push_back(head);
+  }
+  return out;
+}
+
+}  // namespace truestep

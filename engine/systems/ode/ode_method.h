@@ -1,0 +1,19 @@
+// Which method integrates a scene's equations.
+#pragma once
+#include <string>
+
+#include "engine/core/integrator.h"
+#include "engine/systems/ode/ode_equations.h"
+
+namespace truestep {
+
+struct OdeMethod {
+  const Integrator* row;
+  std::string why;  ///< one sentence for the plan
+};
+
+/// The method that the scene names, or the default; see ode.h. `dt`: a substep, s. Error "scene_invalid" with
+/// the methods that would do.
+OdeMethod choose_ode_method(const OdeDef& def, const OdeModel& model, double dt);
+
+}  // namespace truestep

@@ -1,0 +1,76 @@
+// A scene's equations compiled: layout of states and parameters, right-hand side, Jacobian, accelerations,
+// events, invariants and what is drawn, each a program over the same variables
+//   t, parameters, states
+// in this order. States whose equation is x' = v, v being a state, come first, then their velocities in the
+// same order, when all states pair up like that: then the system is one of second order as well.
+#pragma once
+#include <string>
+#include <vector>
+
+#include "engine/base/errors.h"
+#include "engine/core/right_hand_side.h"
+#include "engine/math/expression/program.h"
+#include "engine/math/expression/rows.h"
+#include "engine/systems/ode/ode_def.h"
+
+namespace truestep {
+
+/// A matrix of derivatives: its shape and the program that computes its values in the shape's order.
+struct OdeMatrix {
+  MatrixShape::Kind kind = MatrixShape::Kind::dense;
+  size_t lower = 0, upper = 0;
+  std::vector<int32_t> column_start, rows;
+  ExpressionProgram program;  ///< no outputs: too large to differentiate
+
+  MatrixShape shape() const { return {kind, lower, upper, column_start, rows}; }
+};
+
+struct OdeModel {
+  /// A named state or parameter: places of its elements among the states or parameters.
+  struct Named {
+    std::string name;
+    std::vector<uint32_t> places;
+    NamedNumbers::Form form = NamedNumbers::Form::number;
+  };
+  struct Event {
+    std::string name;
+    OdeEventDef def;
+    struct Target {
+      enum class Kind : uint8_t { state, parameter } kind;
+      uint32_t place;
+    };
+    std::vector<Target> targets;
+    ExpressionProgram values;  ///< of the targets
+    size_t guard = 0;          ///< output of `guards`; only of events with a `when`
+  };
+
+  std::vector<Named> states, parameters;
+  std::vector<double> initial, parameter_values;
+  std::vector<std::string> labels;  ///< of every state: "x", "x[3]", "x'"
+  std::vector<double> absolute_tolerances;
+
+  ExpressionProgram rate, invariants, guards, plot;
+  OdeMatrix jacobian;
+  bool autonomous = false;
+
+  bool second_order = false;
+  bool depends_on_velocity = true;
+  ExpressionProgram acceleration;
+  OdeMatrix acceleration_jacobian;  ///< values of da/dx, then of da/dv
+
+  std::vector<std::string> invariant_names;
+  std::vector<Event> events;
+  size_t bodies = 0;  ///< points that `plot` gives, 3 coordinates each
+
+  ExpressionRows tracer_velocity;  ///< over the variables, then x, y, z; no outputs: no tracers
+
+  size_t size() const { return initial.size(); }
+  size_t variables() const { return 1 + parameter_values.size() + initial.size(); }
+  /// The state or parameter element of that name ("x", "m[3]"); nothing when there is none.
+  std::optional<Event::Target> find(std::string_view name) const;
+};
+
+/// Throws Error "scene_invalid" with every fault of the scene's texts, pointers below the system.
+OdeModel compile_ode(const OdeDef& def);
+
+}  // namespace truestep
