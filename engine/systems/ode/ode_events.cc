@@ -13,6 +13,7 @@ int32_t side(double g) {
 OdeCrossings::OdeCrossings(const OdeModel& model)
     : model_(model), guards_(model.guards), values_(model.guards.outputs()), point_(model.size()) {
   fired_.reserve(model.events.size());
+  fired_side_.reserve(model.events.size());
 }
 
 void OdeCrossings::evaluate(double t, const double* y) {
@@ -34,7 +35,9 @@ void OdeCrossings::look(double t, const double* y) {
   for (size_t k = 0; k < model_.events.size(); ++k) {
     if (!model_.events[k].def.when.empty()) signs_[k] = side(values_[model_.events[k].guard]);
   }
-  for (const uint32_t k : fired_) signs_[k] = 0;
+  for (size_t i = 0; i < fired_.size(); ++i) {
+    if (signs_[fired_[i]] == fired_side_[i]) signs_[fired_[i]] = 0;
+  }
 }
 
 StepWatcher::Verdict OdeCrossings::accepted(double t0, double& t1, double* y1, const Interpolant& between) {
@@ -76,7 +79,9 @@ StepWatcher::Verdict OdeCrossings::accepted(double t0, double& t1, double* y1, c
     }
     evaluate(t1, y1);
     for (size_t k = 0; k < model_.events.size(); ++k) {
-      if (crosses(k)) fired_.push_back(static_cast<uint32_t>(k));
+      if (!crosses(k)) continue;
+      fired_.push_back(static_cast<uint32_t>(k));
+      fired_side_.push_back(side(values_[model_.events[k].guard]));
     }
     // The point that the loop ended on crosses by construction; its time may have moved by rounding.
     if (fired_.empty()) return Verdict::go_on;

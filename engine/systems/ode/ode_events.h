@@ -1,7 +1,8 @@
 // Events on the way of an integration: crossings of zero by a guard g(t, y), looked for at the end and at
 // three points inside every accepted internal step and then located by bisection on the method's
 // interpolant, to the last bit of the step's fraction. A guard that crosses and comes back between two of
-// these points is missed. After an event has fired, its guard's side counts from the next point on.
+// these points is missed. After an event has fired, its guard
+// counts from the next point on, unless the event itself moved it back across zero.
 #pragma once
 #include <vector>
 
@@ -21,8 +22,12 @@ class OdeCrossings final : public StepWatcher {
 
   /// Events that fired when `accepted` last said stop, in their order.
   const std::vector<uint32_t>& fired() const { return fired_; }
-  void clear() { fired_.clear(); }
-  /// Takes the present sides of all guards as their past ones, but 0 for those that fired.
+  void clear() {
+    fired_.clear();
+    fired_side_.clear();
+  }
+  /// Takes the present sides of all guards as their past ones; 0 for those that fired and that nothing has
+  /// moved back since: rounding decides on which side of zero these stand.
   void look(double t, const double* y);
 
  private:
@@ -34,6 +39,7 @@ class OdeCrossings final : public StepWatcher {
   std::span<int32_t> signs_;
   std::vector<double> values_, point_;
   std::vector<uint32_t> fired_;
+  std::vector<int32_t> fired_side_;  ///< per event that fired, the side that it crossed to
 };
 
 }  // namespace truestep

@@ -35,7 +35,8 @@ class Compiler {
     rest();
     tracers();
     if (!issues_.empty()) {
-      throw Error("scene_invalid", issues_[0].pointer + ": " + issues_[0].message, std::move(issues_));
+      const std::string first = issues_[0].pointer + ": " + issues_[0].message;
+      throw Error("scene_invalid", first, std::move(issues_));
     }
     programs();
     return std::move(model_);
