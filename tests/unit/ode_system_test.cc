@@ -151,7 +151,7 @@ TEST(OdeEvents, TimesPeriodsAndStops) {
       {"name": "tick", "every": 0.25, "set": {"n": "n + 1"}},
       {"name": "turn", "at": 0.83, "set": {"rate": "-2"}},
       {"name": "edge", "at": 1.0},
-      {"name": "end", "when": "x + 0.5", "then": "stop"}]})s");
+      {"name": "end", "when": "x + 0.5", "then": "stop"}])s");
   run.steps(10);
   EXPECT_EQ(run.value("events.tick"), 4);  // 0.25, 0.5, 0.75 and 1.0, the end of the tenth step
   EXPECT_EQ(run.value("n"), 4);

@@ -3,6 +3,8 @@
 // interpolant, to the last bit of the step's fraction. A guard that crosses and comes back between two of
 // these points is missed. After an event has fired, its guard
 // counts from the next point on, unless the event itself moved it back across zero.
+// Unlike integrators/events.h this keeps the sides in the system's state, so that a restored run repeats
+// every event, and evaluates all guards as one program.
 #pragma once
 #include <vector>
 

@@ -81,8 +81,7 @@ OdeMethod choose_ode_method(const OdeDef& def, const OdeModel& model, double dt)
   // Explicit methods hold to about 3.3 / rate.
   constexpr double kManySteps = 50;
   if (dt * decay_rate(model, dt) / 3.3 > kManySteps) {
-    if (const Integrator* row =
-            first_that_serves({"radau5", "rodas5p", "rosenbrock", "cvode_bdf", "sdirk4"}, f)) {
+    if (const Integrator* row = first_that_serves({"radau5", "rodas5p", "sdirk4"}, f)) {
       return {row, "the default where the equations look stiff"};
     }
   }
