@@ -151,8 +151,9 @@ TEST(OdeReference, EveryMethodThatServesKeepsItsPromiseOnAPendulum) {
     }
     OdeRun run(system, 0.01);
     const double error = std::abs(run.steps(200).value("x") - expected);
-    // Constants of the methods here are below 1.
-    EXPECT_LT(error, std::max(std::pow(0.01, m.order), 1e-7)) << m.name;
+    // Constants of the fixed-step methods are below 1 here; adaptive ones add up 1e-9 of every internal step.
+    const bool fixed = m.stepping == Integrator::Stepping::fixed;
+    EXPECT_LT(error, fixed ? std::max(std::pow(0.01, m.order), 1e-9) : 1e-6) << m.name;
     ++served;
   }
   EXPECT_GE(served, 8u);

@@ -12,8 +12,7 @@ double norm(const std::vector<double>& v) {
   return std::sqrt(sum);
 }
 
-/// v J v / v v for the vector that a power iteration with J = df/dy reaches: the dominant eigenvalue when
-/// that is real, about 0 when it is one of an imaginary pair.
+/// The dominant eigenvalue of df/dy at y when that is real, by power iteration; 0 when it is one of a pair.
 double dominant_rate(const OdeEquations& f, const std::vector<double>& y) {
   const size_t n = y.size();
   std::vector<double> v(n), w(n), at(n), base(n);
@@ -32,9 +31,11 @@ double dominant_rate(const OdeEquations& f, const std::vector<double>& y) {
       w[i] = (w[i] - base[i]) / step;
       up += v[i] * w[i], down += v[i] * v[i];
     }
-    rate = up / down;
     const double grown = norm(w);
-    if (!(grown > 0) || !std::isfinite(grown)) break;
+    if (!(grown > 0) || !std::isfinite(grown)) return 0;
+    // Of an imaginary pair v and J v never become parallel, whatever their product.
+    constexpr double kParallel = 0.9;
+    rate = up * up >= kParallel * down * grown * grown ? up / down : 0;
     for (size_t i = 0; i < n; ++i) v[i] = w[i] / grown;
   }
   return std::isfinite(rate) ? rate : 0;
