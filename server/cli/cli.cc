@@ -11,6 +11,7 @@
 #include "server/cli/recording_commands.h"
 #include "server/cli/run.h"
 #include "server/cli/serve.h"
+#include "server/cli/study.h"
 
 namespace truestep {
 
@@ -32,6 +33,7 @@ int run_command_line(int argc, char** argv) {
   app.set_version_flag("--version", std::string(version()));
   int exit_code = kExitOk;
   add_run_command(app, exit_code);
+  add_study_command(app, exit_code);
   add_serve_command(app, exit_code);
   add_describe_commands(app, exit_code);
   add_recording_commands(app, exit_code);

@@ -1,0 +1,35 @@
+// Observed order of a method on a scene: errors against a reference at steps halved again and again, and
+//   p_j = log2(e_j / e_{j+1}).
+// An order is quoted only when it has settled: the last three p_j that lie above the reference's floor differ
+// by less than a tenth (Roache 1998, "Verification and validation in computational science and engineering",
+// ch. 5).
+#pragma once
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "engine/studies/study.h"
+
+namespace truestep {
+
+struct ConvergenceParams {
+  std::string system, quantity = "position";
+  std::string integrator;         ///< empty: the scene's own
+  std::optional<double> step;     ///< s, the largest; 8 times the scene's when left out
+  std::optional<double> horizon;  ///< s
+  int64_t halvings = 7;
+  double budget = 40;  ///< s
+};
+
+const DefTable& convergence_table();
+StudyResult run_convergence(const boost::json::value& scene, const void* def, StudyContext& context);
+
+/// The order that errors at steps h, h/2, h/4 ... settle to, or why there is none to quote.
+struct ObservedOrder {
+  std::vector<double> per_halving;  ///< NaN where an error is not finite or lies below the floor
+  std::optional<double> settled;
+  std::string reason;  ///< when nothing settled
+};
+ObservedOrder observed_order(const std::vector<double>& errors, double floor);
+
+}  // namespace truestep

@@ -1,0 +1,29 @@
+// Variations of a scene document: other methods, other steps, other parameters.
+#pragma once
+#include <boost/json.hpp>
+#include <string>
+#include <string_view>
+
+#include "engine/session/world.h"
+
+namespace truestep {
+
+/// Puts `value` at an RFC 6901 pointer. Missing members of objects are made, elements of arrays must exist
+/// ("-" appends nothing here). Error "bad_pointer" with the pointer otherwise.
+void set_at(boost::json::value& document, std::string_view pointer, boost::json::value value);
+
+/// A scene whose session step is dt, not divided further.
+void set_dt(boost::json::value& document, double dt);
+/// The integrator of system `system` (by number).
+void set_integrator(boost::json::value& document, size_t system, std::string_view name);
+/// Error bound of that system's adaptive method: relative, and absolute in the units of its columns.
+void set_tolerance(boost::json::value& document, size_t system, double tolerance);
+
+/// World of a document; Error "scene_invalid".
+World build_world(const boost::json::value& document);
+
+/// Number of the system a study is about: the one named `id`, or the first that takes an integrator when the
+/// id is empty. Error "scene_invalid" with pointer "/system".
+size_t studied_system(const Scene& scene, std::string_view id);
+
+}  // namespace truestep

@@ -1,0 +1,91 @@
+#include "engine/studies/spectrum.h"
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "engine/base/random.h"
+
+namespace truestep {
+
+namespace {
+
+constexpr int kMaxIterations = 2000;
+constexpr double kSettled = 1e-7;  // relative change of the eigenvalue between iterations
+
+double norm(const std::vector<double>& u) {
+  double s = 0;
+  for (const double c : u) s += c * c;
+  return std::sqrt(s);
+}
+
+struct Dominant {
+  double value = 0, residual = 0;
+  int iterations = 0;
+};
+
+// Largest |eigenvalue| of the operator apply(u, out) on n numbers.
+template <class Apply>
+Dominant dominant(size_t n, Apply apply) {
+  Dominant d;
+  std::vector<double> u(n), w(n);
+  for (size_t i = 0; i < n; ++i) u[i] = uniform4(7, 0, i)[0] - 0.5;
+  double length = norm(u);
+  for (d.iterations = 0; d.iterations < kMaxIterations && length > 0; ++d.iterations) {
+    for (double& c : u) c /= length;
+    apply(u, w);
+    double value = 0, off = 0;
+    for (size_t i = 0; i < n; ++i) value += u[i] * w[i];
+    for (size_t i = 0; i < n; ++i) off += (w[i] - value * u[i]) * (w[i] - value * u[i]);
+    length = norm(w);
+    const bool settled = std::abs(value - d.value) <= kSettled * std::abs(value);
+    d.value = value;
+    d.residual = length > 0 ? std::sqrt(off) / length : 0;
+    std::swap(u, w);
+    if (settled && d.iterations > 4) break;
+  }
+  return d;
+}
+
+}  // namespace
+
+Spectrum estimate_spectrum(const ForceField& field, const State& state, double t) {
+  static const ThreadArena kSerial(1);
+  Workspace workspace;
+  Evaluation e{workspace, kSerial};
+  const auto x = state.f64(state.at("position")), v = state.f64(state.at("velocity"));
+  if (x.size() != v.size() || x.empty()) return {};
+  double reach = 0;
+  for (const double c : x) reach = std::max(reach, std::abs(c));
+  // Balances truncation against rounding of a central difference.
+  const double step = 1e-5 * std::max(reach, 1e-3);
+  std::vector<double> moved(x.size()), plus(x.size()), minus(x.size());
+  const auto derivative = [&](std::span<const double> base, const std::vector<double>& u,
+                              std::vector<double>& out, const auto& acceleration) {
+    const double s = step * std::sqrt(static_cast<double>(u.size()));
+    for (size_t i = 0; i < u.size(); ++i) moved[i] = base[i] + s * u[i];
+    acceleration(moved, plus);
+    for (size_t i = 0; i < u.size(); ++i) moved[i] = base[i] - s * u[i];
+    acceleration(moved, minus);
+    for (size_t i = 0; i < u.size(); ++i) out[i] = -(plus[i] - minus[i]) / (2 * s);
+  };
+  const Dominant frequency = dominant(x.size(), [&](const std::vector<double>& u, std::vector<double>& out) {
+    derivative(x, u, out, [&](std::span<const double> at, std::span<double> a) {
+      field.acceleration({t, at, v, state}, a, e);
+    });
+  });
+  Dominant damping;
+  if (field.dependence() == Dependence::position_and_velocity) {
+    damping = dominant(x.size(), [&](const std::vector<double>& u, std::vector<double>& out) {
+      derivative(v, u, out, [&](std::span<const double> at, std::span<double> a) {
+        field.acceleration({t, x, at, state}, a, e);
+      });
+    });
+  }
+  return {.omega = std::sqrt(std::max(0.0, frequency.value)),
+          .damping = std::max(0.0, damping.value),
+          .iterations = frequency.iterations + damping.iterations,
+          .residual = frequency.residual};
+}
+
+}  // namespace truestep

@@ -1,0 +1,19 @@
+// The fastest motion a force field knows, by power iteration (von Mises 1929) on the scene's own
+// linearisation: the largest eigenvalue of -da/dx (omega^2) and of -da/dv (damping rate). Products with the
+// derivatives are central differences of the acceleration, so no matrix is needed.
+#pragma once
+#include "engine/core/force_field.h"
+
+namespace truestep {
+
+struct Spectrum {
+  double omega = 0;     ///< 1/s, largest angular frequency of the undamped linearisation
+  double damping = 0;   ///< 1/s, largest rate of -da/dv
+  int iterations = 0;   ///< that both together took
+  double residual = 0;  ///< relative |A u - lambda u| of the frequency's vector: how far from settled
+};
+
+/// At `state`, time t in s.
+Spectrum estimate_spectrum(const ForceField& field, const State& state, double t);
+
+}  // namespace truestep

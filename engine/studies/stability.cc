@@ -1,0 +1,243 @@
+#include "engine/studies/stability.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "engine/base/errors.h"
+#include "engine/base/random.h"
+#include "engine/core/force_system.h"
+#include "engine/studies/scene_variant.h"
+#include "engine/studies/spectrum.h"
+#include "engine/studies/trajectory.h"
+
+namespace truestep {
+
+namespace json = boost::json;
+
+namespace {
+
+double largest_move(std::span<const double> x, const std::vector<double>& from) {
+  if (x.size() != from.size()) return 0;
+  double most = 0;
+  for (size_t i = 0; i < x.size(); ++i) {
+    const double d = std::abs(x[i] - from[i]);
+    if (!(d <= most)) most = d;  // NaN is the largest
+  }
+  return most;
+}
+
+class Bisection {
+ public:
+  Bisection(const json::value& scene, const StabilityParams& p, size_t system, std::string method,
+            StudyContext& c)
+      : scene_(scene), params_(p), system_(system), method_(std::move(method)), context_(c) {}
+
+  struct Found {
+    double dt = 0;
+    enum class Kind : uint8_t { limit, always, never, over_budget } kind = Kind::limit;
+    int runs = 0;
+  };
+
+  /// The border between `guess` / 256 and 256 `guess`.
+  Found find(double guess, double cpu_limit) {
+    Found f;
+    stop_at_ = thread_cpu_seconds() + cpu_limit;
+    double low = guess / 256, high = guess;
+    if (!stable(low)) return {low, Found::Kind::never, runs_};
+    while (high < 256 * guess && stable(high)) low = high, high *= 2;
+    if (high >= 256 * guess && stable(high)) return {high, Found::Kind::always, runs_};
+    while (high - low > params_.accuracy * low) {
+      if (thread_cpu_seconds() > stop_at_) return {low, Found::Kind::over_budget, runs_};
+      const double middle = 0.5 * (low + high);
+      (stable(middle) ? low : high) = middle;
+    }
+    return {low, Found::Kind::limit, runs_};
+  }
+
+ private:
+  bool stable(double dt) {
+    ++runs_;
+    static const ThreadArena kSerial(1);
+    json::value d = scene_;
+    set_dt(d, dt);
+    set_integrator(d, system_, method_);
+    const World world = build_world(d);
+    WorldState state = world.initial_state();
+    State& s = state.systems[system_];
+    const auto x = s.at("position");
+    const std::vector<double> start(s.f64(x).begin(), s.f64(x).end());
+    disturb(s);
+    Workspace workspace;
+    const double bound = 10 * std::max(reach(dt, start), 1e-6 * scale(start));
+    try {
+      for (int64_t n = 0; n < params_.steps; ++n) {
+        if (n % 64 == 0) context_.check();
+        world.step(state, workspace, kSerial, {});
+        if (!(largest_move(state.systems[system_].f64(x), start) <= bound)) return false;
+      }
+    } catch (const Instability&) {
+      return false;
+    }
+    return true;
+  }
+
+  // A small push on every velocity, so that an unstable mode has something to grow from.
+  void disturb(State& s) const {
+    const auto v = s.f64(s.at("velocity"));
+    const auto x = s.f64(s.at("position"));
+    const double size = 1e-7 * scale({x.begin(), x.end()});
+    for (size_t i = 0; i < v.size(); ++i) v[i] += size * (uniform4(11, 0, i)[0] - 0.5);
+  }
+  static double scale(const std::vector<double>& x) {
+    double most = 1e-3;
+    for (const double c : x) most = std::max(most, std::abs(c));
+    return most;
+  }
+  // How far the motion goes in the time of `steps` steps of dt, from one run at a small step.
+  double reach(double dt, const std::vector<double>& start) {
+    const double horizon = dt * static_cast<double>(params_.steps);
+    if (reaches_.empty()) follow(start);
+    double most = 0;
+    for (const auto& [t, distance] : reaches_) {
+      if (t <= horizon || most == 0) most = std::max(most, distance);
+    }
+    return most;
+  }
+  // The reference motion: the scene's own method at its own step.
+  void follow(const std::vector<double>& start) {
+    static const ThreadArena kSerial(1);
+    const World world = build_world(scene_);
+    WorldState state = world.initial_state();
+    Workspace workspace;
+    double most = 0;
+    try {
+      for (int64_t n = 0; n < params_.steps && thread_cpu_seconds() < stop_at_; ++n) {
+        context_.check();
+        world.step(state, workspace, kSerial, {});
+        most = std::max(
+            most, largest_move(state.systems[system_].f64(state.systems[system_].at("position")), start));
+        reaches_.emplace_back(static_cast<double>(n + 1) * world.dt(), most);
+      }
+    } catch (const Instability&) {
+      // What was seen until then is the motion to compare with.
+    }
+    if (reaches_.empty()) reaches_.emplace_back(0, most);
+  }
+
+  const json::value& scene_;
+  const StabilityParams& params_;
+  size_t system_;
+  std::string method_;
+  StudyContext& context_;
+  std::vector<std::pair<double, double>> reaches_;
+  double stop_at_ = 0;
+  int runs_ = 0;
+};
+
+std::vector<const Integrator*> methods(const StabilityParams& p, const ForceField& field) {
+  std::vector<const Integrator*> out;
+  for (const Integrator& row : integrators()) {
+    if (!p.integrators.empty()) {
+      if (std::find(p.integrators.begin(), p.integrators.end(), row.name) != p.integrators.end())
+        out.push_back(&row);
+    } else if (row.stepping == Integrator::Stepping::fixed && row.kind == Integrator::Kind::explicit_ &&
+               !refusal(row, field)) {
+      out.push_back(&row);
+    }
+  }
+  if (out.empty() || (!p.integrators.empty() && out.size() < p.integrators.size())) {
+    std::string all;
+    for (const Integrator& row : integrators()) all += (all.empty() ? "" : ", ") + std::string(row.name);
+    throw Error("scene_invalid", "an integrator of the study does not exist",
+                {{"/integrators", "unknown_choice", "there is no such integrator", "", all, "", ""}});
+  }
+  return out;
+}
+
+}  // namespace
+
+const DefTable& stability_table() {
+  using P = StabilityParams;
+  static const DefTable t =
+      TableOf<P>("largest stable step of each method, measured and from theory")
+          .text("system", &P::system, "system whose method varies; the first that has one when left out")
+          .texts("integrators", &P::integrators, {0, 64},
+                 "methods; the explicit fixed-step ones when left out")
+          .integer("steps", &P::steps, between(10, 1e7), "steps that a run must survive")
+          .number("accuracy", &P::accuracy, "1", between(1e-9, 0.5), "relative width at which bisection ends")
+          .number("budget", &P::budget, "s", between(0.1, 1e5), "CPU time for the whole study")
+          .build();
+  return t;
+}
+
+StudyResult run_stability(const json::value& scene, const void* def, StudyContext& context) {
+  const auto& p = *static_cast<const StabilityParams*>(def);
+  const Scene read = require_scene(read_scene(scene));
+  const size_t system = studied_system(read, p.system);
+  const World world = build_world(scene);
+  const auto* forces = dynamic_cast<const ForceSystem*>(&world.system(system));
+  if (!forces) {
+    throw Error("scene_invalid", "the system has no force field",
+                {{"/system", "wrong_system", "stability needs a system of forces", '"' + p.system + '"', "",
+                  "", ""}});
+  }
+  const WorldState start = world.initial_state();
+  const Spectrum spectrum = estimate_spectrum(forces->force_field(), start.systems[system], 0);
+
+  StudyResult r;
+  r.table.columns = {
+      {"integrator", ""}, {"largest_stable_dt", "s"}, {"theory_dt", "s"}, {"ratio", "1"}, {"status", ""}};
+  const auto rows = methods(p, forces->force_field());
+  StudyPlot::Series measured{.name = "measured"}, theory{.name = "linear theory"};
+  for (size_t i = 0; i < rows.size(); ++i) {
+    const Integrator& row = *rows[i];
+    context.progress(static_cast<double>(i) / static_cast<double>(rows.size()), std::string(row.name));
+    double limit = INFINITY;
+    if (spectrum.omega > 0) limit = row.imaginary_limit / spectrum.omega;
+    if (spectrum.damping > 0) limit = std::min(limit, row.real_limit / spectrum.damping);
+    const double guess = std::isfinite(limit) && limit > 0 ? limit
+                         : spectrum.omega > 0              ? 1 / spectrum.omega
+                                                           : world.scene().substep();
+    StudyTable::Cell dt, promised, ratio;
+    std::string status;
+    try {
+      const auto f = Bisection(scene, p, system, std::string(row.name), context)
+                         .find(guess, p.budget / static_cast<double>(rows.size()));
+      using Kind = decltype(f.kind);
+      status = f.kind == Kind::limit    ? "ok"
+               : f.kind == Kind::always ? "stable at every step tried"
+               : f.kind == Kind::never  ? "unstable at every step tried"
+                                        : "over budget";
+      if (f.kind == Kind::limit || f.kind == Kind::over_budget) dt = f.dt;
+      if (std::isfinite(limit)) promised = limit;
+      if (f.kind == Kind::limit && std::isfinite(limit) && limit > 0) {
+        ratio = f.dt / limit;
+        measured.x.push_back(static_cast<double>(i + 1)), measured.y.push_back(f.dt);
+        theory.x.push_back(static_cast<double>(i + 1)), theory.y.push_back(limit);
+      }
+    } catch (const Error& e) {
+      if (e.code() != "scene_invalid") throw;
+      status = e.issues().empty() ? e.what() : e.issues().front().message;
+    }
+    r.table.rows.push_back({std::string(row.name), dt, promised, ratio, status});
+  }
+  r.summary = {{"omega_max", spectrum.omega},
+               {"damping_max", spectrum.damping},
+               {"iterations", spectrum.iterations},
+               {"suggested_dt", nullptr}};
+  if (const auto dt = forces->stable_dt(start.systems[system])) r.summary["suggested_dt_bound"] = *dt;
+  const Integrator& own = forces->integrator();
+  double suggested = INFINITY;
+  if (spectrum.omega > 0) suggested = own.imaginary_limit / spectrum.omega;
+  if (spectrum.damping > 0) suggested = std::min(suggested, own.real_limit / spectrum.damping);
+  // A tenth below the border: the spectrum is that of the start.
+  if (std::isfinite(suggested) && suggested > 0) r.summary["suggested_dt"] = 0.9 * suggested;
+  r.plot = {.title = "Largest stable step",
+            .x_label = "row of the table",
+            .y_label = "dt in s",
+            .x_scale = StudyPlot::Scale::linear,
+            .series = {std::move(measured), std::move(theory)}};
+  return r;
+}
+
+}  // namespace truestep

@@ -1,0 +1,109 @@
+#include "engine/studies/trajectory.h"
+
+#include <time.h>
+
+#include <cmath>
+#include <limits>
+
+#include "engine/base/errors.h"
+
+namespace truestep {
+
+namespace {
+
+template <class T>
+std::vector<double> widened(const FieldView& v) {
+  const T* p = static_cast<const T*>(v.data);
+  return {p, p + v.rows * v.width};
+}
+
+}  // namespace
+
+double thread_cpu_seconds() {
+  timespec t{};
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
+  return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
+}
+
+std::vector<double> field_values(const System& system, const State& state, const std::string& name) {
+  const auto fields = system.fields();
+  std::string names;
+  for (size_t i = 0; i < fields.size(); ++i) {
+    if (fields[i].name != name) {
+      names += (names.empty() ? "" : ", ") + fields[i].name;
+      continue;
+    }
+    std::vector<double> scratch;
+    const FieldView v = system.field(state, i, scratch);
+    switch (v.type) {
+      case Scalar::f64:
+        return widened<double>(v);
+      case Scalar::f32:
+        return widened<float>(v);
+      case Scalar::i32:
+        return widened<int32_t>(v);
+      case Scalar::u32:
+        return widened<uint32_t>(v);
+      case Scalar::u64:
+        return widened<uint64_t>(v);
+    }
+  }
+  throw Error(
+      "scene_invalid", "the system has no field \"" + name + '"',
+      {{"/quantity", "unknown_field", "the system has no such field", '"' + name + '"', names, "", ""}});
+}
+
+Trace trace(const World& world, const TraceRequest& request, const StudyContext& context) {
+  static const ThreadArena kSerial(1);
+  Trace out;
+  WorldState state = world.initial_state();
+  Workspace workspace;
+  const System& system = world.system(request.field.system);
+  const auto sample = [&] {
+    out.times.push_back(static_cast<double>(state.step) * world.dt());
+    out.values.push_back(field_values(system, state.systems[request.field.system], request.field.name));
+  };
+  sample();
+  uint64_t largest_batch = 1;  // steps between two looks at the clock and the limits
+  for (size_t i = 0; i < request.samples; ++i) {
+    uint64_t left = request.steps_per_sample;
+    while (left > 0) {
+      context.check();
+      const uint64_t batch = std::min(left, largest_batch);
+      const double before = thread_cpu_seconds();
+      try {
+        for (uint64_t k = 0; k < batch; ++k) world.step(state, workspace, kSerial, {});
+      } catch (const Instability& e) {
+        out.end = Trace::End::unstable;
+        out.detail = e.what();
+      }
+      const double took = thread_cpu_seconds() - before;
+      if (took < 0.005 && largest_batch < 1 << 20) largest_batch *= 2;
+      out.cpu_seconds += took;
+      out.steps = state.step;
+      if (out.end == Trace::End::unstable) return out;
+      if (out.cpu_seconds > request.cpu_limit) {
+        out.end = Trace::End::over_budget;
+        out.detail = "the run took longer than its share of the time budget";
+        return out;
+      }
+      left -= batch;
+    }
+    sample();
+  }
+  return out;
+}
+
+double relative_error(const std::vector<double>& a, const std::vector<double>& b) {
+  if (a.size() != b.size()) return std::numeric_limits<double>::infinity();
+  double difference = 0, size = 0;
+  for (size_t i = 0; i < a.size(); ++i) {
+    const double d = a[i] - b[i];
+    difference += d * d;
+    size += b[i] * b[i];
+  }
+  const double e = std::sqrt(difference / std::max(size, 1e-300));
+  return std::isfinite(e) ? e : std::numeric_limits<double>::infinity();
+}
+
+}  // namespace truestep

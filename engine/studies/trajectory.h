@@ -1,0 +1,46 @@
+// A run of a scene sampled at equal intervals, with the CPU time that its steps took.
+#pragma once
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "engine/session/world.h"
+#include "engine/studies/study.h"
+
+namespace truestep {
+
+/// Which numbers of the state are compared: one field of one system.
+struct TraceField {
+  size_t system = 0;
+  std::string name = "position";
+};
+
+struct TraceRequest {
+  TraceField field;
+  uint64_t steps_per_sample = 1;
+  size_t samples = 1;
+  double cpu_limit = 1e9;  ///< s; a run that takes longer is given up
+};
+
+struct Trace {
+  enum class End : uint8_t { complete, unstable, over_budget } end = End::complete;
+  std::vector<double> times;                ///< s; the start is sample 0
+  std::vector<std::vector<double>> values;  ///< flat field at each of them
+  double cpu_seconds = 0;                   ///< of the steps alone
+  uint64_t steps = 0;
+  std::string detail;  ///< why it ended early
+};
+
+/// Steps the world from its initial state in the calling thread. Never throws Instability; Error "cancelled".
+Trace trace(const World& world, const TraceRequest& request, const StudyContext& context);
+
+/// Values of a field as doubles. Error "scene_invalid" with pointer "/quantity" when the system has no such.
+std::vector<double> field_values(const System& system, const State& state, const std::string& name);
+
+/// |a - b|_2 / |b|_2; infinity when the lengths differ or a number is not finite.
+double relative_error(const std::vector<double>& a, const std::vector<double>& b);
+
+/// CPU seconds of this thread so far.
+double thread_cpu_seconds();
+
+}  // namespace truestep

@@ -1,0 +1,261 @@
+#include "engine/studies/work_precision.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "engine/base/errors.h"
+#include "engine/core/integrator.h"
+#include "engine/studies/scene_variant.h"
+
+namespace truestep {
+
+namespace json = boost::json;
+
+namespace {
+
+constexpr std::array kDecades = {1e-2, 1e-4, 1e-6, 1e-8, 1e-10, 1e-12};
+
+// How often an interval between samples is divided: a ladder around the scene's own step, or what was asked.
+std::vector<uint64_t> divisions(const WorkPrecisionParams& p, double interval, double scene_dt) {
+  std::vector<uint64_t> m;
+  const auto add = [&](double dt) {
+    m.push_back(std::max<uint64_t>(1, static_cast<uint64_t>(std::llround(interval / dt))));
+  };
+  if (!p.steps.empty()) {
+    for (const double dt : p.steps) add(dt);
+  } else {
+    for (int k = 3; k >= -7; --k) add(std::ldexp(scene_dt, k));
+  }
+  std::sort(m.begin(), m.end());
+  m.erase(std::unique(m.begin(), m.end()), m.end());
+  return m;
+}
+
+std::vector<double> tolerances(const WorkPrecisionParams& p) {
+  if (!p.tolerances.empty()) return p.tolerances;
+  return {1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10, 1e-11, 1e-12};
+}
+
+std::vector<std::string> methods(const WorkPrecisionParams& p) {
+  if (!p.integrators.empty()) return p.integrators;
+  std::vector<std::string> all;
+  for (const Integrator& row : integrators()) all.emplace_back(row.name);
+  return all;
+}
+
+double median(std::vector<double> v) {
+  std::nth_element(v.begin(), v.begin() + static_cast<long>(v.size() / 2), v.end());
+  return v[v.size() / 2];
+}
+
+class Measurer {
+ public:
+  Measurer(const json::value& scene, const WorkPrecisionParams& p, StudyContext& context)
+      : scene_(scene), params_(p), context_(context) {
+    const Scene s = require_scene(read_scene(scene));
+    request_.field = {studied_system(s, p.system), p.quantity};
+    request_.samples = static_cast<size_t>(p.samples);
+    scene_dt_ = s.substep();
+    out_.horizon = p.horizon.value_or(s.header.time.duration);
+    interval_ = out_.horizon / static_cast<double>(p.samples);
+    divisions_ = divisions(p, interval_, scene_dt_);
+  }
+
+  WorkMeasurement run() {
+    context_.progress(0, "reference");
+    request_.steps_per_sample =
+        std::max<uint64_t>(1, static_cast<uint64_t>(std::llround(interval_ / scene_dt_)));
+    const double started = thread_cpu_seconds();
+    out_.reference = find_reference(scene_, request_, interval_, 0.4 * params_.budget, context_);
+    const auto names = methods(params_);
+    for (size_t i = 0; i < names.size(); ++i) {
+      context_.progress(0.3 + 0.7 * static_cast<double>(i) / static_cast<double>(names.size()), names[i]);
+      const double left = params_.budget - (thread_cpu_seconds() - started);
+      measure(names[i], std::max(0.05, left / static_cast<double>(names.size() - i)));
+    }
+    return std::move(out_);
+  }
+
+ private:
+  void measure(const std::string& name, double share) {
+    const Integrator* row = find_integrator(name);
+    if (!row) {
+      std::string all;
+      for (const Integrator& r : integrators()) all += (all.empty() ? "" : ", ") + std::string(r.name);
+      throw Error(
+          "scene_invalid", "there is no integrator \"" + name + '"',
+          {{"/integrators", "unknown_choice", "there is no such integrator", '"' + name + '"', all, "", ""}});
+    }
+    const bool adaptive = row->stepping == Integrator::Stepping::adaptive;
+    // From cheap to dear, so that a budget which runs out cuts off the end of the curve.
+    double spent = 0, last = 0;
+    if (adaptive) {
+      request_.steps_per_sample = 1;
+      for (const double tolerance : tolerances(params_)) {
+        if (!one(name, tolerance, interval_, share, spent, last)) return;
+      }
+    } else {
+      for (const uint64_t m : divisions_) {
+        request_.steps_per_sample = m;
+        const double dt = interval_ / static_cast<double>(m);
+        if (!one(name, dt, dt, share, spent, last)) return;
+      }
+    }
+  }
+
+  // False: no further point of this method.
+  bool one(const std::string& name, double setting, double dt, double share, double& spent, double& last) {
+    const bool adaptive = find_integrator(name)->stepping == Integrator::Stepping::adaptive;
+    WorkPoint p{.integrator = name, .setting = setting};
+    if (spent + 2 * last > share) {
+      p.status = "over budget";
+      p.cpu_seconds = p.error_end = p.error_path = NAN;
+      out_.points.push_back(p);
+      return false;
+    }
+    json::value d = scene_;
+    set_dt(d, dt);
+    set_integrator(d, request_.field.system, name);
+    if (adaptive) set_tolerance(d, request_.field.system, setting);
+    std::vector<double> times;
+    request_.cpu_limit = share - spent;
+    try {
+      const World world = build_world(d);
+      Trace t;
+      for (int64_t r = 0; r < params_.repeats; ++r) {
+        t = trace(world, request_, context_);
+        spent += t.cpu_seconds;
+        times.push_back(t.cpu_seconds);
+        if (t.end != Trace::End::complete || spent + t.cpu_seconds > share) break;
+      }
+      p.steps = t.steps;
+      p.cpu_seconds = last = median(times);
+      judge(t, p);
+    } catch (const Error& e) {
+      if (e.code() != "scene_invalid") throw;
+      out_.refused.push_back({name, e.issues().empty() ? e.what() : e.issues().front().message});
+      return false;
+    }
+    out_.points.push_back(p);
+    // Finer than the reference shows nothing more.
+    return p.status != "over budget" && p.status != "at the floor";
+  }
+
+  void judge(const Trace& t, WorkPoint& p) const {
+    if (t.end != Trace::End::complete) {
+      p.status = t.end == Trace::End::unstable ? "unstable" : "over budget";
+      p.error_end = p.error_path = INFINITY;
+      return;
+    }
+    const Trace& r = out_.reference.trace;
+    for (size_t i = 0; i < r.values.size(); ++i)
+      p.error_path = std::max(p.error_path, relative_error(t.values[i], r.values[i]));
+    p.error_end = relative_error(t.values.back(), r.values.back());
+    p.status = p.error_path < out_.reference.floor() ? "at the floor" : "ok";
+  }
+
+  const json::value& scene_;
+  const WorkPrecisionParams& params_;
+  StudyContext& context_;
+  TraceRequest request_;
+  double scene_dt_ = 0, interval_ = 0;
+  std::vector<uint64_t> divisions_;
+  WorkMeasurement out_;
+};
+
+json::array cheapest(const WorkMeasurement& m) {
+  json::array out;
+  for (const double error : kDecades) {
+    std::string best;
+    double cpu = INFINITY;
+    for (const WorkPoint& p : m.points) {
+      const auto c = cpu_at_error(m.points, p.integrator, error);
+      if (c && *c < cpu) cpu = *c, best = p.integrator;
+    }
+    if (!best.empty())
+      out.push_back(json::object{{"error", error}, {"integrator", best}, {"cpu_seconds", cpu}});
+  }
+  return out;
+}
+
+}  // namespace
+
+std::optional<double> cpu_at_error(const std::vector<WorkPoint>& points, std::string_view integrator,
+                                   double error) {
+  std::optional<double> best;
+  const WorkPoint* before = nullptr;
+  for (const WorkPoint& p : points) {
+    if (p.integrator != integrator || !(p.error_end > 0) || !std::isfinite(p.error_end)) continue;
+    if (p.error_end <= error) {
+      double cpu = p.cpu_seconds;
+      // Between two points the curve is straight in log-log; a first point that is good enough stands as it
+      // is.
+      if (before && before->error_end > error && before->cpu_seconds > 0 && p.cpu_seconds > 0) {
+        const double w = std::log(before->error_end / error) / std::log(before->error_end / p.error_end);
+        cpu = before->cpu_seconds * std::pow(p.cpu_seconds / before->cpu_seconds, w);
+      }
+      if (!best || cpu < *best) best = cpu;
+    }
+    before = &p;
+  }
+  return best;
+}
+
+const DefTable& work_precision_table() {
+  using P = WorkPrecisionParams;
+  static const DefTable t =
+      TableOf<P>("CPU time against error of every method on this scene")
+          .text("system", &P::system, "system whose method varies; the first that has one when left out")
+          .text("quantity", &P::quantity, "field whose error is measured")
+          .texts("integrators", &P::integrators, {0, 64}, "methods; all that serve the system when left out")
+          .numbers("steps", &P::steps, "s", above(0), {0, 64}, "steps of the fixed-step methods")
+          .numbers("tolerances", &P::tolerances, "1", above(0), {0, 64}, "tolerances of the adaptive methods")
+          .number("horizon", &P::horizon, "s", above(0), "simulated time; the scene's duration when left out")
+          .integer("samples", &P::samples, between(1, 1000), "instants at which paths are compared")
+          .integer("repeats", &P::repeats, between(1, 100), "runs whose median time counts")
+          .number("budget", &P::budget, "s", between(0.1, 1e5), "CPU time for the whole study")
+          .build();
+  return t;
+}
+
+WorkMeasurement measure_work(const json::value& scene, const WorkPrecisionParams& params,
+                             StudyContext& context) {
+  return Measurer(scene, params, context).run();
+}
+
+StudyResult run_work_precision(const json::value& scene, const void* def, StudyContext& context) {
+  const auto& params = *static_cast<const WorkPrecisionParams*>(def);
+  const WorkMeasurement m = measure_work(scene, params, context);
+  StudyResult r;
+  r.table.columns = {{"integrator", ""},  {"setting", ""}, {"cpu_seconds", "s"}, {"error_end", "1"},
+                     {"error_path", "1"}, {"steps", "1"},  {"status", ""}};
+  r.plot = {.title = "Run time against error",
+            .x_label = "relative error of " + params.quantity + " at the end",
+            .y_label = "CPU time in s"};
+  for (const WorkPoint& p : m.points) {
+    r.table.rows.push_back({p.integrator, p.setting, p.cpu_seconds, p.error_end, p.error_path,
+                            static_cast<double>(p.steps), p.status});
+    if (!(p.error_end > 0) || !std::isfinite(p.error_end) || p.error_end > 10) continue;
+    if (r.plot.series.empty() || r.plot.series.back().name != p.integrator)
+      r.plot.series.push_back({.name = p.integrator});
+    r.plot.series.back().x.push_back(p.error_end);
+    r.plot.series.back().y.push_back(p.cpu_seconds);
+  }
+  json::array refused;
+  for (const auto& f : m.refused)
+    refused.push_back(json::object{{"integrator", f.integrator}, {"reason", f.reason}});
+  r.summary = {{"horizon", m.horizon},
+               {"reference", describe_reference(m.reference)},
+               {"cheapest", cheapest(m)},
+               {"refused", std::move(refused)}};
+  if (m.reference.meaningless()) {
+    r.summary["warning"] =
+        "two accurate methods part by more than a hundredth before the horizon: the motion is chaotic or "
+        "discontinuous, and errors of single paths mean nothing there; shorten the horizon or compare "
+        "invariants";
+  }
+  return r;
+}
+
+}  // namespace truestep
