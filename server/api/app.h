@@ -7,6 +7,7 @@
 #include "server/net/options.h"
 #include "server/net/router.h"
 #include "server/net/server.h"
+#include "server/operations/operation_store.h"
 #include "server/sessions/idempotency.h"
 #include "server/sessions/runner.h"
 #include "server/sessions/store.h"
@@ -29,6 +30,7 @@ struct App {
   SessionStore store;
   IdempotencyKeys idempotency;
   StreamStats stream_stats;
+  OperationStore operations{OperationLimits{}, options.workers};
   Runner runner;                        ///< last: its threads end before what they use
   const net::Server* server = nullptr;  ///< for the metrics page; set before the server starts
 };
@@ -43,6 +45,7 @@ void add_snapshot_routes(net::Router& router, App& app);
 void add_frame_routes(net::Router& router, App& app);
 void add_catalogue_routes(net::Router& router, App& app);
 void add_thumbnail_routes(net::Router& router, App& app);
+void add_operation_routes(net::Router& router, App& app);
 void add_service_routes(net::Router& router, App& app);
 
 }  // namespace truestep

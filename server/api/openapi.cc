@@ -4,6 +4,7 @@
 #include "engine/scene/json_write.h"
 #include "engine/scene/params.h"
 #include "engine/session/commands.h"
+#include "engine/studies/study.h"
 #include "server/net/problem.h"
 
 namespace truestep {
@@ -50,11 +51,29 @@ json::object body_schema(const net::Route& route) {
              json::array{json::object{{"$ref", "/v1/schemas/scene-1.json"}}, reference("GalleryChoice")}}};
   }
   if (p == "/v1/scenes/validate") return {{"$ref", "/v1/schemas/scene-1.json"}};
+  if (p == "/v1/studies") return reference("StudyRequest");
   if (p.ends_with("/step")) return reference("StepRequest");
   if (p.ends_with("/play")) return reference("PlayRequest");
   if (p.ends_with("/seek")) return reference("SeekRequest");
   if (p.ends_with("/commands")) return reference("Command");
   return {};
+}
+
+// {"kind": ..., "scene" or "gallery", parameters}, one alternative per kind of study.
+json::object study_schema() {
+  json::array kinds;
+  for (const StudyKind& k : study_kinds()) {
+    json::object s = schema_of(k.table());
+    json::object& properties = s["properties"].as_object();
+    properties["kind"] = json::object{{"const", k.name}};
+    properties["scene"] = json::object{{"$ref", "/v1/schemas/scene-1.json"}};
+    properties["gallery"] = json::object{{"type", "string"}};
+    properties["resume"] = json::object{{"type", "string"}, {"description", "a sweep to go on with"}};
+    if (!s.contains("required")) s["required"] = json::array{};
+    s["required"].as_array().emplace_back("kind");
+    kinds.push_back(std::move(s));
+  }
+  return {{"oneOf", std::move(kinds)}};
 }
 
 json::object schemas() {
@@ -68,6 +87,7 @@ json::object schemas() {
   }
   return {
       {"Command", json::object{{"oneOf", std::move(commands)}}},
+      {"StudyRequest", study_schema()},
       {"GalleryChoice",
        json::object{{"type", "object"},
                     {"properties", json::object{{"gallery", json::object{{"type", "string"}}}}},

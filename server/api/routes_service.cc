@@ -120,6 +120,7 @@ net::Router make_router(App& app) {
   add_snapshot_routes(router, app);
   add_frame_routes(router, app);
   add_recording_routes(router, app);
+  add_operation_routes(router, app);
   add_description_routes(router);
   return router;
 }

@@ -111,6 +111,7 @@ int serve(const ServeOptions& options) {
   main_loop.run();
   spdlog::info("shutting down");
   server.stop();
+  app.operations.stop();
   app.runner.stop();
   finish_recordings(app);
   return kExitOk;

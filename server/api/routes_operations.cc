@@ -1,0 +1,119 @@
+// /v1/studies starts an operation; /v1/operations/{id} watches, cancels and reads it.
+#include "engine/scene/json_write.h"
+#include "engine/scene/params.h"
+#include "server/api/describe.h"
+#include "server/api/requests.h"
+
+namespace truestep {
+
+namespace json = boost::json;
+namespace asio = boost::asio;
+using net::Method;
+using net::Request;
+using net::Response;
+
+namespace {
+
+json::object describe_operation(const Operation& o) {
+  const OperationView v = o.view();
+  const std::string self = "/v1/operations/" + o.id;
+  json::object out{{"id", o.id},
+                   {"kind", o.request.kind->name},
+                   {"status", status_name(v.status)},
+                   {"progress", v.progress},
+                   {"note", v.note},
+                   {"links", json::object{{"self", self},
+                                          {"cancel", self + "/cancel"},
+                                          {"events", self + "/events"},
+                                          {"result", self + "/result"},
+                                          {"csv", self + "/result.csv"},
+                                          {"svg", self + "/result.svg"}}}};
+  if (v.error && v.status == OperationStatus::failed) {
+    out["error"] = json::object{{"code", v.error->code()},
+                                {"detail", v.error->what()},
+                                {"errors", describe_issues(v.error->issues())}};
+  }
+  if (v.result) out["summary"] = v.result->summary;
+  return out;
+}
+
+json::object describe_kind(const StudyKind& k) {
+  return {{"kind", k.name}, {"sentence", k.sentence}, {"parameters", describe_params(k.table())}};
+}
+
+asio::awaitable<Response> start_study(App& app, const Request& request) {
+  json::object body = json_object_body(request);
+  std::string resume;
+  if (const json::value* r = body.if_contains("resume")) {
+    if (!r->is_string()) {
+      throw Error(
+          "bad_request", "resume names an operation",
+          {{"/resume", "wrong_type", "the id of an operation is a text", shorten(*r), "text", "", ""}});
+    }
+    resume = r->as_string();
+    body.erase("resume");
+  }
+  // A worker reads it: scenes may be large.
+  auto work = [&app, body = std::move(body), resume]() mutable {
+    const std::string text = write_json(body);
+    return app.operations.start(read_study_request(body), text, resume);
+  };
+  const OperationPtr o = co_await net::offload(app.runner.pool(), std::move(work));
+  Response r = json_response(describe_operation(*o), 202);
+  r.header("Location", "/v1/operations/" + o->id);
+  co_return r;
+}
+
+std::shared_ptr<const StudyResult> result_of(const App& app, const Request& request) {
+  const OperationPtr o = app.operations.find(request.param("id"));
+  const OperationView v = o->view();
+  if (v.status == OperationStatus::failed) throw Error(v.error->code(), v.error->what(), v.error->issues());
+  if (v.status == OperationStatus::cancelled) throw Error("not_found", "the operation was cancelled");
+  if (!v.result) throw Error("conflict", "the operation has not ended; GET /v1/operations/" + o->id);
+  return v.result;
+}
+
+}  // namespace
+
+void add_operation_routes(net::Router& router, App& app) {
+  router.add(Method::get, "/v1/studies", "The kinds of studies and their parameters", [](const Request&) {
+    json::array kinds;
+    for (const StudyKind& k : study_kinds()) kinds.push_back(describe_kind(k));
+    return json_response(json::object{{"studies", std::move(kinds)}});
+  });
+  router.add(Method::post, "/v1/studies", "Starts a study of a scene: 202 and an operation",
+             [&app](const Request& r) { return start_study(app, r); });
+  router.add(Method::get, "/v1/operations", "The operations that the server remembers",
+             [&app](const Request&) {
+               json::array list;
+               for (const OperationPtr& o : app.operations.all()) list.push_back(describe_operation(*o));
+               return json_response(json::object{{"operations", std::move(list)}});
+             });
+  router.add(Method::get, "/v1/operations/{id}", "State and progress of an operation",
+             [&app](const Request& r) {
+               return json_response(describe_operation(*app.operations.find(r.param("id"))));
+             });
+  router.add(Method::delete_, "/v1/operations/{id}", "Cancels and forgets an operation",
+             [&app](const Request& r) {
+               app.operations.remove(r.param("id"));
+               return Response(204);
+             });
+  router.add(Method::post, "/v1/operations/{id}/cancel", "Asks an operation to stop",
+             [&app](const Request& r) {
+               const OperationPtr o = app.operations.find(r.param("id"));
+               o->cancel();
+               return json_response(describe_operation(*o));
+             });
+  for (const char* name : {"result", "result.json"}) {
+    router.add(Method::get, std::string("/v1/operations/{id}/") + name, "What a study found, as JSON",
+               [&app](const Request& r) { return json_response(result_json(*result_of(app, r))); });
+  }
+  router.add(Method::get, "/v1/operations/{id}/result.csv", "The table of a study", [&app](const Request& r) {
+    return Response::text(result_csv(result_of(app, r)->table), "text/csv; charset=utf-8");
+  });
+  router.add(Method::get, "/v1/operations/{id}/result.svg", "The plot of a study", [&app](const Request& r) {
+    return Response::text(result_svg(result_of(app, r)->plot), "image/svg+xml");
+  });
+}
+
+}  // namespace truestep

@@ -1,0 +1,62 @@
+// Long-running work that a request started: its progress, its end and its result, watched and cancelled by
+// id.
+#pragma once
+#include <atomic>
+#include <boost/json.hpp>
+#include <chrono>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "engine/base/errors.h"
+#include "engine/studies/study.h"
+#include "server/net/async.h"
+
+namespace truestep {
+
+enum class OperationStatus : uint8_t { waiting, running, done, failed, cancelled };
+
+std::string_view status_name(OperationStatus status);
+
+/// What is known of an operation at one moment.
+struct OperationView {
+  OperationStatus status = OperationStatus::waiting;
+  double progress = 0;  ///< 0 to 1
+  std::string note;
+  std::optional<Error> error;                 ///< failed
+  std::shared_ptr<const StudyResult> result;  ///< done
+  bool ended() const { return status >= OperationStatus::done; }
+};
+
+class Operation {
+ public:
+  Operation(std::string id, StudyRequest request, std::string request_text)
+      : id(std::move(id)), request(std::move(request)), request_text(std::move(request_text)) {}
+
+  const std::string id;
+  const StudyRequest request;
+  const std::string request_text;  ///< canonical JSON: only the same request may go on with another's rows
+  std::atomic<bool> cancelled{false};
+  net::Signal changed;  ///< raised after every change of the view
+
+  OperationView view() const;
+  /// Rows of a sweep that are finished so far.
+  std::vector<boost::json::object> rows() const;
+  /// Asks the work to stop; one that still waits ends at once.
+  void cancel();
+  /// Does the work in the calling thread. `earlier` are rows of an interrupted sweep.
+  void run(const ThreadArena& arena, std::vector<boost::json::object> earlier);
+
+ private:
+  void end(OperationStatus status, std::optional<Error> error, std::shared_ptr<const StudyResult> result);
+
+  mutable std::mutex mutex_;
+  OperationView view_;
+  std::vector<boost::json::object> rows_;
+};
+
+using OperationPtr = std::shared_ptr<Operation>;
+
+}  // namespace truestep

@@ -1,0 +1,82 @@
+#include "server/operations/operation_store.h"
+
+#include <algorithm>
+#include <boost/asio/post.hpp>
+
+#include "server/sessions/store.h"
+
+namespace truestep {
+
+OperationStore::OperationStore(OperationLimits limits, int threads) : limits_(limits), arena_(threads) {}
+
+OperationStore::~OperationStore() {
+  stop();
+}
+
+OperationPtr OperationStore::start(StudyRequest request, const std::string& request_text,
+                                   std::string_view resume) {
+  std::vector<boost::json::object> earlier;
+  if (!resume.empty()) {
+    const OperationPtr before = find(resume);
+    if (before->request_text != request_text)
+      throw Error("conflict", "the operation to resume had another request");
+    earlier = before->rows();
+  }
+  auto operation = std::make_shared<Operation>(random_session_id(), std::move(request), request_text);
+  {
+    const std::lock_guard lock(mutex_);
+    const auto waiting = std::count_if(operations_.begin(), operations_.end(),
+                                       [](const auto& o) { return !o.second->view().ended(); });
+    if (static_cast<size_t>(waiting) >= limits_.waiting)
+      throw Error("quota_exceeded", std::to_string(waiting) + " operations are waiting already");
+    operations_[operation->id] = operation;
+    order_.push_back(operation->id);
+    forget_oldest();
+  }
+  boost::asio::post(thread_, [this, operation, earlier = std::move(earlier)]() mutable {
+    operation->run(arena_, std::move(earlier));
+  });
+  return operation;
+}
+
+void OperationStore::forget_oldest() {
+  for (auto it = order_.begin(); it != order_.end() && operations_.size() > limits_.kept;) {
+    const auto found = operations_.find(*it);
+    if (found != operations_.end() && !found->second->view().ended()) {
+      ++it;
+      continue;
+    }
+    if (found != operations_.end()) operations_.erase(found);
+    it = order_.erase(it);
+  }
+}
+
+OperationPtr OperationStore::find(std::string_view id) const {
+  const std::lock_guard lock(mutex_);
+  const auto it = operations_.find(id);
+  if (it == operations_.end()) throw Error("unknown_operation", "there is no operation with this id");
+  return it->second;
+}
+
+void OperationStore::remove(std::string_view id) {
+  find(id)->cancel();
+  const std::lock_guard lock(mutex_);
+  if (const auto it = operations_.find(id); it != operations_.end()) operations_.erase(it);
+  std::erase(order_, id);
+}
+
+std::vector<OperationPtr> OperationStore::all() const {
+  const std::lock_guard lock(mutex_);
+  std::vector<OperationPtr> out;
+  for (const std::string& id : order_) {
+    if (const auto it = operations_.find(id); it != operations_.end()) out.push_back(it->second);
+  }
+  return out;
+}
+
+void OperationStore::stop() {
+  for (const OperationPtr& o : all()) o->cancel();
+  thread_.join();
+}
+
+}  // namespace truestep

@@ -1,0 +1,44 @@
+// The operations of a server: one runs at a time (timed studies must not disturb each other), the rest wait
+// in order, and the newest ended ones are kept for their results.
+#pragma once
+#include <boost/asio/thread_pool.hpp>
+#include <deque>
+#include <map>
+#include <mutex>
+
+#include "server/operations/operation.h"
+
+namespace truestep {
+
+struct OperationLimits {
+  size_t waiting = 32;  ///< that have not ended
+  size_t kept = 256;    ///< all; the oldest ended ones are forgotten beyond
+};
+
+class OperationStore {
+ public:
+  OperationStore(OperationLimits limits, int threads);
+  ~OperationStore();
+
+  /// Queues the work. `resume` is the id of an earlier sweep of the same request, or empty. Error
+  /// quota_exceeded, unknown_operation, or conflict when the earlier request was another.
+  OperationPtr start(StudyRequest request, const std::string& request_text, std::string_view resume);
+  /// Error unknown_operation.
+  OperationPtr find(std::string_view id) const;
+  /// Cancels and forgets.
+  void remove(std::string_view id);
+  std::vector<OperationPtr> all() const;
+  /// Cancels everything and waits for the thread.
+  void stop();
+
+ private:
+  void forget_oldest();
+  OperationLimits limits_;
+  ThreadArena arena_;
+  mutable std::mutex mutex_;
+  std::map<std::string, OperationPtr, std::less<>> operations_;
+  std::deque<std::string> order_;
+  boost::asio::thread_pool thread_{1};
+};
+
+}  // namespace truestep
