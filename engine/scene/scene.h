@@ -56,6 +56,14 @@ struct ExpectParams {
   std::string source;
 };
 
+/// How accurate a scene wants to be; the service then chooses method and step.
+struct AccuracyParams {
+  double tolerance = 1e-4;  ///< relative error of the quantity over the horizon
+  std::string system;       ///< empty: the first that takes an integrator
+  std::string quantity = "position";
+  std::optional<double> horizon;  ///< s; the scene's duration when absent
+};
+
 struct SceneHeader {
   std::string schema;  ///< "$schema", free
   std::string schema_version = "1.0";
@@ -64,6 +72,7 @@ struct SceneHeader {
   uint64_t seed = 0;
   Vec3 gravity{0, -9.81, 0};  ///< m/s^2
   TimeParams time;
+  std::optional<AccuracyParams> accuracy;
   std::vector<std::string> observables;
   std::vector<ProbeParams> probes;
   std::optional<RecordingParams> recording;

@@ -19,6 +19,19 @@ const DefTable& time_table() {
   return t;
 }
 
+const DefTable& accuracy_table() {
+  using A = AccuracyParams;
+  static const DefTable t =
+      TableOf<A>("how accurate the scene shall be; method and step are then chosen by measuring")
+          .number("tolerance", &A::tolerance, "1", between(1e-14, 1), "relative error of the quantity")
+          .required()
+          .text("system", &A::system, "system that is meant; the first with an integrator when left out")
+          .text("quantity", &A::quantity, "field whose error counts")
+          .number("horizon", &A::horizon, "s", above(0), "time over which it counts; else the duration")
+          .build();
+  return t;
+}
+
 const DefTable& probe_table() {
   static const DefTable t =
       TableOf<ProbeParams>("a row whose fields become observables")
@@ -95,6 +108,8 @@ const DefTable& scene_table() {
           .integer("seed", &SceneHeader::seed, between(0, 9007199254740992.0), "seed of every random draw")
           .vector("gravity", &SceneHeader::gravity, "m/s^2", {-1e6, 1e6}, "acceleration of free fall")
           .object("time", &SceneHeader::time, time_table(), "the clock")
+          .object("accuracy", &SceneHeader::accuracy, accuracy_table(),
+                  "instead of a method and a step: how accurate")
           .texts("observables", &SceneHeader::observables, {0, 64},
                  "observables to keep (names or their beginnings); none: all")
           .objects("probes", &SceneHeader::probes, probe_table(), {0, 256},

@@ -1,0 +1,22 @@
+// Accuracy as a request: a scene says how accurate it wants to be instead of naming a method and a step, and
+// gets the cheapest method that was measured to be so on this very scene, together with the measurements.
+// Where paths mean nothing (chaos, contacts) methods are judged by the drift of the energy, and the report
+// says so.
+#pragma once
+#include <boost/json.hpp>
+
+#include "engine/studies/study.h"
+
+namespace truestep {
+
+struct AccuracyOutcome {
+  boost::json::value scene;    ///< the document with integrator, step and tolerance filled in
+  boost::json::object report;  ///< what was measured and why this was chosen
+};
+
+/// For a document that has "accuracy"; its session step stays (methods of fixed step divide it into
+/// substeps). Spends at most `budget` CPU seconds. Error "accuracy_unreachable" with what is reachable when
+/// nothing meets it.
+AccuracyOutcome choose_method(const boost::json::value& document, double budget, StudyContext& context);
+
+}  // namespace truestep
