@@ -20,6 +20,27 @@ void ForceSystem::add_integration_stage() {
             [this](State& s, const StepInput& in) { method_.step(*field_, s, in, options_); });
 }
 
+void ForceSystem::bound_speed() {
+  static const ThreadArena kSerial(1);
+  const State s = field_->initial_state();
+  const auto x = s.f64(s.at("position")), v = s.f64(s.at("velocity"));
+  Workspace workspace;
+  Evaluation e{workspace, kSerial};
+  std::vector<double> a(v.size());
+  field_->acceleration({0, x, v, s}, a, e);
+  const auto largest = [](std::span<const double> values) {
+    double most = 0;
+    for (const double c : values) most = std::max(most, std::abs(c));
+    return most;
+  };
+  const double reach = 1 + largest(x);
+  double speed = largest(v) + std::sqrt(2 * largest(a) * reach);
+  if (const auto fastest = field_->stiffness(s)) speed += fastest->omega * reach;
+  constexpr double kMargin = 1000;
+  // At least orbital speed: a scene at rest may be kicked by commands.
+  speed_limit_ = kMargin * std::max(speed, 1e4);
+}
+
 State ForceSystem::initial_state() const {
   State s = field_->initial_state();
   if (method_.prepare) method_.prepare(*field_, s);

@@ -20,6 +20,7 @@ class ForceSystem : public StagedSystem {
   /// From the field's stiffness and the method's stability interval.
   std::optional<double> stable_dt(const State& state) const override;
   size_t max_rows() const override { return max_rows_; }
+  std::optional<double> speed_limit() const override { return speed_limit_; }
 
   const ForceField& force_field() const { return *field_; }
   const Integrator& integrator() const { return method_; }
@@ -29,6 +30,9 @@ class ForceSystem : public StagedSystem {
   ForceSystem(std::unique_ptr<const ForceField> field, const Integrator& method, IntegratorOptions options);
   void add_integration_stage();
   void set_max_rows(size_t rows) { max_rows_ = rows; }
+  /// For systems that only exchange the energy they start with: a limit of a thousand times the speeds that
+  /// the start, its accelerations and its fastest oscillation could give.
+  void bound_speed();
 
  private:
   std::unique_ptr<const ForceField> field_;
@@ -36,6 +40,7 @@ class ForceSystem : public StagedSystem {
   IntegratorOptions options_;
   ColumnInfo position_, velocity_;
   size_t max_rows_ = 0;
+  std::optional<double> speed_limit_;
 };
 
 }  // namespace truestep

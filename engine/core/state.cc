@@ -182,25 +182,40 @@ size_t State::memory_bytes() const {
   return n;
 }
 
-std::optional<State::BadValue> State::first_non_finite() const {
+namespace {
+
+// Sums of term(v) in many lanes, so that the additions of one do not wait for each other.
+template <class Term>
+double lane_sum(std::span<const double> values, Term term) {
+  constexpr size_t kLanes = 32;
+  double sum[kLanes] = {};
+  size_t i = 0;
+  for (; i + kLanes <= values.size(); i += kLanes) {
+    for (size_t k = 0; k < kLanes; ++k) sum[k] += term(values[i + k]);
+  }
+  for (; i < values.size(); ++i) sum[0] += term(values[i]);
+  double total = 0;
+  for (const double lane : sum) total += lane;
+  return total;
+}
+
+}  // namespace
+
+std::optional<State::BadValue> State::first_bad(double speed_limit) const {
   for (Column c = 0; c < columns_.size(); ++c) {
     const ColumnInfo& info = columns_[c].info;
     if (info.role == Role::internal || info.type != Scalar::f64) continue;
     const auto values = span<double>(c);
-    // v * 0 is NaN exactly when v is NaN or infinite: one sweep answers for the whole column. Many sums, so
-    // that the additions of one do not wait for each other.
-    constexpr size_t kLanes = 32;
-    double sum[kLanes] = {};
-    size_t i = 0;
-    for (; i + kLanes <= values.size(); i += kLanes) {
-      for (size_t k = 0; k < kLanes; ++k) sum[k] += values[i + k] * 0.0;
+    // One sweep answers for nearly every column: v * 0 is NaN exactly when v is NaN or infinite, and no
+    // velocity is beyond the limit when the sum of all squares is not.
+    const bool limited = info.role == Role::velocity && speed_limit < std::numeric_limits<double>::infinity();
+    if (limited ? lane_sum(values, [](double v) { return v * v; }) <= speed_limit * speed_limit
+                : lane_sum(values, [](double v) { return v * 0.0; }) == 0) {
+      continue;
     }
-    for (; i < values.size(); ++i) sum[0] += values[i] * 0.0;
-    double total = 0;
-    for (const double lane : sum) total += lane;
-    if (total == 0) continue;
-    for (i = 0; i < values.size(); ++i) {
-      if (!std::isfinite(values[i])) return BadValue{c, i / info.width};
+    for (size_t i = 0; i < values.size(); ++i) {
+      if (!std::isfinite(values[i]) || (limited && std::abs(values[i]) > speed_limit))
+        return BadValue{c, i / info.width};
     }
   }
   return std::nullopt;

@@ -107,8 +107,8 @@ class State {
     Column column;
     size_t row;
   };
-  /// First NaN or infinity in a position or velocity column.
-  std::optional<BadValue> first_non_finite() const;
+  /// First NaN or infinity in a position or velocity column, or velocity beyond `speed_limit` in magnitude.
+  std::optional<BadValue> first_bad(double speed_limit = std::numeric_limits<double>::infinity()) const;
 
  private:
   struct Storage {

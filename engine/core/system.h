@@ -87,6 +87,9 @@ class System {
   /// Solids that points of other systems collide with; corners are rows of `points`. Valid while the system
   /// lives.
   virtual PublishedSolids solids() const { return {}; }
+  /// Velocity (in its own unit) that nothing in this system's energy explains; a step that leaves one beyond
+  /// it has failed. Nothing where the energy has no bound (emitters, expressions).
+  virtual std::optional<double> speed_limit() const { return std::nullopt; }
   /// Upper bound of rows that "position" may reach (emitters grow).
   virtual size_t max_rows() const = 0;
 };

@@ -21,7 +21,7 @@ constexpr std::string_view kInternalStep = "integrator.internal_step";
 constexpr std::string_view kLastError = "integrator.last_error";
 
 [[noreturn]] void give_up(const Motion& m, double t, double h) {
-  const auto bad = m.state.first_non_finite();
+  const auto bad = m.state.first_bad();
   throw Instability("", "position", bad ? static_cast<long long>(bad->row) : -1,
                     "the tolerance cannot be met at t = " + std::to_string(t) +
                         " s: the internal step fell to " + std::to_string(h) + " s");

@@ -112,6 +112,19 @@ json::array describe_plan(const World& world, std::span<const Profile> profiles)
   return a;
 }
 
+json::object describe_failure(const Failure& f) {
+  json::object o{{"system", f.system},
+                 {"quantity", f.quantity},
+                 {"index", f.index},
+                 {"detail", f.detail},
+                 {"last_good_step", f.last_good_step}};
+  if (f.suggested_dt) o["suggested_dt"] = *f.suggested_dt;
+  json::array remedies;
+  for (const std::string& r : f.remedies) remedies.emplace_back(r);
+  o["remedies"] = std::move(remedies);
+  return o;
+}
+
 json::object describe_observables(const Observables& values) {
   json::object o;
   for (const Observation& v : values.rows()) {

@@ -6,7 +6,7 @@
 #include "engine/base/errors.h"
 #include "engine/scene/admission.h"
 #include "engine/scene/catalogue.h"
-#include "engine/session/world.h"
+#include "engine/session/session.h"
 
 namespace truestep {
 
@@ -24,6 +24,8 @@ boost::json::array describe_gallery();
 boost::json::object describe_cost(const Cost& cost);
 /// [{system, pass, runs, reason}]; seconds and share where profiles are given.
 boost::json::array describe_plan(const World& world, std::span<const Profile> profiles);
+/// {system, quantity, index, detail, last_good_step, remedies}, and suggested_dt where it is known.
+boost::json::object describe_failure(const Failure& failure);
 boost::json::object describe_observables(const Observables& values);
 
 /// Everything about a scene document: valid, errors, warnings, plan, estimate, canonical scene. Never throws

@@ -6,6 +6,7 @@
 #include <cstring>
 
 #include "engine/base/errors.h"
+#include "engine/session/remedies.h"
 
 namespace truestep {
 
@@ -170,18 +171,29 @@ void Session::reset() {
   notify("reset", "");
 }
 
+namespace {
+
+bool same_shape(const std::vector<State>& a, const std::vector<State>& b) {
+  bool fits = a.size() == b.size();
+  for (size_t i = 0; fits && i < b.size(); ++i) {
+    fits = a[i].columns() == b[i].columns();
+    for (State::Column c = 0; fits && c < b[i].columns(); ++c) fits = a[i].info(c) == b[i].info(c);
+  }
+  return fits;
+}
+
+bool same_shape(const WorldState& a, const WorldState& b) {
+  bool fits = same_shape(a.systems, b.systems) && same_shape(a.couplings, b.couplings) &&
+              a.finer.size() == b.finer.size();
+  for (size_t i = 0; fits && i < b.finer.size(); ++i) fits = same_shape(a.finer[i], b.finer[i]);
+  return fits;
+}
+
+}  // namespace
+
 void Session::restore(WorldState state) {
-  const WorldState fresh = world_->initial_state();
-  const auto same_shape = [](const std::vector<State>& a, const std::vector<State>& b) {
-    bool fits = a.size() == b.size();
-    for (size_t i = 0; fits && i < b.size(); ++i) {
-      fits = a[i].columns() == b[i].columns();
-      for (State::Column c = 0; fits && c < b[i].columns(); ++c) fits = a[i].info(c) == b[i].info(c);
-    }
-    return fits;
-  };
-  const bool fits = same_shape(state.systems, fresh.systems) && same_shape(state.couplings, fresh.couplings);
-  if (!fits) throw Error("bad_snapshot", "the snapshot belongs to another scene");
+  if (!same_shape(state, world_->initial_state()))
+    throw Error("bad_snapshot", "the snapshot belongs to another scene");
   origin_ = state;
   load(std::move(state));
   notify("reset", "");
@@ -251,6 +263,8 @@ void Session::fail(const Instability& e) {
   while (journal_cursor_ < journal_.size() && journal_[journal_cursor_].step < state_.step) ++journal_cursor_;
   step_silently_to(good);
   f.suggested_dt = e.suggested_dt > 0 ? std::optional(e.suggested_dt) : world_->stable_dt(state_);
+  f.remedies = remedies(*world_, f.system, f.suggested_dt);
+  for (size_t i = 0; i < f.remedies.size(); ++i) f.detail += (i ? ", or " : "; try ") + f.remedies[i];
   failure_ = f;
   playing_ = false;
   notify("instability", f.detail);

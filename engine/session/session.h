@@ -31,7 +31,8 @@ struct Failure {
   std::string system, quantity, detail;
   long long index = -1;
   uint64_t last_good_step = 0;
-  std::optional<double> suggested_dt;  ///< s
+  std::optional<double> suggested_dt;  ///< s, largest step that is expected to hold
+  std::vector<std::string> remedies;   ///< what would help, one sentence each
 };
 
 class Session {

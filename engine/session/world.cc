@@ -1,8 +1,11 @@
 #include "engine/session/world.h"
 
+#include <cmath>
 #include <cstring>
+#include <limits>
 
 #include "engine/base/errors.h"
+#include "engine/core/force_system.h"
 
 namespace truestep {
 
@@ -12,6 +15,7 @@ uint64_t WorldState::hash() const {
   h.integer(systems.size());
   for (const State& s : systems) s.hash(h);
   for (const State& s : couplings) s.hash(h);
+  for (const WorldState& s : finer) h.integer(s.hash());
   return h.value();
 }
 
@@ -21,8 +25,9 @@ std::vector<std::byte> WorldState::serialize() const {
     const auto* b = static_cast<const std::byte*>(p);
     out.insert(out.end(), b, b + n);
   };
-  // Systems in the lower half of the count, couplings in the upper.
-  const uint64_t count = systems.size() | uint64_t{couplings.size()} << 32;
+  // Systems in the lower half of the count, couplings in the upper, whose last bit says that a companion
+  // follows.
+  const uint64_t count = systems.size() | uint64_t{couplings.size()} << 32 | uint64_t{!finer.empty()} << 63;
   put(&step, 8);
   put(&count, 8);
   for (const auto* states : {&systems, &couplings}) {
@@ -33,10 +38,20 @@ std::vector<std::byte> WorldState::serialize() const {
       put(bytes.data(), bytes.size());
     }
   }
+  for (const WorldState& s : finer) {
+    const auto bytes = s.serialize();
+    const uint64_t size = bytes.size();
+    put(&size, 8);
+    put(bytes.data(), bytes.size());
+  }
   return out;
 }
 
 WorldState WorldState::deserialize(std::span<const std::byte> bytes) {
+  return read(bytes, Companion::allowed);
+}
+
+WorldState WorldState::read(std::span<const std::byte> bytes, Companion companion) {
   const auto get = [&]() {
     uint64_t v;
     if (bytes.size() < 8) throw Error("bad_snapshot", "the snapshot ends too early");
@@ -46,7 +61,7 @@ WorldState WorldState::deserialize(std::span<const std::byte> bytes) {
   };
   WorldState state;
   state.step = get();
-  const uint64_t count = get(), systems = count & 0xffffffff, couplings = count >> 32;
+  const uint64_t count = get(), systems = count & 0xffffffff, couplings = count >> 32 & 0x7fffffff;
   if (systems > 256 || couplings > 256) {
     throw Error("bad_snapshot", "the snapshot names too many systems or couplings");
   }
@@ -54,6 +69,13 @@ WorldState WorldState::deserialize(std::span<const std::byte> bytes) {
     const uint64_t size = get();
     if (size > bytes.size()) throw Error("bad_snapshot", "the snapshot ends too early");
     (i < systems ? state.systems : state.couplings).push_back(State::deserialize(bytes.first(size)));
+    bytes = bytes.subspan(size);
+  }
+  if (count >> 63) {
+    const uint64_t size = get();
+    if (size > bytes.size()) throw Error("bad_snapshot", "the snapshot ends too early");
+    if (companion == Companion::none) throw Error("bad_snapshot", "a companion has none of its own");
+    state.finer.push_back(read(bytes.first(size), Companion::none));
     bytes = bytes.subspan(size);
   }
   if (!bytes.empty()) throw Error("bad_snapshot", "bytes follow the end of the snapshot");
@@ -64,6 +86,7 @@ size_t WorldState::memory_bytes() const {
   size_t n = 0;
   for (const State& s : systems) n += s.memory_bytes();
   for (const State& s : couplings) n += s.memory_bytes();
+  for (const WorldState& s : finer) n += s.memory_bytes();
   return n;
 }
 
@@ -98,7 +121,30 @@ World::World(Scene scene) : scene_(std::move(scene)) {
     const std::string first = issues[0].message;
     throw Error("scene_invalid", first, std::move(issues));
   }
+  constexpr double kNone = std::numeric_limits<double>::infinity();
+  for (const auto& s : systems_) speed_limits_.push_back(s->speed_limit().value_or(kNone));
+  if (scene_.header.accuracy) build_finer();
   list_plan();
+}
+
+// Half the substep, and a tenth of every tolerance.
+void World::build_finer() {
+  boost::json::object d = scene_.canonical();
+  d.erase("accuracy");
+  d["time"].as_object()["substeps"] = 2 * scene_.header.time.substeps;
+  for (boost::json::value& s : d["systems"].as_array()) {
+    // A tolerance that the scene leaves to the method is made explicit, or both would have the same.
+    boost::json::object& o = s.as_object();
+    const boost::json::value* name = o.if_contains("integrator");
+    const Integrator* method = name && name->is_string() ? find_integrator(name->as_string()) : nullptr;
+    if (method && method->stepping == Integrator::Stepping::adaptive && !o.contains("tolerance"))
+      o["tolerance"] = IntegratorOptions{}.tolerance;
+    for (const char* key : {"tolerance", "relative_tolerance", "absolute_tolerance"}) {
+      boost::json::value* v = s.as_object().if_contains(key);
+      if (v && v->is_number()) *v = 0.1 * v->to_number<double>();
+    }
+  }
+  finer_ = std::make_unique<const World>(require_scene(read_scene(d)));
 }
 
 void World::build_couplings(std::vector<Issue>& issues) {
@@ -154,7 +200,19 @@ WorldState World::initial_state() const {
   WorldState state;
   for (const auto& s : systems_) state.systems.push_back(s->initial_state());
   for (const auto& c : couplings_) state.couplings.push_back(c->initial_state());
+  if (finer_) state.finer.push_back(finer_->initial_state());
   return state;
+}
+
+void World::reject(size_t i, const State& state, const State::BadValue& bad) const {
+  const ColumnInfo& column = state.info(bad.column);
+  bool finite = true;
+  for (size_t k = 0; k < column.width; ++k)
+    finite = finite && std::isfinite(state.f64(bad.column)[bad.row * column.width + k]);
+  throw Instability(
+      id(i), column.name, static_cast<long long>(bad.row),
+      finite ? column.name + " exploded: beyond what the scene's energy could give a thousand times over"
+             : column.name + " became non-finite");
 }
 
 void World::step(WorldState& state, Workspace& workspace, const ThreadArena& arena,
@@ -164,10 +222,7 @@ void World::step(WorldState& state, Workspace& workspace, const ThreadArena& are
   const auto named = [&](size_t i, auto&& body) {
     try {
       body();
-      if (const auto bad = state.systems[i].first_non_finite()) {
-        const std::string& column = state.systems[i].info(bad->column).name;
-        throw Instability(id(i), column, static_cast<long long>(bad->row), column + " became non-finite");
-      }
+      if (const auto bad = state.systems[i].first_bad(speed_limits_[i])) reject(i, state.systems[i], *bad);
     } catch (Instability& e) {
       e.system = id(i);
       e.step = static_cast<long long>(state.step);
@@ -191,12 +246,14 @@ void World::step(WorldState& state, Workspace& workspace, const ThreadArena& are
   if (!couplings_.empty()) {
     for (size_t i = 0; i < systems_.size(); ++i) named(i, [] {});
   }
+  if (finer_) finer_->step(state.finer.at(0), workspace.object<Workspace>("finer"), arena, {});
   ++state.step;
 }
 
 void World::apply(WorldState& state, const Command& command) const {
   const size_t i = index_of(command.system);
   systems_[i]->apply(state.systems[i], command);
+  if (finer_) finer_->apply(state.finer.at(0), command);
 }
 
 Observables World::observe(const WorldState& state) const {
@@ -231,7 +288,41 @@ Observables World::observe(const WorldState& state) const {
   }
   for (const Observation& o : own.rows()) total.add(o.name, o.value, o.unit);
   for (const ProbeParams& p : scene_.header.probes) observe_probe(p, state, total);
+  if (finer_) total.add("error.estimate", error_estimate(state), "1");
   return total;
+}
+
+// |x - x_finer| / |x_finer| with what Richardson's extrapolation makes of a difference at half the step:
+// 2^p / (2^p - 1) for order p; at a tenth of the tolerance 10/9.
+double World::error_estimate(const WorldState& state) const {
+  const AccuracyParams& wanted = *scene_.header.accuracy;
+  size_t i = 0;
+  if (!wanted.system.empty()) {
+    i = index_of(wanted.system);
+  } else {
+    while (i + 1 < size() && !scene_.systems[i].row->table->find("integrator")) ++i;
+  }
+  const auto infos = systems_[i]->fields();
+  for (size_t f = 0; f < infos.size(); ++f) {
+    if (infos[f].name != wanted.quantity || infos[f].type != Scalar::f64) continue;
+    std::vector<double> scratch, finer_scratch;
+    const FieldView a = systems_[i]->field(state.systems[i], f, scratch);
+    const FieldView b = finer_->systems_[i]->field(state.finer.at(0).systems[i], f, finer_scratch);
+    if (a.rows != b.rows) return std::numeric_limits<double>::infinity();
+    const auto *x = static_cast<const double*>(a.data), *y = static_cast<const double*>(b.data);
+    double difference = 0, scale = 0;
+    for (size_t k = 0; k < a.rows * a.width; ++k) {
+      difference += (x[k] - y[k]) * (x[k] - y[k]);
+      scale += y[k] * y[k];
+    }
+    double factor = 10.0 / 9;
+    if (const auto* forces = dynamic_cast<const ForceSystem*>(systems_[i].get());
+        forces && forces->integrator().stepping == Integrator::Stepping::fixed) {
+      factor = 1 / (1 - std::ldexp(1.0, -forces->integrator().order));
+    }
+    return factor * std::sqrt(difference / std::max(scale, 1e-300));
+  }
+  return std::numeric_limits<double>::quiet_NaN();
 }
 
 void World::observe_probe(const ProbeParams& probe, const WorldState& state, Observables& out) const {

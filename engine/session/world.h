@@ -16,6 +16,7 @@ struct WorldState {
   uint64_t step = 0;
   std::vector<State> systems;
   std::vector<State> couplings;
+  std::vector<WorldState> finer;  ///< the companion that errors are estimated with: one, or none
 
   uint64_t hash() const;
   friend bool operator==(const WorldState&, const WorldState&) = default;
@@ -23,6 +24,10 @@ struct WorldState {
   std::vector<std::byte> serialize() const;
   static WorldState deserialize(std::span<const std::byte> bytes);
   size_t memory_bytes() const;
+
+ private:
+  enum class Companion : uint8_t { none, allowed };
+  static WorldState read(std::span<const std::byte> bytes, Companion companion);
 };
 
 class World {
@@ -50,7 +55,7 @@ class World {
   void apply(WorldState& state, const Command& command) const;
 
   /// Sums ("energy.total"), every system's and coupling's own ("<id>.energy.total") and probes
-  /// ("<probe>.position.x").
+  /// ("<probe>.position.x"). Scenes with "accuracy": "error.estimate", the relative error of its quantity.
   Observables observe(const WorldState& state) const;
 
   /// Systems, then couplings: what has a profile of its own.
@@ -68,7 +73,10 @@ class World {
 
  private:
   void build_couplings(std::vector<Issue>& issues);
+  void build_finer();
+  [[noreturn]] void reject(size_t i, const State& state, const State::BadValue& bad) const;
   void list_plan();
+  double error_estimate(const WorldState& state) const;
   CoupledStates sides(WorldState& state, size_t coupling) const;
   ConstCoupledStates sides(const WorldState& state, size_t coupling) const;
   void observe_probe(const ProbeParams& probe, const WorldState& state, Observables& out) const;
@@ -76,6 +84,10 @@ class World {
   Scene scene_;
   std::vector<std::unique_ptr<const System>> systems_;
   std::vector<std::unique_ptr<const Coupling>> couplings_;
+  /// Scenes with "accuracy": the same scene computed more finely beside it, which is what "error.estimate" is
+  /// made of (step doubling over the whole run: Hairer, Norsett, Wanner 1993, section II.4). Null otherwise.
+  std::unique_ptr<const World> finer_;
+  std::vector<double> speed_limits_;  ///< per system, infinity where there is none
   std::vector<PlanEntry> plan_;
 };
 

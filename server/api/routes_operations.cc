@@ -1,7 +1,7 @@
 // /v1/studies starts an operation; /v1/operations/{id} watches, cancels and reads it.
 #include "engine/scene/json_write.h"
 #include "engine/scene/params.h"
-#include "server/api/describe.h"
+#include "engine/session/describe.h"
 #include "server/api/requests.h"
 
 namespace truestep {
@@ -64,6 +64,31 @@ asio::awaitable<Response> start_study(App& app, const Request& request) {
   co_return r;
 }
 
+// Server-sent events (WHATWG HTML, section 9.2): "progress" after every change, "end" once, and a comment
+// when nothing has happened for a while, so that a client that has left is noticed.
+net::StreamBody events_of(OperationPtr operation) {
+  struct Position {
+    uint64_t seen = UINT64_MAX;
+    bool ended = false;
+  };
+  auto position = std::make_shared<Position>();
+  // A coroutine's arguments live with it; a closure's captures would have to be kept by hand.
+  const auto next = [](OperationPtr o,
+                       std::shared_ptr<Position> p) -> asio::awaitable<std::optional<std::string>> {
+    if (p->ended) co_return std::nullopt;
+    if (p->seen != UINT64_MAX) {
+      const bool changed =
+          co_await o->changed.wait(p->seen, std::chrono::steady_clock::now() + std::chrono::seconds(15));
+      if (!changed) co_return ": nothing new\n\n";
+    }
+    p->seen = o->changed.version();
+    p->ended = o->view().ended();
+    co_return std::string("event: ") + (p->ended ? "end" : "progress") +
+        "\ndata: " + write_json(describe_operation(*o)) + "\n\n";
+  };
+  return {[next, operation = std::move(operation), position] { return next(operation, position); }};
+}
+
 std::shared_ptr<const StudyResult> result_of(const App& app, const Request& request) {
   const OperationPtr o = app.operations.find(request.param("id"));
   const OperationView v = o->view();
@@ -103,6 +128,14 @@ void add_operation_routes(net::Router& router, App& app) {
                const OperationPtr o = app.operations.find(r.param("id"));
                o->cancel();
                return json_response(describe_operation(*o));
+             });
+  router.add(Method::get, "/v1/operations/{id}/events", "Progress as server-sent events",
+             [&app](const Request& r) {
+               Response out(200);
+               out.content_type = "text/event-stream";
+               out.header("Cache-Control", "no-store");
+               out.body = events_of(app.operations.find(r.param("id")));
+               return out;
              });
   for (const char* name : {"result", "result.json"}) {
     router.add(Method::get, std::string("/v1/operations/{id}/") + name, "What a study found, as JSON",

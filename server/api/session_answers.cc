@@ -65,14 +65,8 @@ json::object describe_session(SessionEntry& e) {
         {"eye", vector(c->eye)}, {"target", vector(c->target)}, {"up", vector(c->up)}, {"fov", c->fov}};
   }
   if (!viewer.empty()) o["viewer"] = std::move(viewer);
-  if (const auto& f = s.failure()) {
-    o["instability"] = json::object{{"system", f->system},
-                                    {"quantity", f->quantity},
-                                    {"index", f->index},
-                                    {"detail", f->detail},
-                                    {"last_good_step", f->last_good_step}};
-    if (f->suggested_dt) o["instability"].as_object()["suggested_dt"] = *f->suggested_dt;
-  }
+  if (const auto& f = s.failure()) o["instability"] = describe_failure(*f);
+  if (!e.accuracy.empty()) o["accuracy"] = e.accuracy;
   o["links"] = links_of(e.id);
   return o;
 }
@@ -86,11 +80,8 @@ json::object describe_clock(const SessionEntry& e) {
 
 Response instability(const Request& request, const Session& s) {
   const Failure& f = *s.failure();
-  json::object extra{{"last_good_step", f.last_good_step},
-                     {"system", f.system},
-                     {"quantity", f.quantity},
-                     {"index", f.index}};
-  if (f.suggested_dt) extra["suggested_dt"] = *f.suggested_dt;
+  json::object extra = describe_failure(f);
+  extra.erase("detail");
   return net::problem(request, "instability", f.detail, {}, extra);
 }
 

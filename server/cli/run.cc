@@ -11,6 +11,7 @@
 #include "engine/session/describe.h"
 #include "engine/session/expectation.h"
 #include "engine/session/session.h"
+#include "engine/studies/accuracy.h"
 #include "server/cli/exit_codes.h"
 #include "server/cli/input.h"
 #include "server/cli/progress.h"
@@ -21,6 +22,8 @@ namespace truestep {
 namespace json = boost::json;
 
 namespace {
+
+constexpr double kAccuracySeconds = 10;  // CPU time for choosing a method
 
 struct RunOptions {
   std::string scene, output, picture, hashes, progress = "auto";
@@ -60,19 +63,29 @@ json::array describe_verdicts(const std::vector<Verdict>& verdicts) {
 }
 
 int run(const RunOptions& options) {
-  Scene scene = require_scene(read_scene(load_scene_document(options.scene)));
+  json::value document = load_scene_document(options.scene);
+  Scene scene = require_scene(read_scene(document));
   require_admission(estimate(scene),
                     AdmissionLimits{.memory_bytes = 16e9, .elements = 1e9, .seconds_per_step = 1e6});
+  const int threads =
+      options.threads > 0 ? options.threads : static_cast<int>(std::thread::hardware_concurrency());
+  const auto arena = std::make_shared<const ThreadArena>(threads);
+  json::object accuracy;
+  if (scene.header.accuracy) {
+    const std::atomic<bool> never{false};
+    StudyContext context{.arena = *arena, .cancelled = never, .progress = [](double, const std::string&) {}};
+    AccuracyOutcome outcome = choose_method(document, kAccuracySeconds, context);
+    scene = require_scene(read_scene(outcome.scene));
+    accuracy = std::move(outcome.report);
+  }
   const double dt = scene.header.time.dt;
   const double seconds = options.seconds >= 0 ? options.seconds : scene.header.time.duration;
   const uint64_t steps = options.steps >= 0 ? static_cast<uint64_t>(options.steps)
                                             : static_cast<uint64_t>(std::llround(seconds / dt));
   Expectations expectations(scene);
 
-  const int threads =
-      options.threads > 0 ? options.threads : static_cast<int>(std::thread::hardware_concurrency());
   const auto world = std::make_shared<const World>(std::move(scene));
-  Session session(world, std::make_shared<const ThreadArena>(threads), {.history_bytes = 0});
+  Session session(world, arena, {.history_bytes = 0});
   RunOutputs outputs(session, options.output, options.picture);
 
   const auto start = std::chrono::steady_clock::now();
@@ -103,13 +116,9 @@ int run(const RunOptions& options) {
                    {"state_hash", hex64(session.hash())},
                    {"observables", describe_observables(session.observe())},
                    {"expect", describe_verdicts(verdicts)}};
+    if (!accuracy.empty()) o["accuracy"] = accuracy;
     if (failure) {
-      o["instability"] = json::object{{"system", failure->system},
-                                      {"quantity", failure->quantity},
-                                      {"index", failure->index},
-                                      {"detail", failure->detail},
-                                      {"last_good_step", failure->last_good_step}};
-      if (failure->suggested_dt) o["instability"].as_object()["suggested_dt"] = *failure->suggested_dt;
+      o["instability"] = describe_failure(*failure);
     }
     std::cout << write_json(o) << '\n';
   } else {
@@ -118,12 +127,10 @@ int run(const RunOptions& options) {
     const Observables final_values = session.observe();
     for (const Observation& v : final_values.rows())
       std::cout << v.name << " = " << v.value << ' ' << v.unit << '\n';
+    if (!accuracy.empty()) std::cout << "chosen  " << write_json(accuracy.at("chosen")) << '\n';
     print_verdicts(verdicts);
     if (failure) {
-      std::cerr << "unstable: " << failure->detail;
-      if (failure->suggested_dt)
-        std::cerr << "; a step of at most " << *failure->suggested_dt << " s would hold";
-      std::cerr << '\n';
+      std::cerr << "unstable: " << failure->detail << '\n';
     }
   }
   for (const Verdict& v : verdicts) {

@@ -58,6 +58,7 @@ class Connection : public std::enable_shared_from_this<Connection> {
   boost::asio::awaitable<bool> finish_response(const Response& response, std::string_view large_body);
   boost::asio::awaitable<bool> write_out(std::string_view body = {});
   boost::asio::awaitable<bool> send_file(const FileBody& file, uint64_t offset, uint64_t length);
+  boost::asio::awaitable<bool> send_stream(const StreamBody& stream);
   boost::asio::awaitable<void> wait_writable();
   boost::asio::awaitable<void> linger();
   Response open_websocket(const Route& route);

@@ -2,10 +2,13 @@
 // it does not; files go from the page cache to the socket without passing through this process.
 #include <sys/sendfile.h>
 
+#include <boost/asio/bind_cancellation_slot.hpp>
+#include <boost/asio/co_spawn.hpp>
 #include <boost/asio/redirect_error.hpp>
 #include <boost/asio/use_awaitable.hpp>
 #include <boost/beast/core/buffers_suffix.hpp>
 #include <cerrno>
+#include <charconv>
 
 #include "server/net/connection.h"
 #include "server/net/response_head.h"
@@ -69,6 +72,33 @@ asio::awaitable<bool> Connection::send_file(const FileBody& file, uint64_t offse
   co_return true;
 }
 
+// RFC 9112 section 7.1: size in hexadecimal, line, piece, line. A stream that fails ends without the last
+// chunk, so that the client knows.
+asio::awaitable<bool> Connection::send_stream(const StreamBody& stream) {
+  const bool chunked = !closing_;
+  for (;;) {
+    enter(Phase::handler);
+    std::optional<std::string> piece;
+    try {
+      piece =
+          co_await asio::co_spawn(socket_.get_executor(), stream.next(),
+                                  asio::bind_cancellation_slot(cancel_handler_.slot(), asio::use_awaitable));
+    } catch (const std::exception&) {
+      abort();
+      co_return false;
+    }
+    if (!piece) break;
+    char size[24];
+    const auto end = std::to_chars(size, size + sizeof size, piece->size(), 16).ptr;
+    if (chunked) out_.append(size, end) += "\r\n";
+    out_ += *piece;
+    if (chunked) out_ += "\r\n";
+    if (!co_await write_out()) co_return false;
+  }
+  if (chunked) out_ += "0\r\n\r\n";
+  co_return true;
+}
+
 // Serialises a response. True when it is complete in out_, which leaves with the next flush; false when
 // finish_response has to send a large body or too much has been collected.
 bool Connection::prepare(Response& r, std::string_view& large_body) {
@@ -81,11 +111,14 @@ bool Connection::prepare(Response& r, std::string_view& large_body) {
   // Without a complete head nothing is known of the peer's wishes, and the connection ends anyway.
   const bool may_continue = parser_->is_header_done() && parser_->keep_alive();
   closing_ = closing_ || r.close || !may_continue || service_.draining.load(std::memory_order_relaxed);
+  const bool stream = std::holds_alternative<StreamBody>(r.body);
+  if (stream && request_.http10) closing_ = true;
   const uint64_t length = r.length.value_or(r.body_size());
   append_head(out_, r, length,
               closing_          ? ConnectionFate::close
               : request_.http10 ? ConnectionFate::keep_http10
                                 : ConnectionFate::keep);
+  if (stream && request_.method != Method::head) return false;
   if (request_.method == Method::head || r.status == 204 || r.status == 304 || length == 0)
     return out_.size() < kCollect;
   if (std::holds_alternative<FileBody>(r.body)) return false;
@@ -100,6 +133,10 @@ bool Connection::prepare(Response& r, std::string_view& large_body) {
 
 asio::awaitable<bool> Connection::finish_response(const Response& r, std::string_view large_body) {
   if (!co_await write_out(large_body)) co_return false;
+  if (const auto* stream = std::get_if<StreamBody>(&r.body)) {
+    const bool sent = co_await send_stream(*stream);
+    co_return sent;
+  }
   const auto* file = std::get_if<FileBody>(&r.body);
   if (!file || request_.method == Method::head || r.status == 304) co_return true;
   const bool sent = co_await send_file(*file, r.offset, r.length.value_or(file->size()));

@@ -2,8 +2,10 @@
 // response. Texts of a Request are views into storage that the request owns and the connection reuses, so a
 // handler that keeps one beyond its answer copies it.
 #pragma once
+#include <boost/asio/awaitable.hpp>
 #include <chrono>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -90,13 +92,19 @@ class FileBody {
   std::string etag_;
 };
 
+/// A body that comes in pieces while it is sent (server-sent events): `next` is awaited until it gives
+/// nothing. A piece holds at least one byte.
+struct StreamBody {
+  std::function<boost::asio::awaitable<std::optional<std::string>>()> next;
+};
+
 /// One response. With an `etag`, If-None-Match, If-Range and Range are answered by the connection.
 class Response {
  public:
   int status = 200;
   std::string content_type;  ///< empty: no Content-Type header
   std::string etag;          ///< quoted, or empty
-  std::variant<std::string, SharedBuffer, FileBody> body;
+  std::variant<std::string, SharedBuffer, FileBody, StreamBody> body;
   bool close = false;  ///< close the connection after this response
 
   Response() = default;

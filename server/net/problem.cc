@@ -36,6 +36,7 @@ constexpr ProblemKind kKinds[] = {
     {"bad_command", 422, "The command makes no sense here"},
     {"unknown_system", 422, "No such system"},
     {"bad_pointer", 422, "The scene has no such place"},
+    {"accuracy_unreachable", 422, "No method is this accurate on this scene"},
     {"study_failed", 422, "The study cannot be done"},
     {"bad_snapshot", 422, "The snapshot cannot be used"},
     {"idempotency_key_reused", 422, "The idempotency key was used for another request"},

@@ -50,7 +50,10 @@ void append_head(std::string& out, const Response& r, uint64_t content_length, C
     out += r.content_type;
     out += "\r\nX-Content-Type-Options: nosniff\r\n";
   }
-  if (r.status != 204 && r.status != 304) {
+  if (std::holds_alternative<StreamBody>(r.body)) {
+    // Until the end of the connection where the client does not know chunks.
+    if (fate != ConnectionFate::close) out += "Transfer-Encoding: chunked\r\n";
+  } else if (r.status != 204 && r.status != 304) {
     append_number(out += "Content-Length: ", content_length);
     out += "\r\n";
   }

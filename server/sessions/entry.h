@@ -2,6 +2,7 @@
 // what HTTP needs around it. Lock `mutex` for everything but the atomics and the constants.
 #pragma once
 #include <atomic>
+#include <boost/json.hpp>
 #include <chrono>
 #include <map>
 #include <memory>
@@ -39,6 +40,7 @@ struct SessionEntry {
   const double estimated_bytes;
   const Clock::time_point created = Clock::now();
   uint64_t scene_hash = 0;  ///< of the document that created it (PUT is idempotent)
+  boost::json::object accuracy;  ///< how the method was chosen; empty unless the scene asks for accuracy
   std::atomic<Clock::rep> last_used{Clock::now().time_since_epoch().count()};
   std::atomic<int> streams{0};       ///< open WebSockets
   std::atomic<bool> removed{false};  ///< taken out of the store; jobs stop

@@ -2,6 +2,7 @@
 
 #include "engine/base/hash.h"
 #include "engine/scene/json_write.h"
+#include "engine/studies/accuracy.h"
 #include "server/net/digest.h"
 
 namespace truestep {
@@ -59,6 +60,14 @@ SessionStore::Created SessionStore::create(const json::value& document, const st
   const Cost cost = estimate(scene);
   require_admission(cost, limits_.per_session);
   const double bytes = cost.state_bytes + cost.workspace_bytes;
+  json::object accuracy;
+  if (scene.header.accuracy) {
+    const std::atomic<bool> never{false};
+    StudyContext context{.arena = *arena_, .cancelled = never, .progress = [](double, const std::string&) {}};
+    AccuracyOutcome outcome = choose_method(document, limits_.accuracy_seconds, context);
+    scene = require_scene(read_scene(outcome.scene));
+    accuracy = std::move(outcome.report);
+  }
   {
     const std::lock_guard lock(mutex_);
     check_room(bytes);
@@ -66,6 +75,7 @@ SessionStore::Created SessionStore::create(const json::value& document, const st
   auto entry =
       std::make_shared<SessionEntry>(id, std::make_shared<const World>(std::move(scene)), arena_, bytes);
   entry->scene_hash = scene_hash;
+  entry->accuracy = std::move(accuracy);
   const std::lock_guard lock(mutex_);
   if (EntryPtr e = existing()) return {e, Created::How::existed};
   check_room(bytes);

@@ -1,4 +1,5 @@
 """Studies over HTTP and on the command line: started, watched, cancelled, resumed; refused with reasons."""
+import http.client
 import json
 import os
 import pathlib
@@ -68,6 +69,23 @@ class Studies(unittest.TestCase):
         self.assertLess(summary["reused"], summary["cases"])
         other = self.service.post("/v1/studies", {**SLOW_SWEEP, "measure": ["energy.kinetic"], "resume": identifier})
         self.assertEqual(other.status, 409)
+
+    def test_events_tell_progress_and_end(self):
+        operation = self.start({"kind": "work_precision", "scene": OSCILLATOR, "integrators": ["rk4"], "budget": 2})
+        connection = http.client.HTTPConnection(*self.service.address, timeout=60)
+        connection.request("GET", operation + "/events")
+        response = connection.getresponse()
+        self.assertEqual(response.headers["Content-Type"], "text/event-stream")
+        events = [dict(line.split(": ", 1) for line in block.split("\n")) for block in
+                  response.read().decode().strip().split("\n\n") if not block.startswith(":")]
+        self.assertEqual(events[-1]["event"], "end")
+        self.assertEqual(json.loads(events[-1]["data"])["status"], "done")
+        for event in events[:-1]:
+            self.assertEqual(event["event"], "progress")
+        # The connection serves the next request: the stream ended where it said.
+        connection.request("GET", operation)
+        self.assertEqual(connection.getresponse().status, 200)
+        connection.close()
 
     def test_faults_name_their_place(self):
         for request, pointer in [({"kind": "sweep"}, ""), ({"kind": "x", "scene": OSCILLATOR}, "/kind"),

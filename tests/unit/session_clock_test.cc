@@ -66,7 +66,7 @@ TEST(SessionClock, BlowUpIsReportedWithTheLastGoodStep) {
   EXPECT_EQ(s.failure()->system, "a");
   EXPECT_EQ(s.failure()->last_good_step, done);
   EXPECT_EQ(s.step_index(), done);
-  EXPECT_FALSE(s.state().systems[0].first_non_finite());
+  EXPECT_FALSE(s.state().systems[0].first_bad());
   EXPECT_THROW(s.step(1), Error);
   s.reset();
   EXPECT_FALSE(s.failure());

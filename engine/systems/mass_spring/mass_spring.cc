@@ -57,6 +57,7 @@ MassSpring::MassSpring(std::unique_ptr<const MassSpringField> field, const Integ
     add_stage("remember", "contacts need where every point came from", remember);
   }
   add_integration_stage();
+  bound_speed();
   if (colliders_.empty()) {
     skip_stage("contacts", "there are no colliders");
   } else {

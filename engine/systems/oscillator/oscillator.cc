@@ -38,6 +38,7 @@ class Oscillator : public ForceSystem {
   Oscillator(const OscillatorDef& def, std::unique_ptr<const ForceField> field, const Integrator& method)
       : ForceSystem(std::move(field), method, def.choice().options), def_(def) {
     add_integration_stage();
+    bound_speed();
     add_stage("push", "ends a push command when its time is over", end_push);
     if (def.drive_force == 0) skip_stage("drive", "the driving force is zero");
     if (def.damping == 0) skip_stage("damping", "the damping is zero");

@@ -55,6 +55,7 @@ class Pendulum final : public ForceSystem {
       : ForceSystem(std::move(field), method, def.choice().options),
         chain_(static_cast<const PendulumField&>(force_field())) {
     add_integration_stage();
+    bound_speed();
     add_stage("push", "ends a push command when its time is over", end_push);
     if (def.damping == 0) skip_stage("damping", "the damping is zero");
     set_max_rows(chain_.links() + 1);

@@ -1,0 +1,61 @@
+#include "engine/session/remedies.h"
+
+#include <charconv>
+#include <cmath>
+
+#include "engine/core/force_system.h"
+
+namespace truestep {
+
+namespace {
+
+std::string short_number(double v) {
+  char buffer[32];
+  return {buffer, std::to_chars(buffer, buffer + sizeof buffer, v, std::chars_format::general, 2).ptr};
+}
+
+// The first method of the wanted kind that serves the field and is not the one that failed.
+const Integrator* other_method(const ForceSystem& s, Integrator::Kind kind, Integrator::Stepping stepping) {
+  for (const Integrator& row : integrators()) {
+    if (&row == &s.integrator() || row.kind != kind || row.stepping != stepping || !row.step) continue;
+    const bool holds = kind != Integrator::Kind::implicit || std::isinf(row.imaginary_limit);
+    if (holds && !refusal(row, s.force_field())) return &row;
+  }
+  return nullptr;
+}
+
+}  // namespace
+
+std::vector<std::string> remedies(const World& world, const std::string& system,
+                                  std::optional<double> stable_dt) {
+  std::vector<std::string> out;
+  const double dt = world.dt();
+  const int64_t substeps = world.scene().header.time.substeps;
+  if (stable_dt && *stable_dt < dt) {
+    const auto parts = static_cast<int64_t>(std::ceil(dt / *stable_dt)) * substeps;
+    out.push_back("a step of at most " + short_number(*stable_dt) + " s, or " + std::to_string(parts) +
+                  " substeps of the present one");
+  } else {
+    out.push_back("half the step, or " + std::to_string(2 * substeps) + " substeps of the present one");
+  }
+  const auto* forces = dynamic_cast<const ForceSystem*>(&world.system(world.index_of(system)));
+  const Integrator* method = nullptr;
+  if (forces) {
+    using Kind = Integrator::Kind;
+    using Stepping = Integrator::Stepping;
+    method = forces->integrator().kind == Kind::implicit
+                 ? nullptr
+                 : other_method(*forces, Kind::implicit, Stepping::fixed);
+    if (!method) method = other_method(*forces, Kind::explicit_, Stepping::adaptive);
+  }
+  if (method) {
+    out.push_back(
+        "the integrator " + std::string(method->name) + " (" + std::string(method->title) + "), which " +
+        (method->kind == Integrator::Kind::implicit ? "holds at any step" : "chooses its own steps"));
+  } else {
+    out.push_back("softer forces: lower stiffness, more mass or more damping");
+  }
+  return out;
+}
+
+}  // namespace truestep
