@@ -1,6 +1,7 @@
 #include "server/api/session_answers.h"
 
 #include "engine/base/hash.h"
+#include "engine/session/describe.h"
 #include "server/net/problem.h"
 
 namespace truestep {
