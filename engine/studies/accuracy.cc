@@ -71,11 +71,14 @@ void judge_by_energy(const json::value& document, size_t system, double horizon,
 
 }  // namespace
 
-AccuracyOutcome choose_method(const json::value& document, double budget, StudyContext& context) {
-  const Scene scene = require_scene(read_scene(document));
+AccuracyOutcome choose_method(const json::value& original, double budget, StudyContext& context) {
+  const Scene scene = require_scene(read_scene(original));
   const AccuracyParams& wanted = scene.header.accuracy.value();
   const size_t system = studied_system(scene, wanted.system);
   const double dt = scene.header.time.dt;
+  // The runs that are measured carry no companion of their own.
+  json::value document = original;
+  document.as_object().erase("accuracy");
   WorkPrecisionParams w;
   w.system = scene.systems[system].id;
   w.quantity = wanted.quantity;
@@ -128,7 +131,7 @@ AccuracyOutcome choose_method(const json::value& document, double budget, StudyC
                   closest ? closest->integrator + " comes closest" : "every method failed on this scene",
                   json::serialize(json::value(wanted.tolerance)), "at least " + std::string(text), "", ""}});
   }
-  AccuracyOutcome out{document, std::move(report)};
+  AccuracyOutcome out{original, std::move(report)};
   out.report["chosen"] = describe(*best);
   set_integrator(out.scene, system, best->integrator);
   if (find_integrator(best->integrator)->stepping == Integrator::Stepping::adaptive)

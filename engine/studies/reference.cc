@@ -86,7 +86,8 @@ Reference find_reference(const json::value& document, const TraceRequest& reques
                          double cpu_limit, const StudyContext& context) {
   // Families differ within each list, so two that agree do not share a mistake.
   constexpr std::array<std::string_view, 5> kTaken = {"ias15", "dop853", "radau5", "dopri5", "step_doubling"};
-  constexpr std::array<std::string_view, 4> kChecks = {"cvode_bdf", "cvode_adams", "radau5", "dopri5"};
+  constexpr std::array<std::string_view, 5> kChecks = {"dop853", "radau5", "cvode_bdf", "cvode_adams",
+                                                       "dopri5"};
   Search search(document, request, sample_interval / static_cast<double>(request.steps_per_sample), cpu_limit,
                 context);
   for (const std::string_view name : kTaken) {
