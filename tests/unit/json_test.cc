@@ -4,8 +4,8 @@
 #include <gtest/gtest.h>
 
 #include <boost/json.hpp>
-#include <chrono>
 #include <cmath>
+#include <ctime>
 #include <string>
 
 #include "engine/base/errors.h"
@@ -123,11 +123,15 @@ TEST(Json, TimeIsLinearInTheNumberOfKeys) {
     std::string text = "{";
     for (int i = 0; i < keys; ++i) text += (i ? ",\"k" : "\"k") + std::to_string(i) + "\":1";
     text += "}";
-    const auto start = std::chrono::steady_clock::now();
-    EXPECT_EQ(parse_json(text).as_object().size(), static_cast<size_t>(keys));
-    return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    // CPU time of this thread, the least of three: what else the machine does is left out.
+    double least = HUGE_VAL;
+    for (int n = 0; n < 3; ++n) {
+      const std::clock_t start = std::clock();
+      EXPECT_EQ(parse_json(text).as_object().size(), static_cast<size_t>(keys));
+      least = std::min(least, static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC);
+    }
+    return least;
   };
-  seconds(20000);
   // Twenty times the keys: a quadratic check of duplicates takes 400 times as long, a linear one 20 and some
   // noise of caches and of a busy machine.
   EXPECT_LT(seconds(400000), 120 * std::max(seconds(20000), 1e-3));
