@@ -9,10 +9,11 @@ export default defineConfig({
     modulePreload: { polyfill: false },
     chunkSizeWarningLimit: 900,
     rollupOptions: {
+      input: ["index.html", "studies.html"],
       output: {
         manualChunks: (id) => (id.includes("/three/") ? "three" : undefined),
       },
     },
   },
-  server: { proxy: { "/v1": { target: "http://127.0.0.1:8080", ws: true } } },
+  server: { proxy: { "/v1": { target: process.env.TRUESTEP_URL ?? "http://127.0.0.1:8080", ws: true } } },
 });

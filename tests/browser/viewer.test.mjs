@@ -2,17 +2,12 @@
 // mistake in a scene, reset. Runs against the executable in TRUESTEP_BINARY, or against the JavaScript mock of
 // the protocol when that is unset. Every check that something changes has a control in which it must not.
 import assert from "node:assert/strict";
-import { spawn } from "node:child_process";
-import { existsSync, mkdtempSync, rmSync } from "node:fs";
-import { tmpdir } from "node:os";
 import path from "node:path";
 import { after, before, test as nodeTest } from "node:test";
-import { fileURLToPath, pathToFileURL } from "node:url";
+import { pathToFileURL } from "node:url";
+import { need, openChromium, patience, serveBinary, web } from "./chromium.mjs";
 
-const web = path.join(path.dirname(fileURLToPath(import.meta.url)), "..", "..", "web");
-const chromiumPath = process.env.CHROMIUM ?? "/usr/bin/chromium";
 const binary = process.env.TRUESTEP_BINARY;
-const patience = 30_000; // software rendering on a busy machine
 
 let url;
 let stop;
@@ -31,59 +26,17 @@ function test(name, step) {
   });
 }
 
-function need(file, sentence) {
-  if (!existsSync(file)) throw new Error(sentence);
-}
-
-/** Starts the real server on a free port and reads the address that it prints. */
-function serveBinary() {
-  const data = mkdtempSync(path.join(tmpdir(), "truestep-browser-"));
-  const child = spawn(binary, ["serve", "--port", "0", "--data-dir", data], { stdio: ["ignore", "pipe", "pipe"] });
-  stop = async () => {
-    const gone = new Promise((resolve) => child.once("exit", resolve));
-    child.kill("SIGTERM");
-    await gone;
-    rmSync(data, { recursive: true, force: true });
-  };
-  return new Promise((resolve, reject) => {
-    let printed = "";
-    const read = (chunk) => {
-      printed += chunk;
-      const found = /http:\/\/[\w.[\]]+:\d+/.exec(printed);
-      if (found) resolve(found[0]);
-    };
-    child.stdout.on("data", read);
-    child.stderr.on("data", read);
-    child.once("exit", (code) => reject(new Error(`the server ended with ${code}:\n${printed}`)));
-  });
-}
-
 before(async () => {
-  need(path.join(web, "node_modules/playwright-core"), "playwright-core is missing: run npm ci in web/");
   need(path.join(web, "dist/index.html"), "the viewer is not built: run npm run build in web/");
-  need(chromiumPath, `no Chromium at ${chromiumPath}: install Debian's chromium or set CHROMIUM`);
   if (binary) {
-    need(binary, `no executable at ${binary}: build the target truestep`);
-    url = await serveBinary();
+    ({ url, stop } = await serveBinary(binary));
   } else {
     const { serve } = await import(pathToFileURL(path.join(web, "test/mock_server.mjs")));
     const mock = await serve();
     url = mock.url;
     stop = () => mock.close();
   }
-  const { chromium } = await import(pathToFileURL(path.join(web, "node_modules/playwright-core/index.mjs")));
-  browser = await chromium.launch({
-    executablePath: chromiumPath,
-    args: [
-      "--headless", "--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run", "--disable-background-networking",
-      "--disable-component-update", "--disable-sync", "--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader",
-    ],
-  });
-  page = await browser.newPage({ viewport: { width: 1280, height: 800 } });
-  page.setDefaultTimeout(patience);
-  // A network interface that comes or goes on the machine aborts requests; the page asks again.
-  page.on("console", (message) => message.type() === "error" && !/ERR_NETWORK_CHANGED/.test(message.text()) && bad.push(message.text()));
-  page.on("pageerror", (error) => bad.push(String(error)));
+  ({ browser, page, bad } = await openChromium());
 });
 
 after(async () => {

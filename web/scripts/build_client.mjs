@@ -1,12 +1,14 @@
-// Bundles src/client for Node into build/client.mjs: the stream client that the tests use.
+// Bundles for Node what the tests use: src/client into build/client.mjs, and what src/studies computes into
+// build/studies.mjs.
 import { build } from "esbuild";
 import { fileURLToPath } from "node:url";
 import path from "node:path";
 
 const web = path.dirname(path.dirname(fileURLToPath(import.meta.url)));
 await build({
-  entryPoints: [path.join(web, "src/client/index.ts")],
-  outfile: path.join(web, "build/client.mjs"),
+  entryPoints: { client: path.join(web, "src/client/index.ts"), studies: path.join(web, "src/studies/index.ts") },
+  outdir: path.join(web, "build"),
+  outExtension: { ".js": ".mjs" },
   bundle: true,
   format: "esm",
   platform: "neutral",

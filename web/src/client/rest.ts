@@ -1,5 +1,6 @@
 // The HTTP face of the service as typed calls. Every refusal is a ProblemError.
 import { ProblemError, problemOfResponse, type Issue } from "./problem";
+import type { Method, Operation, StudyKind, StudyResult } from "./studies";
 
 export interface GalleryEntry {
   name: string;
@@ -44,7 +45,17 @@ export interface Session {
   teaches?: string;
   viewer?: ViewerSettings;
   links: Record<string, string>;
+  /** Present when the session stopped because its numbers left what makes sense. */
+  instability?: Instability;
   [key: string]: unknown;
+}
+
+/** Why a session stopped, and what would have helped. */
+export interface Instability {
+  detail: string;
+  last_good_step?: number;
+  suggested_dt?: number;
+  remedies?: string[];
 }
 
 export interface Validation {
@@ -101,6 +112,35 @@ export class Service {
 
   async step(id: string, steps: number): Promise<void> {
     await this.call("POST", this.path(id, "/step"), { steps });
+  }
+
+  async studies(): Promise<StudyKind[]> {
+    return ((await this.call("GET", "/v1/studies")) as { studies: StudyKind[] }).studies;
+  }
+
+  async startStudy(body: Record<string, unknown>): Promise<Operation> {
+    return (await this.call("POST", "/v1/studies", body)) as Operation;
+  }
+
+  async operations(): Promise<Operation[]> {
+    return ((await this.call("GET", "/v1/operations")) as { operations: Operation[] }).operations;
+  }
+
+  async operation(id: string): Promise<Operation> {
+    return (await this.call("GET", `/v1/operations/${encodeURIComponent(id)}`)) as Operation;
+  }
+
+  async cancelOperation(id: string): Promise<Operation> {
+    return (await this.call("POST", `/v1/operations/${encodeURIComponent(id)}/cancel`, {})) as Operation;
+  }
+
+  async studyResult(id: string): Promise<StudyResult> {
+    return (await this.call("GET", `/v1/operations/${encodeURIComponent(id)}/result`)) as StudyResult;
+  }
+
+  /** The methods that a kind of system can be advanced with. */
+  async methods(type: string): Promise<Method[]> {
+    return ((await this.call("GET", `/v1/systems/${encodeURIComponent(type)}`)) as { integrators?: Method[] }).integrators ?? [];
   }
 
   /** Milliseconds that the smallest request takes there and back. */

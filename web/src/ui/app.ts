@@ -1,13 +1,14 @@
 // The viewer as a whole: which session is on the screen, and what the buttons do to it.
 import { connect, type Stream } from "../client/stream";
 import { ProblemError, problemOf } from "../client/problem";
-import { Service, type Scene, type Session } from "../client/rest";
+import { Service, type Instability, type Scene, type Session } from "../client/rest";
 import type { Hello, PlaybackState, Topology } from "../client/gen/truestep/v1/stream_pb";
 import { Stage } from "../render/stage";
 import { Compact } from "./compact";
 import { byId, make } from "./dom";
 import { Editor } from "./editor";
 import { markScene, showGallery } from "./gallery";
+import { recallScene, rememberScene } from "./handover";
 import { Interaction } from "./interact";
 import { Plot } from "./plot";
 import { clearProblems, showProblem } from "./problems";
@@ -92,6 +93,7 @@ export class App {
     clearProblems();
     this.leave();
     this.own = true;
+    rememberScene(session.id, scene);
     this.show(session);
     markScene(name);
     history.replaceState(null, "", `/?session=${encodeURIComponent(session.id)}`);
@@ -104,6 +106,7 @@ export class App {
     this.leave();
     this.own = false;
     this.show(session);
+    if (session.instability) this.unstable(session.instability);
   }
 
   /** Ends what was on the screen. */
@@ -122,6 +125,9 @@ export class App {
     this.readout.clear();
     this.interaction.clear();
     this.title(session.title ?? session.name ?? "");
+    const studies = byId<HTMLAnchorElement>("studies");
+    studies.href = `/studies.html?session=${encodeURIComponent(session.id)}`;
+    studies.querySelector("span")!.textContent = recallScene(session.id) ? "Study this scene" : "Studies";
     this.lesson(session.teaches);
     byId("transport").hidden = false;
     document.body.classList.add("running");
@@ -145,10 +151,21 @@ export class App {
     stream.on("observables", mine((observables) => this.plot.add(observables)));
     stream.on("problem", mine((problem) => showProblem(problem)));
     stream.on("event", mine((event) => {
-      if (/instab|error|fail|full/.test(event.kind)) showProblem({ title: event.kind.replaceAll("_", " "), status: 0, code: event.kind, detail: event.detail });
+      if (event.kind === "instability") void this.explain(session.id, event.detail);
+      else if (/error|fail|full/.test(event.kind)) showProblem({ title: event.kind.replaceAll("_", " "), status: 0, code: event.kind, detail: event.detail });
       else if (event.kind === "warning") showProblem({ title: "Warning", status: 0, code: event.kind, detail: event.detail }, "warning");
     }));
     void this.consume(stream);
+  }
+
+  /** The session itself knows more than the event: what would have helped. */
+  private async explain(id: string, detail: string): Promise<void> {
+    const session = await this.service.session(id).catch(() => undefined);
+    if (this.id === id) this.unstable(session?.instability ?? { detail });
+  }
+
+  private unstable(instability: Instability): void {
+    showProblem({ title: "The simulation became unstable", status: 0, code: "instability", ...instability });
   }
 
   private async consume(stream: Stream): Promise<void> {

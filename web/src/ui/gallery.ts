@@ -22,7 +22,7 @@ function drawing(entry: GalleryEntry): SVGSVGElement {
   return svg;
 }
 
-/** Fills the gallery; `open` runs a scene, `edit` puts it into the editor. */
+/** Fills the gallery; `open` runs a scene, `edit` puts it into the editor; a link leads to its studies. */
 export function showGallery(entries: GalleryEntry[], open: (name: string) => void, edit: (name: string) => void): void {
   const cards = entries.map((entry) => {
     const picture = make("span", { class: "thumbnail" });
@@ -35,7 +35,8 @@ export function showGallery(entries: GalleryEntry[], open: (name: string) => voi
     }
     const run = make("button", { class: "run", "data-scene": entry.name, onclick: () => open(entry.name) }, picture, make("strong", {}, entry.title || entry.name), make("span", { class: "teaches" }, entry.teaches ?? entry.description ?? ""));
     const change = make("button", { class: "edit", "aria-label": `Edit ${entry.title || entry.name}`, onclick: () => edit(entry.name) }, "Edit");
-    return make("article", { class: "scene", "data-scene": entry.name }, run, change);
+    const study = make("a", { class: "edit study", href: `/studies.html?gallery=${encodeURIComponent(entry.name)}`, "aria-label": `Study ${entry.title || entry.name}` }, "Study");
+    return make("article", { class: "scene", "data-scene": entry.name }, run, study, change);
   });
   byId("gallery").replaceChildren(...(cards.length > 0 ? cards : [make("p", { class: "empty" }, "The gallery is empty. The scene editor takes any scene.")]));
 }

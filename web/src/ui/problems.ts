@@ -21,6 +21,13 @@ export function issueItem(issue: Issue, onShow?: (issue: Issue) => void, onFix?:
   return item;
 }
 
+/** What would help, one item a remedy; undefined when the problem names none. */
+function remedyList(problem: Problem): HTMLElement | undefined {
+  const remedies = problem.remedies;
+  if (!Array.isArray(remedies) || remedies.length === 0) return undefined;
+  return make("section", { class: "remedies" }, make("h3", {}, "What would help"), make("ul", {}, ...remedies.map((remedy) => make("li", {}, String(remedy)))));
+}
+
 /** Shows a card for `problem`; the same problem again replaces its card. */
 export function showProblem(problem: Problem, tone: "error" | "warning" = "error"): void {
   const list = byId("problems");
@@ -33,7 +40,11 @@ export function showProblem(problem: Problem, tone: "error" | "warning" = "error
   if (problem.status > 0) head.append(make("span", { class: "status" }, String(problem.status)));
   head.append(make("button", { class: "icon-button small", "aria-label": "Close", onclick: () => card.remove() }, icon("close")));
   card.append(head);
-  if (problem.detail && problem.detail !== problem.title) card.append(make("p", {}, problem.detail));
+  const remedies = remedyList(problem);
+  // The service's sentence ends with the remedies; here they have their own list.
+  const detail = remedies ? problem.detail?.replace(/; try .*$/s, "") : problem.detail;
+  if (detail && detail !== problem.title) card.append(make("p", {}, detail));
+  if (remedies) card.append(remedies);
   const extras = ["last_good_step", "suggested_dt", "suggested_integrator", "limit", "estimate"].filter((name) => problem[name] !== undefined);
   if (extras.length > 0) card.append(make("dl", { class: "extras" }, ...extras.map((name) => make("div", {}, make("dt", {}, name.replaceAll("_", " ")), make("dd", {}, brief(problem[name]))))));
   const issues = [...(problem.errors ?? []), ...(problem.suggestions ?? [])];

@@ -1,0 +1,7 @@
+// The parts of the page of studies that need no page: what the tests in Node run.
+export * from "./axis";
+export * from "./form_model";
+export * from "./model";
+export * from "./numbers";
+export { sorted } from "./table";
+export * from "./words";
