@@ -1,7 +1,7 @@
 // What the page of studies computes: axes, numbers, sentences, the request that a form makes, the table's order.
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { cellText, duration, fieldOf, isUseful, makeAxis, modelOf, numberPointers, place, placeholderOf, power, quantity, readDraft, rowOf, sorted, splitLabel, systemsOf, valueOf, wordsOf } from "../build/studies.mjs";
+import { cellText, curveName, duration, fieldOf, isUseful, makeAxis, modelOf, numberPointers, place, placeholderOf, power, quantity, readDraft, rowOf, sorted, splitLabel, systemsOf, valueOf, wordsOf } from "../build/studies.mjs";
 
 test("powers of ten, quantities and times are short", () => {
   assert.deepEqual([0, 2, 3, -6, -12].map(power), ["1", "100", "10³", "10⁻⁶", "10⁻¹²"]);
@@ -131,6 +131,11 @@ test("the drawing leaves out what a logarithm cannot show, and puts the winners 
   assert.deepEqual(splitLabel(study.plot.y_label), { label: "CPU time", unit: "s" });
   assert.equal(rowOf(study, model, model.curves[1], model.curves[1].points[0]), study.rows[1]);
   assert.equal(rowOf(study, model, model.curves[0], model.curves[1].points[0]), undefined);
+});
+
+test("curves of a sweep are named by the end of their pointers", () => {
+  assert.equal(curveName("/systems/0/quadratic_drag = 5E-2, /time/dt = 1.25E-3"), "quadratic_drag = 0.05, dt = 0.00125");
+  assert.equal(curveName("velocity_verlet"), "velocity_verlet");
 });
 
 test("a stability study is drawn with a line a method", () => {

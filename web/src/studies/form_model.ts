@@ -57,7 +57,7 @@ export function placeholderOf(parameter: Parameter, scene: Scene | undefined): s
     return length === undefined ? "the scene's duration" : `${String(typeof length === "number" ? +length.toPrecision(6) : length)}`;
   }
   const { default: initial } = parameter;
-  if (Array.isArray(initial) || initial === undefined || initial === "") return parameter.required ? "required" : "chosen for you";
+  if (Array.isArray(initial) || initial === undefined || initial === "") return parameter.required ? "required" : ["values", "min", "max"].includes(parameter.name) ? "optional" : "chosen for you";
   return String(initial);
 }
 

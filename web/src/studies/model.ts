@@ -57,6 +57,9 @@ function stabilityModel(result: StudyResult): Model {
   };
 }
 
+/** "/systems/0/drag = 5E-2" as "drag = 0.05": the axis of a sweep and its number as a person writes them. */
+export const curveName = (name: string): string => name.replace(/\/[\w/~]*\/(\w+) = /g, "$1 = ").replace(/\b\d+(\.\d+)?E-?\d+\b/g, (digits) => String(+Number(digits).toPrecision(6)));
+
 export function modelOf(result: StudyResult): Model {
   if (result.summary.kind === "stability") return stabilityModel(result);
   const { plot } = result;
@@ -69,7 +72,7 @@ export function modelOf(result: StudyResult): Model {
         return shows(plot.x_scale, at) && shows(plot.y_scale, value) ? [{ x: at, y: value }] : [];
       });
       const manner: Manner = /^order \d/.test(series.name) ? "dashed" : result.summary.kind === "sweep" && isCloud(points) ? "marks" : points.length > 60 ? "line" : "curve";
-      return { name: series.name, manner, points };
+      return { name: curveName(series.name), manner, points };
     })
     .filter((curve) => curve.points.length > 0);
   return {

@@ -21,6 +21,9 @@ export function issueItem(issue: Issue, onShow?: (issue: Issue) => void, onFix?:
   return item;
 }
 
+/** A computed number needs no more digits than a person would type. */
+const rounded = (value: unknown): string => (typeof value === "number" ? String(+value.toPrecision(4)) : brief(value));
+
 /** What would help, one item a remedy; undefined when the problem names none. */
 function remedyList(problem: Problem): HTMLElement | undefined {
   const remedies = problem.remedies;
@@ -46,7 +49,7 @@ export function showProblem(problem: Problem, tone: "error" | "warning" = "error
   if (detail && detail !== problem.title) card.append(make("p", {}, detail));
   if (remedies) card.append(remedies);
   const extras = ["last_good_step", "suggested_dt", "suggested_integrator", "limit", "estimate"].filter((name) => problem[name] !== undefined);
-  if (extras.length > 0) card.append(make("dl", { class: "extras" }, ...extras.map((name) => make("div", {}, make("dt", {}, name.replaceAll("_", " ")), make("dd", {}, brief(problem[name]))))));
+  if (extras.length > 0) card.append(make("dl", { class: "extras" }, ...extras.map((name) => make("div", {}, make("dt", {}, name.replaceAll("_", " ")), make("dd", {}, rounded(problem[name]))))));
   const issues = [...(problem.errors ?? []), ...(problem.suggestions ?? [])];
   if (issues.length > 0) card.append(make("ul", { class: "issues" }, ...issues.slice(0, 12).map((issue) => issueItem(issue))));
   if (problem.trace_id) card.append(make("p", { class: "trace" }, `trace ${problem.trace_id}`));
