@@ -1,6 +1,7 @@
 // A person's way through the viewer in Chromium: load, pick a scene, see it move, pause, pull a point, make a
-// mistake in a scene, reset. Runs against the executable in TRUESTEP_BINARY, or against the JavaScript mock of
-// the protocol when that is unset. Every check that something changes has a control in which it must not.
+// mistake in a scene, reset. Runs against the executable in TRUESTEP_BINARY, against a running service in
+// TRUESTEP_URL, or against the JavaScript mock of the protocol when both are unset. Every check that something
+// changes has a control in which it must not.
 import assert from "node:assert/strict";
 import path from "node:path";
 import { after, before, test as nodeTest } from "node:test";
@@ -27,10 +28,12 @@ function test(name, step) {
 }
 
 before(async () => {
-  need(path.join(web, "dist/index.html"), "the viewer is not built: run npm run build in web/");
   if (binary) {
     ({ url, stop } = await serveBinary(binary));
+  } else if (process.env.TRUESTEP_URL) {
+    url = process.env.TRUESTEP_URL;
   } else {
+    need(path.join(web, "dist/index.html"), "the viewer is not built: run npm run build in web/");
     const { serve } = await import(pathToFileURL(path.join(web, "test/mock_server.mjs")));
     const mock = await serve();
     url = mock.url;
