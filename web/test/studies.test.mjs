@@ -1,7 +1,7 @@
 // What the page of studies computes: axes, numbers, sentences, the request that a form makes, the table's order.
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { cellText, curveName, duration, fieldOf, isUseful, makeAxis, modelOf, numberPointers, place, placeholderOf, power, quantity, readDraft, rowOf, sorted, splitLabel, systemsOf, valueOf, wordsOf } from "../build/studies.mjs";
+import { accuracyWords, cellText, curveName, duration, fieldOf, isUseful, makeAxis, modelOf, numberPointers, place, placeholderOf, power, quantity, readDraft, rowOf, sorted, splitLabel, systemsOf, valueOf, wordsOf } from "../build/studies.mjs";
 
 test("powers of ten, quantities and times are short", () => {
   assert.deepEqual([0, 2, 3, -6, -12].map(power), ["1", "100", "10³", "10⁻⁶", "10⁻¹²"]);
@@ -131,6 +131,12 @@ test("the drawing leaves out what a logarithm cannot show, and puts the winners 
   assert.deepEqual(splitLabel(study.plot.y_label), { label: "CPU time", unit: "s" });
   assert.equal(rowOf(study, model, model.curves[1], model.curves[1].points[0]), study.rows[1]);
   assert.equal(rowOf(study, model, model.curves[0], model.curves[1].points[0]), undefined);
+});
+
+test("a requested accuracy says which method it led to", () => {
+  const report = { tolerance: 1e-6, quantity: "position", chosen: { integrator: "rkf45", tolerance: 1e-5, error: 6.9e-8 }, measured: [1, 2, 3] };
+  assert.equal(accuracyWords(report), "rkf45 at tolerance 10⁻⁵ is the cheapest of 3 runs measured whose error of position stays within 10⁻⁶, measured 6.9·10⁻⁸.");
+  assert.match(accuracyWords({ tolerance: 1e-3, chosen: { integrator: "rk4", step: 0.002 }, note: "the scene is chaotic" }), /^rk4 with a step of 2 ms .* 10⁻³\. The scene is chaotic\.$/);
 });
 
 test("curves of a sweep are named by the end of their pointers", () => {

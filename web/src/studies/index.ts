@@ -1,4 +1,5 @@
 // The parts of the page of studies that need no page: what the tests in Node run.
+export * from "./accuracy";
 export * from "./axis";
 export * from "./form_model";
 export * from "./model";

@@ -4,6 +4,7 @@ import { ProblemError, problemOf } from "../client/problem";
 import { Service, type Instability, type Scene, type Session } from "../client/rest";
 import type { Hello, PlaybackState, Topology } from "../client/gen/truestep/v1/stream_pb";
 import { Stage } from "../render/stage";
+import { accuracyWords, type Accuracy } from "../studies/accuracy";
 import { Compact } from "./compact";
 import { byId, make } from "./dom";
 import { Editor } from "./editor";
@@ -114,6 +115,7 @@ export class App {
     this.stream?.close();
     if (this.id !== undefined && this.own) void this.service.deleteSession(this.id).catch(() => undefined);
     this.lesson(undefined);
+    this.accuracy(undefined);
     markScene(undefined);
   }
 
@@ -129,6 +131,7 @@ export class App {
     studies.href = `/studies.html?session=${encodeURIComponent(session.id)}`;
     studies.querySelector("span")!.textContent = recallScene(session.id) ? "Study this scene" : "Studies";
     this.lesson(session.teaches);
+    this.accuracy(session.accuracy as Accuracy | undefined);
     byId("transport").hidden = false;
     document.body.classList.add("running");
     this.layout();
@@ -322,6 +325,13 @@ export class App {
     const lesson = byId("lesson");
     lesson.hidden = !text;
     lesson.textContent = text ?? "";
+  }
+
+  /** Which method a requested accuracy led to. */
+  private accuracy(report: Accuracy | undefined): void {
+    const line = byId("accuracy");
+    line.hidden = !report;
+    line.textContent = report ? accuracyWords(report) : "";
   }
 
   private connection(state: keyof typeof stateText): void {
