@@ -70,7 +70,9 @@ void implicit_euler_dense(Motion& m, const IntegratorOptions& options, NewtonSte
   }
   Vector y = y0, residual = -h * eq.rates(y0);
   const double scale = std::max(residual.norm(), y0.norm());
-  for (int it = 0; residual.norm() > options.newton_tolerance * scale; ++it) {
+  // What has decayed so far that squares underflow is nothing: a norm can no longer tell better from worse.
+  constexpr double kNothing = 1e-150;
+  for (int it = 0; residual.norm() > options.newton_tolerance * scale + kNothing; ++it) {
     const Vector direction = eq.matrix(y).partialPivLu().solve(-residual);
     double share = 1;
     Vector next = y + direction, next_residual = next - y0 - h * eq.rates(next);
