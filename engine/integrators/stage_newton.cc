@@ -43,7 +43,10 @@ void StageNewton::solve(const StageEquation& eq, std::span<double> u) {
     if (norm_ <= report_.target) return;
     system_.differentiate(eq.t, x_, u, Derivatives::exact);
     report_.floor = system_.rounding_floor(x_, u, eq.g);
-    if (norm_ <= report_.floor) return;
+    // What has decayed until its squares underflow is nothing: a norm can no longer tell better from worse
+    // there.
+    constexpr double kNothing = 1e-150;
+    if (norm_ <= report_.floor + kNothing) return;
     if (it >= options_.max_newton_iterations) {
       fail("Newton's method did not converge in " + std::to_string(options_.max_newton_iterations) +
            " iterations");

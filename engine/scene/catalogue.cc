@@ -12,7 +12,8 @@ std::span<const CatalogueRow> catalogue() {
   static const std::vector<CatalogueRow> kRows = {
       {"ode",
        "equations",
-       "named states, parameters and right-hand sides as expressions, with events; tracers in a velocity field",
+       "named states, parameters and right-hand sides as expressions, with events; tracers in a velocity "
+       "field",
        &ode_table(),
        make_ode,
        ode_cost,

@@ -19,7 +19,8 @@ namespace {
 
 int exit_code_of(const Error& e) {
   const std::string& c = e.code();
-  if (c == "scene_invalid" || c == "bad_json" || c == "too_large" || c == "accuracy_unreachable") return kExitInvalidScene;
+  if (c == "scene_invalid" || c == "bad_json" || c == "too_large" || c == "accuracy_unreachable")
+    return kExitInvalidScene;
   if (c == "instability") return kExitUnstable;
   if (c == "not_found" || c == "bad_request") return kExitUsage;
   return kExitServer;

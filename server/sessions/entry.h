@@ -39,7 +39,7 @@ struct SessionEntry {
   const std::string id;
   const double estimated_bytes;
   const Clock::time_point created = Clock::now();
-  uint64_t scene_hash = 0;  ///< of the document that created it (PUT is idempotent)
+  uint64_t scene_hash = 0;       ///< of the document that created it (PUT is idempotent)
   boost::json::object accuracy;  ///< how the method was chosen; empty unless the scene asks for accuracy
   std::atomic<Clock::rep> last_used{Clock::now().time_since_epoch().count()};
   std::atomic<int> streams{0};       ///< open WebSockets

@@ -128,7 +128,7 @@ TEST(ParticlesExpression, FaultsNamePointerAndCharacter) {
     EXPECT_EQ(e.code(), "scene_invalid");
     ASSERT_EQ(e.issues().size(), 2u);
     EXPECT_EQ(e.issues()[0].pointer, "/expression/fx");
-    EXPECT_NE(e.issues()[0].message.find("character 5"), std::string::npos);
+    EXPECT_NE(e.issues()[0].message.find("column 5"), std::string::npos);
     EXPECT_EQ(e.issues()[1].pointer, "/expression/fy");
     EXPECT_NE(e.issues()[1].message.find("nope"), std::string::npos);
   }
