@@ -58,10 +58,10 @@ struct ExpectParams {
 
 /// How accurate a scene wants to be; the service then chooses method and step.
 struct AccuracyParams {
-  double tolerance = 1e-4;  ///< relative error of the quantity over the horizon
-  std::string system;       ///< empty: the first that takes an integrator
-  std::string quantity = "position";
-  std::optional<double> horizon;  ///< s; the scene's duration when absent
+  double tolerance = 1e-4;         ///< relative error of the quantity over the horizon
+  std::string system;              ///< empty: the first that takes an integrator
+  std::string quantity = "state";  ///< a field, or everything that says where the system is
+  std::optional<double> horizon;   ///< s; the scene's duration when absent
 };
 
 struct SceneHeader {

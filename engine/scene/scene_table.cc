@@ -26,7 +26,8 @@ const DefTable& accuracy_table() {
           .number("tolerance", &A::tolerance, "1", between(1e-14, 1), "relative error of the quantity")
           .required()
           .text("system", &A::system, "system that is meant; the first with an integrator when left out")
-          .text("quantity", &A::quantity, "field whose error counts")
+          .text("quantity", &A::quantity,
+                "field whose error counts; state: all that says where the system is")
           .number("horizon", &A::horizon, "s", above(0), "time over which it counts; else the duration")
           .build();
   return t;

@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "engine/base/errors.h"
+#include "engine/core/configuration.h"
 #include "engine/core/force_system.h"
 
 namespace truestep {
@@ -292,6 +293,24 @@ Observables World::observe(const WorldState& state) const {
   return total;
 }
 
+namespace {
+
+// A field of doubles, or the configuration for "state"; empty when there is no such field.
+std::vector<double> quantity_values(const System& system, const State& state, const std::string& name) {
+  if (name == "state") return configuration(state);
+  const auto infos = system.fields();
+  for (size_t f = 0; f < infos.size(); ++f) {
+    if (infos[f].name != name || infos[f].type != Scalar::f64) continue;
+    std::vector<double> scratch;
+    const FieldView view = system.field(state, f, scratch);
+    const auto* values = static_cast<const double*>(view.data);
+    return {values, values + view.rows * view.width};
+  }
+  return {};
+}
+
+}  // namespace
+
 // |x - x_finer| / |x_finer| with what Richardson's extrapolation makes of a difference at half the step:
 // 2^p / (2^p - 1) for order p; at a tenth of the tolerance 10/9.
 double World::error_estimate(const WorldState& state) const {
@@ -302,27 +321,22 @@ double World::error_estimate(const WorldState& state) const {
   } else {
     while (i + 1 < size() && !scene_.systems[i].row->table->find("integrator")) ++i;
   }
-  const auto infos = systems_[i]->fields();
-  for (size_t f = 0; f < infos.size(); ++f) {
-    if (infos[f].name != wanted.quantity || infos[f].type != Scalar::f64) continue;
-    std::vector<double> scratch, finer_scratch;
-    const FieldView a = systems_[i]->field(state.systems[i], f, scratch);
-    const FieldView b = finer_->systems_[i]->field(state.finer.at(0).systems[i], f, finer_scratch);
-    if (a.rows != b.rows) return std::numeric_limits<double>::infinity();
-    const auto *x = static_cast<const double*>(a.data), *y = static_cast<const double*>(b.data);
-    double difference = 0, scale = 0;
-    for (size_t k = 0; k < a.rows * a.width; ++k) {
-      difference += (x[k] - y[k]) * (x[k] - y[k]);
-      scale += y[k] * y[k];
-    }
-    double factor = 10.0 / 9;
-    if (const auto* forces = dynamic_cast<const ForceSystem*>(systems_[i].get());
-        forces && forces->integrator().stepping == Integrator::Stepping::fixed) {
-      factor = 1 / (1 - std::ldexp(1.0, -forces->integrator().order));
-    }
-    return factor * std::sqrt(difference / std::max(scale, 1e-300));
+  const State &coarse = state.systems[i], &finer = state.finer.at(0).systems[i];
+  const std::vector<double> x = quantity_values(*systems_[i], coarse, wanted.quantity);
+  const std::vector<double> y = quantity_values(*finer_->systems_[i], finer, wanted.quantity);
+  if (x.size() != y.size()) return std::numeric_limits<double>::infinity();
+  if (x.empty()) return std::numeric_limits<double>::quiet_NaN();
+  double difference = 0, scale = 0;
+  for (size_t k = 0; k < x.size(); ++k) {
+    difference += (x[k] - y[k]) * (x[k] - y[k]);
+    scale += y[k] * y[k];
   }
-  return std::numeric_limits<double>::quiet_NaN();
+  double factor = 10.0 / 9;
+  if (const auto* forces = dynamic_cast<const ForceSystem*>(systems_[i].get());
+      forces && forces->integrator().stepping == Integrator::Stepping::fixed) {
+    factor = 1 / (1 - std::ldexp(1.0, -forces->integrator().order));
+  }
+  return factor * std::sqrt(difference / std::max(scale, 1e-300));
 }
 
 void World::observe_probe(const ProbeParams& probe, const WorldState& state, Observables& out) const {

@@ -13,7 +13,7 @@
 namespace truestep {
 
 struct ConvergenceParams {
-  std::string system, quantity = "position";
+  std::string system, quantity = "state";
   std::string integrator;         ///< empty: the scene's own
   std::optional<double> step;     ///< s, the largest; 8 times the scene's when left out
   std::optional<double> horizon;  ///< s

@@ -73,7 +73,7 @@ const DefTable& cross_check_table() {
   static const DefTable t =
       TableOf<P>("how far two ways of computing this scene part over time")
           .text("system", &P::system, "system that is compared")
-          .text("quantity", &P::quantity, "field that is compared")
+          .text("quantity", &P::quantity, "field that is compared; state: all that says where the system is")
           .object("a", &P::a, side_table(), "one way")
           .object("b", &P::b, side_table(), "the other")
           .number("horizon", &P::horizon, "s", above(0), "simulated time; the scene's duration when left out")

@@ -19,7 +19,7 @@ struct CrossCheckSide {
 };
 
 struct CrossCheckParams {
-  std::string system, quantity = "position";
+  std::string system, quantity = "state";
   CrossCheckSide a, b;
   std::optional<double> horizon;  ///< s
   int64_t samples = 100;

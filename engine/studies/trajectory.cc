@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "engine/base/errors.h"
+#include "engine/core/configuration.h"
 
 namespace truestep {
 
@@ -26,8 +27,9 @@ double thread_cpu_seconds() {
 }
 
 std::vector<double> field_values(const System& system, const State& state, const std::string& name) {
+  if (name == "state") return configuration(state);
   const auto fields = system.fields();
-  std::string names;
+  std::string names = "state";
   for (size_t i = 0; i < fields.size(); ++i) {
     if (fields[i].name != name) {
       names += (names.empty() ? "" : ", ") + fields[i].name;

@@ -12,7 +12,7 @@ namespace truestep {
 /// Which numbers of the state are compared: one field of one system.
 struct TraceField {
   size_t system = 0;
-  std::string name = "position";
+  std::string name = "state";
 };
 
 struct TraceRequest {
@@ -34,7 +34,8 @@ struct Trace {
 /// Steps the world from its initial state in the calling thread. Never throws Instability; Error "cancelled".
 Trace trace(const World& world, const TraceRequest& request, const StudyContext& context);
 
-/// Values of a field as doubles. Error "scene_invalid" with pointer "/quantity" when the system has no such.
+/// Values of a field as doubles; "state": the whole configuration (core/configuration.h). Error
+/// "scene_invalid" with pointer "/quantity" when the system has no such.
 std::vector<double> field_values(const System& system, const State& state, const std::string& name);
 
 /// |a - b|_2 / |b|_2; infinity when the lengths differ or a number is not finite.

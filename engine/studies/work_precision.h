@@ -11,7 +11,7 @@
 namespace truestep {
 
 struct WorkPrecisionParams {
-  std::string system, quantity = "position";
+  std::string system, quantity = "state";
   std::vector<std::string> integrators;  ///< empty: all that serve the system
   std::vector<double> steps;             ///< s; empty: chosen around the scene's own
   std::vector<double> tolerances;        ///< empty: 1e-3 ... 1e-12
