@@ -59,7 +59,9 @@ SessionStore::Created SessionStore::create(const json::value& document, const st
   Scene scene = require_scene(read_scene(document));
   const Cost cost = estimate(scene);
   require_admission(cost, limits_.per_session);
-  const double bytes = cost.state_bytes + cost.workspace_bytes;
+  // A scene that asks for accuracy has a companion as large as itself.
+  const double copies = scene.header.accuracy ? 2 : 1;
+  const double bytes = copies * (cost.state_bytes + cost.workspace_bytes);
   json::object accuracy;
   if (scene.header.accuracy) {
     const std::atomic<bool> never{false};
