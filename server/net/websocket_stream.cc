@@ -1,7 +1,10 @@
 #include "server/net/websocket_stream.h"
 
 #include <atomic>
+#include <boost/asio/bind_cancellation_slot.hpp>
+#include <boost/asio/cancellation_signal.hpp>
 #include <boost/asio/dispatch.hpp>
+#include <boost/asio/post.hpp>
 #include <boost/asio/redirect_error.hpp>
 #include <boost/asio/use_awaitable.hpp>
 #include <boost/beast/core/flat_buffer.hpp>
@@ -110,6 +113,7 @@ class BeastWebSocket final : public ServedWebSocket, public std::enable_shared_f
   Clock::time_point ping_sent_ = Clock::now();
   uint16_t end_code_ = 0;
   std::string end_reason_;
+  asio::cancellation_signal stop_reading_, stop_closing_;
 };
 
 void BeastWebSocket::configure() {
@@ -203,8 +207,11 @@ void BeastWebSocket::start_close(uint16_t code, std::string_view reason) {
 void BeastWebSocket::send_close() {
   close_due_ = false;
   if (std::exchange(close_sent_, true)) return;
+  ws_.next_layer().deadline = Clock::now() + limits_.close_wait;
   const websocket::close_reason reason(static_cast<websocket::close_code>(end_code_), end_reason_);
-  ws_.async_close(reason, [self = shared_from_this()](const boost::system::error_code&) {});
+  ws_.async_close(
+      reason, asio::bind_cancellation_slot(stop_closing_.slot(),
+                                           [self = shared_from_this()](const boost::system::error_code&) {}));
 }
 
 // --- receiving
@@ -227,8 +234,10 @@ asio::awaitable<void> BeastWebSocket::run() {
     close(1011, "internal error");
   }
   boost::beast::flat_buffer message;
+  auto token =
+      asio::redirect_error(asio::bind_cancellation_slot(stop_reading_.slot(), asio::use_awaitable), ec);
   for (;;) {
-    co_await ws_.async_read(message, asio::redirect_error(asio::use_awaitable, ec));
+    co_await ws_.async_read(message, token);
     if (ec) break;
     if (is_open()) deliver({static_cast<const char*>(message.data().data()), message.size()});
     message.clear();
@@ -290,6 +299,12 @@ void BeastWebSocket::abort() {
   boost::system::error_code ec;
   closing_ = true;
   ws_.next_layer().close(ec);
+  // A frame that breaks the rules while we close: Beast's reading and closing wait for each other, not for
+  // the socket, and only this ends them. Later, for they may complete at once, and our callers are not done.
+  asio::post(ws_.get_executor(), [self = shared_from_this()] {
+    self->stop_reading_.emit(asio::cancellation_type::terminal);
+    self->stop_closing_.emit(asio::cancellation_type::terminal);
+  });
 }
 
 }  // namespace

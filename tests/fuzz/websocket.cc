@@ -22,6 +22,8 @@ constexpr char kHandshake[] =
     "GET / HTTP/1.1\r\nHost: a\r\nUpgrade: websocket\r\nConnection: Upgrade\r\nSec-WebSocket-Version: 13\r\n"
     "Sec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\nSec-WebSocket-Extensions: permessage-deflate\r\n\r\n";
 
+constexpr WebSocketLimits kLimits{.max_message = 1 << 12};
+
 class Echo : public WebSocketHandler {
  public:
   explicit Echo(int& ends) : ends_(ends) {}
@@ -58,7 +60,7 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   {
     boost::asio::io_context io(1);
     const auto socket = make_websocket(Socket(io, boost::asio::ip::tcp::v4(), pair[0]), request,
-                                       std::make_shared<Echo>(ends), {.max_message = 1 << 12}, "");
+                                       std::make_shared<Echo>(ends), kLimits, "");
     boost::asio::co_spawn(io, socket->run(), boost::asio::detached);
     io.poll();
     const size_t piece = std::max<size_t>(1, data[0]);
@@ -69,6 +71,8 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
     }
     ::shutdown(pair[1], SHUT_WR);
     for (int i = 0; i < 1000 && ends == 0; ++i) {
+      // Once everything has been tried: the time that a closing may take is over.
+      if (i == 500) socket->tick(Clock::now() + kLimits.close_wait + std::chrono::seconds(1));
       io.poll();
       drain(pair[1]);
     }

@@ -125,6 +125,23 @@ TEST_F(NetWebSocket, TextThatEndsInsideACharacterIsRefused) {
   EXPECT_EQ(end_code(), 1007);
 }
 
+TEST_F(NetWebSocket, EndsWhenAFrameBreaksTheRulesWhileItCloses) {
+  Options options;
+  options.websocket.close_wait = 1s;
+  start(options);
+  std::weak_ptr<WebSocket> served;
+  {
+    auto [s, head] = shake();
+    served = seen_.get();
+    // The text that ends inside a character makes the server close; then a frame without a mask, which Beast
+    // answers with a close of its own, and no end of the bytes.
+    asio::write(s, asio::buffer("\x01\x81\0\0\0\0\xCE\x80\x80\0\0\0\0\x81\x01x"s));
+    EXPECT_EQ(end_code(), 1007);
+  }
+  for (int i = 0; i < 5000 && !served.expired(); ++i) std::this_thread::sleep_for(1ms);
+  EXPECT_TRUE(served.expired()) << "nothing of the connection is left";
+}
+
 TEST_F(NetWebSocket, CloseCodesBeyondTheRangeAreRefused) {
   start();
   const std::string close_5000 = "\x88\x82\0\0\0\0\x13\x88"s,

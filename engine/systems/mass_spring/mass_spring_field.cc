@@ -149,8 +149,8 @@ void MassSpringField::spring_forces(const Rows& rows, const State& state, const 
     const double* scale = (run ? schedule_.scale.data() : schedule_.list_scale.data()) + segment.first;
     for (size_t i = 0; i < segment.count; i += spring::kRunChunk) {
       const size_t n = std::min(spring::kRunChunk, segment.count - i);
-      const uint32_t* list_a = schedule_.list_a.data() + segment.first + i;
-      const uint32_t* list_b = schedule_.list_b.data() + segment.first + i;
+      const uint32_t* list_a = run ? nullptr : schedule_.list_a.data() + segment.first + i;
+      const uint32_t* list_b = run ? nullptr : schedule_.list_b.data() + segment.first + i;
       for (size_t c = 0; c < 3; ++c) {
         if (run) {
           difference(n, d[c], s.x[c] + segment.a + i, s.x[c] + segment.b + i);
