@@ -20,7 +20,19 @@ Shard::~Shard() {
 }
 
 void Shard::start() {
-  thread_ = std::thread([this] { io_.run(); });
+  thread_ = std::thread([this] { run(); });
+}
+
+// What a handler beneath us throws (no memory is left) costs its connection, not the service.
+void Shard::run() {
+  for (;;) {
+    try {
+      io_.run();
+      return;
+    } catch (const std::exception& e) {
+      spdlog::error("network thread: {}", e.what());
+    }
+  }
 }
 
 void Shard::adopt(Socket socket) {

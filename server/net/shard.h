@@ -29,6 +29,7 @@ class Shard {
   void adopt(Socket socket);
 
  private:
+  void run();
   void sweep();
   Service& service_;
   boost::asio::io_context io_{1};

@@ -142,6 +142,20 @@ TEST_F(NetWebSocket, EndsWhenAFrameBreaksTheRulesWhileItCloses) {
   EXPECT_TRUE(served.expired()) << "nothing of the connection is left";
 }
 
+TEST_F(NetWebSocket, TheLengthThatACompressedFrameClaimsIsNotBelieved) {
+  start();
+  auto [s, head] = shake("Sec-WebSocket-Extensions: permessage-deflate\r\n");
+  // Compressed text of 2^62 bytes, of which empty stored blocks come, one after the other.
+  asio::write(s, asio::buffer("\xC1\xFF\x40\0\0\0\0\0\0\0\0\0\0\0\0\0\0\xFF\xFF"s));
+  for (int i = 0; i < 5; ++i) {
+    std::this_thread::sleep_for(20ms);
+    asio::write(s, asio::buffer("\0\0\0\xFF\xFF"s));
+  }
+  rest_after(s, "");
+  EXPECT_EQ(end_code(), 1006) << "the bytes ended, the server did not";
+  EXPECT_EQ(status(get("/ok")), 200);
+}
+
 TEST_F(NetWebSocket, CloseCodesBeyondTheRangeAreRefused) {
   start();
   const std::string close_5000 = "\x88\x82\0\0\0\0\x13\x88"s,

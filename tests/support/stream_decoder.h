@@ -36,7 +36,7 @@ class StreamDecoder {
   static std::vector<T> array(const std::string& bytes) {
     if (bytes.size() % sizeof(T)) throw std::runtime_error("torn array");
     std::vector<T> v(bytes.size() / sizeof(T));
-    std::memcpy(v.data(), bytes.data(), bytes.size());
+    if (!v.empty()) std::memcpy(v.data(), bytes.data(), bytes.size());
     return v;
   }
 
