@@ -2,6 +2,7 @@
 // attempts at a torn block of a live file waits twice as long each time and would never end.
 #include <chrono>
 
+#include "engine/sinks/recording/recover.h"
 #include "tests/unit/recording_test.h"
 
 namespace truestep::fixture {
@@ -32,6 +33,37 @@ TEST_F(RecordingTest, DamagedMetadataIsRefusedSoon) {
     EXPECT_LT(std::chrono::steady_clock::now() - start, std::chrono::seconds(5)) << "byte " << at;
   }
   EXPECT_GT(refused, 5u);  // most bytes of a header are under a checksum
+}
+
+// A file is shortened from its end, five bytes at a time, so that every place within a word is met: each
+// length is read to its last good frame or refused, and what a repair makes of it (now and then; a repair is
+// a process) holds no more frames than a longer file's.
+TEST_F(RecordingTest, TruncatedAnywhereKeepsAPrefixOrIsRefused) {
+  const std::string file = record("cut", 40, 6), copy = path("copy");
+  const uint64_t size = fs::file_size(file);
+  uint64_t least = good_frames(file), refused = 0, repaired = 0, kept = least;
+  EXPECT_EQ(least, 6u);
+  for (uint64_t length = size - 1; length > 5; length -= 5) {
+    fs::resize_file(file, length);
+    try {
+      const uint64_t frames = good_frames(file);
+      EXPECT_LE(frames, least) << "a shorter file holds more, at " << length;
+      least = frames;
+    } catch (const Error& error) {
+      ++refused;
+      EXPECT_FALSE(error.code().empty());
+    }
+    if (length % 401 != 0) continue;
+    fs::copy_file(file, copy, fs::copy_options::overwrite_existing);
+    const RecoveryReport report = recover_recording(*thread, copy, {std::chrono::seconds(20)});
+    if (report.outcome != RecoveryOutcome::kRecovered) continue;
+    EXPECT_EQ(good_frames(copy), report.frames_kept) << length;
+    EXPECT_LE(report.frames_kept, kept) << length;
+    kept = report.frames_kept;
+    ++repaired;
+  }
+  EXPECT_GT(refused, 0u);
+  EXPECT_GT(repaired, 0u) << "some cuts leave frames that a repair finds";
 }
 
 }  // namespace
