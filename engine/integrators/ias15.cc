@@ -7,13 +7,15 @@
 // Differences: each coefficient is found by divided differences of the samples over s (the g of the papers);
 // the step's bound on |b_6| / |a_0| is epsilon = max(1e-9, 0.1 tolerance^(7/16)), because |b_6| falls like
 // h^7 and the local error like h^16; every call predicts its first step anew, so that a restored run repeats
-// it.
+// it. What the sums left over goes from call to call in `memory`, beside the y that it belongs to.
+#include <algorithm>
 #include <array>
 #include <cmath>
 
 #include "engine/base/errors.h"
 #include "engine/integrators/arrays.h"
 #include "engine/integrators/compensated.h"
+#include "engine/integrators/implicit_methods.h"
 #include "engine/integrators/methods.h"
 #include "engine/integrators/step_control.h"
 
@@ -51,6 +53,11 @@ constexpr auto kInverseGaps = [] {
   return r;
 }();
 
+// Layout of `memory`: the lower parts of y, the y that they belong to.
+constexpr size_t ias15_memory(size_t positions) {
+  return 4 * positions;
+}
+
 template <size_t M>
 class Radau15 final : public Interpolant {
  public:
@@ -62,7 +69,7 @@ class Radau15 final : public Interpolant {
         a_(in.workspace, "integrator.ias15", m_),
         y_(in.workspace, "integrator.ias15_y", 2 * m_) {
     std::copy_n(in.y, 2 * m_, y_[kNow]);
-    std::fill_n(y_[kLow], 2 * m_, 0);
+    recall();
     for (size_t k = 0; k < 7; ++k) {
       std::fill_n(a_[kB + k], m_, 0);
       std::fill_n(a_[kE + k], m_, 0);
@@ -118,6 +125,7 @@ class Radau15 final : public Interpolant {
       predict_next(next / now);
     }
     std::copy_n(y_[kNew], 2 * m_, in_.y);
+    remember();
     in_.reached = t;
     in_.carry.step = h;
   }
@@ -140,6 +148,21 @@ class Radau15 final : public Interpolant {
     const size_t m = M ? M : m_;
 #pragma GCC ivdep
     for (size_t i = 0; i < m; ++i) body(i);
+  }
+
+  // What the sums of the last call left over, if nobody has changed y since.
+  void recall() {
+    const double* memory = in_.memory.data();
+    if (in_.memory.size() == ias15_memory(m_) && std::equal(in_.y, in_.y + 2 * m_, memory + 2 * m_)) {
+      std::copy_n(memory, 2 * m_, y_[kLow]);
+    } else {
+      std::fill_n(y_[kLow], 2 * m_, 0);
+    }
+  }
+  void remember() {
+    if (in_.memory.size() != ias15_memory(m_)) return;
+    std::copy_n(y_[kLowNew], 2 * m_, in_.memory.data());
+    std::copy_n(in_.y, 2 * m_, in_.memory.data() + 2 * m_);
   }
 
   void sample(double t, const double* y, double* a) {
@@ -298,6 +321,11 @@ class Radau15 final : public Interpolant {
 };
 
 }  // namespace
+
+void prepare_ias15(const ForceField& field, State& state) {
+  prepare_adaptive(field, state);
+  add_memory(state, ias15_memory(state.f64(state.at("position")).size()));
+}
 
 void advance_ias15(Advance& in) {
   if (!in.f.second_order()) throw Error("unsuitable_method", "the method needs equations of second order");

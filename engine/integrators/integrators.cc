@@ -275,7 +275,7 @@ std::span<const Integrator> integrators() {
                  .equations = Integrator::Equations::second_order,
                  .order_with_velocity = 15,
                  .source = "Everhart 1985; Rein, Spiegel 2015",
-                 .prepare = prepare_adaptive,
+                 .prepare = prepare_ias15,
                  .step = step_by<advance_ias15>,
                  .advance = advance_ias15,
                  .refuses = refuses_general_rates},

@@ -20,6 +20,7 @@ StepFunction step_yoshida6, step_yoshida8, step_kahan_li8, step_pefrl;  // split
 StepFunction step_step_doubling, step_bs32, step_rkf45, step_dopri5;  // adaptive.cc
 StepFunction step_tsit5, step_dop853, step_ssprk104;                  // adaptive.cc
 PrepareFunction prepare_adaptive;                                     // adaptive.cc
+PrepareFunction prepare_ias15;                                        // ias15.cc
 
 AdvanceFunction advance_euler, advance_midpoint, advance_heun, advance_rk4;           // advance_pairs.cc
 AdvanceFunction advance_step_doubling, advance_bs32, advance_rkf45;                   // advance_pairs.cc

@@ -154,6 +154,19 @@ json::object typed_schema(std::string_view type, std::string_view sentence, cons
   return s;
 }
 
+// A request for accuracy needs a system whose method can be chosen.
+void check_accuracy(const Scene& scene, std::vector<Issue>& errors) {
+  if (!scene.header.accuracy) return;
+  const std::string& id = scene.header.accuracy->system;
+  if (scene.integrated_system(id)) return;
+  std::vector<std::string> fit;
+  for (const SceneSystem& s : scene.systems) {
+    if (scene.integrated_system(s.id)) fit.push_back(s.id);
+  }
+  errors.push_back({"/accuracy/system", "unknown_system", "it needs a system that takes an integrator",
+                    '"' + id.substr(0, 64) + '"', join(fit), nearest_name(id, fit), ""});
+}
+
 // References from the header to systems.
 void check_references(const Scene& scene, std::vector<Issue>& errors) {
   std::vector<std::string> ids;
@@ -173,6 +186,13 @@ void check_references(const Scene& scene, std::vector<Issue>& errors) {
 }
 
 }  // namespace
+
+std::optional<size_t> Scene::integrated_system(std::string_view id) const {
+  for (size_t i = 0; i < systems.size(); ++i) {
+    if ((id.empty() || systems[i].id == id) && systems[i].row->table->find("integrator")) return i;
+  }
+  return std::nullopt;
+}
 
 BuildContext Scene::context(size_t system) const {
   BuildContext c;
@@ -228,6 +248,7 @@ SceneReport read_scene(const json::value& document) {
       read_couplings(*couplings, scene, report.errors);
     }
     if (report.errors.empty()) check_references(scene, report.errors);
+    if (report.errors.empty()) check_accuracy(scene, report.errors);
   }
   if (scene.header.expect.empty() && !scene.header.teaches.empty()) {
     report.warnings.push_back({"/expect", "no_expectation",

@@ -104,6 +104,8 @@ struct Scene {
 
   /// h = dt / substeps
   double substep() const { return header.time.dt / static_cast<double>(header.time.substeps); }
+  /// Number of the system that takes an integrator: the one named `id`, or the first when the id is empty.
+  std::optional<size_t> integrated_system(std::string_view id) const;
   /// What a system of this scene is told.
   BuildContext context(size_t system) const;
   /// The whole scene with defaults, in SI.

@@ -315,12 +315,7 @@ std::vector<double> quantity_values(const System& system, const State& state, co
 // 2^p / (2^p - 1) for order p; at a tenth of the tolerance 10/9.
 double World::error_estimate(const WorldState& state) const {
   const AccuracyParams& wanted = *scene_.header.accuracy;
-  size_t i = 0;
-  if (!wanted.system.empty()) {
-    i = index_of(wanted.system);
-  } else {
-    while (i + 1 < size() && !scene_.systems[i].row->table->find("integrator")) ++i;
-  }
+  const size_t i = scene_.integrated_system(wanted.system).value();
   const State &coarse = state.systems[i], &finer = state.finer.at(0).systems[i];
   const std::vector<double> x = quantity_values(*systems_[i], coarse, wanted.quantity);
   const std::vector<double> y = quantity_values(*finer_->systems_[i], finer, wanted.quantity);

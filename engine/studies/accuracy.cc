@@ -6,6 +6,7 @@
 
 #include "engine/base/errors.h"
 #include "engine/core/integrator.h"
+#include "engine/scene/json_write.h"
 #include "engine/session/expectation.h"
 #include "engine/studies/scene_variant.h"
 #include "engine/studies/work_precision.h"
@@ -129,7 +130,7 @@ AccuracyOutcome choose_method(const json::value& original, double budget, StudyC
                 "no method meets the tolerance; the closest measured error is " + std::string(text),
                 {{"/accuracy/tolerance", "unreachable",
                   closest ? closest->integrator + " comes closest" : "every method failed on this scene",
-                  json::serialize(json::value(wanted.tolerance)), "at least " + std::string(text), "", ""}});
+                  write_json(wanted.tolerance), "at least " + std::string(text), "", ""}});
   }
   AccuracyOutcome out{original, std::move(report)};
   out.report["chosen"] = describe(*best);
@@ -139,6 +140,15 @@ AccuracyOutcome choose_method(const json::value& original, double budget, StudyC
   else
     set_at(out.scene, "/time/substeps", static_cast<int64_t>(std::llround(dt / best->setting)));
   return out;
+}
+
+SettledScene settle_accuracy(const json::value& document, double budget, const ThreadArena& arena) {
+  SettledScene settled{require_scene(read_scene(document)), {}};
+  if (!settled.scene.header.accuracy) return settled;
+  const std::atomic<bool> never{false};
+  StudyContext context{.arena = arena, .cancelled = never, .progress = [](double, const std::string&) {}};
+  AccuracyOutcome outcome = choose_method(document, budget, context);
+  return {require_scene(read_scene(outcome.scene)), std::move(outcome.report)};
 }
 
 }  // namespace truestep

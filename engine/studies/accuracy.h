@@ -5,6 +5,7 @@
 #pragma once
 #include <boost/json.hpp>
 
+#include "engine/scene/scene.h"
 #include "engine/studies/study.h"
 
 namespace truestep {
@@ -18,5 +19,14 @@ struct AccuracyOutcome {
 /// substeps). Spends at most `budget` CPU seconds. Error "accuracy_unreachable" with what is reachable when
 /// nothing meets it.
 AccuracyOutcome choose_method(const boost::json::value& document, double budget, StudyContext& context);
+
+struct SettledScene {
+  Scene scene;                 ///< as it will run
+  boost::json::object report;  ///< that of choose_method; empty when the scene asked for no accuracy
+};
+
+/// Reads a document and, when it asks for an accuracy, lets choose_method fill in how. Errors of both. What
+/// only reads scenes (validation, schema) does not come here: choosing takes seconds.
+SettledScene settle_accuracy(const boost::json::value& document, double budget, const ThreadArena& arena);
 
 }  // namespace truestep

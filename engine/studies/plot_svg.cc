@@ -7,6 +7,7 @@
 #include <cmath>
 #include <vector>
 
+#include "engine/base/xml.h"
 #include "engine/studies/study_result.h"
 
 namespace truestep {
@@ -22,23 +23,6 @@ constexpr std::array kColours = {"#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e
 std::string text_of(double v, int digits = 6) {
   char buffer[32];
   return {buffer, std::to_chars(buffer, buffer + sizeof buffer, v, std::chars_format::general, digits).ptr};
-}
-
-std::string escaped(const std::string& s) {
-  std::string out;
-  for (const char c : s) {
-    if (c == '&')
-      out += "&amp;";
-    else if (c == '<')
-      out += "&lt;";
-    else if (c == '>')
-      out += "&gt;";
-    else if (c == '"')
-      out += "&quot;";
-    else if (static_cast<unsigned char>(c) >= 0x20)
-      out += c;
-  }
-  return out;
 }
 
 class Axis {
@@ -74,7 +58,8 @@ class Axis {
       const int every = static_cast<int>(std::ceil((high_ - low_) / 10));
       for (int e = static_cast<int>(low_); e <= static_cast<int>(high_); e += std::max(1, every)) {
         out.push_back({a_ + (b_ - a_) * (e - low_) / (high_ - low_),
-                       "10<tspan dy=\"-6\" font-size=\"10\">" + std::to_string(e) + "</tspan>"});
+                       std::string("10<tspan dy=\"-6\" font-size=\"10\">") + (e < 0 ? "\u2212" : "") +
+                           std::to_string(std::abs(e)) + "</tspan>"});
       }
       return out;
     }
@@ -128,12 +113,12 @@ std::string frame(const StudyPlot& plot, const Axis& x, const Axis& y) {
   out += "<rect x=\"84\" y=\"48\" width=\"" + text_of(kPlotRight - kLeft) + "\" height=\"" +
          text_of(kPlotBottom - kTop) + "\" fill=\"none\" stroke=\"#404040\"/>\n";
   const double middle = 0.5 * (kTop + kPlotBottom);
-  out +=
-      label(0.5 * (kLeft + kPlotRight), 30, "text-anchor=\"middle\" font-size=\"17\"", escaped(plot.title));
-  out += label(0.5 * (kLeft + kPlotRight), kHeight - 16, "text-anchor=\"middle\"", escaped(plot.x_label));
+  out += label(0.5 * (kLeft + kPlotRight), 30, "text-anchor=\"middle\" font-size=\"17\"",
+               escaped_xml(plot.title));
+  out += label(0.5 * (kLeft + kPlotRight), kHeight - 16, "text-anchor=\"middle\"", escaped_xml(plot.x_label));
   out += label(22, middle,
                ("text-anchor=\"middle\" transform=\"rotate(-90 22 " + text_of(middle) + ")\"").c_str(),
-               escaped(plot.y_label));
+               escaped_xml(plot.y_label));
   return out;
 }
 
@@ -158,22 +143,23 @@ std::string result_svg(const StudyPlot& plot) {
   for (size_t n = 0; n < plot.series.size(); ++n) {
     const auto& s = plot.series[n];
     const char* colour = kColours[n % kColours.size()];
+    const bool dashed = s.style == Style::dashed || s.style == Style::dashed_and_markers;
+    const bool marked = s.style != Style::line && s.style != Style::dashed;
     const std::string stroke = std::string("fill=\"none\" stroke-width=\"1.8\" stroke=\"") + colour + '"' +
-                               (s.style == Style::dashed ? " stroke-dasharray=\"6 5\"" : "");
+                               (dashed ? " stroke-dasharray=\"6 5\"" : "");
     std::string path, marks;
     for (size_t i = 0; i < s.x.size(); ++i) {
       if (!x.usable(s.x[i]) || !y.usable(s.y[i])) continue;
       const double px = x.place(s.x[i]), py = y.place(s.y[i]);
       path += (path.empty() ? "M" : "L") + text_of(px) + ' ' + text_of(py);
-      if (s.style == Style::line_and_markers || s.style == Style::markers) marks += marker(n, px, py, colour);
+      if (marked) marks += marker(n, px, py, colour);
     }
     if (s.style != Style::markers) out += "<path d=\"" + path + "\" " + stroke + "/>\n";
     out += marks + '\n';
     const double ly = kTop + 10 + row_height * static_cast<double>(n);
     out += line(kPlotRight + 14, ly, kPlotRight + 40, ly, stroke.c_str());
-    if (s.style == Style::line_and_markers || s.style == Style::markers)
-      out += marker(n, kPlotRight + 27, ly, colour);
-    out += label(kPlotRight + 48, ly + 4, "", escaped(s.name));
+    if (marked) out += marker(n, kPlotRight + 27, ly, colour);
+    out += label(kPlotRight + 48, ly + 4, "", escaped_xml(s.name));
   }
   return out + "</svg>\n";
 }

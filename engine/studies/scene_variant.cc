@@ -72,12 +72,10 @@ World build_world(const json::value& document) {
 }
 
 size_t studied_system(const Scene& scene, std::string_view id) {
+  if (const auto found = scene.integrated_system(id)) return *found;
   std::string ids;
-  for (size_t i = 0; i < scene.systems.size(); ++i) {
-    const SceneSystem& s = scene.systems[i];
-    if (!s.row->table->find("integrator")) continue;
-    if (id.empty() || s.id == id) return i;
-    ids += (ids.empty() ? "" : ", ") + s.id;
+  for (const SceneSystem& s : scene.systems) {
+    if (scene.integrated_system(s.id)) ids += (ids.empty() ? "" : ", ") + s.id;
   }
   throw Error("scene_invalid", "no system of the scene fits the study",
               {{"/system", "unknown_system", "the study needs a system with an integrator",

@@ -92,6 +92,8 @@ StudyRequest read_study_request(const json::value& request) {
     const std::string first = issues.front().message;
     throw Error("scene_invalid", first, std::move(issues));
   }
+  // Studies choose methods and steps themselves; a companion run would only be timed along.
+  out.scene.as_object().erase("accuracy");
   return out;
 }
 

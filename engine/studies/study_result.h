@@ -22,7 +22,13 @@ struct StudyPlot {
   struct Series {
     std::string name;
     std::vector<double> x = {}, y = {};
-    enum class Style : uint8_t { line_and_markers, line, dashed, markers } style = Style::line_and_markers;
+    enum class Style : uint8_t {
+      line_and_markers,
+      line,
+      dashed,
+      dashed_and_markers,
+      markers
+    } style = Style::line_and_markers;
   };
   std::string title, x_label, y_label;
   Scale x_scale = Scale::logarithmic, y_scale = Scale::logarithmic;

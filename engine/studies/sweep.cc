@@ -6,6 +6,7 @@
 
 #include "engine/base/errors.h"
 #include "engine/base/random.h"
+#include "engine/scene/json_write.h"
 #include "engine/session/expectation.h"
 #include "engine/studies/scene_variant.h"
 
@@ -231,7 +232,7 @@ StudyResult run_sweep(const json::value& scene, const void* def, StudyContext& c
     std::string name;
     for (size_t i = 1; i < p.axes.size() && p.mode == SweepParams::Mode::grid; ++i) {
       const auto* v = std::get_if<double>(&row[1 + i]);
-      name += (i > 1 ? ", " : "") + p.axes[i].pointer + " = " + (v ? json::serialize(json::value(*v)) : "");
+      name += (i > 1 ? ", " : "") + p.axes[i].pointer + " = " + (v ? write_json(*v) : "");
     }
     auto& curve = curves[name];
     curve.name = name.empty() ? p.measure[0] : name;

@@ -1,6 +1,7 @@
 #include "server/api/openapi.h"
 
 #include "engine/base/version.h"
+#include "engine/base/xml.h"
 #include "engine/scene/json_write.h"
 #include "engine/scene/params.h"
 #include "engine/session/commands.h"
@@ -170,19 +171,6 @@ json::object operation(const net::Route& route) {
   return o;
 }
 
-std::string escape(std::string_view s) {
-  std::string out;
-  for (const char c : s) {
-    if (c == '<')
-      out += "&lt;";
-    else if (c == '&')
-      out += "&amp;";
-    else
-      out += c;
-  }
-  return out;
-}
-
 std::string docs_page(const net::Router& router) {
   std::string page =
       "<!doctype html><html lang=en><meta charset=utf-8><title>Truestep API</title><style>body{font:16px/1.5 "
@@ -195,12 +183,12 @@ std::string docs_page(const net::Router& router) {
   for (const net::Route& r : router.rows()) {
     if (!is_interface(r)) continue;
     page += "<tr><td><code>" + std::string(r.open_websocket ? "WS" : net::method_name(r.method)) +
-            "</code><td><code>" + escape(r.pattern) + "</code><td>" + escape(r.summary);
+            "</code><td><code>" + escaped_xml(r.pattern) + "</code><td>" + escaped_xml(r.summary);
   }
   page += "</table><h2>Codes</h2><table>";
   for (const net::ProblemKind& k : net::problem_kinds()) {
     page += "<tr><td><code>" + std::string(k.code) + "</code><td>" + std::to_string(k.status) + "<td>" +
-            escape(k.title);
+            escaped_xml(k.title);
   }
   return page + "</table>";
 }

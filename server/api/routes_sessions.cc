@@ -132,6 +132,13 @@ void add_session_routes(net::Router& router, App& app) {
   router.add(Method::post, session + "/commands",
              "Push, impulse, drag, release, pin, unpin, set_parameter, spawn, remove",
              [&app](const Request& r) { return command(app, r); });
+  router.add(Method::get, session + "/scene",
+             "The scene as it runs, with every default, in SI: what POST /v1/sessions and studies take",
+             [&app](const Request& r) {
+               return with_session(app, app.store.find(r.param("id")), [](SessionEntry& e) {
+                 return json_response(e.session.world().scene().canonical());
+               });
+             });
   router.add(Method::get, session + "/plan",
              "Passes of a step with their share of time, and what was skipped and why",
              [&app](const Request& r) {

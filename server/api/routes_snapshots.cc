@@ -37,14 +37,17 @@ asio::awaitable<Response> branch(App& app, const Request& request) {
   EntryPtr entry = app.store.find(request.param("id"));
   auto copy = [&app, entry] {
     json::value document;
+    json::object accuracy;
     WorldState state;
     {
       const std::lock_guard lock(entry->mutex);
       document = entry->session.world().scene().canonical();
+      accuracy = entry->accuracy;
       state = entry->session.state();
     }
-    auto made = app.store.create(document, random_session_id());
+    auto made = app.store.create(document, random_session_id(), SessionStore::Accuracy::chosen);
     const std::lock_guard lock(made.entry->mutex);
+    made.entry->accuracy = std::move(accuracy);
     made.entry->session.restore(std::move(state));
     Response r = json_response(describe_session(*made.entry), 201);
     r.header("Location", "/v1/sessions/" + made.entry->id);

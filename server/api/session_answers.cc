@@ -21,6 +21,7 @@ json::object links_of(const std::string& id) {
           {"latest_frame", self + "/frames/latest"},
           {"observables", self + "/observables"},
           {"plan", self + "/plan"},
+          {"scene", self + "/scene"},
           {"commands", self + "/commands"},
           {"snapshots", self + "/snapshots"},
           {"picture", self + "/picture.png"},

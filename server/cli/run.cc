@@ -63,21 +63,13 @@ json::array describe_verdicts(const std::vector<Verdict>& verdicts) {
 }
 
 int run(const RunOptions& options) {
-  json::value document = load_scene_document(options.scene);
-  Scene scene = require_scene(read_scene(document));
-  require_admission(estimate(scene),
+  const json::value document = load_scene_document(options.scene);
+  require_admission(estimate(require_scene(read_scene(document))),
                     AdmissionLimits{.memory_bytes = 16e9, .elements = 1e9, .seconds_per_step = 1e6});
   const int threads =
       options.threads > 0 ? options.threads : static_cast<int>(std::thread::hardware_concurrency());
   const auto arena = std::make_shared<const ThreadArena>(threads);
-  json::object accuracy;
-  if (scene.header.accuracy) {
-    const std::atomic<bool> never{false};
-    StudyContext context{.arena = *arena, .cancelled = never, .progress = [](double, const std::string&) {}};
-    AccuracyOutcome outcome = choose_method(document, kAccuracySeconds, context);
-    scene = require_scene(read_scene(outcome.scene));
-    accuracy = std::move(outcome.report);
-  }
+  auto [scene, accuracy] = settle_accuracy(document, kAccuracySeconds, *arena);
   const double dt = scene.header.time.dt;
   const double seconds = options.seconds >= 0 ? options.seconds : scene.header.time.duration;
   const uint64_t steps = options.steps >= 0 ? static_cast<uint64_t>(options.steps)

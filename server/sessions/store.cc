@@ -40,7 +40,8 @@ void SessionStore::check_room(double bytes) const {
   }
 }
 
-SessionStore::Created SessionStore::create(const json::value& document, const std::string& id) {
+SessionStore::Created SessionStore::create(const json::value& document, const std::string& id,
+                                           Accuracy accuracy) {
   Hasher hasher;
   hasher.text(write_json(document));
   const uint64_t scene_hash = hasher.value();
@@ -56,28 +57,23 @@ SessionStore::Created SessionStore::create(const json::value& document, const st
     if (EntryPtr e = existing()) return {e, Created::How::existed};
     check_room(0);
   }
-  Scene scene = require_scene(read_scene(document));
-  const Cost cost = estimate(scene);
+  Scene asked = require_scene(read_scene(document));
+  const Cost cost = estimate(asked);
   require_admission(cost, limits_.per_session);
   // A scene that asks for accuracy has a companion as large as itself.
-  const double copies = scene.header.accuracy ? 2 : 1;
+  const double copies = asked.header.accuracy ? 2 : 1;
   const double bytes = copies * (cost.state_bytes + cost.workspace_bytes);
-  json::object accuracy;
-  if (scene.header.accuracy) {
-    const std::atomic<bool> never{false};
-    StudyContext context{.arena = *arena_, .cancelled = never, .progress = [](double, const std::string&) {}};
-    AccuracyOutcome outcome = choose_method(document, limits_.accuracy_seconds, context);
-    scene = require_scene(read_scene(outcome.scene));
-    accuracy = std::move(outcome.report);
-  }
+  SettledScene settled = accuracy == Accuracy::chosen
+                             ? SettledScene{std::move(asked), {}}
+                             : settle_accuracy(document, limits_.accuracy_seconds, *arena_);
   {
     const std::lock_guard lock(mutex_);
     check_room(bytes);
   }
-  auto entry =
-      std::make_shared<SessionEntry>(id, std::make_shared<const World>(std::move(scene)), arena_, bytes);
+  auto entry = std::make_shared<SessionEntry>(id, std::make_shared<const World>(std::move(settled.scene)),
+                                              arena_, bytes);
   entry->scene_hash = scene_hash;
-  entry->accuracy = std::move(accuracy);
+  entry->accuracy = std::move(settled.report);
   const std::lock_guard lock(mutex_);
   if (EntryPtr e = existing()) return {e, Created::How::existed};
   check_room(bytes);

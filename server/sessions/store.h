@@ -33,7 +33,11 @@ class SessionStore {
     EntryPtr entry;
     enum class How { made, existed } how = How::made;
   };
-  Created create(const boost::json::value& scene, const std::string& id);
+  /// What becomes of a scene's "accuracy": a method is chosen by measuring, or the scene comes from a session
+  /// where that was done and runs as it is.
+  enum class Accuracy : uint8_t { choose, chosen };
+  Created create(const boost::json::value& scene, const std::string& id,
+                 Accuracy accuracy = Accuracy::choose);
 
   /// Error "unknown_session", or "session_expired" when it was removed for want of use.
   EntryPtr find(std::string_view id);

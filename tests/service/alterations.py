@@ -85,6 +85,8 @@ ALTERED = {
         "test_deleted_sessions_are_unknown": [body(SELF, put("code", "ok"))],
         "test_play_pause_reset": [body("POST .*/reset$", put("step", 1))],
         "test_snapshot_restore_and_branch_continue_the_trajectory": [body(STEP, another_hash)],
+        "test_the_scene_of_a_session_makes_the_same_session_again": [body("GET .*/scene$", lambda o: o["systems"][0].update(stiffness=1))],
+        "test_a_branch_keeps_the_method_that_was_chosen": [body("POST .*/branch$", lambda o: o["accuracy"].update(tolerance=1))],
         "test_seek_is_exact": [body("POST .*/seek$", put("state_hash", "0" * 16))],
         "test_instability_says_where_and_what_would_have_held": [body(STEP, put("suggested_dt", 2.001e-3))],
     },

@@ -89,6 +89,26 @@ class Sessions(Case):
         c = self.service.post(s["links"]["step"], {"steps": 40}).json()["state_hash"]
         self.assertEqual([a, a], [b, c])
 
+    def test_the_scene_of_a_session_makes_the_same_session_again(self):
+        s = self.service.create(OSCILLATOR)
+        scene = self.service.get(s["links"]["scene"]).json()
+        self.assertEqual(s["links"]["scene"], s["links"]["self"] + "/scene")
+        # What the scene left out is there.
+        self.assertIn("integrator", scene["systems"][0])
+        self.assertEqual(scene["time"]["substeps"], 1)
+        again = self.service.create(scene)
+        self.assertEqual(again["state_hash"], s["state_hash"])
+        hashes = [self.service.post(x["links"]["step"], {"steps": 50}).json()["state_hash"] for x in (s, again)]
+        self.assertEqual(*hashes)
+        self.assertEqual(self.service.get(again["links"]["scene"]).json(), scene)
+
+    def test_a_branch_keeps_the_method_that_was_chosen(self):
+        s = self.service.create({**OSCILLATOR, "accuracy": {"tolerance": 1e-5}})
+        branch = self.service.post(s["links"]["self"] + "/branch").json()
+        scenes = [self.service.get(x["links"]["scene"]).json() for x in (s, branch)]
+        self.assertEqual(*scenes)
+        self.assertEqual(branch["accuracy"], s["accuracy"])
+
     def test_seek_is_exact(self):
         s = self.service.create(OSCILLATOR)
         at_20 = self.service.post(s["links"]["step"], {"steps": 20}).json()["state_hash"]

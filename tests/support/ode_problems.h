@@ -140,6 +140,26 @@ struct GravityForce {
       }
     }
   }
+  /// Of y = (x, v), summed in extended precision so that the sum's own rounding does not show.
+  long double energy(const double* y) const {
+    const size_t n = masses.size(), d = dimensions;
+    long double e = 0;
+    for (size_t i = 0; i < n; ++i) {
+      for (size_t k = 0; k < d; ++k) {
+        const long double v = y[d * (n + i) + k];
+        e += 0.5L * masses[i] * v * v;
+      }
+      for (size_t j = i + 1; j < n; ++j) {
+        long double r2 = 0;
+        for (size_t k = 0; k < d; ++k) {
+          const long double dx = static_cast<long double>(y[d * j + k]) - y[d * i + k];
+          r2 += dx * dx;
+        }
+        e -= static_cast<long double>(g) * masses[i] * masses[j] / std::sqrt(r2);
+      }
+    }
+    return e;
+  }
 };
 
 /// Sun and inner planets as one, Jupiter to Neptune, Pluto; AU, days, solar masses (Hairer, Lubich, Wanner
@@ -158,67 +178,6 @@ inline std::vector<double> outer_solar_start() {
           0.00168318, 0.00483525,  0.00192462,  0.00354178,  0.00137102,  0.00055029,
           0.0028893,  0.00114527,  0.00039677,  0.00276725,  -0.00170702, -0.00136504};
 }
-
-/// A hanging chain of n unit masses, links of stiffness k (N/m) and damping c (N s/m), the first held, under
-/// gravity; x = displacements, y = (x, v). Its fastest modes are damped critically when c^2 = k.
-class Chain final : public RightHandSide, public SecondOrder {
- public:
-  Chain(size_t n, double k, double c) : n_(n), k_(k), c_(c) {}
-  size_t size() const override { return 2 * n_; }
-  void rate(double t, const double* y, double* dydt) const override {
-    const double* v = y + n_;
-    for (size_t i = 0; i < n_; ++i) dydt[i] = v[i];
-    acceleration(t, y, v, dydt + n_);
-  }
-  const SecondOrder* second_order() const override { return this; }
-  bool depends_on_velocity() const override { return true; }
-  bool autonomous() const override { return true; }
-  void acceleration(double, const double* x, const double* v, double* a) const override {
-    constexpr double kGravity = 9.81;
-    const double k = k_, c = c_;
-    const size_t last = n_ - 1;
-    a[0] = k * (x[1] - 2 * x[0]) + c * (v[1] - 2 * v[0]) - kGravity;
-#pragma GCC ivdep
-    for (size_t i = 1; i < last; ++i) {
-      a[i] = k * (x[i - 1] - 2 * x[i] + x[i + 1]) + c * (v[i - 1] - 2 * v[i] + v[i + 1]) - kGravity;
-    }
-    a[last] = k * (x[last - 1] - x[last]) + c * (v[last - 1] - v[last]) - kGravity;
-  }
-  /// (x, v) at time t from rest: the sum over the modes, each an oscillator under constant load.
-  std::vector<double> exact(double t) const {
-    std::vector<double> y(2 * n_, 0.0);
-    const auto n = static_cast<double>(n_);
-    std::vector<double> shape(n_);
-    for (size_t j = 1; j <= n_; ++j) {
-      const double theta = (2 * double(j) - 1) * M_PI / (2 * n + 1), s = std::sin(0.5 * theta),
-                   lambda = 4 * s * s;
-      double norm = 0, load = 0;
-      for (size_t i = 0; i < n_; ++i) {
-        shape[i] = std::sin(double(i + 1) * theta);
-        norm += shape[i] * shape[i], load -= 9.81 * shape[i];
-      }
-      load /= norm;
-      const double w2 = k_ * lambda, b = 0.5 * c_ * lambda, rest = load / w2, d = w2 - b * b;
-      double x = 0, v = 0;
-      if (d > 0) {
-        const double w = std::sqrt(d), decay = std::exp(-b * t);
-        x = rest - rest * decay * (std::cos(w * t) + b / w * std::sin(w * t));
-        v = rest * decay * (w2 / w) * std::sin(w * t);
-      } else {
-        const double root = std::sqrt(-d), r1 = -b + root, r2 = -b - root;
-        const double p = rest * r2 / (r1 - r2), q = -rest * r1 / (r1 - r2);
-        x = rest + p * std::exp(r1 * t) + q * std::exp(r2 * t);
-        v = p * r1 * std::exp(r1 * t) + q * r2 * std::exp(r2 * t);
-      }
-      for (size_t i = 0; i < n_; ++i) y[i] += x * shape[i], y[n_ + i] += v * shape[i];
-    }
-    return y;
-  }
-
- private:
-  size_t n_;
-  double k_, c_;
-};
 
 /// Euclidean error relative to the reference.
 inline double relative_error(const std::vector<double>& y, const std::vector<double>& reference) {

@@ -59,6 +59,22 @@ TEST(SceneVariant, SetsMembersAndElements) {
     EXPECT_THROW(set_at(d, bad, 1), Error) << bad;
 }
 
+TEST(Accuracy, NamesASystemWhoseMethodCanBeChosen) {
+  const auto pointer = [](const char* accuracy, const char* system) {
+    const auto report =
+        read_scene(parse_json(std::string(R"({"schema_version":"1.0","name":"s","accuracy":)") + accuracy +
+                              R"(,"systems":[)" + system + "]}"));
+    return report.errors.empty() ? std::string() : report.errors.front().pointer;
+  };
+  const char* oscillator = R"({"type":"oscillator","id":"o","mass":1,"stiffness":1})";
+  EXPECT_EQ(pointer(R"({"tolerance":1e-4})", oscillator), "");
+  EXPECT_EQ(pointer(R"({"tolerance":1e-4,"system":"o"})", oscillator), "");
+  EXPECT_EQ(pointer(R"({"tolerance":1e-4,"system":"p"})", oscillator), "/accuracy/system");
+  const json::value one = parse_json(kOscillator);
+  EXPECT_EQ(require_scene(read_scene(one)).integrated_system(""), 0u);
+  EXPECT_EQ(require_scene(read_scene(one)).integrated_system("other"), std::nullopt);
+}
+
 TEST(ObservedOrder, QuotesOnlyWhatHasSettled) {
   std::vector<double> clean, wobbling;
   for (int k = 0; k < 6; ++k) {

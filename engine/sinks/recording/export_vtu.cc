@@ -5,28 +5,13 @@
 
 #include <filesystem>
 
+#include "engine/base/xml.h"
+
 namespace truestep::exporting {
 namespace {
 
 const char* type_name(Precision p) {
   return p == Precision::kF32 ? "Float32" : p == Precision::kF64 ? "Float64" : "UInt32";
-}
-
-std::string escaped(const std::string& s) {
-  std::string out;
-  for (char c : s) {
-    if (c == '&')
-      out += "&amp;";
-    else if (c == '<')
-      out += "&lt;";
-    else if (c == '>')
-      out += "&gt;";
-    else if (c == '"')
-      out += "&quot;";
-    else
-      out += c;
-  }
-  return out;
 }
 
 // The XML text and the block of arrays behind it grow together.
@@ -35,7 +20,7 @@ struct Document {
   std::vector<char> data;
 
   void array(const std::string& type, const std::string& name, size_t width, const std::vector<char>& bytes) {
-    xml += "<DataArray type=\"" + type + "\" Name=\"" + escaped(name) + "\" NumberOfComponents=\"" +
+    xml += "<DataArray type=\"" + type + "\" Name=\"" + escaped_xml(name) + "\" NumberOfComponents=\"" +
            std::to_string(width) + "\" format=\"appended\" offset=\"" + std::to_string(data.size()) +
            "\"/>\n";
     const uint64_t size = bytes.size();
@@ -127,8 +112,8 @@ Paths write_vtu(RecordingReader& reader, const ExportOptions& options, const std
       std::string time;
       print(Precision::kF64, frame.time, time);
       list += "<DataSet timestep=\"" + time + "\" part=\"" + std::to_string(part++) + "\" name=\"" +
-              escaped(system.id) + "\" file=\"" +
-              escaped(std::filesystem::path(paths.back()).filename().string()) + "\"/>\n";
+              escaped_xml(system.id) + "\" file=\"" +
+              escaped_xml(std::filesystem::path(paths.back()).filename().string()) + "\"/>\n";
     }
   }
   paths.push_back(stem + ".pvd");

@@ -94,6 +94,11 @@ export class Service {
     return (await this.call("GET", this.path(id))) as Session;
   }
 
+  /** The scene as the session runs it, with every default. */
+  async sessionScene(id: string): Promise<Scene> {
+    return (await this.call("GET", this.path(id, "/scene"))) as Scene;
+  }
+
   async deleteSession(id: string): Promise<void> {
     await this.call("DELETE", this.path(id));
   }

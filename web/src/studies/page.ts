@@ -4,7 +4,6 @@ import { Service, type GalleryEntry, type Scene } from "../client/rest";
 import type { Operation, StudyKind } from "../client/studies";
 import { watch } from "../client/watch";
 import { byId, make } from "../ui/dom";
-import { recallScene } from "../ui/handover";
 import { clearProblems, showProblem } from "../ui/problems";
 import { Form, type Offers } from "./form";
 import { readDraft, systemsOf, type Draft } from "./form_model";
@@ -33,7 +32,6 @@ export class StudyPage {
     const query = new URLSearchParams(location.search);
     const session = query.get("session");
     if (session) {
-      this.own = recallScene(session);
       byId<HTMLAnchorElement>("back").href = `/?session=${encodeURIComponent(session)}`;
       byId("back-text").textContent = "Back to the scene";
     }
@@ -44,7 +42,9 @@ export class StudyPage {
     this.scenes.addEventListener("change", () => void this.attempt(() => this.chooseScene()));
     byId("cancel").addEventListener("click", () => void this.attempt(() => this.cancel()));
     await this.attempt(async () => {
-      [this.kinds, this.gallery] = await Promise.all([this.service.studies(), this.service.gallery()]);
+      // A session that has ended leaves the gallery to choose from.
+      const own = session ? this.attempt(async () => { this.own = await this.service.sessionScene(session); }) : undefined;
+      [this.kinds, this.gallery] = await Promise.all([this.service.studies(), this.service.gallery(), own]);
       this.listKinds(query.get("kind") ?? "");
       this.listScenes(query.get("gallery") ?? "");
       await this.chooseScene();

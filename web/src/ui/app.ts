@@ -9,7 +9,6 @@ import { Compact } from "./compact";
 import { byId, make } from "./dom";
 import { Editor } from "./editor";
 import { markScene, showGallery } from "./gallery";
-import { recallScene, rememberScene } from "./handover";
 import { Interaction } from "./interact";
 import { Plot } from "./plot";
 import { clearProblems, showProblem } from "./problems";
@@ -94,7 +93,6 @@ export class App {
     clearProblems();
     this.leave();
     this.own = true;
-    rememberScene(session.id, scene);
     this.show(session);
     markScene(name);
     history.replaceState(null, "", `/?session=${encodeURIComponent(session.id)}`);
@@ -129,7 +127,7 @@ export class App {
     this.title(session.title ?? session.name ?? "");
     const studies = byId<HTMLAnchorElement>("studies");
     studies.href = `/studies.html?session=${encodeURIComponent(session.id)}`;
-    studies.querySelector("span")!.textContent = recallScene(session.id) ? "Study this scene" : "Studies";
+    studies.querySelector("span")!.textContent = "Study this scene";
     this.lesson(session.teaches);
     this.accuracy(session.accuracy as Accuracy | undefined);
     byId("transport").hidden = false;

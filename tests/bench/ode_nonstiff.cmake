@@ -1,2 +1,0 @@
-# odeint's headers warn about themselves.
-target_compile_options(${bench_target} PRIVATE -Wno-deprecated-copy -Wno-unused-local-typedefs)
