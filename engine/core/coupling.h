@@ -6,6 +6,7 @@
 //   for each system:             step
 //   for each coupling, in order: midway     a look at where the systems alone have led
 //   for each coupling, backwards: end       kicks of the second half, contacts, corrections
+//   for each coupling, in turn:  guard      until none changes anything: what holds whatever the others did
 //
 // The order is a palindrome, so that couplings by forces compose to second order (Strang 1968).
 #pragma once
@@ -38,6 +39,9 @@ class Coupling {
   virtual void midway(const CoupledStates& s, const StepInput& input) const {}
   /// After both sides have advanced by input.h.
   virtual void end(const CoupledStates& s, const StepInput& input) const = 0;
+  /// After all couplings have ended: restores what must never be broken, and returns whether it changed
+  /// anything.
+  virtual bool guard(const CoupledStates& s, const StepInput& input) const { return false; }
   /// Adds what was exchanged: impulses, energy lost, energy stored ("energy.potential", J).
   virtual void observe(const ConstCoupledStates& s, Observables& out) const = 0;
   /// Passes of `begin` and `end`, then what this scene does not need.

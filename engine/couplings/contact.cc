@@ -1,6 +1,7 @@
 #include "engine/couplings/contact.h"
 
 #include "engine/collision/collider_set.h"
+#include "engine/couplings/contact_guard.h"
 #include "engine/couplings/contact_solver.h"
 #include "engine/couplings/sides.h"
 
@@ -9,8 +10,8 @@ namespace truestep {
 namespace {
 
 constexpr State::Column kContacts = exchange_columns::end;
-/// Searches per substep at most; what touches after the last is found in the next substep.
-constexpr int kMostRounds = 4;
+/// Searches per substep at most; what touches after the last is found in the next substep, or by the guard.
+constexpr uint32_t kMostRounds = 4;
 
 /// Memory of both sides between the two halves of a substep, and what the
 /// search and the solver keep.
@@ -19,6 +20,7 @@ struct ContactScratch {
   RowTraces point_traces, other_traces;
   ContactSearch search;
   ContactSolverScratch solver;
+  PassGuard guard;
 };
 
 bool more_than_balls(const PublishedSolids& s) {
@@ -97,22 +99,23 @@ void Contact::end(const CoupledStates& s, const StepInput& in) const {
   const ContactQuery query{{points.x, points.v, scratch.points, scratch.point_traces},
                            points.count,
                            {other.x, other.v, other_memory, other_traces},
+                           other.count,
                            solids(other),
                            itself ? OwnSolids::yes : OwnSolids::no,
                            reach_,
                            in.h};
-  const auto search = [&](SearchRound round) -> const std::vector<Touch>& {
+  const auto search = [&](uint32_t round) -> const std::vector<Touch>& {
     const ProfileScope scope(in.profile, "search");
     return scratch.search.run(query, round, in.arena);
   };
-  const std::vector<Touch>* touches = &search(SearchRound::first);
+  const std::vector<Touch>* touches = &search(0);
   ContactSolver solver(def_, query, points, other, scratch.solver);
   size_t acted = 0;
-  for (int round = 0; round < kMostRounds && !touches->empty(); ++round) {
+  for (uint32_t round = 0; round < kMostRounds && !touches->empty(); ++round) {
     // Answers bend ways, which may lead to touches that nobody looked for.
-    if (round > 0) touches = &search(SearchRound::later);
+    if (round > 0) touches = &search(round);
     const ProfileScope scope(in.profile, "contacts");
-    const size_t more = solver.answer_all(*touches);
+    const size_t more = solver.answer_all(*touches, round);
     if (more == 0) break;
     acted += more;
   }
@@ -124,6 +127,21 @@ void Contact::end(const CoupledStates& s, const StepInput& in) const {
   Exchange sum = solver.exchange();
   if (swapped) sum.impulse = -sum.impulse;
   book(s.own, sum);
+}
+
+bool Contact::guard(const CoupledStates& s, const StepInput& in) const {
+  if (published_.triangles.empty()) return false;
+  auto& scratch = in.workspace.object<ContactScratch>("contact");
+  const ProfileScope scope(in.profile, "guard");
+  const bool swapped = roles_ == Roles::b_on_a;
+  Points points(swapped ? s.b : s.a, points_), other(swapped ? s.a : s.b, other_);
+  const SolidList list = solids(other);
+  const GuardedPoints guarded{scratch.points.x(), scratch.other.x(), points, other, list, reach_, in.h};
+  Exchange sum;
+  const bool acted = scratch.guard.run(guarded, def_, scratch.search.near(), sum, in.arena);
+  if (swapped) sum.impulse = -sum.impulse;
+  book(s.own, sum);
+  return acted;
 }
 
 void Contact::observe(const ConstCoupledStates& s, Observables& out) const {
@@ -146,6 +164,11 @@ std::vector<PlanRow> Contact::plan() const {
       {runs, "remember", "a touch needs the substep's start, and where the systems alone lead"},
       {runs, "search", "points of " + points_id_ + " near the solids of " + solids_id_ + ": " + what},
       {runs, "contacts", "impulses on both sides, in the order of the touches"}};
+  if (published_.triangles.empty()) {
+    rows.push_back({skipped, "guard", "only triangles can be passed"});
+  } else {
+    rows.push_back({runs, "guard", "no point passes a triangle, whatever the impulses did"});
+  }
   if (def_.friction == 0) rows.push_back({skipped, "friction", "friction is 0"});
   return rows;
 }

@@ -9,8 +9,9 @@
 // weights b_i as in Bridson, Fedkiw, Anderson 2002, "Robust treatment of
 // collisions, contact and friction for cloth animation", section 7.1.
 // Which side is searched: the points of a against the solids of b; the other
-// way round where b has only balls and a more than that. Not covered: crowds
-// that hit the same few points at once harder than the bounded number of searches follows; edges of
+// way round where b has only balls and a more than that. Points never pass
+// triangles: couplings/contact_guard.h has the last word, after all couplings,
+// and answers as without restitution. Not covered: edges of
 // two cloths against each other. Points do not spin, so friction at the
 // distance of their radii takes angular momentum with it; without friction it
 // is kept.
@@ -34,6 +35,7 @@ class Contact final : public Coupling {
   void begin(const CoupledStates& s, const StepInput& input) const override;
   void midway(const CoupledStates& s, const StepInput& input) const override;
   void end(const CoupledStates& s, const StepInput& input) const override;
+  bool guard(const CoupledStates& s, const StepInput& input) const override;
   /// The exchange, and contacts: those of the last substep (1).
   void observe(const ConstCoupledStates& s, Observables& out) const override;
   std::vector<PlanRow> plan() const override;

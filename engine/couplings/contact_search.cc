@@ -7,10 +7,6 @@ namespace truestep {
 
 namespace {
 
-/// Points that look for solids together: enough to be worth a task, few enough
-/// to balance.
-constexpr size_t kBlockPoints = 1024;
-
 /// Box around the rest of a row's way: both ends, and an eighth of the bend to every side.
 Box box_of_path(const MovingPoints& p, size_t row, double h) {
   const Vec3 a = p.from(row), b = load3(p.x, row), bend = p.acceleration(row, h) * (0.125 * h * h);
@@ -28,19 +24,12 @@ Box box_of_solid(const ContactQuery& q, size_t solid) {
   return {box.low - pad, box.high + pad};
 }
 
-bool touched(const ContactQuery& q, size_t solid) {
+bool touched_in(const ContactQuery& q, size_t solid, uint32_t round) {
   const SolidList::Corners c = q.solids.corners(solid);
   for (size_t k = 0; k < c.count; ++k) {
-    if (q.other.traces.touched(c.rows[k])) return true;
+    if (q.other.traces.touched_in(c.rows[k], round)) return true;
   }
   return false;
-}
-
-/// Adds the pair to `found` when it touches; of two balls of one system, only in one order.
-void try_pair(const ContactQuery& q, size_t point, uint32_t solid, std::vector<Touch>& found) {
-  if (q.own == OwnSolids::yes && q.solids.corners(solid).rows[0] <= point) return;
-  const Touch candidate{0, static_cast<uint32_t>(point), solid};
-  if (const auto hit = touch_of(q, candidate)) found.push_back({hit->s, candidate.point, solid});
 }
 
 }  // namespace
@@ -76,67 +65,88 @@ void PointMemory::align(const ConstPoints& now) {
   ids_.assign(now.ids.begin(), now.ids.end());
 }
 
-const std::vector<Touch>& ContactSearch::run(const ContactQuery& q, SearchRound round,
+const std::vector<Touch>& ContactSearch::run(const ContactQuery& q, uint32_t round,
                                              const ThreadArena& arena) {
-  const size_t blocks = (q.count + kBlockPoints - 1) / kBlockPoints;
-  if (found_.size() < blocks) found_.resize(blocks);
-  if (round == SearchRound::first) {
+  corners_.resize(q.other_count);
+  arena.for_blocks(corners_.size(), kBlockRows, [&](size_t begin, size_t end) {
+    for (size_t row = begin; row < end; ++row) {
+      if (round == 0 || q.other.traces.touched_in(row, round - 1)) corners_[row] = q.other.path(row, q.h);
+    }
+  });
+  if (round == 0) {
     look_at_all(q, arena);
   } else {
-    look_at_changes(q, arena);
+    look_at_changes(q, round - 1, arena);
   }
   touches_.clear();
-  for (size_t b = 0; b < blocks; ++b) touches_.insert(touches_.end(), found_[b].begin(), found_[b].end());
+  for (const auto& found : found_) touches_.insert(touches_.end(), found.begin(), found.end());
   std::sort(touches_.begin(), touches_.end(), touch_order);
   return touches_;
 }
 
+// Of two balls of one system only one order counts.
+void ContactSearch::find_pairs(const ContactQuery& q, const ThreadArena& arena) {
+  if (q.own == OwnSolids::yes) {
+    near_.find(arena,
+               [&](uint32_t point, uint32_t solid) { return q.solids.corners(solid).rows[0] > point; });
+  } else {
+    near_.find(arena, [](uint32_t, uint32_t) { return true; });
+  }
+  found_.resize(near_.blocks());
+}
+
 void ContactSearch::look_at_all(const ContactQuery& q, const ThreadArena& arena) {
-  boxes_.resize(q.solids.size());
-  arena.for_blocks(boxes_.size(), kBlockRows, [&](size_t begin, size_t end) {
-    for (size_t i = begin; i < end; ++i) boxes_[i] = box_of_solid(q, i);
+  near_.points.resize(q.count);
+  arena.for_blocks(q.count, kBlockRows, [&](size_t begin, size_t end) {
+    for (size_t i = begin; i < end; ++i) near_.points[i] = box_of_path(q.points, i, q.h);
   });
-  grid_.build(boxes_);
-  point_boxes_.resize(q.count);
-  arena.for_blocks(q.count, kBlockPoints, [&](size_t begin, size_t end) {
-    find_first(q, begin, end, found_[begin / kBlockPoints]);
+  near_.solids.resize(q.solids.size());
+  arena.for_blocks(near_.solids.size(), kBlockRows, [&](size_t begin, size_t end) {
+    for (size_t i = begin; i < end; ++i) near_.solids[i] = box_of_solid(q, i);
+  });
+  find_pairs(q, arena);
+  look_at_pairs(q, arena, [](const NearPair&) { return true; });
+}
+
+void ContactSearch::look_at_changes(const ContactQuery& q, uint32_t last, const ThreadArena& arena) {
+  bool held = true;
+  for (size_t i = 0; i < q.count; ++i) {
+    if (q.points.traces.touched_in(i, last)) held &= near_.holds_point(i, box_of_path(q.points, i, q.h));
+  }
+  changed_.resize(q.solids.size());
+  for (size_t i = 0; i < changed_.size(); ++i) {
+    changed_[i] = touched_in(q, i, last);
+    if (changed_[i]) held &= near_.holds_solid(i, box_of_solid(q, i));
+  }
+  if (!held) find_pairs(q, arena);
+  look_at_pairs(q, arena, [&](const NearPair& pair) {
+    return changed_[pair.solid] || q.points.traces.touched_in(pair.point, last);
   });
 }
 
-// Untouched points meet touched solids only; touched points meet all, the untouched ones where they were.
-void ContactSearch::look_at_changes(const ContactQuery& q, const ThreadArena& arena) {
-  changed_.clear(), changed_boxes_.clear();
-  for (size_t i = 0; i < boxes_.size(); ++i) {
-    if (!touched(q, i)) continue;
-    changed_.push_back(static_cast<uint32_t>(i));
-    changed_boxes_.push_back(box_of_solid(q, i));
-  }
-  changed_grid_.build(changed_boxes_);
-  arena.for_blocks(q.count, kBlockPoints, [&](size_t begin, size_t end) {
-    find_later(q, begin, end, found_[begin / kBlockPoints]);
+template <class Due>
+void ContactSearch::look_at_pairs(const ContactQuery& q, const ThreadArena& arena, Due&& due) {
+  near_.each_block(arena, [&](size_t block, const std::vector<NearPair>& pairs) {
+    std::vector<Touch>& found = found_[block];
+    found.clear();
+    HullPath path;
+    uint32_t point = ~uint32_t{0};
+    std::array<HullPath, 3> corners;
+    for (const NearPair& pair : pairs) {
+      if (!due(pair)) continue;
+      // Pairs come sorted by their points.
+      if (pair.point != point) path = q.points.path(point = pair.point, q.h);
+      const SolidList::Corners c = q.solids.corners(pair.solid);
+      double start = q.points.traces.since(point);
+      for (size_t k = 0; k < c.count; ++k) {
+        corners[k] = corners_[c.rows[k]];
+        start = std::max(start, q.other.traces.since(c.rows[k]));
+      }
+      if (c.count == 3 && stays_clear(path, corners, 1.01 * q.reach, start)) continue;
+      const auto hit = first_hull_contact(path, corners, c.count, q.reach, start);
+      if (hit) found.push_back({hit->s, pair.point, pair.solid});
+    }
   });
-}
-
-void ContactSearch::find_first(const ContactQuery& q, size_t begin, size_t end, std::vector<Touch>& found) {
-  found.clear();
-  for (size_t i = begin; i < end; ++i) {
-    point_boxes_[i] = box_of_path(q.points, i, q.h);
-    grid_.overlapping(point_boxes_[i], [&](uint32_t solid) { try_pair(q, i, solid, found); });
-  }
-}
-
-void ContactSearch::find_later(const ContactQuery& q, size_t begin, size_t end,
-                               std::vector<Touch>& found) const {
-  found.clear();
-  for (size_t i = begin; i < end; ++i) {
-    const bool moved = q.points.traces.touched(i);
-    const Box box = moved ? box_of_path(q.points, i, q.h) : point_boxes_[i];
-    changed_grid_.overlapping(box, [&](uint32_t k) { try_pair(q, i, changed_[k], found); });
-    if (!moved) continue;
-    grid_.overlapping(box, [&](uint32_t solid) {
-      if (!touched(q, solid)) try_pair(q, i, solid, found);
-    });
-  }
 }
 
 std::optional<HullContact> touch_of(const ContactQuery& q, const Touch& t) {

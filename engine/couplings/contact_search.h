@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "engine/base/parallel.h"
-#include "engine/collision/box_grid.h"
 #include "engine/core/points.h"
+#include "engine/couplings/near_pairs.h"
 #include "engine/kernels/point_hull.h"
 
 namespace truestep {
@@ -36,7 +36,7 @@ class RowTraces {
  public:
   /// For `rows` rows, none touched.
   void prepare(size_t rows) {
-    if (since_.size() < rows) since_.resize(rows, kUntouched);
+    if (since_.size() < rows) since_.resize(rows, kUntouched), round_.resize(rows);
     if (end_.size() < 3 * rows) end_.resize(3 * rows), from_.resize(3 * rows);
   }
   bool touched(size_t row) const { return since_[row] >= 0; }
@@ -46,16 +46,20 @@ class RowTraces {
   /// n x 3: of touched rows, the velocity (m/s) at the substep's end had only the acceleration acted.
   double* end() { return end_.data(); }
   Vec3 end(size_t row) const { return load3(end_.data(), row); }
-  void touch(size_t row, double s, const Vec3& place, const Vec3& free_velocity) {
+  void touch(size_t row, double s, const Vec3& place, const Vec3& free_velocity, uint32_t round) {
     if (!touched(row)) store3(end_.data(), row, free_velocity);
     store3(from_.data(), row, place);
     since_[row] = s;
+    round_[row] = round;
   }
+  /// Whether an answer of that round was the row's last.
+  bool touched_in(size_t row, uint32_t round) const { return touched(row) && round_[row] == round; }
   void forget(size_t row) { since_[row] = kUntouched; }
 
  private:
   static constexpr double kUntouched = -1;
   std::vector<double> since_, end_, from_;
+  std::vector<uint32_t> round_;
 };
 
 /// One side of a contact: its points now and at the substep's start, and what touched them in between.
@@ -116,9 +120,6 @@ inline bool touch_order(const Touch& a, const Touch& b) {
 }
 
 enum class OwnSolids : uint8_t { no, yes };
-/// All pairs, or those of which one side's way was changed by answers.
-enum class SearchRound : uint8_t { first, later };
-
 /// What a search is given: points, the solids of `other` (the same system:
 /// OwnSolids::yes, each pair once), the distance (m) at which they touch, the
 /// substep's length (s).
@@ -126,6 +127,7 @@ struct ContactQuery {
   MovingPoints points;
   size_t count;
   MovingPoints other;
+  size_t other_count;
   SolidList solids;
   OwnSolids own;
   double reach, h;
@@ -136,19 +138,22 @@ std::optional<HullContact> touch_of(const ContactQuery& q, const Touch& t);
 
 class ContactSearch {
  public:
-  /// All touches, by time, then point, then solid.
-  const std::vector<Touch>& run(const ContactQuery& q, SearchRound round, const ThreadArena& arena);
+  /// All touches in round 0, later those of ways that the answers of the last round have changed; by time,
+  /// then point, then solid.
+  const std::vector<Touch>& run(const ContactQuery& q, uint32_t round, const ThreadArena& arena);
+  /// The pairs that were looked at.
+  NearPairs& near() { return near_; }
 
  private:
+  void find_pairs(const ContactQuery& q, const ThreadArena& arena);
   void look_at_all(const ContactQuery& q, const ThreadArena& arena);
-  void look_at_changes(const ContactQuery& q, const ThreadArena& arena);
-  void find_first(const ContactQuery& q, size_t begin, size_t end, std::vector<Touch>& found);
-  void find_later(const ContactQuery& q, size_t begin, size_t end, std::vector<Touch>& found) const;
+  void look_at_changes(const ContactQuery& q, uint32_t last, const ThreadArena& arena);
+  template <class Due>
+  void look_at_pairs(const ContactQuery& q, const ThreadArena& arena, Due&& due);
 
-  std::vector<Box> boxes_, point_boxes_;  // as the first round found them
-  std::vector<uint32_t> changed_;         // solids with a touched corner, and their boxes
-  std::vector<Box> changed_boxes_;
-  BoxGrid grid_, changed_grid_;
+  NearPairs near_;
+  std::vector<HullPath> corners_;          // of all rows of the solids' side
+  std::vector<uint8_t> changed_;           // solids
   std::vector<std::vector<Touch>> found_;  // per block of points
   std::vector<Touch> touches_;
 };

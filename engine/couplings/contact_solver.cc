@@ -25,23 +25,7 @@ ContactSolver::ContactSolver(const ContactDef& law, const ContactQuery& q, Point
   scratch_.contacts.clear();
 }
 
-ContactSolver::Pair ContactSolver::pair(const Touch& t, const HullWeights& b) const {
-  Pair c{t.point, q_.solids.corners(t.solid), b, p_.inverse_mass(t.point), {}, 0};
-  c.k = c.w;
-  for (size_t i = 0; i < c.corners.count; ++i) {
-    c.share[i] = b[i] * o_.inverse_mass(c.corners.rows[i]);
-    c.k += b[i] * c.share[i];
-  }
-  return c;
-}
-
-Vec3 ContactSolver::relative(const Pair& c, const double* point, const double* other) const {
-  Vec3 u = load3(point, c.point);
-  for (size_t i = 0; i < c.corners.count; ++i) u -= load3(other, c.corners.rows[i]) * c.b[i];
-  return u;
-}
-
-Vec3 ContactSolver::relative_acceleration(const Pair& c) const {
+Vec3 ContactSolver::relative_acceleration(const ContactPair& c) const {
   Vec3 a = q_.points.acceleration(c.point, q_.h);
   for (size_t i = 0; i < c.corners.count; ++i) {
     a -= q_.other.acceleration(c.corners.rows[i], q_.h) * c.b[i];
@@ -49,19 +33,10 @@ Vec3 ContactSolver::relative_acceleration(const Pair& c) const {
   return a;
 }
 
-void ContactSolver::change(const Pair& c, double* point, double* other, const Vec3& by) const {
-  const Vec3 j = by / c.k;
-  store3(point, c.point, load3(point, c.point) + j * c.w);
-  for (size_t i = 0; i < c.corners.count; ++i) {
-    const size_t row = c.corners.rows[i];
-    store3(other, row, load3(other, row) - j * c.share[i]);
-  }
-}
-
 // At the time of the touch: u and the relative acceleration a decide between bounce, support and nothing.
-bool ContactSolver::answer(const Pair& c, const HullContact& at) {
+bool ContactSolver::answer(const ContactPair& c, const HullContact& at) {
   const double left = (1 - at.s) * q_.h;
-  const Vec3 a = relative_acceleration(c), u = relative(c, p_.v, o_.v) - a * left, n = at.n;
+  const Vec3 a = relative_acceleration(c), u = c.relative(p_.v, o_.v) - a * left, n = at.n;
   const double approach = -dot(u, n), pull = -dot(a, n);
   // What leaves and does not come back within the substep.
   if (approach <= 0 && -approach >= 0.5 * pull * left) return false;
@@ -82,15 +57,15 @@ bool ContactSolver::answer(const Pair& c, const HullContact& at) {
            dot(force, held.velocity * left + held.acceleration * (0.5 * left * left));
   }
   const auto touch = [&](const MovingPoints& p, size_t row) {
-    p.traces.touch(row, at.s, p.path(row, q_.h).at(at.s), p.free_velocity(row));
+    p.traces.touch(row, at.s, p.path(row, q_.h).at(at.s), p.free_velocity(row), round_);
   };
   touch(q_.points, c.point);
   for (size_t i = 0; i < c.corners.count; ++i) touch(q_.other, c.corners.rows[i]);
   const Vec3 dv = jump + force * left;
-  change(c, p_.v, o_.v, dv);
-  change(c, p_.x, o_.x, jump * left + force * (0.5 * left * left));
+  c.change(p_.v, o_.v, dv);
+  c.change(p_.x, o_.x, jump * left + force * (0.5 * left * left));
   // Later touches of these rows see the support. Friction may stop within a moment, and counts as a jump.
-  change(c, pt_.end(), ot_.end(), n * (dot(force, n) * q_.h));
+  c.change(pt_.end(), ot_.end(), n * (dot(force, n) * q_.h));
   exchange_.add(dv / -c.k, -work / c.k);
   return true;
 }
@@ -107,20 +82,21 @@ bool ContactSolver::settle(const Touch& t, HullContact& at) {
   if (over_face && dot(now.n, at.n) < 0) now.apart = -now.apart, now.n = -now.n;
   const double overlap = q_.reach - now.apart;
   if (overlap <= kSettled) return false;
-  const Pair c = pair(t, now.w);
+  const ContactPair c(p_, o_, t.point, corners, now.w);
   if (c.k == 0) return false;
   at.n = now.n;
-  const Vec3 u = relative(c, p_.v, o_.v);
+  const Vec3 u = c.relative(p_.v, o_.v);
   if (dot(u, now.n) < 0) {
     const Vec3 after = impact(u, now.n, 0.0, law_.friction), dv = after - u;
-    change(c, p_.v, o_.v, dv);
+    c.change(p_.v, o_.v, dv);
     exchange_.add(dv / -c.k, -0.5 * dot(dv, u + after) / c.k);
   }
-  change(c, p_.x, o_.x, now.n * overlap);
+  c.change(p_.x, o_.x, now.n * overlap);
   return true;
 }
 
-size_t ContactSolver::answer_all(const std::vector<Touch>& touches) {
+size_t ContactSolver::answer_all(const std::vector<Touch>& touches, uint32_t round) {
+  round_ = round;
   // Earlier answers delay or undo later touches: what comes later than it was found goes back into the queue.
   const auto later = [](const Touch& a, const Touch& b) { return touch_order(b, a); };
   std::vector<Touch>& queue = scratch_.queue;
@@ -139,7 +115,7 @@ size_t ContactSolver::answer_all(const std::vector<Touch>& touches) {
       std::push_heap(queue.begin(), queue.end(), later);
       continue;
     }
-    const Pair c = pair(t, at->w);
+    const ContactPair c(p_, o_, t.point, q_.solids.corners(t.solid), at->w);
     if (c.k == 0) continue;
     acted += answer(c, *at);
     scratch_.answered.push_back(t);

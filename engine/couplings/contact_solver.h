@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "engine/couplings/contact_def.h"
-#include "engine/couplings/contact_search.h"
+#include "engine/couplings/contact_pair.h"
 #include "engine/couplings/exchange.h"
 
 namespace truestep {
@@ -22,30 +22,16 @@ class ContactSolver {
   ContactSolver(const ContactDef& law, const ContactQuery& q, Points& points, Points& other,
                 ContactSolverScratch& scratch);
 
-  /// Answers touches in the order of their times; returns how many acted.
-  size_t answer_all(const std::vector<Touch>& touches);
+  /// Answers the touches of a round in the order of their times; returns how many acted.
+  size_t answer_all(const std::vector<Touch>& touches, uint32_t round);
   /// After the last answers: moves apart what is still within reach, and forgets the substep.
   void finish();
   /// What the points gave to the solids.
   const Exchange& exchange() const { return exchange_; }
 
  private:
-  /// A point and the corners of a solid with the inverse masses that an impulse at the weights feels.
-  struct Pair {
-    size_t point;
-    SolidList::Corners corners;
-    HullWeights b;
-    double w;                     ///< 1/kg of the point
-    std::array<double, 3> share;  ///< b_i w_i
-    double k;                     ///< K
-  };
-  Pair pair(const Touch& t, const HullWeights& b) const;
-  /// Value of the point less the blend of the corners'.
-  Vec3 relative(const Pair& c, const double* point, const double* other) const;
-  Vec3 relative_acceleration(const Pair& c) const;
-  /// Changes the relative value by `by` and keeps the sum weighted with the masses.
-  void change(const Pair& c, double* point, double* other, const Vec3& by) const;
-  bool answer(const Pair& c, const HullContact& at);
+  Vec3 relative_acceleration(const ContactPair& c) const;
+  bool answer(const ContactPair& c, const HullContact& at);
   bool settle(const Touch& t, HullContact& at);
 
   const ContactDef& law_;
@@ -54,6 +40,7 @@ class ContactSolver {
   RowTraces &pt_, &ot_;
   ContactSolverScratch& scratch_;
   Exchange exchange_;
+  uint32_t round_ = 0;
 };
 
 }  // namespace truestep

@@ -93,6 +93,9 @@ size_t WorldState::memory_bytes() const {
 
 namespace {
 
+/// Turns of every coupling's guard per substep at most: guards that undo each other must end.
+constexpr size_t kGuardRounds = 4;
+
 /// Runs `build`; what it refuses is collected with pointers below `where`.
 template <class Build>
 void collecting(std::vector<Issue>& issues, const std::string& where, Build build) {
@@ -243,6 +246,12 @@ void World::step(WorldState& state, Workspace& workspace, const ThreadArena& are
     }
     for (size_t c = 0; c < couplings_.size(); ++c) couplings_[c]->midway(sides(state, c), coupling_input(c));
     for (size_t c = couplings_.size(); c-- > 0;) couplings_[c]->end(sides(state, c), coupling_input(c));
+    // One guard's change is for all others to look at.
+    const size_t n_couplings = couplings_.size(), most = kGuardRounds * n_couplings;
+    for (size_t quiet = 0, turn = 0; quiet < n_couplings && turn < most; ++turn) {
+      const size_t c = turn % n_couplings;
+      quiet = couplings_[c]->guard(sides(state, c), coupling_input(c)) ? 1 : quiet + 1;
+    }
   }
   if (!couplings_.empty()) {
     for (size_t i = 0; i < systems_.size(); ++i) named(i, [] {});
