@@ -15,21 +15,6 @@ double widest(const Box& b) {
 
 }  // namespace
 
-Box Box::nothing() {
-  constexpr double kHuge = std::numeric_limits<double>::infinity();
-  return {{kHuge, kHuge, kHuge}, {-kHuge, -kHuge, -kHuge}};
-}
-
-void Box::cover(const Vec3& p) {
-  low = {std::min(low.x, p.x), std::min(low.y, p.y), std::min(low.z, p.z)};
-  high = {std::max(high.x, p.x), std::max(high.y, p.y), std::max(high.z, p.z)};
-}
-
-void Box::cover(const Box& b) {
-  cover(b.low);
-  cover(b.high);
-}
-
 template <class Visit>
 void BoxGrid::each_cell(const Box& b, Visit&& visit) const {
   if (!std::isfinite(widest(b))) return;

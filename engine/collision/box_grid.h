@@ -7,26 +7,9 @@
 #include <span>
 #include <vector>
 
-#include "engine/math/vec3.h"
+#include "engine/collision/box.h"
 
 namespace truestep {
-
-struct Box {
-  Vec3 low, high;
-
-  void cover(const Vec3& p);
-  void cover(const Box& b);
-  bool overlaps(const Box& b) const {
-    return (low.x <= b.high.x) & (low.y <= b.high.y) & (low.z <= b.high.z) & (b.low.x <= high.x) &
-           (b.low.y <= high.y) & (b.low.z <= high.z);
-  }
-  bool contains(const Box& b) const {
-    return (low.x <= b.low.x) & (low.y <= b.low.y) & (low.z <= b.low.z) & (b.high.x <= high.x) &
-           (b.high.y <= high.y) & (b.high.z <= high.z);
-  }
-  /// A box that holds nothing; covering something makes it that.
-  static Box nothing();
-};
 
 class BoxGrid {
  public:

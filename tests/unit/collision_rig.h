@@ -1,0 +1,42 @@
+// What collision tests share: random solids and places, and an independent measure of how far apart two
+// convex solids are: the largest separation over directions n,
+//   s(n) = min_b n . x - max_a n . x     (a's and b's furthest points written down again, in long double),
+// found by sampling the sphere and climbing. What it returns is reached by some direction, so it never
+// exceeds the truth.
+#pragma once
+#include <vector>
+
+#include "engine/base/random.h"
+#include "engine/collision/convex.h"
+#include "engine/collision/solid.h"
+
+namespace truestep::collision_rig {
+
+using Real = long double;
+using VecL = Vec3T<Real>;
+
+struct Placed {
+  Solid solid;
+  Transform at;
+};
+
+/// Uniform rotation and numbers, by counter.
+Quat random_quat(uint64_t stream, uint64_t i);
+Vec3 random_unit(uint64_t stream, uint64_t i);
+Transform random_transform(uint64_t stream, uint64_t i, double reach);
+/// Sphere, capsule, box, cylinder, hull, needle, plate: number k of 7, `size` m large.
+Solid sample_solid(int k, uint64_t seed, double size);
+inline constexpr int kSolids = 7;
+/// A quarter-turn rotation (24 of them): parallel and square edges.
+Quat quarter_turns(uint64_t i);
+
+/// Furthest reach of a placed convex solid along n.
+Real reach(const Placed& p, const VecL& n);
+/// s(n) for unit n.
+Real separation_along(const Placed& a, const Placed& b, const VecL& n);
+/// Largest s(n) found.
+Real separation(const Placed& a, const Placed& b);
+/// Signed distance (m, <= 0 inside; outside a lower bound) of a world point to a convex solid.
+double outside(const Placed& p, const Vec3& x);
+
+}  // namespace truestep::collision_rig

@@ -1,0 +1,226 @@
+// Planes, meshes, height fields and compounds.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "engine/base/errors.h"
+#include "engine/collision/collide.h"
+#include "engine/collision/height_field.h"
+#include "tests/unit/collision_rig.h"
+
+namespace truestep {
+namespace {
+
+using namespace collision_rig;
+
+struct Ground {
+  std::vector<Vec3> vertices;
+  std::vector<uint32_t> triangles;
+  std::vector<double> heights;
+};
+
+/// n x n heights 0.5 apart as a list of triangles, cut like a height field's cells.
+template <class Height>
+Ground ground(size_t n, Height&& height) {
+  Ground g;
+  for (size_t j = 0; j < n; ++j) {
+    for (size_t i = 0; i < n; ++i) {
+      const double x = (static_cast<double>(i) - 0.5 * static_cast<double>(n - 1)) * 0.5,
+                   z = (static_cast<double>(j) - 0.5 * static_cast<double>(n - 1)) * 0.5;
+      g.heights.push_back(height(x, z));
+      g.vertices.push_back({x, g.heights.back(), z});
+    }
+  }
+  for (size_t j = 0; j + 1 < n; ++j) {
+    for (size_t i = 0; i + 1 < n; ++i) {
+      const auto at = [&](size_t a, size_t b) { return static_cast<uint32_t>(b * n + a); };
+      for (const uint32_t k :
+           {at(i, j), at(i, j + 1), at(i + 1, j), at(i + 1, j + 1), at(i + 1, j), at(i, j + 1)}) {
+        g.triangles.push_back(k);
+      }
+    }
+  }
+  return g;
+}
+
+double deepest(const std::vector<Manifold>& all) {
+  double d = -1e300;
+  for (const Manifold& m : all) d = std::max(d, m.deepest());
+  return d;
+}
+
+TEST(CollisionSurfaces, PlanesMeetTheLowestPoints) {
+  for (int k = 0; k < kSolids; ++k) {
+    for (uint64_t i = 0; i < 300; ++i) {
+      const Solid plane = plane_solid(random_unit(31, i));
+      const Transform at = random_transform(32, i, 3);
+      const Vec3 n = at.direction(plane.size);
+      Placed body{sample_solid(k, i, 1), random_transform(33, i, 1)};
+      if (i % 4 == 0) body.at.rotation = at.rotation * rotation(quarter_turns(i / 4));
+      const auto low = static_cast<double>(-reach(body, {-n.x, -n.y, -n.z}));
+      // The lowest point ends 0.1 below or 0.02 above.
+      body.at.position += n * (dot(n, at.position) - low + (i % 2 ? -0.1 : 0.02));
+      Manifold m;
+      ASSERT_TRUE(collide(plane, at, body.solid, body.at, 0.05, m));
+      EXPECT_NEAR(-m.deepest(), i % 2 ? -0.1 : 0.02, 2e-4 * 1.0) << k << " " << i;
+      EXPECT_LT(norm(m.normal - n), 1e-12);
+      for (int p = 0; p < m.count; ++p) {
+        EXPECT_LE(outside(body, m.points[p].position + n * (0.5 * m.points[p].separation)), 1e-9);
+      }
+      Manifold w;
+      ASSERT_TRUE(collide(body.solid, body.at, plane, at, 0.05, w));
+      EXPECT_LT(norm(w.normal + n), 1e-12);
+      body.at.position += n * 0.2;
+      EXPECT_FALSE(collide(plane, at, body.solid, body.at, 0.05, m));
+    }
+  }
+}
+
+TEST(CollisionSurfaces, BoxesAndCylindersStandOnFourPoints) {
+  Manifold m;
+  const Solid plane = plane_solid({0, 1, 0});
+  for (const Solid& s : {box_solid({1, 1, 1}), cylinder_solid(1, 1)}) {
+    ASSERT_TRUE(collide(plane, {}, s, {{}, {0, 0.999, 0}}, 0.01, m));
+    EXPECT_EQ(m.count, 4);
+    ASSERT_TRUE(collide(box_solid({3, 1, 3}), {{}, {0, -1, 0}}, s, {{}, {0.1, 0.999, 0.2}}, 0.01, m));
+    EXPECT_EQ(m.count, 4);
+    for (int k = 0; k < 4; ++k) EXPECT_NEAR(m.points[k].separation, -0.001, 1e-9);
+  }
+}
+
+/// Bodies pressed a little into flat ground anywhere on a mesh.
+template <class Check>
+void press_everywhere(const Solid& surface, Check&& check) {
+  for (int k = 0; k < kSolids; ++k) {
+    for (uint64_t i = 0; i < 60; ++i) {
+      Placed body{sample_solid(k, i, 0.6), random_transform(41, i, 0)};
+      const auto u = uniform4(42, 1, i);
+      body.at.position = {3 * u[0] - 1.5, 0, 3 * u[1] - 1.5};
+      if (i % 3 == 0) body.at.rotation = rotation(quarter_turns(i / 3));
+      const auto low = static_cast<double>(-reach(body, {0, -1, 0}));
+      // Not so deep that its centre goes under: what is behind a surface is not pushed.
+      const double depth = std::min(0.01, 0.3 * inner_radius(body.solid));
+      body.at.position.y += -low - depth;
+      std::vector<Manifold> all;
+      collide(surface, {}, body.solid, body.at, 0.02, all);
+      check(all, depth, k, i);
+    }
+  }
+}
+
+TEST(CollisionSurfaces, InnerEdgesOfFlatGroundAreNotFelt) {
+  const Ground g = ground(11, [](double, double) { return 0.0; });
+  for (const Solid& s : {mesh_solid(g.vertices, g.triangles), height_field_solid(11, 11, 0.5, g.heights)}) {
+    press_everywhere(s, [](const std::vector<Manifold>& all, double depth, int k, uint64_t i) {
+      ASSERT_FALSE(all.empty()) << k << " " << i;
+      EXPECT_NEAR(deepest(all), depth, 1e-4) << k << " " << i;
+      for (const Manifold& m : all) EXPECT_GT(m.normal.y, 1 - 1e-7) << k << " " << i;
+    });
+  }
+}
+
+// The same triangles, each a mesh of its own, do not know what is flat.
+TEST(CollisionSurfaces, ControlWithoutNeighboursEdgesAreFelt) {
+  const Ground g = ground(11, [](double, double) { return 0.0; });
+  std::vector<Vec3> vertices;
+  std::vector<uint32_t> triangles;
+  for (const uint32_t k : g.triangles) {
+    triangles.push_back(static_cast<uint32_t>(vertices.size()));
+    vertices.push_back(g.vertices[k]);
+  }
+  int leaning = 0;
+  press_everywhere(mesh_solid(vertices, triangles),
+                   [&](const std::vector<Manifold>& all, double, int, uint64_t) {
+                     for (const Manifold& m : all) leaning += m.normal.y < 1 - 1e-7;
+                   });
+  EXPECT_GT(leaning, 100);
+}
+
+TEST(CollisionSurfaces, HeightFieldIsTheMeshOfItsCells) {
+  const Ground g =
+      ground(9, [](double x, double z) { return 0.3 * std::sin(3 * x) + 0.2 * std::cos(2 * z + x); });
+  const Solid mesh = mesh_solid(g.vertices, g.triangles), field = height_field_solid(9, 9, 0.5, g.heights);
+  size_t met = 0;
+  for (int k = 0; k < kSolids; ++k) {
+    for (uint64_t i = 0; i < 100; ++i) {
+      const Solid body = sample_solid(k, i, 0.8);
+      const Transform at = random_transform(43, i, 1);
+      std::vector<Manifold> a, b;
+      collide(mesh, {}, body, at, 0.02, a);
+      collide(body, at, field, {}, 0.02, b);
+      const auto by_part = [](const Manifold& x, const Manifold& y) { return x.part_a < y.part_a; };
+      std::sort(a.begin(), a.end(), by_part);
+      for (Manifold& m : b) std::swap(m.part_a, m.part_b), m.normal = -m.normal;
+      std::sort(b.begin(), b.end(), by_part);
+      ASSERT_EQ(a.size(), b.size());
+      met += a.size();
+      for (size_t m = 0; m < a.size(); ++m) {
+        EXPECT_EQ(a[m].part_a, b[m].part_a);
+        EXPECT_LT(norm(a[m].normal - b[m].normal), 1e-9);
+        EXPECT_NEAR(a[m].deepest(), b[m].deepest(), 1e-9);
+      }
+    }
+  }
+  EXPECT_GT(met, 300u);
+}
+
+TEST(CollisionSurfaces, BallOverARidgeMayLeanWithinItsCone) {
+  // Two slopes meet at x = 0: 45 degrees up, 45 degrees down.
+  const Solid roof = mesh_solid({{-1, 0, -1}, {-1, 0, 1}, {0, 1, -1}, {0, 1, 1}, {1, 0, -1}, {1, 0, 1}},
+                                {0, 1, 2, 3, 2, 1, 2, 3, 4, 5, 4, 3});
+  const Solid ball = sphere_solid(0.5);
+  for (const double phi : {-1.0, -0.7, -0.3, 0.0, 0.3, 0.7, 1.0}) {
+    const Vec3 n{std::sin(phi), std::cos(phi), 0};
+    std::vector<Manifold> all;
+    collide(roof, {}, ball, {{}, Vec3{0, 1, 0} + n * 0.49}, 0, all);
+    ASSERT_FALSE(all.empty()) << phi;
+    // Beyond 45 degrees the slope itself is nearest.
+    const double most = 0.7853981633974483, lean = std::clamp(phi, -most, most);
+    for (const Manifold& m : all)
+      EXPECT_LT(norm(m.normal - Vec3{std::sin(lean), std::cos(lean), 0}), 1e-9) << phi;
+  }
+}
+
+TEST(CollisionSurfaces, CompoundsAreTheirParts) {
+  std::vector<SolidPart> parts;
+  for (uint64_t i = 0; i < 9; ++i) {
+    const auto u = uniform4(51, 1, i);
+    parts.push_back({sample_solid(static_cast<int>(i % kSolids), i, 0.5),
+                     {{2 * u[0] - 1, 2 * u[1] - 1, 2 * u[2] - 1}, random_quat(52, i)}});
+  }
+  const Solid compound = compound_solid(parts);
+  for (uint64_t i = 0; i < 200; ++i) {
+    const Transform at = random_transform(53, i, 2), body_at = random_transform(54, i, 2);
+    const Solid body = sample_solid(static_cast<int>(i % kSolids), i, 1);
+    std::vector<Manifold> all;
+    collide(compound, at, body, body_at, 0.05, all);
+    size_t expected = 0;
+    for (uint32_t p = 0; p < parts.size(); ++p) {
+      Manifold m;
+      if (!collide(parts[p].solid, at * transform_of(parts[p].pose), body, body_at, 0.05, m)) continue;
+      ++expected;
+      const auto found =
+          std::find_if(all.begin(), all.end(), [&](const Manifold& x) { return x.part_a == p; });
+      ASSERT_NE(found, all.end());
+      EXPECT_NEAR(found->deepest(), m.deepest(), 1e-9);
+    }
+    EXPECT_EQ(all.size(), expected);
+    std::vector<Manifold> self;
+    collide(compound, at, compound, body_at, 0.05, self);
+    for (const Manifold& m : self) EXPECT_LT(m.part_a, parts.size());
+  }
+}
+
+TEST(CollisionSurfaces, BadSurfacesAreRefused) {
+  EXPECT_THROW(mesh_solid({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {0, 1, 3}), Error);
+  EXPECT_THROW(mesh_solid({{0, 0, 0}, {1, 0, 0}, {2, 0, 0}}, {0, 1, 2}), Error);
+  EXPECT_THROW(mesh_solid({{0, 0, 0}, {1, NAN, 0}, {0, 1, 0}}, {0, 1, 2}), Error);
+  EXPECT_THROW(height_field_solid(1, 4, 1, {0, 0, 0, 0}), Error);
+  EXPECT_THROW(height_field_solid(2, 2, 0, {0, 0, 0, 0}), Error);
+  EXPECT_THROW(compound_solid({}), Error);
+  EXPECT_THROW(compound_solid({{plane_solid({0, 1, 0}), {}}}), Error);
+}
+
+}  // namespace
+}  // namespace truestep
