@@ -15,6 +15,7 @@
 #include "engine/base/errors.h"
 #include "engine/integrators/arrays.h"
 #include "engine/integrators/compensated.h"
+#include "engine/integrators/ias15_nodes.h"
 #include "engine/integrators/implicit_methods.h"
 #include "engine/integrators/methods.h"
 #include "engine/integrators/step_control.h"
@@ -23,14 +24,7 @@ namespace truestep {
 
 namespace {
 
-constexpr std::array<double, 8> kNodes = {0,
-                                          0.0562625605369221464656521910318,
-                                          0.180240691736892364987579942780,
-                                          0.352624717113169637373907769648,
-                                          0.547153626330555383001448554766,
-                                          0.734210177215410531523210605558,
-                                          0.885320946839095768090359771030,
-                                          0.977520613561287501891174488626};
+constexpr const auto& kNodes = kIas15Nodes;
 
 // Newton's basis: g_k multiplies s (s - s_1) ... (s - s_k); row k holds that product's coefficients of
 // s^1 ... s^(k + 1).
@@ -215,7 +209,8 @@ class Radau15 final : public Interpolant {
       });
     }
     double last_change = 2;
-    for (int round = 0; round < 12; ++round) {
+    // Twelve are enough for steps that meet a tolerance; long ones with damping need most.
+    for (int round = 0; round < 40; ++round) {
       double change = 0, most_b = 0, most_a = 0;
       correct<1>(t, h), correct<2>(t, h), correct<3>(t, h), correct<4>(t, h), correct<5>(t, h),
           correct<6>(t, h);
@@ -234,8 +229,9 @@ class Radau15 final : public Interpolant {
       if (poison != 0) return poison;  // not a number
       const double relative = most_a > 0 ? change / most_a : 0;
       last_b_ = most_a > 0 ? most_b / most_a : 0;
-      // Converged to rounding, or going round in circles there.
-      if (relative < 1e-16 || (round >= 2 && relative >= last_change)) break;
+      // Converged to rounding, or going round in circles there; changes that grow further up go on falling.
+      constexpr double kNearRounding = 1e-10;
+      if (relative < 1e-16 || (round >= 2 && relative >= last_change && relative < kNearRounding)) break;
       last_change = relative;
     }
     return last_b_;

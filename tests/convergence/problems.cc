@@ -6,6 +6,7 @@
 
 #include "engine/math/vec3.h"
 #include "engine/systems/oscillator/oscillator.h"
+#include "tests/convergence/equations.h"
 
 namespace truestep::test {
 
@@ -21,9 +22,7 @@ class Kepler : public ForceField {
     return s;
   }
   void acceleration(const Phase& at, std::span<double> a, Evaluation&) const override {
-    const Vec3 x = load3(at.x.data(), 0);
-    const double r2 = norm2(x), factor = -1 / (r2 * std::sqrt(r2));
-    store3(a.data(), 0, factor * x);
+    kepler_acceleration(at.x.data(), a.data());
   }
   Dependence dependence() const override { return Dependence::position; }
   double kinetic(const Phase& at, Evaluation&) const override { return 0.5 * norm2(load3(at.v.data(), 0)); }
@@ -42,28 +41,18 @@ class FreeBody : public ForceField {
     return s;
   }
   void acceleration(const Phase& at, std::span<double> a, Evaluation&) const override {
-    const Vec3 w = load3(at.v.data(), 0), l{kI.x * w.x, kI.y * w.y, kI.z * w.z}, t = cross(l, w);
-    store3(a.data(), 0, Vec3{t.x / kI.x, t.y / kI.y, t.z / kI.z});
+    free_body_acceleration(at.v.data(), a.data());
   }
   std::span<const double> position_rate(const Phase& at, std::span<double> rate, Evaluation&) const override {
-    const double w = at.x[0];
-    const Vec3 q = load3(at.x.data() + 1, 0), o = load3(at.v.data(), 0);
-    rate[0] = -0.5 * dot(q, o);
-    store3(rate.data() + 1, 0, 0.5 * (w * o + cross(q, o)));
+    free_body_rate(at.x.data(), at.v.data(), rate.data());
     return rate;
   }
-  void project(std::span<double> x, std::span<double>, const State&) const override {
-    const double n = std::sqrt(x[0] * x[0] + x[1] * x[1] + x[2] * x[2] + x[3] * x[3]);
-    for (double& c : x) c /= n;
-  }
+  void project(std::span<double> x, std::span<double>, const State&) const override { normalise(x.data()); }
   Dependence dependence() const override { return Dependence::position_and_velocity; }
   double kinetic(const Phase& at, Evaluation&) const override {
     const Vec3 w = load3(at.v.data(), 0);
-    return 0.5 * (kI.x * w.x * w.x + kI.y * w.y * w.y + kI.z * w.z * w.z);
+    return 0.5 * (kMoments[0] * w.x * w.x + kMoments[1] * w.y * w.y + kMoments[2] * w.z * w.z);
   }
-
- private:
-  static constexpr Vec3 kI{1, 2, 3.5};
 };
 
 Problem spring(double damping) {
@@ -186,34 +175,39 @@ double observed_order(const std::function<double(size_t steps)>& error, size_t f
   return order;
 }
 
-double fitted_order(const std::function<double(size_t)>& error) {
-  // Normal equations of the three unknowns, summed over the step counts that count.
-  double a[3][4] = {};
-  size_t points = 0;
-  for (size_t n = 6; n < 3000; n += n / 16 + 1) {
+double fitted_order(const std::function<double(size_t)>& error, const Fit& fit) {
+  // Normal equations of the unknowns, summed over the step counts that count; the last column is their right
+  // side.
+  constexpr int kMost = 4;
+  const int terms = fit.terms;
+  double a[kMost][kMost + 1] = {};
+  size_t points = 0, first = 0;
+  for (size_t n = 2; n < 6000; n += n / 16 + 1) {
     const double e = error(n);
-    if (e > 1e-7 || std::isnan(e)) continue;
-    if (e < 1e-12) break;
-    const double h = 1.0 / double(n), row[4] = {1, std::log(h), h, std::log(e)};
-    for (int i = 0; i < 3; ++i) {
-      for (int j = 0; j < 4; ++j) a[i][j] += row[i] * row[j];
+    if (e > fit.largest || std::isnan(e)) continue;
+    if (e < fit.smallest) break;
+    if (points == 0) first = n;
+    const double h = double(first) / double(n), row[kMost] = {1, std::log(h), h, h * h};
+    for (int i = 0; i < terms; ++i) {
+      for (int j = 0; j < terms; ++j) a[i][j] += row[i] * row[j];
+      a[i][kMost] += row[i] * std::log(e);
     }
     ++points;
   }
-  if (points < 5) return 0;
-  for (int k = 0; k < 3; ++k) {
+  if (points < 6) return 0;
+  for (int k = 0; k < terms; ++k) {
     int pivot = k;
-    for (int i = k; i < 3; ++i) {
+    for (int i = k; i < terms; ++i) {
       if (std::abs(a[i][k]) > std::abs(a[pivot][k])) pivot = i;
     }
     std::swap(a[k], a[pivot]);
-    for (int i = 0; i < 3; ++i) {
+    for (int i = 0; i < terms; ++i) {
       if (i == k) continue;
       const double f = a[i][k] / a[k][k];
-      for (int j = k; j < 4; ++j) a[i][j] -= f * a[k][j];
+      for (int j = k; j <= kMost; ++j) a[i][j] -= f * a[k][j];
     }
   }
-  return a[1][3] / a[1][1];
+  return a[1][kMost] / a[1][1];
 }
 
 }  // namespace truestep::test

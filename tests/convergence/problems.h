@@ -35,8 +35,15 @@ double end_error(const Integrator& method, const Problem& problem, size_t steps,
 /// (1e-12), the last two extrapolated to h = 0 (2 s_k - s_{k-1}: the error's second term falls like h).
 double observed_order(const std::function<double(size_t steps)>& error, size_t first, size_t doublings);
 
-/// The same for high orders, which leave few halvings above rounding: step counts that grow by an eighth,
-/// from the largest error below 1e-4 to 1e-12, and least squares for log e = c + p log h + d h + e h^2.
-double fitted_order(const std::function<double(size_t steps)>& error);
+/// How an order is fitted: over errors below `largest`, where the leading term rules, and above `smallest`,
+/// where rounding has no share, with the first `terms` of log e = c + p log h + d h + e h^2.
+struct Fit {
+  double largest = 1e-7, smallest = 1e-12;
+  int terms = 3;
+};
+
+/// The same for high orders, which leave few halvings above rounding: least squares over step counts that
+/// grow by a sixteenth.
+double fitted_order(const std::function<double(size_t steps)>& error, const Fit& fit = {});
 
 }  // namespace truestep::test
