@@ -17,3 +17,13 @@ find_package(CLI11 CONFIG REQUIRED)
 # is linked. Its CMake package is left alone because that asks for MPI.
 find_path(SUNDIALS_INCLUDE_DIR cvode/cvode.h REQUIRED)
 find_library(SUNDIALS_CVODE_LIBRARY sundials_cvode REQUIRED)
+
+# KLU (SuiteSparse, LGPL) factorises sparse matrices where it is present, Eigen elsewhere.
+find_path(KLU_INCLUDE_DIR klu.h PATH_SUFFIXES suitesparse)
+find_library(KLU_LIBRARY klu)
+if(KLU_INCLUDE_DIR AND KLU_LIBRARY)
+  set(klu_is_present ON)
+else()
+  set(klu_is_present OFF)
+endif()
+option(TRUESTEP_KLU "Sparse factorisations by KLU" ${klu_is_present})

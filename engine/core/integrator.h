@@ -14,6 +14,17 @@ namespace truestep {
 struct Advance;  // integrators/advance.h
 class RightHandSide;
 
+/// What engineers of structures choose: generalized_alpha's spectral radius at infinity (1: no damping, 0:
+/// the highest modes vanish in one step), and Newmark's two numbers (order 2 for gamma = 1/2 only,
+/// unconditionally stable for 2 beta >= gamma >= 1/2).
+struct StructuralDamping {
+  double spectral_radius = 0.9;
+  double newmark_beta = 0.25, newmark_gamma = 0.5;
+};
+
+/// A fraction of a second of a small system; a text can ask for any number.
+inline constexpr int kMaxInternalSteps = 100'000;
+
 /// Settings of the methods that have any.
 struct IntegratorOptions {
   double tolerance = 1e-6;          ///< adaptive methods: bound on the local error, in the units of x and v
@@ -22,6 +33,8 @@ struct IntegratorOptions {
   /// Adaptive methods: error per component against absolute + relative |y|; `absolute` is `tolerance` when
   /// not given, `relative` is 0.
   std::optional<double> relative_tolerance = {}, absolute_tolerance = {};
+  StructuralDamping damping = {};
+  int max_internal_steps = kMaxInternalSteps;  ///< adaptive methods: in one step, then Instability
 };
 
 struct Integrator {
@@ -46,6 +59,8 @@ struct Integrator {
   void (*prepare)(const ForceField&, State&) = nullptr;
   /// Advances position and velocity by input.h.
   void (*step)(const ForceField&, State&, const StepInput&, const IntegratorOptions&) = nullptr;
+  /// Numbers that `advance` keeps from call to call (Advance::memory) for n equations; null: none.
+  size_t (*memory)(size_t n) = nullptr;
   /// Integrates y' = f(t, y); null: the method needs a force field. Such a method serves both.
   void (*advance)(Advance&) = nullptr;
   /// The method's own reason for not serving a field, if it has one; may be null. Users call `refusal`.

@@ -9,6 +9,8 @@ namespace truestep {
 struct IntegratorParams {
   std::string integrator;
   std::optional<double> tolerance, newton_tolerance, relative_tolerance, absolute_tolerance;
+  std::optional<double> spectral_radius, newmark_beta, newmark_gamma;
+  std::optional<int> max_internal_steps;
 
   IntegratorChoice choice() const {
     IntegratorChoice c;
@@ -16,12 +18,16 @@ struct IntegratorParams {
     if (tolerance) c.options.tolerance = *tolerance;
     if (newton_tolerance) c.options.newton_tolerance = *newton_tolerance;
     c.options.relative_tolerance = relative_tolerance, c.options.absolute_tolerance = absolute_tolerance;
+    if (spectral_radius) c.options.damping.spectral_radius = *spectral_radius;
+    if (newmark_beta) c.options.damping.newmark_beta = *newmark_beta;
+    if (newmark_gamma) c.options.damping.newmark_gamma = *newmark_gamma;
+    if (max_internal_steps) c.options.max_internal_steps = *max_internal_steps;
     return c;
   }
 };
 
-/// Adds "integrator", "tolerance", "newton_tolerance", "relative_tolerance" and "absolute_tolerance" to the
-/// table of a struct D derived from IntegratorParams.
+/// Adds "integrator" and the settings of IntegratorParams, each under its member's name, to the table of a
+/// struct D derived from it.
 template <class D>
 TableOf<D>& add_integrator_rows(TableOf<D>& table) {
   std::string D::*integrator = &IntegratorParams::integrator;
@@ -29,6 +35,10 @@ TableOf<D>& add_integrator_rows(TableOf<D>& table) {
   std::optional<double> D::*newton_tolerance = &IntegratorParams::newton_tolerance;
   std::optional<double> D::*relative = &IntegratorParams::relative_tolerance;
   std::optional<double> D::*absolute = &IntegratorParams::absolute_tolerance;
+  std::optional<double> D::*radius = &IntegratorParams::spectral_radius;
+  std::optional<double> D::*beta = &IntegratorParams::newmark_beta;
+  std::optional<double> D::*gamma = &IntegratorParams::newmark_gamma;
+  std::optional<int> D::*most = &IntegratorParams::max_internal_steps;
   return table
       .text("integrator", integrator, "time integration method; GET /v1/systems/{type} lists those that fit")
       .number("tolerance", tolerance, "1", above(0), "adaptive methods: bound on the local error of a step")
@@ -37,7 +47,17 @@ TableOf<D>& add_integrator_rows(TableOf<D>& table) {
       .number("relative_tolerance", relative, "1", at_least(0),
               "adaptive methods: the error of a step may be absolute_tolerance + this times the value")
       .number("absolute_tolerance", absolute, "1", above(0),
-              "adaptive methods: see there; default: tolerance");
+              "adaptive methods: see there; default: tolerance")
+      .number("spectral_radius", radius, "1", between(0, 1),
+              "generalized_alpha: share of the highest modes' amplitude that a step leaves; default 0.9")
+      .number("newmark_beta", beta, "1", between(0, 1),
+              "newmark: weight of the new acceleration in the position; default 1/4, unconditionally stable "
+              "where 2 beta >= gamma")
+      .number("newmark_gamma", gamma, "1", between(0.5, 1.5),
+              "newmark: the same in the velocity; default 1/2, more damps and leaves order 1")
+      .integer("max_internal_steps", most, between(1, 1e7),
+               "adaptive methods: internal steps that one step may take before the run is given up; default "
+               "100000");
 }
 
 }  // namespace truestep

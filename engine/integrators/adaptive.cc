@@ -34,14 +34,18 @@ double worse(double a, double b) {
 
 // attempt(t, h) leaves a candidate and returns its error over the tolerance; accept(h) takes it.
 template <class Attempt, class Accept>
-void subdivide(Motion& m, const step_control::Law& law, Attempt attempt, Accept accept) {
+void subdivide(Motion& m, const step_control::Law& law, int most, Attempt attempt, Accept accept) {
   const double length = m.input.h;
   const auto column = m.state.at(kInternalStep), error_column = m.state.at(kLastError);
   double h = m.state.f64(column)[0];
   step_control::Controller control(law, m.state.f64(error_column)[0]);
   if (!(h > 0)) h = length;
   double done = 0;
-  for (;;) {
+  for (int tried = 0;; ++tried) {
+    if (tried >= most) {
+      const auto count = static_cast<uint64_t>(most);
+      throw Instability("", "position", -1, step_control::too_many_steps_message(count, m.input.t + done, h));
+    }
     const double left = length - done;
     const bool last = h >= left * (1 - 1e-12);
     // Less than two steps left: two equal ones, so that no sliver remains.
@@ -88,7 +92,7 @@ void step_pair(const Tableau& tableau, const step_control::Law& law, const Force
     first_stands = tableau.first_same_as_last();
     if (first_stands) rk.last_stage_becomes_first();
   };
-  subdivide(m, law, attempt, accept);
+  subdivide(m, law, options.max_internal_steps, attempt, accept);
   m.project();
 }
 

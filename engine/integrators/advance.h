@@ -9,6 +9,7 @@
 #include <cstdint>
 #include <span>
 
+#include "engine/core/integrator.h"
 #include "engine/core/right_hand_side.h"
 #include "engine/core/workspace.h"
 
@@ -59,6 +60,7 @@ struct Advance {
   Tolerance tolerance = {};
   uint64_t fixed_steps = 1;
   uint64_t max_steps = 10'000'000;  ///< accepted + rejected, then Instability
+  StructuralDamping damping = {};
   double newton_tolerance = 1e-10;  ///< fixed-step implicit methods: relative change at which Newton stops
   /// What multistep methods keep from call to call, NaN in front when there is nothing yet; methods that need
   /// another length start anew.

@@ -1,7 +1,6 @@
 // Splitting methods on x'' = a(t, x, v) (splitting.h), and velocity Verlet, which keeps its last
 // acceleration. A velocity-dependent acceleration is taken at the velocity half a kick ahead, as on force
 // fields. Without watchers the last drift of a step and the first of the next are one.
-#include "engine/base/errors.h"
 #include "engine/integrators/arrays.h"
 #include "engine/integrators/methods.h"
 #include "engine/integrators/splitting.h"
@@ -103,17 +102,7 @@ class Mover {
 
 template <class Run>
 void for_size(const Advance& in, Run run) {
-  if (!in.f.second_order()) throw Error("unsuitable_method", "the method needs equations of second order");
-  switch (in.f.size()) {
-    case 2:
-      return run.template operator()<1>();
-    case 4:
-      return run.template operator()<2>();
-    case 6:
-      return run.template operator()<3>();
-    default:
-      return run.template operator()<0>();
-  }
+  with_size<1, 2, 3>(positions_of(in), run);
 }
 
 template <const Splitting& S>

@@ -7,6 +7,7 @@
 #include <string_view>
 #include <utility>
 
+#include "engine/base/errors.h"
 #include "engine/integrators/advance.h"
 
 namespace truestep {
@@ -80,5 +81,18 @@ class Arrays<0, Count> {
   size_t n_;
   std::array<double*, Count> data_{};
 };
+
+/// Positions of equations of second order; Error "unsuitable_method" where there are none.
+inline size_t positions_of(const Advance& in) {
+  if (!in.f.second_order()) throw Error("unsuitable_method", "the method needs equations of second order");
+  return in.f.size() / 2;
+}
+
+/// Calls run.operator()<N>() with N = n where that is one of Sizes, otherwise with 0.
+template <size_t... Sizes, class Run>
+void with_size(size_t n, Run&& run) {
+  const bool compiled = ((n == Sizes && (run.template operator()<Sizes>(), true)) || ...);
+  if (!compiled) run.template operator()<0>();
+}
 
 }  // namespace truestep

@@ -14,10 +14,7 @@ namespace truestep {
 
 namespace {
 
-// Layout of `memory`: length of the last step, y before it, y after it.
-size_t memory_size(size_t n) {
-  return 2 * n + 1;
-}
+constexpr auto memory_size = bdf2_memory;
 
 template <class Equations>
 class Bdf2 final : public Interpolant {
@@ -122,6 +119,11 @@ class Bdf2 final : public Interpolant {
 };
 
 }  // namespace
+
+// Layout: length of the last step, y before it, y after it.
+size_t bdf2_memory(size_t n) {
+  return 2 * n + 1;
+}
 
 void prepare_bdf2(const ForceField& field, State& state) {
   const size_t n = state.f64(state.at("position")).size() + state.f64(state.at("velocity")).size();

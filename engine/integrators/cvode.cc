@@ -2,8 +2,8 @@
 // CVODE's history survives, so a restored state repeats every choice; long calls suit it best. BDF solves its
 // systems with the right-hand side's own Jacobian (or CVODE's differences, or ours for sparse patterns) and
 // CVODE's dense or band factors; equations of second order with a band are interleaved, (x0, v0, x1, v1,
-// ...), which keeps the band narrow; sparse ones go to Eigen's SparseLU. Adams uses fixed-point iterations.
-// CVODE calls the C library's pow: its bits are those of one machine.
+// ...), which keeps the band narrow; sparse ones go to our sparse factors (sparse_lu.h). Adams uses
+// fixed-point iterations. CVODE calls the C library's pow: its bits are those of one machine.
 #include "engine/integrators/cvode.h"
 
 #include <cvode/cvode.h>
@@ -81,7 +81,12 @@ class Run final : public Interpolant {
     double t = a_.t;
     uint64_t steps = 0;
     for (;;) {
-      if (steps++ >= a_.max_steps) fail(t, "more internal steps than allowed");
+      if (steps++ >= a_.max_steps) {
+        double h = 0;
+        CVodeGetLastStep(memory_.get(), &h);
+        report();
+        step_control::too_many_steps(a_, t, h);
+      }
       double t1 = t;
       const int flag = CVode(memory_.get(), a_.t_end, y_.get(), &t1, CV_ONE_STEP);
       if (thrown_) std::rethrow_exception(thrown_);

@@ -4,11 +4,10 @@
 #include <sunmatrix/sunmatrix_dense.h>
 #include <sunmatrix/sunmatrix_sparse.h>
 
-#include <Eigen/SparseCore>
-#include <Eigen/SparseLU>
 #include <algorithm>
 
 #include "engine/base/errors.h"
+#include "engine/integrators/sparse_lu.h"
 
 namespace truestep {
 
@@ -137,10 +136,9 @@ SUNMatrix CvodeJacobian::sparse_matrix(SUNContext context) const {
 
 namespace {
 
-// A linear solver of CVODE's on Eigen's sparse LU.
+// A linear solver of CVODE's on our sparse factors.
 struct Content {
-  Eigen::SparseMatrix<double> matrix;
-  Eigen::SparseLU<Eigen::SparseMatrix<double>> lu;
+  std::unique_ptr<SparseLu<double>> lu = make_sparse_lu<double>();
   std::vector<int> start, rows;  // of the pattern that was analysed
 };
 Content& content(SUNLinearSolver s) {
@@ -154,14 +152,11 @@ int setup(SUNLinearSolver s, SUNMatrix a) {
     const auto* start = SUNSparseMatrix_IndexPointers(a);
     const auto* rows = SUNSparseMatrix_IndexValues(a);
     const std::vector<int> new_start(start, start + n + 1), new_rows(rows, rows + start[n]);
-    c.matrix = Eigen::Map<const Eigen::SparseMatrix<double>>(n, n, start[n], new_start.data(),
-                                                             new_rows.data(), SUNSparseMatrix_Data(a));
     if (new_start != c.start || new_rows != c.rows) {
-      c.lu.analyzePattern(c.matrix);
+      c.lu->analyse(int(n), new_start.data(), new_rows.data());
       c.start = new_start, c.rows = new_rows;
     }
-    c.lu.factorize(c.matrix);
-    return c.lu.info() == Eigen::Success ? 0 : 1;
+    return c.lu->factor(SUNSparseMatrix_Data(a)) ? 0 : 1;
   } catch (...) {
     return -1;
   }
@@ -169,10 +164,9 @@ int setup(SUNLinearSolver s, SUNMatrix a) {
 
 int solve(SUNLinearSolver s, SUNMatrix, N_Vector x, N_Vector b, realtype) {
   try {
-    const Content& c = content(s);
-    const auto n = c.matrix.rows();
-    const Eigen::Map<const Eigen::VectorXd> right(N_VGetArrayPointer(b), n);
-    Eigen::Map<Eigen::VectorXd>(N_VGetArrayPointer(x), n) = c.lu.solve(right);
+    double* out = N_VGetArrayPointer(x);
+    std::copy_n(N_VGetArrayPointer(b), N_VGetLength(b), out);
+    content(s).lu->solve(out);
     return 0;
   } catch (...) {
     return -1;

@@ -89,14 +89,7 @@ class ExplicitPair final : public Interpolant {
     if constexpr (sums == Sums::compensated) low_.take(0, 1);
   }
   long long worst(double h) const {
-    size_t most = 0;
-    double largest = -1;
-    for (size_t i = 0; i < n_; ++i) {
-      const double q = std::abs(h * error<kError>(i)) / step_control::weight(in_.tolerance, i, a_[kY][i]);
-      if (q != q) return static_cast<long long>(i);
-      if (q > largest) largest = q, most = i;
-    }
-    return static_cast<long long>(most);
+    return step_control::worst_component(in_, n_, a_[kY], [&](size_t i) { return h * error<kError>(i); });
   }
 
   /// Candidate = one step of length h from the solution; the first stage must stand.
@@ -260,24 +253,7 @@ void advance_pair(Advance& in, const step_control::Law& law) {
     ExplicitPair<T, N, sums> pair(in);
     drive(in, pair, law);
   };
-  switch (in.f.size()) {
-    case 1:
-      return run.template operator()<1>();
-    case 2:
-      return run.template operator()<2>();
-    case 3:
-      return run.template operator()<3>();
-    case 4:
-      return run.template operator()<4>();
-    case 6:
-      return run.template operator()<6>();
-    case 8:
-      return run.template operator()<8>();
-    case 12:
-      return run.template operator()<12>();
-    default:
-      return run.template operator()<0>();
-  }
+  with_size<1, 2, 3, 4, 6, 8, 12>(in.f.size(), run);
 }
 
 /// The same in in.fixed_steps equal steps.
@@ -304,20 +280,7 @@ void advance_fixed(Advance& in) {
       method.accept(t1);
     }
   };
-  switch (in.f.size()) {
-    case 1:
-      return run.template operator()<1>();
-    case 2:
-      return run.template operator()<2>();
-    case 3:
-      return run.template operator()<3>();
-    case 4:
-      return run.template operator()<4>();
-    case 6:
-      return run.template operator()<6>();
-    default:
-      return run.template operator()<0>();
-  }
+  with_size<1, 2, 3, 4, 6>(in.f.size(), run);
 }
 
 }  // namespace truestep

@@ -60,6 +60,8 @@ void step_equations(AdvanceFunction* method, const ForceField& field, State& sta
                   .workspace = in.workspace,
                   .carry = carry,
                   .tolerance = tolerance_of(options),
+                  .max_steps = static_cast<uint64_t>(options.max_internal_steps),
+                  .damping = options.damping,
                   .newton_tolerance = options.newton_tolerance};
   if (const auto memory = state.find("integrator.memory")) advance.memory = state.f64(*memory);
   try {

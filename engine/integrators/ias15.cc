@@ -12,7 +12,6 @@
 #include <array>
 #include <cmath>
 
-#include "engine/base/errors.h"
 #include "engine/integrators/arrays.h"
 #include "engine/integrators/compensated.h"
 #include "engine/integrators/ias15_nodes.h"
@@ -46,11 +45,6 @@ constexpr auto kInverseGaps = [] {
   }
   return r;
 }();
-
-// Layout of `memory`: the lower parts of y, the y that they belong to.
-constexpr size_t ias15_memory(size_t positions) {
-  return 4 * positions;
-}
 
 template <size_t M>
 class Radau15 final : public Interpolant {
@@ -147,14 +141,14 @@ class Radau15 final : public Interpolant {
   // What the sums of the last call left over, if nobody has changed y since.
   void recall() {
     const double* memory = in_.memory.data();
-    if (in_.memory.size() == ias15_memory(m_) && std::equal(in_.y, in_.y + 2 * m_, memory + 2 * m_)) {
+    if (in_.memory.size() == ias15_memory(2 * m_) && std::equal(in_.y, in_.y + 2 * m_, memory + 2 * m_)) {
       std::copy_n(memory, 2 * m_, y_[kLow]);
     } else {
       std::fill_n(y_[kLow], 2 * m_, 0);
     }
   }
   void remember() {
-    if (in_.memory.size() != ias15_memory(m_)) return;
+    if (in_.memory.size() != ias15_memory(2 * m_)) return;
     std::copy_n(y_[kLowNew], 2 * m_, in_.memory.data());
     std::copy_n(in_.y, 2 * m_, in_.memory.data() + 2 * m_);
   }
@@ -318,21 +312,18 @@ class Radau15 final : public Interpolant {
 
 }  // namespace
 
+// Layout: the lower parts of y, the y that they belong to.
+size_t ias15_memory(size_t n) {
+  return 2 * n;
+}
+
 void prepare_ias15(const ForceField& field, State& state) {
   prepare_adaptive(field, state);
-  add_memory(state, ias15_memory(state.f64(state.at("position")).size()));
+  add_memory(state, ias15_memory(2 * state.f64(state.at("position")).size()));
 }
 
 void advance_ias15(Advance& in) {
-  if (!in.f.second_order()) throw Error("unsuitable_method", "the method needs equations of second order");
-  switch (in.f.size()) {
-    case 4:
-      return Radau15<2>(in).run();
-    case 6:
-      return Radau15<3>(in).run();
-    default:
-      return Radau15<0>(in).run();
-  }
+  with_size<2, 3>(positions_of(in), [&]<size_t M>() { Radau15<M>(in).run(); });
 }
 
 }  // namespace truestep

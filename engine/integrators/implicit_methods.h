@@ -1,4 +1,4 @@
-// Advance functions of the implicit methods, for the table in integrators.cc.
+// Advance functions of the implicit methods, for the rows in rows_*.cc.
 #pragma once
 #include "engine/integrators/advance.h"
 #include "engine/integrators/methods.h"
@@ -12,6 +12,7 @@ AdvanceFunction advance_tr_bdf2_fixed;                         // sdirk.cc: with
 AdvanceFunction advance_implicit_midpoint, advance_trapezoid;  // sdirk.cc
 AdvanceFunction advance_bdf2;                                  // bdf2.cc
 PrepareFunction prepare_bdf2;                                  // bdf2.cc
+MemoryFunction bdf2_memory, generalized_alpha_memory;          // bdf2.cc, newmark.cc
 AdvanceFunction advance_newmark, advance_generalized_alpha;    // newmark.cc
 PrepareFunction prepare_generalized_alpha;                     // newmark.cc
 RefusalFunction refuses_first_order;                           // newmark.cc

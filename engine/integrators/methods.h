@@ -1,4 +1,4 @@
-// Step functions of all methods, for the table in integrators.cc. Each advances the state by input.h.
+// Step functions of all methods, for the rows in rows_*.cc. Each advances the state by input.h.
 #pragma once
 #include "engine/core/integrator.h"
 #include "engine/integrators/advance.h"
@@ -7,6 +7,7 @@ namespace truestep {
 
 using StepFunction = void(const ForceField&, State&, const StepInput&, const IntegratorOptions&);
 using PrepareFunction = void(const ForceField&, State&);
+using MemoryFunction = size_t(size_t n);
 using RefusalFunction = std::optional<std::string>(const ForceField&);
 
 StepFunction step_euler, step_symplectic_euler, step_modified_euler;    // euler.cc
@@ -20,6 +21,7 @@ StepFunction step_yoshida6, step_yoshida8, step_kahan_li8, step_pefrl;  // split
 StepFunction step_step_doubling, step_bs32, step_rkf45, step_dopri5;  // adaptive.cc
 StepFunction step_tsit5, step_dop853, step_ssprk104;                  // adaptive.cc
 PrepareFunction prepare_adaptive;                                     // adaptive.cc
+MemoryFunction ias15_memory;                                          // ias15.cc
 PrepareFunction prepare_ias15;                                        // ias15.cc
 
 AdvanceFunction advance_euler, advance_midpoint, advance_heun, advance_rk4;           // advance_pairs.cc

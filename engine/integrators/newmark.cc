@@ -3,7 +3,8 @@
 //   (1 - am) a1 + am a = a(t + (1 - af) h, (1 - af) x1 + af x, (1 - af) v1 + af v)
 // Newmark 1959 with beta = 1/4, gamma = 1/2 is am = af = 0: undamped, unconditionally stable. Chung, Hulbert
 // 1993, eq. 13 to 25: am = (2r - 1)/(r + 1), af = r/(r + 1), gamma = 1/2 - am + af, beta = (1 - am + af)^2 /
-// 4 damps high frequencies to the spectral radius r at infinity. One system of half the size per iteration:
+// 4 damps high frequencies to the spectral radius r at infinity. Beta, gamma and r are the scene's to choose.
+// One system of half the size per iteration:
 //   ((1 - am) I - (1 - af) gamma h B - (1 - af) beta h^2 A) da1 = -residual,   A = da/dx, B = da/dv.
 // Generalized alpha carries its own a, which is not a(t, x, v), in `memory`.
 #include <algorithm>
@@ -20,22 +21,16 @@ namespace truestep {
 namespace {
 
 struct Alpha {
-  double m = 0, f = 0;
-  double gamma() const { return 0.5 - m + f; }
-  double beta() const { return 0.25 * (1 - m + f) * (1 - m + f); }
+  double m = 0, f = 0, gamma = 0.5, beta = 0.25;
 };
 Alpha with_radius(double r) {
-  return {(2 * r - 1) / (r + 1), r / (r + 1)};
+  const double m = (2 * r - 1) / (r + 1), f = r / (r + 1);
+  return {m, f, 0.5 - m + f, 0.25 * (1 - m + f) * (1 - m + f)};
 }
-// Spectral radius at infinity of generalized_alpha: a tenth of the highest modes' amplitude leaves per step.
-constexpr double kRadius = 0.9;
 
 enum class Acceleration : uint8_t { evaluated, carried };
 
-// Layout of `memory`: a, then the y that belongs to it.
-size_t memory_size(size_t n) {
-  return n / 2 + n;
-}
+constexpr auto memory_size = generalized_alpha_memory;
 
 class NewmarkSteps final : public Interpolant {
  public:
@@ -77,8 +72,7 @@ class NewmarkSteps final : public Interpolant {
         linearised_ = true, factored_ = 0;
         const double f = (1 - alpha_.f) / (1 - alpha_.m);
         ++eq_.count().factorisations;
-        if (!eq_.matrix().factor_second_order(f * alpha_.beta() * h * h, f * alpha_.gamma() * h))
-          return false;
+        if (!eq_.matrix().factor_second_order(f * alpha_.beta * h * h, f * alpha_.gamma * h)) return false;
         factored_ = h;
       }
       if (iterate(t, h)) return true;
@@ -126,7 +120,7 @@ class NewmarkSteps final : public Interpolant {
     const double *y = eq_.array(y_), *a = eq_.array(kA);
     double *y1 = eq_.array(1 - y_), *a1 = eq_.array(kA1), *point = eq_.array(kPoint),
            *d = eq_.array(kResidual);
-    const double beta = alpha_.beta(), gamma = alpha_.gamma(), af = alpha_.f, am = alpha_.m;
+    const double beta = alpha_.beta, gamma = alpha_.gamma, af = alpha_.f, am = alpha_.m;
     std::copy_n(a, n_, a1);
     Convergence convergence(kMostIterations);
     const double along = h * h * beta, across = h * gamma;
@@ -185,6 +179,11 @@ void advance(Advance& a, const Alpha& alpha, Acceleration kept) {
 
 }  // namespace
 
+// Layout: a, then the y that belongs to it.
+size_t generalized_alpha_memory(size_t n) {
+  return n / 2 + n;
+}
+
 void prepare_generalized_alpha(const ForceField& field, State& state) {
   add_memory(state, memory_size(2 * state.f64(state.at("velocity")).size()));
 }
@@ -195,10 +194,10 @@ std::optional<std::string> refuses_first_order(const ForceField& field) {
 }
 
 void advance_newmark(Advance& a) {
-  advance(a, {}, Acceleration::evaluated);
+  advance(a, {.gamma = a.damping.newmark_gamma, .beta = a.damping.newmark_beta}, Acceleration::evaluated);
 }
 void advance_generalized_alpha(Advance& a) {
-  advance(a, with_radius(kRadius), Acceleration::carried);
+  advance(a, with_radius(a.damping.spectral_radius), Acceleration::carried);
 }
 
 }  // namespace truestep

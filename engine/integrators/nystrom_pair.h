@@ -3,7 +3,6 @@
 // the orders are meant for errors near rounding. M = length of x where known at compile time, else 0.
 // Between the ends of a step: quintic Hermite interpolation of x, v and a (x of order 6, v of order 5).
 #pragma once
-#include "engine/base/errors.h"
 #include "engine/integrators/explicit_pair.h"
 #include "engine/integrators/tableau_nystrom.h"
 
@@ -58,15 +57,9 @@ class NystromPair final : public Interpolant {
     y_.take(kLow, kLowNew);
   }
   long long worst(double h) const {
-    size_t most = 0;
-    double largest = -1;
-    for (size_t i = 0; i < 2 * m_; ++i) {
-      const double e = i < m_ ? h * h * sum<kError>(i) : h * sum<kErrorV>(i - m_);
-      const double q = std::abs(e) / step_control::weight(in_.tolerance, i, y_[kNow][i]);
-      if (q != q) return static_cast<long long>(i);
-      if (q > largest) largest = q, most = i;
-    }
-    return static_cast<long long>(most);
+    return step_control::worst_component(in_, 2 * m_, y_[kNow], [&](size_t i) {
+      return i < m_ ? h * h * sum<kError>(i) : h * sum<kErrorV>(i - m_);
+    });
   }
 
   void at(double s, double* y) const override {
@@ -167,19 +160,7 @@ void advance_nystrom(Advance& in, const step_control::Law& law) {
     NystromPair<T, M> pair(in);
     drive(in, pair, law);
   };
-  if (!in.f.second_order()) throw Error("unsuitable_method", "the method needs equations of second order");
-  switch (in.f.size()) {
-    case 2:
-      return run.template operator()<1>();
-    case 4:
-      return run.template operator()<2>();
-    case 6:
-      return run.template operator()<3>();
-    case 12:
-      return run.template operator()<6>();
-    default:
-      return run.template operator()<0>();
-  }
+  with_size<1, 2, 3, 6>(positions_of(in), run);
 }
 
 }  // namespace truestep

@@ -1,7 +1,5 @@
 #include "engine/integrators/sparse_factors.h"
 
-#include <Eigen/SparseCore>
-#include <Eigen/SparseLU>
 #include <algorithm>
 #include <complex>
 #include <vector>
@@ -12,15 +10,8 @@ namespace {
 
 template <class T>
 struct Solver {
-  Eigen::SparseMatrix<T> matrix;
-  Eigen::SparseLU<Eigen::SparseMatrix<T>> lu;
-  bool analysed = false;
-
-  bool factor() {
-    if (!analysed) lu.analyzePattern(matrix), analysed = true;
-    lu.factorize(matrix);
-    return lu.info() == Eigen::Success;
-  }
+  std::vector<T> values;
+  std::unique_ptr<SparseLu<T>> lu;
 };
 
 std::complex<double> standard(Complex z) {
@@ -34,6 +25,7 @@ double standard(double z) {
 
 struct SparseFactors::Parts {
   size_t n;
+  SparseLibrary library;
   std::vector<int> start, rows;
   std::vector<size_t> place;  // of every given entry among the values with the diagonal
   std::vector<size_t> diagonal;
@@ -42,25 +34,26 @@ struct SparseFactors::Parts {
 
   template <class T, class C>
   bool factor(Solver<T>& s, const double* a1, const double* a2, C c1, C c2) {
-    if (s.matrix.rows() == 0) {
-      const std::vector<T> zeros(rows.size(), T(0));
-      s.matrix = Eigen::Map<const Eigen::SparseMatrix<T>>(long(n), long(n), long(rows.size()), start.data(),
-                                                          rows.data(), zeros.data());
+    if (!s.lu) {
+      s.values.resize(rows.size());
+      s.lu = make_sparse_lu<T>(library);
+      s.lu->analyse(int(n), start.data(), rows.data());
     }
-    T* v = s.matrix.valuePtr();
+    T* v = s.values.data();
     std::fill_n(v, rows.size(), T(0));
     for (const size_t d : diagonal) v[d] = T(1);
     for (size_t k = 0; k < place.size(); ++k) {
       v[place[k]] -= a2 ? standard(a1[k] * c1 + a2[k] * c2) : standard(a1[k] * c1);
     }
-    return s.factor();
+    return s.lu->factor(v);
   }
 };
 
-SparseFactors::SparseFactors(size_t n, std::span<const int32_t> column_start, std::span<const int32_t> rows)
+SparseFactors::SparseFactors(size_t n, std::span<const int32_t> column_start, std::span<const int32_t> rows,
+                             SparseLibrary library)
     : parts_(std::make_unique<Parts>()) {
   Parts& p = *parts_;
-  p.n = n;
+  p.n = n, p.library = library;
   p.start.push_back(0);
   for (size_t j = 0; j < n; ++j) {
     bool has_diagonal = false;
@@ -94,13 +87,11 @@ bool SparseFactors::factor(const double* a1, const double* a2, Complex c1, Compl
 }
 
 void SparseFactors::solve(double* b) {
-  Eigen::Map<Eigen::VectorXd> x(b, long(parts_->n));
-  x = parts_->real.lu.solve(x).eval();
+  parts_->real.lu->solve(b);
 }
 void SparseFactors::solve(Complex* b) {
   static_assert(sizeof(Complex) == sizeof(std::complex<double>));
-  Eigen::Map<Eigen::VectorXcd> x(reinterpret_cast<std::complex<double>*>(b), long(parts_->n));
-  x = parts_->complex.lu.solve(x).eval();
+  parts_->complex.lu->solve(reinterpret_cast<std::complex<double>*>(b));
 }
 
 }  // namespace truestep

@@ -1,11 +1,11 @@
 // Sparse LU of M = I - c1 A1 - c2 A2 for two matrices of one pattern, real or complex: the fill-reducing
-// order is found once per pattern. Eigen's SparseLU (supernodal, after Demmel et al. 1999). It allocates at
-// every factorisation, the one exception to "no allocation per step".
+// order is found once per pattern; see sparse_lu.h.
 #pragma once
 #include <cstdint>
 #include <memory>
 #include <span>
 
+#include "engine/integrators/sparse_lu.h"
 #include "engine/math/complex.h"
 
 namespace truestep {
@@ -13,7 +13,8 @@ namespace truestep {
 class SparseFactors {
  public:
   /// Compressed columns of A1 and A2; the diagonal is added where it is missing.
-  SparseFactors(size_t n, std::span<const int32_t> column_start, std::span<const int32_t> rows);
+  SparseFactors(size_t n, std::span<const int32_t> column_start, std::span<const int32_t> rows,
+                SparseLibrary library = preferred_sparse_library());
   ~SparseFactors();
 
   /// False: singular. `a2` may be null.

@@ -72,15 +72,8 @@ class LowStorage final : public Interpolant {
     a_.exchange(kFirst, kRate);
   }
   long long worst(double) const {
-    size_t most = 0;
-    double largest = -1;
-    for (size_t i = 0; i < n_; ++i) {
-      const double q =
-          std::abs(a_[kNew][i] - a_[kEmbedded][i]) / step_control::weight(in_.tolerance, i, a_[kY][i]);
-      if (q != q) return static_cast<long long>(i);
-      if (q > largest) largest = q, most = i;
-    }
-    return static_cast<long long>(most);
+    return step_control::worst_component(in_, n_, a_[kY],
+                                         [&](size_t i) { return a_[kNew][i] - a_[kEmbedded][i]; });
   }
   void at(double s, double* y) const override {
     const double r = 1 - s, w = s * s * (3 - 2 * s), w0 = h_ * s * r * r, w1 = -h_ * s * s * r;

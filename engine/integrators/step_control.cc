@@ -50,10 +50,15 @@ void give_up(const Advance& in, double t, double h, const double* y, const doubl
                         std::to_string(worst) + " has the largest error)");
 }
 
+std::string too_many_steps_message(uint64_t most, double t, double h) {
+  return "one step would take more than " + std::to_string(most) + " internal steps, which have fallen to " +
+         std::to_string(h) + " s at t = " + std::to_string(t) +
+         " s: take a shorter dt, a larger tolerance, an implicit method such as radau5 if the equations are "
+         "stiff, or raise max_internal_steps";
+}
+
 void too_many_steps(const Advance& in, double t, double h) {
-  throw Instability("", "y", -1,
-                    "more than " + std::to_string(in.max_steps) + " internal steps; the run stands at t = " +
-                        std::to_string(t) + " s with steps of " + std::to_string(h) + " s");
+  throw Instability("", "y", -1, too_many_steps_message(in.max_steps, t, h));
 }
 
 }  // namespace truestep::step_control

@@ -10,6 +10,7 @@
 #include <bit>
 #include <cmath>
 #include <cstdint>
+#include <string>
 
 #include "engine/integrators/advance.h"
 
@@ -108,10 +109,26 @@ inline double weight(const Tolerance& tolerance, size_t i, double y) {
   return std::fma(tolerance.relative, std::abs(y), absolute);
 }
 
+/// Index of the component of y whose error(i) is largest against its tolerance, or of the first whose error
+/// is no number.
+template <class Error>
+long long worst_component(const Advance& in, size_t n, const double* y, Error error) {
+  size_t most = 0;
+  double largest = -1;
+  for (size_t i = 0; i < n; ++i) {
+    const double q = std::abs(error(i)) / weight(in.tolerance, i, y[i]);
+    if (q != q) return static_cast<long long>(i);
+    if (q > largest) largest = q, most = i;
+  }
+  return static_cast<long long>(most);
+}
+
 /// Throws Instability for a step that fell to `h` at time t: names the first component of y or candidate
 /// that is no finite number, else `worst`.
 [[noreturn]] void give_up(const Advance& in, double t, double h, const double* y, const double* candidate,
                           long long worst);
+/// What is said then, with remedies.
+std::string too_many_steps_message(uint64_t most, double t, double h);
 /// Likewise for too many steps.
 [[noreturn]] void too_many_steps(const Advance& in, double t, double h);
 

@@ -18,6 +18,14 @@ const std::string kBall = R"s("states": {"h": 1, "v": 0, "w": [1, 2, 3, 4]},
 }, "integrator": "dopri5",
   "events": [{"when": "h", "direction": "falling", "set": {"v": "-0.9 * v"}}])s";
 
+// Methods with a memory, and an event that makes them forget it.
+std::string remembering(const std::string& method) {
+  return R"s("states": {"x": 1}, "velocities": {"x": 0.5}, "parameters": {"k": 40}, "second": {"x": "-k * x - 0.2 * x'"
+},
+  "events": [{"every": 0.43, "set": {"k": "k + 1"}}], "integrator": ")s" +
+         method + "\"";
+}
+
 std::vector<uint64_t> hashes(OdeRun& run, int steps) {
   std::vector<uint64_t> out;
   for (int k = 0; k < steps; ++k) out.push_back(run.steps(1).state.hash());
@@ -37,7 +45,8 @@ TEST(OdeDeterminism, AnyNumberOfThreads) {
 }
 
 TEST(OdeDeterminism, RestoredSnapshotsAndDroppedWorkspacesContinueTheSameTrajectory) {
-  for (const std::string& system : {kFlow, kBall}) {
+  for (const std::string& system :
+       {kFlow, kBall, remembering("bdf2"), remembering("generalized_alpha"), remembering("radau5")}) {
     OdeRun whole(system, 0.05);
     const auto expected = hashes(whole, 40);
     OdeRun run(system, 0.05);

@@ -49,6 +49,7 @@ Ode::Ode(const OdeDef& def, const BuildContext& context)
   tolerance_.relative = def_.relative_tolerance.value_or(both);
   tolerance_.absolute = def_.absolute_tolerance.value_or(both);
   tolerance_.absolute_each = model_.absolute_tolerances;
+  options_ = def_.choice().options;
   constexpr int kPath = 400;
   trail_ = static_cast<size_t>(def_.trail.value_or(model_.bodies <= 16 && !def_.tracers ? kPath : 0));
   if (def_.tracers) {
@@ -116,6 +117,8 @@ State Ode::initial_state() const {
   }
   add(C::kInvariantsAtStart, "invariants.start", "1", 1, Role::internal, invariants);
   add(C::kWork, "integrator.work", "1", 1, Role::internal, std::vector<uint64_t>(kOdeWorkCounters));
+  add(C::kMemory, "integrator.memory", "1", 1, Role::internal,
+      std::vector<double>(method_ && method_->memory ? method_->memory(model_.size()) : 0, NAN));
   add(C::kTrail, "trail", "m", 3, Role::internal, std::vector<double>(def_.tracers ? 0 : 3 * rows_));
   if (rows_ > 0 && !def_.tracers) {
     Workspace workspace;
@@ -195,9 +198,12 @@ double Ode::advance(State& s, Scratch& work, Workspace& workspace, double t, dou
               .t_end = t_end,
               .y = s.f64(C::kStates).data(),
               .workspace = workspace,
-              .carry = carry};
+              .carry = carry,
+              .memory = s.f64(C::kMemory)};
   run.tolerance = tolerance_;
-  if (def_.newton_tolerance) run.newton_tolerance = *def_.newton_tolerance;
+  run.newton_tolerance = options_.newton_tolerance;
+  run.max_steps = static_cast<uint64_t>(options_.max_internal_steps);
+  run.damping = options_.damping;
   run.watcher = model_.guards.outputs() > 0 ? work.crossings.get() : nullptr;
   run.statistics = &statistics;
   try {
@@ -224,6 +230,11 @@ double Ode::next_timed_event(double t, double slack) const {
   return next;
 }
 
+void Ode::forget(State& s) {
+  std::ranges::fill(s.f64(C::kCarry), 0.0);
+  std::ranges::fill(s.f64(C::kMemory), NAN);
+}
+
 void Ode::fire(State& s, Scratch& work, size_t k, double t) const {
   const OdeModel::Event& e = model_.events[k];
   const auto y = s.f64(C::kStates), p = s.f64(C::kParameters);
@@ -235,7 +246,7 @@ void Ode::fire(State& s, Scratch& work, size_t k, double t) const {
           work.values[i];
     }
     work.set_parameters(p);
-    std::ranges::fill(s.f64(C::kCarry), 0.0);
+    forget(s);
   }
   if (e.def.then == OdeEventDef::Then::stop) s.f64(C::kStopped)[0] = 1, s.f64(C::kStopped)[1] = t;
 }

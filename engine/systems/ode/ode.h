@@ -41,6 +41,8 @@ class Ode final : public StagedSystem {
   void integrate(State& state, const StepInput& in) const;
   double advance(State& state, Scratch& work, Workspace& workspace, double t, double t_end) const;
   double next_timed_event(double t, double slack) const;
+  /// The integrator begins afresh: what it knows of earlier steps belongs to other equations.
+  static void forget(State& state);
   void fire(State& state, Scratch& work, size_t event, double t) const;
   void carry_tracers(State& state, const StepInput& in) const;
   void draw_path(State& state, double t, Workspace& workspace) const;
@@ -49,6 +51,7 @@ class Ode final : public StagedSystem {
   OdeModel model_;
   const Integrator* method_ = nullptr;  ///< null: no states, only tracers
   Tolerance tolerance_;
+  IntegratorOptions options_;
   std::string why_this_method_;
   uint64_t seed_;
   size_t trail_ = 0, rows_ = 0;

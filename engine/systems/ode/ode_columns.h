@@ -15,6 +15,7 @@ struct OdeColumns {
     kStopped,            ///< 1 and the time, once an event has stopped the system
     kInvariantsAtStart,  ///< value of each invariant at t = 0
     kWork,               ///< u64: internal steps, rejected ones, right-hand sides, Jacobians
+    kMemory,             ///< what the method remembers of earlier steps, NaN in front: nothing yet
     kTrail  ///< what is drawn: for every body its present point, then the past ones, newest first
   };
 };

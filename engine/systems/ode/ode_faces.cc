@@ -120,9 +120,8 @@ void Ode::apply(State& s, const Command& c) const {
   if (!std::isfinite(c.value)) refuse("/value", "not_finite", "the value must be finite", "a finite number");
   using Kind = OdeModel::Event::Target::Kind;
   s.f64(target->kind == Kind::state ? C::kStates : C::kParameters)[target->place] = c.value;
-  // The integrator begins afresh, guards count from where they are next seen, and a system that stood still
-  // goes on.
-  std::ranges::fill(s.f64(C::kCarry), 0.0);
+  // Guards count from where they are next seen, and a system that stood still goes on.
+  forget(s);
   std::ranges::fill(s.span<int32_t>(C::kEventSigns), 0);
   std::ranges::fill(s.f64(C::kStopped), 0.0);
 }

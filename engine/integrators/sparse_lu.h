@@ -1,0 +1,42 @@
+// Sparse LU of square matrices that share one pattern, by one of two libraries: Eigen's SparseLU (supernodal,
+// Demmel et al. 1999) or KLU (Davis, Palamadai Natarajan 2010, "Algorithm 907": block triangular form, then
+// left-looking columns without supernodes, made for circuits). The order is found once per pattern; pivots
+// are chosen anew for every matrix, never taken over from an older one, so that a restored run repeats every
+// bit. Both allocate at every factorisation, the one exception to "no allocation per step".
+#pragma once
+#include <complex>
+#include <cstdint>
+#include <memory>
+
+namespace truestep {
+
+template <class T>  // double or std::complex<double>
+class SparseLu {
+ public:
+  virtual ~SparseLu() = default;
+  /// Compressed columns, rows ascending; must come first.
+  virtual void analyse(int n, const int* column_start, const int* rows) = 0;
+  /// The values in the pattern's order. False: singular.
+  virtual bool factor(const T* values) = 0;
+  /// x = A^-1 b in place.
+  virtual void solve(T* b) = 0;
+};
+
+enum class SparseLibrary : uint8_t { eigen, klu };
+
+/// KLU where the program was built with it: faster on every matrix that was measured (docs/studies.md).
+SparseLibrary preferred_sparse_library();
+
+/// Error "not_built" for KLU in a program without it.
+template <class T>
+std::unique_ptr<SparseLu<T>> make_sparse_lu(SparseLibrary library = preferred_sparse_library());
+extern template std::unique_ptr<SparseLu<double>> make_sparse_lu(SparseLibrary);
+extern template std::unique_ptr<SparseLu<std::complex<double>>> make_sparse_lu(SparseLibrary);
+
+/// One per library; sparse_lu_klu.cc is compiled where KLU is present.
+template <class T>
+std::unique_ptr<SparseLu<T>> make_eigen_lu();
+template <class T>
+std::unique_ptr<SparseLu<T>> make_klu();
+
+}  // namespace truestep
