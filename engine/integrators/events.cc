@@ -1,91 +1,113 @@
 #include "engine/integrators/events.h"
 
-#include <algorithm>
-#include <cmath>
-
 namespace truestep {
 
-double bracketed_root(const std::function<double(double)>& f, double a, double fa, double b, double fb,
-                      double tolerance) {
-  if (fa == 0) return a;
-  if (fb == 0) return b;
-  // (b, fb) is the newest point, (a, fa) the other end of the bracket, (c, fc) the one before.
-  double c = a, fc = fa, share = 0.5;
-  for (int i = 0; i < 200; ++i) {
-    const double x = a + share * (b - a), fx = f(x);
-    if (std::signbit(fx) == std::signbit(fa)) {
-      c = a, fc = fa;
-    } else {
-      c = b, fc = fb, b = a, fb = fa;
-    }
-    a = x, fa = fx;
-    const double best = std::abs(fa) < std::abs(fb) ? a : b;
-    const double width = std::abs(b - a), limit = (2 * 2.3e-16 * std::abs(best) + 0.5 * tolerance) / width;
-    if (fx == 0 || limit > 0.5) return fx == 0 ? x : best;
-    // Inverse quadratic interpolation where it is monotonous between the three points, else bisection.
-    const double xi = (a - b) / (c - b), phi = (fa - fb) / (fc - fb);
-    share = 0.5;
-    if (phi * phi < xi && (1 - phi) * (1 - phi) < 1 - xi) {
-      share = fa / (fb - fa) * fc / (fb - fc) + (c - a) / (b - a) * fa / (fc - fa) * fb / (fc - fb);
-    }
-    share = std::clamp(share, limit, 1 - limit);
-  }
-  return std::abs(fa) < std::abs(fb) ? a : b;
+namespace {
+int32_t side(double g) {
+  return g > 0 ? 1 : g < 0 ? -1 : 0;
+}
+}  // namespace
+
+EventWatcher::EventWatcher(Guards& guards, std::span<const Crossing> directions, size_t n)
+    : guards_(guards),
+      directions_(directions),
+      now_(directions.size()),
+      before_(directions.size()),
+      ahead_(directions.size()),
+      point_(n) {
+  fired_.reserve(directions.size());
+  fired_side_.reserve(directions.size());
 }
 
-EventWatcher::EventWatcher(std::span<const Event> events, size_t n, StepWatcher* next)
-    : events_(events), next_(next), y_(n), last_(events.size(), 0.0) {}
+bool EventWatcher::crosses(size_t k) const {
+  if (sides_[k] == 0 || side(now_[k]) == sides_[k]) return false;
+  return directions_[k] == Crossing::either ||
+         (directions_[k] == Crossing::rising ? sides_[k] < 0 : sides_[k] > 0);
+}
+bool EventWatcher::any_crosses() const {
+  for (size_t k = 0; k < now_.size(); ++k) {
+    if (crosses(k)) return true;
+  }
+  return false;
+}
+void EventWatcher::keep_sides() {
+  for (size_t k = 0; k < now_.size(); ++k) sides_[k] = side(now_[k]);
+}
 
-void EventWatcher::start(double t, const double* y) {
-  stopped_by_.reset();
-  for (size_t e = 0; e < events_.size(); ++e) last_[e] = events_[e].g(t, y);
+void EventWatcher::look(double t, const double* y) {
+  guards_.evaluate(t, y, now_.data());
+  keep_sides();
+  for (size_t i = 0; i < fired_.size(); ++i) {
+    if (sides_[fired_[i]] == fired_side_[i]) sides_[fired_[i]] = 0;
+  }
+}
+
+// Share of the step at which the first guard has crossed that now_ shows on the other side at `high`.
+double EventWatcher::earliest(double t0, double h, double low, double high, const Interpolant& between) {
+  const auto evaluate = [&](double theta, std::vector<double>& g) {
+    between.at(theta, point_.data());
+    guards_.evaluate(t0 + theta * h, point_.data(), g.data());
+  };
+  evaluate(low, before_);
+  ahead_ = now_;
+  double first = high;
+  for (size_t k = 0; k < ahead_.size(); ++k) {
+    now_[k] = ahead_[k];
+    if (!crosses(k)) continue;
+    // Rounding may show the start on the other side already: only its sign is known then.
+    const double start = side(before_[k]) == sides_[k] ? before_[k] : sides_[k] * std::abs(ahead_[k]);
+    const double root = bracketed_root(
+        [&](double theta) {
+          evaluate(theta, now_);
+          return now_[k];
+        },
+        low, start, high, ahead_[k], 1e-16 * std::abs(t0 + h) / h);
+    first = std::min(first, root);
+  }
+  return first;
 }
 
 StepWatcher::Verdict EventWatcher::accepted(double t0, double& t1, double* y1, const Interpolant& between) {
-  const double length = t1 - t0;
-  const auto value = [&](const Event& e, double theta) {
-    if (theta == 1) return e.g(t1, y1);
-    between.at(theta, y_.data());
-    return e.g(t0 + theta * length, y_.data());
-  };
-  // Crossings as event and share of the step.
-  found_.clear();
-  for (size_t e = 0; e < events_.size(); ++e) {
-    double before = last_[e];
-    for (int part = 1; part <= kParts; ++part) {
-      const double to = double(part) / kParts, now = value(events_[e], to);
-      double from = double(part - 1) / kParts;
-      // On which side a zero is left tells a place a little further on.
-      if (before == 0) from += 1e-6 / kParts, before = value(events_[e], from);
-      const bool rising = before < 0 && now >= 0, falling = before > 0 && now <= 0;
-      const auto wanted = events_[e].direction;
-      if ((rising && wanted != Event::Direction::falling) ||
-          (falling && wanted != Event::Direction::rising)) {
-        const double resolution = 4e-16 * std::max(std::abs(t0), std::abs(t1)) / length;
-        found_.push_back({e, bracketed_root([&](double theta) { return value(events_[e], theta); }, from,
-                                            before, to, now, std::max(resolution, 2e-16))});
-      }
-      before = now;
+  const double h = t1 - t0;
+  double low = 0;
+  // On which side a guard leaves zero tells a place a little further on.
+  constexpr double kLittle = 1e-6;
+  if (std::ranges::find(sides_, 0) != sides_.end()) {
+    between.at(kLittle, point_.data());
+    guards_.evaluate(t0 + kLittle * h, point_.data(), now_.data());
+    for (size_t k = 0; k < now_.size(); ++k) {
+      if (sides_[k] == 0) sides_[k] = side(now_[k]);
     }
-    last_[e] = before;
+    low = kLittle;
   }
-  std::sort(found_.begin(), found_.end(), [](const Hit& a, const Hit& b) { return a.t < b.t; });
-  auto verdict = Verdict::go_on;
-  for (const Hit& hit : found_) {
-    const bool at_end = hit.t == 1;
-    hits_.push_back({hit.event, at_end ? t1 : t0 + hit.t * length});
-    if (events_[hit.event].then != Event::Then::stop) continue;
-    if (!at_end) {
-      between.at(hit.t, y_.data());
-      std::copy(y_.begin(), y_.end(), y1);
-      t1 = hits_.back().t;
+  for (const double theta : {0.25, 0.5, 0.75, 1.0}) {
+    const double* y = y1;
+    if (theta < 1) {
+      between.at(theta, point_.data());
+      y = point_.data();
     }
-    stopped_by_ = hit.event;
-    verdict = Verdict::stop;
-    break;
+    guards_.evaluate(t0 + theta * h, y, now_.data());
+    if (!any_crosses()) {
+      keep_sides();
+      low = theta;
+      continue;
+    }
+    const double first = earliest(t0, h, low, theta, between);
+    if (first < 1) {
+      between.at(first, point_.data());
+      t1 = t0 + first * h;
+      std::copy(point_.begin(), point_.end(), y1);
+    }
+    guards_.evaluate(t1, y1, now_.data());
+    for (size_t k = 0; k < now_.size(); ++k) {
+      if (!crosses(k)) continue;
+      fired_.push_back(static_cast<uint32_t>(k));
+      fired_side_.push_back(side(now_[k]));
+    }
+    // The place crosses by construction; its time may have moved by rounding.
+    return fired_.empty() ? Verdict::go_on : Verdict::stop;
   }
-  if (next_ && next_->accepted(t0, t1, y1, between) == Verdict::stop) verdict = Verdict::stop;
-  return verdict;
+  return Verdict::go_on;
 }
 
 }  // namespace truestep

@@ -1,57 +1,94 @@
-// Events: moments at which a function g(t, y) of the solution passes zero, found on the interpolant of each
-// accepted step. Four places inside the step are looked at besides its end, so that two crossings within one
-// step are seen unless they lie within a quarter of it; each is then bracketed and refined by Chandrupatla's
-// method (1997, "A new hybrid quadratic/bisection algorithm for finding the zero of a nonlinear function
-// without using derivatives") until t is known to rounding. A zero at the start of the run is no crossing,
-// but the way back to it is. An event may stop the run at its own time; those behind it in the same step have
-// not happened then.
+// Events: moments at which guards g_k(t, y) pass zero, found on the interpolant of each accepted step. Three
+// places inside the step are looked at besides its end; a guard that crosses and comes back between two of
+// them is missed. The earliest crossing is then refined by Chandrupatla's method (1997, "A new hybrid
+// quadratic/bisection algorithm for finding the zero of a nonlinear function without using derivatives")
+// until t is known to rounding, and stops the run at the first time known to lie behind it. On which side of
+// zero each guard was last seen is the caller's to keep, so that a restored run repeats every event. After an
+// event its guard counts from the next place on, unless the event itself moved it back across zero.
 #pragma once
-#include <functional>
-#include <optional>
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <span>
 #include <vector>
 
 #include "engine/integrators/advance.h"
 
 namespace truestep {
 
-struct Event {
-  std::function<double(double t, const double* y)> g;
-  enum class Direction : uint8_t { rising, falling, either } direction = Direction::either;
-  enum class Then : uint8_t { go_on, stop } then = Then::go_on;
+/// The guards of a run, evaluated together.
+class Guards {
+ public:
+  virtual ~Guards() = default;
+  /// Writes g_k(t, y) for all k.
+  virtual void evaluate(double t, const double* y, double* g) = 0;
 };
 
-/// Root of a continuous function between a and b where fa = f(a) and fb = f(b) have opposite signs or one is
-/// 0; exact to `tolerance` (at least rounding).
-double bracketed_root(const std::function<double(double)>& f, double a, double fa, double b, double fb,
-                      double tolerance);
+enum class Crossing : uint8_t { either, rising, falling };
 
-/// Watches a run for events and passes its steps on to another watcher, shortened where one stopped it.
+/// Where between a and b a continuous function passes zero, fa = f(a) and fb = f(b) being of opposite signs
+/// (fb may be 0): the end on b's side of a bracket no longer than `tolerance`, or than rounding allows.
+template <class F>
+double bracketed_root(F&& f, double a, double fa, double b, double fb, double tolerance) {
+  const bool side_of_a = std::signbit(fa);
+  if (fb == 0) return b;
+  // (a, fa) is the newest point, (b, fb) the other end of the bracket, (c, fc) the one before.
+  double c = a, fc = fa, share = 0.5;
+  const auto behind = [&] { return std::signbit(fa) == side_of_a ? b : a; };
+  for (int i = 0; i < 200; ++i) {
+    const double x = a + share * (b - a), fx = f(x);
+    if (fx == 0) return x;
+    if (std::signbit(fx) == std::signbit(fa)) {
+      c = a, fc = fa;
+    } else {
+      c = b, fc = fb, b = a, fb = fa;
+    }
+    a = x, fa = fx;
+    const double best = std::abs(fa) < std::abs(fb) ? a : b;
+    const double width = std::abs(b - a), limit = (2 * 2.3e-16 * std::abs(best) + 0.5 * tolerance) / width;
+    if (!(limit <= 0.5)) return behind();
+    // Inverse quadratic interpolation where it is monotonous between the three points, else bisection.
+    const double xi = (a - b) / (c - b), phi = (fa - fb) / (fc - fb);
+    share = 0.5;
+    if (phi * phi < xi && (1 - phi) * (1 - phi) < 1 - xi) {
+      share = fa / (fb - fa) * fc / (fb - fc) + (c - a) / (b - a) * fa / (fc - fa) * fb / (fc - fb);
+    }
+    share = std::clamp(share, limit, 1 - limit);
+  }
+  return behind();
+}
+
 class EventWatcher final : public StepWatcher {
  public:
-  struct Hit {
-    size_t event;
-    double t;
-  };
+  /// The guards and their directions must outlive the watcher; n: number of equations.
+  EventWatcher(Guards& guards, std::span<const Crossing> directions, size_t n);
 
-  /// The events must outlive the watcher; n = number of equations.
-  EventWatcher(std::span<const Event> events, size_t n, StepWatcher* next = nullptr);
-  /// To be called with the solution at the start of each run.
-  void start(double t, const double* y);
+  /// Side of zero per guard: -1, 1, or 0 where none is known; `accepted` and `look` update it.
+  void attach(std::span<int32_t> sides) { sides_ = sides; }
   Verdict accepted(double t0, double& t1, double* y1, const Interpolant& between) override;
 
-  /// In order of time, those of all runs so far.
-  const std::vector<Hit>& hits() const { return hits_; }
-  /// Index of the event that stopped the last run.
-  std::optional<size_t> stopped_by() const { return stopped_by_; }
+  /// Guards that fired when `accepted` last said stop, in their order.
+  const std::vector<uint32_t>& fired() const { return fired_; }
+  void clear() {
+    fired_.clear();
+    fired_side_.clear();
+  }
+  /// Takes the present sides of all guards as their past ones; 0 for those that fired and that nothing has
+  /// moved back since: rounding decides on which side of zero these stand.
+  void look(double t, const double* y);
 
  private:
-  static constexpr int kParts = 4;
-  std::span<const Event> events_;
-  StepWatcher* next_;
-  std::vector<double> y_;
-  std::vector<double> last_;  ///< g at the last place looked at, one per event
-  std::vector<Hit> hits_, found_;
-  std::optional<size_t> stopped_by_;
+  bool crosses(size_t k) const;
+  bool any_crosses() const;
+  void keep_sides();
+  double earliest(double t0, double h, double low, double high, const Interpolant& between);
+
+  Guards& guards_;
+  std::span<const Crossing> directions_;
+  std::span<int32_t> sides_;
+  std::vector<double> now_, before_, ahead_, point_;
+  std::vector<uint32_t> fired_;
+  std::vector<int32_t> fired_side_;  ///< per guard that fired, the side that it crossed to
 };
 
 }  // namespace truestep

@@ -24,7 +24,9 @@ class SparseLu {
 
 enum class SparseLibrary : uint8_t { eigen, klu };
 
-/// KLU where the program was built with it: faster on every matrix that was measured (docs/studies.md).
+/// KLU where the program was built with it: 2.2 to 2.5 times as fast as Eigen on a chain of 1,000
+/// masses, 1.05 to 1.1 times on a grid of 64 x 64 points (tests/bench/sparse_lu.cc). Results differ in their
+/// last bits.
 SparseLibrary preferred_sparse_library();
 
 /// Error "not_built" for KLU in a program without it.

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "engine/base/errors.h"
+#include "engine/base/json_pointer.h"
 #include "engine/base/nearest_name.h"
 #include "engine/core/def.h"
 
@@ -26,9 +27,6 @@ boost::json::object schema_of(const DefTable& table);
 
 /// The rows as a readable description: name, kind, unit, limits, default, sentence, choices, nested rows.
 boost::json::array describe_params(const DefTable& table);
-
-/// Escapes "~" and "/" for a JSON pointer.
-std::string pointer_token(std::string_view key);
 
 /// The value as JSON text of at most 80 characters.
 std::string shorten(const boost::json::value& value);

@@ -9,19 +9,6 @@ namespace truestep {
 
 namespace json = boost::json;
 
-std::string pointer_token(std::string_view key) {
-  std::string out;
-  for (const char c : key) {
-    if (c == '~')
-      out += "~0";
-    else if (c == '/')
-      out += "~1";
-    else
-      out += c;
-  }
-  return out;
-}
-
 std::string shorten(const json::value& value) {
   // Containers are named, not printed: they may be large.
   if (value.is_object()) return "{...}";

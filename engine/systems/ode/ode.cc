@@ -23,7 +23,8 @@ constexpr int kMaxEventsPerStep = 1000;
 struct Ode::Scratch {
   const OdeModel* model = nullptr;
   std::unique_ptr<OdeEquations> equations;
-  std::unique_ptr<OdeCrossings> crossings;
+  std::unique_ptr<OdeGuards> guards;
+  std::unique_ptr<EventWatcher> watcher;
   std::vector<OdeEvaluation> event_values;
   std::vector<double> values;  ///< of an event's targets
   std::unique_ptr<OdeEvaluation> plot;
@@ -32,7 +33,7 @@ struct Ode::Scratch {
 
   void set_parameters(std::span<const double> p) {
     equations->set_parameters(p);
-    crossings->set_parameters(p);
+    guards->set_parameters(p);
     plot->set_parameters(p);
     for (OdeEvaluation& e : event_values) e.set_parameters(p);
   }
@@ -107,7 +108,7 @@ State Ode::initial_state() const {
   add(C::kParameters, "parameters", "1", 1, Role::internal, model_.parameter_values);
   add(C::kCarry, "integrator.carry", "1", 1, Role::internal, std::vector<double>(2));
   add(C::kEventCounts, "events.counts", "1", 1, Role::internal, std::vector<uint64_t>(events));
-  add(C::kEventSigns, "events.signs", "1", 1, Role::internal, std::vector<int32_t>(events));
+  add(C::kEventSigns, "events.signs", "1", 1, Role::internal, std::vector<int32_t>(model_.guards.outputs()));
   add(C::kStopped, "stopped", "1", 1, Role::internal, std::vector<double>(2));
   std::vector<double> invariants(model_.invariants.outputs());
   if (!invariants.empty()) {
@@ -127,7 +128,7 @@ State Ode::initial_state() const {
   if (model_.guards.outputs() > 0) {
     Workspace workspace;
     Scratch& work = scratch(s, workspace);
-    work.crossings->look(0, model_.initial.data());
+    work.watcher->look(0, model_.initial.data());
   }
   return s;
 }
@@ -137,7 +138,8 @@ Ode::Scratch& Ode::scratch(State& s, Workspace& workspace) const {
   if (work.model != &model_) {
     work.model = &model_;
     work.equations = std::make_unique<OdeEquations>(model_);
-    work.crossings = std::make_unique<OdeCrossings>(model_);
+    work.guards = std::make_unique<OdeGuards>(model_);
+    work.watcher = std::make_unique<EventWatcher>(*work.guards, work.guards->directions(), model_.size());
     work.plot = std::make_unique<OdeEvaluation>(model_.plot);
     work.event_values.clear();
     size_t most = 0;
@@ -148,7 +150,7 @@ Ode::Scratch& Ode::scratch(State& s, Workspace& workspace) const {
     work.values.resize(most);
   }
   work.set_parameters(s.f64(C::kParameters));
-  work.crossings->attach(s.span<int32_t>(C::kEventSigns));
+  work.watcher->attach(s.span<int32_t>(C::kEventSigns));
   return work;
 }
 
@@ -164,8 +166,8 @@ void Ode::integrate(State& s, const StepInput& in) const {
     const double timed = next_timed_event(t, slack);
     const double target = timed < t_end - slack ? timed : t_end;
     t = advance(s, work, in.workspace, t, target);
-    const auto& crossed = work.crossings->fired();
-    for (const uint32_t k : crossed) fire(s, work, k, t);
+    const auto& crossed = work.watcher->fired();
+    for (const uint32_t k : crossed) fire(s, work, work.guards->event(k), t);
     const bool on_time = crossed.empty() && timed <= t_end + slack;
     for (size_t k = 0; on_time && k < model_.events.size(); ++k) {
       const OdeEventDef& e = model_.events[k].def;
@@ -173,13 +175,14 @@ void Ode::integrate(State& s, const StepInput& in) const {
       if (std::abs(due - timed) <= slack) fire(s, work, k, t);
     }
     if (!crossed.empty() || on_time) {
-      if (model_.guards.outputs() > 0) work.crossings->look(t, y.data());
+      if (model_.guards.outputs() > 0) work.watcher->look(t, y.data());
       if (++times > kMaxEventsPerStep) {
-        throw Instability("", "events", crossed.empty() ? 0 : crossed[0],
+        throw Instability("", "events",
+                          crossed.empty() ? 0 : static_cast<long long>(work.guards->event(crossed[0])),
                           "more than 1000 events in one step: they pile up; let one of them stop the system");
       }
     }
-    work.crossings->clear();
+    work.watcher->clear();
   }
   for (size_t i = 0; i < y.size(); ++i) {
     if (!std::isfinite(y[i])) {
@@ -204,7 +207,7 @@ double Ode::advance(State& s, Scratch& work, Workspace& workspace, double t, dou
   run.newton_tolerance = options_.newton_tolerance;
   run.max_steps = static_cast<uint64_t>(options_.max_internal_steps);
   run.damping = options_.damping;
-  run.watcher = model_.guards.outputs() > 0 ? work.crossings.get() : nullptr;
+  run.watcher = model_.guards.outputs() > 0 ? work.watcher.get() : nullptr;
   run.statistics = &statistics;
   try {
     method_->advance(run);

@@ -6,13 +6,14 @@ namespace truestep {
 
 struct OdeColumns {
   enum Index : State::Column {
-    kStates,             ///< y, Role::position
-    kTracers,            ///< x, y, z of every tracer, m, Role::position
-    kParameters,         ///< values of all parameters
-    kCarry,              ///< proposal for the next internal step, error of the last one
-    kEventCounts,        ///< u64, times that each event has happened
-    kEventSigns,         ///< i32, side of zero on which each guard was last seen, 0: not yet since it fired
-    kStopped,            ///< 1 and the time, once an event has stopped the system
+    kStates,       ///< y, Role::position
+    kTracers,      ///< x, y, z of every tracer, m, Role::position
+    kParameters,   ///< values of all parameters
+    kCarry,        ///< proposal for the next internal step, error of the last one
+    kEventCounts,  ///< u64, times that each event has happened
+    kEventSigns,   ///< i32, side of zero on which the guard of each `when` was last seen, 0: not since it
+                   ///< fired
+    kStopped,      ///< 1 and the time, once an event has stopped the system
     kInvariantsAtStart,  ///< value of each invariant at t = 0
     kWork,               ///< u64: internal steps, rejected ones, right-hand sides, Jacobians
     kMemory,             ///< what the method remembers of earlier steps, NaN in front: nothing yet

@@ -41,7 +41,6 @@ struct OdeModel {
     };
     std::vector<Target> targets;
     ExpressionProgram values;  ///< of the targets
-    size_t guard = 0;          ///< output of `guards`; only of events with a `when`
   };
 
   std::vector<Named> states, parameters;
@@ -49,7 +48,8 @@ struct OdeModel {
   std::vector<std::string> labels;  ///< of every state: "x", "x[3]", "x'"
   std::vector<double> absolute_tolerances;
 
-  ExpressionProgram rate, invariants, guards, plot;
+  ExpressionProgram rate, invariants, plot;
+  ExpressionProgram guards;  ///< of the events with a `when`, in their order
   OdeMatrix jacobian;
   bool autonomous = false;
 
