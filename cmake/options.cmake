@@ -14,6 +14,8 @@ set(CMAKE_CXX_FLAGS_RELEASE "-O3")
 add_compile_options(-ffp-contract=off -fno-math-errno -fno-trapping-math -Wall -Wextra -Wno-unused-parameter)
 if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
   add_compile_options(-Wno-maybe-uninitialized)  # false alarms of gcc 12 on std::variant
+  # gcc 12 makes vfmaddsub of a product and a sum here in spite of -ffp-contract=off (tests/determinism watches).
+  add_compile_options(-fno-tree-slp-vectorize)
 endif()
 if(CMAKE_SYSTEM_PROCESSOR MATCHES "x86_64|AMD64")
   add_compile_options(-march=x86-64-v3 -mtune=generic)

@@ -31,7 +31,8 @@ std::vector<std::string> remedies(const World& world, const std::string& system,
   std::vector<std::string> out;
   const double dt = world.dt();
   const int64_t substeps = world.scene().header.time.substeps;
-  if (stable_dt && *stable_dt < dt) {
+  constexpr double kMostParts = 1e9;  // beyond that (a state that has exploded) no step is advice
+  if (stable_dt && *stable_dt < dt && dt < kMostParts * *stable_dt) {
     const auto parts = static_cast<int64_t>(std::ceil(dt / *stable_dt)) * substeps;
     out.push_back("a step of at most " + short_number(*stable_dt) + " s, or " + std::to_string(parts) +
                   " substeps of the present one");
