@@ -46,28 +46,18 @@ Polyhedron of_box(const Vec3& half, PolyhedronStorage& s) {
 
 Polyhedron of_triangle(const MeshTriangle& t, PolyhedronStorage& s) {
   s.faces[0] = {t.normal, dot(t.normal, t.corner[0]), 0, 3};
-  int edges = 0;
   for (uint32_t k = 0; k < 3; ++k) {
     s.vertices[k] = t.corner[k];
     const uint32_t next = (k + 1) % 3;
-    const Vec3 along = normalized(t.corner[next] - t.corner[k]);
-    Vec3 far;
-    if (t.neighbor[k] == MeshTriangle::kBorder) {
-      // Almost all around the edge.
-      far = normalized(-t.normal - t.inward[k] * 1e-2);
-    } else {
-      if (dot(t.beyond[k], t.normal) > -1e-6) continue;
-      far = cross(t.beyond[k], along);
-    }
-    s.faces[1 + edges] = {far, 0, 0, 0};
-    s.edges[edges] = {k, next, 0, static_cast<uint32_t>(1 + edges)};
-    ++edges;
+    // An edge's directions are almost all around it; which of them may push, MeshTriangle::allows says.
+    const Vec3 far = normalized(-t.normal - t.inward[k] * 1e-2);
+    s.faces[1 + k] = {far, 0, 0, 0};
+    s.edges[k] = {k, next, 0, 1 + k};
   }
   const Vec3 center = (t.corner[0] + t.corner[1] + t.corner[2]) / 3.0;
-  return {s.vertices, s.faces, kTriangleLoop,
-          s.edges,    3,       1,
-          edges,      center,  std::numeric_limits<double>::infinity(),
-          &t};
+  return {
+      s.vertices, s.faces, kTriangleLoop, s.edges, 3, 1, 3, center, std::numeric_limits<double>::infinity(),
+      &t};
 }
 
 }  // namespace

@@ -1,6 +1,6 @@
 // View of a box, hull or triangle as vertices, faces and edges in its own frame, for separating axes and
-// clipping. A triangle has one face; the normals on the far side of its edges are its neighbours', so that
-// edges that are flat, hollow or shared with a steeper neighbour answer only for directions that are theirs.
+// clipping. A triangle has one face; the normals on the far side of its edges are made up so that an edge
+// answers for every direction around it.
 #pragma once
 #include "engine/collision/convex.h"
 #include "engine/collision/face_clip.h"
