@@ -14,13 +14,14 @@ struct ImplicitSystem::Matrices {
   uint64_t version = 0;
   size_t rows = 0;
   BlockSparse dfdx, dfdv, system;
+  BlockSparse dfdv_kept, unused;                        // where df/du is taken at another position
   BlockSparse definite;                                 // df/dx, for means; without a pattern until reserved
   std::vector<BlockSparse::Slot> dfdx_slot, dfdv_slot;  // where their blocks go in `system`
   BlockSolver solver;
 
   void prepare(const ForceField& f, const State& state, size_t n) {
     if (field == &f && version == f.pattern_version(state) && rows == n) return;
-    dfdv = definite = BlockSparse();
+    dfdv = dfdv_kept = unused = definite = BlockSparse();
     f.jacobian_pattern(state, dfdx, dfdv);
     const bool same = dfdv.empty() || dfdv.pattern_stamp() == dfdx.pattern_stamp();
     if (same) {
@@ -63,9 +64,14 @@ void ImplicitSystem::reserve() {
 }
 
 void ImplicitSystem::differentiate(double t, std::span<const double> x, std::span<const double> u,
-                                   Derivatives which) {
+                                   Derivatives which, std::span<const double> x_rate) {
   Evaluation e{m_.input.workspace, m_.input.arena};
   const Phase at{t, x, u, m_.state};
+  if (!x_rate.empty()) {
+    // Both matrices come from one call: what comes with the wrong position is made over.
+    if (matrices_.unused.empty()) matrices_.dfdv_kept = matrices_.dfdv, matrices_.unused = matrices_.dfdx;
+    m_.field.jacobian({t, x_rate, u, m_.state}, matrices_.unused, matrices_.dfdv_kept, e);
+  }
   if (which == Derivatives::exact) {
     m_.field.jacobian(at, matrices_.dfdx, matrices_.dfdv, e);
   } else if (which == Derivatives::definite) {
@@ -74,6 +80,7 @@ void ImplicitSystem::differentiate(double t, std::span<const double> x, std::spa
     reserve();
     m_.field.definite_jacobian(at, matrices_.definite, matrices_.dfdv, e);
   }
+  if (!x_rate.empty()) std::swap(matrices_.dfdv, matrices_.dfdv_kept);
 }
 
 const BlockSparse& ImplicitSystem::force_slope() const {

@@ -23,8 +23,9 @@ class ImplicitSystem {
   /// Sets aside what means of Jacobians and any solution of the systems need, so that no later step does.
   void reserve();
   /// Evaluates df/dx and df/du at (t, x, u); `both` adds the definite ones to the exact ones, which must be
-  /// there already.
-  void differentiate(double t, std::span<const double> x, std::span<const double> u, Derivatives which);
+  /// there already. df/du is taken at `x_rate` where that is given.
+  void differentiate(double t, std::span<const double> x, std::span<const double> u, Derivatives which,
+                     std::span<const double> x_rate = {});
   /// df/dx, exact or definite, of the last call.
   const BlockSparse& force_slope() const;
   /// A from the last derivatives; of `both`, a share `definite` of [0, 1] is the definite one.

@@ -7,18 +7,28 @@
 
 namespace truestep {
 
+namespace {
+
+constexpr double kNear = 1e-4;  ///< of the first residual: a solution is near
+/// Iterations on the whole equations before damping and air are held, and after they were.
+constexpr int kDirect = 60, kPolish = 25;
+
+}  // namespace
+
 StageNewton::StageNewton(Motion& m, const IntegratorOptions& options)
     : m_(m),
       options_(options),
       n_(m.v.size()),
       system_(m),
       report_(m.input.workspace.object<NewtonReport>(kNewtonReport)),
+      lagging_(dynamic_cast<const LaggedDissipation*>(&m.field)),
       a_(m.scratch("integrator.k1", n_)),
       b_(m.scratch("integrator.rhs", n_)),
       d_(m.scratch("integrator.dv", n_)),
       x_(m.scratch("integrator.x", n_)),
       lagged_(m.scratch("integrator.x_lagged", n_)),
       trial_(m.scratch("integrator.u", n_)),
+      start_(m.scratch("integrator.u_start", n_)),
       a_near_(m.scratch("integrator.k2", n_)),
       x_near_(m.scratch("integrator.x_near", n_)),
       rest_(m.scratch("integrator.krylov_r", n_)),
@@ -29,60 +39,104 @@ StageNewton::StageNewton(Motion& m, const IntegratorOptions& options)
 }
 
 void StageNewton::solve(const StageEquation& eq, std::span<double> u) {
-  constexpr double kNear = 1e-4;  // of the first residual: a solution is near
   report_ = {};
   choose_start(eq, u);
-  norm_ = evaluate(eq, u);
-  const double first = norm_;
+  norm_ = first_ = evaluate(eq, u);
   const double momentum =
       std::sqrt(system_.sum_free([&](size_t k, double w) { return eq.u0[k] * eq.u0[k] / w; }));
-  report_.target = options_.newton_tolerance * std::max(first, momentum);
+  report_.target = options_.newton_tolerance * std::max(first_, momentum);
+  const bool may_lag = lagging_ && merit_ == Merit::incremental_potential &&
+                       m_.field.dependence() == Dependence::position_and_velocity;
+  if (may_lag) std::copy(u.begin(), u.end(), start_.begin());
+  const int most =
+      may_lag ? std::min(kDirect, options_.max_newton_iterations) : options_.max_newton_iterations;
+  Failure failure = iterate_to(report_.target, most, eq, u);
+  if (failure && may_lag) failure = solve_held(eq, u);
+  if (failure) {
+    fail(std::string("Newton's method ") + failure + " (" + std::to_string(report_.iterations) +
+         " iterations)");
+  }
+}
+
+// Near the minimum with damping and air held, the whole equations may have a solution; if not, the minimum is
+// the step: as accurate in h, and what Kane, Marsden, Ortiz, West 2000, "Variational integrators and the
+// Newmark algorithm", section 2.4, ask of dissipation: that it be convex in the velocity.
+StageNewton::Failure StageNewton::solve_held(const StageEquation& eq, std::span<double> u) {
+  const auto hold = [&](double target) {
+    lag_ = Lag::held;
+    std::copy(eq.x0.begin(), eq.x0.end(), lagged_.begin());
+    norm_ = evaluate(eq, u);
+    const Failure failure = iterate_to(target, options_.max_newton_iterations, eq, u);
+    lag_ = Lag::iterate;
+    return failure;
+  };
+  std::copy(start_.begin(), start_.end(), u.begin());
+  hold(std::max(kNear * first_, report_.target));
+  std::copy(u.begin(), u.end(), start_.begin());
+  norm_ = evaluate(eq, u);
+  if (!iterate_to(report_.target, kPolish, eq, u)) return nullptr;
+  std::copy(start_.begin(), start_.end(), u.begin());
+  report_.held = true;
+  return hold(report_.target);
+}
+
+StageNewton::Failure StageNewton::iterate_to(double target, int most, const StageEquation& eq,
+                                             std::span<double> u) {
   for (int it = 0;; ++it) {
-    record(it);
-    if (!std::isfinite(norm_)) fail("the forces became non-finite");
-    if (norm_ <= report_.target) return;
-    system_.differentiate(eq.t, x_, u, Derivatives::exact);
+    record();
+    if (!std::isfinite(norm_)) return "met forces that are not finite";
+    if (norm_ <= target) return nullptr;
+    system_.differentiate(eq.t, x_, u, Derivatives::exact, rate_position());
     report_.floor = system_.rounding_floor(x_, u, eq.g);
     // What has decayed until its squares underflow is nothing: a norm can no longer tell better from worse
     // there.
     constexpr double kNothing = 1e-150;
-    if (norm_ <= report_.floor + kNothing) return;
-    if (it >= options_.max_newton_iterations) {
-      fail("Newton's method did not converge in " + std::to_string(options_.max_newton_iterations) +
-           " iterations");
-    }
+    if (norm_ <= report_.floor + kNothing) return nullptr;
+    if (it >= most) return "did not converge";
     // No more accuracy than this iterate deserves.
     const double accuracy =
-        std::clamp(std::max(0.1 * report_.target / norm_, 0.1 * norm_ / first), 1e-14, 1e-2);
-    const Search kind = norm_ <= kNear * first ? Search::any_solution : Search::descent;
-    if (!iterate(eq, u, accuracy, kind)) fail("Newton's method found no better point");
+        std::clamp(std::max(0.1 * report_.target / norm_, 0.1 * norm_ / first_), 1e-14, 1e-2);
+    const Search kind = norm_ <= kNear * first_ ? Search::any_solution : Search::descent;
+    if (!iterate(eq, u, accuracy, kind)) return "found no better point";
+    ++report_.iterations;
   }
 }
 
 // Of the guess and of standing still, the one with the lower incremental potential: the solution lies lower
 // still, so V never exceeds what V and the kinetic energy were together.
 void StageNewton::choose_start(const StageEquation& eq, std::span<double> u) {
-  const auto move = [&](std::span<const double> to) {
-    m_.loop(n_, [x = x_.data(), x0 = eq.x0.data(), u = to.data(), s = eq.s](size_t i) {
-      x[i] = x0[i] + s * u[i];
-    });
-  };
   const auto w = system_.inverse_mass();
   for (size_t k = 0; k < n_; ++k) trial_[k] = w[k / system_.width()] > 0 ? 0 : u[k];
-  move(u);
+  move(eq, u);
   std::copy(x_.begin(), x_.end(), lagged_.begin());
   const double guess = value(eq, u);
   if (merit_ == Merit::residual) return;
-  move(trial_);
+  move(eq, trial_);
   if (value(eq, trial_) < guess) std::copy(trial_.begin(), trial_.end(), u.begin());
+}
+
+void StageNewton::move(const StageEquation& eq, std::span<const double> u) {
+  m_.loop(n_,
+          [x = x_.data(), x0 = eq.x0.data(), u = u.data(), s = eq.s](size_t i) { x[i] = x0[i] + s * u[i]; });
+}
+
+void StageNewton::accelerate(double t, std::span<const double> x, std::span<const double> u,
+                             std::span<double> a) {
+  if (lag_ == Lag::iterate) return m_.acceleration(t, x, u, a);
+  Evaluation e{m_.input.workspace, m_.input.arena};
+  lagging_->lagged_acceleration({t, x, u, m_.state}, lagged_, a, e);
+}
+
+// Where df/du is taken, if not at the iterate.
+std::span<const double> StageNewton::rate_position() const {
+  return lag_ == Lag::held ? lagged_ : std::span<double>();
 }
 
 // Leaves x(u) and -r; the norm of r.
 double StageNewton::evaluate(const StageEquation& eq, std::span<const double> u) {
   ++report_.evaluations;
-  m_.loop(n_,
-          [x = x_.data(), x0 = eq.x0.data(), u = u.data(), s = eq.s](size_t i) { x[i] = x0[i] + s * u[i]; });
-  m_.acceleration(eq.t, x_, u, a_);
+  move(eq, u);
+  accelerate(eq.t, x_, u, a_);
   const auto w = system_.inverse_mass();
   const size_t width = system_.width();
   return std::sqrt(system_.sum([&](size_t i) {
@@ -118,13 +172,13 @@ double StageNewton::value(const StageEquation& eq, std::span<const double> u) {
 // would leave it at a snail's pace, so there the exact direction may lead to it.
 bool StageNewton::iterate(const StageEquation& eq, std::span<double> u, double accuracy, Search kind) {
   constexpr double kFirstShare = 0.25, kSmallShare = 0.1;
-  std::copy(x_.begin(), x_.end(), lagged_.begin());
+  if (lag_ == Lag::iterate) std::copy(x_.begin(), x_.end(), lagged_.begin());
   // What the last iteration needed, less a half.
   definite_ = kind == Search::descent && definite_ > kSmallShare ? 0.5 * definite_ : 0;
   bool both = false;
   for (;;) {
     if (definite_ > 0 && !both) {
-      system_.differentiate(eq.t, x_, u, Derivatives::both);
+      system_.differentiate(eq.t, x_, u, Derivatives::both, rate_position());
       both = true;
     }
     system_.assemble(eq.g, eq.s, definite_);
@@ -154,7 +208,7 @@ void StageNewton::slope_along(const StageEquation& eq, std::span<const double> u
     trial_[k] = u[k] + step * z[k];
     x_near_[k] = x0[k] + s * step * z[k];
   });
-  m_.acceleration(eq.t, x_near_, trial_, a_near_);
+  accelerate(eq.t, x_near_, trial_, a_near_);
   ++report_.evaluations;
   const auto w = system_.inverse_mass();
   for (size_t k = 0; k < n_; ++k) {
@@ -246,9 +300,9 @@ bool StageNewton::search(const StageEquation& eq, std::span<double> u, double sl
   return true;
 }
 
-void StageNewton::record(int iteration) {
-  report_.iterations = iteration;
-  if (iteration < NewtonReport::kKept) report_.residuals[iteration] = norm_;
+void StageNewton::record() {
+  report_.last = norm_;
+  if (report_.iterations < NewtonReport::kKept) report_.residuals[report_.iterations] = norm_;
 }
 
 void StageNewton::fail(const std::string& why) {

@@ -7,8 +7,12 @@
 // time steps"), which a line search makes fall; R is taken at the iterate's position, so that it falls along
 // every direction that A, made definite where it is not, gives. What A lacks (damping and air change with
 // position, asymmetrically) is brought back by conjugate residuals as soon as that halves the residual.
-// Fields without a potential are judged by the residual norm alone.
+// Fields without a potential are judged by the residual norm alone. Where cloth buckles R changes so much
+// with the position that no end is found: then R is taken at x0, which gives phi a minimum that a line search
+// always finds, and Newton's method on the whole equations goes on from there. Where that ends nowhere the
+// minimum is the solution.
 #pragma once
+#include "engine/core/lagged_dissipation.h"
 #include "engine/integrators/implicit_system.h"
 #include "engine/integrators/line_search.h"
 
@@ -29,8 +33,10 @@ struct NewtonReport {
   int definite = 0;              ///< of them, with a share of the definite Jacobian
   int solves = 0;                ///< of linear systems with a matrix of their own
   int evaluations = 0;           ///< of the forces
+  bool held = false;             ///< damping and air stayed held at x0
   double target = 0;             ///< residual norm that the tolerance asks for
   double floor = 0;              ///< residual norm that rounding leaves, 0: never needed
+  double last = 0;               ///< residual norm at the end
   double residuals[kKept] = {};  ///< norms before each iteration and after the last, the first of them
 };
 inline constexpr std::string_view kNewtonReport = "integrator.newton";
@@ -48,6 +54,14 @@ class StageNewton {
  private:
   enum class Merit : uint8_t { incremental_potential, residual };
   enum class Search : uint8_t { descent, any_solution };
+  enum class Lag : uint8_t { iterate, held };
+  /// nullptr: converged; otherwise why not.
+  using Failure = const char*;
+
+  Failure iterate_to(double target, int most, const StageEquation& eq, std::span<double> u);
+  Failure solve_held(const StageEquation& eq, std::span<double> u);
+  void accelerate(double t, std::span<const double> x, std::span<const double> u, std::span<double> a);
+  void move(const StageEquation& eq, std::span<const double> u);
 
   void choose_start(const StageEquation& eq, std::span<double> u);
   double evaluate(const StageEquation& eq, std::span<const double> u);
@@ -57,7 +71,8 @@ class StageNewton {
   void slope_along(const StageEquation& eq, std::span<const double> u, std::span<const double> z,
                    std::span<double> q);
   bool search(const StageEquation& eq, std::span<double> u, double slope);
-  void record(int iteration);
+  void record();
+  std::span<const double> rate_position() const;
   [[noreturn]] void fail(const std::string& why);
 
   Motion& m_;
@@ -66,10 +81,13 @@ class StageNewton {
   ImplicitSystem system_;
   NewtonReport& report_;
   Merit merit_ = Merit::incremental_potential;
+  const LaggedDissipation* lagging_;  // of the field, if it can
+  Lag lag_ = Lag::iterate;
+  double first_ = 0;      // norm of the residual at the start
   double definite_ = 0;   // share of the definite Jacobian in the matrix of the last direction
   double norm_ = 0;       // of the residual at the last evaluation
   double magnitude_ = 0;  // sum of |terms| of the last value
-  std::span<double> a_, b_, d_, x_, lagged_, trial_;
+  std::span<double> a_, b_, d_, x_, lagged_, trial_, start_;
   // Conjugate residuals.
   static constexpr size_t kMostDirections = 12;
   std::span<double> a_near_, x_near_, rest_, whole_;

@@ -95,11 +95,21 @@ std::span<const double> MassSpringField::inverse_mass(const State& state) const 
   return state.f64(Columns::inverse_mass);
 }
 
-void MassSpringField::acceleration(const Phase& at, std::span<double> a, Evaluation& e) const {
+void MassSpringField::lagged_acceleration(const Phase& at, std::span<const double> x_lagged,
+                                          std::span<double> a, Evaluation& e) const {
+  const auto lagged = e.workspace.doubles("mass_spring.lagged", a.size());
+  accelerate({at.t, x_lagged, at.v, at.state}, lagged, e, Forces::dissipative);
+  accelerate(at, a, e, Forces::conservative);
+  for (size_t k = 0; k < a.size(); ++k) a[k] += lagged[k];
+}
+
+void MassSpringField::accelerate(const Phase& at, std::span<double> a, Evaluation& e, Forces which) const {
   const size_t n = schedule_.points();
   const State& state = at.state;
-  const double viscous = state.f64(Columns::damping)[0], internal = state.f64(Columns::damping)[1];
-  const bool air = state.span<uint32_t>(Columns::air)[0] != 0;
+  const double dissipative = which == Forces::conservative ? 0 : 1;
+  const double viscous = dissipative * state.f64(Columns::damping)[0];
+  const double internal = dissipative * state.f64(Columns::damping)[1];
+  const bool air = dissipative > 0 && state.span<uint32_t>(Columns::air)[0] != 0;
   const bool hands = state.rows(Columns::drag_row) + state.rows(Columns::push_row) > 0;
   const bool moving = internal > 0 || (air && !network_.triangles.empty());
 
@@ -119,13 +129,13 @@ void MassSpringField::acceleration(const Phase& at, std::span<double> a, Evaluat
   });
 
   const double* w = state.f64(Columns::inverse_mass).data();
-  const Vec3 g = load3(state.f64(Columns::gravity).data(), 0);
+  const Vec3 g = which == Forces::dissipative ? Vec3{} : load3(state.f64(Columns::gravity).data(), 0);
   e.arena.for_blocks(n, kBlockRows, [&](size_t begin, size_t end) {
     const Rows rows{begin / kBlockRows, begin, end};
     for (size_t c = 0; c < 3; ++c) std::fill(s.f[c] + begin, s.f[c] + end, 0.0);
-    spring_forces(rows, state, s);
+    spring_forces(rows, state, s, which);
     if (air) air_forces(rows, at, s);
-    if (hands) hand_forces(rows, state, s);
+    if (hands) hand_forces(rows, state, s, which);
     const double* __restrict fx = s.f[0], * __restrict fy = s.f[1], * __restrict fz = s.f[2];
     const double* v = at.v.data();
     double* out = a.data();
@@ -138,13 +148,15 @@ void MassSpringField::acceleration(const Phase& at, std::span<double> a, Evaluat
   });
 }
 
-void MassSpringField::spring_forces(const Rows& rows, const State& state, const Scratch& s) const {
+void MassSpringField::spring_forces(const Rows& rows, const State& state, const Scratch& s,
+                                    Forces which) const {
   const double* stiffness = state.f64(Columns::stiffness).data();
-  const double internal = state.f64(Columns::damping)[1];
+  const double internal = which == Forces::conservative ? 0 : state.f64(Columns::damping)[1];
+  if (which == Forces::dissipative && internal == 0) return;
   alignas(64) double d[3][spring::kRunChunk], w[3][spring::kRunChunk];
   for (const SpringSegment& segment : schedule_.segments(rows.index)) {
     const bool run = segment.kind == SpringSegment::Kind::run;
-    const double k = stiffness[static_cast<size_t>(segment.family)];
+    const double k = which == Forces::dissipative ? 0 : stiffness[static_cast<size_t>(segment.family)];
     const double* rest = (run ? schedule_.rest.data() : schedule_.list_rest.data()) + segment.first;
     const double* scale = (run ? schedule_.scale.data() : schedule_.list_scale.data()) + segment.first;
     for (size_t i = 0; i < segment.count; i += spring::kRunChunk) {
@@ -207,19 +219,20 @@ void MassSpringField::air_forces(const Rows& rows, const Phase& at, const Scratc
 }
 
 // Drag springs and pushes, which commands put into the state.
-void MassSpringField::hand_forces(const Rows& rows, const State& state, const Scratch& s) const {
+void MassSpringField::hand_forces(const Rows& rows, const State& state, const Scratch& s,
+                                  Forces which) const {
   const auto add_force = [&](size_t i, const Vec3& f) {
     if (i >= rows.begin && i < rows.end) s.f[0][i] += f.x, s.f[1][i] += f.y, s.f[2][i] += f.z;
   };
   const auto drag_row = state.span<uint32_t>(Columns::drag_row);
-  for (size_t k = 0; k < drag_row.size(); ++k) {
+  for (size_t k = 0; k < drag_row.size() && which != Forces::dissipative; ++k) {
     const size_t i = drag_row[k];
     const Vec3 x{s.x[0][i], s.x[1][i], s.x[2][i]};
     add_force(i,
               state.f64(Columns::drag_stiffness)[k] * (load3(state.f64(Columns::drag_target).data(), k) - x));
   }
   const auto push_row = state.span<uint32_t>(Columns::push_row);
-  for (size_t k = 0; k < push_row.size(); ++k) {
+  for (size_t k = 0; k < push_row.size() && which != Forces::conservative; ++k) {
     add_force(push_row[k], load3(state.f64(Columns::push_force).data(), k));
   }
 }

@@ -8,6 +8,7 @@
 
 #include "engine/core/build.h"
 #include "engine/core/force_field.h"
+#include "engine/core/lagged_dissipation.h"
 #include "engine/kernels/spring.h"
 #include "engine/systems/mass_spring/network.h"
 #include "engine/systems/mass_spring/spring_schedule.h"
@@ -34,12 +35,16 @@ struct MassSpringColumns {
   };
 };
 
-class MassSpringField final : public ForceField {
+class MassSpringField final : public ForceField, public LaggedDissipation {
  public:
   MassSpringField(const MassSpringDef& def, const BuildContext& context);
 
   State initial_state() const override;
-  void acceleration(const Phase& at, std::span<double> a, Evaluation& e) const override;
+  void acceleration(const Phase& at, std::span<double> a, Evaluation& e) const override {
+    accelerate(at, a, e, Forces::all);
+  }
+  void lagged_acceleration(const Phase& at, std::span<const double> x_lagged, std::span<double> a,
+                           Evaluation& e) const override;
   Dependence dependence() const override { return dependence_; }
   std::optional<double> potential(const Phase& at, Evaluation& e) const override;
   /// Viscous and internal damping, air and pushes.
@@ -74,6 +79,10 @@ class MassSpringField final : public ForceField {
   void assemble_jacobian(const Phase& at, BlockSparse& dfdx, BlockSparse& dfdv, Evaluation& e,
                          SpringStiffness stiffness) const;
 
+  /// Those of the potential, those of the dissipation function, or both.
+  enum class Forces : uint8_t { all, conservative, dissipative };
+  void accelerate(const Phase& at, std::span<double> a, Evaluation& e, Forces which) const;
+
   /// Positions, velocities and forces of all points, coordinate by coordinate.
   struct Scratch {
     double *x[3], *v[3], *f[3];
@@ -82,9 +91,9 @@ class MassSpringField final : public ForceField {
   struct Rows {
     size_t index, begin, end;
   };
-  void spring_forces(const Rows& rows, const State& state, const Scratch& s) const;
+  void spring_forces(const Rows& rows, const State& state, const Scratch& s, Forces which) const;
   void air_forces(const Rows& rows, const Phase& at, const Scratch& s) const;
-  void hand_forces(const Rows& rows, const State& state, const Scratch& s) const;
+  void hand_forces(const Rows& rows, const State& state, const Scratch& s, Forces which) const;
   void build_rows();
   Vec3 wind_at(const Phase& at) const;
 

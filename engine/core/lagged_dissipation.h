@@ -1,0 +1,17 @@
+// What a field can do whose dissipative forces may be taken elsewhere than its others: with
+//   f = -dV/dx(x) - dR/du(x_l, u),  x_l held,
+// a step of an implicit method is the minimum of a potential, which a line search always finds.
+#pragma once
+#include "engine/core/force_field.h"
+
+namespace truestep {
+
+class LaggedDissipation {
+ public:
+  virtual ~LaggedDissipation() = default;
+  /// ForceField::acceleration with the forces of R (ForceField::dissipation) taken at `x_lagged`.
+  virtual void lagged_acceleration(const Phase& at, std::span<const double> x_lagged, std::span<double> a,
+                                   Evaluation& e) const = 0;
+};
+
+}  // namespace truestep
