@@ -70,6 +70,20 @@ void judge_by_energy(const json::value& document, size_t system, double horizon,
   }
 }
 
+// A horizon that no reference gets through is the scene's to change.
+WorkMeasurement measured(const json::value& document, const WorkPrecisionParams& w, StudyContext& context) {
+  try {
+    return measure_work(document, w, context);
+  } catch (const Error& e) {
+    if (e.code() != "study_failed") throw;
+    auto issues = e.issues();
+    for (Issue& i : issues) i.pointer = "/accuracy" + i.pointer;
+    throw Error("accuracy_unreachable",
+                "the accuracy of this scene cannot be measured over its horizon in the time there is",
+                std::move(issues));
+  }
+}
+
 }  // namespace
 
 AccuracyOutcome choose_method(const json::value& original, double budget, StudyContext& context) {
@@ -92,7 +106,8 @@ AccuracyOutcome choose_method(const json::value& original, double budget, StudyC
   const double per_sample = std::ceil(steps / static_cast<double>(w.samples));
   w.horizon = per_sample * static_cast<double>(w.samples) * dt;
   for (int k = 0; k <= 9; ++k) w.steps.push_back(std::ldexp(dt, -k));
-  WorkMeasurement m = measure_work(document, w, context);
+  w.adaptive_step = dt;
+  WorkMeasurement m = measured(document, w, context);
 
   std::string judged_by = "path";
   const bool path_means_nothing = m.reference.meaningless() || m.reference.uncertainty > wanted.tolerance;
@@ -117,11 +132,11 @@ AccuracyOutcome choose_method(const json::value& original, double budget, StudyC
         "discontinuous, so single paths cannot be this accurate; methods are judged by the drift of the "
         "energy";
   }
-  json::array measured;
+  json::array runs;
   for (const WorkPoint& p : m.points) {
-    if (finite_run(p)) measured.push_back(describe(p));
+    if (finite_run(p)) runs.push_back(describe(p));
   }
-  report["measured"] = std::move(measured);
+  report["measured"] = std::move(runs);
   if (!best) {
     char text[32] = "nothing";
     if (closest)

@@ -115,6 +115,7 @@ StudyResult run_convergence(const json::value& scene, const void* def, StudyCont
                {"observed_order", order.settled ? json::value(*order.settled) : json::value(nullptr)},
                {"reference", describe_reference(m.reference)}};
   if (!order.settled) r.summary["reason"] = order.reason;
+  describe_reach(m, r.summary);
   return r;
 }
 

@@ -2,6 +2,7 @@
 // first is taken and the second says how far it can be trusted.
 #pragma once
 #include <boost/json.hpp>
+#include <optional>
 #include <string>
 
 #include "engine/studies/trajectory.h"
@@ -20,10 +21,21 @@ struct Reference {
   bool meaningless() const { return !(uncertainty < 1e-2); }
 };
 
-/// `steps_per_sample` is that of the finest run compared. Error "study_failed" when no method can do it
-/// within cpu_limit seconds.
-Reference find_reference(const boost::json::value& document, const TraceRequest& request,
-                         double sample_interval, double cpu_limit, const StudyContext& context);
+/// How a search ended: a reference, or how much of the horizon the best run got through in its time.
+struct ReferenceSearch {
+  std::optional<Reference> reference;
+  double reached = 0;  ///< 0 to 1
+};
+
+/// `steps_per_sample` is that of the scene's own step. Where steps do more than integrate (contacts,
+/// couplings, births), the two runs also differ in their steps, an eighth and a quarter of the scene's, so
+/// that the uncertainty holds what those add.
+ReferenceSearch find_reference(const boost::json::value& document, const TraceRequest& request,
+                               double sample_interval, double cpu_limit, const StudyContext& context);
+
+/// Whether the steps of this world do more than integrate, so that the motion depends on their length even
+/// with a perfect method.
+bool steps_matter(const World& world);
 
 /// {"method", "checked_by", "uncertainty"}
 boost::json::object describe_reference(const Reference& reference);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <charconv>
 #include <cmath>
 
 #include "engine/base/errors.h"
@@ -16,6 +17,9 @@ namespace {
 
 constexpr double kShort = 0.005;  // s
 constexpr int64_t kMostRepeats = 25;
+constexpr double kProbe = 0.02;      // of the budget, to see how fast the scene steps
+constexpr double kFewestSteps = 16;  // of the scene, that a study covers
+constexpr double kMargin = 0.3;      // of what one run reached: a reference takes several
 constexpr std::array kDecades = {1e-2, 1e-4, 1e-6, 1e-8, 1e-10, 1e-12};
 
 // How often an interval between samples is divided: a ladder around the scene's own step, or what was asked.
@@ -46,6 +50,11 @@ std::vector<std::string> methods(const WorkPrecisionParams& p) {
   return all;
 }
 
+std::string short_number(double v) {
+  char buffer[32];
+  return {buffer, std::to_chars(buffer, buffer + sizeof buffer, v, std::chars_format::general, 3).ptr};
+}
+
 double median(std::vector<double> v) {
   std::nth_element(v.begin(), v.begin() + static_cast<long>(v.size() / 2), v.end());
   return v[v.size() / 2];
@@ -57,29 +66,88 @@ class Measurer {
       : scene_(scene), params_(p), context_(context) {
     const Scene s = require_scene(read_scene(scene));
     request_.field = {studied_system(s, p.system), p.quantity};
-    request_.samples = static_cast<size_t>(p.samples);
     scene_dt_ = s.substep();
-    out_.horizon = p.horizon.value_or(s.header.time.duration);
-    interval_ = out_.horizon / static_cast<double>(p.samples);
-    divisions_ = divisions(p, interval_, scene_dt_);
+    session_dt_ = s.header.time.dt;
+    out_.duration = p.horizon.value_or(s.header.time.duration);
+    cover(out_.duration);
   }
 
   WorkMeasurement run() {
     context_.progress(0, "reference");
-    request_.steps_per_sample =
-        std::max<uint64_t>(1, static_cast<uint64_t>(std::llround(interval_ / scene_dt_)));
     const double started = thread_cpu_seconds();
-    out_.reference = find_reference(scene_, request_, interval_, 0.4 * params_.budget, context_);
     const auto names = methods(params_);
+    out_.steps_matter = steps_matter(build_world(scene_));
+    if (!params_.horizon) cover(affordable(names.size()));
+    find_reference_or_shorten();
     for (size_t i = 0; i < names.size(); ++i) {
       context_.progress(0.3 + 0.7 * static_cast<double>(i) / static_cast<double>(names.size()), names[i]);
       const double left = params_.budget - (thread_cpu_seconds() - started);
-      measure(names[i], std::max(0.05, left / static_cast<double>(names.size() - i)));
+      if (left > 0) {
+        measure(names[i], std::max(0.05, left / static_cast<double>(names.size() - i)));
+      } else {
+        out_.refused.push_back({names[i], "the budget was used up before its turn"});
+      }
     }
     return std::move(out_);
   }
 
  private:
+  // Samples and steps for a horizon; one shorter than was wanted is a whole number of the largest steps.
+  void cover(double horizon) {
+    size_t samples = static_cast<size_t>(params_.samples);
+    if (horizon < out_.duration) {
+      const double largest = params_.steps.empty()
+                                 ? 8 * scene_dt_
+                                 : *std::max_element(params_.steps.begin(), params_.steps.end());
+      const double unit = largest <= horizon ? largest : scene_dt_;
+      const double units = std::max(1.0, std::floor(horizon / unit + 1e-9));
+      samples = std::min(samples, static_cast<size_t>(units));
+      horizon = std::floor(units / static_cast<double>(samples)) * static_cast<double>(samples) * unit;
+    }
+    out_.horizon = horizon;
+    request_.samples = samples;
+    interval_ = horizon / static_cast<double>(samples);
+    divisions_ = divisions(params_, interval_, scene_dt_);
+    request_.steps_per_sample =
+        std::max<uint64_t>(1, static_cast<uint64_t>(std::llround(interval_ / scene_dt_)));
+  }
+
+  // How far every method gets at a quarter of the scene's step, if it is as fast as the scene's own; no less
+  // than kFewestSteps.
+  double affordable(size_t methods) const {
+    TraceRequest probe = request_;
+    probe.cpu_limit = kProbe * params_.budget;
+    json::value d = scene_;
+    set_dt(d, scene_dt_);
+    const Trace own = trace(build_world(d), probe, context_);
+    if (own.end != Trace::End::over_budget) return out_.duration;
+    const double per_step = own.cpu_seconds / static_cast<double>(own.steps);
+    const double share = 0.5 * params_.budget / static_cast<double>(methods);
+    return scene_dt_ * std::max(kFewestSteps, share / (4 * per_step));
+  }
+
+  void find_reference_or_shorten() {
+    for (double share = 0.3 * params_.budget;; share *= 0.5) {
+      ReferenceSearch found = find_reference(scene_, request_, interval_, share, context_);
+      if (found.reference) {
+        out_.reference = std::move(*found.reference);
+        return;
+      }
+      const double possible = kMargin * found.reached * out_.horizon;
+      if (params_.horizon || possible < scene_dt_ || share < 0.02 * params_.budget) refuse(possible);
+      cover(possible);
+    }
+  }
+
+  [[noreturn]] void refuse(double possible) const {
+    const std::string allowed =
+        possible >= scene_dt_ ? "about " + short_number(possible) + " s at most" : "a larger budget";
+    throw Error(
+        "study_failed", "no method reaches a reference solution within the time budget",
+        {{"/horizon", "too_long", "no method gets so far in time, accurately enough to be a reference",
+          short_number(out_.horizon), allowed, "", "s"}});
+  }
+
   void measure(const std::string& name, double share) {
     const Integrator* row = find_integrator(name);
     if (!row) {
@@ -93,9 +161,15 @@ class Measurer {
     // From cheap to dear, so that a budget which runs out cuts off the end of the curve.
     double spent = 0, last = 0;
     if (adaptive) {
-      request_.steps_per_sample = 1;
+      // Steps that do more than integrate are the scene's own, or the runs would solve another problem.
+      // Where the horizon was shortened, the clock is looked at more often too.
+      const bool own = out_.steps_matter || out_.horizon < out_.duration;
+      const double wanted = params_.adaptive_step.value_or(own ? session_dt_ : interval_);
+      request_.steps_per_sample =
+          std::max<uint64_t>(1, static_cast<uint64_t>(std::llround(interval_ / wanted)));
+      const double dt = interval_ / static_cast<double>(request_.steps_per_sample);
       for (const double tolerance : tolerances(params_)) {
-        if (!one(name, tolerance, interval_, share, spent, last)) return;
+        if (!one(name, tolerance, dt, share, spent, last)) return;
       }
     } else {
       for (const uint64_t m : divisions_) {
@@ -137,7 +211,7 @@ class Measurer {
       p.cpu_seconds = last = median(times);
       judge(t, p);
     } catch (const Error& e) {
-      if (e.code() != "scene_invalid") throw;
+      if (e.code() == "cancelled") throw;
       out_.refused.push_back({name, e.issues().empty() ? e.what() : e.issues().front().message});
       return false;
     }
@@ -163,7 +237,7 @@ class Measurer {
   const WorkPrecisionParams& params_;
   StudyContext& context_;
   TraceRequest request_;
-  double scene_dt_ = 0, interval_ = 0;
+  double scene_dt_ = 0, session_dt_ = 0, interval_ = 0;
   std::vector<uint64_t> divisions_;
   WorkMeasurement out_;
 };
@@ -171,6 +245,8 @@ class Measurer {
 json::array cheapest(const WorkMeasurement& m) {
   json::array out;
   for (const double error : kDecades) {
+    // Below its floor the reference cannot tell errors.
+    if (error < m.reference.floor()) break;
     std::string best;
     double cpu = INFINITY;
     for (const WorkPoint& p : m.points) {
@@ -229,6 +305,19 @@ WorkMeasurement measure_work(const json::value& scene, const WorkPrecisionParams
   return Measurer(scene, params, context).run();
 }
 
+void describe_reach(const WorkMeasurement& m, json::object& summary) {
+  if (m.horizon < m.duration) {
+    summary["note"] = "the budget reaches " + short_number(m.horizon) + " s of the scene's " +
+                      short_number(m.duration) + " s; give a horizon or a larger budget for another part";
+  }
+  if (m.reference.meaningless()) {
+    summary["warning"] =
+        "two accurate methods part by more than a hundredth before the horizon: the motion is chaotic or "
+        "discontinuous, and errors of single paths mean nothing there; shorten the horizon or compare "
+        "invariants";
+  }
+}
+
 StudyResult run_work_precision(const json::value& scene, const void* def, StudyContext& context) {
   const auto& params = *static_cast<const WorkPrecisionParams*>(def);
   const WorkMeasurement m = measure_work(scene, params, context);
@@ -256,12 +345,7 @@ StudyResult run_work_precision(const json::value& scene, const void* def, StudyC
                {"reference", describe_reference(m.reference)},
                {"cheapest", cheapest(m)},
                {"refused", std::move(refused)}};
-  if (m.reference.meaningless()) {
-    r.summary["warning"] =
-        "two accurate methods part by more than a hundredth before the horizon: the motion is chaotic or "
-        "discontinuous, and errors of single paths mean nothing there; shorten the horizon or compare "
-        "invariants";
-  }
+  describe_reach(m, r.summary);
   return r;
 }
 

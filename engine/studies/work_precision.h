@@ -17,7 +17,10 @@ struct WorkPrecisionParams {
   std::vector<double> tolerances;        ///< empty: 1e-3 ... 1e-12
   std::optional<double> horizon;         ///< s
   int64_t samples = 16, repeats = 3;
-  double budget = 40;  ///< s of CPU for everything
+  double budget = 30;  ///< s of CPU for everything
+  /// Not asked for by users: s, the steps in which adaptive methods run; left out: as long as the scene
+  /// allows.
+  std::optional<double> adaptive_step = {};
 };
 
 const DefTable& work_precision_table();
@@ -39,12 +42,18 @@ struct WorkMeasurement {
     std::string integrator, reason;
   };
   std::vector<Refusal> refused;
-  double horizon = 0;  ///< s
+  double horizon = 0;         ///< s
+  double duration = 0;        ///< s, the horizon that was wanted: longer where the budget did not reach
+  bool steps_matter = false;  ///< steps do more than integrate
 };
 
-/// The measurement itself, for other studies.
+/// The measurement itself, for other studies. Without a horizon it covers as much of the scene's duration as
+/// the budget allows; Error "study_failed" at "/horizon" when a given one is too long for any reference.
 WorkMeasurement measure_work(const boost::json::value& scene, const WorkPrecisionParams& params,
                              StudyContext& context);
+
+/// Adds "note" when the horizon is shorter than was wanted, and "warning" when paths mean nothing over it.
+void describe_reach(const WorkMeasurement& measurement, boost::json::object& summary);
 
 /// CPU seconds at which a method reaches `error`, interpolated between its points in log-log; nothing when
 /// its points do not span it.

@@ -129,6 +129,55 @@ TEST_F(Study, ErrorsOfTheReferenceAreThoseOfTheClosedForm) {
   EXPECT_EQ(m.points[0].status, "ok");
 }
 
+// A cloth of 400 points for a minute: far more than a budget of 2 s reaches.
+constexpr const char* kCloth = R"({"schema_version":"1.0","name":"cloth","time":{"dt":0.005,"duration":60},
+  "systems":[{"type":"mass_spring","id":"c","mass":0.001,"stiffness":50,"damping":0.0001,
+              "pinned":["corner_00","corner_10"],"cloth_grid":{"nx":20,"ny":20}}]})";
+
+TEST_F(Study, AStudyCoversWhatItsBudgetReachesAndSaysSo) {
+  const std::string rest = R"("integrators":["rk4","velocity_verlet"],"budget":2)";
+  const auto shortened = run(with("work_precision", rest, kCloth));
+  const double horizon = shortened.summary.at("horizon").as_double();
+  EXPECT_GT(horizon, 0.005);
+  EXPECT_LT(horizon, 60);
+  EXPECT_THAT(std::string(shortened.summary.at("note").as_string()),
+              testing::HasSubstr("of the scene's 60 s"));
+  EXPECT_FALSE(shortened.plot.series.empty());
+  // Controls: a horizon that was asked for is kept or refused, and a light scene is covered whole.
+  try {
+    run(with("work_precision", rest + R"(,"horizon":60)", kCloth));
+    ADD_FAILURE() << "a minute of this cloth cannot be measured in 2 s";
+  } catch (const Error& e) {
+    EXPECT_EQ(e.code(), "study_failed");
+    ASSERT_FALSE(e.issues().empty());
+    EXPECT_EQ(e.issues().front().pointer, "/horizon");
+  }
+  const auto whole = run(with("work_precision", R"("integrators":["rk4"],"budget":2)"));
+  EXPECT_EQ(whole.summary.at("horizon").as_double(), 2);
+  EXPECT_FALSE(whole.summary.contains("note"));
+}
+
+TEST_F(Study, NoErrorIsQuotedBelowWhatTheReferenceKnows) {
+  // A ball that bounces: the step in which it meets the floor changes its path by more than any method does.
+  const std::string ball = R"({"schema_version":"1.0","name":"ball","time":{"dt":0.01,"duration":1},
+    "systems":[{"type":"particles","id":"b","positions":[[0,1,0]],"mass":1,
+                "colliders":[{"type":"plane","restitution":0.5}]}]})";
+  const std::string rest = R"("integrators":["rk4","dopri5"],"budget":2)";
+  const auto lowest = [](const StudyResult& r) {
+    double least = 1;
+    for (const json::value& row : r.summary.at("cheapest").as_array())
+      least = std::min(least, row.at("error").as_double());
+    return least;
+  };
+  const auto bouncing = run(with("work_precision", rest, ball));
+  EXPECT_GE(lowest(bouncing), 10 * bouncing.summary.at("reference").at("uncertainty").as_double());
+  EXPECT_THAT(std::string(bouncing.summary.at("reference").at("method").as_string()),
+              testing::HasSubstr("dt / 8"));
+  // Control: the same without a floor is smooth, known to rounding, and quoted far below.
+  const auto falling = run(with("work_precision", rest));
+  EXPECT_LT(lowest(falling), 1e-6);
+}
+
 TEST_F(Study, StabilityLimitsMatchTheory) {
   const std::string undamped = R"({"schema_version":"1.0","name":"undamped","time":{"dt":0.01,"duration":2},
     "systems":[{"type":"oscillator","id":"o","mass":1,"stiffness":100,"position":1,"velocity":0}]})";
