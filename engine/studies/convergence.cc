@@ -48,7 +48,8 @@ const DefTable& convergence_table() {
                 "field whose error is measured; state: all that says where the system is")
           .text("integrator", &P::integrator, "method; the scene's own when left out")
           .number("step", &P::step, "s", above(0), "largest step; 8 times the scene's when left out")
-          .number("horizon", &P::horizon, "s", above(0), "simulated time; the scene's duration when left out")
+          .number("horizon", &P::horizon, "s", above(0),
+                  "simulated time; else as much of the duration as the budget allows")
           .integer("halvings", &P::halvings, between(3, 20), "how often the step is halved")
           .number("budget", &P::budget, "s", between(0.1, 1e5), "CPU time for the whole study")
           .build();

@@ -292,7 +292,8 @@ const DefTable& work_precision_table() {
           .texts("integrators", &P::integrators, {0, 64}, "methods; all that serve the system when left out")
           .numbers("steps", &P::steps, "s", above(0), {0, 64}, "steps of the fixed-step methods")
           .numbers("tolerances", &P::tolerances, "1", above(0), {0, 64}, "tolerances of the adaptive methods")
-          .number("horizon", &P::horizon, "s", above(0), "simulated time; the scene's duration when left out")
+          .number("horizon", &P::horizon, "s", above(0),
+                  "simulated time; else as much of the duration as the budget allows")
           .integer("samples", &P::samples, between(1, 1000), "instants at which paths are compared")
           .integer("repeats", &P::repeats, between(1, 100), "runs whose median time counts")
           .number("budget", &P::budget, "s", between(0.1, 1e5), "CPU time for the whole study")

@@ -65,6 +65,12 @@ function cutOff(result: StudyResult, words: Words): void {
   if (unstable > 0) words.basis.push(`${plural(unstable, "run")} became unstable and ${unstable === 1 ? "is" : "are"} only in the table.`);
 }
 
+/** Says when the budget did not reach the whole duration. */
+function reach({ summary }: StudyResult, words: Words): void {
+  const note = text(summary.note);
+  if (note) words.basis.push(note.charAt(0).toUpperCase() + note.slice(1) + ".");
+}
+
 function workPrecision(result: StudyResult, words: Words): void {
   const { summary } = result;
   words.winners = list(summary.cheapest).map((row) => ({ error: power(Math.round(Math.log10(number(row.error) ?? 1))), method: text(row.integrator), seconds: number(row.cpu_seconds) ?? Number.NaN }));
@@ -74,6 +80,7 @@ function workPrecision(result: StudyResult, words: Words): void {
   else words.findings.push("No method reached an error of 10⁻² or better within the budget.");
   const horizon = number(summary.horizon);
   if (horizon !== undefined) words.basis.push(`Simulated ${duration(horizon)}; CPU times are medians of repeated runs on one thread.`);
+  reach(result, words);
   words.refused = list(summary.refused).map((row) => ({ method: text(row.integrator), reason: text(row.reason) }));
   cutOff(result, words);
 }
@@ -91,6 +98,7 @@ function convergence(result: StudyResult, words: Words): void {
     words.findings.push(`The order of ${method} did not settle, so none is quoted.${claim}`);
     if (text(summary.reason)) words.warnings.push(text(summary.reason));
   }
+  reach(result, words);
   cutOff(result, words);
 }
 
