@@ -44,13 +44,6 @@ struct StraightPair {
   }
 };
 
-Box box_of_way(const double* start, const double* end, size_t row) {
-  Box box = Box::nothing();
-  box.cover(load3(start, row));
-  box.cover(load3(end, row));
-  return box;
-}
-
 }  // namespace
 
 bool PassGuard::run(const GuardedPoints& g, const ContactDef& law, NearPairs& near, Exchange& exchange,
@@ -71,21 +64,22 @@ bool PassGuard::run(const GuardedPoints& g, const ContactDef& law, NearPairs& ne
   return true;
 }
 
-// Rows that outgrew the boxes of the pairs make new pairs necessary.
+// Rows that end outside the boxes of the pairs make new pairs necessary; they began inside.
 bool PassGuard::update_boxes(const GuardedPoints& g, NearPairs& near, Look look, const ThreadArena& arena) {
   const auto& triangles = g.solids.solids.triangles;
   const double d = 2 * kNearest * g.reach;
   bool held = true;
   for (size_t i = 0; i < g.points.count; ++i) {
     if (look == Look::changed && !moved_points_[i]) continue;
-    held &= near.holds_point(i, box_of_way(g.start, g.points.x, i));
+    const Vec3 end = load3(g.points.x, i);
+    held &= near.holds_point(i, {end, end});
   }
   for (size_t i = 0; i < triangles.size(); ++i) {
     moved_solids_[i] = 0;
     for (const uint32_t row : triangles[i]) moved_solids_[i] |= moved_rows_[row];
     if (look == Look::changed && !moved_solids_[i]) continue;
     Box box = Box::nothing();
-    for (const uint32_t row : triangles[i]) box.cover(box_of_way(g.other_start, g.other.x, row));
+    for (const uint32_t row : triangles[i]) box.cover(load3(g.other.x, row));
     box.low -= Vec3{d, d, d}, box.high += Vec3{d, d, d};
     held &= near.holds_solid(i, box);
   }
