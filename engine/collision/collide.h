@@ -6,7 +6,8 @@
 //   box                        SAT     GJK/EPA   SAT      SAT    closed
 //   cylinder                           GJK/EPA GJK/EPA  GJK/EPA  closed
 //   hull                                         SAT      SAT    closed
-// Meshes, height fields and compounds ask their trees for the parts near the other body.
+// Hulls of many edges go the way of cylinders. Meshes, height fields and compounds ask their trees for the
+// parts near the other body.
 #pragma once
 #include <vector>
 

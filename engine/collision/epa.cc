@@ -6,6 +6,7 @@
 namespace truestep {
 namespace {
 
+constexpr double kClose = 1e-7;  // of the size
 constexpr int kPoints = 96, kFaces = 2 * kPoints + 8, kRim = 96;
 
 class Expansion {
@@ -150,7 +151,7 @@ CoreDepth Expansion::run(const Simplex& start, std::span<const Vec3> guesses) {
       if (faces_[f].height < faces_[lowest].height) lowest = f;
     }
     const Face face = faces_[lowest];
-    const double close = 1e-7 * size_;
+    const double close = kClose * size_;
     if (best_.depth - face.height <= close) break;
     const Point p = furthest(face.normal);
     consider(face.normal, p);
@@ -170,7 +171,7 @@ CoreDepth core_depth(const Convex& a, const Convex& b, const Transform& b_in_a, 
 
 void refine(const Convex& a, const Convex& b, const Transform& b_in_a, double size, CoreDepth& depth) {
   const double gap = 1e-3 * size;
-  for (int round = 0; round < 6; ++round) {
+  for (int round = 0; round < 3; ++round) {
     const Vec3 shift = depth.normal * (depth.depth + gap);
     const Transform moved{b_in_a.rotation, b_in_a.position + shift};
     const CoreDistance d = core_distance(a, b, moved, depth.normal);
@@ -179,7 +180,7 @@ void refine(const Convex& a, const Convex& b, const Transform& b_in_a, double si
     const double better = dot(shift, d.normal) - d.distance, gain = depth.depth - better;
     if (!(gain > 0)) return;
     depth.depth = better > 0 ? better : 0, depth.normal = d.normal;
-    if (gain < 1e-9 * size) return;
+    if (gain < 1e-6 * size) return;
   }
 }
 

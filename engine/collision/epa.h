@@ -16,7 +16,7 @@ struct CoreDepth {
 
 /// `start`: what core_distance found for the same pair (verdict overlap). `guesses`: directions that may be
 /// the answer (face normals ...); good ones end the search early. Right to 1e-7 of the
-/// solids' size where they are flat, 1e-4 where they are round.
+/// solids' size where they are flat, to 1e-4 where they are round.
 CoreDepth core_depth(const Convex& a, const Convex& b, const Transform& b_in_a, const Simplex& start,
                      std::span<const Vec3> guesses);
 

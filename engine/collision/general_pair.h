@@ -1,5 +1,5 @@
-// Contact of any two convex solids, used where there is no better way (cylinders): distance or depth of the
-// cores, then points from the faces or lines that touch.
+// Contact of any two convex solids, used where there is no better way (cylinders, large hulls): distance or
+// depth of the cores, then points from the faces or lines that touch.
 #pragma once
 #include "engine/collision/convex.h"
 #include "engine/collision/manifold.h"

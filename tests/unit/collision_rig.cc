@@ -74,9 +74,10 @@ Solid sample_solid(int k, uint64_t seed, double size) {
       return box_solid(e);
     case 3:
       return cylinder_solid(e.x, e.y);
-    case 4: {
+    case 4:
+    case 7: {
       std::vector<Vec3> points;
-      for (uint64_t i = 0; i < 14; ++i) {
+      for (uint64_t i = 0; i < (k == 4 ? 14u : 48u); ++i) {
         const Vec3 d = random_unit(105 + seed, i);
         points.push_back({d.x * e.x, d.y * e.y, d.z * e.z});
       }

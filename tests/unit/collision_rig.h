@@ -24,9 +24,9 @@ struct Placed {
 Quat random_quat(uint64_t stream, uint64_t i);
 Vec3 random_unit(uint64_t stream, uint64_t i);
 Transform random_transform(uint64_t stream, uint64_t i, double reach);
-/// Sphere, capsule, box, cylinder, hull, needle, plate: number k of 7, `size` m large.
+/// Sphere, capsule, box, cylinder, hull, needle, plate, boulder: number k of 8, `size` m large.
 Solid sample_solid(int k, uint64_t seed, double size);
-inline constexpr int kSolids = 7;
+inline constexpr int kSolids = 8;
 /// A quarter-turn rotation (24 of them): parallel and square edges.
 Quat quarter_turns(uint64_t i);
 
