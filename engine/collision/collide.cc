@@ -5,6 +5,7 @@
 #include "engine/collision/compound.h"
 #include "engine/collision/general_pair.h"
 #include "engine/collision/height_field.h"
+#include "engine/collision/merge_manifolds.h"
 #include "engine/collision/plane_pairs.h"
 #include "engine/collision/polyhedron_pair.h"
 #include "engine/collision/round_pairs.h"
@@ -84,7 +85,8 @@ size_t collide_surface(const Solid& surface, const Transform& at, const Solid& b
                 if (m.count == 0) return;
                 to_world(at, m);
                 m.part_a = index, m.part_b = part;
-                out.push_back(m);
+                for (int i = 0; i < m.count; ++i) m.points[i].id = mixed_id(m.points[i].id, index, part);
+                merge_manifold(m, before, 1e-5 * norm(box.high - box.low), out);
               });
             });
   return out.size() - before;
@@ -138,6 +140,7 @@ size_t collide(const Solid& a, const Transform& at_a, const Solid& b, const Tran
       Manifold m;
       if (!collide_pair(ca, ta, cb, tb, margin, m)) return;
       m.part_a = ia, m.part_b = ib;
+      for (int i = 0; i < m.count; ++i) m.points[i].id = mixed_id(m.points[i].id, ia, ib);
       out.push_back(m);
     });
   });

@@ -22,8 +22,9 @@ bool collide(const Solid& a, const Transform& at_a, const Solid& b, const Transf
              Manifold& out);
 
 /// The same for any two solids; appends one manifold for every pair of parts that touch, with part_a and
-/// part_b set, in an order that depends on the solids alone. Surfaces (planes, meshes, height fields) do not
-/// meet one another. No allocation once `out` is large enough. Returns how many were appended.
+/// part_b set and mixed into the points' ids, in an order that depends on the solids alone. Triangles touched
+/// along one normal are one manifold, named after the first of them. Surfaces (planes, meshes, height fields)
+/// do not meet one another. No allocation once `out` is large enough. Returns how many were appended.
 size_t collide(const Solid& a, const Transform& at_a, const Solid& b, const Transform& at_b, double margin,
                std::vector<Manifold>& out);
 

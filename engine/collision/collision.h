@@ -11,8 +11,8 @@
 //                                                             like
 //              Points have a separation along the normal (a to b), negative when they overlap; a contact
 //              row holds  separation + h n . (v_b - v_a) >= 0, so with margin >= h |v| nothing enters.
-//              Match points of the last step by (part_a, part_b, id) for warm starting; keep what you match
-//              in the State, here nothing is remembered.
+//              Match a pair's points of the last step by id for warm starting (all its manifolds); keep what
+//              you match in the State, here nothing is remembered.
 //   fast ones  bodies that move further than inner_radius(s) in a step: time_of_impact.h from pose to pose,
 //              and stop them there.
 //   asking     queries.h: rays, casts, nearest points, overlap, over one solid or over the broad phase.

@@ -16,15 +16,15 @@ struct Pair {
   Transform a, b;
 };
 struct Object {
-  const Solid* solid;
+  Convex shape;
   Transform at;
 };
 
 void support(const void* object, const ccd_vec3_t* d, ccd_vec3_t* out) {
   const auto& o = *static_cast<const Object*>(object);
   const Vec3 dir{d->v[0], d->v[1], d->v[2]};
-  const Convex c = view(*o.solid);
-  const Vec3 p = o.at.point(c.support(o.at.inverse_direction(dir))) + normalized(dir) * c.radius();
+  const Vec3 p =
+      o.at.point(o.shape.support(o.at.inverse_direction(dir))) + normalized(dir) * o.shape.radius();
   ccdVec3Set(out, p.x, p.y, p.z);
 }
 void center(const void* object, ccd_vec3_t* out) {
@@ -76,7 +76,7 @@ void compare(const char* name, const Solid& a, const Solid& b, Kind kind, double
   const auto theirs = [&] {
     overlapping = 0;
     for (const Pair& p : pairs) {
-      const Object x{&a, p.a}, y{&b, p.b};
+      const Object x{view(a), p.a}, y{view(b), p.b};
       ccd_real_t depth = 0;
       ccd_vec3_t dir, at;
       overlapping += ccdGJKPenetration(&x, &y, &ccd, &depth, &dir, &at) == 0;

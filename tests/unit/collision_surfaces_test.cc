@@ -120,6 +120,22 @@ TEST(CollisionSurfaces, InnerEdgesOfFlatGroundAreNotFelt) {
   }
 }
 
+TEST(CollisionSurfaces, FlatGroundIsOneContactHoweverFine) {
+  const Ground g = ground(21, [](double, double) { return 0.0; });
+  for (const Solid& s : {mesh_solid(g.vertices, g.triangles), height_field_solid(21, 21, 0.5, g.heights)}) {
+    std::vector<Manifold> all;
+    collide(s, {}, box_solid({2.2, 0.5, 1.7}),
+            {rotation(Quat{0.9, 0, 0.43588989435406735, 0}), {0.1, 0.499, 0.2}}, 0.01, all);
+    ASSERT_EQ(all.size(), 1u);
+    ASSERT_EQ(all[0].count, 4);
+    // The four points span the face: its area is 4 2.2 1.7, half of it at the very least.
+    const Vec3 d = all[0].points[1].position - all[0].points[0].position;
+    EXPECT_GT(norm(d), 3);
+    for (int k = 0; k < 4; ++k) EXPECT_NEAR(all[0].points[k].separation, -0.001, 1e-12);
+    EXPECT_NE(all[0].points[0].id, all[0].points[1].id);
+  }
+}
+
 // The same triangles, each a mesh of its own, do not know what is flat.
 TEST(CollisionSurfaces, ControlWithoutNeighboursEdgesAreFelt) {
   const Ground g = ground(11, [](double, double) { return 0.0; });
