@@ -125,7 +125,8 @@ def main():
     parser.add_argument("--turns", type=int, default=5)
     parser.add_argument("--docs", action="store_true", help="renew the page and the pictures in docs/")
     options = parser.parse_args()
-    out = BUILD.parent / "bench/work_precision"
+    # A part leaves the results of the whole alone.
+    out = BUILD.parent / ("bench/work_precision_part" if options.problem else "bench/work_precision")
     out.mkdir(parents=True, exist_ok=True)
     runner = Runner()
     facts = {"date": datetime.date.today().isoformat(), "machine": machine(), "versions": versions(runner),
@@ -152,7 +153,7 @@ def main():
         writer.writeheader()
         writer.writerows(rows)
     (out / "measured.md").write_text(report.page(facts, every))
-    if options.docs:
+    if options.docs and not options.problem:
         report.renew_docs(ROOT / "docs", out)
     return 0 if all(math.isfinite(r["seconds"]) for r in rows) else 1
 
