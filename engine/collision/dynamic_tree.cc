@@ -198,11 +198,8 @@ void DynamicTree::set(uint32_t id, const FloatBox& box) {
 }
 
 void DynamicTree::rebuild() {
-  struct Leaf {
-    FloatBox box;
-    uint32_t id;
-  };
-  std::vector<Leaf> leaves;
+  std::vector<Leaf>& leaves = sorted_;
+  leaves.clear();
   for (uint32_t id = 0; id < leaf_.size(); ++id) {
     if (leaf_[id] >= 0) leaves.push_back({box(id), id});
   }
@@ -210,11 +207,8 @@ void DynamicTree::rebuild() {
   nodes_.assign(2, Node{});
   spare_.clear();
   nodes_.reserve(2 * leaves.size() + 2);
-  struct Range {
-    uint32_t begin, end;
-    int32_t node;
-  };
-  std::vector<Range> todo{{0, static_cast<uint32_t>(leaves.size()), 0}};
+  std::vector<Range>& todo = todo_;
+  todo.assign(1, {0, static_cast<uint32_t>(leaves.size()), 0});
   nodes_[0].parent = -1;
   while (!todo.empty()) {
     const auto [begin, end, node] = todo.back();

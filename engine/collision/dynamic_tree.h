@@ -69,6 +69,16 @@ class DynamicTree {
   std::vector<Node> nodes_;     // 0 is the root, pairs begin at even places from 2 on
   std::vector<int32_t> leaf_;   // node of every id, -1 when not there
   std::vector<int32_t> spare_;  // free pairs
+  struct Leaf {
+    FloatBox box;
+    uint32_t id;
+  };
+  struct Range {
+    uint32_t begin, end;
+    int32_t node;
+  };
+  std::vector<Leaf> sorted_;  // of rebuild()
+  std::vector<Range> todo_;
   size_t count_ = 0;
 };
 

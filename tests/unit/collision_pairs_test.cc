@@ -1,6 +1,8 @@
 // Every pair of convex solids against an independent measure of separation (collision_rig.h).
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "engine/collision/collide.h"
 #include "tests/unit/collision_rig.h"
 
@@ -138,6 +140,32 @@ TEST(CollisionPairs, MovingBothChangesNothing) {
         EXPECT_NEAR(dot(t.direction(m.normal), w.normal), 1, round ? 1e-3 : 1e-7) << name(a, b, i);
       }
     }
+  }
+}
+
+// What warm starting lives on: a stack at rest, trembling, keeps its points' names.
+TEST(CollisionPairs, IdsStayWhileFeaturesDo) {
+  const Solid cube = box_solid({0.5, 0.5, 0.5}), slab = box_solid({3, 0.5, 3}),
+              cylinder = cylinder_solid(0.5, 0.5);
+  const auto ids = [](const Solid& a, const Solid& b, const Vec3& at, uint64_t i) {
+    const Vec3 tremble = random_unit(81, i) * 1e-6, turn = random_unit(82, i) * 1e-6;
+    Manifold m;
+    EXPECT_TRUE(collide(a, {}, b, transform_of({at + tremble, normalized(Quat{1, turn.x, turn.y, turn.z})}),
+                        0.01, m));
+    std::vector<uint32_t> out;
+    for (int k = 0; k < m.count; ++k) out.push_back(m.points[k].id);
+    std::sort(out.begin(), out.end());
+    EXPECT_EQ(std::unique(out.begin(), out.end()), out.end());
+    EXPECT_EQ(out.size(), 4u);
+    return out;
+  };
+  for (uint64_t i = 1; i < 200; ++i) {
+    EXPECT_EQ(ids(cube, cube, {0, 1, 0}, 0), ids(cube, cube, {0, 1, 0}, i)) << "flush " << i;
+    EXPECT_EQ(ids(cube, cube, {0.2, 1, 0.3}, 0), ids(cube, cube, {0.2, 1, 0.3}, i)) << "shifted " << i;
+    EXPECT_EQ(ids(slab, cube, {0.2, 1, 0.3}, 0), ids(slab, cube, {0.2, 1, 0.3}, i)) << "slab " << i;
+    EXPECT_EQ(ids(plane_solid({0, 1, 0}), cylinder, {0.2, 0.5, 0.3}, 0),
+              ids(plane_solid({0, 1, 0}), cylinder, {0.2, 0.5, 0.3}, i))
+        << "cylinder " << i;
   }
 }
 
