@@ -41,9 +41,15 @@ struct Boxes {
   double a[3], b[3];
 };
 
+/// No more than eight corners are left of a rectangle cut by a rectangle.
+struct BoxPoints {
+  int count = 0;
+  ContactPoint point[10];
+};
+
 /// Contact points over the face of the reference box along `axis` on the incident box's side, in the
 /// reference frame.
-void face_points(const Boxes& x, int axis, double margin, uint32_t tag, Vec3& normal, PointList& out) {
+void face_points(const Boxes& x, int axis, double margin, uint32_t tag, Vec3& normal, BoxPoints& out) {
   const int iu = (axis + 1) % 3, iv = (axis + 2) % 3;
   const double side = x.t[axis] < 0 ? -1 : 1;
   int j = 0;
@@ -177,7 +183,7 @@ void collide_boxes(const Vec3& ha, const Vec3& hb, const Transform& place, doubl
     n[i] = 0, n[i1] = -x.r[i2][j] * s, n[i2] = x.r[i1][j] * s;
     edge_point(x, i, j, {n[0], n[1], n[2]}, bias, out);
   } else {
-    PointList list;
+    BoxPoints list;
     Vec3 normal;
     if (face[3 + fb] > face[fa] + bias) {
       Boxes y{{}, {-tb[0], -tb[1], -tb[2]}, {hb.x, hb.y, hb.z}, {ha.x, ha.y, ha.z}};
@@ -185,12 +191,12 @@ void collide_boxes(const Vec3& ha, const Vec3& hb, const Transform& place, doubl
         for (int j = 0; j < 3; ++j) y.r[i][j] = x.r[j][i];
       }
       face_points(y, fb, margin, 0x80000000u, normal, list);
-      keep_best(list, normal, out);
+      keep_best({list.point, static_cast<size_t>(list.count)}, normal, out);
       out.normal = -place.direction(normal);
       for (int i = 0; i < out.count; ++i) out.points[i].position = place.point(out.points[i].position);
     } else {
       face_points(x, fa, margin, 0, normal, list);
-      keep_best(list, normal, out);
+      keep_best({list.point, static_cast<size_t>(list.count)}, normal, out);
       out.normal = normal;
     }
   }

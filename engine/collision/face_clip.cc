@@ -38,13 +38,15 @@ void clip_faces(const FacePolygon& reference, const Vec3& normal, FacePolygon in
     all.point[all.count++] = {incident.corner[i] - normal * (0.5 * s), s, tag << 16 | incident.id[i]};
   }
   out.normal = owner == Reference::first ? normal : -normal;
-  keep_best(all, normal, out);
+  keep_best(all.all(), normal, out);
 }
 
-void keep_best(const PointList& all, const Vec3& normal, Manifold& out) {
+void keep_best(std::span<const ContactPoint> list, const Vec3& normal, Manifold& out) {
+  const ContactPoint* all = list.data();
+  const auto count = static_cast<int>(list.size());
   out.count = 0;
-  if (all.count <= Manifold::kMost) {
-    for (int i = 0; i < all.count; ++i) out.points[out.count++] = all.point[i];
+  if (count <= Manifold::kMost) {
+    for (int i = 0; i < count; ++i) out.points[out.count++] = all[i];
     return;
   }
   // The deepest first: it alone decides whether the bodies part. Differences below a thousandth of the
@@ -52,28 +54,27 @@ void keep_best(const PointList& all, const Vec3& normal, Manifold& out) {
   const Vec3 u =
       normalized(std::fabs(normal.x) < 0.6 ? Vec3{0, -normal.z, normal.y} : Vec3{normal.z, 0, -normal.x});
   double width = 0;
-  for (int i = 1; i < all.count; ++i)
-    width = std::max(width, norm(all.point[i].position - all.point[0].position));
+  for (int i = 1; i < count; ++i) width = std::max(width, norm(all[i].position - all[0].position));
   const auto pick = [&](auto&& score) {
     int best = 0;
-    double most = score(all.point[0]);
-    for (int i = 1; i < all.count; ++i) {
-      const double s = score(all.point[i]);
+    double most = score(all[0]);
+    for (int i = 1; i < count; ++i) {
+      const double s = score(all[i]);
       if (s > most + 1e-12 * width * width) most = s, best = i;
     }
     return std::pair(best, most);
   };
   const int a = pick([&](const ContactPoint& p) { return dot(u, p.position) * 1e-3 - p.separation; }).first;
-  const Vec3 pa = all.point[a].position;
+  const Vec3 pa = all[a].position;
   const int b = pick([&](const ContactPoint& p) { return norm2(p.position - pa); }).first;
-  const Vec3 side = cross(normal, all.point[b].position - pa);
+  const Vec3 side = cross(normal, all[b].position - pa);
   const auto [c, left] = pick([&](const ContactPoint& p) { return dot(side, p.position - pa); });
   const auto [d, right] = pick([&](const ContactPoint& p) { return -dot(side, p.position - pa); });
   const double thin = 1e-9 * norm2(side);
-  out.points[out.count++] = all.point[a];
-  if (b != a) out.points[out.count++] = all.point[b];
-  if (left > thin && c != a && c != b) out.points[out.count++] = all.point[c];
-  if (right > thin && d != a && d != b) out.points[out.count++] = all.point[d];
+  out.points[out.count++] = all[a];
+  if (b != a) out.points[out.count++] = all[b];
+  if (left > thin && c != a && c != b) out.points[out.count++] = all[c];
+  if (right > thin && d != a && d != b) out.points[out.count++] = all[d];
 }
 
 }  // namespace truestep

@@ -2,6 +2,8 @@
 // (Sutherland, Hodgman 1974), what lies within the margin of the reference plane becomes points, and the
 // best four of them stay.
 #pragma once
+#include <span>
+
 #include "engine/collision/manifold.h"
 
 namespace truestep {
@@ -34,7 +36,9 @@ struct PointList {
   static constexpr int kMost = FacePolygon::kMost;
   int count = 0;
   ContactPoint point[kMost];
+
+  std::span<const ContactPoint> all() const { return {point, static_cast<size_t>(count)}; }
 };
-void keep_best(const PointList& all, const Vec3& normal, Manifold& out);
+void keep_best(std::span<const ContactPoint> all, const Vec3& normal, Manifold& out);
 
 }  // namespace truestep

@@ -19,7 +19,7 @@ void merge_manifold(const Manifold& m, size_t first, double same, std::vector<Ma
       });
       if (!known) both.point[both.count++] = m.points[k];
     }
-    keep_best(both, old.normal, old);
+    keep_best(both.all(), old.normal, old);
     old.part_a = std::min(old.part_a, m.part_a);
     return;
   }

@@ -27,7 +27,7 @@ class Below {
   }
   void finish(Manifold& out) const {
     out.normal = n_;
-    keep_best(list_, n_, out);
+    keep_best(list_.all(), n_, out);
   }
 
  private:
