@@ -93,7 +93,9 @@ void MassSpring::publish_segments() {
 std::optional<PointColumns> MassSpring::points() const {
   return PointColumns{.position = Columns::position,
                       .velocity = Columns::velocity,
+                      .mass = std::nullopt,
                       .inverse_mass = Columns::inverse_mass,
+                      .id = std::nullopt,
                       .radius = radius_};
 }
 

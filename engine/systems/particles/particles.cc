@@ -275,7 +275,9 @@ std::optional<PointColumns> Particles::points() const {
 }
 
 PublishedSolids Particles::solids() const {
-  return {.balls = PublishedSolids::Balls::every_point};
+  PublishedSolids solids;
+  solids.balls = PublishedSolids::Balls::every_point;
+  return solids;
 }
 
 namespace {
