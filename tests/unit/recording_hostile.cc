@@ -11,8 +11,8 @@ namespace {
 TEST_F(RecordingTest, DamagedMetadataIsRefusedSoon) {
   const std::string whole = record("whole", 20, 3);
   uint64_t refused = 0;
-  // The first 4 KiB hold the superblock and the headers of the first groups.
-  for (uint64_t at = 0; at < 4096; at += 61) {
+  // The superblock, then headers of groups and datasets, each at the start of a page.
+  for (uint64_t at = 0; at < 64 * 4096; at += 4096 + 5) {
     const std::string file = path("flip");
     fs::copy_file(whole, file, fs::copy_options::overwrite_existing);
     {
@@ -35,7 +35,7 @@ TEST_F(RecordingTest, DamagedMetadataIsRefusedSoon) {
   EXPECT_GT(refused, 5u);  // most bytes of a header are under a checksum
 }
 
-// A file is shortened from its end, five bytes at a time, so that every place within a word is met: each
+// A file is shortened from its end, 61 bytes at a time, so that every place within a page is met: each
 // length is read to its last good frame or refused, and what a repair makes of it (now and then; a repair is
 // a process) holds no more frames than a longer file's.
 TEST_F(RecordingTest, TruncatedAnywhereKeepsAPrefixOrIsRefused) {
@@ -43,7 +43,7 @@ TEST_F(RecordingTest, TruncatedAnywhereKeepsAPrefixOrIsRefused) {
   const uint64_t size = fs::file_size(file);
   uint64_t least = good_frames(file), refused = 0, repaired = 0, kept = least;
   EXPECT_EQ(least, 6u);
-  for (uint64_t length = size - 1; length > 5; length -= 5) {
+  for (uint64_t length = size - 1; length > 61; length -= 61) {
     fs::resize_file(file, length);
     try {
       const uint64_t frames = good_frames(file);

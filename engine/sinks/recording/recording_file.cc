@@ -13,6 +13,9 @@ H5 file_access() {
   H5 access = h5_id(H5Pcreate(H5P_FILE_ACCESS), "make file properties");
   h5_ok(H5Pset_libver_bounds(access, H5F_LIBVER_V110, H5F_LIBVER_V110), "set the format's version");
   h5_ok(H5Pset_fclose_degree(access, H5F_CLOSE_STRONG), "set how the file closes");
+  // A kill can tear a write between two pages, and metadata is written again in place: what fits into a page
+  // must lie within one. Chunks are written once, before they are told.
+  h5_ok(H5Pset_alignment(access, 64, 4096), "align blocks to pages");
   // File systems without locks (some network mounts) must not make recording impossible.
   h5_ok(H5Pset_file_locking(access, 1, 1), "set file locking");
   return access;
