@@ -45,12 +45,17 @@ if(TRUESTEP_LLD AND NOT TRUESTEP_SANITIZE)
   add_link_options(-fuse-ld=lld)
 endif()
 
-# precompile(TARGET HEADER): gcc's precompiled headers never come out the same twice, so what ccache hashes in their
-# place is what they are made from. HEADER includes only what its packages bring, no header of ours.
+# precompile(TARGET HEADER): gcc's precompiled headers never come out the same twice and clang's hold the build folder's
+# path, so what ccache hashes in their place is what they are made from. HEADER includes only what its packages bring,
+# no header of ours.
 function(precompile target header)
   target_precompile_headers(${target} PRIVATE <${header}>)
   set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/${header})
   file(SHA256 ${PROJECT_SOURCE_DIR}/${header} sum)
-  file(CONFIGURE OUTPUT CMakeFiles/${target}.dir/cmake_pch.hxx.gch.sum
+  set(suffix gch)
+  if(CMAKE_CXX_COMPILER_ID STREQUAL "Clang")
+    set(suffix pch)
+  endif()
+  file(CONFIGURE OUTPUT CMakeFiles/${target}.dir/cmake_pch.hxx.${suffix}.sum
        CONTENT "${sum} ${CMAKE_CXX_COMPILER_VERSION} Boost ${Boost_VERSION} ${CMAKE_BUILD_TYPE} ${TRUESTEP_SANITIZE}\n" @ONLY)
 endfunction()

@@ -19,12 +19,9 @@ foreach(case multi single h5md swmr export controls)
 endforeach()
 add_recording_test(finalize_kills ${Python3_EXECUTABLE} ${CMAKE_CURRENT_LIST_DIR}/recording_kills.py ${loop} ${read})
 
-# Checks that live outside this tree: TRUESTEP_CHECKS, or the folder beside the sources.
-find_file(TRUESTEP_KILL9 kill9_recording.py HINTS $ENV{TRUESTEP_CHECKS} ${PROJECT_SOURCE_DIR}/../shared/checks NO_DEFAULT_PATH)
-if(TRUESTEP_KILL9)
-  get_filename_component(checks ${TRUESTEP_KILL9} DIRECTORY)
-  set(kill9 ${Python3_EXECUTABLE} ${checks}/kill9_recording.py --sleep-max 0.1)
-  set(full ${Python3_EXECUTABLE} ${checks}/disk_full_recording.py)
+if(TRUESTEP_CHECKS_FOLDER)
+  set(kill9 ${Python3_EXECUTABLE} ${TRUESTEP_CHECKS_FOLDER}/kill9_recording.py --sleep-max 0.1)
+  set(full ${Python3_EXECUTABLE} ${TRUESTEP_CHECKS_FOLDER}/disk_full_recording.py)
   # Small frames (chunks of several) and big ones (a chunk each); the repaired file, too.
   add_recording_test(kill9 ${kill9} --trials 200 --cmd "${loop} {file} 2000" --read "${read} {file}")
   add_recording_test(kill9_big ${kill9} --trials 40 --cmd "${loop} {file} 20000" --read "${read} {file} recover")

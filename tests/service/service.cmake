@@ -6,6 +6,10 @@ foreach(part sessions output catalogue equations stream ending command_line cont
                        ENVIRONMENT "TRUESTEP_BINARY=$<TARGET_FILE:truestep>")
 endforeach()
 
+if(NOT TRUESTEP_CHECKS_FOLDER)
+  return()
+endif()
+
 # check_service(NAME SCRIPT EXPECT ARGUMENT...): a script of the checks folder against the program itself, while it
 # plays and streams a scene.
 function(check_service name script expect)
