@@ -74,12 +74,11 @@ FieldView ForceSystem::field(const State& state, size_t which, std::vector<doubl
 std::optional<double> ForceSystem::stable_dt(const State& state) const {
   const auto s = field_->stiffness(state);
   // Adaptive methods divide a step themselves; unconditionally stable ones need no limit.
-  if (!s || method_.stepping == Integrator::Stepping::adaptive || std::isinf(method_.imaginary_limit)) {
+  const StabilityInterval interval = stability_interval(method_, options_);
+  if (!s || method_.stepping == Integrator::Stepping::adaptive || std::isinf(interval.imaginary)) {
     return std::nullopt;
   }
-  double dt = HUGE_VAL;
-  if (s->omega > 0) dt = method_.imaginary_limit / s->omega;
-  if (s->damping > 0) dt = std::min(dt, method_.real_limit / s->damping);
+  const double dt = interval.largest_step(s->omega, s->damping);
   return std::isinf(dt) ? std::nullopt : std::optional(dt);
 }
 

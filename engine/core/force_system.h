@@ -25,6 +25,7 @@ class ForceSystem : public StagedSystem {
   const ForceField& force_field() const { return *field_; }
   const Integrator& integrator() const { return method_; }
 
+  const IntegratorOptions& options() const { return options_; }
  protected:
   /// Adds no stage yet: derived constructors call add_integration_stage where it belongs.
   ForceSystem(std::unique_ptr<const ForceField> field, const Integrator& method, IntegratorOptions options);

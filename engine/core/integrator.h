@@ -37,14 +37,21 @@ struct IntegratorOptions {
   int max_internal_steps = kMaxInternalSteps;  ///< adaptive methods: in one step, then Instability
 };
 
+/// Largest stable omega * h on an undamped oscillator and lambda * h on exponential decay; infinity:
+/// unconditional; NaN: no promise (methods that iterate a step until it converges).
+struct StabilityInterval {
+  double imaginary = 0, real = 0;
+  /// s, for these rates in 1/s; infinity: any, NaN: no promise.
+  double largest_step(double omega, double damping) const;
+};
+
 struct Integrator {
   std::string_view name;   ///< as in a scene
   std::string_view title;  ///< e.g. "classical Runge-Kutta"
   int order = 1;           ///< of the global error
-  /// Largest stable omega * h on an undamped oscillator; infinity: unconditional; NaN: no promise (methods
-  /// that iterate a step until it converges). Adaptive methods: of one internal step.
-  double imaginary_limit = 0;
-  double real_limit = 0;  ///< largest stable lambda * h on exponential decay; likewise
+  /// Stability interval with the options that the method has unless told otherwise; users call
+  /// `stability_interval`. Adaptive methods: of one internal step.
+  double imaginary_limit = 0, real_limit = 0;
   enum class Structure : uint8_t { none, symplectic } structure = Structure::none;
   enum class Stepping : uint8_t { fixed, adaptive } stepping = Stepping::fixed;
   enum class Kind : uint8_t { explicit_, implicit } kind = Kind::explicit_;
@@ -65,12 +72,18 @@ struct Integrator {
   void (*advance)(Advance&) = nullptr;
   /// The method's own reason for not serving a field, if it has one; may be null. Users call `refusal`.
   std::optional<std::string> (*refuses)(const ForceField&) = nullptr;
+  /// The interval where it depends on options; null: it does not.
+  StabilityInterval (*interval)(const IntegratorOptions&) = nullptr;
+  /// Adds what the method has counted in its columns, as "integrator.*"; may be null.
+  void (*observe)(const State&, Observables&) = nullptr;
 };
 
 /// All methods, in the order in which they are listed to users.
 std::span<const Integrator> integrators();
 /// The row of that name, or null.
 const Integrator* find_integrator(std::string_view name);
+/// Where the method with these options is stable.
+StabilityInterval stability_interval(const Integrator& method, const IntegratorOptions& options);
 /// Nothing when the method can serve the field, else one sentence why not.
 std::optional<std::string> refusal(const Integrator& method, const ForceField& field);
 /// The same for `advance` on a right-hand side.

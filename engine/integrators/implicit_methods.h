@@ -16,6 +16,7 @@ MemoryFunction bdf2_memory, generalized_alpha_memory;          // bdf2.cc, newma
 AdvanceFunction advance_newmark, advance_generalized_alpha;    // newmark.cc
 PrepareFunction prepare_generalized_alpha;                     // newmark.cc
 RefusalFunction refuses_first_order;                           // newmark.cc
+IntervalFunction newmark_interval;                             // newmark.cc
 AdvanceFunction advance_cvode_bdf, advance_cvode_adams;        // cvode.cc
 
 /// Adds the column "integrator.memory" of n numbers, nothing in it yet.

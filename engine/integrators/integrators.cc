@@ -1,6 +1,8 @@
 // The table of methods: its families one after the other, and who serves what.
 #include "engine/core/integrator.h"
 
+#include <algorithm>
+#include <limits>
 #include <vector>
 
 #include "engine/core/right_hand_side.h"
@@ -25,6 +27,18 @@ const Integrator* find_integrator(std::string_view name) {
     if (m.name == name) return &m;
   }
   return nullptr;
+}
+
+double StabilityInterval::largest_step(double omega, double damping) const {
+  double step = std::numeric_limits<double>::infinity();
+  if (omega > 0) step = imaginary / omega;
+  if (damping > 0) step = std::min(step, real / damping);
+  return step;
+}
+
+StabilityInterval stability_interval(const Integrator& method, const IntegratorOptions& options) {
+  return method.interval ? method.interval(options)
+                         : StabilityInterval{method.imaginary_limit, method.real_limit};
 }
 
 std::optional<std::string> refusal(const Integrator& method, const ForceField& field) {

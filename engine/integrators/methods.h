@@ -9,6 +9,8 @@ using StepFunction = void(const ForceField&, State&, const StepInput&, const Int
 using PrepareFunction = void(const ForceField&, State&);
 using MemoryFunction = size_t(size_t n);
 using RefusalFunction = std::optional<std::string>(const ForceField&);
+using IntervalFunction = StabilityInterval(const IntegratorOptions&);
+using ObserveFunction = void(const State&, Observables&);
 
 StepFunction step_euler, step_symplectic_euler, step_modified_euler;    // euler.cc
 StepFunction step_midpoint, step_heun, step_rk4;                        // runge_kutta.cc
@@ -36,5 +38,7 @@ AdvanceFunction advance_dopri5, advance_tsit5, advance_dop853;                  
 
 StepFunction step_implicit_euler, step_linear_implicit_euler;  // implicit.cc
 RefusalFunction refuses_without_jacobian;                      // implicit.cc
+PrepareFunction prepare_implicit_euler;                        // implicit.cc
+ObserveFunction observe_implicit_euler;                        // implicit.cc
 
 }  // namespace truestep

@@ -9,6 +9,7 @@
 // Generalized alpha carries its own a, which is not a(t, x, v), in `memory`.
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "engine/base/errors.h"
 #include "engine/integrators/drive_fixed.h"
@@ -186,6 +187,16 @@ size_t generalized_alpha_memory(size_t n) {
 
 void prepare_generalized_alpha(const ForceField& field, State& state) {
   add_memory(state, memory_size(2 * state.f64(state.at("velocity")).size()));
+}
+
+// Without damping the map of one step has eigenvalues on the unit circle up to omega h = 1 / sqrt(gamma/2 -
+// beta) if 2 beta < gamma, always if not (Hughes 1987, section 9.1); damping alone is always stable for
+// gamma >= 1/2, and both together are wherever the undamped motion is. Generalized alpha is unconditionally
+// stable for every r in [0, 1].
+StabilityInterval newmark_interval(const IntegratorOptions& options) {
+  constexpr double kUnlimited = std::numeric_limits<double>::infinity();
+  const double short_of = 0.5 * options.damping.newmark_gamma - options.damping.newmark_beta;
+  return {short_of > 0 ? 1 / std::sqrt(short_of) : kUnlimited, kUnlimited};
 }
 
 std::optional<std::string> refuses_first_order(const ForceField& field) {

@@ -43,6 +43,10 @@ Integrator symplectic(Integrator row) {
   row.structure = Integrator::Structure::symplectic;
   return row;
 }
+Integrator bounded(Integrator row, IntervalFunction* interval) {
+  row.interval = interval;
+  return row;
+}
 Integrator remembering(Integrator row, PrepareFunction* prepare, MemoryFunction* memory) {
   row.prepare = prepare, row.memory = memory;
   return row;
@@ -63,8 +67,9 @@ std::span<const Integrator> implicit_rows() {
       remembering(implicit<advance_bdf2>("bdf2", "backward differentiation of order 2, L-stable",
                                          "Hairer, Norsett, Wanner 1993, section III.5"),
                   prepare_bdf2, bdf2_memory),
-      structural<advance_newmark>("newmark", "Newmark's method, average acceleration unless told otherwise",
-                                  "Newmark 1959"),
+      bounded(structural<advance_newmark>(
+                  "newmark", "Newmark's method, average acceleration unless told otherwise", "Newmark 1959"),
+              newmark_interval),
       remembering(structural<advance_generalized_alpha>(
                       "generalized_alpha",
                       "generalized-alpha method, damps high frequencies to a chosen spectral radius",

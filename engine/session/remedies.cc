@@ -14,12 +14,16 @@ std::string short_number(double v) {
   return {buffer, std::to_chars(buffer, buffer + sizeof buffer, v, std::chars_format::general, 2).ptr};
 }
 
+bool unlimited(const Integrator& row, const ForceSystem& s) {
+  return std::isinf(stability_interval(row, s.options()).imaginary);
+}
+
 // The first method of the wanted kind that serves the field and is not the one that failed.
 const Integrator* other_method(const ForceSystem& s, Integrator::Kind kind, Integrator::Stepping stepping) {
   for (const Integrator& row : integrators()) {
     if (&row == &s.integrator() || row.kind != kind || row.stepping != stepping || !row.step) continue;
-    const bool holds = kind != Integrator::Kind::implicit || std::isinf(row.imaginary_limit);
-    if (holds && !refusal(row, s.force_field())) return &row;
+    if ((kind != Integrator::Kind::implicit || unlimited(row, s)) && !refusal(row, s.force_field()))
+      return &row;
   }
   return nullptr;
 }
@@ -44,7 +48,8 @@ std::vector<std::string> remedies(const World& world, const std::string& system,
   if (forces) {
     using Kind = Integrator::Kind;
     using Stepping = Integrator::Stepping;
-    method = forces->integrator().kind == Kind::implicit
+    const Integrator& own = forces->integrator();
+    method = own.kind == Kind::implicit && unlimited(own, *forces)
                  ? nullptr
                  : other_method(*forces, Kind::implicit, Stepping::fixed);
     if (!method) method = other_method(*forces, Kind::explicit_, Stepping::adaptive);

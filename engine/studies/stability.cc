@@ -192,9 +192,9 @@ StudyResult run_stability(const json::value& scene, const void* def, StudyContex
   for (size_t i = 0; i < rows.size(); ++i) {
     const Integrator& row = *rows[i];
     context.progress(static_cast<double>(i) / static_cast<double>(rows.size()), std::string(row.name));
-    double limit = INFINITY;
-    if (spectrum.omega > 0) limit = row.imaginary_limit / spectrum.omega;
-    if (spectrum.damping > 0) limit = std::min(limit, row.real_limit / spectrum.damping);
+    // The scene's options stay while its method changes.
+    const double limit =
+        stability_interval(row, forces->options()).largest_step(spectrum.omega, spectrum.damping);
     const double guess = std::isfinite(limit) && limit > 0 ? limit
                          : spectrum.omega > 0              ? 1 / spectrum.omega
                                                            : world.scene().substep();
@@ -226,10 +226,8 @@ StudyResult run_stability(const json::value& scene, const void* def, StudyContex
                {"iterations", spectrum.iterations},
                {"suggested_dt", nullptr}};
   if (const auto dt = forces->stable_dt(start.systems[system])) r.summary["suggested_dt_bound"] = *dt;
-  const Integrator& own = forces->integrator();
-  double suggested = INFINITY;
-  if (spectrum.omega > 0) suggested = own.imaginary_limit / spectrum.omega;
-  if (spectrum.damping > 0) suggested = std::min(suggested, own.real_limit / spectrum.damping);
+  const double suggested = stability_interval(forces->integrator(), forces->options())
+                               .largest_step(spectrum.omega, spectrum.damping);
   // A tenth below the border: the spectrum is that of the start.
   if (std::isfinite(suggested) && suggested > 0) r.summary["suggested_dt"] = 0.9 * suggested;
   r.plot = {.title = "Largest stable step",

@@ -57,11 +57,12 @@ inline std::unique_ptr<const ForceField> unit_oscillator(double stiffness, doubl
 }
 
 /// The linear map (x, v) -> (x, v) of one step, {xx, xv, vx, vv}. Methods with a memory do their first step.
-inline std::array<double, 4> step_map(const Integrator& method, double stiffness, double damping, double h) {
+inline std::array<double, 4> step_map(const Integrator& method, double stiffness, double damping, double h,
+                                      const IntegratorOptions& options = kOneInternalStep) {
   std::array<double, 4> m;
   for (size_t c = 0; c < 2; ++c) {
     const auto field = unit_oscillator(stiffness, damping, c == 0, c == 1);
-    SteppedField run(*field, method, h, kOneInternalStep);
+    SteppedField run(*field, method, h, options);
     run.steps(1);
     m[c] = run.x(), m[2 + c] = run.v();
   }
