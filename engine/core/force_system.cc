@@ -58,6 +58,7 @@ void ForceSystem::observe(const State& state, double t, Observables& out) const 
     out.add("energy.potential", *potential, "J");
     out.add("energy.total", kinetic + *potential, "J");
   }
+  if (method_.observe) method_.observe(state, out);
 }
 
 std::vector<FieldInfo> ForceSystem::fields() const {
@@ -73,8 +74,8 @@ FieldView ForceSystem::field(const State& state, size_t which, std::vector<doubl
 
 std::optional<double> ForceSystem::stable_dt(const State& state) const {
   const auto s = field_->stiffness(state);
-  // Adaptive methods divide a step themselves; unconditionally stable ones need no limit.
   const StabilityInterval interval = stability_interval(method_, options_);
+  // Adaptive methods divide a step themselves; unconditionally stable ones need no limit.
   if (!s || method_.stepping == Integrator::Stepping::adaptive || std::isinf(interval.imaginary)) {
     return std::nullopt;
   }

@@ -12,7 +12,8 @@ namespace truestep {
 class ForceSystem : public StagedSystem {
  public:
   State initial_state() const override;
-  /// energy.kinetic, energy.potential and energy.total (J) where the field has them.
+  /// energy.kinetic, energy.potential and energy.total (J) where the field has them, and what the method has
+  /// counted.
   void observe(const State& state, double t, Observables& out) const override;
   /// position and velocity as they stand in the state.
   std::vector<FieldInfo> fields() const override;
@@ -24,8 +25,8 @@ class ForceSystem : public StagedSystem {
 
   const ForceField& force_field() const { return *field_; }
   const Integrator& integrator() const { return method_; }
-
   const IntegratorOptions& options() const { return options_; }
+
  protected:
   /// Adds no stage yet: derived constructors call add_integration_stage where it belongs.
   ForceSystem(std::unique_ptr<const ForceField> field, const Integrator& method, IntegratorOptions options);

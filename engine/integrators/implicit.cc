@@ -4,8 +4,11 @@
 // which is one Newton step of the former from x' = x; with v' = dx / h and no damping it reads
 // (M/h^2 - df/dx) dx = M v / h + f. Baraff, Witkin 1998, "Large steps in cloth simulation", eq. 6.
 // Fields without a Jacobian are served up to 64 unknowns, with central differences.
+// Steps of implicit_euler that ended with damping and air held at the step's start are counted in the state
+// and observed as integrator.held_steps.
 #include "engine/integrators/implicit.h"
 
+#include "engine/core/lagged_dissipation.h"
 #include "engine/integrators/methods.h"
 
 namespace truestep {
@@ -39,6 +42,18 @@ std::optional<std::string> refuses_without_jacobian(const ForceField& field) {
   return "implicit methods need the forces' derivatives, which this system does not provide, and " +
          std::to_string(m.x.size() + m.v.size()) + " unknowns are too many for differences (at most " +
          std::to_string(kDenseUnknowns) + ")";
+}
+
+void prepare_implicit_euler(const ForceField& field, State& state) {
+  const bool may_hold = dynamic_cast<const LaggedDissipation*>(&field) &&
+                        field.dependence() == Dependence::position_and_velocity;
+  if (may_hold) state.add({std::string(kHeldSteps), "1", Scalar::u64}, 1);
+}
+
+void observe_implicit_euler(const State& state, Observables& out) {
+  if (const auto c = state.find(kHeldSteps)) {
+    out.add(kHeldSteps, static_cast<double>(state.span<uint64_t>(*c)[0]), "1");
+  }
 }
 
 void step_implicit_euler(const ForceField& field, State& state, const StepInput& in,

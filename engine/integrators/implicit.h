@@ -5,6 +5,10 @@
 
 namespace truestep {
 
+/// Column of one count: steps whose damping and air stayed held at the step's start (stage_newton.h). Only
+/// fields that can hold them have it.
+inline constexpr std::string_view kHeldSteps = "integrator.held_steps";
+
 /// For fields with a Jacobian and dx/dt = v.
 void implicit_euler_sparse(Motion& m, const IntegratorOptions& options);
 void linear_implicit_euler_sparse(Motion& m, const IntegratorOptions& options);

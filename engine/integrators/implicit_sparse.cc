@@ -13,7 +13,11 @@ void implicit_euler_sparse(Motion& m, const IntegratorOptions& options) {
   const double h = m.input.h;
   const auto u = m.scratch("integrator.v", m.v.size());
   std::copy(m.v.begin(), m.v.end(), u.begin());
-  StageNewton(m, options).solve({.t = m.input.t + h, .g = h, .s = h, .x0 = m.x, .u0 = m.v}, u);
+  const NewtonReport& report =
+      StageNewton(m, options).solve({.t = m.input.t + h, .g = h, .s = h, .x0 = m.x, .u0 = m.v}, u);
+  if (report.held) {
+    if (const auto c = m.state.find(kHeldSteps)) ++m.state.span<uint64_t>(*c)[0];
+  }
   m.loop(m.v.size(), [x = m.x.data(), v = m.v.data(), u = u.data(), h](size_t i) {
     v[i] = u[i];
     x[i] += h * v[i];

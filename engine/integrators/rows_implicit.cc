@@ -43,6 +43,10 @@ Integrator symplectic(Integrator row) {
   row.structure = Integrator::Structure::symplectic;
   return row;
 }
+Integrator counting(Integrator row, ObserveFunction* observe) {
+  row.observe = observe;
+  return row;
+}
 Integrator bounded(Integrator row, IntervalFunction* interval) {
   row.interval = interval;
   return row;
@@ -56,8 +60,10 @@ Integrator remembering(Integrator row, PrepareFunction* prepare, MemoryFunction*
 
 std::span<const Integrator> implicit_rows() {
   static const std::array kRows = {
-      implicit("implicit_euler", "implicit Euler, Newton's method on the full equations", 1,
-               "Hairer, Wanner 1996, eq. IV.3.1", step_implicit_euler),
+      counting(remembering(implicit("implicit_euler", "implicit Euler, Newton's method on the full equations",
+                                    1, "Hairer, Wanner 1996, eq. IV.3.1", step_implicit_euler),
+                           prepare_implicit_euler, nullptr),
+               observe_implicit_euler),
       implicit("linear_implicit_euler", "implicit Euler with one Newton step", 1,
                "Baraff, Witkin 1998, eq. 6", step_linear_implicit_euler),
       symplectic(implicit<advance_implicit_midpoint>("implicit_midpoint", "implicit midpoint rule",

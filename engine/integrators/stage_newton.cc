@@ -38,7 +38,7 @@ StageNewton::StageNewton(Motion& m, const IntegratorOptions& options)
   system_.reserve();
 }
 
-void StageNewton::solve(const StageEquation& eq, std::span<double> u) {
+const NewtonReport& StageNewton::solve(const StageEquation& eq, std::span<double> u) {
   report_ = {};
   choose_start(eq, u);
   norm_ = first_ = evaluate(eq, u);
@@ -56,6 +56,7 @@ void StageNewton::solve(const StageEquation& eq, std::span<double> u) {
     fail(std::string("Newton's method ") + failure + " (" + std::to_string(report_.iterations) +
          " iterations)");
   }
+  return report_;
 }
 
 // Near the minimum with damping and air held, the whole equations may have a solution; if not, the minimum is

@@ -49,7 +49,8 @@ class StageNewton {
   /// Converged: sqrt(sum |r|^2 / m) <= newton_tolerance times its first value or sqrt(sum m |u0|^2),
   /// whichever is larger, or at the rounding of the forces. From there no step could tell better from worse:
   /// A >= g s K, so a residual of g |K| eps |x| is a change of position by s |u| = eps |x|.
-  void solve(const StageEquation& equation, std::span<double> u);
+  /// What it took is valid until the next call with the same workspace.
+  const NewtonReport& solve(const StageEquation& equation, std::span<double> u);
 
  private:
   enum class Merit : uint8_t { incremental_potential, residual };

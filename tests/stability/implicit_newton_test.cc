@@ -172,6 +172,26 @@ TEST(ImplicitNewton, CompressedDampedClothInTheWindHolds) {
   }
   EXPECT_LE(held, 1);
   EXPECT_LT(run.observe("strain.max"), 0.3);
+  // All of them are observed, also after the state was put away and taken out again.
+  EXPECT_EQ(run.observe("integrator.held_steps"), held + 1);
+  run.state = State::deserialize(run.state.serialize());
+  EXPECT_EQ(run.observe("integrator.held_steps"), held + 1);
+}
+
+// The count is there where it says something: with damping to hold, under the method that holds it.
+TEST(ImplicitNewton, HeldStepsAreObservedWhereThereIsDampingToHold) {
+  const auto observed = [](MassSpringDef d, const char* method) {
+    d.integrator = method;
+    Observables out;
+    const SpringRun run(d);
+    run.system->observe(run.state, 0, out);
+    return out.find("integrator.held_steps");
+  };
+  MassSpringDef undamped = compressed_damped_cloth();
+  undamped.internal_damping = undamped.damping = 0;
+  EXPECT_EQ(observed(compressed_damped_cloth(), "implicit_euler"), 0);
+  EXPECT_FALSE(observed(undamped, "implicit_euler"));
+  EXPECT_FALSE(observed(compressed_damped_cloth(), "linear_implicit_euler"));
 }
 
 // Without wind nothing gives it energy; of some 0.5 J rounding is 1e-14, the tolerance far less than 1e-9.
