@@ -5,6 +5,7 @@
 #include "engine/systems/oscillator/oscillator.h"
 #include "engine/systems/particles/particles.h"
 #include "engine/systems/pendulum/pendulum.h"
+#include "engine/systems/rigid2d/rigid2d.h"
 
 namespace truestep {
 
@@ -55,6 +56,15 @@ std::span<const CatalogueRow> catalogue() {
        {"force is minus the gradient of the potential", "springs and their damping conserve momentum",
         "pinned points do not move", "the same bits on any number of threads"},
        "linear_implicit_euler"},
+      {"rigid2d",
+       "rigid bodies",
+       "rigid bodies in the plane with contacts, friction, sleeping and nine kinds of joints",
+       &rigid2d::rigid2d_table(),
+       rigid2d::build_rigid2d,
+       rigid2d::rigid2d_cost,
+       {"nothing catches on the corners of a chain", "fast bodies do not pass thin walls",
+        "a stack of 20 boxes stands", "the same bits on any number of threads and after a restore"},
+       ""},
   };
   return kRows;
 }

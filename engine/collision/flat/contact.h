@@ -1,0 +1,27 @@
+// Where two outlines touch: one or two points with a common normal, found by separating axes over the edges,
+// clipping against the reference edge, and a corner-corner normal where the edges do not face one another.
+#pragma once
+#include <array>
+#include <cstdint>
+
+#include "engine/collision/flat/outline.h"
+
+namespace truestep::flat {
+
+struct ContactPoint {
+  Vec2 at;                ///< half way between the two surfaces, in the frame of a
+  double separation = 0;  ///< m along the normal, negative where they overlap
+  uint32_t id = 0;        ///< the same features of the same two outlines have the same id
+};
+
+struct Contact {
+  Vec2 normal;  ///< unit, from a to b, in the frame of a
+  std::array<ContactPoint, 2> point{};
+  uint32_t points = 0;
+};
+
+/// Points of a and b (at pose `b_in_a` seen from a) closer than `margin`; false when there are none. A link
+/// touches only what is on its left, and leaves to its neighbours what is theirs; two links never touch.
+bool touch(const Outline& a, const Outline& b, const Pose& b_in_a, double margin, Contact& out);
+
+}  // namespace truestep::flat

@@ -1,0 +1,162 @@
+// 32 bytes of numbers side by side: eight floats or four doubles, one IEEE operation per lane, the same bits
+// with and without AVX2. For solvers that are templates over the scalar and gather rows of eight numbers.
+#pragma once
+#include <cmath>
+#include <cstdint>
+#include <type_traits>
+
+#if defined(__AVX2__) && defined(__FMA__)
+#include <immintrin.h>
+#endif
+
+namespace truestep {
+
+template <class T>
+struct Wide {
+  static constexpr int kLanes = 32 / sizeof(T);
+  using Integer = std::conditional_t<sizeof(T) == 4, int32_t, int64_t>;
+  typedef T Raw __attribute__((vector_size(32)));
+  typedef Integer Mask __attribute__((vector_size(32)));
+
+  Raw v;
+
+  static Wide all(T s) {
+    Raw r;
+    for (int i = 0; i < kLanes; ++i) r[i] = s;
+    return {r};
+  }
+  static Wide zero() { return {Raw{}}; }
+  T operator[](int i) const { return v[i]; }
+  void set(int i, T s) { v[i] = s; }
+
+  friend Wide operator+(Wide a, Wide b) { return {a.v + b.v}; }
+  friend Wide operator-(Wide a, Wide b) { return {a.v - b.v}; }
+  friend Wide operator*(Wide a, Wide b) { return {a.v * b.v}; }
+  friend Wide operator/(Wide a, Wide b) { return {a.v / b.v}; }
+  friend Wide operator-(Wide a) { return {-a.v}; }
+  Wide& operator+=(Wide b) { return *this = *this + b; }
+  Wide& operator-=(Wide b) { return *this = *this - b; }
+  friend Mask operator>(Wide a, Wide b) { return a.v > b.v; }
+  friend Mask operator<(Wide a, Wide b) { return a.v < b.v; }
+
+  /// a where the mask is set, b elsewhere.
+  friend Wide select(Mask m, Wide a, Wide b) { return {m ? a.v : b.v}; }
+  /// The larger; b when they are equal or one is NaN.
+  friend Wide max(Wide a, Wide b) { return {a.v > b.v ? a.v : b.v}; }
+  friend Wide min(Wide a, Wide b) { return {a.v < b.v ? a.v : b.v}; }
+
+#if defined(__AVX2__) && defined(__FMA__)
+  /// a b + c, rounded once.
+  friend Wide madd(Wide a, Wide b, Wide c) {
+    if constexpr (sizeof(T) == 4) {
+      return {(Raw)_mm256_fmadd_ps((__m256)a.v, (__m256)b.v, (__m256)c.v)};
+    } else {
+      return {(Raw)_mm256_fmadd_pd((__m256d)a.v, (__m256d)b.v, (__m256d)c.v)};
+    }
+  }
+  /// c - a b, rounded once.
+  friend Wide nmadd(Wide a, Wide b, Wide c) {
+    if constexpr (sizeof(T) == 4) {
+      return {(Raw)_mm256_fnmadd_ps((__m256)a.v, (__m256)b.v, (__m256)c.v)};
+    } else {
+      return {(Raw)_mm256_fnmadd_pd((__m256d)a.v, (__m256d)b.v, (__m256d)c.v)};
+    }
+  }
+#else
+  friend Wide madd(Wide a, Wide b, Wide c) {
+    for (int i = 0; i < kLanes; ++i) c.v[i] = std::fma(a.v[i], b.v[i], c.v[i]);
+    return c;
+  }
+  friend Wide nmadd(Wide a, Wide b, Wide c) {
+    for (int i = 0; i < kLanes; ++i) c.v[i] = std::fma(-a.v[i], b.v[i], c.v[i]);
+    return c;
+  }
+#endif
+};
+
+/// Rows of eight numbers, 32-byte aligned (float) or 64-byte (double): out[k][i] = rows[8 index[i] + k].
+template <class T>
+inline void gather_rows8(const T* rows, const uint32_t* index, Wide<T> out[8]) {
+  for (int k = 0; k < 8; ++k) {
+    for (int i = 0; i < Wide<T>::kLanes; ++i) out[k].v[i] = rows[8 * static_cast<size_t>(index[i]) + k];
+  }
+}
+/// The first four numbers of the rows whose index is below `limit`: rows[8 index[i] + k] = in[k][i].
+template <class T>
+inline void scatter_rows4(T* rows, const uint32_t* index, uint32_t limit, const Wide<T> in[4]) {
+  for (int i = 0; i < Wide<T>::kLanes; ++i) {
+    if (index[i] >= limit) continue;
+    for (int k = 0; k < 4; ++k) rows[8 * static_cast<size_t>(index[i]) + k] = in[k].v[i];
+  }
+}
+
+#if defined(__AVX2__) && defined(__FMA__)
+namespace wide_detail {
+inline void transpose(__m256d& a, __m256d& b, __m256d& c, __m256d& d) {
+  const __m256d ab0 = _mm256_unpacklo_pd(a, b), ab1 = _mm256_unpackhi_pd(a, b);
+  const __m256d cd0 = _mm256_unpacklo_pd(c, d), cd1 = _mm256_unpackhi_pd(c, d);
+  a = _mm256_permute2f128_pd(ab0, cd0, 0x20), b = _mm256_permute2f128_pd(ab1, cd1, 0x20);
+  c = _mm256_permute2f128_pd(ab0, cd0, 0x31), d = _mm256_permute2f128_pd(ab1, cd1, 0x31);
+}
+}  // namespace wide_detail
+
+template <>
+inline void gather_rows8<float>(const float* rows, const uint32_t* index, Wide<float> out[8]) {
+  __m256 r[8], s[8];
+  for (int i = 0; i < 8; ++i) r[i] = _mm256_load_ps(rows + 8 * static_cast<size_t>(index[i]));
+  for (int i = 0; i < 4; ++i) {
+    s[2 * i] = _mm256_unpacklo_ps(r[2 * i], r[2 * i + 1]);
+    s[2 * i + 1] = _mm256_unpackhi_ps(r[2 * i], r[2 * i + 1]);
+  }
+  for (int i = 0; i < 2; ++i) {
+    r[4 * i] = _mm256_shuffle_ps(s[4 * i], s[4 * i + 2], 0x44);
+    r[4 * i + 1] = _mm256_shuffle_ps(s[4 * i], s[4 * i + 2], 0xee);
+    r[4 * i + 2] = _mm256_shuffle_ps(s[4 * i + 1], s[4 * i + 3], 0x44);
+    r[4 * i + 3] = _mm256_shuffle_ps(s[4 * i + 1], s[4 * i + 3], 0xee);
+  }
+  for (int i = 0; i < 4; ++i) {
+    out[i].v = (Wide<float>::Raw)_mm256_permute2f128_ps(r[i], r[i + 4], 0x20);
+    out[i + 4].v = (Wide<float>::Raw)_mm256_permute2f128_ps(r[i], r[i + 4], 0x31);
+  }
+}
+
+template <>
+inline void gather_rows8<double>(const double* rows, const uint32_t* index, Wide<double> out[8]) {
+  for (int half = 0; half < 2; ++half) {
+    __m256d r[4];
+    for (int i = 0; i < 4; ++i) r[i] = _mm256_load_pd(rows + 8 * static_cast<size_t>(index[i]) + 4 * half);
+    wide_detail::transpose(r[0], r[1], r[2], r[3]);
+    for (int i = 0; i < 4; ++i) out[4 * half + i].v = (Wide<double>::Raw)r[i];
+  }
+}
+
+template <>
+inline void scatter_rows4<float>(float* rows, const uint32_t* index, uint32_t limit,
+                                 const Wide<float> in[4]) {
+  const auto a = (__m256)in[0].v, b = (__m256)in[1].v, c = (__m256)in[2].v, d = (__m256)in[3].v;
+  const __m256 ab0 = _mm256_unpacklo_ps(a, b), ab1 = _mm256_unpackhi_ps(a, b);
+  const __m256 cd0 = _mm256_unpacklo_ps(c, d), cd1 = _mm256_unpackhi_ps(c, d);
+  const __m256 r[4] = {_mm256_shuffle_ps(ab0, cd0, 0x44), _mm256_shuffle_ps(ab0, cd0, 0xee),
+                       _mm256_shuffle_ps(ab1, cd1, 0x44), _mm256_shuffle_ps(ab1, cd1, 0xee)};
+  for (int i = 0; i < 4; ++i) {
+    if (index[i] < limit)
+      _mm_store_ps(rows + 8 * static_cast<size_t>(index[i]), _mm256_castps256_ps128(r[i]));
+  }
+  for (int i = 0; i < 4; ++i) {
+    if (index[i + 4] < limit)
+      _mm_store_ps(rows + 8 * static_cast<size_t>(index[i + 4]), _mm256_extractf128_ps(r[i], 1));
+  }
+}
+
+template <>
+inline void scatter_rows4<double>(double* rows, const uint32_t* index, uint32_t limit,
+                                  const Wide<double> in[4]) {
+  __m256d r[4] = {(__m256d)in[0].v, (__m256d)in[1].v, (__m256d)in[2].v, (__m256d)in[3].v};
+  wide_detail::transpose(r[0], r[1], r[2], r[3]);
+  for (int i = 0; i < 4; ++i) {
+    if (index[i] < limit) _mm256_store_pd(rows + 8 * static_cast<size_t>(index[i]), r[i]);
+  }
+}
+#endif
+
+}  // namespace truestep

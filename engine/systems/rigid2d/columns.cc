@@ -1,0 +1,71 @@
+#include "engine/systems/rigid2d/columns.h"
+
+#include "engine/kernels/islands.h"
+
+namespace truestep::rigid2d {
+
+State state_at_start(const Model& model, const Vec3& gravity) {
+  using S = Scalar;
+  const size_t n = model.count();
+  State s;
+  s.add({"position", "m", S::f64, 3, Role::position}, n);
+  s.add({"velocity", "m/s", S::f64, 3, Role::velocity}, n);
+  s.add({"angle", "rad", S::f64, 1, Role::position}, n);
+  s.add({"angular_velocity", "rad/s", S::f64, 1, Role::velocity}, n);
+  s.add({"rest", "s", S::f64, 1}, n);
+  s.add({"status", "1", S::u32, 1}, n);
+  s.add({"contact.key", "1", S::u64, 1}, 0);
+  s.add({"contact.id", "1", S::u32, 2}, 0);
+  s.add({"contact.impulse", "N s", S::f32, 5}, 0);
+  s.add({"joint.impulse", "N s", S::f64, 6}, model.joints.size());
+  s.add({"joint.broken", "1", S::u32, 1}, model.joints.size());
+  s.add({"parameters", "m/s^2", S::f64, 3}, 1);
+  s.add({"push.body", "1", S::u32, 1}, 0);
+  s.add({"push.force", "N", S::f64, 3}, 0);
+  s.add({"push.remaining", "s", S::f64, 1}, 0);
+  s.add({"drag.row", "1", S::u32, 1}, 0);
+  s.add({"drag.target", "m", S::f64, 3}, 0);
+  s.add({"drag.stiffness", "N/m", S::f64, 1}, 0);
+  s.add({"drag.impulse", "N s", S::f64, 2}, 0);
+  store3(s.f64(columns::parameters).data(), 0, gravity);
+  for (size_t i = 0; i < n; ++i) {
+    const Body& b = model.bodies[i];
+    store3(s.f64(columns::position).data(), i, Vec3{b.position.x, b.position.y, 0});
+    store3(s.f64(columns::velocity).data(), i, Vec3{b.velocity.x, b.velocity.y, 0});
+    s.f64(columns::angle)[i] = b.angle;
+    s.f64(columns::angular_velocity)[i] = b.angular_velocity;
+    s.span<uint32_t>(columns::status)[i] = b.asleep ? 0u : static_cast<uint32_t>(kAwake);
+  }
+  return s;
+}
+
+bool wake_islands(const Model& model, State& s, std::span<const uint8_t> seeds) {
+  const size_t n = model.count();
+  const auto status = s.span<uint32_t>(columns::status);
+  const auto sleeps = [&](uint32_t i) { return i < n && is_asleep(model.bodies[i], status[i]); };
+  std::vector<uint32_t> parent(n);
+  start_islands(parent);
+  for (const uint64_t key : s.span<uint64_t>(columns::contact_key)) {
+    const uint32_t a = model.shapes[key >> 32].body, b = model.shapes[static_cast<uint32_t>(key)].body;
+    if (sleeps(a) && sleeps(b)) link_islands(parent, a, b);
+  }
+  const auto broken = s.span<uint32_t>(columns::joint_broken);
+  for (size_t j = 0; j < model.joints.size(); ++j) {
+    const Joint& joint = model.joints[j];
+    if (!broken[j] && sleeps(joint.a) && sleeps(joint.b)) link_islands(parent, joint.a, joint.b);
+  }
+  std::vector<uint8_t> wakes(n);
+  bool any = false;
+  for (uint32_t i = 0; i < n; ++i) {
+    if (seeds[i] && sleeps(i)) wakes[island_of(parent, i)] = 1, any = true;
+  }
+  if (!any) return false;
+  const auto rest = s.f64(columns::rest);
+  for (uint32_t i = 0; i < n; ++i) {
+    if (!sleeps(i) || !wakes[island_of(parent, i)]) continue;
+    status[i] = kAwake, rest[i] = 0;
+  }
+  return true;
+}
+
+}  // namespace truestep::rigid2d

@@ -1,0 +1,57 @@
+// Columns of a rigid2d state, and reading poses out of them. The world has no row: it is at the origin.
+#pragma once
+#include "engine/core/state.h"
+#include "engine/math/trig.h"
+#include "engine/systems/rigid2d/model.h"
+
+namespace truestep::rigid2d {
+
+namespace columns {
+enum : State::Column {
+  position,          // f64 x 3, m: centres of mass
+  velocity,          // f64 x 3, m/s
+  angle,             // f64, rad, never wrapped
+  angular_velocity,  // f64, rad/s
+  rest,              // f64, s that a body has been slow
+  status,            // u32, bits of Status
+  contact_key,       // u64, shape a << 32 | shape b, ascending
+  contact_id,        // u32 x 2, features; kNoPoint for a missing second point
+  contact_impulse,   // f32 x 5, N s: normal and normal, tangential and tangential, rolling (N m s)
+  joint_impulse,     // f64 x 6, see solver_joint.h
+  joint_broken,      // u32
+  parameters,        // f64 x 3: gravity
+  push_body,         // u32
+  push_force,        // f64 x 3, N
+  push_remaining,    // f64, s
+  drag_row,          // u32, row of the command
+  drag_target,       // f64 x 3, m
+  drag_stiffness,    // f64, N/m
+  drag_impulse,      // f64 x 2, N s
+};
+}  // namespace columns
+
+inline constexpr uint32_t kNoPoint = 0xffffffff;
+
+enum Status : uint32_t { kAwake = 1, kPinned = 2, kRemoved = 4 };
+
+State state_at_start(const Model& model, const Vec3& gravity);
+
+/// Moved by the solver in this state: dynamic, awake, neither pinned nor removed.
+inline bool is_moved(const Body& b, uint32_t status) {
+  return b.motion == Motion::dynamic && status == kAwake;
+}
+inline bool is_asleep(const Body& b, uint32_t status) {
+  return b.motion == Motion::dynamic && status == 0;
+}
+
+inline Pose pose_of(const State& s, size_t body) {
+  const double* x = s.f64(columns::position).data() + 3 * body;
+  const trig::SinCos t = trig::sincos(s.f64(columns::angle)[body]);
+  return {{x[0], x[1]}, {t.cos, t.sin}};
+}
+
+/// Wakes the bodies of `seeds` (flags, one per body; the world's is not looked at) and everything asleep that
+/// touches or is joined to one of them, directly or through others. Says whether anything woke.
+bool wake_islands(const Model& model, State& s, std::span<const uint8_t> seeds);
+
+}  // namespace truestep::rigid2d

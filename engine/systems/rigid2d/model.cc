@@ -1,0 +1,284 @@
+#include "engine/systems/rigid2d/model.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "engine/base/errors.h"
+#include "engine/math/trig.h"
+
+namespace truestep::rigid2d {
+namespace {
+
+using flat::dot;
+using flat::flatten;
+using flat::norm;
+
+Rotation turned(double angle) {
+  const trig::SinCos t = trig::sincos(angle);
+  return {t.cos, t.sin};
+}
+
+struct MakeOutlines {
+  std::vector<Outline>& out;
+
+  static std::vector<Vec2> corners(const std::vector<Vec3>& points) {
+    std::vector<Vec2> p;
+    for (const Vec3& x : points) p.push_back(flatten(x));
+    return p;
+  }
+  void operator()(const CircleDef& d) const { out.push_back(flat::circle(d.radius, flatten(d.center))); }
+  void operator()(const CapsuleDef& d) const {
+    out.push_back(flat::capsule(flatten(d.from), flatten(d.to), d.radius));
+  }
+  void operator()(const BoxDef& d) const {
+    out.push_back(
+        flat::box(d.half_extents.x, d.half_extents.y, flatten(d.center), turned(d.angle), d.radius));
+  }
+  void operator()(const PolygonDef& d) const { out.push_back(flat::polygon(corners(d.points), d.radius)); }
+  void operator()(const ChainDef& d) const {
+    for (const Outline& link : flat::chain(corners(d.points), d.loop ? flat::Ends::loop : flat::Ends::open)) {
+      out.push_back(link);
+    }
+  }
+};
+
+struct Builder {
+  Model model;
+  std::vector<Outline> outlines;
+
+  void add(const BodyDef& d, Vec2 position) {
+    outlines.clear();
+    for (const ShapeDef& s : d.shapes) std::visit(MakeOutlines{outlines}, s);
+    Body b;
+    b.motion = d.motion;
+    double area = 0;
+    Vec2 center;
+    for (const Outline& s : outlines) {
+      const flat::Area a = flat::area_of(s);
+      area += a.area, center = center + a.area * a.center;
+    }
+    center = area > 0 ? (1 / area) * center : Vec2{};
+    double moment = 0;
+    for (const Outline& s : outlines) {
+      const flat::Area a = flat::area_of(s);
+      moment += a.moment + a.area * dot(a.center - center, a.center - center);
+    }
+    const double density = d.mass && area > 0 ? *d.mass / area : d.density;
+    b.mass = density * area, b.inertia = density * moment;
+    if (d.motion == Motion::dynamic) {
+      b.inverse_mass = 1 / b.mass;
+      b.inverse_inertia = d.fixed_rotation ? 0 : 1 / b.inertia;
+    }
+    b.friction = d.friction, b.restitution = d.restitution, b.rolling_resistance = d.rolling_resistance;
+    b.surface_speed = d.surface_speed;
+    b.linear_damping = d.linear_damping, b.angular_damping = d.angular_damping;
+    b.gravity_scale = d.gravity_scale;
+    b.sensor = d.sensor, b.bullet = d.bullet, b.can_sleep = d.can_sleep;
+    b.asleep = d.asleep && d.motion == Motion::dynamic;
+    if (d.one_way) b.one_way = true, b.one_way_direction = flat::unit(flatten(*d.one_way));
+    b.group = static_cast<int32_t>(d.group);
+    b.category = static_cast<uint32_t>(d.category), b.mask = static_cast<uint32_t>(d.mask);
+    const Rotation q = turned(d.angle);
+    b.angle = d.angle;
+    b.position = position + q * center;
+    if (d.motion != Motion::fixed) {
+      b.velocity = flatten(d.velocity), b.angular_velocity = d.angular_velocity;
+    }
+    b.first_shape = static_cast<uint32_t>(model.shapes.size());
+    b.shapes = static_cast<uint32_t>(outlines.size());
+    b.inner = outlines.empty() ? 0 : HUGE_VAL;
+    for (const Outline& s : outlines) {
+      model.shapes.push_back({flat::moved(s, {-center, {}}), static_cast<uint32_t>(model.bodies.size())});
+      b.reach = std::max(b.reach, flat::reach(model.shapes.back().outline, {}));
+      b.inner = std::min(b.inner, flat::inner_radius(s));
+    }
+    model.bodies.push_back(b);
+  }
+
+  void operator()(const GridDef& d) {
+    const auto first = static_cast<uint32_t>(model.bodies.size());
+    std::vector<int64_t> held = d.held;
+    std::sort(held.begin(), held.end());
+    BodyDef fixed = d.body;
+    fixed.motion = Motion::fixed;
+    const auto ny = static_cast<uint32_t>(d.ny);
+    for (int64_t k = 0; k < d.nx; ++k) {
+      for (int64_t i = 0; i < d.ny; ++i) {
+        const bool hold = std::binary_search(held.begin(), held.end(), k * d.ny + i);
+        add(hold ? fixed : d.body, flatten(d.origin) + Vec2{static_cast<double>(k) * d.spacing.x,
+                                                            static_cast<double>(i) * d.spacing.y});
+        if (!d.joined) continue;
+        const auto at = static_cast<uint32_t>(model.bodies.size() - 1);
+        if (at - first >= ny) hinge(at - ny, at);
+        if (i > 0) hinge(at - 1, at);
+      }
+    }
+  }
+  void operator()(const PyramidDef& d) {
+    for (int64_t i = 0; i < d.base; ++i) {
+      for (int64_t j = 0; j < d.base - i; ++j) {
+        const double x = static_cast<double>(j) - 0.5 * static_cast<double>(d.base - i - 1);
+        add(d.body, flatten(d.origin) + Vec2{x * d.spacing.x, static_cast<double>(i) * d.spacing.y});
+      }
+    }
+  }
+  void operator()(const WallDef& d) {
+    for (int64_t i = 0; i < d.ny; ++i) {
+      for (int64_t j = 0; j < d.nx; ++j) {
+        const double x = static_cast<double>(j) + (i % 2 == 1 ? 0.5 : 0);
+        add(d.body, flatten(d.origin) + Vec2{x * d.spacing.x, static_cast<double>(i) * d.spacing.y});
+      }
+    }
+  }
+  void operator()(const BodyChainDef& d) {
+    const Vec2 from = flatten(d.from), step = (1 / static_cast<double>(d.links)) * (flatten(d.to) - from);
+    const double half = std::max(0.5 * norm(step) - d.radius, 0.01 * d.radius);
+    BodyDef link = d.body;
+    link.shapes = {CapsuleDef{{-half, 0, 0}, {half, 0, 0}, d.radius}};
+    link.angle = trig::atan2(step.y, step.x);
+    const auto first = static_cast<uint32_t>(model.bodies.size());
+    const auto links = static_cast<uint32_t>(d.links);
+    for (uint32_t i = 0; i < links; ++i) {
+      add(link, from + (i + 0.5) * step);
+      if (i > 0) hinge_at(first + i - 1, first + i, from + static_cast<double>(i) * step);
+    }
+    if (d.held != BodyChainDef::Held::none) hinged_to_world.push_back({first, from});
+    if (d.held == BodyChainDef::Held::both) hinged_to_world.push_back({first + links - 1, flatten(d.to)});
+  }
+
+  Pose pose(uint32_t i) const { return {model.bodies[i].position, turned(model.bodies[i].angle)}; }
+
+  Joint between(JointKind kind, uint32_t a, uint32_t b, Vec2 at_a, Vec2 at_b) const {
+    Joint j;
+    j.kind = kind, j.a = a, j.b = b;
+    j.local_a = pose(a).back(at_a), j.local_b = pose(b).back(at_b);
+    j.angle = model.bodies[b].angle - model.bodies[a].angle;
+    return j;
+  }
+  void hinge_at(uint32_t a, uint32_t b, Vec2 at) {
+    model.joints.push_back(between(JointKind::revolute, a, b, at, at));
+  }
+  void hinge(uint32_t a, uint32_t b) {
+    if (!(model.bodies[a].inverse_mass + model.bodies[b].inverse_mass > 0)) return;
+    hinge_at(a, b, 0.5 * (model.bodies[a].position + model.bodies[b].position));
+  }
+
+  Joint common(JointKind kind, const JointDef& d, Vec2 at_b) const {
+    const auto body = [&](int64_t i) { return i < 0 ? model.world() : static_cast<uint32_t>(i); };
+    Joint j = between(kind, body(d.a), body(d.b), flatten(d.anchor), at_b);
+    j.break_force = d.break_force.value_or(0), j.collide = d.collide;
+    return j;
+  }
+  Joint common(JointKind kind, const JointDef& d) const { return common(kind, d, flatten(d.anchor)); }
+  static void drive(Joint& j, const Drive& d) {
+    j.has_motor = d.motor_speed.has_value(), j.motor_speed = d.motor_speed.value_or(0);
+    j.max_motor = d.max_motor.value_or(HUGE_VAL);
+    j.has_lower = d.lower.has_value(), j.lower = d.lower.value_or(0);
+    j.has_upper = d.upper.has_value(), j.upper = d.upper.value_or(0);
+    j.has_spring = d.hertz.has_value(), j.hertz = d.hertz.value_or(0), j.damping_ratio = d.damping_ratio;
+  }
+  void set_axis(Joint& j, const Vec3& axis) const { j.axis = pose(j.a).q.back(flat::unit(flatten(axis))); }
+
+  Joint operator()(const RevoluteDef& d) const {
+    Joint j = common(JointKind::revolute, d);
+    drive(j, d);
+    return j;
+  }
+  Joint operator()(const PrismaticDef& d) const {
+    Joint j = common(JointKind::prismatic, d);
+    drive(j, d);
+    set_axis(j, d.axis);
+    return j;
+  }
+  Joint operator()(const WheelDef& d) const {
+    Joint j = common(JointKind::wheel, d);
+    drive(j, d);
+    j.has_spring = d.spring_hertz > 0, j.hertz = d.spring_hertz, j.damping_ratio = d.spring_damping_ratio;
+    set_axis(j, d.axis);
+    return j;
+  }
+  Joint operator()(const DistanceDef& d) const {
+    Joint j = common(JointKind::distance, d, flatten(d.anchor_b));
+    const double now = norm(flatten(d.anchor_b) - flatten(d.anchor));
+    j.length = d.length.value_or(now);
+    j.has_spring = d.hertz.has_value(), j.hertz = d.hertz.value_or(0), j.damping_ratio = d.damping_ratio;
+    j.has_lower = d.minimum.has_value(), j.lower = d.minimum.value_or(0);
+    j.has_upper = d.maximum.has_value(), j.upper = d.maximum.value_or(0);
+    return j;
+  }
+  Joint operator()(const WeldDef& d) const {
+    Joint j = common(JointKind::weld, d);
+    j.has_spring = d.hertz.has_value(), j.hertz = d.hertz.value_or(0), j.damping_ratio = d.damping_ratio;
+    return j;
+  }
+  Joint operator()(const MotorDef& d) const {
+    const auto b = d.b < 0 ? model.world() : static_cast<uint32_t>(d.b);
+    Joint j = common(JointKind::motor, d);
+    j.local_b = {}, j.local_a = pose(j.a).back(model.bodies[b].position) + flatten(d.offset);
+    j.angle += d.angle;
+    j.max_force = d.max_force, j.max_torque = d.max_torque, j.correction = d.correction;
+    return j;
+  }
+  Joint operator()(const MouseDef& d) const {
+    Joint j = common(JointKind::mouse, d);
+    j.ground_a = flatten(d.target), j.hertz = d.hertz, j.damping_ratio = d.damping_ratio;
+    j.max_force = d.max_force.value_or(HUGE_VAL);
+    return j;
+  }
+  Joint operator()(const GearDef& d) const {
+    Joint j = common(JointKind::gear, d);
+    j.ratio = d.ratio;
+    j.angle = model.bodies[j.a].angle + d.ratio * model.bodies[j.b].angle;
+    return j;
+  }
+  Joint operator()(const PulleyDef& d) const {
+    Joint j = common(JointKind::pulley, d, flatten(d.anchor_b));
+    j.ratio = d.ratio, j.ground_a = flatten(d.ground_a), j.ground_b = flatten(d.ground_b);
+    j.length = norm(flatten(d.anchor) - j.ground_a) + d.ratio * norm(flatten(d.anchor_b) - j.ground_b);
+    return j;
+  }
+
+  std::vector<std::pair<uint32_t, Vec2>> hinged_to_world;
+};
+
+/// Twice the median inner radius of what moves: a typical body's thickness.
+double typical_size(const Model& model) {
+  std::vector<double> inner;
+  for (const Body& b : model.bodies) {
+    if (b.motion == Motion::dynamic && b.inner > 0) inner.push_back(b.inner);
+  }
+  if (inner.empty()) return 1;
+  const auto middle = inner.begin() + static_cast<std::ptrdiff_t>(inner.size() / 2);
+  std::nth_element(inner.begin(), middle, inner.end());
+  return 2 * *middle;
+}
+
+}  // namespace
+
+Model build_model(const Rigid2dDef& def) {
+  Builder build;
+  for (const BodyDef& b : def.bodies) build.add(b, flatten(b.position));
+  for (const GeneratorDef& g : def.generators) std::visit([&](const auto& d) { build(d); }, g);
+  Model& m = build.model;
+  m.bodies.push_back({});
+  for (const auto& [body, at] : build.hinged_to_world) build.hinge_at(m.world(), body, at);
+  for (const AnyJointDef& j : def.joints) {
+    m.joints.push_back(std::visit([&](const auto& d) { return build(d); }, j));
+  }
+  for (size_t i = 0; i < m.joints.size(); ++i) {
+    const Joint& j = m.joints[i];
+    if (m.bodies[j.a].inverse_mass + m.bodies[j.b].inverse_mass > 0) continue;
+    throw Error("scene_invalid", "a joint needs a dynamic body",
+                {{"/joints", "no_dynamic_body", "a joint needs a dynamic body", "", "", "", ""}});
+  }
+  for (const Joint& j : m.joints) {
+    if (!j.collide) m.apart.push_back(uint64_t{std::min(j.a, j.b)} << 32 | std::max(j.a, j.b));
+  }
+  std::sort(m.apart.begin(), m.apart.end());
+  m.apart.erase(std::unique(m.apart.begin(), m.apart.end()), m.apart.end());
+  m.size = typical_size(m);
+  m.margin = def.contact_margin.value_or(0.02 * m.size);
+  return std::move(build.model);
+}
+
+}  // namespace truestep::rigid2d

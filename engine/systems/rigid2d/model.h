@@ -1,0 +1,79 @@
+// What a scene's bodies, shapes and joints are made into when the system is built: centres of mass at the
+// origins, inverse masses, local anchors. Nothing here changes afterwards.
+#pragma once
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "engine/collision/flat/outline.h"
+#include "engine/systems/rigid2d/rigid2d_def.h"
+
+namespace truestep::rigid2d {
+
+using flat::Outline;
+using flat::Pose;
+using flat::Rotation;
+using flat::Vec2;
+
+struct Body {
+  Motion motion = Motion::fixed;
+  double inverse_mass = 0, inverse_inertia = 0;  ///< 1/kg, 1/(kg m^2); 0 unless dynamic
+  double mass = 0, inertia = 0;
+  double friction = 0.6, restitution = 0, rolling_resistance = 0, surface_speed = 0;
+  double linear_damping = 0, angular_damping = 0, gravity_scale = 1;
+  double reach = 0, inner = 0;  ///< m: farthest surface from the centre, largest circle inside
+  bool sensor = false, bullet = false, asleep = false, can_sleep = true, one_way = false;
+  Vec2 one_way_direction;
+  int32_t group = 0;
+  uint32_t category = 1, mask = ~0u;
+  Vec2 position, velocity;  ///< of the centre of mass at t = 0
+  double angle = 0, angular_velocity = 0;
+  uint32_t first_shape = 0, shapes = 0;
+};
+
+struct Shape {
+  Outline outline;  ///< about the body's centre of mass
+  uint32_t body = 0;
+};
+
+enum class JointKind : uint8_t { revolute, prismatic, distance, weld, wheel, motor, mouse, gear, pulley };
+
+struct Joint {
+  JointKind kind = JointKind::revolute;
+  uint32_t a = 0, b = 0;  ///< bodies; the world is the last one
+  Vec2 local_a, local_b;  ///< anchors about the centres of mass
+  Vec2 axis;              ///< unit, in the frame of a
+  double angle = 0;       ///< rad, of b against a that counts as 0
+  bool has_motor = false, has_spring = false, has_lower = false, has_upper = false;
+  double lower = 0, upper = 0, motor_speed = 0, max_motor = 0;
+  double hertz = 0, damping_ratio = 1;
+  double suspension_hertz = 0, suspension_damping_ratio = 0;
+  double length = 0, ratio = 1;
+  Vec2 ground_a, ground_b;  ///< wheels of a pulley, target of a mouse
+  double max_force = 0, max_torque = 0, correction = 0;
+  double break_force = 0;
+  bool collide = false;
+
+  /// Only holds two points together: solved side by side with others of its kind.
+  bool plain() const {
+    return kind == JointKind::revolute && !has_motor && !has_spring && !has_lower && !has_upper;
+  }
+};
+
+struct Model {
+  std::vector<Body> bodies;  ///< the world (fixed, no shapes) is the last one
+  std::vector<Shape> shapes;
+  std::vector<Joint> joints;
+  std::vector<uint64_t>
+      apart;             ///< (a << 32 | b), a < b, ascending: bodies that do not touch as they are joined
+  double margin = 0.02;  ///< m, at which contacts are foreseen
+  double size = 1;       ///< m, of a typical body
+
+  uint32_t world() const { return static_cast<uint32_t>(bodies.size() - 1); }
+  size_t count() const { return bodies.size() - 1; }
+};
+
+/// Error "scene_invalid" when a shape cannot be.
+Model build_model(const Rigid2dDef& def);
+
+}  // namespace truestep::rigid2d

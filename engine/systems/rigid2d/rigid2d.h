@@ -1,0 +1,53 @@
+// The system type "rigid2d": rigid bodies of the plane x, y with contacts, dry friction and joints,
+//   M dv/dt = f + J^T lambda,   gap >= 0, lambda_n >= 0, |lambda_t| <= mu lambda_n,
+// solved for impulses by small steps of soft constraints (solver.h). Rows of its fields are the bodies
+// (centres of mass) and after them the vertices that they are drawn with; commands take any row: a force on a
+// vertex acts there. Commands: push, impulse, drag, release, pin, unpin, remove, set_parameter (gravity).
+#pragma once
+#include "engine/core/build.h"
+#include "engine/core/system.h"
+#include "engine/systems/rigid2d/drawing.h"
+#include "engine/systems/rigid2d/model.h"
+#include "engine/systems/rigid2d/solver.h"
+
+namespace truestep::rigid2d {
+
+class Rigid2d final : public StagedSystem {
+ public:
+  Rigid2d(const Rigid2dDef& def, const BuildContext& context);
+
+  State initial_state() const override;
+  /// energy.kinetic/potential/total (J), momentum.x/y (kg m/s), momentum.angular (kg m^2/s, about the
+  /// origin), contacts, penetration.max (m), joint.gap (m), joints.broken, awake, sensor.overlaps.
+  void observe(const State& state, double t, Observables& out) const override;
+  /// position, velocity, angle, angular_velocity, awake, contact_force (N, sum of normal forces on the body).
+  std::vector<FieldInfo> fields() const override;
+  FieldView field(const State& state, size_t which, std::vector<double>& scratch) const override;
+  void apply(State& state, const Command& command) const override;
+  Topology topology(const State& state) const override { return drawing_.topology; }
+  size_t max_rows() const override { return drawing_.rows.size(); }
+
+  const Model& model() const { return model_; }
+
+ private:
+  struct Scratch;
+  void add_stages();
+  void take_hands(State& s, const StepInput& in) const;
+  template <class T>
+  void solve(State& s, const StepInput& in) const;
+  void end_step(State& s, const StepInput& in) const;
+  SolverSettings settings_for(double dt) const;
+  void wake(State& s, uint32_t body) const;
+  size_t sensor_overlaps(const State& s) const;
+
+  Rigid2dDef settings_;  // without bodies, generators and joints
+  Model model_;
+  Drawing drawing_;
+  Vec3 gravity_;
+  double dt_;
+};
+
+std::unique_ptr<const System> build_rigid2d(const void* def, const BuildContext& context);
+Cost rigid2d_cost(const void* def);
+
+}  // namespace truestep::rigid2d

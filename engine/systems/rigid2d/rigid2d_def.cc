@@ -1,0 +1,422 @@
+#include "engine/systems/rigid2d/rigid2d_def.h"
+
+namespace truestep::rigid2d {
+namespace {
+
+constexpr int64_t kMostBodies = 1'000'000;
+constexpr int64_t kMostPerSide = 2000;
+
+const DefTable& circle_table() {
+  using D = CircleDef;
+  static const DefTable t = TableOf<D>("a disk")
+                                .number("radius", &D::radius, "m", above(0), "radius")
+                                .vector("center", &D::center, "m", any(), "in the body's frame")
+                                .build();
+  return t;
+}
+
+const DefTable& capsule_table() {
+  using D = CapsuleDef;
+  static const DefTable t = TableOf<D>("all points within a radius of a segment")
+                                .vector("from", &D::from, "m", any(), "one end, in the body's frame")
+                                .vector("to", &D::to, "m", any(), "the other end")
+                                .number("radius", &D::radius, "m", above(0), "radius")
+                                .build();
+  return t;
+}
+
+const DefTable& box_table() {
+  using D = BoxDef;
+  static const DefTable t =
+      TableOf<D>("a rectangle")
+          .vector("half_extents", &D::half_extents, "m", at_least(0), "half of each edge; z is not used")
+          .vector("center", &D::center, "m", any(), "in the body's frame")
+          .number("angle", &D::angle, "rad", any(), "turned about its centre by this")
+          .number("radius", &D::radius, "m", at_least(0), "thickens it, rounding the corners")
+          .check([](const D& d, const DefTable::Report& report) {
+            if (!(d.half_extents.x > 0 && d.half_extents.y > 0)) {
+              report("/half_extents", "x and y must be above 0");
+            }
+          })
+          .build();
+  return t;
+}
+
+const DefTable& polygon_table() {
+  using D = PolygonDef;
+  static const DefTable t =
+      TableOf<D>("the convex hull of points; at most eight corners")
+          .vectors("points", &D::points, "m", any(), {3, 64}, "in the body's frame, in any order")
+          .required()
+          .number("radius", &D::radius, "m", at_least(0), "thickens it, rounding the corners")
+          .build();
+  return t;
+}
+
+const DefTable& chain_table() {
+  using D = ChainDef;
+  static const DefTable t =
+      TableOf<D>("a one-sided line: solid on the right when walking along it, so ground runs left to right")
+          .vectors("points", &D::points, "m", any(), {2, 100'000}, "corners, in the body's frame")
+          .required()
+          .boolean("loop", &D::loop, "joins the last point to the first")
+          .build();
+  return t;
+}
+
+TableOf<BodyDef>& body_rows(TableOf<BodyDef>& t) {
+  using D = BodyDef;
+  return t
+      .choice("motion", &D::motion, {"dynamic", "kinematic", "fixed"},
+              "moved by forces, by its own velocity only, or not at all")
+      .vector("position", &D::position, "m", any(), "origin of the body's frame; z is not used")
+      .number("angle", &D::angle, "rad", any(), "counter-clockwise")
+      .vector("velocity", &D::velocity, "m/s", any(), "of the centre of mass")
+      .number("angular_velocity", &D::angular_velocity, "rad/s", any(), "counter-clockwise")
+      .variants("shapes", &D::shapes,
+                {{"circle", &circle_table()},
+                 {"capsule", &capsule_table()},
+                 {"box", &box_table()},
+                 {"polygon", &polygon_table()},
+                 {"chain", &chain_table()}},
+                {0, 256}, "what it consists of; a chain belongs to a fixed or kinematic body")
+      .number("density", &D::density, "kg/m^2", above(0), "of all its shapes")
+      .number("mass", &D::mass, "kg", above(0), "in place of the density's; scales the inertia too")
+      .number("friction", &D::friction, "1", at_least(0), "a contact's is the root of both bodies' product")
+      .number("restitution", &D::restitution, "1", between(0, 1), "a contact's is the larger of both")
+      .number("rolling_resistance", &D::rolling_resistance, "m", at_least(0),
+              "torque against rolling per normal force; a contact's is the larger of both")
+      .number("surface_speed", &D::surface_speed, "m/s", any(),
+              "its surface runs clockwise about it (a belt's top to the right) at this speed")
+      .number("linear_damping", &D::linear_damping, "1/s", at_least(0), "rate at which it slows down")
+      .number("angular_damping", &D::angular_damping, "1/s", at_least(0), "rate at which its spin slows")
+      .number("gravity_scale", &D::gravity_scale, "1", any(), "times the scene's gravity")
+      .boolean("fixed_rotation", &D::fixed_rotation, "never turns")
+      .boolean("sensor", &D::sensor, "notices overlaps, touches nothing")
+      .boolean("bullet", &D::bullet, "does not pass moving bodies either, however fast")
+      .boolean("asleep", &D::asleep, "sleeps until something touches it")
+      .boolean("can_sleep", &D::can_sleep, "may fall asleep")
+      .vector("one_way", &D::one_way, "1", any(),
+              "bodies pass against this direction (of the body's frame) and are held when moving with it "
+              "reversed: up makes a platform to jump through")
+      .integer("group", &D::group, between(-32768, 32767),
+               "bodies of the same group above 0 always touch, below 0 never; 0: category and mask decide")
+      .integer("category", &D::category, between(0, 4294967295.0), "bits of what it is")
+      .integer("mask", &D::mask, between(0, 4294967295.0), "bits of what it touches");
+}
+
+const DefTable& body_table() {
+  using D = BodyDef;
+  static const DefTable t = [] {
+    TableOf<D> table("a rigid body");
+    body_rows(table).check([](const D& d, const DefTable::Report& report) {
+      bool chain = false;
+      for (const ShapeDef& s : d.shapes) chain = chain || std::holds_alternative<ChainDef>(s);
+      if (chain && d.motion == Motion::dynamic) {
+        report("/shapes", "a chain has no mass: the body must be fixed or kinematic");
+      }
+      if (d.motion == Motion::dynamic && d.shapes.empty()) {
+        report("/shapes", "a dynamic body needs a shape to have a mass");
+      }
+      if (d.one_way && !(d.one_way->x != 0 || d.one_way->y != 0)) {
+        report("/one_way", "the direction must not be zero");
+      }
+    });
+    return table.build();
+  }();
+  return t;
+}
+
+const DefTable& grid_table() {
+  using D = GridDef;
+  static const DefTable t =
+      TableOf<D>("bodies in rows and columns; number k * ny + i stands k to the right and i up")
+          .object("body", &D::body, body_table(), "each of them; its position is not used")
+          .vector("origin", &D::origin, "m", any(), "of the first")
+          .vector("spacing", &D::spacing, "m", any(), "from one to the next; y may be negative")
+          .integer("nx", &D::nx, between(1, kMostPerSide), "columns")
+          .integer("ny", &D::ny, between(1, kMostPerSide), "rows")
+          .boolean("joined", &D::joined, "revolute joints half way between neighbours")
+          .integers("held", &D::held, between(0, kMostBodies), {0, 100'000},
+                    "numbers of bodies that are fixed")
+          .build();
+  return t;
+}
+
+const DefTable& pyramid_table() {
+  using D = PyramidDef;
+  static const DefTable t =
+      TableOf<D>("rows of bodies, each one shorter than the row below")
+          .object("body", &D::body, body_table(), "each of them; its position is not used")
+          .vector("origin", &D::origin, "m", any(), "middle of the lowest row")
+          .vector("spacing", &D::spacing, "m", at_least(0), "along a row and from row to row")
+          .integer("base", &D::base, between(1, 1000), "bodies in the lowest row")
+          .build();
+  return t;
+}
+
+const DefTable& wall_table() {
+  using D = WallDef;
+  static const DefTable t =
+      TableOf<D>("rows of bodies, every other row half a spacing to the right")
+          .object("body", &D::body, body_table(), "each of them; its position is not used")
+          .vector("origin", &D::origin, "m", any(), "of the first")
+          .vector("spacing", &D::spacing, "m", at_least(0), "along a row and from row to row")
+          .integer("nx", &D::nx, between(1, kMostPerSide), "bodies in a row")
+          .integer("ny", &D::ny, between(1, kMostPerSide), "rows")
+          .build();
+  return t;
+}
+
+const DefTable& body_chain_table() {
+  using D = BodyChainDef;
+  static const DefTable t =
+      TableOf<D>("capsules joined end to end by revolute joints")
+          .object("body", &D::body, body_table(), "each of them; its position and shapes are not used")
+          .vector("from", &D::from, "m", any(), "one end")
+          .vector("to", &D::to, "m", any(), "the other end")
+          .integer("links", &D::links, between(1, 100'000), "number of capsules")
+          .number("radius", &D::radius, "m", above(0), "of the capsules")
+          .choice("held", &D::held, {"none", "first", "both"}, "ends hinged to the world")
+          .build();
+  return t;
+}
+
+template <class D>
+TableOf<D>& joint_rows(TableOf<D>& t) {
+  int64_t D::*a = &JointDef::a;
+  int64_t D::*b = &JointDef::b;
+  Vec3 D::*anchor = &JointDef::anchor;
+  std::optional<double> D::*break_force = &JointDef::break_force;
+  bool D::*collide = &JointDef::collide;
+  return t
+      .integer("a", a, between(-1, kMostBodies), "first body: the listed ones, then the generated; -1: world")
+      .integer("b", b, between(-1, kMostBodies), "second body")
+      .vector("anchor", anchor, "m", any(), "point in the world at t = 0 (of a, where there are two)")
+      .number("break_force", break_force, "N", above(0), "breaks when it carries more; absent: never")
+      .boolean("collide", collide, "its bodies touch one another");
+}
+
+template <class D>
+TableOf<D>& drive_rows(TableOf<D>& t, const char* unit, const char* rate, const char* force) {
+  std::optional<double> D::*lower = &Drive::lower;
+  std::optional<double> D::*upper = &Drive::upper;
+  std::optional<double> D::*speed = &Drive::motor_speed;
+  std::optional<double> D::*strength = &Drive::max_motor;
+  std::optional<double> D::*hertz = &Drive::hertz;
+  double D::*ratio = &Drive::damping_ratio;
+  return t.number("lower", lower, unit, any(), "smallest coordinate, 0 at t = 0")
+      .number("upper", upper, unit, any(), "largest coordinate")
+      .number("motor_speed", speed, rate, any(), "speed that the motor wants; absent: no motor")
+      .number("max_motor", strength, force, at_least(0), "most the motor can do; absent: anything")
+      .number("hertz", hertz, "Hz", above(0), "spring towards coordinate 0; absent: none")
+      .number("damping_ratio", ratio, "1", at_least(0), "of that spring");
+}
+
+const DefTable& revolute_table() {
+  static const DefTable t = [] {
+    TableOf<RevoluteDef> table("the bodies turn about a common point");
+    drive_rows(joint_rows(table), "rad", "rad/s", "N m");
+    return table.build();
+  }();
+  return t;
+}
+const DefTable& prismatic_table() {
+  static const DefTable t = [] {
+    TableOf<PrismaticDef> table("the bodies slide along an axis of a and do not turn");
+    drive_rows(joint_rows(table), "m", "m/s", "N")
+        .vector("axis", &PrismaticDef::axis, "1", any(), "direction in the world at t = 0; any length");
+    return table.build();
+  }();
+  return t;
+}
+const DefTable& wheel_table() {
+  static const DefTable t = [] {
+    TableOf<WheelDef> table(
+        "b turns freely and slides on a sprung axis of a; the motor is the wheel's, limits the suspension's");
+    drive_rows(joint_rows(table), "m", "rad/s", "N m")
+        .vector("axis", &WheelDef::axis, "1", any(), "direction of the suspension at t = 0; any length")
+        .number("spring_hertz", &WheelDef::spring_hertz, "Hz", at_least(0), "of the suspension; 0: none")
+        .number("spring_damping_ratio", &WheelDef::spring_damping_ratio, "1", at_least(0),
+                "of the suspension");
+    return table.build();
+  }();
+  return t;
+}
+const DefTable& distance_table() {
+  static const DefTable t = [] {
+    TableOf<DistanceDef> table("keeps two points at a distance: a rod, a spring (hertz) or a rope (maximum)");
+    joint_rows(table)
+        .vector("anchor_b", &DistanceDef::anchor_b, "m", any(), "point of b in the world at t = 0")
+        .number("length", &DistanceDef::length, "m", above(0), "absent: the distance at t = 0")
+        .number("minimum", &DistanceDef::minimum, "m", at_least(0), "with maximum: free in between")
+        .number("maximum", &DistanceDef::maximum, "m", above(0), "with minimum or alone: a rope")
+        .number("hertz", &DistanceDef::hertz, "Hz", above(0), "a spring; absent: rigid")
+        .number("damping_ratio", &DistanceDef::damping_ratio, "1", at_least(0), "of the spring");
+    return table.build();
+  }();
+  return t;
+}
+const DefTable& weld_table() {
+  static const DefTable t = [] {
+    TableOf<WeldDef> table("the bodies neither slide nor turn against one another");
+    joint_rows(table)
+        .number("hertz", &WeldDef::hertz, "Hz", above(0), "gives way by turning like a spring; absent: rigid")
+        .number("damping_ratio", &WeldDef::damping_ratio, "1", at_least(0), "of that spring");
+    return table.build();
+  }();
+  return t;
+}
+const DefTable& motor_table() {
+  static const DefTable t = [] {
+    TableOf<MotorDef> table("drives b to a place and angle seen from a, with bounded strength");
+    joint_rows(table)
+        .vector("offset", &MotorDef::offset, "m", any(), "added to where b is at t = 0, in the frame of a")
+        .number("angle", &MotorDef::angle, "rad", any(), "added to the angle at t = 0")
+        .number("max_force", &MotorDef::max_force, "N", at_least(0), "bound")
+        .number("max_torque", &MotorDef::max_torque, "N m", at_least(0), "bound")
+        .number("correction", &MotorDef::correction, "1", between(0, 1), "part of the error undone per step");
+    return table.build();
+  }();
+  return t;
+}
+const DefTable& mouse_table() {
+  static const DefTable t = [] {
+    TableOf<MouseDef> table("pulls a point of b towards a target with a damped spring");
+    joint_rows(table)
+        .vector("target", &MouseDef::target, "m", any(), "where the anchor shall go")
+        .number("hertz", &MouseDef::hertz, "Hz", above(0), "of the spring")
+        .number("damping_ratio", &MouseDef::damping_ratio, "1", at_least(0), "of the spring")
+        .number("max_force", &MouseDef::max_force, "N", above(0), "bound; absent: none");
+    return table.build();
+  }();
+  return t;
+}
+const DefTable& gear_table() {
+  static const DefTable t = [] {
+    TableOf<GearDef> table("turns of the bodies: angle of a + ratio * angle of b stays as at t = 0");
+    joint_rows(table).number("ratio", &GearDef::ratio, "1", any(), "radius of b over radius of a; not 0");
+    table.check([](const GearDef& d, const DefTable::Report& report) {
+      if (d.ratio == 0) report("/ratio", "the ratio must not be 0");
+    });
+    return table.build();
+  }();
+  return t;
+}
+const DefTable& pulley_table() {
+  static const DefTable t = [] {
+    TableOf<PulleyDef> table("a rope over two fixed wheels: length a + ratio * length b does not grow");
+    joint_rows(table)
+        .vector("anchor_b", &PulleyDef::anchor_b, "m", any(), "point of b in the world at t = 0")
+        .vector("ground_a", &PulleyDef::ground_a, "m", any(), "wheel above a")
+        .vector("ground_b", &PulleyDef::ground_b, "m", any(), "wheel above b")
+        .number("ratio", &PulleyDef::ratio, "1", above(0), "of a block and tackle");
+    return table.build();
+  }();
+  return t;
+}
+
+double shapes_of(const BodyDef& b) {
+  double n = 0;
+  for (const ShapeDef& s : b.shapes) {
+    const auto* c = std::get_if<ChainDef>(&s);
+    n += c ? static_cast<double>(c->points.size()) : 1;
+  }
+  return n;
+}
+
+struct CountGenerated {
+  Counts operator()(const GridDef& d) const {
+    const double n = static_cast<double>(d.nx) * static_cast<double>(d.ny);
+    return {n, n * shapes_of(d.body), d.joined ? 2 * n : 0};
+  }
+  Counts operator()(const PyramidDef& d) const {
+    const auto b = static_cast<double>(d.base);
+    return {b * (b + 1) / 2, b * (b + 1) / 2 * shapes_of(d.body), 0};
+  }
+  Counts operator()(const WallDef& d) const {
+    const double n = static_cast<double>(d.nx) * static_cast<double>(d.ny);
+    return {n, n * shapes_of(d.body), 0};
+  }
+  Counts operator()(const BodyChainDef& d) const {
+    const auto n = static_cast<double>(d.links);
+    return {n, n, n + 1};
+  }
+};
+
+void check(const Rigid2dDef& d, const DefTable::Report& report) {
+  const double n = counts(d).bodies;
+  if (n > kMostBodies) report("/generators", "more than a million bodies");
+  if (n == 0) report("", "no bodies and no generators: nothing to simulate");
+  for (size_t i = 0; i < d.joints.size(); ++i) {
+    const std::string at = "/joints/" + std::to_string(i);
+    const auto& j = std::visit([](const auto& x) -> const JointDef& { return x; }, d.joints[i]);
+    if (static_cast<double>(j.a) >= n) report(at + "/a", "there is no such body");
+    if (static_cast<double>(j.b) >= n) report(at + "/b", "there is no such body");
+    if (j.a == j.b) report(at + "/b", "a joint joins two different bodies");
+  }
+}
+
+}  // namespace
+
+Counts counts(const Rigid2dDef& def) {
+  Counts total;
+  for (const BodyDef& b : def.bodies) total.bodies += 1, total.shapes += shapes_of(b);
+  for (const GeneratorDef& g : def.generators) {
+    const Counts c = std::visit(CountGenerated{}, g);
+    total.bodies += c.bodies, total.shapes += c.shapes, total.joints += c.joints;
+  }
+  total.joints += static_cast<double>(def.joints.size());
+  return total;
+}
+
+const DefTable& rigid2d_table() {
+  using D = Rigid2dDef;
+  static const DefTable t =
+      TableOf<D>("rigid bodies in the plane x, y with contacts, friction and joints")
+          .objects("bodies", &D::bodies, body_table(), {0, 1'000'000}, "bodies, numbered from 0")
+          .variants("generators", &D::generators,
+                    {{"grid", &grid_table()},
+                     {"pyramid", &pyramid_table()},
+                     {"wall", &wall_table()},
+                     {"chain", &body_chain_table()}},
+                    {0, 10'000}, "many bodies at once, numbered after the listed ones")
+          .variants("joints", &D::joints,
+                    {{"revolute", &revolute_table()},
+                     {"prismatic", &prismatic_table()},
+                     {"distance", &distance_table()},
+                     {"weld", &weld_table()},
+                     {"wheel", &wheel_table()},
+                     {"motor", &motor_table()},
+                     {"mouse", &mouse_table()},
+                     {"gear", &gear_table()},
+                     {"pulley", &pulley_table()}},
+                    {0, 1'000'000}, "what holds bodies together")
+          .vector("gravity", &D::gravity, "m/s^2", any(), "absent: the scene's")
+          .integer("solver_steps", &D::solver_steps, between(1, 1000),
+                   "small steps of the constraint solver per step of the scene")
+          .choice("precision", &D::precision, {"f32", "f64"},
+                  "numbers of the constraint solver; poses are always f64")
+          .choice("contacts", &D::contacts, {"soft", "rigid"},
+                  "soft contacts give way like stiff springs, rigid ones do not sag")
+          .number("contact_hertz", &D::contact_hertz, "Hz", above(0),
+                  "stiffness of contacts; absent: an eighth of the solver's rate")
+          .number("contact_damping_ratio", &D::contact_damping_ratio, "1", at_least(0), "of contacts")
+          .number("joint_hertz", &D::joint_hertz, "Hz", above(0),
+                  "stiffness of joints; absent: a quarter of the solver's rate")
+          .number("joint_damping_ratio", &D::joint_damping_ratio, "1", at_least(0), "of joints")
+          .number("push_speed", &D::push_speed, "m/s", above(0), "fastest that an overlap is undone")
+          .number("contact_margin", &D::contact_margin, "m", above(0),
+                  "contacts are foreseen at this distance; absent: by the bodies' size")
+          .number("restitution_speed", &D::restitution_speed, "m/s", at_least(0),
+                  "slower impacts do not bounce")
+          .boolean("sleeping", &D::sleeping, "bodies at rest cost nothing until something touches them")
+          .number("sleep_speed", &D::sleep_speed, "m/s", at_least(0), "slower counts as at rest")
+          .number("sleep_time", &D::sleep_time, "s", at_least(0), "rest needed before sleep")
+          .vector("color", &D::color, "1", between(0, 1), "linear red green blue of the drawing")
+          .check(check)
+          .build();
+  return t;
+}
+
+}  // namespace truestep::rigid2d

@@ -1,0 +1,150 @@
+// Parameters of the system "rigid2d"; units and bounds stand in the table (rigid2d_def.cc).
+#pragma once
+#include <optional>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "engine/core/def.h"
+
+namespace truestep::rigid2d {
+
+struct CircleDef {
+  double radius = 0.5;
+  Vec3 center;
+};
+struct CapsuleDef {
+  Vec3 from{-0.5, 0, 0}, to{0.5, 0, 0};
+  double radius = 0.25;
+};
+struct BoxDef {
+  Vec3 half_extents{0.5, 0.5, 0}, center;
+  double angle = 0, radius = 0;
+};
+struct PolygonDef {
+  std::vector<Vec3> points;
+  double radius = 0;
+};
+struct ChainDef {
+  std::vector<Vec3> points;
+  bool loop = false;
+};
+using ShapeDef = std::variant<CircleDef, CapsuleDef, BoxDef, PolygonDef, ChainDef>;
+
+enum class Motion : uint8_t { dynamic, kinematic, fixed };
+
+struct BodyDef {
+  Motion motion = Motion::dynamic;
+  Vec3 position, velocity;
+  double angle = 0, angular_velocity = 0;
+  std::vector<ShapeDef> shapes;
+  double density = 1000;
+  std::optional<double> mass;
+  double friction = 0.6, restitution = 0, rolling_resistance = 0, surface_speed = 0;
+  double linear_damping = 0, angular_damping = 0, gravity_scale = 1;
+  bool fixed_rotation = false, sensor = false, bullet = false, asleep = false, can_sleep = true;
+  std::optional<Vec3> one_way;
+  int64_t group = 0, category = 1, mask = 0xffffffff;
+};
+
+struct GridDef {
+  BodyDef body;
+  Vec3 origin, spacing{1, 1, 0};
+  int64_t nx = 10, ny = 10;
+  bool joined = false;
+  std::vector<int64_t> held;
+};
+struct PyramidDef {
+  BodyDef body;
+  Vec3 origin, spacing{1, 1, 0};
+  int64_t base = 10;
+};
+struct WallDef {
+  BodyDef body;
+  Vec3 origin, spacing{1, 1, 0};
+  int64_t nx = 10, ny = 10;
+};
+struct BodyChainDef {
+  BodyDef body;
+  Vec3 from, to{5, 0, 0};
+  int64_t links = 10;
+  double radius = 0.1;
+  enum class Held : uint8_t { none, first, both } held = Held::first;
+};
+using GeneratorDef = std::variant<GridDef, PyramidDef, WallDef, BodyChainDef>;
+
+/// What every joint has. Body -1 is the world.
+struct JointDef {
+  int64_t a = -1, b = 0;
+  Vec3 anchor;
+  std::optional<double> break_force;
+  bool collide = false;
+};
+struct Drive {
+  std::optional<double> lower, upper, motor_speed, max_motor, hertz;
+  double damping_ratio = 1;
+};
+struct RevoluteDef : JointDef, Drive {};
+struct PrismaticDef : JointDef, Drive {
+  Vec3 axis{1, 0, 0};
+};
+struct WheelDef : JointDef, Drive {
+  Vec3 axis{0, 1, 0};
+  double spring_hertz = 1, spring_damping_ratio = 0.7;
+};
+struct DistanceDef : JointDef {
+  Vec3 anchor_b;
+  std::optional<double> length, minimum, maximum, hertz;
+  double damping_ratio = 0;
+};
+struct WeldDef : JointDef {
+  std::optional<double> hertz;
+  double damping_ratio = 1;
+};
+struct MotorDef : JointDef {
+  Vec3 offset;
+  double angle = 0, max_force = 1000, max_torque = 1000, correction = 0.3;
+};
+struct MouseDef : JointDef {
+  Vec3 target;
+  double hertz = 5, damping_ratio = 0.7;
+  std::optional<double> max_force;
+};
+struct GearDef : JointDef {
+  double ratio = 1;
+};
+struct PulleyDef : JointDef {
+  Vec3 anchor_b, ground_a, ground_b;
+  double ratio = 1;
+};
+using AnyJointDef = std::variant<RevoluteDef, PrismaticDef, DistanceDef, WeldDef, WheelDef, MotorDef,
+                                 MouseDef, GearDef, PulleyDef>;
+
+enum class Precision : uint8_t { f32, f64 };
+enum class Stiffness : uint8_t { soft, rigid };
+
+struct Rigid2dDef {
+  std::vector<BodyDef> bodies;
+  std::vector<GeneratorDef> generators;
+  std::vector<AnyJointDef> joints;
+  std::optional<Vec3> gravity;
+  int64_t solver_steps = 4;
+  Precision precision = Precision::f32;
+  Stiffness contacts = Stiffness::soft;
+  std::optional<double> contact_hertz, joint_hertz, contact_margin;
+  double contact_damping_ratio = 10, joint_damping_ratio = 2, push_speed = 3;
+  double restitution_speed = 1;
+  bool sleeping = true;
+  double sleep_speed = 0.05, sleep_time = 0.5;
+  std::optional<Vec3> color;
+};
+
+const DefTable& rigid2d_table();
+
+/// Bodies and joints that the generators bring, without the listed ones.
+struct Counts {
+  double bodies = 0, shapes = 0, joints = 0;
+};
+Counts counts(const Rigid2dDef& def);
+
+}  // namespace truestep::rigid2d

@@ -1,0 +1,133 @@
+// One step of the velocity solver: small steps of soft constraints (TGS-soft: Macklin et al. 2019, "Small
+// steps in physics simulation"; Catto 2024, "Solver2D"). Per small step h:
+//   v += h (g + F/m);  warm start;  solve with bias;  x += h v;  solve without bias;   and bounces at the
+//   end.
+// Bodies are rows of eight numbers (v, w, 1/m, dx, dangle, 1/I) relative to the step's start, constraints are
+// packed by colour, as many side by side as the machine has lanes. Poses stay f64 outside.
+#pragma once
+#include <vector>
+
+#include "engine/base/cache_line.h"
+#include "engine/base/parallel.h"
+#include "engine/core/system.h"
+#include "engine/kernels/constraint_colouring.h"
+#include "engine/kernels/soft_constraint.h"
+#include "engine/math/wide.h"
+#include "engine/systems/rigid2d/pairs.h"
+#include "engine/systems/rigid2d/solver_joint.h"
+
+namespace truestep::rigid2d {
+
+struct SolverSettings {
+  int steps = 4;
+  double h = 0;  ///< s, of a small step
+  SoftConstraint<double> contact, contact_fixed, joint;
+  double push_speed = 3, restitution_speed = 1;
+};
+
+/// What users' hands do in a step: forces on bodies, and springs from points to targets.
+struct Hands {
+  struct Force {
+    uint32_t body = 0;
+    Vec2 force;         ///< N
+    double torque = 0;  ///< N m
+  };
+  struct Drag {
+    Joint joint;  ///< a mouse joint
+    Vec2 impulse;
+  };
+  std::vector<Force> forces;
+  std::vector<Drag> drags;
+};
+
+/// Contacts side by side; lanes without one have zero masses.
+template <class T>
+struct ContactPack {
+  using W = Wide<T>;
+  struct Point {
+    W ax, ay, bx, by;        // anchors about the centres at the step's start
+    W separation, approach;  // at the step's start: m and m/s
+    W normal_mass, tangent_mass;
+    W normal, tangent, most;  // impulses, and the largest normal one of this step
+  };
+  uint32_t a[W::kLanes], b[W::kLanes];  // rows
+  uint32_t hit[W::kLanes];
+  W nx, ny, friction, surface_speed, restitution;
+  W bias_rate, mass_scale, impulse_scale;
+  W rolling, rolling_mass, rolling_impulse;
+  W stiffness0, stiffness1, coupling;  // K of the two normals, 1/kg
+  Point point[2];
+  uint32_t rolls, bounces;
+};
+
+/// Joints that only hold two points together, side by side.
+template <class T>
+struct HingePack {
+  using W = Wide<T>;
+  uint32_t a[W::kLanes], b[W::kLanes];
+  uint32_t joint[W::kLanes];
+  W ax, ay, bx, by;  // anchors about the centres at the step's start
+  W ex, ey;          // from anchor to anchor at the step's start
+  W ix, iy;          // impulse
+};
+
+template <class T>
+using Aligned = std::vector<T, CacheLineAllocator<T>>;
+
+template <class T>
+class Solver {
+ public:
+  /// Moves the bodies of `state` by a step in `settings.steps` small ones and stores the impulses of joints
+  /// and drags; those of contacts wait for store_contacts.
+  void solve(const Model& model, State& state, const Pairs& pairs, Hands& hands,
+             const SolverSettings& settings, const ThreadArena& arena);
+  /// Rows of `contact` for the pairs that touch, and those carried along.
+  void store_contacts(const Pairs& pairs, State& state);
+
+  /// Motion of a body in this step (m, rad).
+  struct Moved {
+    Vec2 shift;
+    double angle = 0;
+  };
+  Moved moved(uint32_t body) const {
+    const T* r = rows_.data() + 8 * static_cast<size_t>(slot_[body]);
+    return {{r[4], r[5]}, r[6]};
+  }
+  /// Bodies that moved by constraints or by themselves, ascending.
+  const std::vector<uint32_t>& movers() const { return movers_; }
+
+ private:
+  void place_bodies(const Model& model, const State& state, const Pairs& pairs, const Hands& hands,
+                    const SolverSettings& settings);
+  void pack_contacts(const Model& model, const State& state, const Pairs& pairs,
+                     const SolverSettings& settings, const ThreadArena& arena);
+  void fill(ContactPack<T>& pack, const uint32_t* hits, int count, const Model& model, const State& state,
+            const Pairs& pairs, const SolverSettings& settings) const;
+  void pack_joints(const Model& model, const State& state, const Pairs& pairs, const Hands& hands,
+                   const SolverSettings& settings);
+  JointRow<T> row_of(const Joint& joint, const Pairs& pairs, const SolverSettings& settings,
+                     const State& state) const;
+  void small_step(const SolverSettings& settings, const ThreadArena& arena);
+  void store_bodies(const Pairs& pairs, State& state, const ThreadArena& arena) const;
+  void store_joints(const Model& model, State& state, Hands& hands, const SolverSettings& settings) const;
+
+  std::vector<uint32_t> slot_;    // row of every body
+  std::vector<uint32_t> movers_;  // body of row i, the moved ones first, then kinematic ones
+  uint32_t moved_ = 0;            // rows below take impulses
+  Aligned<T> rows_;
+  Aligned<T> push_;  // per row: change of vx vy w per small step, factors of damping
+  Aligned<ContactPack<T>> contacts_;
+  Aligned<HingePack<T>> hinges_;
+  std::vector<uint32_t> contact_end_, hinge_end_;  // packs of every colour end here
+  std::vector<JointRow<T>> joints_;                // the drags last
+  size_t drags_ = 0;
+  // Scratch of the packing.
+  std::vector<ConstraintEnds> ends_;
+  std::vector<uint64_t> used_;
+  std::vector<uint8_t> colour_;
+  std::vector<uint32_t> order_, place_, hinge_list_;
+  std::vector<uint32_t> old_id_;
+  std::vector<float> old_impulse_;
+};
+
+}  // namespace truestep::rigid2d

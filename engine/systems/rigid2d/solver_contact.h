@@ -1,0 +1,209 @@
+// Kernels over packs of contacts and hinges. `rows` are the bodies' rows of eight; rows from `moved` on do
+// not take impulses.
+#pragma once
+#include "engine/systems/rigid2d/solver.h"
+
+namespace truestep::rigid2d {
+
+enum class Pass : uint8_t { bias, relax };
+
+template <class T>
+struct Ends {
+  Wide<T> a[8], b[8];
+  const uint32_t *ia, *ib;
+
+  Ends(const T* rows, const uint32_t* i, const uint32_t* j) : ia(i), ib(j) {
+    gather_rows8(rows, i, a);
+    gather_rows8(rows, j, b);
+  }
+  void store(T* rows, uint32_t moved) const {
+    scatter_rows4(rows, ia, moved, a);
+    scatter_rows4(rows, ib, moved, b);
+  }
+  /// Impulse (px, py) on b at (bx, by), its opposite on a at (ax, ay).
+  void push(Wide<T> px, Wide<T> py, Wide<T> ax, Wide<T> ay, Wide<T> bx, Wide<T> by) {
+    a[0] = nmadd(a[3], px, a[0]), a[1] = nmadd(a[3], py, a[1]);
+    a[2] = nmadd(a[7], nmadd(ay, px, ax * py), a[2]);
+    b[0] = madd(b[3], px, b[0]), b[1] = madd(b[3], py, b[1]);
+    b[2] = madd(b[7], nmadd(by, px, bx * py), b[2]);
+  }
+  /// Velocity of b at its anchor minus that of a at its.
+  void relative(Wide<T> ax, Wide<T> ay, Wide<T> bx, Wide<T> by, Wide<T>& vx, Wide<T>& vy) const {
+    vx = nmadd(b[2], by, b[0]) - nmadd(a[2], ay, a[0]);
+    vy = madd(b[2], bx, b[1]) - madd(a[2], ax, a[1]);
+  }
+};
+
+/// cos - 1 and sin of a small angle to the seventh order.
+template <class T>
+inline void small_turn(Wide<T> t, Wide<T>& c1, Wide<T>& s) {
+  using W = Wide<T>;
+  const W u = t * t;
+  c1 = u * madd(u, madd(u, W::all(T(-1.0 / 720)), W::all(T(1.0 / 24))), W::all(T(-0.5)));
+  s = t * madd(u, madd(u, W::all(T(1.0 / 120)), W::all(T(-1.0 / 6))), W::all(T(1)));
+}
+
+template <class T>
+void warm_start(const ContactPack<T>& c, T* rows, uint32_t moved) {
+  using W = Wide<T>;
+  Ends<T> e(rows, c.a, c.b);
+  for (const auto& p : c.point) {
+    const W px = nmadd(p.tangent, c.ny, p.normal * c.nx), py = madd(p.tangent, c.nx, p.normal * c.ny);
+    e.push(px, py, p.ax, p.ay, p.bx, p.by);
+  }
+  if (c.rolls) {
+    e.a[2] = nmadd(e.a[7], c.rolling_impulse, e.a[2]);
+    e.b[2] = madd(e.b[7], c.rolling_impulse, e.b[2]);
+  }
+  e.store(rows, moved);
+}
+
+template <Pass kPass, class T>
+void solve_contacts(ContactPack<T>& c, T* rows, uint32_t moved, T inverse_h, T push_speed) {
+  using W = Wide<T>;
+  const W zero = W::zero(), one = W::all(1);
+  Ends<T> e(rows, c.a, c.b);
+  W vx, vy;
+
+  // Friction first: what keeps bodies apart has the last word. The tangent is the normal turned left.
+  W load = zero;
+  for (auto& p : c.point) {
+    e.relative(p.ax, p.ay, p.bx, p.by, vx, vy);
+    const W slip = nmadd(vx, c.ny, vy * c.nx) - c.surface_speed;
+    const W most = c.friction * p.normal;
+    const W next = max(-most, min(most, nmadd(p.tangent_mass, slip, p.tangent)));
+    const W d = next - p.tangent;
+    p.tangent = next;
+    load += p.normal;
+    e.push(-(d * c.ny), d * c.nx, p.ax, p.ay, p.bx, p.by);
+  }
+  if (c.rolls) {
+    const W most = c.rolling * load, spin = e.b[2] - e.a[2];
+    const W next = max(-most, min(most, nmadd(c.rolling_mass, spin, c.rolling_impulse)));
+    const W d = next - c.rolling_impulse;
+    c.rolling_impulse = next;
+    e.a[2] = nmadd(e.a[7], d, e.a[2]), e.b[2] = madd(e.b[7], d, e.b[2]);
+  }
+
+  // Both normals at once:  x >= 0,  K x + q >= 0,  one of the two zero, with K softened on its diagonal. One
+  // after the other they would tilt a stack, and need more steps to agree.
+  W ca, sa, cb, sb;
+  small_turn(e.a[6], ca, sa);
+  small_turn(e.b[6], cb, sb);
+  const W shift = madd(e.b[4] - e.a[4], c.nx, (e.b[5] - e.a[5]) * c.ny);
+  W q[2], g[2];
+  for (int i = 0; i < 2; ++i) {
+    const auto& p = c.point[i];
+    // Separation now: the anchors turned with their bodies.
+    const W tx = nmadd(sb, p.by, cb * p.bx) - nmadd(sa, p.ay, ca * p.ax);
+    const W ty = madd(sb, p.bx, cb * p.by) - madd(sa, p.ax, ca * p.ay);
+    const W s = p.separation + madd(tx, c.nx, madd(ty, c.ny, shift));
+    const auto apart = s > zero;
+    W bias = s * W::all(inverse_h);
+    g[i] = p.normal_mass;
+    if constexpr (kPass == Pass::bias) {
+      bias = select(apart, bias, max(c.bias_rate * s, W::all(-push_speed)));
+      g[i] = select(apart, g[i], g[i] * c.mass_scale);
+    } else {
+      bias = select(apart, bias, zero);
+    }
+    e.relative(p.ax, p.ay, p.bx, p.by, vx, vy);
+    q[i] = madd(vx, c.nx, madd(vy, c.ny, bias));
+  }
+  {
+    const W n0 = c.point[0].normal, n1 = c.point[1].normal;
+    q[0] = nmadd(c.stiffness0, n0, nmadd(c.coupling, n1, q[0]));
+    q[1] = nmadd(c.stiffness1, n1, nmadd(c.coupling, n0, q[1]));
+  }
+  const W k01 = c.coupling;
+  const W inverse = one / max(nmadd(k01 * g[0], k01 * g[1], one), W::all(T(0.01)));
+  const W both0 = g[0] * inverse * nmadd(one, q[0], k01 * g[1] * q[1]);
+  const W both1 = g[1] * inverse * nmadd(one, q[1], k01 * g[0] * q[0]);
+  const W only0 = max(-(g[0] * q[0]), zero), only1 = max(-(g[1] * q[1]), zero);
+  const auto both = min(both0, both1) < zero;
+  const auto second = madd(k01, only0, q[1]) < zero;
+  const W x[2] = {select(both, select(second, zero, only0), both0),
+                  select(both, select(second, only1, zero), both1)};
+  for (int i = 0; i < 2; ++i) {
+    auto& p = c.point[i];
+    const W d = x[i] - p.normal;
+    p.normal = x[i];
+    p.most = max(p.most, x[i]);
+    e.push(d * c.nx, d * c.ny, p.ax, p.ay, p.bx, p.by);
+  }
+  e.store(rows, moved);
+}
+
+/// Impacts that pressed bounce back with the part of their approach that restitution leaves.
+template <class T>
+void bounce(ContactPack<T>& c, T* rows, uint32_t moved, T threshold) {
+  using W = Wide<T>;
+  const W zero = W::zero();
+  Ends<T> e(rows, c.a, c.b);
+  W vx, vy;
+  for (auto& p : c.point) {
+    e.relative(p.ax, p.ay, p.bx, p.by, vx, vy);
+    const W vn = madd(vx, c.nx, vy * c.ny);
+    const W wish = nmadd(p.normal_mass, madd(c.restitution, p.approach, vn), p.normal);
+    const W next =
+        select(p.most > zero, select(p.approach < W::all(-threshold), max(wish, zero), p.normal), p.normal);
+    const W d = select(c.restitution > zero, next - p.normal, zero);
+    p.normal += d;
+    p.most = max(p.most, p.normal);
+    e.push(d * c.nx, d * c.ny, p.ax, p.ay, p.bx, p.by);
+  }
+  e.store(rows, moved);
+}
+
+template <class T>
+void turn_anchors(const HingePack<T>& c, const Ends<T>& e, Wide<T>& ax, Wide<T>& ay, Wide<T>& bx,
+                  Wide<T>& by) {
+  using W = Wide<T>;
+  W ca, sa, cb, sb;
+  small_turn(e.a[6], ca, sa);
+  small_turn(e.b[6], cb, sb);
+  ax = c.ax + nmadd(sa, c.ay, ca * c.ax), ay = c.ay + madd(sa, c.ax, ca * c.ay);
+  bx = c.bx + nmadd(sb, c.by, cb * c.bx), by = c.by + madd(sb, c.bx, cb * c.by);
+}
+
+template <class T>
+void warm_start(const HingePack<T>& c, T* rows, uint32_t moved) {
+  Ends<T> e(rows, c.a, c.b);
+  Wide<T> ax, ay, bx, by;
+  turn_anchors(c, e, ax, ay, bx, by);
+  e.push(c.ix, c.iy, ax, ay, bx, by);
+  e.store(rows, moved);
+}
+
+/// Both components at once:  K impulse = -(v + bias_rate C).
+template <Pass kPass, class T>
+void solve_hinges(HingePack<T>& c, T* rows, uint32_t moved, const SoftConstraint<T>& soft) {
+  using W = Wide<T>;
+  Ends<T> e(rows, c.a, c.b);
+  W ax, ay, bx, by, vx, vy;
+  turn_anchors(c, e, ax, ay, bx, by);
+  e.relative(ax, ay, bx, by, vx, vy);
+  if constexpr (kPass == Pass::bias) {
+    const W rate = W::all(soft.bias_rate);
+    vx = madd(rate, c.ex + (e.b[4] - e.a[4]) + ((bx - c.bx) - (ax - c.ax)), vx);
+    vy = madd(rate, c.ey + (e.b[5] - e.a[5]) + ((by - c.by) - (ay - c.ay)), vy);
+  }
+  const W m = e.a[3] + e.b[3];
+  const W k11 = madd(e.a[7] * ay, ay, madd(e.b[7] * by, by, m));
+  const W k22 = madd(e.a[7] * ax, ax, madd(e.b[7] * bx, bx, m));
+  const W k12 = -madd(e.a[7] * ax, ay, e.b[7] * bx * by);
+  const W determinant = nmadd(k12, k12, k11 * k22);
+  // Lanes without a joint have no mass on either side.
+  const W inverse = select(determinant > W::zero(), W::all(1) / determinant, W::zero());
+  W dx = inverse * nmadd(k12, vy, k22 * vx), dy = inverse * nmadd(k12, vx, k11 * vy);
+  if constexpr (kPass == Pass::bias) {
+    const W scale = W::all(soft.mass_scale), back = W::all(soft.impulse_scale);
+    dx = madd(scale, dx, back * c.ix), dy = madd(scale, dy, back * c.iy);
+  }
+  dx = -dx, dy = -dy;
+  c.ix += dx, c.iy += dy;
+  e.push(dx, dy, ax, ay, bx, by);
+  e.store(rows, moved);
+}
+
+}  // namespace truestep::rigid2d
