@@ -3,6 +3,7 @@
 #include <filesystem>
 
 #include "engine/base/log.h"
+#include "engine/sinks/recording/chunk_log.h"
 #include "engine/sinks/recording/recording_sink.h"
 #include "engine/sinks/recording/recover.h"
 #include "server/api/requests.h"
@@ -32,6 +33,7 @@ void discard_recording(SessionEntry& entry) {
   entry.recording->finish();
   std::error_code ignored;
   fs::remove(entry.recording->path(), ignored);
+  fs::remove(chunk_log_path(entry.recording->path()), ignored);
   entry.recording.reset();
 }
 

@@ -6,6 +6,7 @@
 #include <fstream>
 
 #include "engine/base/errors.h"
+#include "engine/sinks/recording/chunk_log.h"
 #include "engine/sinks/recording/recording_reader.h"
 #include "engine/sinks/recording/recording_writer.h"
 #include "tests/service/fixtures/record_check.h"
@@ -39,12 +40,15 @@ class RecordingTest : public ::testing::Test {
     return path(name);
   }
 
+  // Whether a file that is left behind has its chunk log beside it.
+  enum class Log : uint8_t { lost, kept };
   // A file as a killed process leaves it: copied while its writer holds it open, everything durable.
-  std::string leave(const std::string& name, uint32_t points, uint64_t frames) {
+  std::string leave(const std::string& name, uint32_t points, uint64_t frames, Log log = Log::lost) {
     RecordingWriter writer(thread, layout(path(name + ".alive"), points));
     append(writer, 0, frames);
     thread->run([] {});  // the queue is empty, hence flushed
     fs::copy_file(path(name + ".alive"), path(name));
+    if (log == Log::kept) fs::copy_file(chunk_log_path(path(name + ".alive")), chunk_log_path(path(name)));
     return path(name);
   }
 

@@ -14,7 +14,8 @@ H5 file_access() {
   h5_ok(H5Pset_libver_bounds(access, H5F_LIBVER_V110, H5F_LIBVER_V110), "set the format's version");
   h5_ok(H5Pset_fclose_degree(access, H5F_CLOSE_STRONG), "set how the file closes");
   // A kill can tear a write between two pages, and metadata is written again in place: what fits into a page
-  // must lie within one. Chunks are written once, before they are told.
+  // must lie within one. Chunks are written once, before they are told, and are found by their pages when
+  // larger metadata (the pages of a long index) is torn: chunk_search.h.
   h5_ok(H5Pset_alignment(access, 64, 4096), "align blocks to pages");
   // File systems without locks (some network mounts) must not make recording impossible.
   h5_ok(H5Pset_file_locking(access, 1, 1), "set file locking");
@@ -45,7 +46,7 @@ void hard_link(hid_t file, const char* target, const std::string& name) {
 }  // namespace
 
 RecordingFile::RecordingFile(const RecordingLayout& layout, const ChunkPlan& plan)
-    : layout_(layout), plan_(plan) {
+    : layout_(layout), plan_(plan), log_(layout, plan) {
   H5 create = h5_id(H5Pcreate(H5P_FILE_CREATE), "make file properties");
   h5_ok(H5Pset_link_creation_order(create, H5P_CRT_ORDER_TRACKED | H5P_CRT_ORDER_INDEXED), "track links");
   file_ = h5_id(H5Fcreate(layout.path.c_str(), H5F_ACC_TRUNC, create, file_access()), "create the recording");
@@ -142,6 +143,7 @@ void RecordingFile::write(const std::byte* image, size_t frames) {
     const size_t used = used_chunks(layout_, plan_, image, a);
     write_chunks(a, sets_[i], image + a.offset, written_, frames, used);
   }
+  log_.add(image, frames);
   if (pending_count_ == pending_.size()) pending_.emplace_back();
   PendingClock& clock = pending_[pending_count_++];
   clock.first_frame = written_;
@@ -153,6 +155,7 @@ void RecordingFile::write(const std::byte* image, size_t frames) {
 void RecordingFile::flush() {
   if (pending_count_ == 0) return;
   h5_ok(H5Fflush(file_, H5F_SCOPE_LOCAL), "flush the recording");
+  log_.write();
   for (size_t i = plan_.first_clock; i < plan_.arrays.size(); ++i) {
     const PlannedArray& a = plan_.arrays[i];
     for (size_t p = 0; p < pending_count_; ++p) {
@@ -181,6 +184,7 @@ void RecordingFile::finalize(std::string_view journal) {
   write_vtkhdf(file_, layout_, written_);
   h5_ok(H5Fflush(file_, H5F_SCOPE_LOCAL), "flush the recording");
   file_.reset();
+  log_.remove();
 }
 
 }  // namespace truestep

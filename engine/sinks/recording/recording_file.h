@@ -4,11 +4,13 @@
 //   /connectivity/<system>/{lines,triangles}, /parameters, /clock/{step,time} (the others are hard links to
 //   these)
 // and when it is finalised it becomes a VTKHDF file as well. Sources: H5MD 1.1; VTKHDF 2.1; HDF5 SWMR guide.
-// Order of writing: the chunks of a batch, a flush, then rows, time and step, each flushed: the length of
-// /clock/step is the number of frames that can be read whatever happens to the process.
+// Order of writing: the chunks of a batch, a flush, the chunk log, then rows, time and step, each flushed:
+// the length of /clock/step is the number of frames that can be read whatever happens to the process, and the
+// chunk log (chunk_log.h) finds them even where the structures of the file are torn.
 #pragma once
 #include <string_view>
 
+#include "engine/sinks/recording/chunk_log.h"
 #include "engine/sinks/recording/chunk_plan.h"
 #include "engine/sinks/recording/h5.h"
 
@@ -27,7 +29,7 @@ class RecordingFile {
   /// Makes all frames written so far readable after the death of the process.
   void flush();
 
-  /// Flushes, ends SWMR, adds the journal and the /VTKHDF group and closes the file.
+  /// Flushes, ends SWMR, adds the journal and the /VTKHDF group, closes the file and removes its chunk log.
   void finalize(std::string_view journal);
 
   uint64_t written_frames() const { return written_; }
@@ -48,6 +50,7 @@ class RecordingFile {
 
   const RecordingLayout& layout_;
   const ChunkPlan& plan_;
+  ChunkLog log_;
   H5 file_;
   std::vector<H5> sets_;  // one per planned array
   std::vector<PendingClock> pending_;

@@ -4,11 +4,14 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <csignal>
 #include <cstring>
 #include <filesystem>
+#include <functional>
 
 #include "engine/base/errors.h"
+#include "engine/sinks/recording/chunk_search.h"
 #include "engine/sinks/recording/recorded_file.h"
 #include "engine/sinks/recording/recording_file.h"
 #include "engine/sinks/recording/superblock.h"
@@ -75,32 +78,69 @@ uint64_t rewrite(RecordedFile& source, const std::string& path, std::string& why
   return kept;
 }
 
-Answer rewrite_and_replace(RecordedFile& source, const std::string& path) {
-  const uint64_t found = source.info().frames;
-  const std::string fresh = path + ".recovering";
-  std::string why;
-  uint64_t kept = 0;
-  try {
-    kept = rewrite(source, fresh, why);
-  } catch (const std::exception& e) {
-    std::error_code ignored;
-    fs::remove(fresh, ignored);
-    return answer(RecoveryOutcome::kFailed, found, 0, e.what());
+// What a repair leaves behind when it is killed itself.
+void remove_leftovers(const std::string& path) {
+  std::error_code ignored;
+  for (const std::string& part : {path + ".recovering", path + ".repair"}) {
+    fs::remove(part, ignored);
+    fs::remove(chunk_log_path(part), ignored);
   }
-  if (kept < found) fs::rename(path, path + ".damaged");
-  fs::rename(fresh, path);
+}
+
+// Puts `path`.recovering, which holds `kept` of `found` frames, in the place of `path`.
+Answer replace(const std::string& path, uint64_t found, uint64_t kept, const std::string& why) {
+  const std::string log = chunk_log_path(path), damaged = path + ".damaged";
+  std::error_code no_log;
+  if (kept < found) {
+    fs::rename(path, damaged);
+    fs::rename(log, chunk_log_path(damaged), no_log);
+  }
+  fs::rename(path + ".recovering", path);
+  fs::remove(log, no_log);
   return answer(RecoveryOutcome::kRecovered, found, kept, why);
 }
 
-// In the child, where nothing else runs.
-Answer recover_here(const std::string& path) {
+using Copy = std::function<uint64_t(const std::string& fresh, std::string& why)>;
+
+// Copies frames into a new file that replaces the old one; kUnreadable when they are fewer than `least`.
+Answer copy_and_replace(const std::string& path, uint64_t found, uint64_t least, const Copy& copy) {
+  const std::string fresh = path + ".recovering";
   std::string why;
   try {
-    RecordedFile file(path, RecordingOwner::kDead);
-    if (file.info().completion == RecordingCompletion::kFinalized) {
+    const uint64_t kept = copy(fresh, why);
+    if (kept >= least) return replace(path, std::max(found, kept), kept, why);
+    fs::remove(fresh);
+    return answer(RecoveryOutcome::kUnreadable, found, kept, why);
+  } catch (const std::exception& e) {
+    remove_leftovers(path);
+    return answer(RecoveryOutcome::kFailed, found, 0, e.what());
+  }
+}
+
+Answer from_log(const std::string& path, const LoggedChunks& log, uint64_t least) {
+  return copy_and_replace(path, log.frames, least, [&](const std::string& fresh, std::string& why) {
+    const uint64_t kept = rebuild_from_log(log, path, fresh);
+    if (kept < log.frames) why = "chunks that the log names are not in the file";
+    return kept;
+  });
+}
+
+// From HDF5's structures, of the file itself or of a copy whose superblock was put right.
+Answer from_structures(const std::string& path, uint64_t found, uint64_t least) {
+  const auto read = [&](const std::string& from) {
+    RecordedFile file(from, RecordingOwner::kDead);
+    if (file.info().completion == RecordingCompletion::kFinalized && from == path) {
+      std::error_code ignored;
+      fs::remove(chunk_log_path(path), ignored);
       return answer(RecoveryOutcome::kIntact, file.info().frames, file.info().frames, "");
     }
-    return rewrite_and_replace(file, path);
+    return copy_and_replace(
+        path, std::max(found, file.info().frames), least,
+        [&](const std::string& fresh, std::string& why) { return rewrite(file, fresh, why); });
+  };
+  std::string why;
+  try {
+    return read(path);
   } catch (const Error& e) {
     why = e.what();
   }
@@ -108,16 +148,46 @@ Answer recover_here(const std::string& path) {
   Answer result = answer(RecoveryOutcome::kUnreadable, 0, 0, why);
   try {
     fs::copy_file(path, copy, fs::copy_options::overwrite_existing);
-    if (repair_superblock(copy)) {
-      RecordedFile file(copy, RecordingOwner::kDead);
-      result = rewrite_and_replace(file, path);
-    }
+    if (repair_superblock(copy)) result = read(copy);
   } catch (const std::exception& e) {
     result = answer(RecoveryOutcome::kUnreadable, 0, 0, e.what());
   }
   std::error_code ignored;
   fs::remove(copy, ignored);
   return result;
+}
+
+// What the file says of itself, if it can be read.
+std::optional<RecordingInfo> info_of(const std::string& path) {
+  try {
+    return RecordedFile(path, RecordingOwner::kDead).info();
+  } catch (const Error&) {
+    return std::nullopt;
+  }
+}
+
+enum class Trust : uint8_t { structures_and_log, log };
+
+// In the child, where nothing else runs. The log comes first, as soon as it is known that the file was not
+// finished: then it names every frame. Only where chunks are missing may the structures know better.
+Answer recover_here(const std::string& path, Trust trust) {
+  const auto log = read_chunk_log(path);
+  if (trust == Trust::log) {
+    return log ? from_log(path, *log, 1)
+               : answer(RecoveryOutcome::kUnreadable, 0, 0, "the chunk log is damaged, too");
+  }
+  const auto info = info_of(path);
+  const bool finished = info && info->completion == RecordingCompletion::kFinalized;
+  if (!log || log->frames == 0 || finished) return from_structures(path, 0, 0);
+  // A log is told before the clock is: when it names fewer frames it is the log that was damaged.
+  if (info && info->frames > log->frames) {
+    const Answer read = from_structures(path, 0, log->frames);
+    if (read.outcome != RecoveryOutcome::kUnreadable) return read;
+  }
+  const Answer whole = from_log(path, *log, log->frames);
+  if (whole.outcome != RecoveryOutcome::kUnreadable) return whole;
+  const Answer read = from_structures(path, log->frames, std::max<uint64_t>(whole.kept, 1));
+  return read.outcome == RecoveryOutcome::kUnreadable && whole.kept > 0 ? from_log(path, *log, 1) : read;
 }
 
 // Waits for the child's end at most `limit`, then ends it. Its answer stays in the pipe.
@@ -138,7 +208,7 @@ Answer wait_for(int pipe_end, pid_t child, std::chrono::milliseconds limit) {
 }
 
 // Forked from the HDF5 thread itself, so that the child's library is in no half-done state.
-RecoveryReport recover_in_child(const std::string& path, const RecoveryOptions& options) {
+RecoveryReport recover_in_child(const std::string& path, const RecoveryOptions& options, Trust trust) {
   RecoveryReport report;
   int ends[2];
   if (pipe(ends) != 0) throw Error("recording_io", "no pipe for the repair");
@@ -150,7 +220,7 @@ RecoveryReport recover_in_child(const std::string& path, const RecoveryOptions& 
     // already.
     prctl(PR_SET_PDEATHSIG, SIGKILL);
     if (getppid() != parent) _exit(1);
-    const Answer a = recover_here(path);
+    const Answer a = recover_here(path, trust);
     const bool told = write(ends[1], &a, sizeof a) == static_cast<ssize_t>(sizeof a);
     _exit(told ? 0 : 1);
   }
@@ -161,9 +231,7 @@ RecoveryReport recover_in_child(const std::string& path, const RecoveryOptions& 
   }
   const Answer a = wait_for(ends[0], child, options.time_limit);
   close(ends[0]);
-  std::error_code ignored;
-  fs::remove(path + ".recovering", ignored);
-  fs::remove(path + ".repair", ignored);
+  remove_leftovers(path);
   report.outcome = a.outcome;
   report.frames_found = a.found;
   report.frames_kept = a.kept;
@@ -176,7 +244,12 @@ RecoveryReport recover_in_child(const std::string& path, const RecoveryOptions& 
 RecoveryReport recover_recording(RecordingThread& thread, const std::string& path,
                                  const RecoveryOptions& options) {
   RecoveryReport report;
-  thread.run([&] { report = recover_in_child(path, options); });
+  thread.run([&] {
+    report = recover_in_child(path, options, Trust::structures_and_log);
+    const bool stuck =
+        report.outcome == RecoveryOutcome::kUnreadable || report.outcome == RecoveryOutcome::kTimedOut;
+    if (stuck && fs::exists(chunk_log_path(path))) report = recover_in_child(path, options, Trust::log);
+  });
   return report;
 }
 

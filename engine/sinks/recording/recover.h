@@ -1,7 +1,9 @@
 // Repair of recordings whose writer died, at the start of a server. The longest prefix of frames whose every
 // checksum is right is read from the file as it is (as a SWMR reader, without touching it) or, where HDF5
 // refuses that, from a copy whose superblock was put right, and written into a new, finalised file that
-// takes the old one's name. It runs in a child process: HDF5 may loop or crash on a damaged file.
+// takes the old one's name. Where there is a chunk log (chunk_log.h) that names every frame's chunks, they
+// are taken from there instead, whatever the structures of the file say. It runs in a child process: HDF5 may
+// loop or crash on a damaged file.
 #pragma once
 #include <chrono>
 #include <string>
