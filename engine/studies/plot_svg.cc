@@ -1,6 +1,6 @@
 // Line plots as SVG: axes with round ticks (powers of ten on logarithmic ones), one colour and marker per
-// series, a legend beside the plot that orders the series as they were given. Text is real text, so it can be
-// searched.
+// series, a legend beside the plot that orders the series as they were given. Where y takes names they stand
+// along the side, one line each. Text is real text, so it can be searched.
 #include <algorithm>
 #include <array>
 #include <charconv>
@@ -14,11 +14,16 @@ namespace truestep {
 
 namespace {
 
-constexpr double kWidth = 960, kHeight = 600, kLeft = 84, kTop = 48, kBottom = 64, kLegend = 220;
+constexpr double kWidth = 960, kHeight = 600, kTop = 48, kBottom = 64, kLegend = 220;
 constexpr double kPlotRight = kWidth - kLegend, kPlotBottom = kHeight - kBottom;
 // Okabe and Ito's colours, which most colour-blind readers tell apart, then darker ones.
 constexpr std::array kColours = {"#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#8c564b",
                                  "#5b3f95", "#3d6b21", "#8f1d3f", "#005f73", "#6b6b00", "#b1418f", "#404040"};
+
+// Wider where names stand there.
+double left_of(const StudyPlot& plot) {
+  return plot.y_names.empty() ? 84 : 170;
+}
 
 std::string text_of(double v, int digits = 6) {
   char buffer[32];
@@ -29,13 +34,17 @@ class Axis {
  public:
   Axis(StudyPlot::Scale scale, double from, double to)
       : log_(scale == StudyPlot::Scale::logarithmic), a_(from), b_(to) {}
+  /// One place for each name.
+  Axis(const std::vector<std::string>& names, double from, double to)
+      : a_(from), b_(to), low_(-0.5), high_(static_cast<double>(names.size()) - 0.5), names_(&names) {}
 
   void take(double v) {
-    if (!usable(v)) return;
+    if (names_ || !usable(v)) return;
     low_ = std::min(low_, v), high_ = std::max(high_, v);
   }
   bool usable(double v) const { return std::isfinite(v) && (!log_ || v > 0); }
   void settle() {
+    if (names_) return;
     if (!(low_ <= high_)) low_ = log_ ? 0.1 : 0, high_ = 1;
     if (log_) {
       low_ = std::floor(std::log10(low_) + 1e-9), high_ = std::ceil(std::log10(high_) - 1e-9);
@@ -54,6 +63,10 @@ class Axis {
   };
   std::vector<Tick> ticks() const {
     std::vector<Tick> out;
+    for (size_t k = 0; names_ && k < names_->size(); ++k) {
+      out.push_back({place(static_cast<double>(k)), escaped_xml((*names_)[k])});
+    }
+    if (names_) return out;
     if (log_) {
       const int every = static_cast<int>(std::ceil((high_ - low_) / 10));
       for (int e = static_cast<int>(low_); e <= static_cast<int>(high_); e += std::max(1, every)) {
@@ -71,9 +84,10 @@ class Axis {
   }
 
  private:
-  bool log_;
+  bool log_ = false;
   double a_, b_;
   double low_ = INFINITY, high_ = -INFINITY;
+  const std::vector<std::string>* names_ = nullptr;
 };
 
 std::string marker(size_t shape, double x, double y, const char* colour) {
@@ -91,6 +105,11 @@ std::string marker(size_t shape, double x, double y, const char* colour) {
   }
 }
 
+std::string ring(double x, double y, const char* colour) {
+  return "<circle cx=\"" + text_of(x) + "\" cy=\"" + text_of(y) +
+         "\" r=\"6.5\" fill=\"none\" stroke-width=\"1.8\" stroke=\"" + colour + "\"/>";
+}
+
 std::string line(double x1, double y1, double x2, double y2, const char* style) {
   return "<line x1=\"" + text_of(x1) + "\" y1=\"" + text_of(y1) + "\" x2=\"" + text_of(x2) + "\" y2=\"" +
          text_of(y2) + "\" " + style + "/>\n";
@@ -102,20 +121,21 @@ std::string label(double x, double y, const char* style, const std::string& text
 
 std::string frame(const StudyPlot& plot, const Axis& x, const Axis& y) {
   std::string out;
+  const double left = left_of(plot);
   for (const auto& t : x.ticks()) {
     out += line(t.at, kTop, t.at, kPlotBottom, "stroke=\"#e3e3e3\"");
     out += label(t.at, kPlotBottom + 20, "text-anchor=\"middle\"", t.label);
   }
   for (const auto& t : y.ticks()) {
-    out += line(kLeft, t.at, kPlotRight, t.at, "stroke=\"#e3e3e3\"");
-    out += label(kLeft - 8, t.at + 4, "text-anchor=\"end\"", t.label);
+    out += line(left, t.at, kPlotRight, t.at, "stroke=\"#e3e3e3\"");
+    out += label(left - 8, t.at + 4, "text-anchor=\"end\"", t.label);
   }
-  out += "<rect x=\"84\" y=\"48\" width=\"" + text_of(kPlotRight - kLeft) + "\" height=\"" +
+  out += "<rect x=\"" + text_of(left) + "\" y=\"48\" width=\"" + text_of(kPlotRight - left) + "\" height=\"" +
          text_of(kPlotBottom - kTop) + "\" fill=\"none\" stroke=\"#404040\"/>\n";
   const double middle = 0.5 * (kTop + kPlotBottom);
-  out += label(0.5 * (kLeft + kPlotRight), 30, "text-anchor=\"middle\" font-size=\"17\"",
+  out += label(0.5 * (left + kPlotRight), 30, "text-anchor=\"middle\" font-size=\"17\"",
                escaped_xml(plot.title));
-  out += label(0.5 * (kLeft + kPlotRight), kHeight - 16, "text-anchor=\"middle\"", escaped_xml(plot.x_label));
+  out += label(0.5 * (left + kPlotRight), kHeight - 16, "text-anchor=\"middle\"", escaped_xml(plot.x_label));
   out += label(22, middle,
                ("text-anchor=\"middle\" transform=\"rotate(-90 22 " + text_of(middle) + ")\"").c_str(),
                escaped_xml(plot.y_label));
@@ -125,7 +145,9 @@ std::string frame(const StudyPlot& plot, const Axis& x, const Axis& y) {
 }  // namespace
 
 std::string result_svg(const StudyPlot& plot) {
-  Axis x(plot.x_scale, kLeft, kPlotRight), y(plot.y_scale, kPlotBottom, kTop);
+  Axis x(plot.x_scale, left_of(plot), kPlotRight), y = plot.y_names.empty()
+                                                           ? Axis(plot.y_scale, kPlotBottom, kTop)
+                                                           : Axis(plot.y_names, kTop, kPlotBottom);
   for (const auto& s : plot.series) {
     for (size_t i = 0; i < s.x.size(); ++i) {
       if (x.usable(s.x[i]) && y.usable(s.y[i])) x.take(s.x[i]), y.take(s.y[i]);
@@ -144,6 +166,7 @@ std::string result_svg(const StudyPlot& plot) {
     const auto& s = plot.series[n];
     const char* colour = kColours[n % kColours.size()];
     const bool dashed = s.style == Style::dashed || s.style == Style::dashed_and_markers;
+    const bool joined = s.style != Style::markers && s.style != Style::rings;
     const bool marked = s.style != Style::line && s.style != Style::dashed;
     const std::string stroke = std::string("fill=\"none\" stroke-width=\"1.8\" stroke=\"") + colour + '"' +
                                (dashed ? " stroke-dasharray=\"6 5\"" : "");
@@ -152,13 +175,19 @@ std::string result_svg(const StudyPlot& plot) {
       if (!x.usable(s.x[i]) || !y.usable(s.y[i])) continue;
       const double px = x.place(s.x[i]), py = y.place(s.y[i]);
       path += (path.empty() ? "M" : "L") + text_of(px) + ' ' + text_of(py);
-      if (marked) marks += marker(n, px, py, colour);
+      if (s.style == Style::rings)
+        marks += ring(px, py, colour);
+      else if (marked)
+        marks += marker(n, px, py, colour);
     }
-    if (s.style != Style::markers) out += "<path d=\"" + path + "\" " + stroke + "/>\n";
+    if (joined) out += "<path d=\"" + path + "\" " + stroke + "/>\n";
     out += marks + '\n';
     const double ly = kTop + 10 + row_height * static_cast<double>(n);
-    out += line(kPlotRight + 14, ly, kPlotRight + 40, ly, stroke.c_str());
-    if (marked) out += marker(n, kPlotRight + 27, ly, colour);
+    if (joined) out += line(kPlotRight + 14, ly, kPlotRight + 40, ly, stroke.c_str());
+    if (s.style == Style::rings)
+      out += ring(kPlotRight + 27, ly, colour);
+    else if (marked)
+      out += marker(n, kPlotRight + 27, ly, colour);
     out += label(kPlotRight + 48, ly + 4, "", escaped_xml(s.name));
   }
   return out + "</svg>\n";

@@ -188,7 +188,10 @@ StudyResult run_stability(const json::value& scene, const void* def, StudyContex
   r.table.columns = {
       {"integrator", ""}, {"largest_stable_dt", "s"}, {"theory_dt", "s"}, {"ratio", "1"}, {"status", ""}};
   const auto rows = methods(p, forces->force_field());
-  StudyPlot::Series measured{.name = "measured"}, theory{.name = "linear theory"};
+  using Style = StudyPlot::Series::Style;
+  StudyPlot::Series measured{.name = "measured", .style = Style::markers},
+      theory{.name = "linear theory", .style = Style::rings};
+  std::vector<std::string> names;
   for (size_t i = 0; i < rows.size(); ++i) {
     const Integrator& row = *rows[i];
     context.progress(static_cast<double>(i) / static_cast<double>(rows.size()), std::string(row.name));
@@ -210,10 +213,14 @@ StudyResult run_stability(const json::value& scene, const void* def, StudyContex
                                         : "over budget";
       if (f.kind == Kind::limit || f.kind == Kind::over_budget) dt = f.dt;
       if (std::isfinite(limit)) promised = limit;
-      if (f.kind == Kind::limit && std::isfinite(limit) && limit > 0) {
-        ratio = f.dt / limit;
-        measured.x.push_back(static_cast<double>(i + 1)), measured.y.push_back(f.dt);
-        theory.x.push_back(static_cast<double>(i + 1)), theory.y.push_back(limit);
+      if (f.kind == Kind::limit) {
+        const auto y = static_cast<double>(names.size());
+        names.emplace_back(row.name);
+        measured.x.push_back(f.dt), measured.y.push_back(y);
+        if (std::isfinite(limit) && limit > 0) {
+          ratio = f.dt / limit;
+          theory.x.push_back(limit), theory.y.push_back(y);
+        }
       }
     } catch (const Error& e) {
       if (e.code() != "scene_invalid") throw;
@@ -231,10 +238,10 @@ StudyResult run_stability(const json::value& scene, const void* def, StudyContex
   // A tenth below the border: the spectrum is that of the start.
   if (std::isfinite(suggested) && suggested > 0) r.summary["suggested_dt"] = 0.9 * suggested;
   r.plot = {.title = "Largest stable step",
-            .x_label = "row of the table",
-            .y_label = "dt in s",
-            .x_scale = StudyPlot::Scale::linear,
-            .series = {std::move(measured), std::move(theory)}};
+            .x_label = "dt in s",
+            .y_label = "",
+            .y_names = std::move(names),
+            .series = {std::move(theory), std::move(measured)}};
   return r;
 }
 

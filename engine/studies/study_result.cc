@@ -46,6 +46,8 @@ json::object result_json(const StudyResult& result) {
   for (const auto& s : result.plot.series) {
     series.push_back(json::object{{"name", s.name}, {"x", numbers(s.x)}, {"y", numbers(s.y)}});
   }
+  json::array names;
+  for (const std::string& n : result.plot.y_names) names.emplace_back(n);
   return {{"summary", result.summary},
           {"columns", std::move(columns)},
           {"rows", std::move(rows)},
@@ -54,6 +56,7 @@ json::object result_json(const StudyResult& result) {
                                 {"y_label", result.plot.y_label},
                                 {"x_scale", scale(result.plot.x_scale)},
                                 {"y_scale", scale(result.plot.y_scale)},
+                                {"y_names", std::move(names)},
                                 {"series", std::move(series)}}}};
 }
 

@@ -27,11 +27,14 @@ struct StudyPlot {
       line,
       dashed,
       dashed_and_markers,
-      markers
+      markers,
+      rings  ///< open circles, around the markers of another series
     } style = Style::line_and_markers;
   };
   std::string title, x_label, y_label;
   Scale x_scale = Scale::logarithmic, y_scale = Scale::logarithmic;
+  /// Not empty: y takes these names, from the top, as 0, 1, 2 ...
+  std::vector<std::string> y_names = {};
   std::vector<Series> series = {};
 };
 

@@ -189,6 +189,10 @@ TEST_F(Study, StabilityLimitsMatchTheory) {
     // 2e-2 holds for both.
     EXPECT_NEAR(std::get<double>(row[3]), 1, 0.02) << std::get<std::string>(row[0]);
   }
+  // The plot tells the methods by name, one line each.
+  EXPECT_THAT(r.plot.y_names, testing::ElementsAre("symplectic_euler", "rk4"));
+  EXPECT_THAT(result_svg(r.plot),
+              testing::AllOf(testing::HasSubstr(">symplectic_euler<"), testing::HasSubstr(">rk4<")));
 }
 
 Spectrum spectrum_of(const char* scene) {
