@@ -57,7 +57,6 @@ class Bisection {
  private:
   bool stable(double dt) {
     ++runs_;
-    static const ThreadArena kSerial(1);
     json::value d = scene_;
     set_dt(d, dt);
     set_integrator(d, system_, method_);
@@ -72,7 +71,7 @@ class Bisection {
     try {
       for (int64_t n = 0; n < params_.steps; ++n) {
         if (n % 64 == 0) context_.check();
-        world.step(state, workspace, kSerial, {});
+        step(world, state, workspace);
         if (!(largest_move(state.systems[system_].f64(x), start) <= bound)) return false;
       }
     } catch (const Instability&) {
@@ -81,6 +80,19 @@ class Bisection {
     return true;
   }
 
+  // Uncoupled systems are left out: what they hold says nothing about this one.
+  void step(const World& world, WorldState& state, Workspace& workspace) const {
+    static const ThreadArena kSerial(1);
+    if (!world.couplings().empty()) return world.step(state, workspace, kSerial, {});
+    const double h = world.scene().substep();
+    const auto substeps = static_cast<uint64_t>(world.scene().header.time.substeps);
+    for (uint64_t k = 0, n = state.step * substeps; k < substeps; ++k, ++n) {
+      world.system(system_).step(
+          state.systems[system_],
+          {.t = static_cast<double>(n) * h, .h = h, .step = n, .workspace = workspace, .arena = kSerial});
+    }
+    ++state.step;
+  }
   // A small push on every velocity, so that an unstable mode has something to grow from.
   void disturb(State& s) const {
     const auto v = s.f64(s.at("velocity"));
@@ -105,7 +117,6 @@ class Bisection {
   }
   // The reference motion: the scene's own method at its own step.
   void follow(const std::vector<double>& start) {
-    static const ThreadArena kSerial(1);
     const World world = build_world(scene_);
     WorldState state = world.initial_state();
     Workspace workspace;
@@ -113,7 +124,7 @@ class Bisection {
     try {
       for (int64_t n = 0; n < params_.steps && thread_cpu_seconds() < stop_at_; ++n) {
         context_.check();
-        world.step(state, workspace, kSerial, {});
+        step(world, state, workspace);
         most = std::max(
             most, largest_move(state.systems[system_].f64(state.systems[system_].at("position")), start));
         reaches_.emplace_back(static_cast<double>(n + 1) * world.dt(), most);

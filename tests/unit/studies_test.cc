@@ -195,6 +195,16 @@ TEST_F(Study, StabilityLimitsMatchTheory) {
               testing::AllOf(testing::HasSubstr(">symplectic_euler<"), testing::HasSubstr(">rk4<")));
 }
 
+TEST_F(Study, StabilityIsThatOfTheSystemItIsAbout) {
+  // The second oscillator breaks at 2 / 10 s whatever the first one's method holds: rk4 2.83 / 3 s.
+  const std::string two = R"({"schema_version":"1.0","name":"two","time":{"dt":0.01,"duration":2},
+    "systems":[{"type":"oscillator","id":"soft","mass":1,"stiffness":9,"position":1,"velocity":0},
+               {"type":"oscillator","id":"stiff","mass":1,"stiffness":100,"position":1,"velocity":0,
+                "integrator":"symplectic_euler"}]})";
+  const auto r = run(with("stability", R"("integrators":["rk4"],"steps":4000)", two));
+  EXPECT_NEAR(std::get<double>(r.table.rows[0][3]), 1, 0.02);
+}
+
 Spectrum spectrum_of(const char* scene) {
   const World world = build_world(parse_json(scene));
   const auto& forces = dynamic_cast<const ForceSystem&>(world.system(0));
