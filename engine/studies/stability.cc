@@ -38,23 +38,50 @@ class Bisection {
     int runs = 0;
   };
 
-  /// The border between `guess` / 256 and 256 `guess`.
+  /// The border between `guess` / 256 and 256 `guess`. Runs are shortened, to kFewestSteps at most, so that
+  /// the search ends within `cpu_limit` s; where even that is too much, what is known by then is returned.
   Found find(double guess, double cpu_limit) {
-    Found f;
-    stop_at_ = thread_cpu_seconds() + cpu_limit;
-    double low = guess / 256, high = guess;
-    if (!stable(low)) return {low, Found::Kind::never, runs_};
-    while (high < 256 * guess && stable(high)) low = high, high *= 2;
-    if (high >= 256 * guess && stable(high)) return {high, Found::Kind::always, runs_};
-    while (high - low > params_.accuracy * low) {
-      if (thread_cpu_seconds() > stop_at_) return {low, Found::Kind::over_budget, runs_};
-      const double middle = 0.5 * (low + high);
-      (stable(middle) ? low : high) = middle;
+    const double begin = thread_cpu_seconds();
+    stop_at_ = begin + cpu_limit;
+    double low = 0, high = guess;
+    try {
+      shorten_runs(guess / 256, cpu_limit);
+      if (!stable(guess / 256)) return {guess / 256, Found::Kind::never, runs_};
+      low = guess / 256;
+      while (high < 256 * guess && stable(high)) low = high, high *= 2;
+      if (high >= 256 * guess && stable(high)) return {high, Found::Kind::always, runs_};
+      while (high - low > params_.accuracy * low) {
+        const double middle = 0.5 * (low + high);
+        (stable(middle) ? low : high) = middle;
+      }
+    } catch (const OverBudget&) {
+      return {low, Found::Kind::over_budget, runs_};
     }
     return {low, Found::Kind::limit, runs_};
   }
+  /// Steps of a run.
+  int64_t steps() const { return steps_; }
 
  private:
+  static constexpr int64_t kFewestSteps = 60;
+  static constexpr double kUsualRuns = 24;  // of a search
+  struct OverBudget {};
+
+  void shorten_runs(double dt, double cpu_limit) {
+    constexpr int64_t kProbe = 16;
+    const double begin = thread_cpu_seconds();
+    steps_ = kProbe;
+    stable(dt);
+    // Every run builds its own world.
+    const double rest = thread_cpu_seconds() - begin - stepping_,
+                 affordable = (cpu_limit / kUsualRuns - rest) * kProbe / stepping_;
+    steps_ = params_.steps;
+    if (affordable < static_cast<double>(steps_)) {
+      steps_ = std::min(steps_, std::max(kFewestSteps, static_cast<int64_t>(affordable)));
+    }
+    reaches_.clear();
+    runs_ = 0;
+  }
   bool stable(double dt) {
     ++runs_;
     json::value d = scene_;
@@ -68,15 +95,18 @@ class Bisection {
     disturb(s);
     Workspace workspace;
     const double bound = 10 * std::max(reach(dt, start), 1e-6 * scale(start));
+    const double begin = thread_cpu_seconds();
     try {
-      for (int64_t n = 0; n < params_.steps; ++n) {
+      for (int64_t n = 0; n < steps_; ++n) {
         if (n % 64 == 0) context_.check();
+        if (thread_cpu_seconds() > stop_at_) throw OverBudget{};
         step(world, state, workspace);
         if (!(largest_move(state.systems[system_].f64(x), start) <= bound)) return false;
       }
     } catch (const Instability&) {
       return false;
     }
+    stepping_ = thread_cpu_seconds() - begin;
     return true;
   }
 
@@ -107,7 +137,7 @@ class Bisection {
   }
   // How far the motion goes in the time of `steps` steps of dt, from one run at a small step.
   double reach(double dt, const std::vector<double>& start) {
-    const double horizon = dt * static_cast<double>(params_.steps);
+    const double horizon = dt * static_cast<double>(steps_);
     if (reaches_.empty()) follow(start);
     double most = 0;
     for (const auto& [t, distance] : reaches_) {
@@ -122,7 +152,7 @@ class Bisection {
     Workspace workspace;
     double most = 0;
     try {
-      for (int64_t n = 0; n < params_.steps && thread_cpu_seconds() < stop_at_; ++n) {
+      for (int64_t n = 0; n < steps_ && thread_cpu_seconds() < stop_at_; ++n) {
         context_.check();
         step(world, state, workspace);
         most = std::max(
@@ -142,6 +172,8 @@ class Bisection {
   StudyContext& context_;
   std::vector<std::pair<double, double>> reaches_;
   double stop_at_ = 0;
+  int64_t steps_ = 0;
+  double stepping_ = 0;  // s that the steps of the last run that held took
   int runs_ = 0;
 };
 
@@ -195,6 +227,12 @@ StudyResult run_stability(const json::value& scene, const void* def, StudyContex
   const WorldState start = world.initial_state();
   const Spectrum spectrum = estimate_spectrum(forces->force_field(), start.systems[system], 0);
 
+  if (spectrum.omega == 0 && spectrum.damping == 0) {
+    throw Error("study_failed", "the system's forces neither oscillate nor decay: no step is unstable",
+                {{"/system", "no_rates", "its linearised forces have no frequency and no damping rate",
+                  '"' + read.systems[system].id + '"', "", "", ""}});
+  }
+
   StudyResult r;
   r.table.columns = {
       {"integrator", ""}, {"largest_stable_dt", "s"}, {"theory_dt", "s"}, {"ratio", "1"}, {"status", ""}};
@@ -203,6 +241,7 @@ StudyResult run_stability(const json::value& scene, const void* def, StudyContex
   StudyPlot::Series measured{.name = "measured", .style = Style::markers},
       theory{.name = "linear theory", .style = Style::rings};
   std::vector<std::string> names;
+  int64_t fewest = p.steps;
   for (size_t i = 0; i < rows.size(); ++i) {
     const Integrator& row = *rows[i];
     context.progress(static_cast<double>(i) / static_cast<double>(rows.size()), std::string(row.name));
@@ -215,14 +254,15 @@ StudyResult run_stability(const json::value& scene, const void* def, StudyContex
     StudyTable::Cell dt, promised, ratio;
     std::string status;
     try {
-      const auto f = Bisection(scene, p, system, std::string(row.name), context)
-                         .find(guess, p.budget / static_cast<double>(rows.size()));
+      Bisection search(scene, p, system, std::string(row.name), context);
+      const auto f = search.find(guess, p.budget / static_cast<double>(rows.size()));
+      fewest = std::min(fewest, search.steps());
       using Kind = decltype(f.kind);
       status = f.kind == Kind::limit    ? "ok"
                : f.kind == Kind::always ? "stable at every step tried"
                : f.kind == Kind::never  ? "unstable at every step tried"
                                         : "over budget";
-      if (f.kind == Kind::limit || f.kind == Kind::over_budget) dt = f.dt;
+      if (f.kind == Kind::limit || (f.kind == Kind::over_budget && f.dt > 0)) dt = f.dt;
       if (std::isfinite(limit)) promised = limit;
       if (f.kind == Kind::limit) {
         const auto y = static_cast<double>(names.size());
@@ -243,6 +283,10 @@ StudyResult run_stability(const json::value& scene, const void* def, StudyContex
                {"damping_max", spectrum.damping},
                {"iterations", spectrum.iterations},
                {"suggested_dt", nullptr}};
+  if (fewest < p.steps) {
+    r.summary["note"] = "the budget reaches runs of " + std::to_string(fewest) + " of the " +
+                        std::to_string(p.steps) + " steps; give a larger budget or fewer integrators";
+  }
   if (const auto dt = forces->stable_dt(start.systems[system])) r.summary["suggested_dt_bound"] = *dt;
   const double suggested = stability_interval(forces->integrator(), forces->options())
                                .largest_step(spectrum.omega, spectrum.damping);

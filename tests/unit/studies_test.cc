@@ -14,6 +14,7 @@
 #include "engine/studies/scene_variant.h"
 #include "engine/studies/spectrum.h"
 #include "engine/studies/study.h"
+#include "engine/studies/trajectory.h"
 #include "engine/studies/work_precision.h"
 
 namespace truestep {
@@ -203,6 +204,28 @@ TEST_F(Study, StabilityIsThatOfTheSystemItIsAbout) {
                 "integrator":"symplectic_euler"}]})";
   const auto r = run(with("stability", R"("integrators":["rk4"],"steps":4000)", two));
   EXPECT_NEAR(std::get<double>(r.table.rows[0][3]), 1, 0.02);
+}
+
+TEST_F(Study, StabilityOfFreeFlightIsRefusedWithTheReason) {
+  const std::string ball = R"({"schema_version":"1.0","name":"ball","time":{"dt":0.01,"duration":1},
+    "systems":[{"type":"particles","id":"b","positions":[[0,1,0]],"mass":1}]})";
+  try {
+    run(with("stability", "", ball));
+    ADD_FAILURE() << "nothing can be unstable here";
+  } catch (const Error& e) {
+    EXPECT_EQ(e.code(), "study_failed");
+    EXPECT_THAT(e.what(), testing::HasSubstr("neither oscillate nor decay"));
+  }
+}
+
+TEST_F(Study, StabilityOfALargeSceneEndsWithinItsBudget) {
+  const double begin = thread_cpu_seconds();
+  const auto r = run(with("stability", R"("integrators":["rk4","velocity_verlet"],"budget":0.4)", kCloth));
+  // 1,000 steps a run would be some 2 s of this cloth; the spectrum and building the worlds come on top.
+  EXPECT_LT(thread_cpu_seconds() - begin, 1.5);
+  EXPECT_THAT(std::string(r.summary.at("note").as_string()), testing::HasSubstr("of the 1000 steps"));
+  // Control: a light scene runs all of them.
+  EXPECT_FALSE(run(with("stability", R"("integrators":["rk4"])")).summary.contains("note"));
 }
 
 Spectrum spectrum_of(const char* scene) {
