@@ -11,14 +11,35 @@
 
 namespace truestep {
 
+namespace wide_detail {
+// Not members of the template: gcc 12 takes a dependent type with the attribute for one without it.
+template <class T>
+struct Vectors;
+template <>
+struct Vectors<float> {
+  typedef float Raw __attribute__((vector_size(32)));
+  typedef int32_t Mask __attribute__((vector_size(32)));
+};
+template <>
+struct Vectors<double> {
+  typedef double Raw __attribute__((vector_size(32)));
+  typedef int64_t Mask __attribute__((vector_size(32)));
+};
+}  // namespace wide_detail
+
 template <class T>
 struct Wide {
   static constexpr int kLanes = 32 / sizeof(T);
-  using Integer = std::conditional_t<sizeof(T) == 4, int32_t, int64_t>;
-  typedef T Raw __attribute__((vector_size(32)));
-  typedef Integer Mask __attribute__((vector_size(32)));
+  using Raw = typename wide_detail::Vectors<T>::Raw;
+  using Mask = typename wide_detail::Vectors<T>::Mask;
 
   Raw v;
+
+  /// Zero in every lane.
+  Wide() : v{} {}
+  Wide(Raw x) : v(x) {}
+  /// The same number in every lane.
+  explicit Wide(T s) : Wide(all(s)) {}
 
   static Wide all(T s) {
     Raw r;
@@ -44,6 +65,25 @@ struct Wide {
   /// The larger; b when they are equal or one is NaN.
   friend Wide max(Wide a, Wide b) { return {a.v > b.v ? a.v : b.v}; }
   friend Wide min(Wide a, Wide b) { return {a.v < b.v ? a.v : b.v}; }
+
+  /// Lane by lane: x > 0 ? a : b.
+  friend Wide where_positive(const Wide& x, const Wide& a, const Wide& b) {
+    return {x.v > Raw{} ? a.v : b.v};
+  }
+  friend Wide sqrt(const Wide& a) {
+#if defined(__AVX2__) && defined(__FMA__)
+    if constexpr (sizeof(T) == 4) {
+      return {(Raw)_mm256_sqrt_ps((__m256)a.v)};
+    } else {
+      return {(Raw)_mm256_sqrt_pd((__m256d)a.v)};
+    }
+#else
+    Wide r;
+    for (int i = 0; i < kLanes; ++i) r.v[i] = std::sqrt(a.v[i]);
+    return r;
+#endif
+  }
+  Wide& operator*=(Wide b) { return *this = *this * b; }
 
 #if defined(__AVX2__) && defined(__FMA__)
   /// a b + c, rounded once.
@@ -158,5 +198,96 @@ inline void scatter_rows4<double>(double* rows, const uint32_t* index, uint32_t 
   }
 }
 #endif
+
+/// Eight numbers of a body, contiguous, so that bodies are loaded and stored whole.
+template <class T>
+struct alignas(32) Record8 {
+  T x[8] = {};
+};
+
+namespace wide_detail {
+#if defined(__AVX2__) && defined(__FMA__)
+/// Rows to columns of an 8 x 8 matrix.
+inline void transpose8(__m256 r[8]) {
+  __m256 t[8], u[8];
+  for (int k = 0; k < 8; k += 2) {
+    t[k] = _mm256_unpacklo_ps(r[k], r[k + 1]), t[k + 1] = _mm256_unpackhi_ps(r[k], r[k + 1]);
+  }
+  for (int k = 0; k < 8; k += 4) {
+    u[k] = _mm256_shuffle_ps(t[k], t[k + 2], 0x44), u[k + 1] = _mm256_shuffle_ps(t[k], t[k + 2], 0xee);
+    u[k + 2] = _mm256_shuffle_ps(t[k + 1], t[k + 3], 0x44);
+    u[k + 3] = _mm256_shuffle_ps(t[k + 1], t[k + 3], 0xee);
+  }
+  for (int k = 0; k < 4; ++k) {
+    r[k] = _mm256_permute2f128_ps(u[k], u[k + 4], 0x20),
+    r[k + 4] = _mm256_permute2f128_ps(u[k], u[k + 4], 0x31);
+  }
+}
+/// Rows to columns of a 4 x 4 matrix.
+inline void transpose4(__m256d r[4]) {
+  const __m256d a = _mm256_unpacklo_pd(r[0], r[1]), b = _mm256_unpackhi_pd(r[0], r[1]);
+  const __m256d c = _mm256_unpacklo_pd(r[2], r[3]), d = _mm256_unpackhi_pd(r[2], r[3]);
+  r[0] = _mm256_permute2f128_pd(a, c, 0x20), r[1] = _mm256_permute2f128_pd(b, d, 0x20);
+  r[2] = _mm256_permute2f128_pd(a, c, 0x31), r[3] = _mm256_permute2f128_pd(b, d, 0x31);
+}
+#endif
+}  // namespace wide_detail
+
+/// out[k] lane j = records[index[j]].x[k] for the first six numbers.
+template <class T>
+inline void gather6(const Record8<T>* records, const uint32_t* index, Wide<T> out[6]) {
+#if defined(__AVX2__) && defined(__FMA__)
+  if constexpr (sizeof(T) == 4) {
+    __m256 r[8];
+    for (int j = 0; j < 8; ++j) r[j] = _mm256_load_ps(records[index[j]].x);
+    wide_detail::transpose8(r);
+    for (int k = 0; k < 6; ++k) out[k].v = typename Wide<T>::Raw(r[k]);
+  } else {
+    __m256d r[4], s[4];
+    for (int j = 0; j < 4; ++j) {
+      r[j] = _mm256_load_pd(records[index[j]].x), s[j] = _mm256_load_pd(records[index[j]].x + 4);
+    }
+    wide_detail::transpose4(r), wide_detail::transpose4(s);
+    for (int k = 0; k < 4; ++k) out[k].v = typename Wide<T>::Raw(r[k]);
+    for (int k = 0; k < 2; ++k) out[4 + k].v = typename Wide<T>::Raw(s[k]);
+  }
+#else
+  for (int j = 0; j < Wide<T>::kLanes; ++j) {
+    for (int k = 0; k < 6; ++k) out[k].set(j, records[index[j]].x[k]);
+  }
+#endif
+}
+
+/// records[index[j]].x[k] = in[k] lane j for the first six numbers (the others become 0), unless
+/// index[j] >= end.
+template <class T>
+inline void scatter6(Record8<T>* records, const uint32_t* index, uint32_t end, const Wide<T> in[6]) {
+#if defined(__AVX2__) && defined(__FMA__)
+  if constexpr (sizeof(T) == 4) {
+    __m256 r[8];
+    for (int k = 0; k < 6; ++k) r[k] = __m256(in[k].v);
+    r[6] = r[7] = _mm256_setzero_ps();
+    wide_detail::transpose8(r);
+    for (int j = 0; j < 8; ++j) {
+      if (index[j] < end) _mm256_store_ps(records[index[j]].x, r[j]);
+    }
+  } else {
+    __m256d r[4], s[4];
+    for (int k = 0; k < 4; ++k) r[k] = __m256d(in[k].v);
+    for (int k = 0; k < 2; ++k) s[k] = __m256d(in[4 + k].v);
+    s[2] = s[3] = _mm256_setzero_pd();
+    wide_detail::transpose4(r), wide_detail::transpose4(s);
+    for (int j = 0; j < 4; ++j) {
+      if (index[j] >= end) continue;
+      _mm256_store_pd(records[index[j]].x, r[j]), _mm256_store_pd(records[index[j]].x + 4, s[j]);
+    }
+  }
+#else
+  for (int j = 0; j < Wide<T>::kLanes; ++j) {
+    if (index[j] >= end) continue;
+    for (int k = 0; k < 8; ++k) records[index[j]].x[k] = k < 6 ? in[k][j] : T(0);
+  }
+#endif
+}
 
 }  // namespace truestep

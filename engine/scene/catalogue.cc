@@ -6,6 +6,7 @@
 #include "engine/systems/particles/particles.h"
 #include "engine/systems/pendulum/pendulum.h"
 #include "engine/systems/rigid2d/rigid2d.h"
+#include "engine/systems/rigid3d/rigid3d_def.h"
 
 namespace truestep {
 
@@ -64,6 +65,15 @@ std::span<const CatalogueRow> catalogue() {
        rigid2d::rigid2d_cost,
        {"nothing catches on the corners of a chain", "fast bodies do not pass thin walls",
         "a stack of 20 boxes stands", "the same bits on any number of threads and after a restore"},
+      {"rigid3d",
+       "rigid bodies",
+       "rigid bodies of any shape that touch, slide, roll, bounce, stack and sleep",
+       &rigid3d_table(),
+       build_rigid3d,
+       rigid3d_cost,
+       {"a free body keeps its angular momentum and turns with fourth order",
+        "no body passes another, however thin or fast", "the same bits on any number of threads",
+        "a restored snapshot continues in the middle of a collapse"},
        ""},
   };
   return kRows;

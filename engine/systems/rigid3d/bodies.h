@@ -1,0 +1,48 @@
+// What never changes of bodies: shape, mass, surface, groups. One kind per entry of "bodies"; its copies and
+// whatever is spawned later share it. Bodies are placed by their centre of mass and principal axes, so that
+// every inertia is diagonal in the body's frame; hulls, meshes and compounds are moved there once.
+#pragma once
+#include <vector>
+
+#include "engine/collision/collision.h"
+#include "engine/systems/rigid3d/rigid3d_def.h"
+
+namespace truestep {
+
+struct BodyKind {
+  std::string id;
+  Solid solid;  ///< in the frame of centre and principal axes
+  BodyDef::Motion motion = BodyDef::Motion::dynamic;
+  double mass = 0;              ///< kg; 0: contacts do not move it
+  Vec3 moments;                 ///< kg m^2
+  Vec3 center;                  ///< m, centre of mass in the frame of the scene's shape
+  Quat axes;                    ///< principal axes in that frame
+  double reach = 0, inner = 0;  ///< m, of the balls that hold it and that it holds
+  double friction = 0, restitution = 0, rolling = 0, spinning = 0;
+  double linear_damping = 0, angular_damping = 0, gravity_scale = 1;
+  uint32_t group = 1, mask = ~0u;
+  bool sensor = false;
+  std::optional<Vec3> color;
+
+  bool moved_by_forces() const { return mass > 0; }
+  /// Pose of centre and principal axes when the scene's shape has this one, and back.
+  Pose body_pose(const Pose& shape) const;
+  Pose shape_pose(const Pose& body) const;
+};
+
+/// A body at t = 0.
+struct BodyStart {
+  uint32_t kind = 0;
+  Pose pose;
+  Vec3 velocity, angular_velocity;
+};
+
+struct BodyList {
+  std::vector<BodyKind> kinds;
+  std::vector<BodyStart> starts;
+};
+
+/// All bodies of the scene. Error "scene_invalid" with the pointer of a body whose shape makes no solid.
+BodyList build_bodies(const Rigid3dDef& def, uint64_t seed);
+
+}  // namespace truestep

@@ -1,0 +1,213 @@
+#include "engine/systems/rigid3d/contacts.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace truestep {
+
+namespace columns = rigid3d_columns;
+
+namespace {
+
+constexpr size_t kPairsPerBlock = 128;
+/// Bodies feel one another this share of their size apart, at most kMostMargin.
+constexpr double kMarginShare = 0.02, kMostMargin = 0.05;
+
+using Part = BodyNow::Part;
+
+bool touch_allowed(const BodyKind& a, const BodyKind& b) {
+  return (a.group & b.mask) && (b.group & a.mask) && (a.moved_by_forces() || b.moved_by_forces());
+}
+
+}  // namespace
+
+void ContactList::look_at_bodies(const State& s, std::span<const BodyKind> kinds, double h) {
+  const size_t n = s.rows(columns::position);
+  const double *x = s.f64(columns::position).data(), *q = s.f64(columns::orientation).data();
+  const double *v = s.f64(columns::velocity).data(), *w = s.f64(columns::angular_velocity).data();
+  const auto kind = s.span<uint32_t>(columns::kind);
+  const auto asleep = s.span<uint32_t>(columns::asleep);
+  const double fall = norm(load3(s.f64(columns::gravity).data(), 0)) * h * h;
+  bodies_.resize(n), boxes_.resize(n), mobility_.resize(n);
+  for (size_t i = 0; i < n; ++i) {
+    const BodyKind& k = kinds[kind[i]];
+    BodyNow& b = bodies_[i];
+    b.at = transform_of({load3(x, i), load_quat(q, i)});
+    const Vec3 velocity = load3(v, i), turn = load3(w, i);
+    const bool moves = velocity != Vec3{} || turn != Vec3{};
+    b.part = k.motion == BodyDef::Motion::fixed ? Part::fixed
+             : k.moved_by_forces()              ? (asleep[i] ? Part::resting : Part::active)
+             : moves                            ? Part::driven
+                                                : Part::fixed;
+    b.margin = std::min(kMarginShare * k.reach, kMostMargin) + std::abs(k.gravity_scale) * fall;
+    b.turn_speed = std::min(norm(turn) * k.reach, k.reach / h);
+    mobility_[i] = k.motion == BodyDef::Motion::fixed ? Mobility::fixed : Mobility::moving;
+    Box box = bounds(k.solid, b.at);
+    if (k.motion != BodyDef::Motion::fixed) {
+      box = box.grown(b.margin + h * b.turn_speed);
+      const Vec3 move = velocity * h;
+      (move.x < 0 ? box.low.x : box.high.x) += move.x;
+      (move.y < 0 ? box.low.y : box.high.y) += move.y;
+      (move.z < 0 ? box.low.z : box.high.z) += move.z;
+    }
+    boxes_[i] = box;
+  }
+}
+
+void ContactList::narrow_phase(const State& s, std::span<const BodyKind> kinds, const StepInput& in) {
+  const auto kind = s.span<uint32_t>(columns::kind);
+  const double* v = s.f64(columns::velocity).data();
+  pairs_.clear();
+  const double fat = 0.05;
+  for (const BodyPair& p : broad_.update(boxes_, mobility_, fat)) {
+    const bool active = bodies_[p.a].part == Part::active || bodies_[p.b].part == Part::active ||
+                        bodies_[p.a].part == Part::driven || bodies_[p.b].part == Part::driven;
+    if (active && touch_allowed(kinds[kind[p.a]], kinds[kind[p.b]])) pairs_.push_back(p);
+  }
+  const size_t blocks = (pairs_.size() + kPairsPerBlock - 1) / kPairsPerBlock;
+  if (blocks_.size() < blocks) blocks_.resize(blocks), manifolds_.resize(blocks);
+  in.arena.for_blocks(pairs_.size(), kPairsPerBlock, [&](size_t begin, size_t end) {
+    std::vector<Contact>& out = blocks_[begin / kPairsPerBlock];
+    std::vector<Manifold>& several = manifolds_[begin / kPairsPerBlock];
+    out.clear();
+    for (size_t p = begin; p < end; ++p) {
+      const auto [a, b] = pairs_[p];
+      const BodyKind &ka = kinds[kind[a]], &kb = kinds[kind[b]];
+      const BodyNow &na = bodies_[a], &nb = bodies_[b];
+      double margin = ka.moved_by_forces() ? na.margin : nb.margin;
+      if (kb.moved_by_forces()) margin = std::min(margin, nb.margin);
+      // Further ahead than their own size, a body would run into planes beside those it meets.
+      const double size =
+          ka.moved_by_forces() ? (kb.moved_by_forces() ? std::min(ka.reach, kb.reach) : ka.reach) : kb.reach;
+      margin += std::min(in.h * (norm(load3(v, b) - load3(v, a)) + na.turn_speed + nb.turn_speed), size);
+      if (ka.sensor || kb.sensor) margin = 0;
+      const auto single = [](SolidKind k) { return is_convex(k) || k == SolidKind::plane; };
+      if (single(ka.solid.kind) && single(kb.solid.kind)) {
+        Contact& c = out.emplace_back();
+        c.a = a, c.b = b;
+        if (!collide(ka.solid, na.at, kb.solid, nb.at, margin, c.manifold)) out.pop_back();
+      } else {
+        several.clear();
+        collide(ka.solid, na.at, kb.solid, nb.at, margin, several);
+        for (const Manifold& m : several) {
+          Contact& c = out.emplace_back();
+          c.a = a, c.b = b, c.manifold = m;
+        }
+      }
+    }
+  });
+  contacts_.clear();
+  for (size_t k = 0; k < blocks; ++k) {
+    for (Contact& c : blocks_[k]) contacts_.push_back(&c);
+  }
+}
+
+/// Wakes resting bodies that something active touches; true when there were any.
+bool ContactList::wake(State& s, std::span<const BodyKind> kinds) {
+  const auto asleep = s.span<uint32_t>(columns::asleep);
+  bool any = false;
+  for (const Contact* c : contacts_) {
+    for (const uint32_t i : {c->a, c->b}) {
+      if (asleep[i]) wake_body(s, i, kinds), any = true;
+    }
+  }
+  return any;
+}
+
+void ContactList::find(State& s, std::span<const BodyKind> kinds, const StepInput& in) {
+  look_at_bodies(s, kinds, in.h);
+  narrow_phase(s, kinds, in);
+  if (wake(s, kinds)) {
+    look_at_bodies(s, kinds, in.h);
+    narrow_phase(s, kinds, in);
+  }
+  match(s);
+}
+
+void ContactList::match(const State& s) {
+  const auto bodies = s.span<uint32_t>(columns::contact_bodies);
+  const auto ids = s.span<uint32_t>(columns::contact_ids);
+  const double* impulse = s.f64(columns::contact_impulse).data();
+  const double* friction = s.f64(columns::contact_friction).data();
+  const double* roll = s.f64(columns::contact_roll).data();
+  const size_t rows = s.rows(columns::contact_bodies);
+  const auto key = [&](size_t r) { return uint64_t{bodies[2 * r]} << 32 | bodies[2 * r + 1]; };
+  size_t first = 0;
+  for (Contact* c : contacts_) {
+    const uint64_t pair = uint64_t{c->a} << 32 | c->b;
+    while (first < rows && key(first) < pair) ++first;
+    size_t whole = rows;  // the row whose friction goes on
+    for (int p = 0; p < c->manifold.count; ++p) {
+      for (size_t r = first; r < rows && key(r) == pair; ++r) {
+        const uint32_t* old = &ids[5 * r];
+        uint32_t k = 0;
+        while (k < old[0] && old[1 + k] != c->manifold.points[p].id) ++k;
+        if (k == old[0]) continue;
+        c->impulse[p] = impulse[4 * r + k];
+        if (whole == rows) whole = r;
+        break;
+      }
+    }
+    if (whole == rows) continue;
+    c->slide = {friction[4 * whole], friction[4 * whole + 1], friction[4 * whole + 2]};
+    c->twist = friction[4 * whole + 3];
+    c->roll = load3(roll, whole);
+  }
+}
+
+void ContactList::store(State& s) {
+  rows_.clear();
+  size_t old = 0;
+  const size_t count = s.rows(columns::contact_bodies);
+  const auto bodies = s.span<uint32_t>(columns::contact_bodies);
+  const auto resting = [&](uint32_t i) {
+    return bodies_[i].part == Part::resting || bodies_[i].part == Part::fixed;
+  };
+  const auto keep_old = [&](uint64_t before) {
+    for (; old < count; ++old) {
+      const uint32_t a = bodies[2 * old], b = bodies[2 * old + 1];
+      if ((uint64_t{a} << 32 | b) >= before) return;
+      if (!resting(a) || !resting(b)) continue;
+      Row& r = rows_.emplace_back();
+      std::copy_n(&bodies[2 * old], 2, r.bodies);
+      std::copy_n(&s.span<uint32_t>(columns::contact_ids)[5 * old], 5, r.ids);
+      std::copy_n(&s.f64(columns::contact_normal)[3 * old], 3, r.normal);
+      std::copy_n(&s.f64(columns::contact_impulse)[4 * old], 4, r.impulse);
+      std::copy_n(&s.f64(columns::contact_friction)[4 * old], 4, r.friction);
+      std::copy_n(&s.f64(columns::contact_roll)[3 * old], 3, r.roll);
+      r.depth = s.f64(columns::contact_depth)[old];
+    }
+  };
+  for (const Contact* c : contacts_) {
+    keep_old(uint64_t{c->a} << 32 | c->b);
+    const Manifold& m = c->manifold;
+    Row& r = rows_.emplace_back(Row{{c->a, c->b},
+                                    {static_cast<uint32_t>(m.count)},
+                                    {m.normal.x, m.normal.y, m.normal.z},
+                                    {},
+                                    {c->slide.x, c->slide.y, c->slide.z, c->twist},
+                                    {c->roll.x, c->roll.y, c->roll.z},
+                                    m.deepest()});
+    for (int p = 0; p < m.count; ++p) r.ids[1 + p] = m.points[p].id, r.impulse[p] = c->impulse[p];
+  }
+  keep_old(~uint64_t{0});
+  const size_t n = rows_.size();
+  for (State::Column c = columns::contact_bodies; c < columns::contacts_end; ++c) s.resize(c, n);
+  const auto new_bodies = s.span<uint32_t>(columns::contact_bodies);
+  const auto new_ids = s.span<uint32_t>(columns::contact_ids);
+  const auto normal = s.f64(columns::contact_normal), impulse = s.f64(columns::contact_impulse);
+  const auto friction = s.f64(columns::contact_friction), roll = s.f64(columns::contact_roll);
+  const auto depth = s.f64(columns::contact_depth);
+  for (size_t k = 0; k < n; ++k) {
+    const Row& r = rows_[k];
+    std::copy_n(r.bodies, 2, &new_bodies[2 * k]);
+    std::copy_n(r.ids, 5, &new_ids[5 * k]);
+    std::copy_n(r.normal, 3, &normal[3 * k]);
+    std::copy_n(r.impulse, 4, &impulse[4 * k]);
+    std::copy_n(r.friction, 4, &friction[4 * k]);
+    std::copy_n(r.roll, 3, &roll[3 * k]);
+    depth[k] = r.depth;
+  }
+}
+
+}  // namespace truestep

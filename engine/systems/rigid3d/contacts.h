@@ -1,0 +1,65 @@
+// Contacts of a step: broad phase over the boxes that bodies sweep, narrow phase, impulses of the last step
+// matched by features, and the rows of the state that carry them on.
+#pragma once
+#include <array>
+#include <span>
+#include <vector>
+
+#include "engine/collision/collision.h"
+#include "engine/core/system.h"
+#include "engine/systems/rigid3d/rigid3d_state.h"
+
+namespace truestep {
+
+struct Contact {
+  uint32_t a = 0, b = 0;  ///< rows, a < b
+  Manifold manifold;
+  double impulse[Manifold::kMost] = {};  ///< N s, of one substep
+  Vec3 slide;                            ///< N s, on b along the plane
+  double twist = 0;                      ///< N m s, about the normal
+  Vec3 roll;                             ///< N m s
+};
+
+/// What is known of a body during a step, beside the state.
+struct BodyNow {
+  Transform at;
+  double margin = 0;      ///< m, distance at which contacts of a slow body begin
+  double turn_speed = 0;  ///< m/s of its outermost point by turning
+  enum class Part : uint8_t { fixed, driven, resting, active } part = Part::fixed;
+};
+
+class ContactList {
+ public:
+  /// Finds all contacts of bodies that move; wakes what they touch. Points at most a step's motion apart
+  /// count.
+  void find(State& s, std::span<const BodyKind> kinds, const StepInput& in);
+  /// Ascending by bodies.
+  std::span<Contact* const> all() const { return contacts_; }
+  std::span<const BodyNow> bodies() const { return bodies_; }
+  /// Writes the rows that the next step starts from: these contacts, and those of resting bodies as they
+  /// were.
+  void store(State& s);
+  const BroadPhase& broad_phase() const { return broad_; }
+
+ private:
+  void look_at_bodies(const State& s, std::span<const BodyKind> kinds, double h);
+  void narrow_phase(const State& s, std::span<const BodyKind> kinds, const StepInput& in);
+  bool wake(State& s, std::span<const BodyKind> kinds);
+  void match(const State& s);
+
+  struct Row {
+    uint32_t bodies[2], ids[5];
+    double normal[3], impulse[4], friction[4], roll[3], depth;
+  };
+  BroadPhase broad_;
+  std::vector<BodyNow> bodies_;
+  std::vector<Box> boxes_;
+  std::vector<Mobility> mobility_;
+  std::vector<BodyPair> pairs_;
+  std::vector<std::vector<Contact>> blocks_;
+  std::vector<std::vector<Manifold>> manifolds_;
+  std::vector<Contact*> contacts_;
+  std::vector<Row> rows_;
+};
+
+}  // namespace truestep

@@ -1,0 +1,262 @@
+#include "engine/systems/rigid3d/rigid3d.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "engine/base/errors.h"
+#include "engine/kernels/free_rotation.h"
+#include "engine/kernels/islands.h"
+#include "engine/math/trig.h"
+
+namespace truestep {
+
+namespace columns = rigid3d_columns;
+using Part = BodyNow::Part;
+
+namespace {
+
+/// Bodies that may be spawned on top of those of the scene.
+constexpr size_t kSpare = 10'000;
+
+}  // namespace
+
+Rigid3d::Rigid3d(const Rigid3dDef& def, const BuildContext& context)
+    : bodies_(build_bodies(def, context.seed)),
+      precision_(def.precision),
+      gravity_(def.gravity.value_or(context.gravity)),
+      sleep_speed_(def.sleep_speed),
+      sleep_time_(def.sleep_time),
+      most_bodies_(bodies_.starts.size() + kSpare) {
+  settings_ = {static_cast<int>(def.substeps), def.rest_speed, def.push_out_speed, def.contact_hertz,
+               def.contact_damping};
+  // A scene that sleeps skips the stages' work, not the stages: a command may wake it.
+  const auto awake = [this](void (Rigid3d::*run)(State&, const StepInput&) const) {
+    return [this, run](State& s, const StepInput& in) {
+      if (!all_asleep(s)) (this->*run)(s, in);
+    };
+  };
+  add_stage("forces", "gravity and pushes", awake(&Rigid3d::collect_forces));
+  add_stage("contacts", "which bodies touch, and where", awake(&Rigid3d::find_contacts));
+  add_stage("solve", "bodies that touch, in substeps", awake(&Rigid3d::solve));
+  add_stage("fly", "bodies that touch nothing", awake(&Rigid3d::fly));
+  add_stage("fast bodies", "none passes another within a step", awake(&Rigid3d::stop_fast_bodies));
+  if (def.sleeping) {
+    add_stage("sleep", "groups that rest are left alone", awake(&Rigid3d::rest));
+  } else {
+    skip_stage("sleep", "switched off");
+  }
+}
+
+State Rigid3d::initial_state() const {
+  return rigid3d_at_start(bodies_, gravity_);
+}
+
+Rigid3d::Scratch& Rigid3d::scratch(const StepInput& in) {
+  return in.workspace.object<Scratch>("rigid3d");
+}
+
+bool Rigid3d::all_asleep(const State& s) const {
+  const auto asleep = s.span<uint32_t>(columns::asleep);
+  const auto kind = s.span<uint32_t>(columns::kind);
+  const double *v = s.f64(columns::velocity).data(), *w = s.f64(columns::angular_velocity).data();
+  for (size_t i = 0; i < kind.size(); ++i) {
+    const BodyKind& k = bodies_.kinds[kind[i]];
+    if (k.moved_by_forces() && !asleep[i]) return false;
+    if (k.motion == BodyDef::Motion::kinematic && (load3(v, i) != Vec3{} || load3(w, i) != Vec3{}))
+      return false;
+  }
+  return true;
+}
+
+void Rigid3d::collect_forces(State& s, const StepInput& in) const {
+  Scratch& scratch = Rigid3d::scratch(in);
+  const auto kind = s.span<uint32_t>(columns::kind);
+  const Vec3 gravity = load3(s.f64(columns::gravity).data(), 0);
+  scratch.change.resize(kind.size());
+  for (size_t i = 0; i < kind.size(); ++i) {
+    scratch.change[i] = gravity * (bodies_.kinds[kind[i]].gravity_scale * in.h);
+  }
+  const double *x = s.f64(columns::position).data(), *v = s.f64(columns::velocity).data();
+  size_t kept = 0;
+  for (size_t k = 0; k < s.rows(columns::push_id); ++k) {
+    const uint64_t id = s.span<uint64_t>(columns::push_id)[k];
+    const auto row = row_of_body(s, id);
+    if (!row) continue;
+    const double mass = bodies_.kinds[kind[*row]].mass;
+    const Vec3 force = load3(s.f64(columns::push_force).data(), k);
+    if (mass > 0) scratch.change[*row] += force * (in.h / mass);
+    wake_body(s, *row, bodies_.kinds);
+    const double remaining = s.f64(columns::push_remaining)[k] - in.h;
+    if (remaining < 0.5 * in.h) continue;  // half a step of tolerance hides rounding
+    s.f64(columns::push_remaining)[kept] = remaining;
+    s.span<uint64_t>(columns::push_id)[kept] = id;
+    store3(s.f64(columns::push_force).data(), kept++, force);
+  }
+  for (const auto c : {columns::push_id, columns::push_force, columns::push_remaining}) s.resize(c, kept);
+  for (size_t k = 0; k < s.rows(columns::drag_id); ++k) {
+    const auto row = row_of_body(s, s.span<uint64_t>(columns::drag_id)[k]);
+    if (!row) continue;
+    const double mass = bodies_.kinds[kind[*row]].mass;
+    if (!(mass > 0)) continue;
+    wake_body(s, *row, bodies_.kinds);
+    // A critically damped spring, implicit in both.
+    const double w2 = s.f64(columns::drag_stiffness)[k] / mass, c = 2 * std::sqrt(w2), h = in.h;
+    const Vec3 away = load3(x, *row) - load3(s.f64(columns::drag_target).data(), k);
+    scratch.change[*row] -= (away * w2 + load3(v, *row) * (c + h * w2)) * (h / (1 + h * c + h * h * w2));
+  }
+}
+
+void Rigid3d::find_contacts(State& s, const StepInput& in) const {
+  Scratch& scratch = Rigid3d::scratch(in);
+  scratch.before.resize(s.rows(columns::position));
+  const double *x = s.f64(columns::position).data(), *q = s.f64(columns::orientation).data();
+  for (size_t i = 0; i < scratch.before.size(); ++i) scratch.before[i] = {load3(x, i), load_quat(q, i)};
+  scratch.contacts.find(s, bodies_.kinds, in);
+}
+
+void Rigid3d::solve(State& s, const StepInput& in) const {
+  Scratch& scratch = Rigid3d::scratch(in);
+  const auto run = [&](auto& solver) {
+    solver.solve(s, bodies_.kinds, scratch.contacts.all(), scratch.contacts.bodies(), scratch.change,
+                 settings_, in);
+  };
+  if (precision_ == Rigid3dDef::Precision::f32) {
+    run(scratch.solver32);
+  } else {
+    run(scratch.solver64);
+  }
+  scratch.contacts.store(s);
+  s.f64(columns::substep)[0] = in.h / settings_.substeps;
+}
+
+void Rigid3d::fly(State& s, const StepInput& in) const {
+  Scratch& scratch = Rigid3d::scratch(in);
+  const auto slot =
+      precision_ == Rigid3dDef::Precision::f32 ? scratch.solver32.slots() : scratch.solver64.slots();
+  const auto now = scratch.contacts.bodies();
+  const auto kind = s.span<uint32_t>(columns::kind);
+  double *x = s.f64(columns::position).data(), *q = s.f64(columns::orientation).data();
+  double *v = s.f64(columns::velocity).data(), *w = s.f64(columns::angular_velocity).data();
+  const double h = in.h;
+  in.arena.for_blocks(kind.size(), kBlockRows, [&](size_t begin, size_t end) {
+    for (size_t i = begin; i < end; ++i) {
+      if (now[i].part == Part::driven) {
+        store3(x, i, load3(x, i) + load3(v, i) * h);
+        store_quat(q, i, normalized(free_rotation::turn(load3(w, i) * h) * load_quat(q, i)));
+        continue;
+      }
+      if (now[i].part != Part::active || slot[i] != kNoBody) continue;
+      const BodyKind& b = bodies_.kinds[kind[i]];
+      const Vec3 v0 = load3(v, i), a = scratch.change[i] / h;
+      if (b.linear_damping == 0) {
+        store3(x, i, load3(x, i) + (v0 + a * (0.5 * h)) * h);
+        store3(v, i, v0 + scratch.change[i]);
+      } else {
+        // v' = a - c v, solved.
+        const double c = b.linear_damping, e = trig::exp(-c * h), m = (1 - e) / c;
+        store3(x, i, load3(x, i) + v0 * m + a * ((h - m) / c));
+        store3(v, i, v0 * e + a * m);
+      }
+      const double half = b.angular_damping == 0 ? 1 : trig::exp(-0.5 * b.angular_damping * h);
+      const auto m = free_rotation::advance({load_quat(q, i), load3(w, i) * half}, b.moments, h);
+      store_quat(q, i, m.orientation), store3(w, i, m.angular_velocity * half);
+    }
+  });
+}
+
+void Rigid3d::stop_fast_bodies(State& s, const StepInput& in) const {
+  Scratch& scratch = Rigid3d::scratch(in);
+  const auto now = scratch.contacts.bodies();
+  const auto contacts = scratch.contacts.all();
+  const auto kind = s.span<uint32_t>(columns::kind);
+  double *x = s.f64(columns::position).data(), *q = s.f64(columns::orientation).data();
+  const auto pose = [&](size_t i) { return Pose{load3(x, i), load_quat(q, i)}; };
+  const auto sweep = [&](size_t i) {
+    return now[i].part == Part::active || now[i].part == Part::driven
+               ? sweep_between(scratch.before[i], pose(i))
+               : resting(scratch.before[i]);
+  };
+  const auto in_contact = [&](uint32_t a, uint32_t b) {
+    if (a > b) std::swap(a, b);
+    const auto at =
+        std::lower_bound(contacts.begin(), contacts.end(), uint64_t{a} << 32 | b,
+                         [](const Contact* c, uint64_t key) { return (uint64_t{c->a} << 32 | c->b) < key; });
+    return at != contacts.end() && (*at)->a == a && (*at)->b == b;
+  };
+  scratch.stopped.clear();
+  for (uint32_t i = 0; i < kind.size(); ++i) {
+    if (now[i].part != Part::active) continue;
+    const BodyKind& k = bodies_.kinds[kind[i]];
+    const double move = norm(load3(x, i) - scratch.before[i].position);
+    if (k.sensor || move + in.h * now[i].turn_speed < 0.5 * k.inner) continue;
+    Box box = bounds(k.solid, now[i].at);
+    box.cover(bounds(k.solid, transform_of(pose(i))));
+    scratch.near.clear();
+    scratch.contacts.broad_phase().overlapping(box, [&](uint32_t j) { scratch.near.push_back(j); });
+    const Sweep own = sweep(i);
+    double first = 1;
+    for (const uint32_t j : scratch.near) {
+      const BodyKind& o = bodies_.kinds[kind[j]];
+      if (j == i || o.sensor || !(k.group & o.mask) || !(o.group & k.mask) || in_contact(i, j)) continue;
+      const auto hit = time_of_impact(k.solid, own, o.solid, sweep(j), 0.25 * now[i].margin);
+      if (hit && hit->t < first) first = hit->t;
+    }
+    if (first < 1) scratch.stopped.push_back({i, first});
+  }
+  for (const auto& [i, t] : scratch.stopped) {
+    const Sweep own = sweep(i);
+    store3(x, i, own.from.position + own.move * t);
+    store_quat(q, i, normalized(free_rotation::turn(own.turn * t) * own.from.orientation));
+  }
+}
+
+void Rigid3d::rest(State& s, const StepInput& in) const {
+  Scratch& scratch = Rigid3d::scratch(in);
+  const auto now = scratch.contacts.bodies();
+  const size_t n = now.size();
+  const auto kind = s.span<uint32_t>(columns::kind);
+  const auto calm = s.f64(columns::calm_time);
+  double *v = s.f64(columns::velocity).data(), *w = s.f64(columns::angular_velocity).data();
+  // Only what leans on something rests; a slow body in space goes on for ever.
+  scratch.parent.resize(n), scratch.calm.assign(n, 0);
+  start_islands(scratch.parent);
+  for (const Contact* c : scratch.contacts.all()) {
+    if (now[c->a].part == Part::active) scratch.calm[c->a] = 1;
+    if (now[c->b].part == Part::active) scratch.calm[c->b] = 1;
+    if (now[c->a].part == Part::active && now[c->b].part == Part::active)
+      link_islands(scratch.parent, c->a, c->b);
+  }
+  for (size_t i = 0; i < n; ++i) {
+    if (now[i].part != Part::active) continue;
+    const double reach = bodies_.kinds[kind[i]].reach;
+    const bool slow = norm2(load3(v, i)) + norm2(load3(w, i)) * (reach * reach) < sleep_speed_ * sleep_speed_;
+    calm[i] = slow && scratch.calm[i] > 0 ? calm[i] + in.h : 0;
+    scratch.calm[i] = calm[i];
+  }
+  spread_minimum<double>(scratch.parent, scratch.calm);
+  for (size_t i = 0; i < n; ++i) {
+    if (now[i].part != Part::active || scratch.calm[i] == 0 || scratch.calm[i] < sleep_time_) continue;
+    s.span<uint32_t>(columns::asleep)[i] = 1;
+    store3(v, i, Vec3{}), store3(w, i, Vec3{});
+  }
+}
+
+std::unique_ptr<const System> build_rigid3d(const void* def, const BuildContext& context) {
+  return std::make_unique<Rigid3d>(*static_cast<const Rigid3dDef*>(def), context);
+}
+
+Cost rigid3d_cost(const void* def) {
+  const auto& d = *static_cast<const Rigid3dDef*>(def);
+  double n = 0;
+  for (const AnyBodyDef& b : d.bodies) n += body_count(common(b));
+  // Some four contacts per body, as in a heap.
+  const double contacts = 4 * n, wide = d.precision == Rigid3dDef::Precision::f64 ? 2 : 1;
+  Cost c;
+  c.state_bytes = 150 * n + 180 * contacts;
+  c.workspace_bytes = 700 * n + 1200 * contacts;
+  c.elements = n;
+  c.seconds_per_step = n * 2e-7 + contacts * (3e-7 + 3e-8 * wide * static_cast<double>(d.substeps));
+  return c;
+}
+
+}  // namespace truestep

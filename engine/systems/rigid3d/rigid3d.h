@@ -1,0 +1,61 @@
+// Rigid bodies with contacts. Body i has a pose (x, q) of its centre of mass and principal axes and moves by
+//   m x'' = f + sum(contact impulses),   L' = torque,   q' = 1/2 (0, w) q,   w = R I^-1 R^T L
+//   separation >= 0,  normal impulse >= 0,  |friction| <= mu normal,  v_n+ = -e v_n-  (above rest_speed)
+// Bodies that touch nothing follow their free motion (exact parabola, rotation of fourth order); the others
+// go through the substepped solver (solver.h). Bodies that rest together sleep together.
+#pragma once
+#include <memory>
+
+#include "engine/core/build.h"
+#include "engine/systems/rigid3d/contacts.h"
+#include "engine/systems/rigid3d/solver.h"
+
+namespace truestep {
+
+class Rigid3d final : public StagedSystem {
+ public:
+  Rigid3d(const Rigid3dDef& def, const BuildContext& context);
+
+  State initial_state() const override;
+  void observe(const State& s, double t, Observables& out) const override;
+  std::vector<FieldInfo> fields() const override;
+  FieldView field(const State& s, size_t which, std::vector<double>& scratch) const override;
+  void apply(State& s, const Command& c) const override;
+  std::vector<DrawnShape> shapes(const State& s, double t) const override;
+  size_t max_rows() const override { return most_bodies_; }
+
+  const std::vector<BodyKind>& kinds() const { return bodies_.kinds; }
+
+ private:
+  /// Memory of a step; nothing in it outlives one.
+  struct Scratch {
+    ContactList contacts;
+    ContactSolver<float> solver32;
+    ContactSolver<double> solver64;
+    std::vector<Vec3> change;
+    std::vector<Pose> before;
+    std::vector<uint32_t> parent;
+    std::vector<double> calm;
+    std::vector<uint32_t> near;
+    std::vector<std::pair<uint32_t, double>> stopped;
+  };
+  static Scratch& scratch(const StepInput& in);
+  void collect_forces(State& s, const StepInput& in) const;
+  void find_contacts(State& s, const StepInput& in) const;
+  void solve(State& s, const StepInput& in) const;
+  void fly(State& s, const StepInput& in) const;
+  void stop_fast_bodies(State& s, const StepInput& in) const;
+  void rest(State& s, const StepInput& in) const;
+  bool all_asleep(const State& s) const;
+  void set_parameter(State& s, const Command& c) const;
+  size_t checked_body(const State& s, const Command& c) const;
+
+  BodyList bodies_;
+  SolverSettings settings_;
+  Rigid3dDef::Precision precision_;
+  Vec3 gravity_;
+  double sleep_speed_, sleep_time_;
+  size_t most_bodies_;
+};
+
+}  // namespace truestep

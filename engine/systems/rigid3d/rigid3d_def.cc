@@ -1,0 +1,300 @@
+#include "engine/systems/rigid3d/rigid3d_def.h"
+
+#include <cmath>
+
+namespace truestep {
+namespace {
+
+constexpr double kMostBodies = 200'000;
+
+const DefTable& copies_table() {
+  static const DefTable t =
+      TableOf<CopiesDef>("many bodies from one, about the body's position")
+          .choice("layout", &CopiesDef::layout, {"grid", "wall", "pyramid", "circle"},
+                  "grid: count x y z; wall: count[0] in the lowest row, one less in each above; pyramid: the "
+                  "same in both directions; circle: count[0] on a circle about y")
+          .integers("count", &CopiesDef::count, between(1, kMostBodies), {1, 3}, "how many along x, y, z")
+          .vector("spacing", &CopiesDef::spacing, "m", any(), "from one to the next along x, y, z")
+          .number("radius", &CopiesDef::radius, "m", above(0), "of the circle")
+          .number("jitter", &CopiesDef::jitter, "m", at_least(0), "random displacement, drawn by the seed")
+          .choice("turn", &CopiesDef::turn, {"none", "random", "outward"},
+                  "orientation of the copies: the body's, any, or the body's turned with the circle")
+          .build();
+  return t;
+}
+
+/// Rows that bodies of all shapes share.
+template <class D>
+TableOf<D>& add_common(TableOf<D>& t) {
+  BodyDef::Motion D::*motion = &BodyDef::motion;
+  std::string D::*id = &BodyDef::id;
+  Vec3 D::*position = &BodyDef::position;
+  Vec3 D::*axis = &BodyDef::axis;
+  Vec3 D::*velocity = &BodyDef::velocity;
+  Vec3 D::*spin = &BodyDef::angular_velocity;
+  double D::*angle = &BodyDef::angle;
+  double D::*density = &BodyDef::density;
+  double D::*linear = &BodyDef::linear_damping;
+  double D::*angular = &BodyDef::angular_damping;
+  double D::*gravity = &BodyDef::gravity_scale;
+  std::vector<double> D::*orientation = &BodyDef::orientation;
+  std::optional<double> D::*mass = &BodyDef::mass;
+  std::optional<double> D::*friction = &BodyDef::friction;
+  std::optional<double> D::*restitution = &BodyDef::restitution;
+  std::optional<double> D::*rolling = &BodyDef::rolling_resistance;
+  std::optional<double> D::*spinning = &BodyDef::spinning_resistance;
+  int64_t D::*group = &BodyDef::group;
+  int64_t D::*mask = &BodyDef::mask;
+  bool D::*sensor = &BodyDef::sensor;
+  std::optional<Vec3> D::*color = &BodyDef::color;
+  std::optional<CopiesDef> D::*copies = &BodyDef::copies;
+  return t.text("id", id, "name for expectations and pictures")
+      .choice("motion", motion, {"dynamic", "fixed", "kinematic"},
+              "moved by forces, not at all, or by its own velocity whatever it meets")
+      .vector("position", position, "m", any(), "of the shape's origin")
+      .vector("axis", axis, "1", any(), "axis of its rotation; any length")
+      .number("angle", angle, "rad", any(), "angle of its rotation")
+      .numbers("orientation", orientation, "1", any(), {0, 4},
+               "unit quaternion w x y z, instead of axis and angle")
+      .vector("velocity", velocity, "m/s", any(), "of the centre of mass")
+      .vector("angular_velocity", spin, "rad/s", any(), "in the world")
+      .number("density", density, "kg/m^3", above(0), "uniform")
+      .number("mass", mass, "kg", above(0), "instead of density")
+      .number("linear_damping", linear, "1/s", at_least(0), "rate at which velocity fades")
+      .number("angular_damping", angular, "1/s", at_least(0), "rate at which turning fades")
+      .number("gravity_scale", gravity, "1", any(), "share of gravity that it feels")
+      .number("friction", friction, "1", at_least(0), "Coulomb's coefficient; of two bodies sqrt(a b) counts")
+      .number("restitution", restitution, "1", between(0, 1),
+              "share of the normal speed kept; the larger counts")
+      .number("rolling_resistance", rolling, "m", at_least(0),
+              "torque against rolling per normal force; the larger counts")
+      .number("spinning_resistance", spinning, "m", at_least(0),
+              "torque against spinning on the spot per normal force")
+      .integer("group", group, between(0, 0xffffffff), "bits of the groups that it is in")
+      .integer("mask", mask, between(0, 0xffffffff), "bits of the groups that it meets")
+      .boolean("sensor", sensor, "is touched without touching back")
+      .vector("color", color, "1", between(0, 1), "red, green, blue")
+      .object("copies", copies, copies_table(), "many bodies like this one");
+}
+
+template <class D>
+DefTable finish(TableOf<D>& t) {
+  add_common(t);
+  t.check([](const D& d, const DefTable::Report& report) {
+    if (!d.orientation.empty() && d.orientation.size() != 4)
+      report("/orientation", "needs four numbers w x y z");
+    if (d.orientation.size() == 4) {
+      double n = 0;
+      for (const double x : d.orientation) n += x * x;
+      if (!(std::abs(n - 1) < 1e-6)) report("/orientation", "must have length 1");
+    }
+    if (d.angle != 0 && !(norm(d.axis) > 0)) report("/axis", "the axis must not be zero");
+    if (body_count(d) > kMostBodies) report("/copies/count", "more than 200000 bodies");
+    constexpr bool surface = std::is_same_v<D, PlaneBodyDef> || std::is_same_v<D, HeightFieldBodyDef>;
+    if (surface && d.motion == BodyDef::Motion::dynamic) {
+      report("/motion", "this shape has no mass: it must be fixed");
+    }
+  });
+  return t.build();
+}
+
+const DefTable& sphere_table() {
+  static const DefTable t = [] {
+    TableOf<SphereBodyDef> t("ball");
+    t.number("radius", &SphereBodyDef::radius, "m", above(0), "radius");
+    return finish(t);
+  }();
+  return t;
+}
+const DefTable& box_table() {
+  static const DefTable t = [] {
+    TableOf<BoxBodyDef> t("box");
+    t.vector("half_extents", &BoxBodyDef::half_extents, "m", above(0), "half of each edge");
+    return finish(t);
+  }();
+  return t;
+}
+const DefTable& capsule_table() {
+  static const DefTable t = [] {
+    TableOf<CapsuleBodyDef> t("cylinder with round ends along y");
+    t.number("radius", &CapsuleBodyDef::radius, "m", above(0), "radius of the cylinder and of its ends")
+        .number("half_length", &CapsuleBodyDef::half_length, "m", above(0),
+                "half of the cylinder without ends");
+    return finish(t);
+  }();
+  return t;
+}
+const DefTable& cylinder_table() {
+  static const DefTable t = [] {
+    TableOf<CylinderBodyDef> t("cylinder along y");
+    t.number("radius", &CylinderBodyDef::radius, "m", above(0), "radius")
+        .number("half_length", &CylinderBodyDef::half_length, "m", above(0), "half of its length");
+    return finish(t);
+  }();
+  return t;
+}
+const DefTable& hull_table() {
+  static const DefTable t = [] {
+    TableOf<HullBodyDef> t("convex hull of points");
+    t.vectors("points", &HullBodyDef::points, "m", any(), {4, 10'000}, "points in the body's frame");
+    return finish(t);
+  }();
+  return t;
+}
+const DefTable& mesh_table() {
+  static const DefTable t = [] {
+    TableOf<MeshBodyDef> t("triangles, seen from where they run anticlockwise; dynamic only when closed");
+    t.vectors("vertices", &MeshBodyDef::vertices, "m", any(), {3, 1'000'000}, "corners")
+        .integers("triangles", &MeshBodyDef::triangles, at_least(0), {3, 3'000'000}, "three indices each");
+    return finish(t);
+  }();
+  return t;
+}
+const DefTable& height_field_table() {
+  static const DefTable t = [] {
+    TableOf<HeightFieldBodyDef> t("heights on a grid, rising along y; fixed");
+    t.integers("count", &HeightFieldBodyDef::count, between(2, 4096), {2, 2}, "points along x and z")
+        .number("spacing", &HeightFieldBodyDef::spacing, "m", above(0), "from point to point")
+        .numbers("heights", &HeightFieldBodyDef::heights, "m", any(), {4, 10'000'000},
+                 "count[0] x count[1], x fastest");
+    return finish(t);
+  }();
+  return t;
+}
+const DefTable& plane_table() {
+  static const DefTable t = [] {
+    TableOf<PlaneBodyDef> t("half space; fixed");
+    t.vector("normal", &PlaneBodyDef::normal, "1", any(), "towards where bodies may be; any length");
+    return finish(t);
+  }();
+  return t;
+}
+
+template <class D>
+DefTable finish_part(TableOf<D>& t) {
+  Vec3 D::*position = &PartDef::position;
+  Vec3 D::*axis = &PartDef::axis;
+  double D::*angle = &PartDef::angle;
+  return t.vector("position", position, "m", any(), "in the body's frame")
+      .vector("axis", axis, "1", any(), "axis of its rotation; any length")
+      .number("angle", angle, "rad", any(), "angle of its rotation")
+      .build();
+}
+const DefTable& sphere_part_table() {
+  static const DefTable t = [] {
+    TableOf<SpherePartDef> t("ball");
+    t.number("radius", &SpherePartDef::radius, "m", above(0), "radius");
+    return finish_part(t);
+  }();
+  return t;
+}
+const DefTable& box_part_table() {
+  static const DefTable t = [] {
+    TableOf<BoxPartDef> t("box");
+    t.vector("half_extents", &BoxPartDef::half_extents, "m", above(0), "half of each edge");
+    return finish_part(t);
+  }();
+  return t;
+}
+const DefTable& capsule_part_table() {
+  static const DefTable t = [] {
+    TableOf<CapsulePartDef> t("cylinder with round ends along y");
+    t.number("radius", &CapsulePartDef::radius, "m", above(0), "radius")
+        .number("half_length", &CapsulePartDef::half_length, "m", above(0), "half of the cylinder");
+    return finish_part(t);
+  }();
+  return t;
+}
+const DefTable& cylinder_part_table() {
+  static const DefTable t = [] {
+    TableOf<CylinderPartDef> t("cylinder along y");
+    t.number("radius", &CylinderPartDef::radius, "m", above(0), "radius")
+        .number("half_length", &CylinderPartDef::half_length, "m", above(0), "half of its length");
+    return finish_part(t);
+  }();
+  return t;
+}
+const DefTable& hull_part_table() {
+  static const DefTable t = [] {
+    TableOf<HullPartDef> t("convex hull of points");
+    t.vectors("points", &HullPartDef::points, "m", any(), {4, 10'000}, "points in the part's frame");
+    return finish_part(t);
+  }();
+  return t;
+}
+const DefTable& compound_table() {
+  static const DefTable t = [] {
+    TableOf<CompoundBodyDef> t("convex parts that move as one");
+    t.variants("parts", &CompoundBodyDef::parts,
+               {{"sphere", &sphere_part_table()},
+                {"box", &box_part_table()},
+                {"capsule", &capsule_part_table()},
+                {"cylinder", &cylinder_part_table()},
+                {"hull", &hull_part_table()}},
+               {1, 10'000}, "the parts");
+    return finish(t);
+  }();
+  return t;
+}
+
+}  // namespace
+
+double body_count(const BodyDef& d) {
+  if (!d.copies) return 1;
+  const auto& c = d.copies->count;
+  const auto n = [&c](size_t k) { return k < c.size() ? static_cast<double>(c[k]) : 1.0; };
+  switch (d.copies->layout) {
+    case CopiesDef::Layout::wall:
+      return n(0) * (n(0) + 1) / 2;
+    case CopiesDef::Layout::pyramid:
+      return n(0) * (n(0) + 1) * (2 * n(0) + 1) / 6;
+    case CopiesDef::Layout::circle:
+      return n(0);
+    case CopiesDef::Layout::grid:
+      break;
+  }
+  return n(0) * n(1) * n(2);
+}
+
+const DefTable& rigid3d_table() {
+  using D = Rigid3dDef;
+  static const DefTable kTable =
+      TableOf<D>("rigid bodies that touch, slide, roll, bounce and stack")
+          .variants("bodies", &D::bodies,
+                    {{"sphere", &sphere_table()},
+                     {"box", &box_table()},
+                     {"capsule", &capsule_table()},
+                     {"cylinder", &cylinder_table()},
+                     {"hull", &hull_table()},
+                     {"mesh", &mesh_table()},
+                     {"height_field", &height_field_table()},
+                     {"plane", &plane_table()},
+                     {"compound", &compound_table()}},
+                    {1, 200'000}, "the bodies, in the order of their rows")
+          .vector("gravity", &D::gravity, "m/s^2", any(), "instead of the scene's")
+          .integer("substeps", &D::substeps, between(1, 64), "parts of a step in which contacts are solved")
+          .choice("precision", &D::precision, {"f32", "f64"},
+                  "numbers in which contacts are solved; poses are f64")
+          .number("friction", &D::friction, "1", at_least(0), "of bodies that do not say otherwise")
+          .number("restitution", &D::restitution, "1", between(0, 1), "of bodies that do not say otherwise")
+          .number("rest_speed", &D::rest_speed, "m/s", at_least(0), "slower approaches do not bounce")
+          .number("rolling_resistance", &D::rolling_resistance, "m", at_least(0),
+                  "of bodies that do not say otherwise")
+          .number("spinning_resistance", &D::spinning_resistance, "m", at_least(0),
+                  "of bodies that do not say otherwise")
+          .number("contact_hertz", &D::contact_hertz, "Hz", at_least(0), "softness of contacts; 0: rigid")
+          .number("contact_damping", &D::contact_damping, "1", above(0), "damping ratio of soft contacts")
+          .number("push_out_speed", &D::push_out_speed, "m/s", above(0), "fastest way out of one another")
+          .boolean("sleeping", &D::sleeping, "groups of bodies that rest are not computed")
+          .number("sleep_speed", &D::sleep_speed, "m/s", above(0), "bodies whose points are slower may rest")
+          .number("sleep_time", &D::sleep_time, "s", at_least(0), "for this long before they sleep")
+          .check([](const D& d, const DefTable::Report& report) {
+            double n = 0;
+            for (const AnyBodyDef& b : d.bodies) n += body_count(common(b));
+            if (n > kMostBodies) report("/bodies", "more than 200000 bodies in all");
+          })
+          .build();
+  return kTable;
+}
+
+}  // namespace truestep

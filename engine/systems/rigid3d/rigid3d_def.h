@@ -1,0 +1,121 @@
+// Parameters of the system "rigid3d"; units and bounds stand in the table (rigid3d_def.cc).
+#pragma once
+#include <optional>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "engine/core/build.h"
+#include "engine/core/def.h"
+#include "engine/core/system.h"
+
+namespace truestep {
+
+/// Many bodies from one: places on a lattice, in rows that get shorter, on a circle.
+struct CopiesDef {
+  enum class Layout : uint8_t { grid, wall, pyramid, circle } layout = Layout::grid;
+  std::vector<int64_t> count{1, 1, 1};
+  Vec3 spacing{1, 1, 1};
+  double radius = 1;
+  double jitter = 0;
+  enum class Turn : uint8_t { none, random, outward } turn = Turn::none;
+};
+
+/// What bodies of every shape have.
+struct BodyDef {
+  std::string id;
+  enum class Motion : uint8_t { dynamic, fixed, kinematic } motion = Motion::dynamic;
+  Vec3 position, axis{0, 1, 0};
+  double angle = 0;
+  std::vector<double> orientation;
+  Vec3 velocity, angular_velocity;
+  double density = 1000;
+  std::optional<double> mass;
+  double linear_damping = 0, angular_damping = 0, gravity_scale = 1;
+  std::optional<double> friction, restitution, rolling_resistance, spinning_resistance;
+  int64_t group = 1, mask = 0xffffffff;
+  bool sensor = false;
+  std::optional<Vec3> color;
+  std::optional<CopiesDef> copies;
+};
+
+struct SphereBodyDef : BodyDef {
+  double radius = 0.5;
+};
+struct BoxBodyDef : BodyDef {
+  Vec3 half_extents{0.5, 0.5, 0.5};
+};
+struct CapsuleBodyDef : BodyDef {
+  double radius = 0.25, half_length = 0.5;
+};
+struct CylinderBodyDef : BodyDef {
+  double radius = 0.5, half_length = 0.5;
+};
+struct HullBodyDef : BodyDef {
+  std::vector<Vec3> points;
+};
+struct MeshBodyDef : BodyDef {
+  std::vector<Vec3> vertices;
+  std::vector<int64_t> triangles;
+};
+struct HeightFieldBodyDef : BodyDef {
+  std::vector<int64_t> count{2, 2};
+  double spacing = 1;
+  std::vector<double> heights;
+};
+struct PlaneBodyDef : BodyDef {
+  Vec3 normal{0, 1, 0};
+};
+
+/// A convex part of a compound.
+struct PartDef {
+  Vec3 position, axis{0, 1, 0};
+  double angle = 0;
+};
+struct SpherePartDef : PartDef {
+  double radius = 0.5;
+};
+struct BoxPartDef : PartDef {
+  Vec3 half_extents{0.5, 0.5, 0.5};
+};
+struct CapsulePartDef : PartDef {
+  double radius = 0.25, half_length = 0.5;
+};
+struct CylinderPartDef : PartDef {
+  double radius = 0.5, half_length = 0.5;
+};
+struct HullPartDef : PartDef {
+  std::vector<Vec3> points;
+};
+using AnyPartDef = std::variant<SpherePartDef, BoxPartDef, CapsulePartDef, CylinderPartDef, HullPartDef>;
+struct CompoundBodyDef : BodyDef {
+  std::vector<AnyPartDef> parts;
+};
+
+using AnyBodyDef = std::variant<SphereBodyDef, BoxBodyDef, CapsuleBodyDef, CylinderBodyDef, HullBodyDef,
+                                MeshBodyDef, HeightFieldBodyDef, PlaneBodyDef, CompoundBodyDef>;
+
+struct Rigid3dDef {
+  std::vector<AnyBodyDef> bodies;
+  std::optional<Vec3> gravity;
+  int64_t substeps = 4;
+  enum class Precision : uint8_t { f32, f64 } precision = Precision::f32;
+  double friction = 0.5, restitution = 0, rest_speed = 0.05;
+  double rolling_resistance = 0, spinning_resistance = 0;
+  double contact_hertz = 0, contact_damping = 10, push_out_speed = 3;
+  bool sleeping = true;
+  double sleep_speed = 0.02, sleep_time = 0.5;
+};
+
+const DefTable& rigid3d_table();
+std::unique_ptr<const System> build_rigid3d(const void* def, const BuildContext& context);
+Cost rigid3d_cost(const void* def);
+
+/// Members that every alternative has.
+inline const BodyDef& common(const AnyBodyDef& d) {
+  return std::visit([](const auto& b) -> const BodyDef& { return b; }, d);
+}
+/// Bodies that a def stands for, in double so that nothing overflows.
+double body_count(const BodyDef& d);
+
+}  // namespace truestep

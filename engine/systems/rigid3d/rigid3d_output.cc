@@ -1,0 +1,144 @@
+// What a rigid3d state says about itself: energies, momenta, fields, shapes to draw.
+#include <algorithm>
+
+#include "engine/kernels/free_rotation.h"
+#include "engine/systems/rigid3d/rigid3d.h"
+
+namespace truestep {
+
+namespace columns = rigid3d_columns;
+
+namespace {
+enum Field : size_t { kPosition, kVelocity, kOrientation, kAngularVelocity, kAsleep, kShape, kSize, kForce };
+}
+
+void Rigid3d::observe(const State& s, double, Observables& out) const {
+  const auto kind = s.span<uint32_t>(columns::kind);
+  const auto asleep = s.span<uint32_t>(columns::asleep);
+  const double *x = s.f64(columns::position).data(), *q = s.f64(columns::orientation).data();
+  const double *v = s.f64(columns::velocity).data(), *w = s.f64(columns::angular_velocity).data();
+  const Vec3 g = load3(s.f64(columns::gravity).data(), 0);
+  double linear = 0, turning = 0, potential = 0, awake = 0, fastest = 0;
+  Vec3 momentum, spin;
+  for (size_t i = 0; i < kind.size(); ++i) {
+    const BodyKind& b = bodies_.kinds[kind[i]];
+    if (!b.moved_by_forces()) continue;
+    const Vec3 p = load3(v, i) * b.mass;
+    const Vec3 L = free_rotation::momentum({load_quat(q, i), load3(w, i)}, b.moments);
+    linear += 0.5 * dot(p, load3(v, i)), turning += 0.5 * dot(L, load3(w, i));
+    potential -= b.mass * b.gravity_scale * dot(g, load3(x, i));
+    momentum += p, spin += L + cross(load3(x, i), p);
+    awake += asleep[i] == 0;
+    fastest = std::max(fastest, norm(load3(v, i)));
+  }
+  const double kinetic = linear + turning;
+  out.add("energy.kinetic", kinetic, "J");
+  out.add("energy.rotation", turning, "J");
+  out.add("energy.potential", potential, "J");
+  out.add("energy.total", kinetic + potential, "J");
+  out.add("momentum.x", momentum.x, "kg m/s");
+  out.add("momentum.y", momentum.y, "kg m/s");
+  out.add("momentum.z", momentum.z, "kg m/s");
+  out.add("angular_momentum.x", spin.x, "kg m^2/s");
+  out.add("angular_momentum.y", spin.y, "kg m^2/s");
+  out.add("angular_momentum.z", spin.z, "kg m^2/s");
+  out.add("speed.largest", fastest, "m/s");
+  out.add("count", static_cast<double>(kind.size()), "1");
+  out.add("awake", awake, "1");
+  out.add("contacts", static_cast<double>(s.rows(columns::contact_bodies)), "1");
+  const auto bodies = s.span<uint32_t>(columns::contact_bodies);
+  const auto depths = s.f64(columns::contact_depth);
+  double deepest = 0, sensed = 0;
+  for (size_t k = 0; k < depths.size(); ++k) {
+    const bool sensor =
+        bodies_.kinds[kind[bodies[2 * k]]].sensor || bodies_.kinds[kind[bodies[2 * k + 1]]].sensor;
+    sensed += sensor;
+    if (!sensor) deepest = std::max(deepest, depths[k]);
+  }
+  out.add("penetration", deepest, "m");
+  out.add("sensed", sensed, "1");
+}
+
+std::vector<FieldInfo> Rigid3d::fields() const {
+  return {{"position", "m", Scalar::f64, 3},    {"velocity", "m/s", Scalar::f64, 3},
+          {"orientation", "1", Scalar::f64, 4}, {"angular_velocity", "rad/s", Scalar::f64, 3},
+          {"asleep", "1", Scalar::u32, 1},      {"shape", "1", Scalar::f64, 1},
+          {"size", "m", Scalar::f64, 3},        {"contact_force", "N", Scalar::f64, 3}};
+}
+
+FieldView Rigid3d::field(const State& s, size_t which, std::vector<double>& scratch) const {
+  const size_t n = s.rows(columns::position);
+  const auto kind = s.span<uint32_t>(columns::kind);
+  switch (which) {
+    case kPosition:
+      return {s.f64(columns::position).data(), Scalar::f64, n, 3};
+    case kVelocity:
+      return {s.f64(columns::velocity).data(), Scalar::f64, n, 3};
+    case kOrientation:
+      return {s.f64(columns::orientation).data(), Scalar::f64, n, 4};
+    case kAngularVelocity:
+      return {s.f64(columns::angular_velocity).data(), Scalar::f64, n, 3};
+    case kAsleep:
+      return {s.span<uint32_t>(columns::asleep).data(), Scalar::u32, n, 1};
+    case kShape:
+      scratch.resize(n);
+      for (size_t i = 0; i < n; ++i) scratch[i] = static_cast<double>(bodies_.kinds[kind[i]].solid.kind);
+      return {scratch.data(), Scalar::f64, n, 1};
+    case kSize:
+      scratch.resize(3 * n);
+      for (size_t i = 0; i < n; ++i) store3(scratch.data(), i, bodies_.kinds[kind[i]].solid.size);
+      return {scratch.data(), Scalar::f64, n, 3};
+    default:
+      break;
+  }
+  scratch.assign(3 * n, 0);
+  const double h = s.f64(columns::substep)[0];
+  if (h > 0) {
+    const auto bodies = s.span<uint32_t>(columns::contact_bodies);
+    const double *normal = s.f64(columns::contact_normal).data(),
+                 *impulse = s.f64(columns::contact_impulse).data();
+    const double* friction = s.f64(columns::contact_friction).data();
+    for (size_t k = 0; k < s.rows(columns::contact_bodies); ++k) {
+      const double pressure = impulse[4 * k] + impulse[4 * k + 1] + impulse[4 * k + 2] + impulse[4 * k + 3];
+      const Vec3 slide{friction[4 * k], friction[4 * k + 1], friction[4 * k + 2]};
+      const Vec3 force = (load3(normal, k) * pressure + slide) / h;
+      const size_t a = bodies[2 * k], b = bodies[2 * k + 1];
+      store3(scratch.data(), a, load3(scratch.data(), a) - force);
+      store3(scratch.data(), b, load3(scratch.data(), b) + force);
+    }
+  }
+  return {scratch.data(), Scalar::f64, n, 3};
+}
+
+std::vector<DrawnShape> Rigid3d::shapes(const State& s, double) const {
+  std::vector<DrawnShape> out;
+  const auto kind = s.span<uint32_t>(columns::kind);
+  const double *x = s.f64(columns::position).data(), *q = s.f64(columns::orientation).data();
+  for (size_t i = 0; i < kind.size(); ++i) {
+    const BodyKind& b = bodies_.kinds[kind[i]];
+    DrawnShape d;
+    switch (b.solid.kind) {
+      case SolidKind::sphere:
+        d.kind = DrawnShape::Kind::sphere;
+        break;
+      case SolidKind::capsule:
+        d.kind = DrawnShape::Kind::capsule;
+        break;
+      case SolidKind::box:
+        d.kind = DrawnShape::Kind::box;
+        break;
+      case SolidKind::plane:
+        d.kind = DrawnShape::Kind::plane;
+        break;
+      default:
+        continue;
+    }
+    const Quat o = load_quat(q, i);
+    d.position = load3(x, i), d.orientation = {o.w, o.x, o.y, o.z}, d.size = b.solid.size;
+    d.id = b.id.empty() ? std::to_string(i) : b.id;
+    out.push_back(d);
+  }
+  return out;
+}
+
+}  // namespace truestep

@@ -1,0 +1,132 @@
+#include "engine/systems/rigid3d/rigid3d_state.h"
+
+#include <algorithm>
+
+#include "engine/kernels/islands.h"
+
+namespace truestep {
+
+namespace columns = rigid3d_columns;
+
+State rigid3d_at_start(const BodyList& bodies, const Vec3& gravity) {
+  using S = Scalar;
+  State s;
+  s.add({"position", "m", S::f64, 3, Role::position}, 0);
+  s.add({"velocity", "m/s", S::f64, 3, Role::velocity}, 0);
+  s.add({"orientation", "1", S::f64, 4, Role::position}, 0);
+  s.add({"angular_velocity", "rad/s", S::f64, 3, Role::velocity}, 0);
+  s.add({"kind", "1", S::u32, 1}, 0);
+  s.add({"id", "1", S::u64, 1}, 0);
+  s.add({"calm_time", "s", S::f64, 1}, 0);
+  s.add({"asleep", "1", S::u32, 1}, 0);
+  s.add({"contact.bodies", "1", S::u32, 2}, 0);
+  s.add({"contact.ids", "1", S::u32, 5}, 0);
+  s.add({"contact.normal", "1", S::f64, 3}, 0);
+  s.add({"contact.impulse", "N s", S::f64, 4}, 0);
+  s.add({"contact.friction", "SI", S::f64, 4}, 0);
+  s.add({"contact.roll", "N m s", S::f64, 3}, 0);
+  s.add({"contact.depth", "m", S::f64, 1}, 0);
+  s.add({"counters", "1", S::u64, 1}, 1);
+  s.add({"gravity", "m/s^2", S::f64, 3}, 1);
+  s.add({"substep", "s", S::f64, 1}, 1);
+  s.add({"push.id", "1", S::u64, 1}, 0);
+  s.add({"push.force", "N", S::f64, 3}, 0);
+  s.add({"push.remaining", "s", S::f64, 1}, 0);
+  s.add({"drag.id", "1", S::u64, 1}, 0);
+  s.add({"drag.target", "m", S::f64, 3}, 0);
+  s.add({"drag.stiffness", "N/m", S::f64, 1}, 0);
+  for (State::Column c = 0; c < columns::per_body_end; ++c) s.reserve(c, bodies.starts.size());
+  for (State::Column c = columns::contact_bodies; c < columns::contacts_end; ++c) {
+    s.reserve(c, 4 * bodies.starts.size());
+  }
+  store3(s.f64(columns::gravity).data(), 0, gravity);
+  for (const BodyStart& b : bodies.starts) append_body(s, b);
+  return s;
+}
+
+void append_body(State& s, const BodyStart& b) {
+  const size_t n = s.rows(columns::position);
+  for (State::Column c = 0; c < columns::per_body_end; ++c) s.resize(c, n + 1);
+  store3(s.f64(columns::position).data(), n, b.pose.position);
+  store_quat(s.f64(columns::orientation).data(), n, b.pose.orientation);
+  store3(s.f64(columns::velocity).data(), n, b.velocity);
+  store3(s.f64(columns::angular_velocity).data(), n, b.angular_velocity);
+  s.span<uint32_t>(columns::kind)[n] = b.kind;
+  s.span<uint64_t>(columns::id)[n] = s.span<uint64_t>(columns::counters)[0]++;
+}
+
+std::optional<size_t> row_of_body(const State& s, uint64_t id) {
+  const auto ids = s.span<uint64_t>(columns::id);
+  const auto at = std::lower_bound(ids.begin(), ids.end(), id);
+  if (at == ids.end() || *at != id) return std::nullopt;
+  return static_cast<size_t>(at - ids.begin());
+}
+
+void wake_body(State& s, size_t row, std::span<const BodyKind> kinds) {
+  const auto asleep = s.span<uint32_t>(columns::asleep);
+  const auto kind = s.span<uint32_t>(columns::kind);
+  s.f64(columns::calm_time)[row] = 0;
+  if (!asleep[row]) return;
+  std::vector<uint32_t> parent(asleep.size());
+  start_islands(parent);
+  const auto pairs = s.span<uint32_t>(columns::contact_bodies);
+  for (size_t k = 0; k < pairs.size(); k += 2) {
+    const uint32_t a = pairs[k], b = pairs[k + 1];
+    if (kinds[kind[a]].moved_by_forces() && kinds[kind[b]].moved_by_forces()) link_islands(parent, a, b);
+  }
+  const uint32_t island = island_of(parent, static_cast<uint32_t>(row));
+  for (uint32_t i = 0; i < asleep.size(); ++i) {
+    if (asleep[i] && island_of(parent, i) == island) asleep[i] = 0, s.f64(columns::calm_time)[i] = 0;
+  }
+}
+
+namespace {
+
+/// Closes over row `gone` of a column.
+template <class T>
+void erase_row(State& s, State::Column c, size_t gone) {
+  const size_t width = s.info(c).width, rows = s.rows(c);
+  const auto all = s.span<T>(c);
+  std::copy(all.begin() + static_cast<ptrdiff_t>((gone + 1) * width), all.end(),
+            all.begin() + static_cast<ptrdiff_t>(gone * width));
+  s.resize(c, rows - 1);
+}
+
+void erase_any_row(State& s, State::Column c, size_t gone) {
+  switch (s.info(c).type) {
+    case Scalar::f64:
+      return erase_row<double>(s, c, gone);
+    case Scalar::u32:
+      return erase_row<uint32_t>(s, c, gone);
+    case Scalar::u64:
+      return erase_row<uint64_t>(s, c, gone);
+    case Scalar::f32:
+    case Scalar::i32:
+      return;  // none of these here
+  }
+}
+
+}  // namespace
+
+void remove_body(State& s, size_t row) {
+  const uint64_t id = s.span<uint64_t>(columns::id)[row];
+  for (size_t k = s.rows(columns::contact_bodies); k-- > 0;) {
+    const auto pair = s.span<uint32_t>(columns::contact_bodies);
+    if (pair[2 * k] != row && pair[2 * k + 1] != row) continue;
+    for (State::Column c = columns::contact_bodies; c < columns::contacts_end; ++c) erase_any_row(s, c, k);
+  }
+  for (uint32_t& b : s.span<uint32_t>(columns::contact_bodies)) b -= b > row;
+  for (State::Column c = 0; c < columns::per_body_end; ++c) erase_any_row(s, c, row);
+  for (size_t k = s.rows(columns::push_id); k-- > 0;) {
+    if (s.span<uint64_t>(columns::push_id)[k] != id) continue;
+    for (const auto c : {columns::push_id, columns::push_force, columns::push_remaining})
+      erase_any_row(s, c, k);
+  }
+  for (size_t k = s.rows(columns::drag_id); k-- > 0;) {
+    if (s.span<uint64_t>(columns::drag_id)[k] != id) continue;
+    for (const auto c : {columns::drag_id, columns::drag_target, columns::drag_stiffness})
+      erase_any_row(s, c, k);
+  }
+}
+
+}  // namespace truestep

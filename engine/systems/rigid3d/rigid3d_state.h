@@ -1,0 +1,64 @@
+// Columns of a rigid3d state. One row per body, in the order of birth; contacts ascend by their bodies' rows
+// and carry the impulses that the next step starts from.
+#pragma once
+#include <span>
+
+#include "engine/core/state.h"
+#include "engine/systems/rigid3d/bodies.h"
+
+namespace truestep {
+
+namespace rigid3d_columns {
+enum : State::Column {
+  position,          ///< f64 x 3, of the centre of mass
+  velocity,          ///< f64 x 3
+  orientation,       ///< f64 x 4, of the principal axes
+  angular_velocity,  ///< f64 x 3, in the world
+  kind,              ///< u32, which BodyKind
+  id,                ///< u64, ascending, never used twice
+  calm_time,         ///< f64, s for which the body has been slow
+  asleep,            ///< u32
+  per_body_end,
+  contact_bodies = per_body_end,  ///< u32 x 2
+  contact_ids,                    ///< u32 x 5: points, then features of up to four
+  contact_normal,                 ///< f64 x 3
+  contact_impulse,                ///< f64 x 4, N s of one substep along the normal
+  contact_friction,               ///< f64 x 4: N s in the world, N m s about the normal
+  contact_roll,                   ///< f64 x 3, N m s in the world
+  contact_depth,                  ///< f64, m, of the deepest point when it was found; negative: apart
+  contacts_end,
+  counters = contacts_end,  ///< u64: next id
+  gravity,                  ///< f64 x 3
+  substep,                  ///< f64, s, length of the last step's substeps; 0 before the first
+  push_id,                  ///< u64
+  push_force,               ///< f64 x 3, N
+  push_remaining,           ///< f64, s
+  drag_id,                  ///< u64
+  drag_target,              ///< f64 x 3, m
+  drag_stiffness,           ///< f64, N/m
+};
+}  // namespace rigid3d_columns
+
+/// The state at t = 0.
+State rigid3d_at_start(const BodyList& bodies, const Vec3& gravity);
+
+/// One body more, at the end.
+void append_body(State& s, const BodyStart& b);
+
+/// Row of the body with this id, or nothing.
+std::optional<size_t> row_of_body(const State& s, uint64_t id);
+
+/// Takes a body away: its contacts, pushes and drags too. Bodies that touched it wake up.
+void remove_body(State& s, size_t row);
+
+/// Wakes a body and all that it rests on or carries.
+void wake_body(State& s, size_t row, std::span<const BodyKind> kinds);
+
+inline Quat load_quat(const double* p, size_t i) {
+  return {p[4 * i], p[4 * i + 1], p[4 * i + 2], p[4 * i + 3]};
+}
+inline void store_quat(double* p, size_t i, const Quat& q) {
+  p[4 * i] = q.w, p[4 * i + 1] = q.x, p[4 * i + 2] = q.y, p[4 * i + 3] = q.z;
+}
+
+}  // namespace truestep

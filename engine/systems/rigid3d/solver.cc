@@ -1,0 +1,322 @@
+#include "engine/systems/rigid3d/solver.h"
+
+#include <cmath>
+
+#include "engine/kernels/free_rotation.h"
+#include "engine/kernels/soft_constraint.h"
+
+namespace truestep {
+
+namespace columns = rigid3d_columns;
+
+namespace {
+
+constexpr size_t kGroupsPerBlock = 24;
+/// Share of a depth that rigid contacts take back in a substep.
+constexpr double kTakenBack = 0.1;
+/// rad/s; slower bodies change their axis of rotation by less than a float shows.
+constexpr double kSlowSpin = 1e-2;
+
+/// R diag(d) R^T as xx yy zz xy xz yz.
+void rotated_diagonal(const Rotation& r, const Vec3& d, double out[6]) {
+  const auto entry = [&](int i, int j) {
+    const Vec3 &a = r.row[i], &b = r.row[j];
+    return a.x * b.x * d.x + a.y * b.y * d.y + a.z * b.z * d.z;
+  };
+  out[0] = entry(0, 0), out[1] = entry(1, 1), out[2] = entry(2, 2);
+  out[3] = entry(0, 1), out[4] = entry(0, 2), out[5] = entry(1, 2);
+}
+Vec3 apply(const double s[6], const Vec3& a) {
+  return {s[0] * a.x + s[3] * a.y + s[4] * a.z, s[3] * a.x + s[1] * a.y + s[5] * a.z,
+          s[4] * a.x + s[5] * a.y + s[2] * a.z};
+}
+Vec3 roots(const Vec3& a) {
+  return {std::sqrt(a.x), std::sqrt(a.y), std::sqrt(a.z)};
+}
+
+template <class T>
+Record8<T> record(const Vec3& linear, const Vec3& turn) {
+  return {{T(linear.x), T(linear.y), T(linear.z), T(turn.x), T(turn.y), T(turn.z), 0, 0}};
+}
+
+template <class T>
+void set3(Wide<T> out[3], size_t lane, const Vec3& v) {
+  out[0].set(lane, T(v.x)), out[1].set(lane, T(v.y)), out[2].set(lane, T(v.z));
+}
+template <class T>
+Vec3 get3(const Wide<T> in[3], size_t lane) {
+  return {in[0][lane], in[1][lane], in[2][lane]};
+}
+
+}  // namespace
+
+template <class T>
+void ContactSolver<T>::choose_bodies(const State& s, std::span<const BodyKind> kinds,
+                                     std::span<Contact* const> contacts, std::span<const BodyNow> now) {
+  const auto kind = s.span<uint32_t>(columns::kind);
+  slot_.assign(kind.size(), kNoBody);
+  listed_.clear();
+  // Contacts of two moving bodies come first: what rests on fixed ground is solved after what it carries.
+  enum class Ends : uint8_t { both_move, one_moves };
+  const auto list = [&](Ends ends) {
+    for (uint32_t k = 0; k < contacts.size(); ++k) {
+      const uint32_t a = contacts[k]->a, b = contacts[k]->b;
+      const BodyKind &ka = kinds[kind[a]], &kb = kinds[kind[b]];
+      if (ka.sensor || kb.sensor) continue;
+      const bool moves_a = now[a].part == BodyNow::Part::active,
+                 moves_b = now[b].part == BodyNow::Part::active;
+      if (moves_a) slot_[a] = 0;
+      if (moves_b) slot_[b] = 0;
+      if ((moves_a && moves_b) == (ends == Ends::both_move)) listed_.push_back(k);
+    }
+  };
+  list(Ends::both_move), list(Ends::one_moves);
+  body_.clear();
+  for (uint32_t i = 0; i < slot_.size(); ++i) {
+    if (slot_[i] == 0) slot_[i] = static_cast<uint32_t>(body_.size()), body_.push_back(i);
+  }
+}
+
+template <class T>
+void ContactSolver<T>::load_bodies(const State& s, std::span<const BodyKind> kinds,
+                                   std::span<const BodyNow> now, std::span<const Vec3> change,
+                                   const SolverSettings& settings, double h) {
+  const auto kind = s.span<uint32_t>(columns::kind);
+  const double *v = s.f64(columns::velocity).data(), *w = s.f64(columns::angular_velocity).data();
+  const double* q = s.f64(columns::orientation).data();
+  const size_t n = body_.size();
+  scaled_.resize(n);
+  for (auto* r : {&velocity_, &displacement_, &change_, &warm_, &start_}) r->resize(n + 1);
+  damped_ = false;
+  const double part = 1.0 / settings.substeps;
+  for (size_t k = 0; k < n; ++k) {
+    const uint32_t i = body_[k];
+    const BodyKind& b = kinds[kind[i]];
+    const double root = std::sqrt(b.mass);
+    const Vec3 r = roots(b.moments);
+    double S[6];
+    rotated_diagonal(now[i].at.rotation, r, S);
+    rotated_diagonal(now[i].at.rotation, {1 / r.x, 1 / r.y, 1 / r.z}, scaled_[k].inverse);
+    scaled_[k].root = 1 / root;
+    velocity_[k] = record<T>(load3(v, i) * root, apply(S, load3(w, i)));
+    // The gyroscopic torque of the whole step, as the free body would feel it.
+    const Vec3 spin = load3(w, i);
+    Vec3 turned;
+    if (norm2(spin) > kSlowSpin * kSlowSpin && !(b.moments.x == b.moments.y && b.moments.y == b.moments.z)) {
+      turned = free_rotation::advance({load_quat(q, i), spin}, b.moments, h).angular_velocity - spin;
+    }
+    change_[k] = record<T>(change[i] * (root * part), apply(S, turned * part));
+    displacement_[k] = {}, warm_[k] = {};
+    damped_ |= b.linear_damping > 0 || b.angular_damping > 0;
+  }
+  velocity_[n] = {}, displacement_[n] = {}, warm_[n] = {};
+  if (!damped_) return;
+  damping_.resize(n);
+  for (size_t k = 0; k < n; ++k) {
+    const BodyKind& b = kinds[kind[body_[k]]];
+    const double l = 1 / (1 + h * part * b.linear_damping), a = 1 / (1 + h * part * b.angular_damping);
+    damping_[k] = record<T>({l, l, l}, {a, a, a});
+  }
+}
+
+template <class T>
+void ContactSolver<T>::make_groups(std::span<Contact* const> contacts) {
+  const size_t n = listed_.size();
+  ends_.resize(n), colour_.resize(n), order_.resize(n), used_.resize(body_.size());
+  for (size_t k = 0; k < n; ++k) {
+    const Contact& c = *contacts[listed_[k]];
+    ends_[k] = {slot_[c.a], slot_[c.b]};
+  }
+  std::array<uint32_t, kColours + 1> count;
+  colour_constraints(ends_, used_, colour_, count);
+  sort_by_colour(colour_, count, order_);
+  member_.clear(), colour_begin_.assign(1, 0);
+  size_t next = 0;
+  for (uint32_t c = 0; c <= kColours; ++c) {
+    if (count[c] == 0) continue;
+    // What was left over may share bodies: one to a group, one group after the other.
+    const size_t lanes = c < kColours ? W::kLanes : 1;
+    for (size_t k = 0; k < count[c]; k += lanes) {
+      for (size_t lane = 0; lane < W::kLanes; ++lane) {
+        member_.push_back(lane < lanes && k + lane < count[c] ? listed_[order_[next + k + lane]] : kNoBody);
+      }
+      if (c == kColours) colour_begin_.push_back(static_cast<uint32_t>(member_.size() / W::kLanes));
+    }
+    next += count[c];
+    if (c < kColours) colour_begin_.push_back(static_cast<uint32_t>(member_.size() / W::kLanes));
+  }
+  group_count_ = member_.size() / W::kLanes;
+  if (groups_.size() < group_count_) groups_.resize(group_count_ + group_count_ / 4);
+}
+
+template <class T>
+void ContactSolver<T>::fill(size_t group, std::span<Contact* const> contacts, const State& s,
+                            std::span<const BodyKind> kinds, std::span<const BodyNow> now) {
+  const auto kind = s.span<uint32_t>(columns::kind);
+  const double *v = s.f64(columns::velocity).data(), *w = s.f64(columns::angular_velocity).data();
+  const auto end = static_cast<uint32_t>(body_.size());
+  ContactGroup<T>& g = groups_[group];
+  ContactLanes<T> in;
+  g.points = 0, g.flags = 0;
+  for (size_t lane = 0; lane < W::kLanes; ++lane) {
+    const uint32_t k = member_[group * W::kLanes + lane];
+    g.a[lane] = g.b[lane] = end;
+    if (k == kNoBody) continue;
+    const Contact& c = *contacts[k];
+    const BodyKind &ka = kinds[kind[c.a]], &kb = kinds[kind[c.b]];
+    const Vec3 xa = now[c.a].at.position, xb = now[c.b].at.position;
+    set3(in.normal, lane, c.manifold.normal);
+    set3(in.apart, lane, xb - xa);
+    if (c.manifold.count > g.points) g.points = c.manifold.count;
+    for (int p = 0; p < c.manifold.count; ++p) {
+      set3(in.arm[p], lane, c.manifold.points[p].position - xa);
+      in.active[p].set(lane, 1);
+      in.separation[p].set(lane, T(c.manifold.points[p].separation));
+      in.impulse[p].set(lane, T(c.impulse[p]));
+    }
+    if (slot_[c.a] != kNoBody) {
+      const Scaled& b = scaled_[slot_[c.a]];
+      g.a[lane] = slot_[c.a], in.root_a.set(lane, T(b.root));
+      for (int e = 0; e < 6; ++e) in.turn_a[e].set(lane, T(b.inverse[e]));
+    }
+    if (slot_[c.b] != kNoBody) {
+      const Scaled& b = scaled_[slot_[c.b]];
+      g.b[lane] = slot_[c.b], in.root_b.set(lane, T(b.root));
+      for (int e = 0; e < 6; ++e) in.turn_b[e].set(lane, T(b.inverse[e]));
+    }
+    in.friction.set(lane, T(std::sqrt(ka.friction * kb.friction)));
+    in.restitution.set(lane, T(std::max(ka.restitution, kb.restitution)));
+    in.spinning.set(lane, T(std::max(ka.spinning, kb.spinning)));
+    const double rolling = std::max(ka.rolling, kb.rolling);
+    in.rolling.set(lane, T(rolling));
+    set3(in.slide, lane, c.slide), set3(in.roll, lane, c.roll);
+    in.twist.set(lane, T(c.twist));
+    if (rolling > 0) g.flags |= ContactGroup<T>::kRolls;
+    if (ka.restitution > 0 || kb.restitution > 0) g.flags |= ContactGroup<T>::kBounces;
+    Vec3 surface, turn;
+    if (now[c.b].part == BodyNow::Part::driven) {
+      turn = load3(w, c.b), surface = load3(v, c.b) - cross(turn, xb - xa);
+    }
+    if (now[c.a].part == BodyNow::Part::driven) turn -= load3(w, c.a), surface -= load3(v, c.a);
+    if (surface != Vec3{} || turn != Vec3{}) {
+      g.flags |= ContactGroup<T>::kDrifts;
+      set3(in.surface, lane, surface), set3(in.surface_turn, lane, turn);
+    }
+  }
+  prepare_contacts(g, in);
+}
+
+template <class T>
+template <class Body>
+void ContactSolver<T>::each_colour(const ThreadArena& arena, Body&& body) {
+  for (size_t c = 0; c + 1 < colour_begin_.size(); ++c) {
+    const uint32_t first = colour_begin_[c];
+    arena.for_blocks(colour_begin_[c + 1] - first, kGroupsPerBlock, [&](size_t begin, size_t end) {
+      for (size_t g = begin; g < end; ++g) body(groups_[first + g]);
+    });
+  }
+}
+
+template <class T>
+void ContactSolver<T>::substeps(const SolverSettings& settings, const StepInput& in) {
+  const size_t n = body_.size();
+  const auto end = static_cast<uint32_t>(n);
+  const double h = in.h / settings.substeps;
+  const auto soft = settings.contact_hertz > 0
+                        ? soft_constraint<double>(settings.contact_hertz, settings.contact_damping, h)
+                        : rigid_constraint<double>(kTakenBack, h);
+  ContactPass<T> pass{
+      T(1 / h), 0, T(soft.bias_rate), T(soft.mass_scale), T(soft.impulse_scale), T(settings.push_out_speed)};
+  Record8<T>*v = velocity_.data(), *d = displacement_.data();
+  for (size_t g = 0; g < group_count_; ++g) flags_ |= groups_[g].flags;
+  const bool bounces = flags_ & ContactGroup<T>::kBounces;
+  if (bounces) {
+    each_colour(in.arena, [&](ContactGroup<T>& g) {
+      if (g.flags & ContactGroup<T>::kBounces) note_approach(g, v);
+    });
+  }
+  each_colour(in.arena, [&](ContactGroup<T>& g) { apply_contacts(g, warm_.data(), end); });
+  for (int k = 0; k < settings.substeps; ++k) {
+    for (size_t i = 0; i < n; ++i) {
+      for (int e = 0; e < 8; ++e) v[i].x[e] += change_[i].x[e];
+      if (damped_) {
+        for (int e = 0; e < 8; ++e) v[i].x[e] *= damping_[i].x[e];
+      }
+      for (int e = 0; e < 8; ++e) v[i].x[e] += warm_[i].x[e];
+      start_[i] = v[i];
+    }
+    pass.elapsed = T(k * h);
+    each_colour(in.arena,
+                [&](ContactGroup<T>& g) { solve_contacts<ContactSolve::push>(g, v, d, end, pass); });
+    for (size_t i = 0; i < n; ++i) {
+      for (int e = 0; e < 8; ++e) d[i].x[e] += T(h) * v[i].x[e];
+    }
+    pass.elapsed = T((k + 1) * h);
+    each_colour(in.arena,
+                [&](ContactGroup<T>& g) { solve_contacts<ContactSolve::relax>(g, v, d, end, pass); });
+    for (size_t i = 0; i < n; ++i) {
+      for (int e = 0; e < 8; ++e) warm_[i].x[e] += v[i].x[e] - start_[i].x[e];
+    }
+  }
+  if (bounces) {
+    each_colour(in.arena, [&](ContactGroup<T>& g) {
+      if (g.flags & ContactGroup<T>::kBounces) bounce_contacts(g, v, end, T(settings.rest_speed));
+    });
+  }
+}
+
+template <class T>
+void ContactSolver<T>::store_impulses(std::span<Contact* const> contacts) {
+  for (size_t k = 0; k < group_count_; ++k) {
+    const ContactGroup<T>& g = groups_[k];
+    for (size_t lane = 0; lane < W::kLanes; ++lane) {
+      const uint32_t m = member_[k * W::kLanes + lane];
+      if (m == kNoBody) continue;
+      Contact& c = *contacts[m];
+      for (int p = 0; p < c.manifold.count; ++p) c.impulse[p] = g.point[p].impulse[lane];
+      c.slide = get3(g.tangent[0], lane) * g.slide[0][lane] + get3(g.tangent[1], lane) * g.slide[1][lane];
+      c.twist = g.twist[lane];
+      if (g.flags & ContactGroup<T>::kRolls) {
+        c.roll = get3(g.tangent[0], lane) * g.roll[0][lane] + get3(g.tangent[1], lane) * g.roll[1][lane];
+      }
+    }
+  }
+}
+
+template <class T>
+void ContactSolver<T>::store_bodies(State& s) {
+  double *x = s.f64(columns::position).data(), *q = s.f64(columns::orientation).data();
+  double *v = s.f64(columns::velocity).data(), *w = s.f64(columns::angular_velocity).data();
+  for (size_t k = 0; k < body_.size(); ++k) {
+    const uint32_t i = body_[k];
+    const Scaled& b = scaled_[k];
+    const T *r = velocity_[k].x, *d = displacement_[k].x;
+    store3(v, i, Vec3{double(r[0]), double(r[1]), double(r[2])} * b.root);
+    store3(w, i, apply(b.inverse, {double(r[3]), double(r[4]), double(r[5])}));
+    store3(x, i, load3(x, i) + Vec3{double(d[0]), double(d[1]), double(d[2])} * b.root);
+    const Vec3 turn = apply(b.inverse, {double(d[3]), double(d[4]), double(d[5])});
+    store_quat(q, i, normalized(free_rotation::turn(turn) * load_quat(q, i)));
+  }
+}
+
+template <class T>
+void ContactSolver<T>::solve(State& s, std::span<const BodyKind> kinds, std::span<Contact* const> contacts,
+                             std::span<const BodyNow> now, std::span<const Vec3> change,
+                             const SolverSettings& settings, const StepInput& in) {
+  choose_bodies(s, kinds, contacts, now);
+  if (body_.empty()) return;
+  load_bodies(s, kinds, now, change, settings, in.h);
+  make_groups(contacts);
+  in.arena.for_blocks(group_count_, kGroupsPerBlock, [&](size_t begin, size_t end) {
+    for (size_t g = begin; g < end; ++g) fill(g, contacts, s, kinds, now);
+  });
+  flags_ = 0;
+  substeps(settings, in);
+  store_impulses(contacts);
+  store_bodies(s);
+}
+
+template class ContactSolver<float>;
+template class ContactSolver<double>;
+
+}  // namespace truestep
