@@ -45,7 +45,7 @@ struct alignas(64) ContactGroup {
   W friction, slide[2], slide_drift[2];   ///< coefficient, impulses, velocity of the surfaces themselves
   W nja[3], njb[3], twist_k, twist, twist_drift, lever[kPoints];
   // Read only where the flags ask for it.
-  W most[kPoints], approach[kPoints], restitution;  ///< largest impulse, J v before the step
+  W most[kPoints], approach[kPoints], restitution;  ///< largest impulse, J v when it first pressed
   W rja[2][3], rjb[2][3], roll_k[3], roll[2], rolling;
 };
 
@@ -101,6 +101,29 @@ void invert(const W& xx, const W& xy, const W& yy, W out[3]) {
   const W det = xx * yy - xy * xy, inv = where_positive(det, W(1) / det, W(0));
   out[0] = yy * inv, out[1] = -xy * inv, out[2] = xx * inv;
 }
+/// Four points in a plane hold a body in one way too many: adding s (a1, a2, a3, a4) with sum(a) = 0 and
+/// sum(a p) = 0 changes neither force nor torque. Chooses s so that the impulses are as equal as they can be;
+/// left alone, they drift until some are zero, and a body on two points of four totters.
+template <class W>
+void spread_impulses(const W normal[3], const W arm[4][3], W impulse[4]) {
+  const auto area = [&](int i, int j, int k) {
+    W u[3], v[3], c[3];
+    for (int e = 0; e < 3; ++e) u[e] = arm[j][e] - arm[i][e], v[e] = arm[k][e] - arm[i][e];
+    cross(u, v, c);
+    return dot(c, normal);
+  };
+  const W a[4] = {area(1, 2, 3), -area(0, 2, 3), area(0, 1, 3), -area(0, 1, 2)};
+  const W size = fma(a[3], a[3], fma(a[2], a[2], fma(a[1], a[1], a[0] * a[0])));
+  const W along = fma(a[3], impulse[3], fma(a[2], impulse[2], fma(a[1], impulse[1], a[0] * impulse[0])));
+  const W s = where_positive(size, along / size, W(0));
+  // No impulse below zero.
+  W share(1);
+  for (int p = 0; p < 4; ++p) {
+    const W taken = s * a[p];
+    share = min(share, where_positive(taken - impulse[p], impulse[p] / taken, W(1)));
+  }
+  for (int p = 0; p < 4; ++p) impulse[p] = max(fnma(share * s, a[p], impulse[p]), W(0));
+}
 /// Two more impulses on top of `total`, clipped to the disc of radius `limit`; what was added.
 template <class W>
 void clip(W total[2], const W d[2], const W& limit, W added[2]) {
@@ -137,15 +160,17 @@ void prepare_contacts(ContactGroup<T>& g, const ContactLanes<T>& in) {
   };
   const bool drifts = g.flags & ContactGroup<T>::kDrifts;
 
+  W impulse[4] = {in.impulse[0], in.impulse[1], in.impulse[2], in.impulse[3]};
+  if (g.points == 4) r::spread_impulses(in.normal, in.arm, impulse);
   W weight(0), center[3];
   for (int p = 0; p < g.points; ++p) {
     auto& q = g.point[p];
     row(in.arm[p], in.normal, q.ja, q.jb);
     q.inverse_k = in.active[p] * inverse(linear + r::dot(q.ja, q.ja) + r::dot(q.jb, q.jb));
-    q.separation = in.separation[p], q.impulse = in.impulse[p], g.most[p] = zero;
+    q.separation = in.separation[p], q.impulse = impulse[p], g.most[p] = g.approach[p] = zero;
     q.drift = drifts ? drift(in.arm[p], in.normal) : zero;
     // Points share the pressure of the last step; all alike where there was none.
-    const W w = fma(in.active[p], W(1e-12), in.impulse[p]);
+    const W w = fma(in.active[p], W(1e-12), impulse[p]);
     weight += w;
     r::add(center, w, in.arm[p]);
   }
@@ -211,45 +236,17 @@ void apply_contacts(const ContactGroup<T>& g, Record8<T>* records, uint32_t end)
   scatter6(records, g.a, end, a), scatter6(records, g.b, end, b);
 }
 
-/// The velocity J v of every point before the step, for restitution.
-template <class T>
-void note_approach(ContactGroup<T>& g, const Record8<T>* v) {
-  using W = Wide<T>;
-  namespace r = contact_rows;
-  W a[6], b[6];
-  gather6(v, g.a, a), gather6(v, g.b, b);
-  const W linear = g.root_b * r::dot(g.normal, b) - g.root_a * r::dot(g.normal, a);
-  for (int p = 0; p < g.points; ++p) {
-    const auto& q = g.point[p];
-    g.approach[p] = linear + r::dot(q.jb, b + 3) - r::dot(q.ja, a + 3) + q.drift;
-  }
-}
-
 enum class ContactSolve : uint8_t {
   push,  ///< depths are taken back
   relax  ///< velocities only: takes out what `push` put in
 };
 
-/// One pass over a group: friction, then the points. `d` are the scaled displacements since the step's start.
-template <ContactSolve kind, class T>
-void solve_contacts(ContactGroup<T>& g, Record8<T>* v, const Record8<T>* d, uint32_t end,
-                    const ContactPass<T>& pass) {
+namespace detail {
+/// Rolling, twist and slide of a group, for the normal impulses as they are.
+template <class T>
+void solve_friction(ContactGroup<T>& g, Wide<T> a[6], Wide<T> b[6]) {
   using W = Wide<T>;
   namespace r = contact_rows;
-  W a[6], b[6];
-  W separation[4];
-  {
-    W da[6], db[6];
-    gather6(d, g.a, da), gather6(d, g.b, db);
-    const W linear = g.root_b * r::dot(g.normal, db) - g.root_a * r::dot(g.normal, da);
-    for (int p = 0; p < g.points; ++p) {
-      const auto& q = g.point[p];
-      separation[p] = fma(q.drift, W(pass.elapsed), q.separation) + linear +
-                      (r::dot(q.jb, db + 3) - r::dot(q.ja, da + 3));
-    }
-  }
-  gather6(v, g.a, a), gather6(v, g.b, b);
-
   W pressure(0), torque(0);
   for (int p = 0; p < g.points; ++p) {
     pressure += g.point[p].impulse;
@@ -283,7 +280,31 @@ void solve_contacts(ContactGroup<T>& g, Record8<T>* v, const Record8<T>* d, uint
       r::subtract(a + 3, added[t], g.tja[t]), r::add(b + 3, added[t], g.tjb[t]);
     }
   }
+}
+}  // namespace detail
 
+/// One pass over a group. `d` are the scaled displacements since the step's start.
+template <ContactSolve kind, class T>
+void solve_contacts(ContactGroup<T>& g, Record8<T>* v, const Record8<T>* d, uint32_t end,
+                    const ContactPass<T>& pass) {
+  using W = Wide<T>;
+  namespace r = contact_rows;
+  W a[6], b[6];
+  W separation[4];
+  {
+    W da[6], db[6];
+    gather6(d, g.a, da), gather6(d, g.b, db);
+    const W linear = g.root_b * r::dot(g.normal, db) - g.root_a * r::dot(g.normal, da);
+    for (int p = 0; p < g.points; ++p) {
+      const auto& q = g.point[p];
+      separation[p] = fma(q.drift, W(pass.elapsed), q.separation) + linear +
+                      (r::dot(q.jb, db + 3) - r::dot(q.ja, da + 3));
+    }
+  }
+  gather6(v, g.a, a), gather6(v, g.b, b);
+
+  // Friction is bounded by the normal impulses of the last relaxation, never by what a push leaves.
+  if constexpr (kind == ContactSolve::push) detail::solve_friction(g, a, b);
   // The linear part of J v changes by the same number for all points.
   const W k = g.root_a * g.root_a + g.root_b * g.root_b;
   W linear = g.root_b * r::dot(g.normal, b) - g.root_a * r::dot(g.normal, a), sum(0);
@@ -293,6 +314,8 @@ void solve_contacts(ContactGroup<T>& g, Record8<T>* v, const Record8<T>* d, uint
     const W& s = separation[p];
     W total;
     if constexpr (kind == ContactSolve::push) {
+      // What comes in while nothing presses yet is what bounces.
+      g.approach[p] = where_positive(q.impulse, g.approach[p], min(g.approach[p], speed));
       const W bias = where_positive(s, s * W(pass.inverse_h), max(s * W(pass.bias_rate), W(-pass.push_out)));
       const W mass = where_positive(s, W(1), W(pass.mass_scale));
       const W leak = where_positive(s, W(0), W(pass.impulse_scale));
@@ -312,6 +335,7 @@ void solve_contacts(ContactGroup<T>& g, Record8<T>* v, const Record8<T>* d, uint
     for (int p = 0; p < g.points; ++p) g.most[p] = max(g.most[p], g.point[p].impulse);
   }
   r::subtract(a, sum * g.root_a, g.normal), r::add(b, sum * g.root_b, g.normal);
+  if constexpr (kind == ContactSolve::relax) detail::solve_friction(g, a, b);
   scatter6(v, g.a, end, a), scatter6(v, g.b, end, b);
 }
 

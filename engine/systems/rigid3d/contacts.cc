@@ -40,7 +40,8 @@ void ContactList::look_at_bodies(const State& s, std::span<const BodyKind> kinds
              : moves                            ? Part::driven
                                                 : Part::fixed;
     b.margin = std::min(kMarginShare * k.reach, kMostMargin) + std::abs(k.gravity_scale) * fall;
-    b.turn_speed = std::min(norm(turn) * k.reach, k.reach / h);
+    // A plane reaches for ever.
+    b.turn_speed = turn == Vec3{} ? 0 : std::min(norm(turn) * k.reach, k.reach / h);
     mobility_[i] = k.motion == BodyDef::Motion::fixed ? Mobility::fixed : Mobility::moving;
     Box box = bounds(k.solid, b.at);
     if (k.motion != BodyDef::Motion::fixed) {

@@ -230,11 +230,6 @@ void ContactSolver<T>::substeps(const SolverSettings& settings, const StepInput&
   Record8<T>*v = velocity_.data(), *d = displacement_.data();
   for (size_t g = 0; g < group_count_; ++g) flags_ |= groups_[g].flags;
   const bool bounces = flags_ & ContactGroup<T>::kBounces;
-  if (bounces) {
-    each_colour(in.arena, [&](ContactGroup<T>& g) {
-      if (g.flags & ContactGroup<T>::kBounces) note_approach(g, v);
-    });
-  }
   each_colour(in.arena, [&](ContactGroup<T>& g) { apply_contacts(g, warm_.data(), end); });
   for (int k = 0; k < settings.substeps; ++k) {
     for (size_t i = 0; i < n; ++i) {
