@@ -66,7 +66,7 @@ namespace contact_rows {
 
 template <class W>
 W dot(const W a[3], const W b[3]) {
-  return fma(a[2], b[2], fma(a[1], b[1], a[0] * b[0]));
+  return madd(a[2], b[2], madd(a[1], b[1], a[0] * b[0]));
 }
 template <class W>
 void cross(const W a[3], const W b[3], W out[3]) {
@@ -75,18 +75,18 @@ void cross(const W a[3], const W b[3], W out[3]) {
 /// S a for a symmetric S.
 template <class W>
 void apply(const W s[6], const W a[3], W out[3]) {
-  out[0] = fma(s[4], a[2], fma(s[3], a[1], s[0] * a[0]));
-  out[1] = fma(s[5], a[2], fma(s[1], a[1], s[3] * a[0]));
-  out[2] = fma(s[2], a[2], fma(s[5], a[1], s[4] * a[0]));
+  out[0] = madd(s[4], a[2], madd(s[3], a[1], s[0] * a[0]));
+  out[1] = madd(s[5], a[2], madd(s[1], a[1], s[3] * a[0]));
+  out[2] = madd(s[2], a[2], madd(s[5], a[1], s[4] * a[0]));
 }
 /// v += s j.
 template <class W>
 void add(W v[3], const W& s, const W j[3]) {
-  for (int k = 0; k < 3; ++k) v[k] = fma(s, j[k], v[k]);
+  for (int k = 0; k < 3; ++k) v[k] = madd(s, j[k], v[k]);
 }
 template <class W>
 void subtract(W v[3], const W& s, const W j[3]) {
-  for (int k = 0; k < 3; ++k) v[k] = fnma(s, j[k], v[k]);
+  for (int k = 0; k < 3; ++k) v[k] = nmadd(s, j[k], v[k]);
 }
 /// Two unit vectors across n (Duff et al. 2017, "Building an orthonormal basis, revisited").
 template <class W>
@@ -113,8 +113,8 @@ void spread_impulses(const W normal[3], const W arm[4][3], W impulse[4]) {
     return dot(c, normal);
   };
   const W a[4] = {area(1, 2, 3), -area(0, 2, 3), area(0, 1, 3), -area(0, 1, 2)};
-  const W size = fma(a[3], a[3], fma(a[2], a[2], fma(a[1], a[1], a[0] * a[0])));
-  const W along = fma(a[3], impulse[3], fma(a[2], impulse[2], fma(a[1], impulse[1], a[0] * impulse[0])));
+  const W size = madd(a[3], a[3], madd(a[2], a[2], madd(a[1], a[1], a[0] * a[0])));
+  const W along = madd(a[3], impulse[3], madd(a[2], impulse[2], madd(a[1], impulse[1], a[0] * impulse[0])));
   const W s = where_positive(size, along / size, W(0));
   // No impulse below zero.
   W share(1);
@@ -122,12 +122,12 @@ void spread_impulses(const W normal[3], const W arm[4][3], W impulse[4]) {
     const W taken = s * a[p];
     share = min(share, where_positive(taken - impulse[p], impulse[p] / taken, W(1)));
   }
-  for (int p = 0; p < 4; ++p) impulse[p] = max(fnma(share * s, a[p], impulse[p]), W(0));
+  for (int p = 0; p < 4; ++p) impulse[p] = max(nmadd(share * s, a[p], impulse[p]), W(0));
 }
 /// Two more impulses on top of `total`, clipped to the disc of radius `limit`; what was added.
 template <class W>
 void clip(W total[2], const W d[2], const W& limit, W added[2]) {
-  const W x = total[0] + d[0], y = total[1] + d[1], length = sqrt(fma(y, y, x * x));
+  const W x = total[0] + d[0], y = total[1] + d[1], length = sqrt(madd(y, y, x * x));
   const W share = where_positive(length - limit, limit / length, W(1));
   const W cx = x * share, cy = y * share;
   added[0] = cx - total[0], added[1] = cy - total[1];
@@ -162,7 +162,7 @@ void prepare_contacts(ContactGroup<T>& g, const ContactLanes<T>& in) {
 
   W impulse[4] = {in.impulse[0], in.impulse[1], in.impulse[2], in.impulse[3]};
   if (g.points == 4) r::spread_impulses(in.normal, in.arm, impulse);
-  W weight(0), center[3];
+  W weight(0), center[3] = {};
   for (int p = 0; p < g.points; ++p) {
     auto& q = g.point[p];
     row(in.arm[p], in.normal, q.ja, q.jb);
@@ -170,7 +170,7 @@ void prepare_contacts(ContactGroup<T>& g, const ContactLanes<T>& in) {
     q.separation = in.separation[p], q.impulse = impulse[p], g.most[p] = g.approach[p] = zero;
     q.drift = drifts ? drift(in.arm[p], in.normal) : zero;
     // Points share the pressure of the last step; all alike where there was none.
-    const W w = fma(in.active[p], W(1e-12), impulse[p]);
+    const W w = madd(in.active[p], W(1e-12), impulse[p]);
     weight += w;
     r::add(center, w, in.arm[p]);
   }
@@ -195,7 +195,7 @@ void prepare_contacts(ContactGroup<T>& g, const ContactLanes<T>& in) {
   for (int p = 0; p < g.points; ++p) {
     W d[3];
     for (int k = 0; k < 3; ++k) d[k] = in.arm[p][k] - center[k];
-    g.lever[p] = fma(in.friction, sqrt(r::dot(d, d)), in.spinning) * in.active[p];
+    g.lever[p] = madd(in.friction, sqrt(r::dot(d, d)), in.spinning) * in.active[p];
   }
   g.restitution = in.restitution, g.rolling = in.rolling;
   if (g.flags & ContactGroup<T>::kRolls) {
@@ -250,19 +250,19 @@ void solve_friction(ContactGroup<T>& g, Wide<T> a[6], Wide<T> b[6]) {
   W pressure(0), torque(0);
   for (int p = 0; p < g.points; ++p) {
     pressure += g.point[p].impulse;
-    torque = fma(g.lever[p], g.point[p].impulse, torque);
+    torque = madd(g.lever[p], g.point[p].impulse, torque);
   }
   if (g.flags & ContactGroup<T>::kRolls) {
     W slip[2], change[2], added[2];
     for (int t = 0; t < 2; ++t) slip[t] = r::dot(g.rjb[t], b + 3) - r::dot(g.rja[t], a + 3);
-    change[0] = -fma(g.roll_k[1], slip[1], g.roll_k[0] * slip[0]);
-    change[1] = -fma(g.roll_k[2], slip[1], g.roll_k[1] * slip[0]);
+    change[0] = -madd(g.roll_k[1], slip[1], g.roll_k[0] * slip[0]);
+    change[1] = -madd(g.roll_k[2], slip[1], g.roll_k[1] * slip[0]);
     r::clip(g.roll, change, g.rolling * pressure, added);
     for (int t = 0; t < 2; ++t) r::subtract(a + 3, added[t], g.rja[t]), r::add(b + 3, added[t], g.rjb[t]);
   }
   {
     const W speed = r::dot(g.njb, b + 3) - r::dot(g.nja, a + 3) + g.twist_drift;
-    const W total = max(min(fnma(g.twist_k, speed, g.twist), torque), -torque), added = total - g.twist;
+    const W total = max(min(nmadd(g.twist_k, speed, g.twist), torque), -torque), added = total - g.twist;
     g.twist = total;
     r::subtract(a + 3, added, g.nja), r::add(b + 3, added, g.njb);
   }
@@ -272,8 +272,8 @@ void solve_friction(ContactGroup<T>& g, Wide<T> a[6], Wide<T> b[6]) {
       slip[t] = g.root_b * r::dot(g.tangent[t], b) - g.root_a * r::dot(g.tangent[t], a) +
                 (r::dot(g.tjb[t], b + 3) - r::dot(g.tja[t], a + 3)) + g.slide_drift[t];
     }
-    change[0] = -fma(g.k_inverse[1], slip[1], g.k_inverse[0] * slip[0]);
-    change[1] = -fma(g.k_inverse[2], slip[1], g.k_inverse[1] * slip[0]);
+    change[0] = -madd(g.k_inverse[1], slip[1], g.k_inverse[0] * slip[0]);
+    change[1] = -madd(g.k_inverse[2], slip[1], g.k_inverse[1] * slip[0]);
     r::clip(g.slide, change, g.friction * pressure, added);
     for (int t = 0; t < 2; ++t) {
       r::subtract(a, added[t] * g.root_a, g.tangent[t]), r::add(b, added[t] * g.root_b, g.tangent[t]);
@@ -297,7 +297,7 @@ void solve_contacts(ContactGroup<T>& g, Record8<T>* v, const Record8<T>* d, uint
     const W linear = g.root_b * r::dot(g.normal, db) - g.root_a * r::dot(g.normal, da);
     for (int p = 0; p < g.points; ++p) {
       const auto& q = g.point[p];
-      separation[p] = fma(q.drift, W(pass.elapsed), q.separation) + linear +
+      separation[p] = madd(q.drift, W(pass.elapsed), q.separation) + linear +
                       (r::dot(q.jb, db + 3) - r::dot(q.ja, da + 3));
     }
   }
@@ -322,13 +322,13 @@ void solve_contacts(ContactGroup<T>& g, Record8<T>* v, const Record8<T>* d, uint
       total = q.impulse - q.inverse_k * mass * (speed + bias) - leak * q.impulse;
     } else {
       const W bias = max(s, W(0)) * W(pass.inverse_h);
-      total = fnma(q.inverse_k, speed + bias, q.impulse);
+      total = nmadd(q.inverse_k, speed + bias, q.impulse);
     }
     total = max(total, W(0));
     const W added = total - q.impulse;
     q.impulse = total;
     sum += added;
-    linear = fma(k, added, linear);
+    linear = madd(k, added, linear);
     r::subtract(a + 3, added, q.ja), r::add(b + 3, added, q.jb);
   }
   if (g.flags & ContactGroup<T>::kBounces) {
@@ -351,13 +351,13 @@ void bounce_contacts(ContactGroup<T>& g, Record8<T>* v, uint32_t end, T threshol
   for (int p = 0; p < g.points; ++p) {
     auto& q = g.point[p];
     const W speed = linear + (r::dot(q.jb, b + 3) - r::dot(q.ja, a + 3)) + q.drift;
-    W total = max(fnma(q.inverse_k, fma(g.restitution, g.approach[p], speed), q.impulse), W(0));
+    W total = max(nmadd(q.inverse_k, madd(g.restitution, g.approach[p], speed), q.impulse), W(0));
     total = where_positive(-g.approach[p] - W(threshold), total, q.impulse);
     total = where_positive(g.most[p] * g.restitution, total, q.impulse);
     const W added = total - q.impulse;
     q.impulse = total;
     sum += added;
-    linear = fma(k, added, linear);
+    linear = madd(k, added, linear);
     r::subtract(a + 3, added, q.ja), r::add(b + 3, added, q.jb);
   }
   r::subtract(a, sum * g.root_a, g.normal), r::add(b, sum * g.root_b, g.normal);

@@ -35,8 +35,7 @@ struct Wide {
 
   Raw v;
 
-  /// Zero in every lane.
-  Wide() : v{} {}
+  Wide() = default;
   Wide(Raw x) : v(x) {}
   /// The same number in every lane.
   explicit Wide(T s) : Wide(all(s)) {}
@@ -83,7 +82,9 @@ struct Wide {
     return r;
 #endif
   }
-  Wide& operator*=(Wide b) { return *this = *this * b; }
+  Wide& operator*=(Wide b) {
+    return *this = *this * b;
+  }
 
 #if defined(__AVX2__) && defined(__FMA__)
   /// a b + c, rounded once.

@@ -65,6 +65,7 @@ std::span<const CatalogueRow> catalogue() {
        rigid2d::rigid2d_cost,
        {"nothing catches on the corners of a chain", "fast bodies do not pass thin walls",
         "a stack of 20 boxes stands", "the same bits on any number of threads and after a restore"},
+       ""},
       {"rigid3d",
        "rigid bodies",
        "rigid bodies of any shape that touch, slide, roll, bounce, stack and sleep",

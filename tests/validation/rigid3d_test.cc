@@ -150,9 +150,9 @@ TEST(Rigid3dContact, ABouncingBallComesToRest) {
   d.restitution = 0.8, d.rest_speed = 0.02;
   d.bodies.push_back(ground());
   d.bodies.push_back(ball(0.1, {0, 1.1, 0}));
-  RigidRun run(d, 1.0 / 480);
+  RigidRun run(d, 1.0 / 960);
   double stopped = 0;
-  for (int k = 0; k < 480 * 5; ++k) {
+  for (int k = 0; k < 960 * 5; ++k) {
     run.run(1);
     if (std::abs(run.v(1).y) > 0.02 || run.x(1).y > 0.101) stopped = run.t();
   }

@@ -40,11 +40,11 @@ Record8<T> record(const Vec3& linear, const Vec3& turn) {
 }
 
 template <class T>
-void set3(Wide<T> out[3], size_t lane, const Vec3& v) {
+void set3(Wide<T> out[3], int lane, const Vec3& v) {
   out[0].set(lane, T(v.x)), out[1].set(lane, T(v.y)), out[2].set(lane, T(v.z));
 }
 template <class T>
-Vec3 get3(const Wide<T> in[3], size_t lane) {
+Vec3 get3(const Wide<T> in[3], int lane) {
   return {in[0][lane], in[1][lane], in[2][lane]};
 }
 
@@ -135,9 +135,9 @@ void ContactSolver<T>::make_groups(std::span<Contact* const> contacts) {
   for (uint32_t c = 0; c <= kColours; ++c) {
     if (count[c] == 0) continue;
     // What was left over may share bodies: one to a group, one group after the other.
-    const size_t lanes = c < kColours ? W::kLanes : 1;
-    for (size_t k = 0; k < count[c]; k += lanes) {
-      for (size_t lane = 0; lane < W::kLanes; ++lane) {
+    const uint32_t lanes = c < kColours ? W::kLanes : 1;
+    for (uint32_t k = 0; k < count[c]; k += lanes) {
+      for (uint32_t lane = 0; lane < W::kLanes; ++lane) {
         member_.push_back(lane < lanes && k + lane < count[c] ? listed_[order_[next + k + lane]] : kNoBody);
       }
       if (c == kColours) colour_begin_.push_back(static_cast<uint32_t>(member_.size() / W::kLanes));
@@ -156,9 +156,9 @@ void ContactSolver<T>::fill(size_t group, std::span<Contact* const> contacts, co
   const double *v = s.f64(columns::velocity).data(), *w = s.f64(columns::angular_velocity).data();
   const auto end = static_cast<uint32_t>(body_.size());
   ContactGroup<T>& g = groups_[group];
-  ContactLanes<T> in;
+  ContactLanes<T> in{};
   g.points = 0, g.flags = 0;
-  for (size_t lane = 0; lane < W::kLanes; ++lane) {
+  for (int lane = 0; lane < W::kLanes; ++lane) {
     const uint32_t k = member_[group * W::kLanes + lane];
     g.a[lane] = g.b[lane] = end;
     if (k == kNoBody) continue;
@@ -264,7 +264,7 @@ template <class T>
 void ContactSolver<T>::store_impulses(std::span<Contact* const> contacts) {
   for (size_t k = 0; k < group_count_; ++k) {
     const ContactGroup<T>& g = groups_[k];
-    for (size_t lane = 0; lane < W::kLanes; ++lane) {
+    for (int lane = 0; lane < W::kLanes; ++lane) {
       const uint32_t m = member_[k * W::kLanes + lane];
       if (m == kNoBody) continue;
       Contact& c = *contacts[m];
