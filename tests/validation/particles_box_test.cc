@@ -88,10 +88,9 @@ bool agree(const Energies& a, const Energies& b) {
 }
 
 // 6,000 and 20,000 independent points of some 3 mJ and 5 mJ each, which scatter by as much: 0.6 J of 60 and
-// of 90 at one standard deviation; steps of half a millisecond here cost 0.2 J. The engine is slower to turn
-// what rests on a turning wall (its contact force is that of the step's start): first order in dt, 1.5 J at
-// the scene's own and 0.3 J at a quarter of it. Without friction that is 0.2 J, with restitution 1 or without
-// spin nothing.
+// of 90 at one standard deviation; steps of half a millisecond here cost 0.2 J. The engine has an
+// error of first order in dt in what rests on turning walls: 1.5 J at the scene's own, 0.3 J at a quarter of
+// it, as if it were one step late. With restitution 1 or without spin there is none, without friction 0.2 J.
 TEST(ParticlesBox, EnergiesAreThoseOfReflectedPoints) {
   const Energies engine = simulated(4);
   const Energies apart = reflected({});
