@@ -75,7 +75,10 @@ void remove_rows(State& s, std::span<const uint8_t> dead, size_t dead_count, Wor
     i = end + 1;
   }
   for (State::Column c = 0; c < s.columns(); ++c) {
-    const bool carried = s.info(c).name.starts_with("integrator.") && s.rows(c) == n;
+    // Rows of the integrator's are as wide as positions; its own numbers are as many however few are left.
+    const ColumnInfo& info = s.info(c);
+    const bool carried = info.name.starts_with("integrator.") && s.rows(c) == n &&
+                         info.width == s.info(columns::position).width;
     if (c < columns::per_particle_end || carried) compact(s, c, runs, kept);
   }
   if (s.rows(columns::spring_rows) > 0) remap_springs(s, runs, before);
