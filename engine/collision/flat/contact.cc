@@ -19,13 +19,13 @@ struct Axis {
   uint32_t edge = 0;
 };
 
-/// The edge of p whose outside holds most of q; separation of the sharp polygons.
-Axis best_axis(const Outline& p, const Outline& q) {
+/// The edge of p (n corners) whose outside holds most of q (m corners); separation of the sharp polygons.
+inline Axis best_axis(const Outline& p, uint32_t corners_p, const Outline& q, uint32_t corners_q) {
   Axis best;
-  for (uint32_t i = 0; i < p.corners; ++i) {
+  for (uint32_t i = 0; i < corners_p; ++i) {
     const Vec2 n = p.normal[i];
     double least = dot(n, q.corner[0]);
-    for (uint32_t j = 1; j < q.corners; ++j) {
+    for (uint32_t j = 1; j < corners_q; ++j) {
       const double d = dot(n, q.corner[j]);
       least = d < least ? d : least;
     }
@@ -33,6 +33,11 @@ Axis best_axis(const Outline& p, const Outline& q) {
     if (s > best.separation) best = {s, i};
   }
   return best;
+}
+Axis best_axis(const Outline& p, const Outline& q) {
+  // Boxes are most of what there is: the compiler unrolls for them.
+  if (p.corners == 4 && q.corners == 4) return best_axis(p, 4, q, 4);
+  return best_axis(p, p.corners, q, q.corners);
 }
 
 /// Edge of q that faces against n most.

@@ -109,9 +109,11 @@ std::vector<Outline> chain(std::span<const Vec2> p, Ends ends) {
 }
 
 Outline moved(const Outline& s, const Pose& at) {
-  Outline r = s;
+  Outline r;
   for (uint32_t i = 0; i < s.corners; ++i) r.corner[i] = at * s.corner[i], r.normal[i] = at.q * s.normal[i];
-  r.center = at * s.center, r.before = at * s.before, r.after = at * s.after;
+  r.corners = s.corners, r.radius = s.radius, r.side = s.side, r.neighbours = s.neighbours;
+  r.center = at * s.center;
+  if (s.is_link()) r.before = at * s.before, r.after = at * s.after;
   return r;
 }
 

@@ -42,11 +42,11 @@ State state_at_start(const Model& model, const Vec3& gravity) {
 bool wake_islands(const Model& model, State& s, std::span<const uint8_t> seeds) {
   const size_t n = model.count();
   const auto status = s.span<uint32_t>(columns::status);
-  const auto sleeps = [&](uint32_t i) { return i < n && is_asleep(model.bodies[i], status[i]); };
+  const auto sleeps = [&](uint32_t i) { return i < n && is_asleep(model.light[i], status[i]); };
   std::vector<uint32_t> parent(n);
   start_islands(parent);
   for (const uint64_t key : s.span<uint64_t>(columns::contact_key)) {
-    const uint32_t a = model.shapes[key >> 32].body, b = model.shapes[static_cast<uint32_t>(key)].body;
+    const uint32_t a = model.body_of[key >> 32], b = model.body_of[static_cast<uint32_t>(key)];
     if (sleeps(a) && sleeps(b)) link_islands(parent, a, b);
   }
   const auto broken = s.span<uint32_t>(columns::joint_broken);

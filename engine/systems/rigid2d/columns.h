@@ -37,10 +37,10 @@ enum Status : uint32_t { kAwake = 1, kPinned = 2, kRemoved = 4 };
 State state_at_start(const Model& model, const Vec3& gravity);
 
 /// Moved by the solver in this state: dynamic, awake, neither pinned nor removed.
-inline bool is_moved(const Body& b, uint32_t status) {
+inline bool is_moved(const Light& b, uint32_t status) {
   return b.motion == Motion::dynamic && status == kAwake;
 }
-inline bool is_asleep(const Body& b, uint32_t status) {
+inline bool is_asleep(const Light& b, uint32_t status) {
   return b.motion == Motion::dynamic && status == 0;
 }
 

@@ -73,7 +73,7 @@ void stop_fast_bodies(const Model& model, State& s, const Pairs& pairs, std::spa
   arena.for_blocks(travels.size(), 256, [&](size_t begin, size_t end) {
     for (size_t i = begin; i < end; ++i) {
       const Travel& t = travels[i];
-      const Body& b = model.bodies[t.body];
+      const Light& b = model.light[t.body];
       if (!is_moved(b, status[t.body])) continue;
       // Slower ones cannot lose touch with what they overlap at the end.
       if (flat::norm(t.shift) + std::abs(t.angle) * b.reach < 0.5 * b.inner) continue;
@@ -94,7 +94,7 @@ void fall_asleep(const Model& model, State& s, const Pairs& pairs, const SleepRu
   double* v = s.f64(columns::velocity).data();
   double longest = 0;
   for (size_t i = 0; i < n; ++i) {
-    const Body& b = model.bodies[i];
+    const Light& b = model.light[i];
     if (!is_moved(b, status[i])) continue;
     const double slip = std::abs(w[i]) * b.reach, speed2 = v[3 * i] * v[3 * i] + v[3 * i + 1] * v[3 * i + 1];
     const bool slow = speed2 <= rule.speed * rule.speed && slip <= rule.speed;
@@ -106,15 +106,15 @@ void fall_asleep(const Model& model, State& s, const Pairs& pairs, const SleepRu
   start_islands(parent);
   rested.assign(rest.begin(), rest.end());
   for (size_t i = 0; i < n; ++i) {
-    if (!is_moved(model.bodies[i], status[i])) rested[i] = HUGE_VAL;
+    if (!is_moved(model.light[i], status[i])) rested[i] = HUGE_VAL;
   }
   const auto join = [&](uint32_t a, uint32_t b) {
-    const bool moved_a = a < n && is_moved(model.bodies[a], status[a]);
-    const bool moved_b = b < n && is_moved(model.bodies[b], status[b]);
+    const bool moved_a = a < n && is_moved(model.light[a], status[a]);
+    const bool moved_b = b < n && is_moved(model.light[b], status[b]);
     if (moved_a && moved_b) return link_islands(parent, a, b);
     // A belt or lift keeps awake what it carries.
     const auto carries = [&](uint32_t i) {
-      return pairs.active[i] || (i < n && model.bodies[i].surface_speed != 0);
+      return pairs.active[i] || (i < n && model.surfaces[i].speed != 0);
     };
     if (moved_a && carries(b)) rested[a] = 0;
     if (moved_b && carries(a)) rested[b] = 0;
@@ -134,7 +134,7 @@ void fall_asleep(const Model& model, State& s, const Pairs& pairs, const SleepRu
   }
   spread_minimum<double>(parent, rested);
   for (size_t i = 0; i < n; ++i) {
-    if (!is_moved(model.bodies[i], status[i]) || rested[i] < rule.time) continue;
+    if (!is_moved(model.light[i], status[i]) || rested[i] < rule.time) continue;
     status[i] = 0;
     v[3 * i] = v[3 * i + 1] = 0, w[i] = 0;
   }

@@ -253,6 +253,34 @@ double typical_size(const Model& model) {
   return 2 * *middle;
 }
 
+void gather_hot_parts(Model& m) {
+  for (const Body& b : m.bodies) {
+    m.light.push_back({.reach = b.reach,
+                       .inner = b.inner,
+                       .category = b.category,
+                       .mask = b.mask,
+                       .group = b.group,
+                       .motion = b.motion,
+                       .sensor = b.sensor,
+                       .bullet = b.bullet,
+                       .one_way = b.one_way,
+                       .can_sleep = b.can_sleep});
+    m.dynamics.push_back(
+        {b.inverse_mass, b.inverse_inertia, b.linear_damping, b.angular_damping, b.gravity_scale});
+    m.surfaces.push_back({b.friction, b.restitution, b.rolling_resistance, b.surface_speed});
+  }
+  for (const Shape& s : m.shapes) m.body_of.push_back(s.body);
+  for (uint32_t i = 0; i < m.joints.size(); ++i) {
+    const Joint& j = m.joints[i];
+    m.may_break = m.may_break || j.break_force > 0;
+    if (j.plain()) {
+      m.hinges.push_back({i, j.a, j.b, j.local_a, j.local_b});
+    } else {
+      m.others.push_back(i);
+    }
+  }
+}
+
 }  // namespace
 
 Model build_model(const Rigid2dDef& def) {
@@ -278,6 +306,7 @@ Model build_model(const Rigid2dDef& def) {
   m.apart.erase(std::unique(m.apart.begin(), m.apart.end()), m.apart.end());
   m.size = typical_size(m);
   m.margin = def.contact_margin.value_or(0.02 * m.size);
+  gather_hot_parts(m);
   return std::move(build.model);
 }
 

@@ -36,6 +36,21 @@ struct Shape {
   uint32_t body = 0;
 };
 
+/// What every step asks of many bodies, close together in memory.
+struct Light {
+  double reach = 0, inner = 0;
+  uint32_t category = 1, mask = ~0u;
+  int32_t group = 0;
+  Motion motion = Motion::fixed;
+  bool sensor = false, bullet = false, one_way = false, can_sleep = true;
+};
+struct Dynamics {
+  double inverse_mass = 0, inverse_inertia = 0, linear_damping = 0, angular_damping = 0, gravity_scale = 1;
+};
+struct Surface {
+  double friction = 0, restitution = 0, rolling_resistance = 0, speed = 0;
+};
+
 enum class JointKind : uint8_t { revolute, prismatic, distance, weld, wheel, motor, mouse, gear, pulley };
 
 struct Joint {
@@ -60,8 +75,21 @@ struct Joint {
   }
 };
 
+/// A joint that only holds two points together.
+struct Hinge {
+  uint32_t joint = 0, a = 0, b = 0;
+  Vec2 local_a, local_b;
+};
+
 struct Model {
   std::vector<Body> bodies;  ///< the world (fixed, no shapes) is the last one
+  std::vector<Light> light;  ///< of the same bodies, as are the next two
+  std::vector<Dynamics> dynamics;
+  std::vector<Surface> surfaces;
+  std::vector<uint32_t> body_of;  ///< of every shape
+  std::vector<Hinge> hinges;      ///< the plain joints
+  std::vector<uint32_t> others;   ///< the joints that are not
+  bool may_break = false;         ///< some joint has a break_force
   std::vector<Shape> shapes;
   std::vector<Joint> joints;
   std::vector<uint64_t>

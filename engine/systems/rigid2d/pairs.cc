@@ -20,7 +20,7 @@ void place(const Model& model, const State& s, Pairs& p, const ThreadArena& aren
   arena.for_blocks(n, kBlock, [&](size_t begin, size_t end) {
     for (size_t i = begin; i < end; ++i) {
       p.pose[i] = pose_of(s, i);
-      const Body& b = model.bodies[i];
+      const Light& b = model.light[i];
       p.active[i] = is_moved(b, status[i]) ||
                     (b.motion == Motion::kinematic && status[i] == kAwake && moves(v + 3 * i, w[i]));
     }
@@ -29,9 +29,11 @@ void place(const Model& model, const State& s, Pairs& p, const ThreadArena& aren
   p.boxes.resize(model.shapes.size()), p.mobility.resize(model.shapes.size());
   arena.for_blocks(model.shapes.size(), kBlock, [&](size_t begin, size_t end) {
     for (size_t i = begin; i < end; ++i) {
-      const uint32_t body = model.shapes[i].body;
-      const bool gone = (status[body] & kRemoved) || model.bodies[body].sensor;
-      p.mobility[i] = model.bodies[body].motion == Motion::fixed ? Mobility::fixed : Mobility::moving;
+      const uint32_t body = model.body_of[i];
+      const Light& owner = model.light[body];
+      // What touches nothing is not looked for.
+      const bool gone = (status[body] & kRemoved) || owner.sensor || (owner.mask == 0 && owner.group <= 0);
+      p.mobility[i] = owner.motion == Motion::fixed ? Mobility::fixed : Mobility::moving;
       p.boxes[i] = gone ? Box::nothing()
                         : flat::bounds(model.shapes[i].outline, p.pose[body]).grown(0.5 * model.margin);
     }
@@ -44,7 +46,7 @@ void match(const Model& model, const State& s, Pairs& p, std::span<const BodyPai
   p.hits.resize(found.size());
   size_t old = 0, count = 0;
   for (const BodyPair& pair : found) {
-    const uint32_t a = model.shapes[pair.a].body, b = model.shapes[pair.b].body;
+    const uint32_t a = model.body_of[pair.a], b = model.body_of[pair.b];
     if (!may_touch(model, a, b)) continue;
     Hit& h = p.hits[count++];
     h.a = pair.a, h.b = pair.b, h.body_a = a, h.body_b = b;
@@ -54,40 +56,40 @@ void match(const Model& model, const State& s, Pairs& p, std::span<const BodyPai
     if (old < keys.size() && keys[old] == key) h.old = static_cast<uint32_t>(old);
   }
   p.hits.resize(count);
+  if (p.contacts.size() < count) p.contacts.resize(count);
 }
 
 /// A platform to jump through holds what comes down on it from outside, and goes on holding it.
-bool passes(const Model& model, const State& s, const Hit& h) {
+bool passes(const Model& model, const State& s, const Hit& h, const flat::Contact& contact) {
+  if (!(model.light[h.body_a].one_way || model.light[h.body_b].one_way) || h.old != kNoPoint) return false;
   const Body &a = model.bodies[h.body_a], &b = model.bodies[h.body_b];
-  if (!(a.one_way || b.one_way) || h.old != kNoPoint) return false;
   const auto through = [&](const Body& platform, uint32_t at, uint32_t other, Vec2 n, const Pose& pose) {
     const Vec2 up = pose.q * platform.one_way_direction;
     const double* v = s.f64(columns::velocity).data();
     const Vec2 relative{v[3 * other] - v[3 * at], v[3 * other + 1] - v[3 * at + 1]};
     double deepest = 0;
-    for (uint32_t k = 0; k < h.contact.points; ++k)
-      deepest = std::min(deepest, h.contact.point[k].separation);
+    for (uint32_t k = 0; k < contact.points; ++k) deepest = std::min(deepest, contact.point[k].separation);
     return flat::dot(n, up) < 0.5 || flat::dot(relative, up) > 0 || deepest < -model.margin;
   };
-  if (a.one_way && through(a, h.body_a, h.body_b, h.contact.normal, pose_of(s, h.body_a))) return true;
-  return b.one_way && through(b, h.body_b, h.body_a, -h.contact.normal, pose_of(s, h.body_b));
+  if (a.one_way && through(a, h.body_a, h.body_b, contact.normal, pose_of(s, h.body_a))) return true;
+  return b.one_way && through(b, h.body_b, h.body_a, -contact.normal, pose_of(s, h.body_b));
 }
 
-void touch_pair(const Model& model, const State& s, const Pairs& p, Hit& h) {
+void touch_pair(const Model& model, const State& s, const Pairs& p, Hit& h, flat::Contact& contact) {
   const Pose &a = p.pose[h.body_a], &b = p.pose[h.body_b];
-  if (!flat::touch(model.shapes[h.a].outline, model.shapes[h.b].outline, a.to(b), model.margin, h.contact)) {
+  if (!flat::touch(model.shapes[h.a].outline, model.shapes[h.b].outline, a.to(b), model.margin, contact)) {
     return;
   }
-  h.contact.normal = a.q * h.contact.normal;
-  for (uint32_t k = 0; k < h.contact.points; ++k) h.contact.point[k].at = a.q * h.contact.point[k].at;
-  if (!passes(model, s, h)) h.what = Hit::What::touching;
+  contact.normal = a.q * contact.normal;
+  for (uint32_t k = 0; k < contact.points; ++k) contact.point[k].at = a.q * contact.point[k].at;
+  if (!passes(model, s, h, contact)) h.what = Hit::What::touching;
 }
 
 }  // namespace
 
 bool may_touch(const Model& model, uint32_t body_a, uint32_t body_b) {
   if (body_a == body_b) return false;
-  const Body &a = model.bodies[body_a], &b = model.bodies[body_b];
+  const Light &a = model.light[body_a], &b = model.light[body_b];
   if (a.motion != Motion::dynamic && b.motion != Motion::dynamic) return false;
   if (a.group != 0 && a.group == b.group) {
     if (a.group < 0) return false;
@@ -112,7 +114,7 @@ void find_contacts(const Model& model, State& s, Pairs& p, const ThreadArena& ar
         Hit& h = p.hits[i];
         if (h.what != Hit::What::untested || !(p.active[h.body_a] || p.active[h.body_b])) continue;
         h.what = Hit::What::none;
-        touch_pair(model, s, p, h);
+        touch_pair(model, s, p, h, p.contacts[i]);
       }
     });
     bool any = false;
@@ -120,11 +122,11 @@ void find_contacts(const Model& model, State& s, Pairs& p, const ThreadArena& ar
     for (const Hit& h : p.hits) {
       if (h.what != Hit::What::touching || (p.active[h.body_a] && p.active[h.body_b])) continue;
       const uint32_t still = p.active[h.body_a] ? h.body_b : h.body_a;
-      if (is_asleep(model.bodies[still], status[still])) seeds[still] = 1, any = true;
+      if (is_asleep(model.light[still], status[still])) seeds[still] = 1, any = true;
     }
     if (!any || !wake_islands(model, s, seeds)) break;
     for (size_t i = 0; i < n; ++i) {
-      if (is_moved(model.bodies[i], status[i])) p.active[i] = 1;
+      if (is_moved(model.light[i], status[i])) p.active[i] = 1;
     }
   }
   p.touching.clear();

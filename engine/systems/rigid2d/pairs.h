@@ -16,7 +16,6 @@ struct Hit {
   uint32_t body_a = 0, body_b = 0;
   uint32_t old = kNoPoint;  ///< row of the same pair's contact in the state
   enum class What : uint8_t { untested, none, touching, carried } what = What::untested;
-  flat::Contact contact;  ///< normal in the world, points about a's centre, turned into the world
   uint64_t key() const { return uint64_t{a} << 32 | b; }
 };
 
@@ -26,7 +25,9 @@ struct Pairs {
   std::vector<Pose> pose;  ///< of every body at the step's start, the world last
   std::vector<Box> boxes;
   std::vector<Mobility> mobility;
-  std::vector<Hit> hits;           ///< all candidates
+  std::vector<Hit> hits;  ///< all candidates
+  /// Of every hit that touches: normal in the world, points about a's centre, turned into the world.
+  std::vector<flat::Contact> contacts;
   std::vector<uint32_t> touching;  ///< those with contacts to solve, ascending
   std::vector<uint8_t> active, seeds;
 };

@@ -120,7 +120,7 @@ void Rigid2d::take_hands(State& s, const StepInput& in) const {
   const auto spin = s.f64(columns::angular_velocity);
   w.idle = true;
   for (size_t i = 0; i < model_.count() && w.idle; ++i) {
-    const Body& b = model_.bodies[i];
+    const Light& b = model_.light[i];
     const bool goes = b.motion == Motion::kinematic && (v[3 * i] != 0 || v[3 * i + 1] != 0 || spin[i] != 0);
     w.idle = !(is_moved(b, status[i]) || (goes && status[i] == kAwake));
   }
@@ -176,7 +176,7 @@ void Rigid2d::end_step(State& s, const StepInput& in) const {
 }
 
 void Rigid2d::wake(State& s, uint32_t body) const {
-  if (!is_asleep(model_.bodies[body], s.span<uint32_t>(columns::status)[body])) return;
+  if (!is_asleep(model_.light[body], s.span<uint32_t>(columns::status)[body])) return;
   std::vector<uint8_t> seeds(model_.count());
   seeds[body] = 1;
   wake_islands(model_, s, seeds);

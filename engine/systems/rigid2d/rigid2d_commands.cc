@@ -62,7 +62,7 @@ void Rigid2d::apply(State& s, const Command& c) const {
   const auto wake_neighbours = [&](uint32_t body) {
     std::vector<uint8_t> seeds(model_.count());
     for (const uint64_t key : s.span<uint64_t>(columns::contact_key)) {
-      const uint32_t a = model_.shapes[key >> 32].body, b = model_.shapes[static_cast<uint32_t>(key)].body;
+      const uint32_t a = model_.body_of[key >> 32], b = model_.body_of[static_cast<uint32_t>(key)];
       if (a == body) seeds[b] = 1;
       if (b == body) seeds[a] = 1;
     }
@@ -80,7 +80,7 @@ void Rigid2d::apply(State& s, const Command& c) const {
       const Vertex& at = drawing_.rows[dynamic()];
       const Body& b = model_.bodies[at.body];
       wake(s, at.body);
-      if (!is_moved(b, status[at.body])) return;
+      if (!is_moved(model_.light[at.body], status[at.body])) return;
       v[3 * at.body] += b.inverse_mass * c.vector.x, v[3 * at.body + 1] += b.inverse_mass * c.vector.y;
       const Vec2 arm = pose_of(s, at.body).q * at.local;
       w[at.body] += b.inverse_inertia * flat::cross(arm, flat::flatten(c.vector));

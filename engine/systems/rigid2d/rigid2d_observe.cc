@@ -60,7 +60,7 @@ void Rigid2d::observe(const State& s, double, Observables& out) const {
     potential -= b.mass * b.gravity_scale * (g[0] * at.x + g[1] * at.y);
     px += b.mass * u.x, py += b.mass * u.y;
     spin += b.mass * flat::cross(at, u) + b.inertia * w[i];
-    awake += is_moved(b, status[i]);
+    awake += is_moved(model_.light[i], status[i]);
   }
   out.add("energy.kinetic", kinetic, "J");
   out.add("energy.potential", potential, "J");
@@ -156,7 +156,7 @@ FieldView Rigid2d::field(const State& s, size_t which, std::vector<double>& scra
         scratch[r] = w[i];
         break;
       case 4:
-        scratch[r] = is_moved(model_.bodies[i], status[i]) ? 1 : 0;
+        scratch[r] = is_moved(model_.light[i], status[i]) ? 1 : 0;
         break;
       default:
         scratch[r] = force[i];

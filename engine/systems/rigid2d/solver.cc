@@ -61,7 +61,7 @@ void Solver<T>::place_bodies(const Model& model, const State& state, const Pairs
   movers_.clear();
   slot_.assign(n + 1, kNoPoint);
   for (uint32_t i = 0; i < n; ++i) {
-    if (is_moved(model.bodies[i], status[i]))
+    if (is_moved(model.light[i], status[i]))
       slot_[i] = static_cast<uint32_t>(movers_.size()), movers_.push_back(i);
   }
   moved_ = static_cast<uint32_t>(movers_.size());
@@ -81,7 +81,7 @@ void Solver<T>::place_bodies(const Model& model, const State& state, const Pairs
   const double h = settings.h;
   for (uint32_t r = 0; r < movers_.size(); ++r) {
     const uint32_t i = movers_[r];
-    const Body& b = model.bodies[i];
+    const Dynamics& b = model.dynamics[i];
     T* row = rows_.data() + 8 * r;
     T* push = push_.data() + 8 * r;
     row[0] = static_cast<T>(v[3 * i]), row[1] = static_cast<T>(v[3 * i + 1]), row[2] = static_cast<T>(w[i]);
@@ -96,7 +96,7 @@ void Solver<T>::place_bodies(const Model& model, const State& state, const Pairs
   }
   for (const Hands::Force& f : hands.forces) {
     if (slot_[f.body] >= moved_) continue;
-    const Body& b = model.bodies[f.body];
+    const Dynamics& b = model.dynamics[f.body];
     T* push = push_.data() + 8 * static_cast<size_t>(slot_[f.body]);
     push[0] += static_cast<T>(h * b.inverse_mass * f.force.x);
     push[1] += static_cast<T>(h * b.inverse_mass * f.force.y);
@@ -107,64 +107,74 @@ void Solver<T>::place_bodies(const Model& model, const State& state, const Pairs
 template <class T>
 void Solver<T>::fill(ContactPack<T>& c, const uint32_t* hits, int count, const Model& model,
                      const State& state, const Pairs& pairs, const SolverSettings& settings) const {
+  using W = Wide<T>;
   std::memset(&c, 0, sizeof c);
-  const uint32_t still = static_cast<uint32_t>(movers_.size());
-  for (int k = 0; k < Wide<T>::kLanes; ++k) c.a[k] = c.b[k] = still, c.hit[k] = kNoPoint;
-  const double* v = state.f64(columns::velocity).data();
-  const auto w = state.f64(columns::angular_velocity);
+  const auto still = static_cast<uint32_t>(movers_.size());
+  for (int k = 0; k < W::kLanes; ++k) c.a[k] = c.b[k] = still;
   const auto ids = state.span<uint32_t>(columns::contact_id);
   const auto impulses = state.span<float>(columns::contact_impulse);
   const auto t = [](double x) { return static_cast<T>(x); };
+  const SoftConstraint<T> between{t(settings.contact.bias_rate), t(settings.contact.mass_scale),
+                                  t(settings.contact.impulse_scale)};
+  const SoftConstraint<T> fixed{t(settings.contact_fixed.bias_rate), t(settings.contact_fixed.mass_scale),
+                                t(settings.contact_fixed.impulse_scale)};
+  W there[2] = {W::zero(), W::zero()};  // 1 where a lane has that point
   for (int k = 0; k < count; ++k) {
-    const Hit& hit = pairs.hits[pairs.touching[hits[k]]];
-    const Body &a = model.bodies[hit.body_a], &b = model.bodies[hit.body_b];
-    c.hit[k] = hits[k], c.a[k] = slot_[hit.body_a], c.b[k] = slot_[hit.body_b];
-    const double ma = c.a[k] < moved_ ? a.inverse_mass : 0, mb = c.b[k] < moved_ ? b.inverse_mass : 0;
-    const double ia = c.a[k] < moved_ ? a.inverse_inertia : 0, ib = c.b[k] < moved_ ? b.inverse_inertia : 0;
-    const Vec2 n = hit.contact.normal, apart = pairs.pose[hit.body_b].p - pairs.pose[hit.body_a].p;
+    const uint32_t index = pairs.touching[hits[k]];
+    const Hit& hit = pairs.hits[index];
+    const flat::Contact& contact = pairs.contacts[index];
+    const Surface &a = model.surfaces[hit.body_a], &b = model.surfaces[hit.body_b];
+    c.a[k] = slot_[hit.body_a], c.b[k] = slot_[hit.body_b];
+    const Vec2 n = contact.normal, apart = pairs.pose[hit.body_b].p - pairs.pose[hit.body_a].p;
     c.nx.set(k, t(n.x)), c.ny.set(k, t(n.y));
-    c.friction.set(k, t(std::sqrt(a.friction * b.friction)));
-    c.surface_speed.set(k, t(-(a.surface_speed + b.surface_speed)));
+    c.friction.set(k, t(a.friction == b.friction ? a.friction : std::sqrt(a.friction * b.friction)));
+    c.surface_speed.set(k, t(-(a.speed + b.speed)));
     const double bounces = std::max(a.restitution, b.restitution);
     c.restitution.set(k, t(bounces));
     if (bounces > 0) c.bounces = 1;
-    const SoftConstraint<double>& soft = ma > 0 && mb > 0 ? settings.contact : settings.contact_fixed;
-    c.bias_rate.set(k, t(soft.bias_rate)), c.mass_scale.set(k, t(soft.mass_scale));
-    c.impulse_scale.set(k, t(soft.impulse_scale));
+    const SoftConstraint<T>& soft = c.a[k] < moved_ && c.b[k] < moved_ ? between : fixed;
+    c.bias_rate.set(k, soft.bias_rate), c.mass_scale.set(k, soft.mass_scale);
+    c.impulse_scale.set(k, soft.impulse_scale);
     const double rolling = std::max(a.rolling_resistance, b.rolling_resistance);
     const uint32_t* id = hit.old == kNoPoint ? nullptr : ids.data() + 2 * hit.old;
     const float* old = hit.old == kNoPoint ? nullptr : impulses.data() + 5 * static_cast<size_t>(hit.old);
-    if (rolling > 0 && ia + ib > 0) {
+    if (rolling > 0) {
       c.rolls = 1;
-      c.rolling.set(k, t(rolling)), c.rolling_mass.set(k, t(1 / (ia + ib)));
+      c.rolling.set(k, t(rolling));
       if (old) c.rolling_impulse.set(k, old[4]);
     }
-    double arm_a[2] = {}, arm_b[2] = {};
-    for (uint32_t i = 0; i < hit.contact.points; ++i) {
-      const flat::ContactPoint& at = hit.contact.point[i];
+    for (uint32_t i = 0; i < contact.points; ++i) {
+      const flat::ContactPoint& at = contact.point[i];
       auto& p = c.point[i];
-      const Vec2 ra = at.at, rb = at.at - apart;
-      p.ax.set(k, t(ra.x)), p.ay.set(k, t(ra.y)), p.bx.set(k, t(rb.x)), p.by.set(k, t(rb.y));
+      const Vec2 rb = at.at - apart;
+      p.ax.set(k, t(at.at.x)), p.ay.set(k, t(at.at.y)), p.bx.set(k, t(rb.x)), p.by.set(k, t(rb.y));
       p.separation.set(k, t(at.separation));
-      const double na = cross(ra, n), nb = cross(rb, n), ta = dot(ra, n), tb = dot(rb, n);
-      arm_a[i] = na, arm_b[i] = nb;
-      const double stiffness = ma + mb + ia * na * na + ib * nb * nb;
-      p.normal_mass.set(k, t(1 / stiffness));
-      (i == 0 ? c.stiffness0 : c.stiffness1).set(k, t(stiffness));
-      p.tangent_mass.set(k, t(1 / (ma + mb + ia * ta * ta + ib * tb * tb)));
-      const double *va = v + 3 * static_cast<size_t>(hit.body_a),
-                   *vb = v + 3 * static_cast<size_t>(hit.body_b);
-      // The world has no row, and never moves.
-      const bool wa = hit.body_a < model.count(), wb = hit.body_b < model.count();
-      p.approach.set(k, t((wb ? dot({vb[0], vb[1]}, n) + w[hit.body_b] * nb : 0) -
-                          (wa ? dot({va[0], va[1]}, n) + w[hit.body_a] * na : 0)));
+      there[i].set(k, 1);
       for (uint32_t m = 0; m < 2 && id; ++m) {
         if (id[m] == at.id) p.normal.set(k, old[m]), p.tangent.set(k, old[2 + m]);
       }
     }
-    if (hit.contact.points == 2) {
-      c.coupling.set(k, t(ma + mb + ia * arm_a[0] * arm_a[1] + ib * arm_b[0] * arm_b[1]));
-    }
+  }
+  // The rest side by side: masses and approach speeds from the bodies' rows.
+  const Ends<T> e(rows_.data(), c.a, c.b);
+  const W zero = W::zero(), one = W::all(1), m = e.a[3] + e.b[3];
+  W arm_a[2], arm_b[2], k[2], vx, vy;
+  for (int i = 0; i < 2; ++i) {
+    auto& p = c.point[i];
+    arm_a[i] = nmadd(p.ay, c.nx, p.ax * c.ny), arm_b[i] = nmadd(p.by, c.nx, p.bx * c.ny);
+    const W ta = madd(p.ax, c.nx, p.ay * c.ny), tb = madd(p.bx, c.nx, p.by * c.ny);
+    k[i] = madd(e.a[7] * arm_a[i], arm_a[i], madd(e.b[7] * arm_b[i], arm_b[i], m));
+    const W kt = madd(e.a[7] * ta, ta, madd(e.b[7] * tb, tb, m));
+    p.normal_mass = select(there[i] > zero, one / k[i], zero);
+    p.tangent_mass = select(there[i] > zero, one / kt, zero);
+    e.relative(p.ax, p.ay, p.bx, p.by, vx, vy);
+    p.approach = madd(vx, c.nx, vy * c.ny);
+  }
+  c.stiffness0 = k[0] * there[0], c.stiffness1 = k[1] * there[1];
+  c.coupling = there[1] * madd(e.a[7] * arm_a[0], arm_a[1], madd(e.b[7] * arm_b[0], arm_b[1], m));
+  if (c.rolls) {
+    const W turning = e.a[7] + e.b[7];
+    c.rolling_mass = select(turning > zero, one / turning, zero);
   }
 }
 
@@ -185,7 +195,7 @@ void Solver<T>::pack_contacts(const Model& model, const State& state, const Pair
   sort_by_colour(colour_, count, order_);
   pack_ends(count, kLanes, contact_end_);
   const uint32_t packs = contact_end_.empty() ? 0 : contact_end_.back();
-  contacts_.resize(packs);
+  if (contacts_.size() < packs) contacts_.resize(packs);
   // Every colour starts a new pack: where a pack's hits begin in the order.
   std::vector<uint32_t>& first = hinge_list_;
   first.clear();
@@ -244,13 +254,15 @@ void Solver<T>::pack_joints(const Model& model, const State& state, const Pairs&
   const auto impulses = state.f64(columns::joint_impulse);
   joints_.clear(), hinge_list_.clear(), ends_.clear();
   const auto end = [&](uint32_t body) { return slot_[body] < moved_ ? slot_[body] : kNoBody; };
-  for (uint32_t i = 0; i < model.joints.size(); ++i) {
+  for (uint32_t i = 0; i < model.hinges.size(); ++i) {
+    const Hinge& d = model.hinges[i];
+    const uint32_t a = end(d.a), b = end(d.b);
+    if ((a == kNoBody && b == kNoBody) || broken[d.joint]) continue;
+    hinge_list_.push_back(i), ends_.push_back({a, b});
+  }
+  for (const uint32_t i : model.others) {
     const Joint& d = model.joints[i];
     if (broken[i] || (slot_[d.a] >= moved_ && slot_[d.b] >= moved_)) continue;
-    if (d.plain()) {
-      hinge_list_.push_back(i), ends_.push_back({end(d.a), end(d.b)});
-      continue;
-    }
     JointRow<T>& j = joints_.emplace_back(row_of(d, pairs, settings, state));
     j.index = i;
     for (int k = 0; k < 6; ++k) j.impulse[k] = static_cast<T>(impulses[6 * i + static_cast<size_t>(k)]);
@@ -280,12 +292,12 @@ void Solver<T>::pack_joints(const Model& model, const State& state, const Pairs&
       std::memset(&p, 0, sizeof p);
       for (uint32_t i = 0; i < kLanes; ++i) p.a[i] = p.b[i] = still, p.joint[i] = kNoPoint;
       for (uint32_t i = 0; i < lanes && k + i < count[c]; ++i) {
-        const uint32_t index = hinge_list_[order_[at++]];
-        const Joint& d = model.joints[index];
+        const Hinge& d = model.hinges[hinge_list_[order_[at++]]];
+        const size_t index = d.joint;
         const Pose &a = pairs.pose[d.a], &b = pairs.pose[d.b];
         const Vec2 ra = a.q * d.local_a, rb = b.q * d.local_b, e = (b.p - a.p) + rb - ra;
         const auto lane = static_cast<int>(i);
-        p.joint[i] = index, p.a[i] = slot_[d.a], p.b[i] = slot_[d.b];
+        p.joint[i] = d.joint, p.a[i] = slot_[d.a], p.b[i] = slot_[d.b];
         p.ax.set(lane, t(ra.x)), p.ay.set(lane, t(ra.y)), p.bx.set(lane, t(rb.x)), p.by.set(lane, t(rb.y));
         p.ex.set(lane, t(e.x)), p.ey.set(lane, t(e.y));
         p.ix.set(lane, t(impulses[6 * index])), p.iy.set(lane, t(impulses[6 * index + 1]));
@@ -361,6 +373,7 @@ void Solver<T>::store_joints(const Model& model, State& state, Hands& hands,
     double most = 0;
     for (size_t k = 0; k < 6; ++k) impulses[6 * i + k] = p[k];
     most = std::sqrt(p[0] * p[0] + p[1] * p[1]);
+    if (!model.may_break) return;
     const Joint& d = model.joints[i];
     // A distance joint carries along one direction only; others hold two points.
     if (d.kind == JointKind::distance) most = std::abs(p[0] + p[5] + p[3] - p[4]);
@@ -425,9 +438,10 @@ void Solver<T>::store_contacts(const Pairs& pairs, State& state) {
     } else {
       const uint32_t place = place_[next++];
       const ContactPack<T>& c = contacts_[place / Wide<T>::kLanes];
-      const int k = static_cast<int>(place % Wide<T>::kLanes);
+      const auto k = static_cast<int>(place % Wide<T>::kLanes);
+      const flat::Contact& contact = pairs.contacts[static_cast<size_t>(&h - pairs.hits.data())];
       for (uint32_t i = 0; i < 2; ++i) {
-        id[i] = i < h.contact.points ? h.contact.point[i].id : kNoPoint;
+        id[i] = i < contact.points ? contact.point[i].id : kNoPoint;
         impulse[i] = static_cast<float>(c.point[i].normal[k]);
         impulse[2 + i] = static_cast<float>(c.point[i].tangent[k]);
       }

@@ -51,7 +51,6 @@ struct ContactPack {
     W normal, tangent, most;  // impulses, and the largest normal one of this step
   };
   uint32_t a[W::kLanes], b[W::kLanes];  // rows
-  uint32_t hit[W::kLanes];
   W nx, ny, friction, surface_speed, restitution;
   W bias_rate, mass_scale, impulse_scale;
   W rolling, rolling_mass, rolling_impulse;
