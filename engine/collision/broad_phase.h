@@ -36,6 +36,11 @@ class BroadPhase {
     for (const uint32_t i : unbounded_) visit(i);
     for (const DynamicTree& t : trees_) t.overlapping(f, visit);
   }
+  /// The same among the fixed or the moving bodies only, without unbounded ones.
+  template <class Visit>
+  void overlapping(const Box& b, Mobility which, Visit&& visit) const {
+    trees_[static_cast<size_t>(which)].overlapping(FloatBox::around(b), visit);
+  }
   /// visit(body) for every body whose grown box passes; passes(const FloatBox&) may tighten as hits come in.
   template <class Passes, class Visit>
   void each(Passes&& passes, Visit&& visit) const {

@@ -21,20 +21,7 @@ FloatBox both(const FloatBox& a, const FloatBox& b) {
   return r;
 }
 
-float below(double x) {
-  const auto f = static_cast<float>(x);
-  return static_cast<double>(f) <= x ? f : std::nextafterf(f, -std::numeric_limits<float>::infinity());
-}
-float above(double x) {
-  return -below(-x);
-}
-
 }  // namespace
-
-FloatBox FloatBox::around(const Box& b) {
-  return {{below(b.low.x), below(b.low.y), below(b.low.z)},
-          {above(b.high.x), above(b.high.y), above(b.high.z)}};
-}
 
 void DynamicTree::clear() {
   nodes_.clear();

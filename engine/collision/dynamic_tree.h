@@ -2,6 +2,7 @@
 // and every ancestor is improved by rotations on the way up (Catto, "Dynamic bounding volume hierarchies",
 // GDC 2019). Siblings share one cache line: 2 x (six floats rounded outwards, child, parent). No recursion.
 #pragma once
+#include <bit>
 #include <cstdint>
 #include <vector>
 
@@ -13,7 +14,18 @@ namespace truestep {
 struct FloatBox {
   float low[3], high[3];
 
-  static FloatBox around(const Box& b);
+  static FloatBox around(const Box& b) {
+    return {{below(b.low.x), below(b.low.y), below(b.low.z)},
+            {-below(-b.high.x), -below(-b.high.y), -below(-b.high.z)}};
+  }
+  /// Largest float that is not above x.
+  static float below(double x) {
+    const auto f = static_cast<float>(x);
+    if (static_cast<double>(f) <= x) return f;
+    const auto bits = std::bit_cast<uint32_t>(f);
+    // One step down: towards zero when positive, away from it when negative; from zero to the first below.
+    return std::bit_cast<float>(f > 0 ? bits - 1 : f < 0 ? bits + 1 : 0x80000001u);
+  }
   bool overlaps(const FloatBox& b) const {
     return (low[0] <= b.high[0]) & (low[1] <= b.high[1]) & (low[2] <= b.high[2]) & (b.low[0] <= high[0]) &
            (b.low[1] <= high[1]) & (b.low[2] <= high[2]);

@@ -37,11 +37,10 @@ double first_stop(const Model& model, const State& s, const Pairs& pairs, const 
   double stop = 1;
   for (uint32_t i = body.first_shape; i < body.first_shape + body.shapes; ++i) {
     const Outline& shape = model.shapes[i].outline;
-    pairs.broad.overlapping(swept_box(shape, mine, body.reach), [&](uint32_t other) {
+    const auto visit = [&](uint32_t other) {
       const uint32_t at = model.shapes[other].body;
       const Body& obstacle = model.bodies[at];
-      const bool solid = obstacle.motion != Motion::dynamic || (status[at] & kPinned) || body.bullet;
-      if (!solid || obstacle.one_way || obstacle.sensor || (status[at] & kRemoved)) return;
+      if (obstacle.one_way || obstacle.sensor || (status[at] & kRemoved)) return;
       if (!may_touch(model, me.body, at)) return;
       Sweep theirs{pairs.pose[at], 0, {}};
       const auto moved = std::lower_bound(travels.begin(), travels.end(), at,
@@ -58,7 +57,10 @@ double first_stop(const Model& model, const State& s, const Pairs& pairs, const 
       if (const auto hit = flat::time_of_impact(wall, theirs, shape, mine, gap)) {
         stop = std::min(stop, hit->fraction);
       }
-    });
+    };
+    const Box around = swept_box(shape, mine, body.reach);
+    pairs.broad.overlapping(around, Mobility::fixed, visit);
+    if (body.bullet) pairs.broad.overlapping(around, Mobility::moving, visit);
   }
   return stop;
 }

@@ -6,26 +6,39 @@ namespace truestep::rigid2d {
 namespace {
 
 constexpr size_t kBlock = 512;
+constexpr double kFat = 0.15;  // of a body's size: how far it may move before it is sorted in again
 
 bool moves(const double* v, double w) {
   return v[0] != 0 || v[1] != 0 || w != 0;
 }
 
-void place(const Model& model, const State& s, Pairs& p, const ThreadArena& arena) {
+/// Contacts are foreseen as far as a body goes in a step, but not beyond half its thickness: a plane of
+/// contact reaches further than the surface it stands for.
+Vec2 foreseen(Vec2 shift, double inner) {
+  const double length = flat::norm(shift), most = 0.5 * inner;
+  return length > most ? (most / length) * shift : shift;
+}
+void stretch(Box& b, Vec2 ahead) {
+  (ahead.x < 0 ? b.low.x : b.high.x) += ahead.x;
+  (ahead.y < 0 ? b.low.y : b.high.y) += ahead.y;
+}
+
+void place(const Model& model, const State& s, double h, Pairs& p, const ThreadArena& arena) {
   const size_t n = model.count();
   const auto status = s.span<uint32_t>(columns::status);
-  p.pose.resize(n + 1), p.active.assign(n + 1, 0);
+  p.pose.resize(n + 1), p.ahead.resize(n + 1), p.active.assign(n + 1, 0);
   const double* v = s.f64(columns::velocity).data();
   const auto w = s.f64(columns::angular_velocity);
   arena.for_blocks(n, kBlock, [&](size_t begin, size_t end) {
     for (size_t i = begin; i < end; ++i) {
       p.pose[i] = pose_of(s, i);
+      p.ahead[i] = foreseen({h * v[3 * i], h * v[3 * i + 1]}, model.light[i].inner);
       const Light& b = model.light[i];
       p.active[i] = is_moved(b, status[i]) ||
                     (b.motion == Motion::kinematic && status[i] == kAwake && moves(v + 3 * i, w[i]));
     }
   });
-  p.pose[n] = {};
+  p.pose[n] = {}, p.ahead[n] = {};
   p.boxes.resize(model.shapes.size()), p.mobility.resize(model.shapes.size());
   arena.for_blocks(model.shapes.size(), kBlock, [&](size_t begin, size_t end) {
     for (size_t i = begin; i < end; ++i) {
@@ -33,9 +46,10 @@ void place(const Model& model, const State& s, Pairs& p, const ThreadArena& aren
       const Light& owner = model.light[body];
       // What touches nothing is not looked for.
       const bool gone = (status[body] & kRemoved) || owner.sensor || (owner.mask == 0 && owner.group <= 0);
-      p.mobility[i] = owner.motion == Motion::fixed ? Mobility::fixed : Mobility::moving;
+      p.mobility[i] = owner.motion == Motion::dynamic ? Mobility::moving : Mobility::fixed;
       p.boxes[i] = gone ? Box::nothing()
                         : flat::bounds(model.shapes[i].outline, p.pose[body]).grown(0.5 * model.margin);
+      if (!gone) stretch(p.boxes[i], p.ahead[body]);
     }
   });
 }
@@ -77,7 +91,8 @@ bool passes(const Model& model, const State& s, const Hit& h, const flat::Contac
 
 void touch_pair(const Model& model, const State& s, const Pairs& p, Hit& h, flat::Contact& contact) {
   const Pose &a = p.pose[h.body_a], &b = p.pose[h.body_b];
-  if (!flat::touch(model.shapes[h.a].outline, model.shapes[h.b].outline, a.to(b), model.margin, contact)) {
+  const double margin = model.margin + flat::norm(p.ahead[h.body_b] - p.ahead[h.body_a]);
+  if (!flat::touch(model.shapes[h.a].outline, model.shapes[h.b].outline, a.to(b), margin, contact)) {
     return;
   }
   contact.normal = a.q * contact.normal;
@@ -101,9 +116,9 @@ bool may_touch(const Model& model, uint32_t body_a, uint32_t body_b) {
   return !std::binary_search(model.apart.begin(), model.apart.end(), key);
 }
 
-void find_contacts(const Model& model, State& s, Pairs& p, const ThreadArena& arena) {
-  place(model, s, p, arena);
-  match(model, s, p, p.broad.update(p.boxes, p.mobility, 0.1 * model.size));
+void find_contacts(const Model& model, State& s, double h, Pairs& p, const ThreadArena& arena) {
+  place(model, s, h, p, arena);
+  match(model, s, p, p.broad.update(p.boxes, p.mobility, kFat * model.size));
   const size_t n = model.count();
   std::vector<uint8_t>& seeds = p.seeds;
   seeds.assign(n, 0);

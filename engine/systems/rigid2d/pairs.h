@@ -30,10 +30,11 @@ struct Pairs {
   std::vector<flat::Contact> contacts;
   std::vector<uint32_t> touching;  ///< those with contacts to solve, ascending
   std::vector<uint8_t> active, seeds;
+  std::vector<Vec2> ahead;  ///< of every body: how far it goes in this step if nothing stops it, m, bounded
 };
 
 /// Fills `pairs` for this state and wakes what is touched. h in s.
-void find_contacts(const Model& model, State& s, Pairs& pairs, const ThreadArena& arena);
+void find_contacts(const Model& model, State& s, double h, Pairs& pairs, const ThreadArena& arena);
 
 /// May these two touch, as far as groups, masks, sensors and joints say?
 bool may_touch(const Model& model, uint32_t body_a, uint32_t body_b);

@@ -127,6 +127,14 @@ const DefTable& body_table() {
   return t;
 }
 
+const DefTable& link_table() {
+  static const DefTable t = [] {
+    TableOf<BodyDef> table("a link of a chain of bodies");
+    return body_rows(table).build();
+  }();
+  return t;
+}
+
 const DefTable& grid_table() {
   using D = GridDef;
   static const DefTable t =
@@ -172,7 +180,7 @@ const DefTable& body_chain_table() {
   using D = BodyChainDef;
   static const DefTable t =
       TableOf<D>("capsules joined end to end by revolute joints")
-          .object("body", &D::body, body_table(), "each of them; its position and shapes are not used")
+          .object("body", &D::body, link_table(), "each of them; its position and shapes are not used")
           .vector("from", &D::from, "m", any(), "one end")
           .vector("to", &D::to, "m", any(), "the other end")
           .integer("links", &D::links, between(1, 100'000), "number of capsules")
@@ -397,13 +405,11 @@ const DefTable& rigid2d_table() {
                    "small steps of the constraint solver per step of the scene")
           .choice("precision", &D::precision, {"f32", "f64"},
                   "numbers of the constraint solver; poses are always f64")
-          .choice("contacts", &D::contacts, {"soft", "rigid"},
-                  "soft contacts give way like stiff springs, rigid ones do not sag")
           .number("contact_hertz", &D::contact_hertz, "Hz", above(0),
-                  "stiffness of contacts; absent: an eighth of the solver's rate")
+                  "stiffness of contacts; absent: a fifth of the rate of small steps")
           .number("contact_damping_ratio", &D::contact_damping_ratio, "1", at_least(0), "of contacts")
           .number("joint_hertz", &D::joint_hertz, "Hz", above(0),
-                  "stiffness of joints; absent: a quarter of the solver's rate")
+                  "stiffness of joints; absent: a quarter of the rate of small steps")
           .number("joint_damping_ratio", &D::joint_damping_ratio, "1", at_least(0), "of joints")
           .number("push_speed", &D::push_speed, "m/s", above(0), "fastest that an overlap is undone")
           .number("contact_margin", &D::contact_margin, "m", above(0),

@@ -121,7 +121,6 @@ using AnyJointDef = std::variant<RevoluteDef, PrismaticDef, DistanceDef, WeldDef
                                  MouseDef, GearDef, PulleyDef>;
 
 enum class Precision : uint8_t { f32, f64 };
-enum class Stiffness : uint8_t { soft, rigid };
 
 struct Rigid2dDef {
   std::vector<BodyDef> bodies;
@@ -130,7 +129,6 @@ struct Rigid2dDef {
   std::optional<Vec3> gravity;
   int64_t solver_steps = 4;
   Precision precision = Precision::f32;
-  Stiffness contacts = Stiffness::soft;
   std::optional<double> contact_hertz, joint_hertz, contact_margin;
   double contact_damping_ratio = 10, joint_damping_ratio = 2, push_speed = 3;
   double restitution_speed = 1;

@@ -237,10 +237,10 @@ JointRow<T> Solver<T>::row_of(const Joint& d, const Pairs& pairs, const SolverSe
   const auto angle = [&](uint32_t i) { return i < angles.size() ? angles[i] : 0.0; };
   j.angle = t(d.kind == JointKind::gear ? angle(d.a) + d.ratio * angle(d.b) - d.angle
                                         : angle(d.b) - angle(d.a) - d.angle);
-  const SoftConstraint<double> soft = d.kind == JointKind::motor
-                                          ? rigid_constraint(d.correction, settings.h * settings.steps)
-                                          : settings.joint;
-  const SoftConstraint<double> spring = soft_constraint(d.hertz, d.damping_ratio, settings.h);
+  const SoftConstraint<double>& soft = settings.joint;
+  const SoftConstraint<double> spring = d.kind == JointKind::motor
+                                            ? rigid_constraint(d.correction, settings.h * settings.steps)
+                                            : soft_constraint(d.hertz, d.damping_ratio, settings.h);
   j.soft = {t(soft.bias_rate), t(soft.mass_scale), t(soft.impulse_scale)};
   j.spring = {t(spring.bias_rate), t(spring.mass_scale), t(spring.impulse_scale)};
   return j;
@@ -349,7 +349,7 @@ void Solver<T>::small_step(const SolverSettings& settings, const ThreadArena& ar
 }
 
 template <class T>
-void Solver<T>::store_bodies(const Pairs& pairs, State& state, const ThreadArena& arena) const {
+void Solver<T>::store_bodies(State& state, double dt, const ThreadArena& arena) const {
   double* x = state.f64(columns::position).data();
   double* v = state.f64(columns::velocity).data();
   const auto w = state.f64(columns::angular_velocity), angle = state.f64(columns::angle);
@@ -357,9 +357,14 @@ void Solver<T>::store_bodies(const Pairs& pairs, State& state, const ThreadArena
     for (size_t i = begin; i < end; ++i) {
       const size_t body = movers_[i];
       const T* r = rows_.data() + 8 * i;
-      v[3 * body] = r[0], v[3 * body + 1] = r[1], w[body] = r[2];
-      x[3 * body] += static_cast<double>(r[4]), x[3 * body + 1] += static_cast<double>(r[5]);
-      angle[body] += static_cast<double>(r[6]);
+      if (i < moved_) {
+        v[3 * body] = r[0], v[3 * body + 1] = r[1], w[body] = r[2];
+        x[3 * body] += static_cast<double>(r[4]), x[3 * body + 1] += static_cast<double>(r[5]);
+        angle[body] += static_cast<double>(r[6]);
+      } else {
+        // What nothing can push goes exactly as it is told.
+        x[3 * body] += dt * v[3 * body], x[3 * body + 1] += dt * v[3 * body + 1], angle[body] += dt * w[body];
+      }
     }
   });
 }
@@ -410,7 +415,7 @@ void Solver<T>::solve(const Model& model, State& state, const Pairs& pairs, Hand
   each_colour(arena, contacts_, contact_end_, [&](ContactPack<T>& p) {
     if (p.bounces) bounce(p, rows_.data(), moved_, threshold);
   });
-  store_bodies(pairs, state, arena);
+  store_bodies(state, settings.h * settings.steps, arena);
   store_joints(model, state, hands, settings);
 }
 

@@ -107,7 +107,7 @@ class Solver {
   JointRow<T> row_of(const Joint& joint, const Pairs& pairs, const SolverSettings& settings,
                      const State& state) const;
   void small_step(const SolverSettings& settings, const ThreadArena& arena);
-  void store_bodies(const Pairs& pairs, State& state, const ThreadArena& arena) const;
+  void store_bodies(State& state, double dt, const ThreadArena& arena) const;
   void store_joints(const Model& model, State& state, Hands& hands, const SolverSettings& settings) const;
 
   std::vector<uint32_t> slot_;    // row of every body

@@ -222,8 +222,8 @@ void Acting<T>::solve() {
       return distance();
     case JointKind::motor: {
       const T most = most_of(d.max_torque);
-      angular(j.impulse[5], {Law::hold, angle(), j.soft, -most, most}, -1, 1);
-      return point(j.impulse, Law::hold, j.soft, most_of(d.max_force));
+      angular(j.impulse[5], {Law::spring, angle(), j.spring, -most, most}, -1, 1);
+      return point(j.impulse, Law::spring, j.spring, most_of(d.max_force));
     }
     case JointKind::mouse:
       return point(j.impulse, Law::spring, j.spring, most_of(d.max_force));
