@@ -10,19 +10,21 @@ namespace truestep::rigid2d {
 namespace {
 
 constexpr double kRim = 0.12;  // part of the inner radius
-constexpr int kDiskParts = 24;
+constexpr int kDiskParts = 32;
+constexpr double kNotch = 0.08;  // rad, half of it
 
 /// Outline of a rounded polygon as points, counter-clockwise, moved inwards by `inset`.
 std::vector<Vec2> rim(const Outline& s, double inset) {
   std::vector<Vec2> points;
   const double r = s.radius;
   if (s.corners == 1) {
-    for (int k = 0; k < kDiskParts; ++k) {
-      const trig::SinCos t = trig::sincos(2 * std::numbers::pi * (k + 0.5) / kDiskParts);
-      // The notch: first and last point dive towards the centre between them.
+    // A narrow notch on the disk's own x axis shows how it is turned.
+    for (int k = 0; k <= kDiskParts; ++k) {
+      const double at = kNotch + (2 * std::numbers::pi - 2 * kNotch) * k / kDiskParts;
+      const trig::SinCos t = trig::sincos(at);
       points.push_back(s.corner[0] + (r - inset) * Vec2{t.cos, t.sin});
     }
-    points.push_back(s.corner[0] + Vec2{0.45 * r, 0});
+    points.push_back(s.corner[0] + Vec2{0.6 * r, 0});
     return points;
   }
   for (uint32_t i = 0; i < s.corners; ++i) {
