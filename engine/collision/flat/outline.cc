@@ -63,11 +63,10 @@ Outline capsule(Vec2 a, Vec2 b, double radius) {
 
 Outline box(double hx, double hy, Vec2 center, Rotation q, double radius) {
   Outline s;
-  s.corners = 4, s.radius = radius, s.center = center;
-  const Vec2 local[4] = {{-hx, -hy}, {hx, -hy}, {hx, hy}, {-hx, hy}};
-  const Vec2 out[4] = {{0, -1}, {1, 0}, {0, 1}, {-1, 0}};
-  for (uint32_t i = 0; i < 4; ++i) s.corner[i] = center + q * local[i], s.normal[i] = q * out[i];
-  return s;
+  s.corners = 4, s.radius = radius;
+  s.corner = {{{-hx, -hy}, {hx, -hy}, {hx, hy}, {-hx, hy}}};
+  s.normal = {{{0, -1}, {1, 0}, {0, 1}, {-1, 0}}};
+  return moved(s, {center, q});
 }
 
 Outline polygon(std::span<const Vec2> points, double radius) {
@@ -108,9 +107,19 @@ std::vector<Outline> chain(std::span<const Vec2> p, Ends ends) {
   return list;
 }
 
+// One coordinate after the other: gcc 12 makes fused instructions of both together (tests/determinism
+// watches).
 Outline moved(const Outline& s, const Pose& at) {
+  const Rotation q = at.q;
   Outline r;
-  for (uint32_t i = 0; i < s.corners; ++i) r.corner[i] = at * s.corner[i], r.normal[i] = at.q * s.normal[i];
+  for (uint32_t i = 0; i < s.corners; ++i) {
+    r.corner[i].x = at.p.x + (q.c * s.corner[i].x - q.s * s.corner[i].y);
+    r.normal[i].x = q.c * s.normal[i].x - q.s * s.normal[i].y;
+  }
+  for (uint32_t i = 0; i < s.corners; ++i) {
+    r.corner[i].y = at.p.y + (q.s * s.corner[i].x + q.c * s.corner[i].y);
+    r.normal[i].y = q.s * s.normal[i].x + q.c * s.normal[i].y;
+  }
   r.corners = s.corners, r.radius = s.radius, r.side = s.side, r.neighbours = s.neighbours;
   r.center = at * s.center;
   if (s.is_link()) r.before = at * s.before, r.after = at * s.after;
