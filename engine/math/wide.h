@@ -38,7 +38,9 @@ struct Wide {
   Wide() = default;
   Wide(Raw x) : v(x) {}
   /// The same number in every lane.
-  explicit Wide(T s) : Wide(all(s)) {}
+  template <class U>
+  requires std::is_arithmetic_v<U>
+  explicit Wide(U s) : Wide(all(static_cast<T>(s))) {}
 
   static Wide all(T s) {
     Raw r;
@@ -80,6 +82,21 @@ struct Wide {
     Wide r;
     for (int i = 0; i < kLanes; ++i) r.v[i] = std::sqrt(a.v[i]);
     return r;
+#endif
+  }
+  /// True when a < b in any lane.
+  friend bool any_below(const Wide& a, const Wide& b) {
+#if defined(__AVX2__) && defined(__FMA__)
+    if constexpr (sizeof(T) == 4) {
+      return _mm256_movemask_ps(_mm256_cmp_ps((__m256)a.v, (__m256)b.v, _CMP_LT_OQ));
+    } else {
+      return _mm256_movemask_pd(_mm256_cmp_pd((__m256d)a.v, (__m256d)b.v, _CMP_LT_OQ));
+    }
+#else
+    for (int i = 0; i < kLanes; ++i) {
+      if (a.v[i] < b.v[i]) return true;
+    }
+    return false;
 #endif
   }
   Wide& operator*=(Wide b) {

@@ -11,7 +11,7 @@ namespace {
 
 constexpr size_t kPairsPerBlock = 128;
 /// Bodies feel one another this share of their size apart, at most kMostMargin.
-constexpr double kMarginShare = 0.02, kMostMargin = 0.05;
+constexpr double kMarginShare = 0.005, kMostMargin = 0.02;
 
 using Part = BodyNow::Part;
 
@@ -63,7 +63,9 @@ void ContactList::narrow_phase(const State& s, std::span<const BodyKind> kinds, 
   for (const BodyPair& p : broad_.update(boxes_, mobility_, fat)) {
     const bool active = bodies_[p.a].part == Part::active || bodies_[p.b].part == Part::active ||
                         bodies_[p.a].part == Part::driven || bodies_[p.b].part == Part::driven;
-    if (active && touch_allowed(kinds[kind[p.a]], kinds[kind[p.b]])) pairs_.push_back(p);
+    if (!active || !touch_allowed(kinds[kind[p.a]], kinds[kind[p.b]])) continue;
+    if (std::binary_search(joined_.begin(), joined_.end(), uint64_t{p.a} << 32 | p.b)) continue;
+    pairs_.push_back(p);
   }
   const size_t blocks = (pairs_.size() + kPairsPerBlock - 1) / kPairsPerBlock;
   if (blocks_.size() < blocks) blocks_.resize(blocks), manifolds_.resize(blocks);
@@ -115,7 +117,16 @@ bool ContactList::wake(State& s, std::span<const BodyKind> kinds) {
   return any;
 }
 
-void ContactList::find(State& s, std::span<const BodyKind> kinds, const StepInput& in) {
+void ContactList::find(State& s, std::span<const BodyKind> kinds, std::span<const Joint> joints,
+                       const StepInput& in) {
+  joined_.clear();
+  const auto held = s.span<uint32_t>(columns::joint_bodies);
+  for (size_t k = 0; k < joints.size(); ++k) {
+    if (joints[k].touch == JointDef::Touch::yes || s.span<uint32_t>(columns::joint_broken)[k]) continue;
+    const auto [low, high] = std::minmax(held[2 * k], held[2 * k + 1]);
+    joined_.push_back(uint64_t{low} << 32 | high);
+  }
+  std::sort(joined_.begin(), joined_.end());
   look_at_bodies(s, kinds, in.h);
   narrow_phase(s, kinds, in);
   if (wake(s, kinds)) {

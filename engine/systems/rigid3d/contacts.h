@@ -32,7 +32,8 @@ class ContactList {
  public:
   /// Finds all contacts of bodies that move; wakes what they touch. Points at most a step's motion apart
   /// count.
-  void find(State& s, std::span<const BodyKind> kinds, const StepInput& in);
+  /// Bodies that a joint holds together do not touch unless it says so.
+  void find(State& s, std::span<const BodyKind> kinds, std::span<const Joint> joints, const StepInput& in);
   /// Ascending by bodies.
   std::span<Contact* const> all() const { return contacts_; }
   std::span<const BodyNow> bodies() const { return bodies_; }
@@ -56,6 +57,7 @@ class ContactList {
   std::vector<Box> boxes_;
   std::vector<Mobility> mobility_;
   std::vector<BodyPair> pairs_;
+  std::vector<uint64_t> joined_;  // pairs that do not touch, ascending
   std::vector<std::vector<Contact>> blocks_;
   std::vector<std::vector<Manifold>> manifolds_;
   std::vector<Contact*> contacts_;

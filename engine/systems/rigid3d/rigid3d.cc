@@ -22,6 +22,7 @@ constexpr size_t kSpare = 10'000;
 
 Rigid3d::Rigid3d(const Rigid3dDef& def, const BuildContext& context)
     : bodies_(build_bodies(def, context.seed)),
+      joints_(build_joints(def, bodies_)),
       precision_(def.precision),
       gravity_(def.gravity.value_or(context.gravity)),
       sleep_speed_(def.sleep_speed),
@@ -48,7 +49,7 @@ Rigid3d::Rigid3d(const Rigid3dDef& def, const BuildContext& context)
 }
 
 State Rigid3d::initial_state() const {
-  return rigid3d_at_start(bodies_, gravity_);
+  return rigid3d_at_start(bodies_, joints_, gravity_);
 }
 
 Rigid3d::Scratch& Rigid3d::scratch(const StepInput& in) {
@@ -111,13 +112,26 @@ void Rigid3d::find_contacts(State& s, const StepInput& in) const {
   scratch.before.resize(s.rows(columns::position));
   const double *x = s.f64(columns::position).data(), *q = s.f64(columns::orientation).data();
   for (size_t i = 0; i < scratch.before.size(); ++i) scratch.before[i] = {load3(x, i), load_quat(q, i)};
-  scratch.contacts.find(s, bodies_.kinds, in);
+  // What is joined to a body that moves moves.
+  const auto held = s.span<uint32_t>(columns::joint_bodies);
+  const auto asleep = s.span<uint32_t>(columns::asleep);
+  for (size_t k = 0; k < held.size(); k += 2) {
+    const uint32_t a = held[k], b = held[k + 1];
+    if (a == kNoBody || b == kNoBody || s.span<uint32_t>(columns::joint_broken)[k / 2]) continue;
+    if (asleep[a] && !asleep[b] && bodies_.kinds[s.span<uint32_t>(columns::kind)[b]].moved_by_forces()) {
+      wake_body(s, a, bodies_.kinds);
+    }
+    if (asleep[b] && !asleep[a] && bodies_.kinds[s.span<uint32_t>(columns::kind)[a]].moved_by_forces()) {
+      wake_body(s, b, bodies_.kinds);
+    }
+  }
+  scratch.contacts.find(s, bodies_.kinds, joints_, in);
 }
 
 void Rigid3d::solve(State& s, const StepInput& in) const {
   Scratch& scratch = Rigid3d::scratch(in);
   const auto run = [&](auto& solver) {
-    solver.solve(s, bodies_.kinds, scratch.contacts.all(), scratch.contacts.bodies(), scratch.change,
+    solver.solve(s, bodies_.kinds, joints_, scratch.contacts.all(), scratch.contacts.bodies(), scratch.change,
                  settings_, in);
   };
   if (precision_ == Rigid3dDef::Precision::f32) {
@@ -225,6 +239,17 @@ void Rigid3d::rest(State& s, const StepInput& in) const {
     if (now[c->b].part == Part::active) scratch.calm[c->b] = 1;
     if (now[c->a].part == Part::active && now[c->b].part == Part::active)
       link_islands(scratch.parent, c->a, c->b);
+  }
+  const auto held = s.span<uint32_t>(columns::joint_bodies);
+  for (size_t k = 0; k < held.size(); k += 2) {
+    if (s.span<uint32_t>(columns::joint_broken)[k / 2]) continue;
+    const uint32_t a = held[k], b = held[k + 1];
+    for (const uint32_t i : {a, b}) {
+      if (i != kNoBody && now[i].part == Part::active) scratch.calm[i] = 1;
+    }
+    if (a != kNoBody && b != kNoBody && now[a].part == Part::active && now[b].part == Part::active) {
+      link_islands(scratch.parent, a, b);
+    }
   }
   for (size_t i = 0; i < n; ++i) {
     if (now[i].part != Part::active) continue;

@@ -51,6 +51,7 @@ class Rigid3d final : public StagedSystem {
   size_t checked_body(const State& s, const Command& c) const;
 
   BodyList bodies_;
+  std::vector<Joint> joints_;
   SolverSettings settings_;
   Rigid3dDef::Precision precision_;
   Vec3 gravity_;

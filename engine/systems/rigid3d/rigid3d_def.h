@@ -95,14 +95,27 @@ struct CompoundBodyDef : BodyDef {
 using AnyBodyDef = std::variant<SphereBodyDef, BoxBodyDef, CapsuleBodyDef, CylinderBodyDef, HullBodyDef,
                                 MeshBodyDef, HeightFieldBodyDef, PlaneBodyDef, CompoundBodyDef>;
 
+/// Holds two bodies, or one and the world, together.
+struct JointDef {
+  enum class Type : uint8_t { ball, fixed, hinge, slider, cylindrical, plane } type = Type::ball;
+  int64_t a = -1, b = 0;
+  std::optional<Vec3> anchor;
+  Vec3 axis{0, 1, 0};
+  std::optional<double> break_force;
+  enum class Touch : uint8_t { no, yes } touch = Touch::no;
+  int64_t repeat = 1, step = 1;
+  Vec3 offset;
+};
+
 struct Rigid3dDef {
   std::vector<AnyBodyDef> bodies;
+  std::vector<JointDef> joints;
   std::optional<Vec3> gravity;
-  int64_t substeps = 4;
+  int64_t substeps = 6;
   enum class Precision : uint8_t { f32, f64 } precision = Precision::f32;
   double friction = 0.5, restitution = 0, rest_speed = 0.05;
   double rolling_resistance = 0, spinning_resistance = 0;
-  double contact_hertz = 60, contact_damping = 5, push_out_speed = 3;
+  double contact_hertz = 60, contact_damping = 10, push_out_speed = 3;
   bool sleeping = true;
   double sleep_speed = 0.02, sleep_time = 0.5;
 };

@@ -1,5 +1,6 @@
 // What a rigid3d state says about itself: energies, momenta, fields, shapes to draw.
 #include <algorithm>
+#include <cmath>
 
 #include "engine/kernels/free_rotation.h"
 #include "engine/systems/rigid3d/rigid3d.h"
@@ -57,6 +58,21 @@ void Rigid3d::observe(const State& s, double, Observables& out) const {
   }
   out.add("penetration", deepest, "m");
   out.add("sensed", sensed, "1");
+  double gap = 0, broken = 0;
+  const auto held = s.span<uint32_t>(columns::joint_bodies);
+  const auto pose = [&](uint32_t i) { return i == kNoBody ? Pose{} : Pose{load3(x, i), load_quat(q, i)}; };
+  for (size_t k = 0; k < joints_.size(); ++k) {
+    if (s.span<uint32_t>(columns::joint_broken)[k]) {
+      ++broken;
+      continue;
+    }
+    const JointPlace at = joint_place(joints_[k], pose(held[2 * k]), pose(held[2 * k + 1]));
+    double off = 0;
+    for (int e = 0; e < 3; ++e) off += joints_[k].locked[e] * dot(at.axes[e], at.gap) * dot(at.axes[e], at.gap);
+    gap = std::max(gap, std::sqrt(off));
+  }
+  out.add("joints.gap", gap, "m");
+  out.add("joints.broken", broken, "1");
 }
 
 std::vector<FieldInfo> Rigid3d::fields() const {

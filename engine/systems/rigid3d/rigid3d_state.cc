@@ -2,13 +2,14 @@
 
 #include <algorithm>
 
+#include "engine/kernels/constraint_colouring.h"
 #include "engine/kernels/islands.h"
 
 namespace truestep {
 
 namespace columns = rigid3d_columns;
 
-State rigid3d_at_start(const BodyList& bodies, const Vec3& gravity) {
+State rigid3d_at_start(const BodyList& bodies, std::span<const Joint> joints, const Vec3& gravity) {
   using S = Scalar;
   State s;
   s.add({"position", "m", S::f64, 3, Role::position}, 0);
@@ -26,6 +27,13 @@ State rigid3d_at_start(const BodyList& bodies, const Vec3& gravity) {
   s.add({"contact.friction", "SI", S::f64, 4}, 0);
   s.add({"contact.roll", "N m s", S::f64, 3}, 0);
   s.add({"contact.depth", "m", S::f64, 1}, 0);
+  s.add({"joint.bodies", "1", S::u32, 2}, joints.size());
+  s.add({"joint.impulse", "SI", S::f64, 6}, joints.size());
+  s.add({"joint.broken", "1", S::u32, 1}, joints.size());
+  for (size_t k = 0; k < joints.size(); ++k) {
+    s.span<uint32_t>(columns::joint_bodies)[2 * k] = joints[k].bodies[0];
+    s.span<uint32_t>(columns::joint_bodies)[2 * k + 1] = joints[k].bodies[1];
+  }
   s.add({"counters", "1", S::u64, 1}, 1);
   s.add({"gravity", "m/s^2", S::f64, 3}, 1);
   s.add({"substep", "s", S::f64, 1}, 1);
@@ -69,10 +77,14 @@ void wake_body(State& s, size_t row, std::span<const BodyKind> kinds) {
   if (!asleep[row]) return;
   std::vector<uint32_t> parent(asleep.size());
   start_islands(parent);
-  const auto pairs = s.span<uint32_t>(columns::contact_bodies);
-  for (size_t k = 0; k < pairs.size(); k += 2) {
-    const uint32_t a = pairs[k], b = pairs[k + 1];
+  const auto link = [&](uint32_t a, uint32_t b) {
     if (kinds[kind[a]].moved_by_forces() && kinds[kind[b]].moved_by_forces()) link_islands(parent, a, b);
+  };
+  const auto pairs = s.span<uint32_t>(columns::contact_bodies), joined = s.span<uint32_t>(columns::joint_bodies);
+  for (size_t k = 0; k < pairs.size(); k += 2) link(pairs[k], pairs[k + 1]);
+  for (size_t k = 0; k < joined.size(); k += 2) {
+    const uint32_t a = joined[k], b = joined[k + 1];
+    if (a != kNoBody && b != kNoBody && !s.span<uint32_t>(columns::joint_broken)[k / 2]) link(a, b);
   }
   const uint32_t island = island_of(parent, static_cast<uint32_t>(row));
   for (uint32_t i = 0; i < asleep.size(); ++i) {
@@ -116,6 +128,14 @@ void remove_body(State& s, size_t row) {
     for (State::Column c = columns::contact_bodies; c < columns::contacts_end; ++c) erase_any_row(s, c, k);
   }
   for (uint32_t& b : s.span<uint32_t>(columns::contact_bodies)) b -= b > row;
+  const auto joined = s.span<uint32_t>(columns::joint_bodies);
+  for (size_t k = 0; k < joined.size(); ++k) {
+    if (joined[k] == row) {
+      s.span<uint32_t>(columns::joint_broken)[k / 2] = 1, joined[k] = kNoBody;
+    } else if (joined[k] != kNoBody && joined[k] > row) {
+      --joined[k];
+    }
+  }
   for (State::Column c = 0; c < columns::per_body_end; ++c) erase_any_row(s, c, row);
   for (size_t k = s.rows(columns::push_id); k-- > 0;) {
     if (s.span<uint64_t>(columns::push_id)[k] != id) continue;

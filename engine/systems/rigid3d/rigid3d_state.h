@@ -5,6 +5,7 @@
 
 #include "engine/core/state.h"
 #include "engine/systems/rigid3d/bodies.h"
+#include "engine/systems/rigid3d/joints.h"
 
 namespace truestep {
 
@@ -27,7 +28,10 @@ enum : State::Column {
   contact_roll,                   ///< f64 x 3, N m s in the world
   contact_depth,                  ///< f64, m, of the deepest point when it was found; negative: apart
   contacts_end,
-  counters = contacts_end,  ///< u64: next id
+  joint_bodies = contacts_end,  ///< u32 x 2, rows, kNoBody: the world
+  joint_impulse,                ///< f64 x 6, N s and N m s of one substep along the joint's axes
+  joint_broken,                 ///< u32
+  counters,                     ///< u64: next id
   gravity,                  ///< f64 x 3
   substep,                  ///< f64, s, length of the last step's substeps; 0 before the first
   push_id,                  ///< u64
@@ -40,7 +44,7 @@ enum : State::Column {
 }  // namespace rigid3d_columns
 
 /// The state at t = 0.
-State rigid3d_at_start(const BodyList& bodies, const Vec3& gravity);
+State rigid3d_at_start(const BodyList& bodies, std::span<const Joint> joints, const Vec3& gravity);
 
 /// One body more, at the end.
 void append_body(State& s, const BodyStart& b);
@@ -48,10 +52,10 @@ void append_body(State& s, const BodyStart& b);
 /// Row of the body with this id, or nothing.
 std::optional<size_t> row_of_body(const State& s, uint64_t id);
 
-/// Takes a body away: its contacts, pushes and drags too. Bodies that touched it wake up.
+/// Takes a body away: its contacts, joints, pushes and drags too. Bodies that touched it wake up.
 void remove_body(State& s, size_t row);
 
-/// Wakes a body and all that it rests on or carries.
+/// Wakes a body and all that it rests on, carries or is joined to.
 void wake_body(State& s, size_t row, std::span<const BodyKind> kinds);
 
 inline Quat load_quat(const double* p, size_t i) {

@@ -14,6 +14,8 @@ namespace {
 constexpr size_t kGroupsPerBlock = 24;
 /// Share of a depth that rigid contacts take back in a substep.
 constexpr double kTakenBack = 0.1;
+/// Joints are springs of this share of the substeps' rate, damped that many times the critical.
+constexpr double kJointHertzShare = 0.25, kJointDamping = 2;
 /// rad/s; slower bodies change their axis of rotation by less than a float shows.
 constexpr double kSlowSpin = 1e-2;
 
@@ -32,6 +34,13 @@ Vec3 apply(const double s[6], const Vec3& a) {
 }
 Vec3 roots(const Vec3& a) {
   return {std::sqrt(a.x), std::sqrt(a.y), std::sqrt(a.z)};
+}
+
+/// Coefficients of contacts for substeps of h.
+SoftConstraint<double> contact_softness(const SolverSettings& settings, double h) {
+  return settings.contact_hertz > 0
+             ? soft_constraint<double>(settings.contact_hertz, settings.contact_damping, h)
+             : rigid_constraint<double>(kTakenBack, h);
 }
 
 template <class T>
@@ -71,6 +80,7 @@ void ContactSolver<T>::choose_bodies(const State& s, std::span<const BodyKind> k
     }
   };
   list(Ends::both_move), list(Ends::one_moves);
+  choose_joints(s, now);
   body_.clear();
   for (uint32_t i = 0; i < slot_.size(); ++i) {
     if (slot_[i] == 0) slot_[i] = static_cast<uint32_t>(body_.size()), body_.push_back(i);
@@ -120,17 +130,14 @@ void ContactSolver<T>::load_bodies(const State& s, std::span<const BodyKind> kin
 }
 
 template <class T>
-void ContactSolver<T>::make_groups(std::span<Contact* const> contacts) {
-  const size_t n = listed_.size();
-  ends_.resize(n), colour_.resize(n), order_.resize(n), used_.resize(body_.size());
-  for (size_t k = 0; k < n; ++k) {
-    const Contact& c = *contacts[listed_[k]];
-    ends_[k] = {slot_[c.a], slot_[c.b]};
-  }
+void ContactSolver<T>::make_groups(std::span<const uint32_t> items, Groups& out) {
+  const size_t n = items.size();
+  colour_.resize(n), order_.resize(n), used_.resize(body_.size());
   std::array<uint32_t, kColours + 1> count;
   colour_constraints(ends_, used_, colour_, count);
   sort_by_colour(colour_, count, order_);
-  member_.clear(), colour_begin_.assign(1, 0);
+  out.member.clear(), out.colour_begin.assign(1, 0);
+  const auto close = [&] { out.colour_begin.push_back(static_cast<uint32_t>(out.member.size() / W::kLanes)); };
   size_t next = 0;
   for (uint32_t c = 0; c <= kColours; ++c) {
     if (count[c] == 0) continue;
@@ -138,15 +145,62 @@ void ContactSolver<T>::make_groups(std::span<Contact* const> contacts) {
     const uint32_t lanes = c < kColours ? W::kLanes : 1;
     for (uint32_t k = 0; k < count[c]; k += lanes) {
       for (uint32_t lane = 0; lane < W::kLanes; ++lane) {
-        member_.push_back(lane < lanes && k + lane < count[c] ? listed_[order_[next + k + lane]] : kNoBody);
+        out.member.push_back(lane < lanes && k + lane < count[c] ? items[order_[next + k + lane]] : kNoBody);
       }
-      if (c == kColours) colour_begin_.push_back(static_cast<uint32_t>(member_.size() / W::kLanes));
+      if (c == kColours) close();
     }
     next += count[c];
-    if (c < kColours) colour_begin_.push_back(static_cast<uint32_t>(member_.size() / W::kLanes));
+    if (c < kColours) close();
   }
-  group_count_ = member_.size() / W::kLanes;
-  if (groups_.size() < group_count_) groups_.resize(group_count_ + group_count_ / 4);
+  out.count = out.member.size() / W::kLanes;
+}
+
+template <class T>
+void ContactSolver<T>::choose_joints(const State& s, std::span<const BodyNow> now) {
+  const auto bodies = s.span<uint32_t>(columns::joint_bodies);
+  const auto broken = s.span<uint32_t>(columns::joint_broken);
+  const auto active = [&](uint32_t i) { return i != kNoBody && now[i].part == BodyNow::Part::active; };
+  listed_joints_.clear();
+  for (uint32_t k = 0; k < broken.size(); ++k) {
+    const uint32_t a = bodies[2 * k], b = bodies[2 * k + 1];
+    if (broken[k] || (!active(a) && !active(b))) continue;
+    if (active(a)) slot_[a] = 0;
+    if (active(b)) slot_[b] = 0;
+    listed_joints_.push_back(k);
+  }
+}
+
+template <class T>
+void ContactSolver<T>::fill_joint(size_t group, const State& s, std::span<const Joint> joints,
+                                  std::span<const BodyNow> now) {
+  const auto bodies = s.span<uint32_t>(columns::joint_bodies);
+  const double *x = s.f64(columns::position).data(), *q = s.f64(columns::orientation).data();
+  const auto end = static_cast<uint32_t>(body_.size());
+  JointGroup<T>& g = joint_groups_[group] = JointGroup<T>{};
+  for (int lane = 0; lane < W::kLanes; ++lane) {
+    const uint32_t k = joint_lanes_.member[group * W::kLanes + lane];
+    g.a[lane] = g.b[lane] = end;
+    if (k == kNoBody) continue;
+    const uint32_t a = bodies[2 * k], b = bodies[2 * k + 1];
+    const auto pose = [&](uint32_t i) { return i == kNoBody ? Pose{} : Pose{load3(x, i), load_quat(q, i)}; };
+    const JointPlace at = joint_place(joints[k], pose(a), pose(b));
+    const auto body = [&](uint32_t i, uint32_t* slot, W& root, W turn[6]) {
+      if (i == kNoBody || slot_[i] == kNoBody) return;
+      const Scaled& scaled = scaled_[slot_[i]];
+      slot[lane] = slot_[i], root.set(lane, T(scaled.root));
+      for (int e = 0; e < 6; ++e) turn[e].set(lane, T(scaled.inverse[e]));
+    };
+    body(a, g.a, g.root_a, g.turn_a), body(b, g.b, g.root_b, g.turn_b);
+    set3(g.arm_a, lane, at.arm_a), set3(g.arm_b, lane, at.arm_b), set3(g.error, lane, at.gap);
+    for (int e = 0; e < 3; ++e) {
+      set3(g.axis[e], lane, at.axes[e]);
+      g.angle[e].set(lane, T(dot(at.axes[e], at.turn)));
+    }
+    for (int e = 0; e < 6; ++e) {
+      g.locked[e].set(lane, T(joints[k].locked[e]));
+      g.impulse[e].set(lane, T(s.f64(columns::joint_impulse)[6 * k + e]));
+    }
+  }
 }
 
 template <class T>
@@ -159,7 +213,7 @@ void ContactSolver<T>::fill(size_t group, std::span<Contact* const> contacts, co
   ContactLanes<T> in{};
   g.points = 0, g.flags = 0;
   for (int lane = 0; lane < W::kLanes; ++lane) {
-    const uint32_t k = member_[group * W::kLanes + lane];
+    const uint32_t k = contact_lanes_.member[group * W::kLanes + lane];
     g.a[lane] = g.b[lane] = end;
     if (k == kNoBody) continue;
     const Contact& c = *contacts[k];
@@ -203,16 +257,16 @@ void ContactSolver<T>::fill(size_t group, std::span<Contact* const> contacts, co
       set3(in.surface, lane, surface), set3(in.surface_turn, lane, turn);
     }
   }
-  prepare_contacts(g, in);
+  prepare_contacts(g, in, softness_);
 }
 
 template <class T>
-template <class Body>
-void ContactSolver<T>::each_colour(const ThreadArena& arena, Body&& body) {
-  for (size_t c = 0; c + 1 < colour_begin_.size(); ++c) {
-    const uint32_t first = colour_begin_[c];
-    arena.for_blocks(colour_begin_[c + 1] - first, kGroupsPerBlock, [&](size_t begin, size_t end) {
-      for (size_t g = begin; g < end; ++g) body(groups_[first + g]);
+template <class Group, class Body>
+void ContactSolver<T>::each_colour(const Groups& groups, Group* all, const ThreadArena& arena, Body&& body) {
+  for (size_t c = 0; c + 1 < groups.colour_begin.size(); ++c) {
+    const uint32_t first = groups.colour_begin[c];
+    arena.for_blocks(groups.colour_begin[c + 1] - first, kGroupsPerBlock, [&](size_t begin, size_t end) {
+      for (size_t g = begin; g < end; ++g) body(all[first + g]);
     });
   }
 }
@@ -222,15 +276,19 @@ void ContactSolver<T>::substeps(const SolverSettings& settings, const StepInput&
   const size_t n = body_.size();
   const auto end = static_cast<uint32_t>(n);
   const double h = in.h / settings.substeps;
-  const auto soft = settings.contact_hertz > 0
-                        ? soft_constraint<double>(settings.contact_hertz, settings.contact_damping, h)
-                        : rigid_constraint<double>(kTakenBack, h);
+  const auto soft = contact_softness(settings, h);
   ContactPass<T> pass{
       T(1 / h), 0, T(soft.bias_rate), T(soft.mass_scale), T(soft.impulse_scale), T(settings.push_out_speed)};
   Record8<T>*v = velocity_.data(), *d = displacement_.data();
-  for (size_t g = 0; g < group_count_; ++g) flags_ |= groups_[g].flags;
+  for (size_t g = 0; g < contact_lanes_.count; ++g) flags_ |= groups_[g].flags;
   const bool bounces = flags_ & ContactGroup<T>::kBounces;
-  each_colour(in.arena, [&](ContactGroup<T>& g) { apply_contacts(g, warm_.data(), end); });
+  each_colour(contact_lanes_, groups_.data(), in.arena, [&](ContactGroup<T>& g) { apply_contacts(g, warm_.data(), end); });
+  const auto each_joint = [&](auto&& body) { each_colour(joint_lanes_, joint_groups_.data(), in.arena, body); };
+  const auto joint = soft_constraint<double>(kJointHertzShare / h, kJointDamping, h);
+  each_joint([&](JointGroup<T>& g) {
+    prepare_joints(g, d);
+    apply_joints(g, warm_.data(), end);
+  });
   for (int k = 0; k < settings.substeps; ++k) {
     for (size_t i = 0; i < n; ++i) {
       for (int e = 0; e < 8; ++e) v[i].x[e] += change_[i].x[e];
@@ -241,20 +299,25 @@ void ContactSolver<T>::substeps(const SolverSettings& settings, const StepInput&
       start_[i] = v[i];
     }
     pass.elapsed = T(k * h);
-    each_colour(in.arena,
+    each_joint([&](JointGroup<T>& g) {
+      prepare_joints(g, d);
+      solve_joints<ContactSolve::push>(g, v, end, T(joint.bias_rate), T(joint.mass_scale), T(joint.impulse_scale));
+    });
+    each_colour(contact_lanes_, groups_.data(), in.arena,
                 [&](ContactGroup<T>& g) { solve_contacts<ContactSolve::push>(g, v, d, end, pass); });
     for (size_t i = 0; i < n; ++i) {
       for (int e = 0; e < 8; ++e) d[i].x[e] += T(h) * v[i].x[e];
     }
     pass.elapsed = T((k + 1) * h);
-    each_colour(in.arena,
+    each_joint([&](JointGroup<T>& g) { solve_joints<ContactSolve::relax>(g, v, end, T(0), T(1), T(0)); });
+    each_colour(contact_lanes_, groups_.data(), in.arena,
                 [&](ContactGroup<T>& g) { solve_contacts<ContactSolve::relax>(g, v, d, end, pass); });
     for (size_t i = 0; i < n; ++i) {
       for (int e = 0; e < 8; ++e) warm_[i].x[e] += v[i].x[e] - start_[i].x[e];
     }
   }
   if (bounces) {
-    each_colour(in.arena, [&](ContactGroup<T>& g) {
+    each_colour(contact_lanes_, groups_.data(), in.arena, [&](ContactGroup<T>& g) {
       if (g.flags & ContactGroup<T>::kBounces) bounce_contacts(g, v, end, T(settings.rest_speed));
     });
   }
@@ -262,13 +325,13 @@ void ContactSolver<T>::substeps(const SolverSettings& settings, const StepInput&
 
 template <class T>
 void ContactSolver<T>::store_impulses(std::span<Contact* const> contacts) {
-  for (size_t k = 0; k < group_count_; ++k) {
+  for (size_t k = 0; k < contact_lanes_.count; ++k) {
     const ContactGroup<T>& g = groups_[k];
     for (int lane = 0; lane < W::kLanes; ++lane) {
-      const uint32_t m = member_[k * W::kLanes + lane];
+      const uint32_t m = contact_lanes_.member[k * W::kLanes + lane];
       if (m == kNoBody) continue;
       Contact& c = *contacts[m];
-      for (int p = 0; p < c.manifold.count; ++p) c.impulse[p] = g.point[p].impulse[lane];
+      for (int p = 0; p < c.manifold.count; ++p) c.impulse[p] = g.place[p].impulse[lane];
       c.slide = get3(g.tangent[0], lane) * g.slide[0][lane] + get3(g.tangent[1], lane) * g.slide[1][lane];
       c.twist = g.twist[lane];
       if (g.flags & ContactGroup<T>::kRolls) {
@@ -295,19 +358,49 @@ void ContactSolver<T>::store_bodies(State& s) {
 }
 
 template <class T>
-void ContactSolver<T>::solve(State& s, std::span<const BodyKind> kinds, std::span<Contact* const> contacts,
-                             std::span<const BodyNow> now, std::span<const Vec3> change,
-                             const SolverSettings& settings, const StepInput& in) {
+void ContactSolver<T>::store_joints(State& s, std::span<const Joint> joints, double h) {
+  const auto impulse = s.f64(columns::joint_impulse);
+  for (size_t g = 0; g < joint_lanes_.count; ++g) {
+    for (int lane = 0; lane < W::kLanes; ++lane) {
+      const uint32_t k = joint_lanes_.member[g * W::kLanes + lane];
+      if (k == kNoBody) continue;
+      Vec3 force;
+      for (int e = 0; e < 6; ++e) impulse[6 * k + e] = joint_groups_[g].impulse[e][lane];
+      force = load3(impulse.data() + 6 * k, 0) / h;
+      if (norm(force) > joints[k].break_force) s.span<uint32_t>(columns::joint_broken)[k] = 1;
+    }
+  }
+}
+
+template <class T>
+void ContactSolver<T>::solve(State& s, std::span<const BodyKind> kinds, std::span<const Joint> joints,
+                             std::span<Contact* const> contacts, std::span<const BodyNow> now,
+                             std::span<const Vec3> change, const SolverSettings& settings, const StepInput& in) {
   choose_bodies(s, kinds, contacts, now);
   if (body_.empty()) return;
   load_bodies(s, kinds, now, change, settings, in.h);
-  make_groups(contacts);
-  in.arena.for_blocks(group_count_, kGroupsPerBlock, [&](size_t begin, size_t end) {
+  const auto soft = contact_softness(settings, in.h / settings.substeps);
+  softness_ = T(soft.impulse_scale / soft.mass_scale);
+  ends_.clear();
+  for (const uint32_t k : listed_) ends_.push_back({slot_[contacts[k]->a], slot_[contacts[k]->b]});
+  make_groups(listed_, contact_lanes_);
+  if (groups_.size() < contact_lanes_.count) groups_.resize(contact_lanes_.count + contact_lanes_.count / 4);
+  in.arena.for_blocks(contact_lanes_.count, kGroupsPerBlock, [&](size_t begin, size_t end) {
     for (size_t g = begin; g < end; ++g) fill(g, contacts, s, kinds, now);
+  });
+  ends_.clear();
+  const auto held = s.span<uint32_t>(columns::joint_bodies);
+  const auto slot = [&](uint32_t i) { return i == kNoBody ? kNoBody : slot_[i]; };
+  for (const uint32_t k : listed_joints_) ends_.push_back({slot(held[2 * k]), slot(held[2 * k + 1])});
+  make_groups(listed_joints_, joint_lanes_);
+  if (joint_groups_.size() < joint_lanes_.count) joint_groups_.resize(joint_lanes_.count);
+  in.arena.for_blocks(joint_lanes_.count, kGroupsPerBlock, [&](size_t begin, size_t end) {
+    for (size_t g = begin; g < end; ++g) fill_joint(g, s, joints, now);
   });
   flags_ = 0;
   substeps(settings, in);
   store_impulses(contacts);
+  store_joints(s, joints, in.h / settings.substeps);
   store_bodies(s);
 }
 

@@ -8,14 +8,15 @@
 #include "engine/base/cache_line.h"
 #include "engine/kernels/constraint_colouring.h"
 #include "engine/kernels/contact_rows3.h"
+#include "engine/kernels/joint_rows3.h"
 #include "engine/systems/rigid3d/contacts.h"
 
 namespace truestep {
 
 struct SolverSettings {
-  int substeps = 4;
+  int substeps = 6;
   double rest_speed = 0.05, push_out_speed = 3;
-  double contact_hertz = 0, contact_damping = 10;
+  double contact_hertz = 60, contact_damping = 10;
 };
 
 template <class T>
@@ -24,8 +25,8 @@ class ContactSolver {
   using W = Wide<T>;
   /// Moves the bodies that have contacts (`slots` tells which) by in.h; `change` is what gravity and pushes
   /// add to the velocity of every body in that time.
-  void solve(State& s, std::span<const BodyKind> kinds, std::span<Contact* const> contacts,
-             std::span<const BodyNow> now, std::span<const Vec3> change, const SolverSettings& settings,
+  void solve(State& s, std::span<const BodyKind> kinds, std::span<const Joint> joints,
+             std::span<Contact* const> contacts, std::span<const BodyNow> now, std::span<const Vec3> change, const SolverSettings& settings,
              const StepInput& in);
   /// Per body: its place among those that this step's solver moved, or kNoBody.
   std::span<const uint32_t> slots() const { return slot_; }
@@ -39,14 +40,23 @@ class ContactSolver {
                      std::span<const BodyNow> now);
   void load_bodies(const State& s, std::span<const BodyKind> kinds, std::span<const BodyNow> now,
                    std::span<const Vec3> change, const SolverSettings& settings, double h);
-  void make_groups(std::span<Contact* const> contacts);
+  /// Lanes of groups, colour by colour.
+  struct Groups {
+    std::vector<uint32_t> member;        // item in a lane, or kNoBody
+    std::vector<uint32_t> colour_begin;  // first group of a colour, and the end
+    size_t count = 0;
+  };
+  void make_groups(std::span<const uint32_t> items, Groups& out);
+  void choose_joints(const State& s, std::span<const BodyNow> now);
+  void fill_joint(size_t group, const State& s, std::span<const Joint> joints, std::span<const BodyNow> now);
+  void store_joints(State& s, std::span<const Joint> joints, double h);
   void fill(size_t group, std::span<Contact* const> contacts, const State& s, std::span<const BodyKind> kinds,
             std::span<const BodyNow> now);
   void substeps(const SolverSettings& settings, const StepInput& in);
   void store_impulses(std::span<Contact* const> contacts);
   void store_bodies(State& s);
-  template <class Body>
-  void each_colour(const ThreadArena& arena, Body&& body);
+  template <class Group, class Body>
+  void each_colour(const Groups& groups, Group* first, const ThreadArena& arena, Body&& body);
 
   template <class U>
   using Aligned = std::vector<U, CacheLineAllocator<U>>;
@@ -54,14 +64,15 @@ class ContactSolver {
   std::vector<Scaled> scaled_;
   Aligned<Record8<T>> velocity_, displacement_, change_, warm_, start_, damping_;
   Aligned<ContactGroup<T>> groups_;
-  std::vector<uint32_t> member_;        // lanes of groups: contact, or kNoBody
-  std::vector<uint32_t> colour_begin_;  // groups of a colour
-  size_t group_count_ = 0;
+  Aligned<JointGroup<T>> joint_groups_;
+  Groups contact_lanes_, joint_lanes_;
+  std::vector<uint32_t> listed_joints_;
   std::vector<ConstraintEnds> ends_;
   std::vector<uint32_t> listed_, order_;
   std::vector<uint64_t> used_;
   std::vector<uint8_t> colour_;
   uint32_t flags_ = 0;
+  T softness_ = 0;
   bool damped_ = false;
 };
 
