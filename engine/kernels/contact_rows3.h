@@ -2,8 +2,9 @@
 // a manifold of up to four points, for the substeps of a soft step (Catto, "Solver2D", 2024).
 //
 // Bodies are in scaled variables in which every mass matrix is the identity: the record of body i is
-//   (sqrt(m) v, S w)   with  S S = I,  S symmetric, in the world at the step's start,
-// and likewise for displacements, so that one vector j = S^-1 (r x n) both reads and changes a turn:
+//   (sqrt(m) v, sqrt(I) R^T w),     I the principal moments, R the orientation,
+// and likewise for displacements, so that one vector j = S (r x n), S = I^-1/2 R^T, both reads and changes a
+// turn. Turns are in the body's frame, where inertia stays what it is while the body moves:
 //   J v = n . (v_b / sqrt(m_b) - v_a / sqrt(m_a)) + j_b . w_b - j_a . w_a,    K = 1/m_a + 1/m_b + j_a^2 +
 //   j_b^2
 // Friction acts at the points' centre of pressure: a vector in the tangent plane, clipped to the disc of
@@ -41,7 +42,6 @@ struct alignas(64) ContactGroup {
   W cja[3], cjb[3], tja[2][3], tjb[2][3];  ///< rows along the normal and the tangents at c
   W nja[3], njb[3], rja[2][3], rjb[2][3];  ///< turns about the normal and the tangents
   W inverse[21];                           ///< of K over these six rows, lower triangle by rows
-  W yield[3];                              ///< softness of force and torques along the normal
   W whole, filled;                         ///< 1 where the points span a plane; where there are any
   struct Place {
     W x, y;              ///< m from c along the tangents
@@ -67,7 +67,7 @@ struct ContactLanes {
   using W = Wide<T>;
   W normal[3], arm[4][3], apart[3];  ///< points from a's centre; b's centre from a's
   W active[4], separation[4], impulse[4];
-  W root_a, root_b, turn_a[6], turn_b[6];  ///< 1/sqrt(m); S^-1 as xx yy zz xy xz yz
+  W root_a, root_b, turn_a[9], turn_b[9];  ///< 1/sqrt(m); S by rows
   W friction, spinning, rolling, restitution;
   W slide[3], twist, roll[3];  ///< impulses of the last step in the world
   W surface[3],
@@ -84,12 +84,15 @@ template <class W>
 void cross(const W a[3], const W b[3], W out[3]) {
   out[0] = a[1] * b[2] - a[2] * b[1], out[1] = a[2] * b[0] - a[0] * b[2], out[2] = a[0] * b[1] - a[1] * b[0];
 }
-/// S a for a symmetric S.
+/// S a for S by rows.
 template <class W>
-void apply(const W s[6], const W a[3], W out[3]) {
-  out[0] = madd(s[4], a[2], madd(s[3], a[1], s[0] * a[0]));
-  out[1] = madd(s[5], a[2], madd(s[1], a[1], s[3] * a[0]));
-  out[2] = madd(s[2], a[2], madd(s[5], a[1], s[4] * a[0]));
+void apply(const W s[9], const W a[3], W out[3]) {
+  for (int k = 0; k < 3; ++k) out[k] = madd(s[3 * k + 2], a[2], madd(s[3 * k + 1], a[1], s[3 * k] * a[0]));
+}
+/// S^T a.
+template <class W>
+void apply_transposed(const W s[9], const W a[3], W out[3]) {
+  for (int k = 0; k < 3; ++k) out[k] = madd(s[6 + k], a[2], madd(s[3 + k], a[1], s[k] * a[0]));
 }
 /// v += s j.
 template <class W>
@@ -172,10 +175,9 @@ void clip(W total[2], const W d[2], const W& limit, W added[2]) {
 
 }  // namespace contact_rows
 
-/// Rows of a group from what the narrow phase found; g.a, g.b, g.points and g.flags are set by the caller;
-/// `softness` is impulse_scale / mass_scale.
+/// Rows of a group from what the narrow phase found; g.a, g.b, g.points and g.flags are set by the caller.
 template <class T>
-void prepare_contacts(ContactGroup<T>& g, const ContactLanes<T>& in, T softness) {
+void prepare_contacts(ContactGroup<T>& g, const ContactLanes<T>& in) {
   using W = Wide<T>;
   namespace r = contact_rows;
   const W zero(0), one(1);
@@ -254,10 +256,7 @@ void prepare_contacts(ContactGroup<T>& g, const ContactLanes<T>& in, T softness)
     for (int p = 0; p < 6; ++p) {
       for (int q = 0; q <= p; ++q) k[p][q] = r::dot(ja[p], ja[q]) + r::dot(jb[p], jb[q]);
       if (p < 3) k[p][p] += linear;
-      // Soft along the normal: what a push gives up shears nothing.
-      const bool normal = p == 0 || p > 3;
-      if (normal) g.yield[p == 0 ? 0 : p - 3] = W(softness) * k[p][p];
-      k[p][p] = madd(k[p][p], W(1e-5), normal ? k[p][p] + g.yield[p == 0 ? 0 : p - 3] : k[p][p]);
+      k[p][p] = madd(k[p][p], W(1e-5), k[p][p]);
     }
     r::invert_positive<6>(k, g.inverse);
     r::invert(k[1][1], k[2][1], k[2][2], g.k_inverse);
@@ -389,16 +388,19 @@ Wide<T> solve_patch(ContactGroup<T>& g, Wide<T> a[6], Wide<T> b[6], const Wide<T
     held[0] += at.impulse;
     held[1] = madd(at.y, at.impulse, held[1]), held[2] = nmadd(at.x, at.impulse, held[2]);
   }
-  if constexpr (kind == ContactSolve::push) {
-    slip[0] = madd(g.yield[0], held[0], slip[0]);
-    slip[4] = madd(g.yield[1], held[1], slip[4]), slip[5] = madd(g.yield[2], held[2], slip[5]);
-  }
   for (int p = 0, at = 0; p < 6; ++p) {
     for (int q = 0; q < p; ++q, ++at) {
       f[p] = nmadd(g.inverse[at], slip[q], f[p]);
       f[q] = nmadd(g.inverse[at], slip[p], f[q]);
     }
     f[p] = nmadd(g.inverse[at], slip[p], f[p]), ++at;
+  }
+  if constexpr (kind == ContactSolve::push) {
+    const int normal_rows[3] = {0, 4, 5};
+    for (int e = 0; e < 3; ++e) {
+      const int p = normal_rows[e];
+      f[p] = W(pass.mass_scale) * f[p] - W(pass.impulse_scale) * held[e];
+    }
   }
   // The force and torques that the points have to make, spread as evenly as can be without pulling.
   const W zero(0), one(1);
@@ -505,6 +507,8 @@ void solve_contacts(ContactGroup<T>& g, Record8<T>* v, const Record8<T>* d, uint
   if (g.points > 2 && !(g.flags & kSingle)) {
     const W done = detail::solve_patch<kind>(g, a, b, separation, pass);
     rest = any_below(done, g.filled);
+    // A push gives up some of the normal impulses; without friction's word on that, bodies creep.
+    if (kind == ContactSolve::push && !rest) detail::solve_friction(g, a, b);
   }
   if (rest) {
     // Friction is bounded by the normal impulses of the last relaxation, never by what a push leaves.

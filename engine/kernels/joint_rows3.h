@@ -12,12 +12,12 @@ template <class T>
 struct alignas(64) JointGroup {
   using W = Wide<T>;
   uint32_t a[W::kLanes], b[W::kLanes];  ///< records, `end` for what joints do not move
-  W root_a, root_b, turn_a[6], turn_b[6];
+  W root_a, root_b, turn_a[9], turn_b[9];
   W arm_a[3], arm_b[3], error[3];  ///< m, at the step's start; error = x_b + r_b - x_a - r_a
   W axis[3][3], angle[3];          ///< e_k, turn of b against a about them (rad) at the step's start
   W locked[6];                     ///< 1 or 0: linear, angular
   W impulse[6];
-  W strength;                      ///< 1, or 0 when the lane holds nothing
+  W strength;  ///< 1, or 0 when the lane holds nothing
   // Made anew in every substep.
   W ja[6][3], jb[6][3], gap[6], inverse[21];
 };
@@ -39,18 +39,25 @@ void prepare_joints(JointGroup<T>& g, const Record8<T>* d) {
   namespace r = contact_rows;
   W da[6], db[6], ta[3], tb[3], arm_a[3], arm_b[3], gap[3], turn[3];
   gather6(d, g.a, da), gather6(d, g.b, db);
-  r::apply(g.turn_a, da + 3, ta), r::apply(g.turn_b, db + 3, tb);
+  r::apply_transposed(g.turn_a, da + 3, ta), r::apply_transposed(g.turn_b, db + 3, tb);
   detail::turn_arm(ta, g.arm_a, arm_a), detail::turn_arm(tb, g.arm_b, arm_b);
   for (int k = 0; k < 3; ++k) {
-    gap[k] = g.error[k] + (g.root_b * db[k] + arm_b[k] - g.arm_b[k]) - (g.root_a * da[k] + arm_a[k] - g.arm_a[k]);
+    gap[k] =
+        g.error[k] + (g.root_b * db[k] + arm_b[k] - g.arm_b[k]) - (g.root_a * da[k] + arm_a[k] - g.arm_a[k]);
     turn[k] = tb[k] - ta[k];
   }
   const W linear = g.root_a * g.root_a + g.root_b * g.root_b;
+  // Into the bodies' frames as they have turned by now.
+  const W back_a[3] = {-ta[0], -ta[1], -ta[2]}, back_b[3] = {-tb[0], -tb[1], -tb[2]};
+  const auto into = [](const W turn[9], const W back[3], const W world[3], W out[3]) {
+    W start[3];
+    detail::turn_arm(back, world, start), r::apply(turn, start, out);
+  };
   for (int k = 0; k < 3; ++k) {
     W moment[3];
-    r::cross(arm_a, g.axis[k], moment), r::apply(g.turn_a, moment, g.ja[k]);
-    r::cross(arm_b, g.axis[k], moment), r::apply(g.turn_b, moment, g.jb[k]);
-    r::apply(g.turn_a, g.axis[k], g.ja[3 + k]), r::apply(g.turn_b, g.axis[k], g.jb[3 + k]);
+    r::cross(arm_a, g.axis[k], moment), into(g.turn_a, back_a, moment, g.ja[k]);
+    r::cross(arm_b, g.axis[k], moment), into(g.turn_b, back_b, moment, g.jb[k]);
+    into(g.turn_a, back_a, g.axis[k], g.ja[3 + k]), into(g.turn_b, back_b, g.axis[k], g.jb[3 + k]);
     g.gap[k] = r::dot(g.axis[k], gap);
     g.gap[3 + k] = g.angle[k] + r::dot(g.axis[k], turn);
   }
@@ -77,12 +84,13 @@ void push_joint(const JointGroup<T>& g, const Wide<T> f[6], Wide<T> a[6], Wide<T
 }
 }  // namespace detail
 
-/// Adds the group's impulses to the records (scaled velocities).
+/// Adds `times` the group's impulses to the records (scaled velocities).
 template <class T>
-void apply_joints(const JointGroup<T>& g, Record8<T>* records, uint32_t end) {
-  Wide<T> a[6], b[6];
+void apply_joints(const JointGroup<T>& g, Record8<T>* records, uint32_t end, T times) {
+  Wide<T> a[6], b[6], f[6];
   gather6(records, g.a, a), gather6(records, g.b, b);
-  detail::push_joint(g, g.impulse, a, b);
+  for (int k = 0; k < 6; ++k) f[k] = Wide<T>(times) * g.impulse[k];
+  detail::push_joint(g, f, a, b);
   scatter6(records, g.a, end, a), scatter6(records, g.b, end, b);
 }
 

@@ -30,6 +30,14 @@ Rigid3dDef heap() {
   part.position = {0.2, 0.3, 0}, part.half_extents = {0.1, 0.2, 0.1};
   l.parts.push_back(part);
   l.position = {-3, 1, 0}, l.copies = copies({0.9, 0.9, 0.9});
+  // A chain of balls that hangs over the heap.
+  SphereBodyDef bead = testing::ball(0.1, {0, 4, 0});
+  bead.copies = CopiesDef{};
+  bead.copies->count = {10, 1, 1}, bead.copies->spacing = {0.25, 1, 1};
+  d.bodies.push_back(bead);
+  JointDef j;
+  j.a = 1, j.b = 2, j.repeat = 9;
+  d.joints.push_back(j);
   d.bodies.push_back(b), d.bodies.push_back(c), d.bodies.push_back(h), d.bodies.push_back(l);
   return d;
 }

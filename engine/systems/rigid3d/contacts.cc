@@ -64,7 +64,7 @@ void ContactList::narrow_phase(const State& s, std::span<const BodyKind> kinds, 
     const bool active = bodies_[p.a].part == Part::active || bodies_[p.b].part == Part::active ||
                         bodies_[p.a].part == Part::driven || bodies_[p.b].part == Part::driven;
     if (!active || !touch_allowed(kinds[kind[p.a]], kinds[kind[p.b]])) continue;
-    if (std::binary_search(joined_.begin(), joined_.end(), uint64_t{p.a} << 32 | p.b)) continue;
+    if (joined(p.a, p.b)) continue;
     pairs_.push_back(p);
   }
   const size_t blocks = (pairs_.size() + kPairsPerBlock - 1) / kPairsPerBlock;

@@ -1,6 +1,7 @@
 // Contacts of a step: broad phase over the boxes that bodies sweep, narrow phase, impulses of the last step
 // matched by features, and the rows of the state that carry them on.
 #pragma once
+#include <algorithm>
 #include <array>
 #include <span>
 #include <vector>
@@ -41,6 +42,11 @@ class ContactList {
   /// were.
   void store(State& s);
   const BroadPhase& broad_phase() const { return broad_; }
+  /// True when a joint keeps the two from touching.
+  bool joined(uint32_t a, uint32_t b) const {
+    const auto [low, high] = std::minmax(a, b);
+    return std::binary_search(joined_.begin(), joined_.end(), uint64_t{low} << 32 | high);
+  }
 
  private:
   void look_at_bodies(const State& s, std::span<const BodyKind> kinds, double h);

@@ -48,16 +48,17 @@ std::vector<Joint> build_joints(const Rigid3dDef& def, const BodyList& bodies) {
         const int64_t at = r + k * d.step;
         if (at >= 0 && static_cast<size_t>(at) < bodies.starts.size()) return static_cast<uint32_t>(at);
         const std::string why = "there is no body " + std::to_string(at);
-        issues.push_back({"/joints/" + std::to_string(i) + "/" + member, "out_of_range", why, std::to_string(at),
-                          "-1 (the world) to " + std::to_string(bodies.starts.size() - 1), "", ""});
+        issues.push_back({"/joints/" + std::to_string(i) + "/" + member, "out_of_range", why,
+                          std::to_string(at), "-1 (the world) to " + std::to_string(bodies.starts.size() - 1),
+                          "", ""});
         return kNoBody;
       };
       Joint j;
       j.bodies = {row(d.a, "a"), row(d.b, "b")};
       if (!issues.empty()) break;
       if (j.bodies[0] == j.bodies[1]) {
-        issues.push_back({"/joints/" + std::to_string(i) + "/b", "same_body", "a joint needs two bodies", "", "",
-                          "", ""});
+        issues.push_back(
+            {"/joints/" + std::to_string(i) + "/b", "same_body", "a joint needs two bodies", "", "", "", ""});
         break;
       }
       const Pose a = start_pose(bodies, j.bodies[0]), b = start_pose(bodies, j.bodies[1]);

@@ -1,6 +1,6 @@
-// Joints between bodies, as they were built: anchors and axes in the bodies' frames, and which of the six ways
-// of moving are locked. Rows of the state say which bodies they hold now, what they carry and whether they
-// broke.
+// Joints between bodies, as they were built: anchors and axes in the bodies' frames, and which of the six
+// ways of moving are locked. Rows of the state say which bodies they hold now, what they carry and whether
+// they broke.
 #pragma once
 #include <array>
 #include <limits>

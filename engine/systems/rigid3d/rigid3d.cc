@@ -211,7 +211,10 @@ void Rigid3d::stop_fast_bodies(State& s, const StepInput& in) const {
     double first = 1;
     for (const uint32_t j : scratch.near) {
       const BodyKind& o = bodies_.kinds[kind[j]];
-      if (j == i || o.sensor || !(k.group & o.mask) || !(o.group & k.mask) || in_contact(i, j)) continue;
+      if (j == i || o.sensor || !(k.group & o.mask) || !(o.group & k.mask) || in_contact(i, j) ||
+          scratch.contacts.joined(i, j)) {
+        continue;
+      }
       const auto hit = time_of_impact(k.solid, own, o.solid, sweep(j), 0.25 * now[i].margin);
       if (hit && hit->t < first) first = hit->t;
     }

@@ -241,15 +241,19 @@ const DefTable& joint_table() {
   static const DefTable t =
       TableOf<JointDef>("holds two bodies, or one and the world, together")
           .choice("kind", &JointDef::type, {"ball", "fixed", "hinge", "slider", "cylindrical", "plane"},
-                  "ball: turns freely; hinge: about the axis; slider: along it; cylindrical: both; plane: across it")
+                  "ball: turns freely; hinge: about the axis; slider: along it; cylindrical: both; plane: "
+                  "across it")
           .integer("a", &JointDef::a, between(-1, kMostBodies), "row of a body; -1: the world")
           .integer("b", &JointDef::b, between(-1, kMostBodies), "row of the other")
-          .vector("anchor", &JointDef::anchor, "m", any(), "place at t = 0; half way between the bodies when absent")
+          .vector("anchor", &JointDef::anchor, "m", any(),
+                  "place at t = 0; half way between the bodies when absent")
           .vector("axis", &JointDef::axis, "1", any(), "direction at t = 0; any length")
-          .number("break_force", &JointDef::break_force, "N", above(0), "force at which it breaks; never when absent")
+          .number("break_force", &JointDef::break_force, "N", above(0),
+                  "force at which it breaks; never when absent")
           .choice("touch", &JointDef::touch, {"no", "yes"}, "whether its bodies collide with one another")
           .integer("repeat", &JointDef::repeat, between(1, kMostBodies), "that many joints like this one")
-          .integer("step", &JointDef::step, between(1, kMostBodies), "rows of a and b from one to the next; -1 stays")
+          .integer("step", &JointDef::step, between(1, kMostBodies),
+                   "rows of a and b from one to the next; -1 stays")
           .vector("offset", &JointDef::offset, "m", any(), "of the anchor from one to the next")
           .build();
   return t;

@@ -68,7 +68,8 @@ void Rigid3d::observe(const State& s, double, Observables& out) const {
     }
     const JointPlace at = joint_place(joints_[k], pose(held[2 * k]), pose(held[2 * k + 1]));
     double off = 0;
-    for (int e = 0; e < 3; ++e) off += joints_[k].locked[e] * dot(at.axes[e], at.gap) * dot(at.axes[e], at.gap);
+    for (int e = 0; e < 3; ++e)
+      off += joints_[k].locked[e] * dot(at.axes[e], at.gap) * dot(at.axes[e], at.gap);
     gap = std::max(gap, std::sqrt(off));
   }
   out.add("joints.gap", gap, "m");

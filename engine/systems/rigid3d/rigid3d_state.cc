@@ -80,7 +80,8 @@ void wake_body(State& s, size_t row, std::span<const BodyKind> kinds) {
   const auto link = [&](uint32_t a, uint32_t b) {
     if (kinds[kind[a]].moved_by_forces() && kinds[kind[b]].moved_by_forces()) link_islands(parent, a, b);
   };
-  const auto pairs = s.span<uint32_t>(columns::contact_bodies), joined = s.span<uint32_t>(columns::joint_bodies);
+  const auto pairs = s.span<uint32_t>(columns::contact_bodies),
+             joined = s.span<uint32_t>(columns::joint_bodies);
   for (size_t k = 0; k < pairs.size(); k += 2) link(pairs[k], pairs[k + 1]);
   for (size_t k = 0; k < joined.size(); k += 2) {
     const uint32_t a = joined[k], b = joined[k + 1];

@@ -32,14 +32,14 @@ enum : State::Column {
   joint_impulse,                ///< f64 x 6, N s and N m s of one substep along the joint's axes
   joint_broken,                 ///< u32
   counters,                     ///< u64: next id
-  gravity,                  ///< f64 x 3
-  substep,                  ///< f64, s, length of the last step's substeps; 0 before the first
-  push_id,                  ///< u64
-  push_force,               ///< f64 x 3, N
-  push_remaining,           ///< f64, s
-  drag_id,                  ///< u64
-  drag_target,              ///< f64 x 3, m
-  drag_stiffness,           ///< f64, N/m
+  gravity,                      ///< f64 x 3
+  substep,                      ///< f64, s, length of the last step's substeps; 0 before the first
+  push_id,                      ///< u64
+  push_force,                   ///< f64 x 3, N
+  push_remaining,               ///< f64, s
+  drag_id,                      ///< u64
+  drag_target,                  ///< f64 x 3, m
+  drag_stiffness,               ///< f64, N/m
 };
 }  // namespace rigid3d_columns
 

@@ -19,18 +19,10 @@ constexpr double kJointHertzShare = 0.25, kJointDamping = 2;
 /// rad/s; slower bodies change their axis of rotation by less than a float shows.
 constexpr double kSlowSpin = 1e-2;
 
-/// R diag(d) R^T as xx yy zz xy xz yz.
-void rotated_diagonal(const Rotation& r, const Vec3& d, double out[6]) {
-  const auto entry = [&](int i, int j) {
-    const Vec3 &a = r.row[i], &b = r.row[j];
-    return a.x * b.x * d.x + a.y * b.y * d.y + a.z * b.z * d.z;
-  };
-  out[0] = entry(0, 0), out[1] = entry(1, 1), out[2] = entry(2, 2);
-  out[3] = entry(0, 1), out[4] = entry(0, 2), out[5] = entry(1, 2);
-}
-Vec3 apply(const double s[6], const Vec3& a) {
-  return {s[0] * a.x + s[3] * a.y + s[4] * a.z, s[3] * a.x + s[1] * a.y + s[5] * a.z,
-          s[4] * a.x + s[5] * a.y + s[2] * a.z};
+/// S^T a.
+Vec3 apply_transposed(const double s[9], const Vec3& a) {
+  return {s[0] * a.x + s[3] * a.y + s[6] * a.z, s[1] * a.x + s[4] * a.y + s[7] * a.z,
+          s[2] * a.x + s[5] * a.y + s[8] * a.z};
 }
 Vec3 roots(const Vec3& a) {
   return {std::sqrt(a.x), std::sqrt(a.y), std::sqrt(a.z)};
@@ -104,18 +96,21 @@ void ContactSolver<T>::load_bodies(const State& s, std::span<const BodyKind> kin
     const BodyKind& b = kinds[kind[i]];
     const double root = std::sqrt(b.mass);
     const Vec3 r = roots(b.moments);
-    double S[6];
-    rotated_diagonal(now[i].at.rotation, r, S);
-    rotated_diagonal(now[i].at.rotation, {1 / r.x, 1 / r.y, 1 / r.z}, scaled_[k].inverse);
+    const Rotation& R = now[i].at.rotation;
+    for (int row = 0; row < 3; ++row) {
+      const Vec3 e = axis(R, row) / (row == 0 ? r.x : row == 1 ? r.y : r.z);
+      scaled_[k].turn[3 * row] = e.x, scaled_[k].turn[3 * row + 1] = e.y, scaled_[k].turn[3 * row + 2] = e.z;
+    }
     scaled_[k].root = 1 / root;
-    velocity_[k] = record<T>(load3(v, i) * root, apply(S, load3(w, i)));
+    const Vec3 spin = load3(w, i), own = R.apply_inverse(spin);
+    velocity_[k] = record<T>(load3(v, i) * root, free_rotation::times(own, r));
     // The gyroscopic torque of the whole step, as the free body would feel it.
-    const Vec3 spin = load3(w, i);
     Vec3 turned;
     if (norm2(spin) > kSlowSpin * kSlowSpin && !(b.moments.x == b.moments.y && b.moments.y == b.moments.z)) {
-      turned = free_rotation::advance({load_quat(q, i), spin}, b.moments, h).angular_velocity - spin;
+      const auto m = free_rotation::advance({load_quat(q, i), spin}, b.moments, h);
+      turned = rotation(m.orientation).apply_inverse(m.angular_velocity) - own;
     }
-    change_[k] = record<T>(change[i] * (root * part), apply(S, turned * part));
+    change_[k] = record<T>(change[i] * (root * part), free_rotation::times(turned * part, r));
     displacement_[k] = {}, warm_[k] = {};
     damped_ |= b.linear_damping > 0 || b.angular_damping > 0;
   }
@@ -137,7 +132,9 @@ void ContactSolver<T>::make_groups(std::span<const uint32_t> items, Groups& out)
   colour_constraints(ends_, used_, colour_, count);
   sort_by_colour(colour_, count, order_);
   out.member.clear(), out.colour_begin.assign(1, 0);
-  const auto close = [&] { out.colour_begin.push_back(static_cast<uint32_t>(out.member.size() / W::kLanes)); };
+  const auto close = [&] {
+    out.colour_begin.push_back(static_cast<uint32_t>(out.member.size() / W::kLanes));
+  };
   size_t next = 0;
   for (uint32_t c = 0; c <= kColours; ++c) {
     if (count[c] == 0) continue;
@@ -184,11 +181,11 @@ void ContactSolver<T>::fill_joint(size_t group, const State& s, std::span<const 
     const uint32_t a = bodies[2 * k], b = bodies[2 * k + 1];
     const auto pose = [&](uint32_t i) { return i == kNoBody ? Pose{} : Pose{load3(x, i), load_quat(q, i)}; };
     const JointPlace at = joint_place(joints[k], pose(a), pose(b));
-    const auto body = [&](uint32_t i, uint32_t* slot, W& root, W turn[6]) {
+    const auto body = [&](uint32_t i, uint32_t* slot, W& root, W turn[9]) {
       if (i == kNoBody || slot_[i] == kNoBody) return;
       const Scaled& scaled = scaled_[slot_[i]];
       slot[lane] = slot_[i], root.set(lane, T(scaled.root));
-      for (int e = 0; e < 6; ++e) turn[e].set(lane, T(scaled.inverse[e]));
+      for (int e = 0; e < 9; ++e) turn[e].set(lane, T(scaled.turn[e]));
     };
     body(a, g.a, g.root_a, g.turn_a), body(b, g.b, g.root_b, g.turn_b);
     set3(g.arm_a, lane, at.arm_a), set3(g.arm_b, lane, at.arm_b), set3(g.error, lane, at.gap);
@@ -231,12 +228,12 @@ void ContactSolver<T>::fill(size_t group, std::span<Contact* const> contacts, co
     if (slot_[c.a] != kNoBody) {
       const Scaled& b = scaled_[slot_[c.a]];
       g.a[lane] = slot_[c.a], in.root_a.set(lane, T(b.root));
-      for (int e = 0; e < 6; ++e) in.turn_a[e].set(lane, T(b.inverse[e]));
+      for (int e = 0; e < 9; ++e) in.turn_a[e].set(lane, T(b.turn[e]));
     }
     if (slot_[c.b] != kNoBody) {
       const Scaled& b = scaled_[slot_[c.b]];
       g.b[lane] = slot_[c.b], in.root_b.set(lane, T(b.root));
-      for (int e = 0; e < 6; ++e) in.turn_b[e].set(lane, T(b.inverse[e]));
+      for (int e = 0; e < 9; ++e) in.turn_b[e].set(lane, T(b.turn[e]));
     }
     in.friction.set(lane, T(std::sqrt(ka.friction * kb.friction)));
     in.restitution.set(lane, T(std::max(ka.restitution, kb.restitution)));
@@ -257,7 +254,7 @@ void ContactSolver<T>::fill(size_t group, std::span<Contact* const> contacts, co
       set3(in.surface, lane, surface), set3(in.surface_turn, lane, turn);
     }
   }
-  prepare_contacts(g, in, softness_);
+  prepare_contacts(g, in);
 }
 
 template <class T>
@@ -282,14 +279,25 @@ void ContactSolver<T>::substeps(const SolverSettings& settings, const StepInput&
   Record8<T>*v = velocity_.data(), *d = displacement_.data();
   for (size_t g = 0; g < contact_lanes_.count; ++g) flags_ |= groups_[g].flags;
   const bool bounces = flags_ & ContactGroup<T>::kBounces;
-  each_colour(contact_lanes_, groups_.data(), in.arena, [&](ContactGroup<T>& g) { apply_contacts(g, warm_.data(), end); });
-  const auto each_joint = [&](auto&& body) { each_colour(joint_lanes_, joint_groups_.data(), in.arena, body); };
+  each_colour(contact_lanes_, groups_.data(), in.arena,
+              [&](ContactGroup<T>& g) { apply_contacts(g, warm_.data(), end); });
+  const auto each_joint = [&](auto&& body) {
+    each_colour(joint_lanes_, joint_groups_.data(), in.arena, body);
+  };
   const auto joint = soft_constraint<double>(kJointHertzShare / h, kJointDamping, h);
   each_joint([&](JointGroup<T>& g) {
     prepare_joints(g, d);
-    apply_joints(g, warm_.data(), end);
+    apply_joints(g, warm_.data(), end, T(1));
   });
   for (int k = 0; k < settings.substeps; ++k) {
+    if (k > 0) {
+      // What joints carry turns with their bodies.
+      each_joint([&](JointGroup<T>& g) {
+        apply_joints(g, warm_.data(), end, T(-1));
+        prepare_joints(g, d);
+        apply_joints(g, warm_.data(), end, T(1));
+      });
+    }
     for (size_t i = 0; i < n; ++i) {
       for (int e = 0; e < 8; ++e) v[i].x[e] += change_[i].x[e];
       if (damped_) {
@@ -300,8 +308,8 @@ void ContactSolver<T>::substeps(const SolverSettings& settings, const StepInput&
     }
     pass.elapsed = T(k * h);
     each_joint([&](JointGroup<T>& g) {
-      prepare_joints(g, d);
-      solve_joints<ContactSolve::push>(g, v, end, T(joint.bias_rate), T(joint.mass_scale), T(joint.impulse_scale));
+      solve_joints<ContactSolve::push>(g, v, end, T(joint.bias_rate), T(joint.mass_scale),
+                                       T(joint.impulse_scale));
     });
     each_colour(contact_lanes_, groups_.data(), in.arena,
                 [&](ContactGroup<T>& g) { solve_contacts<ContactSolve::push>(g, v, d, end, pass); });
@@ -350,10 +358,14 @@ void ContactSolver<T>::store_bodies(State& s) {
     const Scaled& b = scaled_[k];
     const T *r = velocity_[k].x, *d = displacement_[k].x;
     store3(v, i, Vec3{double(r[0]), double(r[1]), double(r[2])} * b.root);
-    store3(w, i, apply(b.inverse, {double(r[3]), double(r[4]), double(r[5])}));
     store3(x, i, load3(x, i) + Vec3{double(d[0]), double(d[1]), double(d[2])} * b.root);
-    const Vec3 turn = apply(b.inverse, {double(d[3]), double(d[4]), double(d[5])});
-    store_quat(q, i, normalized(free_rotation::turn(turn) * load_quat(q, i)));
+    // Both turns are the body's own: w by its orientation at the end.
+    const Quat from = load_quat(q, i);
+    const Rotation R = rotation(from);
+    const Vec3 turn = apply_transposed(b.turn, {double(d[3]), double(d[4]), double(d[5])});
+    const Quat to = normalized(free_rotation::turn(turn) * from);
+    const Vec3 own = R.apply_inverse(apply_transposed(b.turn, {double(r[3]), double(r[4]), double(r[5])}));
+    store_quat(q, i, to), store3(w, i, rotation(to).apply(own));
   }
 }
 
@@ -375,12 +387,11 @@ void ContactSolver<T>::store_joints(State& s, std::span<const Joint> joints, dou
 template <class T>
 void ContactSolver<T>::solve(State& s, std::span<const BodyKind> kinds, std::span<const Joint> joints,
                              std::span<Contact* const> contacts, std::span<const BodyNow> now,
-                             std::span<const Vec3> change, const SolverSettings& settings, const StepInput& in) {
+                             std::span<const Vec3> change, const SolverSettings& settings,
+                             const StepInput& in) {
   choose_bodies(s, kinds, contacts, now);
   if (body_.empty()) return;
   load_bodies(s, kinds, now, change, settings, in.h);
-  const auto soft = contact_softness(settings, in.h / settings.substeps);
-  softness_ = T(soft.impulse_scale / soft.mass_scale);
   ends_.clear();
   for (const uint32_t k : listed_) ends_.push_back({slot_[contacts[k]->a], slot_[contacts[k]->b]});
   make_groups(listed_, contact_lanes_);

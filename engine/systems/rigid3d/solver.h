@@ -26,15 +26,15 @@ class ContactSolver {
   /// Moves the bodies that have contacts (`slots` tells which) by in.h; `change` is what gravity and pushes
   /// add to the velocity of every body in that time.
   void solve(State& s, std::span<const BodyKind> kinds, std::span<const Joint> joints,
-             std::span<Contact* const> contacts, std::span<const BodyNow> now, std::span<const Vec3> change, const SolverSettings& settings,
-             const StepInput& in);
+             std::span<Contact* const> contacts, std::span<const BodyNow> now, std::span<const Vec3> change,
+             const SolverSettings& settings, const StepInput& in);
   /// Per body: its place among those that this step's solver moved, or kNoBody.
   std::span<const uint32_t> slots() const { return slot_; }
 
  private:
   struct Scaled {
-    double root;        // 1/sqrt(m)
-    double inverse[6];  // S^-1: xx yy zz xy xz yz
+    double root;     // 1/sqrt(m)
+    double turn[9];  // S = I^-1/2 R^T by rows
   };
   void choose_bodies(const State& s, std::span<const BodyKind> kinds, std::span<Contact* const> contacts,
                      std::span<const BodyNow> now);
@@ -72,7 +72,6 @@ class ContactSolver {
   std::vector<uint64_t> used_;
   std::vector<uint8_t> colour_;
   uint32_t flags_ = 0;
-  T softness_ = 0;
   bool damped_ = false;
 };
 
