@@ -72,7 +72,8 @@ pub unsafe extern "C" fn peer_step(p: *mut Peer, dt: f64) {
 /// x, y, angle.
 #[no_mangle]
 pub unsafe extern "C" fn peer_pose(p: *mut Peer, body: c_int, out: *mut f64) {
-    let body = &(*p).world.bodies[(*p).bodies[body as usize]];
+    let p = &*p;
+    let body = &p.world.bodies[p.bodies[body as usize]];
     *out = body.translation().x as f64;
     *out.add(1) = body.translation().y as f64;
     *out.add(2) = body.rotation().angle() as f64;
