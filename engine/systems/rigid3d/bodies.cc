@@ -71,7 +71,8 @@ struct MakeSolid {
     return height_field_solid(nx, nz, d.spacing, d.heights);
   }
   Solid operator()(const PlaneBodyDef& d) const { return plane_solid(d.normal); }
-  Solid operator()(const CompoundBodyDef& d) const {
+  Solid operator()(const CompoundBodyDef& d) const { return compound_solid(parts(d)); }
+  std::vector<SolidPart> parts(const CompoundBodyDef& d) const {
     std::vector<SolidPart> parts;
     for (const AnyPartDef& p : d.parts) {
       const PartDef& place = std::visit([](const auto& x) -> const PartDef& { return x; }, p);
@@ -79,7 +80,7 @@ struct MakeSolid {
                        {to_body.point(place.position),
                         normalized(to_body_pose.orientation * turned(place.axis, place.angle))}});
     }
-    return compound_solid(std::move(parts));
+    return parts;
   }
 };
 
@@ -94,7 +95,11 @@ BodyKind build_kind(const AnyBodyDef& any, const Rigid3dDef& def) {
   k.linear_damping = d.linear_damping, k.angular_damping = d.angular_damping;
   k.gravity_scale = d.gravity_scale;
   k.group = static_cast<uint32_t>(d.group), k.mask = static_cast<uint32_t>(d.mask);
-  k.solid = std::visit(MakeSolid{}, any);
+  const auto place = [&](const MakeSolid& make) {
+    k.solid = std::visit(make, any);
+    if (const auto* compound = std::get_if<CompoundBodyDef>(&any)) k.parts = make.parts(*compound);
+  };
+  place({});
   if (k.motion == BodyDef::Motion::dynamic) {
     MassProperties m = mass_properties(k.solid, d.density);
     if (d.mass) m.inertia = m.inertia * (*d.mass / m.mass), m.mass = *d.mass;

@@ -11,7 +11,8 @@ namespace truestep {
 
 struct BodyKind {
   std::string id;
-  Solid solid;  ///< in the frame of centre and principal axes
+  Solid solid;                   ///< in the frame of centre and principal axes
+  std::vector<SolidPart> parts;  ///< of a compound, for drawing
   BodyDef::Motion motion = BodyDef::Motion::dynamic;
   double mass = 0;              ///< kg; 0: contacts do not move it
   Vec3 moments;                 ///< kg m^2

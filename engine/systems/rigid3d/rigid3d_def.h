@@ -111,7 +111,7 @@ struct Rigid3dDef {
   std::vector<AnyBodyDef> bodies;
   std::vector<JointDef> joints;
   std::optional<Vec3> gravity;
-  int64_t substeps = 6;
+  int64_t substeps = 5;
   enum class Precision : uint8_t { f32, f64 } precision = Precision::f32;
   double friction = 0.5, restitution = 0, rest_speed = 0.05;
   double rolling_resistance = 0, spinning_resistance = 0;

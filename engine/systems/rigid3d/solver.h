@@ -14,7 +14,7 @@
 namespace truestep {
 
 struct SolverSettings {
-  int substeps = 6;
+  int substeps = 5;
   double rest_speed = 0.05, push_out_speed = 3;
   double contact_hertz = 60, contact_damping = 10;
 };

@@ -1,0 +1,10 @@
+# Bullet is a peer only; without it the other comparisons are made.
+find_package(PkgConfig QUIET)
+pkg_check_modules(BULLET QUIET IMPORTED_TARGET bullet-float64)
+if(NOT BULLET_FOUND)
+  pkg_check_modules(BULLET QUIET IMPORTED_TARGET bullet)
+endif()
+if(BULLET_FOUND)
+  target_link_libraries(${bench_target} PRIVATE PkgConfig::BULLET)
+  target_compile_definitions(${bench_target} PRIVATE TRUESTEP_BULLET)
+endif()
