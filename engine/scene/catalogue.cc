@@ -1,5 +1,6 @@
 #include "engine/scene/catalogue.h"
 
+#include "engine/systems/articulation/articulation_def.h"
 #include "engine/systems/mass_spring/mass_spring.h"
 #include "engine/systems/ode/ode.h"
 #include "engine/systems/oscillator/oscillator.h"
@@ -57,6 +58,15 @@ std::span<const CatalogueRow> catalogue() {
        {"force is minus the gradient of the potential", "springs and their damping conserve momentum",
         "pinned points do not move", "the same bits on any number of threads"},
        "linear_implicit_euler"},
+      {"articulation",
+       "rigid bodies",
+       "rigid links in a tree of joints, in the joints' own coordinates: chains that cannot come apart",
+       &articulation_table(),
+       build_articulation,
+       articulation_cost,
+       {"joints have no gap", "follows the published pendulums and tops",
+        "accelerations solve M q'' + h = tau to 1e-12", "a step costs O(links)"},
+       "rk4"},
       {"rigid2d",
        "rigid bodies",
        "rigid bodies in the plane with contacts, friction, sleeping and nine kinds of joints",

@@ -1,0 +1,224 @@
+#include "engine/systems/articulation/articulation.h"
+
+#include <algorithm>
+
+#include "engine/core/command_checks.h"
+
+namespace truestep::articulation {
+
+namespace {
+
+enum Field : size_t { kPosition, kVelocity, kOrientation, kAngularVelocity, kJointForce, kJointMoment };
+
+void end_push(State& s, const StepInput& in) {
+  double& remaining = s.f64(Columns::kPushRemaining)[0];
+  remaining = std::max(0.0, remaining - in.h);
+  if (remaining < 1e-9 * in.h) s.span<int32_t>(Columns::kPushLink)[0] = -1;
+}
+
+// Of a proper rotation matrix (Shepperd 1978): the largest of the four numbers by a root, the rest by
+// quotients.
+Quat quaternion(const Rotation& r) {
+  const double xx = r.row[0].x, yy = r.row[1].y, zz = r.row[2].z, trace = xx + yy + zz;
+  const Vec3 odd{r.row[2].y - r.row[1].z, r.row[0].z - r.row[2].x, r.row[1].x - r.row[0].y};
+  const double xy = r.row[0].y + r.row[1].x, xz = r.row[0].z + r.row[2].x, yz = r.row[1].z + r.row[2].y;
+  if (trace > std::max({xx, yy, zz})) return normalized(Quat{1 + trace, odd.x, odd.y, odd.z});
+  if (xx > std::max(yy, zz)) return normalized(Quat{odd.x, 1 + xx - yy - zz, xy, xz});
+  if (yy > zz) return normalized(Quat{odd.y, xy, 1 + yy - zz - xx, yz});
+  return normalized(Quat{odd.z, xz, yz, 1 + zz - xx - yy});
+}
+
+std::vector<spatial::Frame> frames_of(const Tree& tree, const Work& work) {
+  std::vector<spatial::Frame> out(work.size());
+  world_frames(tree, work, out);
+  return out;
+}
+
+}  // namespace
+
+Articulation::Articulation(std::unique_ptr<const ArticulationField> field, const Integrator& method,
+                           const ArticulationDef& def)
+    : ForceSystem(std::move(field), method, def.choice().options),
+      tree_(static_cast<const ArticulationField&>(force_field())),
+      point_radius_(def.point_radius),
+      color_(def.color) {
+  add_integration_stage();
+  bound_speed();
+  add_stage("push", "ends a push command when its time is over", end_push);
+  const auto& drives = tree_.model().drives;
+  if (std::ranges::none_of(drives, [](const Drive& d) { return d.limits != Drive::Limits::none; })) {
+    skip_stage("limits", "no joint has limits");
+  }
+  set_max_rows(2 * tree_.model().links.size());
+}
+
+void Articulation::observe(const State& s, double t, Observables& out) const {
+  ForceSystem::observe(s, t, out);
+  const Model& m = tree_.model();
+  const Work work = tree_.placed(s);
+  const auto frames = frames_of(m.tree, work);
+  Vec3 momentum, spin;
+  for (size_t i = 0; i < work.size(); ++i) {
+    const spatial::Force h = frames[i].out(m.tree.nodes[i].inertia * work[i].v);
+    momentum += h.f, spin += h.n;
+  }
+  out.add("momentum.x", momentum.x, "kg m/s");
+  out.add("momentum.y", momentum.y, "kg m/s");
+  out.add("momentum.z", momentum.z, "kg m/s");
+  out.add("angular_momentum.x", spin.x, "kg m^2/s");
+  out.add("angular_momentum.y", spin.y, "kg m^2/s");
+  out.add("angular_momentum.z", spin.z, "kg m^2/s");
+}
+
+std::vector<FieldInfo> Articulation::fields() const {
+  return {{"position", "m", Scalar::f64, 3},    {"velocity", "m/s", Scalar::f64, 3},
+          {"orientation", "1", Scalar::f64, 4}, {"angular_velocity", "rad/s", Scalar::f64, 3},
+          {"joint_force", "N", Scalar::f64, 3}, {"joint_moment", "N m", Scalar::f64, 3}};
+}
+
+FieldView Articulation::field(const State& s, size_t which, std::vector<double>& scratch) const {
+  const Model& m = tree_.model();
+  const size_t n = m.links.size();
+  const Work work = which >= kJointForce ? tree_.accelerated(s) : tree_.placed(s);
+  const auto frames = frames_of(m.tree, work);
+  const uint32_t width = which == kOrientation ? 4 : 3;
+  const size_t rows = which <= kVelocity ? 2 * n : n;
+  scratch.resize(rows * width);
+  for (size_t i = 0; i < n; ++i) {
+    const Link& l = m.links[i];
+    const spatial::Frame& f = frames[size_t(l.node)];
+    const NodeWork& w = work[size_t(l.node)];
+    switch (which) {
+      case kPosition:
+        store3(scratch.data(), i, f.R.apply(l.center) + f.p);
+        store3(scratch.data(), n + i, f.p);
+        break;
+      case kVelocity:
+        store3(scratch.data(), i, f.R.apply(w.v.v + cross(w.v.w, l.center)));
+        store3(scratch.data(), n + i, f.R.apply(w.v.v));
+        break;
+      case kOrientation: {
+        const Quat q = quaternion(f.R);
+        scratch[4 * i] = q.w, store3(scratch.data() + 4 * i + 1, 0, Vec3{q.x, q.y, q.z});
+        break;
+      }
+      case kAngularVelocity:
+        store3(scratch.data(), i, f.R.apply(w.v.w));
+        break;
+      case kJointForce:
+        store3(scratch.data(), i, f.R.apply(joint_force(w).f));
+        break;
+      default:
+        store3(scratch.data(), i, f.R.apply(joint_force(w).n));
+        break;
+    }
+  }
+  return {scratch.data(), Scalar::f64, rows, width};
+}
+
+void Articulation::apply(State& s, const Command& c) const {
+  check_command_numbers(c);
+  const Model& m = tree_.model();
+  switch (c.kind) {
+    case CommandKind::impulse: {
+      const auto change = tree_.response(s, checked_command_row(c, m.links.size(), "link"), c.vector);
+      const auto v = s.f64(Columns::kVelocity);
+      for (size_t i = 0; i < change.size(); ++i) v[i] += change[i];
+      return;
+    }
+    case CommandKind::push:
+      s.span<int32_t>(Columns::kPushLink)[0] =
+          static_cast<int32_t>(checked_command_row(c, m.links.size(), "link"));
+      store3(s.f64(Columns::kPushForce).data(), 0, c.vector);
+      s.f64(Columns::kPushRemaining)[0] = c.duration;
+      return;
+    case CommandKind::set_parameter: {
+      if (c.name == "gravity") return store3(s.f64(Columns::kGravity).data(), 0, c.vector);
+      for (const Link& l : m.links) {
+        if (l.id.empty() || c.name != l.id + ".torque") continue;
+        if (l.velocities == 0) refuse_command("name", "unknown_parameter", "a fixed joint has no torque");
+        s.f64(Columns::kTorque)[l.v] = c.value;
+        return;
+      }
+      refuse_command("name", "unknown_parameter", "no parameter " + c.name + " to set",
+                     "gravity, <link>.torque");
+    }
+    default:
+      refuse_command("kind", "unsupported_command", "a tree of links knows no such command",
+                     "push, impulse, set_parameter");
+  }
+}
+
+Topology Articulation::topology(const State&) const {
+  Topology t;
+  const Model& m = tree_.model();
+  const auto n = static_cast<uint32_t>(m.links.size());
+  t.point_radius = point_radius_;
+  for (uint32_t i = 0; i < n; ++i) {
+    const Link& l = m.links[i];
+    t.lines.push_back({n + i, i});
+    const Vec3& center = l.parent == kGround ? Vec3{} : m.links[size_t(l.parent)].center;
+    if (l.parent != kGround && norm(center) > 0) t.lines.push_back({static_cast<uint32_t>(l.parent), n + i});
+    if (l.parent != kGround && norm(center) == 0)
+      t.lines.push_back({n + static_cast<uint32_t>(l.parent), n + i});
+  }
+  t.line_kinds.assign(t.lines.size(), LineKind::structural);
+  if (color_) t.color = std::array<double, 3>{color_->x, color_->y, color_->z};
+  return t;
+}
+
+std::vector<DrawnShape> Articulation::shapes(const State& s, double) const {
+  std::vector<DrawnShape> out;
+  const Model& m = tree_.model();
+  if (std::ranges::all_of(m.shapes, [](const auto& list) { return list.empty(); })) return out;
+  const auto frames = frames_of(m.tree, tree_.placed(s));
+  for (size_t i = 0; i < m.links.size(); ++i) {
+    const Link& l = m.links[i];
+    const spatial::Frame& f = frames[size_t(l.node)];
+    const Quat turn = quaternion(f.R);
+    for (const LinkShape& shape : m.shapes[l.def]) {
+      DrawnShape d;
+      const Quat q = turn * shape.pose.orientation;
+      d.position = f.R.apply(shape.pose.position) + f.p, d.orientation = {q.w, q.x, q.y, q.z};
+      d.size = shape.solid.size;
+      // Cylinders are drawn as the nearest that there is: capsules when slim, boxes when flat.
+      const double r = d.size.x, half = d.size.y;
+      d.kind = shape.solid.kind == SolidKind::sphere ? DrawnShape::Kind::sphere
+               : shape.solid.kind == SolidKind::box  ? DrawnShape::Kind::box
+                                                     : DrawnShape::Kind::capsule;
+      if (shape.solid.kind == SolidKind::cylinder && half <= 2 * r) {
+        d.kind = DrawnShape::Kind::box, d.size = {r, half, r};
+      } else if (shape.solid.kind == SolidKind::cylinder) {
+        d.size = {r, half - r, 0};
+      }
+      d.id = l.id.empty() ? std::to_string(i) : l.id;
+      out.push_back(d);
+    }
+  }
+  return out;
+}
+
+}  // namespace truestep::articulation
+
+namespace truestep {
+
+std::unique_ptr<const System> build_articulation(const void* def, const BuildContext& context) {
+  const auto& d = *static_cast<const ArticulationDef*>(def);
+  auto field = std::make_unique<articulation::ArticulationField>(articulation::build_model(d),
+                                                                 d.gravity.value_or(context.gravity));
+  const Integrator& method = choose_integrator(d.choice(), "rk4", *field);
+  return std::make_unique<articulation::Articulation>(std::move(field), method, d);
+}
+
+Cost articulation_cost(const void* def) {
+  double n = 0;
+  for (const LinkDef& l : static_cast<const ArticulationDef*>(def)->links) {
+    n += l.copies ? static_cast<double>(l.copies->count) : 1;
+  }
+  return {.state_bytes = 512 + 80 * n,
+          .workspace_bytes = 4096 + 1500 * n,
+          .elements = n,
+          .seconds_per_step = 2e-6 + 1e-6 * n};
+}
+
+}  // namespace truestep

@@ -1,0 +1,27 @@
+// System "articulation": a tree of rigid links in the coordinates of its joints, stepped by any integrator.
+// Rows of position and velocity are the centres of mass of all links, then their joints.
+#pragma once
+#include "engine/core/force_system.h"
+#include "engine/systems/articulation/articulation_field.h"
+
+namespace truestep::articulation {
+
+class Articulation final : public ForceSystem {
+ public:
+  Articulation(std::unique_ptr<const ArticulationField> field, const Integrator& method,
+               const ArticulationDef& def);
+
+  void observe(const State& state, double t, Observables& out) const override;
+  std::vector<FieldInfo> fields() const override;
+  FieldView field(const State& state, size_t which, std::vector<double>& scratch) const override;
+  void apply(State& state, const Command& command) const override;
+  Topology topology(const State& state) const override;
+  std::vector<DrawnShape> shapes(const State& state, double t) const override;
+
+ private:
+  const ArticulationField& tree_;
+  double point_radius_;
+  std::optional<Vec3> color_;
+};
+
+}  // namespace truestep::articulation

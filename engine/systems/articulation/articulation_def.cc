@@ -1,0 +1,174 @@
+#include "engine/systems/articulation/articulation_def.h"
+
+#include <cmath>
+#include <set>
+
+namespace truestep {
+namespace {
+
+constexpr double kMostLinks = 100'000;
+
+template <class D>
+DefTable finish(TableOf<D>& t) {
+  Vec3 D::*position = &LinkShapeDef::position;
+  Vec3 D::*rotation = &LinkShapeDef::rotation;
+  return t.vector("position", position, "m", any(), "in the link's frame")
+      .vector("rotation", rotation, "rad", any(), "its own turn, as a rotation vector")
+      .build();
+}
+const DefTable& sphere_table() {
+  static const DefTable t = [] {
+    TableOf<SphereLinkDef> t("ball");
+    t.number("radius", &SphereLinkDef::radius, "m", above(0), "radius");
+    return finish(t);
+  }();
+  return t;
+}
+const DefTable& box_table() {
+  static const DefTable t = [] {
+    TableOf<BoxLinkDef> t("box");
+    t.vector("half_extents", &BoxLinkDef::half_extents, "m", above(0), "half of each edge");
+    return finish(t);
+  }();
+  return t;
+}
+const DefTable& capsule_table() {
+  static const DefTable t = [] {
+    TableOf<CapsuleLinkDef> t("cylinder with round ends along y");
+    t.number("radius", &CapsuleLinkDef::radius, "m", above(0), "radius of the cylinder and of its ends")
+        .number("half_length", &CapsuleLinkDef::half_length, "m", above(0),
+                "half of the cylinder without ends");
+    return finish(t);
+  }();
+  return t;
+}
+const DefTable& cylinder_table() {
+  static const DefTable t = [] {
+    TableOf<CylinderLinkDef> t("cylinder along y");
+    t.number("radius", &CylinderLinkDef::radius, "m", above(0), "radius")
+        .number("half_length", &CylinderLinkDef::half_length, "m", above(0), "half of its length");
+    return finish(t);
+  }();
+  return t;
+}
+
+const DefTable& copies_table() {
+  static const DefTable t =
+      TableOf<LinkCopiesDef>("a chain: more links like this one, each on the one before")
+          .integer("count", &LinkCopiesDef::count, between(1, kMostLinks), "links in all")
+          .vector("offset", &LinkCopiesDef::offset, "m", any(),
+                  "where each further link's joint is in the frame of the one before")
+          .build();
+  return t;
+}
+
+void check_link(const LinkDef& d, const DefTable::Report& report) {
+  const size_t nq = joint_positions(d.joint), nv = joint_velocities(d.joint);
+  if (!d.q.empty() && d.q.size() != nq) report("/q", "this joint has " + std::to_string(nq) + " coordinates");
+  if (!d.v.empty() && d.v.size() != nv) report("/v", "this joint has " + std::to_string(nv) + " velocities");
+  if (!d.torque.empty() && d.torque.size() != nv) {
+    report("/torque", "this joint takes " + std::to_string(nv) + " torques or forces");
+  }
+  if (d.joint == JointType::ball || d.joint == JointType::free) {
+    double n = 0;
+    for (size_t k = nq - 4; k < d.q.size(); ++k) n += d.q[k] * d.q[k];
+    if (d.q.size() == nq && !(std::abs(n - 1) < 1e-6)) report("/q", "the quaternion must have length 1");
+    if (d.lowest || d.highest) report(d.lowest ? "/lowest" : "/highest", "this joint has no limits");
+  }
+  if (!(norm(d.axis) > 0)) report("/axis", "the axis must not be zero");
+  if (d.joint == JointType::universal && !(norm(cross(d.axis, d.second_axis)) > 1e-9)) {
+    report("/second_axis", "must not be parallel to axis");
+  }
+  if (d.lowest && d.highest && !(*d.lowest < *d.highest)) report("/highest", "must be above lowest");
+  if (!d.inertia.empty() && d.inertia.size() != 3 && d.inertia.size() != 6) {
+    report("/inertia", "needs xx yy zz or xx yy zz xy xz yz");
+  }
+  if (!d.mass && d.shapes.empty()) report("/mass", "needs a mass or shapes");
+}
+
+const DefTable& link_table() {
+  static const DefTable t =
+      TableOf<LinkDef>("a rigid body and the joint that it hangs by; its frame has its origin in the joint")
+          .text("id", &LinkDef::id, "name for parents, commands and pictures")
+          .text("parent", &LinkDef::parent,
+                "id of an earlier link, or ground; absent: the link before, the ground for the first")
+          .choice(
+              "joint", &LinkDef::joint,
+              {"hinge", "slider", "ball", "universal", "cylindrical", "fixed", "free"},
+              "hinge: turns about axis; slider: moves along axis; ball; universal: about axis, then about "
+              "second_axis; cylindrical: moves along and turns about axis; fixed; free: any motion")
+          .vector("axis", &LinkDef::axis, "1", any(), "in the joint's frame; any length")
+          .vector("second_axis", &LinkDef::second_axis, "1", any(), "of a universal joint")
+          .vector("offset", &LinkDef::offset, "m", any(), "where the joint is in the parent's frame")
+          .vector("rotation", &LinkDef::rotation, "rad", any(),
+                  "turn of the joint's frame in the parent's, as a rotation vector")
+          .number("mass", &LinkDef::mass, "kg", above(0), "instead of density")
+          .vector("center", &LinkDef::center, "m", any(), "centre of mass, where there are no shapes")
+          .numbers(
+              "inertia", &LinkDef::inertia, "kg m^2", any(), {0, 6},
+              "xx yy zz or xx yy zz xy xz yz about the centre, where there are no shapes; absent: a point")
+          .number("density", &LinkDef::density, "kg/m^3", above(0), "uniform, of the shapes")
+          .variants("shapes", &LinkDef::shapes,
+                    {{"sphere", &sphere_table()},
+                     {"box", &box_table()},
+                     {"capsule", &capsule_table()},
+                     {"cylinder", &cylinder_table()}},
+                    {0, 1000}, "give mass, centre and inertia, and are drawn")
+          .numbers(
+              "q", &LinkDef::q, "", any(), {0, 7},
+              "start: hinge rad; slider m; universal two rad; cylindrical m, rad; ball quaternion w x y z; "
+              "free x y z and quaternion")
+          .numbers(
+              "v", &LinkDef::v, "", any(), {0, 6},
+              "start: one rate per coordinate; ball: angular velocity in the link's frame; free: velocity "
+              "in the joint's frame, angular velocity in the link's")
+          .numbers("torque", &LinkDef::torque, "", any(), {0, 6},
+                   "constant drive of the joint, N m or N, one per number of v")
+          .number("damping", &LinkDef::damping, "", at_least(0),
+                  "torque or force against the joint's velocity, N m s or N s/m")
+          .number("stiffness", &LinkDef::stiffness, "", at_least(0),
+                  "spring towards rest, N m or N/m; ball: 2 k sin^2(angle / 2) towards no turn")
+          .number("rest", &LinkDef::rest, "", any(), "coordinate where the spring is slack")
+          .number("lowest", &LinkDef::lowest, "", any(), "soft limit of the first coordinate")
+          .number("highest", &LinkDef::highest, "", any(), "soft limit of the first coordinate")
+          .number("limit_stiffness", &LinkDef::limit_stiffness, "", above(0),
+                  "spring beyond a limit, N m or N/m")
+          .number("limit_damping", &LinkDef::limit_damping, "", at_least(0),
+                  "damper beyond a limit; it never pulls back")
+          .object("copies", &LinkDef::copies, copies_table(), "makes a chain of it")
+          .check(check_link)
+          .build();
+  return t;
+}
+
+}  // namespace
+
+const DefTable& articulation_table() {
+  using D = ArticulationDef;
+  static const DefTable kTable = [] {
+    TableOf<D> t("rigid links in a tree of joints, in the joints' own coordinates");
+    t.objects("links", &D::links, link_table(), {1, 100'000}, "parents before children")
+        .vector("gravity", &D::gravity, "m/s^2", any(), "instead of the scene's")
+        .number("point_radius", &D::point_radius, "m", at_least(0), "of joints and centres in pictures")
+        .vector("color", &D::color, "1", between(0, 1), "red, green, blue");
+    t.check([](const D& d, const DefTable::Report& report) {
+      double n = 0;
+      std::set<std::string> known{"ground"};
+      for (size_t i = 0; i < d.links.size(); ++i) {
+        const LinkDef& l = d.links[i];
+        const std::string at = "/links/" + std::to_string(i);
+        if (l.parent && !known.contains(*l.parent)) {
+          report(at + "/parent", "no earlier link has the id " + *l.parent);
+        }
+        if (!l.id.empty() && !known.insert(l.id).second) report(at + "/id", "this id is taken");
+        n += l.copies ? static_cast<double>(l.copies->count) : 1;
+      }
+      if (n > kMostLinks) report("/links", "more than 100000 links in all");
+    });
+    add_integrator_rows(t);
+    return t.build();
+  }();
+  return kTable;
+}
+
+}  // namespace truestep

@@ -1,0 +1,81 @@
+// Parameters of the system "articulation"; units and bounds stand in the table (articulation_def.cc).
+#pragma once
+#include <memory>
+#include <optional>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "engine/core/build.h"
+#include "engine/core/def.h"
+#include "engine/core/integrator_def.h"
+#include "engine/core/system.h"
+
+namespace truestep {
+
+/// What all shapes of a link have.
+struct LinkShapeDef {
+  Vec3 position, rotation;
+};
+struct SphereLinkDef : LinkShapeDef {
+  double radius = 0.1;
+};
+struct BoxLinkDef : LinkShapeDef {
+  Vec3 half_extents{0.1, 0.1, 0.1};
+};
+struct CapsuleLinkDef : LinkShapeDef {
+  double radius = 0.05, half_length = 0.2;
+};
+struct CylinderLinkDef : LinkShapeDef {
+  double radius = 0.1, half_length = 0.1;
+};
+using AnyLinkShapeDef = std::variant<SphereLinkDef, BoxLinkDef, CapsuleLinkDef, CylinderLinkDef>;
+
+enum class JointType : uint8_t { hinge, slider, ball, universal, cylindrical, fixed, free };
+
+/// How many more links like one, each on the one before.
+struct LinkCopiesDef {
+  int64_t count = 1;
+  Vec3 offset{0, -1, 0};
+};
+
+struct LinkDef {
+  std::string id;
+  std::optional<std::string> parent;
+  JointType joint = JointType::hinge;
+  Vec3 axis{0, 0, 1}, second_axis{1, 0, 0};
+  Vec3 offset, rotation;
+  std::optional<double> mass;
+  Vec3 center;
+  std::vector<double> inertia;
+  double density = 1000;
+  std::vector<AnyLinkShapeDef> shapes;
+  std::vector<double> q, v, torque;
+  double damping = 0, stiffness = 0, rest = 0;
+  std::optional<double> lowest, highest;
+  double limit_stiffness = 1000, limit_damping = 0;
+  std::optional<LinkCopiesDef> copies;
+};
+
+struct ArticulationDef : IntegratorParams {
+  std::vector<LinkDef> links;
+  std::optional<Vec3> gravity;
+  double point_radius = 0.03;
+  std::optional<Vec3> color;
+};
+
+/// Numbers in q and in v of a joint.
+constexpr size_t joint_positions(JointType j) {
+  constexpr size_t kCount[] = {1, 1, 4, 2, 2, 0, 7};
+  return kCount[static_cast<size_t>(j)];
+}
+constexpr size_t joint_velocities(JointType j) {
+  constexpr size_t kCount[] = {1, 1, 3, 2, 2, 0, 6};
+  return kCount[static_cast<size_t>(j)];
+}
+
+const DefTable& articulation_table();
+std::unique_ptr<const System> build_articulation(const void* def, const BuildContext& context);
+Cost articulation_cost(const void* def);
+
+}  // namespace truestep

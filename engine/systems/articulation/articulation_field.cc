@@ -1,0 +1,202 @@
+#include "engine/systems/articulation/articulation_field.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "engine/base/errors.h"
+
+namespace truestep::articulation {
+
+namespace {
+
+struct LimitPush {
+  double effort = 0, energy = 0;
+};
+LimitPush limit_push(const Drive& d, double q, double v) {
+  const bool low = d.limits == Drive::Limits::lower || d.limits == Drive::Limits::both;
+  const bool high = d.limits == Drive::Limits::upper || d.limits == Drive::Limits::both;
+  if (low && q < d.lowest) {
+    const double s = d.lowest - q;
+    return {std::max(0.0, d.limit_stiffness * s - d.limit_damping * v), 0.5 * d.limit_stiffness * s * s};
+  }
+  if (high && q > d.highest) {
+    const double s = q - d.highest;
+    return {std::min(0.0, -d.limit_stiffness * s - d.limit_damping * v), 0.5 * d.limit_stiffness * s * s};
+  }
+  return {};
+}
+
+bool one_axis(Move m) {
+  return m == Move::hinge || m == Move::slider;
+}
+
+double length2(const double* q) {
+  return q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3];
+}
+
+}  // namespace
+
+ArticulationField::ArticulationField(Model model, const Vec3& gravity)
+    : model_(std::move(model)), gravity_(gravity) {
+  const State s = initial_state();
+  const Work work = accelerated(s);
+  for (const Link& link : model_.links) {
+    for (int32_t i = link.node;
+         i != (link.parent == kGround ? kGround : model_.links[size_t(link.parent)].node);
+         i = model_.tree.nodes[size_t(i)].parent) {
+      const Node& n = model_.tree.nodes[size_t(i)];
+      if (n.move == Move::fixed) continue;
+      const NodeWork& w = work[size_t(i)];
+      // What the joint moves, kg or kg m^2, against rounding of all that it carries.
+      const spatial::Symmetric& block =
+          n.move == Move::hinge || n.move == Move::ball ? w.inertia.A : w.inertia.C;
+      const double trace = block.xx + block.yy + block.zz;
+      const double moved = one_axis(n.move) ? 1 / w.Dinv.xx : std::cbrt(spatial::determinant(block));
+      if (!(trace > 0) || !(moved > 1e-12 * trace) || !std::isfinite(moved)) {
+        const std::string why = "the joint has nothing to move: no inertia in its direction";
+        throw Error("scene_invalid", why,
+                    {{"/links/" + std::to_string(link.def), "no_inertia", why, "",
+                      "mass off the axis, or an inertia", "", ""}});
+      }
+      const Drive& d = model_.drives[size_t(i)];
+      const double k = d.stiffness + (d.limits != Drive::Limits::none ? d.limit_stiffness : 0);
+      const double c = d.damping + (d.limits != Drive::Limits::none ? d.limit_damping : 0);
+      stiffness_.omega = std::max(stiffness_.omega, std::sqrt(k / moved));
+      stiffness_.damping = std::max(stiffness_.damping, c / moved);
+    }
+  }
+}
+
+State ArticulationField::initial_state() const {
+  State s;
+  s.add({"position", "1", Scalar::f64, 1, Role::position}, model_.q.size());
+  s.add({"velocity", "1/s", Scalar::f64, 1, Role::velocity}, model_.v.size());
+  s.add({"torque", "N m"}, model_.torque.size());
+  s.add({"gravity", "m/s^2", Scalar::f64, 3}, 1);
+  s.add({"push.link", "1", Scalar::i32}, 1);
+  s.add({"push.force", "N", Scalar::f64, 3}, 1);
+  s.add({"push.remaining", "s"}, 1);
+  std::ranges::copy(model_.q, s.f64(Columns::kPosition).begin());
+  std::ranges::copy(model_.v, s.f64(Columns::kVelocity).begin());
+  std::ranges::copy(model_.torque, s.f64(Columns::kTorque).begin());
+  store3(s.f64(Columns::kGravity).data(), 0, gravity_);
+  s.span<int32_t>(Columns::kPushLink)[0] = -1;
+  return s;
+}
+
+void ArticulationField::efforts(const Phase& at, std::span<double> tau) const {
+  std::ranges::copy(at.state.f64(Columns::kTorque), tau.begin());
+  for (size_t i = 0; i < model_.drives.size(); ++i) {
+    const Drive& d = model_.drives[i];
+    if (!d.anything()) continue;
+    const Node& n = model_.tree.nodes[i];
+    const double* q = at.x.data() + n.q;
+    for (uint32_t k = 0; k < velocities_of(n.move); ++k) tau[n.v + k] -= d.damping * at.v[n.v + k];
+    if (one_axis(n.move)) {
+      tau[n.v] += limit_push(d, q[0], at.v[n.v]).effort - d.stiffness * (q[0] - d.rest);
+    } else if (n.move == Move::ball) {
+      const double k = 2 * d.stiffness * q[0] / length2(q);
+      for (uint32_t j = 0; j < 3; ++j) tau[n.v + j] -= k * q[j + 1];
+    } else if (n.move == Move::translation) {
+      for (uint32_t j = 0; j < 3; ++j) tau[n.v + j] -= d.stiffness * q[j];
+    }
+  }
+}
+
+Push ArticulationField::push_of(const State& state) const {
+  const int32_t link = state.span<int32_t>(Columns::kPushLink)[0];
+  if (link < 0) return {};
+  const Link& l = model_.links[size_t(link)];
+  return {l.node, l.center, load3(state.f64(Columns::kPushForce).data(), 0)};
+}
+
+void ArticulationField::solve(const Phase& at, std::span<NodeWork> work, std::span<double> tau,
+                              std::span<double> a) const {
+  efforts(at, tau);
+  const Vec3 gravity = load3(at.state.f64(Columns::kGravity).data(), 0);
+  accelerations(model_.tree, at.x, at.v, tau, gravity, push_of(at.state), work, a);
+}
+
+void ArticulationField::acceleration(const Phase& at, std::span<double> a, Evaluation& e) const {
+  auto& work = e.workspace.object<Work>("articulation.nodes");
+  work.resize(model_.tree.nodes.size());
+  solve(at, work, e.workspace.doubles("articulation.efforts", at.v.size()), a);
+}
+
+std::span<const double> ArticulationField::position_rate(const Phase& at, std::span<double> rate,
+                                                         Evaluation&) const {
+  if (at.x.size() == at.v.size()) return at.v;
+  articulation::position_rate(model_.tree, at.x, at.v, rate);
+  return rate;
+}
+
+void ArticulationField::project(std::span<double> x, std::span<double>, const State&) const {
+  if (model_.tree.positions != model_.tree.velocities) normalise(model_.tree, x);
+}
+
+double ArticulationField::kinetic(const Phase& at, Evaluation& e) const {
+  auto& work = e.workspace.object<Work>("articulation.nodes");
+  work.resize(model_.tree.nodes.size());
+  move(model_.tree, at.x, at.v, work);
+  double sum = 0;
+  for (size_t i = 0; i < work.size(); ++i) {
+    sum += 0.5 * spatial::dot(work[i].v, model_.tree.nodes[i].inertia * work[i].v);
+  }
+  return sum;
+}
+
+std::optional<double> ArticulationField::potential(const Phase& at, Evaluation& e) const {
+  auto& work = e.workspace.object<Work>("articulation.nodes");
+  auto& frames = e.workspace.object<std::vector<spatial::Frame>>("articulation.frames");
+  work.resize(model_.tree.nodes.size()), frames.resize(work.size());
+  move(model_.tree, at.x, at.v, work);
+  world_frames(model_.tree, work, frames);
+  const Vec3 g = load3(at.state.f64(Columns::kGravity).data(), 0);
+  double sum = 0;
+  for (size_t i = 0; i < work.size(); ++i) {
+    const Node& n = model_.tree.nodes[i];
+    sum -= dot(g, frames[i].p * n.inertia.m + frames[i].R.apply(n.inertia.h));
+    const Drive& d = model_.drives[i];
+    if (!d.anything()) continue;
+    const double* q = at.x.data() + n.q;
+    if (one_axis(n.move)) {
+      sum += limit_push(d, q[0], 0).energy + 0.5 * d.stiffness * (q[0] - d.rest) * (q[0] - d.rest);
+    } else if (n.move == Move::ball) {
+      sum += 2 * d.stiffness * (1 - q[0] * q[0] / length2(q));
+    } else if (n.move == Move::translation) {
+      sum += 0.5 * d.stiffness * norm2(load3(q, 0));
+    }
+  }
+  return sum;
+}
+
+std::optional<ForceField::Stiffness> ArticulationField::stiffness(const State&) const {
+  if (stiffness_.omega == 0 && stiffness_.damping == 0) return std::nullopt;
+  return stiffness_;
+}
+
+Work ArticulationField::placed(const State& s) const {
+  Work work(model_.tree.nodes.size());
+  move(model_.tree, s.f64(Columns::kPosition), s.f64(Columns::kVelocity), work);
+  return work;
+}
+
+Work ArticulationField::accelerated(const State& s) const {
+  Work work(model_.tree.nodes.size());
+  std::vector<double> tau(model_.v.size()), a(model_.v.size());
+  solve({0, s.f64(Columns::kPosition), s.f64(Columns::kVelocity), s}, work, tau, a);
+  return work;
+}
+
+std::vector<double> ArticulationField::response(const State& s, size_t link, const Vec3& impulse) const {
+  // An impulse acts like a force for a short time: at rest, without gravity.
+  const std::vector<double> rest(model_.v.size(), 0.0);
+  std::vector<double> change(model_.v.size());
+  Work work(model_.tree.nodes.size());
+  const Link& l = model_.links[link];
+  accelerations(model_.tree, s.f64(Columns::kPosition), rest, rest, {}, {l.node, l.center, impulse}, work,
+                change);
+  return change;
+}
+
+}  // namespace truestep::articulation

@@ -1,0 +1,57 @@
+// The equations of motion of a tree of links as a force field: x are the joints' coordinates, v their
+// velocities, x' = G(x) v where quaternions have four numbers for three velocities.
+// Joints may drive: tau = torque - damping v - stiffness (q - rest) - limits; balls have the potential
+// 2 k sin^2(angle / 2), whose torque is -2 k w (x, y, z) of the unit quaternion. Beyond a limit a spring and
+// a damper push back, together never pulling.
+#pragma once
+#include "engine/core/force_field.h"
+#include "engine/systems/articulation/model.h"
+
+namespace truestep::articulation {
+
+/// Columns of the state in their order.
+struct Columns {
+  enum Index : State::Column {
+    kPosition,
+    kVelocity,
+    kTorque,        ///< N m or N, one per velocity
+    kGravity,       ///< m/s^2, 3
+    kPushLink,      ///< link that is pushed at its centre, -1: none
+    kPushForce,     ///< N, 3
+    kPushRemaining  ///< s
+  };
+};
+
+class ArticulationField final : public ForceField {
+ public:
+  /// Error "scene_invalid" when a joint has nothing to move.
+  ArticulationField(Model model, const Vec3& gravity);
+
+  State initial_state() const override;
+  void acceleration(const Phase& at, std::span<double> a, Evaluation& e) const override;
+  std::span<const double> position_rate(const Phase& at, std::span<double> rate,
+                                        Evaluation& e) const override;
+  void project(std::span<double> x, std::span<double> v, const State& state) const override;
+  Dependence dependence() const override { return Dependence::position_and_velocity; }
+  std::optional<double> potential(const Phase& at, Evaluation& e) const override;
+  double kinetic(const Phase& at, Evaluation& e) const override;
+  std::optional<Stiffness> stiffness(const State& state) const override;
+
+  const Model& model() const { return model_; }
+  /// Frames and velocities of all nodes, and accelerations with joint forces where asked for by the second.
+  Work placed(const State& state) const;
+  Work accelerated(const State& state) const;
+  /// Change of v when `link` is hit at its centre by an impulse (N s, world).
+  std::vector<double> response(const State& state, size_t link, const Vec3& impulse) const;
+
+ private:
+  void efforts(const Phase& at, std::span<double> tau) const;
+  Push push_of(const State& state) const;
+  void solve(const Phase& at, std::span<NodeWork> work, std::span<double> tau, std::span<double> a) const;
+
+  Model model_;
+  Vec3 gravity_;
+  Stiffness stiffness_;
+};
+
+}  // namespace truestep::articulation

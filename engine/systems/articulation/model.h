@@ -1,0 +1,45 @@
+// What a scene's links are once they are built: the tree, what acts in its joints, and how links are drawn.
+#pragma once
+#include <string>
+#include <vector>
+
+#include "engine/collision/solid.h"
+#include "engine/systems/articulation/articulation_def.h"
+#include "engine/systems/articulation/tree.h"
+
+namespace truestep::articulation {
+
+/// What acts between a node and its parent besides the joint.
+struct Drive {
+  double damping = 0, stiffness = 0, rest = 0;
+  double lowest = 0, highest = 0, limit_stiffness = 0, limit_damping = 0;
+  enum class Limits : uint8_t { none, lower, upper, both } limits = Limits::none;
+  bool anything() const { return damping > 0 || stiffness > 0 || limits != Limits::none; }
+};
+
+struct LinkShape {
+  Solid solid;
+  Pose pose;  ///< in the link's frame
+};
+
+struct Link {
+  std::string id;
+  int32_t node = kGround;    ///< its last node, which has the mass
+  int32_t parent = kGround;  ///< link
+  uint32_t v = 0, velocities = 0;
+  size_t def = 0;  ///< of the scene's links
+  Vec3 center;     ///< in the link's frame
+};
+
+struct Model {
+  Tree tree;
+  std::vector<Drive> drives;  ///< one per node
+  std::vector<Link> links;
+  std::vector<std::vector<LinkShape>> shapes;  ///< one list per link of the scene
+  std::vector<double> q, v, torque;            ///< at the start
+};
+
+/// Error "no_mass" or "bad_solid" when a link's shapes have none.
+Model build_model(const ArticulationDef& def);
+
+}  // namespace truestep::articulation

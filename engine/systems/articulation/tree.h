@@ -1,0 +1,96 @@
+// Links joined into a tree, in the coordinates of their joints, so that nothing can come apart:
+//   M(q) q'' + h(q, q', gravity, pushes) = tau
+// in O(n) both ways, without recursion: parents come before their children. What a scene calls a joint may be
+// several nodes one behind the other (universal: two hinges, free: a translation and a ball), all but the
+// last without mass. Source: Featherstone, Rigid Body Dynamics Algorithms (2008): recursive Newton-Euler
+// algorithm (table 5.1), composite rigid body algorithm (table 6.2), articulated body algorithm (table 7.1).
+#pragma once
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "engine/kernels/spatial.h"
+
+namespace truestep::articulation {
+
+/// How a node moves in its joint's frame. Ball: q is a quaternion (w, x, y, z), the velocity is the angular
+/// velocity in the node's own frame. Translation: along the three axes of the joint's frame.
+enum class Move : uint8_t { fixed, hinge, slider, ball, translation };
+
+constexpr uint32_t positions_of(Move m) {
+  return m == Move::fixed ? 0 : m == Move::ball ? 4 : m == Move::translation ? 3 : 1;
+}
+constexpr uint32_t velocities_of(Move m) {
+  return m == Move::fixed ? 0 : m == Move::hinge || m == Move::slider ? 1 : 3;
+}
+
+inline constexpr int32_t kGround = -1;
+
+struct Node {
+  Move move = Move::fixed;
+  int32_t parent = kGround;  ///< an earlier node
+  uint32_t q = 0, v = 0;     ///< first coordinate and velocity
+  spatial::Frame frame;      ///< the joint's frame in the parent's
+  Vec3 axis{0, 0, 1};        ///< unit; of hinges and sliders, the same in both frames
+  spatial::Inertia inertia;
+};
+
+/// Nodes in an order in which parents come first.
+struct Tree {
+  std::vector<Node> nodes;
+  uint32_t positions = 0, velocities = 0;  ///< numbers in q and v
+
+  /// Adds a node and gives it its place in q and v; returns its index.
+  int32_t add(Node node);
+};
+
+/// What the algorithms keep per node.
+struct NodeWork {
+  spatial::Frame frame;     ///< of the node in its parent
+  spatial::Motion v, c, a;  ///< velocity, velocity-dependent acceleration, acceleration less gravity
+  spatial::ArticulatedInertia inertia;
+  spatial::Force p;         ///< bias force
+  spatial::Force U;         ///< hinges and sliders: inertia times axis
+  spatial::Symmetric Dinv;  ///< ball, translation: inverse of their 3 x 3 block; else xx alone
+  Vec3 u;                   ///< tau - S^T p
+};
+using Work = std::vector<NodeWork>;
+
+/// Force on a point of one node, in world axes.
+struct Push {
+  int32_t node = kGround;  ///< kGround: none
+  Vec3 at;                 ///< m, in the node's frame
+  Vec3 force;              ///< N
+};
+
+/// Frames and velocities of all nodes into `work` (as many elements as nodes); v may be empty: at rest.
+void move(const Tree& tree, std::span<const double> q, std::span<const double> v, std::span<NodeWork> work);
+
+/// q'' of the tree under joint forces tau, by the articulated body algorithm. Leaves frames, velocities and
+/// accelerations in `work`. A node without inertia in its direction gives infinities.
+void accelerations(const Tree& tree, std::span<const double> q, std::span<const double> v,
+                   std::span<const double> tau, const Vec3& gravity, const Push& push,
+                   std::span<NodeWork> work, std::span<double> qdd);
+/// After `accelerations`: force and moment that the parent's side exerts through the joint on the node, in
+/// the node's frame.
+spatial::Force joint_force(const NodeWork& w);
+
+/// tau for which the tree has the accelerations qdd, by the recursive Newton-Euler algorithm.
+void inverse_dynamics(const Tree& tree, std::span<const double> q, std::span<const double> v,
+                      std::span<const double> qdd, const Vec3& gravity, std::span<NodeWork> work,
+                      std::span<double> tau);
+/// M(q), velocities x velocities, by the composite rigid body algorithm.
+void mass_matrix(const Tree& tree, std::span<const double> q, std::span<NodeWork> work, std::span<double> M);
+
+/// q' = G(q) v.
+void position_rate(const Tree& tree, std::span<const double> q, std::span<const double> v,
+                   std::span<double> rate);
+/// Brings quaternions back to length 1.
+void normalise(const Tree& tree, std::span<double> q);
+
+/// A node's frame in the world, after `move`.
+spatial::Frame world_frame(const Tree& tree, std::span<const NodeWork> work, int32_t node);
+/// The same of all nodes.
+void world_frames(const Tree& tree, std::span<const NodeWork> work, std::span<spatial::Frame> out);
+
+}  // namespace truestep::articulation
