@@ -5,6 +5,7 @@
 #include <cstdlib>
 #include <new>
 
+#include "engine/systems/articulation/articulation_def.h"
 #include "engine/systems/mass_spring/mass_spring.h"
 #include "engine/systems/mass_spring/mass_spring_def.h"
 #include "engine/systems/ode/ode.h"
@@ -65,6 +66,29 @@ TEST(Allocation, NoStepAfterTheFirstAllocates) {
     }
     EXPECT_GT(first, 0u) << m.name << ": the counter does not count";
     EXPECT_EQ(later, 0u) << m.name;
+  }
+}
+
+TEST(Allocation, TreesOfLinksAllocateNothingAfterTheFirstStep) {
+  ArticulationDef d;
+  LinkDef link;
+  link.joint = JointType::ball, link.mass = 1, link.center = {0, -0.5, 0}, link.inertia = {0.1, 0.01, 0.1};
+  link.copies = LinkCopiesDef{20, {0, -1, 0}}, link.rotation = {0, 0, 1};
+  d.links.push_back(link);
+  for (const char* method : {"rk4", "dop853"}) {
+    d.integrator = method;
+    const auto system = build_articulation(&d, {});
+    State s = system->initial_state();
+    Workspace workspace;
+    const ThreadArena arena(1);
+    const auto step = [&](uint64_t n) {
+      system->step(s,
+                   {.t = double(n) / 100, .h = 1.0 / 100, .step = n, .workspace = workspace, .arena = arena});
+    };
+    step(0);
+    const uint64_t before = allocations;
+    for (uint64_t n = 1; n < 20; ++n) step(n);
+    EXPECT_EQ(allocations - before, 0u) << method;
   }
 }
 

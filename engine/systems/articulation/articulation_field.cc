@@ -40,7 +40,9 @@ ArticulationField::ArticulationField(Model model, const Vec3& gravity)
     : model_(std::move(model)), gravity_(gravity) {
   const State s = initial_state();
   const Work work = accelerated(s);
-  for (const Link& link : model_.links) {
+  // Leaves first: infinities travel towards the ground.
+  for (size_t k = model_.links.size(); k-- > 0;) {
+    const Link& link = model_.links[k];
     for (int32_t i = link.node;
          i != (link.parent == kGround ? kGround : model_.links[size_t(link.parent)].node);
          i = model_.tree.nodes[size_t(i)].parent) {
