@@ -16,6 +16,10 @@ void end_push(State& s, const StepInput& in) {
   if (remaining < 1e-9 * in.h) s.span<int32_t>(Columns::kPushLink)[0] = -1;
 }
 
+bool all_have_shapes(const ArticulationDef& d) {
+  return std::ranges::none_of(d.links, [](const LinkDef& l) { return l.shapes.empty(); });
+}
+
 // Of a proper rotation matrix (Shepperd 1978): the largest of the four numbers by a root, the rest by
 // quotients.
 Quat quaternion(const Rotation& r) {
@@ -40,7 +44,7 @@ Articulation::Articulation(std::unique_ptr<const ArticulationField> field, const
                            const ArticulationDef& def)
     : ForceSystem(std::move(field), method, def.choice().options),
       tree_(static_cast<const ArticulationField&>(force_field())),
-      point_radius_(def.point_radius),
+      point_radius_(def.point_radius.value_or(all_have_shapes(def) ? 0 : 0.03)),
       color_(def.color) {
   add_integration_stage();
   bound_speed();

@@ -83,7 +83,9 @@ void check_link(const LinkDef& d, const DefTable::Report& report) {
   if (!d.inertia.empty() && d.inertia.size() != 3 && d.inertia.size() != 6) {
     report("/inertia", "needs xx yy zz or xx yy zz xy xz yz");
   }
-  if (!d.mass && d.shapes.empty()) report("/mass", "needs a mass or shapes");
+  if (!d.mass && (d.shapes.empty() || !d.inertia.empty())) {
+    report("/mass", d.shapes.empty() ? "needs a mass or shapes" : "an inertia needs a mass");
+  }
 }
 
 const DefTable& link_table() {
@@ -103,17 +105,18 @@ const DefTable& link_table() {
           .vector("rotation", &LinkDef::rotation, "rad", any(),
                   "turn of the joint's frame in the parent's, as a rotation vector")
           .number("mass", &LinkDef::mass, "kg", above(0), "instead of density")
-          .vector("center", &LinkDef::center, "m", any(), "centre of mass, where there are no shapes")
-          .numbers(
-              "inertia", &LinkDef::inertia, "kg m^2", any(), {0, 6},
-              "xx yy zz or xx yy zz xy xz yz about the centre, where there are no shapes; absent: a point")
+          .vector("center", &LinkDef::center, "m", any(), "centre of mass, where shapes do not give it")
+          .numbers("inertia", &LinkDef::inertia, "kg m^2", any(), {0, 6},
+                   "xx yy zz or xx yy zz xy xz yz about the centre; with it shapes are only drawn. Absent, "
+                   "without shapes: a "
+                   "point")
           .number("density", &LinkDef::density, "kg/m^3", above(0), "uniform, of the shapes")
           .variants("shapes", &LinkDef::shapes,
                     {{"sphere", &sphere_table()},
                      {"box", &box_table()},
                      {"capsule", &capsule_table()},
                      {"cylinder", &cylinder_table()}},
-                    {0, 1000}, "give mass, centre and inertia, and are drawn")
+                    {0, 1000}, "give mass, centre and inertia unless inertia is given, and are drawn")
           .numbers(
               "q", &LinkDef::q, "", any(), {0, 7},
               "start: hinge rad; slider m; universal two rad; cylindrical m, rad; ball quaternion w x y z; "
@@ -149,7 +152,8 @@ const DefTable& articulation_table() {
     TableOf<D> t("rigid links in a tree of joints, in the joints' own coordinates");
     t.objects("links", &D::links, link_table(), {1, 100'000}, "parents before children")
         .vector("gravity", &D::gravity, "m/s^2", any(), "instead of the scene's")
-        .number("point_radius", &D::point_radius, "m", at_least(0), "of joints and centres in pictures")
+        .number("point_radius", &D::point_radius, "m", at_least(0),
+                "of joints and centres in pictures; default 0.03, 0 where all links have shapes")
         .vector("color", &D::color, "1", between(0, 1), "red, green, blue");
     t.check([](const D& d, const DefTable::Report& report) {
       double n = 0;

@@ -60,7 +60,7 @@ struct LinkDef {
 struct ArticulationDef : IntegratorParams {
   std::vector<LinkDef> links;
   std::optional<Vec3> gravity;
-  double point_radius = 0.03;
+  std::optional<double> point_radius;
   std::optional<Vec3> color;
 };
 

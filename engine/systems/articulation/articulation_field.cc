@@ -49,11 +49,12 @@ ArticulationField::ArticulationField(Model model, const Vec3& gravity)
       const Node& n = model_.tree.nodes[size_t(i)];
       if (n.move == Move::fixed) continue;
       const NodeWork& w = work[size_t(i)];
-      // What the joint moves, kg or kg m^2, against rounding of all that it carries.
+      // What the joint moves, kg or kg m^2 (of three directions less than the least), against rounding of all
+      // that it carries.
       const spatial::Symmetric& block =
           n.move == Move::hinge || n.move == Move::ball ? w.inertia.A : w.inertia.C;
       const double trace = block.xx + block.yy + block.zz;
-      const double moved = one_axis(n.move) ? 1 / w.Dinv.xx : std::cbrt(spatial::determinant(block));
+      const double moved = one_axis(n.move) ? 1 / w.Dinv.xx : spatial::determinant(block) / (trace * trace);
       if (!(trace > 0) || !(moved > 1e-12 * trace) || !std::isfinite(moved)) {
         const std::string why = "the joint has nothing to move: no inertia in its direction";
         throw Error("scene_invalid", why,

@@ -30,7 +30,7 @@ std::vector<LinkShape> shapes_of(const LinkDef& d) {
 
 MassProperties mass_of(const LinkDef& d, const std::vector<LinkShape>& shapes) {
   MassProperties all;
-  if (shapes.empty()) {
+  if (shapes.empty() || !d.inertia.empty()) {
     all.mass = d.mass.value_or(0), all.center = d.center;
     const auto& I = d.inertia;
     if (I.size() >= 3) all.inertia = {I[0], I[1], I[2], 0, 0, 0};
