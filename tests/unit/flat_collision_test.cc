@@ -113,13 +113,17 @@ TEST(FlatContact, MovingByTheOverlapParts) {
     Pose away = at;
     away.p = at.p + (std::max(0.0, -deepest) + 1e-6) * c.normal;
     // Where they overlap by more than a corner's size, the deepest corner may lie beside the reference edge.
-    if (deepest > -0.25) EXPECT_FALSE(overlap(a, b, away)) << k << " depth " << deepest;
+    if (deepest > -0.25) {
+      EXPECT_FALSE(overlap(a, b, away)) << k << " depth " << deepest;
+    }
     // The control: half of it is not enough.
     if (deepest < -0.01) {
       away.p = at.p + (-0.5 * deepest) * c.normal;
       EXPECT_TRUE(overlap(a, b, away)) << k;
     }
-    if (gap > 1e-9 && c.points == 1) EXPECT_NEAR(deepest, gap, 0.02) << k;
+    if (gap > 1e-9 && c.points == 1) {
+      EXPECT_NEAR(deepest, gap, 0.02) << k;
+    }
   }
   EXPECT_GT(touching, 10000);
   EXPECT_GT(two, 3000);
