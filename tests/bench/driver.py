@@ -32,9 +32,14 @@ def parse(line):
     row = json.loads(line)
     if missing := [f for f in FIELDS if f not in row]:
         raise ValueError(f"lacks {', '.join(missing)}")
-    if bad := [f for f in NUMBERS if not isinstance(row[f], (int, float)) or not 0 < row[f] < float("inf")]:
+    absent = ("ratio",) if row["ratio"] is None else ()  # a figure that may be 0 has no ratio
+    if bad := [f for f in NUMBERS if f not in absent and not positive(row[f], absent)]:
         raise ValueError(f"{', '.join(bad)}: not a positive number")
     return row
+
+
+def positive(number, absent):
+    return isinstance(number, (int, float)) and 0 <= number < float("inf") and (number > 0 or bool(absent))
 
 
 def run(name, command, build, show):
@@ -56,7 +61,8 @@ def run(name, command, build, show):
 
 def table_row(row):
     errors = "/".join("-" if row[k] is None else f"{row[k]:.1e}" for k in ("error_ours", "error_peer"))
-    return (f"{row['bench']:20} {row['metric']:44} {row['ours']:11.4g} {row['peer']:11.4g} {row['ratio']:7.2f} "
+    ratio = "-" if row["ratio"] is None else f"{row['ratio']:.2f}"
+    return (f"{row['bench']:20} {row['metric']:44} {row['ours']:11.4g} {row['peer']:11.4g} {ratio:>7} "
             f"{errors:>17} {row['threads']:3}  {row['peer_name']}")
 
 

@@ -93,22 +93,28 @@ def streaming(service):
     report("frames/s, 100,000 particles as F32 to one client (bar: 60)", rate, 60, "60 frames a second", rate / 60)
     print("streamed %.0f MB/s" % (throughput / 1e6), file=sys.stderr)
 
-    def steps_per_second():
-        first, start = service.get(session["links"]["self"]).json()["step"], time.monotonic()
-        time.sleep(3)
-        return (service.get(session["links"]["self"]).json()["step"] - first) / (time.monotonic() - start)
+    # The ring of snapshots is full after this many steps: from here on only the client can add memory.
+    service.post(session["links"]["pause"])
+    service.post(session["links"]["step"], {"steps": 12000})
+    service.post(session["links"]["play"])
 
-    alone, before = steps_per_second(), resident(pid)
+    def watch(seconds=12):
+        """Steps a second, and the bytes by which the service grew meanwhile."""
+        first, bytes_first, start = service.get(session["links"]["self"]).json()["step"], resident(pid), time.monotonic()
+        time.sleep(seconds)
+        rate = (service.get(session["links"]["self"]).json()["step"] - first) / (time.monotonic() - start)
+        return rate, max(resident(pid) - bytes_first, 0)
+
+    alone, alone_growth = watch()
     stop = threading.Event()
     slow = threading.Thread(target=dribble, args=(service, path, stop))
     slow.start()
     time.sleep(1)
-    beside = steps_per_second()
-    grown = resident(pid) - before
+    beside, beside_growth = watch()
     stop.set()
     slow.join()
     report("steps/s beside a client that reads 1 byte/s", beside, alone, "without it", beside / alone)
-    report("bytes of growth through that client", grown, 4 << 20, "4 MiB", None)
+    report("bytes of growth in 12 s beside that client", beside_growth, alone_growth, "without it", None)
     service.request("DELETE", session["links"]["self"])
 
 
