@@ -34,7 +34,7 @@ double power_of_two(int k) {
 
 // e^(hi + lo), |lo| far below |hi|.
 double exp_pair(double hi, double lo) {
-  if (hi > 709.8) return kInf;
+  if (!(hi <= 709.8)) return std::isnan(hi) ? hi : kInf;
   if (hi < -745.2) return 0;
   const double k = std::fma(hi, 0x1.71547652b82fep+0, 0x1.8p52) - 0x1.8p52;
   const double a = std::fma(-k, kLn2Hi, hi), b = std::fma(k, kLn2Lo, -lo);

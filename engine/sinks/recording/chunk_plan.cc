@@ -44,7 +44,7 @@ void place(ChunkPlan& plan, PlannedArray a) {
 template <typename To, typename From>
 void convert(std::byte* to, const From* from, size_t count) {
   if constexpr (std::is_same_v<To, From>) {
-    std::memcpy(to, from, count * sizeof(To));
+    if (count > 0) std::memcpy(to, from, count * sizeof(To));  // no values may have no address
   } else {
     auto* out = reinterpret_cast<To*>(to);
     for (size_t i = 0; i < count; ++i) out[i] = static_cast<To>(from[i]);

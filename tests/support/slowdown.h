@@ -1,0 +1,19 @@
+// How much slower than optimised code a build may run: budgets of time in tests are given in optimised
+// seconds.
+#pragma once
+
+namespace truestep {
+
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+inline constexpr int kSlowdown = 15;
+#elif defined(__has_feature)
+#if __has_feature(address_sanitizer) || __has_feature(thread_sanitizer)
+inline constexpr int kSlowdown = 15;
+#else
+inline constexpr int kSlowdown = 1;
+#endif
+#else
+inline constexpr int kSlowdown = 1;
+#endif
+
+}  // namespace truestep
