@@ -143,7 +143,7 @@ TEST(ArticulatedTree, APushWorksLikeTheJointForcesThatItGives) {
       const Vec3 v = work[7].v.v + cross(work[7].v.w, push.at);
       equal[k] += dot(world_frame(t, work, 7).R.apply(v), push.force);
     }
-    accelerations(t, s.q, s.v, s.tau, kGravity, push, work, pushed);
+    accelerations(t, s.q, s.v, s.tau, kGravity, {&push, 1}, work, pushed);
     accelerations(t, s.q, s.v, equal, kGravity, {}, work, driven);
     for (size_t k = 0; k < unit.size(); ++k)
       EXPECT_NEAR(pushed[k], driven[k], 1e-10 * (1 + std::abs(driven[k])));

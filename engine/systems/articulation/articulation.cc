@@ -48,6 +48,15 @@ Articulation::Articulation(std::unique_ptr<const ArticulationField> field, const
       color_(def.color) {
   add_integration_stage();
   bound_speed();
+  if (tree_.model().closures.empty()) {
+    skip_stage("loops", "the links are a tree");
+  } else {
+    add_stage("loops", "takes out what the step left of the loops' gaps",
+              [this](State& s, const StepInput& in) {
+                close(tree_.model().tree, tree_.model().closures, s.f64(Columns::kPosition),
+                      s.f64(Columns::kVelocity), in.workspace.object<ClosureWork>("articulation.closures"));
+              });
+  }
   add_stage("push", "ends a push command when its time is over", end_push);
   const auto& drives = tree_.model().drives;
   if (std::ranges::none_of(drives, [](const Drive& d) { return d.limits != Drive::Limits::none; })) {
@@ -65,6 +74,10 @@ void Articulation::observe(const State& s, double t, Observables& out) const {
   for (size_t i = 0; i < work.size(); ++i) {
     const spatial::Force h = frames[i].out(m.tree.nodes[i].inertia * work[i].v);
     momentum += h.f, spin += h.n;
+  }
+  if (!m.closures.empty()) {
+    Work at_rest(m.tree.nodes.size());
+    out.add("loops.gap", gap(m.tree, m.closures, s.f64(Columns::kPosition), at_rest), "m");
   }
   out.add("momentum.x", momentum.x, "kg m/s");
   out.add("momentum.y", momentum.y, "kg m/s");

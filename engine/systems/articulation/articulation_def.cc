@@ -144,13 +144,27 @@ const DefTable& link_table() {
   return t;
 }
 
+const DefTable& closure_table() {
+  static const DefTable t =
+      TableOf<ClosureDef>("closes a loop: a point of one link stays at a point of another")
+          .text("a", &ClosureDef::a, "id of a link; of copies the last")
+          .required()
+          .text("b", &ClosureDef::b, "id of another, or ground")
+          .vector("point_a", &ClosureDef::point_a, "m", any(), "in the frame of a")
+          .vector("point_b", &ClosureDef::point_b, "m", any(), "in the frame of b")
+          .build();
+  return t;
+}
+
 }  // namespace
 
 const DefTable& articulation_table() {
   using D = ArticulationDef;
   static const DefTable kTable = [] {
-    TableOf<D> t("rigid links in a tree of joints, in the joints' own coordinates");
+    TableOf<D> t("rigid links in a tree of joints, in the joints' own coordinates; loops by closures");
     t.objects("links", &D::links, link_table(), {1, 100'000}, "parents before children")
+        .objects("closures", &D::closures, closure_table(), {0, 200},
+                 "loops, held by forces; the start is moved to where they close")
         .vector("gravity", &D::gravity, "m/s^2", any(), "instead of the scene's")
         .number("point_radius", &D::point_radius, "m", at_least(0),
                 "of joints and centres in pictures; default 0.03, 0 where all links have shapes")
@@ -166,6 +180,13 @@ const DefTable& articulation_table() {
         }
         if (!l.id.empty() && !known.insert(l.id).second) report(at + "/id", "this id is taken");
         n += l.copies ? static_cast<double>(l.copies->count) : 1;
+      }
+      for (size_t i = 0; i < d.closures.size(); ++i) {
+        const ClosureDef& c = d.closures[i];
+        const std::string at = "/closures/" + std::to_string(i);
+        if (!known.contains(c.a)) report(at + "/a", "no link has the id " + c.a);
+        if (!known.contains(c.b)) report(at + "/b", "no link has the id " + c.b);
+        if (c.a == c.b) report(at + "/b", "must be another link than a");
       }
       if (n > kMostLinks) report("/links", "more than 100000 links in all");
     });

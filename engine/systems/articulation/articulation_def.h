@@ -57,8 +57,15 @@ struct LinkDef {
   std::optional<LinkCopiesDef> copies;
 };
 
+/// Two points that stay together.
+struct ClosureDef {
+  std::string a, b = "ground";
+  Vec3 point_a, point_b;
+};
+
 struct ArticulationDef : IntegratorParams {
   std::vector<LinkDef> links;
+  std::vector<ClosureDef> closures;
   std::optional<Vec3> gravity;
   std::optional<double> point_radius;
   std::optional<Vec3> color;

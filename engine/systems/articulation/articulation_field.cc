@@ -38,8 +38,27 @@ double length2(const double* q) {
 
 ArticulationField::ArticulationField(Model model, const Vec3& gravity)
     : model_(std::move(model)), gravity_(gravity) {
-  const State s = initial_state();
-  const Work work = accelerated(s);
+  refuse_empty_joints();
+  close_start();
+}
+
+void ArticulationField::close_start() {
+  if (model_.closures.empty()) return;
+  ClosureWork scratch;
+  close(model_.tree, model_.closures, model_.q, model_.v, scratch);
+  if (!(gap(model_.tree, model_.closures, model_.q, scratch.work) < 1e-10)) {
+    const std::string why = "the loops cannot be closed from where the links start";
+    throw Error("scene_invalid", why,
+                {{"/closures", "not_closed", why, "", "a start near to one with closed loops", "", ""}});
+  }
+}
+
+void ArticulationField::refuse_empty_joints() {
+  // Without what closes loops: pivots of the tree itself.
+  Work work(model_.tree.nodes.size());
+  const std::vector<double> rest(model_.v.size(), 0.0);
+  std::vector<double> a(model_.v.size());
+  accelerations(model_.tree, model_.q, rest, rest, {}, {}, work, a);
   // Leaves first: infinities travel towards the ground.
   for (size_t k = model_.links.size(); k-- > 0;) {
     const Link& link = model_.links[k];
@@ -114,16 +133,22 @@ Push ArticulationField::push_of(const State& state) const {
 }
 
 void ArticulationField::solve(const Phase& at, std::span<NodeWork> work, std::span<double> tau,
-                              std::span<double> a) const {
+                              ClosureWork& scratch, std::span<double> a) const {
   efforts(at, tau);
   const Vec3 gravity = load3(at.state.f64(Columns::kGravity).data(), 0);
-  accelerations(model_.tree, at.x, at.v, tau, gravity, push_of(at.state), work, a);
+  const Push push = push_of(at.state);
+  if (model_.closures.empty()) {
+    accelerations(model_.tree, at.x, at.v, tau, gravity, {&push, 1}, work, a);
+  } else {
+    closed_accelerations(model_.tree, model_.closures, at.x, at.v, tau, gravity, push, work, scratch, a);
+  }
 }
 
 void ArticulationField::acceleration(const Phase& at, std::span<double> a, Evaluation& e) const {
   auto& work = e.workspace.object<Work>("articulation.nodes");
   work.resize(model_.tree.nodes.size());
-  solve(at, work, e.workspace.doubles("articulation.efforts", at.v.size()), a);
+  solve(at, work, e.workspace.doubles("articulation.efforts", at.v.size()),
+        e.workspace.object<ClosureWork>("articulation.closures"), a);
 }
 
 std::span<const double> ArticulationField::position_rate(const Phase& at, std::span<double> rate,
@@ -187,7 +212,8 @@ Work ArticulationField::placed(const State& s) const {
 Work ArticulationField::accelerated(const State& s) const {
   Work work(model_.tree.nodes.size());
   std::vector<double> tau(model_.v.size()), a(model_.v.size());
-  solve({0, s.f64(Columns::kPosition), s.f64(Columns::kVelocity), s}, work, tau, a);
+  ClosureWork scratch;
+  solve({0, s.f64(Columns::kPosition), s.f64(Columns::kVelocity), s}, work, tau, scratch, a);
   return work;
 }
 
@@ -197,8 +223,8 @@ std::vector<double> ArticulationField::response(const State& s, size_t link, con
   std::vector<double> change(model_.v.size());
   Work work(model_.tree.nodes.size());
   const Link& l = model_.links[link];
-  accelerations(model_.tree, s.f64(Columns::kPosition), rest, rest, {}, {l.node, l.center, impulse}, work,
-                change);
+  const Push push{l.node, l.center, impulse};
+  accelerations(model_.tree, s.f64(Columns::kPosition), rest, rest, {}, {&push, 1}, work, change);
   return change;
 }
 

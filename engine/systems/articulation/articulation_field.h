@@ -24,7 +24,8 @@ struct Columns {
 
 class ArticulationField final : public ForceField {
  public:
-  /// Error "scene_invalid" when a joint has nothing to move.
+  /// Error "scene_invalid" when a joint has nothing to move or a loop cannot be closed; the start is moved to
+  /// where loops close.
   ArticulationField(Model model, const Vec3& gravity);
 
   State initial_state() const override;
@@ -47,7 +48,10 @@ class ArticulationField final : public ForceField {
  private:
   void efforts(const Phase& at, std::span<double> tau) const;
   Push push_of(const State& state) const;
-  void solve(const Phase& at, std::span<NodeWork> work, std::span<double> tau, std::span<double> a) const;
+  void solve(const Phase& at, std::span<NodeWork> work, std::span<double> tau, ClosureWork& scratch,
+             std::span<double> a) const;
+  void refuse_empty_joints();
+  void close_start();
 
   Model model_;
   Vec3 gravity_;

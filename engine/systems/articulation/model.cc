@@ -137,6 +137,13 @@ Model build_model(const ArticulationDef& def) {
     }
     if (!d.id.empty()) by_id[d.id] = parent;
   }
+  const auto node_of = [&](const std::string& id) {
+    const int32_t link = by_id.at(id);
+    return link == kGround ? kGround : m.links[size_t(link)].node;
+  };
+  for (const ClosureDef& c : def.closures) {
+    m.closures.push_back({node_of(c.a), node_of(c.b), c.point_a, c.point_b});
+  }
   normalise(m.tree, m.q);
   return m;
 }

@@ -5,7 +5,7 @@
 
 #include "engine/collision/solid.h"
 #include "engine/systems/articulation/articulation_def.h"
-#include "engine/systems/articulation/tree.h"
+#include "engine/systems/articulation/closures.h"
 
 namespace truestep::articulation {
 
@@ -34,6 +34,7 @@ struct Link {
 struct Model {
   Tree tree;
   std::vector<Drive> drives;  ///< one per node
+  std::vector<Closure> closures;
   std::vector<Link> links;
   std::vector<std::vector<LinkShape>> shapes;  ///< one list per link of the scene
   std::vector<double> q, v, torque;            ///< at the start

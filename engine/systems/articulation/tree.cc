@@ -191,7 +191,7 @@ void move(const Tree& tree, std::span<const double> q, std::span<const double> v
 }
 
 void accelerations(const Tree& tree, std::span<const double> q, std::span<const double> v,
-                   std::span<const double> tau, const Vec3& gravity, const Push& push,
+                   std::span<const double> tau, const Vec3& gravity, std::span<const Push> pushes,
                    std::span<NodeWork> work, std::span<double> qdd) {
   const size_t n = tree.nodes.size();
   move(tree, q, v, work);
@@ -200,7 +200,8 @@ void accelerations(const Tree& tree, std::span<const double> q, std::span<const 
     work[i].inertia = articulated(I);
     work[i].p = cross(work[i].v, I * work[i].v);
   }
-  if (push.node != kGround) {
+  for (const Push& push : pushes) {
+    if (push.node == kGround) continue;
     const Vec3 f = world_frame(tree, work, push.node).R.apply_inverse(push.force);
     Force& p = work[size_t(push.node)].p;
     p = p - Force{cross(push.at, f), f};

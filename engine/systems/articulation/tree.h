@@ -69,7 +69,7 @@ void move(const Tree& tree, std::span<const double> q, std::span<const double> v
 /// q'' of the tree under joint forces tau, by the articulated body algorithm. Leaves frames, velocities and
 /// accelerations in `work`. A node without inertia in its direction gives infinities.
 void accelerations(const Tree& tree, std::span<const double> q, std::span<const double> v,
-                   std::span<const double> tau, const Vec3& gravity, const Push& push,
+                   std::span<const double> tau, const Vec3& gravity, std::span<const Push> pushes,
                    std::span<NodeWork> work, std::span<double> qdd);
 /// After `accelerations`: force and moment that the parent's side exerts through the joint on the node, in
 /// the node's frame.
