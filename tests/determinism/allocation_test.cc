@@ -73,8 +73,10 @@ TEST(Allocation, TreesOfLinksAllocateNothingAfterTheFirstStep) {
   ArticulationDef d;
   LinkDef link;
   link.joint = JointType::ball, link.mass = 1, link.center = {0, -0.5, 0}, link.inertia = {0.1, 0.01, 0.1};
-  link.copies = LinkCopiesDef{20, {0, -1, 0}}, link.rotation = {0, 0, 1};
+  link.id = "chain", link.copies = LinkCopiesDef{20, {0, -1, 0}}, link.rotation = {0, 0, 1};
   d.links.push_back(link);
+  d.closures.push_back({"chain", "ground", {0, -1, 0}, {16, -10.5, 0}});
+  d.springs.push_back({"chain", "ground", {0, -0.5, 0}, {0, -10, 0}, 10, 1, 3});
   for (const char* method : {"rk4", "dop853"}) {
     d.integrator = method;
     const auto system = build_articulation(&d, {});

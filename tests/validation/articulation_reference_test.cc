@@ -1,5 +1,5 @@
 // Trees of links against reference cases rigid.A01_pendulum, rigid.double_pendulum_90_90, rigid.free_top,
-// rigid.heavytop_bruls and rigid.steady_precession.
+// rigid.heavytop_bruls, rigid.steady_precession and rigid.A05_flyball.
 #include <gtest/gtest.h>
 
 #include <numbers>
@@ -151,6 +151,49 @@ TEST(ArticulationReference, SteadyPrecessionOfAHeavyTop) {
     // Control: started a hundredth too fast, the top nods.
     EXPECT_GT(precession(1.01 * rate).second, 1e-5);
   }
+}
+
+/// A turning shaft along z, two rods with balls of 5 kg, a slider that stiff springs tie to their middles.
+ArticulationDef governor(double ball) {
+  ArticulationDef d;
+  const auto add = [&](const char* id, const char* parent) -> LinkDef& {
+    LinkDef l;
+    l.id = id, l.parent = parent;
+    d.links.push_back(l);
+    return d.links.back();
+  };
+  LinkDef& shaft = add("shaft", "ground");
+  shaft.mass = 0.3, shaft.center = {0, 0, 0.5}, shaft.inertia = {0.025, 0.025, 5e-6};
+  shaft.v = {2 * std::numbers::pi};
+  LinkDef& slider = add("slider", "shaft");
+  slider.joint = JointType::slider, slider.q = {0.5};
+  slider.mass = 3, slider.inertia = {0.005, 0.005, 0.005};
+  for (const double side : {1.0, -1.0}) {
+    LinkDef& rod = add(side > 0 ? "right" : "left", "shaft");
+    // The rod hangs along -z at coordinate 0.
+    rod.axis = {0, -side, 0}, rod.offset = {0.05 * side, 0, 1}, rod.q = {std::numbers::pi / 3};
+    const double m = 0.3 + ball, c = (0.3 * 0.5 + ball) / m;
+    const double across = 0.3 * (1 + 1e-4) / 12 + 0.3 * (c - 0.5) * (c - 0.5) + ball * (1 - c) * (1 - c);
+    rod.mass = m, rod.center = {0, 0, -c}, rod.inertia = {across, across, 5e-6};
+    d.springs.push_back({"slider", rod.id, {0.05 * side, 0, 0}, {0, 0, -0.5}, 8e5, 4e4, 0.5});
+  }
+  return d;
+}
+
+TEST(ArticulationReference, FlyballGovernor) {
+  const auto largest_error = [](double ball) {
+    const auto field = field_of(governor(ball), {0, 0, -9.81});
+    SteppedField run(field, *find_integrator("dop853"), 1e-2, {.tolerance = 1e-10});
+    run.steps(10);
+    double worst = std::max({std::abs(run.x(0) - 0.622106681403), std::abs(run.x(1) - 0.52383647557),
+                             std::abs(run.x(2) - 1.07462245772), std::abs(run.v(0) - 6.10371780883)});
+    run.steps(40);
+    return std::max({worst, std::abs(run.x(0) - 2.80767948837), std::abs(run.x(1) - 0.743249424786),
+                     std::abs(run.x(2) - 1.31130494525), std::abs(run.v(0) - 5.10341542197)});
+  };
+  // The case asks for 1e-4 of the slider.
+  EXPECT_LT(largest_error(5), 1e-6);
+  EXPECT_GT(largest_error(5.01), 1e-5);
 }
 
 }  // namespace

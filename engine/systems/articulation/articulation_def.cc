@@ -156,6 +156,33 @@ const DefTable& closure_table() {
   return t;
 }
 
+const DefTable& spring_table() {
+  static const DefTable t =
+      TableOf<LinkSpringDef>("spring and damper between points of two links")
+          .text("a", &LinkSpringDef::a, "id of a link; of copies the last")
+          .required()
+          .text("b", &LinkSpringDef::b, "id of another, or ground")
+          .vector("point_a", &LinkSpringDef::point_a, "m", any(), "in the frame of a")
+          .vector("point_b", &LinkSpringDef::point_b, "m", any(), "in the frame of b")
+          .number("stiffness", &LinkSpringDef::stiffness, "N/m", at_least(0), "force per length beyond rest")
+          .number("damping", &LinkSpringDef::damping, "N s/m", at_least(0), "force per rate of length")
+          .number("rest_length", &LinkSpringDef::rest_length, "m", at_least(0), "length without force")
+          .build();
+  return t;
+}
+
+/// Ends of closures and springs are links that there are.
+template <class D>
+void check_ends(const std::vector<D>& all, const std::string& name, const std::set<std::string>& known,
+                const DefTable::Report& report) {
+  for (size_t i = 0; i < all.size(); ++i) {
+    const std::string at = name + std::to_string(i);
+    if (!known.contains(all[i].a)) report(at + "/a", "no link has the id " + all[i].a);
+    if (!known.contains(all[i].b)) report(at + "/b", "no link has the id " + all[i].b);
+    if (all[i].a == all[i].b) report(at + "/b", "must be another link than a");
+  }
+}
+
 }  // namespace
 
 const DefTable& articulation_table() {
@@ -165,6 +192,7 @@ const DefTable& articulation_table() {
     t.objects("links", &D::links, link_table(), {1, 100'000}, "parents before children")
         .objects("closures", &D::closures, closure_table(), {0, 200},
                  "loops, held by forces; the start is moved to where they close")
+        .objects("springs", &D::springs, spring_table(), {0, 10'000}, "springs between links")
         .vector("gravity", &D::gravity, "m/s^2", any(), "instead of the scene's")
         .number("point_radius", &D::point_radius, "m", at_least(0),
                 "of joints and centres in pictures; default 0.03, 0 where all links have shapes")
@@ -181,13 +209,8 @@ const DefTable& articulation_table() {
         if (!l.id.empty() && !known.insert(l.id).second) report(at + "/id", "this id is taken");
         n += l.copies ? static_cast<double>(l.copies->count) : 1;
       }
-      for (size_t i = 0; i < d.closures.size(); ++i) {
-        const ClosureDef& c = d.closures[i];
-        const std::string at = "/closures/" + std::to_string(i);
-        if (!known.contains(c.a)) report(at + "/a", "no link has the id " + c.a);
-        if (!known.contains(c.b)) report(at + "/b", "no link has the id " + c.b);
-        if (c.a == c.b) report(at + "/b", "must be another link than a");
-      }
+      check_ends(d.closures, "/closures/", known, report);
+      check_ends(d.springs, "/springs/", known, report);
       if (n > kMostLinks) report("/links", "more than 100000 links in all");
     });
     add_integrator_rows(t);

@@ -63,9 +63,17 @@ struct ClosureDef {
   Vec3 point_a, point_b;
 };
 
+/// Spring and damper between two points.
+struct LinkSpringDef {
+  std::string a, b = "ground";
+  Vec3 point_a, point_b;
+  double stiffness = 1000, damping = 0, rest_length = 0;
+};
+
 struct ArticulationDef : IntegratorParams {
   std::vector<LinkDef> links;
   std::vector<ClosureDef> closures;
+  std::vector<LinkSpringDef> springs;
   std::optional<Vec3> gravity;
   std::optional<double> point_radius;
   std::optional<Vec3> color;

@@ -59,6 +59,16 @@ void ArticulationField::refuse_empty_joints() {
   const std::vector<double> rest(model_.v.size(), 0.0);
   std::vector<double> a(model_.v.size());
   accelerations(model_.tree, model_.q, rest, rest, {}, {}, work, a);
+  const auto weight = [&](int32_t node) {
+    return node == kGround || model_.tree.nodes[size_t(node)].inertia.m == 0
+               ? 0
+               : 1 / model_.tree.nodes[size_t(node)].inertia.m;
+  };
+  for (const LinkSpring& s : model_.springs) {
+    const double w = weight(s.between.a) + weight(s.between.b);
+    stiffness_.omega = std::max(stiffness_.omega, std::sqrt(s.stiffness * w));
+    stiffness_.damping = std::max(stiffness_.damping, s.damping * w);
+  }
   // Leaves first: infinities travel towards the ground.
   for (size_t k = model_.links.size(); k-- > 0;) {
     const Link& link = model_.links[k];
@@ -132,15 +142,37 @@ Push ArticulationField::push_of(const State& state) const {
   return {l.node, l.center, load3(state.f64(Columns::kPushForce).data(), 0)};
 }
 
+Vec3 ArticulationField::reach(const LinkSpring& s, std::span<const NodeWork> work, Of what) const {
+  return point(model_.tree, work, s.between.a, s.between.at_a, what, {}) -
+         point(model_.tree, work, s.between.b, s.between.at_b, what, {});
+}
+
+void ArticulationField::pull_spring(const LinkSpring& s, std::span<const NodeWork> work,
+                                    std::vector<Push>& pushes) const {
+  const Vec3 d = reach(s, work, Of::place);
+  const double length = norm(d);
+  if (!(length > 0)) return;
+  const Vec3 along = d / length;
+  const double tension =
+      s.stiffness * (length - s.rest_length) + s.damping * dot(along, reach(s, work, Of::velocity));
+  pushes.push_back({s.between.a, s.between.at_a, along * -tension});
+  pushes.push_back({s.between.b, s.between.at_b, along * tension});
+}
+
 void ArticulationField::solve(const Phase& at, std::span<NodeWork> work, std::span<double> tau,
                               ClosureWork& scratch, std::span<double> a) const {
   efforts(at, tau);
   const Vec3 gravity = load3(at.state.f64(Columns::kGravity).data(), 0);
-  const Push push = push_of(at.state);
+  scratch.outside.assign(1, push_of(at.state));
+  if (!model_.springs.empty()) {
+    move(model_.tree, at.x, at.v, work);
+    for (const LinkSpring& s : model_.springs) pull_spring(s, work, scratch.outside);
+  }
   if (model_.closures.empty()) {
-    accelerations(model_.tree, at.x, at.v, tau, gravity, {&push, 1}, work, a);
+    accelerations(model_.tree, at.x, at.v, tau, gravity, scratch.outside, work, a);
   } else {
-    closed_accelerations(model_.tree, model_.closures, at.x, at.v, tau, gravity, push, work, scratch, a);
+    closed_accelerations(model_.tree, model_.closures, at.x, at.v, tau, gravity, scratch.outside, work,
+                         scratch, a);
   }
 }
 
@@ -194,6 +226,10 @@ std::optional<double> ArticulationField::potential(const Phase& at, Evaluation& 
     } else if (n.move == Move::translation) {
       sum += 0.5 * d.stiffness * norm2(load3(q, 0));
     }
+  }
+  for (const LinkSpring& s : model_.springs) {
+    const double stretch = norm(reach(s, work, Of::place)) - s.rest_length;
+    sum += 0.5 * s.stiffness * stretch * stretch;
   }
   return sum;
 }

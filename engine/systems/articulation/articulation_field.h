@@ -50,6 +50,8 @@ class ArticulationField final : public ForceField {
   Push push_of(const State& state) const;
   void solve(const Phase& at, std::span<NodeWork> work, std::span<double> tau, ClosureWork& scratch,
              std::span<double> a) const;
+  Vec3 reach(const LinkSpring& s, std::span<const NodeWork> work, Of what) const;
+  void pull_spring(const LinkSpring& s, std::span<const NodeWork> work, std::vector<Push>& pushes) const;
   void refuse_empty_joints();
   void close_start();
 

@@ -4,14 +4,7 @@
 #include <cmath>
 
 namespace truestep::articulation {
-namespace {
 
-constexpr double kRate = 20;  // 1/s of Baumgarte's terms: holds what one step leaves, stiffens nothing
-constexpr double kLeastPivot = 1e-11;  // of the largest
-
-enum class Of : uint8_t { place, velocity, acceleration };
-
-// World vector of a point of a node. Accelerations lack gravity for every node and the ground alike.
 Vec3 point(const Tree& tree, std::span<const NodeWork> work, int32_t node, const Vec3& r, Of what,
            const Vec3& gravity) {
   if (node == kGround) return what == Of::place ? r : what == Of::velocity ? Vec3{} : -gravity;
@@ -22,6 +15,11 @@ Vec3 point(const Tree& tree, std::span<const NodeWork> work, int32_t node, const
   if (what == Of::velocity) return f.R.apply(velocity);
   return f.R.apply(w.a.v + cross(w.a.w, r) + cross(w.v.w, velocity));
 }
+
+namespace {
+
+constexpr double kRate = 20;  // 1/s of Baumgarte's terms: holds what one step leaves, stiffens nothing
+constexpr double kLeastPivot = 1e-11;  // of the largest
 
 Vec3 apart(const Tree& tree, std::span<const NodeWork> work, const Closure& c, Of what, const Vec3& gravity) {
   return point(tree, work, c.a, c.at_a, what, gravity) - point(tree, work, c.b, c.at_b, what, gravity);
@@ -98,9 +96,10 @@ void combine(size_t n, ClosureWork& s) {
 
 void closed_accelerations(const Tree& tree, std::span<const Closure> closures, std::span<const double> q,
                           std::span<const double> v, std::span<const double> tau, const Vec3& gravity,
-                          const Push& push, std::span<NodeWork> work, ClosureWork& s, std::span<double> qdd) {
+                          std::span<const Push> pushes, std::span<NodeWork> work, ClosureWork& s,
+                          std::span<double> qdd) {
   respond(tree, closures, q, s);
-  s.pushes.assign(1, push);
+  s.pushes.assign(pushes.begin(), pushes.end());
   accelerations(tree, q, v, tau, gravity, s.pushes, work, qdd);
   for (size_t k = 0; k < closures.size(); ++k) {
     const Closure& c = closures[k];

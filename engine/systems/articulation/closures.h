@@ -14,19 +14,25 @@ struct Closure {
   Vec3 at_a, at_b;                   ///< m, in the nodes' frames; the world's for the ground
 };
 
+enum class Of : uint8_t { place, velocity, acceleration };
+/// World vector of a point of a node, after `move`, for accelerations after `accelerations`: these lack
+/// gravity for every node and the ground alike.
+Vec3 point(const Tree& tree, std::span<const NodeWork> work, int32_t node, const Vec3& r, Of what,
+           const Vec3& gravity);
+
 /// Scratch of all below; grows once.
 struct ClosureWork {
   std::vector<double> response;  ///< rows x velocities: what unit forces do to q''
   std::vector<double> matrix, lambda, residual, change, rate;
   std::vector<uint32_t> order;
-  std::vector<Push> pushes;
+  std::vector<Push> outside, pushes;
   Work work;
 };
 
 /// Accelerations of a tree with loops under joint forces tau; see `accelerations`.
 void closed_accelerations(const Tree& tree, std::span<const Closure> closures, std::span<const double> q,
                           std::span<const double> v, std::span<const double> tau, const Vec3& gravity,
-                          const Push& push, std::span<NodeWork> work, ClosureWork& scratch,
+                          std::span<const Push> pushes, std::span<NodeWork> work, ClosureWork& scratch,
                           std::span<double> qdd);
 /// Brings q to Phi = 0 and v to Phi' = 0.
 void close(const Tree& tree, std::span<const Closure> closures, std::span<double> q, std::span<double> v,

@@ -144,6 +144,10 @@ Model build_model(const ArticulationDef& def) {
   for (const ClosureDef& c : def.closures) {
     m.closures.push_back({node_of(c.a), node_of(c.b), c.point_a, c.point_b});
   }
+  for (const LinkSpringDef& s : def.springs) {
+    m.springs.push_back(
+        {{node_of(s.a), node_of(s.b), s.point_a, s.point_b}, s.stiffness, s.damping, s.rest_length});
+  }
   normalise(m.tree, m.q);
   return m;
 }

@@ -17,6 +17,12 @@ struct Drive {
   bool anything() const { return damping > 0 || stiffness > 0 || limits != Limits::none; }
 };
 
+/// Spring and damper between points of two nodes.
+struct LinkSpring {
+  Closure between;
+  double stiffness = 0, damping = 0, rest_length = 0;
+};
+
 struct LinkShape {
   Solid solid;
   Pose pose;  ///< in the link's frame
@@ -35,6 +41,7 @@ struct Model {
   Tree tree;
   std::vector<Drive> drives;  ///< one per node
   std::vector<Closure> closures;
+  std::vector<LinkSpring> springs;
   std::vector<Link> links;
   std::vector<std::vector<LinkShape>> shapes;  ///< one list per link of the scene
   std::vector<double> q, v, torque;            ///< at the start
