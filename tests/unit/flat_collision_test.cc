@@ -90,6 +90,23 @@ TEST(FlatDistance, IsThatOfAllPairsOfEdges) {
   EXPECT_GT(apart, 5000);
 }
 
+TEST(FlatContact, EdgesBentByLessThanAContactNotices) {
+  // The end of a sloping capsule lies over one of two edges that are bent by 2e-5 rad; over the other it is
+  // far.
+  const Vec2 corner[] = {{0, -1}, {1, -0.1}, {1 + 5e-6, 0.4}, {1, 0.9}, {0, 1}};
+  const Outline a = polygon(corner, 0.2);
+  for (const double y : {-0.05, 0.3, 0.5, 0.8}) {
+    const Outline b = capsule({1.3, y}, {3, y + (y < 0.4 ? 1 : -1)}, 0.2);
+    Contact c;
+    ASSERT_TRUE(touch(a, b, Pose{}, 0.02, c)) << y;
+    double deepest = HUGE_VAL;
+    for (uint32_t i = 0; i < c.points; ++i) deepest = std::min(deepest, c.point[i].separation);
+    EXPECT_NEAR(deepest, -0.1, 1e-4) << y;  // as if the edges were one; their corner stands out by 5e-6 m
+    // The control: further away there is nothing.
+    EXPECT_FALSE(touch(a, b, Pose{{0.2, 0}, {}}, 0.02, c)) << y;
+  }
+}
+
 TEST(FlatContact, MovingByTheOverlapParts) {
   Dice dice{2};
   int touching = 0, two = 0;

@@ -151,12 +151,15 @@ bool against_edge(const Clip& c, uint32_t edge, double separation, Contact& out)
 
 constexpr uint32_t kNoEdge = 0xffffffff;
 
-/// The edge of p that faces along n, to rounding.
+/// The edge of p that faces along n most, to rounding. Its neighbour may be bent by hardly more than that.
 uint32_t edge_along(const Outline& p, Vec2 n) {
+  uint32_t edge = kNoEdge;
+  double most = 1 - 1e-9;
   for (uint32_t i = 0; i < p.corners && p.corners > 1; ++i) {
-    if (dot(p.normal[i], n) > 1 - 1e-9) return i;
+    const double d = dot(p.normal[i], n);
+    if (d > most) most = d, edge = i;
   }
-  return kNoEdge;
+  return edge;
 }
 
 /// Sharp polygons apart, touching by their rounding: the nearest points say how.
