@@ -228,14 +228,15 @@ std::unique_ptr<const System> build_articulation(const void* def, const BuildCon
 }
 
 Cost articulation_cost(const void* def) {
+  const auto& d = *static_cast<const ArticulationDef*>(def);
   double n = 0;
-  for (const LinkDef& l : static_cast<const ArticulationDef*>(def)->links) {
-    n += l.copies ? static_cast<double>(l.copies->count) : 1;
-  }
+  for (const LinkDef& l : d.links) n += l.copies ? static_cast<double>(l.copies->count) : 1;
+  // Every row of a loop is a solve of the tree, and a column of up to six numbers per link.
+  const double rows = 3 * static_cast<double>(d.closures.size());
   return {.state_bytes = 512 + 80 * n,
-          .workspace_bytes = 4096 + 1500 * n,
-          .elements = n,
-          .seconds_per_step = 2e-6 + 1e-6 * n};
+          .workspace_bytes = 4096 + 1500 * n + 8 * rows * (6 * n + rows),
+          .elements = n + rows + static_cast<double>(d.springs.size()),
+          .seconds_per_step = 2e-6 + 1e-6 * n * (1 + rows) + 4e-9 * rows * rows * rows};
 }
 
 }  // namespace truestep
