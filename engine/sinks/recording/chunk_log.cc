@@ -75,7 +75,7 @@ std::optional<LoggedChunks::Batch> read_batch(std::span<const std::byte> body, c
     const auto count = get<uint64_t>(body);
     if (!count || *count > a.chunks || *count > body.size() / 8) return std::nullopt;
     auto& keys = batch.keys.emplace_back(*count);
-    std::memcpy(keys.data(), body.data(), 8 * *count);
+    if (*count > 0) std::memcpy(keys.data(), body.data(), 8 * *count);
     body = body.subspan(8 * *count);
   }
   return body.empty() ? std::optional(std::move(batch)) : std::nullopt;
