@@ -28,9 +28,9 @@ namespace {
 
 // A received message's memory is given back when it was longer.
 constexpr size_t kKeptBuffer = 65536;
-// Bytes that one read may ask memory for: without a limit Beast believes the length a compressed frame
-// claims.
-constexpr size_t kReadAtOnce = 65536;
+// Room for one read, as much as the message has already: Beast would believe the length that a compressed
+// frame claims, and its own guess asserts where a message ends in the middle of a read.
+constexpr size_t kFirstRead = 4096, kReadAtOnce = 65536;
 constexpr uint16_t kNoCode = 1005, kLost = 1006;
 
 size_t size_of(const MessageParts& parts) {
@@ -240,7 +240,9 @@ asio::awaitable<void> BeastWebSocket::run() {
   auto token =
       asio::redirect_error(asio::bind_cancellation_slot(stop_reading_.slot(), asio::use_awaitable), ec);
   for (;;) {
-    co_await ws_.async_read_some(message, kReadAtOnce, token);
+    const auto room = message.prepare(std::clamp(message.size(), kFirstRead, kReadAtOnce));
+    const size_t bytes = co_await ws_.async_read_some(room, token);
+    message.commit(bytes);
     if (ec) break;
     if (!ws_.is_message_done()) continue;
     if (is_open()) deliver({static_cast<const char*>(message.data().data()), message.size()});
