@@ -32,14 +32,12 @@ def parse(line):
     row = json.loads(line)
     if missing := [f for f in FIELDS if f not in row]:
         raise ValueError(f"lacks {', '.join(missing)}")
-    absent = ("ratio",) if row["ratio"] is None else ()  # a figure that may be 0 has no ratio
-    if bad := [f for f in NUMBERS if f not in absent and not positive(row[f], absent)]:
+    without_ratio = row["ratio"] is None  # of figures that may be 0
+    numbers = [f for f in NUMBERS if not (without_ratio and f == "ratio")]
+    least = 0 if without_ratio else sys.float_info.min
+    if bad := [f for f in numbers if not isinstance(row[f], (int, float)) or not least <= row[f] < float("inf")]:
         raise ValueError(f"{', '.join(bad)}: not a positive number")
     return row
-
-
-def positive(number, absent):
-    return isinstance(number, (int, float)) and 0 <= number < float("inf") and (number > 0 or bool(absent))
 
 
 def run(name, command, build, show):

@@ -1,13 +1,9 @@
 // Chunk logs: any bytes give a layout that plans and survives the way back, or nothing; and a log of whole
 // batches, or nothing. The checksums keep mutations out of a log's inside, so the same bytes are also read as
 // a layout without one, and a log is made around them with sums that are right.
-#include <unistd.h>
-
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
-#include <cstdlib>
-#include <filesystem>
 #include <fstream>
 #include <span>
 #include <string>
@@ -16,22 +12,11 @@
 #include "engine/sinks/recording/chunk_log.h"
 #include "engine/sinks/recording/layout_bytes.h"
 #include "engine/sinks/recording/superblock.h"
+#include "tests/fuzz/scratch_folder.h"
 
 namespace {
 
-namespace fs = std::filesystem;
 using namespace truestep;
-
-const fs::path& folder() {
-  static const fs::path kFolder = [] {
-    const fs::path base = fs::is_directory("/dev/shm") ? fs::path("/dev/shm") : fs::temp_directory_path();
-    const fs::path path = base / ("truestep_fuzz_log_" + std::to_string(getpid()));
-    fs::create_directory(path);
-    std::atexit([] { fs::remove_all(folder()); });
-    return path;
-  }();
-  return kFolder;
-}
 
 template <class Size>
 void put_block(std::vector<std::byte>& to, const std::string& mark, std::span<const std::byte> body) {
@@ -49,7 +34,7 @@ void put_block(std::vector<std::byte>& to, const std::string& mark, std::span<co
 }
 
 void read(std::span<const std::byte> log) {
-  const std::string path = folder() / "input";
+  const std::string path = fuzz::scratch_folder() / "input";
   std::ofstream(chunk_log_path(path), std::ios::binary)
       .write(reinterpret_cast<const char*>(log.data()), static_cast<std::streamsize>(log.size()));
   const auto chunks = read_chunk_log(path);

@@ -2,8 +2,6 @@
 // What can be read exports in every format and does not differ from itself; every so often the bytes are
 // repaired as well, in the child process that repair always runs in, and what the repair calls good must read
 // as it said.
-#include <unistd.h>
-
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
@@ -14,29 +12,19 @@
 #include "engine/sinks/recording/diff.h"
 #include "engine/sinks/recording/export.h"
 #include "engine/sinks/recording/recover.h"
+#include "tests/fuzz/scratch_folder.h"
 
 namespace {
 
 namespace fs = std::filesystem;
 using namespace truestep;
 
-// One folder in memory for the life of the process.
-const fs::path& folder() {
-  static const fs::path kFolder = [] {
-    const fs::path base = fs::is_directory("/dev/shm") ? fs::path("/dev/shm") : fs::temp_directory_path();
-    const fs::path path = base / ("truestep_fuzz_" + std::to_string(getpid()));
-    fs::create_directory(path);
-    std::atexit([] { fs::remove_all(folder()); });
-    return path;
-  }();
-  return kFolder;
-}
-
 void write_exports(RecordingReader& reader) {
   for (const ExportFormat format :
        {ExportFormat::kCsv, ExportFormat::kPly, ExportFormat::kNpz, ExportFormat::kVtu}) {
     try {
-      for (const std::string& path : export_recording(reader, {format, folder() / "out", {}, 0, 1, 1}))
+      for (const std::string& path :
+           export_recording(reader, {format, fuzz::scratch_folder() / "out", {}, 0, 1, 1}))
         fs::remove(path);
     } catch (const Error& error) {
       if (error.code().empty()) __builtin_trap();
@@ -53,7 +41,7 @@ extern "C" const char* __lsan_default_suppressions() {
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   static const auto thread = std::make_shared<RecordingThread>();
-  const std::string path = folder() / "input";
+  const std::string path = fuzz::scratch_folder() / "input";
   std::ofstream(path, std::ios::binary)
       .write(reinterpret_cast<const char*>(data), static_cast<std::streamsize>(size));
   try {
