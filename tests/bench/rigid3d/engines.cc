@@ -1,0 +1,209 @@
+#include "tests/bench/rigid3d/engines.h"
+
+#include <dlfcn.h>
+
+#ifdef TRUESTEP_BULLET
+#include <btBulletDynamicsCommon.h>
+#endif
+
+#include "engine/systems/rigid3d/rigid3d.h"
+
+namespace truestep::bench {
+namespace {
+
+using Shape = SpaceBody::Shape;
+
+/// Where a joint is in the frame of one of its bodies, which starts unturned.
+Vec3 on_body(const SpaceScene& scene, int body, const SpaceJoint& j) {
+  return j.anchor - scene.bodies[static_cast<size_t>(body)].pose.position;
+}
+
+Rigid3dDef def_of(const SpaceScene& scene, const OursSettings& settings) {
+  Rigid3dDef def;
+  def.gravity = scene.gravity, def.friction = kSpaceFriction;
+  def.sleeping = settings.sleep == OursSettings::Sleep::allowed;
+  if (settings.substeps > 0) def.substeps = settings.substeps;
+  if (settings.numbers == OursSettings::Numbers::f64) def.precision = Rigid3dDef::Precision::f64;
+  for (const SpaceBody& b : scene.bodies) {
+    const auto add = [&](auto body) {
+      const Quat& q = b.pose.orientation;
+      body.position = b.pose.position, body.orientation = {q.w, q.x, q.y, q.z};
+      body.angular_velocity = b.angular_velocity, body.density = kSpaceDensity;
+      if (b.fixed) body.motion = BodyDef::Motion::fixed;
+      if (!scene.collide) body.mask = 0;
+      def.bodies.push_back(body);
+    };
+    if (b.shape == Shape::box) {
+      BoxBodyDef d;
+      d.half_extents = b.size;
+      add(d);
+    } else if (b.shape == Shape::sphere) {
+      SphereBodyDef d;
+      d.radius = b.size.x;
+      add(d);
+    } else {
+      CapsuleBodyDef d;
+      d.radius = b.size.x, d.half_length = b.size.y;
+      add(d);
+    }
+  }
+  for (const SpaceJoint& j : scene.joints) {
+    JointDef d;
+    d.a = j.a, d.b = j.b, d.anchor = j.anchor;
+    def.joints.push_back(d);
+  }
+  return def;
+}
+
+class Ours final : public SpaceEngine {
+ public:
+  Ours(const SpaceScene& scene, const OursSettings& settings)
+      : system_(def_of(scene, settings), {}), state_(system_.initial_state()), arena_(settings.threads) {}
+  void step() override {
+    system_.step(state_, {static_cast<double>(count_) * kSpaceDt, kSpaceDt, count_, workspace_, arena_});
+    ++count_;
+  }
+  SpaceState state(size_t i) const override {
+    namespace c = rigid3d_columns;
+    return {{load3(state_.f64(c::position).data(), i), load_quat(state_.f64(c::orientation).data(), i)},
+            load3(state_.f64(c::velocity).data(), i),
+            load3(state_.f64(c::angular_velocity).data(), i)};
+  }
+
+ private:
+  Rigid3d system_;
+  State state_;
+  Workspace workspace_;
+  ThreadArena arena_;
+  uint64_t count_ = 0;
+};
+
+class Rapier final : public SpaceEngine {
+ public:
+  Rapier(const RapierLibrary& library, const SpaceScene& scene)
+      : library_(library), world_(library.create(&scene.gravity.x)) {
+    for (const SpaceBody& b : scene.bodies) {
+      const Vec3 &x = b.pose.position, &w = b.angular_velocity, I = moments(b);
+      const Quat& q = b.pose.orientation;
+      const double pose[] = {x.x, x.y, x.z, q.w, q.x, q.y, q.z}, motion[] = {0, 0, 0, w.x, w.y, w.z};
+      library.body(world_, static_cast<int>(b.shape), &b.size.x, pose, motion, b.fixed, scene.collide,
+                   kSpaceDensity, kSpaceFriction, mass(b), &I.x);
+    }
+    for (const SpaceJoint& j : scene.joints) {
+      const Vec3 on_a = on_body(scene, j.a, j), on_b = on_body(scene, j.b, j);
+      library.ball(world_, j.a, j.b, &on_a.x, &on_b.x);
+    }
+  }
+  void step() override { library_.step(world_, kSpaceDt); }
+  SpaceState state(size_t i) const override {
+    double m[13];
+    library_.motion(world_, static_cast<int>(i), m);
+    return {{{m[0], m[1], m[2]}, {m[3], m[4], m[5], m[6]}}, {m[7], m[8], m[9]}, {m[10], m[11], m[12]}};
+  }
+
+ private:
+  const RapierLibrary& library_;
+  void* world_;  // lives as long as the process
+};
+
+#ifdef TRUESTEP_BULLET
+btVector3 vector(const Vec3& a) {
+  return {btScalar(a.x), btScalar(a.y), btScalar(a.z)};
+}
+
+class Bullet final : public SpaceEngine {
+ public:
+  explicit Bullet(const SpaceScene& scene) {
+    world_.setGravity(vector(scene.gravity));
+    for (const SpaceBody& b : scene.bodies) add(b, scene.collide);
+    for (const SpaceJoint& j : scene.joints) {
+      joints_.push_back(std::make_unique<btPoint2PointConstraint>(
+          *bodies_[static_cast<size_t>(j.a)], *bodies_[static_cast<size_t>(j.b)],
+          vector(on_body(scene, j.a, j)), vector(on_body(scene, j.b, j))));
+      world_.addConstraint(joints_.back().get(), true);
+    }
+  }
+  ~Bullet() override {
+    for (const auto& j : joints_) world_.removeConstraint(j.get());
+    for (const auto& b : bodies_) world_.removeRigidBody(b.get());
+  }
+  void step() override { world_.stepSimulation(kSpaceDt, 0, kSpaceDt); }
+  SpaceState state(size_t i) const override {
+    const btTransform& at = bodies_[i]->getWorldTransform();
+    const auto back = [](const btVector3& a) { return Vec3{a.x(), a.y(), a.z()}; };
+    const btQuaternion q = at.getRotation();
+    return {{back(at.getOrigin()), {q.w(), q.x(), q.y(), q.z()}},
+            back(bodies_[i]->getLinearVelocity()),
+            back(bodies_[i]->getAngularVelocity())};
+  }
+
+ private:
+  void add(const SpaceBody& b, bool collide) {
+    const btScalar radius(b.size.x), length(2 * b.size.y);
+    if (b.shape == Shape::box) {
+      shapes_.push_back(std::make_unique<btBoxShape>(vector(b.size)));
+    } else if (b.shape == Shape::sphere) {
+      shapes_.push_back(std::make_unique<btSphereShape>(radius));
+    } else {
+      shapes_.push_back(std::make_unique<btCapsuleShape>(radius, length));
+    }
+    const Quat& q = b.pose.orientation;
+    btRigidBody::btRigidBodyConstructionInfo info(b.fixed ? 0 : btScalar(mass(b)), nullptr,
+                                                  shapes_.back().get(),
+                                                  b.fixed ? btVector3(0, 0, 0) : vector(moments(b)));
+    info.m_startWorldTransform =
+        btTransform({btScalar(q.x), btScalar(q.y), btScalar(q.z), btScalar(q.w)}, vector(b.pose.position));
+    info.m_friction = std::sqrt(btScalar(kSpaceFriction)), info.m_restitution = 0;
+    info.m_linearDamping = info.m_angularDamping = 0;
+    bodies_.push_back(std::make_unique<btRigidBody>(info));
+    bodies_.back()->setActivationState(DISABLE_DEACTIVATION);
+    bodies_.back()->setAngularVelocity(vector(b.angular_velocity));
+    if (collide) {
+      world_.addRigidBody(bodies_.back().get());
+    } else {
+      world_.addRigidBody(bodies_.back().get(), 64, 0);
+    }
+  }
+  btDefaultCollisionConfiguration configuration_;
+  btCollisionDispatcher dispatcher_{&configuration_};
+  btDbvtBroadphase broad_phase_;
+  btSequentialImpulseConstraintSolver solver_;
+  btDiscreteDynamicsWorld world_{&dispatcher_, &broad_phase_, &solver_, &configuration_};
+  std::vector<std::unique_ptr<btCollisionShape>> shapes_;
+  std::vector<std::unique_ptr<btRigidBody>> bodies_;
+  std::vector<std::unique_ptr<btTypedConstraint>> joints_;
+};
+#endif
+
+}  // namespace
+
+std::unique_ptr<SpaceEngine> make_ours(const SpaceScene& scene, const OursSettings& settings) {
+  return std::make_unique<Ours>(scene, settings);
+}
+
+std::unique_ptr<RapierLibrary> RapierLibrary::open(const char* path) {
+  void* handle = dlopen(path, RTLD_NOW);
+  if (!handle) return nullptr;
+  auto l = std::make_unique<RapierLibrary>();
+  const auto find = [&](auto& f, const char* name) {
+    f = reinterpret_cast<std::remove_reference_t<decltype(f)>>(dlsym(handle, name));
+    return f != nullptr;
+  };
+  const bool all = find(l->create, "peer_new") && find(l->body, "peer_body") && find(l->ball, "peer_ball") &&
+                   find(l->step, "peer_step") && find(l->motion, "peer_motion");
+  return all ? std::move(l) : nullptr;
+}
+
+std::unique_ptr<SpaceEngine> RapierLibrary::make(const SpaceScene& scene) const {
+  return std::make_unique<Rapier>(*this, scene);
+}
+
+std::unique_ptr<SpaceEngine> make_bullet([[maybe_unused]] const SpaceScene& scene) {
+#ifdef TRUESTEP_BULLET
+  return std::make_unique<Bullet>(scene);
+#else
+  return nullptr;
+#endif
+}
+
+}  // namespace truestep::bench

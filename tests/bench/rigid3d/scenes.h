@@ -1,0 +1,58 @@
+// Scenes of rigid bodies in space that say nothing about engines, and how well a state keeps them: z up,
+// density 1000, friction 0.5, no restitution, no damping, no sleep, steps of 1/60 s.
+#pragma once
+#include <string>
+#include <vector>
+
+#include "engine/collision/solid.h"
+
+namespace truestep::bench {
+
+/// Box: half edges; sphere: radius; capsule along y: radius, half length.
+struct SpaceBody {
+  enum class Shape { box, sphere, capsule } shape = Shape::box;
+  Vec3 size{0.5, 0.5, 0.5};
+  Pose pose = {};
+  Vec3 angular_velocity = {};
+  bool fixed = false;
+};
+/// Ball joint of bodies that start unturned; where it is at the start.
+struct SpaceJoint {
+  int a, b;
+  Vec3 anchor;
+};
+struct SpaceScene {
+  std::string name;
+  std::vector<SpaceBody> bodies = {};
+  std::vector<SpaceJoint> joints = {};
+  Vec3 gravity{0, 0, -9.81};
+  bool collide = true;
+  int steps = 600;
+};
+struct SpaceState {
+  Pose pose;
+  Vec3 velocity, angular_velocity;
+};
+
+inline constexpr double kSpaceDensity = 1000, kSpaceFriction = 0.5;
+
+SpaceScene space_stack(int boxes, int steps);
+/// Pyramid 15, pile 20, wall 40, joint grid 45, stacks of 10 and 20, a free top.
+std::vector<SpaceScene> space_scenes();
+
+double mass(const SpaceBody& body);
+Vec3 moments(const SpaceBody& body);
+Solid solid(const SpaceBody& body);
+/// Kinetic and potential energy (J).
+struct SpaceEnergy {
+  double kinetic = 0, potential = 0;
+};
+SpaceEnergy energy(const SpaceScene& scene, const std::vector<SpaceState>& state);
+/// Deepest overlap of any two bodies (m).
+double deepest(const SpaceScene& scene, const std::vector<SpaceState>& state);
+/// Widest gap of any joint (m).
+double widest(const SpaceScene& scene, const std::vector<SpaceState>& state);
+/// Angle (rad) between a free body's orientation after t seconds and the exact one.
+double turn_error(const SpaceBody& start, const SpaceState& now, double t);
+
+}  // namespace truestep::bench
