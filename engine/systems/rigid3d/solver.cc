@@ -11,11 +11,8 @@ namespace columns = rigid3d_columns;
 
 namespace {
 
-constexpr size_t kGroupsPerBlock = 24;
 /// Share of a depth that rigid contacts take back in a substep.
 constexpr double kTakenBack = 0.1;
-/// Joints are springs of this share of the substeps' rate, damped that many times the critical.
-constexpr double kJointHertzShare = 0.25, kJointDamping = 2;
 /// rad/s; slower bodies change their axis of rotation by less than a float shows.
 constexpr double kSlowSpin = 1e-2;
 
@@ -40,10 +37,6 @@ Record8<T> record(const Vec3& linear, const Vec3& turn) {
   return {{T(linear.x), T(linear.y), T(linear.z), T(turn.x), T(turn.y), T(turn.z), 0, 0}};
 }
 
-template <class T>
-void set3(Wide<T> out[3], int lane, const Vec3& v) {
-  out[0].set(lane, T(v.x)), out[1].set(lane, T(v.y)), out[2].set(lane, T(v.z));
-}
 template <class T>
 Vec3 get3(const Wide<T> in[3], int lane) {
   return {in[0][lane], in[1][lane], in[2][lane]};
@@ -72,7 +65,7 @@ void ContactSolver<T>::choose_bodies(const State& s, std::span<const BodyKind> k
     }
   };
   list(Ends::both_move), list(Ends::one_moves);
-  choose_joints(s, now);
+  joints_.choose(s, now, slot_);
   body_.clear();
   for (uint32_t i = 0; i < slot_.size(); ++i) {
     if (slot_[i] == 0) slot_[i] = static_cast<uint32_t>(body_.size()), body_.push_back(i);
@@ -125,82 +118,6 @@ void ContactSolver<T>::load_bodies(const State& s, std::span<const BodyKind> kin
 }
 
 template <class T>
-void ContactSolver<T>::make_groups(std::span<const uint32_t> items, Groups& out) {
-  const size_t n = items.size();
-  colour_.resize(n), order_.resize(n), used_.resize(body_.size());
-  std::array<uint32_t, kColours + 1> count;
-  colour_constraints(ends_, used_, colour_, count);
-  sort_by_colour(colour_, count, order_);
-  out.member.clear(), out.colour_begin.assign(1, 0);
-  const auto close = [&] {
-    out.colour_begin.push_back(static_cast<uint32_t>(out.member.size() / W::kLanes));
-  };
-  size_t next = 0;
-  for (uint32_t c = 0; c <= kColours; ++c) {
-    if (count[c] == 0) continue;
-    // What was left over may share bodies: one to a group, one group after the other.
-    const uint32_t lanes = c < kColours ? W::kLanes : 1;
-    for (uint32_t k = 0; k < count[c]; k += lanes) {
-      for (uint32_t lane = 0; lane < W::kLanes; ++lane) {
-        out.member.push_back(lane < lanes && k + lane < count[c] ? items[order_[next + k + lane]] : kNoBody);
-      }
-      if (c == kColours) close();
-    }
-    next += count[c];
-    if (c < kColours) close();
-  }
-  out.count = out.member.size() / W::kLanes;
-}
-
-template <class T>
-void ContactSolver<T>::choose_joints(const State& s, std::span<const BodyNow> now) {
-  const auto bodies = s.span<uint32_t>(columns::joint_bodies);
-  const auto broken = s.span<uint32_t>(columns::joint_broken);
-  const auto active = [&](uint32_t i) { return i != kNoBody && now[i].part == BodyNow::Part::active; };
-  listed_joints_.clear();
-  for (uint32_t k = 0; k < broken.size(); ++k) {
-    const uint32_t a = bodies[2 * k], b = bodies[2 * k + 1];
-    if (broken[k] || (!active(a) && !active(b))) continue;
-    if (active(a)) slot_[a] = 0;
-    if (active(b)) slot_[b] = 0;
-    listed_joints_.push_back(k);
-  }
-}
-
-template <class T>
-void ContactSolver<T>::fill_joint(size_t group, const State& s, std::span<const Joint> joints,
-                                  std::span<const BodyNow> now) {
-  const auto bodies = s.span<uint32_t>(columns::joint_bodies);
-  const double *x = s.f64(columns::position).data(), *q = s.f64(columns::orientation).data();
-  const auto end = static_cast<uint32_t>(body_.size());
-  JointGroup<T>& g = joint_groups_[group] = JointGroup<T>{};
-  for (int lane = 0; lane < W::kLanes; ++lane) {
-    const uint32_t k = joint_lanes_.member[group * W::kLanes + lane];
-    g.a[lane] = g.b[lane] = end;
-    if (k == kNoBody) continue;
-    const uint32_t a = bodies[2 * k], b = bodies[2 * k + 1];
-    const auto pose = [&](uint32_t i) { return i == kNoBody ? Pose{} : Pose{load3(x, i), load_quat(q, i)}; };
-    const JointPlace at = joint_place(joints[k], pose(a), pose(b));
-    const auto body = [&](uint32_t i, uint32_t* slot, W& root, W turn[9]) {
-      if (i == kNoBody || slot_[i] == kNoBody) return;
-      const Scaled& scaled = scaled_[slot_[i]];
-      slot[lane] = slot_[i], root.set(lane, T(scaled.root));
-      for (int e = 0; e < 9; ++e) turn[e].set(lane, T(scaled.turn[e]));
-    };
-    body(a, g.a, g.root_a, g.turn_a), body(b, g.b, g.root_b, g.turn_b);
-    set3(g.arm_a, lane, at.arm_a), set3(g.arm_b, lane, at.arm_b), set3(g.error, lane, at.gap);
-    for (int e = 0; e < 3; ++e) {
-      set3(g.axis[e], lane, at.axes[e]);
-      g.angle[e].set(lane, T(dot(at.axes[e], at.turn)));
-    }
-    for (int e = 0; e < 6; ++e) {
-      g.locked[e].set(lane, T(joints[k].locked[e]));
-      g.impulse[e].set(lane, T(s.f64(columns::joint_impulse)[6 * k + e]));
-    }
-  }
-}
-
-template <class T>
 void ContactSolver<T>::fill(size_t group, std::span<Contact* const> contacts, const State& s,
                             std::span<const BodyKind> kinds, std::span<const BodyNow> now) {
   const auto kind = s.span<uint32_t>(columns::kind);
@@ -226,12 +143,12 @@ void ContactSolver<T>::fill(size_t group, std::span<Contact* const> contacts, co
       in.impulse[p].set(lane, T(c.impulse[p]));
     }
     if (slot_[c.a] != kNoBody) {
-      const Scaled& b = scaled_[slot_[c.a]];
+      const ScaledBody& b = scaled_[slot_[c.a]];
       g.a[lane] = slot_[c.a], in.root_a.set(lane, T(b.root));
       for (int e = 0; e < 9; ++e) in.turn_a[e].set(lane, T(b.turn[e]));
     }
     if (slot_[c.b] != kNoBody) {
-      const Scaled& b = scaled_[slot_[c.b]];
+      const ScaledBody& b = scaled_[slot_[c.b]];
       g.b[lane] = slot_[c.b], in.root_b.set(lane, T(b.root));
       for (int e = 0; e < 9; ++e) in.turn_b[e].set(lane, T(b.turn[e]));
     }
@@ -258,17 +175,6 @@ void ContactSolver<T>::fill(size_t group, std::span<Contact* const> contacts, co
 }
 
 template <class T>
-template <class Group, class Body>
-void ContactSolver<T>::each_colour(const Groups& groups, Group* all, const ThreadArena& arena, Body&& body) {
-  for (size_t c = 0; c + 1 < groups.colour_begin.size(); ++c) {
-    const uint32_t first = groups.colour_begin[c];
-    arena.for_blocks(groups.colour_begin[c + 1] - first, kGroupsPerBlock, [&](size_t begin, size_t end) {
-      for (size_t g = begin; g < end; ++g) body(all[first + g]);
-    });
-  }
-}
-
-template <class T>
 void ContactSolver<T>::substeps(const SolverSettings& settings, const StepInput& in) {
   const size_t n = body_.size();
   const auto end = static_cast<uint32_t>(n);
@@ -279,25 +185,11 @@ void ContactSolver<T>::substeps(const SolverSettings& settings, const StepInput&
   Record8<T>*v = velocity_.data(), *d = displacement_.data();
   for (size_t g = 0; g < contact_lanes_.count; ++g) flags_ |= groups_[g].flags;
   const bool bounces = flags_ & ContactGroup<T>::kBounces;
-  each_colour(contact_lanes_, groups_.data(), in.arena,
+  each_colour(contact_lanes_, groups_, in.arena,
               [&](ContactGroup<T>& g) { apply_contacts(g, warm_.data(), end); });
-  const auto each_joint = [&](auto&& body) {
-    each_colour(joint_lanes_, joint_groups_.data(), in.arena, body);
-  };
-  const auto joint = soft_constraint<double>(kJointHertzShare / h, kJointDamping, h);
-  each_joint([&](JointGroup<T>& g) {
-    prepare_joints(g, d);
-    apply_joints(g, warm_.data(), end, T(1));
-  });
+  joints_.start(d, warm_.data(), h, in.arena);
   for (int k = 0; k < settings.substeps; ++k) {
-    if (k > 0) {
-      // What joints carry turns with their bodies.
-      each_joint([&](JointGroup<T>& g) {
-        apply_joints(g, warm_.data(), end, T(-1));
-        prepare_joints(g, d);
-        apply_joints(g, warm_.data(), end, T(1));
-      });
-    }
+    if (k > 0) joints_.renew(d, warm_.data(), in.arena);
     for (size_t i = 0; i < n; ++i) {
       for (int e = 0; e < 8; ++e) v[i].x[e] += change_[i].x[e];
       if (damped_) {
@@ -307,25 +199,22 @@ void ContactSolver<T>::substeps(const SolverSettings& settings, const StepInput&
       start_[i] = v[i];
     }
     pass.elapsed = T(k * h);
-    each_joint([&](JointGroup<T>& g) {
-      solve_joints<ContactSolve::push>(g, v, end, T(joint.bias_rate), T(joint.mass_scale),
-                                       T(joint.impulse_scale));
-    });
-    each_colour(contact_lanes_, groups_.data(), in.arena,
+    joints_.push(v, in.arena);
+    each_colour(contact_lanes_, groups_, in.arena,
                 [&](ContactGroup<T>& g) { solve_contacts<ContactSolve::push>(g, v, d, end, pass); });
     for (size_t i = 0; i < n; ++i) {
       for (int e = 0; e < 8; ++e) d[i].x[e] += T(h) * v[i].x[e];
     }
     pass.elapsed = T((k + 1) * h);
-    each_joint([&](JointGroup<T>& g) { solve_joints<ContactSolve::relax>(g, v, end, T(0), T(1), T(0)); });
-    each_colour(contact_lanes_, groups_.data(), in.arena,
+    joints_.relax(v, in.arena);
+    each_colour(contact_lanes_, groups_, in.arena,
                 [&](ContactGroup<T>& g) { solve_contacts<ContactSolve::relax>(g, v, d, end, pass); });
     for (size_t i = 0; i < n; ++i) {
       for (int e = 0; e < 8; ++e) warm_[i].x[e] += v[i].x[e] - start_[i].x[e];
     }
   }
   if (bounces) {
-    each_colour(contact_lanes_, groups_.data(), in.arena, [&](ContactGroup<T>& g) {
+    each_colour(contact_lanes_, groups_, in.arena, [&](ContactGroup<T>& g) {
       if (g.flags & ContactGroup<T>::kBounces) bounce_contacts(g, v, end, T(settings.rest_speed));
     });
   }
@@ -355,7 +244,7 @@ void ContactSolver<T>::store_bodies(State& s) {
   double *v = s.f64(columns::velocity).data(), *w = s.f64(columns::angular_velocity).data();
   for (size_t k = 0; k < body_.size(); ++k) {
     const uint32_t i = body_[k];
-    const Scaled& b = scaled_[k];
+    const ScaledBody& b = scaled_[k];
     const T *r = velocity_[k].x, *d = displacement_[k].x;
     store3(v, i, Vec3{double(r[0]), double(r[1]), double(r[2])} * b.root);
     store3(x, i, load3(x, i) + Vec3{double(d[0]), double(d[1]), double(d[2])} * b.root);
@@ -370,21 +259,6 @@ void ContactSolver<T>::store_bodies(State& s) {
 }
 
 template <class T>
-void ContactSolver<T>::store_joints(State& s, std::span<const Joint> joints, double h) {
-  const auto impulse = s.f64(columns::joint_impulse);
-  for (size_t g = 0; g < joint_lanes_.count; ++g) {
-    for (int lane = 0; lane < W::kLanes; ++lane) {
-      const uint32_t k = joint_lanes_.member[g * W::kLanes + lane];
-      if (k == kNoBody) continue;
-      Vec3 force;
-      for (int e = 0; e < 6; ++e) impulse[6 * k + e] = joint_groups_[g].impulse[e][lane];
-      force = load3(impulse.data() + 6 * k, 0) / h;
-      if (norm(force) > joints[k].break_force) s.span<uint32_t>(columns::joint_broken)[k] = 1;
-    }
-  }
-}
-
-template <class T>
 void ContactSolver<T>::solve(State& s, std::span<const BodyKind> kinds, std::span<const Joint> joints,
                              std::span<Contact* const> contacts, std::span<const BodyNow> now,
                              std::span<const Vec3> change, const SolverSettings& settings,
@@ -394,24 +268,16 @@ void ContactSolver<T>::solve(State& s, std::span<const BodyKind> kinds, std::spa
   load_bodies(s, kinds, now, change, settings, in.h);
   ends_.clear();
   for (const uint32_t k : listed_) ends_.push_back({slot_[contacts[k]->a], slot_[contacts[k]->b]});
-  make_groups(listed_, contact_lanes_);
+  make_lanes(listed_, ends_, body_.size(), W::kLanes, colouring_, contact_lanes_);
   if (groups_.size() < contact_lanes_.count) groups_.resize(contact_lanes_.count + contact_lanes_.count / 4);
   in.arena.for_blocks(contact_lanes_.count, kGroupsPerBlock, [&](size_t begin, size_t end) {
     for (size_t g = begin; g < end; ++g) fill(g, contacts, s, kinds, now);
   });
-  ends_.clear();
-  const auto held = s.span<uint32_t>(columns::joint_bodies);
-  const auto slot = [&](uint32_t i) { return i == kNoBody ? kNoBody : slot_[i]; };
-  for (const uint32_t k : listed_joints_) ends_.push_back({slot(held[2 * k]), slot(held[2 * k + 1])});
-  make_groups(listed_joints_, joint_lanes_);
-  if (joint_groups_.size() < joint_lanes_.count) joint_groups_.resize(joint_lanes_.count);
-  in.arena.for_blocks(joint_lanes_.count, kGroupsPerBlock, [&](size_t begin, size_t end) {
-    for (size_t g = begin; g < end; ++g) fill_joint(g, s, joints, now);
-  });
+  joints_.fill(s, joints, {now, slot_, scaled_, body_.size()}, in.arena);
   flags_ = 0;
   substeps(settings, in);
   store_impulses(contacts);
-  store_joints(s, joints, in.h / settings.substeps);
+  joints_.store(s, joints, in.h / settings.substeps);
   store_bodies(s);
 }
 

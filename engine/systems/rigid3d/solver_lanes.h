@@ -1,0 +1,57 @@
+// Constraints of a step side by side: sorted by colour into groups of as many lanes as a register holds, and
+// a body's mass in the variables in which they are solved (contact_rows3.h).
+#pragma once
+#include <array>
+#include <span>
+#include <vector>
+
+#include "engine/base/parallel.h"
+#include "engine/kernels/constraint_colouring.h"
+#include "engine/kernels/contact_rows3.h"
+#include "engine/math/vec3.h"
+
+namespace truestep {
+
+/// Groups that a thread takes at once.
+inline constexpr size_t kGroupsPerBlock = 24;
+
+struct ScaledBody {
+  double root;     ///< 1/sqrt(m)
+  double turn[9];  ///< S = I^-1/2 R^T by rows
+};
+
+/// Lanes of groups, colour by colour.
+struct LaneGroups {
+  std::vector<uint32_t> member;        ///< item in a lane, or kNoBody
+  std::vector<uint32_t> colour_begin;  ///< first group of a colour, and the end
+  size_t count = 0;
+};
+
+/// Memory of make_lanes.
+struct LaneColouring {
+  std::vector<uint32_t> order;
+  std::vector<uint64_t> used;
+  std::vector<uint8_t> colour;
+};
+
+/// Groups of `lanes` items; ends[i]: the moving bodies of items[i], below `bodies`.
+void make_lanes(std::span<const uint32_t> items, std::span<const ConstraintEnds> ends, size_t bodies,
+                uint32_t lanes, LaneColouring& memory, LaneGroups& out);
+
+/// body(group) for all groups, those of a colour in parallel.
+template <class Groups, class Body>
+void each_colour(const LaneGroups& lanes, Groups& all, const ThreadArena& arena, Body&& body) {
+  for (size_t c = 0; c + 1 < lanes.colour_begin.size(); ++c) {
+    const uint32_t first = lanes.colour_begin[c];
+    arena.for_blocks(lanes.colour_begin[c + 1] - first, kGroupsPerBlock, [&](size_t begin, size_t end) {
+      for (size_t g = begin; g < end; ++g) body(all[first + g]);
+    });
+  }
+}
+
+template <class T>
+void set3(Wide<T> out[3], int lane, const Vec3& v) {
+  out[0].set(lane, T(v.x)), out[1].set(lane, T(v.y)), out[2].set(lane, T(v.z));
+}
+
+}  // namespace truestep
