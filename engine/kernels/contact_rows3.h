@@ -57,7 +57,7 @@ struct alignas(64) ContactGroup {
   } point[kPoints];
   W k_inverse[3], twist_k;  ///< of friction: xx, xy, yy
   // Read only where the flags ask for it.
-  W most[kPoints], approach[kPoints], restitution;  ///< largest impulse, J v when it first pressed
+  W restitution;
   W roll_k[3], roll[2], rolling;
 };
 
@@ -200,7 +200,7 @@ void prepare_contacts(ContactGroup<T>& g, const ContactLanes<T>& in) {
   };
   const bool drifts = g.flags & ContactGroup<T>::kDrifts;
 
-  W weight(0), center[3] = {};
+  W weight(0), center[3] = {}, half(0);
   for (int p = 0; p < g.points; ++p) {
     auto& q = g.point[p];
     auto& at = g.place[p];
@@ -208,18 +208,27 @@ void prepare_contacts(ContactGroup<T>& g, const ContactLanes<T>& in) {
     q.inverse_k = in.active[p] * inverse(linear + r::dot(q.ja, q.ja) + r::dot(q.jb, q.jb));
     at.separation = in.separation[p], at.impulse = in.impulse[p];
     at.drift = drifts ? drift(in.arm[p], in.normal) : zero;
-    g.most[p] = g.approach[p] = zero;
     // Points share the pressure of the last step; all alike where there was none.
     const W w = madd(in.active[p], W(1e-12), in.impulse[p]);
     weight += w;
     r::add(center, w, in.arm[p]);
+    half = madd(w, W(T(0.5)) * max(in.separation[p], zero), half);
   }
   const W share = inverse(weight);
   for (W& c : center) c *= share;
 
   row(center, in.normal, g.cja, g.cjb);
+  // Friction acts where the surfaces will meet, not between them.
+  half *= share;
+  W from_a[3], from_b[3];
+  for (int k = 0; k < 3; ++k) {
+    from_a[k] = nmadd(half, in.normal[k], center[k]);
+    from_b[k] = madd(half, in.normal[k], center[k] - in.apart[k]);
+  }
   for (int t = 0; t < 2; ++t) {
-    row(center, g.tangent[t], g.tja[t], g.tjb[t]);
+    W moment[3];
+    r::cross(from_a, g.tangent[t], moment), r::apply(in.turn_a, moment, g.tja[t]);
+    r::cross(from_b, g.tangent[t], moment), r::apply(in.turn_b, moment, g.tjb[t]);
     r::apply(in.turn_a, g.tangent[t], g.rja[t]), r::apply(in.turn_b, g.tangent[t], g.rjb[t]);
   }
   r::apply(in.turn_a, in.normal, g.nja), r::apply(in.turn_b, in.normal, g.njb);
@@ -363,6 +372,14 @@ Wide<T> wanted(const Wide<T>& s, const ContactPass<T>& pass) {
   return max(s, W(0)) * W(pass.inverse_h);
 }
 
+/// 0 where a relaxation has to leave a point alone, 1 elsewhere: what bounces is not slowed before it hits.
+template <class T>
+Wide<T> held_back(const ContactGroup<T>& g, int p, const Wide<T>& separation) {
+  const Wide<T> zero(0), one(1);
+  const Wide<T> waits = where_positive(separation, where_positive(g.place[p].impulse, one, zero), one);
+  return where_positive(g.restitution, waits, one);
+}
+
 /// All six ways in which a patch holds at once. Lanes where that would pull, slide or twist are left as they
 /// are: 1 in `done` for the others.
 template <ContactSolve kind, class T>
@@ -428,6 +445,11 @@ Wide<T> solve_patch(ContactGroup<T>& g, Wide<T> a[6], Wide<T> b[6], const Wide<T
   // A push takes from the points what friction may still rely on.
   const W limit = g.friction * max(pressure, before);
   W done = where_positive(-least - W(1e-5) * pressure, zero, g.whole);
+  if (kind == ContactSolve::relax && (g.flags & ContactGroup<T>::kBounces)) {
+    for (int p = 0; p < g.points; ++p) {
+      done = where_positive(g.point[p].inverse_k, done * held_back(g, p, separation[p]), done);
+    }
+  }
   done = where_positive(madd(slide[1], slide[1], slide[0] * slide[0]) - limit * limit, zero, done);
   done = where_positive(max(twist, -twist) - torque, zero, done);
   for (int p = 0; p < g.points; ++p) {
@@ -463,13 +485,12 @@ void solve_points(ContactGroup<T>& g, Wide<T> a[6], Wide<T> b[6], const Wide<T> 
     const W& s = separation[p];
     W total;
     if constexpr (kind == ContactSolve::push) {
-      // What comes in while nothing presses yet is what bounces.
-      g.approach[p] = where_positive(at.impulse, g.approach[p], min(g.approach[p], speed));
       const W mass = where_positive(s, one, W(pass.mass_scale));
       const W leak = where_positive(s, zero, W(pass.impulse_scale));
       total = at.impulse - q.inverse_k * mass * (speed + wanted<kind>(s, pass)) - leak * at.impulse;
     } else {
       total = nmadd(q.inverse_k, speed + wanted<kind>(s, pass), at.impulse);
+      total = total * held_back(g, p, s);
     }
     total = max(total, zero);
     const W added = total - at.impulse;
@@ -482,6 +503,22 @@ void solve_points(ContactGroup<T>& g, Wide<T> a[6], Wide<T> b[6], const Wide<T> 
 }
 }  // namespace detail
 
+/// How far apart (m) the points of a group are after the displacements `d`, `elapsed` s into the step.
+template <class T>
+void separations(const ContactGroup<T>& g, const Record8<T>* d, T elapsed, Wide<T> out[4]) {
+  using W = Wide<T>;
+  namespace r = contact_rows;
+  W da[6], db[6], turn[2];
+  gather6(d, g.a, da), gather6(d, g.b, db);
+  const W moved = g.root_b * r::dot(g.normal, db) - g.root_a * r::dot(g.normal, da) +
+                  (r::dot(g.cjb, db + 3) - r::dot(g.cja, da + 3));
+  for (int t = 0; t < 2; ++t) turn[t] = r::dot(g.rjb[t], db + 3) - r::dot(g.rja[t], da + 3);
+  for (int p = 0; p < g.points; ++p) {
+    const auto& at = g.place[p];
+    out[p] = madd(at.drift, W(elapsed), at.separation) + nmadd(at.x, turn[1], madd(at.y, turn[0], moved));
+  }
+}
+
 /// One pass over a group: patches that hold at once, then the rows of those that do not.
 template <ContactSolve kind, class T>
 void solve_contacts(ContactGroup<T>& g, Record8<T>* v, const Record8<T>* d, uint32_t end,
@@ -489,22 +526,10 @@ void solve_contacts(ContactGroup<T>& g, Record8<T>* v, const Record8<T>* d, uint
   using W = Wide<T>;
   namespace r = contact_rows;
   W a[6], b[6], separation[4];
-  {
-    W da[6], db[6], turn[2];
-    gather6(d, g.a, da), gather6(d, g.b, db);
-    const W moved = g.root_b * r::dot(g.normal, db) - g.root_a * r::dot(g.normal, da) +
-                    (r::dot(g.cjb, db + 3) - r::dot(g.cja, da + 3));
-    for (int t = 0; t < 2; ++t) turn[t] = r::dot(g.rjb[t], db + 3) - r::dot(g.rja[t], da + 3);
-    for (int p = 0; p < g.points; ++p) {
-      const auto& at = g.place[p];
-      separation[p] =
-          madd(at.drift, W(pass.elapsed), at.separation) + nmadd(at.x, turn[1], madd(at.y, turn[0], moved));
-    }
-  }
+  separations(g, d, pass.elapsed, separation);
   gather6(v, g.a, a), gather6(v, g.b, b);
-  constexpr auto kSingle = ContactGroup<T>::kRolls | ContactGroup<T>::kBounces;
   bool rest = true;
-  if (g.points > 2 && !(g.flags & kSingle)) {
+  if (g.points > 2 && !(g.flags & ContactGroup<T>::kRolls)) {
     const W done = detail::solve_patch<kind>(g, a, b, separation, pass);
     rest = any_below(done, g.filled);
     // A push gives up some of the normal impulses; without friction's word on that, bodies creep.
@@ -515,36 +540,7 @@ void solve_contacts(ContactGroup<T>& g, Record8<T>* v, const Record8<T>* d, uint
     if constexpr (kind == ContactSolve::push) detail::solve_friction(g, a, b);
     detail::solve_points<kind>(g, a, b, separation, pass);
     if constexpr (kind == ContactSolve::relax) detail::solve_friction(g, a, b);
-    if (g.flags & ContactGroup<T>::kBounces) {
-      for (int p = 0; p < g.points; ++p) g.most[p] = max(g.most[p], g.place[p].impulse);
-    }
   }
-  scatter6(v, g.a, end, a), scatter6(v, g.b, end, b);
-}
-
-/// Gives points that pressed and came in faster than `threshold` (m/s) their share of that speed back.
-template <class T>
-void bounce_contacts(ContactGroup<T>& g, Record8<T>* v, uint32_t end, T threshold) {
-  using W = Wide<T>;
-  namespace r = contact_rows;
-  W a[6], b[6];
-  gather6(v, g.a, a), gather6(v, g.b, b);
-  const W k = g.root_a * g.root_a + g.root_b * g.root_b;
-  W linear = g.root_b * r::dot(g.normal, b) - g.root_a * r::dot(g.normal, a), sum(0);
-  for (int p = 0; p < g.points; ++p) {
-    auto& q = g.point[p];
-    W& l = g.place[p].impulse;
-    const W speed = linear + (r::dot(q.jb, b + 3) - r::dot(q.ja, a + 3)) + g.place[p].drift;
-    W total = max(nmadd(q.inverse_k, madd(g.restitution, g.approach[p], speed), l), W(0));
-    total = where_positive(-g.approach[p] - W(threshold), total, l);
-    total = where_positive(g.most[p] * g.restitution, total, l);
-    const W added = total - l;
-    l = total;
-    sum += added;
-    linear = madd(k, added, linear);
-    r::subtract(a + 3, added, q.ja), r::add(b + 3, added, q.jb);
-  }
-  r::subtract(a, sum * g.root_a, g.normal), r::add(b, sum * g.root_b, g.normal);
   scatter6(v, g.a, end, a), scatter6(v, g.b, end, b);
 }
 

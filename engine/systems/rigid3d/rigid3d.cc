@@ -17,6 +17,8 @@ namespace {
 
 /// Bodies that may be spawned on top of those of the scene.
 constexpr size_t kSpare = 10'000;
+/// Radius of the ball within a fast body that passes nothing, as a share of the body's inner radius.
+constexpr double kCore = 0.25;
 
 }  // namespace
 
@@ -208,14 +210,18 @@ void Rigid3d::stop_fast_bodies(State& s, const StepInput& in) const {
     scratch.near.clear();
     scratch.contacts.broad_phase().overlapping(box, [&](uint32_t j) { scratch.near.push_back(j); });
     const Sweep own = sweep(i);
+    const Solid core = sphere_solid(kCore * k.inner);
     double first = 1;
     for (const uint32_t j : scratch.near) {
       const BodyKind& o = bodies_.kinds[kind[j]];
-      if (j == i || o.sensor || !(k.group & o.mask) || !(o.group & k.mask) || in_contact(i, j) ||
-          scratch.contacts.joined(i, j)) {
+      if (j == i || o.sensor || !(k.group & o.mask) || !(o.group & k.mask) || scratch.contacts.joined(i, j)) {
         continue;
       }
-      const auto hit = time_of_impact(k.solid, own, o.solid, sweep(j), 0.25 * now[i].margin);
+      // What touches from the start may move on, but never so far that its core goes through.
+      std::optional<Impact> hit;
+      const Sweep other = sweep(j);
+      if (!in_contact(i, j)) hit = time_of_impact(k.solid, own, o.solid, other, 0.25 * now[i].margin);
+      if (!hit || hit->t == 0) hit = time_of_impact(core, own, o.solid, other, 0.1 * k.inner);
       if (hit && hit->t < first) first = hit->t;
     }
     if (first < 1) scratch.stopped.push_back({i, first});

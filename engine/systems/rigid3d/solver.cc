@@ -1,5 +1,7 @@
 #include "engine/systems/rigid3d/solver.h"
 
+#include <algorithm>
+#include <atomic>
 #include <cmath>
 
 #include "engine/kernels/free_rotation.h"
@@ -11,6 +13,8 @@ namespace columns = rigid3d_columns;
 
 namespace {
 
+/// Impacts may run to and fro between bodies that often in a substep; what is left does not bounce.
+constexpr int kImpactRounds = 64;
 /// Share of a depth that rigid contacts take back in a substep.
 constexpr double kTakenBack = 0.1;
 /// rad/s; slower bodies change their axis of rotation by less than a float shows.
@@ -30,6 +34,14 @@ SoftConstraint<double> contact_softness(const SolverSettings& settings, double h
   return settings.contact_hertz > 0
              ? soft_constraint<double>(settings.contact_hertz, settings.contact_damping, h)
              : rigid_constraint<double>(kTakenBack, h);
+}
+
+/// What turning freely for a time h adds to a spin (rad/s) about principal axes.
+Vec3 gyroscopic_change(const Vec3& spin, const Vec3& moments, double h) {
+  if (norm2(spin) <= kSlowSpin * kSlowSpin) return {};
+  if (moments.x == moments.y && moments.y == moments.z) return {};
+  const auto m = free_rotation::advance({{}, spin}, moments, h);
+  return rotation(m.orientation).apply_inverse(m.angular_velocity) - spin;
 }
 
 template <class T>
@@ -80,7 +92,7 @@ void ContactSolver<T>::load_bodies(const State& s, std::span<const BodyKind> kin
   const double *v = s.f64(columns::velocity).data(), *w = s.f64(columns::angular_velocity).data();
   const double* q = s.f64(columns::orientation).data();
   const size_t n = body_.size();
-  scaled_.resize(n);
+  scaled_.resize(n), moments_.resize(n);
   for (auto* r : {&velocity_, &displacement_, &change_, &warm_, &start_}) r->resize(n + 1);
   damped_ = false;
   const double part = 1.0 / settings.substeps;
@@ -94,20 +106,15 @@ void ContactSolver<T>::load_bodies(const State& s, std::span<const BodyKind> kin
       const Vec3 e = axis(R, row) / (row == 0 ? r.x : row == 1 ? r.y : r.z);
       scaled_[k].turn[3 * row] = e.x, scaled_[k].turn[3 * row + 1] = e.y, scaled_[k].turn[3 * row + 2] = e.z;
     }
-    scaled_[k].root = 1 / root;
+    scaled_[k].root = 1 / root, moments_[k] = b.moments;
     const Vec3 spin = load3(w, i), own = R.apply_inverse(spin);
     velocity_[k] = record<T>(load3(v, i) * root, free_rotation::times(own, r));
-    // The gyroscopic torque of the whole step, as the free body would feel it.
-    Vec3 turned;
-    if (norm2(spin) > kSlowSpin * kSlowSpin && !(b.moments.x == b.moments.y && b.moments.y == b.moments.z)) {
-      const auto m = free_rotation::advance({load_quat(q, i), spin}, b.moments, h);
-      turned = rotation(m.orientation).apply_inverse(m.angular_velocity) - own;
-    }
+    const Vec3 turned = gyroscopic_change(own, b.moments, h);
     change_[k] = record<T>(change[i] * (root * part), free_rotation::times(turned * part, r));
     displacement_[k] = {}, warm_[k] = {};
     damped_ |= b.linear_damping > 0 || b.angular_damping > 0;
   }
-  velocity_[n] = {}, displacement_[n] = {}, warm_[n] = {};
+  velocity_[n] = {}, displacement_[n] = {}, warm_[n] = {}, change_[n] = {};
   if (!damped_) return;
   damping_.resize(n);
   for (size_t k = 0; k < n; ++k) {
@@ -196,14 +203,18 @@ void ContactSolver<T>::substeps(const SolverSettings& settings, const StepInput&
         for (int e = 0; e < 8; ++e) v[i].x[e] *= damping_[i].x[e];
       }
       for (int e = 0; e < 8; ++e) v[i].x[e] += warm_[i].x[e];
-      start_[i] = v[i];
     }
     pass.elapsed = T(k * h);
+    if (bounces) hit({T(h), pass.elapsed, T(settings.rest_speed)}, settings.substeps - 1 - k, in.arena);
+    std::copy_n(velocity_.begin(), n, start_.begin());
     joints_.push(v, in.arena);
     each_colour(contact_lanes_, groups_, in.arena,
                 [&](ContactGroup<T>& g) { solve_contacts<ContactSolve::push>(g, v, d, end, pass); });
     for (size_t i = 0; i < n; ++i) {
       for (int e = 0; e < 8; ++e) d[i].x[e] += T(h) * v[i].x[e];
+      if (bounces) {
+        for (int e = 0; e < 8; ++e) d[i].x[e] += late_[i].x[e];
+      }
     }
     pass.elapsed = T((k + 1) * h);
     joints_.relax(v, in.arena);
@@ -213,10 +224,33 @@ void ContactSolver<T>::substeps(const SolverSettings& settings, const StepInput&
       for (int e = 0; e < 8; ++e) warm_[i].x[e] += v[i].x[e] - start_[i].x[e];
     }
   }
-  if (bounces) {
-    each_colour(contact_lanes_, groups_, in.arena, [&](ContactGroup<T>& g) {
-      if (g.flags & ContactGroup<T>::kBounces) bounce_contacts(g, v, end, T(settings.rest_speed));
+}
+
+template <class T>
+void ContactSolver<T>::hit(const ImpactPass<T>& pass, int substeps_left, const ThreadArena& arena) {
+  const size_t n = body_.size();
+  const auto end = static_cast<uint32_t>(n);
+  late_.assign(n + 1, {});
+  std::copy_n(velocity_.begin(), n, start_.begin());
+  const ImpactRecords<T> bodies{velocity_.data(), displacement_.data(), change_.data(), late_.data()};
+  std::atomic<bool> any = true;
+  for (int round = 0; round < kImpactRounds && any; ++round) {
+    any = false;
+    each_colour(contact_lanes_, groups_, arena, [&](ContactGroup<T>& g) {
+      if (!(g.flags & ContactGroup<T>::kBounces)) return;
+      if (hit_contacts(g, bodies, end, pass)) any = true;
     });
+    if (!any && round == 0) return;
+  }
+  // Whoever turns differently now feels other gyroscopic torques for the rest of the step.
+  for (size_t i = 0; i < n && substeps_left > 0; ++i) {
+    const T *v = velocity_[i].x, *before = start_[i].x;
+    if (std::equal(v + 3, v + 6, before + 3)) continue;
+    const Vec3 r = roots(moments_[i]), turn{double(v[3]), double(v[4]), double(v[5])};
+    const Vec3 own{turn.x / r.x, turn.y / r.y, turn.z / r.z};
+    const Vec3 turned = gyroscopic_change(own, moments_[i], substeps_left * double(pass.h)) / substeps_left;
+    change_[i].x[3] = T(turned.x * r.x), change_[i].x[4] = T(turned.y * r.y),
+    change_[i].x[5] = T(turned.z * r.z);
   }
 }
 

@@ -7,6 +7,7 @@
 
 #include "engine/base/cache_line.h"
 #include "engine/kernels/contact_rows3.h"
+#include "engine/kernels/impact_rows3.h"
 #include "engine/systems/rigid3d/contacts.h"
 #include "engine/systems/rigid3d/solver_joint.h"
 
@@ -38,13 +39,16 @@ class ContactSolver {
   void fill(size_t group, std::span<Contact* const> contacts, const State& s, std::span<const BodyKind> kinds,
             std::span<const BodyNow> now);
   void substeps(const SolverSettings& settings, const StepInput& in);
+  /// Lets contacts bounce that close within a substep.
+  void hit(const ImpactPass<T>& pass, int substeps_left, const ThreadArena& arena);
   void store_impulses(std::span<Contact* const> contacts);
   void store_bodies(State& s);
   template <class U>
   using Aligned = std::vector<U, CacheLineAllocator<U>>;
   std::vector<uint32_t> slot_, body_;
   std::vector<ScaledBody> scaled_;
-  Aligned<Record8<T>> velocity_, displacement_, change_, warm_, start_, damping_;
+  std::vector<Vec3> moments_;
+  Aligned<Record8<T>> velocity_, displacement_, change_, warm_, start_, late_, damping_;
   Aligned<ContactGroup<T>> groups_;
   JointSolver<T> joints_;
   LaneGroups contact_lanes_;
