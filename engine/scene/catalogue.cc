@@ -1,5 +1,6 @@
 #include "engine/scene/catalogue.h"
 
+#include "engine/reference/engines.h"
 #include "engine/systems/articulation/articulation_def.h"
 #include "engine/systems/mass_spring/mass_spring.h"
 #include "engine/systems/ode/ode.h"
@@ -72,7 +73,7 @@ std::span<const CatalogueRow> catalogue() {
        "rigid bodies",
        "rigid bodies in the plane with contacts, friction, sleeping and nine kinds of joints",
        &rigid2d::rigid2d_table(),
-       rigid2d::build_rigid2d,
+       build_rigid2d_engine,
        rigid2d::rigid2d_cost,
        {"nothing catches on the corners of a chain", "fast bodies do not pass thin walls",
         "a stack of 20 boxes stands", "the same bits on any number of threads and after a restore"},
@@ -81,7 +82,7 @@ std::span<const CatalogueRow> catalogue() {
        "rigid bodies",
        "rigid bodies of any shape that touch, slide, roll, bounce, stack and sleep",
        &rigid3d_table(),
-       build_rigid3d,
+       build_rigid3d_engine,
        rigid3d_cost,
        {"a free body keeps its angular momentum and turns with fourth order",
         "no body passes another, however thin or fast", "the same bits on any number of threads",

@@ -2,10 +2,12 @@
 //   |x_a - x_b|_2 / |x_b|_2 ~ exp(rate t),
 // fitted over the part of the path where the difference grows. A positive rate that does not depend on the
 // methods is the motion's own (its largest Lyapunov exponent); a difference that grows like a power of t is
-// the methods'.
+// the methods'. Of rigid bodies it also says how far places (m) and angles (rad) lie apart, and compares
+// numbers like energies and penetrations, which is what remains comparable where the motion is chaotic.
 #pragma once
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "engine/studies/study.h"
 
@@ -21,6 +23,7 @@ struct CrossCheckSide {
 struct CrossCheckParams {
   std::string system, quantity = "state";
   CrossCheckSide a, b;
+  std::vector<std::string> statistics;
   std::optional<double> horizon;  ///< s
   int64_t samples = 100;
   double budget = 40;  ///< s

@@ -64,6 +64,12 @@ Trace trace(const World& world, const TraceRequest& request, const StudyContext&
   const auto sample = [&] {
     out.times.push_back(static_cast<double>(state.step) * world.dt());
     out.values.push_back(field_values(system, state.systems[request.field.system], request.field.name));
+    if (request.observables.empty()) return;
+    Observables now;
+    system.observe(state.systems[request.field.system], out.times.back(), now);
+    auto& row = out.observed.emplace_back();
+    for (const std::string& name : request.observables)
+      row.push_back(now.find(name).value_or(std::numeric_limits<double>::quiet_NaN()));
   };
   sample();
   uint64_t largest_batch = 1;  // steps between two looks at the clock and the limits

@@ -19,14 +19,16 @@ struct TraceRequest {
   TraceField field;
   uint64_t steps_per_sample = 1;
   size_t samples = 1;
-  double cpu_limit = 1e9;  ///< s; a run that takes longer is given up
+  double cpu_limit = 1e9;                     ///< s; a run that takes longer is given up
+  std::vector<std::string> observables = {};  ///< of the same system, recorded beside the field
 };
 
 struct Trace {
   enum class End : uint8_t { complete, unstable, over_budget } end = End::complete;
-  std::vector<double> times;                ///< s; the start is sample 0
-  std::vector<std::vector<double>> values;  ///< flat field at each of them
-  double cpu_seconds = 0;                   ///< of the steps alone
+  std::vector<double> times;                  ///< s; the start is sample 0
+  std::vector<std::vector<double>> values;    ///< flat field at each of them
+  std::vector<std::vector<double>> observed;  ///< the observables at each of them, NaN where there is none
+  double cpu_seconds = 0;                     ///< of the steps alone
   uint64_t steps = 0;
   std::string detail;  ///< why it ended early
 };

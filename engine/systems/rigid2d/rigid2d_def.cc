@@ -400,6 +400,8 @@ const DefTable& rigid2d_table() {
                      {"gear", &gear_table()},
                      {"pulley", &pulley_table()}},
                     {0, 1'000'000}, "what holds bodies together")
+          .choice("engine", &D::engine, {"truestep", "box2d"},
+                  "who steps: this product, or Box2D 2.4.1 to compare with")
           .vector("gravity", &D::gravity, "m/s^2", any(), "absent: the scene's")
           .integer("solver_steps", &D::solver_steps, between(1, 1000),
                    "small steps of the constraint solver per step of the scene")

@@ -126,6 +126,7 @@ struct Rigid2dDef {
   std::vector<BodyDef> bodies;
   std::vector<GeneratorDef> generators;
   std::vector<AnyJointDef> joints;
+  enum class Engine : uint8_t { truestep, box2d } engine = Engine::truestep;
   std::optional<Vec3> gravity;
   int64_t solver_steps = 4;
   Precision precision = Precision::f32;

@@ -7,6 +7,7 @@
 #include "engine/kernels/free_rotation.h"
 #include "engine/kernels/islands.h"
 #include "engine/math/trig.h"
+#include "engine/systems/rigid3d/forces.h"
 
 namespace truestep {
 
@@ -38,7 +39,7 @@ Rigid3d::Rigid3d(const Rigid3dDef& def, const BuildContext& context)
       if (!all_asleep(s)) (this->*run)(s, in);
     };
   };
-  add_stage("forces", "gravity and pushes", awake(&Rigid3d::collect_forces));
+  add_stage("forces", "gravity and pushes", awake(&Rigid3d::push));
   add_stage("contacts", "which bodies touch, and where", awake(&Rigid3d::find_contacts));
   add_stage("solve", "bodies that touch, in substeps", awake(&Rigid3d::solve));
   add_stage("fly", "bodies that touch nothing", awake(&Rigid3d::fly));
@@ -71,42 +72,8 @@ bool Rigid3d::all_asleep(const State& s) const {
   return true;
 }
 
-void Rigid3d::collect_forces(State& s, const StepInput& in) const {
-  Scratch& scratch = Rigid3d::scratch(in);
-  const auto kind = s.span<uint32_t>(columns::kind);
-  const Vec3 gravity = load3(s.f64(columns::gravity).data(), 0);
-  scratch.change.resize(kind.size());
-  for (size_t i = 0; i < kind.size(); ++i) {
-    scratch.change[i] = gravity * (bodies_.kinds[kind[i]].gravity_scale * in.h);
-  }
-  const double *x = s.f64(columns::position).data(), *v = s.f64(columns::velocity).data();
-  size_t kept = 0;
-  for (size_t k = 0; k < s.rows(columns::push_id); ++k) {
-    const uint64_t id = s.span<uint64_t>(columns::push_id)[k];
-    const auto row = row_of_body(s, id);
-    if (!row) continue;
-    const double mass = bodies_.kinds[kind[*row]].mass;
-    const Vec3 force = load3(s.f64(columns::push_force).data(), k);
-    if (mass > 0) scratch.change[*row] += force * (in.h / mass);
-    wake_body(s, *row, bodies_.kinds);
-    const double remaining = s.f64(columns::push_remaining)[k] - in.h;
-    if (remaining < 0.5 * in.h) continue;  // half a step of tolerance hides rounding
-    s.f64(columns::push_remaining)[kept] = remaining;
-    s.span<uint64_t>(columns::push_id)[kept] = id;
-    store3(s.f64(columns::push_force).data(), kept++, force);
-  }
-  for (const auto c : {columns::push_id, columns::push_force, columns::push_remaining}) s.resize(c, kept);
-  for (size_t k = 0; k < s.rows(columns::drag_id); ++k) {
-    const auto row = row_of_body(s, s.span<uint64_t>(columns::drag_id)[k]);
-    if (!row) continue;
-    const double mass = bodies_.kinds[kind[*row]].mass;
-    if (!(mass > 0)) continue;
-    wake_body(s, *row, bodies_.kinds);
-    // A critically damped spring, implicit in both.
-    const double w2 = s.f64(columns::drag_stiffness)[k] / mass, c = 2 * std::sqrt(w2), h = in.h;
-    const Vec3 away = load3(x, *row) - load3(s.f64(columns::drag_target).data(), k);
-    scratch.change[*row] -= (away * w2 + load3(v, *row) * (c + h * w2)) * (h / (1 + h * c + h * h * w2));
-  }
+void Rigid3d::push(State& s, const StepInput& in) const {
+  collect_forces(s, bodies_.kinds, in.h, scratch(in).change);
 }
 
 void Rigid3d::find_contacts(State& s, const StepInput& in) const {

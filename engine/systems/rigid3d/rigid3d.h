@@ -40,7 +40,7 @@ class Rigid3d final : public StagedSystem {
     std::vector<std::pair<uint32_t, double>> stopped;
   };
   static Scratch& scratch(const StepInput& in);
-  void collect_forces(State& s, const StepInput& in) const;
+  void push(State& s, const StepInput& in) const;
   void find_contacts(State& s, const StepInput& in) const;
   void solve(State& s, const StepInput& in) const;
   void fly(State& s, const StepInput& in) const;

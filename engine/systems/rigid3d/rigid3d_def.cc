@@ -294,6 +294,8 @@ const DefTable& rigid3d_table() {
                      {"compound", &compound_table()}},
                     {1, 200'000}, "the bodies, in the order of their rows")
           .objects("joints", &D::joints, joint_table(), {0, 200'000}, "what holds bodies together")
+          .choice("engine", &D::engine, {"truestep", "bullet"},
+                  "who steps: this product, or Bullet 3.24 to compare with")
           .vector("gravity", &D::gravity, "m/s^2", any(), "instead of the scene's")
           .integer("substeps", &D::substeps, between(1, 64), "parts of a step in which contacts are solved")
           .choice("precision", &D::precision, {"f32", "f64"},

@@ -110,6 +110,7 @@ struct JointDef {
 struct Rigid3dDef {
   std::vector<AnyBodyDef> bodies;
   std::vector<JointDef> joints;
+  enum class Engine : uint8_t { truestep, bullet } engine = Engine::truestep;
   std::optional<Vec3> gravity;
   int64_t substeps = 5;
   enum class Precision : uint8_t { f32, f64 } precision = Precision::f32;

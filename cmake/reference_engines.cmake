@@ -1,0 +1,15 @@
+# Other people's rigid body engines behind our System (engine/reference): Bullet in doubles and Box2D 2.4. Without a
+# package its engine is refused when a scene names it.
+pkg_check_modules(BULLET_FLAGS QUIET bullet-float64)
+foreach(part Dynamics Collision)
+  find_library(BULLET_${part} Bullet${part}-float64)
+endforeach()
+find_library(BULLET_LinearMath LinearMath-float64)
+if(BULLET_FLAGS_FOUND AND BULLET_Dynamics AND BULLET_Collision AND BULLET_LinearMath)
+  set(TRUESTEP_BULLET ON)
+endif()
+find_path(BOX2D_INCLUDE box2d/box2d.h)
+find_library(BOX2D_LIBRARY box2d)
+if(BOX2D_INCLUDE AND BOX2D_LIBRARY)
+  set(TRUESTEP_BOX2D ON)
+endif()

@@ -1,0 +1,60 @@
+// Box2D's world of one state: built from it, stepped, and read back into it.
+#pragma once
+#include <box2d/box2d.h>
+
+#include <memory>
+#include <set>
+#include <vector>
+
+#include "engine/core/state.h"
+#include "engine/systems/rigid2d/drawing.h"
+#include "engine/systems/rigid2d/model.h"
+
+namespace truestep::reference {
+
+/// What a world is made from and does not change.
+struct Box2dScene {
+  explicit Box2dScene(const rigid2d::Rigid2dDef& def);
+
+  rigid2d::Model model;
+  rigid2d::Drawing drawing;
+  double restitution_speed, parts;  ///< parts of a step that impulses in the state are of
+  bool sleeping;
+};
+
+class Box2dWorld final : private b2ContactFilter, private b2ContactListener {
+ public:
+  Box2dWorld(std::shared_ptr<const Box2dScene> scene, const State& state);
+
+  /// True when it is this scene's and nothing but sleep differs from what was last read back.
+  bool matches(const Box2dScene& scene, const State& s) const;
+  /// One step of h (s) with the state's gravity, pushes and drags.
+  void step(State& s, double h);
+
+ private:
+  void add_body(const State& s, size_t i);
+  void add_shape(b2Body& body, const rigid2d::Shape& shape, uint32_t number);
+  std::vector<b2Joint*> take_hands(State& s, double h);
+  void break_joints(State& s, double h);
+  void read_bodies(State& s);
+  void read_contacts(State& s);
+  void remember(const State& s);
+  bool ShouldCollide(b2Fixture* a, b2Fixture* b) override;
+  void PreSolve(b2Contact* contact, const b2Manifold* old) override;
+  void EndContact(b2Contact* contact) override;
+
+  std::shared_ptr<const Box2dScene> scene_;
+  b2World world_{b2Vec2(0, 0)};
+  std::vector<b2Body*> bodies_;  ///< the world's own last
+  std::vector<b2Joint*> joints_;
+  std::set<uint64_t> passing_;  ///< pairs of shapes of which one lets the other through
+  std::vector<double> read_;
+  std::vector<uint32_t> marks_;  ///< pinned, removed; broken
+  struct Row {
+    uint64_t key;
+    float impulse[5];
+  };
+  std::vector<Row> contacts_;
+};
+
+}  // namespace truestep::reference

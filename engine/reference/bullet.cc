@@ -1,0 +1,77 @@
+#include "engine/reference/bullet.h"
+
+#include <mutex>
+
+#include "engine/reference/bullet_joints.h"
+#include "engine/reference/bullet_world.h"
+#include "engine/systems/rigid3d/forces.h"
+#include "engine/systems/rigid3d/rigid3d.h"
+
+namespace truestep {
+namespace {
+
+// The library counts and times itself in variables of the process: one world steps at a time.
+std::mutex g_library;
+
+class Bullet final : public StagedSystem {
+ public:
+  Bullet(const Rigid3dDef& def, const BuildContext& context, std::vector<Issue>& issues)
+      : own_(def, context),
+        scene_(std::make_shared<const reference::BulletScene>(def, context.seed, issues)),
+        key_("bullet/" + context.id) {
+    add_stage("forces", "gravity and pushes", [this](State& s, const StepInput& in) {
+      collect_forces(s, own_.kinds(), in.h, in.workspace.object<Scratch>(key_).change);
+    });
+    add_stage("bullet", "Bullet 3.24 in doubles: ten iterations of sequential impulses",
+              [this](State& s, const StepInput& in) { step_world(s, in); });
+    skip_stage(
+        "exact restore",
+        "Bullet keeps the impulses of its contacts to itself: after a snapshot, a seek or a command that "
+        "moves a body they start from nothing");
+  }
+
+  State initial_state() const override { return own_.initial_state(); }
+  void observe(const State& s, double t, Observables& out) const override { own_.observe(s, t, out); }
+  std::vector<FieldInfo> fields() const override { return own_.fields(); }
+  FieldView field(const State& s, size_t which, std::vector<double>& scratch) const override {
+    return own_.field(s, which, scratch);
+  }
+  void apply(State& s, const Command& c) const override { own_.apply(s, c); }
+  Topology topology(const State& s) const override { return own_.topology(s); }
+  uint32_t topology_version(const State& s) const override { return own_.topology_version(s); }
+  std::vector<DrawnShape> shapes(const State& s, double t) const override { return own_.shapes(s, t); }
+  size_t max_rows() const override { return own_.max_rows(); }
+
+ private:
+  struct Scratch {
+    std::vector<Vec3> change;
+    std::unique_ptr<reference::BulletWorld> world;
+  };
+
+  void step_world(State& s, const StepInput& in) const {
+    auto& scratch = in.workspace.object<Scratch>(key_);
+    const std::lock_guard lock(g_library);
+    if (!scratch.world || !scratch.world->matches(*scene_, s)) {
+      scratch.world = std::make_unique<reference::BulletWorld>(scene_, s);
+    }
+    scratch.world->step(s, in.h, scratch.change);
+  }
+
+  Rigid3d own_;
+  std::shared_ptr<const reference::BulletScene> scene_;
+  std::string key_;
+};
+
+}  // namespace
+
+std::unique_ptr<const System> build_bullet(const Rigid3dDef& def, const BuildContext& context) {
+  std::vector<Issue> issues;
+  reference::check_bullet_joints(def, issues);
+  std::unique_ptr<const Bullet> system;
+  if (issues.empty()) system = std::make_unique<const Bullet>(def, context, issues);
+  if (!issues.empty())
+    throw Error("scene_invalid", "the scene has parts that Bullet cannot hold", std::move(issues));
+  return system;
+}
+
+}  // namespace truestep

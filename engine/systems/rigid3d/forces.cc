@@ -1,0 +1,44 @@
+#include "engine/systems/rigid3d/forces.h"
+
+#include <cmath>
+
+namespace truestep {
+
+namespace columns = rigid3d_columns;
+
+void collect_forces(State& s, std::span<const BodyKind> kinds, double h, std::vector<Vec3>& change) {
+  const auto kind = s.span<uint32_t>(columns::kind);
+  const Vec3 gravity = load3(s.f64(columns::gravity).data(), 0);
+  change.resize(kind.size());
+  for (size_t i = 0; i < kind.size(); ++i) change[i] = gravity * (kinds[kind[i]].gravity_scale * h);
+  const double *x = s.f64(columns::position).data(), *v = s.f64(columns::velocity).data();
+  size_t kept = 0;
+  for (size_t k = 0; k < s.rows(columns::push_id); ++k) {
+    const uint64_t id = s.span<uint64_t>(columns::push_id)[k];
+    const auto row = row_of_body(s, id);
+    if (!row) continue;
+    const double mass = kinds[kind[*row]].mass;
+    const Vec3 force = load3(s.f64(columns::push_force).data(), k);
+    if (mass > 0) change[*row] += force * (h / mass);
+    wake_body(s, *row, kinds);
+    const double remaining = s.f64(columns::push_remaining)[k] - h;
+    if (remaining < 0.5 * h) continue;  // half a step of tolerance hides rounding
+    s.f64(columns::push_remaining)[kept] = remaining;
+    s.span<uint64_t>(columns::push_id)[kept] = id;
+    store3(s.f64(columns::push_force).data(), kept++, force);
+  }
+  for (const auto c : {columns::push_id, columns::push_force, columns::push_remaining}) s.resize(c, kept);
+  for (size_t k = 0; k < s.rows(columns::drag_id); ++k) {
+    const auto row = row_of_body(s, s.span<uint64_t>(columns::drag_id)[k]);
+    if (!row) continue;
+    const double mass = kinds[kind[*row]].mass;
+    if (!(mass > 0)) continue;
+    wake_body(s, *row, kinds);
+    // A critically damped spring, implicit in both.
+    const double w2 = s.f64(columns::drag_stiffness)[k] / mass, c = 2 * std::sqrt(w2);
+    const Vec3 away = load3(x, *row) - load3(s.f64(columns::drag_target).data(), k);
+    change[*row] -= (away * w2 + load3(v, *row) * (c + h * w2)) * (h / (1 + h * c + h * h * w2));
+  }
+}
+
+}  // namespace truestep
