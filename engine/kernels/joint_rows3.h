@@ -1,8 +1,9 @@
-// Joints of rigid bodies, as many side by side as lanes: up to six locked ways of moving, solved at once. The
-// rows lie along three axes fixed in body a,
-//   linear  e_k . (x_b + r_b - x_a - r_a) = 0,      angular  e_k . (turn of b against a) = 0,
-// in the scaled variables of contact_rows3.h; a row that is not locked has K = 1 and takes nothing. The arms
-// turn with the bodies within a step, so that what swings fast stays together.
+// Joints of rigid bodies, as many side by side as lanes: up to six ways of moving along axes that turn with
+// body a, the locked ones solved at once. In the scaled variables of contact_rows3.h,
+//   linear  e_k . (x_b + r_b - x_a - r_a) = 0,      angular  t_k . (turn of b against a) = 0;
+// a row that is not locked has K = 1 and takes nothing. On a forces act where b's anchor is, so that what
+// slides keeps its angular momentum. Arms and axes turn with the bodies within a step, so that what swings
+// fast stays together; turns are measured about axes half way. The free rows are those of joint_drives3.h.
 #pragma once
 #include "engine/kernels/contact_rows3.h"
 
@@ -14,12 +15,27 @@ struct alignas(64) JointGroup {
   uint32_t a[W::kLanes], b[W::kLanes];  ///< records, `end` for what joints do not move
   W root_a, root_b, turn_a[9], turn_b[9];
   W arm_a[3], arm_b[3], error[3];  ///< m, at the step's start; error = x_b + r_b - x_a - r_a
-  W axis[3][3], angle[3];          ///< e_k, turn of b against a about them (rad) at the step's start
+  W axis[3][3], turn_axis[3][3];   ///< e_k, t_k at the step's start
+  W angle[3];                      ///< angular errors at the step's start, rad
   W locked[6];                     ///< 1 or 0: linear, angular
+  W drift[6];                      ///< J v of bodies that move by themselves
+  W along, length;  ///< 1 where the first row is along the line between the anchors; m that it wants
   W impulse[6];
-  W strength;  ///< 1, or 0 when the lane holds nothing
+  W bound[2];  ///< N s, N m s: most of the motors of rows 0 to 2, 3 to 5 together
+  enum : uint32_t { kLines = 1, kDrifts = 2, kBounded = 4 };
+  uint32_t flags = 0;
+  uint32_t driven_rows = 0;              ///< bits
+  uint32_t first_drive = 0, drives = 0;  ///< of the solver's list
   // Made anew in every substep.
+  W now[3][3], turn_now[3][3];  ///< axes
   W ja[6][3], jb[6][3], gap[6], inverse[21];
+};
+
+/// Coefficients of soft_constraint.h for one pass.
+template <class T>
+struct JointPass {
+  T bias_rate = 0, mass_scale = 1, impulse_scale = 0;
+  T inverse_h = 0;  ///< 1/s, of a substep
 };
 
 namespace detail {
@@ -32,20 +48,23 @@ void turn_arm(const W t[3], const W r[3], W out[3]) {
 }
 }  // namespace detail
 
-/// Rows, gaps and the inverse of K where the bodies are now; d: scaled displacements since the step's start.
+/// Rows, gaps and the inverse of K where the bodies are now; d: scaled displacements since the step's start,
+/// `elapsed` (s) ago.
 template <class T>
-void prepare_joints(JointGroup<T>& g, const Record8<T>* d) {
+void prepare_joints(JointGroup<T>& g, const Record8<T>* d, T elapsed) {
   using W = Wide<T>;
   namespace r = contact_rows;
-  W da[6], db[6], ta[3], tb[3], arm_a[3], arm_b[3], gap[3], turn[3];
+  W da[6], db[6], ta[3], tb[3], half[3], arm_a[3], arm_b[3], gap[3], turn[3];
   gather6(d, g.a, da), gather6(d, g.b, db);
   r::apply_transposed(g.turn_a, da + 3, ta), r::apply_transposed(g.turn_b, db + 3, tb);
   detail::turn_arm(ta, g.arm_a, arm_a), detail::turn_arm(tb, g.arm_b, arm_b);
   for (int k = 0; k < 3; ++k) {
     gap[k] =
         g.error[k] + (g.root_b * db[k] + arm_b[k] - g.arm_b[k]) - (g.root_a * da[k] + arm_a[k] - g.arm_a[k]);
-    turn[k] = tb[k] - ta[k];
+    turn[k] = tb[k] - ta[k], half[k] = W(0.5) * ta[k];
   }
+  // From a's centre to where b's anchor is.
+  for (int k = 0; k < 3; ++k) arm_a[k] += gap[k];
   const W linear = g.root_a * g.root_a + g.root_b * g.root_b;
   // Into the bodies' frames as they have turned by now.
   const W back_a[3] = {-ta[0], -ta[1], -ta[2]}, back_b[3] = {-tb[0], -tb[1], -tb[2]};
@@ -53,13 +72,26 @@ void prepare_joints(JointGroup<T>& g, const Record8<T>* d) {
     W start[3];
     detail::turn_arm(back, world, start), r::apply(turn, start, out);
   };
+  for (int k = 0; k < 3; ++k) detail::turn_arm(ta, g.axis[k], g.now[k]);
+  if (g.flags & JointGroup<T>::kLines) {
+    const W length = sqrt(r::dot(gap, gap)), inverse = W(1) / max(length, W(1e-12));
+    for (int k = 0; k < 3; ++k) {
+      const W line = where_positive(length - W(1e-9), gap[k] * inverse, g.axis[0][k]);
+      g.now[0][k] = where_positive(g.along, line, g.now[0][k]);
+    }
+  }
   for (int k = 0; k < 3; ++k) {
-    W moment[3];
-    r::cross(arm_a, g.axis[k], moment), into(g.turn_a, back_a, moment, g.ja[k]);
-    r::cross(arm_b, g.axis[k], moment), into(g.turn_b, back_b, moment, g.jb[k]);
-    into(g.turn_a, back_a, g.axis[k], g.ja[3 + k]), into(g.turn_b, back_b, g.axis[k], g.jb[3 + k]);
-    g.gap[k] = r::dot(g.axis[k], gap);
-    g.gap[3 + k] = g.angle[k] + r::dot(g.axis[k], turn);
+    W moment[3], between[3];
+    r::cross(arm_a, g.now[k], moment), into(g.turn_a, back_a, moment, g.ja[k]);
+    r::cross(arm_b, g.now[k], moment), into(g.turn_b, back_b, moment, g.jb[k]);
+    detail::turn_arm(ta, g.turn_axis[k], g.turn_now[k]), detail::turn_arm(half, g.turn_axis[k], between);
+    into(g.turn_a, back_a, g.turn_now[k], g.ja[3 + k]), into(g.turn_b, back_b, g.turn_now[k], g.jb[3 + k]);
+    g.gap[k] = r::dot(g.now[k], gap);
+    g.gap[3 + k] = g.angle[k] + r::dot(between, turn);
+  }
+  g.gap[0] = nmadd(g.along, g.length, g.gap[0]);
+  if (g.flags & JointGroup<T>::kDrifts) {
+    for (int k = 0; k < 6; ++k) g.gap[k] = madd(W(elapsed), g.drift[k], g.gap[k]);
   }
   W k[6][6];
   for (int p = 0; p < 6; ++p) {
@@ -75,36 +107,29 @@ void prepare_joints(JointGroup<T>& g, const Record8<T>* d) {
 namespace detail {
 template <class T>
 void push_joint(const JointGroup<T>& g, const Wide<T> f[6], Wide<T> a[6], Wide<T> b[6]) {
-  using W = Wide<T>;
   namespace r = contact_rows;
   for (int k = 0; k < 3; ++k) {
-    r::subtract(a, f[k] * g.root_a, g.axis[k]), r::add(b, f[k] * g.root_b, g.axis[k]);
+    r::subtract(a, f[k] * g.root_a, g.now[k]), r::add(b, f[k] * g.root_b, g.now[k]);
   }
   for (int k = 0; k < 6; ++k) r::subtract(a + 3, f[k], g.ja[k]), r::add(b + 3, f[k], g.jb[k]);
 }
-}  // namespace detail
-
-/// Adds `times` the group's impulses to the records (scaled velocities).
+/// J v of a row.
 template <class T>
-void apply_joints(const JointGroup<T>& g, Record8<T>* records, uint32_t end, T times) {
-  Wide<T> a[6], b[6], f[6];
-  gather6(records, g.a, a), gather6(records, g.b, b);
-  for (int k = 0; k < 6; ++k) f[k] = Wide<T>(times) * g.impulse[k];
-  detail::push_joint(g, f, a, b);
-  scatter6(records, g.a, end, a), scatter6(records, g.b, end, b);
+Wide<T> joint_speed(const JointGroup<T>& g, int k, const Wide<T> a[6], const Wide<T> b[6]) {
+  namespace r = contact_rows;
+  Wide<T> v = r::dot(g.jb[k], b + 3) - r::dot(g.ja[k], a + 3);
+  if (k < 3) v += g.root_b * r::dot(g.now[k], b) - g.root_a * r::dot(g.now[k], a);
+  return v + g.drift[k];
 }
 
-/// One pass: velocities, and with `push` gaps too, by the coefficients of soft_constraint.h.
+/// The locked rows of one pass.
 template <ContactSolve kind, class T>
-void solve_joints(JointGroup<T>& g, Record8<T>* v, uint32_t end, T bias_rate, T mass_scale, T impulse_scale) {
+void solve_locked(JointGroup<T>& g, Wide<T> a[6], Wide<T> b[6], const JointPass<T>& pass) {
   using W = Wide<T>;
-  namespace r = contact_rows;
-  W a[6], b[6], slip[6], f[6] = {};
-  gather6(v, g.a, a), gather6(v, g.b, b);
+  W slip[6], f[6] = {};
   for (int k = 0; k < 6; ++k) {
-    slip[k] = r::dot(g.jb[k], b + 3) - r::dot(g.ja[k], a + 3);
-    if (k < 3) slip[k] += g.root_b * r::dot(g.axis[k], b) - g.root_a * r::dot(g.axis[k], a);
-    if constexpr (kind == ContactSolve::push) slip[k] = madd(W(bias_rate), g.gap[k], slip[k]);
+    slip[k] = joint_speed(g, k, a, b);
+    if constexpr (kind == ContactSolve::push) slip[k] = madd(W(pass.bias_rate), g.gap[k], slip[k]);
     slip[k] *= g.locked[k];
   }
   for (int p = 0, at = 0; p < 6; ++p) {
@@ -116,12 +141,12 @@ void solve_joints(JointGroup<T>& g, Record8<T>* v, uint32_t end, T bias_rate, T 
   }
   for (int k = 0; k < 6; ++k) {
     if constexpr (kind == ContactSolve::push) {
-      f[k] = W(mass_scale) * f[k] - W(impulse_scale) * g.impulse[k];
+      f[k] = W(pass.mass_scale) * f[k] - W(pass.impulse_scale) * g.impulse[k];
     }
     g.impulse[k] += f[k];
   }
-  detail::push_joint(g, f, a, b);
-  scatter6(v, g.a, end, a), scatter6(v, g.b, end, b);
+  push_joint(g, f, a, b);
 }
+}  // namespace detail
 
 }  // namespace truestep

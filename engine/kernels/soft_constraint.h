@@ -4,6 +4,7 @@
 // impulse_scale = 1 / (1 + a). Catto, "Soft constraints" (GDC 2011) and "Solver2D" (2024). It rests at
 // C = -load / (m_eff w^2); `rigid` takes back the same share of C a step without that sag.
 #pragma once
+#include "engine/math/trig.h"
 
 namespace truestep {
 
@@ -26,6 +27,21 @@ constexpr SoftConstraint<T> soft_constraint(T hertz, T ratio, T h) {
 template <class T>
 constexpr SoftConstraint<T> rigid_constraint(T share, T h) {
   return {share / h, 1, 0};
+}
+
+/// One step of x'' = -w2 x - rate x':  v+ = (1 - scale) v - push x,  x+ = x + h v+.
+struct OscillatorStep {
+  double push = 0;   ///< 1/s
+  double scale = 0;  ///< 1
+};
+
+/// While it turns by less than half a radian: damping exact, B = exp(-rate h), the spring's pull at the
+/// step's start, damped too. Under a load it rests where it should, swings within w2 h^2 / 24 + rate h / 4 of
+/// its frequency, and undamped it keeps its energy. Matching the frequency instead moves the rest by rate h
+/// / 2. Beyond, implicit Euler, which stiff springs need in company. w2 in 1/s^2, rate in 1/s, h in s.
+inline OscillatorStep oscillator_step(double w2, double rate, double h) {
+  const double keep = w2 * h * h > 0.25 ? 1 / (1 + h * rate + h * h * w2) : trig::exp(-rate * h);
+  return {h * w2 * keep, 1 - keep};
 }
 
 }  // namespace truestep

@@ -15,10 +15,10 @@ namespace truestep::reference {
 void check_bullet_joints(const Rigid3dDef& def, std::vector<Issue>& issues);
 
 /// The constraint of one joint between a and b.
-std::unique_ptr<btTypedConstraint> bullet_joint(JointDef::Type type, const Joint& joint, btRigidBody& a,
+std::unique_ptr<btTypedConstraint> bullet_joint(const AnyJointDef& def, const Joint& joint, btRigidBody& a,
                                                 btRigidBody& b);
 
-/// Types of the built joints, in their order.
-std::vector<JointDef::Type> joint_types(const Rigid3dDef& def);
+/// What every built joint was made from, in their order.
+std::vector<AnyJointDef> joint_defs(const Rigid3dDef& def);
 
 }  // namespace truestep::reference

@@ -39,8 +39,8 @@ constexpr State::Column kPoses[] = {columns::position, columns::velocity, column
 
 BulletScene::BulletScene(const Rigid3dDef& def, uint64_t seed, std::vector<Issue>& issues)
     : bodies(build_bodies(def, seed)),
-      joints(build_joints(def, bodies)),
-      joint_types(reference::joint_types(def)),
+      joints(build_joints(def, bodies).joints),
+      joint_defs(reference::joint_defs(def)),
       shapes(bodies.kinds, issues),
       rest_speed(def.rest_speed),
       sleep_speed(def.sleep_speed),
@@ -108,7 +108,7 @@ void BulletWorld::add_joint(const State& s, size_t k) {
   const auto body = [&](uint32_t row) -> btRigidBody& { return row == kNoBody ? ground_ : *bodies_[row]; };
   const uint32_t* held = s.span<uint32_t>(columns::joint_bodies).data() + 2 * k;
   const Joint& j = scene_->joints[k];
-  joints_[k] = bullet_joint(scene_->joint_types[k], j, body(held[0]), body(held[1]));
+  joints_[k] = bullet_joint(scene_->joint_defs[k], j, body(held[0]), body(held[1]));
   world_.addConstraint(joints_[k].get(), j.touch == JointDef::Touch::no);
 }
 

@@ -17,7 +17,7 @@ struct BulletScene {
 
   BodyList bodies;
   std::vector<Joint> joints;
-  std::vector<JointDef::Type> joint_types;
+  std::vector<AnyJointDef> joint_defs;
   BulletShapes shapes;
   double rest_speed, sleep_speed;
   bool sleeping;

@@ -35,7 +35,7 @@ Rigid3dDef heap() {
   bead.copies = CopiesDef{};
   bead.copies->count = {10, 1, 1}, bead.copies->spacing = {0.25, 1, 1};
   d.bodies.push_back(bead);
-  JointDef j;
+  BallJointDef j;
   j.a = 1, j.b = 2, j.repeat = 9;
   d.joints.push_back(j);
   d.bodies.push_back(b), d.bodies.push_back(c), d.bodies.push_back(h), d.bodies.push_back(l);

@@ -222,52 +222,6 @@ TEST(Rigid3dSleep, AHeapAtRestIsFreeAndWakesWhenItIsHit) {
 }
 
 /// A rod of 1 m that hangs from the world by one end, released level.
-Rigid3dDef pendulum(JointDef::Type type) {
-  Rigid3dDef d;
-  d.bodies.push_back(box({0.5, 0.05, 0.05}, {0.5, 0, 0}));
-  JointDef j;
-  j.type = type, j.a = -1, j.b = 0, j.anchor = Vec3{}, j.axis = {0, 0, 1};
-  d.joints.push_back(j);
-  return d;
-}
-
-TEST(Rigid3dJoints, APendulumSwingsAtItsPeriod) {
-  // Compound pendulum: I / (m g l) = (1/12 + 1/4 + 0.01/12) / (0.5 g); a quarter swing from level takes
-  // K(sin(pi/4)) sqrt(I / m g l), K = 1.8540746773.
-  const double quarter = 1.8540746773013719 * std::sqrt((1.0 / 3 + 0.01 / 12) / (0.5 * kG));
-  for (const auto type : {JointDef::Type::ball, JointDef::Type::hinge}) {
-    RigidRun run(pendulum(type), 1.0 / 240);
-    double passed = 0;
-    while (run.x(0).x > 0 && run.t() < 2) {
-      passed = run.t() + run.h * run.x(0).x / std::max(1e-9, -run.v(0).x * run.h);
-      run.run(1);
-    }
-    EXPECT_NEAR(passed, quarter, 5e-3);
-    EXPECT_LT(run.observed("joints.gap"), 1e-3);
-    EXPECT_NEAR(run.observed("energy.total"), 0, 0.01 * 10 * kG * 0.5);
-  }
-  // The control: a fixed joint does not swing, and a broken one falls.
-  RigidRun held(pendulum(JointDef::Type::fixed), 1.0 / 240);
-  held.seconds(2);
-  EXPECT_NEAR(held.x(0).x, 0.5, 2e-3);
-  Rigid3dDef weak = pendulum(JointDef::Type::ball);
-  weak.joints[0].break_force = 10;
-  RigidRun falls(weak, 1.0 / 240);
-  falls.seconds(1);
-  EXPECT_EQ(falls.observed("joints.broken"), 1);
-  EXPECT_LT(falls.x(0).y, -2);
-}
-
-TEST(Rigid3dJoints, ASliderSlidesAlongItsAxisOnly) {
-  Rigid3dDef d = pendulum(JointDef::Type::slider);
-  d.joints[0].axis = {1, -1, 0};
-  RigidRun run(d, 1.0 / 240);
-  run.seconds(1);
-  // Half of g along a slope of 45 degrees in each direction.
-  EXPECT_NEAR(run.x(0).x - 0.5, 0.25 * kG, 5e-3 * 2.45);
-  EXPECT_NEAR(run.x(0).y, -0.25 * kG, 5e-3 * 2.45);
-  EXPECT_LT(norm(run.w(0)), 1e-3);
-}
 
 }  // namespace
 }  // namespace truestep

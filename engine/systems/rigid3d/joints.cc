@@ -1,101 +1,99 @@
 #include "engine/systems/rigid3d/joints.h"
 
+#include <algorithm>
 #include <cmath>
 
-#include "engine/base/errors.h"
 #include "engine/kernels/constraint_colouring.h"
 #include "engine/kernels/free_rotation.h"
+#include "engine/math/trig.h"
 
 namespace truestep {
 namespace {
 
+constexpr double kTurn = 6.283185307179586;
+/// Least cosine of the second Cardan angle: closer to a quarter turn the first and the third are one.
+constexpr double kLeastCosine = 0.02;
+
+Vec3 column(const Rotation& r, int k) {
+  const auto at = [k](const Vec3& v) { return k == 0 ? v.x : k == 1 ? v.y : v.z; };
+  return {at(r.row[0]), at(r.row[1]), at(r.row[2])};
+}
 Quat conjugate(const Quat& q) {
   return {q.w, -q.x, -q.y, -q.z};
 }
 
-std::array<uint8_t, 6> locks(JointDef::Type type) {
-  switch (type) {
-    case JointDef::Type::ball:
-      return {1, 1, 1, 0, 0, 0};
-    case JointDef::Type::fixed:
-      return {1, 1, 1, 1, 1, 1};
-    case JointDef::Type::hinge:
-      return {1, 1, 1, 0, 1, 1};
-    case JointDef::Type::slider:
-      return {0, 1, 1, 1, 1, 1};
-    case JointDef::Type::cylindrical:
-      return {0, 1, 1, 0, 1, 1};
-    case JointDef::Type::plane:
-      return {1, 0, 0, 0, 1, 1};
-  }
-  return {};
+/// Angles x of a, then y, then z of b, and the axes dual to those about which they turn.
+void cardan(const Rotation& a, const Rotation& b, JointPlace& p) {
+  const Vec3 x = column(a, 0), y = column(a, 1), z = column(a, 2), zb = column(b, 2);
+  const double xx = dot(x, column(b, 0)), xy = dot(x, column(b, 1)), xz = dot(x, zb);
+  p.coordinate[3] = trig::atan2(-dot(y, zb), dot(z, zb));
+  p.coordinate[4] = trig::atan2(xz, std::sqrt(xx * xx + xy * xy));
+  p.coordinate[5] = trig::atan2(-xy, xx);
+  const Vec3 across = cross(zb, x);
+  const Vec3 n = normalized(across, y);
+  const double cosine = std::max(kLeastCosine, norm(across));
+  p.turns[0] = cross(n, zb) / cosine, p.turns[1] = n, p.turns[2] = cross(x, n) / cosine;
 }
 
-Pose start_pose(const BodyList& bodies, uint32_t row) {
-  return row == kNoBody ? Pose{} : bodies.starts[row].pose;
+/// Twist about the axis and swing of the axis: their rates are (e_a + e_b) / (1 + cos) and e_a x e_b / sin.
+void swing_twist(const Rotation& a, const Rotation& b, const Quat& turned, JointPlace& p) {
+  const Vec3 ea = column(a, 0), eb = column(b, 0), across = cross(ea, eb);
+  const double sine = norm(across), cosine = dot(ea, eb);
+  p.coordinate[3] = 2 * trig::atan2(turned.x, turned.w);
+  p.coordinate[4] = trig::atan2(sine, cosine);
+  p.turns[0] = (ea + eb) / std::max(kLeastCosine, 1 + cosine);
+  p.turns[1] = normalized(across, column(a, 1)), p.turns[2] = column(a, 2);
 }
 
 }  // namespace
 
-std::vector<Joint> build_joints(const Rigid3dDef& def, const BodyList& bodies) {
-  std::vector<Joint> out;
-  std::vector<Issue> issues;
-  for (size_t i = 0; i < def.joints.size(); ++i) {
-    const JointDef& d = def.joints[i];
-    for (int64_t k = 0; k < d.repeat; ++k) {
-      const auto row = [&](int64_t r, const char* member) {
-        if (r == -1) return kNoBody;
-        const int64_t at = r + k * d.step;
-        if (at >= 0 && static_cast<size_t>(at) < bodies.starts.size()) return static_cast<uint32_t>(at);
-        const std::string why = "there is no body " + std::to_string(at);
-        issues.push_back({"/joints/" + std::to_string(i) + "/" + member, "out_of_range", why,
-                          std::to_string(at), "-1 (the world) to " + std::to_string(bodies.starts.size() - 1),
-                          "", ""});
-        return kNoBody;
-      };
-      Joint j;
-      j.bodies = {row(d.a, "a"), row(d.b, "b")};
-      if (!issues.empty()) break;
-      if (j.bodies[0] == j.bodies[1]) {
-        issues.push_back(
-            {"/joints/" + std::to_string(i) + "/b", "same_body", "a joint needs two bodies", "", "", "", ""});
-        break;
-      }
-      const Pose a = start_pose(bodies, j.bodies[0]), b = start_pose(bodies, j.bodies[1]);
-      Vec3 anchor = (a.position + b.position) * 0.5;
-      if (j.bodies[0] == kNoBody) anchor = b.position;
-      if (j.bodies[1] == kNoBody) anchor = a.position;
-      if (d.anchor) anchor = *d.anchor + d.offset * static_cast<double>(k);
-      const Transform ta = transform_of(a), tb = transform_of(b);
-      j.anchor_a = ta.inverse_point(anchor), j.anchor_b = tb.inverse_point(anchor);
-      const Vec3 axis = normalized(d.axis, {0, 1, 0});
-      const Vec3 across =
-          normalized(cross(axis, std::abs(axis.x) < 0.7 ? Vec3{1, 0, 0} : Vec3{0, 1, 0}), {0, 0, 1});
-      const Vec3 world[3] = {axis, across, cross(axis, across)};
-      for (int e = 0; e < 3; ++e) j.axes[e] = ta.inverse_direction(world[e]);
-      j.axis_b = tb.inverse_direction(axis);
-      j.turn = conjugate(a.orientation) * b.orientation;
-      j.locked = locks(d.type);
-      j.turns = j.locked[3] ? Joint::Turns::none : j.locked[4] ? Joint::Turns::about_axis : Joint::Turns::any;
-      if (d.break_force) j.break_force = *d.break_force;
-      j.touch = d.touch;
-      out.push_back(j);
-    }
-  }
-  if (!issues.empty()) throw Error("scene_invalid", "a joint holds no two bodies", std::move(issues));
-  return out;
+double unwrapped(double angle, double near) {
+  return angle + kTurn * std::round((near - angle) / kTurn);
 }
 
 JointPlace joint_place(const Joint& joint, const Pose& a, const Pose& b) {
-  const Rotation ra = rotation(a.orientation), rb = rotation(b.orientation);
   JointPlace p;
-  p.arm_a = ra.apply(joint.anchor_a), p.arm_b = rb.apply(joint.anchor_b);
+  p.arm_a = rotation(a.orientation).apply(joint.anchor_a);
+  p.arm_b = rotation(b.orientation).apply(joint.anchor_b);
   p.gap = (b.position - a.position) + (p.arm_b - p.arm_a);
-  for (int e = 0; e < 3; ++e) p.axes[e] = ra.apply(joint.axes[e]);
-  if (joint.turns == Joint::Turns::none) {
-    p.turn = free_rotation::rotation_vector(b.orientation * conjugate(a.orientation * joint.turn));
-  } else if (joint.turns == Joint::Turns::about_axis) {
-    p.turn = cross(p.axes[0], rb.apply(joint.axis_b));
+  const Rotation slides = rotation(a.orientation * joint.slide_frame);
+  for (int e = 0; e < 3; ++e) p.axes[e] = column(slides, e), p.coordinate[3 + e] = 0;
+  if (joint.form == Joint::Form::line) {
+    const double length = norm(p.gap);
+    p.axes[0] = length > 0 ? p.gap / length : p.axes[0];
+  }
+  for (int e = 0; e < 3; ++e) p.coordinate[e] = dot(p.axes[e], p.gap);
+  if (joint.form == Joint::Form::line) p.coordinate[0] -= joint.length;
+
+  const Quat qa = a.orientation * joint.turn_a, qb = b.orientation * joint.turn_b;
+  const Rotation ra = rotation(qa);
+  for (int e = 0; e < 3; ++e) p.turns[e] = column(ra, e);
+  switch (joint.form) {
+    case Joint::Form::free:
+    case Joint::Form::line:
+    case Joint::Form::gear:
+      break;
+    case Joint::Form::locked:
+    case Joint::Form::pose: {
+      const Vec3 turn = free_rotation::rotation_vector(conjugate(qa) * qb);
+      p.coordinate[3] = turn.x, p.coordinate[4] = turn.y, p.coordinate[5] = turn.z;
+      break;
+    }
+    case Joint::Form::hinge: {
+      const Quat turned = conjugate(qa) * qb;
+      const Vec3 tilt = cross(p.turns[0], column(rotation(qb), 0));
+      const double angle = 2 * trig::atan2(turned.x, turned.w);
+      p.coordinate[3] = unwrapped(angle, 0);
+      p.coordinate[4] = dot(p.turns[1], tilt), p.coordinate[5] = dot(p.turns[2], tilt);
+      break;
+    }
+    case Joint::Form::cardan:
+      cardan(ra, rotation(qb), p);
+      break;
+    case Joint::Form::swing_twist:
+      swing_twist(ra, rotation(qb), conjugate(qa) * qb, p);
+      p.coordinate[3] = unwrapped(p.coordinate[3], 0);
+      break;
   }
   return p;
 }

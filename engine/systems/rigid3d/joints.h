@@ -1,6 +1,7 @@
-// Joints between bodies, as they were built: anchors and axes in the bodies' frames, and which of the six
-// ways of moving are locked. Rows of the state say which bodies they hold now, what they carry and whether
-// they broke.
+// Joints between bodies, as they were built. A joint is up to six rows: three ways of sliding along axes of a
+// and three of turning. Locked rows have no coordinate but 0; others may be limited, sprung or driven, and
+// those are listed as drives. Rows of the state say which bodies joints hold now, what they carry, how far
+// their drives have turned and whether they broke.
 #pragma once
 #include <array>
 #include <limits>
@@ -10,25 +11,65 @@
 
 namespace truestep {
 
+inline constexpr double kUnbounded = std::numeric_limits<double>::infinity();
+
+/// Limits, spring and motor of one row of a joint.
+struct Drive {
+  uint32_t joint = 0;
+  uint32_t row = 0;  ///< 0 to 2: slides, 3 to 5: turns
+  enum Law : uint32_t { kSpring = 1, kMotor = 2, kLower = 4, kUpper = 8 };
+  uint32_t laws = 0;
+  double lower = 0, upper = 0;
+  double rest = 0;  ///< coordinate of the spring
+  /// Spring and servo: by frequency (rad/s) and damping ratio, or by N/m and N s/m.
+  enum class By : uint8_t { frequency, stiffness } by = By::frequency;
+  double frequency = 0, damping_ratio = 0, stiffness = 0, damping = 0;
+  enum class Wants : uint8_t { speed, place } wants = Wants::speed;
+  double motor_target = 0, max_motor = kUnbounded, servo_frequency = 0, servo_damping = 1;
+};
+
 struct Joint {
+  enum class Form : uint8_t { free, locked, hinge, cardan, swing_twist, line, pose, gear };
+  std::string id;
   std::array<uint32_t, 2> bodies;  ///< rows at t = 0, kNoBody: the world
   Vec3 anchor_a, anchor_b;         ///< m, in the bodies' frames
-  Vec3 axes[3];                    ///< unit, in a's frame; the first is the joint's own
-  Vec3 axis_b;                     ///< the first as b has it
-  Quat turn;                       ///< b's orientation seen from a at t = 0
-  std::array<uint8_t, 6> locked;   ///< linear, angular along the axes
-  enum class Turns : uint8_t { none, about_axis, any } turns = Turns::any;
-  double break_force = std::numeric_limits<double>::infinity();  ///< N
+  Quat slide_frame;                ///< axes of the linear rows, in a's frame
+  Quat turn_a, turn_b;             ///< axes of the angular rows in both, the same at t = 0
+  std::array<uint8_t, 6> locked{};
+  /// How the angular rows are measured: not at all, as the rotation vector (locked, pose), about the first
+  /// axis (hinge), as Cardan angles, as twist and swing; `line` has one row along the line between the
+  /// anchors.
+  Form form = Form::free;
+  double length = 0;  ///< m, of a line
+  uint32_t first_drive = 0, drives = 0;
+  /// N and N m that rows 0 to 2 and 3 to 5 of a pose make at most together.
+  double max_force = kUnbounded, max_torque = kUnbounded;
+  double break_force = kUnbounded, break_torque = kUnbounded;
   JointDef::Touch touch = JointDef::Touch::no;
+  /// A gear: coordinates of two drives, first + ratio second = 0.
+  std::array<uint32_t, 2> geared{};
+  double ratio = 1;
 };
 
-/// All joints of the scene. Error "scene_invalid" with pointers when one names a body that is not there.
-std::vector<Joint> build_joints(const Rigid3dDef& def, const BodyList& bodies);
+struct JointList {
+  std::vector<Joint> joints;
+  std::vector<Drive> drives;
+};
 
-/// Where a joint is: x_b + r_b - x_a - r_a (m), and the turn of b against a that it does not allow (rad).
+/// All joints of the scene. Error "scene_invalid" with pointers to what is not there or fits nothing.
+JointList build_joints(const Rigid3dDef& def, const BodyList& bodies);
+
+/// Where a joint is.
 struct JointPlace {
-  Vec3 arm_a, arm_b, gap, axes[3], turn;
+  Vec3 arm_a, arm_b;     ///< m, from the centres to the anchors
+  Vec3 gap;              ///< x_b + arm_b - x_a - arm_a
+  Vec3 axes[3];          ///< of the linear rows
+  Vec3 turns[3];         ///< turn . (w_b - w_a) is the rate of the angular coordinates
+  double coordinate[6];  ///< m and rad; turns between -pi and pi
 };
 JointPlace joint_place(const Joint& joint, const Pose& a, const Pose& b);
+
+/// The turn that is `angle` but for whole turns, nearest to `near` (rad).
+double unwrapped(double angle, double near);
 
 }  // namespace truestep

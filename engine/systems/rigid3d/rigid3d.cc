@@ -84,17 +84,20 @@ void Rigid3d::find_contacts(State& s, const StepInput& in) const {
   // What is joined to a body that moves moves.
   const auto held = s.span<uint32_t>(columns::joint_bodies);
   const auto asleep = s.span<uint32_t>(columns::asleep);
+  const auto moves = [&](uint32_t i) {
+    const BodyKind& k = bodies_.kinds[s.span<uint32_t>(columns::kind)[i]];
+    if (k.moved_by_forces()) return asleep[i] == 0;
+    return k.motion == BodyDef::Motion::kinematic &&
+           (load3(s.f64(columns::velocity).data(), i) != Vec3{} ||
+            load3(s.f64(columns::angular_velocity).data(), i) != Vec3{});
+  };
   for (size_t k = 0; k < held.size(); k += 2) {
     const uint32_t a = held[k], b = held[k + 1];
     if (a == kNoBody || b == kNoBody || s.span<uint32_t>(columns::joint_broken)[k / 2]) continue;
-    if (asleep[a] && !asleep[b] && bodies_.kinds[s.span<uint32_t>(columns::kind)[b]].moved_by_forces()) {
-      wake_body(s, a, bodies_.kinds);
-    }
-    if (asleep[b] && !asleep[a] && bodies_.kinds[s.span<uint32_t>(columns::kind)[a]].moved_by_forces()) {
-      wake_body(s, b, bodies_.kinds);
-    }
+    if (asleep[a] && moves(b)) wake_body(s, a, bodies_.kinds);
+    if (asleep[b] && moves(a)) wake_body(s, b, bodies_.kinds);
   }
-  scratch.contacts.find(s, bodies_.kinds, joints_, in);
+  scratch.contacts.find(s, bodies_.kinds, joints_.joints, in);
 }
 
 void Rigid3d::solve(State& s, const StepInput& in) const {
@@ -227,6 +230,16 @@ void Rigid3d::rest(State& s, const StepInput& in) const {
       link_islands(scratch.parent, a, b);
     }
   }
+  // Bodies of a motor that shall turn are not at rest even where they do not get on.
+  for (size_t k = 0; k < joints_.drives.size(); ++k) {
+    const Drive& d = joints_.drives[k];
+    const double* motor = s.f64(columns::drive_motor).data() + 2 * k;
+    if (!(d.laws & Drive::kMotor) || s.span<uint32_t>(columns::joint_broken)[d.joint]) continue;
+    if (d.wants != Drive::Wants::speed || motor[0] == 0 || motor[1] == 0) continue;
+    for (const uint32_t i : {held[2 * d.joint], held[2 * d.joint + 1]}) {
+      if (i != kNoBody) scratch.calm[i] = 0;
+    }
+  }
   for (size_t i = 0; i < n; ++i) {
     if (now[i].part != Part::active) continue;
     const double reach = bodies_.kinds[kind[i]].reach;
@@ -251,12 +264,15 @@ Cost rigid3d_cost(const void* def) {
   double n = 0;
   for (const AnyBodyDef& b : d.bodies) n += body_count(common(b));
   // Some four contacts per body, as in a heap.
+  double joints = 0;
+  for (const AnyJointDef& j : d.joints) joints += static_cast<double>(joint_count(j));
   const double contacts = 4 * n, wide = d.precision == Rigid3dDef::Precision::f64 ? 2 : 1;
   Cost c;
-  c.state_bytes = 150 * n + 180 * contacts;
-  c.workspace_bytes = 700 * n + 1200 * contacts;
+  c.state_bytes = 150 * n + 180 * contacts + 160 * joints;
+  c.workspace_bytes = 700 * n + 1200 * contacts + 1500 * joints;
   c.elements = n;
-  c.seconds_per_step = n * 2e-7 + contacts * (3e-7 + 3e-8 * wide * static_cast<double>(d.substeps));
+  const double parts = wide * static_cast<double>(d.substeps);
+  c.seconds_per_step = n * 2e-7 + contacts * (3e-7 + 3e-8 * parts) + joints * (2e-7 + 2e-7 * parts);
   return c;
 }
 

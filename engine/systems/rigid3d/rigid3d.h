@@ -49,9 +49,14 @@ class Rigid3d final : public StagedSystem {
   bool all_asleep(const State& s) const;
   void set_parameter(State& s, const Command& c) const;
   size_t checked_body(const State& s, const Command& c) const;
+  void set_motor(State& s, const Command& c) const;
+  void observe_joints(const State& s, Observables& out) const;
+  enum class JointLoad : uint8_t { force, torque };
+  /// Per body what its joints do to it, into 3 numbers each.
+  void joint_loads(const State& s, JointLoad what, std::span<double> out) const;
 
   BodyList bodies_;
-  std::vector<Joint> joints_;
+  JointList joints_;
   SolverSettings settings_;
   Rigid3dDef::Precision precision_;
   Vec3 gravity_;

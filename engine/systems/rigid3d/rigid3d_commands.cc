@@ -112,10 +112,11 @@ void Rigid3d::set_parameter(State& s, const Command& c) const {
     store3(s.f64(columns::gravity).data(), 0, c.vector);
     return wake_all();
   }
+  if (c.name == "motor_speed" || c.name == "motor_target" || c.name == "max_motor") return set_motor(s, c);
   const bool turn = c.name == "angular_velocity";
   if (!turn && c.name != "velocity") {
     refuse_command("name", "unknown_parameter", "there is no parameter \"" + c.name + "\" to set",
-                   "gravity, velocity, angular_velocity");
+                   "gravity, velocity, angular_velocity, motor_speed, motor_target, max_motor");
   }
   const size_t i = checked_command_row(c, s.rows(columns::position), "body");
   const BodyKind& b = bodies_.kinds[s.span<uint32_t>(columns::kind)[i]];

@@ -237,28 +237,6 @@ const DefTable& compound_table() {
   return t;
 }
 
-const DefTable& joint_table() {
-  static const DefTable t =
-      TableOf<JointDef>("holds two bodies, or one and the world, together")
-          .choice("kind", &JointDef::type, {"ball", "fixed", "hinge", "slider", "cylindrical", "plane"},
-                  "ball: turns freely; hinge: about the axis; slider: along it; cylindrical: both; plane: "
-                  "across it")
-          .integer("a", &JointDef::a, between(-1, kMostBodies), "row of a body; -1: the world")
-          .integer("b", &JointDef::b, between(-1, kMostBodies), "row of the other")
-          .vector("anchor", &JointDef::anchor, "m", any(),
-                  "place at t = 0; half way between the bodies when absent")
-          .vector("axis", &JointDef::axis, "1", any(), "direction at t = 0; any length")
-          .number("break_force", &JointDef::break_force, "N", above(0),
-                  "force at which it breaks; never when absent")
-          .choice("touch", &JointDef::touch, {"no", "yes"}, "whether its bodies collide with one another")
-          .integer("repeat", &JointDef::repeat, between(1, kMostBodies), "that many joints like this one")
-          .integer("step", &JointDef::step, between(1, kMostBodies),
-                   "rows of a and b from one to the next; -1 stays")
-          .vector("offset", &JointDef::offset, "m", any(), "of the anchor from one to the next")
-          .build();
-  return t;
-}
-
 }  // namespace
 
 double body_count(const BodyDef& d) {
@@ -293,7 +271,7 @@ const DefTable& rigid3d_table() {
                      {"plane", &plane_table()},
                      {"compound", &compound_table()}},
                     {1, 200'000}, "the bodies, in the order of their rows")
-          .objects("joints", &D::joints, joint_table(), {0, 200'000}, "what holds bodies together")
+          .variants("joints", &D::joints, joint_tables(), {0, 200'000}, "what holds bodies together")
           .choice("engine", &D::engine, {"truestep", "bullet"},
                   "who steps: this product, or Bullet 3.24 to compare with")
           .vector("gravity", &D::gravity, "m/s^2", any(), "instead of the scene's")
@@ -317,6 +295,9 @@ const DefTable& rigid3d_table() {
             double n = 0;
             for (const AnyBodyDef& b : d.bodies) n += body_count(common(b));
             if (n > kMostBodies) report("/bodies", "more than 200000 bodies in all");
+            double joints = 0;
+            for (const AnyJointDef& j : d.joints) joints += static_cast<double>(joint_count(j));
+            if (joints > kMostJoints) report("/joints", "more than a million joints in all");
           })
           .build();
   return kTable;

@@ -8,6 +8,7 @@
 #include "engine/core/build.h"
 #include "engine/core/def.h"
 #include "engine/core/system.h"
+#include "engine/systems/rigid3d/joint_def.h"
 
 namespace truestep {
 
@@ -95,21 +96,9 @@ struct CompoundBodyDef : BodyDef {
 using AnyBodyDef = std::variant<SphereBodyDef, BoxBodyDef, CapsuleBodyDef, CylinderBodyDef, HullBodyDef,
                                 MeshBodyDef, HeightFieldBodyDef, PlaneBodyDef, CompoundBodyDef>;
 
-/// Holds two bodies, or one and the world, together.
-struct JointDef {
-  enum class Type : uint8_t { ball, fixed, hinge, slider, cylindrical, plane } type = Type::ball;
-  int64_t a = -1, b = 0;
-  std::optional<Vec3> anchor;
-  Vec3 axis{0, 1, 0};
-  std::optional<double> break_force;
-  enum class Touch : uint8_t { no, yes } touch = Touch::no;
-  int64_t repeat = 1, step = 1;
-  Vec3 offset;
-};
-
 struct Rigid3dDef {
   std::vector<AnyBodyDef> bodies;
-  std::vector<JointDef> joints;
+  std::vector<AnyJointDef> joints;
   enum class Engine : uint8_t { truestep, bullet } engine = Engine::truestep;
   std::optional<Vec3> gravity;
   int64_t substeps = 5;

@@ -10,7 +10,18 @@ namespace truestep {
 namespace columns = rigid3d_columns;
 
 namespace {
-enum Field : size_t { kPosition, kVelocity, kOrientation, kAngularVelocity, kAsleep, kShape, kSize, kForce };
+enum Field : size_t {
+  kPosition,
+  kVelocity,
+  kOrientation,
+  kAngularVelocity,
+  kAsleep,
+  kShape,
+  kSize,
+  kForce,
+  kJointForce,
+  kJointTorque
+};
 }
 
 void Rigid3d::observe(const State& s, double, Observables& out) const {
@@ -58,29 +69,15 @@ void Rigid3d::observe(const State& s, double, Observables& out) const {
   }
   out.add("penetration", deepest, "m");
   out.add("sensed", sensed, "1");
-  double gap = 0, broken = 0;
-  const auto held = s.span<uint32_t>(columns::joint_bodies);
-  const auto pose = [&](uint32_t i) { return i == kNoBody ? Pose{} : Pose{load3(x, i), load_quat(q, i)}; };
-  for (size_t k = 0; k < joints_.size(); ++k) {
-    if (s.span<uint32_t>(columns::joint_broken)[k]) {
-      ++broken;
-      continue;
-    }
-    const JointPlace at = joint_place(joints_[k], pose(held[2 * k]), pose(held[2 * k + 1]));
-    double off = 0;
-    for (int e = 0; e < 3; ++e)
-      off += joints_[k].locked[e] * dot(at.axes[e], at.gap) * dot(at.axes[e], at.gap);
-    gap = std::max(gap, std::sqrt(off));
-  }
-  out.add("joints.gap", gap, "m");
-  out.add("joints.broken", broken, "1");
+  observe_joints(s, out);
 }
 
 std::vector<FieldInfo> Rigid3d::fields() const {
   return {{"position", "m", Scalar::f64, 3},    {"velocity", "m/s", Scalar::f64, 3},
           {"orientation", "1", Scalar::f64, 4}, {"angular_velocity", "rad/s", Scalar::f64, 3},
           {"asleep", "1", Scalar::u32, 1},      {"shape", "1", Scalar::f64, 1},
-          {"size", "m", Scalar::f64, 3},        {"contact_force", "N", Scalar::f64, 3}};
+          {"size", "m", Scalar::f64, 3},        {"contact_force", "N", Scalar::f64, 3},
+          {"joint_force", "N", Scalar::f64, 3}, {"joint_torque", "N m", Scalar::f64, 3}};
 }
 
 FieldView Rigid3d::field(const State& s, size_t which, std::vector<double>& scratch) const {
@@ -104,6 +101,11 @@ FieldView Rigid3d::field(const State& s, size_t which, std::vector<double>& scra
     case kSize:
       scratch.resize(3 * n);
       for (size_t i = 0; i < n; ++i) store3(scratch.data(), i, bodies_.kinds[kind[i]].solid.size);
+      return {scratch.data(), Scalar::f64, n, 3};
+    case kJointForce:
+    case kJointTorque:
+      scratch.resize(3 * n);
+      joint_loads(s, which == kJointForce ? JointLoad::force : JointLoad::torque, scratch);
       return {scratch.data(), Scalar::f64, n, 3};
     default:
       break;

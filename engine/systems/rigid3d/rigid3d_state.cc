@@ -9,8 +9,9 @@ namespace truestep {
 
 namespace columns = rigid3d_columns;
 
-State rigid3d_at_start(const BodyList& bodies, std::span<const Joint> joints, const Vec3& gravity) {
+State rigid3d_at_start(const BodyList& bodies, const JointList& list, const Vec3& gravity) {
   using S = Scalar;
+  const auto& joints = list.joints;
   State s;
   s.add({"position", "m", S::f64, 3, Role::position}, 0);
   s.add({"velocity", "m/s", S::f64, 3, Role::velocity}, 0);
@@ -29,7 +30,20 @@ State rigid3d_at_start(const BodyList& bodies, std::span<const Joint> joints, co
   s.add({"contact.depth", "m", S::f64, 1}, 0);
   s.add({"joint.bodies", "1", S::u32, 2}, joints.size());
   s.add({"joint.impulse", "SI", S::f64, 6}, joints.size());
+  s.add({"joint.load", "SI", S::f64, 6}, joints.size());
   s.add({"joint.broken", "1", S::u32, 1}, joints.size());
+  s.add({"drive.impulse", "SI", S::f64, 4}, list.drives.size());
+  s.add({"drive.coordinate", "SI", S::f64, 1}, list.drives.size());
+  s.add({"drive.motor", "SI", S::f64, 2}, list.drives.size());
+  for (size_t k = 0; k < list.drives.size(); ++k) {
+    const Drive& d = list.drives[k];
+    const Joint& j = joints[d.joint];
+    const auto pose = [&](uint32_t i) { return i == kNoBody ? Pose{} : bodies.starts[i].pose; };
+    s.f64(columns::drive_coordinate)[k] =
+        joint_place(j, pose(j.bodies[0]), pose(j.bodies[1])).coordinate[d.row];
+    s.f64(columns::drive_motor)[2 * k] = d.motor_target;
+    s.f64(columns::drive_motor)[2 * k + 1] = d.max_motor;
+  }
   for (size_t k = 0; k < joints.size(); ++k) {
     s.span<uint32_t>(columns::joint_bodies)[2 * k] = joints[k].bodies[0];
     s.span<uint32_t>(columns::joint_bodies)[2 * k + 1] = joints[k].bodies[1];

@@ -30,7 +30,11 @@ enum : State::Column {
   contacts_end,
   joint_bodies = contacts_end,  ///< u32 x 2, rows, kNoBody: the world
   joint_impulse,                ///< f64 x 6, N s and N m s of one substep along the joint's axes
+  joint_load,                   ///< f64 x 6, N and N m on b in the world, of the last substep
   joint_broken,                 ///< u32
+  drive_impulse,                ///< f64 x 4: spring, motor, lower, upper; of one substep
+  drive_coordinate,             ///< f64, m or rad; turns are counted
+  drive_motor,                  ///< f64 x 2: speed or place that the motor wants, most that it can do
   counters,                     ///< u64: next id
   gravity,                      ///< f64 x 3
   substep,                      ///< f64, s, length of the last step's substeps; 0 before the first
@@ -44,7 +48,7 @@ enum : State::Column {
 }  // namespace rigid3d_columns
 
 /// The state at t = 0.
-State rigid3d_at_start(const BodyList& bodies, std::span<const Joint> joints, const Vec3& gravity);
+State rigid3d_at_start(const BodyList& bodies, const JointList& joints, const Vec3& gravity);
 
 /// One body more, at the end.
 void append_body(State& s, const BodyStart& b);

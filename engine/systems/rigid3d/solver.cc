@@ -182,7 +182,8 @@ void ContactSolver<T>::fill(size_t group, std::span<Contact* const> contacts, co
 }
 
 template <class T>
-void ContactSolver<T>::substeps(const SolverSettings& settings, const StepInput& in) {
+void ContactSolver<T>::substeps(const JointList& joints, const SolverSettings& settings,
+                                const StepInput& in) {
   const size_t n = body_.size();
   const auto end = static_cast<uint32_t>(n);
   const double h = in.h / settings.substeps;
@@ -194,9 +195,9 @@ void ContactSolver<T>::substeps(const SolverSettings& settings, const StepInput&
   const bool bounces = flags_ & ContactGroup<T>::kBounces;
   each_colour(contact_lanes_, groups_, in.arena,
               [&](ContactGroup<T>& g) { apply_contacts(g, warm_.data(), end); });
-  joints_.start(d, warm_.data(), h, in.arena);
+  joints_.start(joints, d, warm_.data(), h, in.arena);
   for (int k = 0; k < settings.substeps; ++k) {
-    if (k > 0) joints_.renew(d, warm_.data(), in.arena);
+    if (k > 0) joints_.renew(d, warm_.data(), k * h, in.arena);
     for (size_t i = 0; i < n; ++i) {
       for (int e = 0; e < 8; ++e) v[i].x[e] += change_[i].x[e];
       if (damped_) {
@@ -293,7 +294,7 @@ void ContactSolver<T>::store_bodies(State& s) {
 }
 
 template <class T>
-void ContactSolver<T>::solve(State& s, std::span<const BodyKind> kinds, std::span<const Joint> joints,
+void ContactSolver<T>::solve(State& s, std::span<const BodyKind> kinds, const JointList& joints,
                              std::span<Contact* const> contacts, std::span<const BodyNow> now,
                              std::span<const Vec3> change, const SolverSettings& settings,
                              const StepInput& in) {
@@ -309,10 +310,10 @@ void ContactSolver<T>::solve(State& s, std::span<const BodyKind> kinds, std::spa
   });
   joints_.fill(s, joints, {now, slot_, scaled_, body_.size()}, in.arena);
   flags_ = 0;
-  substeps(settings, in);
+  substeps(joints, settings, in);
   store_impulses(contacts);
-  joints_.store(s, joints, in.h / settings.substeps);
   store_bodies(s);
+  joints_.store(s, joints, displacement_.data(), in.h / settings.substeps, in.h);
 }
 
 template class ContactSolver<float>;

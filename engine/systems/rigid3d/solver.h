@@ -25,7 +25,7 @@ class ContactSolver {
   using W = Wide<T>;
   /// Moves the bodies that have contacts (`slots` tells which) by in.h; `change` is what gravity and pushes
   /// add to the velocity of every body in that time.
-  void solve(State& s, std::span<const BodyKind> kinds, std::span<const Joint> joints,
+  void solve(State& s, std::span<const BodyKind> kinds, const JointList& joints,
              std::span<Contact* const> contacts, std::span<const BodyNow> now, std::span<const Vec3> change,
              const SolverSettings& settings, const StepInput& in);
   /// Per body: its place among those that this step's solver moved, or kNoBody.
@@ -38,7 +38,7 @@ class ContactSolver {
                    std::span<const Vec3> change, const SolverSettings& settings, double h);
   void fill(size_t group, std::span<Contact* const> contacts, const State& s, std::span<const BodyKind> kinds,
             std::span<const BodyNow> now);
-  void substeps(const SolverSettings& settings, const StepInput& in);
+  void substeps(const JointList& joints, const SolverSettings& settings, const StepInput& in);
   /// Lets contacts bounce that close within a substep.
   void hit(const ImpactPass<T>& pass, int substeps_left, const ThreadArena& arena);
   void store_impulses(std::span<Contact* const> contacts);

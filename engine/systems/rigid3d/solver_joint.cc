@@ -1,5 +1,10 @@
 #include "engine/systems/rigid3d/solver_joint.h"
 
+#include <algorithm>
+#include <bit>
+
+#include "engine/kernels/soft_constraint.h"
+
 namespace truestep {
 
 namespace columns = rigid3d_columns;
@@ -7,6 +12,8 @@ namespace columns = rigid3d_columns;
 namespace {
 /// Joints are springs of this share of the substeps' rate, damped that many times the critical.
 constexpr double kJointHertzShare = 0.25, kJointDamping = 2;
+/// Impulses of motors without a bound, N s.
+constexpr double kAnything = 1e20;
 }  // namespace
 
 template <class T>
@@ -25,33 +32,67 @@ void JointSolver<T>::choose(const State& s, std::span<const BodyNow> now, std::s
 }
 
 template <class T>
-void JointSolver<T>::fill(const State& s, std::span<const Joint> joints, const Bodies& bodies,
+void JointSolver<T>::fill(const State& s, const JointList& joints, const Bodies& bodies,
                           const ThreadArena& arena) {
   end_ = static_cast<uint32_t>(bodies.moving);
   ends_.clear();
+  std::erase_if(listed_, [&](uint32_t k) { return joints.joints[k].form == Joint::Form::gear; });
   const auto held = s.span<uint32_t>(columns::joint_bodies);
   const auto slot = [&](uint32_t i) { return i == kNoBody ? kNoBody : bodies.slot[i]; };
   for (const uint32_t k : listed_) ends_.push_back({slot(held[2 * k]), slot(held[2 * k + 1])});
   make_lanes(listed_, ends_, bodies.moving, W::kLanes, colouring_, lanes_);
   if (groups_.size() < lanes_.count) groups_.resize(lanes_.count);
+  count_drives(joints);
   arena.for_blocks(lanes_.count, kGroupsPerBlock, [&](size_t begin, size_t end) {
     for (size_t g = begin; g < end; ++g) fill_group(g, s, joints, bodies);
   });
+  fill_gears(s, joints);
+}
+
+/// Room for the drives of every group, one for each row that any of its lanes drives.
+template <class T>
+void JointSolver<T>::count_drives(const JointList& joints) {
+  uint32_t total = 0;
+  coordinate_.resize(joints.drives.size());
+  for (size_t g = 0; g < lanes_.count; ++g) {
+    uint32_t rows = 0;
+    for (int lane = 0; lane < W::kLanes && !joints.drives.empty(); ++lane) {
+      const uint32_t k = lanes_.member[g * W::kLanes + static_cast<size_t>(lane)];
+      if (k == kNoBody) continue;
+      const Joint& j = joints.joints[k];
+      for (uint32_t d = j.first_drive; d < j.first_drive + j.drives; ++d) rows |= 1u << joints.drives[d].row;
+    }
+    groups_[g].driven_rows = rows, groups_[g].first_drive = total;
+    groups_[g].drives = static_cast<uint32_t>(std::popcount(rows));
+    total += groups_[g].drives;
+  }
+  if (drives_.size() < total) drives_.resize(total);
 }
 
 template <class T>
-void JointSolver<T>::fill_group(size_t group, const State& s, std::span<const Joint> joints,
-                                const Bodies& bodies) {
+void JointSolver<T>::fill_group(size_t group, const State& s, const JointList& joints, const Bodies& bodies) {
   const auto held = s.span<uint32_t>(columns::joint_bodies);
   const double *x = s.f64(columns::position).data(), *q = s.f64(columns::orientation).data();
-  JointGroup<T>& g = groups_[group] = JointGroup<T>{};
+  JointGroup<T>& g = groups_[group];
+  const uint32_t rows = g.driven_rows, first = g.first_drive, drives = g.drives;
+  g = JointGroup<T>{};
+  g.driven_rows = rows, g.first_drive = first, g.drives = drives;
+  for (uint32_t row = 0, k = 0; row < 6; ++row) {
+    if (!(g.driven_rows >> row & 1)) continue;
+    JointDrive<T>& d = drives_[g.first_drive + k++];
+    d = JointDrive<T>{};
+    d.row = static_cast<int>(row);
+    d.lower.error = d.upper.error = W(JointDrive<T>::kFar);
+  }
+  g.bound[0] = g.bound[1] = W(kAnything);
   for (int lane = 0; lane < W::kLanes; ++lane) {
-    const uint32_t k = lanes_.member[group * W::kLanes + lane];
+    const uint32_t k = lanes_.member[group * W::kLanes + static_cast<size_t>(lane)];
     g.a[lane] = g.b[lane] = end_;
     if (k == kNoBody) continue;
+    const Joint& joint = joints.joints[k];
     const uint32_t a = held[2 * k], b = held[2 * k + 1];
     const auto pose = [&](uint32_t i) { return i == kNoBody ? Pose{} : Pose{load3(x, i), load_quat(q, i)}; };
-    const JointPlace at = joint_place(joints[k], pose(a), pose(b));
+    const JointPlace at = joint_place(joint, pose(a), pose(b));
     const auto body = [&](uint32_t i, uint32_t* slot, W& root, W turn[9]) {
       if (i == kNoBody || bodies.slot[i] == kNoBody) return;
       const ScaledBody& scaled = bodies.scaled[bodies.slot[i]];
@@ -61,58 +102,267 @@ void JointSolver<T>::fill_group(size_t group, const State& s, std::span<const Jo
     body(a, g.a, g.root_a, g.turn_a), body(b, g.b, g.root_b, g.turn_b);
     set3(g.arm_a, lane, at.arm_a), set3(g.arm_b, lane, at.arm_b), set3(g.error, lane, at.gap);
     for (int e = 0; e < 3; ++e) {
-      set3(g.axis[e], lane, at.axes[e]);
-      g.angle[e].set(lane, T(dot(at.axes[e], at.turn)));
+      set3(g.axis[e], lane, at.axes[e]), set3(g.turn_axis[e], lane, at.turns[e]);
+      if (joint.locked[static_cast<size_t>(3 + e)]) g.angle[e].set(lane, T(at.coordinate[3 + e]));
     }
-    for (int e = 0; e < 6; ++e) {
-      g.locked[e].set(lane, T(joints[k].locked[e]));
+    for (size_t e = 0; e < 6; ++e) {
+      g.locked[e].set(lane, T(joint.locked[e]));
       g.impulse[e].set(lane, T(s.f64(columns::joint_impulse)[6 * k + e]));
+    }
+    if (joint.form == Joint::Form::line) {
+      g.flags |= JointGroup<T>::kLines;
+      g.along.set(lane, 1), g.length.set(lane, T(joint.length));
+    }
+    if (joint.max_force < kUnbounded || joint.max_torque < kUnbounded) {
+      g.flags |= JointGroup<T>::kBounded;
+      g.bound[0].set(lane, T(std::min(joint.max_force, kAnything)));
+      g.bound[1].set(lane, T(std::min(joint.max_torque, kAnything)));
+    }
+    set_drift(g, lane, s, {a, b}, bodies, at);
+    for (uint32_t d = joint.first_drive; d < joint.first_drive + joint.drives; ++d) {
+      fill_drive(g, lane, s, joint, d, joints.drives[d], at);
+    }
+  }
+}
+
+/// What bodies that move by themselves add to J v.
+template <class T>
+void JointSolver<T>::set_drift(JointGroup<T>& g, int lane, const State& s,
+                               const std::array<uint32_t, 2>& held, const Bodies& bodies,
+                               const JointPlace& at) {
+  for (size_t end = 0; end < 2; ++end) {
+    const uint32_t i = held[end];
+    if (i == kNoBody || bodies.now[i].part != BodyNow::Part::driven) continue;
+    const double sign = end == 0 ? -1 : 1;
+    const Vec3 w = load3(s.f64(columns::angular_velocity).data(), i);
+    const Vec3 arm = end == 0 ? at.arm_a + at.gap : at.arm_b;
+    const Vec3 v = load3(s.f64(columns::velocity).data(), i) + cross(w, arm);
+    g.flags |= JointGroup<T>::kDrifts;
+    for (int e = 0; e < 3; ++e) {
+      g.drift[e].set(lane, T(g.drift[e][lane] + sign * dot(at.axes[e], v)));
+      g.drift[3 + e].set(lane, T(g.drift[3 + e][lane] + sign * dot(at.turns[e], w)));
     }
   }
 }
 
 template <class T>
-void JointSolver<T>::start(const Record8<T>* moved, Record8<T>* warm, double h, const ThreadArena& arena) {
-  soft_ = soft_constraint<double>(kJointHertzShare / h, kJointDamping, h);
-  each_colour(lanes_, groups_, arena, [&](JointGroup<T>& g) {
-    prepare_joints(g, moved);
-    apply_joints(g, warm, end_, T(1));
-  });
+void JointSolver<T>::fill_drive(JointGroup<T>& g, int lane, const State& s, const Joint& joint,
+                                uint32_t index, const Drive& drive, const JointPlace& at) {
+  JointDrive<T>& d = drive_of(g, drive.row);
+  double coordinate = at.coordinate[drive.row];
+  if (drive.row >= 3 && joint.form != Joint::Form::pose) {
+    coordinate = unwrapped(coordinate, s.f64(columns::drive_coordinate)[index]);
+  }
+  coordinate_[index] = coordinate;
+  const double* impulse = s.f64(columns::drive_impulse).data() + 4 * static_cast<size_t>(index);
+  const double* motor = s.f64(columns::drive_motor).data() + 2 * static_cast<size_t>(index);
+  d.laws |= drive.laws;
+  // Row 0 of a line is measured from the length that it wants.
+  d.start.set(lane, drive.row < 3 ? T(at.coordinate[drive.row]) : T(0));
+  if (drive.laws & Drive::kSpring) {
+    d.spring.error.set(lane, T(coordinate - drive.rest)), d.spring.impulse.set(lane, T(impulse[0]));
+    d.spring.most.set(lane, T(kAnything));
+  }
+  if (drive.laws & Drive::kMotor) {
+    if (drive.wants == Drive::Wants::speed) {
+      d.motor.speed.set(lane, T(motor[0])), d.motor.scale.set(lane, T(1));
+    } else {
+      const double low = drive.laws & Drive::kLower ? drive.lower : -kUnbounded;
+      const double high = drive.laws & Drive::kUpper ? drive.upper : kUnbounded;
+      d.motor.error.set(lane, T(coordinate - std::max(low, std::min(high, motor[0]))));
+    }
+    d.motor.most.set(lane, T(std::min(motor[1], kAnything))), d.motor.impulse.set(lane, T(impulse[1]));
+  }
+  if (drive.laws & Drive::kLower) {
+    d.lower.error.set(lane, T(coordinate - drive.lower)), d.lower.impulse.set(lane, T(impulse[2]));
+  }
+  if (drive.laws & Drive::kUpper) {
+    d.upper.error.set(lane, T(drive.upper - coordinate)), d.upper.impulse.set(lane, T(impulse[3]));
+  }
+}
+
+/// Places of this step's joints, and gears whose joints both are among them.
+template <class T>
+void JointSolver<T>::fill_gears(const State& s, const JointList& joints) {
+  gears_.clear();
+  const auto& all = joints.joints;
+  if (std::none_of(all.begin(), all.end(), [](const Joint& j) { return j.form == Joint::Form::gear; }))
+    return;
+  place_.assign(all.size(), kNoBody);
+  for (uint32_t k = 0; k < lanes_.member.size(); ++k) {
+    if (lanes_.member[k] != kNoBody) place_[lanes_.member[k]] = k;
+  }
+  const auto broken = s.span<uint32_t>(columns::joint_broken);
+  for (uint32_t k = 0; k < all.size(); ++k) {
+    if (all[k].form != Joint::Form::gear || broken[k]) continue;
+    GearRow<T> gear;
+    gear.joint = k, gear.ratio = T(all[k].ratio);
+    gear.impulse = T(s.f64(columns::joint_impulse)[6 * k]);
+    double error = 0;
+    bool here = true;
+    for (size_t m = 0; m < 2; ++m) {
+      const uint32_t index = all[k].geared[m];
+      const Drive& drive = joints.drives[index];
+      const uint32_t at = place_[drive.joint];
+      here &= at != kNoBody;
+      if (!here) break;
+      error += (m == 0 ? 1 : all[k].ratio) * coordinate_[index];
+      const uint32_t group = at / W::kLanes;
+      const auto place = static_cast<uint32_t>(&drive_of(groups_[group], drive.row) - drives_.data());
+      gear.mesh[m] = {group, place, static_cast<int>(at % W::kLanes)};
+    }
+    gear.error = T(error);
+    if (here) gears_.push_back(gear);
+  }
+}
+
+/// Coefficients of springs and servos for substeps of h, by the masses that they move now.
+template <class T>
+void JointSolver<T>::soften(size_t group, const JointList& joints, double h) {
+  JointGroup<T>& g = groups_[group];
+  if (g.flags & JointGroup<T>::kBounded) {
+    for (W& b : g.bound) b *= W(h);
+  }
+  if (g.drives == 0) return;
+  for (int lane = 0; lane < W::kLanes; ++lane) {
+    const uint32_t k = lanes_.member[group * W::kLanes + static_cast<size_t>(lane)];
+    if (k == kNoBody) continue;
+    const Joint& joint = joints.joints[k];
+    for (uint32_t i = joint.first_drive; i < joint.first_drive + joint.drives; ++i) {
+      const Drive& drive = joints.drives[i];
+      JointDrive<T>& d = drive_of(g, drive.row);
+      const auto soften = [&](typename JointDrive<T>::TwoSided& row, double w2, double rate) {
+        const OscillatorStep step = oscillator_step(w2, rate, h);
+        row.push.set(lane, T(step.push)), row.scale.set(lane, T(step.scale));
+      };
+      if (drive.laws & Drive::kSpring) {
+        const double w = drive.frequency, inverse_mass = d.k[lane];
+        if (drive.by == Drive::By::frequency) {
+          soften(d.spring, w * w, 2 * drive.damping_ratio * w);
+        } else {
+          soften(d.spring, drive.stiffness * inverse_mass, drive.damping * inverse_mass);
+        }
+      }
+      if (drive.laws & Drive::kMotor) {
+        const double w = drive.servo_frequency;
+        if (drive.wants == Drive::Wants::place) soften(d.motor, w * w, 2 * drive.servo_damping * w);
+        d.motor.most.set(lane, T(std::min(double(d.motor.most[lane]) * h, kAnything)));
+      }
+    }
+  }
 }
 
 template <class T>
-void JointSolver<T>::renew(const Record8<T>* moved, Record8<T>* warm, const ThreadArena& arena) {
+void JointSolver<T>::prepare(JointGroup<T>& g, const Record8<T>* moved, double elapsed) {
+  prepare_joints(g, moved, T(elapsed));
+  for (uint32_t k = 0; k < g.drives; ++k) prepare_drive(g, drives_[g.first_drive + k]);
+}
+
+template <class T>
+void JointSolver<T>::start(const JointList& joints, const Record8<T>* moved, Record8<T>* warm, double h,
+                           const ThreadArena& arena) {
+  const auto soft = soft_constraint<double>(kJointHertzShare / h, kJointDamping, h);
+  pass_ = {T(soft.bias_rate), T(soft.mass_scale), T(soft.impulse_scale), T(1 / h)};
+  relax_.inverse_h = T(1 / h);
   each_colour(lanes_, groups_, arena, [&](JointGroup<T>& g) {
-    apply_joints(g, warm, end_, T(-1));
-    prepare_joints(g, moved);
-    apply_joints(g, warm, end_, T(1));
+    prepare(g, moved, 0);
+    soften(static_cast<size_t>(&g - groups_.data()), joints, h);
+    apply_joints(g, drives_.data() + g.first_drive, warm, end_, T(1));
   });
+  for (GearRow<T>& gear : gears_) {
+    prepare_gear<T>(gear, groups_, drives_, end_);
+    apply_gear(gear, warm, end_, T(1));
+  }
+}
+
+template <class T>
+void JointSolver<T>::renew(const Record8<T>* moved, Record8<T>* warm, double elapsed,
+                           const ThreadArena& arena) {
+  for (const GearRow<T>& gear : gears_) apply_gear(gear, warm, end_, T(-1));
+  each_colour(lanes_, groups_, arena, [&](JointGroup<T>& g) {
+    const JointDrive<T>* drives = drives_.data() + g.first_drive;
+    apply_joints(g, drives, warm, end_, T(-1));
+    prepare(g, moved, elapsed);
+    apply_joints(g, drives, warm, end_, T(1));
+  });
+  for (GearRow<T>& gear : gears_) {
+    prepare_gear<T>(gear, groups_, drives_, end_);
+    apply_gear(gear, warm, end_, T(1));
+  }
 }
 
 template <class T>
 void JointSolver<T>::push(Record8<T>* v, const ThreadArena& arena) {
   each_colour(lanes_, groups_, arena, [&](JointGroup<T>& g) {
-    solve_joints<ContactSolve::push>(g, v, end_, T(soft_.bias_rate), T(soft_.mass_scale),
-                                     T(soft_.impulse_scale));
+    solve_joints<ContactSolve::push>(g, drives_.data() + g.first_drive, v, end_, pass_);
   });
+  for (GearRow<T>& gear : gears_) solve_gear<ContactSolve::push>(gear, v, end_, pass_);
 }
 
 template <class T>
 void JointSolver<T>::relax(Record8<T>* v, const ThreadArena& arena) {
-  each_colour(lanes_, groups_, arena,
-              [&](JointGroup<T>& g) { solve_joints<ContactSolve::relax>(g, v, end_, T(0), T(1), T(0)); });
+  each_colour(lanes_, groups_, arena, [&](JointGroup<T>& g) {
+    solve_joints<ContactSolve::relax>(g, drives_.data() + g.first_drive, v, end_, relax_);
+  });
+  for (GearRow<T>& gear : gears_) solve_gear<ContactSolve::relax>(gear, v, end_, relax_);
 }
 
 template <class T>
-void JointSolver<T>::store(State& s, std::span<const Joint> joints, double h) const {
-  const auto impulse = s.f64(columns::joint_impulse);
-  for (size_t g = 0; g < lanes_.count; ++g) {
+void JointSolver<T>::store(State& s, const JointList& joints, const Record8<T>* moved, double h,
+                           double elapsed) {
+  const auto impulse = s.f64(columns::joint_impulse), load = s.f64(columns::joint_load);
+  const auto held = s.span<uint32_t>(columns::joint_bodies), broken = s.span<uint32_t>(columns::joint_broken);
+  const double *x = s.f64(columns::position).data(), *q = s.f64(columns::orientation).data();
+  const auto pose = [&](uint32_t i) { return i == kNoBody ? Pose{} : Pose{load3(x, i), load_quat(q, i)}; };
+  const auto carry = [&](uint32_t k, const Vec3& force, const Vec3& torque) {
+    store3(load.data(), 2 * k, force), store3(load.data(), 2 * k + 1, torque);
+    const Joint& j = joints.joints[k];
+    if (norm(force) > j.break_force || norm(torque) > j.break_torque) broken[k] = 1;
+  };
+  for (const GearRow<T>& gear : gears_) {
+    impulse[6 * gear.joint] = gear.impulse;
+    const auto& [group, drive, lane] = gear.mesh[0];
+    const int row = drives_[drive].row;
+    const JointGroup<T>& g = groups_[group];
+    const auto* axis = row < 3 ? g.now[row] : g.turn_now[row - 3];
+    const Vec3 made = Vec3{axis[0][lane], axis[1][lane], axis[2][lane]} * (gear.impulse / h);
+    carry(gear.joint, row < 3 ? made : Vec3{}, row < 3 ? Vec3{} : made);
+  }
+  for (size_t group = 0; group < lanes_.count; ++group) {
+    JointGroup<T>& g = groups_[group];
+    W total[6];
+    for (int e = 0; e < 6; ++e) total[e] = g.impulse[e];
+    for (uint32_t d = g.first_drive; d < g.first_drive + g.drives; ++d) {
+      const W made = detail::total_impulse(drives_[d]);
+      for (int e = 0; e < 6; ++e) total[e] = madd(made, drives_[d].share[e], total[e]);
+    }
+    if (g.drives > 0) prepare_joints(g, moved, T(elapsed));  // where the drives got to
     for (int lane = 0; lane < W::kLanes; ++lane) {
-      const uint32_t k = lanes_.member[g * W::kLanes + lane];
+      const uint32_t k = lanes_.member[group * W::kLanes + static_cast<size_t>(lane)];
       if (k == kNoBody) continue;
-      for (int e = 0; e < 6; ++e) impulse[6 * k + e] = groups_[g].impulse[e][lane];
-      const Vec3 force = load3(impulse.data() + 6 * k, 0) / h;
-      if (norm(force) > joints[k].break_force) s.span<uint32_t>(columns::joint_broken)[k] = 1;
+      const Joint& joint = joints.joints[k];
+      Vec3 force, torque;
+      for (int e = 0; e < 6; ++e) impulse[6 * k + static_cast<size_t>(e)] = g.impulse[e][lane];
+      for (int e = 0; e < 3; ++e) {
+        force += Vec3{g.now[e][0][lane], g.now[e][1][lane], g.now[e][2][lane]} * double(total[e][lane]);
+        torque += Vec3{g.turn_now[e][0][lane], g.turn_now[e][1][lane], g.turn_now[e][2][lane]} *
+                  double(total[3 + e][lane]);
+      }
+      carry(k, force / h, torque / h);
+      if (joint.drives == 0) continue;
+      const JointPlace at = joint_place(joint, pose(held[2 * k]), pose(held[2 * k + 1]));
+      for (uint32_t i = joint.first_drive; i < joint.first_drive + joint.drives; ++i) {
+        const uint32_t row = joints.drives[i].row;
+        const JointDrive<T>& d = drive_of(g, row);
+        double coordinate = at.coordinate[row];
+        if (row >= 3 && joint.form != Joint::Form::pose) {
+          coordinate = unwrapped(coordinate, coordinate_[i] + double(g.gap[row][lane] - d.start[lane]));
+        }
+        s.f64(columns::drive_coordinate)[i] = coordinate;
+        double* kept = s.f64(columns::drive_impulse).data() + 4 * static_cast<size_t>(i);
+        kept[0] = d.spring.impulse[lane], kept[1] = d.motor.impulse[lane];
+        kept[2] = d.lower.impulse[lane], kept[3] = d.upper.impulse[lane];
+      }
     }
   }
 }

@@ -1,13 +1,13 @@
 // Joints of a step: those that hold a moving body, side by side by colour, warm started, and solved before
-// the contacts in every pass. What they carry is kept in the state from step to step.
+// the contacts in every pass; gears after them. What they carry is kept in the state from step to step.
 #pragma once
 #include <span>
 #include <vector>
 
 #include "engine/base/cache_line.h"
-#include "engine/kernels/joint_rows3.h"
-#include "engine/kernels/soft_constraint.h"
+#include "engine/kernels/joint_drives3.h"
 #include "engine/systems/rigid3d/contacts.h"
+#include "engine/systems/rigid3d/solver_gear.h"
 #include "engine/systems/rigid3d/solver_lanes.h"
 
 namespace truestep {
@@ -25,25 +25,45 @@ class JointSolver {
   };
   /// Lists the joints of this step and marks the bodies that they move (slot 0).
   void choose(const State& s, std::span<const BodyNow> now, std::span<uint32_t> slot);
-  void fill(const State& s, std::span<const Joint> joints, const Bodies& bodies, const ThreadArena& arena);
+  void fill(const State& s, const JointList& joints, const Bodies& bodies, const ThreadArena& arena);
   /// Before the first substep of h: adds to `warm` what the joints carried last.
-  void start(const Record8<T>* moved, Record8<T>* warm, double h, const ThreadArena& arena);
-  /// Before every other: what joints carry turns with their bodies.
-  void renew(const Record8<T>* moved, Record8<T>* warm, const ThreadArena& arena);
+  void start(const JointList& joints, const Record8<T>* moved, Record8<T>* warm, double h,
+             const ThreadArena& arena);
+  /// Before every other, `elapsed` (s) after the first: what joints carry turns with their bodies.
+  void renew(const Record8<T>* moved, Record8<T>* warm, double elapsed, const ThreadArena& arena);
   void push(Record8<T>* v, const ThreadArena& arena);
   void relax(Record8<T>* v, const ThreadArena& arena);
-  /// Impulses for the next step; h: a substep. Joints that carried too much break.
-  void store(State& s, std::span<const Joint> joints, double h) const;
+  /// What the next step starts from, once the bodies of `s` are where they go; h: a substep, `elapsed`: the
+  /// step. Joints that carried too much break.
+  void store(State& s, const JointList& joints, const Record8<T>* moved, double h, double elapsed);
 
  private:
-  void fill_group(size_t group, const State& s, std::span<const Joint> joints, const Bodies& bodies);
+  void count_drives(const JointList& joints);
+  void fill_group(size_t group, const State& s, const JointList& joints, const Bodies& bodies);
+  void fill_drive(JointGroup<T>& g, int lane, const State& s, const Joint& joint, uint32_t index,
+                  const Drive& drive, const JointPlace& at);
+  void set_drift(JointGroup<T>& g, int lane, const State& s, const std::array<uint32_t, 2>& held,
+                 const Bodies& bodies, const JointPlace& at);
+  void fill_gears(const State& s, const JointList& joints);
+  void soften(size_t group, const JointList& joints, double h);
+  void prepare(JointGroup<T>& g, const Record8<T>* moved, double elapsed);
+  /// The group's drive of that row.
+  JointDrive<T>& drive_of(const JointGroup<T>& g, uint32_t row) {
+    return drives_[g.first_drive + static_cast<uint32_t>(std::popcount(g.driven_rows & ((1u << row) - 1)))];
+  }
 
-  std::vector<JointGroup<T>, CacheLineAllocator<JointGroup<T>>> groups_;
+  template <class U>
+  using Aligned = std::vector<U, CacheLineAllocator<U>>;
+  Aligned<JointGroup<T>> groups_;
+  Aligned<JointDrive<T>> drives_;
+  std::vector<GearRow<T>> gears_;
   LaneGroups lanes_;
   LaneColouring colouring_;
   std::vector<ConstraintEnds> ends_;
   std::vector<uint32_t> listed_;
-  SoftConstraint<double> soft_;
+  std::vector<uint32_t> place_;     // of joints: group * lanes + lane, or kNoBody
+  std::vector<double> coordinate_;  // of the scene's drives at the step's start
+  JointPass<T> pass_, relax_;
   uint32_t end_ = 0;
 };
 

@@ -48,7 +48,7 @@ Rigid3dDef def_of(const SpaceScene& scene, const OursSettings& settings) {
     }
   }
   for (const SpaceJoint& j : scene.joints) {
-    JointDef d;
+    BallJointDef d;
     d.a = j.a, d.b = j.b, d.anchor = j.anchor;
     def.joints.push_back(d);
   }

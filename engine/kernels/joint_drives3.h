@@ -1,0 +1,181 @@
+// Rows of joints that are free but limited, sprung or driven, one number each. Their impulses act along
+//   p = J_r^T - J_l^T (K_ll)^-1 K_lr
+// (l the locked rows of the same joint), which leaves the locked rows as they are, so that a motor on a hinge
+// far from a body's centre turns it about the hinge: 1 / (J_r p) is the inertia about that axis.
+//   spring, servo, motor:  dl = -(scale (J v - speed) + push C) / k - (1 - scale) l,   |l| <= most
+//   limits:                l >= 0,  C >= 0 kept before it is reached (J v >= -C / h), soft once it is not.
+// The impulses of motors of a pose are also kept within a ball over three rows.
+#pragma once
+#include "engine/kernels/joint_rows3.h"
+
+namespace truestep {
+
+template <class T>
+struct alignas(64) JointDrive {
+  using W = Wide<T>;
+  int row = 0;
+  enum Law : uint32_t { kSpring = 1, kMotor = 2, kLower = 4, kUpper = 8 };
+  uint32_t laws = 0;  ///< of any lane
+  W start;            ///< the row's gap at the step's start
+  /// A row that pulls both ways. Lanes without it have all zero.
+  struct TwoSided {
+    W error, speed, scale, push, most, impulse;
+  } spring, motor;
+  /// One that pushes one way: C at the step's start. Lanes without it have kFar.
+  struct OneSided {
+    W error, impulse;
+  } lower, upper;
+  static constexpr T kFar = T(1e20);
+  // Made anew in every substep.
+  W share[6], k, inverse_k;  ///< p over the joint's rows, J_r p
+};
+
+/// Directions and masses of a group's drive, after prepare_joints.
+template <class T>
+void prepare_drive(const JointGroup<T>& g, JointDrive<T>& d) {
+  using W = Wide<T>;
+  namespace r = contact_rows;
+  W k[6], c[6] = {};
+  const int row = d.row;
+  const W linear = g.root_a * g.root_a + g.root_b * g.root_b;
+  for (int q = 0; q < 6; ++q) {
+    k[q] = r::dot(g.ja[q], g.ja[row]) + r::dot(g.jb[q], g.jb[row]);
+    if (q == row && q < 3) k[q] += linear;
+  }
+  // Lines are not at right angles to the other two axes, but no joint locks those beside a line.
+  for (int p = 0, at = 0; p < 6; ++p) {
+    for (int q = 0; q <= p; ++q, ++at) {
+      c[p] = madd(g.inverse[at], g.locked[q] * k[q], c[p]);
+      if (q < p) c[q] = madd(g.inverse[at], g.locked[p] * k[p], c[q]);
+    }
+  }
+  d.k = k[row];
+  for (int q = 0; q < 6; ++q) {
+    c[q] *= g.locked[q];
+    d.share[q] = q == row ? W(1) : -c[q];
+    if (q != row) d.k = nmadd(c[q], k[q], d.k);
+  }
+  // What the locked rows hold entirely has nothing left to move.
+  const W zero(0);
+  d.inverse_k = where_positive(d.k - W(1e-6) * k[row], W(1) / d.k, zero);
+}
+
+namespace detail {
+/// Change of a two-sided impulse towards `speed`, and of the row's speed v.
+template <class T>
+Wide<T> two_sided(typename JointDrive<T>::TwoSided& s, const Wide<T>& speed, const Wide<T>& moved,
+                  const JointDrive<T>& d, Wide<T>& v) {
+  using W = Wide<T>;
+  const W wanted = madd(s.scale, v - speed, s.push * (s.error + moved));
+  const W next = nmadd(d.inverse_k, wanted, s.scale * s.impulse);
+  const W clamped = max(-s.most, min(s.most, next)), change = clamped - s.impulse;
+  s.impulse = clamped;
+  v = madd(d.k, change, v);
+  return change;
+}
+/// The same of a limit for speed v away from it.
+template <ContactSolve kind, class T>
+Wide<T> one_sided(typename JointDrive<T>::OneSided& s, const Wide<T>& gap, const JointDrive<T>& d,
+                  const JointPass<T>& pass, const Wide<T>& v) {
+  using W = Wide<T>;
+  const W zero(0), one(1);
+  W rate(0), scale(1), back(0);
+  if constexpr (kind == ContactSolve::push) {
+    rate = W(pass.bias_rate), scale = W(pass.mass_scale), back = W(pass.impulse_scale);
+  }
+  const W bias = where_positive(gap, gap * W(pass.inverse_h), gap * rate);
+  scale = where_positive(gap, one, scale), back = where_positive(gap, zero, back);
+  const W next = max(zero, s.impulse - d.inverse_k * scale * (v + bias) - back * s.impulse);
+  const W change = next - s.impulse;
+  s.impulse = next;
+  return change;
+}
+template <class T>
+void push_drive(const JointGroup<T>& g, const JointDrive<T>& d, const Wide<T>& change, Wide<T> a[6],
+                Wide<T> b[6]) {
+  Wide<T> f[6];
+  for (int k = 0; k < 6; ++k) f[k] = change * d.share[k];
+  push_joint(g, f, a, b);
+}
+template <class T>
+Wide<T> total_impulse(const JointDrive<T>& d) {
+  return d.spring.impulse + d.motor.impulse + d.lower.impulse - d.upper.impulse;
+}
+
+template <ContactSolve kind, class T>
+void solve_drive(const JointGroup<T>& g, JointDrive<T>& d, Wide<T> a[6], Wide<T> b[6],
+                 const JointPass<T>& pass) {
+  using W = Wide<T>;
+  using D = JointDrive<T>;
+  W v = joint_speed(g, d.row, a, b), sum(0);
+  const W moved = g.gap[d.row] - d.start;
+  if (d.laws & D::kSpring) sum += two_sided<T>(d.spring, W(0), moved, d, v);
+  if (d.laws & D::kMotor) {
+    // A motor does not strive beyond its limits, where two that yield to nothing would fight.
+    const W zero(0), up = (d.upper.error - moved) * W(pass.inverse_h),
+                     down = (d.lower.error + moved) * W(pass.inverse_h);
+    const W speed = max(-max(zero, down), min(max(zero, up), d.motor.speed));
+    sum += two_sided<T>(d.motor, speed, moved, d, v);
+  }
+  if (d.laws & D::kLower) {
+    const W change = one_sided<kind, T>(d.lower, d.lower.error + moved, d, pass, v);
+    sum += change, v = madd(d.k, change, v);
+  }
+  if (d.laws & D::kUpper) sum -= one_sided<kind, T>(d.upper, d.upper.error - moved, d, pass, -v);
+  push_drive(g, d, sum, a, b);
+}
+
+/// Keeps the motors of rows first to first + 2 within the ball of radius `most`.
+template <class T>
+void bound_motors(const JointGroup<T>& g, JointDrive<T>* drives, int first, const Wide<T>& most, Wide<T> a[6],
+                  Wide<T> b[6]) {
+  using W = Wide<T>;
+  W length2(1e-30);
+  const auto each = [&](auto&& body) {
+    for (uint32_t k = 0; k < g.drives; ++k) {
+      if (drives[k].row >= first && drives[k].row < first + 3) body(drives[k]);
+    }
+  };
+  each([&](const JointDrive<T>& d) { length2 = madd(d.motor.impulse, d.motor.impulse, length2); });
+  const W length = sqrt(length2), change = where_positive(length - most, most / length - W(1), W(0));
+  each([&](JointDrive<T>& d) {
+    const W less = change * d.motor.impulse;
+    d.motor.impulse += less;
+    push_drive(g, d, less, a, b);
+  });
+}
+}  // namespace detail
+
+/// Adds `times` the group's impulses, those of its drives too, to the records (scaled velocities).
+template <class T>
+void apply_joints(const JointGroup<T>& g, const JointDrive<T>* drives, Record8<T>* records, uint32_t end,
+                  T times) {
+  using W = Wide<T>;
+  W a[6], b[6], f[6];
+  gather6(records, g.a, a), gather6(records, g.b, b);
+  for (int k = 0; k < 6; ++k) f[k] = g.impulse[k];
+  for (uint32_t i = 0; i < g.drives; ++i) {
+    const W total = detail::total_impulse(drives[i]);
+    for (int k = 0; k < 6; ++k) f[k] = madd(total, drives[i].share[k], f[k]);
+  }
+  for (W& x : f) x *= W(times);
+  detail::push_joint(g, f, a, b);
+  scatter6(records, g.a, end, a), scatter6(records, g.b, end, b);
+}
+
+/// One pass: velocities, and with `push` gaps too. drives: the group's own.
+template <ContactSolve kind, class T>
+void solve_joints(JointGroup<T>& g, JointDrive<T>* drives, Record8<T>* v, uint32_t end,
+                  const JointPass<T>& pass) {
+  Wide<T> a[6], b[6];
+  gather6(v, g.a, a), gather6(v, g.b, b);
+  detail::solve_locked<kind>(g, a, b, pass);
+  for (uint32_t k = 0; k < g.drives; ++k) detail::solve_drive<kind>(g, drives[k], a, b, pass);
+  if (g.flags & JointGroup<T>::kBounded) {
+    detail::bound_motors(g, drives, 0, g.bound[0], a, b);
+    detail::bound_motors(g, drives, 3, g.bound[1], a, b);
+  }
+  scatter6(v, g.a, end, a), scatter6(v, g.b, end, b);
+}
+
+}  // namespace truestep
