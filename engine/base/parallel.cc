@@ -4,6 +4,8 @@
 #include <tbb/task_arena.h>
 
 #include <algorithm>
+#include <atomic>
+#include <thread>
 #include <vector>
 
 namespace truestep {
@@ -20,9 +22,19 @@ ThreadArena::~ThreadArena() = default;
 
 void ThreadArena::run_blocks(size_t n, size_t block, const std::function<void(size_t, size_t)>& body) const {
   const size_t blocks = (n + block - 1) / block;
-  impl_->arena.execute([&] {
-    tbb::parallel_for(size_t{0}, blocks, [&](size_t b) { body(b * block, std::min(n, (b + 1) * block)); });
-  });
+  const auto run = [&](size_t b) { body(b * block, std::min(n, (b + 1) * block)); };
+#ifdef TRUESTEP_PLAIN_THREADS
+  // oneTBB is not built with the thread sanitizer, which then takes its hand-over of tasks for races.
+  std::atomic<size_t> next = 0;
+  std::vector<std::jthread> team;
+  for (int k = 0; k < threads_; ++k) {
+    team.emplace_back([&] {
+      for (size_t b = next++; b < blocks; b = next++) run(b);
+    });
+  }
+#else
+  impl_->arena.execute([&] { tbb::parallel_for(size_t{0}, blocks, run); });
+#endif
 }
 
 double ThreadArena::sum_blocks(size_t n, size_t block,

@@ -4,38 +4,12 @@
 #include <cmath>
 #include <numbers>
 
-#include "engine/session/world.h"
+#include "tests/support/rigid2d_run.h"
 
 namespace truestep {
 namespace {
 
-struct Trial {
-  Trial(const std::string& system, double dt)
-      : world(parse_scene(R"({"time": {"dt": )" + number(dt) +
-                          R"(}, "systems": [{"type": "rigid2d", "id": "r", )" + system + "}]}")),
-        state(world.initial_state()) {}
-  static std::string number(double x) {
-    char text[40];
-    std::snprintf(text, sizeof text, "%.17g", x);
-    return text;
-  }
-  Trial& steps(int n) {
-    for (int i = 0; i < n; ++i) world.step(state, workspace, arena, {});
-    return *this;
-  }
-  State& s() { return state.systems[0]; }
-  Vec3 position(size_t body) { return load3<double>(s().f64(s().at("position")).data(), body); }
-  Vec3 velocity(size_t body) { return load3<double>(s().f64(s().at("velocity")).data(), body); }
-  double spin(size_t body) { return s().f64(s().at("angular_velocity"))[body]; }
-  double angle(size_t body) { return s().f64(s().at("angle"))[body]; }
-  double observed(const char* name) {
-    return world.observe(state).find(std::string("r.") + name).value_or(NAN);
-  }
-  World world;
-  WorldState state;
-  Workspace workspace;
-  ThreadArena arena{1};
-};
+using Trial = testing::FlatTrial;
 
 std::string pendulum(int steps) {
   return R"("precision": "f64", "joint_damping_ratio": 5, "sleeping": false, "solver_steps": )" +
@@ -129,6 +103,26 @@ TEST(Rigid2dValidation, BallBouncesToTheSquareOfRestitution) {
   }
   // The impact is seen at the end of a step: a step's way, 4.4 m/s / 960, is lost.
   EXPECT_NEAR(top, 0.64, 0.01);
+}
+
+TEST(Rigid2dValidation, ACradlePassesTheBlowOn) {
+  // contact.cradle: five equal discs with gaps of a millionth of a metre.
+  const auto last = [](double restitution) {
+    std::string bodies;
+    for (int k = 0; k < 5; ++k) {
+      bodies += (k ? ", " : "") + std::string(R"({"friction": 0, "restitution": )") +
+                std::to_string(restitution) + R"(, "velocity": [)" + (k ? "0" : "1") +
+                R"(, 0, 0], "position": [)" + Trial::number(0.200001 * k - (k ? 0 : 0.1)) +
+                R"(, 0, 0], "shapes": [{"type": "circle", "radius": 0.1}]})";
+    }
+    Trial t(R"("precision": "f64", "gravity": [0, 0, 0], "restitution_speed": 0, "bodies": [)" + bodies + "]",
+            1.0 / 240);
+    t.steps(48);
+    return t.velocity(4).x;
+  };
+  EXPECT_NEAR(last(1), 1, 1e-6);
+  EXPECT_NEAR(last(0.9), 0.81450625, 1e-6 * 0.8145);
+  EXPECT_LT(last(0), 0.3);
 }
 
 TEST(Rigid2dValidation, MomentumStaysInAClosedSystem) {

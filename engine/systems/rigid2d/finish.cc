@@ -11,6 +11,11 @@ namespace {
 
 using flat::Sweep;
 
+/// Radius of the circle within a fast shape that passes nothing, as a share of the shape's inner radius.
+constexpr double kCore = 0.25;
+/// It stops that share of its radius before it touches.
+constexpr double kCoreGap = 0.25;
+
 Sweep sweep_of(const Pairs& pairs, const Travel& t) {
   return {pairs.pose[t.body], t.angle, t.shift};
 }
@@ -37,6 +42,7 @@ double first_stop(const Model& model, const State& s, const Pairs& pairs, const 
   double stop = 1;
   for (uint32_t i = body.first_shape; i < body.first_shape + body.shapes; ++i) {
     const Outline& shape = model.shapes[i].outline;
+    const Outline core = flat::circle(kCore * flat::inner_radius(shape), shape.center);
     const auto visit = [&](uint32_t other) {
       const uint32_t at = model.shapes[other].body;
       const Body& obstacle = model.bodies[at];
@@ -51,12 +57,12 @@ double first_stop(const Model& model, const State& s, const Pairs& pairs, const 
                                       mine.from * shape.center - theirs.from * wall.corner[0]) < 0) {
         return;
       }
-      // What touches already has a contact that holds it.
+      // What touches from the start may move on, but never so far that its core goes through.
       const Pose seen = theirs.from.to(mine.from);
-      if (!(flat::distance(wall, shape, seen).distance > gap)) return;
-      if (const auto hit = flat::time_of_impact(wall, theirs, shape, mine, gap)) {
-        stop = std::min(stop, hit->fraction);
-      }
+      const bool apart = flat::distance(wall, shape, seen).distance > 2 * gap;
+      const auto hit = flat::time_of_impact(wall, theirs, apart ? shape : core, mine,
+                                            apart ? gap : kCoreGap * core.radius);
+      if (hit) stop = std::min(stop, hit->fraction);
     };
     const Box around = swept_box(shape, mine, body.reach);
     pairs.broad.overlapping(around, Mobility::fixed, visit);

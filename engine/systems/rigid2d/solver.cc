@@ -1,10 +1,11 @@
 #include "engine/systems/rigid2d/solver.h"
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <cstring>
 
-#include "engine/systems/rigid2d/solver_contact.h"
+#include "engine/systems/rigid2d/solver_impact.h"
 
 namespace truestep::rigid2d {
 namespace {
@@ -14,6 +15,8 @@ using flat::dot;
 
 constexpr size_t kBlock = 1024;    // bodies a task
 constexpr size_t kPackBlock = 64;  // packs a task
+/// Impacts may run to and fro between bodies that often in a small step; what is left does not bounce.
+constexpr int kImpactRounds = 64;
 
 /// body(pack) for all packs, colour after colour; those of a colour side by side.
 template <class Packs, class Body>
@@ -74,7 +77,7 @@ void Solver<T>::place_bodies(const Model& model, const State& state, const Pairs
   for (uint32_t& s : slot_) s = s == kNoPoint ? still : s;
 
   rows_.assign(8 * (movers_.size() + 1), 0);
-  push_.resize(8 * movers_.size());
+  push_.assign(8 * (movers_.size() + 1), 0);
   const double* v = state.f64(columns::velocity).data();
   const auto w = state.f64(columns::angular_velocity);
   const auto g = state.f64(columns::parameters);
@@ -158,7 +161,7 @@ void Solver<T>::fill(ContactPack<T>& c, const uint32_t* hits, int count, const M
   // The rest side by side: masses and approach speeds from the bodies' rows.
   const Ends<T> e(rows_.data(), c.a, c.b);
   const W zero = W::zero(), one = W::all(1), m = e.a[3] + e.b[3];
-  W arm_a[2], arm_b[2], k[2], vx, vy;
+  W arm_a[2], arm_b[2], k[2];
   for (int i = 0; i < 2; ++i) {
     auto& p = c.point[i];
     arm_a[i] = nmadd(p.ay, c.nx, p.ax * c.ny), arm_b[i] = nmadd(p.by, c.nx, p.bx * c.ny);
@@ -167,8 +170,6 @@ void Solver<T>::fill(ContactPack<T>& c, const uint32_t* hits, int count, const M
     const W kt = madd(e.a[7] * ta, ta, madd(e.b[7] * tb, tb, m));
     p.normal_mass = select(there[i] > zero, one / k[i], zero);
     p.tangent_mass = select(there[i] > zero, one / kt, zero);
-    e.relative(p.ax, p.ay, p.bx, p.by, vx, vy);
-    p.approach = madd(vx, c.nx, vy * c.ny);
   }
   c.stiffness0 = k[0] * there[0], c.stiffness1 = k[1] * there[1];
   c.coupling = there[1] * madd(e.a[7] * arm_a[0], arm_a[1], madd(e.b[7] * arm_b[0], arm_b[1], m));
@@ -307,6 +308,20 @@ void Solver<T>::pack_joints(const Model& model, const State& state, const Pairs&
 }
 
 template <class T>
+void Solver<T>::hit_contacts(const SolverSettings& settings, const ThreadArena& arena) {
+  late_.assign(rows_.size(), 0);
+  const ImpactRows<T> bodies{rows_.data(), push_.data(), late_.data(), moved_};
+  const T h = static_cast<T>(settings.h), threshold = static_cast<T>(settings.restitution_speed);
+  std::atomic<bool> any = true;
+  for (int round = 0; round < kImpactRounds && any; ++round) {
+    any = false;
+    each_colour(arena, contacts_, contact_end_, [&](const ContactPack<T>& p) {
+      if (p.bounces && hit(p, bodies, h, threshold)) any = true;
+    });
+  }
+}
+
+template <class T>
 void Solver<T>::small_step(const SolverSettings& settings, const ThreadArena& arena) {
   const T h = static_cast<T>(settings.h), inverse_h = static_cast<T>(1 / settings.h);
   const T push_speed = static_cast<T>(settings.push_speed);
@@ -326,6 +341,7 @@ void Solver<T>::small_step(const SolverSettings& settings, const ThreadArena& ar
   each_colour(arena, hinges_, hinge_end_, [&](HingePack<T>& p) { warm_start(p, rows, moved); });
   each_colour(arena, contacts_, contact_end_, [&](ContactPack<T>& p) { warm_start(p, rows, moved); });
 
+  if (bounces_) hit_contacts(settings, arena);
   for (JointRow<T>& j : joints_) solve_joint(j, rows, moved, JointPass::bias, h);
   each_colour(arena, hinges_, hinge_end_,
               [&](HingePack<T>& p) { solve_hinges<Pass::bias>(p, rows, moved, soft); });
@@ -337,6 +353,9 @@ void Solver<T>::small_step(const SolverSettings& settings, const ThreadArena& ar
     for (size_t i = begin; i < end; ++i) {
       T* r = rows + 8 * i;
       r[4] += h * r[0], r[5] += h * r[1], r[6] += h * r[2];
+      if (bounces_) {
+        for (int k = 0; k < 3; ++k) r[4 + k] += late_[8 * i + static_cast<size_t>(k)];
+      }
     }
   });
 
@@ -410,11 +429,10 @@ void Solver<T>::solve(const Model& model, State& state, const Pairs& pairs, Hand
   place_bodies(model, state, pairs, hands, settings);
   pack_joints(model, state, pairs, hands, settings);
   pack_contacts(model, state, pairs, settings, arena);
+  const uint32_t packs = contact_end_.empty() ? 0 : contact_end_.back();
+  bounces_ =
+      std::any_of(contacts_.begin(), contacts_.begin() + packs, [](const auto& p) { return p.bounces != 0; });
   for (int i = 0; i < settings.steps; ++i) small_step(settings, arena);
-  const T threshold = static_cast<T>(settings.restitution_speed);
-  each_colour(arena, contacts_, contact_end_, [&](ContactPack<T>& p) {
-    if (p.bounces) bounce(p, rows_.data(), moved_, threshold);
-  });
   store_bodies(state, settings.h * settings.steps, arena);
   store_joints(model, state, hands, settings);
 }

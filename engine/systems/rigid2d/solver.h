@@ -45,10 +45,10 @@ template <class T>
 struct ContactPack {
   using W = Wide<T>;
   struct Point {
-    W ax, ay, bx, by;        // anchors about the centres at the step's start
-    W separation, approach;  // at the step's start: m and m/s
+    W ax, ay, bx, by;  // anchors about the centres at the step's start
+    W separation;      // at the step's start, m
     W normal_mass, tangent_mass;
-    W normal, tangent, most;  // impulses, and the largest normal one of this step
+    W normal, tangent;  // impulses
   };
   uint32_t a[W::kLanes], b[W::kLanes];  // rows
   W nx, ny, friction, surface_speed, restitution;
@@ -106,6 +106,8 @@ class Solver {
                    const SolverSettings& settings);
   JointRow<T> row_of(const Joint& joint, const Pairs& pairs, const SolverSettings& settings,
                      const State& state) const;
+  /// Lets contacts bounce that close within a small step.
+  void hit_contacts(const SolverSettings& settings, const ThreadArena& arena);
   void small_step(const SolverSettings& settings, const ThreadArena& arena);
   void store_bodies(State& state, double dt, const ThreadArena& arena) const;
   void store_joints(const Model& model, State& state, Hands& hands, const SolverSettings& settings) const;
@@ -115,6 +117,8 @@ class Solver {
   uint32_t moved_ = 0;            // rows below take impulses
   Aligned<T> rows_;
   Aligned<T> push_;  // per row: change of vx vy w per small step, factors of damping
+  Aligned<T> late_;  // per row: shift and angle of bodies that hit within the small step
+  bool bounces_ = false;
   Aligned<ContactPack<T>> contacts_;
   Aligned<HingePack<T>> hinges_;
   std::vector<uint32_t> contact_end_, hinge_end_;  // packs of every colour end here

@@ -58,6 +58,22 @@ void warm_start(const ContactPack<T>& c, T* rows, uint32_t moved) {
   e.store(rows, moved);
 }
 
+/// How far apart (m) the two points are: the anchors turned with their bodies.
+template <class T>
+void separations(const ContactPack<T>& c, const Ends<T>& e, Wide<T> out[2]) {
+  using W = Wide<T>;
+  W ca, sa, cb, sb;
+  small_turn(e.a[6], ca, sa);
+  small_turn(e.b[6], cb, sb);
+  const W shift = madd(e.b[4] - e.a[4], c.nx, (e.b[5] - e.a[5]) * c.ny);
+  for (int i = 0; i < 2; ++i) {
+    const auto& p = c.point[i];
+    const W tx = nmadd(sb, p.by, cb * p.bx) - nmadd(sa, p.ay, ca * p.ax);
+    const W ty = madd(sb, p.bx, cb * p.by) - madd(sa, p.ax, ca * p.ay);
+    out[i] = p.separation + madd(tx, c.nx, madd(ty, c.ny, shift));
+  }
+}
+
 template <Pass kPass, class T>
 void solve_contacts(ContactPack<T>& c, T* rows, uint32_t moved, T inverse_h, T push_speed) {
   using W = Wide<T>;
@@ -87,17 +103,11 @@ void solve_contacts(ContactPack<T>& c, T* rows, uint32_t moved, T inverse_h, T p
 
   // Both normals at once:  x >= 0,  K x + q >= 0,  one of the two zero, with K softened on its diagonal. One
   // after the other they would tilt a stack, and need more steps to agree.
-  W ca, sa, cb, sb;
-  small_turn(e.a[6], ca, sa);
-  small_turn(e.b[6], cb, sb);
-  const W shift = madd(e.b[4] - e.a[4], c.nx, (e.b[5] - e.a[5]) * c.ny);
-  W q[2], g[2];
+  W q[2], g[2], separation[2];
+  separations(c, e, separation);
   for (int i = 0; i < 2; ++i) {
     const auto& p = c.point[i];
-    // Separation now: the anchors turned with their bodies.
-    const W tx = nmadd(sb, p.by, cb * p.bx) - nmadd(sa, p.ay, ca * p.ax);
-    const W ty = madd(sb, p.bx, cb * p.by) - madd(sa, p.ax, ca * p.ay);
-    const W s = p.separation + madd(tx, c.nx, madd(ty, c.ny, shift));
+    const W& s = separation[i];
     const auto apart = s > zero;
     W bias = s * W::all(inverse_h);
     g[i] = p.normal_mass;
@@ -109,6 +119,13 @@ void solve_contacts(ContactPack<T>& c, T* rows, uint32_t moved, T inverse_h, T p
     }
     e.relative(p.ax, p.ay, p.bx, p.by, vx, vy);
     q[i] = madd(vx, c.nx, madd(vy, c.ny, bias));
+    if constexpr (kPass == Pass::relax) {
+      // What bounces is not slowed before it hits.
+      if (c.bounces) {
+        const W waits = select(apart, select(p.normal > zero, zero, c.restitution), zero);
+        q[i] = select(waits > zero, W::all(T(1e6)), q[i]);
+      }
+    }
   }
   {
     const W n0 = c.point[0].normal, n1 = c.point[1].normal;
@@ -128,28 +145,6 @@ void solve_contacts(ContactPack<T>& c, T* rows, uint32_t moved, T inverse_h, T p
     auto& p = c.point[i];
     const W d = x[i] - p.normal;
     p.normal = x[i];
-    p.most = max(p.most, x[i]);
-    e.push(d * c.nx, d * c.ny, p.ax, p.ay, p.bx, p.by);
-  }
-  e.store(rows, moved);
-}
-
-/// Impacts that pressed bounce back with the part of their approach that restitution leaves.
-template <class T>
-void bounce(ContactPack<T>& c, T* rows, uint32_t moved, T threshold) {
-  using W = Wide<T>;
-  const W zero = W::zero();
-  Ends<T> e(rows, c.a, c.b);
-  W vx, vy;
-  for (auto& p : c.point) {
-    e.relative(p.ax, p.ay, p.bx, p.by, vx, vy);
-    const W vn = madd(vx, c.nx, vy * c.ny);
-    const W wish = nmadd(p.normal_mass, madd(c.restitution, p.approach, vn), p.normal);
-    const W next =
-        select(p.most > zero, select(p.approach < W::all(-threshold), max(wish, zero), p.normal), p.normal);
-    const W d = select(c.restitution > zero, next - p.normal, zero);
-    p.normal += d;
-    p.most = max(p.most, p.normal);
     e.push(d * c.nx, d * c.ny, p.ax, p.ay, p.bx, p.by);
   }
   e.store(rows, moved);
