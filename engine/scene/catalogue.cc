@@ -9,6 +9,7 @@
 #include "engine/systems/pendulum/pendulum.h"
 #include "engine/systems/rigid2d/rigid2d.h"
 #include "engine/systems/rigid3d/rigid3d_def.h"
+#include "engine/systems/rod_chain/rod_chain.h"
 
 namespace truestep {
 
@@ -69,6 +70,15 @@ std::span<const CatalogueRow> catalogue() {
        {"joints have no gap, loops one of rounding", "follows the published pendulums, tops and linkages",
         "accelerations solve M q'' + h = tau to 1e-12", "a step costs O(links)"},
        "rk4"},
+      {"rod_chain",
+       "rigid bodies",
+       "thin rigid rods joined end to end, the joints kept by penalty, projection or Lagrange multipliers",
+       &rod_chain_table(),
+       build_rod_chain,
+       rod_chain_cost,
+       {"multipliers and projection leave a gap of rounding, springs one of force / stiffness",
+        "multipliers keep the energy to fourth order of the step", "a step costs O(rods)"},
+       ""},
       {"rigid2d",
        "rigid bodies",
        "rigid bodies in the plane with contacts, friction, sleeping and nine kinds of joints",

@@ -1,0 +1,201 @@
+#include "engine/systems/rod_chain/rod_chain.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "engine/core/command_checks.h"
+#include "engine/systems/rod_chain/treatments.h"
+
+namespace truestep {
+
+using rods::Chain;
+using rods::Rod;
+
+namespace {
+
+enum Column : State::Column { kPosition, kVelocity, kDirection, kSpin, kGravity };
+constexpr std::string_view kScratch = "rod_chain";
+
+class RodChain final : public StagedSystem {
+ public:
+  RodChain(const RodChainDef& def, const BuildContext& context) : def_(def), gravity_(context.gravity) {
+    chain_.half = 0.5 * def.length, chain_.mass = def.mass, chain_.anchor = def.anchor;
+    chain_.inertia = def.mass * def.length * def.length / 12;
+    const char* how[] = {"exact joint forces, RK4, then places and velocities are projected",
+                         "free flight, then the nearest places without gaps",
+                         "springs at the joints; stable below the step that stable_dt says"};
+    const char* names[] = {"lagrange", "projection", "penalty"};
+    const auto chosen = static_cast<size_t>(def.constraints);
+    add_stage(names[chosen], how[chosen], [this](State& s, const StepInput& in) { advance(s, in); });
+    for (size_t k = 0; k < 3; ++k) {
+      if (k != chosen) skip_stage(names[k], "constraints is " + std::string(names[chosen]));
+    }
+  }
+
+  State initial_state() const override {
+    const auto n = static_cast<size_t>(def_.links);
+    State s;
+    s.add({"position", "m", Scalar::f64, 3, Role::position}, n);
+    s.add({"velocity", "m/s", Scalar::f64, 3, Role::velocity}, n);
+    s.add({"direction", "1", Scalar::f64, 3, Role::position}, n);
+    s.add({"angular_velocity", "rad/s", Scalar::f64, 3, Role::velocity}, n);
+    s.add({"gravity", "m/s^2", Scalar::f64, 3}, 1);
+    store3(s.f64(kGravity).data(), 0, gravity_);
+    const Vec3 u = normalized(def_.direction);
+    for (size_t j = 0; j < n; ++j) {
+      store3(s.f64(kPosition).data(), j, def_.anchor + u * (def_.length * (static_cast<double>(j) + 0.5)));
+      store3(s.f64(kDirection).data(), j, u);
+    }
+    return s;
+  }
+
+  void observe(const State& s, double, Observables& out) const override {
+    const auto all = load(s);
+    const Chain c = chain(s);
+    const double kinetic = rods::kinetic(c, all), potential = rods::potential(c, all);
+    out.add("energy.kinetic", kinetic, "J");
+    out.add("energy.potential", potential, "J");
+    out.add("energy.total", kinetic + potential, "J");
+    out.add("joints.gap", rods::largest_gap(c, all), "m");
+  }
+
+  std::vector<FieldInfo> fields() const override {
+    return {{"position", "m", Scalar::f64, 3},
+            {"velocity", "m/s", Scalar::f64, 3},
+            {"direction", "1", Scalar::f64, 3},
+            {"angular_velocity", "rad/s", Scalar::f64, 3}};
+  }
+  FieldView field(const State& s, size_t which, std::vector<double>&) const override {
+    const auto c = static_cast<State::Column>(which);
+    return {s.f64(c).data(), Scalar::f64, s.rows(c), 3};
+  }
+
+  void apply(State& s, const Command& c) const override {
+    check_command_numbers(c);
+    if (c.kind == CommandKind::impulse) {
+      const size_t j = checked_command_row(c, s.rows(kPosition), "rod");
+      double* v = s.f64(kVelocity).data();
+      return store3(v, j, load3(v, j) + c.vector / def_.mass);
+    }
+    if (c.kind == CommandKind::set_parameter) {
+      if (c.name != "gravity")
+        refuse_command("name", "unknown_parameter", "there is no parameter \"" + c.name + "\" to set",
+                       "gravity");
+      return store3(s.f64(kGravity).data(), 0, c.vector);
+    }
+    refuse_command("kind", "unsupported_command", "a chain of rods knows no such command",
+                   "impulse, set_parameter");
+  }
+
+  std::vector<DrawnShape> shapes(const State& s, double) const override {
+    std::vector<DrawnShape> out;
+    const double *x = s.f64(kPosition).data(), *u = s.f64(kDirection).data();
+    for (size_t j = 0; j < s.rows(kPosition); ++j) {
+      const Quat q = rotation_between({0, 1, 0}, load3(u, j));
+      DrawnShape d;
+      d.kind = DrawnShape::Kind::capsule, d.position = load3(x, j), d.orientation = {q.w, q.x, q.y, q.z};
+      d.size = {def_.radius, chain_.half, 0}, d.id = std::to_string(j);
+      out.push_back(d);
+    }
+    return out;
+  }
+
+  std::optional<double> stable_dt(const State&) const override {
+    if (def_.constraints != RodChainDef::Treatment::penalty) return std::nullopt;
+    // Semi-implicit Euler on x'' = -w2 x - d x': h^2 w2 + 2 h d < 4 suffices.
+    const double most = rods::largest_eigenvalue(chain_), w2 = def_.stiffness * most, d = def_.damping * most;
+    return static_cast<double>(def_.substeps) * 4 / (d + std::sqrt(d * d + 4 * w2));
+  }
+  size_t max_rows() const override { return static_cast<size_t>(def_.links); }
+
+ private:
+  Chain chain(const State& s) const {
+    Chain c = chain_;
+    c.gravity = load3(s.f64(kGravity).data(), 0);
+    return c;
+  }
+  static void load(const State& s, std::vector<Rod>& out) {
+    out.resize(s.rows(kPosition));
+    const double *x = s.f64(kPosition).data(), *v = s.f64(kVelocity).data();
+    const double *u = s.f64(kDirection).data(), *w = s.f64(kSpin).data();
+    for (size_t j = 0; j < out.size(); ++j) out[j] = {load3(x, j), load3(u, j), load3(v, j), load3(w, j)};
+  }
+  static std::vector<Rod> load(const State& s) {
+    std::vector<Rod> out;
+    load(s, out);
+    return out;
+  }
+
+  void advance(State& s, const StepInput& in) const {
+    auto& scratch = in.workspace.object<rods::Scratch>(kScratch);
+    load(s, scratch.rods);
+    const Chain c = chain(s);
+    const double h = in.h / static_cast<double>(def_.substeps);
+    for (int64_t k = 0; k < def_.substeps; ++k) {
+      switch (def_.constraints) {
+        case RodChainDef::Treatment::lagrange:
+          rods::step_lagrange(c, scratch.rods, h, def_.tolerance * def_.length, scratch);
+          break;
+        case RodChainDef::Treatment::projection:
+          rods::step_projection(c, scratch.rods, h, def_.tolerance * def_.length, scratch);
+          break;
+        case RodChainDef::Treatment::penalty:
+          rods::step_penalty(c, scratch.rods, h, def_.stiffness, def_.damping, scratch);
+          break;
+      }
+    }
+    for (size_t j = 0; j < scratch.rods.size(); ++j) {
+      const Rod& r = scratch.rods[j];
+      store3(s.f64(kPosition).data(), j, r.x), store3(s.f64(kVelocity).data(), j, r.v);
+      store3(s.f64(kDirection).data(), j, r.u), store3(s.f64(kSpin).data(), j, r.w);
+    }
+  }
+
+  RodChainDef def_;
+  Chain chain_;
+  Vec3 gravity_;
+};
+
+}  // namespace
+
+const DefTable& rod_chain_table() {
+  using D = RodChainDef;
+  static const DefTable t =
+      TableOf<D>("thin rigid rods joined end to end, their joints kept by one of three treatments")
+          .choice(
+              "constraints", &D::constraints, {"lagrange", "projection", "penalty"},
+              "how joints are kept: exact forces from the KKT system; places projected after free flight; "
+              "stiff springs")
+          .integer("links", &D::links, between(1, 100'000), "number of rods")
+          .number("length", &D::length, "m", above(0), "of each rod")
+          .number("mass", &D::mass, "kg", above(0), "of each rod")
+          .number("radius", &D::radius, "m", above(0), "of the drawing")
+          .vector("anchor", &D::anchor, "m", any(), "where the first rod hangs")
+          .vector("direction", &D::direction, "1", any(), "of all rods at t = 0, when they rest; any length")
+          .number("stiffness", &D::stiffness, "N/m", above(0), "penalty: of the joints' springs")
+          .number("damping", &D::damping, "N s/m", at_least(0), "penalty: of the joints' springs")
+          .number("tolerance", &D::tolerance, "1", between(1e-15, 0.1),
+                  "projection and lagrange: widest gap left, in lengths of a rod")
+          .integer("substeps", &D::substeps, between(1, 100'000), "steps of the method per step of the scene")
+          .check([](const D& d, const DefTable::Report& report) {
+            if (!(norm(d.direction) > 0)) report("/direction", "the direction must not be zero");
+          })
+          .build();
+  return t;
+}
+
+std::unique_ptr<const System> build_rod_chain(const void* def, const BuildContext& context) {
+  return std::make_unique<const RodChain>(*static_cast<const RodChainDef*>(def), context);
+}
+
+Cost rod_chain_cost(const void* def) {
+  const auto& d = *static_cast<const RodChainDef*>(def);
+  const auto n = static_cast<double>(d.links), steps = static_cast<double>(d.substeps);
+  const double each = d.constraints == RodChainDef::Treatment::penalty      ? 3e-8
+                      : d.constraints == RodChainDef::Treatment::projection ? 2.5e-7
+                                                                            : 6e-7;
+  return {
+      .state_bytes = 96 * n, .workspace_bytes = 800 * n, .elements = n, .seconds_per_step = n * steps * each};
+}
+
+}  // namespace truestep

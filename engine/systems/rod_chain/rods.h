@@ -1,0 +1,45 @@
+// The equations of a chain of thin rods: its constraints, their matrix and what forces do. Arrays of one
+// entry per rod; joint j is at the start of rod j.
+#pragma once
+#include <span>
+#include <vector>
+
+#include "engine/kernels/block_tridiagonal.h"
+#include "engine/kernels/free_rotation.h"
+
+namespace truestep::rods {
+
+struct Rod {
+  Vec3 x, u;  ///< m; unit, towards the rod's end
+  Vec3 v, w;  ///< m/s; rad/s, across u
+};
+
+struct Chain {
+  double half = 0.1, mass = 0.1, inertia = 0;  ///< m, kg, kg m^2 across
+  Vec3 anchor, gravity;
+};
+
+/// x turned by the rotation vector r.
+inline Vec3 turned(const Vec3& x, const Vec3& r) {
+  return rotation(free_rotation::turn(r)).apply(x);
+}
+
+/// C_j (m).
+void gaps(const Chain& c, std::span<const Rod> rods, std::span<Vec3> out);
+/// C_j' (m/s).
+void gap_rates(const Chain& c, std::span<const Rod> rods, std::span<Vec3> out);
+/// J M^-1 J^T (1/kg) of these places, factorised.
+void constraint_matrix(const Chain& c, std::span<const Rod> rods, BlockTridiagonal& a);
+/// A bound of its largest eigenvalue (1/kg), whatever the places.
+double largest_eigenvalue(const Chain& c);
+/// M^-1 J^T F of rod j: changes of v and w per unit of time (or of x and u, where F is an impulse per mass).
+struct Change {
+  Vec3 v, w;
+};
+Change response(const Chain& c, std::span<const Rod> rods, std::span<const Vec3> force, size_t j);
+/// Energies (J).
+double kinetic(const Chain& c, std::span<const Rod> rods);
+double potential(const Chain& c, std::span<const Rod> rods);
+double largest_gap(const Chain& c, std::span<const Rod> rods);
+
+}  // namespace truestep::rods

@@ -1,0 +1,129 @@
+#include "engine/systems/rod_chain/treatments.h"
+
+#include <algorithm>
+
+#include "engine/math/trig.h"
+
+namespace truestep::rods {
+namespace {
+
+constexpr int kMostIterations = 20;
+
+double largest(std::span<const Vec3> v) {
+  double most = 0;
+  for (const Vec3& x : v) most = std::max(most, norm2(x));
+  return std::sqrt(most);
+}
+
+/// Newton's method on C = 0, corrections weighed by mass; ends at the tolerance or when rounding stops it.
+void project_places(const Chain& c, std::span<Rod> rods, double tolerance, Scratch& s) {
+  double last = HUGE_VAL;
+  for (int k = 0; k < kMostIterations; ++k) {
+    gaps(c, rods, s.force);
+    const double gap = largest(s.force);
+    if (gap <= tolerance || gap >= last) return;
+    last = gap;
+    constraint_matrix(c, rods, s.matrix);
+    for (Vec3& f : s.force) f = -f;
+    s.matrix.solve(s.force);
+    std::copy(rods.begin(), rods.end(), s.from.begin());
+    for (size_t j = 0; j < rods.size(); ++j) {
+      const Change d = response(c, s.from, s.force, j);
+      rods[j].x += d.v, rods[j].u = normalized(turned(rods[j].u, d.w));
+    }
+  }
+}
+
+/// C' = 0, by the impulses that do it.
+void project_velocities(const Chain& c, std::span<Rod> rods, Scratch& s) {
+  gap_rates(c, rods, s.force);
+  for (Vec3& f : s.force) f = -f;
+  constraint_matrix(c, rods, s.matrix);
+  s.matrix.solve(s.force);
+  for (size_t j = 0; j < rods.size(); ++j) {
+    const Change d = response(c, rods, s.force, j);
+    rods[j].v += d.v, rods[j].w += d.w;
+  }
+}
+
+/// Rates of all that changes, with the joints' exact forces.
+void lagrange_rates(const Chain& c, std::span<const Rod> rods, std::span<Rod> rates, Scratch& s) {
+  // C'' = J M^-1 f + J' v + (J M^-1 J^T) F = 0. Gravity moves all rods alike: only the anchor resists it.
+  Vec3 before;
+  for (size_t j = 0; j < rods.size(); ++j) {
+    const Vec3 inward = cross(rods[j].w, cross(rods[j].w, rods[j].u)) * c.half;
+    s.force[j] = inward + before - (j == 0 ? c.gravity : Vec3{});
+    before = inward;
+  }
+  constraint_matrix(c, rods, s.matrix);
+  s.matrix.solve(s.force);
+  for (size_t j = 0; j < rods.size(); ++j) {
+    const Change d = response(c, rods, s.force, j);
+    rates[j] = {rods[j].v, cross(rods[j].w, rods[j].u), c.gravity + d.v, d.w};
+  }
+}
+
+void add(std::span<const Rod> from, std::span<const Rod> rates, double h, std::span<Rod> out) {
+  for (size_t j = 0; j < from.size(); ++j) {
+    const Rod &a = from[j], &d = rates[j];
+    out[j] = {a.x + d.x * h, a.u + d.u * h, a.v + d.v * h, a.w + d.w * h};
+  }
+}
+
+}  // namespace
+
+void step_penalty(const Chain& chain, std::span<Rod> rods, double h, double k, double c, Scratch& s) {
+  const size_t n = rods.size();
+  s.force.resize(n), s.from.resize(n);
+  gap_rates(chain, rods, s.force);
+  for (Vec3& f : s.force) f = f * -c;
+  Vec3 before = chain.anchor;
+  for (size_t j = 0; j < n; ++j) {
+    s.force[j] -= ((rods[j].x - rods[j].u * chain.half) - before) * k;
+    before = rods[j].x + rods[j].u * chain.half;
+  }
+  for (size_t j = 0; j < n; ++j) {
+    const Change d = response(chain, rods, s.force, j);
+    rods[j].v += (chain.gravity + d.v) * h, rods[j].w += d.w * h;
+  }
+  for (Rod& r : rods) r.x += r.v * h, r.u = normalized(turned(r.u, r.w * h));
+}
+
+void step_projection(const Chain& chain, std::span<Rod> rods, double h, double tolerance, Scratch& s) {
+  const size_t n = rods.size();
+  s.force.resize(n), s.from.resize(n), s.stage.assign(rods.begin(), rods.end());
+  for (Rod& r : rods) {
+    r.v += chain.gravity * h;
+    r.x += r.v * h, r.u = normalized(turned(r.u, r.w * h));
+  }
+  project_places(chain, rods, tolerance, s);
+  for (size_t j = 0; j < n; ++j) {
+    const Rod& old = s.stage[j];
+    rods[j].v = (rods[j].x - old.x) / h;
+    const Vec3 axis = cross(old.u, rods[j].u);
+    const double sine = norm(axis);
+    rods[j].w = sine > 0 ? axis * (trig::atan2(sine, dot(old.u, rods[j].u)) / (sine * h)) : Vec3{};
+  }
+}
+
+void step_lagrange(const Chain& chain, std::span<Rod> rods, double h, double tolerance, Scratch& s) {
+  const size_t n = rods.size();
+  s.force.resize(n), s.from.resize(n), s.stage.resize(n), s.rates.resize(n);
+  s.sum.assign(rods.begin(), rods.end());
+  constexpr double kAhead[] = {0.5, 0.5, 1}, kShare[] = {1.0 / 6, 1.0 / 3, 1.0 / 3, 1.0 / 6};
+  std::copy(rods.begin(), rods.end(), s.stage.begin());
+  for (int stage = 0; stage < 4; ++stage) {
+    lagrange_rates(chain, s.stage, s.rates, s);
+    add(s.sum, s.rates, kShare[stage] * h, s.sum);
+    if (stage < 3) add(rods, s.rates, kAhead[stage] * h, s.stage);
+  }
+  for (size_t j = 0; j < n; ++j) {
+    rods[j] = s.sum[j];
+    rods[j].u = normalized(rods[j].u);
+    rods[j].w -= rods[j].u * dot(rods[j].u, rods[j].w);
+  }
+  project_places(chain, rods, tolerance, s);
+  project_velocities(chain, rods, s);
+}
+
+}  // namespace truestep::rods
