@@ -20,7 +20,8 @@ struct Impact {
 };
 
 /// First time at which the gap is at most `touch` (m > 0); it is then more than half of it, except when it
-/// was less from the start: then t = 0. Nothing when that does not happen. Any two solids but surface against
+/// was less from the start: then t = 0. Nothing when that does not happen, or when the sweep ends with a gap
+/// between half of `touch` and all of it. Any two solids but surface against
 /// surface; triangles count while the other's centre is in front of them, and planes must not turn. Grazing
 /// contact may be reported up to twice `touch` early.
 std::optional<Impact> time_of_impact(const Solid& a, const Sweep& sweep_a, const Solid& b,

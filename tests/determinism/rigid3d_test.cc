@@ -77,6 +77,25 @@ TEST_P(Rigid3dDeterminism, RestoredInTheMiddleOfACollapseItGoesOnTheSame) {
   EXPECT_FALSE(run.state == cold.state);
 }
 
+TEST_P(Rigid3dDeterminism, ASleepingBodyElsewhereChangesNothing) {
+  // Right after the ground, so that every other body has another row.
+  Rigid3dDef d = scene();
+  d.bodies.insert(d.bodies.begin() + 1, testing::box({0.5, 0.5, 0.5}, {500, 5, 0}));
+  for (auto& j : d.joints) ++std::get<BallJointDef>(j).a, ++std::get<BallJointDef>(j).b;
+  RigidRun alone(d), beside(d), awake(d);
+  remove_body(alone.state, 1);
+  beside.state.span<uint32_t>(rigid3d_columns::asleep)[1] = 1;
+  alone.run(90), beside.run(90), awake.run(90);
+  ASSERT_EQ(beside.count(), alone.count() + 1);
+  for (size_t i = 1; i < alone.count(); ++i) {
+    ASSERT_EQ(alone.x(i), beside.x(i + 1)) << i;
+    ASSERT_EQ(alone.w(i), beside.w(i + 1)) << i;
+  }
+  // The control: it did sleep, in mid air.
+  EXPECT_EQ(beside.x(1), (Vec3{500, 5, 0}));
+  EXPECT_LT(awake.x(1).y, 4);
+}
+
 TEST_P(Rigid3dDeterminism, DroppedWorkspaceChangesNothing) {
   RigidRun kept(scene()), dropped(scene());
   for (int k = 0; k < 60; ++k) {
