@@ -18,6 +18,8 @@ class HeightField {
 
   size_t triangle_count() const { return 2 * (nx_ - 1) * (nz_ - 1); }
   const Box& bounds() const { return bounds_; }
+  size_t columns() const { return nx_; }  ///< vertices along x
+  size_t lines() const { return nz_; }    ///< vertices along z
   Vec3 vertex(size_t i, size_t j) const;
   /// Corners only, absent in a hole.
   std::optional<std::array<Vec3, 3>> corners(uint32_t index) const;

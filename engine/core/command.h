@@ -2,6 +2,7 @@
 // sequence numbers, and are journalled: replaying the journal repeats the run.
 #pragma once
 #include <cstdint>
+#include <optional>
 #include <string>
 
 #include "engine/math/vec3.h"
@@ -26,8 +27,9 @@ struct Command {
   int64_t index = -1;
   Vec3 vector, velocity;
   double value = 0;
-  double duration = 0;  ///< s
-  std::string name;     ///< parameter of set_parameter
+  double duration = 0;     ///< s
+  std::string name;        ///< parameter of set_parameter
+  std::optional<Vec3> at;  ///< m, where on a body a push, an impulse or a drag acts; none: its centre of mass
 };
 
 }  // namespace truestep

@@ -22,6 +22,7 @@ inline bool finite(const Vec3& v) {
 inline void check_command_numbers(const Command& c) {
   if (!finite(c.vector)) refuse_command("vector", "not_finite", "the vector must be finite");
   if (!finite(c.velocity)) refuse_command("velocity", "not_finite", "the velocity must be finite");
+  if (c.at && !finite(*c.at)) refuse_command("at", "not_finite", "the point must be finite");
   if (!std::isfinite(c.value)) refuse_command("value", "not_finite", "the value must be finite");
   if (!std::isfinite(c.duration) || c.duration < 0) {
     refuse_command("duration", "out_of_range", "the duration must be at least 0");

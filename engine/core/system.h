@@ -12,6 +12,7 @@
 #include "engine/base/parallel.h"
 #include "engine/base/profile.h"
 #include "engine/core/command.h"
+#include "engine/core/drawn.h"
 #include "engine/core/observables.h"
 #include "engine/core/points.h"
 #include "engine/core/state.h"
@@ -75,10 +76,17 @@ class System {
   virtual std::vector<PlanRow> plan() const = 0;
 
   virtual Topology topology(const State& state) const { return {}; }
-  /// Changes when `topology` does.
+  /// Solids that rows of "position" and "orientation" carry. A row is dimmed where the field "asleep" is not
+  /// 0.
+  virtual DrawnBodies bodies(const State& state) const { return {}; }
+  /// Changes when `topology` or `bodies` does.
   virtual uint32_t topology_version(const State& state) const { return 1; }
   /// Obstacles at time t (s), for drawing.
   virtual std::vector<DrawnShape> shapes(const State& state, double t) const { return {}; }
+  /// Where bodies touch, for pictures that were asked to show it.
+  virtual std::vector<ContactMark> contact_marks(const State& state) const { return {}; }
+  /// Joints that hold, for pictures that were asked to show them.
+  virtual std::vector<JointMark> joint_marks(const State& state) const { return {}; }
   /// Largest dt (s) that this system's method is known to hold in this state; nothing when unknown or
   /// unlimited.
   virtual std::optional<double> stable_dt(const State& state) const { return std::nullopt; }

@@ -1,28 +1,14 @@
-// How a system's points are connected and which solid shapes it brings, for drawing and streaming. Changes
-// rarely; `version` grows when it does.
+// How a system's points are connected, for drawing and streaming. Changes rarely; a system's
+// `topology_version` does when it does.
 #pragma once
 #include <array>
 #include <cstdint>
 #include <optional>
-#include <string>
 #include <vector>
-
-#include "engine/math/vec3.h"
 
 namespace truestep {
 
 enum class LineKind : uint8_t { structural = 0, shear = 1, bending = 2, other = 3 };
-
-/// A solid to draw. Sizes in m; orientation is a unit quaternion (w, x, y, z).
-struct DrawnShape {
-  enum class Kind : uint8_t { plane, box, sphere, capsule } kind = Kind::sphere;
-  Vec3 position;
-  std::array<double, 4> orientation{1, 0, 0, 0};
-  Vec3 size;  ///< plane: unit normal; box: half extents; sphere: (r, -, -); capsule: (r, half length of its y
-              ///< axis, -)
-  std::string id;
-  bool container = false;  ///< points stay inside instead of outside
-};
 
 struct Topology {
   std::vector<std::array<uint32_t, 2>> lines;

@@ -20,6 +20,7 @@ DefTable push_table() {
       .required()
       .vector("force", &C::vector, "N", any(), "force")
       .required()
+      .vector("at", &C::at, "m", any(), "where on a body; its centre of mass if absent")
       .number("duration", &C::duration, "s", between(0, 1e6), "how long; 0: one step")
       .build();
 }
@@ -31,6 +32,7 @@ DefTable impulse_table() {
       .required()
       .vector("impulse", &C::vector, "N s", any(), "impulse")
       .required()
+      .vector("at", &C::at, "m", any(), "where on a body; its centre of mass if absent")
       .build();
 }
 DefTable drag_table() {
@@ -41,6 +43,7 @@ DefTable drag_table() {
       .required()
       .vector("target", &C::vector, "m", any(), "where the spring ends")
       .required()
+      .vector("at", &C::at, "m", any(), "where on a body; its centre of mass if absent")
       .number("stiffness", &C::value, "N/m", at_least(0), "of the spring; 0: chosen by the system")
       .build();
 }

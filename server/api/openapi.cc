@@ -34,6 +34,7 @@ constexpr QueryParameter kQuery[] = {
     {"/v1/sessions/{id}/picture.png", "camera", "string", "ex,ey,ez,tx,ty,tz in m"},
     {"/v1/sessions/{id}/picture.png", "width", "integer", "16 to 4096 pixels"},
     {"/v1/sessions/{id}/picture.png", "height", "integer", "16 to 4096 pixels"},
+    {"/v1/sessions/{id}/picture.png", "show", "string", "contacts, joints or both, drawn over the bodies"},
     {"/v1/sessions/{id}/picture.png", "step", "integer", "an earlier step; the present one if absent"},
 };
 

@@ -220,6 +220,20 @@ Response observables(SessionEntry& e, const std::vector<std::string>& names, siz
                                                             {"values", std::move(series)}}}});
 }
 
+Overlay overlay_of(const Request& request) {
+  Overlay overlay = Overlay::none;
+  for (const std::string& part : query_list(request, "show")) {
+    const Overlay more = part == "contacts" ? Overlay::contacts
+                         : part == "joints"
+                             ? Overlay::joints
+                             : throw Error("bad_request", "a picture cannot show " + part,
+                                           {{"?show", "unknown_choice", "a picture cannot show this",
+                                             '"' + part.substr(0, 64) + '"', "contacts, joints", "", ""}});
+    overlay = overlay | more;
+  }
+  return overlay;
+}
+
 asio::awaitable<Response> picture(App& app, const Request& request) {
   EntryPtr entry = app.store.find(request.param("id"));
   const int width = static_cast<int>(query_integer(request, "width", 800, 4096));
@@ -229,6 +243,7 @@ asio::awaitable<Response> picture(App& app, const Request& request) {
         "bad_request", "a picture has 16 to 4096 pixels a side",
         {{"?width", "out_of_range", "a picture has 16 to 4096 pixels a side", "", "16 to 4096", "", ""}});
   const auto camera = camera_of(request.query_value("camera").value_or(""));
+  const Overlay overlay = overlay_of(request);
   std::optional<uint64_t> step;
   if (request.query_value("step")) step = query_integer(request, "step", 0, UINT64_MAX);
   DrawList list;
@@ -242,7 +257,7 @@ asio::awaitable<Response> picture(App& app, const Request& request) {
       past = e.session.state_at(*step);
       state = &past;
     }
-    list = draw_list_of(e.session.world(), *state);
+    list = draw_list_of(e.session.world(), *state, overlay);
     return Response();
   });
   if (camera) list.camera = camera;

@@ -26,7 +26,7 @@ namespace {
 constexpr double kAccuracySeconds = 10;  // CPU time for choosing a method
 
 struct RunOptions {
-  std::string scene, output, picture, hashes, progress = "auto";
+  std::string scene, output, picture, show, hashes, progress = "auto";
   double seconds = -1;
   int64_t steps = -1;
   int threads = 0;
@@ -78,7 +78,7 @@ int run(const RunOptions& options) {
 
   const auto world = std::make_shared<const World>(std::move(scene));
   Session session(world, arena, {.history_bytes = 0});
-  RunOutputs outputs(session, options.output, options.picture);
+  RunOutputs outputs(session, options.output, {options.picture, options.show});
 
   const auto start = std::chrono::steady_clock::now();
   Progress progress(options.progress == "none"    ? Progress::Style::none
@@ -145,6 +145,8 @@ void add_run_command(CLI::App& app, int& exit_code) {
       ->excludes(seconds);
   c->add_option("-o,--output", options->output, "recording to write (.vtkhdf)");
   c->add_option("--picture", options->picture, "picture of the last frame to write (.png)");
+  c->add_option("--show", options->show, "what the picture shows over bodies")
+      ->check(CLI::IsMember({"contacts", "joints", "contacts,joints"}));
   c->add_option("--threads", options->threads, "threads of the simulation (default: all)")
       ->check(CLI::Range(1, 1024));
   c->add_flag("--json", options->json, "the result as one JSON object on standard output");

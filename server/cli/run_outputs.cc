@@ -8,8 +8,8 @@
 
 namespace truestep {
 
-RunOutputs::RunOutputs(Session& session, const std::string& recording_path, std::string picture_path)
-    : session_(session), picture_path_(std::move(picture_path)) {
+RunOutputs::RunOutputs(Session& session, const std::string& recording_path, PictureWish picture)
+    : session_(session), picture_(std::move(picture)) {
   if (recording_path.empty()) return;
   recording_ = std::make_shared<RecordingSink>(std::make_shared<RecordingThread>(), session, recording_path);
   session.add_sink(recording_);
@@ -20,14 +20,17 @@ void RunOutputs::finish() {
     const RecordingStatus status = recording_->finish();
     if (status.state == RecordingState::kFailed) throw Error(status.code, status.message);
   }
-  if (picture_path_.empty()) return;
+  if (picture_.path.empty()) return;
   constexpr int kWidth = 1280, kHeight = 720;
   PictureRenderer renderer(kWidth, kHeight);
-  const auto png =
-      encode_png(renderer.render_rgba(draw_list_of(session_.world(), session_.state())), kWidth, kHeight);
-  std::ofstream file(picture_path_, std::ios::binary);
+  const Overlay contacts =
+      picture_.show.find("contacts") != std::string::npos ? Overlay::contacts : Overlay::none;
+  const Overlay joints = picture_.show.find("joints") != std::string::npos ? Overlay::joints : Overlay::none;
+  const auto list = draw_list_of(session_.world(), session_.state(), contacts | joints);
+  const auto png = encode_png(renderer.render_rgba(list), kWidth, kHeight);
+  std::ofstream file(picture_.path, std::ios::binary);
   file.write(reinterpret_cast<const char*>(png.data()), static_cast<std::streamsize>(png.size()));
-  if (!file.flush()) throw Error("write_failed", "cannot write " + picture_path_);
+  if (!file.flush()) throw Error("write_failed", "cannot write " + picture_.path);
 }
 
 }  // namespace truestep

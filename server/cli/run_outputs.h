@@ -9,16 +9,21 @@ namespace truestep {
 
 class RecordingSink;
 
+/// A picture of the last frame: where to (empty: none), and what it shows over bodies ("contacts", "joints").
+struct PictureWish {
+  std::string path, show;
+};
+
 class RunOutputs {
  public:
   /// Attaches a recording to the session when `recording_path` is not empty.
-  RunOutputs(Session& session, const std::string& recording_path, std::string picture_path);
+  RunOutputs(Session& session, const std::string& recording_path, PictureWish picture);
   /// Completes the recording and draws the picture; throws Error when a file cannot be written.
   void finish();
 
  private:
   Session& session_;
-  std::string picture_path_;
+  PictureWish picture_;
   std::shared_ptr<RecordingSink> recording_;
 };
 

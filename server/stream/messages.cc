@@ -2,6 +2,8 @@
 
 #include <google/protobuf/util/json_util.h>
 
+#include <map>
+
 #include "engine/base/version.h"
 #include "engine/scene/json.h"
 #include "server/net/problem.h"
@@ -15,17 +17,35 @@ std::string bytes_of(const std::vector<T>& v) {
   return {reinterpret_cast<const char*>(v.data()), v.size() * sizeof(T)};
 }
 
-// Into a Topology or a Shapes.
-template <class Message>
-void add_shape(Message& message, const DrawnShape& shape) {
-  constexpr const char* kNames[] = {"plane", "box", "sphere", "capsule"};
-  v1::Shape& s = *message.add_shapes();
+void set_shape(v1::Shape& s, const DrawnShape& shape) {
+  constexpr const char* kNames[] = {"plane", "box", "sphere", "capsule", "cylinder", "mesh"};
   s.set_kind(kNames[static_cast<size_t>(shape.kind)]);
   for (const double v : {shape.position.x, shape.position.y, shape.position.z}) s.add_position(v);
   for (const double v : shape.orientation) s.add_orientation(v);
   for (const double v : {shape.size.x, shape.size.y, shape.size.z}) s.add_size(v);
   s.set_id(shape.id);
   s.set_container(shape.container);
+}
+
+void set_bodies(v1::SystemTopology& t, const DrawnBodies& bodies) {
+  std::map<const DrawnMesh*, uint32_t> meshes;
+  for (const DrawnBodies::Form& form : bodies.forms) {
+    v1::Form& f = *t.add_forms();
+    set_shape(*f.mutable_shape(), form.shape);
+    f.set_group(form.group);
+    f.set_motion(static_cast<v1::Motion>(form.motion));
+    if (form.color) f.mutable_color()->Add(form.color->begin(), form.color->end());
+    if (!form.shape.mesh) continue;
+    const DrawnMesh& mesh = *form.shape.mesh;
+    const auto [at, fresh] = meshes.try_emplace(&mesh, static_cast<uint32_t>(meshes.size()));
+    f.set_mesh(at->second);
+    if (!fresh) continue;
+    v1::Mesh& m = *t.add_meshes();
+    m.set_positions(bytes_of(mesh.positions));
+    m.set_normals(bytes_of(mesh.normals));
+    m.set_triangles(bytes_of(mesh.triangles));
+  }
+  t.set_places(bytes_of(bodies.places));
 }
 
 }  // namespace
@@ -40,7 +60,7 @@ v1::ServerMessage hello_message(const Session& session, const std::string& id) {
   h.set_step(session.step_index());
   h.set_scene_name(session.world().scene().header.name);
   for (const char* c :
-       {"F32", "F64", "Q16", "Q16_DELTA", "QUAT32", "latest", "every", "commands", "observables"})
+       {"F32", "F64", "Q16", "Q16_DELTA", "QUAT32", "latest", "every", "commands", "observables", "marks"})
     h.add_capabilities(c);
   for (size_t i = 0; i < session.world().size(); ++i) {
     v1::SystemInfo& info = *h.add_systems();
@@ -77,7 +97,8 @@ v1::ServerMessage topology_message(const Session& session) {
       for (const double c : *topology.color) s.add_color(c);
     }
     for (const DrawnShape& shape : system.shapes(session.state().systems[i], session.time()))
-      add_shape(t, shape);
+      set_shape(*t.add_shapes(), shape);
+    set_bodies(s, system.bodies(session.state().systems[i]));
   }
   return m;
 }
@@ -88,7 +109,40 @@ v1::ServerMessage shapes_message(const Session& session) {
   for (size_t i = 0; i < session.world().size(); ++i) {
     for (const DrawnShape& shape :
          session.world().system(i).shapes(session.state().systems[i], session.time()))
-      add_shape(all, shape);
+      set_shape(*all.add_shapes(), shape);
+  }
+  return m;
+}
+
+v1::ServerMessage marks_message(const Session& session, Overlay wish) {
+  v1::ServerMessage m;
+  v1::Marks& marks = *m.mutable_marks();
+  marks.set_step(session.step_index());
+  for (size_t i = 0; i < session.world().size(); ++i) {
+    const System& system = session.world().system(i);
+    const State& state = session.state().systems[i];
+    std::vector<float> contacts, joints;
+    std::vector<uint8_t> kinds;
+    const auto add = [](std::vector<float>& out, const Vec3& v) {
+      for (const double c : {v.x, v.y, v.z}) out.push_back(static_cast<float>(c));
+    };
+    if (shows(wish, Overlay::contacts)) {
+      for (const ContactMark& c : system.contact_marks(state)) {
+        add(contacts, c.point), add(contacts, c.normal);
+        contacts.push_back(static_cast<float>(c.force));
+      }
+    }
+    if (shows(wish, Overlay::joints)) {
+      for (const JointMark& j : system.joint_marks(state)) {
+        add(joints, j.a), add(joints, j.b), add(joints, j.axis);
+        kinds.push_back(static_cast<uint8_t>(j.kind));
+      }
+    }
+    v1::SystemMarks& s = *marks.add_systems();
+    s.set_system(session.world().id(i));
+    s.set_contacts(bytes_of(contacts));
+    s.set_joints(bytes_of(joints));
+    s.set_joint_kinds(bytes_of(kinds));
   }
   return m;
 }

@@ -139,6 +139,8 @@ void StreamClient::subscribe(const v1::Subscribe& wish) {
                   {wish.systems().begin(), wish.systems().end()}, static_cast<WireEncoding>(wish.encoding()));
   request_ = request_for(fields_,
                          wish.observables() ? FrameRequest::Extras::observables : FrameRequest::Extras::none);
+  overlay_ = (wish.contacts() ? Overlay::contacts : Overlay::none) |
+             (wish.joints() ? Overlay::joints : Overlay::none);
   policy_ = wish.policy();
   interval_ =
       wish.rate() > 0
@@ -215,6 +217,7 @@ void StreamClient::accept(const FramePtr& frame) {
   if (closed_) return;
   if (frame->topology_version != topology_version_) refresh_topology();
   refresh_shapes();
+  if (overlay_ != Overlay::none) send(marks_message(entry_->session, overlay_));
   if (flow_ == Flow::credit) credit_.fetch_sub(1);
   const auto [blocks, held, kind] = entry_->encoded.get(frame, fields_, base_);
   const uint64_t base_seq = kind == EncodedBlocks::Kind::refers_to_base ? base_seq_ : 0;

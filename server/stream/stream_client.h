@@ -70,6 +70,7 @@ class StreamClient : public net::WebSocketHandler,
   uint64_t base_seq_ = 0;
   uint32_t topology_version_ = 0;
   std::string shapes_;  ///< as sent last
+  Overlay overlay_ = Overlay::none;
   bool stale_ = false;  ///< the client has not seen the newest state
 
   enum class Flow : uint8_t { connection, credit };

@@ -40,7 +40,7 @@ DrawList draped_cloth(int side) {
       cloth.triangles.insert(cloth.triangles.end(), {a, a + n, a + 1, a + 1, a + n, a + n + 1});
     }
   list.points.push_back(std::move(cloth));
-  list.shapes.push_back({ShapeKind::sphere, {0, 0.5, 0}, {1, 0, 0, 0}, {0.45, 0, 0}, false, {}});
+  list.shapes.push_back({DrawShape::Kind::sphere, {0, 0.5, 0}, {1, 0, 0, 0}, {0.45, 0, 0}, false, {}});
   list.ground_height = 0;
   list.caption = "Cloth over a ball   t = 1.250 s";
   return list;
@@ -96,7 +96,7 @@ DrawList spring_net(int side) {
     }
   list.points.push_back(std::move(net));
   for (double x : {-1.05, 1.05})
-    list.shapes.push_back({ShapeKind::capsule, {x, 0.8, 0}, {1, 0, 0, 0}, {0.04, 0.78, 0}, false, {}});
+    list.shapes.push_back({DrawShape::Kind::capsule, {x, 0.8, 0}, {1, 0, 0, 0}, {0.04, 0.78, 0}, false, {}});
   list.ground_height = 0;
   list.caption = "Spring net   t = 0.500 s";
   return list;
@@ -117,10 +117,11 @@ DrawList balls_in_box(int count) {
     }
     list.points.push_back(std::move(balls));
   }
-  list.shapes.push_back({ShapeKind::box, {0, 0.75, 0}, {1, 0, 0, 0}, {1, 0.75, 1}, true, {}});
+  list.shapes.push_back({DrawShape::Kind::box, {0, 0.75, 0}, {1, 0, 0, 0}, {1, 0.75, 1}, true, {}});
   list.shapes.push_back(
-      {ShapeKind::box, {0.3, 0.95, 0.1}, {0.924, 0, 0.2, 0.33}, {0.3, 0.06, 0.4}, false, {}});
-  list.shapes.push_back({ShapeKind::sphere, {-0.45, 0.95, -0.3}, {1, 0, 0, 0}, {0.22, 0, 0}, false, {}});
+      {DrawShape::Kind::box, {0.3, 0.95, 0.1}, {0.924, 0, 0.2, 0.33}, {0.3, 0.06, 0.4}, false, {}});
+  list.shapes.push_back(
+      {DrawShape::Kind::sphere, {-0.45, 0.95, -0.3}, {1, 0, 0, 0}, {0.22, 0, 0}, false, {}});
   list.ground_height = 0;
   list.caption = "Balls in a box   t = 2.000 s";
   return list;

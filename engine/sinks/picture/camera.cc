@@ -33,19 +33,29 @@ void for_each_ball(const DrawList& list, Visit visit) {
     }
   }
   for (const DrawShape& s : list.shapes) {
-    if (!finite(s.position) || !finite(s.size)) continue;
+    if (!finite(s.position) || !finite(s.size) || s.framing == DrawShape::Framing::ignored) continue;
     const Pose pose(s);
     const double r = std::abs(s.size.x);
     switch (s.kind) {
-      case ShapeKind::plane:
+      case DrawShape::Kind::plane:
         break;
-      case ShapeKind::sphere:
+      case DrawShape::Kind::sphere:
         visit(Ball{s.position, r});
         break;
-      case ShapeKind::capsule:
+      case DrawShape::Kind::capsule:
         for (double end : {-s.size.y, s.size.y}) visit(Ball{pose.point({0, end, 0}), r});
         break;
-      case ShapeKind::box:
+      case DrawShape::Kind::cylinder:
+        for (const Vec3& corner : {Vec3{r, 0, 0}, {-r, 0, 0}, {0, 0, r}, {0, 0, -r}})
+          for (double end : {-s.size.y, s.size.y}) visit(Ball{pose.point(corner + Vec3{0, end, 0}), 0});
+        break;
+      case DrawShape::Kind::mesh:
+        for (size_t i = 0; s.mesh && i < s.mesh->positions.size() / 3; ++i) {
+          const Vec3f p = load3(s.mesh->positions.data(), i);
+          visit(Ball{pose.point({p.x, p.y, p.z}), 0});
+        }
+        break;
+      case DrawShape::Kind::box:
         for (int corner = 0; corner < 8; ++corner)
           visit(Ball{pose.point({corner & 1 ? s.size.x : -s.size.x, corner & 2 ? s.size.y : -s.size.y,
                                  corner & 4 ? s.size.z : -s.size.z}),

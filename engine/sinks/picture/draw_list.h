@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "engine/core/drawn.h"
 #include "engine/core/topology.h"
 #include "engine/math/vec3.h"
 
@@ -38,17 +39,26 @@ struct DrawPoints {
   std::vector<uint32_t> triangles;         ///< 3 per triangle, smooth, seen from both sides
 };
 
-enum class ShapeKind : uint8_t { plane, box, sphere, capsule };
-
 /// A fixed or moving solid. Size: plane = its normal; box = half extents; sphere = (radius, -, -);
-/// capsule = (radius, half length without the caps, -) along its own y.
+/// capsule = (radius, half length without the caps, -) along its own y, cylinder the same with flat ends.
 struct DrawShape {
-  ShapeKind kind = ShapeKind::sphere;
+  using Kind = DrawnShape::Kind;
+  Kind kind = Kind::sphere;
   Vec3 position;
   double orientation[4] = {1, 0, 0, 0};  ///< unit quaternion w x y z
   Vec3 size{1, 1, 1};
   bool container = false;  ///< things live inside: drawn as edges and a breath of glass
   std::optional<Color> color;
+  std::shared_ptr<const DrawnMesh> mesh = {};  ///< of kind mesh
+  /// Whether a camera that nobody gave looks at it: a wide floor would make what stands on it small.
+  enum class Framing : uint8_t { counts, ignored } framing = Framing::counts;
+};
+
+/// A straight mark over everything else, seen through solids.
+struct DrawMark {
+  Vec3 from, to;  ///< m
+  Color color;
+  double radius = 0;  ///< m; never thinner than about 1.5 pixels
 };
 
 /// Where the picture is taken from; `fov_degrees` is the vertical opening angle, 1 to 160.
@@ -63,6 +73,7 @@ struct DrawCamera {
 struct DrawList {
   std::vector<DrawPoints> points;
   std::vector<DrawShape> shapes;
+  std::vector<DrawMark> marks;
   Vec3 up{0, 1, 0};                     ///< away from the ground; opposite to gravity
   std::optional<DrawCamera> camera;     ///< none = chosen so that all points and shapes are in the picture
   std::optional<double> ground_height;  ///< m along `up`; none = no ground

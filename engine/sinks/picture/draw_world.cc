@@ -3,6 +3,8 @@
 #include <cmath>
 #include <cstdio>
 
+#include "engine/math/quaternion.h"
+
 namespace truestep {
 
 namespace {
@@ -77,7 +79,7 @@ DrawPoints points_of(const System& system, const State& state, const std::string
 
 DrawShape shape_of(const DrawnShape& s) {
   DrawShape d;
-  d.kind = static_cast<ShapeKind>(s.kind);
+  d.kind = s.kind, d.mesh = s.mesh;
   d.position = s.position;
   for (size_t i = 0; i < 4; ++i) d.orientation[i] = s.orientation[i];
   d.size = s.size;
@@ -94,6 +96,52 @@ Vec3 up_of(const Vec3& gravity) {
   return {0, 1, 0};
 }
 
+/// How far (m) a shape reaches from its position against `up`.
+double reach_down(const DrawShape& s, const Vec3& up) {
+  const Rotation r =
+      rotation(normalized(Quat{s.orientation[0], s.orientation[1], s.orientation[2], s.orientation[3]}));
+  const Vec3 own = r.apply_inverse(up);
+  const double side = std::sqrt(std::max(0.0, 1 - own.y * own.y));
+  switch (s.kind) {
+    case DrawShape::Kind::box:
+      return std::abs(own.x) * s.size.x + std::abs(own.y) * s.size.y + std::abs(own.z) * s.size.z;
+    case DrawShape::Kind::capsule:
+      return s.size.x + std::abs(own.y) * s.size.y;
+    case DrawShape::Kind::cylinder:
+      return side * s.size.x + std::abs(own.y) * s.size.y;
+    case DrawShape::Kind::mesh: {
+      double reach = -HUGE_VAL;
+      for (size_t i = 0; s.mesh && i < s.mesh->positions.size() / 3; ++i) {
+        const Vec3f p = load3(s.mesh->positions.data(), i);
+        reach = std::max(reach, -dot(own, Vec3{p.x, p.y, p.z}));
+      }
+      return reach;
+    }
+    default:
+      return s.size.x;
+  }
+}
+
+/// Longest line of a mark (m): what is in the picture, less a lot.
+double mark_size(const DrawList& list) {
+  Vec3 low{HUGE_VAL, HUGE_VAL, HUGE_VAL}, high = -low;
+  const auto cover = [&](const Vec3& p) {
+    low = {std::min(low.x, p.x), std::min(low.y, p.y), std::min(low.z, p.z)};
+    high = {std::max(high.x, p.x), std::max(high.y, p.y), std::max(high.z, p.z)};
+  };
+  for (const DrawShape& s : list.shapes) {
+    if (s.kind != DrawShape::Kind::plane && s.framing == DrawShape::Framing::counts) cover(s.position);
+  }
+  for (const DrawPoints& p : list.points) {
+    for (size_t i = 0; i < p.positions.size() / 3; ++i) {
+      const Vec3f x = load3(p.positions.data(), i);
+      if (std::isfinite(x.x + x.y + x.z)) cover({x.x, x.y, x.z});
+    }
+  }
+  const double size = norm(high - low);
+  return std::isfinite(size) && size > 0 ? 0.08 * size : 0.2;
+}
+
 // The ground lies under everything that is drawn.
 double lowest_point(const DrawList& list) {
   double low = HUGE_VAL;
@@ -105,14 +153,15 @@ double lowest_point(const DrawList& list) {
     }
   }
   for (const DrawShape& s : list.shapes) {
-    if (s.kind != ShapeKind::plane) low = std::min(low, dot(s.position, list.up) - norm(s.size));
+    if (s.kind != DrawShape::Kind::plane)
+      low = std::min(low, dot(s.position, list.up) - reach_down(s, list.up));
   }
   return low;
 }
 
 }  // namespace
 
-DrawList draw_list_of(const World& world, const WorldState& state) {
+DrawList draw_list_of(const World& world, const WorldState& state, Overlay overlay) {
   DrawList list;
   const SceneHeader& header = world.scene().header;
   const double t = static_cast<double>(state.step) * world.dt();
@@ -120,7 +169,12 @@ DrawList draw_list_of(const World& world, const WorldState& state) {
   bool has_plane = false;
   for (size_t i = 0; i < world.size(); ++i) {
     DrawPoints points = points_of(world.system(i), state.systems[i], header.viewer.color_by);
-    if (!points.positions.empty()) list.points.push_back(std::move(points));
+    const size_t before = list.shapes.size();
+    add_bodies(list, world.system(i), state.systems[i], points);
+    // Rows that only carry bodies are not looked at either; coloured ones bring the colour bar.
+    const bool only_bodies = list.shapes.size() > before && points.radius == 0 && points.lines.empty() &&
+                             points.triangles.empty() && points.scalar.empty();
+    if (!points.positions.empty() && !only_bodies) list.points.push_back(std::move(points));
     for (const DrawnShape& s : world.system(i).shapes(state.systems[i], t)) {
       list.shapes.push_back(shape_of(s));
       has_plane |= s.kind == DrawnShape::Kind::plane;
@@ -128,6 +182,11 @@ DrawList draw_list_of(const World& world, const WorldState& state) {
   }
   if (const double low = lowest_point(list); !has_plane && std::isfinite(low))
     list.ground_height = low - 0.05;
+  if (overlay != Overlay::none) {
+    const double size = mark_size(list);
+    for (size_t i = 0; i < world.size(); ++i)
+      add_marks(list, world.system(i), state.systems[i], overlay, size);
+  }
   if (header.viewer.camera) {
     const CameraParams& c = *header.viewer.camera;
     list.camera = DrawCamera{c.eye, c.target, c.up, c.fov * 57.29577951308232};

@@ -134,7 +134,7 @@ void sort_near_to_far(std::vector<SphereVertex>& sprites, const View& view) {
 }
 
 bool level(const DrawShape& plane, const Vec3& up) {
-  return plane.kind == ShapeKind::plane && dot(normalized(plane.size), up) > 0.9999;
+  return plane.kind == DrawShape::Kind::plane && dot(normalized(plane.size), up) > 0.9999;
 }
 
 }  // namespace
@@ -168,7 +168,8 @@ void Geometry::add_line(const View& view, const Vec3f& a, const Vec3f& b, float 
 }
 
 void Geometry::build(const DrawList& list, const View& view) {
-  spheres.clear(), sprites.clear(), lines.clear(), mesh.clear(), triangles.clear(), glass.clear();
+  spheres.clear(), sprites.clear(), lines.clear(), marks.clear(), mesh.clear(), triangles.clear(),
+      glass.clear();
   extent = {};
   ground_height = list.ground_height;
   for (size_t i = 0; i < list.points.size(); ++i) {
@@ -176,14 +177,19 @@ void Geometry::build(const DrawList& list, const View& view) {
     add_points(*this, view, list.points[i], list.points[i].color.value_or(palette(i)));
   }
   for (const DrawShape& shape : list.shapes)
-    if (shape.kind != ShapeKind::plane) add_shape(*this, view, shape);
+    if (shape.kind != DrawShape::Kind::plane) add_shape(*this, view, shape);
   for (const DrawShape& shape : list.shapes) {
-    if (shape.kind != ShapeKind::plane) continue;
+    if (shape.kind != DrawShape::Kind::plane) continue;
     if (!ground_height && level(shape, view.axes.up)) {
       ground_height = dot(shape.position, view.axes.up);
     } else if (!level(shape, view.axes.up) || dot(shape.position, view.axes.up) != *ground_height) {
       add_shape(*this, view, shape);
     }
+  }
+  for (const DrawMark& m : list.marks) {
+    const Vec3f from = view.units.position(m.from), to = view.units.position(m.to);
+    if (drawable(from) && drawable(to))
+      marks.insert(marks.end(), 4, {from, to, view.units.length(m.radius), bytes_of(m.color)});
   }
   sort_near_to_far(sprites, view);
 }

@@ -32,6 +32,7 @@ struct Geometry {
   std::vector<SphereVertex> spheres;  ///< 4 per sphere
   std::vector<SphereVertex> sprites;  ///< 1 per small sphere, near ones first
   std::vector<LineVertex> lines;      ///< 4 per line
+  std::vector<LineVertex> marks;      ///< 4 per line, drawn over everything
   std::vector<MeshVertex> mesh;       ///< opaque; indexed by `triangles`
   std::vector<uint32_t> triangles;
   std::vector<MeshVertex> glass;  ///< containers; 3 per triangle, far ones first

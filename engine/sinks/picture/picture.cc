@@ -58,6 +58,7 @@ struct Scene {
         spheres(g, sizeof(SphereVertex), kSphereLayout, quads),
         sprites(g, sizeof(SphereVertex), kSphereLayout, quads),
         lines(g, sizeof(LineVertex), kLineLayout, quads),
+        marks(g, sizeof(LineVertex), kLineLayout, quads),
         mesh(g, sizeof(MeshVertex), kMeshLayout, 0),
         glass(g, sizeof(MeshVertex), kMeshLayout, 0),
         nothing(g, 4, {}, quads),
@@ -81,7 +82,7 @@ struct Scene {
   const GlApi& gl;
   GLuint quads;
   size_t quad_count = 0;
-  VertexStream spheres, sprites, lines, mesh, glass, nothing;
+  VertexStream spheres, sprites, lines, marks, mesh, glass, nothing;
   ShadowTarget shadow;
   ColorTarget target;
   std::array<GLuint, kShaderKinds> programs{};
@@ -89,7 +90,7 @@ struct Scene {
 };
 
 void Scene::upload(const Geometry& g, const Uniforms& u) {
-  const size_t needed = std::max(g.spheres.size(), g.lines.size()) / 4;
+  const size_t needed = std::max({g.spheres.size(), g.lines.size(), g.marks.size()}) / 4;
   if (needed > quad_count) {
     quad_count = std::max(needed, 2 * quad_count);
     std::vector<uint32_t> indices;
@@ -104,6 +105,7 @@ void Scene::upload(const Geometry& g, const Uniforms& u) {
   spheres.upload(gl, g.spheres.data(), g.spheres.size() * sizeof(SphereVertex), {});
   sprites.upload(gl, g.sprites.data(), g.sprites.size() * sizeof(SphereVertex), {});
   lines.upload(gl, g.lines.data(), g.lines.size() * sizeof(LineVertex), {});
+  marks.upload(gl, g.marks.data(), g.marks.size() * sizeof(LineVertex), {});
   mesh.upload(gl, g.mesh.data(), g.mesh.size() * sizeof(MeshVertex), g.triangles);
   glass.upload(gl, g.glass.data(), g.glass.size() * sizeof(MeshVertex), {});
   gl.BindBuffer(GL_UNIFORM_BUFFER, uniforms);
@@ -172,6 +174,10 @@ void Scene::draw_color(const Geometry& g) const {
   gl.DrawArrays(GL_TRIANGLES, 0, static_cast<GLsizei>(g.glass.size()));
   gl.DepthMask(GL_TRUE);
   gl.Disable(GL_BLEND);
+  if (g.marks.empty()) return;
+  gl.Clear(GL_DEPTH_BUFFER_BIT);  // marks hide one another, nothing hides them
+  use(ShaderKind::line);
+  draw_quads(marks, g.marks.size());
 }
 
 }  // namespace

@@ -1,7 +1,9 @@
-// Shapes as triangles: boxes, capsules and plane patches are tessellated, solid spheres stay exact. A
-// container is its edges plus a film of glass whose triangles are sorted far to near.
+// Shapes as triangles: boxes, capsules, cylinders and plane patches are tessellated, as finely as their size
+// in the picture asks for, solid spheres stay exact. A container is its edges plus a film of glass whose
+// triangles are sorted far to near.
 #include <algorithm>
 #include <cmath>
+#include <span>
 
 #include "engine/sinks/picture/geometry.h"
 #include "engine/sinks/picture/pose.h"
@@ -9,7 +11,7 @@
 namespace truestep::picture {
 namespace {
 
-constexpr int kAround = 48, kRings = 12;  // segments around the axis, rings per half sphere
+constexpr int kAround = 48;  // segments around the axis of what is large
 constexpr double kTurn = 6.28318530717958647692;
 constexpr Color kSolid{0.78f, 0.80f, 0.83f}, kEdge{0.42f, 0.46f, 0.52f};
 
@@ -42,26 +44,72 @@ void box_faces(Triangles& out, const View& view, const Pose& pose, const Vec3& h
   }
 }
 
-// A sphere cut at its equator, the halves `half` away from the middle along y, joined by a cylinder.
-void capsule_faces(Triangles& out, const View& view, const Pose& pose, double r, double half, Bytes4 color) {
-  const auto ring = [&](int i, double& radial, double& y, double& offset) {
-    const int step = i <= kRings ? i : i - 1;  // the equator appears twice, once per half
-    const double latitude = kTurn / 4 * (static_cast<double>(step) / kRings - 1);
-    radial = std::cos(latitude), y = std::sin(latitude), offset = i <= kRings ? -half : half;
-  };
-  for (int i = 0; i < 2 * kRings + 1; ++i)
-    for (int j = 0; j < kAround; ++j) {
+// Segments around a circle of radius r (m): their sagitta stays under a fifth of a pixel, a multiple of 4.
+int segments(const View& view, const Pose& pose, double r) {
+  const Vec3f c = view.units.position(pose.position);
+  const double distance = std::max(norm(Vec3{c.x, c.y, c.z} - view.eye), view.near_plane);
+  const double pixels = view.units.length(r) / (distance * view.pixel);
+  const double n = kTurn / 2 / std::acos(1 - std::min(1.0, 0.2 / std::max(pixels, 0.2)));
+  return std::clamp(4 * static_cast<int>(std::ceil(n / 4)), 8, kAround);
+}
+
+// A ring of a solid of revolution about y: where it is and where its surface looks.
+struct Ring {
+  double radius, y, normal_radial, normal_y;
+};
+
+// Bands between rings 2 k and 2 k + 1, from low to high.
+void turned_faces(Triangles& out, const View& view, const Pose& pose, int around, std::span<const Ring> rings,
+                  Bytes4 color) {
+  std::vector<Vec3> sides;
+  for (int j = 0; j <= around; ++j) {
+    const double angle = kTurn * j / around;
+    sides.push_back({std::cos(angle), 0, std::sin(angle)});
+  }
+  for (size_t i = 0; i + 1 < rings.size(); i += 2)
+    for (int j = 0; j < around; ++j) {
       Vec3 corner[4], normal[4];
       for (int c = 0; c < 4; ++c) {
-        double radial, y, offset;
-        ring(i + (c >= 2 ? 1 : 0), radial, y, offset);
-        const double angle = kTurn * (j + (c == 1 || c == 2 ? 1 : 0)) / kAround;
-        const Vec3 n{radial * std::cos(angle), y, radial * std::sin(angle)};
-        normal[c] = pose.direction(n);
-        corner[c] = pose.point(n * r + Vec3{0, offset, 0});
+        const Ring& ring = rings[i + (c == 1 || c == 2 ? 1 : 0)];
+        const Vec3& side = sides[static_cast<size_t>(j + (c >= 2 ? 1 : 0))];
+        normal[c] = pose.direction(side * ring.normal_radial + Vec3{0, ring.normal_y, 0});
+        corner[c] = pose.point(side * ring.radius + Vec3{0, ring.y, 0});
       }
       add_quad(out, view, corner, normal, color);
     }
+}
+
+// A sphere cut at its equator, the halves `half` away from the middle along y, joined by a cylinder.
+void capsule_faces(Triangles& out, const View& view, const Pose& pose, double r, double half, Bytes4 color) {
+  const int around = segments(view, pose, r), steps = around / 4;
+  std::vector<Ring> rings;
+  const auto ring = [&](int step, double offset) {
+    const double latitude = kTurn / 4 * (static_cast<double>(step) / steps);
+    const double c = std::cos(latitude), s = std::sin(latitude);
+    rings.push_back({r * c, r * s + offset, c, s});
+  };
+  for (int i = -steps; i < 0; ++i) ring(i, -half), ring(i + 1, -half);
+  if (half > 0) ring(0, -half), ring(0, half);
+  for (int i = 0; i < steps; ++i) ring(i, half), ring(i + 1, half);
+  turned_faces(out, view, pose, around, rings, color);
+}
+
+void cylinder_faces(Triangles& out, const View& view, const Pose& pose, double r, double half, Bytes4 color) {
+  const Ring rings[] = {{0, -half, 0, -1}, {r, -half, 0, -1}, {r, -half, 1, 0},
+                        {r, half, 1, 0},   {r, half, 0, 1},   {0, half, 0, 1}};
+  turned_faces(out, view, pose, segments(view, pose, r), rings, color);
+}
+
+// A mesh brings its own vertices, which the triangles share.
+void add_mesh(Geometry& g, const View& view, const Pose& pose, const DrawnMesh& mesh, Bytes4 color) {
+  const auto first = static_cast<uint32_t>(g.mesh.size());
+  for (size_t i = 0; i < mesh.positions.size() / 3; ++i) {
+    const Vec3f p = load3(mesh.positions.data(), i), n = load3(mesh.normals.data(), i);
+    g.mesh.push_back(
+        {view.units.position(pose.point({p.x, p.y, p.z})), narrow(pose.direction({n.x, n.y, n.z})), color});
+    g.extent.add(view, g.mesh.back().position, 0);
+  }
+  for (const uint32_t i : mesh.triangles) g.triangles.push_back(first + i);
 }
 
 void circle(Geometry& g, const View& view, const Pose& pose, const Vec3& centre, const Vec3& u, const Vec3& v,
@@ -131,26 +179,39 @@ void add_shape(Geometry& g, const View& view, const DrawShape& s) {
   const double sum = s.position.x + s.position.y + s.position.z + s.size.x + s.size.y + s.size.z;
   if (!std::isfinite(sum)) return;
   Triangles faces;
+  if (s.kind == DrawShape::Kind::mesh && !s.mesh) return;
   switch (s.kind) {
-    case ShapeKind::sphere:
+    case DrawShape::Kind::sphere:
       if (!s.container)
         return g.add_sphere(view, view.units.position(s.position), view.units.length(s.size.x), color);
       capsule_faces(faces, view, pose, s.size.x, 0, color);
       round_edges(g, view, pose, s.size.x, 0);
       break;
-    case ShapeKind::capsule:
+    case DrawShape::Kind::capsule:
       capsule_faces(faces, view, pose, s.size.x, s.size.y, color);
       if (s.container) round_edges(g, view, pose, s.size.x, s.size.y);
       break;
-    case ShapeKind::box:
+    case DrawShape::Kind::cylinder:
+      cylinder_faces(faces, view, pose, s.size.x, s.size.y, color);
+      if (s.container) round_edges(g, view, pose, s.size.x, s.size.y);
+      break;
+    case DrawShape::Kind::mesh:
+      if (!s.container) return add_mesh(g, view, pose, *s.mesh, color);
+      for (const uint32_t i : s.mesh->triangles) {
+        const Vec3f p = load3(s.mesh->positions.data(), i), n = load3(s.mesh->normals.data(), i);
+        faces.push_back({view.units.position(pose.point({p.x, p.y, p.z})),
+                         narrow(pose.direction({n.x, n.y, n.z})), color});
+      }
+      break;
+    case DrawShape::Kind::box:
       box_faces(faces, view, pose, s.size, color);
       if (s.container) box_edges(g, view, pose, s.size);
       break;
-    case ShapeKind::plane:
+    case DrawShape::Kind::plane:
       plane_patch(g, faces, view, s, color);
       break;
   }
-  const bool behind = s.kind == ShapeKind::plane && dot(view.camera.eye - s.position, s.size) < 0;
+  const bool behind = s.kind == DrawShape::Kind::plane && dot(view.camera.eye - s.position, s.size) < 0;
   if (s.container || behind) {
     g.glass.insert(g.glass.end(), faces.begin(), faces.end());
     sort_far_to_near(g.glass, view);
@@ -159,7 +220,7 @@ void add_shape(Geometry& g, const View& view, const DrawShape& s) {
   for (const MeshVertex& v : faces) {
     g.triangles.push_back(static_cast<uint32_t>(g.mesh.size()));
     g.mesh.push_back(v);
-    if (s.kind != ShapeKind::plane) g.extent.add(view, v.position, 0);
+    if (s.kind != DrawShape::Kind::plane) g.extent.add(view, v.position, 0);
   }
 }
 

@@ -166,55 +166,6 @@ void Articulation::apply(State& s, const Command& c) const {
   }
 }
 
-Topology Articulation::topology(const State&) const {
-  Topology t;
-  const Model& m = tree_.model();
-  const auto n = static_cast<uint32_t>(m.links.size());
-  t.point_radius = point_radius_;
-  for (uint32_t i = 0; i < n; ++i) {
-    const Link& l = m.links[i];
-    t.lines.push_back({n + i, i});
-    const Vec3& center = l.parent == kGround ? Vec3{} : m.links[size_t(l.parent)].center;
-    if (l.parent != kGround && norm(center) > 0) t.lines.push_back({static_cast<uint32_t>(l.parent), n + i});
-    if (l.parent != kGround && norm(center) == 0)
-      t.lines.push_back({n + static_cast<uint32_t>(l.parent), n + i});
-  }
-  t.line_kinds.assign(t.lines.size(), LineKind::structural);
-  if (color_) t.color = std::array<double, 3>{color_->x, color_->y, color_->z};
-  return t;
-}
-
-std::vector<DrawnShape> Articulation::shapes(const State& s, double) const {
-  std::vector<DrawnShape> out;
-  const Model& m = tree_.model();
-  if (std::ranges::all_of(m.shapes, [](const auto& list) { return list.empty(); })) return out;
-  const auto frames = frames_of(m.tree, tree_.placed(s));
-  for (size_t i = 0; i < m.links.size(); ++i) {
-    const Link& l = m.links[i];
-    const spatial::Frame& f = frames[size_t(l.node)];
-    const Quat turn = quaternion(f.R);
-    for (const LinkShape& shape : m.shapes[l.def]) {
-      DrawnShape d;
-      const Quat q = turn * shape.pose.orientation;
-      d.position = f.R.apply(shape.pose.position) + f.p, d.orientation = {q.w, q.x, q.y, q.z};
-      d.size = shape.solid.size;
-      // Cylinders are drawn as the nearest that there is: capsules when slim, boxes when flat.
-      const double r = d.size.x, half = d.size.y;
-      d.kind = shape.solid.kind == SolidKind::sphere ? DrawnShape::Kind::sphere
-               : shape.solid.kind == SolidKind::box  ? DrawnShape::Kind::box
-                                                     : DrawnShape::Kind::capsule;
-      if (shape.solid.kind == SolidKind::cylinder && half <= 2 * r) {
-        d.kind = DrawnShape::Kind::box, d.size = {r, half, r};
-      } else if (shape.solid.kind == SolidKind::cylinder) {
-        d.size = {r, half - r, 0};
-      }
-      d.id = l.id.empty() ? std::to_string(i) : l.id;
-      out.push_back(d);
-    }
-  }
-  return out;
-}
-
 }  // namespace truestep::articulation
 
 namespace truestep {

@@ -16,7 +16,8 @@ class Articulation final : public ForceSystem {
   FieldView field(const State& state, size_t which, std::vector<double>& scratch) const override;
   void apply(State& state, const Command& command) const override;
   Topology topology(const State& state) const override;
-  std::vector<DrawnShape> shapes(const State& state, double t) const override;
+  DrawnBodies bodies(const State& state) const override;
+  std::vector<JointMark> joint_marks(const State& state) const override;
 
  private:
   const ArticulationField& tree_;

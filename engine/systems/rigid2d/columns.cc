@@ -22,8 +22,10 @@ State state_at_start(const Model& model, const Vec3& gravity) {
   s.add({"parameters", "m/s^2", S::f64, 3}, 1);
   s.add({"push.body", "1", S::u32, 1}, 0);
   s.add({"push.force", "N", S::f64, 3}, 0);
+  s.add({"push.local", "m", S::f64, 2}, 0);
   s.add({"push.remaining", "s", S::f64, 1}, 0);
-  s.add({"drag.row", "1", S::u32, 1}, 0);
+  s.add({"drag.body", "1", S::u32, 1}, 0);
+  s.add({"drag.local", "m", S::f64, 2}, 0);
   s.add({"drag.target", "m", S::f64, 3}, 0);
   s.add({"drag.stiffness", "N/m", S::f64, 1}, 0);
   s.add({"drag.impulse", "N s", S::f64, 2}, 0);

@@ -22,12 +22,17 @@ enum : State::Column {
   parameters,        // f64 x 3: gravity
   push_body,         // u32
   push_force,        // f64 x 3, N
+  push_local,        // f64 x 2, m, where it acts, about the centre of mass in the body's frame
   push_remaining,    // f64, s
-  drag_row,          // u32, row of the command
+  drag_body,         // u32
+  drag_local,        // f64 x 2, m
   drag_target,       // f64 x 3, m
   drag_stiffness,    // f64, N/m
   drag_impulse,      // f64 x 2, N s
 };
+inline constexpr State::Column kPushColumns[] = {push_body, push_force, push_local, push_remaining};
+inline constexpr State::Column kDragColumns[] = {drag_body, drag_local, drag_target, drag_stiffness,
+                                                 drag_impulse};
 }  // namespace columns
 
 inline constexpr uint32_t kNoPoint = 0xffffffff;

@@ -74,6 +74,7 @@ struct Builder {
     b.linear_damping = d.linear_damping, b.angular_damping = d.angular_damping;
     b.gravity_scale = d.gravity_scale;
     b.sensor = d.sensor, b.bullet = d.bullet, b.can_sleep = d.can_sleep;
+    b.color = d.color;
     b.asleep = d.asleep && d.motion == Motion::dynamic;
     if (d.one_way) b.one_way = true, b.one_way_direction = flat::unit(flatten(*d.one_way));
     b.group = static_cast<int32_t>(d.group);

@@ -29,6 +29,7 @@ struct Body {
   Vec2 position, velocity;  ///< of the centre of mass at t = 0
   double angle = 0, angular_velocity = 0;
   uint32_t first_shape = 0, shapes = 0;
+  std::optional<Vec3> color;
 };
 
 struct Shape {

@@ -30,10 +30,7 @@ constexpr double kContactHertz = 0.2;
 }  // namespace
 
 Rigid2d::Rigid2d(const Rigid2dDef& def, const BuildContext& context)
-    : model_(build_model(def)),
-      drawing_(draw(model_, def.color)),
-      gravity_(def.gravity.value_or(context.gravity)),
-      dt_(context.dt) {
+    : model_(build_model(def)), gravity_(def.gravity.value_or(context.gravity)), dt_(context.dt) {
   settings_ = def;
   settings_.bodies.clear(), settings_.generators.clear(), settings_.joints.clear();
   add_stages();
@@ -88,30 +85,29 @@ void Rigid2d::take_hands(State& s, const StepInput& in) const {
   Scratch& w = in.workspace.object<Scratch>(kScratch);
   w.hands.forces.clear(), w.hands.drags.clear();
   const auto rest = s.f64(columns::rest);
-  const auto turned = [&](const Vertex& at) { return pose_of(s, at.body).q * at.local; };
+  const auto pair = [&](State::Column c, size_t k) { return Vec2{s.f64(c)[2 * k], s.f64(c)[2 * k + 1]}; };
   const auto pushes = s.span<uint32_t>(columns::push_body);
   for (size_t k = 0; k < pushes.size(); ++k) {
-    const Vertex& at = drawing_.rows[pushes[k]];
+    const uint32_t body = pushes[k];
     const Vec2 f = flat::flatten(load3<double>(s.f64(columns::push_force).data(), k));
-    const double torque = flat::cross(turned(at), f);
-    w.hands.forces.push_back(Hands::Force{at.body, f, torque});
-    wake(s, at.body);
-    rest[at.body] = 0;
+    const double torque = flat::cross(pose_of(s, body).q * pair(columns::push_local, k), f);
+    w.hands.forces.push_back(Hands::Force{body, f, torque});
+    wake(s, body);
+    rest[body] = 0;
   }
-  const auto drags = s.span<uint32_t>(columns::drag_row);
+  const auto drags = s.span<uint32_t>(columns::drag_body);
   for (size_t k = 0; k < drags.size(); ++k) {
-    const Vertex& at = drawing_.rows[drags[k]];
-    const Body& b = model_.bodies[at.body];
+    const uint32_t body = drags[k];
+    const Body& b = model_.bodies[body];
     if (b.motion != Motion::dynamic) continue;
     Joint j;
-    j.kind = JointKind::mouse, j.a = model_.world(), j.b = at.body, j.local_b = at.local;
+    j.kind = JointKind::mouse, j.a = model_.world(), j.b = body, j.local_b = pair(columns::drag_local, k);
     j.ground_a = flat::flatten(load3<double>(s.f64(columns::drag_target).data(), k));
     j.hertz = std::sqrt(s.f64(columns::drag_stiffness)[k] / b.mass) / 6.283185307179586;
     j.damping_ratio = kDragDamping, j.max_force = HUGE_VAL;
-    const auto impulse = s.f64(columns::drag_impulse);
-    w.hands.drags.push_back({j, {impulse[2 * k], impulse[2 * k + 1]}});
-    wake(s, at.body);
-    rest[at.body] = 0;
+    w.hands.drags.push_back({j, pair(columns::drag_impulse, k)});
+    wake(s, body);
+    rest[body] = 0;
   }
   const auto status = s.span<uint32_t>(columns::status);
   const double* v = s.f64(columns::velocity).data();
@@ -138,8 +134,8 @@ void Rigid2d::solve(State& s, const StepInput& in) const {
   solver->store_contacts(w.pairs, s);
   const auto impulse = s.f64(columns::drag_impulse);
   size_t next = 0;
-  for (size_t k = 0; k < s.rows(columns::drag_row); ++k) {
-    const uint32_t body = drawing_.rows[s.span<uint32_t>(columns::drag_row)[k]].body;
+  for (size_t k = 0; k < s.rows(columns::drag_body); ++k) {
+    const uint32_t body = s.span<uint32_t>(columns::drag_body)[k];
     if (model_.bodies[body].motion != Motion::dynamic) continue;
     const Vec2 p = w.hands.drags[next++].impulse;
     impulse[2 * k] = p.x, impulse[2 * k + 1] = p.y;
@@ -158,15 +154,17 @@ void Rigid2d::solve(State& s, const StepInput& in) const {
   size_t kept = 0;
   const auto rows = s.span<uint32_t>(columns::push_body);
   const auto remaining = s.f64(columns::push_remaining);
+  const auto local = s.f64(columns::push_local);
   double* force = s.f64(columns::push_force).data();
   for (size_t k = 0; k < rows.size(); ++k) {
     const double left = remaining[k] - in.h;
     if (left < 0.5 * in.h) continue;
     rows[kept] = rows[k], remaining[kept] = left;
+    local[2 * kept] = local[2 * k], local[2 * kept + 1] = local[2 * k + 1];
     store3(force, kept, load3<double>(force, k));
     ++kept;
   }
-  for (const auto c : {columns::push_body, columns::push_force, columns::push_remaining}) s.resize(c, kept);
+  for (const auto c : columns::kPushColumns) s.resize(c, kept);
 }
 
 void Rigid2d::end_step(State& s, const StepInput& in) const {

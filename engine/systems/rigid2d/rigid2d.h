@@ -1,12 +1,13 @@
 // The system type "rigid2d": rigid bodies of the plane x, y with contacts, dry friction and joints,
 //   M dv/dt = f + J^T lambda,   gap >= 0, lambda_n >= 0, |lambda_t| <= mu lambda_n,
 // solved for impulses by small steps of soft constraints (solver.h). Rows of its fields are the bodies
-// (centres of mass) and after them the vertices that they are drawn with; commands take any row: a force on a
-// vertex acts there. Commands: push, impulse, drag, release, pin, unpin, remove, set_parameter (gravity).
+// (centres of mass). Commands: push, impulse, drag (all three at any point of the body), release, pin, unpin,
+// remove, set_parameter (gravity).
 #pragma once
+#include <mutex>
+
 #include "engine/core/build.h"
 #include "engine/core/system.h"
-#include "engine/systems/rigid2d/drawing.h"
 #include "engine/systems/rigid2d/model.h"
 #include "engine/systems/rigid2d/solver.h"
 
@@ -20,12 +21,16 @@ class Rigid2d final : public StagedSystem {
   /// energy.kinetic/potential/total (J), momentum.x/y (kg m/s), momentum.angular (kg m^2/s, about the
   /// origin), contacts, penetration.max (m), joint.gap (m), joints.broken, awake, sensor.overlaps.
   void observe(const State& state, double t, Observables& out) const override;
-  /// position, velocity, angle, angular_velocity, awake, contact_force (N, sum of normal forces on the body).
+  /// position, velocity, angle, angular_velocity, asleep, contact_force (N, sum of normal forces on the
+  /// body), orientation (quaternion w x y z).
   std::vector<FieldInfo> fields() const override;
   FieldView field(const State& state, size_t which, std::vector<double>& scratch) const override;
   void apply(State& state, const Command& command) const override;
-  Topology topology(const State& state) const override { return drawing_.topology; }
-  size_t max_rows() const override { return drawing_.rows.size(); }
+  DrawnBodies bodies(const State& state) const override;
+  uint32_t topology_version(const State& state) const override;
+  std::vector<ContactMark> contact_marks(const State& state) const override;
+  std::vector<JointMark> joint_marks(const State& state) const override;
+  size_t max_rows() const override { return model_.count(); }
 
   const Model& model() const { return model_; }
 
@@ -42,7 +47,8 @@ class Rigid2d final : public StagedSystem {
 
   Rigid2dDef settings_;  // without bodies, generators and joints
   Model model_;
-  Drawing drawing_;
+  mutable std::once_flag drawn_made_;  ///< meshes are made when somebody looks for the first time
+  mutable DrawnBodies drawn_;
   Vec3 gravity_;
   double dt_;
 };

@@ -7,41 +7,48 @@
 namespace truestep::rigid2d {
 namespace {
 
-void add_push(State& s, uint32_t row, const Vec3& force, double duration) {
+void store2(State& s, State::Column c, size_t k, Vec2 v) {
+  s.f64(c)[2 * k] = v.x, s.f64(c)[2 * k + 1] = v.y;
+}
+
+void add_push(State& s, uint32_t body, Vec2 local, const Vec3& force, double duration) {
   const size_t k = s.rows(columns::push_body);
-  for (const auto c : {columns::push_body, columns::push_force, columns::push_remaining}) s.resize(c, k + 1);
-  s.span<uint32_t>(columns::push_body)[k] = row;
+  for (const auto c : columns::kPushColumns) s.resize(c, k + 1);
+  s.span<uint32_t>(columns::push_body)[k] = body;
+  store2(s, columns::push_local, k, local);
   store3(s.f64(columns::push_force).data(), k, force);
   s.f64(columns::push_remaining)[k] = duration;
 }
 
-constexpr State::Column kDragColumns[] = {columns::drag_row, columns::drag_target, columns::drag_stiffness,
-                                          columns::drag_impulse};
-
-void set_drag(State& s, uint32_t row, const Vec3& target, double stiffness) {
-  const auto rows = s.span<uint32_t>(columns::drag_row);
-  const auto k = static_cast<size_t>(std::find(rows.begin(), rows.end(), row) - rows.begin());
-  if (k == rows.size()) {
-    for (const auto c : kDragColumns) s.resize(c, k + 1);
+/// A drag that goes on keeps the point that it took hold of.
+void set_drag(State& s, uint32_t body, std::optional<Vec2> local, const Vec3& target, double stiffness) {
+  const auto bodies = s.span<uint32_t>(columns::drag_body);
+  const auto k = static_cast<size_t>(std::find(bodies.begin(), bodies.end(), body) - bodies.begin());
+  if (k == bodies.size()) {
+    for (const auto c : columns::kDragColumns) s.resize(c, k + 1);
+    store2(s, columns::drag_local, k, {});
   }
-  s.span<uint32_t>(columns::drag_row)[k] = row;
+  s.span<uint32_t>(columns::drag_body)[k] = body;
+  if (local) store2(s, columns::drag_local, k, *local);
   store3(s.f64(columns::drag_target).data(), k, target);
   s.f64(columns::drag_stiffness)[k] = stiffness;
 }
 
 void end_drag(State& s, std::optional<uint32_t> row) {
   size_t kept = 0;
-  for (size_t k = 0; k < s.rows(columns::drag_row); ++k) {
-    const auto rows = s.span<uint32_t>(columns::drag_row);
+  for (size_t k = 0; k < s.rows(columns::drag_body); ++k) {
+    const auto rows = s.span<uint32_t>(columns::drag_body);
+    const auto local = s.f64(columns::drag_local);
     if (!row || rows[k] == *row) continue;
     double* target = s.f64(columns::drag_target).data();
     const auto stiffness = s.f64(columns::drag_stiffness), impulse = s.f64(columns::drag_impulse);
     rows[kept] = rows[k], stiffness[kept] = stiffness[k];
     store3(target, kept, load3<double>(target, k));
+    local[2 * kept] = local[2 * k], local[2 * kept + 1] = local[2 * k + 1];
     impulse[2 * kept] = impulse[2 * k], impulse[2 * kept + 1] = impulse[2 * k + 1];
     ++kept;
   }
-  for (const auto c : kDragColumns) s.resize(c, kept);
+  for (const auto c : columns::kDragColumns) s.resize(c, kept);
 }
 
 }  // namespace
@@ -50,13 +57,18 @@ void Rigid2d::apply(State& s, const Command& c) const {
   check_command_numbers(c);
   if (c.value < 0) refuse_command("value", "out_of_range", "the value must be at least 0");
   const auto status = s.span<uint32_t>(columns::status);
-  const auto row = [&] { return static_cast<uint32_t>(checked_command_row(c, drawing_.rows.size(), "row")); };
+  const auto row = [&] { return static_cast<uint32_t>(checked_command_row(c, model_.count(), "body")); };
   const auto dynamic = [&] {
     const uint32_t r = row();
-    if (model_.bodies[drawing_.rows[r].body].motion != Motion::dynamic) {
+    if (model_.bodies[r].motion != Motion::dynamic) {
       refuse_command("index", "not_dynamic", "the body of this row is not moved by forces");
     }
     return r;
+  };
+  // Where on the body, about its centre of mass in its own frame.
+  const auto local = [&](uint32_t body) -> std::optional<Vec2> {
+    if (!c.at) return std::nullopt;
+    return pose_of(s, body).back(flat::flatten(*c.at));
   };
   // Those around a body that comes, goes or is held must not sleep on.
   const auto wake_neighbours = [&](uint32_t body) {
@@ -73,43 +85,43 @@ void Rigid2d::apply(State& s, const Command& c) const {
   switch (c.kind) {
     case CommandKind::push: {
       const uint32_t r = dynamic();
-      wake(s, drawing_.rows[r].body);
-      return add_push(s, r, c.vector, c.duration);
+      wake(s, r);
+      return add_push(s, r, local(r).value_or(Vec2{}), c.vector, c.duration);
     }
     case CommandKind::impulse: {
-      const Vertex& at = drawing_.rows[dynamic()];
-      const Body& b = model_.bodies[at.body];
-      wake(s, at.body);
-      if (!is_moved(model_.light[at.body], status[at.body])) return;
-      v[3 * at.body] += b.inverse_mass * c.vector.x, v[3 * at.body + 1] += b.inverse_mass * c.vector.y;
-      const Vec2 arm = pose_of(s, at.body).q * at.local;
-      w[at.body] += b.inverse_inertia * flat::cross(arm, flat::flatten(c.vector));
+      const uint32_t body = dynamic();
+      const Body& b = model_.bodies[body];
+      wake(s, body);
+      if (!is_moved(model_.light[body], status[body])) return;
+      v[3 * body] += b.inverse_mass * c.vector.x, v[3 * body + 1] += b.inverse_mass * c.vector.y;
+      const Vec2 arm = pose_of(s, body).q * local(body).value_or(Vec2{});
+      w[body] += b.inverse_inertia * flat::cross(arm, flat::flatten(c.vector));
       return;
     }
     case CommandKind::drag: {
       const uint32_t r = dynamic();
       // Without a stiffness of its own a drag pulls like a spring of three hertz.
-      const double usual = 355 * model_.bodies[drawing_.rows[r].body].mass;
-      wake(s, drawing_.rows[r].body);
-      return set_drag(s, r, c.vector, c.value > 0 ? c.value : usual);
+      const double usual = 355 * model_.bodies[r].mass;
+      wake(s, r);
+      return set_drag(s, r, local(r), c.vector, c.value > 0 ? c.value : usual);
     }
     case CommandKind::release:
       return end_drag(s, c.index == -1 ? std::nullopt : std::optional(row()));
     case CommandKind::pin: {
-      const uint32_t body = drawing_.rows[dynamic()].body;
+      const uint32_t body = dynamic();
       wake(s, body);
       status[body] |= kPinned;
       v[3 * body] = v[3 * body + 1] = 0, w[body] = 0;
       return;
     }
     case CommandKind::unpin: {
-      const uint32_t body = drawing_.rows[dynamic()].body;
+      const uint32_t body = dynamic();
       status[body] = (status[body] & ~uint32_t{kPinned}) | kAwake;
       s.f64(columns::rest)[body] = 0;
       return wake_neighbours(body);
     }
     case CommandKind::remove: {
-      const uint32_t body = drawing_.rows[row()].body;
+      const uint32_t body = row();
       for (const Joint& j : model_.joints) {
         if (j.a == body || j.b == body) {
           refuse_command("index", "joined", "a body that a joint holds cannot be removed");

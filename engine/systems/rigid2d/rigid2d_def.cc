@@ -99,6 +99,7 @@ TableOf<BodyDef>& body_rows(TableOf<BodyDef>& t) {
       .vector("one_way", &D::one_way, "1", any(),
               "bodies pass against this direction (of the body's frame) and are held when moving with it "
               "reversed: up makes a platform to jump through")
+      .vector("color", &D::color, "1", between(0, 1), "red, green, blue as a screen shows them")
       .integer("group", &D::group, between(-32768, 32767),
                "bodies of the same group above 0 always touch, below 0 never; 0: category and mask decide")
       .integer("category", &D::category, between(0, 4294967295.0), "bits of what it is")
@@ -421,7 +422,8 @@ const DefTable& rigid2d_table() {
           .boolean("sleeping", &D::sleeping, "bodies at rest cost nothing until something touches them")
           .number("sleep_speed", &D::sleep_speed, "m/s", at_least(0), "slower counts as at rest")
           .number("sleep_time", &D::sleep_time, "s", at_least(0), "rest needed before sleep")
-          .vector("color", &D::color, "1", between(0, 1), "linear red green blue of the drawing")
+          .vector("color", &D::color, "1", between(0, 1),
+                  "red, green, blue of all that moves, as a screen shows them")
           .check(check)
           .build();
   return t;

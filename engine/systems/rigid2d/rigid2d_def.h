@@ -43,7 +43,7 @@ struct BodyDef {
   double friction = 0.6, restitution = 0, rolling_resistance = 0, surface_speed = 0;
   double linear_damping = 0, angular_damping = 0, gravity_scale = 1;
   bool fixed_rotation = false, sensor = false, bullet = false, asleep = false, can_sleep = true;
-  std::optional<Vec3> one_way;
+  std::optional<Vec3> one_way, color;
   int64_t group = 0, category = 1, mask = 0xffffffff;
 };
 

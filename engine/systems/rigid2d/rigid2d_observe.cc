@@ -110,59 +110,55 @@ size_t Rigid2d::sensor_overlaps(const State& s) const {
 }
 
 std::vector<FieldInfo> Rigid2d::fields() const {
-  return {{"position", "m", Scalar::f64, 3}, {"velocity", "m/s", Scalar::f64, 3},
-          {"angle", "rad", Scalar::f64, 1},  {"angular_velocity", "rad/s", Scalar::f64, 1},
-          {"awake", "1", Scalar::f64, 1},    {"contact_force", "N", Scalar::f64, 1}};
+  return {{"position", "m", Scalar::f64, 3},   {"velocity", "m/s", Scalar::f64, 3},
+          {"angle", "rad", Scalar::f64, 1},    {"angular_velocity", "rad/s", Scalar::f64, 1},
+          {"asleep", "1", Scalar::f64, 1},     {"contact_force", "N", Scalar::f64, 1},
+          {"orientation", "1", Scalar::f64, 4}};
 }
 
 FieldView Rigid2d::field(const State& s, size_t which, std::vector<double>& scratch) const {
-  const size_t n = drawing_.rows.size();
-  const auto width = static_cast<uint32_t>(which < 2 ? 3 : 1);
-  scratch.assign(n * width, 0);
-  const double *x = s.f64(columns::position).data(), *v = s.f64(columns::velocity).data();
-  const auto angle = s.f64(columns::angle), w = s.f64(columns::angular_velocity);
-  const auto status = s.span<uint32_t>(columns::status);
-  std::vector<double> force;
-  if (which == 5) {
-    force.assign(model_.count(), 0);
-    const auto keys = s.span<uint64_t>(columns::contact_key);
-    const auto impulse = s.span<float>(columns::contact_impulse);
-    const double h = settings_for(dt_).h;
-    for (size_t k = 0; k < keys.size(); ++k) {
-      const double f = (impulse[5 * k] + impulse[5 * k + 1]) / h;
-      force[model_.shapes[keys[k] >> 32].body] += f;
-      force[model_.shapes[static_cast<uint32_t>(keys[k])].body] += f;
+  enum : size_t { kPosition, kVelocity, kAngle, kAngularVelocity, kAsleep, kContactForce, kOrientation };
+  const size_t n = model_.count();
+  const auto column = [&](State::Column c, uint32_t width) {
+    return FieldView{s.f64(c).data(), Scalar::f64, n, width};
+  };
+  switch (which) {
+    case kPosition:
+      return column(columns::position, 3);
+    case kVelocity:
+      return column(columns::velocity, 3);
+    case kAngle:
+      return column(columns::angle, 1);
+    case kAngularVelocity:
+      return column(columns::angular_velocity, 1);
+    case kAsleep: {
+      scratch.resize(n);
+      const auto status = s.span<uint32_t>(columns::status);
+      for (size_t i = 0; i < n; ++i) scratch[i] = is_asleep(model_.light[i], status[i]) ? 1 : 0;
+      return {scratch.data(), Scalar::f64, n, 1};
     }
-  }
-  uint32_t last = kNoPoint;
-  Rotation q;
-  for (size_t r = 0; r < n; ++r) {
-    const Vertex& at = drawing_.rows[r];
-    const size_t i = at.body;
-    if (at.body != last && which < 2) q = pose_of(s, i).q;
-    last = at.body;
-    const Vec2 arm = (status[i] & kRemoved) ? Vec2{} : q * at.local;
-    switch (which) {
-      case 0:
-        store3(scratch.data(), r, Vec3{x[3 * i] + arm.x, x[3 * i + 1] + arm.y, at.depth});
-        break;
-      case 1:
-        store3(scratch.data(), r, Vec3{v[3 * i] - w[i] * arm.y, v[3 * i + 1] + w[i] * arm.x, 0});
-        break;
-      case 2:
-        scratch[r] = angle[i];
-        break;
-      case 3:
-        scratch[r] = w[i];
-        break;
-      case 4:
-        scratch[r] = is_moved(model_.light[i], status[i]) ? 1 : 0;
-        break;
-      default:
-        scratch[r] = force[i];
+    case kContactForce: {
+      scratch.assign(n, 0);
+      const auto keys = s.span<uint64_t>(columns::contact_key);
+      const auto impulse = s.span<float>(columns::contact_impulse);
+      const double h = settings_for(dt_).h;
+      for (size_t k = 0; k < keys.size(); ++k) {
+        const double f = (impulse[5 * k] + impulse[5 * k + 1]) / h;
+        scratch[model_.shapes[keys[k] >> 32].body] += f;
+        scratch[model_.shapes[static_cast<uint32_t>(keys[k])].body] += f;
+      }
+      return {scratch.data(), Scalar::f64, n, 1};
     }
+    default:
+      break;
   }
-  return {scratch.data(), Scalar::f64, n, width};
+  scratch.assign(4 * n, 0);
+  const auto angle = s.f64(columns::angle);
+  for (size_t i = 0; i < n; ++i) {
+    const trig::SinCos half = trig::sincos(0.5 * angle[i]);
+    scratch[4 * i] = half.cos, scratch[4 * i + 3] = half.sin;
+  }
+  return {scratch.data(), Scalar::f64, n, 4};
 }
 
 }  // namespace truestep::rigid2d

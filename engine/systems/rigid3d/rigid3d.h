@@ -5,6 +5,7 @@
 // go through the substepped solver (solver.h). Bodies that rest together sleep together.
 #pragma once
 #include <memory>
+#include <mutex>
 
 #include "engine/core/build.h"
 #include "engine/systems/rigid3d/contacts.h"
@@ -22,6 +23,10 @@ class Rigid3d final : public StagedSystem {
   FieldView field(const State& s, size_t which, std::vector<double>& scratch) const override;
   void apply(State& s, const Command& c) const override;
   std::vector<DrawnShape> shapes(const State& s, double t) const override;
+  DrawnBodies bodies(const State& s) const override;
+  uint32_t topology_version(const State& s) const override;
+  std::vector<ContactMark> contact_marks(const State& s) const override;
+  std::vector<JointMark> joint_marks(const State& s) const override;
   size_t max_rows() const override { return most_bodies_; }
 
   const std::vector<BodyKind>& kinds() const { return bodies_.kinds; }
@@ -55,8 +60,12 @@ class Rigid3d final : public StagedSystem {
   /// Per body what its joints do to it, into 3 numbers each.
   void joint_loads(const State& s, JointLoad what, std::span<double> out) const;
 
+  const std::vector<DrawnBodies::Form>& forms() const;
+
   BodyList bodies_;
   JointList joints_;
+  mutable std::once_flag forms_made_;  ///< meshes are made when somebody looks for the first time
+  mutable std::vector<DrawnBodies::Form> forms_;
   SolverSettings settings_;
   Rigid3dDef::Precision precision_;
   Vec3 gravity_;

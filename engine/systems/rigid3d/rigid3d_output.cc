@@ -1,4 +1,4 @@
-// What a rigid3d state says about itself: energies, momenta, fields, shapes to draw.
+// What a rigid3d state says about itself: energies, momenta, fields.
 #include <algorithm>
 #include <cmath>
 
@@ -127,50 +127,6 @@ FieldView Rigid3d::field(const State& s, size_t which, std::vector<double>& scra
     }
   }
   return {scratch.data(), Scalar::f64, n, 3};
-}
-
-namespace {
-
-/// What the drawing knows of a solid; nothing for hulls, cylinders, meshes and height fields.
-std::optional<DrawnShape::Kind> drawn_kind(SolidKind kind) {
-  switch (kind) {
-    case SolidKind::sphere:
-      return DrawnShape::Kind::sphere;
-    case SolidKind::capsule:
-      return DrawnShape::Kind::capsule;
-    case SolidKind::box:
-      return DrawnShape::Kind::box;
-    case SolidKind::plane:
-      return DrawnShape::Kind::plane;
-    default:
-      return std::nullopt;
-  }
-}
-
-}  // namespace
-
-std::vector<DrawnShape> Rigid3d::shapes(const State& s, double) const {
-  std::vector<DrawnShape> out;
-  const auto kind = s.span<uint32_t>(columns::kind);
-  const double *x = s.f64(columns::position).data(), *q = s.f64(columns::orientation).data();
-  const auto draw = [&](const Solid& solid, const Vec3& at, const Quat& o, const std::string& id) {
-    const auto drawn = drawn_kind(solid.kind);
-    if (!drawn) return;
-    DrawnShape d;
-    d.kind = *drawn, d.position = at, d.orientation = {o.w, o.x, o.y, o.z}, d.size = solid.size, d.id = id;
-    out.push_back(d);
-  };
-  for (size_t i = 0; i < kind.size(); ++i) {
-    const BodyKind& b = bodies_.kinds[kind[i]];
-    const std::string id = b.id.empty() ? std::to_string(i) : b.id;
-    const Vec3 at = load3(x, i);
-    const Quat o = load_quat(q, i);
-    draw(b.solid, at, o, id);
-    for (const SolidPart& p : b.parts) {
-      draw(p.solid, at + rotation(o).apply(p.pose.position), normalized(o * p.pose.orientation), id);
-    }
-  }
-  return out;
 }
 
 }  // namespace truestep

@@ -41,6 +41,9 @@ function view<T>(bytes: Uint8Array, Type: ArrayType<T>): T {
 /** Topology's index arrays. */
 export const uints = (bytes: Uint8Array): Uint32Array => view(bytes, Uint32Array);
 
+/** Topology's and marks' arrays of numbers. */
+export const floats = (bytes: Uint8Array): Float32Array => view(bytes, Float32Array);
+
 function scaled(block: Block, raw: Uint16Array): Float32Array {
   const out = new Float32Array(raw.length);
   const width = block.width;

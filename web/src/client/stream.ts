@@ -20,6 +20,7 @@ import {
   type Event as StreamEvent,
   type Frame,
   type Hello,
+  type Marks,
   type Observables,
   type PlaybackState,
   type Reply,
@@ -38,6 +39,8 @@ export interface StreamEvents {
   topology: Topology;
   /** Where the shapes are now, in the order of the topology. */
   shapes: Shapes;
+  /** Contacts and joints of the frame that comes next, where `marks` asks for them. */
+  marks: Marks;
   observables: Observables;
   event: StreamEvent;
   playback: PlaybackState;
@@ -49,6 +52,8 @@ export interface StreamEvents {
 export interface StreamOptions {
   /** Fields to ask for, given what the server has and how it is drawn; default: position. Asked again when either changes. */
   fields?: (hello: Hello, topology: Topology | undefined) => string[];
+  /** Whether contacts and joints are wanted; asked with `fields`. */
+  marks?: () => { contacts: boolean; joints: boolean };
   rate?: number;
   credit?: number;
   observables?: boolean;
@@ -74,6 +79,7 @@ export class Stream {
     hello: new Set(),
     topology: new Set(),
     shapes: new Set(),
+    marks: new Set(),
     observables: new Set(),
     event: new Set(),
     playback: new Set(),
@@ -93,7 +99,8 @@ export class Stream {
   private failure: Problem | undefined;
   private greeting: Hello | undefined;
   private topology: Topology | undefined;
-  private fields: string[] = [];
+  /** What the server was asked for last. */
+  private asked = "";
   private encoding = Encoding.F32;
   /** Frames that may be in flight now, and turns of the consumer since that changed. */
   private window = 0;
@@ -150,9 +157,9 @@ export class Stream {
     return this.request({ case: "control", value: { action, value } });
   }
 
-  /** Asks `fields` again and tells the server when its answer changed. */
+  /** Asks `fields` and `marks` again and tells the server when its answer changed. */
   resubscribe(): void {
-    if (this.greeting && this.wanted().join() !== this.fields.join()) this.subscribe();
+    if (this.greeting && JSON.stringify(this.wanted()) !== this.asked) this.subscribe();
   }
 
   /** How floating-point fields travel from now on, at first F32; Q16_DELTA takes about a third of its bytes. */
@@ -263,6 +270,9 @@ export class Stream {
       case "shapes":
         this.emit("shapes", kind.value);
         break;
+      case "marks":
+        this.emit("marks", kind.value);
+        break;
       case "observables":
         this.emit("observables", kind.value);
         break;
@@ -295,19 +305,21 @@ export class Stream {
     return this.options.credit ?? 4;
   }
 
-  private wanted(): string[] {
-    return (this.greeting && this.options.fields?.(this.greeting, this.topology)) ?? [];
+  private wanted(): { fields: string[]; contacts: boolean; joints: boolean } {
+    const fields = (this.greeting && this.options.fields?.(this.greeting, this.topology)) ?? [];
+    return { fields, contacts: false, joints: false, ...this.options.marks?.() };
   }
 
   private subscribe(): void {
-    this.fields = this.wanted();
+    const wanted = this.wanted();
+    this.asked = JSON.stringify(wanted);
     this.window = this.credit;
     this.calm = 0;
     this.send({
       kind: {
         case: "subscribe",
         value: {
-          fields: this.fields,
+          ...wanted,
           rate: this.options.rate ?? 60,
           encoding: this.encoding,
           policy: Policy.LATEST,

@@ -62,6 +62,12 @@ export class Ground {
   private readonly light = new OrthographicCamera();
   private readonly uniforms: Record<string, IUniform>;
 
+  /** What another floor needs to take the same shadows. */
+  get shadowUniforms(): { coverage: IUniform; toLight: IUniform; shadow: IUniform } {
+    const { coverage, toLight, shadow } = this.uniforms;
+    return { coverage: coverage!, toLight: toLight!, shadow: shadow! };
+  }
+
   constructor() {
     this.light.layers.set(1);
     this.uniforms = {

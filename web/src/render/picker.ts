@@ -19,8 +19,11 @@ export function pickPoint(views: Iterable<SystemView>, camera: PerspectiveCamera
   let bestScore = Infinity;
   for (const view of views) {
     const p = view.positions;
-    const radius = view.pointRadius;
+    const reach_of = view.bodies?.reach;
     for (let index = 0; index < view.count; ++index) {
+      // Half of a body's reach: the corners of a long one lie beside it.
+      const radius = reach_of ? 0.6 * (reach_of[index] ?? -1) : view.pointRadius;
+      if (radius < 0) continue;
       const px = p[3 * index]!, py = p[3 * index + 1]!, pz = p[3 * index + 2]!;
       const w = m[3]! * px + m[7]! * py + m[11]! * pz + m[15]!;
       if (w <= 0) continue;

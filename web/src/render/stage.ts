@@ -3,12 +3,13 @@
 import { Box3, Mesh, PerspectiveCamera, Scene, Sphere, Vector3, WebGLRenderer, type IUniform, type Object3D } from "three";
 import { OrbitControls } from "three/addons/controls/OrbitControls.js";
 import type { DecodedFrame } from "../client/decode";
-import type { Shape, SystemTopology, Topology } from "../client/gen/truestep/v1/stream_pb";
+import type { Marks, Shape, SystemTopology, Topology } from "../client/gen/truestep/v1/stream_pb";
 import { Ground } from "./ground";
 import { Handle } from "./handle";
+import { MarkLines } from "./marks";
 import { backgroundColor } from "./shading";
 import { isGround, makeShape, placeShape } from "./shapes";
-import { SystemView, type Visibility } from "./system_view";
+import { SystemView, type Has, type Visibility } from "./system_view";
 
 const kMany = 20000; // points
 const kCheckEvery = 20; // frames between two looks at whether the scene outgrew its frame
@@ -30,6 +31,7 @@ export class Stage {
   private readonly renderer: WebGLRenderer;
   private readonly scene = new Scene();
   private readonly ground = new Ground();
+  private readonly marks = new MarkLines();
   private readonly viewHeight: IUniform<number> = { value: 1 };
   /** In the order of the topology; undefined where nothing is drawn, as for the ground. */
   private shapes: (Object3D | undefined)[] = [];
@@ -56,7 +58,7 @@ export class Stage {
     this.renderer = new WebGLRenderer({ canvas, context: contextOf(canvas) });
     this.renderer.setClearColor(backgroundColor, 1);
     this.scene.background = null;
-    this.scene.add(this.ground.object, this.handle.object);
+    this.scene.add(this.ground.object, this.marks.object, this.handle.object);
     this.controls = new OrbitControls(this.camera, canvas);
     Object.assign(this.controls, { enableDamping: true, dampingFactor: 0.12, zoomToCursor: true, maxPolarAngle: Math.PI * 0.55 });
     this.controls.listenToKeyEvents(canvas);
@@ -75,6 +77,7 @@ export class Stage {
     this.views.clear();
     this.topology = undefined;
     this.setShapes([]);
+    this.setMarks(undefined);
     this.pose = pose;
     this.framed = false;
     this.moved = false;
@@ -91,7 +94,7 @@ export class Stage {
       const old = before?.systems.find((other) => other.system === system.system);
       if (old && this.views.has(system.system) && sameTopology(old, system)) return;
       this.views.get(system.system)?.dispose();
-      const view = new SystemView(system.system, system, index, this.viewHeight);
+      const view = new SystemView(system.system, system, index, this.viewHeight, this.ground.shadowUniforms);
       this.views.set(view.id, view);
       this.scene.add(view.group);
     });
@@ -114,6 +117,12 @@ export class Stage {
     this.invalidate(true);
   }
 
+  /** Contacts and joints to draw from now on. */
+  setMarks(marks: Marks | undefined): void {
+    this.marks.update(marks, 0.16 * this.bounds.radius);
+    this.invalidate();
+  }
+
   /** Draws `frame` with the next picture; the promise ends when that picture is out. */
   present(frame: DecodedFrame): Promise<void> {
     for (const view of this.views.values()) {
@@ -132,9 +141,10 @@ export class Stage {
     this.invalidate(true);
   }
 
-  get has(): { points: boolean; lines: boolean; surface: boolean } {
+  get has(): Has {
     const all = [...this.views.values()].map((view) => view.has);
-    return { points: all.some((h) => h.points), lines: all.some((h) => h.lines), surface: all.some((h) => h.surface) };
+    const some = (key: keyof Has): boolean => all.some((h) => h[key]);
+    return { points: some("points"), lines: some("lines"), surface: some("surface"), bodies: some("bodies") };
   }
 
   /** Puts the camera back to where the scene wants it. */
@@ -163,12 +173,14 @@ export class Stage {
     this.extent = Math.max(points.getBoundingSphere(new Sphere()).radius, 0.2);
     this.drawShapes();
     for (const object of this.shapes) if (object?.userData.solid) points.expandByObject(object);
+    let lowest = Infinity;
+    for (const view of this.views.values()) if (view.bodies) lowest = Math.min(lowest, view.bodies.frame(points));
     if (points.isEmpty()) points.set(new Vector3(-1, 0, -1), new Vector3(1, 1, 1));
     const bounds = points.getBoundingSphere(new Sphere());
     bounds.radius = Math.max(bounds.radius, 0.2);
     this.bounds = bounds;
     const plane = this.topology?.shapes.find(isGround);
-    const floor = plane ? (plane.position[1] ?? 0) : points.min.y >= -1e-3 * bounds.radius ? 0 : points.min.y - 0.15 * bounds.radius;
+    const floor = plane ? (plane.position[1] ?? 0) : floorUnder(Math.min(points.min.y, lowest), lowest < Infinity, bounds.radius);
     // What hangs far above the ground throws its shadow outside the light's view; include the floor below it.
     this.ground.fit(bounds.clone().expandByPoint(new Vector3(bounds.center.x, floor, bounds.center.z)), floor);
     this.camera.near = bounds.radius / 200;
@@ -206,7 +218,9 @@ export class Stage {
     const box = new Box3();
     const point = new Vector3();
     for (const view of this.views.values()) {
+      const reach = view.bodies?.reach;
       for (let k = 0; k < view.count; ++k) {
+        if (reach && !((reach[k] ?? -1) >= 0)) continue;
         point.fromArray(view.positions, 3 * k);
         if (Number.isFinite(point.x + point.y + point.z)) box.expandByPoint(point);
       }
@@ -303,10 +317,16 @@ export class Stage {
   }
 }
 
+/** The ground's height: 0 where nothing is below, else well under it. Faces of bodies in its plane would flicker. */
+function floorUnder(low: number, bodies: boolean, radius: number): number {
+  if (bodies) return low - 0.02 * radius;
+  return low >= -1e-3 * radius ? 0 : low - 0.15 * radius;
+}
+
 const sameBytes = (a: Uint8Array, b: Uint8Array): boolean => a.length === b.length && a.every((byte, k) => byte === b[k]);
 
 function sameTopology(a: SystemTopology, b: SystemTopology): boolean {
-  return a.pointRadius === b.pointRadius && sameBytes(a.lines, b.lines) && sameBytes(a.triangles, b.triangles) && a.color.join() === b.color.join();
+  return a.pointRadius === b.pointRadius && sameBytes(a.lines, b.lines) && sameBytes(a.triangles, b.triangles) && sameBytes(a.places, b.places) && a.forms.length === b.forms.length && a.color.join() === b.color.join();
 }
 
 /** WebGL 2, smoothed where a graphics processor draws; a processor that draws by itself is spared that. */

@@ -1,6 +1,7 @@
 // One system on the screen: its positions in one array that points, lines and triangles share.
 import { BufferAttribute, Color, DynamicDrawUsage, Group, type IUniform, type LineSegments } from "three";
 import { uints, type FieldArray } from "../client/decode";
+import { Bodies, type FloorUniforms } from "./bodies";
 import type { SystemTopology } from "../client/gen/truestep/v1/stream_pb";
 import { makeLines } from "./lines";
 import { PointCloud } from "./points";
@@ -19,8 +20,17 @@ export interface Visibility {
   colorBy: string;
 }
 
+/** Which switches do something. */
+export interface Has {
+  points: boolean;
+  lines: boolean;
+  surface: boolean;
+  bodies: boolean;
+}
+
 export class SystemView {
   readonly group = new Group();
+  readonly bodies: Bodies | undefined;
   positions = new Float32Array(0);
   count = 0;
   private attribute = new BufferAttribute(this.positions, 3);
@@ -36,11 +46,16 @@ export class SystemView {
     private readonly topology: SystemTopology,
     private readonly index: number,
     private readonly viewHeight: IUniform<number>,
+    floor: FloorUniforms,
   ) {
     const [r, g, b] = topology.color;
     this.color = r !== undefined && g !== undefined && b !== undefined ? new Color().setRGB(r, g, b) : undefined;
     this.pairs = uints(topology.lines);
     this.triangles = uints(topology.triangles);
+    if (topology.forms.length > 0) {
+      this.bodies = new Bodies(topology, floor);
+      this.group.add(this.bodies.group);
+    }
     if (topology.pointRadius > 0) this.points = new PointCloud(topology.pointRadius, this.fill(), viewHeight);
   }
 
@@ -49,8 +64,10 @@ export class SystemView {
   }
 
   /** What a viewer can switch: points, lines, surface. */
-  get has(): { points: boolean; lines: boolean; surface: boolean } {
-    return { points: this.points !== undefined || (this.triangles.length === 0 && this.count <= kMarked), lines: this.pairs.length > 0, surface: this.triangles.length > 0 };
+  get has(): Has {
+    const bodies = this.bodies !== undefined;
+    const surface = this.triangles.length > 0 || bodies;
+    return { points: this.points !== undefined || (!surface && this.count <= kMarked), lines: this.pairs.length > 0, surface, bodies };
   }
 
   /** Takes a frame's fields of this system. */
@@ -58,6 +75,7 @@ export class SystemView {
     const position = fields.find((field) => field.field === "position");
     if (position) this.take(position);
     this.mark();
+    this.carry(fields, show);
     this.points?.update(this.positions, this.count, show.bySpeed && (show.colorBy || !this.color) ? values(fields, show.colorBy) : undefined);
     if (this.points?.object && !this.points.object.parent) {
       this.points.object.layers.enable(1);
@@ -69,6 +87,7 @@ export class SystemView {
 
   /** Hides and shows the parts. */
   apply(show: Visibility): void {
+    if (this.bodies) this.bodies.group.visible = show.surface;
     if (this.points?.object) this.points.object.visible = show.points;
     if (this.lines) this.lines.visible = show.lines;
     if (this.surface && this.surface.object.visible !== show.surface) {
@@ -79,9 +98,20 @@ export class SystemView {
 
   dispose(): void {
     this.points?.dispose();
+    this.bodies?.dispose();
     this.surface?.dispose();
     this.lines?.geometry.dispose();
     this.group.removeFromParent();
+  }
+
+  /** Moves the bodies with their rows. */
+  private carry(fields: FieldArray[], show: Visibility): void {
+    const turn = fields.find((field) => field.field === "orientation");
+    if (!this.bodies || !turn || this.count < this.bodies.rows || turn.count < this.bodies.rows) return;
+    const speed = show.bySpeed && show.colorBy ? values(fields, show.colorBy) : undefined;
+    const asleep = fields.find((field) => field.field === "asleep")?.data;
+    const top = speed?.reduce((most, v) => Math.max(most, v), 1e-6) ?? 1;
+    this.bodies.update(this.positions, turn.data, speed ?? asleep, 1 / top, speed !== undefined);
   }
 
   private fill(): Color {
@@ -90,7 +120,7 @@ export class SystemView {
 
   /** Marks the points of a small network that has no size of its own, or two masses on springs are two thin lines. */
   private mark(): void {
-    if (this.points || this.triangles.length > 0 || this.count === 0 || this.count > kMarked) return;
+    if (this.points || this.bodies || this.triangles.length > 0 || this.count === 0 || this.count > kMarked) return;
     let longest = 0;
     for (let k = 0; k < 3 * this.count; ++k) longest = Math.max(longest, Math.abs(this.positions[k]! - this.positions[k % 3]!));
     this.points = new PointCloud(Math.max(Math.min(0.08, 0.35 / (this.count - 1 || 1)) * longest, 1e-3), this.fill(), this.viewHeight);

@@ -2,7 +2,7 @@
 import { connect, type Stream } from "../client/stream";
 import { ProblemError, problemOf } from "../client/problem";
 import { Service, type Instability, type Scene, type Session } from "../client/rest";
-import type { Hello, PlaybackState, Topology } from "../client/gen/truestep/v1/stream_pb";
+import type { Hello, PlaybackState, SystemTopology, Topology } from "../client/gen/truestep/v1/stream_pb";
 import { Stage } from "../render/stage";
 import { accuracyWords, type Accuracy } from "../studies/accuracy";
 import { Compact } from "./compact";
@@ -34,6 +34,7 @@ export class App {
   /** True for a session that this page created and therefore ends when it opens the next one. */
   private own = false;
   private playing = false;
+  private readonly marks = { contacts: false, joints: false };
   private measured = 0;
 
   constructor() {
@@ -134,7 +135,7 @@ export class App {
     document.body.classList.add("running");
     this.layout();
     this.playback(undefined);
-    const stream = connect(this.service.streamUrl(session.id, location.origin), { observables: true, credit: 4, fields: (hello, topology) => this.fieldsOf(hello, topology) });
+    const stream = connect(this.service.streamUrl(session.id, location.origin), { observables: true, credit: 4, fields: (hello, topology) => this.fieldsOf(hello, topology), marks: () => this.marks });
     this.stream = stream;
     const mine = <T>(handler: (value: T) => void) => (value: T) => {
       if (this.stream === stream) handler(value);
@@ -148,6 +149,7 @@ export class App {
       this.toggles();
     }));
     stream.on("shapes", mine(({ shapes }) => this.stage.moveShapes(shapes)));
+    stream.on("marks", mine((marks) => this.stage.setMarks(marks)));
     stream.on("playback", mine((state) => this.playback(state)));
     stream.on("observables", mine((observables) => this.plot.add(observables)));
     stream.on("problem", mine((problem) => showProblem(problem)));
@@ -211,6 +213,15 @@ export class App {
     toggle("show-lines", "lines");
     toggle("show-surface", "surface");
     toggle("show-speed", "bySpeed");
+    const mark = (id: string, key: "contacts" | "joints"): void =>
+      click(id, () => {
+        this.marks[key] = !this.marks[key];
+        byId(id).setAttribute("aria-pressed", String(this.marks[key]));
+        if (!this.marks.contacts && !this.marks.joints) this.stage.setMarks(undefined);
+        this.stream?.resubscribe();
+      });
+    mark("show-contacts", "contacts");
+    mark("show-joints", "joints");
     click("show-side", () => {
       const side = byId("side");
       side.hidden = !side.hidden;
@@ -282,9 +293,10 @@ export class App {
 
   /** Shows only the switches that do something in this scene. */
   private toggles(): void {
-    const { points, lines, surface } = this.stage.has;
+    const { points, lines, surface, bodies } = this.stage.has;
     byId("show-points").hidden = !points;
-    byId("show-speed").hidden = !points;
+    byId("show-speed").hidden = !points && !(bodies && this.stage.show.colorBy);
+    byId("show-contacts").hidden = byId("show-joints").hidden = !bodies;
     byId("show-lines").hidden = !lines;
     byId("show-surface").hidden = !surface;
   }
@@ -347,12 +359,19 @@ export class App {
     this.hintTimer = setTimeout(() => (hint.hidden = true), 1600);
   }
 
-  /** Position; and for points what the scene colours them by, or their speed if they have no colour of their own. */
+  /**
+   * Position; where rows carry bodies also orientation and who sleeps; and for points what the scene colours them
+   * by, or their speed if they have no colour of their own.
+   */
   private fieldsOf(hello: Hello, topology: Topology | undefined): string[] {
-    const { colorBy } = this.stage.show;
-    const drawn = topology?.systems.filter((system) => system.pointRadius > 0 && (colorBy || system.color.length === 0)) ?? [];
-    if (!this.stage.show.bySpeed || drawn.length === 0) return ["position"];
-    const names = new Set(hello.systems.filter(({ id }) => drawn.some((system) => system.system === id)).flatMap((system) => system.fields.map((field) => field.name)));
-    return ["position", ...[colorBy, "speed", "velocity"].filter((name) => names.has(name)).slice(0, 1)];
+    const { colorBy, bySpeed } = this.stage.show;
+    const systems = topology?.systems ?? [];
+    const namesOf = (chosen: SystemTopology[]): Set<string> =>
+      new Set(hello.systems.filter(({ id }) => chosen.some((system) => system.system === id)).flatMap((system) => system.fields.map((field) => field.name)));
+    const bodies = namesOf(systems.filter((system) => system.forms.length > 0));
+    const poses = ["orientation", "asleep"].filter((name) => bodies.has(name));
+    const colored = systems.filter((system) => (system.pointRadius > 0 && (colorBy || system.color.length === 0)) || (system.forms.length > 0 && colorBy));
+    const names = namesOf(bySpeed ? colored : []);
+    return ["position", ...poses, ...[colorBy, "speed", "velocity"].filter((name) => names.has(name)).slice(0, 1)];
   }
 }

@@ -24,6 +24,8 @@ export class Interaction {
   private readonly target = new Vector3();
   private readonly at = new Vector3();
   private moved = false;
+  /** Where the next drag command takes hold, if not at the row's point. */
+  private hold: number[] | undefined;
   private queued = false;
   private pinned = new Set<string>();
   private readonly probe = byId("probe");
@@ -71,6 +73,12 @@ export class Interaction {
     this.dragged = pick;
     this.moved = false;
     pointOf(pick, this.anchor);
+    // A body is held where the mouse took hold of it, not by its centre.
+    this.hold = undefined;
+    if (pick.view.bodies && dragTarget(this.stage.camera, this.anchor, (2 * this.pointer.x) / box.width - 1, 1 - (2 * this.pointer.y) / box.height, this.target)) {
+      this.anchor.copy(this.target);
+      this.hold = this.anchor.toArray();
+    }
     this.stage.controls.enabled = false;
     this.canvas.setPointerCapture(event.pointerId);
     this.mark(pick, undefined);
@@ -92,7 +100,9 @@ export class Interaction {
     this.queued = true;
     requestAnimationFrame(() => {
       this.queued = false;
-      if (this.dragged) this.commands.post({ type: "drag", system: this.dragged.view.id, index: this.dragged.index, target: this.target.toArray() });
+      if (!this.dragged) return;
+      this.commands.post({ type: "drag", system: this.dragged.view.id, index: this.dragged.index, target: this.target.toArray(), ...(this.hold && { at: this.hold }) });
+      this.hold = undefined;
     });
   }
 

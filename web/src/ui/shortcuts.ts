@@ -3,7 +3,7 @@ import { byId } from "./dom";
 
 const buttons: Record<string, string> = {
   " ": "play", ".": "step", r: "reset", f: "camera", "1": "show-points", "2": "show-lines", "3": "show-surface",
-  c: "show-speed", m: "show-side", g: "toggle-panel", "?": "show-help",
+  c: "show-speed", k: "show-contacts", j: "show-joints", m: "show-side", g: "toggle-panel", "?": "show-help",
 };
 
 export interface KeyActions {

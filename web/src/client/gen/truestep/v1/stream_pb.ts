@@ -16,7 +16,7 @@ import type { Message } from "@bufbuild/protobuf";
  * Describes the file truestep/v1/stream.proto.
  */
 export const file_truestep_v1_stream: GenFile = /*@__PURE__*/
-  fileDesc("Chh0cnVlc3RlcC92MS9zdHJlYW0ucHJvdG8SC3RydWVzdGVwLnYxIpoBCgVCbG9jaxIOCgZzeXN0ZW0YASABKAkSDQoFZmllbGQYAiABKAkSJwoIZW5jb2RpbmcYAyABKA4yFS50cnVlc3RlcC52MS5FbmNvZGluZxIOCgZvZmZzZXQYBCADKAESDQoFc2NhbGUYBSADKAESDQoFY291bnQYBiABKA0SDQoFd2lkdGgYByABKA0SDAoEZGF0YRgIIAEoDCLGAQoFRnJhbWUSCwoDc2VxGAEgASgEEgwKBHN0ZXAYAiABKAQSDAoEdGltZRgDIAEoARISCgpzdGF0ZV9oYXNoGAQgASgGEg8KB2Ryb3BwZWQYBSABKAQSGAoQdG9wb2xvZ3lfdmVyc2lvbhgGIAEoDRIQCghrZXlmcmFtZRgHIAEoCBIQCghiYXNlX3NlcRgIIAEoBBIiCgZibG9ja3MYCSADKAsyEi50cnVlc3RlcC52MS5CbG9jaxINCgVhbHBoYRgKIAEoASJbCgVGaWVsZBIMCgRuYW1lGAEgASgJEgwKBHVuaXQYAiABKAkSDQoFd2lkdGgYAyABKA0SJwoIZW5jb2RpbmcYBCABKA4yFS50cnVlc3RlcC52MS5FbmNvZGluZyJfCgpTeXN0ZW1JbmZvEgoKAmlkGAEgASgJEgwKBHR5cGUYAiABKAkSIgoGZmllbGRzGAMgAygLMhIudHJ1ZXN0ZXAudjEuRmllbGQSEwoLb2JzZXJ2YWJsZXMYBCADKAkiowEKBUhlbGxvEgsKA2FwaRgBIAEoCRIPCgdzZXNzaW9uGAIgASgJEg4KBnNlcnZlchgDIAEoCRIKCgJkdBgEIAEoARIMCgRzdGVwGAUgASgEEigKB3N5c3RlbXMYBiADKAsyFy50cnVlc3RlcC52MS5TeXN0ZW1JbmZvEhQKDGNhcGFiaWxpdGllcxgHIAMoCRISCgpzY2VuZV9uYW1lGAggASgJInoKDlN5c3RlbVRvcG9sb2d5Eg4KBnN5c3RlbRgBIAEoCRINCgVsaW5lcxgCIAEoDBIRCgl0cmlhbmdsZXMYAyABKAwSEQoJbGluZV9raW5kGAQgASgMEhQKDHBvaW50X3JhZGl1cxgFIAEoARINCgVjb2xvchgGIAMoASJpCgVTaGFwZRIMCgRraW5kGAEgASgJEhAKCHBvc2l0aW9uGAIgAygBEhMKC29yaWVudGF0aW9uGAMgAygBEgwKBHNpemUYBCADKAESCgoCaWQYBSABKAkSEQoJY29udGFpbmVyGAYgASgIIm0KCFRvcG9sb2d5Eg8KB3ZlcnNpb24YASABKA0SLAoHc3lzdGVtcxgCIAMoCzIbLnRydWVzdGVwLnYxLlN5c3RlbVRvcG9sb2d5EiIKBnNoYXBlcxgDIAMoCzISLnRydWVzdGVwLnYxLlNoYXBlIiwKBlNoYXBlcxIiCgZzaGFwZXMYASADKAsyEi50cnVlc3RlcC52MS5TaGFwZSI4CgtPYnNlcnZhdGlvbhIMCgRuYW1lGAEgASgJEg0KBXZhbHVlGAIgASgBEgwKBHVuaXQYAyABKAkiUwoLT2JzZXJ2YWJsZXMSDAoEc3RlcBgBIAEoBBIMCgR0aW1lGAIgASgBEigKBnZhbHVlcxgDIAMoCzIYLnRydWVzdGVwLnYxLk9ic2VydmF0aW9uIkMKBUV2ZW50EgwKBGtpbmQYASABKAkSDAoEc3RlcBgCIAEoBBIOCgZkZXRhaWwYAyABKAkSDgoGc3lzdGVtGAQgASgJImIKDVBsYXliYWNrU3RhdGUSDwoHcGxheWluZxgBIAEoCBINCgVzcGVlZBgCIAEoARIMCgRzdGVwGAMgASgEEgwKBHRpbWUYBCABKAESFQoNc2tpcHBlZF9zdGVwcxgFIAEoBCI5CgVSZXBseRISCgpyZXF1ZXN0X2lkGAEgASgJEgwKBHN0ZXAYAiABKAQSDgoGZGV0YWlsGAMgASgJImsKB1Byb2JsZW0SDAoEY29kZRgBIAEoCRINCgV0aXRsZRgCIAEoCRIOCgZkZXRhaWwYAyABKAkSDgoGc3RhdHVzGAQgASgNEhIKCnJlcXVlc3RfaWQYBSABKAkSDwoHcG9pbnRlchgGIAEoCSIVCgNCeWUSDgoGcmVhc29uGAEgASgJIqgDCg1TZXJ2ZXJNZXNzYWdlEiMKBWhlbGxvGAEgASgLMhIudHJ1ZXN0ZXAudjEuSGVsbG9IABIpCgh0b3BvbG9neRgCIAEoCzIVLnRydWVzdGVwLnYxLlRvcG9sb2d5SAASIwoFZnJhbWUYAyABKAsyEi50cnVlc3RlcC52MS5GcmFtZUgAEi8KC29ic2VydmFibGVzGAQgASgLMhgudHJ1ZXN0ZXAudjEuT2JzZXJ2YWJsZXNIABIjCgVldmVudBgFIAEoCzISLnRydWVzdGVwLnYxLkV2ZW50SAASLgoIcGxheWJhY2sYBiABKAsyGi50cnVlc3RlcC52MS5QbGF5YmFja1N0YXRlSAASIwoFcmVwbHkYByABKAsyEi50cnVlc3RlcC52MS5SZXBseUgAEicKB3Byb2JsZW0YCCABKAsyFC50cnVlc3RlcC52MS5Qcm9ibGVtSAASHwoDYnllGAkgASgLMhAudHJ1ZXN0ZXAudjEuQnllSAASJQoGc2hhcGVzGAogASgLMhMudHJ1ZXN0ZXAudjEuU2hhcGVzSABCBgoEa2luZCKtAQoJU3Vic2NyaWJlEg4KBmZpZWxkcxgBIAMoCRIPCgdzeXN0ZW1zGAIgAygJEgwKBHJhdGUYAyABKAESJwoIZW5jb2RpbmcYBCABKA4yFS50cnVlc3RlcC52MS5FbmNvZGluZxIjCgZwb2xpY3kYBSABKA4yEy50cnVlc3RlcC52MS5Qb2xpY3kSDgoGY3JlZGl0GAYgASgNEhMKC29ic2VydmFibGVzGAcgASgIIhgKBkNyZWRpdBIOCgZmcmFtZXMYASABKA0iKAoHQ29udHJvbBIOCgZhY3Rpb24YASABKAkSDQoFdmFsdWUYAiABKAEiFwoHQ29tbWFuZBIMCgRqc29uGAEgASgJIhEKD1JlcXVlc3RLZXlmcmFtZSKLAgoNQ2xpZW50TWVzc2FnZRISCgpyZXF1ZXN0X2lkGAEgASgJEisKCXN1YnNjcmliZRgCIAEoCzIWLnRydWVzdGVwLnYxLlN1YnNjcmliZUgAEiUKBmNyZWRpdBgDIAEoCzITLnRydWVzdGVwLnYxLkNyZWRpdEgAEicKB2NvbnRyb2wYBCABKAsyFC50cnVlc3RlcC52MS5Db250cm9sSAASJwoHY29tbWFuZBgFIAEoCzIULnRydWVzdGVwLnYxLkNvbW1hbmRIABI4ChByZXF1ZXN0X2tleWZyYW1lGAYgASgLMhwudHJ1ZXN0ZXAudjEuUmVxdWVzdEtleWZyYW1lSABCBgoEa2luZCpJCghFbmNvZGluZxIHCgNGMzIQABIHCgNGNjQQARIHCgNRMTYQAhINCglRMTZfREVMVEEQAxIKCgZRVUFUMzIQBBIHCgNVMzIQBSofCgZQb2xpY3kSCgoGTEFURVNUEAASCQoFRVZFUlkQAWIGcHJvdG8z");
+  fileDesc("Chh0cnVlc3RlcC92MS9zdHJlYW0ucHJvdG8SC3RydWVzdGVwLnYxIpoBCgVCbG9jaxIOCgZzeXN0ZW0YASABKAkSDQoFZmllbGQYAiABKAkSJwoIZW5jb2RpbmcYAyABKA4yFS50cnVlc3RlcC52MS5FbmNvZGluZxIOCgZvZmZzZXQYBCADKAESDQoFc2NhbGUYBSADKAESDQoFY291bnQYBiABKA0SDQoFd2lkdGgYByABKA0SDAoEZGF0YRgIIAEoDCLGAQoFRnJhbWUSCwoDc2VxGAEgASgEEgwKBHN0ZXAYAiABKAQSDAoEdGltZRgDIAEoARISCgpzdGF0ZV9oYXNoGAQgASgGEg8KB2Ryb3BwZWQYBSABKAQSGAoQdG9wb2xvZ3lfdmVyc2lvbhgGIAEoDRIQCghrZXlmcmFtZRgHIAEoCBIQCghiYXNlX3NlcRgIIAEoBBIiCgZibG9ja3MYCSADKAsyEi50cnVlc3RlcC52MS5CbG9jaxINCgVhbHBoYRgKIAEoASJbCgVGaWVsZBIMCgRuYW1lGAEgASgJEgwKBHVuaXQYAiABKAkSDQoFd2lkdGgYAyABKA0SJwoIZW5jb2RpbmcYBCABKA4yFS50cnVlc3RlcC52MS5FbmNvZGluZyJfCgpTeXN0ZW1JbmZvEgoKAmlkGAEgASgJEgwKBHR5cGUYAiABKAkSIgoGZmllbGRzGAMgAygLMhIudHJ1ZXN0ZXAudjEuRmllbGQSEwoLb2JzZXJ2YWJsZXMYBCADKAkiowEKBUhlbGxvEgsKA2FwaRgBIAEoCRIPCgdzZXNzaW9uGAIgASgJEg4KBnNlcnZlchgDIAEoCRIKCgJkdBgEIAEoARIMCgRzdGVwGAUgASgEEigKB3N5c3RlbXMYBiADKAsyFy50cnVlc3RlcC52MS5TeXN0ZW1JbmZvEhQKDGNhcGFiaWxpdGllcxgHIAMoCRISCgpzY2VuZV9uYW1lGAggASgJIs8BCg5TeXN0ZW1Ub3BvbG9neRIOCgZzeXN0ZW0YASABKAkSDQoFbGluZXMYAiABKAwSEQoJdHJpYW5nbGVzGAMgASgMEhEKCWxpbmVfa2luZBgEIAEoDBIUCgxwb2ludF9yYWRpdXMYBSABKAESDQoFY29sb3IYBiADKAESIAoFZm9ybXMYByADKAsyES50cnVlc3RlcC52MS5Gb3JtEg4KBnBsYWNlcxgIIAEoDBIhCgZtZXNoZXMYCSADKAsyES50cnVlc3RlcC52MS5NZXNoIj0KBE1lc2gSEQoJcG9zaXRpb25zGAEgASgMEg8KB25vcm1hbHMYAiABKAwSEQoJdHJpYW5nbGVzGAMgASgMInoKBEZvcm0SIQoFc2hhcGUYASABKAsyEi50cnVlc3RlcC52MS5TaGFwZRIMCgRtZXNoGAIgASgNEg0KBWNvbG9yGAMgAygBEg0KBWdyb3VwGAQgASgNEiMKBm1vdGlvbhgFIAEoDjITLnRydWVzdGVwLnYxLk1vdGlvbiJpCgVTaGFwZRIMCgRraW5kGAEgASgJEhAKCHBvc2l0aW9uGAIgAygBEhMKC29yaWVudGF0aW9uGAMgAygBEgwKBHNpemUYBCADKAESCgoCaWQYBSABKAkSEQoJY29udGFpbmVyGAYgASgIIm0KCFRvcG9sb2d5Eg8KB3ZlcnNpb24YASABKA0SLAoHc3lzdGVtcxgCIAMoCzIbLnRydWVzdGVwLnYxLlN5c3RlbVRvcG9sb2d5EiIKBnNoYXBlcxgDIAMoCzISLnRydWVzdGVwLnYxLlNoYXBlIiwKBlNoYXBlcxIiCgZzaGFwZXMYASADKAsyEi50cnVlc3RlcC52MS5TaGFwZSJUCgtTeXN0ZW1NYXJrcxIOCgZzeXN0ZW0YASABKAkSEAoIY29udGFjdHMYAiABKAwSDgoGam9pbnRzGAMgASgMEhMKC2pvaW50X2tpbmRzGAQgASgMIkAKBU1hcmtzEgwKBHN0ZXAYASABKAQSKQoHc3lzdGVtcxgCIAMoCzIYLnRydWVzdGVwLnYxLlN5c3RlbU1hcmtzIjgKC09ic2VydmF0aW9uEgwKBG5hbWUYASABKAkSDQoFdmFsdWUYAiABKAESDAoEdW5pdBgDIAEoCSJTCgtPYnNlcnZhYmxlcxIMCgRzdGVwGAEgASgEEgwKBHRpbWUYAiABKAESKAoGdmFsdWVzGAMgAygLMhgudHJ1ZXN0ZXAudjEuT2JzZXJ2YXRpb24iQwoFRXZlbnQSDAoEa2luZBgBIAEoCRIMCgRzdGVwGAIgASgEEg4KBmRldGFpbBgDIAEoCRIOCgZzeXN0ZW0YBCABKAkiYgoNUGxheWJhY2tTdGF0ZRIPCgdwbGF5aW5nGAEgASgIEg0KBXNwZWVkGAIgASgBEgwKBHN0ZXAYAyABKAQSDAoEdGltZRgEIAEoARIVCg1za2lwcGVkX3N0ZXBzGAUgASgEIjkKBVJlcGx5EhIKCnJlcXVlc3RfaWQYASABKAkSDAoEc3RlcBgCIAEoBBIOCgZkZXRhaWwYAyABKAkiawoHUHJvYmxlbRIMCgRjb2RlGAEgASgJEg0KBXRpdGxlGAIgASgJEg4KBmRldGFpbBgDIAEoCRIOCgZzdGF0dXMYBCABKA0SEgoKcmVxdWVzdF9pZBgFIAEoCRIPCgdwb2ludGVyGAYgASgJIhUKA0J5ZRIOCgZyZWFzb24YASABKAkizQMKDVNlcnZlck1lc3NhZ2USIwoFaGVsbG8YASABKAsyEi50cnVlc3RlcC52MS5IZWxsb0gAEikKCHRvcG9sb2d5GAIgASgLMhUudHJ1ZXN0ZXAudjEuVG9wb2xvZ3lIABIjCgVmcmFtZRgDIAEoCzISLnRydWVzdGVwLnYxLkZyYW1lSAASLwoLb2JzZXJ2YWJsZXMYBCABKAsyGC50cnVlc3RlcC52MS5PYnNlcnZhYmxlc0gAEiMKBWV2ZW50GAUgASgLMhIudHJ1ZXN0ZXAudjEuRXZlbnRIABIuCghwbGF5YmFjaxgGIAEoCzIaLnRydWVzdGVwLnYxLlBsYXliYWNrU3RhdGVIABIjCgVyZXBseRgHIAEoCzISLnRydWVzdGVwLnYxLlJlcGx5SAASJwoHcHJvYmxlbRgIIAEoCzIULnRydWVzdGVwLnYxLlByb2JsZW1IABIfCgNieWUYCSABKAsyEC50cnVlc3RlcC52MS5CeWVIABIlCgZzaGFwZXMYCiABKAsyEy50cnVlc3RlcC52MS5TaGFwZXNIABIjCgVtYXJrcxgLIAEoCzISLnRydWVzdGVwLnYxLk1hcmtzSABCBgoEa2luZCLPAQoJU3Vic2NyaWJlEg4KBmZpZWxkcxgBIAMoCRIPCgdzeXN0ZW1zGAIgAygJEgwKBHJhdGUYAyABKAESJwoIZW5jb2RpbmcYBCABKA4yFS50cnVlc3RlcC52MS5FbmNvZGluZxIjCgZwb2xpY3kYBSABKA4yEy50cnVlc3RlcC52MS5Qb2xpY3kSDgoGY3JlZGl0GAYgASgNEhMKC29ic2VydmFibGVzGAcgASgIEhAKCGNvbnRhY3RzGAggASgIEg4KBmpvaW50cxgJIAEoCCIYCgZDcmVkaXQSDgoGZnJhbWVzGAEgASgNIigKB0NvbnRyb2wSDgoGYWN0aW9uGAEgASgJEg0KBXZhbHVlGAIgASgBIhcKB0NvbW1hbmQSDAoEanNvbhgBIAEoCSIRCg9SZXF1ZXN0S2V5ZnJhbWUiiwIKDUNsaWVudE1lc3NhZ2USEgoKcmVxdWVzdF9pZBgBIAEoCRIrCglzdWJzY3JpYmUYAiABKAsyFi50cnVlc3RlcC52MS5TdWJzY3JpYmVIABIlCgZjcmVkaXQYAyABKAsyEy50cnVlc3RlcC52MS5DcmVkaXRIABInCgdjb250cm9sGAQgASgLMhQudHJ1ZXN0ZXAudjEuQ29udHJvbEgAEicKB2NvbW1hbmQYBSABKAsyFC50cnVlc3RlcC52MS5Db21tYW5kSAASOAoQcmVxdWVzdF9rZXlmcmFtZRgGIAEoCzIcLnRydWVzdGVwLnYxLlJlcXVlc3RLZXlmcmFtZUgAQgYKBGtpbmQqSQoIRW5jb2RpbmcSBwoDRjMyEAASBwoDRjY0EAESBwoDUTE2EAISDQoJUTE2X0RFTFRBEAMSCgoGUVVBVDMyEAQSBwoDVTMyEAUqNwoGTW90aW9uEgkKBUZJWEVEEAASCgoGRFJJVkVOEAESCgoGTU9WSU5HEAISCgoGU0VOU09SEAMqHwoGUG9saWN5EgoKBkxBVEVTVBAAEgkKBUVWRVJZEAFiBnByb3RvMw");
 
 /**
  * One array of one system at one step. count rows of width elements each.
@@ -315,6 +315,23 @@ export type SystemTopology = Message<"truestep.v1.SystemTopology"> & {
    * @generated from field: repeated double color = 6;
    */
   color: number[];
+
+  /**
+   * @generated from field: repeated truestep.v1.Form forms = 7;
+   */
+  forms: Form[];
+
+  /**
+   * uint32 pairs: row, form. The row's pose is the fields position and orientation.
+   *
+   * @generated from field: bytes places = 8;
+   */
+  places: Uint8Array;
+
+  /**
+   * @generated from field: repeated truestep.v1.Mesh meshes = 9;
+   */
+  meshes: Mesh[];
 };
 
 /**
@@ -325,7 +342,87 @@ export const SystemTopologySchema: GenMessage<SystemTopology> = /*@__PURE__*/
   messageDesc(file_truestep_v1_stream, 5);
 
 /**
- * Fixed or moving solid shapes: plane, box, sphere, capsule. Sizes in m.
+ * Triangles that forms share.
+ *
+ * @generated from message truestep.v1.Mesh
+ */
+export type Mesh = Message<"truestep.v1.Mesh"> & {
+  /**
+   * float32 triples, m
+   *
+   * @generated from field: bytes positions = 1;
+   */
+  positions: Uint8Array;
+
+  /**
+   * float32 triples, unit, outward
+   *
+   * @generated from field: bytes normals = 2;
+   */
+  normals: Uint8Array;
+
+  /**
+   * uint32 triples, anticlockwise seen from outside
+   *
+   * @generated from field: bytes triangles = 3;
+   */
+  triangles: Uint8Array;
+};
+
+/**
+ * Describes the message truestep.v1.Mesh.
+ * Use `create(MeshSchema)` to create a new message.
+ */
+export const MeshSchema: GenMessage<Mesh> = /*@__PURE__*/
+  messageDesc(file_truestep_v1_stream, 6);
+
+/**
+ * A solid that rows carry. A row whose field asleep is not 0 sleeps.
+ *
+ * @generated from message truestep.v1.Form
+ */
+export type Form = Message<"truestep.v1.Form"> & {
+  /**
+   * position and orientation in the row's frame; kind also "mesh"
+   *
+   * @generated from field: truestep.v1.Shape shape = 1;
+   */
+  shape?: Shape;
+
+  /**
+   * of the system's meshes, for kind "mesh"
+   *
+   * @generated from field: uint32 mesh = 2;
+   */
+  mesh: number;
+
+  /**
+   * sRGB in [0, 1], empty = viewer's choice, one for each group
+   *
+   * @generated from field: repeated double color = 3;
+   */
+  color: number[];
+
+  /**
+   * @generated from field: uint32 group = 4;
+   */
+  group: number;
+
+  /**
+   * @generated from field: truestep.v1.Motion motion = 5;
+   */
+  motion: Motion;
+};
+
+/**
+ * Describes the message truestep.v1.Form.
+ * Use `create(FormSchema)` to create a new message.
+ */
+export const FormSchema: GenMessage<Form> = /*@__PURE__*/
+  messageDesc(file_truestep_v1_stream, 7);
+
+/**
+ * Solid shapes that no row carries: plane, box, sphere, capsule, cylinder. Sizes in m.
  *
  * @generated from message truestep.v1.Shape
  */
@@ -350,7 +447,7 @@ export type Shape = Message<"truestep.v1.Shape"> & {
   orientation: number[];
 
   /**
-   * plane: normal (3); box: half extents (3); sphere: radius; capsule: radius, half length (axis y)
+   * plane: normal (3); box: half extents (3); sphere: radius; capsule, cylinder: radius, half length (axis y)
    *
    * @generated from field: repeated double size = 4;
    */
@@ -374,7 +471,7 @@ export type Shape = Message<"truestep.v1.Shape"> & {
  * Use `create(ShapeSchema)` to create a new message.
  */
 export const ShapeSchema: GenMessage<Shape> = /*@__PURE__*/
-  messageDesc(file_truestep_v1_stream, 6);
+  messageDesc(file_truestep_v1_stream, 8);
 
 /**
  * @generated from message truestep.v1.Topology
@@ -401,7 +498,7 @@ export type Topology = Message<"truestep.v1.Topology"> & {
  * Use `create(TopologySchema)` to create a new message.
  */
 export const TopologySchema: GenMessage<Topology> = /*@__PURE__*/
-  messageDesc(file_truestep_v1_stream, 7);
+  messageDesc(file_truestep_v1_stream, 9);
 
 /**
  * Where the shapes are now: all of them, in the order of Topology. Sent before a frame when one has moved.
@@ -420,7 +517,69 @@ export type Shapes = Message<"truestep.v1.Shapes"> & {
  * Use `create(ShapesSchema)` to create a new message.
  */
 export const ShapesSchema: GenMessage<Shapes> = /*@__PURE__*/
-  messageDesc(file_truestep_v1_stream, 8);
+  messageDesc(file_truestep_v1_stream, 10);
+
+/**
+ * Where bodies touch and which joints hold them, before the frame of the same step; for who subscribed to marks.
+ *
+ * @generated from message truestep.v1.SystemMarks
+ */
+export type SystemMarks = Message<"truestep.v1.SystemMarks"> & {
+  /**
+   * @generated from field: string system = 1;
+   */
+  system: string;
+
+  /**
+   * 7 float32 each: point (m), unit normal towards the second body, force along it (N)
+   *
+   * @generated from field: bytes contacts = 2;
+   */
+  contacts: Uint8Array;
+
+  /**
+   * 9 float32 each: both ends (m), unit axis or zero
+   *
+   * @generated from field: bytes joints = 3;
+   */
+  joints: Uint8Array;
+
+  /**
+   * uint8 per joint: 0 ball 1 hinge 2 slider 3 fixed 4 distance 5 other
+   *
+   * @generated from field: bytes joint_kinds = 4;
+   */
+  jointKinds: Uint8Array;
+};
+
+/**
+ * Describes the message truestep.v1.SystemMarks.
+ * Use `create(SystemMarksSchema)` to create a new message.
+ */
+export const SystemMarksSchema: GenMessage<SystemMarks> = /*@__PURE__*/
+  messageDesc(file_truestep_v1_stream, 11);
+
+/**
+ * @generated from message truestep.v1.Marks
+ */
+export type Marks = Message<"truestep.v1.Marks"> & {
+  /**
+   * @generated from field: uint64 step = 1;
+   */
+  step: bigint;
+
+  /**
+   * @generated from field: repeated truestep.v1.SystemMarks systems = 2;
+   */
+  systems: SystemMarks[];
+};
+
+/**
+ * Describes the message truestep.v1.Marks.
+ * Use `create(MarksSchema)` to create a new message.
+ */
+export const MarksSchema: GenMessage<Marks> = /*@__PURE__*/
+  messageDesc(file_truestep_v1_stream, 12);
 
 /**
  * @generated from message truestep.v1.Observation
@@ -447,7 +606,7 @@ export type Observation = Message<"truestep.v1.Observation"> & {
  * Use `create(ObservationSchema)` to create a new message.
  */
 export const ObservationSchema: GenMessage<Observation> = /*@__PURE__*/
-  messageDesc(file_truestep_v1_stream, 9);
+  messageDesc(file_truestep_v1_stream, 13);
 
 /**
  * @generated from message truestep.v1.Observables
@@ -474,7 +633,7 @@ export type Observables = Message<"truestep.v1.Observables"> & {
  * Use `create(ObservablesSchema)` to create a new message.
  */
 export const ObservablesSchema: GenMessage<Observables> = /*@__PURE__*/
-  messageDesc(file_truestep_v1_stream, 10);
+  messageDesc(file_truestep_v1_stream, 14);
 
 /**
  * @generated from message truestep.v1.Event
@@ -508,7 +667,7 @@ export type Event = Message<"truestep.v1.Event"> & {
  * Use `create(EventSchema)` to create a new message.
  */
 export const EventSchema: GenMessage<Event> = /*@__PURE__*/
-  messageDesc(file_truestep_v1_stream, 11);
+  messageDesc(file_truestep_v1_stream, 15);
 
 /**
  * @generated from message truestep.v1.PlaybackState
@@ -549,7 +708,7 @@ export type PlaybackState = Message<"truestep.v1.PlaybackState"> & {
  * Use `create(PlaybackStateSchema)` to create a new message.
  */
 export const PlaybackStateSchema: GenMessage<PlaybackState> = /*@__PURE__*/
-  messageDesc(file_truestep_v1_stream, 12);
+  messageDesc(file_truestep_v1_stream, 16);
 
 /**
  * @generated from message truestep.v1.Reply
@@ -576,7 +735,7 @@ export type Reply = Message<"truestep.v1.Reply"> & {
  * Use `create(ReplySchema)` to create a new message.
  */
 export const ReplySchema: GenMessage<Reply> = /*@__PURE__*/
-  messageDesc(file_truestep_v1_stream, 13);
+  messageDesc(file_truestep_v1_stream, 17);
 
 /**
  * @generated from message truestep.v1.Problem
@@ -618,7 +777,7 @@ export type Problem = Message<"truestep.v1.Problem"> & {
  * Use `create(ProblemSchema)` to create a new message.
  */
 export const ProblemSchema: GenMessage<Problem> = /*@__PURE__*/
-  messageDesc(file_truestep_v1_stream, 14);
+  messageDesc(file_truestep_v1_stream, 18);
 
 /**
  * @generated from message truestep.v1.Bye
@@ -635,7 +794,7 @@ export type Bye = Message<"truestep.v1.Bye"> & {
  * Use `create(ByeSchema)` to create a new message.
  */
 export const ByeSchema: GenMessage<Bye> = /*@__PURE__*/
-  messageDesc(file_truestep_v1_stream, 15);
+  messageDesc(file_truestep_v1_stream, 19);
 
 /**
  * @generated from message truestep.v1.ServerMessage
@@ -704,6 +863,12 @@ export type ServerMessage = Message<"truestep.v1.ServerMessage"> & {
      */
     value: Shapes;
     case: "shapes";
+  } | {
+    /**
+     * @generated from field: truestep.v1.Marks marks = 11;
+     */
+    value: Marks;
+    case: "marks";
   } | { case: undefined; value?: undefined };
 };
 
@@ -712,7 +877,7 @@ export type ServerMessage = Message<"truestep.v1.ServerMessage"> & {
  * Use `create(ServerMessageSchema)` to create a new message.
  */
 export const ServerMessageSchema: GenMessage<ServerMessage> = /*@__PURE__*/
-  messageDesc(file_truestep_v1_stream, 16);
+  messageDesc(file_truestep_v1_stream, 20);
 
 /**
  * @generated from message truestep.v1.Subscribe
@@ -764,6 +929,20 @@ export type Subscribe = Message<"truestep.v1.Subscribe"> & {
    * @generated from field: bool observables = 7;
    */
   observables: boolean;
+
+  /**
+   * send Marks with contacts with the frames
+   *
+   * @generated from field: bool contacts = 8;
+   */
+  contacts: boolean;
+
+  /**
+   * send Marks with joints with the frames
+   *
+   * @generated from field: bool joints = 9;
+   */
+  joints: boolean;
 };
 
 /**
@@ -771,7 +950,7 @@ export type Subscribe = Message<"truestep.v1.Subscribe"> & {
  * Use `create(SubscribeSchema)` to create a new message.
  */
 export const SubscribeSchema: GenMessage<Subscribe> = /*@__PURE__*/
-  messageDesc(file_truestep_v1_stream, 17);
+  messageDesc(file_truestep_v1_stream, 21);
 
 /**
  * @generated from message truestep.v1.Credit
@@ -788,7 +967,7 @@ export type Credit = Message<"truestep.v1.Credit"> & {
  * Use `create(CreditSchema)` to create a new message.
  */
 export const CreditSchema: GenMessage<Credit> = /*@__PURE__*/
-  messageDesc(file_truestep_v1_stream, 18);
+  messageDesc(file_truestep_v1_stream, 22);
 
 /**
  * @generated from message truestep.v1.Control
@@ -814,7 +993,7 @@ export type Control = Message<"truestep.v1.Control"> & {
  * Use `create(ControlSchema)` to create a new message.
  */
 export const ControlSchema: GenMessage<Control> = /*@__PURE__*/
-  messageDesc(file_truestep_v1_stream, 19);
+  messageDesc(file_truestep_v1_stream, 23);
 
 /**
  * @generated from message truestep.v1.Command
@@ -831,7 +1010,7 @@ export type Command = Message<"truestep.v1.Command"> & {
  * Use `create(CommandSchema)` to create a new message.
  */
 export const CommandSchema: GenMessage<Command> = /*@__PURE__*/
-  messageDesc(file_truestep_v1_stream, 20);
+  messageDesc(file_truestep_v1_stream, 24);
 
 /**
  * @generated from message truestep.v1.RequestKeyframe
@@ -844,7 +1023,7 @@ export type RequestKeyframe = Message<"truestep.v1.RequestKeyframe"> & {
  * Use `create(RequestKeyframeSchema)` to create a new message.
  */
 export const RequestKeyframeSchema: GenMessage<RequestKeyframe> = /*@__PURE__*/
-  messageDesc(file_truestep_v1_stream, 21);
+  messageDesc(file_truestep_v1_stream, 25);
 
 /**
  * @generated from message truestep.v1.ClientMessage
@@ -896,7 +1075,7 @@ export type ClientMessage = Message<"truestep.v1.ClientMessage"> & {
  * Use `create(ClientMessageSchema)` to create a new message.
  */
 export const ClientMessageSchema: GenMessage<ClientMessage> = /*@__PURE__*/
-  messageDesc(file_truestep_v1_stream, 22);
+  messageDesc(file_truestep_v1_stream, 26);
 
 /**
  * @generated from enum truestep.v1.Encoding
@@ -959,6 +1138,37 @@ export const EncodingSchema: GenEnum<Encoding> = /*@__PURE__*/
   enumDesc(file_truestep_v1_stream, 0);
 
 /**
+ * @generated from enum truestep.v1.Motion
+ */
+export enum Motion {
+  /**
+   * @generated from enum value: FIXED = 0;
+   */
+  FIXED = 0,
+
+  /**
+   * @generated from enum value: DRIVEN = 1;
+   */
+  DRIVEN = 1,
+
+  /**
+   * @generated from enum value: MOVING = 2;
+   */
+  MOVING = 2,
+
+  /**
+   * @generated from enum value: SENSOR = 3;
+   */
+  SENSOR = 3,
+}
+
+/**
+ * Describes the enum truestep.v1.Motion.
+ */
+export const MotionSchema: GenEnum<Motion> = /*@__PURE__*/
+  enumDesc(file_truestep_v1_stream, 1);
+
+/**
  * @generated from enum truestep.v1.Policy
  */
 export enum Policy {
@@ -977,5 +1187,5 @@ export enum Policy {
  * Describes the enum truestep.v1.Policy.
  */
 export const PolicySchema: GenEnum<Policy> = /*@__PURE__*/
-  enumDesc(file_truestep_v1_stream, 1);
+  enumDesc(file_truestep_v1_stream, 2);
 

@@ -1,0 +1,195 @@
+// How a rigid2d state is drawn: a prism per shape that the body's row carries, contacts and joints as marks.
+// Bodies that a joint holds together stand in different layers, or their faces would flicker.
+#include <algorithm>
+#include <map>
+
+#include "engine/collision/flat/outline_mesh.h"
+#include "engine/systems/rigid2d/rigid2d.h"
+
+namespace truestep::rigid2d {
+namespace {
+
+constexpr double kDepth = 0.5;   // of a prism, part of a typical body's size
+constexpr double kLayer = 0.06;  // from layer to layer
+
+using Motion3 = DrawnBodies::Motion;
+
+Motion3 motion_of(const Body& b) {
+  if (b.sensor) return Motion3::sensor;
+  return b.motion == Motion::fixed       ? Motion3::fixed
+         : b.motion == Motion::kinematic ? Motion3::driven
+                                         : Motion3::moving;
+}
+
+/// Smallest layers, in the order of the bodies, with which no joint holds two of one layer.
+std::vector<uint32_t> layers_of(const Model& m) {
+  std::vector<std::vector<uint32_t>> before(m.count());
+  for (const Joint& j : m.joints) {
+    if (j.a != j.b && std::max(j.a, j.b) < m.count())
+      before[std::max(j.a, j.b)].push_back(std::min(j.a, j.b));
+  }
+  std::vector<uint32_t> layer(m.count());
+  for (size_t i = 0; i < layer.size(); ++i) {
+    const auto taken = [&](uint32_t l) {
+      return std::ranges::any_of(before[i], [&](uint32_t other) { return layer[other] == l; });
+    };
+    while (taken(layer[i])) ++layer[i];
+  }
+  return layer;
+}
+
+using Key = std::vector<double>;
+
+void describe(Key& key, const Outline& s) {
+  key.insert(key.end(), {static_cast<double>(s.corners), s.radius, s.is_link() ? 1.0 : 0.0});
+  for (uint32_t i = 0; i < s.corners; ++i) key.insert(key.end(), {s.corner[i].x, s.corner[i].y});
+}
+
+/// Alike shapes share a mesh, alike bodies a group.
+class Forms {
+ public:
+  Forms(const Model& model, const std::optional<Vec3>& color) : model_(model), color_(color) {}
+
+  uint32_t form(const Body& body, const Outline& outline, uint32_t layer, uint32_t group) {
+    const std::optional<Vec3> color = body.color                       ? body.color
+                                      : body.motion == Motion::dynamic ? color_
+                                                                       : std::nullopt;
+    Key key{static_cast<double>(motion_of(body)), static_cast<double>(layer), static_cast<double>(group)};
+    if (color) key.insert(key.end(), {color->x, color->y, color->z});
+    describe(key, outline);
+    const auto [at, fresh] = forms_.try_emplace(key, static_cast<uint32_t>(out_.size()));
+    if (!fresh) return at->second;
+    DrawnBodies::Form f;
+    f.shape.kind = DrawnShape::Kind::mesh;
+    f.shape.mesh = mesh(outline);
+    f.shape.position.z = kLayer * model_.size * layer;
+    f.motion = motion_of(body), f.group = group;
+    if (color) f.color = {color->x, color->y, color->z};
+    out_.push_back(f);
+    return at->second;
+  }
+  uint32_t group(const Body& body) {
+    Key key;
+    for (uint32_t i = 0; i < body.shapes; ++i) describe(key, model_.shapes[body.first_shape + i].outline);
+    return groups_.try_emplace(key, static_cast<uint32_t>(groups_.size())).first->second;
+  }
+  std::vector<DrawnBodies::Form> take() { return std::move(out_); }
+
+ private:
+  std::shared_ptr<const DrawnMesh> mesh(const Outline& outline) {
+    Key key;
+    describe(key, outline);
+    auto& m = meshes_[key];
+    if (!m) m = flat::outline_mesh(outline, kDepth * model_.size);
+    return m;
+  }
+  const Model& model_;
+  std::optional<Vec3> color_;
+  std::map<Key, uint32_t> forms_, groups_;
+  std::map<Key, std::shared_ptr<const DrawnMesh>> meshes_;
+  std::vector<DrawnBodies::Form> out_;
+};
+
+DrawnBodies all_bodies(const Model& m, const std::optional<Vec3>& color) {
+  DrawnBodies out;
+  Forms forms(m, color);
+  const std::vector<uint32_t> layers = layers_of(m);
+  for (uint32_t i = 0; i < m.count(); ++i) {
+    const Body& b = m.bodies[i];
+    const uint32_t group = b.motion == Motion::dynamic ? forms.group(b) : 0;
+    for (uint32_t k = 0; k < b.shapes; ++k)
+      out.places.push_back({i, forms.form(b, m.shapes[b.first_shape + k].outline, layers[i], group)});
+  }
+  out.forms = forms.take();
+  return out;
+}
+
+Vec3 raised(Vec2 p) {
+  return {p.x, p.y, 0};
+}
+
+}  // namespace
+
+DrawnBodies Rigid2d::bodies(const State& s) const {
+  std::call_once(drawn_made_, [this] { drawn_ = all_bodies(model_, settings_.color); });
+  DrawnBodies out = drawn_;
+  const auto status = s.span<uint32_t>(columns::status);
+  std::erase_if(out.places, [&](const auto& place) { return (status[place[0]] & kRemoved) != 0; });
+  return out;
+}
+
+uint32_t Rigid2d::topology_version(const State& s) const {
+  const auto status = s.span<uint32_t>(columns::status);
+  return 1 + static_cast<uint32_t>(
+                 std::ranges::count_if(status, [](uint32_t bits) { return (bits & kRemoved) != 0; }));
+}
+
+std::vector<ContactMark> Rigid2d::contact_marks(const State& s) const {
+  std::vector<ContactMark> out;
+  const auto keys = s.span<uint64_t>(columns::contact_key);
+  const auto ids = s.span<uint32_t>(columns::contact_id);
+  const auto impulse = s.span<float>(columns::contact_impulse);
+  const double h = settings_for(dt_).h, front = 0.5 * kDepth * model_.size;
+  flat::Contact c;
+  for (size_t k = 0; k < keys.size(); ++k) {
+    const Shape &a = model_.shapes[keys[k] >> 32], &b = model_.shapes[static_cast<uint32_t>(keys[k])];
+    const Pose at = pose_of(s, a.body);
+    // The state holds what the points carry, their places are found again.
+    if (!flat::touch(a.outline, b.outline, at.to(pose_of(s, b.body)), model_.margin, c)) continue;
+    for (uint32_t p = 0; p < c.points; ++p) {
+      for (size_t q = 0; q < 2; ++q) {
+        if (ids[2 * k + q] != c.point[p].id || !(impulse[5 * k + q] > 0)) continue;
+        out.push_back({raised(at * c.point[p].at) + Vec3{0, 0, front}, raised(at.q * c.normal),
+                       impulse[5 * k + q] / h});
+      }
+    }
+  }
+  return out;
+}
+
+std::vector<JointMark> Rigid2d::joint_marks(const State& s) const {
+  using Kind = JointMark::Kind;
+  const auto broken = s.span<uint32_t>(columns::joint_broken);
+  const Vec3 front{0, 0, 0.5 * kDepth * model_.size};
+  const auto pose = [&](uint32_t body) { return body < model_.count() ? pose_of(s, body) : Pose{}; };
+  std::vector<JointMark> out;
+  for (size_t i = 0; i < model_.joints.size(); ++i) {
+    if (broken[i]) continue;
+    const Joint& j = model_.joints[i];
+    const Pose a = pose(j.a), b = pose(j.b);
+    const Vec3 at_a = raised(a * j.local_a) + front, at_b = raised(b * j.local_b) + front;
+    const Vec3 along = raised(a.q * j.axis), out_of{0, 0, 1};
+    switch (j.kind) {
+      case JointKind::revolute:
+        out.push_back({Kind::hinge, at_a, at_b, out_of});
+        break;
+      case JointKind::prismatic:
+      case JointKind::wheel:
+        out.push_back({Kind::slider, at_a, at_b, along});
+        break;
+      case JointKind::weld:
+        out.push_back({Kind::fixed, at_a, at_b, {}});
+        break;
+      case JointKind::distance:
+        out.push_back({Kind::distance, at_a, at_b, {}});
+        break;
+      case JointKind::mouse:
+        out.push_back({Kind::distance, at_b, raised(j.ground_a) + front, {}});
+        break;
+      case JointKind::pulley:
+        out.push_back({Kind::distance, at_a, raised(j.ground_a) + front, {}});
+        out.push_back({Kind::distance, raised(j.ground_a) + front, raised(j.ground_b) + front, {}});
+        out.push_back({Kind::distance, raised(j.ground_b) + front, at_b, {}});
+        break;
+      case JointKind::gear:
+        out.push_back({Kind::other, raised(a.p) + front, raised(b.p) + front, {}});
+        break;
+      case JointKind::motor:
+        out.push_back({Kind::other, at_a, at_b, {}});
+        break;
+    }
+  }
+  return out;
+}
+
+}  // namespace truestep::rigid2d

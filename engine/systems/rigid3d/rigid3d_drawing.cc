@@ -1,0 +1,149 @@
+// How bodies of a rigid3d state are drawn: one form per shape, or per part of a compound, that rows of the
+// state carry; planes as shapes in space; contacts and joints as marks.
+#include <cmath>
+
+#include "engine/collision/drawn_mesh.h"
+#include "engine/systems/rigid3d/rigid3d.h"
+
+namespace truestep {
+
+namespace columns = rigid3d_columns;
+
+namespace {
+
+constexpr double kLoose = 0.02;  // m; points further apart than this are no contacts any more
+
+DrawnBodies::Motion motion_of(const BodyKind& k) {
+  using Motion = DrawnBodies::Motion;
+  if (k.sensor) return Motion::sensor;
+  if (k.motion == BodyDef::Motion::fixed) return Motion::fixed;
+  return k.motion == BodyDef::Motion::kinematic ? Motion::driven : Motion::moving;
+}
+
+std::vector<DrawnBodies::Form> forms_of(std::span<const BodyKind> kinds) {
+  std::vector<DrawnBodies::Form> forms;
+  uint32_t group = 0;
+  for (const BodyKind& k : kinds) {
+    if (k.solid.kind == SolidKind::plane) continue;
+    DrawnBodies::Form form;
+    form.motion = motion_of(k);
+    if (k.color) form.color = {k.color->x, k.color->y, k.color->z};
+    form.group = group;
+    // What stands still takes no colour away from what moves.
+    if (form.motion == DrawnBodies::Motion::moving && !k.color) ++group;
+    const auto add = [&](const Solid& solid, const Pose& at) {
+      form.shape = drawn_shape(solid, at);
+      form.shape.id = k.id;
+      forms.push_back(form);
+    };
+    if (k.parts.empty()) add(k.solid, {});
+    for (const SolidPart& p : k.parts) add(p.solid, p.pose);
+  }
+  return forms;
+}
+
+JointMark::Kind kind_of(const Joint& j) {
+  using Kind = JointMark::Kind;
+  const int linear = j.locked[0] + j.locked[1] + j.locked[2];
+  const int angular = j.locked[3] + j.locked[4] + j.locked[5];
+  if (linear == 3) return angular == 3 ? Kind::fixed : angular == 2 ? Kind::hinge : Kind::ball;
+  return linear == 2 && angular >= 2 ? Kind::slider : Kind::other;
+}
+
+}  // namespace
+
+const std::vector<DrawnBodies::Form>& Rigid3d::forms() const {
+  std::call_once(forms_made_, [this] { forms_ = forms_of(bodies_.kinds); });
+  return forms_;
+}
+
+DrawnBodies Rigid3d::bodies(const State& s) const {
+  DrawnBodies out;
+  out.forms = forms();
+  // Forms stand in the order of the kinds, as many as a kind has parts.
+  std::vector<uint32_t> first;
+  uint32_t next = 0;
+  const auto count = [](const BodyKind& k) {
+    if (k.solid.kind == SolidKind::plane) return 0u;
+    return k.parts.empty() ? 1u : static_cast<uint32_t>(k.parts.size());
+  };
+  for (const BodyKind& k : bodies_.kinds) first.push_back(next), next += count(k);
+  const auto kind = s.span<uint32_t>(columns::kind);
+  for (uint32_t row = 0; row < kind.size(); ++row) {
+    for (uint32_t k = 0; k < count(bodies_.kinds[kind[row]]); ++k)
+      out.places.push_back({row, first[kind[row]] + k});
+  }
+  return out;
+}
+
+// Every birth and every removal counts: births = next id - n_0, removals = next id - rows.
+uint32_t Rigid3d::topology_version(const State& s) const {
+  const uint64_t next = s.span<uint64_t>(columns::counters)[0];
+  return static_cast<uint32_t>(1 + 2 * next - bodies_.starts.size() - s.rows(columns::position));
+}
+
+std::vector<DrawnShape> Rigid3d::shapes(const State& s, double) const {
+  std::vector<DrawnShape> out;
+  const auto kind = s.span<uint32_t>(columns::kind);
+  for (size_t i = 0; i < kind.size(); ++i) {
+    const BodyKind& b = bodies_.kinds[kind[i]];
+    if (b.solid.kind != SolidKind::plane) continue;
+    DrawnShape& d =
+        out.emplace_back(drawn_shape(b.solid, {load3(s.f64(columns::position).data(), i),
+                                               load_quat(s.f64(columns::orientation).data(), i)}));
+    d.id = b.id.empty() ? std::to_string(i) : b.id;
+  }
+  return out;
+}
+
+std::vector<ContactMark> Rigid3d::contact_marks(const State& s) const {
+  std::vector<ContactMark> out;
+  const double h = s.f64(columns::substep)[0];
+  if (!(h > 0)) return out;
+  const auto pairs = s.span<uint32_t>(columns::contact_bodies);
+  const auto ids = s.span<uint32_t>(columns::contact_ids);
+  const auto impulse = s.f64(columns::contact_impulse);
+  const auto kind = s.span<uint32_t>(columns::kind);
+  const double *x = s.f64(columns::position).data(), *q = s.f64(columns::orientation).data();
+  const auto placed = [&](uint32_t i) { return transform_of({load3(x, i), load_quat(q, i)}); };
+  std::vector<Manifold> manifolds;
+  const size_t rows = s.rows(columns::contact_bodies);
+  for (size_t begin = 0, end = 0; begin < rows; begin = end) {
+    const uint32_t a = pairs[2 * begin], b = pairs[2 * begin + 1];
+    for (end = begin; end < rows && pairs[2 * end] == a && pairs[2 * end + 1] == b;) ++end;
+    // The state holds what the points carry, their places are found again.
+    manifolds.clear();
+    collide(bodies_.kinds[kind[a]].solid, placed(a), bodies_.kinds[kind[b]].solid, placed(b), kLoose,
+            manifolds);
+    for (const Manifold& m : manifolds) {
+      for (int p = 0; p < m.count; ++p) {
+        double carried = 0;
+        for (size_t r = begin; r < end; ++r) {
+          for (uint32_t k = 0; k < ids[5 * r] && carried == 0; ++k) {
+            if (ids[5 * r + 1 + k] == m.points[p].id) carried = impulse[4 * r + k];
+          }
+        }
+        if (carried > 0) out.push_back({m.points[p].position, m.normal, carried / h});
+      }
+    }
+  }
+  return out;
+}
+
+std::vector<JointMark> Rigid3d::joint_marks(const State& s) const {
+  std::vector<JointMark> out;
+  const auto held = s.span<uint32_t>(columns::joint_bodies);
+  const double *x = s.f64(columns::position).data(), *q = s.f64(columns::orientation).data();
+  const auto pose = [&](uint32_t i) { return i == kNoBody ? Pose{} : Pose{load3(x, i), load_quat(q, i)}; };
+  for (size_t k = 0; k < joints_.size(); ++k) {
+    if (s.span<uint32_t>(columns::joint_broken)[k]) continue;
+    const Pose a = pose(held[2 * k]), b = pose(held[2 * k + 1]);
+    const JointPlace at = joint_place(joints_[k], a, b);
+    const JointMark::Kind kind = kind_of(joints_[k]);
+    const bool turns = kind == JointMark::Kind::ball || kind == JointMark::Kind::fixed;
+    out.push_back({kind, a.position + at.arm_a, b.position + at.arm_b, turns ? Vec3{} : at.axes[0]});
+  }
+  return out;
+}
+
+}  // namespace truestep
