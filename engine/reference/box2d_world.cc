@@ -54,7 +54,6 @@ b2CircleShape circle(Vec2 at, double radius) {
 
 Box2dScene::Box2dScene(const rigid2d::Rigid2dDef& def)
     : model(rigid2d::build_model(def)),
-      drawing(rigid2d::draw(model, def.color)),
       restitution_speed(def.restitution_speed),
       parts(static_cast<double>(def.solver_steps)),
       sleeping(def.sleeping) {}
@@ -167,32 +166,36 @@ bool Box2dWorld::matches(const Box2dScene& scene, const State& s) const {
 
 /// Pushes as forces, drags as joints of this step.
 std::vector<b2Joint*> Box2dWorld::take_hands(State& s, double h) {
-  const auto& rows = scene_->drawing.rows;
+  const auto pair = [&](State::Column c, size_t k) {
+    return rigid2d::Vec2{s.f64(c)[2 * k], s.f64(c)[2 * k + 1]};
+  };
   const auto pushed = s.span<uint32_t>(columns::push_body);
   const auto remaining = s.f64(columns::push_remaining);
   double* force = s.f64(columns::push_force).data();
   size_t kept = 0;
   for (size_t k = 0; k < pushed.size(); ++k) {
-    const rigid2d::Vertex& at = rows[pushed[k]];
-    b2Body& b = *bodies_[at.body];
+    b2Body& b = *bodies_[pushed[k]];
     const Vec3 f = load3<double>(force, k);
-    b.ApplyForce(vec({f.x, f.y}), b.GetWorldPoint(vec(at.local)), true);
+    const rigid2d::Vec2 local = pair(columns::push_local, k);
+    b.ApplyForce(vec({f.x, f.y}), b.GetWorldPoint(vec(local)), true);
     // A push lasts until its time is used up, with half a step of tolerance for rounding.
     const double left = remaining[k] - h;
     if (left < 0.5 * h) continue;
     pushed[kept] = pushed[k], remaining[kept] = left;
+    s.f64(columns::push_local)[2 * kept] = local.x, s.f64(columns::push_local)[2 * kept + 1] = local.y;
     store3(force, kept++, f);
   }
-  for (const auto c : {columns::push_body, columns::push_force, columns::push_remaining}) s.resize(c, kept);
+  for (const auto c : columns::kPushColumns) s.resize(c, kept);
   std::vector<b2Joint*> drags;
-  const auto dragged = s.span<uint32_t>(columns::drag_row);
+  const auto dragged = s.span<uint32_t>(columns::drag_body);
   for (size_t k = 0; k < dragged.size(); ++k) {
-    const rigid2d::Vertex& at = rows[dragged[k]];
-    const Body& b = scene_->model.bodies[at.body];
-    if (bodies_[at.body]->GetType() != b2_dynamicBody) continue;
-    bodies_[at.body]->SetAwake(true);
+    const uint32_t body = dragged[k];
+    const Body& b = scene_->model.bodies[body];
+    if (bodies_[body]->GetType() != b2_dynamicBody) continue;
+    bodies_[body]->SetAwake(true);
     rigid2d::Joint j;
-    j.kind = rigid2d::JointKind::mouse, j.a = scene_->model.world(), j.b = at.body, j.local_b = at.local;
+    j.kind = rigid2d::JointKind::mouse, j.a = scene_->model.world(), j.b = body,
+    j.local_b = pair(columns::drag_local, k);
     j.ground_a = flat::flatten(load3<double>(s.f64(columns::drag_target).data(), k));
     j.hertz = std::sqrt(s.f64(columns::drag_stiffness)[k] / b.mass) / 6.283185307179586;
     j.damping_ratio = kDragDamping, j.max_force = HUGE_VAL;

@@ -7,7 +7,6 @@
 #include <vector>
 
 #include "engine/core/state.h"
-#include "engine/systems/rigid2d/drawing.h"
 #include "engine/systems/rigid2d/model.h"
 
 namespace truestep::reference {
@@ -17,7 +16,6 @@ struct Box2dScene {
   explicit Box2dScene(const rigid2d::Rigid2dDef& def);
 
   rigid2d::Model model;
-  rigid2d::Drawing drawing;
   double restitution_speed, parts;  ///< parts of a step that impulses in the state are of
   bool sleeping;
 };

@@ -40,6 +40,8 @@ class Bullet final : public StagedSystem {
   Topology topology(const State& s) const override { return own_.topology(s); }
   uint32_t topology_version(const State& s) const override { return own_.topology_version(s); }
   std::vector<DrawnShape> shapes(const State& s, double t) const override { return own_.shapes(s, t); }
+  DrawnBodies bodies(const State& s) const override { return own_.bodies(s); }
+  std::vector<JointMark> joint_marks(const State& s) const override { return own_.joint_marks(s); }
   size_t max_rows() const override { return own_.max_rows(); }
 
  private:

@@ -49,7 +49,7 @@ Color color_of(const DrawnBodies::Form& form, uint32_t row) {
 
 Color asleep_of(const Color& c) {
   const float grey = 0.3f * c.r + 0.59f * c.g + 0.11f * c.b;
-  return mixed(mixed(c, {grey, grey, grey}, 0.55f), {0.25f, 0.27f, 0.31f}, 0.45f);
+  return mixed(mixed(c, {grey, grey, grey}, 0.4f), {0.30f, 0.32f, 0.36f}, 0.3f);
 }
 
 /// A field by name, empty where the system has none.

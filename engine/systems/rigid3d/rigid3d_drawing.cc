@@ -1,8 +1,9 @@
 // How bodies of a rigid3d state are drawn: one form per shape, or per part of a compound, that rows of the
 // state carry; planes as shapes in space; contacts and joints as marks.
-#include <cmath>
+#include <map>
 
 #include "engine/collision/drawn_mesh.h"
+#include "engine/collision/triangle_mesh.h"
 #include "engine/systems/rigid3d/rigid3d.h"
 
 namespace truestep {
@@ -20,17 +21,28 @@ DrawnBodies::Motion motion_of(const BodyKind& k) {
   return k.motion == BodyDef::Motion::kinematic ? Motion::driven : Motion::moving;
 }
 
+/// Numbers that alike solids share.
+void describe(std::vector<double>& key, const Solid& s) {
+  key.insert(key.end(), {static_cast<double>(s.kind), s.size.x, s.size.y, s.size.z});
+  if (s.hull) key.insert(key.end(), {static_cast<double>(s.hull->vertices.size()), s.hull->thickness});
+  if (s.mesh) key.push_back(static_cast<double>(s.mesh->size()));
+}
+
 std::vector<DrawnBodies::Form> forms_of(std::span<const BodyKind> kinds) {
   std::vector<DrawnBodies::Form> forms;
-  uint32_t group = 0;
+  std::map<std::vector<double>, uint32_t> groups;
   for (const BodyKind& k : kinds) {
     if (k.solid.kind == SolidKind::plane) continue;
     DrawnBodies::Form form;
     form.motion = motion_of(k);
     if (k.color) form.color = {k.color->x, k.color->y, k.color->z};
-    form.group = group;
     // What stands still takes no colour away from what moves.
-    if (form.motion == DrawnBodies::Motion::moving && !k.color) ++group;
+    if (form.motion == DrawnBodies::Motion::moving && !k.color) {
+      std::vector<double> key;
+      describe(key, k.solid);
+      for (const SolidPart& p : k.parts) describe(key, p.solid);
+      form.group = groups.try_emplace(key, static_cast<uint32_t>(groups.size())).first->second;
+    }
     const auto add = [&](const Solid& solid, const Pose& at) {
       form.shape = drawn_shape(solid, at);
       form.shape.id = k.id;

@@ -74,7 +74,7 @@ void main() {
     float s = vOwn.x * vOwn.z;
     albedo *= 1.0 + 0.13 * clamp(s / max(fwidth(s), 1e-5), -1.0, 1.0);
   }
-  if (!byValue && vValue > 0.5) albedo = mix(albedo, vec3(dot(albedo, vec3(0.21, 0.72, 0.07))), 0.55) * 0.5;
+  if (!byValue && vValue > 0.5) albedo = mix(albedo, vec3(dot(albedo, vec3(0.21, 0.72, 0.07))), 0.4) * 0.6;
   vec3 c = shade(albedo, n, toEye);
   if (receives && n.y > 0.2) {
     vec2 at = (toLight * vec4(vWorld, 1.0)).xy * 0.5 + 0.5;
