@@ -54,12 +54,24 @@ std::vector<DrawnBodies::Form> forms_of(std::span<const BodyKind> kinds) {
   return forms;
 }
 
-JointMark::Kind kind_of(const Joint& j) {
+JointMark mark_of(const Joint& j, const Pose& a, const Pose& b) {
   using Kind = JointMark::Kind;
-  const int linear = j.locked[0] + j.locked[1] + j.locked[2];
-  const int angular = j.locked[3] + j.locked[4] + j.locked[5];
-  if (linear == 3) return angular == 3 ? Kind::fixed : angular == 2 ? Kind::hinge : Kind::ball;
-  return linear == 2 && angular >= 2 ? Kind::slider : Kind::other;
+  const JointPlace at = joint_place(j, a, b);
+  JointMark mark{Kind::other, a.position + at.arm_a, b.position + at.arm_b, {}};
+  const int slides = 3 - j.locked[0] - j.locked[1] - j.locked[2];
+  const int turns = 3 - j.locked[3] - j.locked[4] - j.locked[5];
+  if (j.form == Joint::Form::line) {
+    mark.kind = Kind::distance;
+  } else if (slides == 0) {
+    mark.kind = turns == 0 ? Kind::fixed : j.form == Joint::Form::hinge ? Kind::hinge : Kind::ball;
+    if (mark.kind == Kind::hinge) mark.axis = normalized(at.turns[0], {});
+  } else if (slides == 1) {
+    mark.kind = Kind::slider;
+    for (size_t e = 0; e < 3; ++e) {
+      if (!j.locked[e]) mark.axis = at.axes[e];
+    }
+  }
+  return mark;
 }
 
 }  // namespace
@@ -147,13 +159,10 @@ std::vector<JointMark> Rigid3d::joint_marks(const State& s) const {
   const auto held = s.span<uint32_t>(columns::joint_bodies);
   const double *x = s.f64(columns::position).data(), *q = s.f64(columns::orientation).data();
   const auto pose = [&](uint32_t i) { return i == kNoBody ? Pose{} : Pose{load3(x, i), load_quat(q, i)}; };
-  for (size_t k = 0; k < joints_.size(); ++k) {
-    if (s.span<uint32_t>(columns::joint_broken)[k]) continue;
-    const Pose a = pose(held[2 * k]), b = pose(held[2 * k + 1]);
-    const JointPlace at = joint_place(joints_[k], a, b);
-    const JointMark::Kind kind = kind_of(joints_[k]);
-    const bool turns = kind == JointMark::Kind::ball || kind == JointMark::Kind::fixed;
-    out.push_back({kind, a.position + at.arm_a, b.position + at.arm_b, turns ? Vec3{} : at.axes[0]});
+  for (size_t k = 0; k < joints_.joints.size(); ++k) {
+    // A gear is no place: it ties two other joints together.
+    if (s.span<uint32_t>(columns::joint_broken)[k] || joints_.joints[k].form == Joint::Form::gear) continue;
+    out.push_back(mark_of(joints_.joints[k], pose(held[2 * k]), pose(held[2 * k + 1])));
   }
   return out;
 }
