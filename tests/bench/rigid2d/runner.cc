@@ -1,6 +1,7 @@
-// rigid2d_runner [LIBRARY]: rigid bodies in the plane beside Rapier2d (LIBRARY is the peer of peers/rapier2d)
-// and, where it is installed, Box2D 2.4. Engines take turns of ten steps on the same scene; milliseconds of
-// one thread per step beside the worst overlap or joint gap at twenty moments of the last three quarters.
+// rigid2d_runner [NAME=LIBRARY]...: rigid bodies in the plane beside Rapier2d and Box2D v3 (libraries of
+// peers/rapier2d and peers/box2d3) and, where it is installed, Box2D 2.4. Engines take turns of ten steps on
+// the same scene; milliseconds of one thread per step beside the worst overlap or joint gap at twenty moments
+// of the last three quarters.
 #include <dlfcn.h>
 
 #include <cstdio>
@@ -75,8 +76,9 @@ struct Ours final : Engine {
   uint64_t count = 0;
 };
 
-struct Rapier final : Engine {
+struct Peer final : Engine {
   struct Library {
+    std::string name;
     void* (*create)(double, double);
     int (*body)(void*, int, double, double, double, int);
     void (*shape)(void*, int, double, double, double, double, double, double, int);
@@ -95,7 +97,7 @@ struct Rapier final : Engine {
              find(revolute, "peer_revolute") && find(step, "peer_step") && find(pose, "peer_pose");
     }
   };
-  Rapier(const Library& l, const FlatScene& scene) : library(l), world(l.create(0, scene.gravity)) {
+  Peer(const Library& l, const FlatScene& scene) : library(l), world(l.create(0, scene.gravity)) {
     for (const FlatBody& b : scene.bodies) {
       const int id =
           l.body(world, b.kind != FlatBody::Kind::fixed, b.x, b.y, b.vx, b.kind == FlatBody::Kind::asleep);
@@ -198,13 +200,22 @@ void play(const FlatScene& scene, std::vector<Player>& players) {
 
 int main(int count, char** arguments) {
   using namespace truestep::bench;
-  Rapier::Library library{};
-  const bool rapier = count > 1 && library.open(arguments[1]);
-  if (count > 1 && !rapier) std::fprintf(stderr, "%s: no such peer\n", arguments[1]);
+  std::vector<Peer::Library> libraries;
+  for (int i = 1; i < count; ++i) {
+    const std::string argument = arguments[i];
+    const size_t equals = argument.find('=');
+    Peer::Library library{};
+    library.name = argument.substr(0, equals);
+    if (equals != std::string::npos && library.open(argument.c_str() + equals + 1)) {
+      libraries.push_back(library);
+    } else {
+      std::fprintf(stderr, "%s: no such peer\n", arguments[i]);
+    }
+  }
   for (const FlatScene& scene : flat_scenes()) {
     std::vector<Player> players;
     players.push_back({"Truestep", std::make_unique<Ours>(scene)});
-    if (rapier) players.push_back({"Rapier2d 0.36", std::make_unique<Rapier>(library, scene)});
+    for (const Peer::Library& l : libraries) players.push_back({l.name, std::make_unique<Peer>(l, scene)});
 #ifdef TRUESTEP_BOX2D
     players.push_back({"Box2D 2.4", std::make_unique<Box2d>(scene)});
 #endif
