@@ -82,6 +82,7 @@ class Session {
   // --- what comes out
   void add_sink(std::shared_ptr<Sink> sink);
   void remove_sink(const Sink* sink);
+  void remove_sinks() { sinks_.clear(); }
   /// Builds a frame of the present state.
   FramePtr frame(const FrameRequest& request) const;
   /// The state of an earlier step, computed from the nearest snapshot; the session stays where it is.

@@ -82,6 +82,14 @@ void sweep_every(asio::steady_timer& timer, App& app) {
   });
 }
 
+/// Streams that were open to the end hold their sessions, which hold them.
+void let_sinks_go(App& app) {
+  for (const EntryPtr& entry : app.store.all()) {
+    const std::lock_guard lock(entry->mutex);
+    entry->session.remove_sinks();
+  }
+}
+
 int serve(const ServeOptions& options) {
   spdlog::set_level(spdlog::level::from_str(options.log_level));
   AppOptions settings = app_options(options);
@@ -114,6 +122,7 @@ int serve(const ServeOptions& options) {
   app.operations.stop();
   app.runner.stop();
   finish_recordings(app);
+  let_sinks_go(app);
   return kExitOk;
 }
 

@@ -1,8 +1,10 @@
 // Prints, for every scene of a folder, its name and its state's hash after 40 steps: what all builds must
-// agree on.
+// agree on. Or the first half of that in one process, which saves the states, and the other half in another.
 //   gallery_hashes FOLDER THREADS
+//   gallery_hashes FOLDER THREADS save | resume STATES
 #include <algorithm>
 #include <cstdlib>
+#include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <iostream>
@@ -22,10 +24,17 @@ std::string text_of(const std::filesystem::path& file) {
   return text.str();
 }
 
+std::vector<std::byte> bytes_of(const std::filesystem::path& file) {
+  const std::string text = text_of(file);
+  std::vector<std::byte> bytes(text.size());
+  std::memcpy(bytes.data(), text.data(), text.size());
+  return bytes;
+}
+
 // A scene that is there to fail ends at its last good step, which belongs to what is compared.
-uint64_t run(truestep::Session& session) {
+uint64_t run(truestep::Session& session, uint64_t steps) {
   try {
-    session.step(kSteps);
+    session.step(steps);
   } catch (const truestep::Error&) {
   }
   return session.step_index();
@@ -34,8 +43,9 @@ uint64_t run(truestep::Session& session) {
 }  // namespace
 
 int main(int count, char** words) {
-  if (count != 3) {
-    std::cerr << "gallery_hashes FOLDER THREADS\n";
+  const std::string_view mode = count == 5 ? words[3] : "";
+  if (count != 3 && mode != "save" && mode != "resume") {
+    std::cerr << "gallery_hashes FOLDER THREADS [save | resume STATES]\n";
     return 2;
   }
   std::vector<std::filesystem::path> scenes;
@@ -46,7 +56,17 @@ int main(int count, char** words) {
     if (file.extension() != ".json") continue;
     const auto world = std::make_shared<const truestep::World>(truestep::parse_scene(text_of(file)));
     truestep::Session session(world, arena);
-    const uint64_t steps = run(session);
+    if (mode == "save") {
+      run(session, kSteps / 2);
+      const auto bytes = session.state().serialize();
+      std::ofstream(std::filesystem::path(words[4]) / file.stem(), std::ios::binary)
+          .write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
+      continue;
+    }
+    if (mode == "resume")
+      session.restore(
+          truestep::WorldState::deserialize(bytes_of(std::filesystem::path(words[4]) / file.stem())));
+    const uint64_t steps = run(session, kSteps - session.step_index());
     std::cout << file.stem().string() << ' ' << steps << ' ' << std::hex << session.hash() << std::dec
               << '\n';
   }
