@@ -95,7 +95,7 @@ void push_drive(const JointGroup<T>& g, const JointDrive<T>& d, const Wide<T>& c
                 Wide<T> b[6]) {
   Wide<T> f[6];
   for (int k = 0; k < 6; ++k) f[k] = change * d.share[k];
-  push_joint(g, f, a, b);
+  push_joint<6>(g, f, a, b);
 }
 template <class T>
 Wide<T> total_impulse(const JointDrive<T>& d) {
@@ -159,7 +159,11 @@ void apply_joints(const JointGroup<T>& g, const JointDrive<T>* drives, Record8<T
     for (int k = 0; k < 6; ++k) f[k] = madd(total, drives[i].share[k], f[k]);
   }
   for (W& x : f) x *= W(times);
-  detail::push_joint(g, f, a, b);
+  if (g.flags & JointGroup<T>::kTurns) {
+    detail::push_joint<6>(g, f, a, b);
+  } else {
+    detail::push_joint<3>(g, f, a, b);
+  }
   scatter6(records, g.a, end, a), scatter6(records, g.b, end, b);
 }
 
@@ -169,7 +173,11 @@ void solve_joints(JointGroup<T>& g, JointDrive<T>* drives, Record8<T>* v, uint32
                   const JointPass<T>& pass) {
   Wide<T> a[6], b[6];
   gather6(v, g.a, a), gather6(v, g.b, b);
-  detail::solve_locked<kind>(g, a, b, pass);
+  if (g.flags & JointGroup<T>::kTurns) {
+    detail::solve_locked<kind, 6>(g, a, b, pass);
+  } else {
+    detail::solve_locked<kind, 3>(g, a, b, pass);
+  }
   for (uint32_t k = 0; k < g.drives; ++k) detail::solve_drive<kind>(g, drives[k], a, b, pass);
   if (g.flags & JointGroup<T>::kBounded) {
     detail::bound_motors(g, drives, 0, g.bound[0], a, b);

@@ -22,7 +22,7 @@ struct alignas(64) JointGroup {
   W along, length;  ///< 1 where the first row is along the line between the anchors; m that it wants
   W impulse[6];
   W bound[2];  ///< N s, N m s: most of the motors of rows 0 to 2, 3 to 5 together
-  enum : uint32_t { kLines = 1, kDrifts = 2, kBounded = 4 };
+  enum : uint32_t { kLines = 1, kDrifts = 2, kBounded = 4, kTurns = 8 };  ///< kTurns: angular rows are used
   uint32_t flags = 0;
   uint32_t driven_rows = 0;              ///< bits
   uint32_t first_drive = 0, drives = 0;  ///< of the solver's list
@@ -50,8 +50,8 @@ void turn_arm(const W t[3], const W r[3], W out[3]) {
 
 /// Rows, gaps and the inverse of K where the bodies are now; d: scaled displacements since the step's start,
 /// `elapsed` (s) ago.
-template <class T>
-void prepare_joints(JointGroup<T>& g, const Record8<T>* d, T elapsed) {
+template <int rows, class T>
+void prepare_joint_rows(JointGroup<T>& g, const Record8<T>* d, T elapsed) {
   using W = Wide<T>;
   namespace r = contact_rows;
   W da[6], db[6], ta[3], tb[3], half[3], arm_a[3], arm_b[3], gap[3], turn[3];
@@ -84,34 +84,43 @@ void prepare_joints(JointGroup<T>& g, const Record8<T>* d, T elapsed) {
     W moment[3], between[3];
     r::cross(arm_a, g.now[k], moment), into(g.turn_a, back_a, moment, g.ja[k]);
     r::cross(arm_b, g.now[k], moment), into(g.turn_b, back_b, moment, g.jb[k]);
+    g.gap[k] = r::dot(g.now[k], gap);
+    if constexpr (rows == 3) continue;
     detail::turn_arm(ta, g.turn_axis[k], g.turn_now[k]), detail::turn_arm(half, g.turn_axis[k], between);
     into(g.turn_a, back_a, g.turn_now[k], g.ja[3 + k]), into(g.turn_b, back_b, g.turn_now[k], g.jb[3 + k]);
-    g.gap[k] = r::dot(g.now[k], gap);
     g.gap[3 + k] = g.angle[k] + r::dot(between, turn);
   }
   g.gap[0] = nmadd(g.along, g.length, g.gap[0]);
   if (g.flags & JointGroup<T>::kDrifts) {
-    for (int k = 0; k < 6; ++k) g.gap[k] = madd(W(elapsed), g.drift[k], g.gap[k]);
+    for (int k = 0; k < rows; ++k) g.gap[k] = madd(W(elapsed), g.drift[k], g.gap[k]);
   }
-  W k[6][6];
-  for (int p = 0; p < 6; ++p) {
+  W k[rows][rows];
+  for (int p = 0; p < rows; ++p) {
     for (int q = 0; q <= p; ++q) {
       k[p][q] = g.locked[p] * g.locked[q] * (r::dot(g.ja[p], g.ja[q]) + r::dot(g.jb[p], g.jb[q]));
     }
     if (p < 3) k[p][p] = madd(g.locked[p], linear, k[p][p]);
     k[p][p] = madd(k[p][p], W(1e-6), k[p][p]) + (W(1) - g.locked[p]);
   }
-  r::invert_positive<6>(k, g.inverse);
+  r::invert_positive<rows>(k, g.inverse);
+}
+template <class T>
+void prepare_joints(JointGroup<T>& g, const Record8<T>* d, T elapsed) {
+  if (g.flags & JointGroup<T>::kTurns) {
+    prepare_joint_rows<6>(g, d, elapsed);
+  } else {
+    prepare_joint_rows<3>(g, d, elapsed);
+  }
 }
 
 namespace detail {
-template <class T>
+template <int rows, class T>
 void push_joint(const JointGroup<T>& g, const Wide<T> f[6], Wide<T> a[6], Wide<T> b[6]) {
   namespace r = contact_rows;
   for (int k = 0; k < 3; ++k) {
     r::subtract(a, f[k] * g.root_a, g.now[k]), r::add(b, f[k] * g.root_b, g.now[k]);
   }
-  for (int k = 0; k < 6; ++k) r::subtract(a + 3, f[k], g.ja[k]), r::add(b + 3, f[k], g.jb[k]);
+  for (int k = 0; k < rows; ++k) r::subtract(a + 3, f[k], g.ja[k]), r::add(b + 3, f[k], g.jb[k]);
 }
 /// J v of a row.
 template <class T>
@@ -123,29 +132,29 @@ Wide<T> joint_speed(const JointGroup<T>& g, int k, const Wide<T> a[6], const Wid
 }
 
 /// The locked rows of one pass.
-template <ContactSolve kind, class T>
+template <ContactSolve kind, int rows, class T>
 void solve_locked(JointGroup<T>& g, Wide<T> a[6], Wide<T> b[6], const JointPass<T>& pass) {
   using W = Wide<T>;
-  W slip[6], f[6] = {};
-  for (int k = 0; k < 6; ++k) {
+  W slip[rows], f[6] = {};
+  for (int k = 0; k < rows; ++k) {
     slip[k] = joint_speed(g, k, a, b);
     if constexpr (kind == ContactSolve::push) slip[k] = madd(W(pass.bias_rate), g.gap[k], slip[k]);
     slip[k] *= g.locked[k];
   }
-  for (int p = 0, at = 0; p < 6; ++p) {
+  for (int p = 0, at = 0; p < rows; ++p) {
     for (int q = 0; q < p; ++q, ++at) {
       f[p] = nmadd(g.inverse[at], slip[q], f[p]);
       f[q] = nmadd(g.inverse[at], slip[p], f[q]);
     }
     f[p] = nmadd(g.inverse[at], slip[p], f[p]), ++at;
   }
-  for (int k = 0; k < 6; ++k) {
+  for (int k = 0; k < rows; ++k) {
     if constexpr (kind == ContactSolve::push) {
       f[k] = W(pass.mass_scale) * f[k] - W(pass.impulse_scale) * g.impulse[k];
     }
     g.impulse[k] += f[k];
   }
-  push_joint(g, f, a, b);
+  push_joint<rows>(g, f, a, b);
 }
 }  // namespace detail
 

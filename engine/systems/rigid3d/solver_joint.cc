@@ -85,6 +85,8 @@ void JointSolver<T>::fill_group(size_t group, const State& s, const JointList& j
     d.lower.error = d.upper.error = W(JointDrive<T>::kFar);
   }
   g.bound[0] = g.bound[1] = W(kAnything);
+  constexpr uint32_t kAngularRows = 0b111000;
+  if (rows & kAngularRows) g.flags |= JointGroup<T>::kTurns;
   for (int lane = 0; lane < W::kLanes; ++lane) {
     const uint32_t k = lanes_.member[group * W::kLanes + static_cast<size_t>(lane)];
     g.a[lane] = g.b[lane] = end_;
@@ -109,6 +111,7 @@ void JointSolver<T>::fill_group(size_t group, const State& s, const JointList& j
       g.locked[e].set(lane, T(joint.locked[e]));
       g.impulse[e].set(lane, T(s.f64(columns::joint_impulse)[6 * k + e]));
     }
+    if (joint.locked[3] || joint.locked[4] || joint.locked[5]) g.flags |= JointGroup<T>::kTurns;
     if (joint.form == Joint::Form::line) {
       g.flags |= JointGroup<T>::kLines;
       g.along.set(lane, 1), g.length.set(lane, T(joint.length));
