@@ -57,10 +57,23 @@ struct Making {
       out.laws |= Drive::kMotor;
       out.wants = d.motor_speed ? Drive::Wants::speed : Drive::Wants::place;
       out.motor_target = d.motor_speed ? *d.motor_speed : *d.motor_target;
-      out.servo_frequency = kTurn * d.motor_hertz;
+      out.servo_rate = d.motor_rate;
       out.max_motor = d.max_motor.value_or(kUnbounded);
     }
     if (out.laws) drives.push_back(out);
+  }
+  /// Turns of joints that are observed are counted beyond half a turn: their free rows are drives without
+  /// laws.
+  void count_turns() {
+    if (joint.form != Joint::Form::hinge && joint.form != Joint::Form::cardan) return;
+    for (uint32_t row = 3; row < 6; ++row) {
+      const bool known =
+          std::any_of(drives.begin(), drives.end(), [row](const Drive& d) { return d.row == row; });
+      if (joint.locked[row] || known) continue;
+      Drive counted;
+      counted.row = row;
+      drives.push_back(counted);
+    }
   }
   static void spring(Drive& out, std::optional<double> hertz, double ratio, std::optional<double> stiffness,
                      std::optional<double> damping) {
@@ -175,7 +188,7 @@ struct Make {
         out.row = first + e, out.laws = Drive::kMotor;
         out.wants = velocity ? Drive::Wants::speed : Drive::Wants::place;
         out.motor_target = velocity ? v[e] : at[e];
-        out.servo_frequency = kTurn * d.hertz, out.servo_damping = d.damping_ratio;
+        out.servo_rate = d.rate;
         m.drives.push_back(out);
       }
     };
@@ -246,6 +259,7 @@ class Builder {
       m.joint.break_force = d.break_force.value_or(kUnbounded);
       m.joint.break_torque = d.break_torque.value_or(kUnbounded);
       m.joint.touch = d.touch;
+      if (!m.joint.id.empty()) m.count_turns();
       m.joint.first_drive = static_cast<uint32_t>(out_.drives.size());
       m.joint.drives = static_cast<uint32_t>(m.drives.size());
       for (Drive& drive : m.drives) {

@@ -49,7 +49,7 @@ TableOf<D>& add_drive(TableOf<D>& t, const DriveUnits& unit) {
   std::optional<double> D::*speed = &DriveDef::motor_speed;
   std::optional<double> D::*target = &DriveDef::motor_target;
   std::optional<double> D::*most = &DriveDef::max_motor;
-  double D::*servo = &DriveDef::motor_hertz;
+  double D::*servo = &DriveDef::motor_rate;
   return t.number("lower", lower, unit.at, any(), "smallest coordinate, 0 at t = 0; turns are counted on")
       .number("upper", upper, unit.at, any(), "largest coordinate")
       .number("stiffness", stiffness, unit.stiffness, at_least(0), "spring towards rest; absent: none")
@@ -60,7 +60,8 @@ TableOf<D>& add_drive(TableOf<D>& t, const DriveUnits& unit) {
       .number("motor_speed", speed, unit.rate, any(), "speed that the motor wants; absent: no such motor")
       .number("motor_target", target, unit.at, any(), "or coordinate that it wants")
       .number("max_motor", most, unit.force, at_least(0), "most the motor can do; absent: anything")
-      .number("motor_hertz", servo, "Hz", above(0), "how fast it comes to its target");
+      .number("motor_rate", servo, "1/s", above(0),
+              "how fast it comes to its target: what is left fades at this rate");
 }
 
 /// What is wrong between a drive's members.
@@ -290,8 +291,8 @@ const DefTable& motor_table() {
         .vector("turn", &D::turn, "rad", any(), "rotation vector added to how b is turned at t = 0")
         .vector("velocity", &D::velocity, "m/s", any(), "of b against a, instead of move")
         .vector("angular_velocity", &D::angular_velocity, "rad/s", any(), "of b against a, instead of turn")
-        .number("hertz", &D::hertz, "Hz", above(0), "how fast it comes to its pose")
-        .number("damping_ratio", &D::damping_ratio, "1", at_least(0), "of that")
+        .number("rate", &D::rate, "1/s", above(0),
+                "how fast it comes to its pose: what is left fades at this rate")
         .number("max_force", &D::max_force, "N", at_least(0), "bound")
         .number("max_torque", &D::max_torque, "N m", at_least(0), "bound")
         .check([](const D& d, const DefTable::Report& report) {

@@ -26,7 +26,7 @@ struct DriveDef {
   std::optional<double> stiffness, damping, hertz;
   double damping_ratio = 1, rest = 0;
   std::optional<double> motor_speed, motor_target, max_motor;
-  double motor_hertz = 5;
+  double motor_rate = 10;
 };
 struct SlideDriveDef : DriveDef {};
 struct TurnDriveDef : DriveDef {};
@@ -73,7 +73,7 @@ struct SixDofJointDef : JointDef {
 struct MotorJointDef : JointDef {
   Vec3 move, turn;
   std::optional<Vec3> velocity, angular_velocity;
-  double hertz = 5, damping_ratio = 1;
+  double rate = 10;
   double max_force = 1000, max_torque = 1000;
 };
 /// Couples the coordinates of two other joints.

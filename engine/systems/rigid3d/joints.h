@@ -21,11 +21,12 @@ struct Drive {
   uint32_t laws = 0;
   double lower = 0, upper = 0;
   double rest = 0;  ///< coordinate of the spring
-  /// Spring and servo: by frequency (rad/s) and damping ratio, or by N/m and N s/m.
+  /// Spring: by frequency (rad/s) and damping ratio, or by N/m and N s/m.
   enum class By : uint8_t { frequency, stiffness } by = By::frequency;
   double frequency = 0, damping_ratio = 0, stiffness = 0, damping = 0;
   enum class Wants : uint8_t { speed, place } wants = Wants::speed;
-  double motor_target = 0, max_motor = kUnbounded, servo_frequency = 0, servo_damping = 1;
+  double motor_target = 0, max_motor = kUnbounded;
+  double servo_rate = 0;  ///< 1/s, at which a motor comes to its place
 };
 
 struct Joint {

@@ -18,6 +18,8 @@ namespace {
 
 /// Bodies that may be spawned on top of those of the scene.
 constexpr size_t kSpare = 10'000;
+/// Share of the speed at which bodies rest that a motor may still want.
+constexpr double kMotorAtRest = 0.01;
 /// Radius of the ball within a fast body that passes nothing, as a share of the body's inner radius.
 constexpr double kCore = 0.25;
 
@@ -235,7 +237,9 @@ void Rigid3d::rest(State& s, const StepInput& in) const {
     const Drive& d = joints_.drives[k];
     const double* motor = s.f64(columns::drive_motor).data() + 2 * k;
     if (!(d.laws & Drive::kMotor) || s.span<uint32_t>(columns::joint_broken)[d.joint]) continue;
-    if (d.wants != Drive::Wants::speed || motor[0] == 0 || motor[1] == 0) continue;
+    const double off = s.f64(columns::drive_coordinate)[k] - motor[0];
+    const double speed = d.wants == Drive::Wants::speed ? motor[0] : off * d.servo_rate;
+    if (!(std::abs(speed) > kMotorAtRest * sleep_speed_) || motor[1] == 0) continue;
     for (const uint32_t i : {held[2 * d.joint], held[2 * d.joint + 1]}) {
       if (i != kNoBody) scratch.calm[i] = 0;
     }

@@ -4,6 +4,7 @@
 #include <bit>
 
 #include "engine/kernels/soft_constraint.h"
+#include "engine/math/trig.h"
 
 namespace truestep {
 
@@ -219,7 +220,7 @@ void JointSolver<T>::fill_gears(const State& s, const JointList& joints) {
   }
 }
 
-/// Coefficients of springs and servos for substeps of h, by the masses that they move now.
+/// Coefficients of springs and motors for substeps of h, by the masses that they move now.
 template <class T>
 void JointSolver<T>::soften(size_t group, const JointList& joints, double h) {
   JointGroup<T>& g = groups_[group];
@@ -247,8 +248,11 @@ void JointSolver<T>::soften(size_t group, const JointList& joints, double h) {
         }
       }
       if (drive.laws & Drive::kMotor) {
-        const double w = drive.servo_frequency;
-        if (drive.wants == Drive::Wants::place) soften(d.motor, w * w, 2 * drive.servo_damping * w);
+        // A servo wants the speed that takes it there at its rate, whatever hangs on it.
+        if (drive.wants == Drive::Wants::place) {
+          d.motor.scale.set(lane, T(1));
+          d.motor.push.set(lane, T((1 - trig::exp(-drive.servo_rate * h)) / h));
+        }
         d.motor.most.set(lane, T(std::min(double(d.motor.most[lane]) * h, kAnything)));
       }
     }
