@@ -129,6 +129,100 @@ TEST(Bullet, FixedBodiesMoveAsOne) {
   EXPECT_NEAR(norm(b.x(1) - b.x(0)), 1, 0.005);
 }
 
+/// A weight off the joint's anchor, on a joint to the world.
+Rigid3dDef on(AnyJointDef joint, Vec3 at = {0.6, 0, 0}) {
+  Rigid3dDef d;
+  d.bodies = {box({0.5, 0.1, 0.2}, at)};
+  std::visit(
+      [](auto& j) {
+        if constexpr (std::is_base_of_v<JointDef, std::decay_t<decltype(j)>>) {
+          j.a = -1, j.b = 0, j.anchor = Vec3{};
+        }
+      },
+      joint);
+  d.joints = {joint};
+  d.sleeping = false, d.substeps = 8;
+  return d;
+}
+
+/// Largest distance of both engines over `seconds`.
+double parting(const Rigid3dDef& d, double seconds, double h = 1.0 / 960) {
+  EngineRun a = ours(d, h), b = theirs(d, h);
+  double most = 0;
+  for (int k = 0; k < 10; ++k) {
+    a.seconds(seconds / 10), b.seconds(seconds / 10);
+    most = std::max(most, apart(a, b));
+  }
+  EXPECT_LT(norm(a.x(0)), 2);
+  return most;
+}
+
+TEST(Bullet, LimitsMotorsAndSpringsOfJointsDoTheSame) {
+  HingeJointDef hinge;
+  hinge.axis = {0, 0, 1};
+  const double free = parting(on(hinge), 1);
+  EXPECT_LT(free, 0.02);
+  HingeJointDef stopped = hinge;
+  stopped.lower = -0.5;
+  EXPECT_LT(parting(on(stopped), 1), 0.02);
+  HingeJointDef driven = hinge;
+  driven.motor_speed = 1.5, driven.max_motor = 1e5;
+  EXPECT_LT(parting(on(driven), 2), 0.02);
+  HingeJointDef sprung = hinge;
+  sprung.stiffness = 1500, sprung.damping = 20;
+  EXPECT_LT(parting(on(sprung), 1), 0.02);
+  SliderJointDef slider;
+  slider.axis = {0, 1, 0}, slider.stiffness = 5000, slider.damping = 50;
+  EXPECT_LT(parting(on(slider), 1), 0.02);
+  slider.stiffness.reset(), slider.damping.reset(), slider.lower = -0.3;
+  EXPECT_LT(parting(on(slider), 1), 0.02);
+  // Control: another limit is another path.
+  HingeJointDef other = stopped;
+  other.lower = -0.6;
+  EngineRun a = ours(on(stopped)), b = theirs(on(other));
+  a.seconds(1), b.seconds(1);
+  EXPECT_GT(apart(a, b), 0.04);
+}
+
+TEST(Bullet, UniversalConeTwistAndSixWaysDoTheSame) {
+  UniversalJointDef cross;
+  cross.axis = {0, 1, 0}, cross.axis_b = {0, 0, 1};
+  EXPECT_LT(parting(on(cross), 0.6), 0.02);
+  ConeTwistJointDef cone;
+  cone.axis = {1, 0, 0};
+  EXPECT_LT(parting(on(cone), 0.6), 0.02);
+  SixDofJointDef six;
+  six.across = Vec3{0, 1, 0};
+  six.y.emplace().stiffness = 4000.0, six.y->damping = 100.0;
+  six.turn_z.emplace();
+  EXPECT_LT(parting(on(six), 0.6), 0.02);
+  cone.swing = 0.4;
+  // The stop of a cone is soft in both: where it holds, not how it is met.
+  EngineRun a = ours(on(cone), 1.0 / 960), b = theirs(on(cone), 1.0 / 960);
+  a.seconds(4), b.seconds(4);
+  EXPECT_NEAR(a.x(0).y, -0.6 * std::sin(0.4), 0.03);
+  EXPECT_NEAR(b.x(0).y, -0.6 * std::sin(0.4), 0.03);
+}
+
+TEST(Bullet, RefusesJointsByTheMemberThatItLacks) {
+  const auto pointer = [](AnyJointDef joint) -> std::string {
+    try {
+      theirs(on(std::move(joint)));
+    } catch (const Error& e) {
+      return e.issues().at(0).pointer;
+    }
+    return "";
+  };
+  HingeJointDef hinge;
+  hinge.hertz = 3;
+  EXPECT_EQ(pointer(hinge), "/joints/0/hertz");
+  SixDofJointDef six;
+  six.turn_x.emplace().motor_target = 1;
+  EXPECT_EQ(pointer(six), "/joints/0/turn_x/motor_target");
+  EXPECT_EQ(pointer(DistanceJointDef{}), "/joints/0/type");
+  EXPECT_EQ(pointer(BallJointDef{}), "");
+}
+
 TEST(Bullet, AStackOfBoxesStandsAtTheSameHeight) {
   Rigid3dDef d;
   BoxBodyDef b = box({0.5, 0.5, 0.5}, {0, 0.5, 0});
