@@ -140,6 +140,7 @@ void add_bodies(DrawList& list, const System& system, const State& state, const 
 }
 
 void add_marks(DrawList& list, const System& system, const State& state, Overlay wish, double size) {
+  const Vec3 dot = list.up * (0.05 * size);
   const auto line = [&](const Vec3& a, const Vec3& b, const Color& c, double radius) {
     list.marks.push_back({a, b, c, radius});
   };
@@ -150,10 +151,10 @@ void add_marks(DrawList& list, const System& system, const State& state, Overlay
                           : j.kind == JointMark::Kind::slider ? kSlider
                           : j.kind == JointMark::Kind::fixed  ? kWeld
                                                               : kRope;
-      line(j.a, j.b, color, 0.012 * size);
-      for (const Vec3& end : {j.a, j.b}) line(end, end, color, 0.05 * size);
+      line(j.a, j.b, color, 0.02 * size);
+      for (const Vec3& end : {j.a, j.b}) line(end - dot, end + dot, color, 0.05 * size);
       const Vec3 arm = j.axis * (0.35 * size);
-      if (norm2(arm) > 0) line(j.a - arm, j.a + arm, color, 0.012 * size);
+      if (norm2(arm) > 0) line(j.a - arm, j.a + arm, color, 0.02 * size);
     }
   }
   if (!shows(wish, Overlay::contacts)) return;
@@ -161,8 +162,8 @@ void add_marks(DrawList& list, const System& system, const State& state, Overlay
   double most = 0;
   for (const ContactMark& c : contacts) most = std::max(most, c.force);
   for (const ContactMark& c : contacts) {
-    line(c.point, c.point, kContact, 0.03 * size);
-    line(c.point, c.point + c.normal * (size * c.force / most), kContact, 0.01 * size);
+    line(c.point - dot * 0.5, c.point + dot * 0.5, kContact, 0.025 * size);
+    line(c.point, c.point + c.normal * (size * c.force / most), kContact, 0.012 * size);
   }
 }
 

@@ -130,6 +130,7 @@ std::vector<ContactMark> Rigid3d::contact_marks(const State& s) const {
   const auto kind = s.span<uint32_t>(columns::kind);
   const double *x = s.f64(columns::position).data(), *q = s.f64(columns::orientation).data();
   const auto placed = [&](uint32_t i) { return transform_of({load3(x, i), load_quat(q, i)}); };
+  const auto single = [](const Solid& x) { return is_convex(x.kind) || x.kind == SolidKind::plane; };
   std::vector<Manifold> manifolds;
   const size_t rows = s.rows(columns::contact_bodies);
   for (size_t begin = 0, end = 0; begin < rows; begin = end) {
@@ -137,8 +138,13 @@ std::vector<ContactMark> Rigid3d::contact_marks(const State& s) const {
     for (end = begin; end < rows && pairs[2 * end] == a && pairs[2 * end + 1] == b;) ++end;
     // The state holds what the points carry, their places are found again.
     manifolds.clear();
-    collide(bodies_.kinds[kind[a]].solid, placed(a), bodies_.kinds[kind[b]].solid, placed(b), kLoose,
-            manifolds);
+    const Solid &sa = bodies_.kinds[kind[a]].solid, &sb = bodies_.kinds[kind[b]].solid;
+    if (single(sa) && single(sb)) {
+      Manifold& m = manifolds.emplace_back();
+      if (!collide(sa, placed(a), sb, placed(b), kLoose, m)) manifolds.clear();
+    } else {
+      collide(sa, placed(a), sb, placed(b), kLoose, manifolds);
+    }
     for (const Manifold& m : manifolds) {
       for (int p = 0; p < m.count; ++p) {
         double carried = 0;

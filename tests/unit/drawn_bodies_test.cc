@@ -1,0 +1,108 @@
+// Bodies as they are drawn: one form per shape and part, groups, versions, contacts that carry the weight.
+#include <gtest/gtest.h>
+
+#include "engine/session/session.h"
+#include "engine/sinks/picture/draw_world.h"
+#include "tests/support/rigid3d_run.h"
+
+namespace truestep {
+namespace {
+
+using testing::ball;
+using testing::box;
+using testing::ground;
+using testing::RigidRun;
+
+TEST(DrawnBodies, EveryShapeHasAForm) {
+  Rigid3dDef def;
+  HullBodyDef hull;
+  hull.points = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+  hull.position = {5, 3, 0};
+  CylinderBodyDef drum;
+  drum.position = {8, 3, 0};
+  CapsuleBodyDef pill;
+  pill.position = {11, 3, 0};
+  CompoundBodyDef two;
+  two.parts = {SpherePartDef{}, BoxPartDef{}};
+  std::get<BoxPartDef>(two.parts[1]).position = {1, 0, 0};
+  two.position = {14, 3, 0};
+  HeightFieldBodyDef field;
+  field.motion = BodyDef::Motion::fixed, field.heights = {0, 0, 0, 0}, field.position = {0, -9, 0};
+  def.bodies = {ground(), box({1, 1, 1}, {0, 3, 0}), ball(0.5, {3, 3, 0}), hull, drum, pill, two, field};
+  const RigidRun run(def);
+  const DrawnBodies drawn = run.system->bodies(run.state);
+  using Kind = DrawnShape::Kind;
+  std::vector<Kind> kinds;
+  for (const auto& form : drawn.forms) kinds.push_back(form.shape.kind);
+  EXPECT_EQ(kinds, (std::vector<Kind>{Kind::box, Kind::sphere, Kind::mesh, Kind::cylinder, Kind::capsule,
+                                      Kind::sphere, Kind::box, Kind::mesh}));
+  EXPECT_EQ(drawn.places.size(), 8u);
+  EXPECT_EQ(drawn.places[6], (std::array<uint32_t, 2>{6, 6}));  // the compound's second part, on its row
+  EXPECT_EQ(drawn.forms.back().motion, DrawnBodies::Motion::fixed);
+  EXPECT_EQ(run.system->shapes(run.state, 0).size(), 1u);  // the plane
+  // A compound's parts stand about its centre of mass.
+  const double apart = norm(drawn.forms[6].shape.position - drawn.forms[5].shape.position);
+  EXPECT_NEAR(apart, 1, 1e-12);
+}
+
+TEST(DrawnBodies, AlikeBodiesShareAGroup) {
+  Rigid3dDef def;
+  def.bodies = {ground(), ball(0.5, {0, 1, 0}), ball(0.7, {2, 1, 0}), ball(0.5, {4, 1, 0})};
+  const RigidRun run(def);
+  const DrawnBodies drawn = run.system->bodies(run.state);
+  EXPECT_EQ(drawn.forms[0].group, drawn.forms[2].group);
+  EXPECT_NE(drawn.forms[0].group, drawn.forms[1].group);
+}
+
+TEST(DrawnBodies, TheVersionGrowsWithBirthsAndRemovals) {
+  Rigid3dDef def;
+  def.bodies = {ground(), ball(0.5, {0, 1, 0}), ball(0.5, {3, 1, 0})};
+  RigidRun run(def);
+  const uint32_t before = run.system->topology_version(run.state);
+  run.run(3);
+  EXPECT_EQ(run.system->topology_version(run.state), before);
+  Command remove;
+  remove.kind = CommandKind::remove, remove.index = 1;
+  run.apply(remove);
+  EXPECT_EQ(run.system->topology_version(run.state), before + 1);
+  EXPECT_EQ(run.system->bodies(run.state).places.size(), 1u);
+}
+
+TEST(DrawnBodies, ContactsCarryTheWeight) {
+  Rigid3dDef def;
+  def.bodies = {ground(), box({0.5, 0.5, 0.5}, {0, 0.5, 0})};
+  RigidRun run(def);
+  EXPECT_TRUE(run.system->contact_marks(run.state).empty());
+  run.run(60);
+  double force = 0;
+  const auto marks = run.system->contact_marks(run.state);
+  for (const ContactMark& m : marks) {
+    force += m.force;
+    EXPECT_NEAR(m.point.y, 0, 2e-3);
+    EXPECT_NEAR(std::abs(m.normal.y), 1, 1e-9);
+  }
+  EXPECT_EQ(marks.size(), 4u);
+  EXPECT_NEAR(force, 1000 * 9.81, 20);  // a cubic metre of water's density; impulses of the last substep
+}
+
+constexpr const char* kTwoBoxes = R"({"schema_version": "1.0", "name": "two boxes", "time": {"dt": 0.01},
+  "viewer": {"camera": {"eye": [0, 0, 10], "target": [0, 0, 0]}},
+  "systems": [{"type": "rigid3d", "id": "b", "gravity": [0, 0, 0], "bodies": [
+    {"type": "box", "position": [-1.5, 0, 0], "color": [0.9, 0.1, 0.1]},
+    {"type": "cylinder", "position": [1.5, 0, 0], "color": [0.1, 0.1, 0.9]}]}]})";
+
+TEST(DrawnBodies, SleepersAreDarker) {
+  const Session session(std::make_shared<const World>(parse_scene(kTwoBoxes)),
+                        std::make_shared<const ThreadArena>(1));
+  WorldState state = session.state();
+  const DrawList awake = draw_list_of(session.world(), state);
+  state.systems[0].span<uint32_t>(rigid3d_columns::asleep)[0] = 1;
+  const DrawList asleep = draw_list_of(session.world(), state);
+  ASSERT_EQ(awake.shapes.size(), 2u);
+  EXPECT_FLOAT_EQ(awake.shapes[0].color->r, 0.9f);
+  EXPECT_LT(asleep.shapes[0].color->r, 0.7f);
+  EXPECT_FLOAT_EQ(asleep.shapes[1].color->b, awake.shapes[1].color->b);  // control
+}
+
+}  // namespace
+}  // namespace truestep
