@@ -271,7 +271,8 @@ void Box2dWorld::read_contacts(State& s) {
     }
   }
   contacts_.resize(kept);
-  for (const auto c : {columns::contact_key, columns::contact_id, columns::contact_impulse})
+  for (const auto c :
+       {columns::contact_key, columns::contact_id, columns::contact_impulse, columns::contact_pad})
     s.resize(c, kept);
   for (size_t i = 0; i < kept; ++i) {
     s.span<uint64_t>(columns::contact_key)[i] = contacts_[i].key;

@@ -40,16 +40,15 @@ TEST(Rigid2dStability, ATowerOfTwentyBoxesStandsForAMinute) {
   EXPECT_GT(lean(weak, 20), 0.01);
 }
 
-TEST(Rigid2dStability, TenBoxesSinkLessThanAMillimetre) {
-  // Four times the rate of small steps: contacts sixteen times as stiff, which sag by load / (m w^2).
-  Trial t(stack(10, R"(, "solver_steps": 16)"));
-  t.steps(600);
+TEST(Rigid2dStability, TenBoxesAtRestAreAsHighAsTheyAre) {
+  Trial t(stack(10, ""));
+  t.steps(6);
+  // The control: what the springs of the contacts make of it before their pads have grown.
+  EXPECT_GT(9.5 - t.position(10).y, 1e-3);
+  t.steps(594);
   // Box 10 stands on ten contacts; MuJoCo's sinks 6 mm in the same scene.
-  EXPECT_LT(9.5 - t.position(10).y, 0.001);
-  // The control: usual small steps have softer contacts.
-  Trial usual(stack(10, ""));
-  usual.steps(600);
-  EXPECT_GT(9.5 - usual.position(10).y, 0.001);
+  EXPECT_NEAR(t.position(10).y, 9.5, 1e-4);
+  EXPECT_LT(norm(t.velocity(10)), 1e-4);
 }
 
 TEST(Rigid2dStability, AHeavyBoxStandsOnALightOne) {

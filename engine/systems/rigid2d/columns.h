@@ -17,6 +17,7 @@ enum : State::Column {
   contact_key,       // u64, shape a << 32 | shape b, ascending
   contact_id,        // u32 x 2, features; kNoPoint for a missing second point
   contact_impulse,   // f32 x 5, N s: normal and normal, tangential and tangential, rolling (N m s)
+  contact_pad,       // f32, m, by which the contact gives way under its load
   joint_impulse,     // f64 x 6, see solver_joint.h
   joint_broken,      // u32
   parameters,        // f64 x 3: gravity

@@ -76,6 +76,7 @@ SolverSettings Rigid2d::settings_for(double dt) const {
   const double contact = settings_.contact_hertz.value_or(kContactHertz * rate);
   s.contact = soft_constraint(contact, settings_.contact_damping_ratio, s.h);
   s.contact_fixed = soft_constraint(2 * contact, settings_.contact_damping_ratio, s.h);
+  s.padding = contact_padding(contact, rate, dt);
   s.joint = soft_constraint(settings_.joint_hertz.value_or(0.25 * rate), settings_.joint_damping_ratio, s.h);
   s.push_speed = settings_.push_speed, s.restitution_speed = settings_.restitution_speed;
   return s;
@@ -131,7 +132,7 @@ void Rigid2d::solve(State& s, const StepInput& in) const {
   }
   const SolverSettings settings = settings_for(in.h);
   solver->solve(model_, s, w.pairs, w.hands, settings, in.arena);
-  solver->store_contacts(w.pairs, s);
+  solver->store_contacts(w.pairs, settings.padding, s);
   const auto impulse = s.f64(columns::drag_impulse);
   size_t next = 0;
   for (size_t k = 0; k < s.rows(columns::drag_body); ++k) {

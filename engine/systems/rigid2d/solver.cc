@@ -115,7 +115,8 @@ void Solver<T>::fill(ContactPack<T>& c, const uint32_t* hits, int count, const M
   const auto still = static_cast<uint32_t>(movers_.size());
   for (int k = 0; k < W::kLanes; ++k) c.a[k] = c.b[k] = still;
   const auto ids = state.span<uint32_t>(columns::contact_id);
-  const auto impulses = state.span<float>(columns::contact_impulse);
+  const auto impulses = state.span<float>(columns::contact_impulse),
+             pads = state.span<float>(columns::contact_pad);
   const auto t = [](double x) { return static_cast<T>(x); };
   const SoftConstraint<T> between{t(settings.contact.bias_rate), t(settings.contact.mass_scale),
                                   t(settings.contact.impulse_scale)};
@@ -138,6 +139,7 @@ void Solver<T>::fill(ContactPack<T>& c, const uint32_t* hits, int count, const M
     const SoftConstraint<T>& soft = c.a[k] < moved_ && c.b[k] < moved_ ? between : fixed;
     c.bias_rate.set(k, soft.bias_rate), c.mass_scale.set(k, soft.mass_scale);
     c.impulse_scale.set(k, soft.impulse_scale);
+    const double pad = hit.old == kNoPoint ? 0 : pads[hit.old];
     const double rolling = std::max(a.rolling_resistance, b.rolling_resistance);
     const uint32_t* id = hit.old == kNoPoint ? nullptr : ids.data() + 2 * hit.old;
     const float* old = hit.old == kNoPoint ? nullptr : impulses.data() + 5 * static_cast<size_t>(hit.old);
@@ -151,7 +153,7 @@ void Solver<T>::fill(ContactPack<T>& c, const uint32_t* hits, int count, const M
       auto& p = c.point[i];
       const Vec2 rb = at.at - apart;
       p.ax.set(k, t(at.at.x)), p.ay.set(k, t(at.at.y)), p.bx.set(k, t(rb.x)), p.by.set(k, t(rb.y));
-      p.separation.set(k, t(at.separation));
+      p.separation.set(k, t(at.separation - pad));
       there[i].set(k, 1);
       for (uint32_t m = 0; m < 2 && id; ++m) {
         if (id[m] == at.id) p.normal.set(k, old[m]), p.tangent.set(k, old[2 + m]);
@@ -438,19 +440,23 @@ void Solver<T>::solve(const Model& model, State& state, const Pairs& pairs, Hand
 }
 
 template <class T>
-void Solver<T>::store_contacts(const Pairs& pairs, State& state) {
+void Solver<T>::store_contacts(const Pairs& pairs, const ContactPadding& padding, State& state) {
   const auto ids = state.span<uint32_t>(columns::contact_id);
   const auto impulses = state.span<float>(columns::contact_impulse);
   old_id_.assign(ids.begin(), ids.end());
   old_impulse_.assign(impulses.begin(), impulses.end());
+  const auto pads = state.span<float>(columns::contact_pad);
+  old_pad_.assign(pads.begin(), pads.end());
   size_t count = 0;
   for (const Hit& h : pairs.hits) count += h.what >= Hit::What::touching;
-  for (const auto c : {columns::contact_key, columns::contact_id, columns::contact_impulse}) {
+  for (const auto c :
+       {columns::contact_key, columns::contact_id, columns::contact_impulse, columns::contact_pad}) {
     state.resize(c, count);
   }
   uint64_t* key = state.span<uint64_t>(columns::contact_key).data();
   uint32_t* id = state.span<uint32_t>(columns::contact_id).data();
   float* impulse = state.span<float>(columns::contact_impulse).data();
+  float* pad = state.span<float>(columns::contact_pad).data();
   size_t next = 0;
   for (const Hit& h : pairs.hits) {
     if (h.what < Hit::What::touching) continue;
@@ -458,19 +464,28 @@ void Solver<T>::store_contacts(const Pairs& pairs, State& state) {
     if (h.what == Hit::What::carried) {
       std::copy_n(old_id_.data() + 2 * h.old, 2, id);
       std::copy_n(old_impulse_.data() + 5 * static_cast<size_t>(h.old), 5, impulse);
+      *pad = old_pad_[h.old];
     } else {
       const uint32_t place = place_[next++];
       const ContactPack<T>& c = contacts_[place / Wide<T>::kLanes];
       const auto k = static_cast<int>(place % Wide<T>::kLanes);
       const flat::Contact& contact = pairs.contacts[static_cast<size_t>(&h - pairs.hits.data())];
+      double load = 0, depth = 0;
       for (uint32_t i = 0; i < 2; ++i) {
         id[i] = i < contact.points ? contact.point[i].id : kNoPoint;
         impulse[i] = static_cast<float>(c.point[i].normal[k]);
         impulse[2 + i] = static_cast<float>(c.point[i].tangent[k]);
+        if (i < contact.points) {
+          load += c.point[i].normal[k], depth -= c.point[i].normal[k] * contact.point[i].separation;
+        }
       }
       impulse[4] = static_cast<float>(c.rolling_impulse[k]);
+      const double mobility =
+          rows_[8 * static_cast<size_t>(c.a[k]) + 3] + rows_[8 * static_cast<size_t>(c.b[k]) + 3];
+      const double before = h.old == kNoPoint ? 0 : old_pad_[h.old];
+      *pad = load > 0 ? static_cast<float>(next_pad(before, depth / load, load * mobility, padding)) : 0;
     }
-    id += 2, impulse += 5;
+    id += 2, impulse += 5, ++pad;
   }
 }
 

@@ -11,6 +11,7 @@
 #include "engine/base/parallel.h"
 #include "engine/core/system.h"
 #include "engine/kernels/constraint_colouring.h"
+#include "engine/kernels/contact_pad.h"
 #include "engine/kernels/soft_constraint.h"
 #include "engine/math/wide.h"
 #include "engine/systems/rigid2d/pairs.h"
@@ -22,6 +23,7 @@ struct SolverSettings {
   int steps = 4;
   double h = 0;  ///< s, of a small step
   SoftConstraint<double> contact, contact_fixed, joint;
+  ContactPadding padding;
   double push_speed = 3, restitution_speed = 1;
 };
 
@@ -81,7 +83,7 @@ class Solver {
   void solve(const Model& model, State& state, const Pairs& pairs, Hands& hands,
              const SolverSettings& settings, const ThreadArena& arena);
   /// Rows of `contact` for the pairs that touch, and those carried along.
-  void store_contacts(const Pairs& pairs, State& state);
+  void store_contacts(const Pairs& pairs, const ContactPadding& padding, State& state);
 
   /// Motion of a body in this step (m, rad).
   struct Moved {
@@ -130,7 +132,7 @@ class Solver {
   std::vector<uint8_t> colour_;
   std::vector<uint32_t> order_, place_, hinge_list_;
   std::vector<uint32_t> old_id_;
-  std::vector<float> old_impulse_;
+  std::vector<float> old_impulse_, old_pad_;
 };
 
 }  // namespace truestep::rigid2d
