@@ -79,6 +79,9 @@ asio::awaitable<uint64_t> Runner::run_slices(EntryPtr entry, uint64_t target) {
       at = session.step_index();
       if (at != before) steps_.fetch_add(at - std::min(at, before), std::memory_order_relaxed);
       more = at < target && !session.failure();
+      // Streams of a bounded rate left out the steps that came too soon: told of the pause, they send the
+      // last.
+      if (!more && !session.playing()) session.pause();
       entry->publish();
     }
     if (!more || stopping_ || entry->removed) co_return at;
