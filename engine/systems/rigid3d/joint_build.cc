@@ -247,10 +247,6 @@ class Builder {
       const std::array<uint32_t, 2> rows{row(d.a, "a"), row(d.b, "b")};
       if (issues_.size() > before) return;
       if (rows[0] == rows[1]) return report(entry, "b", "same_body", "a joint needs two bodies", "", "");
-      if (!moved(rows[0]) && !moved(rows[1])) {
-        return report(entry, "b", "not_dynamic", "forces move neither of the joint's bodies", "",
-                      "a dynamic body");
-      }
       Making m;
       m.joint.bodies = rows;
       std::visit(Make{m}, AnyJointDef(d));
