@@ -140,7 +140,7 @@ void ContactList::match(const State& s) {
   const auto bodies = s.span<uint32_t>(columns::contact_bodies);
   const auto ids = s.span<uint32_t>(columns::contact_ids);
   const double* impulse = s.f64(columns::contact_impulse).data();
-  const double* friction = s.f64(columns::contact_friction).data();
+  const double *friction = s.f64(columns::contact_friction).data(), *pad = s.f64(columns::contact_pad).data();
   const double* roll = s.f64(columns::contact_roll).data();
   const size_t rows = s.rows(columns::contact_bodies);
   const auto key = [&](size_t r) { return uint64_t{bodies[2 * r]} << 32 | bodies[2 * r + 1]; };
@@ -162,7 +162,7 @@ void ContactList::match(const State& s) {
     }
     if (whole == rows) continue;
     c->slide = {friction[4 * whole], friction[4 * whole + 1], friction[4 * whole + 2]};
-    c->twist = friction[4 * whole + 3];
+    c->twist = friction[4 * whole + 3], c->pad = pad[whole];
     c->roll = load3(roll, whole);
   }
 }
@@ -187,7 +187,7 @@ void ContactList::store(State& s) {
       std::copy_n(&s.f64(columns::contact_impulse)[4 * old], 4, r.impulse);
       std::copy_n(&s.f64(columns::contact_friction)[4 * old], 4, r.friction);
       std::copy_n(&s.f64(columns::contact_roll)[3 * old], 3, r.roll);
-      r.depth = s.f64(columns::contact_depth)[old];
+      r.depth = s.f64(columns::contact_depth)[old], r.pad = s.f64(columns::contact_pad)[old];
     }
   };
   for (const Contact* c : contacts_) {
@@ -199,8 +199,11 @@ void ContactList::store(State& s) {
                                     {},
                                     {c->slide.x, c->slide.y, c->slide.z, c->twist},
                                     {c->roll.x, c->roll.y, c->roll.z},
-                                    m.deepest()});
-    for (int p = 0; p < m.count; ++p) r.ids[1 + p] = m.points[p].id, r.impulse[p] = c->impulse[p];
+                                    m.deepest(),
+                                    c->pad});
+    for (int p = 0; p < m.count; ++p) {
+      r.ids[1 + p] = m.points[p].id, r.impulse[p] = c->impulse[p];
+    }
   }
   keep_old(~uint64_t{0});
   const size_t n = rows_.size();
@@ -209,7 +212,7 @@ void ContactList::store(State& s) {
   const auto new_ids = s.span<uint32_t>(columns::contact_ids);
   const auto normal = s.f64(columns::contact_normal), impulse = s.f64(columns::contact_impulse);
   const auto friction = s.f64(columns::contact_friction), roll = s.f64(columns::contact_roll);
-  const auto depth = s.f64(columns::contact_depth);
+  const auto depth = s.f64(columns::contact_depth), pad = s.f64(columns::contact_pad);
   for (size_t k = 0; k < n; ++k) {
     const Row& r = rows_[k];
     std::copy_n(r.bodies, 2, &new_bodies[2 * k]);
@@ -218,7 +221,7 @@ void ContactList::store(State& s) {
     std::copy_n(r.impulse, 4, &impulse[4 * k]);
     std::copy_n(r.friction, 4, &friction[4 * k]);
     std::copy_n(r.roll, 3, &roll[3 * k]);
-    depth[k] = r.depth;
+    depth[k] = r.depth, pad[k] = r.pad;
   }
 }
 

@@ -16,6 +16,7 @@ struct Contact {
   uint32_t a = 0, b = 0;  ///< rows, a < b
   Manifold manifold;
   double impulse[Manifold::kMost] = {};  ///< N s, of one substep
+  double pad = 0;                        ///< m between the surfaces when nothing presses
   Vec3 slide;                            ///< N s, on b along the plane
   double twist = 0;                      ///< N m s, about the normal
   Vec3 roll;                             ///< N m s
@@ -56,7 +57,7 @@ class ContactList {
 
   struct Row {
     uint32_t bodies[2], ids[5];
-    double normal[3], impulse[4], friction[4], roll[3], depth;
+    double normal[3], impulse[4], friction[4], roll[3], depth, pad;
   };
   BroadPhase broad_;
   std::vector<BodyNow> bodies_;

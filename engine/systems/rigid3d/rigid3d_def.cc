@@ -285,7 +285,8 @@ const DefTable& rigid3d_table() {
                   "of bodies that do not say otherwise")
           .number("spinning_resistance", &D::spinning_resistance, "m", at_least(0),
                   "of bodies that do not say otherwise")
-          .number("contact_hertz", &D::contact_hertz, "Hz", at_least(0), "softness of contacts; 0: rigid")
+          .number("contact_hertz", &D::contact_hertz, "Hz", above(0),
+                  "of contacts as springs; a fifth of the substeps' rate unless given")
           .number("contact_damping", &D::contact_damping, "1", above(0), "damping ratio of soft contacts")
           .number("push_out_speed", &D::push_out_speed, "m/s", above(0), "fastest way out of one another")
           .boolean("sleeping", &D::sleeping, "groups of bodies that rest are not computed")

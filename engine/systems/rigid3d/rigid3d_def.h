@@ -105,7 +105,8 @@ struct Rigid3dDef {
   enum class Precision : uint8_t { f32, f64 } precision = Precision::f32;
   double friction = 0.5, restitution = 0, rest_speed = 0.05;
   double rolling_resistance = 0, spinning_resistance = 0;
-  double contact_hertz = 60, contact_damping = 10, push_out_speed = 3;
+  std::optional<double> contact_hertz;
+  double contact_damping = 10, push_out_speed = 3;
   bool sleeping = true;
   double sleep_speed = 0.02, sleep_time = 0.5;
 };

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
+#include <numbers>
 
 #include "engine/kernels/free_rotation.h"
 #include "engine/kernels/soft_constraint.h"
@@ -15,8 +16,12 @@ namespace {
 
 /// Impacts may run to and fro between bodies that often in a substep; what is left does not bounce.
 constexpr int kImpactRounds = 64;
-/// Share of a depth that rigid contacts take back in a substep.
-constexpr double kTakenBack = 0.1;
+/// Contacts are springs of this share of the substeps' rate; from twice that on stacks shiver.
+constexpr double kContactHertzShare = 0.2;
+/// s in which a contact takes back how far its load presses it in. Slower than the stacks it carries sway.
+constexpr double kPadTime = 0.5;
+/// A pad is at most that many times what the spring gives way under its load, so that none outlasts it.
+constexpr double kMostPad = 4;
 /// rad/s; slower bodies change their axis of rotation by less than a float shows.
 constexpr double kSlowSpin = 1e-2;
 
@@ -31,9 +36,15 @@ Vec3 roots(const Vec3& a) {
 
 /// Coefficients of contacts for substeps of h.
 SoftConstraint<double> contact_softness(const SolverSettings& settings, double h) {
-  return settings.contact_hertz > 0
-             ? soft_constraint<double>(settings.contact_hertz, settings.contact_damping, h)
-             : rigid_constraint<double>(kTakenBack, h);
+  return soft_constraint<double>(settings.contact_hertz.value_or(kContactHertzShare / h),
+                                 settings.contact_damping, h);
+}
+
+/// A soft contact gives way by load / (m w^2); the pad between the surfaces grows until they just touch.
+ContactPadding contact_padding(const SolverSettings& settings, double h) {
+  const double rate = settings.substeps / h,
+               w = 2 * std::numbers::pi * settings.contact_hertz.value_or(kContactHertzShare * rate);
+  return {h / (h + kPadTime), w > 0 ? kMostPad * rate / (w * w) : 0};
 }
 
 /// What turning freely for a time h adds to a spin (rad/s) about principal axes.
@@ -146,7 +157,7 @@ void ContactSolver<T>::fill(size_t group, std::span<Contact* const> contacts, co
     for (int p = 0; p < c.manifold.count; ++p) {
       set3(in.arm[p], lane, c.manifold.points[p].position - xa);
       in.active[p].set(lane, 1);
-      in.separation[p].set(lane, T(c.manifold.points[p].separation));
+      in.separation[p].set(lane, T(c.manifold.points[p].separation - c.pad));
       in.impulse[p].set(lane, T(c.impulse[p]));
     }
     if (slot_[c.a] != kNoBody) {
@@ -209,7 +220,10 @@ void ContactSolver<T>::substeps(const JointList& joints, const SolverSettings& s
     if (bounces) hit({T(h), pass.elapsed, T(settings.rest_speed)}, settings.substeps - 1 - k, in.arena);
     std::copy_n(velocity_.begin(), n, start_.begin());
     joints_.push(v, in.arena);
-    each_colour(contact_lanes_, groups_, in.arena,
+    // There and back: sweeps in one order only would feed bodies that rest on several others, because the
+    // impulses they start from sum up what the sweeps left (eigenvalues of the iteration become complex).
+    const ColourOrder order = k % 2 == 0 ? ColourOrder::forth : ColourOrder::back;
+    each_colour(contact_lanes_, groups_, in.arena, order,
                 [&](ContactGroup<T>& g) { solve_contacts<ContactSolve::push>(g, v, d, end, pass); });
     for (size_t i = 0; i < n; ++i) {
       for (int e = 0; e < 8; ++e) d[i].x[e] += T(h) * v[i].x[e];
@@ -219,7 +233,7 @@ void ContactSolver<T>::substeps(const JointList& joints, const SolverSettings& s
     }
     pass.elapsed = T((k + 1) * h);
     joints_.relax(v, in.arena);
-    each_colour(contact_lanes_, groups_, in.arena,
+    each_colour(contact_lanes_, groups_, in.arena, order,
                 [&](ContactGroup<T>& g) { solve_contacts<ContactSolve::relax>(g, v, d, end, pass); });
     for (size_t i = 0; i < n; ++i) {
       for (int e = 0; e < 8; ++e) warm_[i].x[e] += v[i].x[e] - start_[i].x[e];
@@ -256,14 +270,22 @@ void ContactSolver<T>::hit(const ImpactPass<T>& pass, int substeps_left, const T
 }
 
 template <class T>
-void ContactSolver<T>::store_impulses(std::span<Contact* const> contacts) {
+void ContactSolver<T>::store_impulses(std::span<Contact* const> contacts, const ContactPadding& padding) {
   for (size_t k = 0; k < contact_lanes_.count; ++k) {
     const ContactGroup<T>& g = groups_[k];
     for (int lane = 0; lane < W::kLanes; ++lane) {
       const uint32_t m = contact_lanes_.member[k * W::kLanes + lane];
       if (m == kNoBody) continue;
       Contact& c = *contacts[m];
-      for (int p = 0; p < c.manifold.count; ++p) c.impulse[p] = g.place[p].impulse[lane];
+      double sum = 0, depth = 0;
+      for (int p = 0; p < c.manifold.count; ++p) {
+        c.impulse[p] = g.place[p].impulse[lane];
+        sum += c.impulse[p], depth -= c.impulse[p] * c.manifold.points[p].separation;
+      }
+      const double a = g.root_a[lane], b = g.root_b[lane];
+      c.pad = sum > 0 ? std::clamp(c.pad + padding.learnt * depth / sum, 0.0,
+                                   padding.per_impulse * sum * (a * a + b * b))
+                      : 0;
       c.slide = get3(g.tangent[0], lane) * g.slide[0][lane] + get3(g.tangent[1], lane) * g.slide[1][lane];
       c.twist = g.twist[lane];
       if (g.flags & ContactGroup<T>::kRolls) {
@@ -311,7 +333,7 @@ void ContactSolver<T>::solve(State& s, std::span<const BodyKind> kinds, const Jo
   joints_.fill(s, joints, {now, slot_, scaled_, body_.size()}, in.arena);
   flags_ = 0;
   substeps(joints, settings, in);
-  store_impulses(contacts);
+  store_impulses(contacts, contact_padding(settings, in.h));
   store_bodies(s);
   joints_.store(s, joints, displacement_.data(), in.h / settings.substeps, in.h);
 }

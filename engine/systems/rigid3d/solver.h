@@ -2,6 +2,7 @@
 // contacts of one colour side by side. Bodies are moved by what comes out. The impulses of all contacts act
 // on from substep to substep; their sum is kept per body, so that starting warm is one addition.
 #pragma once
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -16,7 +17,14 @@ namespace truestep {
 struct SolverSettings {
   int substeps = 5;
   double rest_speed = 0.05, push_out_speed = 3;
-  double contact_hertz = 60, contact_damping = 10;
+  std::optional<double> contact_hertz;  ///< absent: a fixed share of the substeps' rate
+  double contact_damping = 10;
+};
+
+/// How the pads of contacts follow their loads.
+struct ContactPadding {
+  double learnt;       ///< share of the depth taken back in a step
+  double per_impulse;  ///< m per N s of a substep and 1/kg, of the thickest pad
 };
 
 template <class T>
@@ -41,7 +49,7 @@ class ContactSolver {
   void substeps(const JointList& joints, const SolverSettings& settings, const StepInput& in);
   /// Lets contacts bounce that close within a substep.
   void hit(const ImpactPass<T>& pass, int substeps_left, const ThreadArena& arena);
-  void store_impulses(std::span<Contact* const> contacts);
+  void store_impulses(std::span<Contact* const> contacts, const ContactPadding& padding);
   void store_bodies(State& s);
   template <class U>
   using Aligned = std::vector<U, CacheLineAllocator<U>>;

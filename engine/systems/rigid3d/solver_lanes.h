@@ -38,15 +38,25 @@ struct LaneColouring {
 void make_lanes(std::span<const uint32_t> items, std::span<const ConstraintEnds> ends, size_t bodies,
                 uint32_t lanes, LaneColouring& memory, LaneGroups& out);
 
+/// Order of the colours.
+enum class ColourOrder : uint8_t { forth, back };
+
 /// body(group) for all groups, those of a colour in parallel.
 template <class Groups, class Body>
-void each_colour(const LaneGroups& lanes, Groups& all, const ThreadArena& arena, Body&& body) {
-  for (size_t c = 0; c + 1 < lanes.colour_begin.size(); ++c) {
+void each_colour(const LaneGroups& lanes, Groups& all, const ThreadArena& arena, ColourOrder order, Body&& body) {
+  const size_t colours = lanes.colour_begin.size() - 1;
+  for (size_t k = 0; k < colours; ++k) {
+    const size_t c = order == ColourOrder::forth ? k : colours - 1 - k;
     const uint32_t first = lanes.colour_begin[c];
     arena.for_blocks(lanes.colour_begin[c + 1] - first, kGroupsPerBlock, [&](size_t begin, size_t end) {
       for (size_t g = begin; g < end; ++g) body(all[first + g]);
     });
   }
+}
+
+template <class Groups, class Body>
+void each_colour(const LaneGroups& lanes, Groups& all, const ThreadArena& arena, Body&& body) {
+  each_colour(lanes, all, arena, ColourOrder::forth, body);
 }
 
 template <class T>
