@@ -19,7 +19,9 @@ constexpr int kImpactRounds = 64;
 /// Contacts are springs of this share of the substeps' rate; from twice that on stacks shiver.
 constexpr double kContactHertzShare = 0.2;
 /// s in which a contact takes back how far its load presses it in. Slower than the stacks it carries sway.
-constexpr double kPadTime = 0.5;
+constexpr double kPadTime = 1;
+/// m; thicker ones grow the slower: what presses that much sways slowly.
+constexpr double kThickPad = 4e-3;
 /// A pad is at most that many times what the spring gives way under its load, so that none outlasts it.
 constexpr double kMostPad = 4;
 /// rad/s; slower bodies change their axis of rotation by less than a float shows.
@@ -53,6 +55,13 @@ Vec3 gyroscopic_change(const Vec3& spin, const Vec3& moments, double h) {
   if (moments.x == moments.y && moments.y == moments.z) return {};
   const auto m = free_rotation::advance({{}, spin}, moments, h);
   return rotation(m.orientation).apply_inverse(m.angular_velocity) - spin;
+}
+
+/// The pad of a contact that was `depth` (m) deep under its load, the impulse times 1/m_a + 1/m_b (m/s).
+double next_pad(double pad, double depth, double load, const ContactPadding& padding) {
+  const double gives_way = pad + depth;
+  const double slower = gives_way > kThickPad ? std::sqrt(kThickPad / gives_way) : 1;
+  return std::clamp(pad + padding.learnt * slower * depth, 0.0, padding.per_load * load);
 }
 
 template <class T>
@@ -283,9 +292,7 @@ void ContactSolver<T>::store_impulses(std::span<Contact* const> contacts, const 
         sum += c.impulse[p], depth -= c.impulse[p] * c.manifold.points[p].separation;
       }
       const double a = g.root_a[lane], b = g.root_b[lane];
-      c.pad = sum > 0 ? std::clamp(c.pad + padding.learnt * depth / sum, 0.0,
-                                   padding.per_impulse * sum * (a * a + b * b))
-                      : 0;
+      c.pad = sum > 0 ? next_pad(c.pad, depth / sum, sum * (a * a + b * b), padding) : 0;
       c.slide = get3(g.tangent[0], lane) * g.slide[0][lane] + get3(g.tangent[1], lane) * g.slide[1][lane];
       c.twist = g.twist[lane];
       if (g.flags & ContactGroup<T>::kRolls) {

@@ -23,8 +23,8 @@ struct SolverSettings {
 
 /// How the pads of contacts follow their loads.
 struct ContactPadding {
-  double learnt;       ///< share of the depth taken back in a step
-  double per_impulse;  ///< m per N s of a substep and 1/kg, of the thickest pad
+  double learnt;    ///< share of the depth taken back in a step
+  double per_load;  ///< s, times the load: the thickest pad
 };
 
 template <class T>

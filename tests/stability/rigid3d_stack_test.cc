@@ -1,0 +1,116 @@
+// What is piled up in space stays where it is: towers, unequal loads, a pyramid.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "tests/support/rigid3d_run.h"
+
+namespace truestep {
+namespace {
+
+using testing::box;
+using testing::ground;
+using testing::RigidRun;
+
+/// Unit boxes of these masses (kg) on one another.
+Rigid3dDef tower(const std::vector<double>& masses) {
+  Rigid3dDef d;
+  d.sleeping = false;
+  d.bodies.push_back(ground());
+  for (size_t i = 0; i < masses.size(); ++i) {
+    BoxBodyDef b = box({0.5, 0.5, 0.5}, {0, 0.5 + static_cast<double>(i), 0});
+    b.mass = masses[i];
+    d.bodies.push_back(b);
+  }
+  return d;
+}
+Rigid3dDef tower(size_t boxes) {
+  return tower(std::vector<double>(boxes, 1000));
+}
+
+/// m that the top body is too low, and that it went aside.
+double sunk(const RigidRun& run) {
+  const auto top = run.count() - 1;
+  return static_cast<double>(top) - 0.5 - run.x(top).y;
+}
+double aside(const RigidRun& run) {
+  const Vec3 x = run.x(run.count() - 1);
+  return std::hypot(x.x, x.z);
+}
+double fastest(const RigidRun& run) {
+  double most = 0;
+  for (size_t i = 1; i < run.count(); ++i) most = std::max(most, norm(run.v(i)));
+  return most;
+}
+
+TEST(Rigid3dTower, TenBoxesAtRestAreAsHighAsTheyAre) {
+  RigidRun run(tower(10));
+  run.seconds(0.1);
+  // The control: what springs of 60 Hz make of it before their pads have grown.
+  EXPECT_GT(sunk(run), 1e-3);
+  run.seconds(9.9);
+  // contact.stack: 1 mm over all and 0.1 mm/s; MuJoCo's defaults leave 6 mm.
+  EXPECT_LT(std::abs(sunk(run)), 1e-3);
+  EXPECT_LT(run.observed("penetration"), 1e-3);
+  EXPECT_LT(fastest(run), 1e-4);
+  EXPECT_LT(aside(run), 1e-4);
+}
+
+TEST(Rigid3dTower, HeavyBoxesOnLightOnesStand) {
+  // contact.stack after 5 s, with twenty substeps: MuJoCo's boxes are 49 to 60 mm in one another.
+  for (const std::vector<double>& masses : {std::vector<double>{1, 1000}, {1, 10, 100, 1000}}) {
+    Rigid3dDef d = tower(masses);
+    d.substeps = 20;
+    RigidRun run(d);
+    run.seconds(5);
+    EXPECT_LT(run.observed("penetration"), 1e-3);
+    EXPECT_LT(fastest(run), 1e-4);
+    EXPECT_LT(aside(run), 1e-5);
+    // The control: five substeps are too few for a thousandfold load.
+    RigidRun coarse(tower(masses));
+    coarse.seconds(5);
+    EXPECT_GT(coarse.observed("penetration"), 1e-3);
+  }
+}
+
+TEST(Rigid3dTower, FiftyBoxesStandForAMinute) {
+  Rigid3dDef d = tower(50);
+  d.substeps = 20;
+  // A breath of air, so that it does not stand by symmetry alone.
+  std::get<BoxBodyDef>(d.bodies.back()).velocity = {1e-5, 0, 0};
+  RigidRun run(d);
+  run.seconds(60);
+  EXPECT_LT(aside(run), 1e-4);
+  EXPECT_LT(std::abs(sunk(run)), 1e-3);
+  // The control: a column of springs buckles above 21 boxes at 60 Hz, which is what five substeps allow.
+  d.substeps = 5;
+  RigidRun soft(d);
+  soft.seconds(30);
+  EXPECT_GT(aside(soft), 0.1);
+}
+
+TEST(Rigid3dTower, APyramidIsStill) {
+  Rigid3dDef d;
+  d.sleeping = false;
+  d.bodies.push_back(ground());
+  BoxBodyDef b = box({0.5, 0.5, 0.5}, {0, 0.5, 0});
+  b.copies = CopiesDef{};
+  b.copies->layout = CopiesDef::Layout::pyramid, b.copies->count = {15}, b.copies->spacing = {1.05, 1, 1.05};
+  d.bodies.push_back(b);
+  RigidRun run(d);
+  const Vec3 start = run.x(run.count() - 1);
+  run.seconds(3);
+  // The top of 1240 boxes; Rapier's moves by 2.6 mm.
+  EXPECT_LT(norm(run.x(run.count() - 1) - start), 4e-3);
+  EXPECT_LT(run.observed("penetration"), 1e-3);
+  EXPECT_LT(fastest(run), 0.01);
+  // The control: springs near half the substeps' rate shiver.
+  d.contact_hertz = 150;
+  RigidRun stiff(d);
+  stiff.seconds(3);
+  EXPECT_GT(fastest(stiff), 0.05);
+}
+
+}  // namespace
+}  // namespace truestep
