@@ -213,11 +213,15 @@ void ContactSolver<T>::substeps(const JointList& joints, const SolverSettings& s
   Record8<T>*v = velocity_.data(), *d = displacement_.data();
   for (size_t g = 0; g < contact_lanes_.count; ++g) flags_ |= groups_[g].flags;
   const bool bounces = flags_ & ContactGroup<T>::kBounces;
-  each_colour(contact_lanes_, groups_, in.arena,
+  each_colour(contact_lanes_, groups_, team_,
               [&](ContactGroup<T>& g) { apply_contacts(g, warm_.data(), end); });
-  joints_.start(joints, d, warm_.data(), h, in.arena);
+  joints_.start(joints, d, warm_.data(), h, team_);
+  balls_.start(warm_.data(), JointSolver<T>::softness(h), team_);
   for (int k = 0; k < settings.substeps; ++k) {
-    if (k > 0) joints_.renew(d, warm_.data(), k * h, in.arena);
+    if (k > 0) {
+      joints_.renew(d, warm_.data(), k * h, team_);
+      balls_.renew(d, warm_.data(), team_);
+    }
     for (size_t i = 0; i < n; ++i) {
       for (int e = 0; e < 8; ++e) v[i].x[e] += change_[i].x[e];
       if (damped_) {
@@ -226,13 +230,14 @@ void ContactSolver<T>::substeps(const JointList& joints, const SolverSettings& s
       for (int e = 0; e < 8; ++e) v[i].x[e] += warm_[i].x[e];
     }
     pass.elapsed = T(k * h);
-    if (bounces) hit({T(h), pass.elapsed, T(settings.rest_speed)}, settings.substeps - 1 - k, in.arena);
+    if (bounces) hit({T(h), pass.elapsed, T(settings.rest_speed)}, settings.substeps - 1 - k);
     std::copy_n(velocity_.begin(), n, start_.begin());
-    joints_.push(v, in.arena);
     // There and back: sweeps in one order only would feed bodies that rest on several others, because the
     // impulses they start from sum up what the sweeps left (eigenvalues of the iteration become complex).
     const ColourOrder order = k % 2 == 0 ? ColourOrder::forth : ColourOrder::back;
-    each_colour(contact_lanes_, groups_, in.arena, order,
+    joints_.push(v, team_);
+    balls_.push(v, team_);
+    each_colour(contact_lanes_, groups_, team_, order,
                 [&](ContactGroup<T>& g) { solve_contacts<ContactSolve::push>(g, v, d, end, pass); });
     for (size_t i = 0; i < n; ++i) {
       for (int e = 0; e < 8; ++e) d[i].x[e] += T(h) * v[i].x[e];
@@ -241,8 +246,9 @@ void ContactSolver<T>::substeps(const JointList& joints, const SolverSettings& s
       }
     }
     pass.elapsed = T((k + 1) * h);
-    joints_.relax(v, in.arena);
-    each_colour(contact_lanes_, groups_, in.arena, order,
+    joints_.relax(v, team_);
+    balls_.relax(v, team_);
+    each_colour(contact_lanes_, groups_, team_, order,
                 [&](ContactGroup<T>& g) { solve_contacts<ContactSolve::relax>(g, v, d, end, pass); });
     for (size_t i = 0; i < n; ++i) {
       for (int e = 0; e < 8; ++e) warm_[i].x[e] += v[i].x[e] - start_[i].x[e];
@@ -251,7 +257,7 @@ void ContactSolver<T>::substeps(const JointList& joints, const SolverSettings& s
 }
 
 template <class T>
-void ContactSolver<T>::hit(const ImpactPass<T>& pass, int substeps_left, const ThreadArena& arena) {
+void ContactSolver<T>::hit(const ImpactPass<T>& pass, int substeps_left) {
   const size_t n = body_.size();
   const auto end = static_cast<uint32_t>(n);
   late_.assign(n + 1, {});
@@ -260,7 +266,7 @@ void ContactSolver<T>::hit(const ImpactPass<T>& pass, int substeps_left, const T
   std::atomic<bool> any = true;
   for (int round = 0; round < kImpactRounds && any; ++round) {
     any = false;
-    each_colour(contact_lanes_, groups_, arena, [&](ContactGroup<T>& g) {
+    each_colour(contact_lanes_, groups_, team_, [&](ContactGroup<T>& g) {
       if (!(g.flags & ContactGroup<T>::kBounces)) return;
       if (hit_contacts(g, bodies, end, pass)) any = true;
     });
@@ -329,20 +335,25 @@ void ContactSolver<T>::solve(State& s, std::span<const BodyKind> kinds, const Jo
                              const StepInput& in) {
   choose_bodies(s, kinds, contacts, now);
   if (body_.empty()) return;
+  const auto gathering = team_.gather(in.arena);
   load_bodies(s, kinds, now, change, settings, in.h);
   ends_.clear();
   for (const uint32_t k : listed_) ends_.push_back({slot_[contacts[k]->a], slot_[contacts[k]->b]});
   make_lanes(listed_, ends_, body_.size(), W::kLanes, colouring_, contact_lanes_);
   if (groups_.size() < contact_lanes_.count) groups_.resize(contact_lanes_.count + contact_lanes_.count / 4);
-  in.arena.for_blocks(contact_lanes_.count, kGroupsPerBlock, [&](size_t begin, size_t end) {
+  team_.for_blocks(contact_lanes_.count, kGroupsPerBlock, [&](size_t begin, size_t end) {
     for (size_t g = begin; g < end; ++g) fill(g, contacts, s, kinds, now);
   });
-  joints_.fill(s, joints, {now, slot_, scaled_, body_.size()}, in.arena);
+  const typename JointSolver<T>::Bodies bodies{now, slot_, scaled_, body_.size()};
+  balls_.take(joints_.listed(), s, joints.joints, now);
+  balls_.fill(s, joints.joints, bodies, team_);
+  joints_.fill(s, joints, bodies, team_);
   flags_ = 0;
   substeps(joints, settings, in);
   store_impulses(contacts, contact_padding(settings, in.h));
   store_bodies(s);
   joints_.store(s, joints, displacement_.data(), in.h / settings.substeps, in.h);
+  balls_.store(s, joints.joints, in.h / settings.substeps);
 }
 
 template class ContactSolver<float>;

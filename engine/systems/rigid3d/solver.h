@@ -10,6 +10,7 @@
 #include "engine/kernels/contact_rows3.h"
 #include "engine/kernels/impact_rows3.h"
 #include "engine/systems/rigid3d/contacts.h"
+#include "engine/systems/rigid3d/solver_ball.h"
 #include "engine/systems/rigid3d/solver_joint.h"
 
 namespace truestep {
@@ -48,7 +49,7 @@ class ContactSolver {
             std::span<const BodyNow> now);
   void substeps(const JointList& joints, const SolverSettings& settings, const StepInput& in);
   /// Lets contacts bounce that close within a substep.
-  void hit(const ImpactPass<T>& pass, int substeps_left, const ThreadArena& arena);
+  void hit(const ImpactPass<T>& pass, int substeps_left);
   void store_impulses(std::span<Contact* const> contacts, const ContactPadding& padding);
   void store_bodies(State& s);
   template <class U>
@@ -59,6 +60,8 @@ class ContactSolver {
   Aligned<Record8<T>> velocity_, displacement_, change_, warm_, start_, late_, damping_;
   Aligned<ContactGroup<T>> groups_;
   JointSolver<T> joints_;
+  BallSolver<T> balls_;
+  ThreadTeam team_;
   LaneGroups contact_lanes_;
   LaneColouring colouring_;
   std::vector<ConstraintEnds> ends_;

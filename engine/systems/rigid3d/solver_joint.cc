@@ -34,7 +34,7 @@ void JointSolver<T>::choose(const State& s, std::span<const BodyNow> now, std::s
 
 template <class T>
 void JointSolver<T>::fill(const State& s, const JointList& joints, const Bodies& bodies,
-                          const ThreadArena& arena) {
+                          const ThreadTeam& team) {
   end_ = static_cast<uint32_t>(bodies.moving);
   ends_.clear();
   std::erase_if(listed_, [&](uint32_t k) { return joints.joints[k].form == Joint::Form::gear; });
@@ -44,7 +44,7 @@ void JointSolver<T>::fill(const State& s, const JointList& joints, const Bodies&
   make_lanes(listed_, ends_, bodies.moving, W::kLanes, colouring_, lanes_);
   if (groups_.size() < lanes_.count) groups_.resize(lanes_.count);
   count_drives(joints);
-  arena.for_blocks(lanes_.count, kGroupsPerBlock, [&](size_t begin, size_t end) {
+  team.for_blocks(lanes_.count, kGroupsPerBlock, [&](size_t begin, size_t end) {
     for (size_t g = begin; g < end; ++g) fill_group(g, s, joints, bodies);
   });
   fill_gears(s, joints);
@@ -266,12 +266,17 @@ void JointSolver<T>::prepare(JointGroup<T>& g, const Record8<T>* moved, double e
 }
 
 template <class T>
+SoftConstraint<double> JointSolver<T>::softness(double h) {
+  return soft_constraint<double>(kJointHertzShare / h, kJointDamping, h);
+}
+
+template <class T>
 void JointSolver<T>::start(const JointList& joints, const Record8<T>* moved, Record8<T>* warm, double h,
-                           const ThreadArena& arena) {
-  const auto soft = soft_constraint<double>(kJointHertzShare / h, kJointDamping, h);
+                           const ThreadTeam& team) {
+  const auto soft = softness(h);
   pass_ = {T(soft.bias_rate), T(soft.mass_scale), T(soft.impulse_scale), T(1 / h)};
   relax_.inverse_h = T(1 / h);
-  each_colour(lanes_, groups_, arena, [&](JointGroup<T>& g) {
+  each_colour(lanes_, groups_, team, [&](JointGroup<T>& g) {
     prepare(g, moved, 0);
     soften(static_cast<size_t>(&g - groups_.data()), joints, h);
     apply_joints(g, drives_.data() + g.first_drive, warm, end_, T(1));
@@ -284,9 +289,9 @@ void JointSolver<T>::start(const JointList& joints, const Record8<T>* moved, Rec
 
 template <class T>
 void JointSolver<T>::renew(const Record8<T>* moved, Record8<T>* warm, double elapsed,
-                           const ThreadArena& arena) {
+                           const ThreadTeam& team) {
   for (const GearRow<T>& gear : gears_) apply_gear(gear, warm, end_, T(-1));
-  each_colour(lanes_, groups_, arena, [&](JointGroup<T>& g) {
+  each_colour(lanes_, groups_, team, [&](JointGroup<T>& g) {
     const JointDrive<T>* drives = drives_.data() + g.first_drive;
     apply_joints(g, drives, warm, end_, T(-1));
     prepare(g, moved, elapsed);
@@ -299,16 +304,16 @@ void JointSolver<T>::renew(const Record8<T>* moved, Record8<T>* warm, double ela
 }
 
 template <class T>
-void JointSolver<T>::push(Record8<T>* v, const ThreadArena& arena) {
-  each_colour(lanes_, groups_, arena, [&](JointGroup<T>& g) {
+void JointSolver<T>::push(Record8<T>* v, const ThreadTeam& team) {
+  each_colour(lanes_, groups_, team, [&](JointGroup<T>& g) {
     solve_joints<ContactSolve::push>(g, drives_.data() + g.first_drive, v, end_, pass_);
   });
   for (GearRow<T>& gear : gears_) solve_gear<ContactSolve::push>(gear, v, end_, pass_);
 }
 
 template <class T>
-void JointSolver<T>::relax(Record8<T>* v, const ThreadArena& arena) {
-  each_colour(lanes_, groups_, arena, [&](JointGroup<T>& g) {
+void JointSolver<T>::relax(Record8<T>* v, const ThreadTeam& team) {
+  each_colour(lanes_, groups_, team, [&](JointGroup<T>& g) {
     solve_joints<ContactSolve::relax>(g, drives_.data() + g.first_drive, v, end_, relax_);
   });
   for (GearRow<T>& gear : gears_) solve_gear<ContactSolve::relax>(gear, v, end_, relax_);

@@ -6,6 +6,7 @@
 
 #include "engine/base/cache_line.h"
 #include "engine/kernels/joint_drives3.h"
+#include "engine/kernels/soft_constraint.h"
 #include "engine/systems/rigid3d/contacts.h"
 #include "engine/systems/rigid3d/solver_gear.h"
 #include "engine/systems/rigid3d/solver_lanes.h"
@@ -25,14 +26,18 @@ class JointSolver {
   };
   /// Lists the joints of this step and marks the bodies that they move (slot 0).
   void choose(const State& s, std::span<const BodyNow> now, std::span<uint32_t> slot);
-  void fill(const State& s, const JointList& joints, const Bodies& bodies, const ThreadArena& arena);
+  /// Those of this step, before `fill`.
+  std::vector<uint32_t>& listed() { return listed_; }
+  void fill(const State& s, const JointList& joints, const Bodies& bodies, const ThreadTeam& team);
   /// Before the first substep of h: adds to `warm` what the joints carried last.
   void start(const JointList& joints, const Record8<T>* moved, Record8<T>* warm, double h,
-             const ThreadArena& arena);
+             const ThreadTeam& team);
   /// Before every other, `elapsed` (s) after the first: what joints carry turns with their bodies.
-  void renew(const Record8<T>* moved, Record8<T>* warm, double elapsed, const ThreadArena& arena);
-  void push(Record8<T>* v, const ThreadArena& arena);
-  void relax(Record8<T>* v, const ThreadArena& arena);
+  void renew(const Record8<T>* moved, Record8<T>* warm, double elapsed, const ThreadTeam& team);
+  /// Softness of joints, for substeps of h.
+  static SoftConstraint<double> softness(double h);
+  void push(Record8<T>* v, const ThreadTeam& team);
+  void relax(Record8<T>* v, const ThreadTeam& team);
   /// What the next step starts from, once the bodies of `s` are where they go; h: a substep, `elapsed`: the
   /// step. Joints that carried too much break.
   void store(State& s, const JointList& joints, const Record8<T>* moved, double h, double elapsed);

@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-#include "engine/base/parallel.h"
+#include "engine/base/thread_team.h"
 #include "engine/kernels/constraint_colouring.h"
 #include "engine/kernels/contact_rows3.h"
 #include "engine/math/vec3.h"
@@ -13,7 +13,7 @@
 namespace truestep {
 
 /// Groups that a thread takes at once.
-inline constexpr size_t kGroupsPerBlock = 24;
+inline constexpr size_t kGroupsPerBlock = 8;
 
 struct ScaledBody {
   double root;     ///< 1/sqrt(m)
@@ -43,20 +43,21 @@ enum class ColourOrder : uint8_t { forth, back };
 
 /// body(group) for all groups, those of a colour in parallel.
 template <class Groups, class Body>
-void each_colour(const LaneGroups& lanes, Groups& all, const ThreadArena& arena, ColourOrder order, Body&& body) {
+void each_colour(const LaneGroups& lanes, Groups& all, const ThreadTeam& team, ColourOrder order,
+                 Body&& body) {
   const size_t colours = lanes.colour_begin.size() - 1;
   for (size_t k = 0; k < colours; ++k) {
     const size_t c = order == ColourOrder::forth ? k : colours - 1 - k;
     const uint32_t first = lanes.colour_begin[c];
-    arena.for_blocks(lanes.colour_begin[c + 1] - first, kGroupsPerBlock, [&](size_t begin, size_t end) {
+    team.for_blocks(lanes.colour_begin[c + 1] - first, kGroupsPerBlock, [&](size_t begin, size_t end) {
       for (size_t g = begin; g < end; ++g) body(all[first + g]);
     });
   }
 }
 
 template <class Groups, class Body>
-void each_colour(const LaneGroups& lanes, Groups& all, const ThreadArena& arena, Body&& body) {
-  each_colour(lanes, all, arena, ColourOrder::forth, body);
+void each_colour(const LaneGroups& lanes, Groups& all, const ThreadTeam& team, Body&& body) {
+  each_colour(lanes, all, team, ColourOrder::forth, body);
 }
 
 template <class T>

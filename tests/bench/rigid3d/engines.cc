@@ -48,6 +48,8 @@ Rigid3dDef def_of(const SpaceScene& scene, const OursSettings& settings) {
     }
   }
   for (const SpaceJoint& j : scene.joints) {
+    const auto fixed = [&](int body) { return scene.bodies[static_cast<size_t>(body)].fixed; };
+    if (fixed(j.a) && fixed(j.b)) continue;
     BallJointDef d;
     d.a = j.a, d.b = j.b, d.anchor = j.anchor;
     def.joints.push_back(d);

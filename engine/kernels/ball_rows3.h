@@ -1,0 +1,118 @@
+// Ball joints of rigid bodies, as many side by side as lanes: the anchors of a and b stay together,
+//   J v = v_b + w_b x r_b - v_a - w_a x r_a = 0      (three rows along the world's axes),
+// in the scaled variables of contact_rows3.h. With s_j the rows of S a body's spin moves its anchor by
+// sum_j w_j (s_j x r), so these three vectors are all that a pass reads of it, and
+//   K = 1/m_a + 1/m_b + sum_j c_j c_j^T      over both bodies.
+// They turn with the bodies between substeps; impulses stay what they are in the world.
+#pragma once
+#include "engine/kernels/joint_rows3.h"
+
+namespace truestep {
+
+template <class T>
+struct alignas(64) BallGroup {
+  using W = Wide<T>;
+  uint32_t a[W::kLanes], b[W::kLanes];  ///< records, `end` for what joints do not move
+  W root_a, root_b;                     ///< 1/sqrt(m)
+  W arm_a[3], arm_b[3], gap[3];         ///< m; gap = x_b + r_b - x_a - r_a
+  W spin_a[3][3], spin_b[3][3];         ///< c_j, what a unit of the scaled spin j moves the anchor by
+  W inverse[6];                         ///< of K: xx, xy, yy, xz, yz, zz
+  W impulse[3];                         ///< N s on b, in the world
+  W strength;                           ///< 1, or 0 where the lane holds nothing
+};
+
+namespace detail {
+/// Inverse of K for the spins as they are.
+template <class T>
+void invert_ball(BallGroup<T>& g) {
+  using W = Wide<T>;
+  const W linear = madd(g.root_a, g.root_a, g.root_b * g.root_b) + (W(1) - g.strength);
+  W k[6] = {linear, W(0), linear, W(0), W(0), linear};
+  for (int j = 0; j < 3; ++j) {
+    for (const W* c : {g.spin_a[j], g.spin_b[j]}) {
+      k[0] = madd(c[0], c[0], k[0]), k[1] = madd(c[0], c[1], k[1]), k[2] = madd(c[1], c[1], k[2]);
+      k[3] = madd(c[0], c[2], k[3]), k[4] = madd(c[1], c[2], k[4]), k[5] = madd(c[2], c[2], k[5]);
+    }
+  }
+  const W xx = nmadd(k[4], k[4], k[2] * k[5]), xy = nmadd(k[1], k[5], k[3] * k[4]);
+  const W xz = nmadd(k[2], k[3], k[1] * k[4]);
+  const W scale = g.strength / madd(k[3], xz, madd(k[1], xy, k[0] * xx));
+  g.inverse[0] = xx * scale, g.inverse[1] = xy * scale, g.inverse[3] = xz * scale;
+  g.inverse[2] = nmadd(k[3], k[3], k[0] * k[5]) * scale;
+  g.inverse[4] = nmadd(k[0], k[4], k[1] * k[3]) * scale;
+  g.inverse[5] = nmadd(k[1], k[1], k[0] * k[2]) * scale;
+}
+
+/// Adds the impulse f on b, and its opposite on a.
+template <class T>
+void push_ball(const BallGroup<T>& g, const Wide<T> f[3], Wide<T> a[6], Wide<T> b[6]) {
+  namespace r = contact_rows;
+  r::subtract(a, g.root_a, f), r::add(b, g.root_b, f);
+  for (int j = 0; j < 3; ++j) {
+    a[3 + j] -= r::dot(g.spin_a[j], f);
+    b[3 + j] += r::dot(g.spin_b[j], f);
+  }
+}
+}  // namespace detail
+
+/// Adds the group's impulses to the records (scaled velocities).
+template <class T>
+void apply_balls(const BallGroup<T>& g, Record8<T>* records, uint32_t end) {
+  Wide<T> a[6], b[6];
+  gather6(records, g.a, a), gather6(records, g.b, b);
+  detail::push_ball(g, g.impulse, a, b);
+  scatter6(records, g.a, end, a), scatter6(records, g.b, end, b);
+}
+
+/// Follows bodies that moved (m) and turned (rad, in the world) by `moved`; `warm` holds the impulses of all.
+template <class T>
+void renew_balls(BallGroup<T>& g, const Record8<T>* moved, Record8<T>* warm, uint32_t end) {
+  using W = Wide<T>;
+  namespace r = contact_rows;
+  W a[6], b[6], wa[6], wb[6];
+  gather6(moved, g.a, a), gather6(moved, g.b, b);
+  gather6(warm, g.a, wa), gather6(warm, g.b, wb);
+  for (int k = 0; k < 3; ++k) g.gap[k] += (b[k] - a[k]) + (g.arm_a[k] - g.arm_b[k]);
+  const auto turn = [](const W t[3], W x[3]) {
+    W out[3];
+    detail::turn_arm(t, x, out);
+    for (int k = 0; k < 3; ++k) x[k] = out[k];
+  };
+  turn(a + 3, g.arm_a), turn(b + 3, g.arm_b);
+  for (int k = 0; k < 3; ++k) g.gap[k] += g.arm_b[k] - g.arm_a[k];
+  for (int j = 0; j < 3; ++j) {
+    wa[3 + j] += r::dot(g.spin_a[j], g.impulse), wb[3 + j] -= r::dot(g.spin_b[j], g.impulse);
+    turn(a + 3, g.spin_a[j]), turn(b + 3, g.spin_b[j]);
+    wa[3 + j] -= r::dot(g.spin_a[j], g.impulse), wb[3 + j] += r::dot(g.spin_b[j], g.impulse);
+  }
+  detail::invert_ball(g);
+  scatter6(warm, g.a, end, wa), scatter6(warm, g.b, end, wb);
+}
+
+/// One pass: velocities, and with `push` gaps too, by the coefficients of soft_constraint.h.
+template <ContactSolve kind, class T>
+void solve_balls(BallGroup<T>& g, Record8<T>* v, uint32_t end, T bias_rate, T mass_scale, T impulse_scale) {
+  using W = Wide<T>;
+  namespace r = contact_rows;
+  W a[6], b[6], slip[3], f[3];
+  gather6(v, g.a, a), gather6(v, g.b, b);
+  for (int k = 0; k < 3; ++k) {
+    slip[k] = nmadd(g.root_a, a[k], g.root_b * b[k]);
+    if constexpr (kind == ContactSolve::push) slip[k] = madd(W(bias_rate), g.gap[k], slip[k]);
+  }
+  for (int j = 0; j < 3; ++j) r::add(slip, b[3 + j], g.spin_b[j]), r::subtract(slip, a[3 + j], g.spin_a[j]);
+  const W* k = g.inverse;
+  f[0] = -madd(k[3], slip[2], madd(k[1], slip[1], k[0] * slip[0]));
+  f[1] = -madd(k[4], slip[2], madd(k[2], slip[1], k[1] * slip[0]));
+  f[2] = -madd(k[5], slip[2], madd(k[4], slip[1], k[3] * slip[0]));
+  for (int e = 0; e < 3; ++e) {
+    if constexpr (kind == ContactSolve::push) {
+      f[e] = nmadd(W(impulse_scale), g.impulse[e], W(mass_scale) * f[e]);
+    }
+    g.impulse[e] += f[e];
+  }
+  detail::push_ball(g, f, a, b);
+  scatter6(v, g.a, end, a), scatter6(v, g.b, end, b);
+}
+
+}  // namespace truestep
