@@ -21,7 +21,8 @@ bool touch_allowed(const BodyKind& a, const BodyKind& b) {
 
 }  // namespace
 
-void ContactList::look_at_bodies(const State& s, std::span<const BodyKind> kinds, double h) {
+void ContactList::look_at_bodies(const State& s, std::span<const BodyKind> kinds, const StepInput& in) {
+  const double h = in.h;
   const size_t n = s.rows(columns::position);
   const double *x = s.f64(columns::position).data(), *q = s.f64(columns::orientation).data();
   const double *v = s.f64(columns::velocity).data(), *w = s.f64(columns::angular_velocity).data();
@@ -43,6 +44,10 @@ void ContactList::look_at_bodies(const State& s, std::span<const BodyKind> kinds
     // A plane reaches for ever.
     b.turn_speed = turn == Vec3{} ? 0 : std::min(norm(turn) * k.reach, k.reach / h);
     mobility_[i] = k.motion == BodyDef::Motion::fixed ? Mobility::fixed : Mobility::moving;
+    if (k.mask == 0 || k.group == 0) {
+      boxes_[i] = Box::nothing();
+      continue;
+    }
     Box box = bounds(k.solid, b.at);
     if (k.motion != BodyDef::Motion::fixed) {
       box = box.grown(b.margin + h * b.turn_speed);
@@ -127,10 +132,10 @@ void ContactList::find(State& s, std::span<const BodyKind> kinds, std::span<cons
     joined_.push_back(uint64_t{low} << 32 | high);
   }
   std::sort(joined_.begin(), joined_.end());
-  look_at_bodies(s, kinds, in.h);
+  look_at_bodies(s, kinds, in);
   narrow_phase(s, kinds, in);
   if (wake(s, kinds)) {
-    look_at_bodies(s, kinds, in.h);
+    look_at_bodies(s, kinds, in);
     narrow_phase(s, kinds, in);
   }
   match(s);

@@ -50,7 +50,7 @@ class ContactList {
   }
 
  private:
-  void look_at_bodies(const State& s, std::span<const BodyKind> kinds, double h);
+  void look_at_bodies(const State& s, std::span<const BodyKind> kinds, const StepInput& in);
   void narrow_phase(const State& s, std::span<const BodyKind> kinds, const StepInput& in);
   bool wake(State& s, std::span<const BodyKind> kinds);
   void match(const State& s);

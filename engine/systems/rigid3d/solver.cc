@@ -24,6 +24,7 @@ constexpr double kPadTime = 1;
 constexpr double kThickPad = 4e-3;
 /// A pad is at most that many times what the spring gives way under its load, so that none outlasts it.
 constexpr double kMostPad = 4;
+constexpr size_t kBodiesPerBlock = 256;
 /// rad/s; slower bodies change their axis of rotation by less than a float shows.
 constexpr double kSlowSpin = 1e-2;
 
@@ -110,13 +111,12 @@ void ContactSolver<T>::load_bodies(const State& s, std::span<const BodyKind> kin
                                    const SolverSettings& settings, double h) {
   const auto kind = s.span<uint32_t>(columns::kind);
   const double *v = s.f64(columns::velocity).data(), *w = s.f64(columns::angular_velocity).data();
-  const double* q = s.f64(columns::orientation).data();
   const size_t n = body_.size();
   scaled_.resize(n), moments_.resize(n);
   for (auto* r : {&velocity_, &displacement_, &change_, &warm_, &start_}) r->resize(n + 1);
   damped_ = false;
   const double part = 1.0 / settings.substeps;
-  for (size_t k = 0; k < n; ++k) {
+  const auto load = [&](size_t k) {
     const uint32_t i = body_[k];
     const BodyKind& b = kinds[kind[i]];
     const double root = std::sqrt(b.mass);
@@ -132,6 +132,10 @@ void ContactSolver<T>::load_bodies(const State& s, std::span<const BodyKind> kin
     const Vec3 turned = gyroscopic_change(own, b.moments, h);
     change_[k] = record<T>(change[i] * (root * part), free_rotation::times(turned * part, r));
     displacement_[k] = {}, warm_[k] = {};
+  };
+  each_body(load);
+  for (size_t k = 0; k < n; ++k) {
+    const BodyKind& b = kinds[kind[body_[k]]];
     damped_ |= b.linear_damping > 0 || b.angular_damping > 0;
   }
   velocity_[n] = {}, displacement_[n] = {}, warm_[n] = {}, change_[n] = {};
@@ -202,6 +206,14 @@ void ContactSolver<T>::fill(size_t group, std::span<Contact* const> contacts, co
 }
 
 template <class T>
+template <class Body>
+void ContactSolver<T>::each_body(Body&& body) {
+  team_.for_blocks(body_.size(), kBodiesPerBlock, [&](size_t begin, size_t end) {
+    for (size_t i = begin; i < end; ++i) body(i);
+  });
+}
+
+template <class T>
 void ContactSolver<T>::substeps(const JointList& joints, const SolverSettings& settings,
                                 const StepInput& in) {
   const size_t n = body_.size();
@@ -222,13 +234,13 @@ void ContactSolver<T>::substeps(const JointList& joints, const SolverSettings& s
       joints_.renew(d, warm_.data(), k * h, team_);
       balls_.renew(d, warm_.data(), team_);
     }
-    for (size_t i = 0; i < n; ++i) {
+    each_body([&](size_t i) {
       for (int e = 0; e < 8; ++e) v[i].x[e] += change_[i].x[e];
       if (damped_) {
         for (int e = 0; e < 8; ++e) v[i].x[e] *= damping_[i].x[e];
       }
       for (int e = 0; e < 8; ++e) v[i].x[e] += warm_[i].x[e];
-    }
+    });
     pass.elapsed = T(k * h);
     if (bounces) hit({T(h), pass.elapsed, T(settings.rest_speed)}, settings.substeps - 1 - k);
     std::copy_n(velocity_.begin(), n, start_.begin());
@@ -239,20 +251,20 @@ void ContactSolver<T>::substeps(const JointList& joints, const SolverSettings& s
     balls_.push(v, team_);
     each_colour(contact_lanes_, groups_, team_, order,
                 [&](ContactGroup<T>& g) { solve_contacts<ContactSolve::push>(g, v, d, end, pass); });
-    for (size_t i = 0; i < n; ++i) {
+    each_body([&](size_t i) {
       for (int e = 0; e < 8; ++e) d[i].x[e] += T(h) * v[i].x[e];
       if (bounces) {
         for (int e = 0; e < 8; ++e) d[i].x[e] += late_[i].x[e];
       }
-    }
+    });
     pass.elapsed = T((k + 1) * h);
     joints_.relax(v, team_);
     balls_.relax(v, team_);
     each_colour(contact_lanes_, groups_, team_, order,
                 [&](ContactGroup<T>& g) { solve_contacts<ContactSolve::relax>(g, v, d, end, pass); });
-    for (size_t i = 0; i < n; ++i) {
+    each_body([&](size_t i) {
       for (int e = 0; e < 8; ++e) warm_[i].x[e] += v[i].x[e] - start_[i].x[e];
-    }
+    });
   }
 }
 
@@ -286,7 +298,7 @@ void ContactSolver<T>::hit(const ImpactPass<T>& pass, int substeps_left) {
 
 template <class T>
 void ContactSolver<T>::store_impulses(std::span<Contact* const> contacts, const ContactPadding& padding) {
-  for (size_t k = 0; k < contact_lanes_.count; ++k) {
+  const auto store = [&](size_t k) {
     const ContactGroup<T>& g = groups_[k];
     for (int lane = 0; lane < W::kLanes; ++lane) {
       const uint32_t m = contact_lanes_.member[k * W::kLanes + lane];
@@ -305,14 +317,17 @@ void ContactSolver<T>::store_impulses(std::span<Contact* const> contacts, const 
         c.roll = get3(g.tangent[0], lane) * g.roll[0][lane] + get3(g.tangent[1], lane) * g.roll[1][lane];
       }
     }
-  }
+  };
+  team_.for_blocks(contact_lanes_.count, kGroupsPerBlock, [&](size_t begin, size_t end) {
+    for (size_t k = begin; k < end; ++k) store(k);
+  });
 }
 
 template <class T>
 void ContactSolver<T>::store_bodies(State& s) {
   double *x = s.f64(columns::position).data(), *q = s.f64(columns::orientation).data();
   double *v = s.f64(columns::velocity).data(), *w = s.f64(columns::angular_velocity).data();
-  for (size_t k = 0; k < body_.size(); ++k) {
+  each_body([&](size_t k) {
     const uint32_t i = body_[k];
     const ScaledBody& b = scaled_[k];
     const T *r = velocity_[k].x, *d = displacement_[k].x;
@@ -325,7 +340,7 @@ void ContactSolver<T>::store_bodies(State& s) {
     const Quat to = normalized(free_rotation::turn(turn) * from);
     const Vec3 own = R.apply_inverse(apply_transposed(b.turn, {double(r[3]), double(r[4]), double(r[5])}));
     store_quat(q, i, to), store3(w, i, rotation(to).apply(own));
-  }
+  });
 }
 
 template <class T>

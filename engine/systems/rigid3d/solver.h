@@ -52,6 +52,8 @@ class ContactSolver {
   void hit(const ImpactPass<T>& pass, int substeps_left);
   void store_impulses(std::span<Contact* const> contacts, const ContactPadding& padding);
   void store_bodies(State& s);
+  template <class Body>
+  void each_body(Body&& body);
   template <class U>
   using Aligned = std::vector<U, CacheLineAllocator<U>>;
   std::vector<uint32_t> slot_, body_;
