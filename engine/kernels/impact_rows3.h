@@ -9,7 +9,7 @@
 // hits after the time tau moves at its old velocity until then, `late` gets tau (v - v'), and forces have
 // acted on what it hits with until then.
 #pragma once
-#include "engine/kernels/contact_rows3.h"
+#include "engine/kernels/contact_solve3.h"
 
 namespace truestep {
 

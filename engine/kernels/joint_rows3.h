@@ -5,7 +5,7 @@
 // slides keeps its angular momentum. Arms and axes turn with the bodies within a step, so that what swings
 // fast stays together; turns are measured about axes half way. The free rows are those of joint_drives3.h.
 #pragma once
-#include "engine/kernels/contact_rows3.h"
+#include "engine/kernels/row_math3.h"
 
 namespace truestep {
 

@@ -3,10 +3,8 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
-#include <numbers>
 
 #include "engine/kernels/free_rotation.h"
-#include "engine/kernels/soft_constraint.h"
 
 namespace truestep {
 
@@ -16,14 +14,6 @@ namespace {
 
 /// Impacts may run to and fro between bodies that often in a substep; what is left does not bounce.
 constexpr int kImpactRounds = 64;
-/// Contacts are springs of this share of the substeps' rate; from twice that on stacks shiver.
-constexpr double kContactHertzShare = 0.2;
-/// s in which a contact takes back how far its load presses it in. Slower than the stacks it carries sway.
-constexpr double kPadTime = 1;
-/// m; thicker ones grow the slower: what presses that much sways slowly.
-constexpr double kThickPad = 4e-3;
-/// A pad is at most that many times what the spring gives way under its load, so that none outlasts it.
-constexpr double kMostPad = 4;
 constexpr size_t kBodiesPerBlock = 256;
 /// rad/s; slower bodies change their axis of rotation by less than a float shows.
 constexpr double kSlowSpin = 1e-2;
@@ -37,19 +27,6 @@ Vec3 roots(const Vec3& a) {
   return {std::sqrt(a.x), std::sqrt(a.y), std::sqrt(a.z)};
 }
 
-/// Coefficients of contacts for substeps of h.
-SoftConstraint<double> contact_softness(const SolverSettings& settings, double h) {
-  return soft_constraint<double>(settings.contact_hertz.value_or(kContactHertzShare / h),
-                                 settings.contact_damping, h);
-}
-
-/// A soft contact gives way by load / (m w^2); the pad between the surfaces grows until they just touch.
-ContactPadding contact_padding(const SolverSettings& settings, double h) {
-  const double rate = settings.substeps / h,
-               w = 2 * std::numbers::pi * settings.contact_hertz.value_or(kContactHertzShare * rate);
-  return {h / (h + kPadTime), w > 0 ? kMostPad * rate / (w * w) : 0};
-}
-
 /// What turning freely for a time h adds to a spin (rad/s) about principal axes.
 Vec3 gyroscopic_change(const Vec3& spin, const Vec3& moments, double h) {
   if (norm2(spin) <= kSlowSpin * kSlowSpin) return {};
@@ -58,21 +35,9 @@ Vec3 gyroscopic_change(const Vec3& spin, const Vec3& moments, double h) {
   return rotation(m.orientation).apply_inverse(m.angular_velocity) - spin;
 }
 
-/// The pad of a contact that was `depth` (m) deep under its load, the impulse times 1/m_a + 1/m_b (m/s).
-double next_pad(double pad, double depth, double load, const ContactPadding& padding) {
-  const double gives_way = pad + depth;
-  const double slower = gives_way > kThickPad ? std::sqrt(kThickPad / gives_way) : 1;
-  return std::clamp(pad + padding.learnt * slower * depth, 0.0, padding.per_load * load);
-}
-
 template <class T>
 Record8<T> record(const Vec3& linear, const Vec3& turn) {
   return {{T(linear.x), T(linear.y), T(linear.z), T(turn.x), T(turn.y), T(turn.z), 0, 0}};
-}
-
-template <class T>
-Vec3 get3(const Wide<T> in[3], int lane) {
-  return {in[0][lane], in[1][lane], in[2][lane]};
 }
 
 }  // namespace
@@ -146,63 +111,6 @@ void ContactSolver<T>::load_bodies(const State& s, std::span<const BodyKind> kin
     const double l = 1 / (1 + h * part * b.linear_damping), a = 1 / (1 + h * part * b.angular_damping);
     damping_[k] = record<T>({l, l, l}, {a, a, a});
   }
-}
-
-template <class T>
-void ContactSolver<T>::fill(size_t group, std::span<Contact* const> contacts, const State& s,
-                            std::span<const BodyKind> kinds, std::span<const BodyNow> now) {
-  const auto kind = s.span<uint32_t>(columns::kind);
-  const double *v = s.f64(columns::velocity).data(), *w = s.f64(columns::angular_velocity).data();
-  const auto end = static_cast<uint32_t>(body_.size());
-  ContactGroup<T>& g = groups_[group];
-  ContactLanes<T> in{};
-  g.points = 0, g.flags = 0;
-  for (int lane = 0; lane < W::kLanes; ++lane) {
-    const uint32_t k = contact_lanes_.member[group * W::kLanes + lane];
-    g.a[lane] = g.b[lane] = end;
-    if (k == kNoBody) continue;
-    const Contact& c = *contacts[k];
-    const BodyKind &ka = kinds[kind[c.a]], &kb = kinds[kind[c.b]];
-    const Vec3 xa = now[c.a].at.position, xb = now[c.b].at.position;
-    set3(in.normal, lane, c.manifold.normal);
-    set3(in.apart, lane, xb - xa);
-    if (c.manifold.count > g.points) g.points = c.manifold.count;
-    for (int p = 0; p < c.manifold.count; ++p) {
-      set3(in.arm[p], lane, c.manifold.points[p].position - xa);
-      in.active[p].set(lane, 1);
-      in.separation[p].set(lane, T(c.manifold.points[p].separation - c.pad));
-      in.impulse[p].set(lane, T(c.impulse[p]));
-    }
-    if (slot_[c.a] != kNoBody) {
-      const ScaledBody& b = scaled_[slot_[c.a]];
-      g.a[lane] = slot_[c.a], in.root_a.set(lane, T(b.root));
-      for (int e = 0; e < 9; ++e) in.turn_a[e].set(lane, T(b.turn[e]));
-    }
-    if (slot_[c.b] != kNoBody) {
-      const ScaledBody& b = scaled_[slot_[c.b]];
-      g.b[lane] = slot_[c.b], in.root_b.set(lane, T(b.root));
-      for (int e = 0; e < 9; ++e) in.turn_b[e].set(lane, T(b.turn[e]));
-    }
-    in.friction.set(lane, T(std::sqrt(ka.friction * kb.friction)));
-    in.restitution.set(lane, T(std::max(ka.restitution, kb.restitution)));
-    in.spinning.set(lane, T(std::max(ka.spinning, kb.spinning)));
-    const double rolling = std::max(ka.rolling, kb.rolling);
-    in.rolling.set(lane, T(rolling));
-    set3(in.slide, lane, c.slide), set3(in.roll, lane, c.roll);
-    in.twist.set(lane, T(c.twist));
-    if (rolling > 0) g.flags |= ContactGroup<T>::kRolls;
-    if (ka.restitution > 0 || kb.restitution > 0) g.flags |= ContactGroup<T>::kBounces;
-    Vec3 surface, turn;
-    if (now[c.b].part == BodyNow::Part::driven) {
-      turn = load3(w, c.b), surface = load3(v, c.b) - cross(turn, xb - xa);
-    }
-    if (now[c.a].part == BodyNow::Part::driven) turn -= load3(w, c.a), surface -= load3(v, c.a);
-    if (surface != Vec3{} || turn != Vec3{}) {
-      g.flags |= ContactGroup<T>::kDrifts;
-      set3(in.surface, lane, surface), set3(in.surface_turn, lane, turn);
-    }
-  }
-  prepare_contacts(g, in);
 }
 
 template <class T>
@@ -294,33 +202,6 @@ void ContactSolver<T>::hit(const ImpactPass<T>& pass, int substeps_left) {
     change_[i].x[3] = T(turned.x * r.x), change_[i].x[4] = T(turned.y * r.y),
     change_[i].x[5] = T(turned.z * r.z);
   }
-}
-
-template <class T>
-void ContactSolver<T>::store_impulses(std::span<Contact* const> contacts, const ContactPadding& padding) {
-  const auto store = [&](size_t k) {
-    const ContactGroup<T>& g = groups_[k];
-    for (int lane = 0; lane < W::kLanes; ++lane) {
-      const uint32_t m = contact_lanes_.member[k * W::kLanes + lane];
-      if (m == kNoBody) continue;
-      Contact& c = *contacts[m];
-      double sum = 0, depth = 0;
-      for (int p = 0; p < c.manifold.count; ++p) {
-        c.impulse[p] = g.place[p].impulse[lane];
-        sum += c.impulse[p], depth -= c.impulse[p] * c.manifold.points[p].separation;
-      }
-      const double a = g.root_a[lane], b = g.root_b[lane];
-      c.pad = sum > 0 ? next_pad(c.pad, depth / sum, sum * (a * a + b * b), padding) : 0;
-      c.slide = get3(g.tangent[0], lane) * g.slide[0][lane] + get3(g.tangent[1], lane) * g.slide[1][lane];
-      c.twist = g.twist[lane];
-      if (g.flags & ContactGroup<T>::kRolls) {
-        c.roll = get3(g.tangent[0], lane) * g.roll[0][lane] + get3(g.tangent[1], lane) * g.roll[1][lane];
-      }
-    }
-  };
-  team_.for_blocks(contact_lanes_.count, kGroupsPerBlock, [&](size_t begin, size_t end) {
-    for (size_t k = begin; k < end; ++k) store(k);
-  });
 }
 
 template <class T>

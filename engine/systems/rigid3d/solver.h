@@ -2,31 +2,18 @@
 // contacts of one colour side by side. Bodies are moved by what comes out. The impulses of all contacts act
 // on from substep to substep; their sum is kept per body, so that starting warm is one addition.
 #pragma once
-#include <optional>
 #include <span>
 #include <vector>
 
 #include "engine/base/cache_line.h"
-#include "engine/kernels/contact_rows3.h"
+#include "engine/kernels/contact_solve3.h"
 #include "engine/kernels/impact_rows3.h"
+#include "engine/systems/rigid3d/contact_softness.h"
 #include "engine/systems/rigid3d/contacts.h"
 #include "engine/systems/rigid3d/solver_ball.h"
 #include "engine/systems/rigid3d/solver_joint.h"
 
 namespace truestep {
-
-struct SolverSettings {
-  int substeps = 5;
-  double rest_speed = 0.05, push_out_speed = 3;
-  std::optional<double> contact_hertz;  ///< absent: a fixed share of the substeps' rate
-  double contact_damping = 10;
-};
-
-/// How the pads of contacts follow their loads.
-struct ContactPadding {
-  double learnt;    ///< share of the depth taken back in a step
-  double per_load;  ///< s, times the load: the thickest pad
-};
 
 template <class T>
 class ContactSolver {

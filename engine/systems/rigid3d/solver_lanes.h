@@ -7,7 +7,7 @@
 
 #include "engine/base/thread_team.h"
 #include "engine/kernels/constraint_colouring.h"
-#include "engine/kernels/contact_rows3.h"
+#include "engine/math/wide.h"
 #include "engine/math/vec3.h"
 
 namespace truestep {
