@@ -7,8 +7,8 @@
 
 #include "engine/base/thread_team.h"
 #include "engine/kernels/constraint_colouring.h"
-#include "engine/math/wide.h"
 #include "engine/math/vec3.h"
+#include "engine/math/wide.h"
 
 namespace truestep {
 
