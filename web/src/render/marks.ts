@@ -59,15 +59,16 @@ export class MarkLines {
     for (const { contacts, joints, jointKinds } of marks?.systems ?? []) {
       const c = floats(contacts);
       for (let k = 0; k + 6 < c.length; k += 7) {
-        const [x, y, z, nx, ny, nz, force] = c.subarray(k, k + 7) as unknown as [number, number, number, number, number, number, number];
-        const length = (size * force) / most;
+        const x = c[k]!, y = c[k + 1]!, z = c[k + 2]!;
+        const length = (size * c[k + 6]!) / most;
         this.dots.add(x, y, z, contactColor);
         this.lines.add(x, y, z, contactColor);
-        this.lines.add(x + length * nx, y + length * ny, z + length * nz, contactColor);
+        this.lines.add(x + length * c[k + 3]!, y + length * c[k + 4]!, z + length * c[k + 5]!, contactColor);
       }
       const j = floats(joints);
       for (let k = 0; k + 8 < j.length; k += 9) {
-        const [ax, ay, az, bx, by, bz, ux, uy, uz] = j.subarray(k, k + 9) as unknown as [number, number, number, number, number, number, number, number, number];
+        const ax = j[k]!, ay = j[k + 1]!, az = j[k + 2]!, bx = j[k + 3]!, by = j[k + 4]!, bz = j[k + 5]!;
+        const ux = j[k + 6]!, uy = j[k + 7]!, uz = j[k + 8]!;
         const color = jointColors[Math.min(jointKinds[k / 9] ?? 5, 5)]!;
         this.dots.add(ax, ay, az, color);
         this.dots.add(bx, by, bz, color);
