@@ -41,7 +41,7 @@ struct JointPass {
 namespace detail {
 /// r after a turn by the rotation vector t, to second order: r + t x r + t x (t x r) / 2.
 template <class W>
-void turn_arm(const W t[3], const W r[3], W out[3]) {
+[[gnu::always_inline]] inline void turn_arm(const W t[3], const W r[3], W out[3]) {
   W once[3], twice[3];
   contact_rows::cross(t, r, once), contact_rows::cross(t, once, twice);
   for (int k = 0; k < 3; ++k) out[k] = madd(W(0.5), twice[k], r[k] + once[k]);
@@ -115,7 +115,8 @@ void prepare_joints(JointGroup<T>& g, const Record8<T>* d, T elapsed) {
 
 namespace detail {
 template <int rows, class T>
-void push_joint(const JointGroup<T>& g, const Wide<T> f[6], Wide<T> a[6], Wide<T> b[6]) {
+[[gnu::always_inline]] inline void push_joint(const JointGroup<T>& g, const Wide<T> f[6], Wide<T> a[6],
+                                              Wide<T> b[6]) {
   namespace r = contact_rows;
   for (int k = 0; k < 3; ++k) {
     r::subtract(a, f[k] * g.root_a, g.now[k]), r::add(b, f[k] * g.root_b, g.now[k]);
@@ -133,7 +134,8 @@ Wide<T> joint_speed(const JointGroup<T>& g, int k, const Wide<T> a[6], const Wid
 
 /// The locked rows of one pass.
 template <ContactSolve kind, int rows, class T>
-void solve_locked(JointGroup<T>& g, Wide<T> a[6], Wide<T> b[6], const JointPass<T>& pass) {
+[[gnu::always_inline]] inline void solve_locked(JointGroup<T>& g, Wide<T> a[6], Wide<T> b[6],
+                                                const JointPass<T>& pass) {
   using W = Wide<T>;
   W slip[rows], f[6] = {};
   for (int k = 0; k < rows; ++k) {

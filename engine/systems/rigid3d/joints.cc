@@ -65,6 +65,10 @@ JointPlace joint_place(const Joint& joint, const Pose& a, const Pose& b) {
   for (int e = 0; e < 3; ++e) p.coordinate[e] = dot(p.axes[e], p.gap);
   if (joint.form == Joint::Form::line) p.coordinate[0] -= joint.length;
 
+  if (joint.form == Joint::Form::free || joint.form == Joint::Form::line) {
+    std::copy(p.axes, p.axes + 3, p.turns);
+    return p;
+  }
   const Quat qa = a.orientation * joint.turn_a, qb = b.orientation * joint.turn_b;
   const Rotation ra = rotation(qa);
   for (int e = 0; e < 3; ++e) p.turns[e] = column(ra, e);
