@@ -1,7 +1,8 @@
-// Pads between surfaces that press: a soft contact of frequency w gives way by load / (m w^2), and stacks
-// would sink by the sum of it. Each contact therefore carries a pad that follows, slowly, how deep its load
-// presses it in, until the surfaces just touch: the integral part of a controller whose spring is the
-// proportional one.
+// How contacts take back what loads press in. A contact is a damped spring of the bodies' reduced mass m
+// (soft_constraint.h), which gives way by load / (m w^2): stacks would sink. So the surfaces have a pad
+// between them that grows by a share of the depth in every step, until under that load they just touch: an
+// integral term beside the spring, far slower than what the contact carries moves. It is the same for all
+// points of a contact, because a tower whose contacts learnt to tilt would lean.
 #pragma once
 #include <algorithm>
 #include <cmath>
