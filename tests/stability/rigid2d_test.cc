@@ -124,6 +124,20 @@ TEST(Rigid2dStability, NothingCatchesOnFlatGroundMadeOfLinks) {
   }
 }
 
+TEST(Rigid2dStability, WhatDoesNotTurnRestsOnTwoPoints) {
+  // Without a moment of inertia both points feel each other fully, and their matrix has no inverse.
+  Trial t(
+      std::string(R"("sleeping": false, "bodies": [)") + kGround +
+      R"(, {"position": [0, 0.25, 0], "fixed_rotation": true, "shapes": [{"type": "box", "half_extents": [0.25, 0.25, 0]}]},
+             {"position": [3, 0.25, 0], "shapes": [{"type": "box", "half_extents": [0.25, 0.25, 0]}]}])");
+  t.steps(200);
+  for (const size_t i : {1, 2}) {
+    EXPECT_NEAR(t.position(i).y, 0.25, 1e-4) << i;
+    // Half a percent of the points' coupling is left out, of g h = 0.16 m/s.
+    EXPECT_LT(std::abs(t.velocity(i).y), 1e-3) << i;
+  }
+}
+
 TEST(Rigid2dStability, WhatSleepsDoesNotMoveAndWakesWhenTouched) {
   Trial t(std::string(R"("bodies": [)") + kGround +
           R"(], "generators": [{"type": "pyramid", "base": 40, "origin": [0, 0.5, 0], "spacing": [1.05, 1, 0],

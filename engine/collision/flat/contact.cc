@@ -110,7 +110,10 @@ bool edge_edge(const Clip& c, uint32_t edge, uint32_t facing, Contact& out) {
   Vec2 t = c.p.corner[next] - v;
   const double length = norm(t);
   t = (1 / length) * t;
-  const Vec2 w0 = c.q.corner[last], w1 = c.q.corner[facing];
+  // Facing edges of two polygons run opposite ways; a link has its face on the other side of its direction.
+  const bool one_way = c.p.is_link() || c.q.is_link();
+  const uint32_t low = one_way ? facing : last, high = one_way ? last : facing;
+  const Vec2 w0 = c.q.corner[low], w1 = c.q.corner[high];
   const double s0 = dot(t, w0 - v), s1 = dot(t, w1 - v), h0 = dot(n, w0 - v), h1 = dot(n, w1 - v);
   const double radii = c.p.radius + c.q.radius;
   set_normal(c, n, out);
@@ -121,7 +124,7 @@ bool edge_edge(const Clip& c, uint32_t edge, uint32_t facing, Contact& out) {
     out.point[out.points++] = {at, h - radii, feature(c.which, on_p, on_q)};
   };
   if (c.q.corners == 1) {
-    add(s0, h0, edge, last);
+    add(s0, h0, edge, low);
     return out.points > 0;
   }
   const double span = s1 - s0;
@@ -133,8 +136,8 @@ bool edge_edge(const Clip& c, uint32_t edge, uint32_t facing, Contact& out) {
     // Seen end on: only the nearer corner counts.
     a = s1, ha = h1;
   }
-  add(a, ha, edge, last);
-  if (span > 0 && b > a) add(b, hb, next, facing);
+  add(a, ha, edge, low);
+  if (span > 0 && b > a) add(b, hb, next, high);
   return out.points > 0;
 }
 
