@@ -174,11 +174,11 @@ void Solver<T>::fill(ContactPack<T>& c, const uint32_t* hits, int count, const M
     p.tangent_mass = select(there[i] > zero, one / kt, zero);
   }
   c.stiffness0 = k[0] * there[0], c.stiffness1 = k[1] * there[1];
-  const W coupling = there[1] * madd(e.a[7] * arm_a[0], arm_a[1], madd(e.b[7] * arm_b[0], arm_b[1], m));
+  c.coupling = there[1] * madd(e.a[7] * arm_a[0], arm_a[1], madd(e.b[7] * arm_b[0], arm_b[1], m));
   // Points that feel each other fully (bodies that do not turn) leave K without an inverse: taken as a little
   // apart, they share the load.
   const W all = c.stiffness0 * c.stiffness1;
-  c.coupling = select(coupling * coupling > W::all(T(0.99)) * all, W::all(T(0.995)) * sqrt(all), coupling);
+  c.held = select(c.coupling * c.coupling > W::all(T(0.99)) * all, W::all(T(0.995)) * sqrt(all), c.coupling);
   if (c.rolls) {
     const W turning = e.a[7] + e.b[7];
     c.rolling_mass = select(turning > zero, one / turning, zero);

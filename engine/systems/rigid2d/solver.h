@@ -57,6 +57,7 @@ struct ContactPack {
   W bias_rate, mass_scale, impulse_scale;
   W rolling, rolling_mass, rolling_impulse;
   W stiffness0, stiffness1, coupling;  // K of the two normals, 1/kg
+  W held;                              // the coupling, or a little less where K has no inverse
   Point point[2];
   uint32_t rolls, bounces;
 };

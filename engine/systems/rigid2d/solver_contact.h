@@ -129,10 +129,10 @@ void solve_contacts(ContactPack<T>& c, T* rows, uint32_t moved, T inverse_h, T p
   }
   {
     const W n0 = c.point[0].normal, n1 = c.point[1].normal;
-    q[0] = nmadd(c.stiffness0, n0, nmadd(c.coupling, n1, q[0]));
-    q[1] = nmadd(c.stiffness1, n1, nmadd(c.coupling, n0, q[1]));
+    q[0] = nmadd(c.stiffness0, n0, nmadd(c.held, n1, q[0]));
+    q[1] = nmadd(c.stiffness1, n1, nmadd(c.held, n0, q[1]));
   }
-  const W k01 = c.coupling;
+  const W k01 = c.held;
   const W inverse = one / max(nmadd(k01 * g[0], k01 * g[1], one), W::all(T(0.01)));
   const W both0 = g[0] * inverse * nmadd(one, q[0], k01 * g[1] * q[1]);
   const W both1 = g[1] * inverse * nmadd(one, q[1], k01 * g[0] * q[0]);
