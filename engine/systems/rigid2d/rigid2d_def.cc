@@ -1,9 +1,10 @@
 #include "engine/systems/rigid2d/rigid2d_def.h"
 
+#include "engine/systems/rigid2d/joint_tables.h"
+
 namespace truestep::rigid2d {
 namespace {
 
-constexpr int64_t kMostBodies = 1'000'000;
 constexpr int64_t kMostPerSide = 2000;
 
 const DefTable& circle_table() {
@@ -188,140 +189,6 @@ const DefTable& body_chain_table() {
           .number("radius", &D::radius, "m", above(0), "of the capsules")
           .choice("held", &D::held, {"none", "first", "both"}, "ends hinged to the world")
           .build();
-  return t;
-}
-
-template <class D>
-TableOf<D>& joint_rows(TableOf<D>& t) {
-  int64_t D::*a = &JointDef::a;
-  int64_t D::*b = &JointDef::b;
-  Vec3 D::*anchor = &JointDef::anchor;
-  std::optional<double> D::*break_force = &JointDef::break_force;
-  bool D::*collide = &JointDef::collide;
-  return t
-      .integer("a", a, between(-1, kMostBodies), "first body: the listed ones, then the generated; -1: world")
-      .integer("b", b, between(-1, kMostBodies), "second body")
-      .vector("anchor", anchor, "m", any(), "point in the world at t = 0 (of a, where there are two)")
-      .number("break_force", break_force, "N", above(0), "breaks when it carries more; absent: never")
-      .boolean("collide", collide, "its bodies touch one another");
-}
-
-template <class D>
-TableOf<D>& drive_rows(TableOf<D>& t, const char* unit, const char* rate, const char* force) {
-  std::optional<double> D::*lower = &Drive::lower;
-  std::optional<double> D::*upper = &Drive::upper;
-  std::optional<double> D::*speed = &Drive::motor_speed;
-  std::optional<double> D::*strength = &Drive::max_motor;
-  std::optional<double> D::*hertz = &Drive::hertz;
-  double D::*ratio = &Drive::damping_ratio;
-  return t.number("lower", lower, unit, any(), "smallest coordinate, 0 at t = 0")
-      .number("upper", upper, unit, any(), "largest coordinate")
-      .number("motor_speed", speed, rate, any(), "speed that the motor wants; absent: no motor")
-      .number("max_motor", strength, force, at_least(0), "most the motor can do; absent: anything")
-      .number("hertz", hertz, "Hz", above(0), "spring towards coordinate 0; absent: none")
-      .number("damping_ratio", ratio, "1", at_least(0), "of that spring");
-}
-
-const DefTable& revolute_table() {
-  static const DefTable t = [] {
-    TableOf<RevoluteDef> table("the bodies turn about a common point");
-    drive_rows(joint_rows(table), "rad", "rad/s", "N m");
-    return table.build();
-  }();
-  return t;
-}
-const DefTable& prismatic_table() {
-  static const DefTable t = [] {
-    TableOf<PrismaticDef> table("the bodies slide along an axis of a and do not turn");
-    drive_rows(joint_rows(table), "m", "m/s", "N")
-        .vector("axis", &PrismaticDef::axis, "1", any(), "direction in the world at t = 0; any length");
-    return table.build();
-  }();
-  return t;
-}
-const DefTable& wheel_table() {
-  static const DefTable t = [] {
-    TableOf<WheelDef> table(
-        "b turns freely and slides on a sprung axis of a; the motor is the wheel's, limits the suspension's");
-    drive_rows(joint_rows(table), "m", "rad/s", "N m")
-        .vector("axis", &WheelDef::axis, "1", any(), "direction of the suspension at t = 0; any length")
-        .number("spring_hertz", &WheelDef::spring_hertz, "Hz", at_least(0), "of the suspension; 0: none")
-        .number("spring_damping_ratio", &WheelDef::spring_damping_ratio, "1", at_least(0),
-                "of the suspension");
-    return table.build();
-  }();
-  return t;
-}
-const DefTable& distance_table() {
-  static const DefTable t = [] {
-    TableOf<DistanceDef> table("keeps two points at a distance: a rod, a spring (hertz) or a rope (maximum)");
-    joint_rows(table)
-        .vector("anchor_b", &DistanceDef::anchor_b, "m", any(), "point of b in the world at t = 0")
-        .number("length", &DistanceDef::length, "m", above(0), "absent: the distance at t = 0")
-        .number("minimum", &DistanceDef::minimum, "m", at_least(0), "with maximum: free in between")
-        .number("maximum", &DistanceDef::maximum, "m", above(0), "with minimum or alone: a rope")
-        .number("hertz", &DistanceDef::hertz, "Hz", above(0), "a spring; absent: rigid")
-        .number("damping_ratio", &DistanceDef::damping_ratio, "1", at_least(0), "of the spring");
-    return table.build();
-  }();
-  return t;
-}
-const DefTable& weld_table() {
-  static const DefTable t = [] {
-    TableOf<WeldDef> table("the bodies neither slide nor turn against one another");
-    joint_rows(table)
-        .number("hertz", &WeldDef::hertz, "Hz", above(0), "gives way by turning like a spring; absent: rigid")
-        .number("damping_ratio", &WeldDef::damping_ratio, "1", at_least(0), "of that spring");
-    return table.build();
-  }();
-  return t;
-}
-const DefTable& motor_table() {
-  static const DefTable t = [] {
-    TableOf<MotorDef> table("drives b to a place and angle seen from a, with bounded strength");
-    joint_rows(table)
-        .vector("offset", &MotorDef::offset, "m", any(), "added to where b is at t = 0, in the frame of a")
-        .number("angle", &MotorDef::angle, "rad", any(), "added to the angle at t = 0")
-        .number("max_force", &MotorDef::max_force, "N", at_least(0), "bound")
-        .number("max_torque", &MotorDef::max_torque, "N m", at_least(0), "bound")
-        .number("correction", &MotorDef::correction, "1", between(0, 1), "part of the error undone per step");
-    return table.build();
-  }();
-  return t;
-}
-const DefTable& mouse_table() {
-  static const DefTable t = [] {
-    TableOf<MouseDef> table("pulls a point of b towards a target with a damped spring");
-    joint_rows(table)
-        .vector("target", &MouseDef::target, "m", any(), "where the anchor shall go")
-        .number("hertz", &MouseDef::hertz, "Hz", above(0), "of the spring")
-        .number("damping_ratio", &MouseDef::damping_ratio, "1", at_least(0), "of the spring")
-        .number("max_force", &MouseDef::max_force, "N", above(0), "bound; absent: none");
-    return table.build();
-  }();
-  return t;
-}
-const DefTable& gear_table() {
-  static const DefTable t = [] {
-    TableOf<GearDef> table("turns of the bodies: angle of a + ratio * angle of b stays as at t = 0");
-    joint_rows(table).number("ratio", &GearDef::ratio, "1", any(), "radius of b over radius of a; not 0");
-    table.check([](const GearDef& d, const DefTable::Report& report) {
-      if (d.ratio == 0) report("/ratio", "the ratio must not be 0");
-    });
-    return table.build();
-  }();
-  return t;
-}
-const DefTable& pulley_table() {
-  static const DefTable t = [] {
-    TableOf<PulleyDef> table("a rope over two fixed wheels: length a + ratio * length b does not grow");
-    joint_rows(table)
-        .vector("anchor_b", &PulleyDef::anchor_b, "m", any(), "point of b in the world at t = 0")
-        .vector("ground_a", &PulleyDef::ground_a, "m", any(), "wheel above a")
-        .vector("ground_b", &PulleyDef::ground_b, "m", any(), "wheel above b")
-        .number("ratio", &PulleyDef::ratio, "1", above(0), "of a block and tackle");
-    return table.build();
-  }();
   return t;
 }
 
