@@ -44,10 +44,11 @@ struct alignas(64) ContactGroup {
   W inverse[21];                           ///< of K over these six rows, lower triangle by rows
   W whole, filled;                         ///< 1 where the points span a plane; where there are any
   struct Place {
-    W x, y;              ///< m from c along the tangents
-    W share[3];          ///< of force, torques about the tangents that this point takes
-    W spare, per_spare;  ///< what four points may add without force or torque; 1 / spare
-    W separation, impulse, drift;
+    W x, y;               ///< m from c along the tangents
+    W share[3];           ///< of force, torques about the tangents that this point takes
+    W spare, per_spare;   ///< what four points may add without force or torque; 1 / spare
+    W separation, apart;  ///< m, at the step's start and now
+    W impulse, drift;
   } place[kPoints];
   W friction, slide[2], slide_drift[2];  ///< coefficient, impulses, velocity of the surfaces themselves
   W twist, twist_drift, lever[kPoints];
@@ -105,7 +106,7 @@ void prepare_contacts(ContactGroup<T>& g, const ContactLanes<T>& in) {
     auto& at = g.place[p];
     row(in.arm[p], in.normal, q.ja, q.jb);
     q.inverse_k = in.active[p] * inverse(linear + r::dot(q.ja, q.ja) + r::dot(q.jb, q.jb));
-    at.separation = in.separation[p], at.impulse = in.impulse[p];
+    at.separation = at.apart = in.separation[p], at.impulse = in.impulse[p];
     at.drift = drifts ? drift(in.arm[p], in.normal) : zero;
     // Points share the pressure of the last step; all alike where there was none.
     const W w = madd(in.active[p], W(1e-12), in.impulse[p]);

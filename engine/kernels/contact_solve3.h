@@ -85,17 +85,16 @@ Wide<T> wanted(const Wide<T>& s, const ContactPass<T>& pass) {
 
 /// 0 where a relaxation has to leave a point alone, 1 elsewhere: what bounces is not slowed before it hits.
 template <class T>
-Wide<T> held_back(const ContactGroup<T>& g, int p, const Wide<T>& separation) {
+Wide<T> held_back(const ContactGroup<T>& g, int p) {
   const Wide<T> zero(0), one(1);
-  const Wide<T> waits = where_positive(separation, where_positive(g.place[p].impulse, one, zero), one);
+  const Wide<T> waits = where_positive(g.place[p].apart, where_positive(g.place[p].impulse, one, zero), one);
   return where_positive(g.restitution, waits, one);
 }
 
 /// All six ways in which a patch holds at once. Lanes where that would pull, slide or twist are left as they
 /// are: 1 in `done` for the others.
 template <ContactSolve kind, class T>
-Wide<T> solve_patch(ContactGroup<T>& g, Wide<T> a[6], Wide<T> b[6], const Wide<T> separation[4],
-                    const ContactPass<T>& pass) {
+Wide<T> solve_patch(ContactGroup<T>& g, Wide<T> a[6], Wide<T> b[6], const ContactPass<T>& pass) {
   using W = Wide<T>;
   namespace r = contact_rows;
   W slip[6], f[6] = {};
@@ -110,7 +109,7 @@ Wide<T> solve_patch(ContactGroup<T>& g, Wide<T> a[6], Wide<T> b[6], const Wide<T
   W held[3] = {}, before(0);  // force and torques of the normal impulses
   for (int p = 0; p < g.points; ++p) {
     const auto& at = g.place[p];
-    const W u = wanted<kind>(separation[p], pass) + at.drift;
+    const W u = wanted<kind>(at.apart, pass) + at.drift;
     slip[0] = madd(at.share[0], u, slip[0]);
     slip[4] = madd(at.share[1], u, slip[4]), slip[5] = madd(at.share[2], u, slip[5]);
     held[0] += at.impulse;
@@ -158,7 +157,7 @@ Wide<T> solve_patch(ContactGroup<T>& g, Wide<T> a[6], Wide<T> b[6], const Wide<T
   W done = where_positive(-least - W(1e-5) * pressure, zero, g.whole);
   if (kind == ContactSolve::relax && (g.flags & ContactGroup<T>::kBounces)) {
     for (int p = 0; p < g.points; ++p) {
-      done = where_positive(g.point[p].inverse_k, done * held_back(g, p, separation[p]), done);
+      done = where_positive(g.point[p].inverse_k, done * held_back(g, p), done);
     }
   }
   done = where_positive(madd(slide[1], slide[1], slide[0] * slide[0]) - limit * limit, zero, done);
@@ -182,8 +181,7 @@ Wide<T> solve_patch(ContactGroup<T>& g, Wide<T> a[6], Wide<T> b[6], const Wide<T
 
 /// The points' normal impulses one after the other.
 template <ContactSolve kind, class T>
-void solve_points(ContactGroup<T>& g, Wide<T> a[6], Wide<T> b[6], const Wide<T> separation[4],
-                  const ContactPass<T>& pass) {
+void solve_points(ContactGroup<T>& g, Wide<T> a[6], Wide<T> b[6], const ContactPass<T>& pass) {
   using W = Wide<T>;
   namespace r = contact_rows;
   // The linear part of J v changes by the same number for all points.
@@ -193,7 +191,7 @@ void solve_points(ContactGroup<T>& g, Wide<T> a[6], Wide<T> b[6], const Wide<T> 
     auto& q = g.point[p];
     auto& at = g.place[p];
     const W speed = linear + (r::dot(q.jb, b + 3) - r::dot(q.ja, a + 3)) + at.drift;
-    const W& s = separation[p];
+    const W& s = at.apart;
     W total;
     if constexpr (kind == ContactSolve::push) {
       const W mass = where_positive(s, one, W(pass.mass_scale));
@@ -201,7 +199,7 @@ void solve_points(ContactGroup<T>& g, Wide<T> a[6], Wide<T> b[6], const Wide<T> 
       total = at.impulse - q.inverse_k * mass * (speed + wanted<kind>(s, pass)) - leak * at.impulse;
     } else {
       total = nmadd(q.inverse_k, speed + wanted<kind>(s, pass), at.impulse);
-      total = total * held_back(g, p, s);
+      total = total * held_back(g, p);
     }
     total = max(total, zero);
     const W added = total - at.impulse;
@@ -216,7 +214,7 @@ void solve_points(ContactGroup<T>& g, Wide<T> a[6], Wide<T> b[6], const Wide<T> 
 
 /// How far apart (m) the points of a group are after the displacements `d`, `elapsed` s into the step.
 template <class T>
-void separations(const ContactGroup<T>& g, const Record8<T>* d, T elapsed, Wide<T> out[4]) {
+void update_separations(ContactGroup<T>& g, const Record8<T>* d, T elapsed) {
   using W = Wide<T>;
   namespace r = contact_rows;
   W da[6], db[6], turn[2];
@@ -225,8 +223,8 @@ void separations(const ContactGroup<T>& g, const Record8<T>* d, T elapsed, Wide<
                   (r::dot(g.cjb, db + 3) - r::dot(g.cja, da + 3));
   for (int t = 0; t < 2; ++t) turn[t] = r::dot(g.rjb[t], db + 3) - r::dot(g.rja[t], da + 3);
   for (int p = 0; p < g.points; ++p) {
-    const auto& at = g.place[p];
-    out[p] = madd(at.drift, W(elapsed), at.separation) + nmadd(at.x, turn[1], madd(at.y, turn[0], moved));
+    auto& at = g.place[p];
+    at.apart = madd(at.drift, W(elapsed), at.separation) + nmadd(at.x, turn[1], madd(at.y, turn[0], moved));
   }
 }
 
@@ -236,12 +234,13 @@ void solve_contacts(ContactGroup<T>& g, Record8<T>* v, const Record8<T>* d, uint
                     const ContactPass<T>& pass) {
   using W = Wide<T>;
   namespace r = contact_rows;
-  W a[6], b[6], separation[4];
-  separations(g, d, pass.elapsed, separation);
+  W a[6], b[6];
+  // A push starts where the last relaxation ended.
+  if constexpr (kind == ContactSolve::relax) update_separations(g, d, pass.elapsed);
   gather6(v, g.a, a), gather6(v, g.b, b);
   bool rest = true;
   if (g.points > 2 && !(g.flags & ContactGroup<T>::kRolls)) {
-    const W done = detail::solve_patch<kind>(g, a, b, separation, pass);
+    const W done = detail::solve_patch<kind>(g, a, b, pass);
     rest = any_below(done, g.filled);
     // A push gives up some of the normal impulses; without friction's word on that, bodies creep.
     if (kind == ContactSolve::push && !rest) detail::solve_friction(g, a, b);
@@ -249,7 +248,7 @@ void solve_contacts(ContactGroup<T>& g, Record8<T>* v, const Record8<T>* d, uint
   if (rest) {
     // Friction is bounded by the normal impulses of the last relaxation, never by what a push leaves.
     if constexpr (kind == ContactSolve::push) detail::solve_friction(g, a, b);
-    detail::solve_points<kind>(g, a, b, separation, pass);
+    detail::solve_points<kind>(g, a, b, pass);
     if constexpr (kind == ContactSolve::relax) detail::solve_friction(g, a, b);
   }
   scatter6(v, g.a, end, a), scatter6(v, g.b, end, b);

@@ -16,7 +16,6 @@ namespace truestep {
 template <class T>
 struct ImpactPass {
   T h;          ///< s, of the substep
-  T elapsed;    ///< s since the step's start
   T threshold;  ///< m/s; slower contacts do not bounce
 };
 
@@ -24,9 +23,8 @@ struct ImpactPass {
 template <class T>
 struct ImpactRecords {
   Record8<T>* velocity;
-  const Record8<T>* displacement;  ///< since the step began
-  const Record8<T>* change;        ///< of velocity by forces, in a substep; already in `velocity`
-  Record8<T>* late;                ///< to be added to the displacements at the end of the substep
+  const Record8<T>* change;  ///< of velocity by forces, in a substep; already in `velocity`
+  Record8<T>* late;          ///< to be added to the displacements at the end of the substep
 };
 
 /// Lets the due contacts of a group bounce; false when there are none.
@@ -37,19 +35,18 @@ bool hit_contacts(ContactGroup<T>& g, const ImpactRecords<T>& bodies, uint32_t e
   namespace r = contact_rows;
   constexpr int kPasses = 8;
   const W zero(0), one(1);
-  W a[6], b[6], separation[4], speed[4], closes[4], due(0), wait(T(1e30));
+  W a[6], b[6], speed[4], closes[4], due(0), wait(T(1e30));
   gather6(bodies.velocity, g.a, a), gather6(bodies.velocity, g.b, b);
-  separations(g, bodies.displacement, pass.elapsed, separation);
   const W linear = g.root_b * r::dot(g.normal, b) - g.root_a * r::dot(g.normal, a);
   for (int p = 0; p < g.points; ++p) {
     const auto& q = g.point[p];
     speed[p] = linear + (r::dot(q.jb, b + 3) - r::dot(q.ja, a + 3)) + g.place[p].drift;
-    const W reached = -madd(speed[p], W(pass.h), separation[p]);
+    const W reached = -madd(speed[p], W(pass.h), g.place[p].apart);
     // In lanes without a point, or where nothing bounces, the inverse or e is zero.
     closes[p] = where_positive(q.inverse_k,
                                where_positive(reached, where_positive(-speed[p], one, zero), zero), zero);
     due = where_positive(-speed[p] - W(pass.threshold), max(due, closes[p]), due);
-    const W reaches = max(separation[p], zero) / where_positive(-speed[p], -speed[p], one);
+    const W reaches = max(g.place[p].apart, zero) / where_positive(-speed[p], -speed[p], one);
     wait = where_positive(closes[p], min(wait, reaches), wait);
   }
   due = where_positive(g.restitution, due, zero);

@@ -173,53 +173,31 @@ void ContactList::match(const State& s) {
 }
 
 void ContactList::store(State& s) {
+  // What resting bodies do to one another stays as it was.
   rows_.clear();
-  size_t old = 0;
-  const size_t count = s.rows(columns::contact_bodies);
   const auto bodies = s.span<uint32_t>(columns::contact_bodies);
   const auto resting = [&](uint32_t i) {
     return bodies_[i].part == Part::resting || bodies_[i].part == Part::fixed;
   };
-  const auto keep_old = [&](uint64_t before) {
-    for (; old < count; ++old) {
-      const uint32_t a = bodies[2 * old], b = bodies[2 * old + 1];
-      if ((uint64_t{a} << 32 | b) >= before) return;
-      if (!resting(a) || !resting(b)) continue;
-      Row& r = rows_.emplace_back();
-      std::copy_n(&bodies[2 * old], 2, r.bodies);
-      std::copy_n(&s.span<uint32_t>(columns::contact_ids)[5 * old], 5, r.ids);
-      std::copy_n(&s.f64(columns::contact_normal)[3 * old], 3, r.normal);
-      std::copy_n(&s.f64(columns::contact_impulse)[4 * old], 4, r.impulse);
-      std::copy_n(&s.f64(columns::contact_friction)[4 * old], 4, r.friction);
-      std::copy_n(&s.f64(columns::contact_roll)[3 * old], 3, r.roll);
-      r.depth = s.f64(columns::contact_depth)[old], r.pad = s.f64(columns::contact_pad)[old];
-    }
-  };
-  for (const Contact* c : contacts_) {
-    keep_old(uint64_t{c->a} << 32 | c->b);
-    const Manifold& m = c->manifold;
-    Row& r = rows_.emplace_back(Row{{c->a, c->b},
-                                    {static_cast<uint32_t>(m.count)},
-                                    {m.normal.x, m.normal.y, m.normal.z},
-                                    {},
-                                    {c->slide.x, c->slide.y, c->slide.z, c->twist},
-                                    {c->roll.x, c->roll.y, c->roll.z},
-                                    m.deepest(),
-                                    c->pad});
-    for (int p = 0; p < m.count; ++p) {
-      r.ids[1 + p] = m.points[p].id, r.impulse[p] = c->impulse[p];
-    }
+  for (size_t old = 0; old < s.rows(columns::contact_bodies); ++old) {
+    if (!resting(bodies[2 * old]) || !resting(bodies[2 * old + 1])) continue;
+    Row& r = rows_.emplace_back();
+    std::copy_n(&bodies[2 * old], 2, r.bodies);
+    std::copy_n(&s.span<uint32_t>(columns::contact_ids)[5 * old], 5, r.ids);
+    std::copy_n(&s.f64(columns::contact_normal)[3 * old], 3, r.normal);
+    std::copy_n(&s.f64(columns::contact_impulse)[4 * old], 4, r.impulse);
+    std::copy_n(&s.f64(columns::contact_friction)[4 * old], 4, r.friction);
+    std::copy_n(&s.f64(columns::contact_roll)[3 * old], 3, r.roll);
+    r.depth = s.f64(columns::contact_depth)[old], r.pad = s.f64(columns::contact_pad)[old];
   }
-  keep_old(~uint64_t{0});
-  const size_t n = rows_.size();
+  const size_t n = contacts_.size() + rows_.size();
   for (State::Column c = columns::contact_bodies; c < columns::contacts_end; ++c) s.resize(c, n);
   const auto new_bodies = s.span<uint32_t>(columns::contact_bodies);
   const auto new_ids = s.span<uint32_t>(columns::contact_ids);
   const auto normal = s.f64(columns::contact_normal), impulse = s.f64(columns::contact_impulse);
   const auto friction = s.f64(columns::contact_friction), roll = s.f64(columns::contact_roll);
   const auto depth = s.f64(columns::contact_depth), pad = s.f64(columns::contact_pad);
-  for (size_t k = 0; k < n; ++k) {
-    const Row& r = rows_[k];
+  const auto put_resting = [&](size_t k, const Row& r) {
     std::copy_n(r.bodies, 2, &new_bodies[2 * k]);
     std::copy_n(r.ids, 5, &new_ids[5 * k]);
     std::copy_n(r.normal, 3, &normal[3 * k]);
@@ -227,7 +205,29 @@ void ContactList::store(State& s) {
     std::copy_n(r.friction, 4, &friction[4 * k]);
     std::copy_n(r.roll, 3, &roll[3 * k]);
     depth[k] = r.depth, pad[k] = r.pad;
+  };
+  const auto put = [&](size_t k, const Contact& c) {
+    const Manifold& m = c.manifold;
+    new_bodies[2 * k] = c.a, new_bodies[2 * k + 1] = c.b;
+    new_ids[5 * k] = static_cast<uint32_t>(m.count);
+    for (int p = 0; p < Manifold::kMost; ++p) {
+      new_ids[5 * k + 1 + p] = p < m.count ? m.points[p].id : 0;
+      impulse[4 * k + p] = p < m.count ? c.impulse[p] : 0;
+    }
+    store3(normal.data(), k, m.normal), store3(roll.data(), k, c.roll);
+    friction[4 * k] = c.slide.x, friction[4 * k + 1] = c.slide.y, friction[4 * k + 2] = c.slide.z;
+    friction[4 * k + 3] = c.twist;
+    depth[k] = m.deepest(), pad[k] = c.pad;
+  };
+  const auto key = [](uint32_t a, uint32_t b) { return uint64_t{a} << 32 | b; };
+  size_t resting_row = 0, k = 0;
+  for (const Contact* c : contacts_) {
+    while (resting_row < rows_.size() &&
+           key(rows_[resting_row].bodies[0], rows_[resting_row].bodies[1]) < key(c->a, c->b))
+      put_resting(k++, rows_[resting_row++]);
+    put(k++, *c);
   }
+  while (resting_row < rows_.size()) put_resting(k++, rows_[resting_row++]);
 }
 
 }  // namespace truestep

@@ -27,6 +27,11 @@ Vec3 roots(const Vec3& a) {
   return {std::sqrt(a.x), std::sqrt(a.y), std::sqrt(a.z)};
 }
 
+bool presses_with_all(const Contact& c) {
+  return c.manifold.count > 2 &&
+         std::all_of(c.impulse, c.impulse + c.manifold.count, [](double l) { return l > 0; });
+}
+
 /// What turning freely for a time h adds to a spin (rad/s) about principal axes.
 Vec3 gyroscopic_change(const Vec3& spin, const Vec3& moments, double h) {
   if (norm2(spin) <= kSlowSpin * kSlowSpin) return {};
@@ -149,8 +154,7 @@ void ContactSolver<T>::substeps(const JointList& joints, const SolverSettings& s
       }
       for (int e = 0; e < 8; ++e) v[i].x[e] += warm_[i].x[e];
     });
-    pass.elapsed = T(k * h);
-    if (bounces) hit({T(h), pass.elapsed, T(settings.rest_speed)}, settings.substeps - 1 - k);
+    if (bounces) hit({T(h), T(settings.rest_speed)}, settings.substeps - 1 - k);
     std::copy_n(velocity_.begin(), n, start_.begin());
     // There and back: sweeps in one order only would feed bodies that rest on several others, because the
     // impulses they start from sum up what the sweeps left (eigenvalues of the iteration become complex).
@@ -182,7 +186,7 @@ void ContactSolver<T>::hit(const ImpactPass<T>& pass, int substeps_left) {
   const auto end = static_cast<uint32_t>(n);
   late_.assign(n + 1, {});
   std::copy_n(velocity_.begin(), n, start_.begin());
-  const ImpactRecords<T> bodies{velocity_.data(), displacement_.data(), change_.data(), late_.data()};
+  const ImpactRecords<T> bodies{velocity_.data(), change_.data(), late_.data()};
   std::atomic<bool> any = true;
   for (int round = 0; round < kImpactRounds && any; ++round) {
     any = false;
@@ -233,9 +237,13 @@ void ContactSolver<T>::solve(State& s, std::span<const BodyKind> kinds, const Jo
   if (body_.empty()) return;
   const auto gathering = team_.gather(in.arena);
   load_bodies(s, kinds, now, change, settings, in.h);
-  ends_.clear();
-  for (const uint32_t k : listed_) ends_.push_back({slot_[contacts[k]->a], slot_[contacts[k]->b]});
-  make_lanes(listed_, ends_, body_.size(), W::kLanes, colouring_, contact_lanes_);
+  ends_.clear(), partial_.clear();
+  for (const uint32_t k : listed_) {
+    ends_.push_back({slot_[contacts[k]->a], slot_[contacts[k]->b]});
+    partial_.push_back(!presses_with_all(*contacts[k]));
+  }
+  // A group is solved at once as long as the patches of all of its lanes hold.
+  make_lanes(listed_, ends_, partial_, body_.size(), W::kLanes, colouring_, contact_lanes_);
   if (groups_.size() < contact_lanes_.count) groups_.resize(contact_lanes_.count + contact_lanes_.count / 4);
   team_.for_blocks(contact_lanes_.count, kGroupsPerBlock, [&](size_t begin, size_t end) {
     for (size_t g = begin; g < end; ++g) fill(g, contacts, s, kinds, now);

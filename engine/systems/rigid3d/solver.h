@@ -55,6 +55,7 @@ class ContactSolver {
   LaneColouring colouring_;
   std::vector<ConstraintEnds> ends_;
   std::vector<uint32_t> listed_;
+  std::vector<uint8_t> partial_;  // contacts that may not press with all of their points
   uint32_t flags_ = 0;
   bool damped_ = false;
 };

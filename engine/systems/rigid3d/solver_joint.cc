@@ -41,7 +41,7 @@ void JointSolver<T>::fill(const State& s, const JointList& joints, const Bodies&
   const auto held = s.span<uint32_t>(columns::joint_bodies);
   const auto slot = [&](uint32_t i) { return i == kNoBody ? kNoBody : bodies.slot[i]; };
   for (const uint32_t k : listed_) ends_.push_back({slot(held[2 * k]), slot(held[2 * k + 1])});
-  make_lanes(listed_, ends_, bodies.moving, W::kLanes, colouring_, lanes_);
+  make_lanes(listed_, ends_, {}, bodies.moving, W::kLanes, colouring_, lanes_);
   if (groups_.size() < lanes_.count) groups_.resize(lanes_.count);
   count_drives(joints);
   team.for_blocks(lanes_.count, kGroupsPerBlock, [&](size_t begin, size_t end) {

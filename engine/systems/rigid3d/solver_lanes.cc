@@ -1,14 +1,30 @@
 #include "engine/systems/rigid3d/solver_lanes.h"
 
+#include <algorithm>
+#include <iterator>
+
 namespace truestep {
 
-void make_lanes(std::span<const uint32_t> items, std::span<const ConstraintEnds> ends, size_t bodies,
-                uint32_t lanes, LaneColouring& memory, LaneGroups& out) {
+void make_lanes(std::span<const uint32_t> items, std::span<const ConstraintEnds> ends,
+                std::span<const uint8_t> last, size_t bodies, uint32_t lanes, LaneColouring& memory,
+                LaneGroups& out) {
   const size_t n = items.size();
   memory.colour.resize(n), memory.order.resize(n), memory.used.resize(bodies);
   std::array<uint32_t, kColours + 1> count;
   colour_constraints(ends, memory.used, memory.colour, count);
   sort_by_colour(memory.colour, count, memory.order);
+  if (!last.empty()) {
+    memory.sorted.clear();
+    auto begin = memory.order.begin();
+    for (const uint32_t c : count) {
+      for (const uint8_t behind : {0, 1}) {
+        std::copy_if(begin, begin + c, std::back_inserter(memory.sorted),
+                     [&](uint32_t i) { return last[i] == behind; });
+      }
+      begin += c;
+    }
+    memory.order.swap(memory.sorted);
+  }
   out.member.clear(), out.colour_begin.assign(1, 0);
   const auto close = [&] { out.colour_begin.push_back(static_cast<uint32_t>(out.member.size() / lanes)); };
   size_t next = 0;

@@ -29,14 +29,16 @@ struct LaneGroups {
 
 /// Memory of make_lanes.
 struct LaneColouring {
-  std::vector<uint32_t> order;
+  std::vector<uint32_t> order, sorted;
   std::vector<uint64_t> used;
   std::vector<uint8_t> colour;
 };
 
-/// Groups of `lanes` items; ends[i]: the moving bodies of items[i], below `bodies`.
-void make_lanes(std::span<const uint32_t> items, std::span<const ConstraintEnds> ends, size_t bodies,
-                uint32_t lanes, LaneColouring& memory, LaneGroups& out);
+/// Groups of `lanes` items; ends[i]: the moving bodies of items[i], below `bodies`; last[i], where given: 1
+/// for items that go behind the others of their colour, to share groups with their like.
+void make_lanes(std::span<const uint32_t> items, std::span<const ConstraintEnds> ends,
+                std::span<const uint8_t> last, size_t bodies, uint32_t lanes, LaneColouring& memory,
+                LaneGroups& out);
 
 /// Order of the colours.
 enum class ColourOrder : uint8_t { forth, back };

@@ -22,7 +22,7 @@ Rigid3dDef def_of(const SpaceScene& scene, const OursSettings& settings) {
   Rigid3dDef def;
   def.gravity = scene.gravity, def.friction = kSpaceFriction;
   def.sleeping = settings.sleep == OursSettings::Sleep::allowed;
-  if (settings.substeps > 0) def.substeps = settings.substeps;
+  if (scene.substeps > 0) def.substeps = scene.substeps;
   if (settings.numbers == OursSettings::Numbers::f64) def.precision = Rigid3dDef::Precision::f64;
   for (const SpaceBody& b : scene.bodies) {
     const auto add = [&](auto body) {

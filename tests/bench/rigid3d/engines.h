@@ -16,7 +16,6 @@ struct SpaceEngine {
 
 struct OursSettings {
   int threads = 1;
-  int substeps = 0;  ///< 0: the default
   enum class Sleep { never, allowed } sleep = Sleep::never;
   enum class Numbers { f32, f64 } numbers = Numbers::f32;
 };

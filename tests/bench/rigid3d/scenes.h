@@ -28,6 +28,7 @@ struct SpaceScene {
   Vec3 gravity{0, 0, -9.81};
   bool collide = true;
   int steps = 600;
+  int substeps = 0;  ///< of ours; 0: the default
 };
 struct SpaceState {
   Pose pose;
@@ -37,7 +38,8 @@ struct SpaceState {
 inline constexpr double kSpaceDensity = 1000, kSpaceFriction = 0.5;
 
 SpaceScene space_stack(int boxes, int steps);
-/// Pyramid 15, pile 20, wall 40, joint grid 45, stacks of 10 and 20, a free top.
+/// Pyramid 15, pile 20, wall 40, joint grid 45, stacks of 10 and 20, a free top, the pyramid in 4 small
+/// steps.
 std::vector<SpaceScene> space_scenes();
 
 double mass(const SpaceBody& body);
