@@ -4,9 +4,14 @@
 // Bodies are in scaled variables in which every mass matrix is the identity: the record of body i is
 //   (sqrt(m) v, sqrt(I) R^T w),     I the principal moments, R the orientation,
 // and likewise for displacements, so that one vector j = S (r x n), S = I^-1/2 R^T, both reads and changes a
-// turn. Turns are in the body's frame, where inertia stays what it is while the body moves:
-//   J v = n . (v_b / sqrt(m_b) - v_a / sqrt(m_a)) + j_b . w_b - j_a . w_a,    K = 1/m_a + 1/m_b + j_a^2 +
-//   j_b^2
+// turn. Turns are in the body's frame, where inertia stays what it is while the body moves.
+// A pass works in the frame of the contact: axes n, t0, t1 at the points' centre of pressure c. Of a body it
+// needs S n, S t0, S t1 and where c is: with r = (rn, r0, r1) from its centre to c and turns (wn, w0, w1)
+// along the axes, c moves by w x r, and a force at c turns it by r x f. Six numbers say how b moves against
+// a,
+//   v = (velocity of c along n, t0, t1, turns about n, t0, t1),
+// impulses f of the same kinds change them by K f, and both bodies hear of f once, at the end of the pass. A
+// point at c + x t0 + y t1 moves by v0 + y v4 - x v5 along n.
 // Friction acts at the points' centre of pressure: a vector in the tangent plane, clipped to the disc of
 // radius mu sum(l), and a twist about the normal of at most mu sum(l_p |p - c|), which is what the points
 // give when the body only spins. Rolling resistance is a vector of torques along the plane.
@@ -38,11 +43,12 @@ struct alignas(64) ContactGroup {
   uint32_t flags = 0;
 
   W normal[3], tangent[2][3], root_a, root_b;  ///< axes; 1/sqrt(m)
-  // The patch: what a and b do to one another at the centre of pressure c, as force and torque.
-  W cja[3], cjb[3], tja[2][3], tjb[2][3];  ///< rows along the normal and the tangents at c
-  W nja[3], njb[3], rja[2][3], rjb[2][3];  ///< turns about the normal and the tangents
-  W inverse[21];                           ///< of K over these six rows, lower triangle by rows
-  W whole, filled;                         ///< 1 where the points span a plane; where there are any
+  struct Body {
+    W axis[3][3];  ///< S n, S t0, S t1
+    W arm[3];      ///< m, from the centre to c along n, t0, t1
+  } body_a, body_b;
+  W inverse[21];    ///< of K, lower triangle by rows
+  W whole, filled;  ///< 1 where the points span a plane; where there are any
   struct Place {
     W x, y;               ///< m from c along the tangents
     W share[3];           ///< of force, torques about the tangents that this point takes
@@ -52,11 +58,10 @@ struct alignas(64) ContactGroup {
   } place[kPoints];
   W friction, slide[2], slide_drift[2];  ///< coefficient, impulses, velocity of the surfaces themselves
   W twist, twist_drift, lever[kPoints];
-  // Rows one by one, for lanes whose patch lets go or slides.
-  struct Point {
-    W ja[3], jb[3], inverse_k;
-  } point[kPoints];
-  W k_inverse[3], twist_k;  ///< of friction: xx, xy, yy
+  // For lanes whose patch lets go or slides.
+  W k[21];                            ///< K, lower triangle by rows
+  W point_inverse[kPoints];           ///< of K for a point's normal; 0 where there is no point
+  W slide_inverse[3], twist_inverse;  ///< of friction: xx, xy, yy
   // Read only where the flags ask for it.
   W restitution;
   W roll_k[3], roll[2], rolling;
@@ -75,6 +80,19 @@ struct ContactLanes {
       surface_turn[3];  ///< velocity at a's centre and spin of b's surface against a's by themselves
 };
 
+namespace detail {
+/// The six rows of a body's turn: j such that j . w is its share of v.
+template <class Body, class W>
+void body_rows(const Body& body, W j[6][3]) {
+  const auto& [n, t, u] = body.axis;
+  const W &rn = body.arm[0], &rt = body.arm[1], &ru = body.arm[2];
+  for (int k = 0; k < 3; ++k) {
+    j[0][k] = ru * t[k] - rt * u[k], j[1][k] = rn * u[k] - ru * n[k], j[2][k] = rt * n[k] - rn * t[k];
+    j[3][k] = n[k], j[4][k] = t[k], j[5][k] = u[k];
+  }
+}
+}  // namespace detail
+
 /// Rows of a group from what the narrow phase found; g.a, g.b, g.points and g.flags are set by the caller.
 template <class T>
 void prepare_contacts(ContactGroup<T>& g, const ContactLanes<T>& in) {
@@ -86,12 +104,6 @@ void prepare_contacts(ContactGroup<T>& g, const ContactLanes<T>& in) {
   g.root_a = in.root_a, g.root_b = in.root_b;
   const W linear = in.root_a * in.root_a + in.root_b * in.root_b;
   const auto inverse = [&](const W& k) { return where_positive(k, one / k, zero); };
-  const auto row = [&](const W arm[3], const W axis[3], W ja[3], W jb[3]) {
-    W other[3], moment[3];
-    r::cross(arm, axis, moment), r::apply(in.turn_a, moment, ja);
-    for (int k = 0; k < 3; ++k) other[k] = arm[k] - in.apart[k];
-    r::cross(other, axis, moment), r::apply(in.turn_b, moment, jb);
-  };
   const auto drift = [&](const W arm[3], const W axis[3]) {
     W v[3];
     r::cross(in.surface_turn, arm, v);
@@ -102,10 +114,7 @@ void prepare_contacts(ContactGroup<T>& g, const ContactLanes<T>& in) {
 
   W weight(0), center[3] = {}, half(0);
   for (int p = 0; p < g.points; ++p) {
-    auto& q = g.point[p];
     auto& at = g.place[p];
-    row(in.arm[p], in.normal, q.ja, q.jb);
-    q.inverse_k = in.active[p] * inverse(linear + r::dot(q.ja, q.ja) + r::dot(q.jb, q.jb));
     at.separation = at.apart = in.separation[p], at.impulse = in.impulse[p];
     at.drift = drifts ? drift(in.arm[p], in.normal) : zero;
     // Points share the pressure of the last step; all alike where there was none.
@@ -117,21 +126,16 @@ void prepare_contacts(ContactGroup<T>& g, const ContactLanes<T>& in) {
   const W share = inverse(weight);
   for (W& c : center) c *= share;
 
-  row(center, in.normal, g.cja, g.cjb);
   // Friction acts where the surfaces will meet, not between them.
   half *= share;
-  W from_a[3], from_b[3];
+  const W* axes[3] = {g.normal, g.tangent[0], g.tangent[1]};
+  W from_b[3];
+  for (int k = 0; k < 3; ++k) from_b[k] = center[k] - in.apart[k];
   for (int k = 0; k < 3; ++k) {
-    from_a[k] = nmadd(half, in.normal[k], center[k]);
-    from_b[k] = madd(half, in.normal[k], center[k] - in.apart[k]);
+    r::apply(in.turn_a, axes[k], g.body_a.axis[k]), r::apply(in.turn_b, axes[k], g.body_b.axis[k]);
+    g.body_a.arm[k] = r::dot(center, axes[k]), g.body_b.arm[k] = r::dot(from_b, axes[k]);
   }
-  for (int t = 0; t < 2; ++t) {
-    W moment[3];
-    r::cross(from_a, g.tangent[t], moment), r::apply(in.turn_a, moment, g.tja[t]);
-    r::cross(from_b, g.tangent[t], moment), r::apply(in.turn_b, moment, g.tjb[t]);
-    r::apply(in.turn_a, g.tangent[t], g.rja[t]), r::apply(in.turn_b, g.tangent[t], g.rjb[t]);
-  }
-  r::apply(in.turn_a, in.normal, g.nja), r::apply(in.turn_b, in.normal, g.njb);
+  g.body_a.arm[0] -= half, g.body_b.arm[0] += half;
 
   // Rows (1, y, -x) of the points: how their impulses make force and torque, and least squares back.
   W n(0), sx(0), sy(0), sxx(0), sxy(0), syy(0);
@@ -159,20 +163,28 @@ void prepare_contacts(ContactGroup<T>& g, const ContactLanes<T>& in) {
   }
   r::spare_impulses(g.place, g.points, in.active[3] * g.whole);
   {
-    const W* ja[6] = {g.cja, g.tja[0], g.tja[1], g.nja, g.rja[0], g.rja[1]};
-    const W* jb[6] = {g.cjb, g.tjb[0], g.tjb[1], g.njb, g.rjb[0], g.rjb[1]};
-    W k[6][6];
-    for (int p = 0; p < 6; ++p) {
-      for (int q = 0; q <= p; ++q) k[p][q] = r::dot(ja[p], ja[q]) + r::dot(jb[p], jb[q]);
-      if (p < 3) k[p][p] += linear;
-      k[p][p] = madd(k[p][p], W(1e-5), k[p][p]);
+    W ja[6][3], jb[6][3], k[6][6];
+    detail::body_rows(g.body_a, ja), detail::body_rows(g.body_b, jb);
+    for (int p = 0, at = 0; p < 6; ++p) {
+      for (int q = 0; q <= p; ++q, ++at) {
+        k[p][q] = r::dot(ja[p], ja[q]) + r::dot(jb[p], jb[q]);
+        if (p < 3 && p == q) k[p][p] += linear;
+        g.k[at] = k[p][q];
+      }
     }
-    r::invert_positive<6>(k, g.inverse);
-    r::invert(k[1][1], k[2][1], k[2][2], g.k_inverse);
-    g.twist_k = in.active[0] * inverse(k[3][3]);
+    for (int p = 0; p < g.points; ++p) {
+      const W &x = g.place[p].x, &y = g.place[p].y;
+      const W along = k[0][0] + y * (k[4][0] + k[4][0] + y * k[4][4]) -
+                      x * (k[5][0] + k[5][0] - x * k[5][5]) - (x + x) * y * k[5][4];
+      g.point_inverse[p] = in.active[p] * inverse(along);
+    }
+    r::invert(k[1][1], k[2][1], k[2][2], g.slide_inverse);
+    g.twist_inverse = in.active[0] * inverse(k[3][3]);
     if (g.flags & ContactGroup<T>::kRolls) r::invert(k[4][4], k[5][4], k[5][5], g.roll_k);
+    for (int p = 0; p < 6; ++p) k[p][p] = madd(k[p][p], W(1e-5), k[p][p]);
+    r::invert_positive<6>(k, g.inverse);
   }
-  for (W& k : g.k_inverse) k *= in.active[0];
+  for (W& k : g.slide_inverse) k *= in.active[0];
   g.friction = in.friction;
   for (int t = 0; t < 2; ++t) {
     g.slide[t] = r::dot(in.slide, g.tangent[t]);

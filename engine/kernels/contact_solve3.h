@@ -6,37 +6,66 @@
 
 namespace truestep {
 
-/// Adds every impulse of the group to the records (scaled velocities).
-template <class T>
-void apply_contacts(const ContactGroup<T>& g, Record8<T>* records, uint32_t end) {
-  using W = Wide<T>;
-  namespace r = contact_rows;
-  W a[6], b[6], sum(0);
-  gather6(records, g.a, a), gather6(records, g.b, b);
-  for (int p = 0; p < g.points; ++p) {
-    const auto& q = g.point[p];
-    const W& l = g.place[p].impulse;
-    sum += l;
-    r::subtract(a + 3, l, q.ja), r::add(b + 3, l, q.jb);
-  }
-  r::subtract(a, sum * g.root_a, g.normal), r::add(b, sum * g.root_b, g.normal);
-  for (int t = 0; t < 2; ++t) {
-    r::subtract(a, g.slide[t] * g.root_a, g.tangent[t]), r::add(b, g.slide[t] * g.root_b, g.tangent[t]);
-    r::subtract(a + 3, g.slide[t], g.tja[t]), r::add(b + 3, g.slide[t], g.tjb[t]);
-  }
-  r::subtract(a + 3, g.twist, g.nja), r::add(b + 3, g.twist, g.njb);
-  if (g.flags & ContactGroup<T>::kRolls) {
-    for (int t = 0; t < 2; ++t) {
-      r::subtract(a + 3, g.roll[t], g.rja[t]), r::add(b + 3, g.roll[t], g.rjb[t]);
-    }
-  }
-  scatter6(records, g.a, end, a), scatter6(records, g.b, end, b);
+namespace detail {
+/// Turns of a body along the axes of the contact.
+template <class Body, class W>
+[[gnu::always_inline]] inline void turns_along(const Body& body, const W turn[3], W out[3]) {
+  for (int k = 0; k < 3; ++k) out[k] = contact_rows::dot(body.axis[k], turn);
 }
 
-namespace detail {
+/// How b moves against a: the six numbers v from the bodies' records.
+template <class T>
+[[gnu::always_inline]] inline void relative_motion(const ContactGroup<T>& g, const Wide<T> a[6],
+                                                   const Wide<T> b[6], Wide<T> v[6]) {
+  using W = Wide<T>;
+  namespace r = contact_rows;
+  W linear[3], wa[3], wb[3];
+  for (int k = 0; k < 3; ++k) linear[k] = nmadd(g.root_a, a[k], g.root_b * b[k]);
+  turns_along(g.body_a, a + 3, wa), turns_along(g.body_b, b + 3, wb);
+  const W *ra = g.body_a.arm, *rb = g.body_b.arm;
+  const W* axes[3] = {g.normal, g.tangent[0], g.tangent[1]};
+  for (int k = 0; k < 3; ++k) {
+    const int i = (k + 1) % 3, j = (k + 2) % 3;
+    v[k] = r::dot(linear, axes[k]) + nmadd(wb[j], rb[i], wb[i] * rb[j]) - nmadd(wa[j], ra[i], wa[i] * ra[j]);
+    v[3 + k] = wb[k] - wa[k];
+  }
+}
+
+/// Adds impulses f at c to b's record, takes them from a's.
+template <class T>
+[[gnu::always_inline]] inline void push_apart(const ContactGroup<T>& g, const Wide<T> f[6], Wide<T> a[6],
+                                              Wide<T> b[6]) {
+  using W = Wide<T>;
+  namespace r = contact_rows;
+  W push[3];
+  for (int k = 0; k < 3; ++k) {
+    push[k] = madd(f[2], g.tangent[1][k], madd(f[1], g.tangent[0][k], f[0] * g.normal[k]));
+  }
+  r::subtract(a, g.root_a, push), r::add(b, g.root_b, push);
+  const W *ra = g.body_a.arm, *rb = g.body_b.arm;
+  for (int k = 0; k < 3; ++k) {
+    const int i = (k + 1) % 3, j = (k + 2) % 3;
+    r::subtract(a + 3, f[3 + k] + nmadd(ra[j], f[i], ra[i] * f[j]), g.body_a.axis[k]);
+    r::add(b + 3, f[3 + k] + nmadd(rb[j], f[i], rb[i] * f[j]), g.body_b.axis[k]);
+  }
+}
+
+/// Element of K.
+constexpr int at(int row, int column) {
+  return row > column ? row * (row + 1) / 2 + column : column * (column + 1) / 2 + row;
+}
+
+/// One more impulse of kind `which`: f takes it up, v follows.
+template <class T>
+[[gnu::always_inline]] inline void add_impulse(const ContactGroup<T>& g, int which, const Wide<T>& impulse,
+                                               Wide<T> v[6], Wide<T> f[6]) {
+  f[which] += impulse;
+  for (int k = 0; k < 6; ++k) v[k] = madd(g.k[at(k, which)], impulse, v[k]);
+}
+
 /// Rolling, twist and slide of a group, for the normal impulses as they are.
 template <class T>
-void solve_friction(ContactGroup<T>& g, Wide<T> a[6], Wide<T> b[6]) {
+void solve_friction(ContactGroup<T>& g, Wide<T> v[6], Wide<T> f[6]) {
   using W = Wide<T>;
   namespace r = contact_rows;
   W pressure(0), torque(0);
@@ -45,32 +74,26 @@ void solve_friction(ContactGroup<T>& g, Wide<T> a[6], Wide<T> b[6]) {
     torque = madd(g.lever[p], g.place[p].impulse, torque);
   }
   if (g.flags & ContactGroup<T>::kRolls) {
-    W slip[2], change[2], added[2];
-    for (int t = 0; t < 2; ++t) slip[t] = r::dot(g.rjb[t], b + 3) - r::dot(g.rja[t], a + 3);
-    change[0] = -madd(g.roll_k[1], slip[1], g.roll_k[0] * slip[0]);
-    change[1] = -madd(g.roll_k[2], slip[1], g.roll_k[1] * slip[0]);
+    W change[2], added[2];
+    change[0] = -madd(g.roll_k[1], v[5], g.roll_k[0] * v[4]);
+    change[1] = -madd(g.roll_k[2], v[5], g.roll_k[1] * v[4]);
     r::clip(g.roll, change, g.rolling * pressure, added);
-    for (int t = 0; t < 2; ++t) r::subtract(a + 3, added[t], g.rja[t]), r::add(b + 3, added[t], g.rjb[t]);
+    for (int t = 0; t < 2; ++t) add_impulse(g, 4 + t, added[t], v, f);
   }
   {
-    const W speed = r::dot(g.njb, b + 3) - r::dot(g.nja, a + 3) + g.twist_drift;
-    const W total = max(min(nmadd(g.twist_k, speed, g.twist), torque), -torque), added = total - g.twist;
+    const W speed = v[3] + g.twist_drift;
+    const W total = max(min(nmadd(g.twist_inverse, speed, g.twist), torque), -torque);
+    const W added = total - g.twist;
     g.twist = total;
-    r::subtract(a + 3, added, g.nja), r::add(b + 3, added, g.njb);
+    add_impulse(g, 3, added, v, f);
   }
   {
     W slip[2], change[2], added[2];
-    for (int t = 0; t < 2; ++t) {
-      slip[t] = g.root_b * r::dot(g.tangent[t], b) - g.root_a * r::dot(g.tangent[t], a) +
-                (r::dot(g.tjb[t], b + 3) - r::dot(g.tja[t], a + 3)) + g.slide_drift[t];
-    }
-    change[0] = -madd(g.k_inverse[1], slip[1], g.k_inverse[0] * slip[0]);
-    change[1] = -madd(g.k_inverse[2], slip[1], g.k_inverse[1] * slip[0]);
+    for (int t = 0; t < 2; ++t) slip[t] = v[1 + t] + g.slide_drift[t];
+    change[0] = -madd(g.slide_inverse[1], slip[1], g.slide_inverse[0] * slip[0]);
+    change[1] = -madd(g.slide_inverse[2], slip[1], g.slide_inverse[1] * slip[0]);
     r::clip(g.slide, change, g.friction * pressure, added);
-    for (int t = 0; t < 2; ++t) {
-      r::subtract(a, added[t] * g.root_a, g.tangent[t]), r::add(b, added[t] * g.root_b, g.tangent[t]);
-      r::subtract(a + 3, added[t], g.tja[t]), r::add(b + 3, added[t], g.tjb[t]);
-    }
+    for (int t = 0; t < 2; ++t) add_impulse(g, 1 + t, added[t], v, f);
   }
 }
 /// What every point should have for a relative velocity, negated; what is apart may close in one substep.
@@ -94,18 +117,9 @@ Wide<T> held_back(const ContactGroup<T>& g, int p) {
 /// All six ways in which a patch holds at once. Lanes where that would pull, slide or twist are left as they
 /// are: 1 in `done` for the others.
 template <ContactSolve kind, class T>
-Wide<T> solve_patch(ContactGroup<T>& g, Wide<T> a[6], Wide<T> b[6], const ContactPass<T>& pass) {
+Wide<T> solve_patch(ContactGroup<T>& g, const Wide<T> v[6], Wide<T> f[6], const ContactPass<T>& pass) {
   using W = Wide<T>;
-  namespace r = contact_rows;
-  W slip[6], f[6] = {};
-  slip[0] = g.root_b * r::dot(g.normal, b) - g.root_a * r::dot(g.normal, a) +
-            (r::dot(g.cjb, b + 3) - r::dot(g.cja, a + 3));
-  for (int t = 0; t < 2; ++t) {
-    slip[1 + t] = g.root_b * r::dot(g.tangent[t], b) - g.root_a * r::dot(g.tangent[t], a) +
-                  (r::dot(g.tjb[t], b + 3) - r::dot(g.tja[t], a + 3)) + g.slide_drift[t];
-    slip[4 + t] = r::dot(g.rjb[t], b + 3) - r::dot(g.rja[t], a + 3);
-  }
-  slip[3] = r::dot(g.njb, b + 3) - r::dot(g.nja, a + 3) + g.twist_drift;
+  W slip[6] = {v[0], v[1] + g.slide_drift[0], v[2] + g.slide_drift[1], v[3] + g.twist_drift, v[4], v[5]};
   W held[3] = {}, before(0);  // force and torques of the normal impulses
   for (int p = 0; p < g.points; ++p) {
     const auto& at = g.place[p];
@@ -115,6 +129,7 @@ Wide<T> solve_patch(ContactGroup<T>& g, Wide<T> a[6], Wide<T> b[6], const Contac
     held[0] += at.impulse;
     held[1] = madd(at.y, at.impulse, held[1]), held[2] = nmadd(at.x, at.impulse, held[2]);
   }
+  for (int p = 0; p < 6; ++p) f[p] = W(0);
   for (int p = 0, at = 0; p < 6; ++p) {
     for (int q = 0; q < p; ++q, ++at) {
       f[p] = nmadd(g.inverse[at], slip[q], f[p]);
@@ -157,7 +172,7 @@ Wide<T> solve_patch(ContactGroup<T>& g, Wide<T> a[6], Wide<T> b[6], const Contac
   W done = where_positive(-least - W(1e-5) * pressure, zero, g.whole);
   if (kind == ContactSolve::relax && (g.flags & ContactGroup<T>::kBounces)) {
     for (int p = 0; p < g.points; ++p) {
-      done = where_positive(g.point[p].inverse_k, done * held_back(g, p), done);
+      done = where_positive(g.point_inverse[p], done * held_back(g, p), done);
     }
   }
   done = where_positive(madd(slide[1], slide[1], slide[0] * slide[0]) - limit * limit, zero, done);
@@ -167,91 +182,109 @@ Wide<T> solve_patch(ContactGroup<T>& g, Wide<T> a[6], Wide<T> b[6], const Contac
   }
   for (int t = 0; t < 2; ++t) g.slide[t] = where_positive(done, slide[t], g.slide[t]);
   g.twist = where_positive(done, twist, g.twist);
-  for (W& x : f) x = where_positive(done, x, zero);
-  W push[3];
-  for (int k = 0; k < 3; ++k) {
-    push[k] = madd(f[2], g.tangent[1][k], madd(f[1], g.tangent[0][k], f[0] * g.normal[k]));
-  }
-  r::subtract(a, g.root_a, push), r::add(b, g.root_b, push);
-  const W* ja[6] = {g.cja, g.tja[0], g.tja[1], g.nja, g.rja[0], g.rja[1]};
-  const W* jb[6] = {g.cjb, g.tjb[0], g.tjb[1], g.njb, g.rjb[0], g.rjb[1]};
-  for (int k = 0; k < 6; ++k) r::subtract(a + 3, f[k], ja[k]), r::add(b + 3, f[k], jb[k]);
+  for (int k = 0; k < 6; ++k) f[k] = where_positive(done, f[k], zero);
   return done;
 }
 
 /// The points' normal impulses one after the other.
 template <ContactSolve kind, class T>
-void solve_points(ContactGroup<T>& g, Wide<T> a[6], Wide<T> b[6], const ContactPass<T>& pass) {
+void solve_points(ContactGroup<T>& g, Wide<T> v[6], Wide<T> f[6], const ContactPass<T>& pass) {
   using W = Wide<T>;
-  namespace r = contact_rows;
-  // The linear part of J v changes by the same number for all points.
-  const W k = g.root_a * g.root_a + g.root_b * g.root_b, zero(0), one(1);
-  W linear = g.root_b * r::dot(g.normal, b) - g.root_a * r::dot(g.normal, a), sum(0);
+  const W zero(0), one(1);
+  // A point's impulse is one along n and two about the tangents: only those matter to the other points.
+  const W k00 = g.k[at(0, 0)], k40 = g.k[at(4, 0)], k50 = g.k[at(5, 0)], k44 = g.k[at(4, 4)],
+          k54 = g.k[at(5, 4)], k55 = g.k[at(5, 5)];
+  W sum[3] = {};
   for (int p = 0; p < g.points; ++p) {
-    auto& q = g.point[p];
-    auto& at = g.place[p];
-    const W speed = linear + (r::dot(q.jb, b + 3) - r::dot(q.ja, a + 3)) + at.drift;
-    const W& s = at.apart;
+    auto& place = g.place[p];
+    const W &x = place.x, &y = place.y, &s = place.apart;
+    const W speed = nmadd(x, v[5], madd(y, v[4], v[0])) + place.drift;
     W total;
     if constexpr (kind == ContactSolve::push) {
       const W mass = where_positive(s, one, W(pass.mass_scale));
       const W leak = where_positive(s, zero, W(pass.impulse_scale));
-      total = at.impulse - q.inverse_k * mass * (speed + wanted<kind>(s, pass)) - leak * at.impulse;
+      total =
+          place.impulse - g.point_inverse[p] * mass * (speed + wanted<kind>(s, pass)) - leak * place.impulse;
     } else {
-      total = nmadd(q.inverse_k, speed + wanted<kind>(s, pass), at.impulse);
+      total = nmadd(g.point_inverse[p], speed + wanted<kind>(s, pass), place.impulse);
       total = total * held_back(g, p);
     }
     total = max(total, zero);
-    const W added = total - at.impulse;
-    at.impulse = total;
-    sum += added;
-    linear = madd(k, added, linear);
-    r::subtract(a + 3, added, q.ja), r::add(b + 3, added, q.jb);
+    const W added = total - place.impulse, about = y * added, around = x * added;
+    place.impulse = total;
+    sum[0] += added, sum[1] += about, sum[2] -= around;
+    v[0] += nmadd(k50, around, madd(k40, about, k00 * added));
+    v[4] += nmadd(k54, around, madd(k44, about, k40 * added));
+    v[5] += nmadd(k55, around, madd(k54, about, k50 * added));
   }
-  r::subtract(a, sum * g.root_a, g.normal), r::add(b, sum * g.root_b, g.normal);
+  f[0] += sum[0], f[4] += sum[1], f[5] += sum[2];
+  for (int k = 1; k < 4; ++k) {
+    v[k] += madd(g.k[at(k, 5)], sum[2], madd(g.k[at(k, 4)], sum[1], g.k[at(k, 0)] * sum[0]));
+  }
 }
 }  // namespace detail
 
 /// How far apart (m) the points of a group are after the displacements `d`, `elapsed` s into the step.
 template <class T>
-void update_separations(ContactGroup<T>& g, const Record8<T>* d, T elapsed) {
+[[gnu::always_inline]] inline void update_separations(ContactGroup<T>& g, const Record8<T>* d, T elapsed) {
   using W = Wide<T>;
   namespace r = contact_rows;
-  W da[6], db[6], turn[2];
+  W da[6], db[6], v[6];
   gather6(d, g.a, da), gather6(d, g.b, db);
-  const W moved = g.root_b * r::dot(g.normal, db) - g.root_a * r::dot(g.normal, da) +
-                  (r::dot(g.cjb, db + 3) - r::dot(g.cja, da + 3));
-  for (int t = 0; t < 2; ++t) turn[t] = r::dot(g.rjb[t], db + 3) - r::dot(g.rja[t], da + 3);
+  detail::relative_motion(g, da, db, v);
   for (int p = 0; p < g.points; ++p) {
     auto& at = g.place[p];
-    at.apart = madd(at.drift, W(elapsed), at.separation) + nmadd(at.x, turn[1], madd(at.y, turn[0], moved));
+    at.apart = madd(at.drift, W(elapsed), at.separation) + nmadd(at.x, v[5], madd(at.y, v[4], v[0]));
   }
 }
 
 /// One pass over a group: patches that hold at once, then the rows of those that do not.
 template <ContactSolve kind, class T>
-void solve_contacts(ContactGroup<T>& g, Record8<T>* v, const Record8<T>* d, uint32_t end,
+void solve_contacts(ContactGroup<T>& g, Record8<T>* records, const Record8<T>* d, uint32_t end,
                     const ContactPass<T>& pass) {
   using W = Wide<T>;
   namespace r = contact_rows;
-  W a[6], b[6];
+  W a[6], b[6], v[6], f[6] = {};
   // A push starts where the last relaxation ended.
   if constexpr (kind == ContactSolve::relax) update_separations(g, d, pass.elapsed);
-  gather6(v, g.a, a), gather6(v, g.b, b);
+  gather6(records, g.a, a), gather6(records, g.b, b);
+  detail::relative_motion(g, a, b, v);
   bool rest = true;
   if (g.points > 2 && !(g.flags & ContactGroup<T>::kRolls)) {
-    const W done = detail::solve_patch<kind>(g, a, b, pass);
+    const W done = detail::solve_patch<kind>(g, v, f, pass);
     rest = any_below(done, g.filled);
+    if (kind == ContactSolve::push || rest) {
+      for (int p = 0; p < 6; ++p) {
+        for (int q = 0; q < 6; ++q) v[p] = madd(g.k[detail::at(p, q)], f[q], v[p]);
+      }
+    }
     // A push gives up some of the normal impulses; without friction's word on that, bodies creep.
-    if (kind == ContactSolve::push && !rest) detail::solve_friction(g, a, b);
+    if (kind == ContactSolve::push && !rest) detail::solve_friction(g, v, f);
   }
   if (rest) {
     // Friction is bounded by the normal impulses of the last relaxation, never by what a push leaves.
-    if constexpr (kind == ContactSolve::push) detail::solve_friction(g, a, b);
-    detail::solve_points<kind>(g, a, b, pass);
-    if constexpr (kind == ContactSolve::relax) detail::solve_friction(g, a, b);
+    if constexpr (kind == ContactSolve::push) detail::solve_friction(g, v, f);
+    detail::solve_points<kind>(g, v, f, pass);
+    if constexpr (kind == ContactSolve::relax) detail::solve_friction(g, v, f);
   }
-  scatter6(v, g.a, end, a), scatter6(v, g.b, end, b);
+  detail::push_apart(g, f, a, b);
+  scatter6(records, g.a, end, a), scatter6(records, g.b, end, b);
+}
+
+/// Adds every impulse of the group to the records (scaled velocities).
+template <class T>
+void apply_contacts(const ContactGroup<T>& g, Record8<T>* records, uint32_t end) {
+  using W = Wide<T>;
+  W a[6], b[6], f[6] = {W(0), g.slide[0], g.slide[1], g.twist, W(0), W(0)};
+  gather6(records, g.a, a), gather6(records, g.b, b);
+  for (int p = 0; p < g.points; ++p) {
+    const auto& at = g.place[p];
+    f[0] += at.impulse;
+    f[4] = madd(at.y, at.impulse, f[4]), f[5] = nmadd(at.x, at.impulse, f[5]);
+  }
+  if (g.flags & ContactGroup<T>::kRolls) f[4] += g.roll[0], f[5] += g.roll[1];
+  detail::push_apart(g, f, a, b);
+  scatter6(records, g.a, end, a), scatter6(records, g.b, end, b);
 }
 
 }  // namespace truestep

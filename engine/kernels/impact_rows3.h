@@ -35,15 +35,15 @@ bool hit_contacts(ContactGroup<T>& g, const ImpactRecords<T>& bodies, uint32_t e
   namespace r = contact_rows;
   constexpr int kPasses = 8;
   const W zero(0), one(1);
-  W a[6], b[6], speed[4], closes[4], due(0), wait(T(1e30));
+  W a[6], b[6], v[6], speed[4], closes[4], due(0), wait(T(1e30));
   gather6(bodies.velocity, g.a, a), gather6(bodies.velocity, g.b, b);
-  const W linear = g.root_b * r::dot(g.normal, b) - g.root_a * r::dot(g.normal, a);
+  detail::relative_motion(g, a, b, v);
   for (int p = 0; p < g.points; ++p) {
-    const auto& q = g.point[p];
-    speed[p] = linear + (r::dot(q.jb, b + 3) - r::dot(q.ja, a + 3)) + g.place[p].drift;
+    const auto& at = g.place[p];
+    speed[p] = nmadd(at.x, v[5], madd(at.y, v[4], v[0])) + at.drift;
     const W reached = -madd(speed[p], W(pass.h), g.place[p].apart);
     // In lanes without a point, or where nothing bounces, the inverse or e is zero.
-    closes[p] = where_positive(q.inverse_k,
+    closes[p] = where_positive(g.point_inverse[p],
                                where_positive(reached, where_positive(-speed[p], one, zero), zero), zero);
     due = where_positive(-speed[p] - W(pass.threshold), max(due, closes[p]), due);
     const W reaches = max(g.place[p].apart, zero) / where_positive(-speed[p], -speed[p], one);
@@ -60,64 +60,55 @@ bool hit_contacts(ContactGroup<T>& g, const ImpactRecords<T>& bodies, uint32_t e
     for (int p = 0; p < g.points; ++p) speed[p] = nmadd(still, pulls, speed[p]);
   }
 
-  // Compression.
-  const W k = g.root_a * g.root_a + g.root_b * g.root_b;
-  W l[4] = {}, turn_a[3] = {}, turn_b[3] = {}, sum(0);
+  // Compression, in the normal's motion and the turns about the tangents.
+  const auto K = [&](int p, int q) -> const W& { return g.k[detail::at(p, q)]; };
+  W l[4] = {}, f[6] = {}, moved[3] = {};
   for (int e = 0; e < (g.points > 1 ? kPasses : 1); ++e) {
     for (int p = 0; p < g.points; ++p) {
-      const auto& q = g.point[p];
-      const W u = madd(k, sum, speed[p]) + (r::dot(q.jb, turn_b) - r::dot(q.ja, turn_a));
-      const W total = max(nmadd(q.inverse_k, u, l[p]), zero) * closes[p], added = total - l[p];
-      l[p] = total, sum += added;
-      r::subtract(turn_a, added, q.ja), r::add(turn_b, added, q.jb);
+      const auto& at = g.place[p];
+      const W u = speed[p] + nmadd(at.x, moved[2], madd(at.y, moved[1], moved[0]));
+      const W total = max(nmadd(g.point_inverse[p], u, l[p]), zero) * closes[p], added = total - l[p];
+      const W about = at.y * added, around = -(at.x * added);
+      l[p] = total;
+      f[0] += added, f[4] += about, f[5] += around;
+      const int rows[3] = {0, 4, 5};
+      for (int k = 0; k < 3; ++k) {
+        moved[k] += madd(K(rows[k], 5), around, madd(K(rows[k], 4), about, K(rows[k], 0) * added));
+      }
     }
   }
-  W work(0), torque(0), x(0), y(0);
+  W work(0), torque(0);
   for (int p = 0; p < g.points; ++p) {
     work = madd(l[p], speed[p], work);
     torque = madd(g.lever[p], l[p], torque);
-    x = madd(g.place[p].x, l[p], x), y = madd(g.place[p].y, l[p], y);
   }
-  const W square = madd(k * sum, sum, r::dot(turn_a, turn_a) + r::dot(turn_b, turn_b));
+  const W square = madd(f[5], moved[2], madd(f[4], moved[1], f[0] * moved[0]));
   const W scale = due * max(-work, zero) * (one + g.restitution) / where_positive(square, square, one);
   if (!any_below(zero, scale)) return false;
-  const W pressed = where_positive(sum, sum, one);
-  sum *= scale, torque *= scale;
-  x = x / pressed, y = y / pressed;
-
-  W da[6], db[6];
-  for (int e = 0; e < 3; ++e) {
-    da[e] = -(sum * g.root_a) * g.normal[e], db[e] = (sum * g.root_b) * g.normal[e];
-    da[3 + e] = turn_a[e] * scale, db[3 + e] = turn_b[e] * scale;
+  // Where it acts: x and y off the centre.
+  const W pressed = where_positive(f[0], f[0], one), x = -f[5] / pressed, y = f[4] / pressed;
+  torque *= scale;
+  for (const int k : {0, 4, 5}) {
+    f[k] *= scale;
+    for (int p = 0; p < 6; ++p) v[p] = madd(K(p, k), f[k], v[p]);
   }
-  // Friction where the impact acts, x and y off the centre of the rows.
-  W ja[2][3], jb[2][3], slip[2];
-  for (int e = 0; e < 3; ++e) {
-    ja[0][e] = nmadd(y, g.nja[e], g.tja[0][e]), jb[0][e] = nmadd(y, g.njb[e], g.tjb[0][e]);
-    ja[1][e] = madd(x, g.nja[e], g.tja[1][e]), jb[1][e] = madd(x, g.njb[e], g.tjb[1][e]);
-  }
-  for (int e = 0; e < 6; ++e) a[e] += da[e], b[e] += db[e];
-  const W spin = r::dot(g.njb, b + 3) - r::dot(g.nja, a + 3) + g.twist_drift;
-  const W twist = max(min(-(g.twist_k * spin), torque), -torque);
-  r::subtract(da + 3, twist, g.nja), r::add(db + 3, twist, g.njb);
-  r::subtract(a + 3, twist, g.nja), r::add(b + 3, twist, g.njb);
-  for (int t = 0; t < 2; ++t) {
-    slip[t] = g.root_b * r::dot(g.tangent[t], b) - g.root_a * r::dot(g.tangent[t], a) +
-              (r::dot(jb[t], b + 3) - r::dot(ja[t], a + 3)) + g.slide_drift[t];
-  }
-  slip[0] = nmadd(y, g.twist_drift, slip[0]), slip[1] = madd(x, g.twist_drift, slip[1]);
+  const W twist = max(min(-(g.twist_inverse * (v[3] + g.twist_drift)), torque), -torque);
+  detail::add_impulse(g, 3, twist, v, f);
+  // Friction there: its velocity is that of c and what turns about n add.
+  const W turn = v[3] + g.twist_drift;
+  const W slip[2] = {nmadd(y, turn, v[1] + g.slide_drift[0]), madd(x, turn, v[2] + g.slide_drift[1])};
   W inverse[3];
-  r::invert(k + r::dot(ja[0], ja[0]) + r::dot(jb[0], jb[0]), r::dot(ja[0], ja[1]) + r::dot(jb[0], jb[1]),
-            k + r::dot(ja[1], ja[1]) + r::dot(jb[1], jb[1]), inverse);
+  r::invert(K(1, 1) + y * (y * K(3, 3) - K(3, 1) - K(3, 1)),
+            K(2, 1) + x * K(3, 1) - y * K(3, 2) - x * y * K(3, 3),
+            K(2, 2) + x * (x * K(3, 3) + K(3, 2) + K(3, 2)), inverse);
   W slide[2] = {zero, zero}, added[2];
   const W wanted[2] = {-madd(inverse[1], slip[1], inverse[0] * slip[0]),
                        -madd(inverse[2], slip[1], inverse[1] * slip[0])};
-  r::clip(slide, wanted, g.friction * sum, added);
-  for (int t = 0; t < 2; ++t) {
-    r::subtract(da, added[t] * g.root_a, g.tangent[t]), r::add(db, added[t] * g.root_b, g.tangent[t]);
-    r::subtract(da + 3, added[t], ja[t]), r::add(db + 3, added[t], jb[t]);
-  }
+  r::clip(slide, wanted, g.friction * f[0], added);
+  f[1] += added[0], f[2] += added[1], f[3] += nmadd(y, added[0], x * added[1]);
 
+  W da[6] = {}, db[6] = {};
+  detail::push_apart(g, f, da, db);
   W wa[6], wb[6];
   gather6(bodies.velocity, g.a, a), gather6(bodies.velocity, g.b, b);
   gather6(bodies.late, g.a, wa), gather6(bodies.late, g.b, wb);
