@@ -76,7 +76,11 @@ ThreadTeam::Gathering ThreadTeam::gather(const ThreadArena& arena) {
     // Whoever was called last time and comes only now is welcome.
     while (work_->called < arena.threads() - 1) {
       ++work_->called;
+#ifdef TRUESTEP_PLAIN_THREADS  // see parallel.cc
+      std::thread([work = work_] { work->stand_by(); }).detach();
+#else
       work_->helpers.enqueue([work = work_] { work->stand_by(); });
+#endif
     }
   }
   return Gathering(*this);

@@ -211,7 +211,10 @@ Hull convex_hull(std::span<const Vec3> points) {
       throw Error("bad_hull", "a hull's points must be finite");
     }
   }
-  return merge_triangles(points, Quickhull(points).run());
+  Hull hull = merge_triangles(points, Quickhull(points).run());
+  // Merging leaves nothing of a sliver.
+  if (hull.faces.size() < 4) throw Error("bad_hull", "a hull needs four points that are not in one plane");
+  return hull;
 }
 
 }  // namespace truestep

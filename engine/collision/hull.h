@@ -33,7 +33,7 @@ struct Hull {
 
 /// Smallest convex hull of the points, flat faces merged where their corners lie within 1e-9 of the hull's
 /// extent of one plane. Deterministic; points closer than 1e-12 of the extent are one. Error "bad_hull" when
-/// there are fewer than four points, any is not finite or all lie (to 1e-12 of the extent) in a plane.
+/// there are fewer than four points, any is not finite or all lie (to 1e-9 of the extent) in a plane.
 Hull convex_hull(std::span<const Vec3> points);
 
 /// Completes faces' planes, edges, centre and radius of a hull whose vertices and loops are given.

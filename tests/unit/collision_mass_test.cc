@@ -110,6 +110,9 @@ TEST(ConvexHull, SaysWhatIsWrong) {
   EXPECT_EQ(code({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 1, 0}}), "bad_hull");
   EXPECT_EQ(code({{1, 2, 3}, {1, 2, 3}, {1, 2, 3}, {1, 2, 3}}), "bad_hull");
   EXPECT_EQ(code({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 1, NAN}}), "bad_hull");
+  // Found by fuzzing: a sliver whose faces are one plane to the merging of faces; a thicker one is a hull.
+  EXPECT_EQ(code({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0.3, 0.3, 1e-11}}), "bad_hull");
+  EXPECT_EQ(code({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0.3, 0.3, 1e-6}}), "");
   EXPECT_THROW(box_solid({1, 0, 1}), Error);
   EXPECT_THROW(sphere_solid(-1), Error);
   EXPECT_THROW(mass_properties(plane_solid({0, 2, 0}), 1), Error);
