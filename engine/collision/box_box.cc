@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "engine/collision/face_clip.h"
+#include "engine/collision/general_pair.h"
 #include "engine/collision/gjk.h"
 
 namespace truestep {
@@ -207,7 +208,8 @@ void collide_boxes(const Vec3& ha, const Vec3& hb, const Transform& place, doubl
   const Convex a{SolidKind::box, ha}, b{SolidKind::box, hb};
   const CoreDistance d = core_distance(a, b, place, place.position, margin);
   out.count = 0;
-  if (!(d.distance > 0) || d.distance > margin) return;
+  if (!(d.distance > 0)) return collide_general(a, b, place, margin, out);
+  if (d.distance > margin) return;
   out.normal = d.normal;
   out.add((d.point_a + d.point_b) * 0.5, d.distance, 0xc0000000u);
 }

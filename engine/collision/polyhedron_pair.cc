@@ -167,6 +167,9 @@ void collide_polyhedra(const Convex& ca, const Convex& cb, const Transform& plac
     if (d.distance > margin || !towards_b(d.normal)) return;
     out.normal = d.normal;
     out.add((d.point_a + d.point_b) * 0.5, d.distance, 0xc0000000u);
+  } else if (!a.triangle) {
+    // Deep inside one another, the faces of the best axis may not lie over each other.
+    collide_general(ca, cb, place, margin, out);
   }
 }
 

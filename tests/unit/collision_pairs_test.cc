@@ -184,5 +184,27 @@ TEST(CollisionPairs, ControlAWrongDepthIsNoticed) {
   EXPECT_EQ(noticed, touching);
 }
 
+TEST(CollisionPairs, WhatIsDeepInsideOrJustTouchesIsInContact) {
+  // Found by fuzzing: faces of the best axis that do not lie over each other, and bodies at a distance of
+  // nothing.
+  int lost = 0;
+  for (uint64_t i = 0; i < 500; ++i) {
+    const Solid hull = sample_solid(4, i, 1);
+    const Transform at = random_transform(1, i, 0.5);
+    Transform inside = random_transform(2, i, 0);
+    inside.position = at.point(hull.hull->center) + random_unit(3, i) * (0.5 * hull.hull->thickness);
+    const Vec3 half = Vec3{1, 1, 1} * (0.2 * hull.hull->thickness);
+    Manifold m;
+    lost += !collide(hull, at, box_solid(half), inside, 0.01, m) || m.deepest() <= 0;
+  }
+  EXPECT_EQ(lost, 0);
+  const std::vector<Vec3> up{{0, 0, 0}, {1, 0, 1}, {-1, 0.2, 1}, {0, 1, 1}},
+      down{{0, 0, 0}, {1, 0.3, -1}, {-1, 0, -1}, {0, -1, -1}};
+  Manifold m;
+  EXPECT_TRUE(collide(hull_solid(up), {}, hull_solid(down), {}, 0.01, m));
+  // The control: a gap wider than the margin.
+  EXPECT_FALSE(collide(hull_solid(up), {}, hull_solid(down), {{}, {0, 0, -0.02}}, 0.01, m));
+}
+
 }  // namespace
 }  // namespace truestep
