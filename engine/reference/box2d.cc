@@ -4,6 +4,7 @@
 
 #include "engine/reference/box2d_joints.h"
 #include "engine/reference/box2d_world.h"
+#include "engine/reference/own_face.h"
 #include "engine/systems/rigid2d/rigid2d.h"
 
 namespace truestep {
@@ -12,10 +13,10 @@ namespace {
 // The library counts its calls in variables of the process: one world steps at a time.
 std::mutex g_library;
 
-class Box2d final : public StagedSystem {
+class Box2d final : public reference::OwnFace<rigid2d::Rigid2d> {
  public:
   Box2d(const rigid2d::Rigid2dDef& def, const BuildContext& context)
-      : own_(def, context),
+      : OwnFace(def, context),
         scene_(std::make_shared<const reference::Box2dScene>(def)),
         key_("box2d/" + context.id) {
     add_stage("box2d", "Box2D 2.4.1 in floats: 8 iterations for velocities, 3 for positions",
@@ -25,20 +26,6 @@ class Box2d final : public StagedSystem {
         "Box2D keeps the impulses of its contacts to itself: after a snapshot, a seek or a command that "
         "moves a body they start from nothing");
   }
-
-  State initial_state() const override { return own_.initial_state(); }
-  void observe(const State& s, double t, Observables& out) const override { own_.observe(s, t, out); }
-  std::vector<FieldInfo> fields() const override { return own_.fields(); }
-  FieldView field(const State& s, size_t which, std::vector<double>& scratch) const override {
-    return own_.field(s, which, scratch);
-  }
-  void apply(State& s, const Command& c) const override { own_.apply(s, c); }
-  Topology topology(const State& s) const override { return own_.topology(s); }
-  uint32_t topology_version(const State& s) const override { return own_.topology_version(s); }
-  std::vector<DrawnShape> shapes(const State& s, double t) const override { return own_.shapes(s, t); }
-  DrawnBodies bodies(const State& s) const override { return own_.bodies(s); }
-  std::vector<JointMark> joint_marks(const State& s) const override { return own_.joint_marks(s); }
-  size_t max_rows() const override { return own_.max_rows(); }
 
  private:
   struct Scratch {
@@ -54,7 +41,6 @@ class Box2d final : public StagedSystem {
     scratch.world->step(s, in.h);
   }
 
-  rigid2d::Rigid2d own_;
   std::shared_ptr<const reference::Box2dScene> scene_;
   std::string key_;
 };

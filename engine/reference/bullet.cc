@@ -4,6 +4,7 @@
 
 #include "engine/reference/bullet_joints.h"
 #include "engine/reference/bullet_world.h"
+#include "engine/reference/own_face.h"
 #include "engine/systems/rigid3d/forces.h"
 #include "engine/systems/rigid3d/rigid3d.h"
 
@@ -13,10 +14,10 @@ namespace {
 // The library counts and times itself in variables of the process: one world steps at a time.
 std::mutex g_library;
 
-class Bullet final : public StagedSystem {
+class Bullet final : public reference::OwnFace<Rigid3d> {
  public:
   Bullet(const Rigid3dDef& def, const BuildContext& context, std::vector<Issue>& issues)
-      : own_(def, context),
+      : OwnFace(def, context),
         scene_(std::make_shared<const reference::BulletScene>(def, context.seed, issues)),
         key_("bullet/" + context.id) {
     add_stage("forces", "gravity and pushes", [this](State& s, const StepInput& in) {
@@ -29,20 +30,6 @@ class Bullet final : public StagedSystem {
         "Bullet keeps the impulses of its contacts to itself: after a snapshot, a seek or a command that "
         "moves a body they start from nothing");
   }
-
-  State initial_state() const override { return own_.initial_state(); }
-  void observe(const State& s, double t, Observables& out) const override { own_.observe(s, t, out); }
-  std::vector<FieldInfo> fields() const override { return own_.fields(); }
-  FieldView field(const State& s, size_t which, std::vector<double>& scratch) const override {
-    return own_.field(s, which, scratch);
-  }
-  void apply(State& s, const Command& c) const override { own_.apply(s, c); }
-  Topology topology(const State& s) const override { return own_.topology(s); }
-  uint32_t topology_version(const State& s) const override { return own_.topology_version(s); }
-  std::vector<DrawnShape> shapes(const State& s, double t) const override { return own_.shapes(s, t); }
-  DrawnBodies bodies(const State& s) const override { return own_.bodies(s); }
-  std::vector<JointMark> joint_marks(const State& s) const override { return own_.joint_marks(s); }
-  size_t max_rows() const override { return own_.max_rows(); }
 
  private:
   struct Scratch {
@@ -59,7 +46,6 @@ class Bullet final : public StagedSystem {
     scratch.world->step(s, in.h, scratch.change);
   }
 
-  Rigid3d own_;
   std::shared_ptr<const reference::BulletScene> scene_;
   std::string key_;
 };

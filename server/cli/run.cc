@@ -145,7 +145,8 @@ void add_run_command(CLI::App& app, int& exit_code) {
       ->excludes(seconds);
   c->add_option("-o,--output", options->output, "recording to write (.vtkhdf)");
   c->add_option("--picture", options->picture, "picture of the last frame to write (.png)");
-  c->add_option("--show", options->show, "what the picture shows over bodies")
+  c->add_option("--show", options->show,
+                "what the picture shows over bodies: one, or both as contacts,joints")
       ->check(CLI::IsMember({"contacts", "joints", "contacts,joints"}));
   c->add_option("--threads", options->threads, "threads of the simulation (default: all)")
       ->check(CLI::Range(1, 1024));

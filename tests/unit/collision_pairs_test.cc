@@ -184,26 +184,42 @@ TEST(CollisionPairs, ControlAWrongDepthIsNoticed) {
   EXPECT_EQ(noticed, touching);
 }
 
-TEST(CollisionPairs, WhatIsDeepInsideOrJustTouchesIsInContact) {
-  // Found by fuzzing: faces of the best axis that do not lie over each other, and bodies at a distance of
-  // nothing.
-  int lost = 0;
-  for (uint64_t i = 0; i < 500; ++i) {
-    const Solid hull = sample_solid(4, i, 1);
-    const Transform at = random_transform(1, i, 0.5);
-    Transform inside = random_transform(2, i, 0);
-    inside.position = at.point(hull.hull->center) + random_unit(3, i) * (0.5 * hull.hull->thickness);
-    const Vec3 half = Vec3{1, 1, 1} * (0.2 * hull.hull->thickness);
-    Manifold m;
-    lost += !collide(hull, at, box_solid(half), inside, 0.01, m) || m.deepest() <= 0;
-  }
-  EXPECT_EQ(lost, 0);
-  const std::vector<Vec3> up{{0, 0, 0}, {1, 0, 1}, {-1, 0.2, 1}, {0, 1, 1}},
-      down{{0, 0, 0}, {1, 0.3, -1}, {-1, 0, -1}, {0, -1, -1}};
+TEST(CollisionPairs, PolyhedraAtADistanceOfNothingTouch) {
+  // Found by fuzzing: separating axes gave a distance of a rounding, and points and distance gave no contact.
   Manifold m;
-  EXPECT_TRUE(collide(hull_solid(up), {}, hull_solid(down), {}, 0.01, m));
-  // The control: a gap wider than the margin.
-  EXPECT_FALSE(collide(hull_solid(up), {}, hull_solid(down), {{}, {0, 0, -0.02}}, 0.01, m));
+  const std::vector<Vec3> stone{
+      {-0.682267941, -0.817574861, -0.387616527}, {1.03973132, -0.260888389, -0.483851768},
+      {0.545092376, -0.976112441, 0.709660585},   {-0.160830918, -0.230990061, 0.688553385},
+      {0.143843232, 1.15928217, -0.276686937},    {1.13235668, 0.44533219, 0.184613678},
+      {0.614826828, 1.13231421, 0.44533219},      {0.309812924, -0.422101529, 1.03973132},
+      {-0.25213973, -0.523942707, -0.523942707},  {0.184613678, 0.309812924, -0.422101529},
+      {-0.523942707, -0.523942707, -0.523942707}};
+  const Quat q = normalized(Quat{0.558546697, -0.478896505, -0.478896505, -0.478896505});
+  const Solid cube = box_solid(Vec3{1, 1, 1} * 0.0861503325);
+  EXPECT_TRUE(collide(hull_solid(stone), transform_of({{}, q}), cube,
+                      transform_of({Vec3{1, 1, 1} * -0.569439161, q}), 0.06, m));
+  // The control: moved away by more than the margin.
+  EXPECT_FALSE(collide(hull_solid(stone), transform_of({{}, q}), cube,
+                       transform_of({Vec3{1, 1, 1} * -0.8, q}), 0.06, m));
+}
+
+TEST(CollisionPairs, WhatIsDeepInsideIsInContact) {
+  const auto lost = [](double deep) {
+    int n = 0;
+    for (uint64_t i = 0; i < 500; ++i) {
+      const Solid hull = sample_solid(4, i, 1);
+      const Transform at = random_transform(1, i, 0.5);
+      Transform inside = random_transform(2, i, 0);
+      inside.position = at.point(hull.hull->center) + random_unit(3, i) * deep;
+      const Vec3 half = Vec3{1, 1, 1} * (0.2 * hull.hull->thickness);
+      Manifold m;
+      n += !collide(hull, at, box_solid(half), inside, 0.01, m) || m.deepest() <= 0;
+    }
+    return n;
+  };
+  EXPECT_EQ(lost(0.0), 0);
+  // The control: beside it, none is.
+  EXPECT_EQ(lost(4.0), 500);
 }
 
 }  // namespace
