@@ -18,7 +18,7 @@ pub unsafe extern "C" fn peer_new(gravity: *const f64) -> *mut Peer {
     Box::into_raw(Box::new(Peer { world, bodies: vec![] }))
 }
 
-/// Sizes by shape: box (0) half edges, sphere (1) radius, capsule along z (2) radius and half length. The pose is
+/// Sizes by shape: box (0) half edges, sphere (1) radius, capsule along y (2) radius and half length. The pose is
 /// position and quaternion (w first), the motion velocity and angular velocity. What does not collide has no shape,
 /// only `mass` and its moments. Nothing sleeps.
 #[no_mangle]
@@ -43,7 +43,7 @@ pub unsafe extern "C" fn peer_body(p: *mut Peer, shape: c_int, size: *const f64,
     let collider = match shape {
         0 => ColliderBuilder::cuboid(f(0), f(1), f(2)),
         1 => ColliderBuilder::ball(f(0)),
-        _ => ColliderBuilder::capsule_z(f(1), f(0)),
+        _ => ColliderBuilder::capsule_y(f(1), f(0)),
     };
     let collider = collider.density(density as f32).friction(friction as f32).restitution(0.0);
     let (handle, _) = p.world.insert(body, collider);

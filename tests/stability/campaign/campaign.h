@@ -1,0 +1,62 @@
+// Random scenes and what must be true of any of them: energy never above what was there and what drives gave,
+// momentum where nothing reaches in from outside, no deep overlaps, no value that is not finite, nothing
+// asleep that would move, and the scene's own `expect`. Scenes are JSON and go through the parser of every
+// scene, at defaults but for what is drawn. A seed is a scene for ever: family = seed modulo their number.
+#pragma once
+#include <boost/json.hpp>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "tests/stability/campaign/dice.h"
+
+namespace truestep::campaign {
+
+/// How a trial is judged beside the scene's `expect`.
+struct Rules {
+  /// Largest share of the energy at work by which the total may rise above the start's. At work is what moves
+  /// at the start, what falling gave at most, and `stored`.
+  std::optional<double> gain = 0.01;
+  /// Largest share that may be lost; none: any.
+  std::optional<double> loss;
+  double stored = 0;  ///< J that springs hold at the start, whether the observable energy counts them or not
+  double drives = 0;  ///< J that motors and emitters can give at most
+  /// Closed systems: kg m/s and kg m^2/s by which the sums may change; none: not closed.
+  std::optional<double> momentum, angular_momentum;
+  /// Metres that a body found asleep may move within 0.4 s of being woken; none: sleep is not judged.
+  std::optional<double> still;
+  /// Whether the run may end with an instability event: an answer to what no step of this size can hold.
+  enum class Event : uint8_t { fault, allowed } event = Event::fault;
+};
+
+struct Trial {
+  std::string family;
+  uint64_t seed = 0;
+  boost::json::object scene;
+  Rules rules;
+};
+
+struct Finding {
+  std::string kind;  ///< energy, loss, momentum, expect, not_finite, asleep, event, invalid
+  std::string detail;
+};
+struct Outcome {
+  std::vector<Finding> findings;
+  std::optional<std::string> event;  ///< how it ended, when that was allowed
+  double cpu_seconds = 0;
+};
+
+struct Family {
+  const char* name;
+  void (*make)(Dice&, Trial&);
+};
+/// All kinds of scenes, in the order in which seeds count through them.
+std::span<const Family> families();
+
+Trial make_trial(uint64_t seed);
+Outcome judge(const Trial& trial);
+/// "family, seed: kind: detail" of every finding, a line each; empty when all is well.
+std::string report(const Trial& trial, const Outcome& outcome);
+
+}  // namespace truestep::campaign

@@ -1,0 +1,212 @@
+// Runs a trial through a session, as every scene runs, and looks at it after every step.
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <ctime>
+#include <map>
+#include <memory>
+
+#include "engine/base/errors.h"
+#include "engine/base/parallel.h"
+#include "engine/scene/json_write.h"
+#include "engine/session/expectation.h"
+#include "engine/session/session.h"
+#include "tests/stability/campaign/campaign.h"
+
+namespace truestep::campaign {
+namespace {
+
+std::string number(double x) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.4g", x);
+  return text;
+}
+
+/// Energies and sums of momentum along a run.
+class Watch {
+ public:
+  void add(const Observables& seen) {
+    for (const Observation& o : seen.rows()) {
+      if (!std::isfinite(o.value) && not_finite_.empty()) not_finite_ = o.name;
+    }
+    const auto total = seen.find("energy.total"), potential = seen.find("energy.potential");
+    if (total && potential) {
+      if (!first_) first_ = total, kinetic_ = *total - *potential, lowest_ = *potential;
+      if (!first_potential_) first_potential_ = potential;
+      lowest_ = std::min(lowest_, *potential);
+      most_ = std::max(most_, *total - *first_), least_ = std::min(least_, *total - *first_);
+    }
+    std::map<std::string, double> sums;
+    for (const Observation& o : seen.rows()) {
+      if (o.name.find("momentum") == std::string::npos) continue;
+      sums[o.name.substr(o.name.find('.') + 1)] += o.value;
+    }
+    for (const auto& [name, value] : sums) {
+      const double start = starts_.try_emplace(name, value).first->second;
+      double& change = changes_[name];
+      change = std::max(change, std::abs(value - start));
+    }
+  }
+
+  void judge(const Rules& r, std::vector<Finding>& out) const {
+    if (!not_finite_.empty()) out.push_back({"not_finite", not_finite_});
+    if (first_) {
+      // What is stored may be counted by the potential, which then says so at the start.
+      const double unseen = *first_potential_ > 0.5 * r.stored ? 0 : r.stored;
+      const double work = kinetic_ + (*first_potential_ - lowest_) + unseen + r.drives;
+      const std::string of_work = " J beside " + number(work) + " J at work";
+      const double allowed = unseen + r.drives;
+      if (r.gain && most_ > allowed + *r.gain * work + 1e-12)
+        out.push_back({"energy", "gains " + number(most_ - allowed) + of_work});
+      if (r.loss && -least_ > *r.loss * work + 1e-12)
+        out.push_back({"loss", "loses " + number(-least_) + of_work});
+    }
+    for (const auto& [name, change] : changes_) {
+      const bool turning = name.find("angular") != std::string::npos;
+      const auto& bound = turning ? r.angular_momentum : r.momentum;
+      if (bound && !(change <= *bound))
+        out.push_back({"momentum", name + " changes by " + number(change) + ", allowed " + number(*bound)});
+    }
+  }
+
+ private:
+  std::string not_finite_;
+  std::optional<double> first_, first_potential_;
+  double kinetic_ = 0, lowest_ = 0, most_ = 0, least_ = 0;
+  std::map<std::string, double> starts_, changes_;
+};
+
+/// Values of a field of a system; empty where it has no such field.
+std::vector<double> values(const Session& s, size_t system, const char* name) {
+  const System& of = s.world().system(system);
+  const auto infos = of.fields();
+  for (size_t f = 0; f < infos.size(); ++f) {
+    if (infos[f].name != name) continue;
+    std::vector<double> scratch;
+    const FieldView v = of.field(s.state().systems[system], f, scratch);
+    std::vector<double> out(v.rows * v.width);
+    for (size_t i = 0; i < out.size(); ++i) {
+      out[i] = infos[f].type == Scalar::u32 ? static_cast<const uint32_t*>(v.data)[i]
+                                            : static_cast<const double*>(v.data)[i];
+    }
+    return out;
+  }
+  return {};
+}
+
+/// How far bodies that sleep move within 0.4 s once they are woken: what rests stays where it is. The time is
+/// shorter than the default that must pass before they may sleep again.
+double moved_when_woken(const Session& now, const std::shared_ptr<const ThreadArena>& arena) {
+  const auto world = std::shared_ptr<const World>(&now.world(), [](const World*) {});
+  Session woken(world, arena, {.history_bytes = 0});
+  woken.restore(now.state());
+  const std::vector<double> asleep = values(now, 0, "asleep"), before = values(now, 0, "position");
+  for (size_t i = 0; i < asleep.size(); ++i) {
+    if (asleep[i] == 0) continue;
+    Command c;
+    c.kind = CommandKind::impulse, c.system = now.world().id(0), c.index = static_cast<int64_t>(i);
+    try {
+      woken.command(c);
+    } catch (const Error&) {  // a body that forces do not move
+    }
+  }
+  woken.step(static_cast<uint64_t>(std::max(1.0, std::floor(0.4 / now.world().dt()))));
+  const std::vector<double> after = values(woken, 0, "position");
+  double most = 0;
+  for (size_t i = 0; i < asleep.size(); ++i) {
+    if (asleep[i] != 0) most = std::max(most, norm(load3(after.data(), i) - load3(before.data(), i)));
+  }
+  return most;
+}
+
+/// Looks at sleepers whenever more sleep than before, a few times a run.
+class SleepWatch {
+ public:
+  void add(const Session& s, const std::shared_ptr<const ThreadArena>& arena) {
+    size_t asleep = 0;
+    for (const double a : values(s, 0, "asleep")) asleep += a != 0;
+    if (asleep > before_ && looks_ < 4) {
+      ++looks_;
+      const double moved = moved_when_woken(s, arena);
+      if (moved > most_) most_ = moved, at_ = s.time();
+    }
+    before_ = asleep;
+  }
+  void judge(double still, std::vector<Finding>& out) const {
+    if (most_ > still)
+      out.push_back({"asleep", "what slept at " + number(at_) + " s moves by " + number(most_) +
+                                   " m in 0.4 s once woken"});
+  }
+
+ private:
+  size_t before_ = 0, looks_ = 0;
+  double most_ = 0, at_ = 0;
+};
+
+void run(const Trial& t, Outcome& out) {
+  const auto arena = std::make_shared<const ThreadArena>(1);
+  // As text, the way every scene comes in.
+  Scene scene = parse_scene(write_json(t.scene));
+  const double dt = scene.header.time.dt;
+  const auto steps = static_cast<uint64_t>(std::llround(scene.header.time.duration / dt));
+  Expectations expectations(scene);
+  Session session(std::make_shared<const World>(std::move(scene)), arena, {.history_bytes = 0});
+  Watch watch;
+  SleepWatch sleepers;
+  const auto look = [&] {
+    const Observables seen = session.observe();
+    watch.add(seen), expectations.add(seen);
+    if (t.rules.still) sleepers.add(session, arena);
+  };
+  look();
+  for (uint64_t k = 0; k < steps && session.step(1); ++k) look();
+  if (const auto& failure = session.failure()) {
+    // The event is the answer: what came before it is not judged further.
+    const std::string what = failure->detail + " at " + number(session.time()) + " s";
+    if (t.rules.event == Rules::Event::allowed) {
+      out.event = what;
+    } else {
+      out.findings.push_back({"event", what});
+    }
+    return;
+  }
+  watch.judge(t.rules, out.findings);
+  if (t.rules.still) sleepers.judge(*t.rules.still, out.findings);
+  for (const Verdict& v : expectations.verdicts()) {
+    if (v.met) continue;
+    out.findings.push_back({"expect", v.expected.quantity + " is " +
+                                          (v.measured ? number(*v.measured) : "nothing") + ": " +
+                                          v.expected.source});
+  }
+}
+
+double cpu_seconds() {
+  timespec t{};
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
+  return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
+}
+
+}  // namespace
+
+Outcome judge(const Trial& trial) {
+  Outcome out;
+  const double start = cpu_seconds();
+  try {
+    run(trial, out);
+  } catch (const Error& e) {
+    std::string what = e.what();
+    for (const Issue& i : e.issues()) what += "; " + i.pointer + ": " + i.message;
+    out.findings.push_back({"invalid", what});
+  }
+  out.cpu_seconds = cpu_seconds() - start;
+  return out;
+}
+
+std::string report(const Trial& trial, const Outcome& outcome) {
+  std::string text;
+  for (const Finding& f : outcome.findings)
+    text += trial.family + ", seed " + std::to_string(trial.seed) + ": " + f.kind + ": " + f.detail + '\n';
+  return text;
+}
+
+}  // namespace truestep::campaign

@@ -1,0 +1,56 @@
+// campaign [--seeds N] [--first SEED] [--family NAME] [--scene]: judges N random scenes (300), prints what
+// was found, a line each, and a table of families. --scene prints the scenes instead, one JSON document a
+// line, for `truestep run -`. Exit code 1 when anything was found.
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <iostream>
+#include <map>
+
+#include "engine/scene/json_write.h"
+#include "tests/stability/campaign/campaign.h"
+
+int main(int count, char** arguments) {
+  using namespace truestep::campaign;
+  CLI::App app("judges random scenes");
+  uint64_t seeds = 300, first = 0;
+  std::string wanted;
+  bool print_scenes = false;
+  app.add_option("--seeds", seeds, "how many scenes");
+  app.add_option("--first", first, "the first seed");
+  app.add_option("--family", wanted, "only scenes of this family");
+  app.add_flag("--scene", print_scenes, "prints the scenes instead of judging them");
+  CLI11_PARSE(app, count, arguments);
+
+  struct Row {
+    int scenes = 0, found = 0, events = 0;
+    double seconds = 0;
+    std::map<std::string, int> kinds = {};
+  };
+  std::map<std::string, Row> table;
+  int found = 0;
+  for (uint64_t seed = first; seed < first + seeds; ++seed) {
+    const Trial trial = make_trial(seed);
+    if (!wanted.empty() && trial.family != wanted) continue;
+    if (print_scenes) {
+      std::cout << truestep::write_json(trial.scene) << '\n';
+      continue;
+    }
+    const Outcome outcome = judge(trial);
+    std::cout << report(trial, outcome) << std::flush;
+    Row& row = table[trial.family];
+    ++row.scenes, row.found += !outcome.findings.empty(), row.events += outcome.event.has_value();
+    row.seconds += outcome.cpu_seconds;
+    for (const Finding& f : outcome.findings) ++row.kinds[f.kind];
+    found += !outcome.findings.empty();
+  }
+  if (print_scenes) return 0;
+  std::printf(
+      "\n| family | scenes | with findings | ended by an allowed event | CPU s | findings |\n"
+      "| --- | --- | --- | --- | --- | --- |\n");
+  for (const auto& [name, row] : table) {
+    std::printf("| %s | %d | %d | %d | %.1f |", name.c_str(), row.scenes, row.found, row.events, row.seconds);
+    for (const auto& [kind, n] : row.kinds) std::printf(" %s %d", kind.c_str(), n);
+    std::printf(" |\n");
+  }
+  return found ? 1 : 0;
+}
