@@ -1,5 +1,7 @@
 #include "engine/core/def.h"
 
+#include <algorithm>
+
 namespace truestep {
 
 const ParamRow* DefTable::find(std::string_view name) const {
@@ -7,6 +9,45 @@ const ParamRow* DefTable::find(std::string_view name) const {
     if (r.name == name) return &r;
   }
   return nullptr;
+}
+
+ParamRow& TableBuilder::row(ParamKind kind, const Words& words, Limits limits) {
+  ParamRow& r = table_.rows.emplace_back();
+  r.kind = kind, r.name = words.name, r.unit = words.unit, r.limits = limits, r.sentence = words.sentence;
+  return r;
+}
+
+ParamRow& TableBuilder::value(ParamKind kind, const Words& words, size_t offset, ValueAccess access,
+                              Limits limits) {
+  ParamRow& r = row(kind, words, limits);
+  r.set = [=](void* o, ParamValue v) { access.set(static_cast<char*>(o) + offset, std::move(v)); };
+  r.get = [=](const void* o) { return access.get(static_cast<const char*>(o) + offset); };
+  return r;
+}
+
+ParamRow& TableBuilder::choice(const Words& words, size_t offset, ChoiceAccess access,
+                               std::vector<std::string> choices) {
+  ParamRow& r = row(ParamKind::choice, words, any());
+  r.choices = choices;
+  r.set = [=](void* o, ParamValue v) {
+    const auto found = std::find(choices.begin(), choices.end(), std::get<std::string>(v));
+    if (found == choices.end()) return;
+    access.set(static_cast<char*>(o) + offset, static_cast<size_t>(found - choices.begin()));
+  };
+  r.get = [=](const void* o) {
+    return ParamValue(choices[access.get(static_cast<const char*>(o) + offset)]);
+  };
+  return r;
+}
+
+ParamRow& TableBuilder::nested(ParamKind kind, const Words& words, size_t offset, NestedAccess access,
+                               const DefTable* nested) {
+  ParamRow& r = row(kind, words, any());
+  r.nested = nested;
+  r.append = [=](void* o) { return access.append(static_cast<char*>(o) + offset); };
+  r.size = [=](const void* o) { return access.size(static_cast<const char*>(o) + offset); };
+  r.at = [=](const void* o, size_t i) { return access.at(static_cast<const char*>(o) + offset, i); };
+  return r;
 }
 
 }  // namespace truestep

@@ -129,9 +129,62 @@ struct DefTable {
   const ParamRow* find(std::string_view name) const;
 };
 
+/// How the members of one type are written and read, wherever their struct lies: compiled once a type, not
+/// once a table.
+struct ValueAccess {
+  void (*set)(void* member, ParamValue v);
+  ParamValue (*get)(const void* member);
+};
+/// Access to a member of type M (or std::optional<M>) by values of type V.
+template <class V, class M>
+struct PlainMember {
+  static void set(void* member, ParamValue v) {
+    *static_cast<M*>(member) = static_cast<M>(std::get<V>(std::move(v)));
+  }
+  static ParamValue get(const void* member) {
+    return ParamValue(static_cast<V>(*static_cast<const M*>(member)));
+  }
+};
+template <class V, class M>
+struct PlainMember<V, std::optional<M>> {
+  static void set(void* member, ParamValue v) {
+    *static_cast<std::optional<M>*>(member) = static_cast<M>(std::get<V>(std::move(v)));
+  }
+  static ParamValue get(const void* member) {
+    const auto& m = *static_cast<const std::optional<M>*>(member);
+    return m ? ParamValue(static_cast<V>(*m)) : ParamValue();
+  }
+};
+
+struct ChoiceAccess {
+  void (*set)(void* member, size_t i);
+  size_t (*get)(const void* member);
+};
+struct NestedAccess {
+  void* (*append)(void* member);
+  size_t (*size)(const void* member);
+  const void* (*at)(const void* member, size_t i);
+};
+
+/// Adds rows to a table; what does not depend on the struct's type. `offset` is where the member lies in its
+/// struct.
+class TableBuilder {
+ protected:
+  struct Words {
+    const char *name, *unit, *sentence;
+  };
+  ParamRow& row(ParamKind kind, const Words& words, Limits limits);
+  ParamRow& value(ParamKind kind, const Words& words, size_t offset, ValueAccess access, Limits limits);
+  ParamRow& choice(const Words& words, size_t offset, ChoiceAccess access, std::vector<std::string> choices);
+  ParamRow& nested(ParamKind kind, const Words& words, size_t offset, NestedAccess access,
+                   const DefTable* nested);
+
+  DefTable table_;
+};
+
 /// Builds the table of struct D; see the head of this file.
 template <class D>
-class TableOf {
+class TableOf : TableBuilder {
  public:
   explicit TableOf(std::string sentence) {
     table_.sentence = std::move(sentence);
@@ -140,94 +193,89 @@ class TableOf {
 
   template <class M>  // double or std::optional<double>
   TableOf& number(const char* name, M D::*m, const char* unit, Limits limits, const char* sentence) {
-    return value<double>(ParamKind::number, name, m, unit, limits, sentence);
+    return plain<double>(ParamKind::number, {name, unit, sentence}, m, limits);
   }
   template <class M>  // any integer type, or std::optional of one
   TableOf& integer(const char* name, M D::*m, Limits limits, const char* sentence) {
-    return value<int64_t>(ParamKind::integer, name, m, "1", limits, sentence);
+    return plain<int64_t>(ParamKind::integer, {name, "1", sentence}, m, limits);
   }
   template <class M>
   TableOf& boolean(const char* name, M D::*m, const char* sentence) {
-    return value<bool>(ParamKind::boolean, name, m, "", any(), sentence);
+    return plain<bool>(ParamKind::boolean, {name, "", sentence}, m, any());
   }
   template <class M>
   TableOf& text(const char* name, M D::*m, const char* sentence) {
-    return value<std::string>(ParamKind::text, name, m, "", any(), sentence);
+    return plain<std::string>(ParamKind::text, {name, "", sentence}, m, any());
   }
   template <class M>
   TableOf& vector(const char* name, M D::*m, const char* unit, Limits limits, const char* sentence) {
-    return value<Vec3>(ParamKind::vector, name, m, unit, limits, sentence);
+    return plain<Vec3>(ParamKind::vector, {name, unit, sentence}, m, limits);
   }
   TableOf& numbers(const char* name, std::vector<double> D::*m, const char* unit, Limits limits, Count count,
                    const char* sentence) {
-    return array(ParamKind::numbers, name, m, unit, limits, count, sentence);
+    return array(ParamKind::numbers, {name, unit, sentence}, m, limits, count);
   }
   TableOf& integers(const char* name, std::vector<int64_t> D::*m, Limits limits, Count count,
                     const char* sentence) {
-    return array(ParamKind::integers, name, m, "1", limits, count, sentence);
+    return array(ParamKind::integers, {name, "1", sentence}, m, limits, count);
   }
   TableOf& vectors(const char* name, std::vector<Vec3> D::*m, const char* unit, Limits limits, Count count,
                    const char* sentence) {
-    return array(ParamKind::vectors, name, m, unit, limits, count, sentence);
+    return array(ParamKind::vectors, {name, unit, sentence}, m, limits, count);
   }
   TableOf& texts(const char* name, std::vector<std::string> D::*m, Count count, const char* sentence) {
-    return array(ParamKind::texts, name, m, "", any(), count, sentence);
+    return array(ParamKind::texts, {name, "", sentence}, m, any(), count);
   }
   /// An object of the user's own names with numbers or arrays of at most `count.max` numbers, in their order.
   TableOf& named_numbers(const char* name, std::vector<NamedNumbers> D::*m, Limits limits, Count count,
                          const char* sentence) {
-    return array(ParamKind::named_numbers, name, m, "", limits, count, sentence);
+    return array(ParamKind::named_numbers, {name, "", sentence}, m, limits, count);
   }
   /// An object of the user's own names with texts, in their order.
   TableOf& named_texts(const char* name, std::vector<NamedText> D::*m, Count count, const char* sentence) {
-    return array(ParamKind::named_texts, name, m, "", any(), count, sentence);
+    return array(ParamKind::named_texts, {name, "", sentence}, m, any(), count);
   }
   /// Enumeration E whose values 0, 1, 2 ... are named by `choices` in that order.
   template <class E>
   TableOf& choice(const char* name, E D::*m, std::vector<std::string> choices, const char* sentence) {
-    ParamRow& r = row(ParamKind::choice, name, "", any(), sentence);
-    r.choices = choices;
-    r.set = [m, choices](void* o, ParamValue v) {
-      const auto& s = std::get<std::string>(v);
-      for (size_t i = 0; i < choices.size(); ++i) {
-        if (choices[i] == s) static_cast<D*>(o)->*m = static_cast<E>(i);
-      }
-    };
-    r.get = [m, choices](const void* o) {
-      return ParamValue(choices[static_cast<size_t>(static_cast<const D*>(o)->*m)]);
-    };
+    static constexpr ChoiceAccess access = {
+        [](void* member, size_t i) { *static_cast<E*>(member) = static_cast<E>(i); },
+        [](const void* member) { return static_cast<size_t>(*static_cast<const E*>(member)); }};
+    TableBuilder::choice({name, "", sentence}, offset(m), access, std::move(choices));
     return *this;
   }
   /// A nested struct that is always there.
   template <class N>
-  TableOf& object(const char* name, N D::*m, const DefTable& nested, const char* sentence) {
-    ParamRow& r = row(ParamKind::object, name, "", any(), sentence);
-    r.nested = &nested;
-    r.append = [m](void* o) -> void* { return &(static_cast<D*>(o)->*m); };
-    r.size = [](const void*) -> size_t { return 1; };
-    r.at = [m](const void* o, size_t) -> const void* { return &(static_cast<const D*>(o)->*m); };
+  TableOf& object(const char* name, N D::*m, const DefTable& table, const char* sentence) {
+    static constexpr NestedAccess access = {[](void* member) { return member; },
+                                            [](const void*) -> size_t { return 1; },
+                                            [](const void* member, size_t) { return member; }};
+    nested(ParamKind::object, {name, "", sentence}, offset(m), access, &table);
     return *this;
   }
   /// A nested struct that may be absent.
   template <class N>
-  TableOf& object(const char* name, std::optional<N> D::*m, const DefTable& nested, const char* sentence) {
-    ParamRow& r = row(ParamKind::object, name, "", any(), sentence);
-    r.nested = &nested;
-    r.append = [m](void* o) -> void* { return &(static_cast<D*>(o)->*m).emplace(); };
-    r.size = [m](const void* o) -> size_t { return (static_cast<const D*>(o)->*m).has_value(); };
-    r.at = [m](const void* o, size_t) -> const void* { return &*(static_cast<const D*>(o)->*m); };
+  TableOf& object(const char* name, std::optional<N> D::*m, const DefTable& table, const char* sentence) {
+    using Member = std::optional<N>;
+    static constexpr NestedAccess access = {
+        [](void* member) -> void* { return &static_cast<Member*>(member)->emplace(); },
+        [](const void* member) -> size_t { return static_cast<const Member*>(member)->has_value(); },
+        [](const void* member, size_t) -> const void* { return &**static_cast<const Member*>(member); }};
+    nested(ParamKind::object, {name, "", sentence}, offset(m), access, &table);
     return *this;
   }
   /// An array of one kind of struct.
   template <class N>
-  TableOf& objects(const char* name, std::vector<N> D::*m, const DefTable& nested, Count count,
+  TableOf& objects(const char* name, std::vector<N> D::*m, const DefTable& table, Count count,
                    const char* sentence) {
-    ParamRow& r = row(ParamKind::objects, name, "", any(), sentence);
-    r.nested = &nested;
-    r.count = count;
-    r.append = [m](void* o) -> void* { return &(static_cast<D*>(o)->*m).emplace_back(); };
-    r.size = [m](const void* o) -> size_t { return (static_cast<const D*>(o)->*m).size(); };
-    r.at = [m](const void* o, size_t i) -> const void* { return &(static_cast<const D*>(o)->*m)[i]; };
+    using Member = std::vector<N>;
+    static constexpr NestedAccess access = {
+        [](void* member) -> void* { return &static_cast<Member*>(member)->emplace_back(); },
+        [](const void* member) { return static_cast<const Member*>(member)->size(); },
+        [](const void* member, size_t i) -> const void* {
+          return &(*static_cast<const Member*>(member))[i];
+        }};
+    nested(ParamKind::objects, {name, "", sentence}, offset(m), access, &table).count = count;
     return *this;
   }
   /// An array of structs told apart by "type"; types and tables in the order of the std::variant.
@@ -235,7 +283,7 @@ class TableOf {
   TableOf& variants(const char* name, std::vector<std::variant<N...>> D::*m,
                     std::vector<std::pair<std::string, const DefTable*>> alternatives, Count count,
                     const char* sentence) {
-    ParamRow& r = row(ParamKind::variants, name, "", any(), sentence);
+    ParamRow& r = row(ParamKind::variants, {name, "", sentence}, any());
     r.count = count;
     add_variants<N...>(r, m, alternatives, std::index_sequence_for<N...>{});
     r.size = [m](const void* o) -> size_t { return (static_cast<const D*>(o)->*m).size(); };
@@ -257,43 +305,25 @@ class TableOf {
   DefTable build() { return std::move(table_); }
 
  private:
-  ParamRow& row(ParamKind kind, const char* name, const char* unit, Limits limits, const char* sentence) {
-    ParamRow& r = table_.rows.emplace_back();
-    r.kind = kind, r.name = name, r.unit = unit, r.limits = limits, r.sentence = sentence;
-    return r;
+  /// Bytes from the struct's start to the member. No D is made: only the addresses count.
+  template <class M>
+  static size_t offset(M D::*m) {
+    alignas(D) static const char room[sizeof(D)] = {};
+    return static_cast<size_t>(reinterpret_cast<const char*>(&(reinterpret_cast<const D*>(room)->*m)) - room);
   }
   template <class V, class M>
-  TableOf& value(ParamKind kind, const char* name, M D::*m, const char* unit, Limits limits,
-                 const char* sentence) {
-    ParamRow& r = row(kind, name, unit, limits, sentence);
-    r.set = [m](void* o, ParamValue v) { assign(static_cast<D*>(o)->*m, std::get<V>(v)); };
-    r.get = [m](const void* o) { return read<V>(static_cast<const D*>(o)->*m); };
+  TableOf& plain(ParamKind kind, const Words& words, M D::*m, Limits limits) {
+    value(kind, words, offset(m), {&PlainMember<V, M>::set, &PlainMember<V, M>::get}, limits);
     return *this;
   }
   template <class V>
-  TableOf& array(ParamKind kind, const char* name, std::vector<V> D::*m, const char* unit, Limits limits,
-                 Count count, const char* sentence) {
-    ParamRow& r = row(kind, name, unit, limits, sentence);
-    r.count = count;
-    r.set = [m](void* o, ParamValue v) { static_cast<D*>(o)->*m = std::get<std::vector<V>>(std::move(v)); };
-    r.get = [m](const void* o) { return ParamValue(static_cast<const D*>(o)->*m); };
+  TableOf& array(ParamKind kind, const Words& words, std::vector<V> D::*m, Limits limits, Count count) {
+    value(kind, words, offset(m),
+          {&PlainMember<std::vector<V>, std::vector<V>>::set,
+           &PlainMember<std::vector<V>, std::vector<V>>::get},
+          limits)
+        .count = count;
     return *this;
-  }
-  template <class M, class V>
-  static void assign(M& member, V v) {
-    member = static_cast<M>(std::move(v));
-  }
-  template <class M, class V>
-  static void assign(std::optional<M>& member, V v) {
-    member = static_cast<M>(std::move(v));
-  }
-  template <class V, class M>
-  static ParamValue read(const M& member) {
-    return ParamValue(static_cast<V>(member));
-  }
-  template <class V, class M>
-  static ParamValue read(const std::optional<M>& member) {
-    return member ? ParamValue(static_cast<V>(*member)) : ParamValue();
   }
   template <class... N, size_t... I, class Members>
   void add_variants(ParamRow& r, Members m, const std::vector<std::pair<std::string, const DefTable*>>& names,
@@ -309,7 +339,6 @@ class TableOf {
                            }}),
      ...);
   }
-  DefTable table_;
 };
 
 }  // namespace truestep

@@ -7,7 +7,8 @@ import path from "node:path";
 import { fileURLToPath, pathToFileURL } from "node:url";
 
 export const web = path.join(path.dirname(fileURLToPath(import.meta.url)), "..", "..", "web");
-export const patience = 30_000; // software rendering on a busy machine
+// Against hangs only: software rendering on a busy machine (TRUESTEP_SLOWDOWN, tests/slowdown.py).
+export const patience = 8_000 * Math.max(4, Number(process.env.TRUESTEP_SLOWDOWN ?? 4));
 const chromiumPath = process.env.CHROMIUM ?? "/usr/bin/chromium";
 
 export function need(file, sentence) {

@@ -5,11 +5,12 @@ import unittest
 
 from cases import OSCILLATOR
 from harness import BINARY
+from patience import patience
 
 
 class CommandLine(unittest.TestCase):
     def run_truestep(self, *arguments, text=None):
-        return subprocess.run([BINARY, *arguments], input=text, capture_output=True, text=True, timeout=120)
+        return subprocess.run([BINARY, *arguments], input=text, capture_output=True, text=True, timeout=patience(60))
 
     def test_exit_codes(self):
         good = json.dumps(OSCILLATOR)

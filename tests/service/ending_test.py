@@ -6,6 +6,7 @@ import unittest
 
 from cases import OSCILLATOR
 from harness import BINARY, Service, Socket
+from patience import patience
 
 
 class Ending(unittest.TestCase):
@@ -46,7 +47,7 @@ class Ending(unittest.TestCase):
             self.assertEqual(service.stop(), 0)
 
     def test_other_machines_need_a_key(self):
-        refused = subprocess.run([BINARY, "serve", "--host", "0.0.0.0", "--port", "0"], capture_output=True, text=True, timeout=20)
+        refused = subprocess.run([BINARY, "serve", "--host", "0.0.0.0", "--port", "0"], capture_output=True, text=True, timeout=patience(20))
         self.assertEqual(refused.returncode, 2)
         self.assertIn("--api-key-file", refused.stderr)
 

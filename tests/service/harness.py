@@ -12,6 +12,8 @@ import subprocess
 import tempfile
 import threading
 
+from patience import patience
+
 SOURCE = pathlib.Path(__file__).resolve().parents[2]
 BINARY = os.environ.get("TRUESTEP_BINARY", str(SOURCE / "build" / "release" / "bin" / "truestep"))
 
@@ -39,7 +41,7 @@ class Service:
         threading.Thread(target=self.process.stdout.read, daemon=True).start()
 
     def request(self, method, path, body=None, headers=None):
-        connection = http.client.HTTPConnection(*self.address, timeout=60)
+        connection = http.client.HTTPConnection(*self.address, timeout=patience(60))
         headers = dict(headers or {})
         if body is not None and not isinstance(body, (bytes, str)):
             body = json.dumps(body)

@@ -13,7 +13,7 @@ function(check name script expect)
   add_test(NAME service.net.${name}
     COMMAND ${Python3_EXECUTABLE} ${PROJECT_SOURCE_DIR}/tests/service/run_check.py --script ${TRUESTEP_CHECKS_FOLDER}/${script}
             --server $<TARGET_FILE:net_echo> --expect ${expect} -- ${ARGN})
-  set_tests_properties(service.net.${name} PROPERTIES LABELS service TIMEOUT 600)
+  set_tests_properties(service.net.${name} PROPERTIES LABELS service)
 endfunction()
 
 check(http_torture http_torture.py "94 of 94" {url}/healthz)

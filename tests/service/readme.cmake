@@ -2,4 +2,4 @@
 find_package(Python3 REQUIRED COMPONENTS Interpreter)
 get_filename_component(preset ${CMAKE_BINARY_DIR} NAME)
 add_test(NAME service.readme COMMAND ${Python3_EXECUTABLE} ${CMAKE_CURRENT_LIST_DIR}/readme_test.py)
-set_tests_properties(service.readme PROPERTIES LABELS service TIMEOUT 300 ENVIRONMENT TRUESTEP_PRESET=${preset})
+set_tests_properties(service.readme PROPERTIES LABELS service ENVIRONMENT TRUESTEP_PRESET=${preset})

@@ -16,6 +16,8 @@ import time
 from pathlib import Path
 from socket import socket
 
+from patience import patience
+
 ROOT = Path(__file__).resolve().parents[2]
 STEP = re.compile(r"^```(?P<kind>sh|json)\n(?P<block>.*?)^```$|^    (?P<line>\./truestep [^\n]*)$", re.M | re.S)
 ENDING_FORM = {"test": "test -N", "bench": "bench --list"}
@@ -54,7 +56,7 @@ class Reader:
         text = text.replace("127.0.0.1:8080", f"127.0.0.1:{self.port}").replace("./truestep", str(ROOT / "truestep"))
         # curl fails on an HTTP error, which a reader would see in its answer.
         text = re.sub(r"\bcurl\b", "curl --fail-with-body", text)
-        return subprocess.run(["bash", "-eu", "-c", text], cwd=self.folder, timeout=200,
+        return subprocess.run(["bash", "-eu", "-c", text], cwd=self.folder, timeout=patience(200),
                               stdout=subprocess.DEVNULL).returncode
 
     def serve(self):
@@ -63,9 +65,9 @@ class Reader:
         return 0 if f"http://127.0.0.1:{self.port}" in self.server.stdout.readline() else 1
 
     def stop(self):
-        """SIGTERM ends the server in order: exit code 0 within 5 s."""
+        """SIGTERM ends the server in order: exit code 0, and soon."""
         self.server.send_signal(signal.SIGTERM)
-        return self.server.wait(timeout=5)
+        return self.server.wait(timeout=patience(5))
 
 
 def follow(text, folder):

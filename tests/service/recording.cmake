@@ -9,7 +9,7 @@ set(read $<TARGET_FILE:record_read>)
 
 function(add_recording_test name)
   add_test(NAME service.recording_${name} COMMAND ${ARGN})
-  set_tests_properties(service.recording_${name} PROPERTIES LABELS service TIMEOUT 300)
+  set_tests_properties(service.recording_${name} PROPERTIES LABELS service)
 endfunction()
 
 # tests/requirements.txt, installed by `truestep test`.

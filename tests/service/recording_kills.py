@@ -10,12 +10,14 @@ import tempfile
 import time
 from pathlib import Path
 
+from patience import patience
+
 loop, read = map(os.path.abspath, sys.argv[1:3])
 POINTS, FRAMES, TRIALS = 20, 5000, 60
 
 
 def readable(path, *recover):
-    out = subprocess.run([read, path, *recover], capture_output=True, text=True, timeout=60)
+    out = subprocess.run([read, path, *recover], capture_output=True, text=True, timeout=patience(60))
     return int(out.stdout.split()[0])
 
 

@@ -15,6 +15,8 @@ import numpy as np
 import vtk
 from vtk.util.numpy_support import vtk_to_numpy
 
+from patience import patience
+
 BOTH = "both"
 READ = os.path.abspath(sys.argv[2])
 
@@ -138,7 +140,7 @@ def case_swmr(loop, folder):
         with h5py.File(path, "r", swmr=True) as f:
             step, x, rows = f["clock/step"], f["particles/sparks/position/value"], f["particles/sparks/rows"]
             seen = []
-            until = time.monotonic() + 20
+            until = time.monotonic() + patience(20)
             while len(seen) < 4 and time.monotonic() < until:
                 for d in (step, rows, x):
                     d.refresh()

@@ -18,10 +18,12 @@ import sys
 import threading
 import urllib.request
 
+from patience import patience
+
 def start(command):
     """Starts the server and waits for its address."""
     server = subprocess.Popen(shlex.split(command), stdout=subprocess.PIPE, text=True)
-    killer = threading.Timer(30, server.kill)
+    killer = threading.Timer(patience(30), server.kill)
     killer.start()
     for line in server.stdout:
         if "listening on " in line:
@@ -37,7 +39,7 @@ def play(url, name):
     """The path of the stream of a new session that plays a gallery scene."""
     def post(path, body):
         request = urllib.request.Request(url + path, json.dumps(body).encode(), {"Content-Type": "application/json"})
-        return json.load(urllib.request.urlopen(request, timeout=30))
+        return json.load(urllib.request.urlopen(request, timeout=patience(30)))
 
     links = post("/v1/sessions", {"gallery": name})["links"]
     post(links["play"], {})
@@ -70,7 +72,7 @@ def main():
             print("the server died with %d" % server.returncode)
             return 1
         server.send_signal(signal.SIGTERM)
-        if server.wait(10) != 0:
+        if server.wait(patience(10)) != 0:
             print("the server's exit code was %d" % server.returncode)
             return 1
         return 0

@@ -2,7 +2,7 @@
 foreach(part sessions output catalogue equations stream ending command_line control)
   add_test(NAME service.${part} COMMAND ${Python3_EXECUTABLE} -m unittest -v ${part}_test
            WORKING_DIRECTORY ${PROJECT_SOURCE_DIR}/tests/service)
-  set_tests_properties(service.${part} PROPERTIES LABELS service TIMEOUT 300
+  set_tests_properties(service.${part} PROPERTIES LABELS service
                        ENVIRONMENT "TRUESTEP_BINARY=$<TARGET_FILE:truestep>")
 endforeach()
 
@@ -17,7 +17,7 @@ function(check_service name script expect)
     COMMAND ${Python3_EXECUTABLE} ${PROJECT_SOURCE_DIR}/tests/service/run_check.py --script ${TRUESTEP_CHECKS_FOLDER}/${script} --play fountain
             --server "$<TARGET_FILE:truestep> serve --port 0 --log-level warn --data-dir ${CMAKE_BINARY_DIR}/check-data"
             --expect ${expect} -- ${ARGN})
-  set_tests_properties(service.program.${name} PROPERTIES LABELS service TIMEOUT 600)
+  set_tests_properties(service.program.${name} PROPERTIES LABELS service)
 endfunction()
 check_service(http_torture http_torture.py "94 of 94" {url}/healthz)
 check_service(ws_conformance ws_conformance.py "141 of 141" {stream} --strict --alive)

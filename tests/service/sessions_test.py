@@ -3,6 +3,7 @@ import time
 import unittest
 
 from cases import OSCILLATOR, Case
+from patience import patience
 
 
 class Sessions(Case):
@@ -69,7 +70,7 @@ class Sessions(Case):
     def test_play_pause_reset(self):
         s = self.service.create(OSCILLATOR)
         self.assertEqual(self.service.post(s["links"]["play"], {"speed": 4}).json()["status"], "playing")
-        deadline = time.monotonic() + 20
+        deadline = time.monotonic() + patience(20)
         while self.service.get(s["links"]["self"]).json()["step"] < 20 and time.monotonic() < deadline:
             time.sleep(0.02)
         paused = self.service.post(s["links"]["pause"]).json()

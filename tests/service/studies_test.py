@@ -10,6 +10,7 @@ import unittest
 import xml.etree.ElementTree
 
 from harness import BINARY, Service
+from patience import patience
 
 OSCILLATOR = {"schema_version": "1.0", "name": "oscillator", "time": {"dt": 0.01, "duration": 2},
               "systems": [{"type": "oscillator", "id": "o", "mass": 1, "stiffness": 100, "position": 1, "velocity": 0}]}
@@ -28,7 +29,8 @@ class Studies(unittest.TestCase):
         cls.service.stop()
 
     def wait(self, operation, until=("done", "failed", "cancelled")):
-        for _ in range(600):
+        until_when = time.monotonic() + patience(30)
+        while time.monotonic() < until_when:
             state = self.service.get(operation).json()
             if state["status"] in until:
                 return state
@@ -55,9 +57,8 @@ class Studies(unittest.TestCase):
     def test_cancelled_sweep_goes_on_where_it_was(self):
         first = self.start(SLOW_SWEEP)
         self.assertEqual(self.service.get(first + "/result").status, 409)
-        for _ in range(400):
-            if self.service.get(first).json()["progress"] > 0.1:
-                break
+        until_when = time.monotonic() + patience(10)
+        while self.service.get(first).json()["progress"] <= 0.1 and time.monotonic() < until_when:
             time.sleep(0.02)
         self.service.post(first + "/cancel")
         self.assertEqual(self.wait(first)["status"], "cancelled")
@@ -72,7 +73,7 @@ class Studies(unittest.TestCase):
 
     def test_events_tell_progress_and_end(self):
         operation = self.start({"kind": "work_precision", "scene": OSCILLATOR, "integrators": ["rk4"], "budget": 2})
-        connection = http.client.HTTPConnection(*self.service.address, timeout=60)
+        connection = http.client.HTTPConnection(*self.service.address, timeout=patience(60))
         connection.request("GET", operation + "/events")
         response = connection.getresponse()
         self.assertEqual(response.headers["Content-Type"], "text/event-stream")
@@ -111,7 +112,7 @@ class Studies(unittest.TestCase):
 
 class StudyCommand(unittest.TestCase):
     def run_study(self, *arguments):
-        return subprocess.run([BINARY, "study", *arguments, "--progress", "none"], capture_output=True, text=True, timeout=120)
+        return subprocess.run([BINARY, "study", *arguments, "--progress", "none"], capture_output=True, text=True, timeout=patience(120))
 
     def test_writes_result_table_and_plot(self):
         with tempfile.TemporaryDirectory() as folder:

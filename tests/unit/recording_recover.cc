@@ -1,6 +1,7 @@
 #include "engine/sinks/recording/recover.h"
 
 #include "engine/sinks/recording/superblock.h"
+#include "tests/support/patience.h"
 #include "tests/unit/recording_test.h"
 
 namespace truestep::fixture {
@@ -8,9 +9,7 @@ namespace {
 
 class RecordingRecovery : public RecordingTest {
  protected:
-  RecoveryReport recover(const std::string& file) {
-    return recover_recording(*thread, file, {std::chrono::milliseconds(20000)});
-  }
+  RecoveryReport recover(const std::string& file) { return recover_recording(*thread, file, {patience(5)}); }
   void flip(const std::string& file, uint64_t at) {
     std::fstream f(file, std::ios::in | std::ios::out | std::ios::binary);
     f.seekg(static_cast<std::streamoff>(at));

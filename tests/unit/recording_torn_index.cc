@@ -2,6 +2,7 @@
 // file every acknowledged frame comes back; the control, the same file without it, loses frames.
 #include "engine/sinks/recording/layout_bytes.h"
 #include "engine/sinks/recording/recover.h"
+#include "tests/support/patience.h"
 #include "tests/unit/recording_test.h"
 
 namespace truestep::fixture {
@@ -9,9 +10,7 @@ namespace {
 
 class TornIndex : public RecordingTest {
  protected:
-  RecoveryReport recover(const std::string& file) {
-    return recover_recording(*thread, file, {std::chrono::milliseconds(20000)});
-  }
+  RecoveryReport recover(const std::string& file) { return recover_recording(*thread, file, {patience(5)}); }
   static std::string contents(const std::string& file) {
     std::ifstream in(file, std::ios::binary);
     return {std::istreambuf_iterator<char>(in), {}};

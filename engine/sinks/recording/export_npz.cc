@@ -10,7 +10,7 @@
 namespace truestep::exporting {
 namespace {
 
-const char* type_name(Precision p) {
+const char* npz_type(Precision p) {
   return p == Precision::kF32 ? "<f4" : p == Precision::kF64 ? "<f8" : "<u4";
 }
 
@@ -43,7 +43,7 @@ void field_array(ZipWriter& zip, RecordingReader& reader, size_t s, size_t f,
   const RecordedField& field = system.fields[f];
   std::vector<uint64_t> shape{frames.size(), system.max_rows};
   if (field.width > 1) shape.push_back(field.width);
-  begin_array(zip, system.id + "." + field.name, type_name(field.precision), shape);
+  begin_array(zip, system.id + "." + field.name, npz_type(field.precision), shape);
   const double absent =
       field.precision == Precision::kU32 ? double(~uint32_t{0}) : std::numeric_limits<double>::quiet_NaN();
   std::vector<double> values;
