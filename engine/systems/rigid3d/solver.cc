@@ -92,11 +92,7 @@ void ContactSolver<T>::load_bodies(const State& s, std::span<const BodyKind> kin
     const double root = std::sqrt(b.mass);
     const Vec3 r = roots(b.moments);
     const Rotation& R = now[i].at.rotation;
-    for (int row = 0; row < 3; ++row) {
-      const Vec3 e = axis(R, row) / (row == 0 ? r.x : row == 1 ? r.y : r.z);
-      scaled_[k].turn[3 * row] = e.x, scaled_[k].turn[3 * row + 1] = e.y, scaled_[k].turn[3 * row + 2] = e.z;
-    }
-    scaled_[k].root = 1 / root, moments_[k] = b.moments;
+    scaled_[k] = scaled_body(b, R), moments_[k] = b.moments;
     const Vec3 spin = load3(w, i), own = R.apply_inverse(spin);
     velocity_[k] = record<T>(load3(v, i) * root, free_rotation::times(own, r));
     const Vec3 turned = gyroscopic_change(own, b.moments, h);
@@ -127,7 +123,7 @@ void ContactSolver<T>::each_body(Body&& body) {
 }
 
 template <class T>
-void ContactSolver<T>::substeps(const JointList& joints, const SolverSettings& settings,
+void ContactSolver<T>::substeps(const State& s, const JointList& joints, const SolverSettings& settings,
                                 const StepInput& in) {
   const size_t n = body_.size();
   const auto end = static_cast<uint32_t>(n);
@@ -141,12 +137,9 @@ void ContactSolver<T>::substeps(const JointList& joints, const SolverSettings& s
   each_colour(contact_lanes_, groups_, team_,
               [&](ContactGroup<T>& g) { apply_contacts(g, warm_.data(), end); });
   joints_.start(joints, d, warm_.data(), h, team_);
-  balls_.start(warm_.data(), JointSolver<T>::softness(h), team_);
+  balls_.start(warm_.data(), team_);
+  if (springs_) joints_.loosen(s, joints, held_, sprung_, h), kick(T(-1));
   for (int k = 0; k < settings.substeps; ++k) {
-    if (k > 0) {
-      joints_.renew(d, warm_.data(), k * h, team_);
-      balls_.renew(d, warm_.data(), team_);
-    }
     each_body([&](size_t i) {
       for (int e = 0; e < 8; ++e) v[i].x[e] += change_[i].x[e];
       if (damped_) {
@@ -170,6 +163,10 @@ void ContactSolver<T>::substeps(const JointList& joints, const SolverSettings& s
       }
     });
     pass.elapsed = T((k + 1) * h);
+    // Velocities have to suit the joints where they are by now: what swings would lose (h w)^2 of its energy
+    // in every substep by the directions that it had before.
+    joints_.renew(d, warm_.data(), pass.elapsed, team_);
+    balls_.renew(d, warm_.data(), team_);
     joints_.relax(v, team_);
     balls_.relax(v, team_);
     each_colour(contact_lanes_, groups_, team_, order,
@@ -178,6 +175,31 @@ void ContactSolver<T>::substeps(const JointList& joints, const SolverSettings& s
       for (int e = 0; e < 8; ++e) warm_[i].x[e] += v[i].x[e] - start_[i].x[e];
     });
   }
+  if (springs_) kick(T(1));
+}
+
+template <class T>
+void ContactSolver<T>::choose_sprung(const State& s, const JointList& joints,
+                                     std::span<Contact* const> contacts) {
+  springs_ = !damped_ && joints_.has_springs(joints);
+  if (!springs_) return;
+  held_.assign(body_.size(), 0), sprung_.assign(body_.size(), 0);
+  for (const uint32_t k : listed_) {
+    for (const uint32_t i : {contacts[k]->a, contacts[k]->b}) {
+      if (slot_[i] != kNoBody) held_[slot_[i]] = 1;
+    }
+  }
+  joints_.mark_held(s, joints, slot_, held_);
+}
+
+template <class T>
+void ContactSolver<T>::kick(T times) {
+  Record8<T>* v = velocity_.data();
+  for (size_t i = 0; i < body_.size(); ++i) {
+    if (!sprung_[i]) continue;
+    for (int e = 0; e < 8; ++e) v[i].x[e] += T(0.5) * times * change_[i].x[e];
+  }
+  joints_.kick(v, times, team_);
 }
 
 template <class T>
@@ -248,16 +270,18 @@ void ContactSolver<T>::solve(State& s, std::span<const BodyKind> kinds, const Jo
   team_.for_blocks(contact_lanes_.count, kGroupsPerBlock, [&](size_t begin, size_t end) {
     for (size_t g = begin; g < end; ++g) fill(g, contacts, s, kinds, now);
   });
+  choose_sprung(s, joints, contacts);
   const typename JointSolver<T>::Bodies bodies{now, slot_, scaled_, body_.size()};
   balls_.take(joints_.listed(), s, joints.joints, now);
-  balls_.fill(s, joints.joints, bodies, team_);
-  joints_.fill(s, joints, bodies, team_);
+  const double h = in.h / settings.substeps;
+  balls_.fill(s, joints.joints, bodies, h, team_);
+  joints_.fill(s, joints, bodies, h, team_);
   flags_ = 0;
-  substeps(joints, settings, in);
+  substeps(s, joints, settings, in);
   store_impulses(contacts, contact_padding(settings, in.h));
   store_bodies(s);
-  joints_.store(s, joints, displacement_.data(), in.h / settings.substeps, in.h);
-  balls_.store(s, joints.joints, in.h / settings.substeps);
+  joints_.store(s, joints, h);
+  balls_.store(s, joints.joints, h);
 }
 
 template class ContactSolver<float>;

@@ -33,7 +33,7 @@ void JointSolver<T>::choose(const State& s, std::span<const BodyNow> now, std::s
 }
 
 template <class T>
-void JointSolver<T>::fill(const State& s, const JointList& joints, const Bodies& bodies,
+void JointSolver<T>::fill(const State& s, const JointList& joints, const Bodies& bodies, double h,
                           const ThreadTeam& team) {
   end_ = static_cast<uint32_t>(bodies.moving);
   ends_.clear();
@@ -45,7 +45,7 @@ void JointSolver<T>::fill(const State& s, const JointList& joints, const Bodies&
   if (groups_.size() < lanes_.count) groups_.resize(lanes_.count);
   count_drives(joints);
   team.for_blocks(lanes_.count, kGroupsPerBlock, [&](size_t begin, size_t end) {
-    for (size_t g = begin; g < end; ++g) fill_group(g, s, joints, bodies);
+    for (size_t g = begin; g < end; ++g) fill_group(g, s, joints, bodies, h);
   });
   fill_gears(s, joints);
 }
@@ -71,7 +71,8 @@ void JointSolver<T>::count_drives(const JointList& joints) {
 }
 
 template <class T>
-void JointSolver<T>::fill_group(size_t group, const State& s, const JointList& joints, const Bodies& bodies) {
+void JointSolver<T>::fill_group(size_t group, const State& s, const JointList& joints, const Bodies& bodies,
+                                double h) {
   const auto held = s.span<uint32_t>(columns::joint_bodies);
   const double *x = s.f64(columns::position).data(), *q = s.f64(columns::orientation).data();
   JointGroup<T>& g = groups_[group];
@@ -123,6 +124,12 @@ void JointSolver<T>::fill_group(size_t group, const State& s, const JointList& j
       g.bound[1].set(lane, T(std::min(joint.max_torque, kAnything)));
     }
     set_drift(g, lane, s, {a, b}, bodies, at);
+    const auto bend = [&](uint32_t i, const Vec3& arm) {
+      if (i == kNoBody || bodies.slot[i] == kNoBody) return Vec3{};
+      const Vec3 t = load3(s.f64(columns::angular_velocity).data(), i) * h;
+      return cross(t, cross(t, arm)) * 0.5;
+    };
+    set3(g.bend, lane, bend(b, at.arm_b) - bend(a, at.arm_a));
     for (uint32_t d = joint.first_drive; d < joint.first_drive + joint.drives; ++d) {
       fill_drive(g, lane, s, joint, d, joints.drives[d], at);
     }
@@ -235,17 +242,12 @@ void JointSolver<T>::soften(size_t group, const JointList& joints, double h) {
     for (uint32_t i = joint.first_drive; i < joint.first_drive + joint.drives; ++i) {
       const Drive& drive = joints.drives[i];
       JointDrive<T>& d = drive_of(g, drive.row);
-      const auto soften = [&](typename JointDrive<T>::TwoSided& row, double w2, double rate) {
-        const OscillatorStep step = oscillator_step(w2, rate, h);
-        row.push.set(lane, T(step.push)), row.scale.set(lane, T(step.scale));
-      };
       if (drive.laws & Drive::kSpring) {
-        const double w = drive.frequency, inverse_mass = d.k[lane];
-        if (drive.by == Drive::By::frequency) {
-          soften(d.spring, w * w, 2 * drive.damping_ratio * w);
-        } else {
-          soften(d.spring, drive.stiffness * inverse_mass, drive.damping * inverse_mass);
-        }
+        const double inverse_mass = d.k[lane];
+        const OscillatorStep step =
+            oscillator_step(drive.stiffness * inverse_mass, drive.damping * inverse_mass, h);
+        d.spring.pull.set(lane, T(h * drive.stiffness * (1 - step.scale)));
+        d.spring.scale.set(lane, T(step.scale));
       }
       if (drive.laws & Drive::kMotor) {
         // A servo wants the speed that takes it there at its rate, whatever hangs on it.
@@ -288,6 +290,56 @@ void JointSolver<T>::start(const JointList& joints, const Record8<T>* moved, Rec
 }
 
 template <class T>
+bool JointSolver<T>::has_springs(const JointList& joints) const {
+  return std::any_of(listed_.begin(), listed_.end(),
+                     [&](uint32_t k) { return joints.joints[k].springs_only; });
+}
+
+template <class T>
+void JointSolver<T>::mark_held(const State& s, const JointList& joints, std::span<const uint32_t> slot,
+                               std::span<uint8_t> held) const {
+  const auto bodies = s.span<uint32_t>(columns::joint_bodies);
+  for (const uint32_t k : listed_) {
+    if (joints.joints[k].springs_only) continue;
+    for (const uint32_t i : {bodies[2 * k], bodies[2 * k + 1]}) {
+      if (i != kNoBody && slot[i] != kNoBody) held[slot[i]] = 1;
+    }
+  }
+}
+
+template <class T>
+void JointSolver<T>::loosen(const State& s, const JointList& joints, std::span<const uint8_t> held,
+                            std::span<uint8_t> sprung, double h) {
+  const auto loose = [&](uint32_t place) { return place == end_ || !held[place]; };
+  for (size_t group = 0; group < lanes_.count; ++group) {
+    const JointGroup<T>& g = groups_[group];
+    for (int lane = 0; lane < W::kLanes && g.drives > 0; ++lane) {
+      const uint32_t k = lanes_.member[group * W::kLanes + static_cast<size_t>(lane)];
+      if (k == kNoBody || !joints.joints[k].springs_only || !loose(g.a[lane]) || !loose(g.b[lane])) continue;
+      const Joint& joint = joints.joints[k];
+      for (uint32_t i = joint.first_drive; i < joint.first_drive + joint.drives; ++i) {
+        const Drive& drive = joints.drives[i];
+        JointDrive<T>& d = drive_of(g, drive.row);
+        const double k_now = d.k[lane];
+        const OscillatorStep step = oscillator_step(drive.stiffness * k_now, drive.damping * k_now, h);
+        if (!(step.half > 0)) continue;
+        d.half.set(lane, T(step.half / k_now));
+        for (const uint32_t place : {g.a[lane], g.b[lane]}) {
+          if (place != end_) sprung[place] = 1;
+        }
+      }
+    }
+  }
+}
+
+template <class T>
+void JointSolver<T>::kick(Record8<T>* v, T times, const ThreadTeam& team) {
+  each_colour(lanes_, groups_, team, [&](JointGroup<T>& g) {
+    if (g.drives > 0) kick_springs(g, drives_.data() + g.first_drive, v, end_, times);
+  });
+}
+
+template <class T>
 void JointSolver<T>::renew(const Record8<T>* moved, Record8<T>* warm, double elapsed,
                            const ThreadTeam& team) {
   for (const GearRow<T>& gear : gears_) apply_gear(gear, warm, end_, T(-1));
@@ -320,8 +372,7 @@ void JointSolver<T>::relax(Record8<T>* v, const ThreadTeam& team) {
 }
 
 template <class T>
-void JointSolver<T>::store(State& s, const JointList& joints, const Record8<T>* moved, double h,
-                           double elapsed) {
+void JointSolver<T>::store(State& s, const JointList& joints, double h) {
   const auto impulse = s.f64(columns::joint_impulse), load = s.f64(columns::joint_load);
   const auto held = s.span<uint32_t>(columns::joint_bodies), broken = s.span<uint32_t>(columns::joint_broken);
   const double *x = s.f64(columns::position).data(), *q = s.f64(columns::orientation).data();
@@ -348,7 +399,6 @@ void JointSolver<T>::store(State& s, const JointList& joints, const Record8<T>* 
       const W made = detail::total_impulse(drives_[d]);
       for (int e = 0; e < 6; ++e) total[e] = madd(made, drives_[d].share[e], total[e]);
     }
-    if (g.drives > 0) prepare_joints(g, moved, T(elapsed));  // where the drives got to
     for (int lane = 0; lane < W::kLanes; ++lane) {
       const uint32_t k = lanes_.member[group * W::kLanes + static_cast<size_t>(lane)];
       if (k == kNoBody) continue;
