@@ -138,6 +138,7 @@ void ContactSolver<T>::substeps(const State& s, const JointList& joints, const S
               [&](ContactGroup<T>& g) { apply_contacts(g, warm_.data(), end); });
   joints_.start(joints, d, warm_.data(), h, team_);
   balls_.start(warm_.data(), team_);
+  foresee_spin(settings.substeps, h);
   if (springs_) joints_.loosen(s, joints, held_, sprung_, h), kick(T(-1));
   for (int k = 0; k < settings.substeps; ++k) {
     each_body([&](size_t i) {
@@ -176,6 +177,29 @@ void ContactSolver<T>::substeps(const State& s, const JointList& joints, const S
     });
   }
   if (springs_) kick(T(1));
+}
+
+template <class T>
+void ContactSolver<T>::foresee_spin(int substeps, double h) {
+  each_body([&](size_t i) {
+    const T* warm = warm_[i].x;
+    if (warm[3] == 0 && warm[4] == 0 && warm[5] == 0) return;
+    const Vec3 r = roots(moments_[i]);
+    const auto own = [&r](const T* x) { return Vec3{x[3] / r.x, x[4] / r.y, x[5] / r.z}; };
+    const Vec3 spin = own(velocity_[i].x);
+    if (norm2(spin) <= kSlowSpin * kSlowSpin) return;
+    const Vec3 to_half_way = own(warm) * (0.5 * substeps);
+    // After an impact what the last step carried says little of this one.
+    if (norm2(to_half_way) > norm2(spin)) return;
+    set_turned(i, gyroscopic_change(spin + to_half_way, moments_[i], substeps * h) / substeps);
+  });
+}
+
+template <class T>
+void ContactSolver<T>::set_turned(size_t i, const Vec3& turned) {
+  const Vec3 r = roots(moments_[i]);
+  change_[i].x[3] = T(turned.x * r.x), change_[i].x[4] = T(turned.y * r.y),
+  change_[i].x[5] = T(turned.z * r.z);
 }
 
 template <class T>
@@ -225,8 +249,7 @@ void ContactSolver<T>::hit(const ImpactPass<T>& pass, int substeps_left) {
     const Vec3 r = roots(moments_[i]), turn{double(v[3]), double(v[4]), double(v[5])};
     const Vec3 own{turn.x / r.x, turn.y / r.y, turn.z / r.z};
     const Vec3 turned = gyroscopic_change(own, moments_[i], substeps_left * double(pass.h)) / substeps_left;
-    change_[i].x[3] = T(turned.x * r.x), change_[i].x[4] = T(turned.y * r.y),
-    change_[i].x[5] = T(turned.z * r.z);
+    set_turned(i, turned);
   }
 }
 

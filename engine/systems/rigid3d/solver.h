@@ -35,6 +35,9 @@ class ContactSolver {
   void fill(size_t group, std::span<Contact* const> contacts, const State& s, std::span<const BodyKind> kinds,
             std::span<const BodyNow> now);
   void substeps(const State& s, const JointList& joints, const SolverSettings& settings, const StepInput& in);
+  /// Gyroscopic torques follow the spin half way through the step, by the impulses that it begins with.
+  void foresee_spin(int substeps, double h);
+  void set_turned(size_t body, const Vec3& turned);
   /// Bodies on which springs act alone begin and end a step with half of what pulls them in a substep.
   void choose_sprung(const State& s, const JointList& joints, std::span<Contact* const> contacts);
   void kick(T times);

@@ -4,7 +4,6 @@
 #include <bit>
 
 #include "engine/kernels/soft_constraint.h"
-#include "engine/math/trig.h"
 
 namespace truestep {
 
@@ -13,8 +12,6 @@ namespace columns = rigid3d_columns;
 namespace {
 /// Joints are springs of this share of the substeps' rate, damped that many times the critical.
 constexpr double kJointHertzShare = 0.25, kJointDamping = 2;
-/// Impulses of motors without a bound, N s.
-constexpr double kAnything = 1e20;
 }  // namespace
 
 template <class T>
@@ -86,7 +83,7 @@ void JointSolver<T>::fill_group(size_t group, const State& s, const JointList& j
     d.row = static_cast<int>(row);
     d.lower.error = d.upper.error = W(JointDrive<T>::kFar);
   }
-  g.bound[0] = g.bound[1] = W(kAnything);
+  g.bound[0] = g.bound[1] = W(kAnyImpulse);
   constexpr uint32_t kAngularRows = 0b111000;
   if (rows & kAngularRows) g.flags |= JointGroup<T>::kTurns;
   for (int lane = 0; lane < W::kLanes; ++lane) {
@@ -120,8 +117,8 @@ void JointSolver<T>::fill_group(size_t group, const State& s, const JointList& j
     }
     if (joint.max_force < kUnbounded || joint.max_torque < kUnbounded) {
       g.flags |= JointGroup<T>::kBounded;
-      g.bound[0].set(lane, T(std::min(joint.max_force, kAnything)));
-      g.bound[1].set(lane, T(std::min(joint.max_torque, kAnything)));
+      g.bound[0].set(lane, T(std::min(joint.max_force, kAnyImpulse)));
+      g.bound[1].set(lane, T(std::min(joint.max_torque, kAnyImpulse)));
     }
     set_drift(g, lane, s, {a, b}, bodies, at);
     const auto bend = [&](uint32_t i, const Vec3& arm) {
@@ -172,7 +169,7 @@ void JointSolver<T>::fill_drive(JointGroup<T>& g, int lane, const State& s, cons
   d.start.set(lane, drive.row < 3 ? T(at.coordinate[drive.row]) : T(0));
   if (drive.laws & Drive::kSpring) {
     d.spring.error.set(lane, T(coordinate - drive.rest)), d.spring.impulse.set(lane, T(impulse[0]));
-    d.spring.most.set(lane, T(kAnything));
+    d.spring.most.set(lane, T(kAnyImpulse));
   }
   if (drive.laws & Drive::kMotor) {
     if (drive.wants == Drive::Wants::speed) {
@@ -182,7 +179,7 @@ void JointSolver<T>::fill_drive(JointGroup<T>& g, int lane, const State& s, cons
       const double high = drive.laws & Drive::kUpper ? drive.upper : kUnbounded;
       d.motor.error.set(lane, T(coordinate - std::max(low, std::min(high, motor[0]))));
     }
-    d.motor.most.set(lane, T(std::min(motor[1], kAnything))), d.motor.impulse.set(lane, T(impulse[1]));
+    d.motor.most.set(lane, T(std::min(motor[1], kAnyImpulse))), d.motor.impulse.set(lane, T(impulse[1]));
   }
   if (drive.laws & Drive::kLower) {
     d.lower.error.set(lane, T(coordinate - drive.lower)), d.lower.impulse.set(lane, T(impulse[2]));
@@ -227,40 +224,6 @@ void JointSolver<T>::fill_gears(const State& s, const JointList& joints) {
   }
 }
 
-/// Coefficients of springs and motors for substeps of h, by the masses that they move now.
-template <class T>
-void JointSolver<T>::soften(size_t group, const JointList& joints, double h) {
-  JointGroup<T>& g = groups_[group];
-  if (g.flags & JointGroup<T>::kBounded) {
-    for (W& b : g.bound) b *= W(h);
-  }
-  if (g.drives == 0) return;
-  for (int lane = 0; lane < W::kLanes; ++lane) {
-    const uint32_t k = lanes_.member[group * W::kLanes + static_cast<size_t>(lane)];
-    if (k == kNoBody) continue;
-    const Joint& joint = joints.joints[k];
-    for (uint32_t i = joint.first_drive; i < joint.first_drive + joint.drives; ++i) {
-      const Drive& drive = joints.drives[i];
-      JointDrive<T>& d = drive_of(g, drive.row);
-      if (drive.laws & Drive::kSpring) {
-        const double inverse_mass = d.k[lane];
-        const OscillatorStep step =
-            oscillator_step(drive.stiffness * inverse_mass, drive.damping * inverse_mass, h);
-        d.spring.pull.set(lane, T(h * drive.stiffness * (1 - step.scale)));
-        d.spring.scale.set(lane, T(step.scale));
-      }
-      if (drive.laws & Drive::kMotor) {
-        // A servo wants the speed that takes it there at its rate, whatever hangs on it.
-        if (drive.wants == Drive::Wants::place) {
-          d.motor.scale.set(lane, T(1));
-          d.motor.push.set(lane, T((1 - trig::exp(-drive.servo_rate * h)) / h));
-        }
-        d.motor.most.set(lane, T(std::min(double(d.motor.most[lane]) * h, kAnything)));
-      }
-    }
-  }
-}
-
 template <class T>
 void JointSolver<T>::prepare(JointGroup<T>& g, const Record8<T>* moved, double elapsed) {
   prepare_joints(g, moved, T(elapsed));
@@ -287,56 +250,6 @@ void JointSolver<T>::start(const JointList& joints, const Record8<T>* moved, Rec
     prepare_gear<T>(gear, groups_, drives_, end_);
     apply_gear(gear, warm, end_, T(1));
   }
-}
-
-template <class T>
-bool JointSolver<T>::has_springs(const JointList& joints) const {
-  return std::any_of(listed_.begin(), listed_.end(),
-                     [&](uint32_t k) { return joints.joints[k].springs_only; });
-}
-
-template <class T>
-void JointSolver<T>::mark_held(const State& s, const JointList& joints, std::span<const uint32_t> slot,
-                               std::span<uint8_t> held) const {
-  const auto bodies = s.span<uint32_t>(columns::joint_bodies);
-  for (const uint32_t k : listed_) {
-    if (joints.joints[k].springs_only) continue;
-    for (const uint32_t i : {bodies[2 * k], bodies[2 * k + 1]}) {
-      if (i != kNoBody && slot[i] != kNoBody) held[slot[i]] = 1;
-    }
-  }
-}
-
-template <class T>
-void JointSolver<T>::loosen(const State& s, const JointList& joints, std::span<const uint8_t> held,
-                            std::span<uint8_t> sprung, double h) {
-  const auto loose = [&](uint32_t place) { return place == end_ || !held[place]; };
-  for (size_t group = 0; group < lanes_.count; ++group) {
-    const JointGroup<T>& g = groups_[group];
-    for (int lane = 0; lane < W::kLanes && g.drives > 0; ++lane) {
-      const uint32_t k = lanes_.member[group * W::kLanes + static_cast<size_t>(lane)];
-      if (k == kNoBody || !joints.joints[k].springs_only || !loose(g.a[lane]) || !loose(g.b[lane])) continue;
-      const Joint& joint = joints.joints[k];
-      for (uint32_t i = joint.first_drive; i < joint.first_drive + joint.drives; ++i) {
-        const Drive& drive = joints.drives[i];
-        JointDrive<T>& d = drive_of(g, drive.row);
-        const double k_now = d.k[lane];
-        const OscillatorStep step = oscillator_step(drive.stiffness * k_now, drive.damping * k_now, h);
-        if (!(step.half > 0)) continue;
-        d.half.set(lane, T(step.half / k_now));
-        for (const uint32_t place : {g.a[lane], g.b[lane]}) {
-          if (place != end_) sprung[place] = 1;
-        }
-      }
-    }
-  }
-}
-
-template <class T>
-void JointSolver<T>::kick(Record8<T>* v, T times, const ThreadTeam& team) {
-  each_colour(lanes_, groups_, team, [&](JointGroup<T>& g) {
-    if (g.drives > 0) kick_springs(g, drives_.data() + g.first_drive, v, end_, times);
-  });
 }
 
 template <class T>

@@ -13,6 +13,9 @@
 
 namespace truestep {
 
+/// Impulse of a motor without a bound, N s.
+inline constexpr double kAnyImpulse = 1e20;
+
 template <class T>
 class JointSolver {
  public:
