@@ -69,6 +69,7 @@ void ContactSolver<T>::choose_bodies(const State& s, std::span<const BodyKind> k
   };
   list(Ends::both_move), list(Ends::one_moves);
   joints_.choose(s, now, slot_);
+  jointed_ = !joints_.listed().empty();
   body_.clear();
   for (uint32_t i = 0; i < slot_.size(); ++i) {
     if (slot_[i] == 0) slot_[i] = static_cast<uint32_t>(body_.size()), body_.push_back(i);
@@ -138,7 +139,7 @@ void ContactSolver<T>::substeps(const State& s, const JointList& joints, const S
               [&](ContactGroup<T>& g) { apply_contacts(g, warm_.data(), end); });
   joints_.start(joints, d, warm_.data(), h, team_);
   balls_.start(warm_.data(), team_);
-  foresee_spin(settings.substeps, h);
+  if (jointed_) foresee_spin(settings.substeps, h);
   if (springs_) joints_.loosen(s, joints, held_, sprung_, h), kick(T(-1));
   for (int k = 0; k < settings.substeps; ++k) {
     each_body([&](size_t i) {
