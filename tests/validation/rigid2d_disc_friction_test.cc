@@ -51,7 +51,9 @@ TEST(Rigid2dDisc, SpunInPlaceFeelsFrictionOfMuN) {
       double sunk = 0;
       for (int k = 0; k < steps; ++k) t.steps(1), sunk = std::max(sunk, std::abs(t.position(1).y - kRadius));
       const double direction = spin > 0 ? -1 : 1, time = steps * c.dt;
-      EXPECT_NEAR(direction * t.velocity(1).x / (kMu * kG * time), 1, 2e-3) << said(c) << " " << spin;
+      // In the first small step nothing presses yet when friction begins.
+      const double late = 0.5 * c.dt / c.solver_steps / time;
+      EXPECT_NEAR(direction * t.velocity(1).x / (kMu * kG * time), 1, 2e-3 + late) << said(c) << " " << spin;
       EXPECT_LT(sunk, c.solver_steps > 1 ? 1e-3 : 5e-3) << said(c) << " " << spin;
     }
   }
@@ -71,7 +73,8 @@ TEST(Rigid2dDisc, SlidingTurnsToRollingWhereItShould) {
     EXPECT_NEAR(rolls, kRolls, c.dt + 2e-3 * kRolls) << said(c);
     // x = v0 t - mu g t^2 / 2 while it slides.
     const double x = kSpeed * kRolls - 0.5 * kMu * kG * kRolls * kRolls + 2.0 / 3 * kSpeed * (1 - kRolls);
-    EXPECT_NEAR(t.position(1).x, x, 0.01) << said(c);
+    // Friction that begins half a small step late leaves a third of mu g h.
+    EXPECT_NEAR(t.position(1).x, x, 3e-3 + 0.3 * kMu * kG * c.dt / c.solver_steps) << said(c);
   }
 }
 
