@@ -20,8 +20,10 @@ struct Feature {
 };
 
 /// Direction and result in the frame that `at` leads to. Faces are given whatever their angle, lines of
-/// cylinders and capsules when the direction is nearly square to them.
-void feature(const Convex& c, const Transform& at, const Vec3& direction, Feature& out) {
+/// cylinders and capsules when the direction is nearly square to them. `beside`: frame of the other solid, by
+/// which places on a rim are counted, so that they stay where they are while a cylinder turns about itself.
+void feature(const Convex& c, const Transform& at, const Vec3& direction, const Rotation& beside,
+             Feature& out) {
   const Vec3 d = at.inverse_direction(direction);
   out.shape.count = 0;
   switch (c.kind) {
@@ -51,18 +53,24 @@ void feature(const Convex& c, const Transform& at, const Vec3& direction, Featur
                                           0,  -0.3826834323650898, -0.7071067811865476, -0.9238795325112867,
                                           -1, -0.9238795325112867, -0.7071067811865476, -0.3826834323650898,
                                           0,  0.3826834323650898,  0.7071067811865476,  0.9238795325112867};
+      const Vec3 own = axis(at.rotation, 1), x = axis(beside, 0);
+      const Vec3 first = at.inverse_direction(std::fabs(dot(own, x)) < 0.7 ? x : axis(beside, 1));
+      const Vec3 e = normalized(Vec3{first.x, 0, first.z}, {1, 0, 0});
+      const auto place = [&](int k) {
+        const double cos = kCos[k], sin = kCos[(k + 12) % 16];
+        return Vec3{cos * e.x - sin * e.z, 0, cos * e.z + sin * e.x};
+      };
       int nearest = 0;
       double most = -2;
       for (int k = 0; k < 16; ++k) {
-        const double along = kCos[k] * u.x + kCos[(k + 12) % 16] * u.z;
+        const double along = dot(place(k), u);
         if (along > most) most = along, nearest = k;
       }
       for (int i = 0; i < 16; ++i) {
         // Anticlockwise seen from outside.
         const int k = side > 0 ? (16 - i) % 16 : i;
-        Vec3 rim{kCos[k] * c.size.x, side * c.size.y, kCos[(k + 12) % 16] * c.size.x};
-        if (k == nearest && l > 1e-6) rim = {u.x * c.size.x, side * c.size.y, u.z * c.size.x};
-        out.shape.add(at.point(rim), static_cast<uint32_t>(k));
+        const Vec3 rim = (k == nearest && l > 1e-6 ? u : place(k)) * c.size.x;
+        out.shape.add(at.point({rim.x, side * c.size.y, rim.z}), static_cast<uint32_t>(k));
       }
       out.normal = at.direction({0, side, 0});
       out.facing = side * d.y;
@@ -144,8 +152,8 @@ void collide_general(const Convex& a, const Convex& b, const Transform& place, d
   if (!own) n = a.triangle->normal;
 
   Feature fa, fb;
-  feature(a, {}, n, fa);
-  feature(b, place, -n, fb);
+  feature(a, {}, n, place.rotation, fa);
+  feature(b, place, -n, {}, fb);
   const double slack = 1e-3 * size;
   face_contact(fa, fb, n, margin, 1 - 1e-5, out);
   if (!own || (out.count > 0 && -out.deepest() <= separation - r + slack)) return;

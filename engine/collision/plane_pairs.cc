@@ -39,17 +39,22 @@ class Below {
 void cylinder_points(const Convex& b, const Transform& place, const Vec3& n, Below& below) {
   const Vec3 d = place.inverse_direction(n);
   const double r = b.size.x, l = std::sqrt(d.x * d.x + d.z * d.z), low = d.y > 0 ? -b.size.y : b.size.y;
-  // The lowest point of each rim, and four that stay where they are when the cylinder stands.
+  // The lowest point of each rim, and four on which the cylinder stands. They stay where they are when it
+  // turns about itself, so that what they carry stays there too.
   if (l > 1e-4) {
     const Vec3 down{-d.x / l * r, 0, -d.z / l * r};
     below.add(place.point({down.x, low, down.z}), 1);
     below.add(place.point({down.x, -low, down.z}), 2);
   }
+  constexpr double kLying = 0.3;
+  if (std::fabs(d.y) < kLying) return;
+  const Vec3 along = place.inverse_direction(cross(n, std::fabs(n.x) < 0.7 ? Vec3{1, 0, 0} : Vec3{0, 1, 0}));
+  const Vec3 e = normalized(Vec3{along.x, 0, along.z}, {1, 0, 0}) * r;
   const uint32_t end = low < 0 ? 3 : 7;
-  below.add(place.point({r, low, 0}), end);
-  below.add(place.point({0, low, r}), end + 1);
-  below.add(place.point({-r, low, 0}), end + 2);
-  below.add(place.point({0, low, -r}), end + 3);
+  below.add(place.point({e.x, low, e.z}), end);
+  below.add(place.point({-e.z, low, e.x}), end + 1);
+  below.add(place.point({-e.x, low, -e.z}), end + 2);
+  below.add(place.point({e.z, low, -e.x}), end + 3);
 }
 
 }  // namespace

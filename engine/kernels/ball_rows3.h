@@ -3,7 +3,9 @@
 // in the scaled variables of contact_rows3.h. With s_j the rows of S a body's spin moves its anchor by
 // sum_j w_j (s_j x r), so these three vectors are all that a pass reads of it, and
 //   K = 1/m_a + 1/m_b + sum_j c_j c_j^T      over both bodies.
-// They turn with the bodies between substeps; impulses stay what they are in the world.
+// They turn with the bodies when these have moved; impulses stay what they are in the world. A push foresees
+// that anchors go round their bodies' centres, t x (t x r) / 2 off the straight way in a substep's turn t: a
+// swing keeps its energy then, while the gap is what it takes to turn the velocity where it lags behind.
 #pragma once
 #include "engine/kernels/joint_rows3.h"
 
@@ -16,6 +18,7 @@ struct alignas(64) BallGroup {
   W root_a, root_b;                     ///< 1/sqrt(m)
   W arm_a[3], arm_b[3], gap[3];         ///< m; gap = x_b + r_b - x_a - r_a
   W spin_a[3][3], spin_b[3][3];         ///< c_j, what a unit of the scaled spin j moves the anchor by
+  W bend[3];                            ///< m, of the gap in a substep by what anchors go round
   W inverse[6];                         ///< of K: xx, xy, yy, xz, yz, zz
   W impulse[3];                         ///< N s on b, in the world
   W strength;                           ///< 1, or 0 where the lane holds nothing
@@ -80,6 +83,7 @@ void renew_balls(BallGroup<T>& g, const Record8<T>* moved, Record8<T>* warm, uin
   };
   turn(a + 3, g.arm_a), turn(b + 3, g.arm_b);
   for (int k = 0; k < 3; ++k) g.gap[k] += g.arm_b[k] - g.arm_a[k];
+  detail::bend_gap(a + 3, g.arm_a, b + 3, g.arm_b, g.bend);
   for (int j = 0; j < 3; ++j) {
     wa[3 + j] += r::dot(g.spin_a[j], g.impulse), wb[3 + j] -= r::dot(g.spin_b[j], g.impulse);
     turn(a + 3, g.spin_a[j]), turn(b + 3, g.spin_b[j]);
@@ -89,16 +93,18 @@ void renew_balls(BallGroup<T>& g, const Record8<T>* moved, Record8<T>* warm, uin
   scatter6(warm, g.a, end, wa), scatter6(warm, g.b, end, wb);
 }
 
-/// One pass: velocities, and with `push` gaps too, by the coefficients of soft_constraint.h.
+/// One pass: velocities, and with `push` gaps too.
 template <ContactSolve kind, class T>
-void solve_balls(BallGroup<T>& g, Record8<T>* v, uint32_t end, T bias_rate, T mass_scale, T impulse_scale) {
+void solve_balls(BallGroup<T>& g, Record8<T>* v, uint32_t end, const JointPass<T>& pass) {
   using W = Wide<T>;
   namespace r = contact_rows;
   W a[6], b[6], slip[3], f[3];
   gather6(v, g.a, a), gather6(v, g.b, b);
   for (int k = 0; k < 3; ++k) {
     slip[k] = nmadd(g.root_a, a[k], g.root_b * b[k]);
-    if constexpr (kind == ContactSolve::push) slip[k] = madd(W(bias_rate), g.gap[k], slip[k]);
+    if constexpr (kind == ContactSolve::push) {
+      slip[k] = madd(W(pass.inverse_h), g.bend[k], madd(W(pass.bias_rate), g.gap[k], slip[k]));
+    }
   }
   for (int j = 0; j < 3; ++j) r::add(slip, b[3 + j], g.spin_b[j]), r::subtract(slip, a[3 + j], g.spin_a[j]);
   const W* k = g.inverse;
@@ -107,7 +113,7 @@ void solve_balls(BallGroup<T>& g, Record8<T>* v, uint32_t end, T bias_rate, T ma
   f[2] = -madd(k[5], slip[2], madd(k[4], slip[1], k[3] * slip[0]));
   for (int e = 0; e < 3; ++e) {
     if constexpr (kind == ContactSolve::push) {
-      f[e] = nmadd(W(impulse_scale), g.impulse[e], W(mass_scale) * f[e]);
+      f[e] = nmadd(W(pass.impulse_scale), g.impulse[e], W(pass.mass_scale) * f[e]);
     }
     g.impulse[e] += f[e];
   }

@@ -73,6 +73,7 @@ struct ContactLanes {
   using W = Wide<T>;
   W normal[3], arm[4][3], apart[3];  ///< points from a's centre; b's centre from a's
   W active[4], separation[4], impulse[4];
+  W kept[4];  ///< m/s along n by which b's surface moves otherwise than what it is made of, a's the other way
   W root_a, root_b, turn_a[9], turn_b[9];  ///< 1/sqrt(m); S by rows
   W friction, spinning, rolling, restitution;
   W slide[3], twist, roll[3];  ///< impulses of the last step in the world
@@ -116,7 +117,7 @@ void prepare_contacts(ContactGroup<T>& g, const ContactLanes<T>& in) {
   for (int p = 0; p < g.points; ++p) {
     auto& at = g.place[p];
     at.separation = at.apart = in.separation[p], at.impulse = in.impulse[p];
-    at.drift = drifts ? drift(in.arm[p], in.normal) : zero;
+    at.drift = drifts ? drift(in.arm[p], in.normal) + in.kept[p] : in.kept[p];
     // Points share the pressure of the last step; all alike where there was none.
     const W w = madd(in.active[p], W(1e-12), in.impulse[p]);
     weight += w;

@@ -2,7 +2,7 @@
 //   p = J_r^T - J_l^T (K_ll)^-1 K_lr
 // (l the locked rows of the same joint), which leaves the locked rows as they are, so that a motor on a hinge
 // far from a body's centre turns it about the hinge: 1 / (J_r p) is the inertia about that axis.
-//   spring, servo, motor:  dl = -(scale (J v - speed) + push C) / k - (1 - scale) l,   |l| <= most
+//   spring, servo, motor:  dl = -(scale (J v - speed) + push C) / k - pull C - (1 - scale) l,   |l| <= most
 //   limits:                l >= 0,  C >= 0 kept before it is reached (J v >= -C / h), soft once it is not.
 // The impulses of motors of a pose are also kept within a ball over three rows.
 #pragma once
@@ -19,8 +19,13 @@ struct alignas(64) JointDrive {
   W start;            ///< the row's gap at the step's start
   /// A row that pulls both ways. Lanes without it have all zero.
   struct TwoSided {
-    W error, speed, scale, push, most, impulse;
+    W error, speed, scale;
+    W push;  ///< 1/s
+    W pull;  ///< N s/m
+    W most, impulse;
   } spring, motor;
+  W moved;  ///< since the step's start, when the last push began
+  W half;   ///< N s/m: half a pull of springs that act alone on their bodies (oscillator_step)
   /// One that pushes one way: C at the step's start. Lanes without it have kFar.
   struct OneSided {
     W error, impulse;
@@ -66,8 +71,9 @@ template <class T>
 Wide<T> two_sided(typename JointDrive<T>::TwoSided& s, const Wide<T>& speed, const Wide<T>& moved,
                   const JointDrive<T>& d, Wide<T>& v) {
   using W = Wide<T>;
-  const W wanted = madd(s.scale, v - speed, s.push * (s.error + moved));
-  const W next = nmadd(d.inverse_k, wanted, s.scale * s.impulse);
+  const W error = s.error + moved, wanted = madd(s.scale, v - speed, s.push * error);
+  const W pulled = where_positive(d.inverse_k, s.pull * error, W(0));
+  const W next = nmadd(d.inverse_k, wanted, s.scale * s.impulse) - pulled;
   const W clamped = max(-s.most, min(s.most, next)), change = clamped - s.impulse;
   s.impulse = clamped;
   v = madd(d.k, change, v);
@@ -109,13 +115,16 @@ void solve_drive(const JointGroup<T>& g, JointDrive<T>& d, Wide<T> a[6], Wide<T>
   using D = JointDrive<T>;
   W v = joint_speed(g, d.row, a, b), sum(0);
   const W moved = g.gap[d.row] - d.start;
-  if (d.laws & D::kSpring) sum += two_sided<T>(d.spring, W(0), moved, d, v);
+  // A spring pulls in a substep as it does at its start. By where the push takes it the relaxation would pull
+  // otherwise than the positions have felt, and feed what swings.
+  if constexpr (kind == ContactSolve::push) d.moved = moved;
+  if (d.laws & D::kSpring) sum += two_sided<T>(d.spring, W(0), d.moved, d, v);
   if (d.laws & D::kMotor) {
     // A motor does not strive beyond its limits, where two that yield to nothing would fight.
     const W zero(0), up = (d.upper.error - moved) * W(pass.inverse_h),
                      down = (d.lower.error + moved) * W(pass.inverse_h);
     const W speed = max(-max(zero, down), min(max(zero, up), d.motor.speed));
-    sum += two_sided<T>(d.motor, speed, moved, d, v);
+    sum += two_sided<T>(d.motor, speed, d.moved, d, v);
   }
   if (d.laws & D::kLower) {
     const W change = one_sided<kind, T>(d.lower, d.lower.error + moved, d, pass, v);
@@ -145,6 +154,20 @@ void bound_motors(const JointGroup<T>& g, JointDrive<T>* drives, int first, cons
   });
 }
 }  // namespace detail
+
+/// Half a pull of the group's springs where they are now, `times` over.
+template <class T>
+void kick_springs(const JointGroup<T>& g, const JointDrive<T>* drives, Record8<T>* v, uint32_t end, T times) {
+  using W = Wide<T>;
+  W a[6], b[6];
+  gather6(v, g.a, a), gather6(v, g.b, b);
+  for (uint32_t k = 0; k < g.drives; ++k) {
+    const JointDrive<T>& d = drives[k];
+    const W stretched = d.spring.error + (g.gap[d.row] - d.start);
+    detail::push_drive(g, d, where_positive(d.inverse_k, W(-times) * d.half * stretched, W(0)), a, b);
+  }
+  scatter6(v, g.a, end, a), scatter6(v, g.b, end, b);
+}
 
 /// Adds `times` the group's impulses, those of its drives too, to the records (scaled velocities).
 template <class T>

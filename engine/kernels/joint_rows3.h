@@ -19,6 +19,8 @@ struct alignas(64) JointGroup {
   W angle[3];                      ///< angular errors at the step's start, rad
   W locked[6];                     ///< 1 or 0: linear, angular
   W drift[6];                      ///< J v of bodies that move by themselves
+  W turned_a[3], turned_b[3];      ///< rad in the world since the step's start, when last prepared
+  W bend[3];                       ///< m, of the gap in a substep by what anchors go round (ball_rows3.h)
   W along, length;  ///< 1 where the first row is along the line between the anchors; m that it wants
   W impulse[6];
   W bound[2];  ///< N s, N m s: most of the motors of rows 0 to 2, 3 to 5 together
@@ -46,6 +48,15 @@ template <class W>
   contact_rows::cross(t, r, once), contact_rows::cross(t, once, twice);
   for (int k = 0; k < 3; ++k) out[k] = madd(W(0.5), twice[k], r[k] + once[k]);
 }
+/// m by which anchors that go on turning by t leave the straight way, b's against a's.
+template <class W>
+[[gnu::always_inline]] inline void bend_gap(const W ta[3], const W arm_a[3], const W tb[3], const W arm_b[3],
+                                            W out[3]) {
+  W once[3], a[3], b[3];
+  contact_rows::cross(ta, arm_a, once), contact_rows::cross(ta, once, a);
+  contact_rows::cross(tb, arm_b, once), contact_rows::cross(tb, once, b);
+  for (int k = 0; k < 3; ++k) out[k] = W(0.5) * (b[k] - a[k]);
+}
 }  // namespace detail
 
 /// Rows, gaps and the inverse of K where the bodies are now; d: scaled displacements since the step's start,
@@ -62,6 +73,14 @@ void prepare_joint_rows(JointGroup<T>& g, const Record8<T>* d, T elapsed) {
     gap[k] =
         g.error[k] + (g.root_b * db[k] + arm_b[k] - g.arm_b[k]) - (g.root_a * da[k] + arm_a[k] - g.arm_a[k]);
     turn[k] = tb[k] - ta[k], half[k] = W(0.5) * ta[k];
+  }
+  if (elapsed > 0) {
+    W last_a[3], last_b[3];
+    for (int k = 0; k < 3; ++k) {
+      last_a[k] = ta[k] - g.turned_a[k], last_b[k] = tb[k] - g.turned_b[k];
+      g.turned_a[k] = ta[k], g.turned_b[k] = tb[k];
+    }
+    detail::bend_gap(last_a, arm_a, last_b, arm_b, g.bend);
   }
   // From a's centre to where b's anchor is.
   for (int k = 0; k < 3; ++k) arm_a[k] += gap[k];
@@ -140,7 +159,10 @@ template <ContactSolve kind, int rows, class T>
   W slip[rows], f[6] = {};
   for (int k = 0; k < rows; ++k) {
     slip[k] = joint_speed(g, k, a, b);
-    if constexpr (kind == ContactSolve::push) slip[k] = madd(W(pass.bias_rate), g.gap[k], slip[k]);
+    if constexpr (kind == ContactSolve::push) {
+      slip[k] = madd(W(pass.bias_rate), g.gap[k], slip[k]);
+      if (k < 3) slip[k] = madd(W(pass.inverse_h), contact_rows::dot(g.now[k], g.bend), slip[k]);
+    }
     slip[k] *= g.locked[k];
   }
   for (int p = 0, at = 0; p < rows; ++p) {

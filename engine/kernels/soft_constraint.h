@@ -33,6 +33,9 @@ constexpr SoftConstraint<T> rigid_constraint(T share, T h) {
 struct OscillatorStep {
   double push = 0;   ///< 1/s
   double scale = 0;  ///< 1
+  /// 1/s: half of an undamped pull. A run of steps that begins with v += half x and ends with v -= half x is
+  /// of second order (Stoermer and Verlet's method); 0 for an implicit step.
+  double half = 0;
 };
 
 /// While it turns by less than half a radian: damping exact, B = exp(-rate h), the spring's pull at the
@@ -40,8 +43,12 @@ struct OscillatorStep {
 /// its frequency, and undamped it keeps its energy. Matching the frequency instead moves the rest by rate h
 /// / 2. Beyond, implicit Euler, which stiff springs need in company. w2 in 1/s^2, rate in 1/s, h in s.
 inline OscillatorStep oscillator_step(double w2, double rate, double h) {
-  const double keep = w2 * h * h > 0.25 ? 1 / (1 + h * rate + h * h * w2) : trig::exp(-rate * h);
-  return {h * w2 * keep, 1 - keep};
+  if (w2 * h * h > 0.25) {
+    const double keep = 1 / (1 + h * rate + h * h * w2);
+    return {h * w2 * keep, 1 - keep, 0};
+  }
+  const double keep = trig::exp(-rate * h);
+  return {h * w2 * keep, 1 - keep, 0.5 * h * w2};
 }
 
 }  // namespace truestep

@@ -116,7 +116,11 @@ void Box2dWorld::add_shape(b2Body& body, const rigid2d::Shape& shape, uint32_t n
   if (o.is_link()) {
     // Box2D's edges are solid on the other side.
     b2EdgeShape edge;
-    edge.SetOneSided(vec(o.after), vec(o.corner[1]), vec(o.corner[0]), vec(o.before));
+    if (o.side == Outline::Side::both) {
+      edge.SetTwoSided(vec(o.corner[0]), vec(o.corner[1]));
+    } else {
+      edge.SetOneSided(vec(o.after), vec(o.corner[1]), vec(o.corner[0]), vec(o.before));
+    }
     edge.m_radius = real(o.radius);
     add(edge);
   } else if (o.corners == 1) {

@@ -166,5 +166,43 @@ TEST(SoftConstraint, TheOscillatorsStepIsStableAndDampsByItsRate) {
   }
 }
 
+/// x(1) of x'' = -w^2 x from (1, 2) in steps of h, with half a pull at both ends or without.
+TEST(SoftConstraint, TheOscillatorsStepIsOfSecondOrderBetweenHalfPulls) {
+  const double w = 9;
+  const auto error = [&](double h, double halves) {
+    const OscillatorStep s = oscillator_step(w * w, 0, h);
+    double x = 1, v = 2 + halves * s.half;
+    const int steps = static_cast<int>(1 / h + 0.5);
+    for (int k = 0; k < steps; ++k) v = (1 - s.scale) * v - s.push * x, x += h * v;
+    v -= halves * s.half * x;
+    const double off = x - (std::cos(w) + 2 / w * std::sin(w));
+    return std::hypot(off, (v - (2 * std::cos(w) - w * std::sin(w))) / w);
+  };
+  EXPECT_NEAR(std::log2(error(1e-3, 1) / error(5e-4, 1)), 2, 0.05);
+  // The control: without them it is symplectic Euler's.
+  EXPECT_NEAR(std::log2(error(1e-3, 0) / error(5e-4, 0)), 1, 0.05);
+  EXPECT_EQ(oscillator_step(1e6, 0, 1.0 / 300).half, 0);
+}
+
+/// A spring by hertz has the stiffness that gives its bodies that frequency as they stand at t = 0.
+TEST(RigidJoints, ASpringByHertzHasOneStiffness) {
+  Rigid3dDef d;
+  SphereBodyDef ball;
+  ball.mass = 2;
+  d.bodies.push_back(ball);
+  ball.mass = 3, ball.position = {2, 0, 0}, ball.radius = 0.4;
+  d.bodies.push_back(ball);
+  SpringJointDef spring;
+  spring.a = 0, spring.b = 1, spring.hertz = 1.5, spring.damping_ratio = 0.1;
+  spring.anchor = Vec3{0, 0.3, 0}, spring.anchor_b = Vec3{2, 0.3, 0};
+  d.joints.push_back(spring);
+  const JointList joints = build_joints(d, build_bodies(d, 1));
+  // 0.3 m beside both centres, 2/5 m r^2 of a ball.
+  const double k = 1.0 / 2 + 1.0 / 3 + 0.09 / (0.4 * 2 * 0.25) + 0.09 / (0.4 * 3 * 0.16), w = 2 * M_PI * 1.5;
+  ASSERT_EQ(joints.drives.size(), 1u);
+  EXPECT_NEAR(joints.drives[0].stiffness, w * w / k, 1e-9 * w * w);
+  EXPECT_NEAR(joints.drives[0].damping, 0.2 * w / k, 1e-9 * w);
+}
+
 }  // namespace
 }  // namespace truestep

@@ -212,6 +212,24 @@ bool end_takes(const Outline& link, Vec2 n) {
   return cross(link.corner[1] - link.corner[0], onwards) < 0 && cross(left_of(onwards), n) >= 0;
 }
 
+/// Is p on the left of the chain, as far as this link and its neighbours say? Beyond an end the corner there
+/// decides: left of an outward one is what is left of either link, left of an inward one what is left of
+/// both.
+bool on_left(const Outline& link, Vec2 p) {
+  const Vec2 a = link.corner[0], b = link.corner[1], along = b - a;
+  const bool own = cross(along, p - a) >= 0;
+  const auto corner = [&](Vec2 first, Vec2 second, bool other) {
+    return cross(first, second) < 0 ? own || other : own && other;
+  };
+  if (has(link, Outline::Neighbours::before) && dot(p - a, along) < 0) {
+    return corner(a - link.before, along, cross(a - link.before, p - a) >= 0);
+  }
+  if (has(link, Outline::Neighbours::after) && dot(p - b, along) > 0) {
+    return corner(along, link.after - b, cross(link.after - b, p - b) >= 0);
+  }
+  return own;
+}
+
 /// One side of a link against b in the frame of the link. What belongs to the corner at its start is the
 /// earlier link's: every corner has one owner.
 bool link_touch(const Outline& link, const Outline& b, double margin, Contact& out) {
@@ -252,6 +270,12 @@ bool link_touch(const Outline& link, const Outline& b, double margin, Contact& o
   return corner_corner(c, 1, corner, n, out) && end_takes(link, out.normal);
 }
 
+/// The side of a link on which b is.
+bool link_side_touch(const Outline& link, const Outline& b, double margin, Contact& out) {
+  if (link.side == Outline::Side::left || on_left(link, b.center)) return link_touch(link, b, margin, out);
+  return link_touch(reversed(link), b, margin, out);
+}
+
 }  // namespace
 
 bool touch(const Outline& a, const Outline& b, const Pose& b_in_a, double margin, Contact& out) {
@@ -259,11 +283,11 @@ bool touch(const Outline& a, const Outline& b, const Pose& b_in_a, double margin
   if (a.is_link() && b.is_link()) return false;
   if (a.is_link() || !b.is_link()) {
     const Outline there = moved(b, b_in_a);
-    return a.is_link() ? link_touch(a, there, margin, out) : convex(a, there, margin, out);
+    return a.is_link() ? link_side_touch(a, there, margin, out) : convex(a, there, margin, out);
   }
   // The link is b: work in its frame and come back.
   const Pose a_in_b = b_in_a.to(Pose{});
-  if (!link_touch(b, moved(a, a_in_b), margin, out)) return false;
+  if (!link_side_touch(b, moved(a, a_in_b), margin, out)) return false;
   out.normal = -(b_in_a.q * out.normal);
   for (uint32_t i = 0; i < out.points; ++i) out.point[i].at = b_in_a * out.point[i].at;
   return true;

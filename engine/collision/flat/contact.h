@@ -21,7 +21,8 @@ struct Contact {
 };
 
 /// Points of a and b (at pose `b_in_a` seen from a) closer than `margin`; false when there are none. A link
-/// touches only what is on its left, and leaves to its neighbours what is theirs; two links never touch.
+/// touches what is on the sides that hold, and leaves to its neighbours what is theirs; two links never
+/// touch.
 bool touch(const Outline& a, const Outline& b, const Pose& b_in_a, double margin, Contact& out);
 
 }  // namespace truestep::flat

@@ -123,7 +123,7 @@ std::optional<RayHit> ray_cast(const Outline& s, Vec2 origin, Vec2 ray) {
     if (overlap(s, point, Pose{})) return std::nullopt;
   }
   for (uint32_t i = 0; i < s.corners && s.corners > 1; ++i) {
-    if (s.is_link() && i > 0) break;
+    if (s.side == Outline::Side::left && i > 0) break;
     const Vec2 n = s.normal[i], v = s.corner[i] + r * n, e = s.corner[(i + 1) % s.corners] - s.corner[i];
     const double down = dot(n, ray);
     if (!(down < 0)) continue;

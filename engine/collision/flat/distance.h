@@ -31,7 +31,7 @@ struct RayHit {
   Vec2 normal;          ///< unit, of the surface that was hit
 };
 /// First place where origin + fraction * ray (0 to 1) enters the outline, all in its own frame. Nothing when
-/// the origin is inside. A link is hit from its left only.
+/// the origin is inside. A link is hit from the sides that hold.
 std::optional<RayHit> ray_cast(const Outline& s, Vec2 origin, Vec2 ray);
 
 /// A motion from one pose to another: straight line of `pivot` (own frame), turning at a steady rate.

@@ -83,7 +83,7 @@ Outline polygon(std::span<const Vec2> points, double radius) {
   return s;
 }
 
-std::vector<Outline> chain(std::span<const Vec2> p, Ends ends) {
+std::vector<Outline> chain(std::span<const Vec2> p, Ends ends, Outline::Side side) {
   const size_t n = p.size(), links = ends == Ends::loop ? n : n - 1;
   if (n < 2 || (ends == Ends::loop && n < 3)) refuse("a chain needs two points, a loop three");
   std::vector<Outline> list;
@@ -91,7 +91,7 @@ std::vector<Outline> chain(std::span<const Vec2> p, Ends ends) {
     const Vec2 a = p[i], b = p[(i + 1) % n];
     if (a == b) refuse("two points in a row of this chain are the same");
     Outline s = capsule(a, b, 0);
-    s.side = Outline::Side::left;
+    s.side = side;
     // The left side is the outside.
     s.normal[0] = unit(left_of(b - a));
     s.normal[1] = -s.normal[0];
@@ -105,6 +105,16 @@ std::vector<Outline> chain(std::span<const Vec2> p, Ends ends) {
     list.push_back(s);
   }
   return list;
+}
+
+Outline reversed(const Outline& link) {
+  using N = Outline::Neighbours;
+  Outline r = link;
+  std::swap(r.corner[0], r.corner[1]), std::swap(r.normal[0], r.normal[1]), std::swap(r.before, r.after);
+  r.neighbours = link.neighbours == N::before  ? N::after
+                 : link.neighbours == N::after ? N::before
+                                               : link.neighbours;
+  return r;
 }
 
 // One coordinate after the other: gcc 12 makes fused instructions of both together (tests/determinism

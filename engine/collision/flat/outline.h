@@ -1,7 +1,7 @@
 // Shapes of the plane as one kind of thing: a convex polygon of at most eight corners, thickened by a radius.
 // One corner is a circle, two are a capsule, three and more run counter-clockwise. A link of a chain has two
-// corners, one side (left of a to b) and knows its neighbours, so that nothing catches on the corner where
-// two links meet.
+// corners, one side (left of a to b) or both, and knows its neighbours, so that nothing catches on the corner
+// where two links meet.
 #pragma once
 #include <array>
 #include <cstdint>
@@ -21,12 +21,13 @@ struct Outline {
   Vec2 center;                              ///< of area
   uint32_t corners = 0;
   double radius = 0;  ///< m
-  enum class Side : uint8_t { both, left } side = Side::both;
+  /// Which sides of a link hold; `all` for what is no link.
+  enum class Side : uint8_t { all, left, both } side = Side::all;
   /// Corners of the neighbouring links; the own ends where there is none.
   Vec2 before, after;
   enum class Neighbours : uint8_t { none = 0, before = 1, after = 2, both = 3 } neighbours = Neighbours::none;
 
-  bool is_link() const { return side == Side::left; }
+  bool is_link() const { return side != Side::all; }
 };
 
 Outline circle(double radius, Vec2 center = {});
@@ -37,10 +38,12 @@ Outline box(double hx, double hy, Vec2 center = {}, Rotation q = {}, double radi
 /// Convex hull of the points, thickened by radius. Error "scene_invalid" when the hull has less than three or
 /// more than eight corners.
 Outline polygon(std::span<const Vec2> points, double radius = 0);
-/// One-sided links through the points, solid on the right when walking along them; `loop` joins the last to
-/// the first. Error "scene_invalid" for less than two points or two equal ones in a row.
+/// Links through the points that hold on the left when walking along them, or on both sides; `loop` joins the
+/// last to the first. Error "scene_invalid" for less than two points or two equal ones in a row.
 enum class Ends : uint8_t { open, loop };
-std::vector<Outline> chain(std::span<const Vec2> points, Ends ends);
+std::vector<Outline> chain(std::span<const Vec2> points, Ends ends, Outline::Side side = Outline::Side::left);
+/// The same link walked the other way: its left is the right of this one.
+Outline reversed(const Outline& link);
 
 /// The outline moved by a pose.
 Outline moved(const Outline& s, const Pose& at);

@@ -53,8 +53,9 @@ double first_stop(const Model& model, const State& s, const Pairs& pairs, const 
                                           [](const Travel& t, uint32_t b) { return t.body < b; });
       if (moved != travels.end() && moved->body == at) theirs = sweep_of(pairs, *moved);
       const Outline& wall = model.shapes[other].outline;
-      if (wall.is_link() && flat::dot(theirs.from.q * wall.normal[0],
-                                      mine.from * shape.center - theirs.from * wall.corner[0]) < 0) {
+      if (wall.side == Outline::Side::left &&
+          flat::dot(theirs.from.q * wall.normal[0], mine.from * shape.center - theirs.from * wall.corner[0]) <
+              0) {
         return;
       }
       // What touches from the start may move on, but never so far that its core goes through.

@@ -30,7 +30,9 @@ TableOf<D>& drive_rows(TableOf<D>& t, const char* unit, const char* rate, const 
       .number("upper", upper, unit, any(), "largest coordinate")
       .number("motor_speed", speed, rate, any(), "speed that the motor wants; absent: no motor")
       .number("max_motor", strength, force, at_least(0), "most the motor can do; absent: anything")
-      .number("hertz", hertz, "Hz", above(0), "spring towards coordinate 0; absent: none")
+      .number(
+          "hertz", hertz, "Hz", above(0),
+          "spring towards coordinate 0 by its bodies' frequency on it as they stand at t = 0; absent: none")
       .number("damping_ratio", ratio, "1", at_least(0), "of that spring");
 }
 
@@ -74,7 +76,8 @@ const DefTable& distance_table() {
         .number("length", &DistanceDef::length, "m", above(0), "absent: the distance at t = 0")
         .number("minimum", &DistanceDef::minimum, "m", at_least(0), "with maximum: free in between")
         .number("maximum", &DistanceDef::maximum, "m", above(0), "with minimum or alone: a rope")
-        .number("hertz", &DistanceDef::hertz, "Hz", above(0), "a spring; absent: rigid")
+        .number("hertz", &DistanceDef::hertz, "Hz", above(0),
+                "a spring by its bodies' frequency on it as they stand at t = 0; absent: rigid")
         .number("damping_ratio", &DistanceDef::damping_ratio, "1", at_least(0), "of the spring");
     return table.build();
   }();

@@ -36,7 +36,20 @@ struct MakeOutlines {
   }
   void operator()(const PolygonDef& d) const { out.push_back(flat::polygon(corners(d.points), d.radius)); }
   void operator()(const ChainDef& d) const {
-    for (const Outline& link : flat::chain(corners(d.points), d.loop ? flat::Ends::loop : flat::Ends::open)) {
+    using Sides = ChainDef::Sides;
+    std::vector<Vec2> points = corners(d.points);
+    // A link holds on its left. Walked clockwise, a loop's left is its outside.
+    double twice_area = 0;
+    for (size_t i = 0; i < points.size(); ++i) {
+      twice_area += flat::cross(points[i], points[(i + 1) % points.size()]);
+    }
+    const bool clockwise = twice_area < 0;
+    if (d.sides == Sides::right || (d.sides == Sides::outside && !clockwise) ||
+        (d.sides == Sides::inside && clockwise)) {
+      std::reverse(points.begin(), points.end());
+    }
+    const auto side = d.sides == Sides::both ? Outline::Side::both : Outline::Side::left;
+    for (const Outline& link : flat::chain(points, d.loop ? flat::Ends::loop : flat::Ends::open, side)) {
       out.push_back(link);
     }
   }
@@ -300,6 +313,7 @@ Model build_model(const Rigid2dDef& def) {
     throw Error("scene_invalid", "a joint needs a dynamic body",
                 {{"/joints", "no_dynamic_body", "a joint needs a dynamic body", "", "", "", ""}});
   }
+  for (Joint& j : m.joints) stiffen_by_frequency(j, m.bodies[j.a], m.bodies[j.b]);
   for (const Joint& j : m.joints) {
     if (!j.collide) m.apart.push_back(uint64_t{std::min(j.a, j.b)} << 32 | std::max(j.a, j.b));
   }

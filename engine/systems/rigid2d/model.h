@@ -63,13 +63,15 @@ struct Joint {
   bool has_motor = false, has_spring = false, has_lower = false, has_upper = false;
   double lower = 0, upper = 0, motor_speed = 0, max_motor = 0;
   double hertz = 0, damping_ratio = 1;
-  double suspension_hertz = 0, suspension_damping_ratio = 0;
+  double stiffness = 0, damping = 0;  ///< of the spring, made of these two: N/m, N s/m or N m/rad, N m s/rad
   double length = 0, ratio = 1;
   Vec2 ground_a, ground_b;  ///< wheels of a pulley, target of a mouse
   double max_force = 0, max_torque = 0, correction = 0;
   double break_force = 0;
   bool collide = false;
 
+  /// A spring between two points and nothing else.
+  bool spring_only() const { return kind == JointKind::distance && has_spring && !has_lower && !has_upper; }
   /// Only holds two points together: solved side by side with others of its kind.
   bool plain() const {
     return kind == JointKind::revolute && !has_motor && !has_spring && !has_lower && !has_upper;
@@ -81,6 +83,9 @@ struct Hinge {
   uint32_t joint = 0, a = 0, b = 0;
   Vec2 local_a, local_b;
 };
+
+/// Stiffness and damping of the joint's spring by its frequency, as the bodies stand at t = 0.
+void stiffen_by_frequency(Joint& j, const Body& a, const Body& b);
 
 struct Model {
   std::vector<Body> bodies;  ///< the world (fixed, no shapes) is the last one

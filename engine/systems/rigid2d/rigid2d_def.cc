@@ -57,10 +57,19 @@ const DefTable& polygon_table() {
 const DefTable& chain_table() {
   using D = ChainDef;
   static const DefTable t =
-      TableOf<D>("a one-sided line: solid on the right when walking along it, so ground runs left to right")
+      TableOf<D>("a line through points for bodies to rest on; nothing catches where two pieces meet")
           .vectors("points", &D::points, "m", any(), {2, 100'000}, "corners, in the body's frame")
           .required()
           .boolean("loop", &D::loop, "joins the last point to the first")
+          .choice(
+              "sides", &D::sides, {"both", "left", "right", "outside", "inside"},
+              "which sides hold bodies: both, only that to the left or right when walking along the points "
+              "(ground from left to right holds on its left), of a loop only the outside or inside; what "
+              "is on another side passes, and what got half through is pushed back")
+          .check([](const D& d, const DefTable::Report& report) {
+            const bool closed = d.sides == D::Sides::outside || d.sides == D::Sides::inside;
+            if (closed && !d.loop) report("/sides", "only a loop has an outside and an inside");
+          })
           .build();
   return t;
 }

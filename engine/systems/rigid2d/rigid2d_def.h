@@ -28,6 +28,7 @@ struct PolygonDef {
 struct ChainDef {
   std::vector<Vec3> points;
   bool loop = false;
+  enum class Sides : uint8_t { both, left, right, outside, inside } sides = Sides::both;
 };
 using ShapeDef = std::variant<CircleDef, CapsuleDef, BoxDef, PolygonDef, ChainDef>;
 

@@ -107,6 +107,48 @@ void Solver<T>::hit_contacts(const SolverSettings& settings, const ThreadArena& 
 }
 
 template <class T>
+void Solver<T>::choose_sprung(const Pairs& pairs) {
+  const auto alone = [](const JointRow<T>& j) { return j.joint->spring_only(); };
+  springs_ = std::any_of(joints_.begin(), joints_.end(), alone);
+  if (!springs_) return;
+  held_.assign(movers_.size() + 1, 0), sprung_.assign(movers_.size() + 1, 0);
+  for (const uint32_t i : pairs.touching) {
+    held_[slot_[pairs.hits[i].body_a]] = held_[slot_[pairs.hits[i].body_b]] = 1;
+  }
+  for (const HingePack<T>& p : hinges_) {
+    for (int k = 0; k < Wide<T>::kLanes; ++k) held_[p.a[k]] = held_[p.b[k]] = 1;
+  }
+  for (const JointRow<T>& j : joints_) {
+    if (!alone(j)) held_[j.a] = held_[j.b] = 1;
+  }
+  for (uint32_t r = 0; r < moved_; ++r) {
+    // Damping that is no spring's makes a step of first order anyhow.
+    const T* p = push_.data() + 8 * static_cast<size_t>(r);
+    if (p[3] != 1 || p[4] != 1) held_[r] = 1;
+  }
+  const auto held = [&](uint32_t row) { return row < moved_ && held_[row]; };
+  for (JointRow<T>& j : joints_) {
+    if (!alone(j) || held(j.a) || held(j.b) || !(j.spring.half > 0)) {
+      j.spring.half = 0;
+    } else {
+      sprung_[j.a] = sprung_[j.b] = 1;
+    }
+  }
+}
+
+template <class T>
+void Solver<T>::kick(JointPass pass, T h) {
+  const T times = T(pass == JointPass::kick ? 0.5 : -0.5);
+  for (uint32_t r = 0; r < moved_; ++r) {
+    if (!sprung_[r]) continue;
+    for (size_t k = 0; k < 3; ++k) rows_[8 * r + k] += times * push_[8 * r + k];
+  }
+  for (JointRow<T>& j : joints_) {
+    if (j.spring.half > 0) solve_joint(j, rows_.data(), moved_, pass, h);
+  }
+}
+
+template <class T>
 void Solver<T>::small_step(const SolverSettings& settings, const ThreadArena& arena) {
   const T h = static_cast<T>(settings.h), inverse_h = static_cast<T>(1 / settings.h);
   const T push_speed = static_cast<T>(settings.push_speed);
@@ -129,7 +171,7 @@ void Solver<T>::small_step(const SolverSettings& settings, const ThreadArena& ar
   if (bounces_) hit_contacts(settings, arena);
   for (JointRow<T>& j : joints_) solve_joint(j, rows, moved, JointPass::bias, h);
   each_colour(arena, hinges_, hinge_end_,
-              [&](HingePack<T>& p) { solve_hinges<Pass::bias>(p, rows, moved, soft); });
+              [&](HingePack<T>& p) { solve_hinges<Pass::bias>(p, rows, moved, soft, h); });
   each_colour_back(arena, contacts_, contact_end_, [&](ContactPack<T>& p) {
     solve_contacts<Pass::bias>(p, rows, moved, inverse_h, push_speed);
   });
@@ -146,7 +188,7 @@ void Solver<T>::small_step(const SolverSettings& settings, const ThreadArena& ar
 
   for (JointRow<T>& j : joints_) solve_joint(j, rows, moved, JointPass::relax, h);
   each_colour(arena, hinges_, hinge_end_,
-              [&](HingePack<T>& p) { solve_hinges<Pass::relax>(p, rows, moved, soft); });
+              [&](HingePack<T>& p) { solve_hinges<Pass::relax>(p, rows, moved, soft, h); });
   each_colour_back(arena, contacts_, contact_end_, [&](ContactPack<T>& p) {
     solve_contacts<Pass::relax>(p, rows, moved, inverse_h, push_speed);
   });
@@ -211,13 +253,20 @@ void Solver<T>::store_joints(const Model& model, State& state, Hands& hands,
 template <class T>
 void Solver<T>::solve(const Model& model, State& state, const Pairs& pairs, Hands& hands,
                       const SolverSettings& settings, const ThreadArena& arena) {
+  const T h = static_cast<T>(settings.h);
   place_bodies(model, state, pairs, hands, settings);
   pack_joints(model, state, pairs, hands, settings);
   pack_contacts(model, state, pairs, settings, arena);
   const uint32_t packs = contact_end_.empty() ? 0 : contact_end_.back();
   bounces_ =
       std::any_of(contacts_.begin(), contacts_.begin() + packs, [](const auto& p) { return p.bounces != 0; });
+  for (JointRow<T>& j : joints_) {
+    solve_joint(j, rows_.data(), moved_, JointPass::soften, h);
+  }
+  choose_sprung(pairs);
+  if (springs_) kick(JointPass::unkick, h);
   for (int i = 0; i < settings.steps; ++i) small_step(settings, arena);
+  if (springs_) kick(JointPass::kick, h);
   store_bodies(state, settings.h * settings.steps, arena);
   store_joints(model, state, hands, settings);
 }

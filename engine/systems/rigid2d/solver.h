@@ -56,6 +56,7 @@ struct ContactPack {
   W nx, ny, friction, surface_speed, restitution;
   W bias_rate, mass_scale, impulse_scale;
   W rolling, rolling_mass, rolling_impulse;
+  W round_a, round_b;                  // radii of the shapes' rounding, m
   W stiffness0, stiffness1, coupling;  // K of the two normals, 1/kg
   W held;                              // the coupling, or a little less where K has no inverse
   Point point[2];
@@ -111,6 +112,10 @@ class Solver {
                      const State& state) const;
   /// Lets contacts bounce that close within a small step.
   void hit_contacts(const SolverSettings& settings, const ThreadArena& arena);
+  /// Bodies on which springs act alone begin and end a step with half of what pulls them in a small step
+  /// (oscillator_step).
+  void choose_sprung(const Pairs& pairs);
+  void kick(JointPass pass, T h);
   void small_step(const SolverSettings& settings, const ThreadArena& arena);
   void store_bodies(State& state, double dt, const ThreadArena& arena) const;
   void store_joints(const Model& model, State& state, Hands& hands, const SolverSettings& settings) const;
@@ -127,6 +132,8 @@ class Solver {
   std::vector<uint32_t> contact_end_, hinge_end_;  // packs of every colour end here
   std::vector<JointRow<T>> joints_;                // the drags last
   size_t drags_ = 0;
+  std::vector<uint8_t> held_, sprung_;  // rows: something else acts on them; springs alone do
+  bool springs_ = false;
   // Scratch of the packing.
   std::vector<ConstraintEnds> ends_;
   std::vector<uint64_t> used_;

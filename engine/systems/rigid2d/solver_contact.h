@@ -58,14 +58,16 @@ void warm_start(const ContactPack<T>& c, T* rows, uint32_t moved) {
   e.store(rows, moved);
 }
 
-/// How far apart (m) the two points are: the anchors turned with their bodies.
+/// How far apart (m) the two points are. What turns with a body is the corner or centre that its rounding is
+/// about: the rounded surface itself stays where it is, along the normal from there.
 template <class T>
 void separations(const ContactPack<T>& c, const Ends<T>& e, Wide<T> out[2]) {
   using W = Wide<T>;
   W ca, sa, cb, sb;
   small_turn(e.a[6], ca, sa);
   small_turn(e.b[6], cb, sb);
-  const W shift = madd(e.b[4] - e.a[4], c.nx, (e.b[5] - e.a[5]) * c.ny);
+  const W rounding = madd(ca, c.round_a, cb * c.round_b);
+  const W shift = madd(e.b[4] - e.a[4], c.nx, madd(e.b[5] - e.a[5], c.ny, rounding));
   for (int i = 0; i < 2; ++i) {
     const auto& p = c.point[i];
     const W tx = nmadd(sb, p.by, cb * p.bx) - nmadd(sa, p.ay, ca * p.ax);
@@ -170,9 +172,11 @@ void warm_start(const HingePack<T>& c, T* rows, uint32_t moved) {
   e.store(rows, moved);
 }
 
-/// Both components at once:  K impulse = -(v + bias_rate C).
+/// Both components at once:  K impulse = -(v + bias_rate C). The bias pass foresees that anchors go round
+/// their bodies' centres, by w^2 h^2 r / 2 off the straight way in a small step h: a swing keeps its energy
+/// then.
 template <Pass kPass, class T>
-void solve_hinges(HingePack<T>& c, T* rows, uint32_t moved, const SoftConstraint<T>& soft) {
+void solve_hinges(HingePack<T>& c, T* rows, uint32_t moved, const SoftConstraint<T>& soft, T h) {
   using W = Wide<T>;
   Ends<T> e(rows, c.a, c.b);
   W ax, ay, bx, by, vx, vy;
@@ -182,6 +186,8 @@ void solve_hinges(HingePack<T>& c, T* rows, uint32_t moved, const SoftConstraint
     const W rate = W::all(soft.bias_rate);
     vx = madd(rate, c.ex + (e.b[4] - e.a[4]) + ((bx - c.bx) - (ax - c.ax)), vx);
     vy = madd(rate, c.ey + (e.b[5] - e.a[5]) + ((by - c.by) - (ay - c.ay)), vy);
+    const W bend_a = W::all(T(0.5) * h) * e.a[2] * e.a[2], bend_b = W::all(T(0.5) * h) * e.b[2] * e.b[2];
+    vx = madd(bend_a, ax, nmadd(bend_b, bx, vx)), vy = madd(bend_a, ay, nmadd(bend_b, by, vy));
   }
   const W m = e.a[3] + e.b[3];
   const W k11 = madd(e.a[7] * ay, ay, madd(e.b[7] * by, by, m));

@@ -49,11 +49,11 @@ struct Acting {
     b.v[0] += b.v[3] * p * ux, b.v[1] += b.v[3] * p * uy, b.v[2] += b.v[7] * p * sb;
   }
 
-  enum class Law : uint8_t { hold, spring, motor, lower };
+  enum class Law : uint8_t { hold, spring, servo, motor, lower };
   struct Row {
     Law law = Law::hold;
     T C = 0;                 // error, or wanted speed of a motor
-    SoftConstraint<T> soft;  // of hold and lower, and of a spring
+    SoftConstraint<T> soft;  // of hold, lower and servo
     T least = -HUGE_VAL, most = HUGE_VAL;
   };
   /// New change of the impulse `acc` for speed v and mass m (1/k). A lower bound is one-sided.
@@ -64,6 +64,8 @@ struct Acting {
         bias = -r.C;
         break;
       case Law::spring:
+        return pulled(acc, r.C, v, m);
+      case Law::servo:
         bias = r.soft.bias_rate * r.C, scale = r.soft.mass_scale, back = r.soft.impulse_scale;
         break;
       case Law::lower:
@@ -84,31 +86,57 @@ struct Acting {
     acc = next;
     return d;
   }
+  /// The same of a spring. By where a bias pass took the bodies the relaxation would pull otherwise than the
+  /// positions have felt, and feed what swings.
+  T pulled(T& acc, T C, T v, T m) const {
+    if (pass == JointPass::bias) j.spring.error = C;
+    const T next = j.spring.scale * (acc - m * v) - j.spring.pull * j.spring.error, d = next - acc;
+    acc = next;
+    return d;
+  }
+  void soften(Law law, T k) const {
+    if (law != Law::spring || !(k > 0)) return;
+    const Joint& d = *j.joint;
+    const OscillatorStep step = oscillator_step(d.stiffness * k, d.damping * k, h);
+    j.spring.pull = static_cast<T>(h * d.stiffness * (1 - step.scale));
+    j.spring.scale = static_cast<T>(step.scale), j.spring.half = static_cast<T>(step.half / k);
+  }
   /// A row on the turning rates: ratio_a w_a + ratio_b w_b.
   void angular(T& acc, const Row& r, T ratio_a, T ratio_b) {
     if (pass == JointPass::warm) return turn_by(acc, ratio_a, ratio_b);
     const T k = a.v[7] * ratio_a * ratio_a + b.v[7] * ratio_b * ratio_b;
+    if (pass == JointPass::soften) return soften(r.law, k);
     if (!(k > 0)) return;
     turn_by(change(acc, r, ratio_a * a.v[2] + ratio_b * b.v[2], 1 / k), ratio_a, ratio_b);
   }
   /// A row along u; `sign` -1 turns a lower bound into an upper one.
   void along(T& acc, const Row& r, T ux, T uy) {
     if (pass == JointPass::warm) return push_along(acc, ux, uy);
+    if (pass == JointPass::kick || pass == JointPass::unkick) {
+      return push_along(pass == JointPass::kick ? -j.spring.half * r.C : j.spring.half * r.C, ux, uy);
+    }
     const T sa = (ax + dx) * uy - (ay + dy) * ux, sb = bx * uy - by * ux;
     const T k = a.v[3] + b.v[3] + a.v[7] * sa * sa + b.v[7] * sb * sb;
+    if (pass == JointPass::soften) return soften(r.law, k);
     if (!(k > 0)) return;
     const T v = ux * (b.v[0] - a.v[0]) + uy * (b.v[1] - a.v[1]) + sb * b.v[2] - sa * a.v[2];
     push_along(change(acc, r, v, 1 / k), ux, uy);
   }
   /// Both components of the distance of the anchors, within an impulse of magnitude `most`.
   void point(T* acc, Law law, const SoftConstraint<T>& soft, T most) {
+    if (pass == JointPass::soften) return;
     if (pass == JointPass::warm) return push(acc[0], acc[1]);
     T rate = 0, scale = 1, back = 0;
-    if (law == Law::spring || pass == JointPass::bias) {
+    if (law == Law::servo || pass == JointPass::bias) {
       rate = soft.bias_rate, scale = soft.mass_scale, back = soft.impulse_scale;
     }
-    const T vx = b.v[0] - b.v[2] * by - a.v[0] + a.v[2] * ay + rate * dx;
-    const T vy = b.v[1] + b.v[2] * bx - a.v[1] - a.v[2] * ax + rate * dy;
+    T vx = b.v[0] - b.v[2] * by - a.v[0] + a.v[2] * ay + rate * dx;
+    T vy = b.v[1] + b.v[2] * bx - a.v[1] - a.v[2] * ax + rate * dy;
+    if (law == Law::hold && pass == JointPass::bias) {
+      // Anchors go round, as in solve_hinges.
+      const T bend_a = T(0.5) * h * a.v[2] * a.v[2], bend_b = T(0.5) * h * b.v[2] * b.v[2];
+      vx += bend_a * ax - bend_b * bx, vy += bend_a * ay - bend_b * by;
+    }
     const T m = a.v[3] + b.v[3];
     const T k11 = m + a.v[7] * ay * ay + b.v[7] * by * by, k22 = m + a.v[7] * ax * ax + b.v[7] * bx * bx;
     const T k12 = -a.v[7] * ax * ay - b.v[7] * bx * by, determinant = k11 * k22 - k12 * k12;
@@ -130,7 +158,7 @@ struct Acting {
   /// Spring, motor and limits on the angle of b against a.
   void turning_drive() {
     const Joint& d = *j.joint;
-    if (d.has_spring) angular(j.impulse[5], {Law::spring, angle(), j.spring}, -1, 1);
+    if (d.has_spring) angular(j.impulse[5], {Law::spring, angle(), {}}, -1, 1);
     turning_motor();
     if (d.has_lower) angular(j.impulse[3], {Law::lower, angle() - static_cast<T>(d.lower), j.soft}, -1, 1);
     if (d.has_upper) angular(j.impulse[4], {Law::lower, static_cast<T>(d.upper) - angle(), j.soft}, 1, -1);
@@ -159,7 +187,7 @@ void Acting<T>::distance() {
   const T length = std::sqrt(dx * dx + dy * dy);
   const T ux = length > 0 ? dx / length : 1, uy = length > 0 ? dy / length : 0;
   const bool free = d.has_lower || d.has_upper;
-  if (d.has_spring) along(j.impulse[5], {Law::spring, length - static_cast<T>(d.length), j.spring}, ux, uy);
+  if (d.has_spring) along(j.impulse[5], {Law::spring, length - static_cast<T>(d.length), {}}, ux, uy);
   if (d.has_lower) along(j.impulse[3], {Law::lower, length - static_cast<T>(d.lower), j.soft}, ux, uy);
   if (d.has_upper) along(j.impulse[4], {Law::lower, static_cast<T>(d.upper) - length, j.soft}, -ux, -uy);
   if (!free && !d.has_spring) {
@@ -181,6 +209,7 @@ void Acting<T>::pulley() {
     a.v[0] += a.v[3] * p * uax, a.v[1] += a.v[3] * p * uay, a.v[2] += a.v[7] * p * sa;
     b.v[0] += b.v[3] * p * ubx, b.v[1] += b.v[3] * p * uby, b.v[2] += b.v[7] * p * sb;
   };
+  if (pass == JointPass::soften) return;
   if (pass == JointPass::warm) return pull(j.impulse[0]);
   const T k = a.v[3] + a.v[7] * sa * sa + ratio * ratio * b.v[3] + b.v[7] * sb * sb;
   const T v = uax * a.v[0] + uay * a.v[1] + sa * a.v[2] + ubx * b.v[0] + uby * b.v[1] + sb * b.v[2];
@@ -199,12 +228,11 @@ void Acting<T>::solve() {
       turning_drive();
       return point(j.impulse, Law::hold, j.soft, everything);
     case JointKind::weld:
-      angular(j.impulse[5],
-              {d.has_spring ? Law::spring : Law::hold, angle(), d.has_spring ? j.spring : j.soft}, -1, 1);
+      angular(j.impulse[5], {d.has_spring ? Law::spring : Law::hold, angle(), j.soft}, -1, 1);
       return point(j.impulse, Law::hold, j.soft, everything);
     case JointKind::prismatic: {
       const T at = dx * ux + dy * uy;
-      if (d.has_spring) along(j.impulse[5], {Law::spring, at, j.spring}, ux, uy);
+      if (d.has_spring) along(j.impulse[5], {Law::spring, at, {}}, ux, uy);
       if (d.has_motor) {
         const T most = most_of(d.max_motor);
         along(j.impulse[2], {Law::motor, static_cast<T>(d.motor_speed), {}, -most, most}, ux, uy);
@@ -215,18 +243,18 @@ void Acting<T>::solve() {
     }
     case JointKind::wheel:
       turning_motor();
-      if (d.has_spring) along(j.impulse[5], {Law::spring, dx * ux + dy * uy, j.spring}, ux, uy);
+      if (d.has_spring) along(j.impulse[5], {Law::spring, dx * ux + dy * uy, {}}, ux, uy);
       sliding_limits(ux, uy);
       return along(j.impulse[0], {Law::hold, dy * ux - dx * uy, j.soft}, -uy, ux);
     case JointKind::distance:
       return distance();
     case JointKind::motor: {
       const T most = most_of(d.max_torque);
-      angular(j.impulse[5], {Law::spring, angle(), j.spring, -most, most}, -1, 1);
-      return point(j.impulse, Law::spring, j.spring, most_of(d.max_force));
+      angular(j.impulse[5], {Law::servo, angle(), j.servo, -most, most}, -1, 1);
+      return point(j.impulse, Law::servo, j.servo, most_of(d.max_force));
     }
     case JointKind::mouse:
-      return point(j.impulse, Law::spring, j.spring, most_of(d.max_force));
+      return point(j.impulse, Law::servo, j.servo, most_of(d.max_force));
     case JointKind::gear:
       return angular(j.impulse[0], {Law::hold, j.angle + a.v[6] + static_cast<T>(d.ratio) * b.v[6], j.soft},
                      1, static_cast<T>(d.ratio));

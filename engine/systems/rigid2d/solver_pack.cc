@@ -47,6 +47,8 @@ void Solver<T>::fill(ContactPack<T>& c, const uint32_t* hits, int count, const M
     c.a[k] = slot_[hit.body_a], c.b[k] = slot_[hit.body_b];
     const Vec2 n = contact.normal, apart = pairs.pose[hit.body_b].p - pairs.pose[hit.body_a].p;
     c.nx.set(k, t(n.x)), c.ny.set(k, t(n.y));
+    c.round_a.set(k, t(model.shapes[hit.a].outline.radius));
+    c.round_b.set(k, t(model.shapes[hit.b].outline.radius));
     c.friction.set(k, t(a.friction == b.friction ? a.friction : std::sqrt(a.friction * b.friction)));
     c.surface_speed.set(k, t(-(a.speed + b.speed)));
     const double bounces = std::max(a.restitution, b.restitution);
@@ -161,11 +163,11 @@ JointRow<T> Solver<T>::row_of(const Joint& d, const Pairs& pairs, const SolverSe
   j.angle = t(d.kind == JointKind::gear ? angle(d.a) + d.ratio * angle(d.b) - d.angle
                                         : angle(d.b) - angle(d.a) - d.angle);
   const SoftConstraint<double>& soft = settings.joint;
-  const SoftConstraint<double> spring = d.kind == JointKind::motor
-                                            ? rigid_constraint(d.correction, settings.h * settings.steps)
-                                            : soft_constraint(d.hertz, d.damping_ratio, settings.h);
+  const SoftConstraint<double> servo = d.kind == JointKind::motor
+                                           ? rigid_constraint(d.correction, settings.h * settings.steps)
+                                           : soft_constraint(d.hertz, d.damping_ratio, settings.h);
   j.soft = {t(soft.bias_rate), t(soft.mass_scale), t(soft.impulse_scale)};
-  j.spring = {t(spring.bias_rate), t(spring.mass_scale), t(spring.impulse_scale)};
+  j.servo = {t(servo.bias_rate), t(servo.mass_scale), t(servo.impulse_scale)};
   return j;
 }
 

@@ -114,6 +114,12 @@ BodyKind build_kind(const AnyBodyDef& any, const Rigid3dDef& def) {
     }
   }
   k.reach = bounding_radius(k.solid), k.inner = inner_radius(k.solid);
+  k.turned_round = k.solid.kind == SolidKind::cylinder;
+  if (k.solid.kind == SolidKind::compound) {
+    for (const Compound::Part& p : k.solid.compound->parts()) {
+      k.turned_round = k.turned_round || p.solid.kind == SolidKind::cylinder;
+    }
+  }
   return k;
 }
 
@@ -176,6 +182,17 @@ Pose BodyKind::body_pose(const Pose& shape) const {
 Pose BodyKind::shape_pose(const Pose& body) const {
   const Quat q = normalized(body.orientation * conjugate(axes));
   return {body.position - rotation(q).apply(center), q};
+}
+
+ScaledBody scaled_body(const BodyKind& kind, const Rotation& R) {
+  ScaledBody out;
+  const double moments[3] = {kind.moments.x, kind.moments.y, kind.moments.z};
+  for (int row = 0; row < 3; ++row) {
+    const Vec3 e = axis(R, row) / std::sqrt(moments[row]);
+    out.turn[3 * row] = e.x, out.turn[3 * row + 1] = e.y, out.turn[3 * row + 2] = e.z;
+  }
+  out.root = 1 / std::sqrt(kind.mass);
+  return out;
 }
 
 BodyList build_bodies(const Rigid3dDef& def, uint64_t seed) {

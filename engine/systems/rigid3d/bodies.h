@@ -23,6 +23,7 @@ struct BodyKind {
   double linear_damping = 0, angular_damping = 0, gravity_scale = 1;
   uint32_t group = 1, mask = ~0u;
   bool sensor = false;
+  bool turned_round = false;  ///< is a cylinder or has one
   std::optional<Vec3> color;
 
   bool moved_by_forces() const { return mass > 0; }
@@ -30,6 +31,14 @@ struct BodyKind {
   Pose body_pose(const Pose& shape) const;
   Pose shape_pose(const Pose& body) const;
 };
+
+/// A body's mass in the variables in which constraints are solved (contact_rows3.h).
+struct ScaledBody {
+  double root;     ///< 1/sqrt(m)
+  double turn[9];  ///< S = I^-1/2 R^T by rows
+};
+/// Of a body moved by forces, with its principal axes along the columns of R.
+ScaledBody scaled_body(const BodyKind& kind, const Rotation& R);
 
 /// A body at t = 0.
 struct BodyStart {

@@ -78,10 +78,10 @@ struct Making {
   static void spring(Drive& out, std::optional<double> hertz, double ratio, std::optional<double> stiffness,
                      std::optional<double> damping) {
     if (hertz) {
-      out.laws |= Drive::kSpring, out.by = Drive::By::frequency;
+      out.laws |= Drive::kSpring;
       out.frequency = kTurn * *hertz, out.damping_ratio = ratio;
     } else if (stiffness || damping) {
-      out.laws |= Drive::kSpring, out.by = Drive::By::stiffness;
+      out.laws |= Drive::kSpring;
       out.stiffness = stiffness.value_or(0), out.damping = damping.value_or(0);
     }
   }
@@ -255,6 +255,11 @@ class Builder {
       m.joint.break_force = d.break_force.value_or(kUnbounded);
       m.joint.break_torque = d.break_torque.value_or(kUnbounded);
       m.joint.touch = d.touch;
+      m.joint.springs_only =
+          !m.drives.empty() &&
+          std::all_of(m.drives.begin(), m.drives.end(),
+                      [](const Drive& x) { return x.laws == Drive::kSpring; }) &&
+          std::none_of(m.joint.locked.begin(), m.joint.locked.end(), [](uint8_t l) { return l != 0; });
       if (!m.joint.id.empty()) m.count_turns();
       m.joint.first_drive = static_cast<uint32_t>(out_.drives.size());
       m.joint.drives = static_cast<uint32_t>(m.drives.size());
@@ -331,7 +336,9 @@ class Builder {
 }  // namespace
 
 JointList build_joints(const Rigid3dDef& def, const BodyList& bodies) {
-  return Builder(def, bodies).build();
+  JointList joints = Builder(def, bodies).build();
+  stiffen_by_frequency(joints, bodies);
+  return joints;
 }
 
 }  // namespace truestep

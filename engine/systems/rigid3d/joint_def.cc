@@ -54,7 +54,8 @@ TableOf<D>& add_drive(TableOf<D>& t, const DriveUnits& unit) {
       .number("upper", upper, unit.at, any(), "largest coordinate")
       .number("stiffness", stiffness, unit.stiffness, at_least(0), "spring towards rest; absent: none")
       .number("damping", damping, unit.damping, at_least(0), "of that spring, or alone")
-      .number("hertz", hertz, "Hz", above(0), "spring by the frequency that its bodies have on it")
+      .number("hertz", hertz, "Hz", above(0),
+              "spring by the frequency that its bodies have on it as they stand at t = 0")
       .number("damping_ratio", ratio, "1", at_least(0), "of that spring")
       .number("rest", rest, unit.at, any(), "coordinate at which the spring is at rest")
       .number("motor_speed", speed, unit.rate, any(), "speed that the motor wants; absent: no such motor")
@@ -199,7 +200,8 @@ const DefTable& spring_table() {
         .number("length", &D::length, "m", at_least(0), "at rest; absent: the distance at t = 0")
         .number("stiffness", &D::stiffness, "N/m", at_least(0), "force per length")
         .number("damping", &D::damping, "N s/m", at_least(0), "force per speed")
-        .number("hertz", &D::hertz, "Hz", above(0), "instead: the frequency that its bodies have on it")
+        .number("hertz", &D::hertz, "Hz", above(0),
+                "instead: the frequency that its bodies have on it as they stand at t = 0")
         .number("damping_ratio", &D::damping_ratio, "1", at_least(0), "of a spring given by hertz")
         .check([](const D& d, const DefTable::Report& report) {
           if (d.hertz && (d.stiffness || d.damping)) {

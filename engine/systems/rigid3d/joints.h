@@ -20,10 +20,9 @@ struct Drive {
   enum Law : uint32_t { kSpring = 1, kMotor = 2, kLower = 4, kUpper = 8 };
   uint32_t laws = 0;
   double lower = 0, upper = 0;
-  double rest = 0;  ///< coordinate of the spring
-  /// Spring: by frequency (rad/s) and damping ratio, or by N/m and N s/m.
-  enum class By : uint8_t { frequency, stiffness } by = By::frequency;
-  double frequency = 0, damping_ratio = 0, stiffness = 0, damping = 0;
+  double rest = 0;                          ///< coordinate of the spring
+  double stiffness = 0, damping = 0;        ///< spring: N/m and N s/m, or N m/rad and N m s/rad
+  double frequency = 0, damping_ratio = 0;  ///< rad/s; what the two above are made of, where it is not 0
   enum class Wants : uint8_t { speed, place } wants = Wants::speed;
   double motor_target = 0, max_motor = kUnbounded;
   double servo_rate = 0;  ///< 1/s, at which a motor comes to its place
@@ -50,6 +49,8 @@ struct Joint {
   /// A gear: coordinates of two drives, first + ratio second = 0.
   std::array<uint32_t, 2> geared{};
   double ratio = 1;
+  /// Nothing but springs.
+  bool springs_only = false;
 };
 
 struct JointList {
@@ -59,6 +60,9 @@ struct JointList {
 
 /// All joints of the scene. Error "scene_invalid" with pointers to what is not there or fits nothing.
 JointList build_joints(const Rigid3dDef& def, const BodyList& bodies);
+
+/// Stiffness and damping of springs that are given by frequency, as the bodies stand at t = 0.
+void stiffen_by_frequency(JointList& joints, const BodyList& bodies);
 
 /// Where a joint is.
 struct JointPlace {

@@ -69,6 +69,7 @@ void ContactSolver<T>::choose_bodies(const State& s, std::span<const BodyKind> k
   };
   list(Ends::both_move), list(Ends::one_moves);
   joints_.choose(s, now, slot_);
+  jointed_ = !joints_.listed().empty();
   body_.clear();
   for (uint32_t i = 0; i < slot_.size(); ++i) {
     if (slot_[i] == 0) slot_[i] = static_cast<uint32_t>(body_.size()), body_.push_back(i);
@@ -92,11 +93,7 @@ void ContactSolver<T>::load_bodies(const State& s, std::span<const BodyKind> kin
     const double root = std::sqrt(b.mass);
     const Vec3 r = roots(b.moments);
     const Rotation& R = now[i].at.rotation;
-    for (int row = 0; row < 3; ++row) {
-      const Vec3 e = axis(R, row) / (row == 0 ? r.x : row == 1 ? r.y : r.z);
-      scaled_[k].turn[3 * row] = e.x, scaled_[k].turn[3 * row + 1] = e.y, scaled_[k].turn[3 * row + 2] = e.z;
-    }
-    scaled_[k].root = 1 / root, moments_[k] = b.moments;
+    scaled_[k] = scaled_body(b, R), moments_[k] = b.moments;
     const Vec3 spin = load3(w, i), own = R.apply_inverse(spin);
     velocity_[k] = record<T>(load3(v, i) * root, free_rotation::times(own, r));
     const Vec3 turned = gyroscopic_change(own, b.moments, h);
@@ -127,7 +124,7 @@ void ContactSolver<T>::each_body(Body&& body) {
 }
 
 template <class T>
-void ContactSolver<T>::substeps(const JointList& joints, const SolverSettings& settings,
+void ContactSolver<T>::substeps(const State& s, const JointList& joints, const SolverSettings& settings,
                                 const StepInput& in) {
   const size_t n = body_.size();
   const auto end = static_cast<uint32_t>(n);
@@ -141,12 +138,10 @@ void ContactSolver<T>::substeps(const JointList& joints, const SolverSettings& s
   each_colour(contact_lanes_, groups_, team_,
               [&](ContactGroup<T>& g) { apply_contacts(g, warm_.data(), end); });
   joints_.start(joints, d, warm_.data(), h, team_);
-  balls_.start(warm_.data(), JointSolver<T>::softness(h), team_);
+  balls_.start(warm_.data(), team_);
+  if (jointed_) foresee_spin(settings.substeps, h);
+  if (springs_) joints_.loosen(s, joints, held_, sprung_, h), kick(T(-1));
   for (int k = 0; k < settings.substeps; ++k) {
-    if (k > 0) {
-      joints_.renew(d, warm_.data(), k * h, team_);
-      balls_.renew(d, warm_.data(), team_);
-    }
     each_body([&](size_t i) {
       for (int e = 0; e < 8; ++e) v[i].x[e] += change_[i].x[e];
       if (damped_) {
@@ -170,6 +165,10 @@ void ContactSolver<T>::substeps(const JointList& joints, const SolverSettings& s
       }
     });
     pass.elapsed = T((k + 1) * h);
+    // Velocities have to suit the joints where they are by now: what swings would lose (h w)^2 of its energy
+    // in every substep by the directions that it had before.
+    joints_.renew(d, warm_.data(), pass.elapsed, team_);
+    balls_.renew(d, warm_.data(), team_);
     joints_.relax(v, team_);
     balls_.relax(v, team_);
     each_colour(contact_lanes_, groups_, team_, order,
@@ -178,6 +177,54 @@ void ContactSolver<T>::substeps(const JointList& joints, const SolverSettings& s
       for (int e = 0; e < 8; ++e) warm_[i].x[e] += v[i].x[e] - start_[i].x[e];
     });
   }
+  if (springs_) kick(T(1));
+}
+
+template <class T>
+void ContactSolver<T>::foresee_spin(int substeps, double h) {
+  each_body([&](size_t i) {
+    const T* warm = warm_[i].x;
+    if (warm[3] == 0 && warm[4] == 0 && warm[5] == 0) return;
+    const Vec3 r = roots(moments_[i]);
+    const auto own = [&r](const T* x) { return Vec3{x[3] / r.x, x[4] / r.y, x[5] / r.z}; };
+    const Vec3 spin = own(velocity_[i].x);
+    if (norm2(spin) <= kSlowSpin * kSlowSpin) return;
+    const Vec3 to_half_way = own(warm) * (0.5 * substeps);
+    // After an impact what the last step carried says little of this one.
+    if (norm2(to_half_way) > norm2(spin)) return;
+    set_turned(i, gyroscopic_change(spin + to_half_way, moments_[i], substeps * h) / substeps);
+  });
+}
+
+template <class T>
+void ContactSolver<T>::set_turned(size_t i, const Vec3& turned) {
+  const Vec3 r = roots(moments_[i]);
+  change_[i].x[3] = T(turned.x * r.x), change_[i].x[4] = T(turned.y * r.y),
+  change_[i].x[5] = T(turned.z * r.z);
+}
+
+template <class T>
+void ContactSolver<T>::choose_sprung(const State& s, const JointList& joints,
+                                     std::span<Contact* const> contacts) {
+  springs_ = !damped_ && joints_.has_springs(joints);
+  if (!springs_) return;
+  held_.assign(body_.size(), 0), sprung_.assign(body_.size(), 0);
+  for (const uint32_t k : listed_) {
+    for (const uint32_t i : {contacts[k]->a, contacts[k]->b}) {
+      if (slot_[i] != kNoBody) held_[slot_[i]] = 1;
+    }
+  }
+  joints_.mark_held(s, joints, slot_, held_);
+}
+
+template <class T>
+void ContactSolver<T>::kick(T times) {
+  Record8<T>* v = velocity_.data();
+  for (size_t i = 0; i < body_.size(); ++i) {
+    if (!sprung_[i]) continue;
+    for (int e = 0; e < 8; ++e) v[i].x[e] += T(0.5) * times * change_[i].x[e];
+  }
+  joints_.kick(v, times, team_);
 }
 
 template <class T>
@@ -203,8 +250,7 @@ void ContactSolver<T>::hit(const ImpactPass<T>& pass, int substeps_left) {
     const Vec3 r = roots(moments_[i]), turn{double(v[3]), double(v[4]), double(v[5])};
     const Vec3 own{turn.x / r.x, turn.y / r.y, turn.z / r.z};
     const Vec3 turned = gyroscopic_change(own, moments_[i], substeps_left * double(pass.h)) / substeps_left;
-    change_[i].x[3] = T(turned.x * r.x), change_[i].x[4] = T(turned.y * r.y),
-    change_[i].x[5] = T(turned.z * r.z);
+    set_turned(i, turned);
   }
 }
 
@@ -248,16 +294,18 @@ void ContactSolver<T>::solve(State& s, std::span<const BodyKind> kinds, const Jo
   team_.for_blocks(contact_lanes_.count, kGroupsPerBlock, [&](size_t begin, size_t end) {
     for (size_t g = begin; g < end; ++g) fill(g, contacts, s, kinds, now);
   });
+  choose_sprung(s, joints, contacts);
   const typename JointSolver<T>::Bodies bodies{now, slot_, scaled_, body_.size()};
   balls_.take(joints_.listed(), s, joints.joints, now);
-  balls_.fill(s, joints.joints, bodies, team_);
-  joints_.fill(s, joints, bodies, team_);
+  const double h = in.h / settings.substeps;
+  balls_.fill(s, joints.joints, bodies, h, team_);
+  joints_.fill(s, joints, bodies, h, team_);
   flags_ = 0;
-  substeps(joints, settings, in);
+  substeps(s, joints, settings, in);
   store_impulses(contacts, contact_padding(settings, in.h));
   store_bodies(s);
-  joints_.store(s, joints, displacement_.data(), in.h / settings.substeps, in.h);
-  balls_.store(s, joints.joints, in.h / settings.substeps);
+  joints_.store(s, joints, h);
+  balls_.store(s, joints.joints, h);
 }
 
 template class ContactSolver<float>;

@@ -34,7 +34,14 @@ class ContactSolver {
                    std::span<const Vec3> change, const SolverSettings& settings, double h);
   void fill(size_t group, std::span<Contact* const> contacts, const State& s, std::span<const BodyKind> kinds,
             std::span<const BodyNow> now);
-  void substeps(const JointList& joints, const SolverSettings& settings, const StepInput& in);
+  void substeps(const State& s, const JointList& joints, const SolverSettings& settings, const StepInput& in);
+  /// Gyroscopic torques follow the spin half way through the step, by the impulses that it begins with: those
+  /// of joints last.
+  void foresee_spin(int substeps, double h);
+  void set_turned(size_t body, const Vec3& turned);
+  /// Bodies on which springs act alone begin and end a step with half of what pulls them in a substep.
+  void choose_sprung(const State& s, const JointList& joints, std::span<Contact* const> contacts);
+  void kick(T times);
   /// Lets contacts bounce that close within a substep.
   void hit(const ImpactPass<T>& pass, int substeps_left);
   void store_impulses(std::span<Contact* const> contacts, const ContactPadding& padding);
@@ -57,7 +64,8 @@ class ContactSolver {
   std::vector<uint32_t> listed_;
   std::vector<uint8_t> partial_;  // contacts that may not press with all of their points
   uint32_t flags_ = 0;
-  bool damped_ = false;
+  std::vector<uint8_t> held_, sprung_;  // per place: something else acts on it; springs alone do
+  bool damped_ = false, springs_ = false, jointed_ = false;
 };
 
 }  // namespace truestep

@@ -36,8 +36,10 @@ void BallSolver<T>::take(std::vector<uint32_t>& listed, const State& s, std::spa
 }
 
 template <class T>
-void BallSolver<T>::fill(const State& s, std::span<const Joint> joints, const Bodies& bodies,
+void BallSolver<T>::fill(const State& s, std::span<const Joint> joints, const Bodies& bodies, double h,
                          const ThreadTeam& team) {
+  const SoftConstraint<double> soft = JointSolver<T>::softness(h);
+  pass_ = {T(soft.bias_rate), T(soft.mass_scale), T(soft.impulse_scale), T(1 / h)};
   lanes_.count = 0, lanes_.colour_begin.assign(1, 0);
   if (listed_.empty()) return;
   end_ = static_cast<uint32_t>(bodies.moving);
@@ -54,15 +56,15 @@ void BallSolver<T>::fill(const State& s, std::span<const Joint> joints, const Bo
   make_lanes(listed_, ends_, {}, bodies.moving, W::kLanes, colouring_, lanes_);
   if (groups_.size() < lanes_.count) groups_.resize(lanes_.count);
   team.for_blocks(lanes_.count, kGroupsPerBlock, [&](size_t begin, size_t end) {
-    for (size_t g = begin; g < end; ++g) fill_group(g, s, joints, bodies);
+    for (size_t g = begin; g < end; ++g) fill_group(g, s, joints, bodies, h);
   });
 }
 
 template <class T>
 void BallSolver<T>::fill_group(size_t group, const State& s, std::span<const Joint> joints,
-                               const Bodies& bodies) {
+                               const Bodies& bodies, double h) {
   const auto held = s.span<uint32_t>(columns::joint_bodies);
-  const double* impulse = s.f64(columns::joint_impulse).data();
+  const double *impulse = s.f64(columns::joint_impulse).data(), *w = s.f64(columns::angular_velocity).data();
   BallGroup<T>& g = groups_[group] = BallGroup<T>{};
   for (int lane = 0; lane < W::kLanes; ++lane) {
     const uint32_t k = lanes_.member[group * W::kLanes + static_cast<size_t>(lane)];
@@ -85,6 +87,12 @@ void BallSolver<T>::fill_group(size_t group, const State& s, std::span<const Joi
     const Vec3 on_a = body(a, joints[k].anchor_a, g.a, g.root_a, g.arm_a, g.spin_a);
     const Vec3 on_b = body(b, joints[k].anchor_b, g.b, g.root_b, g.arm_b, g.spin_b);
     set3(g.gap, lane, on_b - on_a);
+    const auto bend = [&](uint32_t i, const Vec3& anchor) {
+      if (i == kNoBody || bodies.slot[i] == kNoBody) return Vec3{};
+      const Vec3 t = load3(w, i) * h;
+      return cross(t, cross(t, bodies.now[i].at.direction(anchor))) * 0.5;
+    };
+    set3(g.bend, lane, bend(b, joints[k].anchor_b) - bend(a, joints[k].anchor_a));
     Vec3 axes[3];
     slide_axes(joints[k], a == kNoBody ? Rotation{} : bodies.now[a].at.rotation, axes);
     const double* f = impulse + 6 * static_cast<size_t>(k);
@@ -95,8 +103,7 @@ void BallSolver<T>::fill_group(size_t group, const State& s, std::span<const Joi
 }
 
 template <class T>
-void BallSolver<T>::start(Record8<T>* warm, const SoftConstraint<double>& soft, const ThreadTeam& team) {
-  soft_ = soft;
+void BallSolver<T>::start(Record8<T>* warm, const ThreadTeam& team) {
   each_colour(lanes_, groups_, team, [&](BallGroup<T>& g) { apply_balls(g, warm, end_); });
 }
 
@@ -117,16 +124,14 @@ void BallSolver<T>::renew(const Record8<T>* displacement, Record8<T>* warm, cons
 
 template <class T>
 void BallSolver<T>::push(Record8<T>* v, const ThreadTeam& team) {
-  each_colour(lanes_, groups_, team, [&](BallGroup<T>& g) {
-    solve_balls<ContactSolve::push>(g, v, end_, T(soft_.bias_rate), T(soft_.mass_scale),
-                                    T(soft_.impulse_scale));
-  });
+  each_colour(lanes_, groups_, team,
+              [&](BallGroup<T>& g) { solve_balls<ContactSolve::push>(g, v, end_, pass_); });
 }
 
 template <class T>
 void BallSolver<T>::relax(Record8<T>* v, const ThreadTeam& team) {
   each_colour(lanes_, groups_, team,
-              [&](BallGroup<T>& g) { solve_balls<ContactSolve::relax>(g, v, end_, T(0), T(1), T(0)); });
+              [&](BallGroup<T>& g) { solve_balls<ContactSolve::relax>(g, v, end_, relax_); });
 }
 
 template <class T>

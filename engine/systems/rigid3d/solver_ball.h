@@ -19,11 +19,13 @@ class BallSolver {
   /// Takes what it can solve from `listed`, the joints of this step.
   void take(std::vector<uint32_t>& listed, const State& s, std::span<const Joint> joints,
             std::span<const BodyNow> now);
-  void fill(const State& s, std::span<const Joint> joints, const Bodies& bodies, const ThreadTeam& team);
-  /// Before the first substep of h: adds to `warm` what the joints carried last.
-  void start(Record8<T>* warm, const SoftConstraint<double>& soft, const ThreadTeam& team);
-  /// Before every other: what joints carry turns with their bodies, which moved by `displacement` (scaled)
-  /// since the step's start.
+  /// h: a substep.
+  void fill(const State& s, std::span<const Joint> joints, const Bodies& bodies, double h,
+            const ThreadTeam& team);
+  /// Before the first substep: adds to `warm` what the joints carried last.
+  void start(Record8<T>* warm, const ThreadTeam& team);
+  /// When the bodies have moved: what joints carry turns with them; `displacement` (scaled) is what they
+  /// moved since the step's start.
   void renew(const Record8<T>* displacement, Record8<T>* warm, const ThreadTeam& team);
   void push(Record8<T>* v, const ThreadTeam& team);
   void relax(Record8<T>* v, const ThreadTeam& team);
@@ -35,7 +37,8 @@ class BallSolver {
   struct Unscaled {
     T root, turn[9];  // 1/sqrt(m); S by rows
   };
-  void fill_group(size_t group, const State& s, std::span<const Joint> joints, const Bodies& bodies);
+  void fill_group(size_t group, const State& s, std::span<const Joint> joints, const Bodies& bodies,
+                  double h);
 
   template <class U>
   using Aligned = std::vector<U, CacheLineAllocator<U>>;
@@ -46,7 +49,7 @@ class BallSolver {
   LaneColouring colouring_;
   std::vector<ConstraintEnds> ends_;
   std::vector<uint32_t> listed_;
-  SoftConstraint<double> soft_;
+  JointPass<T> pass_, relax_;
   uint32_t end_ = 0;
 };
 

@@ -1,6 +1,7 @@
 // The contact solver's groups of contacts: how they are filled from manifolds, and what goes back to them.
 #include <cmath>
 
+#include "engine/collision/compound.h"
 #include "engine/systems/rigid3d/solver.h"
 
 namespace truestep {
@@ -12,6 +13,26 @@ namespace {
 template <class T>
 Vec3 get3(const Wide<T> in[3], int lane) {
   return {in[0][lane], in[1][lane], in[2][lane]};
+}
+
+/// The solid of a manifold's part when it is one of revolution that is met beside its axis too, and where it
+/// is; nothing for balls and capsules, on which contacts always face the axis.
+const Solid* cylinder_of(const Solid& s, uint32_t part, Transform& at) {
+  if (s.kind == SolidKind::cylinder) return &s;
+  if (s.kind != SolidKind::compound) return nullptr;
+  const Compound::Part& p = s.compound->parts()[part];
+  if (p.solid.kind != SolidKind::cylinder) return nullptr;
+  at = at * p.place;
+  return &p.solid;
+}
+
+/// m/s along n at x: how fast what a cylinder is made of moves there by turning about its own axis. Its
+/// surface stays where it is, whatever point of a rim passes.
+double passes(const BodyKind& kind, uint32_t part, Transform at, const Vec3& spin, const Vec3& x,
+              const Vec3& n) {
+  if (!cylinder_of(kind.solid, part, at)) return 0;
+  const Vec3 own = axis(at.rotation, 1);
+  return dot(own, spin) * dot(n, cross(own, x - at.position));
 }
 
 }  // namespace
@@ -40,6 +61,14 @@ void ContactSolver<T>::fill(size_t group, std::span<Contact* const> contacts, co
       in.active[p].set(lane, 1);
       in.separation[p].set(lane, T(c.manifold.points[p].separation - c.pad));
       in.impulse[p].set(lane, T(c.impulse[p]));
+    }
+    if (ka.turned_round || kb.turned_round) {
+      const Vec3 turn_a = load3(w, c.a), turn_b = load3(w, c.b), &n = c.manifold.normal;
+      for (int p = 0; p < c.manifold.count; ++p) {
+        const Vec3& x = c.manifold.points[p].position;
+        const double a = passes(ka, c.manifold.part_a, now[c.a].at, turn_a, x, n);
+        in.kept[p].set(lane, T(a - passes(kb, c.manifold.part_b, now[c.b].at, turn_b, x, n)));
+      }
     }
     if (slot_[c.a] != kNoBody) {
       const ScaledBody& b = scaled_[slot_[c.a]];

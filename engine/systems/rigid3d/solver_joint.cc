@@ -4,7 +4,6 @@
 #include <bit>
 
 #include "engine/kernels/soft_constraint.h"
-#include "engine/math/trig.h"
 
 namespace truestep {
 
@@ -13,8 +12,6 @@ namespace columns = rigid3d_columns;
 namespace {
 /// Joints are springs of this share of the substeps' rate, damped that many times the critical.
 constexpr double kJointHertzShare = 0.25, kJointDamping = 2;
-/// Impulses of motors without a bound, N s.
-constexpr double kAnything = 1e20;
 }  // namespace
 
 template <class T>
@@ -33,7 +30,7 @@ void JointSolver<T>::choose(const State& s, std::span<const BodyNow> now, std::s
 }
 
 template <class T>
-void JointSolver<T>::fill(const State& s, const JointList& joints, const Bodies& bodies,
+void JointSolver<T>::fill(const State& s, const JointList& joints, const Bodies& bodies, double h,
                           const ThreadTeam& team) {
   end_ = static_cast<uint32_t>(bodies.moving);
   ends_.clear();
@@ -45,7 +42,7 @@ void JointSolver<T>::fill(const State& s, const JointList& joints, const Bodies&
   if (groups_.size() < lanes_.count) groups_.resize(lanes_.count);
   count_drives(joints);
   team.for_blocks(lanes_.count, kGroupsPerBlock, [&](size_t begin, size_t end) {
-    for (size_t g = begin; g < end; ++g) fill_group(g, s, joints, bodies);
+    for (size_t g = begin; g < end; ++g) fill_group(g, s, joints, bodies, h);
   });
   fill_gears(s, joints);
 }
@@ -71,7 +68,8 @@ void JointSolver<T>::count_drives(const JointList& joints) {
 }
 
 template <class T>
-void JointSolver<T>::fill_group(size_t group, const State& s, const JointList& joints, const Bodies& bodies) {
+void JointSolver<T>::fill_group(size_t group, const State& s, const JointList& joints, const Bodies& bodies,
+                                double h) {
   const auto held = s.span<uint32_t>(columns::joint_bodies);
   const double *x = s.f64(columns::position).data(), *q = s.f64(columns::orientation).data();
   JointGroup<T>& g = groups_[group];
@@ -85,7 +83,7 @@ void JointSolver<T>::fill_group(size_t group, const State& s, const JointList& j
     d.row = static_cast<int>(row);
     d.lower.error = d.upper.error = W(JointDrive<T>::kFar);
   }
-  g.bound[0] = g.bound[1] = W(kAnything);
+  g.bound[0] = g.bound[1] = W(kAnyImpulse);
   constexpr uint32_t kAngularRows = 0b111000;
   if (rows & kAngularRows) g.flags |= JointGroup<T>::kTurns;
   for (int lane = 0; lane < W::kLanes; ++lane) {
@@ -119,10 +117,16 @@ void JointSolver<T>::fill_group(size_t group, const State& s, const JointList& j
     }
     if (joint.max_force < kUnbounded || joint.max_torque < kUnbounded) {
       g.flags |= JointGroup<T>::kBounded;
-      g.bound[0].set(lane, T(std::min(joint.max_force, kAnything)));
-      g.bound[1].set(lane, T(std::min(joint.max_torque, kAnything)));
+      g.bound[0].set(lane, T(std::min(joint.max_force, kAnyImpulse)));
+      g.bound[1].set(lane, T(std::min(joint.max_torque, kAnyImpulse)));
     }
     set_drift(g, lane, s, {a, b}, bodies, at);
+    const auto bend = [&](uint32_t i, const Vec3& arm) {
+      if (i == kNoBody || bodies.slot[i] == kNoBody) return Vec3{};
+      const Vec3 t = load3(s.f64(columns::angular_velocity).data(), i) * h;
+      return cross(t, cross(t, arm)) * 0.5;
+    };
+    set3(g.bend, lane, bend(b, at.arm_b) - bend(a, at.arm_a));
     for (uint32_t d = joint.first_drive; d < joint.first_drive + joint.drives; ++d) {
       fill_drive(g, lane, s, joint, d, joints.drives[d], at);
     }
@@ -165,7 +169,7 @@ void JointSolver<T>::fill_drive(JointGroup<T>& g, int lane, const State& s, cons
   d.start.set(lane, drive.row < 3 ? T(at.coordinate[drive.row]) : T(0));
   if (drive.laws & Drive::kSpring) {
     d.spring.error.set(lane, T(coordinate - drive.rest)), d.spring.impulse.set(lane, T(impulse[0]));
-    d.spring.most.set(lane, T(kAnything));
+    d.spring.most.set(lane, T(kAnyImpulse));
   }
   if (drive.laws & Drive::kMotor) {
     if (drive.wants == Drive::Wants::speed) {
@@ -175,7 +179,7 @@ void JointSolver<T>::fill_drive(JointGroup<T>& g, int lane, const State& s, cons
       const double high = drive.laws & Drive::kUpper ? drive.upper : kUnbounded;
       d.motor.error.set(lane, T(coordinate - std::max(low, std::min(high, motor[0]))));
     }
-    d.motor.most.set(lane, T(std::min(motor[1], kAnything))), d.motor.impulse.set(lane, T(impulse[1]));
+    d.motor.most.set(lane, T(std::min(motor[1], kAnyImpulse))), d.motor.impulse.set(lane, T(impulse[1]));
   }
   if (drive.laws & Drive::kLower) {
     d.lower.error.set(lane, T(coordinate - drive.lower)), d.lower.impulse.set(lane, T(impulse[2]));
@@ -217,45 +221,6 @@ void JointSolver<T>::fill_gears(const State& s, const JointList& joints) {
     }
     gear.error = T(error);
     if (here) gears_.push_back(gear);
-  }
-}
-
-/// Coefficients of springs and motors for substeps of h, by the masses that they move now.
-template <class T>
-void JointSolver<T>::soften(size_t group, const JointList& joints, double h) {
-  JointGroup<T>& g = groups_[group];
-  if (g.flags & JointGroup<T>::kBounded) {
-    for (W& b : g.bound) b *= W(h);
-  }
-  if (g.drives == 0) return;
-  for (int lane = 0; lane < W::kLanes; ++lane) {
-    const uint32_t k = lanes_.member[group * W::kLanes + static_cast<size_t>(lane)];
-    if (k == kNoBody) continue;
-    const Joint& joint = joints.joints[k];
-    for (uint32_t i = joint.first_drive; i < joint.first_drive + joint.drives; ++i) {
-      const Drive& drive = joints.drives[i];
-      JointDrive<T>& d = drive_of(g, drive.row);
-      const auto soften = [&](typename JointDrive<T>::TwoSided& row, double w2, double rate) {
-        const OscillatorStep step = oscillator_step(w2, rate, h);
-        row.push.set(lane, T(step.push)), row.scale.set(lane, T(step.scale));
-      };
-      if (drive.laws & Drive::kSpring) {
-        const double w = drive.frequency, inverse_mass = d.k[lane];
-        if (drive.by == Drive::By::frequency) {
-          soften(d.spring, w * w, 2 * drive.damping_ratio * w);
-        } else {
-          soften(d.spring, drive.stiffness * inverse_mass, drive.damping * inverse_mass);
-        }
-      }
-      if (drive.laws & Drive::kMotor) {
-        // A servo wants the speed that takes it there at its rate, whatever hangs on it.
-        if (drive.wants == Drive::Wants::place) {
-          d.motor.scale.set(lane, T(1));
-          d.motor.push.set(lane, T((1 - trig::exp(-drive.servo_rate * h)) / h));
-        }
-        d.motor.most.set(lane, T(std::min(double(d.motor.most[lane]) * h, kAnything)));
-      }
-    }
   }
 }
 
@@ -320,8 +285,7 @@ void JointSolver<T>::relax(Record8<T>* v, const ThreadTeam& team) {
 }
 
 template <class T>
-void JointSolver<T>::store(State& s, const JointList& joints, const Record8<T>* moved, double h,
-                           double elapsed) {
+void JointSolver<T>::store(State& s, const JointList& joints, double h) {
   const auto impulse = s.f64(columns::joint_impulse), load = s.f64(columns::joint_load);
   const auto held = s.span<uint32_t>(columns::joint_bodies), broken = s.span<uint32_t>(columns::joint_broken);
   const double *x = s.f64(columns::position).data(), *q = s.f64(columns::orientation).data();
@@ -348,7 +312,6 @@ void JointSolver<T>::store(State& s, const JointList& joints, const Record8<T>* 
       const W made = detail::total_impulse(drives_[d]);
       for (int e = 0; e < 6; ++e) total[e] = madd(made, drives_[d].share[e], total[e]);
     }
-    if (g.drives > 0) prepare_joints(g, moved, T(elapsed));  // where the drives got to
     for (int lane = 0; lane < W::kLanes; ++lane) {
       const uint32_t k = lanes_.member[group * W::kLanes + static_cast<size_t>(lane)];
       if (k == kNoBody) continue;

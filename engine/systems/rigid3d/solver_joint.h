@@ -13,6 +13,9 @@
 
 namespace truestep {
 
+/// Impulse of a motor without a bound, N s.
+inline constexpr double kAnyImpulse = 1e20;
+
 template <class T>
 class JointSolver {
  public:
@@ -28,23 +31,35 @@ class JointSolver {
   void choose(const State& s, std::span<const BodyNow> now, std::span<uint32_t> slot);
   /// Those of this step, before `fill`.
   std::vector<uint32_t>& listed() { return listed_; }
-  void fill(const State& s, const JointList& joints, const Bodies& bodies, const ThreadTeam& team);
+  /// h: a substep.
+  void fill(const State& s, const JointList& joints, const Bodies& bodies, double h, const ThreadTeam& team);
   /// Before the first substep of h: adds to `warm` what the joints carried last.
   void start(const JointList& joints, const Record8<T>* moved, Record8<T>* warm, double h,
              const ThreadTeam& team);
-  /// Before every other, `elapsed` (s) after the first: what joints carry turns with their bodies.
+  /// Joints of this step that are springs and nothing else, before `fill`.
+  bool has_springs(const JointList& joints) const;
+  /// Marks the bodies (by place) that other joints of this step hold.
+  void mark_held(const State& s, const JointList& joints, std::span<const uint32_t> slot,
+                 std::span<uint8_t> held) const;
+  /// Springs act alone on bodies that nothing holds: a step may begin and end with half a pull of theirs
+  /// (oscillator_step). Marks in `sprung` where one does. After `start`.
+  void loosen(const State& s, const JointList& joints, std::span<const uint8_t> held,
+              std::span<uint8_t> sprung, double h);
+  /// Half a pull of those where they are now, `times` over.
+  void kick(Record8<T>* v, T times, const ThreadTeam& team);
+  /// When the bodies have moved, `elapsed` (s) after the step's start: what joints carry turns with them.
   void renew(const Record8<T>* moved, Record8<T>* warm, double elapsed, const ThreadTeam& team);
   /// Softness of joints, for substeps of h.
   static SoftConstraint<double> softness(double h);
   void push(Record8<T>* v, const ThreadTeam& team);
   void relax(Record8<T>* v, const ThreadTeam& team);
-  /// What the next step starts from, once the bodies of `s` are where they go; h: a substep, `elapsed`: the
-  /// step. Joints that carried too much break.
-  void store(State& s, const JointList& joints, const Record8<T>* moved, double h, double elapsed);
+  /// What the next step starts from, once the bodies of `s` are where they go; h: a substep. Joints that
+  /// carried too much break.
+  void store(State& s, const JointList& joints, double h);
 
  private:
   void count_drives(const JointList& joints);
-  void fill_group(size_t group, const State& s, const JointList& joints, const Bodies& bodies);
+  void fill_group(size_t group, const State& s, const JointList& joints, const Bodies& bodies, double h);
   void fill_drive(JointGroup<T>& g, int lane, const State& s, const Joint& joint, uint32_t index,
                   const Drive& drive, const JointPlace& at);
   void set_drift(JointGroup<T>& g, int lane, const State& s, const std::array<uint32_t, 2>& held,

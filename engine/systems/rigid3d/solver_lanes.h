@@ -1,5 +1,4 @@
-// Constraints of a step side by side: sorted by colour into groups of as many lanes as a register holds, and
-// a body's mass in the variables in which they are solved (contact_rows3.h).
+// Constraints of a step side by side: sorted by colour into groups of as many lanes as a register holds.
 #pragma once
 #include <array>
 #include <span>
@@ -14,11 +13,6 @@ namespace truestep {
 
 /// Groups that a thread takes at once.
 inline constexpr size_t kGroupsPerBlock = 8;
-
-struct ScaledBody {
-  double root;     ///< 1/sqrt(m)
-  double turn[9];  ///< S = I^-1/2 R^T by rows
-};
 
 /// Lanes of groups, colour by colour.
 struct LaneGroups {
