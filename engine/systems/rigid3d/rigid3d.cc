@@ -5,6 +5,7 @@
 
 #include "engine/base/errors.h"
 #include "engine/kernels/free_rotation.h"
+#include "engine/kernels/impact_limits.h"
 #include "engine/kernels/islands.h"
 #include "engine/math/trig.h"
 #include "engine/systems/rigid3d/forces.h"
@@ -28,13 +29,13 @@ constexpr double kCore = 0.25;
 Rigid3d::Rigid3d(const Rigid3dDef& def, const BuildContext& context)
     : bodies_(build_bodies(def, context.seed)),
       joints_(build_joints(def, bodies_)),
+      restitution_speed_(def.restitution_speed),
       precision_(def.precision),
       gravity_(def.gravity.value_or(context.gravity)),
       sleep_speed_(def.sleep_speed),
       sleep_time_(def.sleep_time),
       most_bodies_(bodies_.starts.size() + kSpare) {
-  settings_ = {static_cast<int>(def.substeps), def.rest_speed, def.push_out_speed, def.contact_hertz,
-               def.contact_damping};
+  settings_ = {static_cast<int>(def.substeps), 0, def.push_out_speed, def.contact_hertz, def.contact_damping};
   // A scene that sleeps skips the stages' work, not the stages: a command may wake it.
   const auto awake = [this](void (Rigid3d::*run)(State&, const StepInput&) const) {
     return [this, run](State& s, const StepInput& in) {
@@ -43,7 +44,9 @@ Rigid3d::Rigid3d(const Rigid3dDef& def, const BuildContext& context)
   };
   add_stage("forces", "gravity and pushes", awake(&Rigid3d::push));
   add_stage("contacts", "which bodies touch, and where", awake(&Rigid3d::find_contacts));
-  add_stage("solve", "bodies that touch, in substeps", awake(&Rigid3d::solve));
+  add_stage("solve",
+            "bodies that touch, in substeps; " + says_slowest_bounce(restitution_speed(gravity_, context.dt)),
+            awake(&Rigid3d::solve));
   add_stage("fly", "bodies that touch nothing", awake(&Rigid3d::fly));
   add_stage("fast bodies", "none passes another within a step", awake(&Rigid3d::stop_fast_bodies));
   if (def.sleeping) {
@@ -102,11 +105,17 @@ void Rigid3d::find_contacts(State& s, const StepInput& in) const {
   scratch.contacts.find(s, bodies_.kinds, joints_.joints, in);
 }
 
+double Rigid3d::restitution_speed(const Vec3& gravity, double dt) const {
+  return restitution_speed_.value_or(slowest_bounce(norm(gravity), dt));
+}
+
 void Rigid3d::solve(State& s, const StepInput& in) const {
   Scratch& scratch = Rigid3d::scratch(in);
+  SolverSettings settings = settings_;
+  settings.restitution_speed = restitution_speed(load3(s.f64(columns::gravity).data(), 0), in.h);
   const auto run = [&](auto& solver) {
     solver.solve(s, bodies_.kinds, joints_, scratch.contacts.all(), scratch.contacts.bodies(), scratch.change,
-                 settings_, in);
+                 settings, in);
   };
   if (precision_ == Rigid3dDef::Precision::f32) {
     run(scratch.solver32);
@@ -158,6 +167,7 @@ void Rigid3d::stop_fast_bodies(State& s, const StepInput& in) const {
   const auto contacts = scratch.contacts.all();
   const auto kind = s.span<uint32_t>(columns::kind);
   double *x = s.f64(columns::position).data(), *q = s.f64(columns::orientation).data();
+  double* v = s.f64(columns::velocity).data();
   const auto pose = [&](size_t i) { return Pose{load3(x, i), load_quat(q, i)}; };
   const auto sweep = [&](size_t i) {
     return now[i].part == Part::active || now[i].part == Part::driven
@@ -196,9 +206,11 @@ void Rigid3d::stop_fast_bodies(State& s, const StepInput& in) const {
       const Contact* c = contact_of(i, j);
       if (!c) hit = time_of_impact(k.solid, own, o.solid, other, 0.25 * now[i].margin);
       if (!hit || hit->t == 0) hit = time_of_impact(core, own, o.solid, other, 0.1 * k.inner);
-      // Cores of bodies that are in one another may part; of what is in a wall nobody knows whence it came.
+      // Cores of bodies that are in one another may part, and what got near a wall may leave it; a core that
+      // is inside a wall has no side to return to.
       const bool parting = c && dot(c->manifold.normal, moved(c->b) - moved(c->a)) > 0;
       if (hit && hit->t == 0 && o.moved_by_forces() && parting) continue;
+      if (hit && hit->t == 0 && hit->gap > 0 && dot(hit->normal, own.move - other.move) < 0) continue;
       if (hit && hit->t < first) first = hit->t;
     }
     if (first < 1) scratch.stopped.push_back({i, first});
@@ -206,7 +218,10 @@ void Rigid3d::stop_fast_bodies(State& s, const StepInput& in) const {
   for (const auto& [i, t] : scratch.stopped) {
     const Sweep own = sweep(i);
     store3(x, i, own.from.position + own.move * t);
-    store_quat(q, i, normalized(free_rotation::turn(own.turn * t) * own.from.orientation));
+    // At its place already, it still turns, or it would stay in what it got into with a corner.
+    if (t > 0) store_quat(q, i, normalized(free_rotation::turn(own.turn * t) * own.from.orientation));
+    // The time that it loses is lost for forces too: what is put back up must not keep the fall's speed.
+    store3(v, i, load3(v, i) - scratch.change[i] * (1 - t));
   }
 }
 
