@@ -72,6 +72,24 @@ void add(std::span<const Rod> from, std::span<const Rod> rates, double h, std::s
 
 }  // namespace
 
+void RodEquations::write(std::span<const Rod> rods, double* y) {
+  for (size_t j = 0; j < rods.size(); ++j) {
+    const Vec3* part[] = {&rods[j].x, &rods[j].u, &rods[j].v, &rods[j].w};
+    for (size_t k = 0; k < 4; ++k) store3(y, 4 * j + k, *part[k]);
+  }
+}
+void RodEquations::read(const double* y, std::span<Rod> rods) {
+  for (size_t j = 0; j < rods.size(); ++j)
+    rods[j] = {load3(y, 4 * j), load3(y, 4 * j + 1), load3(y, 4 * j + 2), load3(y, 4 * j + 3)};
+}
+void RodEquations::rate(double, const double* y, double* dydt) const {
+  Scratch& s = scratch_;
+  s.force.resize(rods_), s.stage.resize(rods_), s.rates.resize(rods_);
+  read(y, s.stage);
+  lagrange_rates(chain_, s.stage, s.rates, s);
+  write(s.rates, dydt);
+}
+
 void step_penalty(const Chain& chain, std::span<Rod> rods, double h, double k, double c, Scratch& s) {
   const size_t n = rods.size();
   s.force.resize(n), s.from.resize(n);
@@ -117,10 +135,15 @@ void step_lagrange(const Chain& chain, std::span<Rod> rods, double h, double tol
     add(s.sum, s.rates, kShare[stage] * h, s.sum);
     if (stage < 3) add(rods, s.rates, kAhead[stage] * h, s.stage);
   }
-  for (size_t j = 0; j < n; ++j) {
-    rods[j] = s.sum[j];
-    rods[j].u = normalized(rods[j].u);
-    rods[j].w -= rods[j].u * dot(rods[j].u, rods[j].w);
+  std::copy(s.sum.begin(), s.sum.end(), rods.begin());
+  close_gaps(chain, rods, tolerance, s);
+}
+
+void close_gaps(const Chain& chain, std::span<Rod> rods, double tolerance, Scratch& s) {
+  s.force.resize(rods.size()), s.from.resize(rods.size());
+  for (Rod& r : rods) {
+    r.u = normalized(r.u);
+    r.w -= r.u * dot(r.u, r.w);
   }
   project_places(chain, rods, tolerance, s);
   project_velocities(chain, rods, s);
