@@ -17,6 +17,7 @@ namespace {
 
 enum Column : State::Column { kPosition, kVelocity, kDirection, kSpin, kGravity, kCarry };
 constexpr std::string_view kScratch = "rod_chain";
+constexpr int kMostHalvings = 12;  // of a step of projection
 
 class RodChain final : public StagedSystem {
  public:
@@ -131,6 +132,7 @@ class RodChain final : public StagedSystem {
     const bool springs = def_.constraints == RodChainDef::Treatment::penalty;
     Energy e{.kinetic = rods::kinetic(c, all), .potential = rods::potential(c, all)};
     e.exchange = Energy::Exchange::closed;
+    e.swing = 2;
     if (springs) e.potential += rods::stored(c, all, def_.stiffness), e.swing = Energy::kSwingNearLimit;
     return e;
   }
@@ -168,7 +170,7 @@ class RodChain final : public StagedSystem {
           rods::step_lagrange(c, scratch.rods, h, def_.tolerance * def_.length, scratch);
           break;
         case RodChainDef::Treatment::projection:
-          rods::step_projection(c, scratch.rods, h, def_.tolerance * def_.length, scratch);
+          project(c, h, kMostHalvings, scratch);
           break;
         case RodChainDef::Treatment::penalty:
           rods::step_penalty(c, scratch.rods, h, def_.stiffness, def_.damping, scratch);
@@ -182,6 +184,12 @@ class RodChain final : public StagedSystem {
     }
   }
 
+  // A step from which no way leads back to a closed chain is taken as two.
+  void project(const Chain& c, double h, int halvings, rods::Scratch& scratch) const {
+    if (rods::step_projection(c, scratch.rods, h, def_.tolerance * def_.length, scratch)) return;
+    if (halvings == 0) throw Instability("", "joints.gap", 0, "no places without gaps were found");
+    for (int half = 0; half < 2; ++half) project(c, 0.5 * h, halvings - 1, scratch);
+  }
   void choose_steps(State& s, const Chain& c, const StepInput& in, rods::Scratch& scratch) const {
     static const Integrator& method = *find_integrator("dop853");
     const rods::RodEquations equations(c, scratch, scratch.rods.size());

@@ -27,7 +27,7 @@ struct RodChainDef {
   int64_t links = 10;
   double length = 0.2, mass = 0.1, radius = 0.02;
   Vec3 anchor, direction{1, 0, 0};
-  double stiffness = 1e5, damping = 0, tolerance = 1e-13, error_tolerance = 1e-7;
+  double stiffness = 1e5, damping = 0, tolerance = 1e-13, error_tolerance = 1e-8;
   std::optional<int64_t> substeps;  ///< absent: as many as the treatment needs, see the head
 };
 

@@ -34,8 +34,10 @@ class RodEquations final : public RightHandSide {
 
 /// Springs of k (N/m) and c (N s/m) for h (s); semi-implicit Euler.
 void step_penalty(const Chain& chain, std::span<Rod> rods, double h, double k, double c, Scratch& s);
-/// Free flight and projection until no gap is wider than `tolerance` (m), or rounding is reached.
-void step_projection(const Chain& chain, std::span<Rod> rods, double h, double tolerance, Scratch& s);
+/// Free flight and projection until no gap is wider than `tolerance` (m), or rounding is reached. False when
+/// places without gaps are too far away to be found; the rods are then as they were.
+[[nodiscard]] bool step_projection(const Chain& chain, std::span<Rod> rods, double h, double tolerance,
+                                   Scratch& s);
 /// Exact multipliers, RK4, then places and velocities are projected.
 void step_lagrange(const Chain& chain, std::span<Rod> rods, double h, double tolerance, Scratch& s);
 /// What ends a step of multipliers: unit directions, spins across them, then gaps and their rates are closed.
