@@ -1,18 +1,13 @@
 #include "engine/session/remedies.h"
 
-#include <charconv>
 #include <cmath>
 
+#include "engine/base/short_number.h"
 #include "engine/core/force_system.h"
 
 namespace truestep {
 
 namespace {
-
-std::string short_number(double v) {
-  char buffer[32];
-  return {buffer, std::to_chars(buffer, buffer + sizeof buffer, v, std::chars_format::general, 2).ptr};
-}
 
 bool unlimited(const Integrator& row, const ForceSystem& s) {
   return std::isinf(stability_interval(row, s.options()).imaginary);
@@ -32,13 +27,14 @@ const Integrator* other_method(const ForceSystem& s, Integrator::Kind kind, Inte
 
 std::vector<std::string> remedies(const World& world, const std::string& system,
                                   std::optional<double> stable_dt) {
-  std::vector<std::string> out;
+  std::vector<std::string> out = world.system(world.index_of(system)).remedies();
+  if (!out.empty()) return out;
   const double dt = world.dt();
   const int64_t substeps = world.scene().header.time.substeps;
   constexpr double kMostParts = 1e9;  // beyond that (a state that has exploded) no step is advice
   if (stable_dt && *stable_dt < dt && dt < kMostParts * *stable_dt) {
     const auto parts = static_cast<int64_t>(std::ceil(dt / *stable_dt)) * substeps;
-    out.push_back("a step of at most " + short_number(*stable_dt) + " s, or " + std::to_string(parts) +
+    out.push_back("a step of at most " + short_number(*stable_dt, 2) + " s, or " + std::to_string(parts) +
                   " substeps of the present one");
   } else {
     out.push_back("half the step, or " + std::to_string(2 * substeps) + " substeps of the present one");

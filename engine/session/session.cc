@@ -253,7 +253,8 @@ void Session::fail(const Instability& e) {
   f.system = e.system;
   f.quantity = e.quantity;
   f.index = e.index;
-  f.detail = "system \"" + e.system + "\": " + e.what() + " (row " + std::to_string(e.index) + ") in step " +
+  f.detail = "system \"" + e.system + "\": " + e.what() +
+             (e.index >= 0 ? " (row " + std::to_string(e.index) + ")" : "") + " in step " +
              std::to_string(e.step + 1);
   f.last_good_step = static_cast<uint64_t>(e.step);
   // The failed state is of no use: the last good one is computed again from the nearest snapshot.
