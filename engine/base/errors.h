@@ -41,7 +41,7 @@ class Instability : public Error {
         index(index) {}
   std::string system;       ///< id of the system that failed
   std::string quantity;     ///< column that is non-finite
-  long long index;          ///< row of the first bad value
+  long long index;          ///< row of the first bad value; -1: `quantity` is no column of rows
   long long step = -1;      ///< step that failed (filled in by the world)
   double suggested_dt = 0;  ///< step that the method would have held, 0 if unknown
 };

@@ -1,9 +1,11 @@
 #include "engine/collision/mass_properties.h"
 
+#include <algorithm>
 #include <cmath>
 #include <utility>
 
 #include "engine/base/errors.h"
+#include "engine/base/short_number.h"
 #include "engine/collision/compound.h"
 #include "engine/collision/triangle_mesh.h"
 
@@ -179,6 +181,21 @@ PrincipalAxes principal_axes(const Symmetric3& inertia) {
     }
   }
   return {{a[0][0], a[1][1], a[2][2]}, normalized(axes)};
+}
+
+std::optional<std::string> inertia_fault(const Symmetric3& inertia) {
+  const Vec3 m = principal_axes(inertia).moments;
+  const double least = std::min({m.x, m.y, m.z}), most = std::max({m.x, m.y, m.z}), sum = m.x + m.y + m.z;
+  // A thin rod lies on the border, and its moments are rounded.
+  const double slack = 1e-9 * most;
+  const auto text = [](const Vec3& v) {
+    return short_number(v.x) + ", " + short_number(v.y) + ", " + short_number(v.z) + " kg m^2";
+  };
+  if (!(least >= -slack)) return "no body has a principal moment below 0; these are " + text(m);
+  if (!(most <= sum - most + slack)) {
+    return "no body has a principal moment above the sum of the other two; these are " + text(m);
+  }
+  return std::nullopt;
 }
 
 }  // namespace truestep

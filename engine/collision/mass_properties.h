@@ -3,6 +3,9 @@
 //   V = a . (b x c) / 6,   int x = V s / 4,   int x x^T = V (a a^T + b b^T + c c^T + s s^T) / 20,   s = a + b
 //   + c
 #pragma once
+#include <optional>
+#include <string>
+
 #include "engine/collision/solid.h"
 
 namespace truestep {
@@ -46,5 +49,10 @@ struct PrincipalAxes {
   Quat axes;     ///< takes principal axes to the solid's; identity when the matrix is diagonal
 };
 PrincipalAxes principal_axes(const Symmetric3& inertia);
+
+/// Nothing when masses can be spread so that this is their inertia: no moment below 0 or, as
+/// integral (y^2 + z^2) dm <= integral (x^2 + z^2) dm + integral (x^2 + y^2) dm, above the sum of the other
+/// two. Else what is wrong, as a sentence.
+std::optional<std::string> inertia_fault(const Symmetric3& inertia);
 
 }  // namespace truestep

@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <span>
+#include <string>
 
 namespace truestep {
 
@@ -56,6 +57,8 @@ class RightHandSide {
   virtual bool has_jacobian() const { return false; }
   /// Overwrites the values of df/dy in the order of `jacobian_shape`.
   virtual void jacobian(double t, const double* y, double* values) const {}
+  /// What a message calls component i of y.
+  virtual std::string name_of(size_t i) const { return "component " + std::to_string(i); }
   /// True: f does not depend on t. False: Rosenbrock methods difference df/dt.
   virtual bool autonomous() const { return false; }
 

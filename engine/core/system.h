@@ -91,6 +91,12 @@ class System {
   /// Largest dt (s) that this system's method is known to hold in this state; nothing when unknown or
   /// unlimited.
   virtual std::optional<double> stable_dt(const State& state) const { return std::nullopt; }
+  /// Seconds on one core that a step of h (s) from this state is expected to take, where building the system
+  /// tells more than its parameters do (the pattern of an implicit method's matrix).
+  virtual std::optional<double> step_seconds(const State& state, double h) const { return std::nullopt; }
+  /// What helps when a step fails, one sentence each, in this system's own words; empty: a shorter step,
+  /// another method or softer forces.
+  virtual std::vector<std::string> remedies() const { return {}; }
   /// Where couplings find the points of this system's states; nothing when it has none that they could move.
   virtual std::optional<PointColumns> points() const { return std::nullopt; }
   /// Solids that points of other systems collide with; corners are rows of `points`. Valid while the system

@@ -8,6 +8,7 @@
 #include <cmath>
 
 #include "engine/base/errors.h"
+#include "engine/base/short_number.h"
 #include "engine/integrators/methods.h"
 #include "engine/integrators/runge_kutta.h"
 #include "engine/integrators/step_control.h"
@@ -23,8 +24,8 @@ constexpr std::string_view kLastError = "integrator.last_error";
 [[noreturn]] void give_up(const Motion& m, double t, double h) {
   const auto bad = m.state.first_bad();
   throw Instability("", "position", bad ? static_cast<long long>(bad->row) : -1,
-                    "the tolerance cannot be met at t = " + std::to_string(t) +
-                        " s: the internal step fell to " + std::to_string(h) + " s");
+                    "the tolerance cannot be met at t = " + short_number(t) +
+                        " s: the internal step fell to " + short_number(h, 2) + " s");
 }
 
 // The larger one, or NaN when one is NaN (fmax would drop it).

@@ -3,6 +3,7 @@
 // solution within reach of Newton's method.
 #pragma once
 #include "engine/base/errors.h"
+#include "engine/base/short_number.h"
 #include "engine/integrators/drive.h"
 
 namespace truestep {
@@ -22,8 +23,8 @@ void drive_fixed(Advance& in, Method& method) {
         if (!std::isfinite(y[i])) step_control::give_up(in, t, h, y, candidate, 0);
       }
       throw Instability("", "y", method.worst(h),
-                        "Newton's method found no solution of the step at t = " + std::to_string(t) +
-                            " s with a step of " + std::to_string(h) + " s");
+                        "Newton's method found no solution of the step at t = " + short_number(t) +
+                            " s with a step of " + short_number(h, 3) + " s");
     }
     if (in.statistics) ++in.statistics->steps;
     auto verdict = StepWatcher::Verdict::go_on;

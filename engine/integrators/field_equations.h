@@ -15,6 +15,11 @@ class FieldEquations final : public RightHandSide, public SecondOrder {
 
   size_t size() const override { return motion_.x.size() + motion_.v.size(); }
   void rate(double t, const double* y, double* dydt) const override;
+  std::string name_of(size_t i) const override {
+    const size_t n = motion_.x.size();
+    return i < n ? "element " + std::to_string(i) + " of position"
+                 : "element " + std::to_string(i - n) + " of velocity";
+  }
   const SecondOrder* second_order() const override { return plain_ ? this : nullptr; }
 
   void acceleration(double t, const double* x, const double* v, double* a) const override;

@@ -156,6 +156,26 @@ void NewtonMatrix::differentiate(double t, const double* y, const double* fy, do
   }
 }
 
+FactorWork NewtonMatrix::factor_work() const {
+  const auto m = static_cast<double>(m_), l = static_cast<double>(lower_), u = static_cast<double>(upper_);
+  switch (kind_) {
+    case Kind::dense:
+      return {m * m * m / 3, m * m};
+    case Kind::band:
+      return {m * l * (l + u), m * (2 * l + u)};
+    case Kind::sparse:
+      break;
+  }
+  return symbolic_factor_work({column_start_, rows_});
+}
+
+double NewtonMatrix::jacobian_work(double rate) const {
+  const bool own = second_order_ ? second_order_->has_jacobian() : f_->has_jacobian();
+  // Derivatives of an entry cost about as much as the rate does per entry of the pattern.
+  return own ? 2 * rate + static_cast<double>(first_.size() + second_.size())
+             : static_cast<double>(groups_) * (rate + static_cast<double>(m_));
+}
+
 template <class T>
 bool NewtonMatrix::assemble_and_factor(Factors<T>& f, T with_first, T with_second) {
   const double* a = first_.data();

@@ -13,6 +13,7 @@
 #include "engine/math/complex.h"
 #include "engine/math/solvers/band_lu.h"
 #include "engine/math/solvers/dense_lu.h"
+#include "engine/math/solvers/symbolic_fill.h"
 
 namespace truestep {
 
@@ -34,6 +35,11 @@ class NewtonMatrix {
   /// Unknowns of the factorised system: the number of equations or half of it.
   size_t unknowns() const { return m_; }
   bool half_size() const { return second_order_ != nullptr; }
+
+  /// Multiplications of one real factorisation and of one solve, after bind.
+  FactorWork factor_work() const;
+  /// Operations of one differentiation when one evaluation of f takes `rate`.
+  double jacobian_work(double rate) const;
 
   /// J at (t, y); `fy` is f(t, y), read by differences alone, as is `typical`, the size below which changes
   /// of a component do not matter.

@@ -3,6 +3,7 @@
 #include <string>
 
 #include "engine/base/errors.h"
+#include "engine/base/short_number.h"
 
 namespace truestep::step_control {
 
@@ -40,19 +41,19 @@ void give_up(const Advance& in, double t, double h, const double* y, const doubl
     for (size_t i = 0; i < in.f.size(); ++i) {
       if (std::isfinite(a[i])) continue;
       throw Instability("", "y", static_cast<long long>(i),
-                        "component " + std::to_string(i) + " is no finite number at t = " +
-                            std::to_string(t) + " s, however short the internal step");
+                        in.f.name_of(i) + " is no finite number at t = " + short_number(t) +
+                            " s, however short the internal step");
     }
   }
   throw Instability("", "y", worst,
-                    "the tolerance cannot be met at t = " + std::to_string(t) +
-                        " s: the internal step fell to " + std::to_string(h) + " s (component " +
-                        std::to_string(worst) + " has the largest error)");
+                    "the tolerance cannot be met at t = " + short_number(t) +
+                        " s: the internal step fell to " + short_number(h, 2) + " s (" +
+                        in.f.name_of(worst < 0 ? 0 : static_cast<size_t>(worst)) + " has the largest error)");
 }
 
 std::string too_many_steps_message(uint64_t most, double t, double h) {
   return "one step would take more than " + std::to_string(most) + " internal steps, which have fallen to " +
-         std::to_string(h) + " s at t = " + std::to_string(t) +
+         short_number(h, 2) + " s at t = " + short_number(t) +
          " s: take a shorter dt, a larger tolerance, an implicit method such as radau5 if the equations are "
          "stiff, or raise max_internal_steps";
 }

@@ -175,6 +175,14 @@ std::vector<b2Joint*> Box2dWorld::take_hands(State& s, double h) {
   const auto pair = [&](State::Column c, size_t k) {
     return rigid2d::Vec2{s.f64(c)[2 * k], s.f64(c)[2 * k + 1]};
   };
+  for (const uint32_t i : scene_->model.forced) {
+    const Body& own = scene_->model.bodies[i];
+    b2Body& b = *bodies_[i];
+    if (b.GetType() != b2_dynamicBody) continue;
+    const b2Vec2 f = vec(own.force);
+    b.ApplyForceToCenter(own.force_turns ? b.GetWorldVector(f) : f, true);
+    b.ApplyTorque(real(own.torque), true);
+  }
   const auto pushed = s.span<uint32_t>(columns::push_body);
   const auto remaining = s.f64(columns::push_remaining);
   double* force = s.f64(columns::push_force).data();

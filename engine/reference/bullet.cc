@@ -21,7 +21,8 @@ class Bullet final : public reference::OwnFace<Rigid3d> {
         scene_(std::make_shared<const reference::BulletScene>(def, context, issues)),
         key_("bullet/" + context.id) {
     add_stage("forces", "gravity and pushes", [this](State& s, const StepInput& in) {
-      collect_forces(s, own_.kinds(), in.h, in.workspace.object<Scratch>(key_).change);
+      auto& scratch = in.workspace.object<Scratch>(key_);
+      collect_forces(s, own_.kinds(), in.h, scratch.change, scratch.twist);
     });
     add_stage("bullet", "Bullet 3.24 in doubles: ten iterations of sequential impulses",
               [this](State& s, const StepInput& in) { step_world(s, in); });
@@ -33,7 +34,7 @@ class Bullet final : public reference::OwnFace<Rigid3d> {
 
  private:
   struct Scratch {
-    std::vector<Vec3> change;
+    std::vector<Vec3> change, twist;
     std::unique_ptr<reference::BulletWorld> world;
   };
 
@@ -43,7 +44,7 @@ class Bullet final : public reference::OwnFace<Rigid3d> {
     if (!scratch.world || !scratch.world->matches(*scene_, s)) {
       scratch.world = std::make_unique<reference::BulletWorld>(scene_, s);
     }
-    scratch.world->step(s, in.h, scratch.change);
+    scratch.world->step(s, in.h, scratch.change, scratch.twist);
   }
 
   std::shared_ptr<const reference::BulletScene> scene_;

@@ -153,7 +153,7 @@ void BulletWorld::drive(const State& s, double h) {
   }
 }
 
-void BulletWorld::step(State& s, double h, const std::vector<Vec3>& change) {
+void BulletWorld::step(State& s, double h, const std::vector<Vec3>& change, const std::vector<Vec3>& twist) {
   const auto asleep = s.span<uint32_t>(columns::asleep);
   for (size_t i = 0; i < bodies_.size(); ++i) {
     btRigidBody& b = *bodies_[i];
@@ -161,6 +161,7 @@ void BulletWorld::step(State& s, double h, const std::vector<Vec3>& change) {
     if (!k.moved_by_forces()) continue;
     if (!asleep[i] && !b.isActive()) b.activate(true);
     if (b.isActive()) b.applyCentralForce(bullet(change[i] * (k.mass / h)));
+    if (b.isActive() && !twist.empty()) b.applyTorque(bullet(twist[i] / h));
   }
   for (size_t k = 0; k < joints_.size(); ++k) {
     if (joints_[k] && std::isfinite(scene_->joints[k].break_force))

@@ -32,8 +32,9 @@ class BulletWorld {
 
   /// True when it is this scene's and nothing but sleep differs from what was last read back.
   bool matches(const BulletScene& scene, const State& s) const;
-  /// One step of h (s), in which forces change the velocities by `change` (m/s per row).
-  void step(State& s, double h, const std::vector<Vec3>& change);
+  /// One step of h (s), in which forces change the velocities by `change` (m/s per row) and the angular
+  /// momenta by `twist` (N m s per row, or empty).
+  void step(State& s, double h, const std::vector<Vec3>& change, const std::vector<Vec3>& twist);
 
  private:
   void add_body(const State& s, size_t row);

@@ -21,8 +21,12 @@ Cost estimate(const Scene& scene) {
     sum.seconds_per_step += c.seconds_per_step * static_cast<double>(scene.header.time.substeps);
   };
   std::vector<Cost> own;
-  for (const SceneSystem& s : scene.systems) add(own.emplace_back(s.row->cost(s.def.get())));
-  for (const SceneCoupling& c : scene.couplings) add(c.row->cost(c.def.get(), own[c.a], own[c.b]));
+  for (const SceneSystem& s : scene.systems) {
+    add(own.emplace_back(s.reading == Reading::sound ? s.row->cost(s.def.get()) : Cost{}));
+  }
+  for (const SceneCoupling& c : scene.couplings) {
+    if (c.reading == Reading::sound) add(c.row->cost(c.def.get(), own[c.a], own[c.b]));
+  }
   return sum;
 }
 

@@ -10,6 +10,7 @@
 
 #include "engine/core/build.h"
 #include "engine/core/def.h"
+#include "engine/core/outputs.h"
 #include "engine/core/system.h"
 
 namespace truestep {
@@ -25,6 +26,8 @@ struct CatalogueRow {
   Cost (*cost)(const void* def);
   std::vector<std::string_view> guarantees;  ///< what tests hold it to, one sentence each
   std::string_view default_integrator;       ///< empty: the system has its own method
+  const Outputs* outputs;                    ///< what can be recorded, probed and observed
+  double longest_substep = 10;               ///< s, beyond which nothing that it describes is resolved
 };
 
 std::span<const CatalogueRow> catalogue();

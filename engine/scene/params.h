@@ -13,11 +13,15 @@
 
 namespace truestep {
 
+/// Whether a struct holds what the document says. Keys that nobody knows are faults of the document, but
+/// leave the struct sound.
+enum class Reading : uint8_t { sound, faulty };
+
 /// Fills the struct `owner` described by `table` from `object`. `also_allowed` are keys that the caller reads
 /// itself; keys that begin with x_ are free. Faults go to `issues` with pointers below `pointer`.
-void read_params(const DefTable& table, void* owner, const boost::json::object& object,
-                 const std::string& pointer, std::span<const std::string_view> also_allowed,
-                 std::vector<Issue>& issues);
+Reading read_params(const DefTable& table, void* owner, const boost::json::object& object,
+                    const std::string& pointer, std::span<const std::string_view> also_allowed,
+                    std::vector<Issue>& issues);
 
 /// The struct as JSON with every value in SI, defaults included, absent optional values left out.
 boost::json::object write_params(const DefTable& table, const void* owner);

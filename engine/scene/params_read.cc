@@ -9,8 +9,8 @@ namespace truestep {
 
 namespace json = boost::json;
 
-void ParamReader::object(const DefTable& table, void* owner, const json::object& o,
-                         const std::string& pointer, std::span<const std::string_view> also_allowed) {
+void ParamReader::members(const DefTable& table, void* owner, const json::object& o,
+                          const std::string& pointer, std::span<const std::string_view> also_allowed) {
   for (const auto& [key_view, value] : o) {
     const std::string key(key_view);
     if (key.starts_with("x_") ||
@@ -30,7 +30,7 @@ void ParamReader::object(const DefTable& table, void* owner, const json::object&
       std::vector<std::string> names;
       for (const ParamRow& r : table.rows) names.push_back(r.name);
       for (const std::string_view k : also_allowed) names.emplace_back(k);
-      fault(where, "unknown_key", "\"" + key.substr(0, 64) + "\" is no parameter here", value,
+      fault(where, kUnknownKey, "\"" + key.substr(0, 64) + "\" is no parameter here", value,
             join_names(names), "", nearest_name(key, names));
     }
   }
@@ -39,7 +39,7 @@ void ParamReader::object(const DefTable& table, void* owner, const json::object&
                                                          [&](const auto& word) { return o.contains(word); });
     if (r.presence == Presence::required && !given) {
       fault(pointer + "/" + pointer_token(r.name), "missing", "\"" + r.name + "\" is required: " + r.sentence,
-            json::value(nullptr), kind_text(r), r.unit);
+            {}, kind_text(r), r.unit);
     }
   }
 }
@@ -113,7 +113,7 @@ void ParamReader::row(const ParamRow& r, void* owner, const json::value& v, cons
       });
     case ParamKind::object:
       if (v.is_object())
-        nested(*r.nested, r.append(owner), v.as_object(), where, {});
+        object(*r.nested, r.append(owner), v.as_object(), where, {});
       else
         fault(where, "wrong_type", "expected an object", v, "an object");
       return;
@@ -144,7 +144,7 @@ void ParamReader::objects(const ParamRow& r, void* owner, const json::value& v, 
     const json::value& e = v.as_array()[i];
     const std::string p = where + "/" + std::to_string(i);
     if (e.is_object())
-      nested(*r.nested, r.append(owner), e.as_object(), p, {});
+      object(*r.nested, r.append(owner), e.as_object(), p, {});
     else
       fault(p, "wrong_type", "expected an object", e, "an object");
   }
@@ -155,13 +155,12 @@ void ParamReader::variant(const ParamRow& r, void* owner, const json::value& e, 
   std::vector<std::string> types;
   for (const ParamVariant& alternative : r.variants) types.push_back(alternative.type);
   const json::value* type = e.as_object().if_contains("type");
-  if (!type)
-    return fault(where + "/type", "missing", "\"type\" is required", json::value(nullptr), join_names(types));
+  if (!type) return fault(where + "/type", "missing", "\"type\" is required", {}, join_names(types));
   if (type->is_string()) {
     for (const ParamVariant& alternative : r.variants) {
       if (json::string_view(alternative.type) == type->as_string()) {
         constexpr std::string_view kType[] = {"type"};
-        return nested(*alternative.table, alternative.append(owner), e.as_object(), where, kType);
+        return object(*alternative.table, alternative.append(owner), e.as_object(), where, kType);
       }
     }
   }
@@ -171,27 +170,46 @@ void ParamReader::variant(const ParamRow& r, void* owner, const json::value& e, 
             : "");
 }
 
-void ParamReader::nested(const DefTable& table, void* owner, const json::object& o, const std::string& where,
-                         std::span<const std::string_view> also_allowed) {
-  const size_t before = issues_.size();
-  object(table, owner, o, where, also_allowed);
-  if (table.check && issues_.size() == before) {
-    table.check(owner, [&](const std::string& suffix, const std::string& message) {
-      fault(where + suffix, "inconsistent", message, json::value(nullptr), "");
-    });
+namespace {
+
+// The value below `o` that a relative pointer names, where there is one.
+FoundValue found_at(const json::object& o, const std::string& pointer) {
+  const json::value* v = nullptr;
+  for (size_t at = 0; at < pointer.size();) {
+    const size_t end = std::min(pointer.find('/', at + 1), pointer.size());
+    const std::string token = pointer.substr(at + 1, end - at - 1);
+    const json::object* object = at == 0 ? &o : v->if_object();
+    const json::array* array = at == 0 ? nullptr : v->if_array();
+    v = object ? object->if_contains(token) : nullptr;
+    if (array && !token.empty() && token.find_first_not_of("0123456789") == std::string::npos &&
+        token.size() < 9) {
+      v = array->if_contains(std::stoul(token));
+    }
+    if (!v) return {};
+    at = end;
   }
+  return v ? FoundValue(*v) : FoundValue();
 }
 
-void read_params(const DefTable& table, void* owner, const json::object& object, const std::string& pointer,
-                 std::span<const std::string_view> also_allowed, std::vector<Issue>& issues) {
-  const size_t before = issues.size();
-  ParamReader(issues).object(table, owner, object, pointer, also_allowed);
+}  // namespace
+
+void ParamReader::object(const DefTable& table, void* owner, const json::object& o,
+                         const std::string& pointer, std::span<const std::string_view> also_allowed) {
+  const size_t before = bad_members_;
+  members(table, owner, o, pointer, also_allowed);
   // Checks across members make sense only when each member is good.
-  if (table.check && issues.size() == before) {
-    table.check(owner, [&](const std::string& suffix, const std::string& message) {
-      issues.push_back({pointer + suffix, "inconsistent", message, "", "", "", ""});
-    });
-  }
+  if (!table.check || bad_members_ != before) return;
+  table.check(owner, [&](const std::string& suffix, const std::string& message) {
+    fault(pointer + suffix, "inconsistent", message, found_at(o, suffix), "");
+  });
+}
+
+Reading read_params(const DefTable& table, void* owner, const json::object& object,
+                    const std::string& pointer, std::span<const std::string_view> also_allowed,
+                    std::vector<Issue>& issues) {
+  ParamReader reader(issues);
+  reader.object(table, owner, object, pointer, also_allowed);
+  return reader.reading();
 }
 
 }  // namespace truestep

@@ -9,21 +9,37 @@
 
 #include "engine/base/errors.h"
 #include "engine/core/def.h"
+#include "engine/scene/params.h"
 
 namespace truestep {
+
+/// What stands in the document where a fault is; nothing where a value is missing.
+struct FoundValue {
+  std::string text;
+  FoundValue() = default;
+  FoundValue(const boost::json::value& value) : text(shorten(value)) {}  // NOLINT: implicit on purpose
+};
+
+/// The one fault that leaves every member good.
+inline constexpr std::string_view kUnknownKey = "unknown_key";
 
 class ParamReader {
  public:
   explicit ParamReader(std::vector<Issue>& issues) : issues_(issues) {}
 
-  /// Every key of `o` into `owner`; see read_params.
+  /// Every key of `o` into `owner`, then the table's checks across members where each member is good; see
+  /// read_params.
   void object(const DefTable& table, void* owner, const boost::json::object& o, const std::string& pointer,
               std::span<const std::string_view> also_allowed);
+  /// Faulty when a member has a value that cannot be taken; a key that nobody knows spoils none.
+  Reading reading() const { return bad_members_ == 0 ? Reading::sound : Reading::faulty; }
 
  private:
-  void fault(const std::string& pointer, const char* code, const std::string& message,
-             const boost::json::value& value, const std::string& allowed, const std::string& unit = "",
+  void fault(const std::string& pointer, std::string_view code, const std::string& message,
+             const FoundValue& found, const std::string& allowed, const std::string& unit = "",
              const std::string& did_you_mean = "");
+  void members(const DefTable& table, void* owner, const boost::json::object& o, const std::string& pointer,
+               std::span<const std::string_view> also_allowed);
 
   // One value of a kind; false after a fault.
   bool number(const ParamRow& r, const boost::json::value& v, const std::string& where, double& out);
@@ -40,13 +56,12 @@ class ParamReader {
   void choice(const ParamRow& r, void* owner, const boost::json::value& v, const std::string& where);
   void objects(const ParamRow& r, void* owner, const boost::json::value& v, const std::string& where);
   void variant(const ParamRow& r, void* owner, const boost::json::value& e, const std::string& where);
-  void nested(const DefTable& table, void* owner, const boost::json::object& o, const std::string& where,
-              std::span<const std::string_view> also_allowed);
   template <class T, class ReadOne>
   void array(const ParamRow& r, void* owner, const boost::json::value& v, const std::string& where,
              ReadOne read_one);
 
   std::vector<Issue>& issues_;
+  size_t bad_members_ = 0;  ///< those with a value that cannot be taken
 };
 
 }  // namespace truestep

@@ -20,12 +20,13 @@ bool within(const Limits& l, double v) {
 
 }  // namespace
 
-void ParamReader::fault(const std::string& pointer, const char* code, const std::string& message,
-                        const json::value& value, const std::string& allowed, const std::string& unit,
+void ParamReader::fault(const std::string& pointer, std::string_view code, const std::string& message,
+                        const FoundValue& found, const std::string& allowed, const std::string& unit,
                         const std::string& did_you_mean) {
+  if (code != kUnknownKey) ++bad_members_;
   // A document can hold millions of faults; nobody reads more than a screenful.
   if (issues_.size() < 100)
-    issues_.push_back({pointer, code, message, shorten(value), allowed, did_you_mean, unit});
+    issues_.push_back({pointer, std::string(code), message, found.text, allowed, did_you_mean, unit});
 }
 
 bool ParamReader::number(const ParamRow& r, const json::value& v, const std::string& where, double& out) {

@@ -4,7 +4,9 @@
 
 #include "engine/base/random.h"
 #include "engine/scene/json.h"
+#include "engine/scene/json_write.h"
 #include "engine/scene/params.h"
+#include "engine/scene/params_text.h"
 
 namespace truestep {
 
@@ -19,12 +21,6 @@ std::vector<std::string> type_names(std::span<const Row> rows) {
   std::vector<std::string> names;
   for (const Row& row : rows) names.emplace_back(row.type);
   return names;
-}
-
-std::string join(const std::vector<std::string>& names) {
-  std::string out;
-  for (const std::string& n : names) out += (out.empty() ? "" : ", ") + n;
-  return out;
 }
 
 bool good_id(std::string_view id) {
@@ -51,7 +47,7 @@ const Row* read_type(const json::value& v, const std::string& where, const std::
   }
   errors.push_back({where + "/type", type ? "unknown_choice" : "missing",
                     type ? "no " + noun + " has this type" : "\"type\" is required",
-                    type ? shorten(*type) : "", join(names), nearest_name(name, names), ""});
+                    type ? shorten(*type) : "", join_names(names), nearest_name(name, names), ""});
   return nullptr;
 }
 
@@ -81,36 +77,42 @@ void require_new_id(const Scene& scene, const std::string& id, const std::string
 }
 
 // "type" picks the row; then "id" and the row's own parameters.
-void read_system(const json::value& v, size_t index, Scene& scene, std::vector<Issue>& errors) {
+void read_system(const json::value& v, size_t index, Scene& scene, SceneReport& report) {
+  std::vector<Issue>& errors = report.errors;
   const std::string where = "/systems/" + std::to_string(index);
   const CatalogueRow* row = read_type(v, where, "system", catalogue(), errors);
-  if (!row) return;
+  if (!row) {
+    if (v.is_object()) report.lost_ids.push_back(read_id(v.as_object(), where, "", errors));
+    return;
+  }
   SceneSystem system{read_id(v.as_object(), where, std::string(row->type) + std::to_string(index), errors),
-                     row, row->table->make()};
+                     row, row->table->make(), index};
   require_new_id(scene, system.id, where, errors);
   constexpr std::string_view kOwn[] = {"type", "id"};
-  read_params(*row->table, system.def.get(), v.as_object(), where, kOwn, errors);
+  system.reading = read_params(*row->table, system.def.get(), v.as_object(), where, kOwn, errors);
   scene.systems.push_back(std::move(system));
 }
 
 // Index of the system that a coupling's "a" or "b" names.
 size_t read_side(const json::object& o, std::string_view member, const std::string& where, const Scene& scene,
-                 std::vector<Issue>& errors) {
+                 SceneReport& report) {
   std::vector<std::string> ids;
   for (const SceneSystem& s : scene.systems) ids.push_back(s.id);
   const json::value* v = o.if_contains(member);
   const std::string id = v && v->is_string() ? std::string(v->as_string().c_str()) : "";
   const auto at = std::find(ids.begin(), ids.end(), id);
-  if (at == ids.end()) {
+  const auto& lost = report.lost_ids;
+  if (at == ids.end() && std::find(lost.begin(), lost.end(), id) == lost.end()) {
     const std::string name(member);
-    errors.push_back({where + "/" + name, v ? "unknown_system" : "missing",
-                      v ? "no system has this id" : "\"" + name + "\" is required: id of a system",
-                      v ? shorten(*v) : "", join(ids), nearest_name(id, ids), ""});
+    report.errors.push_back({where + "/" + name, v ? "unknown_system" : "missing",
+                             v ? "no system has this id" : "\"" + name + "\" is required: id of a system",
+                             v ? shorten(*v) : "", join_names(ids), nearest_name(id, ids), ""});
   }
   return static_cast<size_t>(at - ids.begin());
 }
 
-void read_coupling(const json::value& v, size_t index, Scene& scene, std::vector<Issue>& errors) {
+void read_coupling(const json::value& v, size_t index, Scene& scene, SceneReport& report) {
+  std::vector<Issue>& errors = report.errors;
   const std::string where = "/couplings/" + std::to_string(index);
   const CouplingRow* row = read_type(v, where, "coupling", coupling_catalogue(), errors);
   if (!row) return;
@@ -118,23 +120,25 @@ void read_coupling(const json::value& v, size_t index, Scene& scene, std::vector
   SceneCoupling c;
   c.id = read_id(o, where, std::string(row->type) + std::to_string(index), errors);
   require_new_id(scene, c.id, where, errors);
-  c.a = read_side(o, "a", where, scene, errors);
-  c.b = read_side(o, "b", where, scene, errors);
+  c.a = read_side(o, "a", where, scene, report);
+  c.b = read_side(o, "b", where, scene, report);
   c.row = row;
+  c.place = index;
   c.def = row->table->make();
   constexpr std::string_view kOwn[] = {"type", "id", "a", "b"};
-  read_params(*row->table, c.def.get(), o, where, kOwn, errors);
+  c.reading = read_params(*row->table, c.def.get(), o, where, kOwn, errors);
+  if (std::max(c.a, c.b) >= scene.systems.size()) c.reading = Reading::faulty;
   scene.couplings.push_back(std::move(c));
 }
 
-void read_couplings(const json::value& v, Scene& scene, std::vector<Issue>& errors) {
+void read_couplings(const json::value& v, Scene& scene, SceneReport& report) {
   if (!v.is_array() || v.as_array().size() > kMaxCouplings) {
-    errors.push_back({"/couplings", v.is_array() ? "too_many" : "wrong_type",
-                      "couplings are an array of at most 256 objects", shorten(v),
-                      "an array of at most 256 objects", "", ""});
+    report.errors.push_back({"/couplings", v.is_array() ? "too_many" : "wrong_type",
+                             "couplings are an array of at most 256 objects", shorten(v),
+                             "an array of at most 256 objects", "", ""});
     return;
   }
-  for (size_t i = 0; i < v.as_array().size(); ++i) read_coupling(v.as_array()[i], i, scene, errors);
+  for (size_t i = 0; i < v.as_array().size(); ++i) read_coupling(v.as_array()[i], i, scene, report);
 }
 
 // Schema of one system or coupling: its type and what every row has, then the row's parameters.
@@ -154,6 +158,19 @@ json::object typed_schema(std::string_view type, std::string_view sentence, cons
   return s;
 }
 
+// Bodies, points and springs are lost in steps of minutes, and some of their loops run as long as a step is.
+void check_substep(const Scene& scene, std::vector<Issue>& errors) {
+  for (const SceneSystem& s : scene.systems) {
+    if (scene.substep() <= s.row->longest_substep) continue;
+    errors.push_back({"/time/dt", "out_of_range",
+                      "a system of type " + std::string(s.row->type) + " takes no substep as long as this",
+                      write_json(json::value(scene.header.time.dt)),
+                      "at most " + write_json(json::value(s.row->longest_substep)) + " s a substep", "",
+                      "s"});
+    return;
+  }
+}
+
 // A request for accuracy needs a system whose method can be chosen.
 void check_accuracy(const Scene& scene, std::vector<Issue>& errors) {
   if (!scene.header.accuracy) return;
@@ -164,23 +181,33 @@ void check_accuracy(const Scene& scene, std::vector<Issue>& errors) {
     if (scene.integrated_system(s.id)) fit.push_back(s.id);
   }
   errors.push_back({"/accuracy/system", "unknown_system", "it needs a system that takes an integrator",
-                    '"' + id.substr(0, 64) + '"', join(fit), nearest_name(id, fit), ""});
+                    '"' + id.substr(0, 64) + '"', join_names(fit), nearest_name(id, fit), ""});
 }
 
-// References from the header to systems.
-void check_references(const Scene& scene, std::vector<Issue>& errors) {
+// Ids of probes, and of the systems that they look at.
+void check_probes(const Scene& scene, SceneReport& report) {
+  std::vector<Issue>& errors = report.errors;
   std::vector<std::string> ids;
   for (const SceneSystem& s : scene.systems) ids.push_back(s.id);
+  const auto lost = [&](const std::string& id) {
+    return std::find(report.lost_ids.begin(), report.lost_ids.end(), id) != report.lost_ids.end();
+  };
   for (size_t i = 0; i < scene.header.probes.size(); ++i) {
     const ProbeParams& p = scene.header.probes[i];
     const std::string where = "/probes/" + std::to_string(i);
-    if (std::find(ids.begin(), ids.end(), p.system) == ids.end()) {
+    if (std::find(ids.begin(), ids.end(), p.system) == ids.end() && !lost(p.system)) {
       errors.push_back({where + "/system", "unknown_system", "no system has this id", '"' + p.system + '"',
-                        join(ids), nearest_name(p.system, ids), ""});
+                        join_names(ids), nearest_name(p.system, ids), ""});
     }
     if (!good_id(p.id)) {
       errors.push_back({where + "/id", "bad_id", "an id is 1 to 64 letters, digits, _ or -",
                         '"' + p.id.substr(0, 64) + '"', "[A-Za-z0-9_-]{1,64}", "", ""});
+    }
+    for (size_t k = 0; k < i; ++k) {
+      if (scene.header.probes[k].id != p.id) continue;
+      errors.push_back({where + "/id", "duplicate_id", "probe " + std::to_string(k) + " has this id",
+                        '"' + p.id.substr(0, 64) + '"', "", "", ""});
+      break;
     }
   }
 }
@@ -243,18 +270,19 @@ SceneReport read_scene(const json::value& document) {
                              systems ? shorten(*systems) : "", "an array of 1 to 256 objects", "", ""});
   } else {
     for (size_t i = 0; i < systems->as_array().size(); ++i)
-      read_system(systems->as_array()[i], i, scene, report.errors);
+      read_system(systems->as_array()[i], i, scene, report);
     if (const json::value* couplings = o.if_contains("couplings")) {
-      read_couplings(*couplings, scene, report.errors);
+      read_couplings(*couplings, scene, report);
     }
-    if (report.errors.empty()) check_references(scene, report.errors);
+    check_substep(scene, report.errors);
+    check_probes(scene, report);
     if (report.errors.empty()) check_accuracy(scene, report.errors);
   }
   if (scene.header.expect.empty() && !scene.header.teaches.empty()) {
     report.warnings.push_back({"/expect", "no_expectation",
                                "a scene that teaches something should say what to expect", "", "", "", ""});
   }
-  if (report.errors.empty()) report.scene = std::move(scene);
+  (report.errors.empty() ? report.scene : report.draft) = std::move(scene);
   return report;
 }
 

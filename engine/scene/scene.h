@@ -3,8 +3,9 @@
 //
 // Expectations name a quantity: an observable at the end ("energy.total", "rope.strain.max", a probe's
 // component "tip.position.y"), or "min(NAME)", "max(NAME)" over the run's steps, or "drift(NAME)" =
-// max |value - initial value| / max(|initial value|, largest |value| of the run's first step, 1e-300);
-// "energy.drift" is short for "drift(energy.total)".
+// max |value - initial value| / scale, the scale being the largest |initial value| of the quantities of the
+// same group and unit ("energy." in J), or 1 where all of them start at 0: the drift is then absolute, in the
+// quantity's unit. "energy.drift" is short for "drift(energy.total)".
 #pragma once
 #include <boost/json.hpp>
 #include <memory>
@@ -17,8 +18,12 @@
 #include "engine/core/build.h"
 #include "engine/scene/catalogue.h"
 #include "engine/scene/coupling_catalogue.h"
+#include "engine/scene/params.h"
 
 namespace truestep {
+
+/// s. Chemistry relaxes over 1e11 s (the Robertson problem) and more.
+inline constexpr double kLongestDt = 1e13, kLongestDuration = 1e13;
 
 struct TimeParams {
   double dt = 1.0 / 60;  ///< s, session step
@@ -35,7 +40,7 @@ struct ProbeParams {
 
 struct RecordingParams {
   int64_t every = 1;
-  std::vector<std::string> fields{"position"};
+  std::vector<std::string> fields;  ///< empty: position, or every field of a system that has none
   enum class Precision { f32, f64 } precision = Precision::f32;
 };
 
@@ -88,6 +93,8 @@ struct SceneSystem {
   std::string id;
   const CatalogueRow* row = nullptr;
   std::shared_ptr<void> def;  ///< the struct that row->table describes
+  size_t place = 0;           ///< in the document's list
+  Reading reading = Reading::sound;
 };
 
 struct SceneCoupling {
@@ -95,6 +102,8 @@ struct SceneCoupling {
   size_t a = 0, b = 0;  ///< indices of the systems
   const CouplingRow* row = nullptr;
   std::shared_ptr<void> def;
+  size_t place = 0;
+  Reading reading = Reading::sound;
 };
 
 struct Scene {
@@ -116,6 +125,10 @@ struct Scene {
 struct SceneReport {
   std::optional<Scene> scene;
   std::vector<Issue> errors, warnings;
+  /// Where there is no scene: what could be read of it, for finding the faults that only building shows.
+  /// Systems of unknown type are left out, `lost_ids` are theirs.
+  std::optional<Scene> draft;
+  std::vector<std::string> lost_ids;
 };
 
 /// Reads a parsed document. Never throws for anything a client can write.

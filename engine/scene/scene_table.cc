@@ -8,10 +8,11 @@ namespace {
 const DefTable& time_table() {
   static const DefTable t =
       TableOf<TimeParams>("the clock: a fixed step, divided into substeps")
-          .number("dt", &TimeParams::dt, "s", {.min = 1e-9, .max = 10}, "length of a session step")
+          .number("dt", &TimeParams::dt, "s", {.min = 1e-15, .max = kLongestDt},
+                  "length of a session step; more than 10 s a substep for equations (ode) only")
           .integer("substeps", &TimeParams::substeps, between(1, 10000),
                    "equal parts that each step is computed in")
-          .number("duration", &TimeParams::duration, "s", between(0, 1e9),
+          .number("duration", &TimeParams::duration, "s", between(0, kLongestDuration),
                   "how long `truestep run` simulates")
           .integer("max_catchup_steps", &TimeParams::max_catchup_steps, between(1, 1000),
                    "most steps that a session which fell behind does at once before it skips time")
@@ -50,7 +51,9 @@ const DefTable& recording_table() {
   static const DefTable t = TableOf<RecordingParams>("what goes into the recording")
                                 .integer("every", &RecordingParams::every, between(1, 1e9),
                                          "steps from one recorded frame to the next")
-                                .texts("fields", &RecordingParams::fields, {1, 16}, "fields to record")
+                                .texts("fields", &RecordingParams::fields, {0, 16},
+                                       "fields to record, of every system that has them; none: position, or "
+                                       "all fields of a system without one")
                                 .choice("precision", &RecordingParams::precision, {"f32", "f64"},
                                         "of recorded floating-point fields")
                                 .build();
@@ -81,7 +84,11 @@ const DefTable& expect_table() {
   static const DefTable t =
       TableOf<ExpectParams>("what a run of this scene should measure")
           .text("quantity", &ExpectParams::quantity,
-                "an observable at the end, or min(...), max(...), drift(...) of one over the run")
+                "an observable at the end, or min(...), max(...), drift(...) of one over the run's steps. "
+                "Drift: "
+                "largest change since the start, divided by the largest magnitude at the start among the "
+                "quantities of its group with its unit (energy.*: J); not divided, so absolute, where all of "
+                "them start at 0. energy.drift is drift(energy.total)")
           .required()
           .number("min", &ExpectParams::min, "", any(), "lower bound")
           .number("max", &ExpectParams::max, "", any(), "upper bound")
@@ -111,8 +118,10 @@ const DefTable& scene_table() {
           .object("time", &SceneHeader::time, time_table(), "the clock")
           .object("accuracy", &SceneHeader::accuracy, accuracy_table(),
                   "instead of a method and a step: how accurate")
-          .texts("observables", &SceneHeader::observables, {0, 64},
-                 "observables to keep (names or their beginnings); none: all")
+          .texts(
+              "observables", &SceneHeader::observables, {0, 64},
+              "observables to keep over time (names or their beginnings up to a dot); none: recordings and "
+              "--csv keep all, a session only the present ones")
           .objects("probes", &SceneHeader::probes, probe_table(), {0, 256},
                    "rows whose fields become observables")
           .object("recording", &SceneHeader::recording, recording_table(),

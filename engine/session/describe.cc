@@ -44,7 +44,14 @@ json::object describe_integrator(const Integrator& m) {
 }
 
 json::object describe_system(const CatalogueRow& row) {
-  json::array guarantees, methods;
+  json::array guarantees, methods, fields, observables;
+  for (const FieldOutput& f : row.outputs->fields) {
+    fields.push_back(
+        json::object{{"name", f.name}, {"unit", f.unit}, {"width", f.width}, {"description", f.sentence}});
+  }
+  for (const OutputInfo& o : row.outputs->observables) {
+    observables.push_back(json::object{{"name", o.name}, {"unit", o.unit}, {"description", o.sentence}});
+  }
   for (const std::string_view g : row.guarantees) guarantees.emplace_back(g);
   if (!row.default_integrator.empty()) {
     for (const Integrator& m : integrators()) methods.push_back(describe_integrator(m));
@@ -56,6 +63,9 @@ json::object describe_system(const CatalogueRow& row) {
           {"default_integrator", row.default_integrator},
           {"integrators", std::move(methods)},
           {"guarantees", std::move(guarantees)},
+          {"rows", row.outputs->rows},
+          {"fields", std::move(fields)},
+          {"observables", std::move(observables)},
           {"cost_of_defaults", describe_cost(row.cost(row.table->make().get()))}};
 }
 
@@ -136,8 +146,20 @@ json::object describe_observables(const Observables& values) {
   return o;
 }
 
-json::object validate_scene(const json::value& document, const AdmissionLimits& limits) {
+SceneReport examine_scene(const json::value& document, const AdmissionLimits& limits) {
   SceneReport report = read_scene(document);
+  if (report.scene || !report.draft) return report;
+  try {
+    require_admission(estimate(*report.draft), limits);
+    for (Issue& issue : World::more_faults(report)) report.errors.push_back(std::move(issue));
+  } catch (const Error& e) {
+    report.errors.insert(report.errors.end(), e.issues().begin(), e.issues().end());
+  }
+  return report;
+}
+
+json::object validate_scene(const json::value& document, const AdmissionLimits& limits) {
+  SceneReport report = examine_scene(document, limits);
   json::object out;
   if (report.scene) {
     try {
@@ -147,6 +169,9 @@ json::object validate_scene(const json::value& document, const AdmissionLimits& 
       const World world(*report.scene);
       out["plan"] = describe_plan(world, {});
       const WorldState state = world.initial_state();
+      const Cost built = world.cost(state);
+      out["estimate"] = describe_cost(built);
+      require_admission(built, limits);
       if (const auto dt = world.stable_dt(state)) {
         out["stable_dt"] = *dt;
         if (*dt < world.dt()) {

@@ -13,7 +13,8 @@ namespace truestep {
 /// {pointer, code, message, value, allowed, did_you_mean, unit}; empty members left out.
 boost::json::object describe_issue(const Issue& issue);
 boost::json::array describe_issues(const std::vector<Issue>& issues);
-/// One system type with parameters, integrators, guarantees.
+/// One system type with parameters, integrators, guarantees, and what it gives out: rows, fields,
+/// observables.
 boost::json::object describe_system(const CatalogueRow& row);
 /// One line per system type.
 boost::json::array describe_systems();
@@ -27,6 +28,10 @@ boost::json::array describe_plan(const World& world, std::span<const Profile> pr
 /// {system, quantity, index, detail, last_good_step, remedies}, and suggested_dt where it is known.
 boost::json::object describe_failure(const Failure& failure);
 boost::json::object describe_observables(const Observables& values);
+
+/// What read_scene says and, where it found faults, those that only building shows (World::more_faults),
+/// within `limits`: the whole list at once.
+SceneReport examine_scene(const boost::json::value& document, const AdmissionLimits& limits);
 
 /// Everything about a scene document: valid, errors, warnings, plan, estimate, canonical scene. Never throws
 /// for what a client can write.

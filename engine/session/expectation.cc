@@ -5,42 +5,59 @@
 
 namespace truestep {
 
+Quantity quantity_of(const std::string& text) {
+  const std::string name = text == "energy.drift" ? "drift(energy.total)" : text;
+  for (const auto& [prefix, reduction] :
+       {std::pair{"min(", Reduction::min}, {"max(", Reduction::max}, {"drift(", Reduction::drift}}) {
+    const std::string_view p = prefix;
+    if (name.starts_with(p) && name.ends_with(')')) {
+      return {reduction, name.substr(p.size(), name.size() - p.size() - 1)};
+    }
+  }
+  return {Reduction::last, name};
+}
+
+namespace {
+
+// Largest |value| among the observables of `name`'s group that have its unit: the parts of a sum set its
+// scale, so that a total near zero does not make every drift look large.
+double group_scale(const std::string& name, const Observables& values) {
+  const size_t dot = name.rfind('.');
+  const std::string group = dot == std::string::npos ? name : name.substr(0, dot + 1);
+  const auto& rows = values.rows();
+  const auto own =
+      std::find_if(rows.begin(), rows.end(), [&](const Observation& o) { return o.name == name; });
+  double scale = 0;
+  for (const Observation& o : rows) {
+    const bool akin = dot == std::string::npos ? o.name == name : o.name.starts_with(group);
+    if (akin && o.unit == own->unit) scale = std::max(scale, std::abs(o.value));
+  }
+  return scale;
+}
+
+}  // namespace
+
 Expectations::Expectations(const Scene& scene) {
   for (const ExpectParams& e : scene.header.expect) {
     Watched w;
     w.expected = e;
-    w.name = e.quantity == "energy.drift" ? "drift(energy.total)" : e.quantity;
-    for (const auto& [prefix, reduction] :
-         {std::pair{"min(", Reduction::min}, {"max(", Reduction::max}, {"drift(", Reduction::drift}}) {
-      const std::string_view p = prefix;
-      if (w.name.starts_with(p) && w.name.ends_with(')')) {
-        w.name = w.name.substr(p.size(), w.name.size() - p.size() - 1);
-        w.reduction = reduction;
-        break;
-      }
-    }
+    w.quantity = quantity_of(e.quantity);
     watched_.push_back(std::move(w));
   }
 }
 
 bool Expectations::needs_every_step() const {
   return std::any_of(watched_.begin(), watched_.end(),
-                     [](const Watched& w) { return w.reduction != Reduction::last; });
+                     [](const Watched& w) { return w.quantity.reduction != Reduction::last; });
 }
 
 void Expectations::add(const Observables& values) {
   for (Watched& w : watched_) {
-    const auto v = values.find(w.name);
+    const auto v = values.find(w.quantity.name);
     if (!v) continue;
     if (!w.first) {
       w.first = v;
-      // The parts of a sum set its scale: a total energy near zero must not make every drift look large.
-      const size_t dot = w.name.rfind('.');
-      for (const Observation& o : values.rows()) {
-        if (dot != std::string::npos && o.name.starts_with(w.name.substr(0, dot + 1))) {
-          w.scale = std::max(w.scale, std::abs(o.value));
-        }
-      }
+      w.scale = group_scale(w.quantity.name, values);
     }
     w.value = v;
     w.least = std::min(w.least.value_or(*v), *v);
@@ -52,8 +69,8 @@ void Expectations::add(const Observables& values) {
 std::vector<Verdict> Expectations::verdicts() const {
   std::vector<Verdict> out;
   for (const Watched& w : watched_) {
-    Verdict verdict{w.expected, std::nullopt, false};
-    switch (w.reduction) {
+    Verdict verdict{w.expected, std::nullopt, false, std::nullopt};
+    switch (w.quantity.reduction) {
       case Reduction::last:
         verdict.measured = w.value;
         break;
@@ -64,7 +81,9 @@ std::vector<Verdict> Expectations::verdicts() const {
         verdict.measured = w.greatest;
         break;
       case Reduction::drift:
-        if (w.deviation) verdict.measured = *w.deviation / std::max({std::abs(*w.first), w.scale, 1e-300});
+        if (!w.deviation) break;
+        verdict.drift_scale = w.scale;
+        verdict.measured = *w.deviation / (w.scale > 0 ? w.scale : 1);
         break;
     }
     if (const auto m = verdict.measured) {

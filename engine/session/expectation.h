@@ -12,7 +12,18 @@ struct Verdict {
   ExpectParams expected;
   std::optional<double> measured;  ///< nothing when no such quantity exists
   bool met = false;
+  /// What a drift was divided by; 0: nothing, it is absolute. Absent for what is no drift.
+  std::optional<double> drift_scale;
 };
+
+/// How a run's values of an observable become one.
+enum class Reduction : uint8_t { last, min, max, drift };
+struct Quantity {
+  Reduction reduction = Reduction::last;
+  std::string name;  ///< of an observable
+};
+/// "energy.total", "max(rope.strain.max)", "energy.drift" taken apart.
+Quantity quantity_of(const std::string& text);
 
 /// Watches a run. Observables are computed at every step only when an expectation needs the whole run.
 class Expectations {
@@ -26,13 +37,11 @@ class Expectations {
   std::vector<Verdict> verdicts() const;
 
  private:
-  enum class Reduction : uint8_t { last, min, max, drift };
   struct Watched {
     ExpectParams expected;
-    Reduction reduction = Reduction::last;
-    std::string name;
+    Quantity quantity;
     std::optional<double> first, value, least, greatest, deviation;
-    double scale = 0;  ///< largest |value| of the first step: a drift from zero is judged against it
+    double scale = 0;  ///< of a drift
   };
   std::vector<Watched> watched_;
 };

@@ -1,10 +1,10 @@
 #include "engine/session/remedies.h"
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 
 #include "engine/base/errors.h"
+#include "engine/base/short_number.h"
 #include "engine/core/force_system.h"
 #include "engine/scene/admission.h"
 
@@ -18,11 +18,6 @@ namespace json = boost::json;
 constexpr double kTrialSeconds = 0.5;
 constexpr int64_t kMostParts = 4096;  // substeps that are worth a trial
 constexpr size_t kMostMethods = 3;    // that are tried, of each kind
-
-std::string short_number(double v) {
-  char buffer[32];
-  return {buffer, std::to_chars(buffer, buffer + sizeof buffer, v, std::chars_format::general, 2).ptr};
-}
 
 bool unlimited(const Integrator& row, const ForceSystem& s) {
   return std::isinf(stability_interval(row, s.options()).imaginary);
@@ -137,7 +132,7 @@ Remedies try_remedies(const World& world, const WorldState& before, uint64_t fai
     const int64_t finer = static_cast<int64_t>(parts) * substeps;
     if (!trials.holds(finer)) continue;
     out.dt = expected && parts == first ? *hint : dt / parts;
-    out.sentences.push_back("a step of at most " + short_number(*out.dt) + " s, or " + std::to_string(finer) +
+    out.sentences.push_back("a step of at most " + short_number(*out.dt, 2) + " s, or " + std::to_string(finer) +
                             " substeps of the present one" + tried);
     break;
   }
@@ -150,6 +145,7 @@ Remedies try_remedies(const World& world, const WorldState& before, uint64_t fai
       break;
     }
   }
+  if (out.sentences.empty()) out.sentences = world.system(index).remedies();
   if (out.sentences.empty()) {
     out.sentences.push_back(
         "softer forces: lower stiffness, more mass or more damping (no smaller step and no other method that "

@@ -2,6 +2,8 @@
 
 #include <limits>
 
+#include "engine/session/references.h"
+
 namespace truestep {
 
 Series::Series(std::vector<std::string> wanted, size_t max_points)
@@ -9,7 +11,7 @@ Series::Series(std::vector<std::string> wanted, size_t max_points)
 
 bool Series::wants(std::string_view name) const {
   for (const std::string& w : wanted_) {
-    if (name == w || (name.starts_with(w) && name.size() > w.size() && name[w.size()] == '.')) return true;
+    if (selects(w, name)) return true;
   }
   return false;
 }

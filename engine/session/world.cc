@@ -1,5 +1,6 @@
 #include "engine/session/world.h"
 
+#include <algorithm>
 #include <bit>
 #include <cmath>
 #include <cstring>
@@ -8,6 +9,10 @@
 #include "engine/base/errors.h"
 #include "engine/core/configuration.h"
 #include "engine/core/force_system.h"
+#include "engine/integrators/field_equations.h"
+#include "engine/integrators/motion.h"
+#include "engine/integrators/step_work.h"
+#include "engine/scene/admission.h"
 #include "engine/scene/json_write.h"
 
 namespace truestep {
@@ -127,15 +132,23 @@ void collecting(std::vector<Issue>& issues, const std::string& where, Build buil
 
 }  // namespace
 
-World::World(Scene scene) : scene_(std::move(scene)) {
-  std::vector<Issue> issues;
+void World::build(std::vector<Issue>& issues, std::span<const std::string> lost_ids) {
   for (size_t i = 0; i < scene_.systems.size(); ++i) {
     const SceneSystem& s = scene_.systems[i];
-    collecting(issues, "/systems/" + std::to_string(i),
-               [&] { systems_.push_back(s.row->build(s.def.get(), scene_.context(i))); });
+    systems_.emplace_back();
+    if (s.reading == Reading::faulty) continue;
+    collecting(issues, "/systems/" + std::to_string(s.place),
+               [&] { systems_.back() = s.row->build(s.def.get(), scene_.context(i)); });
   }
-  // Couplings look at their sides, which must all be there.
-  if (issues.empty() && !scene_.couplings.empty()) build_couplings(issues);
+  if (!scene_.couplings.empty()) build_couplings(issues);
+  BuiltParts built = parts();
+  built.lost_ids = lost_ids;
+  check_references(built, issues);
+}
+
+World::World(Scene scene) : scene_(std::move(scene)) {
+  std::vector<Issue> issues;
+  build(issues, {});
   if (!issues.empty()) {
     const std::string first = issues[0].message;
     throw Error("scene_invalid", first, std::move(issues));
@@ -144,6 +157,14 @@ World::World(Scene scene) : scene_(std::move(scene)) {
   for (const auto& s : systems_) speed_limits_.push_back(s->speed_limit().value_or(kNone));
   if (scene_.header.accuracy) build_finer();
   list_plan();
+}
+
+std::vector<Issue> World::more_faults(const SceneReport& report) {
+  std::vector<Issue> issues;
+  World part;
+  part.scene_ = report.draft.value();
+  part.build(issues, report.lost_ids);
+  return issues;
 }
 
 // Half the substep, and a tenth of every tolerance.
@@ -166,13 +187,17 @@ void World::build_finer() {
   finer_ = std::make_unique<const World>(require_scene(read_scene(d)));
 }
 
+// Couplings look at their sides, which must both be there.
 void World::build_couplings(std::vector<Issue>& issues) {
-  std::vector<CouplingSide> sides;
-  for (size_t i = 0; i < size(); ++i) sides.push_back({id(i), *systems_[i], systems_[i]->initial_state()});
-  for (size_t k = 0; k < scene_.couplings.size(); ++k) {
-    const SceneCoupling& c = scene_.couplings[k];
-    collecting(issues, "/couplings/" + std::to_string(k), [&] {
-      couplings_.push_back(c.row->build(c.def.get(), {c.id, sides[c.a], sides[c.b]}));
+  std::vector<std::optional<CouplingSide>> sides(size());
+  for (size_t i = 0; i < size(); ++i) {
+    if (systems_[i]) sides[i].emplace(CouplingSide{id(i), *systems_[i], systems_[i]->initial_state()});
+  }
+  for (const SceneCoupling& c : scene_.couplings) {
+    couplings_.emplace_back();
+    if (c.reading == Reading::faulty || !sides[c.a] || !sides[c.b]) continue;
+    collecting(issues, "/couplings/" + std::to_string(c.place), [&] {
+      couplings_.back() = c.row->build(c.def.get(), {c.id, *sides[c.a], *sides[c.b]});
     });
   }
 }
@@ -345,42 +370,54 @@ void World::apply(WorldState& state, const Command& command) const {
 }
 
 Observables World::observe(const WorldState& state) const {
-  const double t = static_cast<double>(state.step) * dt();
-  Observables total, own;
-  constexpr std::string_view kSummed[] = {"energy.kinetic", "energy.potential", "energy.total"};
-  double sums[3] = {};
-  bool known[3] = {true, true, true};
-  for (size_t i = 0; i < systems_.size(); ++i) {
-    Observables one;
-    systems_[i]->observe(state.systems[i], t, one);
-    for (size_t k = 0; k < 3; ++k) {
-      const auto v = one.find(kSummed[k]);
-      known[k] = known[k] && v;
-      sums[k] += v.value_or(0);
-    }
-    for (const Observation& o : one.rows()) own.add(id(i) + "." + o.name, o.value, o.unit);
-  }
-  for (size_t k = 0; k < couplings_.size(); ++k) {
-    Observables one;
-    couplings_[k]->observe(sides(state, k), one);
-    // What a coupling stores belongs to the potential and to the total.
-    const double stored = one.find("energy.potential").value_or(0);
-    sums[1] += stored, sums[2] += stored;
-    for (const Observation& o : one.rows()) {
-      own.add(scene_.couplings[k].id + "." + o.name, o.value, o.unit);
-    }
-  }
-  // A sum that leaves out a system would mislead: it is given only when every system knows its part.
-  for (size_t k = 0; k < 3; ++k) {
-    if (known[k]) total.add(kSummed[k], sums[k], "J");
-  }
-  for (const Observation& o : own.rows()) total.add(o.name, o.value, o.unit);
+  Observables total =
+      observe_parts(parts(), state.systems, state.couplings, static_cast<double>(state.step) * dt());
   for (const ProbeParams& p : scene_.header.probes) observe_probe(p, state, total);
   if (finer_) total.add("error.estimate", error_estimate(state), "1");
   return total;
 }
 
+std::vector<Observation> World::known_observables() const {
+  return truestep::known_observables(parts());
+}
+
 namespace {
+
+// Of an implicit method that factorises the field's derivatives.
+std::optional<double> force_step_seconds(const ForceSystem& s, const State& state, double h) {
+  if (s.integrator().kind != Integrator::Kind::implicit || !s.integrator().advance) return std::nullopt;
+  static const ThreadArena kSerial(1);
+  Workspace workspace;
+  State copy = state;
+  const StepInput in{0, h, 0, workspace, kSerial};
+  Motion motion(s.force_field(), copy, in);
+  const FieldEquations f(motion);
+  std::vector<double> y(motion.x.begin(), motion.x.end());
+  y.insert(y.end(), motion.v.begin(), motion.v.end());
+  const IntegratorOptions& o = s.options();
+  const Tolerance tolerance{o.relative_tolerance.value_or(0), o.absolute_tolerance.value_or(o.tolerance)};
+  // Some 20 operations per number of a point, as in a cloth.
+  constexpr double kPerUnknown = 20;
+  const double rate = kPerUnknown * static_cast<double>(y.size());
+  const auto work = implicit_step_work(s.integrator(), f, rate, h, y.data(), tolerance);
+  return work ? std::optional(work->seconds()) : std::nullopt;
+}
+
+double element(const FieldView& view, size_t k) {
+  switch (view.type) {
+    case Scalar::f64:
+      return static_cast<const double*>(view.data)[k];
+    case Scalar::f32:
+      return static_cast<const float*>(view.data)[k];
+    case Scalar::i32:
+      return static_cast<const int32_t*>(view.data)[k];
+    case Scalar::u32:
+      return static_cast<const uint32_t*>(view.data)[k];
+    case Scalar::u64:
+      return static_cast<double>(static_cast<const uint64_t*>(view.data)[k]);
+  }
+  return 0;
+}
 
 // A field of doubles, or the configuration for "state"; empty when there is no such field.
 std::vector<double> quantity_values(const System& system, const State& state, const std::string& name) {
@@ -426,23 +463,28 @@ void World::observe_probe(const ProbeParams& probe, const WorldState& state, Obs
   const auto infos = systems_[i]->fields();
   std::vector<double> scratch;
   for (size_t f = 0; f < infos.size(); ++f) {
-    bool wanted = false;
-    for (const std::string& name : probe.fields) wanted |= name == infos[f].name;
-    if (!wanted || infos[f].type != Scalar::f64) continue;
+    if (std::find(probe.fields.begin(), probe.fields.end(), infos[f].name) == probe.fields.end()) continue;
     const FieldView view = systems_[i]->field(state.systems[i], f, scratch);
     const int64_t row = probe.index < 0 ? static_cast<int64_t>(view.rows) + probe.index : probe.index;
     if (row < 0 || row >= static_cast<int64_t>(view.rows)) continue;
-    const auto* values = static_cast<const double*>(view.data) + static_cast<size_t>(row) * view.width;
-    constexpr std::string_view kAxes[] = {".x", ".y", ".z"};
+    const auto names = component_names(probe.id + "." + infos[f].name, view.width);
     for (uint32_t c = 0; c < view.width; ++c) {
-      std::string name = probe.id + "." + infos[f].name;
-      if (view.width == 3)
-        name += kAxes[c];
-      else if (view.width > 1)
-        name += "." + std::to_string(c);
-      out.add(name, values[c], infos[f].unit);
+      out.add(names[c], element(view, static_cast<size_t>(row) * view.width + c), infos[f].unit);
     }
   }
+}
+
+Cost World::cost(const WorldState& state) const {
+  Cost sum = estimate(scene_);
+  const double h = scene_.substep(), substeps = static_cast<double>(scene_.header.time.substeps);
+  for (size_t i = 0; i < size(); ++i) {
+    const SceneSystem& s = scene_.systems[i];
+    const auto* forces = dynamic_cast<const ForceSystem*>(systems_[i].get());
+    const auto seconds = forces ? force_step_seconds(*forces, state.systems[i], h)
+                                : systems_[i]->step_seconds(state.systems[i], h);
+    if (seconds) sum.seconds_per_step += substeps * (*seconds - s.row->cost(s.def.get()).seconds_per_step);
+  }
+  return sum;
 }
 
 std::optional<double> World::stable_dt(const WorldState& state) const {

@@ -8,6 +8,7 @@
 #include "engine/core/coupling.h"
 #include "engine/core/system.h"
 #include "engine/scene/scene.h"
+#include "engine/session/references.h"
 
 namespace truestep {
 
@@ -37,6 +38,8 @@ class World {
   /// Builds every system and coupling. Error "scene_invalid" with pointers below /systems/<i> and
   /// /couplings/<i> where one refuses.
   explicit World(Scene scene);
+  /// Faults of a report's draft beside those that reading found: all of it that is sound is built for them.
+  static std::vector<Issue> more_faults(const SceneReport& report);
 
   const Scene& scene() const { return scene_; }
   double dt() const { return scene_.header.time.dt; }
@@ -63,6 +66,13 @@ class World {
   /// ("<probe>.position.x"). Scenes with "accuracy": "error.estimate", the relative error of its quantity.
   Observables observe(const WorldState& state) const;
 
+  /// Names and units of everything that `observe` gives in this or any later state.
+  std::vector<Observation> known_observables() const;
+
+  /// The scene's estimate (scene/admission.h), with the steps of implicit methods by the matrices that this
+  /// world's systems have.
+  Cost cost(const WorldState& state) const;
+
   /// Systems, then couplings: what has a profile of its own.
   size_t profiled() const { return systems_.size() + couplings_.size(); }
 
@@ -80,6 +90,9 @@ class World {
   std::optional<double> stable_dt(const WorldState& state) const;
 
  private:
+  World() = default;
+  void build(std::vector<Issue>& issues, std::span<const std::string> lost_ids);
+  BuiltParts parts() const { return {scene_, systems_, couplings_, {}}; }
   void build_couplings(std::vector<Issue>& issues);
   void build_finer();
   [[noreturn]] void reject(size_t i, const State& state, const State::BadValue& bad) const;

@@ -155,9 +155,8 @@ Response observables(SessionEntry& e, const std::vector<std::string>& names, siz
   std::vector<std::vector<double>> values;
   std::vector<uint64_t> steps;
   const auto wanted = [&](std::string_view name) {
-    return names.empty() || std::any_of(names.begin(), names.end(), [&](const std::string& n) {
-             return name == n || (name.starts_with(n) && name[n.size()] == '.');
-           });
+    return names.empty() ||
+           std::any_of(names.begin(), names.end(), [&](const std::string& n) { return selects(n, name); });
   };
   const Observables current = s.observe();
   if (s.series().active() && !s.series().steps().empty()) {
@@ -180,6 +179,14 @@ Response observables(SessionEntry& e, const std::vector<std::string>& names, siz
       units.push_back(o.unit);
       values.push_back({o.value});
     }
+  }
+  if (columns.empty() && !names.empty()) {
+    std::vector<Issue> issues;
+    const auto known = s.world().known_observables();
+    for (const std::string& n : names) {
+      if (auto fault = unknown_observable(n, "?names", known)) issues.push_back(std::move(*fault));
+    }
+    if (!issues.empty()) throw Error("bad_request", "nothing is observed by this name", std::move(issues));
   }
   const double dt = s.world().dt();
   if (csv) {

@@ -81,6 +81,25 @@ void print_parameters(const json::array& rows, const std::string& indent) {
   }
 }
 
+void print_outputs(const Outputs& out) {
+  const auto tail = [](std::string_view sentence) {
+    if (!sentence.empty()) std::cout << ": " << sentence;
+    std::cout << '\n';
+  };
+  std::cout << "\nfields (of probes, recordings and streams; \"index\" of a probe is a row)\n  a row is "
+            << out.rows << '\n';
+  for (const FieldOutput& f : out.fields) {
+    std::cout << "  " << f.name << " (" << f.unit << (f.width > 1 ? " x " + std::to_string(f.width) : "")
+              << ')';
+    tail(f.sentence);
+  }
+  std::cout << "\nobservables (as <id>.<name>; a scene's energy.* are sums over its systems)\n";
+  for (const OutputInfo& o : out.observables) {
+    std::cout << "  " << o.name << " (" << o.unit << ')';
+    tail(o.sentence);
+  }
+}
+
 int systems(const Options& options) {
   if (options.name.empty()) {
     if (options.json) {
@@ -110,6 +129,7 @@ int systems(const Options& options) {
                 << ", order " << m.at("order").as_int64() << '\n';
     }
   }
+  print_outputs(*row->outputs);
   std::cout << "\nguarantees\n";
   for (const std::string_view g : row->guarantees) std::cout << "  " << g << '\n';
   return kExitOk;

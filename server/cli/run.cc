@@ -4,6 +4,7 @@
 #include <chrono>
 #include <cmath>
 #include <iostream>
+#include <optional>
 #include <thread>
 
 #include "engine/scene/admission.h"
@@ -16,6 +17,7 @@
 #include "server/cli/input.h"
 #include "server/cli/progress.h"
 #include "server/cli/run_outputs.h"
+#include "server/cli/series_csv.h"
 
 namespace truestep {
 
@@ -26,24 +28,27 @@ namespace {
 constexpr double kAccuracySeconds = 10;  // CPU time for choosing a method
 
 struct RunOptions {
-  std::string scene, output, picture, show, hashes, progress = "auto";
+  std::string scene, output, picture, show, csv, hashes, progress = "auto";
+  std::vector<std::string> observe;
+  uint64_t every = 1;
   double seconds = -1;
   int64_t steps = -1;
   int threads = 0;
   bool json = false;
 };
 
-void print_verdicts(const std::vector<Verdict>& verdicts) {
+void print_verdicts(const std::vector<Verdict>& verdicts, std::ostream& out) {
   for (const Verdict& v : verdicts) {
-    std::cout << (v.met ? "ok      " : "MISSED  ") << v.expected.quantity << " = ";
+    out << (v.met ? "ok      " : "MISSED  ") << v.expected.quantity << " = ";
     if (v.measured)
-      std::cout << *v.measured;
+      out << *v.measured;
     else
-      std::cout << "(no such quantity)";
-    if (v.expected.min) std::cout << ", at least " << *v.expected.min;
-    if (v.expected.max) std::cout << ", at most " << *v.expected.max;
-    if (v.expected.equals) std::cout << ", expected " << *v.expected.equals << " +- " << v.expected.tolerance;
-    std::cout << '\n';
+      out << "(no such quantity)";
+    if (v.drift_scale == 0.0) out << " (absolute: it starts at 0)";
+    if (v.expected.min) out << ", at least " << *v.expected.min;
+    if (v.expected.max) out << ", at most " << *v.expected.max;
+    if (v.expected.equals) out << ", expected " << *v.expected.equals << " +- " << v.expected.tolerance;
+    out << '\n';
   }
 }
 
@@ -53,6 +58,8 @@ json::array describe_verdicts(const std::vector<Verdict>& verdicts) {
     json::object o{{"quantity", v.expected.quantity}, {"met", v.met}};
     o["measured"] =
         v.measured && std::isfinite(*v.measured) ? json::value(*v.measured) : json::value(nullptr);
+    if (v.drift_scale) o["drift"] = *v.drift_scale > 0 ? "relative" : "absolute";
+    if (v.drift_scale && *v.drift_scale > 0) o["drift_scale"] = *v.drift_scale;
     if (v.expected.min) o["min"] = *v.expected.min;
     if (v.expected.max) o["max"] = *v.expected.max;
     if (v.expected.equals) o["equals"] = *v.expected.equals, o["tolerance"] = v.expected.tolerance;
@@ -64,8 +71,8 @@ json::array describe_verdicts(const std::vector<Verdict>& verdicts) {
 
 int run(const RunOptions& options) {
   const json::value document = load_scene_document(options.scene);
-  require_admission(estimate(require_scene(read_scene(document))),
-                    AdmissionLimits{.memory_bytes = 16e9, .elements = 1e9, .seconds_per_step = 1e6});
+  const AdmissionLimits limits{.memory_bytes = 16e9, .elements = 1e9, .seconds_per_step = 1e6};
+  require_admission(estimate(require_scene(examine_scene(document, limits))), limits);
   const int threads =
       options.threads > 0 ? options.threads : static_cast<int>(std::thread::hardware_concurrency());
   const auto arena = std::make_shared<const ThreadArena>(threads);
@@ -86,10 +93,22 @@ int run(const RunOptions& options) {
                                                   : Progress::Style::automatic,
                     steps);
   const bool every_step = expectations.needs_every_step();
+  const SeriesCsv::Choice chosen = choose_observables(*world, options.observe);
+  const auto reported = [&](const Observables& all) {
+    return options.observe.empty() ? all : chosen.of(all);
+  };
+  std::optional<SeriesCsv> csv;
+  if (!options.csv.empty()) csv.emplace(options.csv, chosen);
+  if (csv) csv->add(session.step_index(), session.time(), session.observe());
   if (!expectations.empty()) expectations.add(session.observe());
   for (uint64_t n = 0; n < steps; ++n) {
     if (session.step(1) == 0) break;
-    if (every_step) expectations.add(session.observe());
+    const bool row = csv && (n + 1) % options.every == 0;
+    if (every_step || row) {
+      const Observables values = session.observe();
+      if (every_step) expectations.add(values);
+      if (row) csv->add(session.step_index(), session.time(), values);
+    }
     if (n % 16 == 0) progress.update(n, "");
   }
   session.examine();
@@ -98,6 +117,7 @@ int run(const RunOptions& options) {
   if (!expectations.empty() && !every_step) expectations.add(session.observe());
 
   outputs.finish();
+  if (csv) csv->finish();
 
   const auto verdicts = expectations.verdicts();
   const auto& failure = session.failure();
@@ -107,7 +127,7 @@ int run(const RunOptions& options) {
                    {"time", session.time()},
                    {"wall_seconds", wall},
                    {"state_hash", hex64(session.hash())},
-                   {"observables", describe_observables(session.observe())},
+                   {"observables", describe_observables(reported(session.observe()))},
                    {"expect", describe_verdicts(verdicts)}};
     if (!accuracy.empty()) o["accuracy"] = accuracy;
     if (failure) {
@@ -115,13 +135,15 @@ int run(const RunOptions& options) {
     }
     std::cout << write_json(o) << '\n';
   } else {
-    std::cout << "steps   " << session.step_index() << "\ntime    " << session.time() << " s\nwall    "
-              << wall << " s\nhash    " << hex64(session.hash()) << '\n';
-    const Observables final_values = session.observe();
+    // Standard output that holds the series holds nothing else.
+    std::ostream& report = options.csv == "-" ? std::cerr : std::cout;
+    report << "steps   " << session.step_index() << "\ntime    " << session.time() << " s\nwall    " << wall
+           << " s\nhash    " << hex64(session.hash()) << '\n';
+    const Observables final_values = reported(session.observe());
     for (const Observation& v : final_values.rows())
-      std::cout << v.name << " = " << v.value << ' ' << v.unit << '\n';
-    if (!accuracy.empty()) std::cout << "chosen  " << write_json(accuracy.at("chosen")) << '\n';
-    print_verdicts(verdicts);
+      report << v.name << " = " << v.value << ' ' << v.unit << '\n';
+    if (!accuracy.empty()) report << "chosen  " << write_json(accuracy.at("chosen")) << '\n';
+    print_verdicts(verdicts, report);
     if (failure) {
       std::cerr << "unstable: " << failure->detail << '\n';
     }
@@ -149,12 +171,26 @@ void add_run_command(CLI::App& app, int& exit_code) {
   c->add_option("--show", options->show,
                 "what the picture shows over bodies: one, or both as contacts,joints")
       ->check(CLI::IsMember({"contacts", "joints", "contacts,joints"}));
+  c->add_option("--observe", options->observe,
+                "observables to report and to write with --csv: names or their beginnings up to a dot, "
+                "separated by commas (default: all; of --csv the scene's list, where it has one)")
+      ->delimiter(',');
+  auto* csv = c->add_option("--csv", options->csv,
+                            "time series of observables to write (.csv, - for standard output)");
+  c->add_option("--every", options->every, "steps from one row of --csv to the next")
+      ->check(CLI::Range(uint64_t{1}, uint64_t{1} << 40))
+      ->needs(csv);
   c->add_option("--threads", options->threads, "threads of the simulation (default: all)")
       ->check(CLI::Range(1, 1024));
   c->add_flag("--json", options->json, "the result as one JSON object on standard output");
   c->add_option("--progress", options->progress, "progress on standard error")
       ->check(CLI::IsMember({"auto", "plain", "none"}));
-  c->callback([options, &exit_code] { exit_code = run(*options); });
+  c->callback([options, &exit_code] {
+    if (options->json && options->csv == "-") {
+      throw Error("bad_request", "--json and --csv - would both write to standard output");
+    }
+    exit_code = run(*options);
+  });
 }
 
 }  // namespace truestep

@@ -2,6 +2,7 @@
 
 #include "engine/base/hash.h"
 #include "engine/scene/json_write.h"
+#include "engine/session/describe.h"
 #include "engine/studies/accuracy.h"
 #include "server/net/digest.h"
 
@@ -57,7 +58,7 @@ SessionStore::Created SessionStore::create(const json::value& document, const st
     if (EntryPtr e = existing()) return {e, Created::How::existed};
     check_room(0);
   }
-  Scene asked = require_scene(read_scene(document));
+  Scene asked = require_scene(examine_scene(document, limits_.per_session));
   const Cost cost = estimate(asked);
   require_admission(cost, limits_.per_session);
   // A scene that asks for accuracy has a companion as large as itself.
@@ -70,8 +71,9 @@ SessionStore::Created SessionStore::create(const json::value& document, const st
     const std::lock_guard lock(mutex_);
     check_room(bytes);
   }
-  auto entry = std::make_shared<SessionEntry>(id, std::make_shared<const World>(std::move(settled.scene)),
-                                              arena_, bytes);
+  auto world = std::make_shared<const World>(std::move(settled.scene));
+  require_admission(world->cost(world->initial_state()), limits_.per_session);
+  auto entry = std::make_shared<SessionEntry>(id, std::move(world), arena_, bytes);
   entry->scene_hash = scene_hash;
   entry->accuracy = std::move(settled.report);
   const std::lock_guard lock(mutex_);

@@ -13,6 +13,7 @@ class Catalogue(Case):
         for s in systems:
             d = self.service.get("/v1/systems/" + s["type"]).json()
             self.assertTrue(d["parameters"] and d["guarantees"])
+            self.assertTrue(d["rows"] and d["fields"] and d["observables"])
 
     def test_every_gallery_scene_is_valid_and_says_what_it_teaches(self):
         scenes = self.service.get("/v1/gallery").json()["scenes"]
@@ -33,6 +34,16 @@ class Catalogue(Case):
         self.assertEqual(errors["/gravty"]["did_you_mean"], "gravity")
         self.assertEqual(errors["/systems/0/type"]["did_you_mean"], "oscillator")
         self.assertEqual(errors["/systems/1/mass"]["unit"], "kg")
+
+    def test_unknown_keys_hide_no_names_that_nobody_knows(self):
+        bad = {"gravty": [0, 0, 0], "systems": [{"type": "oscillator", "id": "a"}], "observables": ["enrgy"], "expect": [{"quantity": "a.energi.total", "min": 0}],
+               "probes": [{"id": "p", "system": "a", "fields": ["postion"]}, {"id": "p", "system": "a", "index": 1}]}
+        answer = self.service.post("/v1/sessions", bad)
+        self.assertEqual(answer.status, 422)
+        errors = {e["pointer"]: e for e in answer.json()["errors"]}
+        self.assertEqual(set(errors), {"/gravty", "/observables/0", "/expect/0/quantity", "/probes/0/fields/0", "/probes/1/id", "/probes/1/index"})
+        self.assertEqual(errors["/observables/0"]["did_you_mean"], "energy")
+        self.assertEqual(errors["/probes/0/fields/0"]["did_you_mean"], "position")
 
     def test_units_are_echoed_in_si(self):
         scene = {"systems": [{"type": "oscillator", "id": "a", "mass": "250 g", "stiffness": "1 kN/m", "position": "5 cm"}]}

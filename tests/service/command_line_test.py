@@ -1,6 +1,9 @@
 """The program without a server: exit codes and what it prints."""
+import csv
 import json
+import os
 import subprocess
+import tempfile
 import unittest
 
 from cases import OSCILLATOR
@@ -66,6 +69,64 @@ class CommandLine(unittest.TestCase):
         self.assertEqual(done.returncode, 3)
         self.assertIn("/systems/0/mas", done.stdout)
         self.assertIn('did you mean "mass"', done.stdout)
+
+    def test_time_series(self):
+        scene = json.dumps({**OSCILLATOR, "probes": [{"id": "tip", "system": OSCILLATOR["systems"][0].get("id", "oscillator0"), "fields": ["position"]}]})
+        with tempfile.TemporaryDirectory() as folder:
+            path = os.path.join(folder, "out.csv")
+            done = self.run_truestep("run", "-", "--steps", "10", "--every", "2", "--observe", "energy,tip", "--csv", path, "--json", text=scene)
+            self.assertEqual(done.returncode, 0, done.stderr)
+            self.assertEqual(set(json.loads(done.stdout)["observables"]),
+                             {"energy.kinetic", "energy.potential", "energy.total", "tip.position.x", "tip.position.y", "tip.position.z"})
+            with open(path, newline="") as file:
+                rows = list(csv.reader(file))
+        self.assertEqual(rows[0], ["step", "time [s]", "energy.kinetic [J]", "energy.potential [J]", "energy.total [J]",
+                                   "tip.position.x [m]", "tip.position.y [m]", "tip.position.z [m]"])
+        self.assertEqual([int(r[0]) for r in rows[1:]], [0, 2, 4, 6, 8, 10])
+        self.assertTrue(all(len(r) == len(rows[0]) for r in rows))
+        # On standard output there is nothing else.
+        piped = self.run_truestep("run", "-", "--steps", "4", "--observe", "energy.total", "--csv", "-", text=scene)
+        self.assertEqual([line.count(",") for line in piped.stdout.splitlines()], [2] * 6)
+        self.assertIn("hash", piped.stderr)
+        self.assertEqual(self.run_truestep("run", "-", "--csv", "-", "--json", text=scene).returncode, 2)
+
+    def test_unknown_observable_is_refused_with_the_nearest(self):
+        done = self.run_truestep("run", "-", "--observe", "enrgy", "--csv", "-", text=json.dumps(OSCILLATOR))
+        self.assertEqual((done.returncode, done.stdout), (2, ""))
+        self.assertIn('did you mean "energy"', done.stderr)
+
+    def test_a_recording_holds_all_observables_unless_the_scene_names_some(self):
+        with tempfile.TemporaryDirectory() as folder:
+            for named, expected in ((None, {"energy.kinetic", "energy.potential", "energy.total"}), (["energy.total"], {"energy.total"})):
+                path = os.path.join(folder, "run.vtkhdf")
+                scene = {k: v for k, v in OSCILLATOR.items() if k != "observables"} | ({"observables": named} if named else {})
+                self.assertEqual(self.run_truestep("run", "-", "--steps", "4", "-o", path, text=json.dumps(scene)).returncode, 0)
+                info = json.loads(self.run_truestep("info", path, "--json").stdout)
+                held = {o["name"] if isinstance(o, dict) else o for o in info["observables"]}
+                self.assertLessEqual(expected, held)
+                self.assertEqual(named is None, len(held) > 1)
+                os.remove(path)
+
+    def test_states_without_a_place_are_recorded(self):
+        decay = {"systems": [{"type": "ode", "id": "c", "states": {"y": 1}, "equations": {"y": "-y"}}]}
+        with tempfile.TemporaryDirectory() as folder:
+            path = os.path.join(folder, "run.vtkhdf")
+            done = self.run_truestep("run", "-", "--steps", "3", "-o", path, text=json.dumps(decay))
+            self.assertEqual(done.returncode, 0, done.stderr)
+
+    def test_descriptions_name_rows_fields_and_observables(self):
+        text = self.run_truestep("systems", "mass_spring").stdout
+        for words in ("a row is a point", "strain (1)", "reaction.x (N)", "pins (1)"):
+            self.assertIn(words, text)
+        described = json.loads(self.run_truestep("systems", "rigid3d", "--json").stdout)
+        self.assertIn("a body", described["rows"])
+        self.assertIn("orientation", [f["name"] for f in described["fields"]])
+        self.assertIn("joint.<id>.angle", [o["name"] for o in described["observables"]])
+
+    def test_faults_show_values_where_there_are_any(self):
+        done = self.run_truestep("validate", "-", text='{"systems": [{"type": "oscillator", "zz": 1}, {"type": "mass_spring", "rope": {"from": [0, 0, 0]}}]}')
+        self.assertNotIn("did you mean", done.stdout.splitlines()[0])
+        self.assertNotIn("(got null)", done.stdout)
 
 
 if __name__ == "__main__":

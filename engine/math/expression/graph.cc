@@ -44,7 +44,9 @@ bool power_of_two(double c) {
 }  // namespace
 
 void ExpressionGraph::charge(size_t position) {
-  if (++work_ > kMaxWork) throw ExpressionFault{position, "the equations expand to too many operations", ""};
+  if (++work_ > kMaxWork)
+    throw ExpressionFault{
+        position, "the equations expand to more than " + std::to_string(kMaxWork) + " operations", ""};
 }
 
 Node ExpressionGraph::intern(Entry e) {
@@ -55,7 +57,8 @@ Node ExpressionGraph::intern(Entry e) {
     if (same(entries_[static_cast<size_t>(table_[slot])], e)) return table_[slot];
     slot = (slot + 1) & mask;
   }
-  if (entries_.size() >= kMaxNodes) throw ExpressionFault{0, "the equations need too many operations", ""};
+  if (entries_.size() >= kMaxNodes)
+    throw ExpressionFault{0, "the equations need more than " + std::to_string(kMaxNodes) + " operations", ""};
   table_[slot] = static_cast<Node>(entries_.size());
   entries_.push_back(e);
   return table_[slot];

@@ -44,7 +44,10 @@ class Registers {
       return r;
     }
     if (count_ == ExpressionRows::kMaxRegisters) {
-      throw ExpressionFault{0, "the expressions need too many values at once", ""};
+      throw ExpressionFault{0,
+                            "the expressions need more than " +
+                                std::to_string(ExpressionRows::kMaxRegisters) + " values at once",
+                            ""};
     }
     return static_cast<uint16_t>(count_++);
   }

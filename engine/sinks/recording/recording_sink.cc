@@ -28,12 +28,26 @@ std::optional<size_t> field_index(const System& system, const std::string& name)
               {{"/recording/fields/" + std::to_string(index), "unknown_field", message, "", "", "", ""}});
 }
 
-// Observables that a recording keeps: those that the scene names, as they are at its start.
+// Observables that a recording keeps: those that the scene names, all where it names none.
 bool wants_observable(const Scene& scene, std::string_view name) {
-  for (const std::string& w : scene.header.observables) {
-    if (name == w || (name.starts_with(w) && name.size() > w.size() && name[w.size()] == '.')) return true;
+  const auto& wanted = scene.header.observables;
+  return wanted.empty() ||
+         std::any_of(wanted.begin(), wanted.end(), [&](const std::string& w) { return selects(w, name); });
+}
+
+// Fields to record of a system: those named, else position, else all that are as long as the first.
+std::vector<std::string> wanted_fields(const System& system, const State& state,
+                                       const RecordingParams& params) {
+  if (!params.fields.empty()) return params.fields;
+  if (field_index(system, "position")) return {"position"};
+  std::vector<std::string> all;
+  const auto infos = system.fields();
+  std::vector<double> scratch;
+  const size_t rows = infos.empty() ? 0 : system.field(state, 0, scratch).rows;
+  for (size_t f = 0; f < infos.size(); ++f) {
+    if (system.field(state, f, scratch).rows == rows) all.push_back(infos[f].name);
   }
-  return false;
+  return all;
 }
 
 }  // namespace
@@ -54,7 +68,7 @@ RecordingLayout recording_layout(const World& world, const std::string& path) {
     s.type = world.scene().systems[i].row->type;
     s.max_rows = static_cast<uint32_t>(system.max_rows());
     std::vector<double> scratch;
-    for (const std::string& name : params.fields) {
+    for (const std::string& name : wanted_fields(system, state.systems[i], params)) {
       const auto f = field_index(system, name);
       if (!f) continue;
       const FieldInfo info = system.fields()[*f];
@@ -64,8 +78,9 @@ RecordingLayout recording_layout(const World& world, const std::string& path) {
           : params.precision == RecordingParams::Precision::f64 && info.type == Scalar::f64 ? Precision::kF64
                                                                                             : Precision::kF32;
       s.fields.push_back({info.name, info.unit, info.width, precision});
-      if (system.field(state.systems[i], *f, scratch).rows != system.max_rows())
-        s.rows = RowPolicy::kVariable;
+      const size_t rows = system.field(state.systems[i], *f, scratch).rows;
+      s.max_rows = std::max(s.max_rows, static_cast<uint32_t>(rows));
+      if (rows != s.max_rows) s.rows = RowPolicy::kVariable;
     }
     if (s.fields.empty()) continue;
     const Topology topology = system.topology(state.systems[i]);
@@ -80,8 +95,7 @@ RecordingLayout recording_layout(const World& world, const std::string& path) {
     }
     if (!found) refuse(k, "no system has a field \"" + params.fields[k] + "\" that can be recorded");
   }
-  const Observables values = world.observe(state);
-  for (const Observation& o : values.rows()) {
+  for (const Observation& o : world.known_observables()) {
     if (wants_observable(world.scene(), o.name)) layout.observables.push_back({o.name, o.unit});
   }
   return layout;

@@ -82,6 +82,18 @@ void Articulation::observe(const State& s, double t, Observables& out) const {
     const spatial::Force h = frames[i].out(m.tree.nodes[i].inertia * work[i].v);
     momentum += h.f, spin += h.n;
   }
+  if (!m.loads.empty()) {
+    double power = 0;
+    for (const Push& p : m.loads) {
+      const NodeWork& w = work[size_t(p.node)];
+      const Rotation& R = frames[size_t(p.node)].R;
+      const Vec3 v = w.v.v + cross(w.v.w, p.at);
+      const bool turning = p.axes == Push::Axes::node;
+      if (turning) power += dot(p.force, v);
+      power += dot(turning ? p.torque : R.apply_inverse(p.torque), w.v.w);
+    }
+    out.add("power.applied", power, "W");
+  }
   if (!m.closures.empty()) {
     Work at_rest(m.tree.nodes.size());
     out.add("loops.gap", gap(m.tree, m.closures, s.f64(Columns::kPosition), at_rest), "m");

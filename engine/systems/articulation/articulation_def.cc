@@ -3,6 +3,8 @@
 #include <cmath>
 #include <set>
 
+#include "engine/collision/mass_properties.h"
+
 namespace truestep {
 namespace {
 
@@ -82,6 +84,10 @@ void check_link(const LinkDef& d, const DefTable::Report& report) {
   if (d.lowest && d.highest && !(*d.lowest < *d.highest)) report("/highest", "must be above lowest");
   if (!d.inertia.empty() && d.inertia.size() != 3 && d.inertia.size() != 6) {
     report("/inertia", "needs xx yy zz or xx yy zz xy xz yz");
+  } else if (const auto& I = d.inertia; !I.empty()) {
+    Symmetric3 inertia{I[0], I[1], I[2]};
+    if (I.size() == 6) inertia.xy = I[3], inertia.xz = I[4], inertia.yz = I[5];
+    if (const auto fault = inertia_fault(inertia)) report("/inertia", *fault);
   }
   if (!d.mass && (d.shapes.empty() || !d.inertia.empty())) {
     report("/mass", d.shapes.empty() ? "needs a mass or shapes" : "an inertia needs a mass");
@@ -107,9 +113,8 @@ const DefTable& link_table() {
           .number("mass", &LinkDef::mass, "kg", above(0), "instead of density")
           .vector("center", &LinkDef::center, "m", any(), "centre of mass, where shapes do not give it")
           .numbers("inertia", &LinkDef::inertia, "kg m^2", any(), {0, 6},
-                   "xx yy zz or xx yy zz xy xz yz about the centre; with it shapes are only drawn. Absent, "
-                   "without shapes: a "
-                   "point")
+                   "xx yy zz or xx yy zz xy xz yz about the centre (no principal moment above the sum of the "
+                   "other two); with it shapes are only drawn. Absent, without shapes: a point")
           .number("density", &LinkDef::density, "kg/m^3", above(0), "uniform, of the shapes")
           .variants("shapes", &LinkDef::shapes,
                     {{"sphere", &sphere_table()},
@@ -138,6 +143,12 @@ const DefTable& link_table() {
                   "spring beyond a limit, N m or N/m")
           .number("limit_damping", &LinkDef::limit_damping, "", at_least(0),
                   "damper beyond a limit; it never pulls back")
+          .vector("force", &LinkDef::force, "N", any(), "constant, on the link's centre of mass")
+          .vector("moment", &LinkDef::moment, "N m", any(), "constant torque on the link")
+          .choice(
+              "force_frame", &LinkDef::force_frame, {"world", "link"},
+              "axes of force and moment: fixed, or turning with the link. energy.potential holds that of a "
+              "force in the world, power.applied what the others do")
           .object("copies", &LinkDef::copies, copies_table(), "makes a chain of it")
           .check(check_link)
           .build();

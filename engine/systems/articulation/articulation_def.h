@@ -9,6 +9,7 @@
 #include "engine/core/build.h"
 #include "engine/core/def.h"
 #include "engine/core/integrator_def.h"
+#include "engine/core/outputs.h"
 #include "engine/core/system.h"
 
 namespace truestep {
@@ -54,6 +55,8 @@ struct LinkDef {
   double damping = 0, stiffness = 0, rest = 0;
   std::optional<double> lowest, highest;
   double limit_stiffness = 1000, limit_damping = 0;
+  Vec3 force, moment;
+  enum class Axes : uint8_t { world, link } force_frame = Axes::world;
   std::optional<LinkCopiesDef> copies;
 };
 
@@ -90,6 +93,8 @@ constexpr size_t joint_velocities(JointType j) {
 }
 
 const DefTable& articulation_table();
+/// What it gives out.
+const Outputs& articulation_outputs();
 std::unique_ptr<const System> build_articulation(const void* def, const BuildContext& context);
 Cost articulation_cost(const void* def);
 

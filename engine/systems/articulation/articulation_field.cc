@@ -139,7 +139,7 @@ Push ArticulationField::push_of(const State& state) const {
   const int32_t link = state.span<int32_t>(Columns::kPushLink)[0];
   if (link < 0) return {};
   const Link& l = model_.links[size_t(link)];
-  return {l.node, l.center, load3(state.f64(Columns::kPushForce).data(), 0)};
+  return {.node = l.node, .at = l.center, .force = load3(state.f64(Columns::kPushForce).data(), 0)};
 }
 
 Vec3 ArticulationField::reach(const LinkSpring& s, std::span<const NodeWork> work, Of what) const {
@@ -155,8 +155,8 @@ void ArticulationField::pull_spring(const LinkSpring& s, std::span<const NodeWor
   const Vec3 along = d / length;
   const double tension =
       s.stiffness * (length - s.rest_length) + s.damping * dot(along, reach(s, work, Of::velocity));
-  pushes.push_back({s.between.a, s.between.at_a, along * -tension});
-  pushes.push_back({s.between.b, s.between.at_b, along * tension});
+  pushes.push_back({.node = s.between.a, .at = s.between.at_a, .force = along * -tension});
+  pushes.push_back({.node = s.between.b, .at = s.between.at_b, .force = along * tension});
 }
 
 void ArticulationField::solve(const Phase& at, std::span<NodeWork> work, std::span<double> tau,
@@ -164,6 +164,7 @@ void ArticulationField::solve(const Phase& at, std::span<NodeWork> work, std::sp
   efforts(at, tau);
   const Vec3 gravity = load3(at.state.f64(Columns::kGravity).data(), 0);
   scratch.outside.assign(1, push_of(at.state));
+  scratch.outside.insert(scratch.outside.end(), model_.loads.begin(), model_.loads.end());
   if (!model_.springs.empty()) {
     move(model_.tree, at.x, at.v, work);
     for (const LinkSpring& s : model_.springs) pull_spring(s, work, scratch.outside);
@@ -227,6 +228,10 @@ std::optional<double> ArticulationField::potential(const Phase& at, Evaluation& 
       sum += 0.5 * d.stiffness * norm2(load3(q, 0));
     }
   }
+  for (const Push& p : model_.loads) {
+    const spatial::Frame& f = frames[size_t(p.node)];
+    if (p.axes == Push::Axes::world) sum -= dot(p.force, f.p + f.R.apply(p.at));
+  }
   for (const LinkSpring& s : model_.springs) {
     const double stretch = norm(reach(s, work, Of::place)) - s.rest_length;
     sum += 0.5 * s.stiffness * stretch * stretch;
@@ -259,7 +264,7 @@ std::vector<double> ArticulationField::response(const State& s, size_t link, con
   std::vector<double> change(model_.v.size());
   Work work(model_.tree.nodes.size());
   const Link& l = model_.links[link];
-  const Push push{l.node, l.center, impulse};
+  const Push push{.node = l.node, .at = l.center, .force = impulse};
   accelerations(model_.tree, s.f64(Columns::kPosition), rest, rest, {}, {&push, 1}, work, change);
   return change;
 }

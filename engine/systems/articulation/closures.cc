@@ -30,8 +30,8 @@ Vec3 unit(size_t k) {
 }
 
 void pull(const Closure& c, const Vec3& force, std::vector<Push>& pushes) {
-  if (c.a != kGround) pushes.push_back({c.a, c.at_a, force});
-  if (c.b != kGround) pushes.push_back({c.b, c.at_b, -force});
+  if (c.a != kGround) pushes.push_back({.node = c.a, .at = c.at_a, .force = force});
+  if (c.b != kGround) pushes.push_back({.node = c.b, .at = c.at_b, .force = -force});
 }
 
 // J M^-1 J^T and the responses behind it.

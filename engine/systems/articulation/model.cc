@@ -131,6 +131,11 @@ Model build_model(const ArticulationDef& def) {
         m.drives.push_back(drive_of(d, p));
       }
       link.velocities = m.tree.velocities - link.v;
+      if (norm2(d.force) + norm2(d.moment) > 0) {
+        const bool turning = d.force_frame == LinkDef::Axes::link;
+        m.loads.push_back(
+            {link.node, mass.center, d.force, d.moment, turning ? Push::Axes::node : Push::Axes::world});
+      }
       start(d, m);
       parent = static_cast<int32_t>(m.links.size());
       m.links.push_back(link);

@@ -42,6 +42,7 @@ struct Model {
   std::vector<Drive> drives;  ///< one per node
   std::vector<Closure> closures;
   std::vector<LinkSpring> springs;
+  std::vector<Push> loads;  ///< constant forces and torques
   std::vector<Link> links;
   std::vector<std::vector<LinkShape>> shapes;  ///< one list per link of the scene
   std::vector<double> q, v, torque;            ///< at the start

@@ -202,9 +202,13 @@ void accelerations(const Tree& tree, std::span<const double> q, std::span<const 
   }
   for (const Push& push : pushes) {
     if (push.node == kGround) continue;
-    const Vec3 f = world_frame(tree, work, push.node).R.apply_inverse(push.force);
+    Vec3 f = push.force, t = push.torque;
+    if (push.axes == Push::Axes::world) {
+      const Rotation R = world_frame(tree, work, push.node).R;
+      f = R.apply_inverse(f), t = R.apply_inverse(t);
+    }
     Force& p = work[size_t(push.node)].p;
-    p = p - Force{cross(push.at, f), f};
+    p = p - Force{cross(push.at, f) + t, f};
   }
   for (size_t i = n; i-- > 0;) {
     const Node& node = tree.nodes[i];

@@ -56,11 +56,13 @@ struct NodeWork {
 };
 using Work = std::vector<NodeWork>;
 
-/// Force on a point of one node, in world axes.
+/// Force on a point of one node, and a torque about that point.
 struct Push {
-  int32_t node = kGround;  ///< kGround: none
-  Vec3 at;                 ///< m, in the node's frame
-  Vec3 force;              ///< N
+  int32_t node = kGround;                                        ///< kGround: none
+  Vec3 at;                                                       ///< m, in the node's frame
+  Vec3 force;                                                    ///< N
+  Vec3 torque;                                                   ///< N m
+  enum class Axes : uint8_t { world, node } axes = Axes::world;  ///< of force and torque
 };
 
 /// Frames and velocities of all nodes into `work` (as many elements as nodes); v may be empty: at rest.

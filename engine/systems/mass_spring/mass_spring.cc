@@ -151,13 +151,31 @@ void MassSpring::observe(const State& state, double t, Observables& out) const {
   out.add("strain.max", largest, "1");
   out.add("strain.rms", count > 0 ? std::sqrt(squares / static_cast<double>(count)) : 0, "1");
   out.add("pins", static_cast<double>(pins), "1");
+  Vec3 held;
+  if (pins > 0) {
+    std::vector<double> scratch;
+    reactions(state, t, scratch);
+    for (size_t i = 0; i < w.size(); ++i) held += load3(scratch.data(), i);
+  }
+  out.add("reaction.x", held.x, "N");
+  out.add("reaction.y", held.y, "N");
+  out.add("reaction.z", held.z, "N");
 }
 
 std::vector<FieldInfo> MassSpring::fields() const {
   auto list = ForceSystem::fields();
   list.push_back({"force", "N", Scalar::f64, 3});
   list.push_back({"strain", "1", Scalar::f64, 1});
+  list.push_back({"reaction", "N", Scalar::f64, 3});
   return list;
+}
+
+void MassSpring::reactions(const State& state, double t, std::vector<double>& out) const {
+  out.resize(3 * springs_.masses().size());
+  Workspace workspace;
+  static const ThreadArena kSerial(1);
+  Evaluation e{workspace, kSerial};
+  springs_.reactions({t, state.f64(Columns::position), state.f64(Columns::velocity), state}, out, e);
 }
 
 FieldView MassSpring::field(const State& state, size_t which, std::vector<double>& scratch) const {
@@ -171,6 +189,10 @@ FieldView MassSpring::field(const State& state, size_t which, std::vector<double
     Evaluation e{workspace, kSerial};
     springs_.acceleration({0, x, state.f64(Columns::velocity), state}, scratch, e);
     for (size_t i = 0; i < 3 * n; ++i) scratch[i] *= springs_.masses()[i / 3];
+    return {scratch.data(), Scalar::f64, n, 3};
+  }
+  if (which == 4) {
+    reactions(state, 0, scratch);
     return {scratch.data(), Scalar::f64, n, 3};
   }
   scratch.assign(n, 0);

@@ -12,9 +12,11 @@ class MassSpring final : public ForceSystem {
   /// Error "scene_invalid" when the def's integrator is unknown or does not fit.
   static std::unique_ptr<const MassSpring> make(const MassSpringDef& def, const BuildContext& context);
 
-  /// Besides the energies: momentum.x/y/z (kg m/s), strain.max, strain.rms (1, structural springs), pins.
+  /// Besides the energies: momentum.x/y/z (kg m/s), strain.max, strain.rms (1, structural springs), pins,
+  /// reaction.x/y/z (N, sum over the pins).
   void observe(const State& state, double t, Observables& out) const override;
-  /// position, velocity, force (N, total on a point), strain (1, largest magnitude at a point).
+  /// position, velocity, force (N, total on a point), strain (1, largest magnitude at a point), reaction (N,
+  /// of a pin on its point; gusts as at t = 0).
   std::vector<FieldInfo> fields() const override;
   FieldView field(const State& state, size_t which, std::vector<double>& scratch) const override;
   void apply(State& state, const Command& command) const override;
@@ -37,6 +39,7 @@ class MassSpring final : public ForceSystem {
   void publish_segments();
   double default_drag(const State& state, size_t row) const;
   void set_parameter(State& state, const Command& command) const;
+  void reactions(const State& state, double t, std::vector<double>& out) const;
 
   const MassSpringField& springs_;
   Topology topology_;

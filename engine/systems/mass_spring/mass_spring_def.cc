@@ -1,6 +1,8 @@
 #include "engine/systems/mass_spring/mass_spring_def.h"
 
 #include <algorithm>
+#include <cmath>
+#include <optional>
 
 namespace truestep {
 
@@ -121,12 +123,34 @@ const DefTable& free_table() {
   return t;
 }
 
+// The plate's rods run along the sides and the diagonals of its cells (shape_cloth.cc).
+std::optional<std::string> plate_fault(const ClothGridShape& g) {
+  if (std::abs(dot(g.edge_u, g.edge_v)) > 1e-6 * norm(g.edge_u) * norm(g.edge_v)) {
+    return "needs edges at right angles";
+  }
+  const double u = norm(g.edge_u) / (g.nx - 1), v = norm(g.edge_v) / (g.ny - 1);
+  if (u * u > 3 * v * v || v * v > 3 * u * u) {
+    return "needs cells of which one side is at most 1.7 times the other";
+  }
+  return std::nullopt;
+}
+
 void check_def(const MassSpringDef& d, const DefTable::Report& report) {
   const int shapes = d.rope.has_value() + d.hair.has_value() + d.cloth_grid.has_value() + d.mesh.has_value() +
                      d.free.has_value();
   if (shapes != 1) {
     return report("",
                   "give exactly one of rope, hair, cloth_grid, mesh and free, not " + std::to_string(shapes));
+  }
+  if (d.bending_rigidity > 0 && !d.rope && !d.hair) {
+    report("/bending_rigidity", "only ropes and hair have one; of a cloth grid it is flexural_rigidity");
+  }
+  if (d.flexural_rigidity > 0) {
+    if (!d.cloth_grid) {
+      report("/flexural_rigidity", "only a cloth grid has one; of ropes and hair it is bending_rigidity");
+    } else if (const auto fault = plate_fault(*d.cloth_grid)) {
+      report("/flexural_rigidity", *fault);
+    }
   }
   const MassSpringCounts counts = mass_spring_counts(d);
   if (counts.points > 1e7) report("", "more than ten million points");
@@ -194,8 +218,16 @@ const DefTable& mass_spring_table() {
         .number("stiffness", &D::stiffness, "N/m", at_least(0), "of a structural spring")
         .number("shear_stiffness", &D::shear_stiffness, "N/m", at_least(0),
                 "of a diagonal spring of a cloth grid; 0: there are none")
-        .number("bending_stiffness", &D::bending_stiffness, "N/m", at_least(0),
-                "of a spring that skips a point or crosses an edge; 0: there are none")
+        .number(
+            "bending_stiffness", &D::bending_stiffness, "N/m", at_least(0),
+            "of a spring that skips a point or crosses an edge; 0: there are none. It resists sharp bends, a "
+            "slight one hardly: for a stiffness against curvature take one of the next two")
+        .number("bending_rigidity", &D::bending_rigidity, "N m^2", at_least(0),
+                "of a rope or hair: E I, moment per curvature; straight at rest")
+        .number("flexural_rigidity", &D::flexural_rigidity, "N m", at_least(0),
+                "of a cloth grid with right angles: D = E t^3 / (12 (1 - nu^2)), moment per width and "
+                "curvature of a "
+                "plate with Poisson ratio 1/3; flat at rest")
         .number("rest_scale", &D::rest_scale, "1", at_least(0),
                 "rest lengths are the initial ones times this; 0: springs of zero rest length")
         .number("damping", &D::damping, "N s/m", at_least(0), "viscous: force -damping * v on every point")

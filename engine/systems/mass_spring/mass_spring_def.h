@@ -7,6 +7,7 @@
 
 #include "engine/collision/collider_def.h"
 #include "engine/core/integrator_def.h"
+#include "engine/core/outputs.h"
 
 namespace truestep {
 
@@ -62,6 +63,8 @@ struct MassSpringDef : IntegratorParams {
   double stiffness = 1000;        // N/m
   double shear_stiffness = 500;
   double bending_stiffness = 0;
+  double bending_rigidity = 0;   // N m^2, EI of a rope or hair
+  double flexural_rigidity = 0;  // N m, D of a cloth grid
   double rest_scale = 1;
   double damping = 0;           // N s/m per point
   double internal_damping = 0;  // N s/m per spring
@@ -79,6 +82,8 @@ struct MassSpringDef : IntegratorParams {
 
 /// The table that parser, schema and documentation read.
 const DefTable& mass_spring_table();
+/// What it gives out.
+const Outputs& mass_spring_outputs();
 /// Numbers of points and springs of the def's shape, from counts alone (an upper bound for meshes).
 struct MassSpringCounts {
   double points = 0, springs = 0, triangles = 0;

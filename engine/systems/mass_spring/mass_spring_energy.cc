@@ -32,6 +32,11 @@ std::optional<double> MassSpringField::potential(const Phase& at, Evaluation& e)
     const double k = stiffness[static_cast<size_t>(schedule_.family[s])] * schedule_.scale[s];
     return spring::energy(l, k, schedule_.rest[s]);
   });
+  v += sum(e, network_.bends.size(), [&](size_t k) {
+    const Bend& b = network_.bends[k];
+    return bending::energy(
+        bending::links(load3(x, b.points[0]), load3(x, b.points[1]), load3(x, b.points[2])), b.stiffness);
+  });
   const Vec3 g = load3(at.state.f64(Columns::gravity).data(), 0);
   v += sum(e, masses_.size(), [&](size_t i) { return -masses_[i] * dot(g, load3(x, i)); });
   const auto drag_row = at.state.span<uint32_t>(Columns::drag_row);

@@ -103,6 +103,27 @@ void MassSpringField::lagged_acceleration(const Phase& at, std::span<const doubl
   for (size_t k = 0; k < a.size(); ++k) a[k] += lagged[k];
 }
 
+MassSpringField::Scratch MassSpringField::scratch(Evaluation& e) const {
+  const size_t n = schedule_.points();
+  double* memory = e.workspace.doubles("mass_spring.coordinates", 9 * n).data();
+  Scratch s;
+  for (size_t c = 0; c < 3; ++c) {
+    s.x[c] = memory + c * n, s.v[c] = memory + (3 + c) * n, s.f[c] = memory + (6 + c) * n;
+  }
+  return s;
+}
+
+void MassSpringField::reactions(const Phase& at, std::span<double> out, Evaluation& e) const {
+  accelerate(at, out, e, Forces::all);
+  const Scratch s = scratch(e);
+  const auto w = at.state.f64(Columns::inverse_mass);
+  const Vec3 g = load3(at.state.f64(Columns::gravity).data(), 0);
+  for (size_t i = 0; i < w.size(); ++i) {
+    const Vec3 f{s.f[0][i], s.f[1][i], s.f[2][i]};
+    store3(out.data(), i, w[i] > 0 ? Vec3{} : -(f + g * masses_[i]));
+  }
+}
+
 void MassSpringField::accelerate(const Phase& at, std::span<double> a, Evaluation& e, Forces which) const {
   const size_t n = schedule_.points();
   const State& state = at.state;
@@ -110,15 +131,12 @@ void MassSpringField::accelerate(const Phase& at, std::span<double> a, Evaluatio
   const double viscous = dissipative * state.f64(Columns::damping)[0];
   const double internal = dissipative * state.f64(Columns::damping)[1];
   const bool air = dissipative > 0 && state.span<uint32_t>(Columns::air)[0] != 0;
+  const bool bends = which != Forces::dissipative && !network_.bends.empty();
   const bool hands = state.rows(Columns::drag_row) + state.rows(Columns::push_row) > 0;
   const bool moving = internal > 0 || (air && !network_.triangles.empty());
 
   // Coordinates apart from each other, so that the springs' loops read straight through.
-  double* memory = e.workspace.doubles("mass_spring.coordinates", 9 * n).data();
-  Scratch s;
-  for (size_t c = 0; c < 3; ++c) {
-    s.x[c] = memory + c * n, s.v[c] = memory + (3 + c) * n, s.f[c] = memory + (6 + c) * n;
-  }
+  const Scratch s = scratch(e);
   const auto separate = [](const double* from, size_t begin, size_t end, double* const to[3]) {
     double* __restrict x = to[0], * __restrict y = to[1], * __restrict z = to[2];
     for (size_t i = begin; i < end; ++i) x[i] = from[3 * i], y[i] = from[3 * i + 1], z[i] = from[3 * i + 2];
@@ -134,6 +152,7 @@ void MassSpringField::accelerate(const Phase& at, std::span<double> a, Evaluatio
     const Rows rows{begin / kBlockRows, begin, end};
     for (size_t c = 0; c < 3; ++c) std::fill(s.f[c] + begin, s.f[c] + end, 0.0);
     spring_forces(rows, state, s, which);
+    if (bends) bending_forces(rows, s);
     if (air) air_forces(rows, at, s);
     if (hands) hand_forces(rows, state, s, which);
     const double* __restrict fx = s.f[0], * __restrict fy = s.f[1], * __restrict fz = s.f[2];
@@ -188,6 +207,19 @@ void MassSpringField::spring_forces(const Rows& rows, const State& state, const 
           }
         }
       }
+    }
+  }
+}
+
+// Every point adds up its own part of each bend that it belongs to.
+void MassSpringField::bending_forces(const Rows& rows, const Scratch& s) const {
+  const auto load = [&](size_t i) { return Vec3{s.x[0][i], s.x[1][i], s.x[2][i]}; };
+  for (size_t i = rows.begin; i < rows.end; ++i) {
+    for (uint32_t k = point_bends_begin_[i]; k < point_bends_begin_[i + 1]; ++k) {
+      const Bend& b = network_.bends[point_bends_[k].bend];
+      const auto links = bending::links(load(b.points[0]), load(b.points[1]), load(b.points[2]));
+      const Vec3 f = bending::forces(links, b.stiffness)[point_bends_[k].corner];
+      s.f[0][i] += f.x, s.f[1][i] += f.y, s.f[2][i] += f.z;
     }
   }
 }

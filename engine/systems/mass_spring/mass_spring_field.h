@@ -1,5 +1,6 @@
 // Forces on a network of springs (kernels/spring.h, kernels/air.h):
-//   m a = m g + sum springs - c_d v + air + drag springs + pushes,    V = sum k/2 (l - L)^2 - sum m g . x +
+//   m a = m g + sum springs + bending - c_d v + air + drag springs + pushes,    V = sum k/2 (l - L)^2 - sum m
+//   g . x +
 //   ...
 // Everything that commands may change is read from the state; the network itself is fixed.
 #pragma once
@@ -9,6 +10,7 @@
 #include "engine/core/build.h"
 #include "engine/core/force_field.h"
 #include "engine/core/lagged_dissipation.h"
+#include "engine/kernels/bending.h"
 #include "engine/kernels/spring.h"
 #include "engine/systems/mass_spring/network.h"
 #include "engine/systems/mass_spring/spring_schedule.h"
@@ -43,6 +45,9 @@ class MassSpringField final : public ForceField, public LaggedDissipation {
   void acceleration(const Phase& at, std::span<double> a, Evaluation& e) const override {
     accelerate(at, a, e, Forces::all);
   }
+  /// Forces (N) by which pins hold their points, 3 per point and 0 where a point is free: minus the sum of
+  /// what springs, gravity, air and hands do to it.
+  void reactions(const Phase& at, std::span<double> out, Evaluation& e) const;
   void lagged_acceleration(const Phase& at, std::span<const double> x_lagged, std::span<double> a,
                            Evaluation& e) const override;
   Dependence dependence() const override { return dependence_; }
@@ -58,11 +63,11 @@ class MassSpringField final : public ForceField, public LaggedDissipation {
   /// 1 when velocities of different points act on each other (internal damping, air on triangles), else 0.
   uint64_t pattern_version(const State& state) const override;
   void jacobian(const Phase& at, BlockSparse& dfdx, BlockSparse& dfdv, Evaluation& e) const override {
-    assemble_jacobian(at, dfdx, dfdv, e, spring::stiffness);
+    assemble_jacobian(at, dfdx, dfdv, e, spring::stiffness, bending::hessian);
   }
   void definite_jacobian(const Phase& at, BlockSparse& dfdx, BlockSparse& dfdv,
                          Evaluation& e) const override {
-    assemble_jacobian(at, dfdx, dfdv, e, spring::definite_stiffness);
+    assemble_jacobian(at, dfdx, dfdv, e, spring::definite_stiffness, bending::definite_hessian);
   }
   /// omega^2 <= 2 max_i |K_ii| / m_i with the blocks of the present state: 4 k/m for a chain.
   std::optional<Stiffness> stiffness(const State& state) const override;
@@ -76,25 +81,30 @@ class MassSpringField final : public ForceField, public LaggedDissipation {
  private:
   /// How a spring's stiffness follows from its squared length, constant and rest length.
   using SpringStiffness = spring::Stiffness (*)(double l2, double k, double rest);
+  using BendSlope = bending::Hessian (*)(const bending::Links& links, double B);
   void assemble_jacobian(const Phase& at, BlockSparse& dfdx, BlockSparse& dfdv, Evaluation& e,
-                         SpringStiffness stiffness) const;
+                         SpringStiffness stiffness, BendSlope slope) const;
 
   /// Those of the potential, those of the dissipation function, or both.
   enum class Forces : uint8_t { all, conservative, dissipative };
   void accelerate(const Phase& at, std::span<double> a, Evaluation& e, Forces which) const;
-
   /// Positions, velocities and forces of all points, coordinate by coordinate.
   struct Scratch {
     double *x[3], *v[3], *f[3];
   };
+  Scratch scratch(Evaluation& e) const;
+
   /// Rows of one block.
   struct Rows {
     size_t index, begin, end;
   };
   void spring_forces(const Rows& rows, const State& state, const Scratch& s, Forces which) const;
+  void bending_forces(const Rows& rows, const Scratch& s) const;
   void air_forces(const Rows& rows, const Phase& at, const Scratch& s) const;
   void hand_forces(const Rows& rows, const State& state, const Scratch& s, Forces which) const;
   void build_rows();
+  void build_bends(const BlockSparse& pattern);
+  void add_bending_slopes(const Phase& at, BlockSparse& dfdx, BendSlope slope) const;
   Vec3 wind_at(const Phase& at) const;
 
   struct RowEntry {
@@ -121,6 +131,13 @@ class MassSpringField final : public ForceField, public LaggedDissipation {
   std::vector<std::array<uint32_t, 2>> pairs_;
   std::vector<uint32_t> row_begin_;  // entries of block row i: row_begin_[i] ... row_begin_[i + 1]
   std::vector<RowEntry> rows_;
+  /// Bends at every point, and which of its three the point is.
+  struct PointBend {
+    uint32_t bend, corner;
+  };
+  std::vector<uint32_t> point_bends_begin_;  // empty where nothing resists bending
+  std::vector<PointBend> point_bends_;
+  std::vector<std::array<uint32_t, 9>> bend_slots_;  // of the blocks (corner, corner)
   std::vector<uint32_t> point_triangles_begin_;
   std::vector<PointTriangle> point_triangles_;  // triangles at every point
 };

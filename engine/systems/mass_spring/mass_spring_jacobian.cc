@@ -33,8 +33,12 @@ void MassSpringField::build_rows() {
   for (const auto& t : network_.triangles) {
     for (size_t k = 0; k < 3; ++k) pairs_.push_back({t[k], t[(k + 1) % 3]});
   }
+  for (const Bend& b : network_.bends) {
+    for (size_t k = 0; k < 3; ++k) pairs_.push_back({b.points[k], b.points[(k + 1) % 3]});
+  }
   BlockSparse pattern;
   pattern.set_pattern(n, 3, pairs_);
+  build_bends(pattern);
 
   // One entry per spring at a point and one per block that only air needs, in the order of the slots.
   std::vector<std::vector<RowEntry>> rows(n);
@@ -75,6 +79,40 @@ void MassSpringField::build_rows() {
   }
 }
 
+void MassSpringField::build_bends(const BlockSparse& pattern) {
+  if (network_.bends.empty()) return;
+  const size_t n = network_.x.size();
+  point_bends_begin_.assign(n + 1, 0);
+  for (const Bend& b : network_.bends) {
+    for (const uint32_t p : b.points) ++point_bends_begin_[p + 1];
+  }
+  for (size_t i = 0; i < n; ++i) point_bends_begin_[i + 1] += point_bends_begin_[i];
+  point_bends_.resize(point_bends_begin_[n]);
+  std::vector<uint32_t> next(point_bends_begin_.begin(), point_bends_begin_.end() - 1);
+  for (uint32_t k = 0; k < network_.bends.size(); ++k) {
+    const auto& p = network_.bends[k].points;
+    auto& slots = bend_slots_.emplace_back();
+    for (uint32_t i = 0; i < 3; ++i) {
+      point_bends_[next[p[i]]++] = {k, i};
+      for (uint32_t j = 0; j < 3; ++j) slots[3 * i + j] = pattern.slot(p[i], p[j]);
+    }
+  }
+}
+
+void MassSpringField::add_bending_slopes(const Phase& at, BlockSparse& dfdx, BendSlope slope) const {
+  const double* x = at.x.data();
+  for (size_t k = 0; k < network_.bends.size(); ++k) {
+    const Bend& b = network_.bends[k];
+    const auto links = bending::links(load3(x, b.points[0]), load3(x, b.points[1]), load3(x, b.points[2]));
+    const bending::Hessian h = slope(links, b.stiffness);
+    for (int i = 0; i < 3; ++i) {
+      for (int j = 0; j < 3; ++j) {
+        dfdx.add_block(bend_slots_[k][static_cast<size_t>(3 * i + j)], bending::force_slope(h, i, j).data());
+      }
+    }
+  }
+}
+
 uint64_t MassSpringField::pattern_version(const State& state) const {
   const bool air = state.span<uint32_t>(Columns::air)[0] != 0 && !network_.triangles.empty();
   return state.f64(Columns::damping)[1] > 0 || air ? 1 : 0;
@@ -90,7 +128,7 @@ void MassSpringField::jacobian_pattern(const State& state, BlockSparse& dfdx, Bl
 }
 
 void MassSpringField::assemble_jacobian(const Phase& at, BlockSparse& dfdx, BlockSparse& dfdv, Evaluation& e,
-                                        SpringStiffness stiffness) const {
+                                        SpringStiffness stiffness, BendSlope slope) const {
   const State& state = at.state;
   const double* x = at.x.data();
   const double* k_family = state.f64(Columns::stiffness).data();
@@ -155,6 +193,7 @@ void MassSpringField::assemble_jacobian(const Phase& at, BlockSparse& dfdx, Bloc
       }
     }
   });
+  add_bending_slopes(at, dfdx, slope);
   const auto drag_row = state.span<uint32_t>(Columns::drag_row);
   for (size_t k = 0; k < drag_row.size(); ++k) {
     const double stiffness = state.f64(Columns::drag_stiffness)[k];
@@ -179,6 +218,15 @@ std::optional<ForceField::Stiffness> MassSpringField::stiffness(const State& sta
       add_symmetric(&sum_k[9 * size_t{p}], across, (k - across) * per_l2, d);
       add_symmetric(&sum_n[9 * size_t{p}], 0, per_l2, d);
     }
+  }
+  // Of three points: u^T K u <= 3 sum_i u_i^T K_ii u_i, hence half as much again as of two.
+  for (const Bend& b : network_.bends) {
+    const auto l = bending::links(load3(x.data(), b.points[0]), load3(x.data(), b.points[1]),
+                                  load3(x.data(), b.points[2]));
+    const double s = -1.5 * bending::slope(l, b.stiffness), both = l.per_a + l.per_b;
+    add_symmetric(&sum_k[9 * size_t{b.points[0]}], s * l.per_a * l.per_a, 0, {});
+    add_symmetric(&sum_k[9 * size_t{b.points[1]}], s * both * both, 0, {});
+    add_symmetric(&sum_k[9 * size_t{b.points[2]}], s * l.per_b * l.per_b, 0, {});
   }
   const auto drag_row = state.span<uint32_t>(Columns::drag_row);
   for (size_t k = 0; k < drag_row.size(); ++k) {

@@ -23,10 +23,17 @@ struct SpringLink {
   double scale;  ///< stiffness as a multiple of the family's (own: N/m)
 };
 
+/// Two links that meet in the second point and resist being bent (kernels/bending.h).
+struct Bend {
+  std::array<uint32_t, 3> points;
+  double stiffness;  ///< J
+};
+
 struct Network {
   std::vector<Vec3> x, v;     ///< m, m/s
   std::vector<double> share;  ///< length (m) or area (m^2) that a point stands for; free: its mass if given
   std::vector<SpringLink> springs;
+  std::vector<Bend> bends;
   std::vector<std::array<uint32_t, 3>> triangles;
   std::vector<uint32_t> pins;  ///< ascending, each once
 };

@@ -2,6 +2,7 @@
 // from corner to opposite corner across them, and free networks.
 #include <algorithm>
 #include <array>
+#include <cstdlib>
 
 #include "engine/systems/mass_spring/network.h"
 
@@ -10,6 +11,33 @@ namespace truestep {
 namespace {
 
 constexpr double kFromPositions = -1;  // rest length still to be measured
+
+// Rods along the sides and the diagonals of the cells, lengths u, v and d = sqrt(u^2 + v^2), weighed so that
+// their energies per area add up to that of an isotropic plate,
+//   D/2 (kuu^2 + kvv^2 + 2 nu kuu kvv + 2 (1 - nu) kuv^2),   nu = 1/3:
+// a diagonal's curvature is c^2 kuu + s^2 kvv +- 2 c s kuv with c = u/d, s = v/d, and comparing gives the
+// weights
+//   1 / (6 c^2 s^2) of a diagonal,   1 - c^2 / (3 s^2) along u,   1 - s^2 / (3 c^2) along v.
+void build_plate(const ClothGridShape& shape, double rigidity, Network& out) {
+  const int nx = shape.nx, ny = shape.ny;
+  const auto index = [nx](int i, int j) { return static_cast<uint32_t>(j * nx + i); };
+  const double u2 = norm2(shape.edge_u) / ((nx - 1.0) * (nx - 1.0)),
+               v2 = norm2(shape.edge_v) / ((ny - 1.0) * (ny - 1.0)), d2 = u2 + v2;
+  const double across = d2 * d2 / (6 * u2 * v2);
+  const auto add = [&](int di, int dj, double weight, double length2) {
+    for (int j = dj; j + dj < ny; ++j) {
+      for (int i = std::abs(di); i + std::abs(di) < nx; ++i) {
+        const uint32_t middle = index(i, j);
+        out.bends.push_back({{index(i - di, j - dj), middle, index(i + di, j + dj)},
+                             weight * rigidity * out.share[middle] / length2});
+      }
+    }
+  };
+  add(1, 0, 1 - u2 / (3 * v2), u2);
+  add(0, 1, 1 - v2 / (3 * u2), v2);
+  add(1, 1, across, d2);
+  add(-1, 1, across, d2);
+}
 
 void share_triangle(const std::array<uint32_t, 3>& t, Network& out) {
   const double area = 0.5 * norm(cross(out.x[t[1]] - out.x[t[0]], out.x[t[2]] - out.x[t[0]]));
@@ -63,6 +91,7 @@ void build_cloth_grid(const ClothGridShape& shape, const MassSpringDef& def, Net
     add(SpringFamily::bending, 2, 0, 0);
     add(SpringFamily::bending, 0, 2, 0);
   }
+  if (def.flexural_rigidity > 0) build_plate(shape, def.flexural_rigidity, out);
 }
 
 void build_mesh(const MeshShape& shape, const MassSpringDef& def, Network& out) {

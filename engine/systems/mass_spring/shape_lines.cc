@@ -8,11 +8,15 @@ namespace truestep {
 
 namespace {
 
-void add_chain(size_t first, size_t points, const MassSpringDef& def, double rest, double skip_rest,
-               Network& out) {
+void add_chain(size_t first, size_t points, const MassSpringDef& def, double link, Network& out) {
+  const double rest = def.rest_scale * link, skip_rest = def.rest_scale * 2 * link;
   for (size_t i = first; i + 1 < first + points; ++i) {
     out.springs.push_back(
         {static_cast<uint32_t>(i), static_cast<uint32_t>(i + 1), SpringFamily::structural, rest, 1});
+  }
+  for (size_t i = first; def.bending_rigidity > 0 && i + 2 < first + points; ++i) {
+    const auto k = static_cast<uint32_t>(i);
+    out.bends.push_back({{k, k + 1, k + 2}, def.bending_rigidity / link});
   }
   if (!(def.bending_stiffness > 0)) return;
   for (size_t i = first; i + 2 < first + points; ++i) {
@@ -82,7 +86,7 @@ void build_rope(const RopeShape& shape, const MassSpringDef& def, const Vec3& do
 
   out.share.assign(links + 1, link);
   out.share.front() = out.share.back() = 0.5 * link;
-  add_chain(0, links + 1, def, def.rest_scale * link, def.rest_scale * 2 * link, out);
+  add_chain(0, links + 1, def, link, out);
 }
 
 void build_hair(const HairShape& shape, const MassSpringDef& def, Network& out) {
@@ -106,7 +110,7 @@ void build_hair(const HairShape& shape, const MassSpringDef& def, Network& out) 
     // Two held points give the root its direction.
     out.pins.push_back(static_cast<uint32_t>(first));
     out.pins.push_back(static_cast<uint32_t>(first + 1));
-    add_chain(first, points, def, def.rest_scale * link, def.rest_scale * 2 * link, out);
+    add_chain(first, points, def, link, out);
     const double turned = c * kCos - s * kSin;
     s = s * kCos + c * kSin, c = turned;
   }

@@ -205,8 +205,7 @@ void Ode::integrate(State& s, const StepInput& in) const {
   }
   for (size_t i = 0; i < y.size(); ++i) {
     if (!std::isfinite(y[i])) {
-      throw Instability("", model_.labels[i], static_cast<long long>(i),
-                        model_.labels[i] + " became non-finite");
+      throw Instability("", model_.labels[i], -1, '"' + model_.labels[i] + "\" became non-finite");
     }
   }
 }
@@ -236,6 +235,7 @@ double Ode::advance(State& s, Scratch& work, Workspace& workspace, double t, dou
   } catch (Instability& e) {
     if (e.index >= 0 && static_cast<size_t>(e.index) < model_.size()) {
       e.quantity = model_.labels[static_cast<size_t>(e.index)];
+      e.index = -1;  // the label names it
     }
     throw;
   }

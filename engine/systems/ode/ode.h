@@ -31,6 +31,8 @@ class Ode final : public StagedSystem {
   void apply(State& state, const Command& command) const override;
   Topology topology(const State& state) const override;
   std::vector<DrawnShape> shapes(const State& state, double t) const override;
+  std::vector<std::string> remedies() const override;
+  std::optional<double> step_seconds(const State& state, double h) const override;
   size_t max_rows() const override { return rows_; }
 
   const OdeModel& model() const { return model_; }

@@ -7,6 +7,7 @@
 #include "engine/core/build.h"
 #include "engine/core/def.h"
 #include "engine/core/integrator_def.h"
+#include "engine/core/outputs.h"
 
 namespace truestep {
 
@@ -46,6 +47,8 @@ struct OdeDef : IntegratorParams {
 };
 
 const DefTable& ode_table();
+/// What it gives out.
+const Outputs& ode_outputs();
 Cost ode_cost(const void* def);
 
 }  // namespace truestep

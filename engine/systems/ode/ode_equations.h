@@ -62,6 +62,7 @@ class OdeEquations final : public RightHandSide, public SecondOrder {
   void jacobian(double t, const double* y, double* values) const override {
     jacobian_(t, y, model_.size(), parameters_, values);
   }
+  std::string name_of(size_t i) const override { return '"' + model_.labels[i] + '"'; }
   bool autonomous() const override { return model_.autonomous; }
   const SecondOrder* second_order() const override { return model_.second_order ? this : nullptr; }
 

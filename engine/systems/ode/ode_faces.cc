@@ -4,6 +4,8 @@
 
 #include "engine/base/errors.h"
 #include "engine/base/nearest_name.h"
+#include "engine/base/short_number.h"
+#include "engine/integrators/step_work.h"
 #include "engine/systems/ode/ode.h"
 
 namespace truestep {
@@ -58,7 +60,7 @@ void Ode::observe(const State& s, double t, Observables& out) const {
   if (!model_.events.empty()) {
     const bool stopped = s.f64(C::kStopped)[0] != 0;
     out.add("stopped", stopped ? 1 : 0, "1");
-    if (stopped) out.add("stopped.time", s.f64(C::kStopped)[1], "s");
+    out.add("stopped.time", stopped ? s.f64(C::kStopped)[1] : NAN, "s");
   }
   if (def_.tracers) {
     // One pass in the order of the points.
@@ -103,6 +105,38 @@ FieldView Ode::field(const State& s, size_t which, std::vector<double>& scratch)
   scratch.resize(n.places.size());
   for (size_t k = 0; k < n.places.size(); ++k) scratch[k] = s.f64(C::kStates)[n.places[k]];
   return {scratch.data(), Scalar::f64, scratch.size(), 1};
+}
+
+std::optional<double> Ode::step_seconds(const State& s, double h) const {
+  if (!method_) return std::nullopt;
+  OdeEquations f(model_);
+  f.set_parameters(s.f64(C::kParameters));
+  const auto rate = static_cast<double>(model_.rate.instructions());
+  const auto work = implicit_step_work(*method_, f, rate, h, s.f64(C::kStates).data(), tolerance_);
+  return work ? std::optional(work->seconds()) : std::nullopt;
+}
+
+std::vector<std::string> Ode::remedies() const {
+  if (!method_) return {"a shorter dt or more substeps"};
+  std::vector<std::string> out;
+  const bool adaptive = method_->stepping == Integrator::Stepping::adaptive;
+  if (adaptive) {
+    out.push_back("a larger tolerance than relative " + short_number(tolerance_.relative, 3) + ", absolute " +
+                  short_number(tolerance_.absolute, 3));
+  } else {
+    out.push_back("a shorter dt or more substeps");
+  }
+  if (method_->kind != Integrator::Kind::implicit) {
+    out.push_back(
+        adaptive ? "the integrator radau5 if the equations are stiff"
+                 : "an integrator that chooses its own steps: tsit5, or radau5 if the equations are stiff");
+  } else if (!adaptive) {
+    out.push_back("the integrator radau5, which chooses its own steps");
+  }
+  out.push_back(
+      "a look at the equations: where their solution ends at a finite time or jumps, no method goes on "
+      "(an event can stop before, or set states)");
+  return out;
 }
 
 void Ode::apply(State& s, const Command& c) const {

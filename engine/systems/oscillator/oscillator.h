@@ -10,6 +10,7 @@
 #include "engine/core/def.h"
 #include "engine/core/force_system.h"
 #include "engine/core/integrator_def.h"
+#include "engine/core/outputs.h"
 
 namespace truestep {
 
@@ -25,6 +26,8 @@ struct OscillatorDef : IntegratorParams {
 };
 
 const DefTable& oscillator_table();
+/// What it gives out.
+const Outputs& oscillator_outputs();
 std::unique_ptr<const System> make_oscillator(const void* def, const BuildContext& context);
 Cost cost_oscillator(const void* def);
 

@@ -35,11 +35,12 @@ const DefTable& emitter_table() {
           .number("radius", &D::radius, "m", at_least(0), "of the disk or ball")
           .vector("half_extents", &D::half_extents, "m", at_least(0), "half edges of the box")
           .vector("end", &D::end, "m", any(), "other end of the line")
-          .number("rate", &D::rate, "1/s", between(0, 1e7), "particles per second")
+          .number("rate", &D::rate, "1/s", between(0, 1e7),
+                  "particles per second; either rate or bursts, not both")
           .number("start", &D::start, "s", at_least(0), "time of the first particle")
           .number("stop", &D::stop, "s", at_least(0), "no particle from then on; absent: goes on")
           .numbers("bursts", &D::bursts, "s", at_least(0), {0, 10000},
-                   "times at which burst_count are born at once, ascending")
+                   "times at which burst_count are born at once, ascending; either bursts or rate, not both")
           .integer("burst_count", &D::burst_count, between(1, kMostParticles), "particles per burst")
           .number("speed", &D::speed, "m/s", any(), "mean speed")
           .number("speed_spread", &D::speed_spread, "m/s", at_least(0), "uniform in speed +- this")

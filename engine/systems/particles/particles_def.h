@@ -7,6 +7,7 @@
 
 #include "engine/collision/collider_def.h"
 #include "engine/core/integrator_def.h"
+#include "engine/core/outputs.h"
 
 namespace truestep {
 
@@ -110,6 +111,8 @@ struct ParticlesDef : IntegratorParams {
 };
 
 const DefTable& particles_table();
+/// What it gives out.
+const Outputs& particles_outputs();
 
 /// Particles at t = 0.
 size_t initial_count(const ParticlesDef& def);

@@ -14,6 +14,7 @@
 #include "engine/core/def.h"
 #include "engine/core/force_system.h"
 #include "engine/core/integrator_def.h"
+#include "engine/core/outputs.h"
 
 namespace truestep {
 
@@ -77,6 +78,8 @@ class PendulumField final : public ForceField {
 };
 
 const DefTable& pendulum_table();
+/// What it gives out.
+const Outputs& pendulum_outputs();
 std::unique_ptr<const System> make_pendulum(const void* def, const BuildContext& context);
 Cost cost_pendulum(const void* def);
 

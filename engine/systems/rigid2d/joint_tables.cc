@@ -36,12 +36,16 @@ TableOf<D>& drive_rows(TableOf<D>& t, const char* unit, const char* rate, const 
       .number("damping_ratio", ratio, "1", at_least(0), "of that spring");
 }
 
+void check_drive(const Drive& d, const DefTable::Report& report) {
+  if (d.lower && d.upper && *d.lower > *d.upper) report("/lower", "must not be above upper");
+}
+
 }  // namespace
 
 const DefTable& revolute_table() {
   static const DefTable t = [] {
     TableOf<RevoluteDef> table("the bodies turn about a common point");
-    drive_rows(joint_rows(table), "rad", "rad/s", "N m");
+    drive_rows(joint_rows(table), "rad", "rad/s", "N m").check(check_drive);
     return table.build();
   }();
   return t;
@@ -50,7 +54,11 @@ const DefTable& prismatic_table() {
   static const DefTable t = [] {
     TableOf<PrismaticDef> table("the bodies slide along an axis of a and do not turn");
     drive_rows(joint_rows(table), "m", "m/s", "N")
-        .vector("axis", &PrismaticDef::axis, "1", any(), "direction in the world at t = 0; any length");
+        .vector("axis", &PrismaticDef::axis, "1", any(), "direction in the world at t = 0; any length")
+        .check([](const PrismaticDef& d, const DefTable::Report& report) {
+          check_drive(d, report);
+          if (!(norm(d.axis) > 0)) report("/axis", "the axis must not be zero");
+        });
     return table.build();
   }();
   return t;
@@ -63,7 +71,11 @@ const DefTable& wheel_table() {
         .vector("axis", &WheelDef::axis, "1", any(), "direction of the suspension at t = 0; any length")
         .number("spring_hertz", &WheelDef::spring_hertz, "Hz", at_least(0), "of the suspension; 0: none")
         .number("spring_damping_ratio", &WheelDef::spring_damping_ratio, "1", at_least(0),
-                "of the suspension");
+                "of the suspension")
+        .check([](const WheelDef& d, const DefTable::Report& report) {
+          check_drive(d, report);
+          if (!(norm(d.axis) > 0)) report("/axis", "the axis must not be zero");
+        });
     return table.build();
   }();
   return t;
@@ -78,7 +90,11 @@ const DefTable& distance_table() {
         .number("maximum", &DistanceDef::maximum, "m", above(0), "with minimum or alone: a rope")
         .number("hertz", &DistanceDef::hertz, "Hz", above(0),
                 "a spring by its bodies' frequency on it as they stand at t = 0; absent: rigid")
-        .number("damping_ratio", &DistanceDef::damping_ratio, "1", at_least(0), "of the spring");
+        .number("damping_ratio", &DistanceDef::damping_ratio, "1", at_least(0), "of the spring")
+        .check([](const DistanceDef& d, const DefTable::Report& report) {
+          if (d.minimum && d.maximum && *d.minimum > *d.maximum)
+            report("/minimum", "must not be above maximum");
+        });
     return table.build();
   }();
   return t;

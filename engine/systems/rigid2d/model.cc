@@ -77,7 +77,8 @@ struct Builder {
       moment += a.moment + a.area * dot(a.center - center, a.center - center);
     }
     const double density = d.mass && area > 0 ? *d.mass / area : d.density;
-    b.mass = density * area, b.inertia = density * moment;
+    b.mass = density * area, b.inertia = d.inertia.value_or(density * moment);
+    b.force = flatten(d.force), b.torque = d.torque, b.force_turns = d.force_frame == BodyDef::Axes::body;
     if (d.motion == Motion::dynamic) {
       b.inverse_mass = 1 / b.mass;
       b.inverse_inertia = d.fixed_rotation ? 0 : 1 / b.inertia;
@@ -282,6 +283,9 @@ void gather_hot_parts(Model& m) {
     m.dynamics.push_back(
         {b.inverse_mass, b.inverse_inertia, b.linear_damping, b.angular_damping, b.gravity_scale});
     m.surfaces.push_back({b.friction, b.restitution, b.rolling_resistance, b.surface_speed});
+    if (b.motion == Motion::dynamic && (flat::dot(b.force, b.force) > 0 || b.torque != 0)) {
+      m.forced.push_back(static_cast<uint32_t>(m.light.size() - 1));
+    }
   }
   for (const Shape& s : m.shapes) m.body_of.push_back(s.body);
   for (uint32_t i = 0; i < m.joints.size(); ++i) {

@@ -19,6 +19,9 @@ struct Body {
   Motion motion = Motion::fixed;
   double inverse_mass = 0, inverse_inertia = 0;  ///< 1/kg, 1/(kg m^2); 0 unless dynamic
   double mass = 0, inertia = 0;
+  Vec2 force;                ///< N, constant
+  double torque = 0;         ///< N m
+  bool force_turns = false;  ///< with the body
   double friction = 0.6, restitution = 0, rolling_resistance = 0, surface_speed = 0;
   double linear_damping = 0, angular_damping = 0, gravity_scale = 1;
   double reach = 0, inner = 0;  ///< m: farthest surface from the centre, largest circle inside
@@ -96,6 +99,7 @@ struct Model {
   std::vector<Hinge> hinges;      ///< the plain joints
   std::vector<uint32_t> others;   ///< the joints that are not
   bool may_break = false;         ///< some joint has a break_force
+  std::vector<uint32_t> forced;   ///< bodies with a constant force or torque
   std::vector<Shape> shapes;
   std::vector<Joint> joints;
   std::vector<uint64_t>

@@ -108,6 +108,16 @@ void Rigid2d::take_hands(State& s, const StepInput& in) const {
     wake(s, body);
     rest[body] = 0;
   }
+  for (const uint32_t body : model_.forced) {
+    const Body& b = model_.bodies[body];
+    if (!is_moved(model_.light[body], s.span<uint32_t>(columns::status)[body])) continue;
+    // A force that turns has the direction of the step's middle.
+    const double middle = s.f64(columns::angle)[body] + 0.5 * in.h * s.f64(columns::angular_velocity)[body];
+    const trig::SinCos turn = trig::sincos(middle);
+    const Vec2 f = b.force_turns ? flat::Rotation{turn.cos, turn.sin} * b.force : b.force;
+    w.hands.forces.push_back({body, f, b.torque});
+    rest[body] = 0;
+  }
   const auto drags = s.span<uint32_t>(columns::drag_body);
   for (size_t k = 0; k < drags.size(); ++k) {
     const uint32_t body = drags[k];

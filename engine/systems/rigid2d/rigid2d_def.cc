@@ -92,6 +92,15 @@ TableOf<BodyDef>& body_rows(TableOf<BodyDef>& t) {
                 {0, 256}, "what it consists of; a chain belongs to a fixed or kinematic body")
       .number("density", &D::density, "kg/m^2", above(0), "of all its shapes")
       .number("mass", &D::mass, "kg", above(0), "in place of the density's; scales the inertia too")
+      .number("inertia", &D::inertia, "kg m^2", above(0),
+              "moment of inertia about the centre of mass, in place of the shapes'")
+      .vector("force", &D::force, "N", any(),
+              "constant, on the centre of mass; z is not used. Keeps it awake")
+      .number("torque", &D::torque, "N m", any(), "constant, counter-clockwise")
+      .choice(
+          "force_frame", &D::force_frame, {"world", "body"},
+          "axes of force: fixed, or turning with the body. energy.potential holds that of torque and of a "
+          "force in the world, power.applied what others do")
       .number("friction", &D::friction, "1", at_least(0), "a contact's is the root of both bodies' product")
       .number("restitution", &D::restitution, "1", between(0, 1), "a contact's is the larger of both")
       .number("rolling_resistance", &D::rolling_resistance, "m", at_least(0),
@@ -129,6 +138,11 @@ const DefTable& body_table() {
       if (d.motion == Motion::dynamic && d.shapes.empty()) {
         report("/shapes", "a dynamic body needs a shape to have a mass");
       }
+      if (d.motion != Motion::dynamic && d.inertia) report("/inertia", "only a dynamic body has one");
+      if (d.motion != Motion::dynamic && (norm2(d.force) > 0 || d.torque != 0)) {
+        report(norm2(d.force) > 0 ? "/force" : "/torque", "only a dynamic body is moved by forces");
+      }
+      if (d.fixed_rotation && d.inertia) report("/inertia", "a body that never turns has none");
       if (d.one_way && !(d.one_way->x != 0 || d.one_way->y != 0)) {
         report("/one_way", "the direction must not be zero");
       }

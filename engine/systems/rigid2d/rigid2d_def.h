@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "engine/core/def.h"
+#include "engine/core/outputs.h"
 
 namespace truestep::rigid2d {
 
@@ -40,7 +41,10 @@ struct BodyDef {
   double angle = 0, angular_velocity = 0;
   std::vector<ShapeDef> shapes;
   double density = 1000;
-  std::optional<double> mass;
+  std::optional<double> mass, inertia;
+  Vec3 force;
+  double torque = 0;
+  enum class Axes : uint8_t { world, body } force_frame = Axes::world;
   double friction = 0.6, restitution = 0, rolling_resistance = 0, surface_speed = 0;
   double linear_damping = 0, angular_damping = 0, gravity_scale = 1;
   bool fixed_rotation = false, sensor = false, bullet = false, asleep = false, can_sleep = true;
@@ -140,6 +144,8 @@ struct Rigid2dDef {
 };
 
 const DefTable& rigid2d_table();
+/// What it gives out.
+const Outputs& rigid2d_outputs();
 
 /// Bodies and joints that the generators bring, without the listed ones.
 struct Counts {

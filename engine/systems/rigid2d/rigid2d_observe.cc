@@ -73,7 +73,7 @@ void Rigid2d::observe(const State& s, double, Observables& out) const {
   const double *x = s.f64(columns::position).data(), *v = s.f64(columns::velocity).data();
   const auto w = s.f64(columns::angular_velocity), g = s.f64(columns::parameters);
   const auto status = s.span<uint32_t>(columns::status);
-  double kinetic = 0, potential = 0, px = 0, py = 0, spin = 0;
+  double kinetic = 0, potential = 0, power = 0, px = 0, py = 0, spin = 0;
   size_t awake = 0;
   for (size_t i = 0; i < model_.count(); ++i) {
     const Body& b = model_.bodies[i];
@@ -81,6 +81,8 @@ void Rigid2d::observe(const State& s, double, Observables& out) const {
     const Vec2 at{x[3 * i], x[3 * i + 1]}, u{v[3 * i], v[3 * i + 1]};
     kinetic += 0.5 * b.mass * flat::dot(u, u) + 0.5 * b.inertia * w[i] * w[i];
     potential -= b.mass * b.gravity_scale * (g[0] * at.x + g[1] * at.y);
+    potential -= b.torque * s.f64(columns::angle)[i] + (b.force_turns ? 0 : flat::dot(b.force, at));
+    if (b.force_turns) power += flat::dot(pose_of(s, i).q * b.force, u);
     px += b.mass * u.x, py += b.mass * u.y;
     spin += b.mass * flat::cross(at, u) + b.inertia * w[i];
     awake += is_moved(model_.light[i], status[i]);
@@ -88,6 +90,7 @@ void Rigid2d::observe(const State& s, double, Observables& out) const {
   out.add("energy.kinetic", kinetic, "J");
   out.add("energy.potential", potential, "J");
   out.add("energy.total", kinetic + potential, "J");
+  if (!model_.forced.empty()) out.add("power.applied", power, "W");
   out.add("momentum.x", px, "kg m/s");
   out.add("momentum.y", py, "kg m/s");
   out.add("momentum.angular", spin, "kg m^2/s");

@@ -103,8 +103,14 @@ BodyKind build_kind(const AnyBodyDef& any, const Rigid3dDef& def) {
   if (k.motion == BodyDef::Motion::dynamic) {
     MassProperties m = mass_properties(k.solid, d.density);
     if (d.mass) m.inertia = m.inertia * (*d.mass / m.mass), m.mass = *d.mass;
+    if (!d.inertia.empty()) m.inertia = inertia_of(d.inertia);
     const PrincipalAxes axes = principal_axes(m.inertia);
     k.mass = m.mass, k.moments = axes.moments;
+    k.force = d.force, k.torque = d.torque, k.force_turns = d.force_frame == BodyDef::Axes::body;
+    if (k.force_turns) {
+      const Rotation to_body = rotation(conjugate(axes.axes));
+      k.force = to_body.apply(k.force), k.torque = to_body.apply(k.torque);
+    }
     if (m.center != Vec3{} || axes.axes != Quat{}) {
       k.center = m.center, k.axes = axes.axes;
       const Pose from{k.center, k.axes};

@@ -21,12 +21,15 @@ struct BodyKind {
   double reach = 0, inner = 0;  ///< m, of the balls that hold it and that it holds
   double friction = 0, restitution = 0, rolling = 0, spinning = 0;
   double linear_damping = 0, angular_damping = 0, gravity_scale = 1;
+  Vec3 force, torque;        ///< N, N m, constant, in the world or in the body's axes
+  bool force_turns = false;  ///< with the body
   uint32_t group = 1, mask = ~0u;
   bool sensor = false;
   bool turned_round = false;  ///< is a cylinder or has one
   std::optional<Vec3> color;
 
   bool moved_by_forces() const { return mass > 0; }
+  bool forced() const { return norm2(force) + norm2(torque) > 0; }
   /// Pose of centre and principal axes when the scene's shape has this one, and back.
   Pose body_pose(const Pose& shape) const;
   Pose shape_pose(const Pose& body) const;

@@ -1,16 +1,48 @@
 #include "engine/systems/rigid3d/forces.h"
 
+#include <algorithm>
 #include <cmath>
+
+#include "engine/kernels/free_rotation.h"
 
 namespace truestep {
 
 namespace columns = rigid3d_columns;
 
-void collect_forces(State& s, std::span<const BodyKind> kinds, double h, std::vector<Vec3>& change) {
+namespace {
+
+// Constant forces and torques of the scene's bodies. Those that turn have the direction of the step's middle.
+void add_constant(const State& s, std::span<const BodyKind> kinds, double h, std::vector<Vec3>& change,
+                  std::vector<Vec3>& twist) {
+  const auto kind = s.span<uint32_t>(columns::kind);
+  const double *q = s.f64(columns::orientation).data(), *w = s.f64(columns::angular_velocity).data();
+  for (size_t i = 0; i < kind.size(); ++i) {
+    const BodyKind& k = kinds[kind[i]];
+    if (!k.forced()) continue;
+    Vec3 force = k.force, torque = k.torque;
+    if (k.force_turns) {
+      const Rotation middle =
+          rotation(normalized(free_rotation::turn(load3(w, i) * (0.5 * h)) * load_quat(q, i)));
+      force = middle.apply(force), torque = middle.apply(torque);
+    }
+    change[i] += force * (h / k.mass);
+    if (norm2(torque) == 0) continue;
+    if (twist.empty()) twist.resize(kind.size());
+    twist[i] = torque * h;
+  }
+}
+
+}  // namespace
+
+void collect_forces(State& s, std::span<const BodyKind> kinds, double h, std::vector<Vec3>& change,
+                    std::vector<Vec3>& twist) {
   const auto kind = s.span<uint32_t>(columns::kind);
   const Vec3 gravity = load3(s.f64(columns::gravity).data(), 0);
   change.resize(kind.size());
   for (size_t i = 0; i < kind.size(); ++i) change[i] = gravity * (kinds[kind[i]].gravity_scale * h);
+  twist.clear();
+  const auto forced = [](const BodyKind& k) { return k.forced(); };
+  if (std::any_of(kinds.begin(), kinds.end(), forced)) add_constant(s, kinds, h, change, twist);
   const double *x = s.f64(columns::position).data(), *v = s.f64(columns::velocity).data();
   size_t kept = 0;
   for (size_t k = 0; k < s.rows(columns::push_id); ++k) {

@@ -8,7 +8,9 @@
 namespace truestep {
 
 /// Change of velocity (m/s) in h (s), one per row. Wakes what is pushed or dragged and uses up the pushes'
-/// time.
-void collect_forces(State& s, std::span<const BodyKind> kinds, double h, std::vector<Vec3>& change);
+/// time. `twist` is the change of angular momentum (N m s, in the world) of every row by constant torques,
+/// empty where there are none.
+void collect_forces(State& s, std::span<const BodyKind> kinds, double h, std::vector<Vec3>& change,
+                    std::vector<Vec3>& twist);
 
 }  // namespace truestep

@@ -221,7 +221,7 @@ const DefTable& universal_table() {
     TableOf<D> table("a cross joins two shafts: one arm turns in a, the other, at right angles, in b");
     add_common(table)
         .vector("axis", &D::axis, "1", any(), "arm held by a, at t = 0; any length")
-        .vector("axis_b", &D::axis_b, "1", any(), "arm held by b; at right angles to axis")
+        .vector("axis_b", &D::axis_b, "1", any(), "arm held by b; must be at right angles to axis")
         .object("turn", &D::turn, turn_drive_table(), "about axis; free when absent")
         .object("turn_b", &D::turn_b, turn_drive_table(), "about axis_b; free when absent")
         .check([](const D& d, const DefTable::Report& report) {

@@ -21,6 +21,11 @@ namespace {
 constexpr size_t kSpare = 10'000;
 /// Share of the speed at which bodies rest that a motor may still want.
 constexpr double kMotorAtRest = 0.01;
+/// Change of angular velocity (rad/s) that belongs to one of angular momentum, both in the world.
+Vec3 spin_of(const Quat& q, const Vec3& momentum, const Vec3& moments) {
+  const Rotation R = rotation(q);
+  return R.apply(free_rotation::divide(R.apply_inverse(momentum), moments));
+}
 /// Radius of the ball within a fast body that passes nothing, as a share of the body's inner radius.
 constexpr double kCore = 0.25;
 
@@ -83,7 +88,7 @@ bool Rigid3d::all_asleep(const State& s) const {
 }
 
 void Rigid3d::push(State& s, const StepInput& in) const {
-  collect_forces(s, bodies_.kinds, in.h, scratch(in).change);
+  collect_forces(s, bodies_.kinds, in.h, scratch(in).change, scratch(in).twist);
 }
 
 void Rigid3d::find_contacts(State& s, const StepInput& in) const {
@@ -119,8 +124,8 @@ void Rigid3d::solve(State& s, const StepInput& in) const {
   SolverSettings settings = settings_;
   settings.restitution_speed = restitution_speed(load3(s.f64(columns::gravity).data(), 0), in.h);
   const auto run = [&](auto& solver) {
-    solver.solve(s, bodies_.kinds, joints_, scratch.contacts.all(), scratch.contacts.bodies(), scratch.change,
-                 settings, in);
+    solver.solve(s, bodies_.kinds, joints_, scratch.contacts.all(), scratch.contacts.bodies(),
+                 {scratch.change, scratch.twist}, settings, in);
   };
   if (precision_ == Rigid3dDef::Precision::f32) {
     run(scratch.solver32);
@@ -160,8 +165,14 @@ void Rigid3d::fly(State& s, const StepInput& in) const {
         store3(v, i, v0 * e + a * m);
       }
       const double half = b.angular_damping == 0 ? 1 : trig::exp(-0.5 * b.angular_damping * h);
-      const auto m = free_rotation::advance({load_quat(q, i), load3(w, i) * half}, b.moments, h);
-      store_quat(q, i, m.orientation), store3(w, i, m.angular_velocity * half);
+      Quat turned = load_quat(q, i);
+      Vec3 spin = load3(w, i) * half;
+      // Half of a torque's change before and half after (Strang).
+      if (!scratch.twist.empty()) spin += spin_of(turned, scratch.twist[i] * 0.5, b.moments);
+      const auto m = free_rotation::advance({turned, spin}, b.moments, h);
+      turned = m.orientation, spin = m.angular_velocity;
+      if (!scratch.twist.empty()) spin += spin_of(turned, scratch.twist[i] * 0.5, b.moments);
+      store_quat(q, i, turned), store3(w, i, spin * half);
     }
   });
 }
@@ -272,6 +283,7 @@ void Rigid3d::rest(State& s, const StepInput& in) const {
   for (size_t i = 0; i < n; ++i) {
     if (now[i].part != Part::active) continue;
     const double reach = bodies_.kinds[kind[i]].reach;
+    if (bodies_.kinds[kind[i]].forced()) scratch.calm[i] = 0;
     const bool slow = norm2(load3(v, i)) + norm2(load3(w, i)) * (reach * reach) < sleep_speed_ * sleep_speed_;
     calm[i] = slow && scratch.calm[i] > 0 ? calm[i] + in.h : 0;
     scratch.calm[i] = calm[i];

@@ -41,7 +41,7 @@ class Rigid3d final : public StagedSystem {
     ContactList contacts;
     ContactSolver<float> solver32;
     ContactSolver<double> solver64;
-    std::vector<Vec3> change;
+    std::vector<Vec3> change, twist;
     std::vector<Pose> before;
     std::vector<uint32_t> parent;
     std::vector<double> calm;

@@ -1,5 +1,6 @@
 #include "engine/systems/rigid3d/rigid3d_def.h"
 
+#include <algorithm>
 #include <cmath>
 
 namespace truestep {
@@ -39,6 +40,10 @@ TableOf<D>& add_common(TableOf<D>& t) {
   double D::*gravity = &BodyDef::gravity_scale;
   std::vector<double> D::*orientation = &BodyDef::orientation;
   std::optional<double> D::*mass = &BodyDef::mass;
+  std::vector<double> D::*inertia = &BodyDef::inertia;
+  Vec3 D::*force = &BodyDef::force;
+  Vec3 D::*torque = &BodyDef::torque;
+  BodyDef::Axes D::*force_frame = &BodyDef::force_frame;
   std::optional<double> D::*friction = &BodyDef::friction;
   std::optional<double> D::*restitution = &BodyDef::restitution;
   std::optional<double> D::*rolling = &BodyDef::rolling_resistance;
@@ -59,7 +64,16 @@ TableOf<D>& add_common(TableOf<D>& t) {
       .vector("velocity", velocity, "m/s", any(), "of the centre of mass")
       .vector("angular_velocity", spin, "rad/s", any(), "in the world")
       .number("density", density, "kg/m^3", above(0), "uniform")
-      .number("mass", mass, "kg", above(0), "instead of density")
+      .number("mass", mass, "kg", above(0), "instead of density; scales the shape's inertia too")
+      .numbers(
+          "inertia", inertia, "kg m^2", any(), {0, 6},
+          "about the centre of mass, instead of the shape's: xx yy zz or xx yy zz xy xz yz in the shape's "
+          "axes; principal moments above 0, none above the sum of the other two")
+      .vector("force", force, "N", any(), "constant, on the centre of mass; keeps the body awake")
+      .vector("torque", torque, "N m", any(), "constant; keeps the body awake")
+      .choice("force_frame", force_frame, {"world", "body"},
+              "axes of force and torque: fixed, or turning with the shape. energy.potential holds that of a "
+              "force in the world, power.applied what the others do")
       .number("linear_damping", linear, "1/s", at_least(0), "rate at which velocity fades")
       .number("angular_damping", angular, "1/s", at_least(0), "rate at which turning fades")
       .number("gravity_scale", gravity, "1", any(), "share of gravity that it feels")
@@ -77,6 +91,18 @@ TableOf<D>& add_common(TableOf<D>& t) {
       .object("copies", copies, copies_table(), "many bodies like this one");
 }
 
+void check_inertia(const std::vector<double>& I, const DefTable::Report& report) {
+  if (I.empty()) return;
+  if (I.size() != 3 && I.size() != 6) return report("/inertia", "needs xx yy zz or xx yy zz xy xz yz");
+  const Symmetric3 inertia = inertia_of(I);
+  const Vec3 m = principal_axes(inertia).moments;
+  if (const auto fault = inertia_fault(inertia)) {
+    report("/inertia", *fault);
+  } else if (!(std::min({m.x, m.y, m.z}) > 1e-9 * std::max({m.x, m.y, m.z}))) {
+    report("/inertia", "every principal moment must be above 0");
+  }
+}
+
 template <class D>
 DefTable finish(TableOf<D>& t) {
   add_common(t);
@@ -88,6 +114,12 @@ DefTable finish(TableOf<D>& t) {
       for (const double x : d.orientation) n += x * x;
       if (!(std::abs(n - 1) < 1e-6)) report("/orientation", "must have length 1");
     }
+    if (d.motion != BodyDef::Motion::dynamic) {
+      if (!d.inertia.empty()) report("/inertia", "only a dynamic body has one");
+      if (norm2(d.force) > 0) report("/force", "only a dynamic body is moved by forces");
+      if (norm2(d.torque) > 0) report("/torque", "only a dynamic body is moved by forces");
+    }
+    check_inertia(d.inertia, report);
     if (d.angle != 0 && !(norm(d.axis) > 0)) report("/axis", "the axis must not be zero");
     if (body_count(d) > kMostBodies) report("/copies/count", "more than 200000 bodies");
     constexpr bool surface = std::is_same_v<D, PlaneBodyDef> || std::is_same_v<D, HeightFieldBodyDef>;

@@ -5,8 +5,10 @@
 #include <variant>
 #include <vector>
 
+#include "engine/collision/mass_properties.h"
 #include "engine/core/build.h"
 #include "engine/core/def.h"
+#include "engine/core/outputs.h"
 #include "engine/core/system.h"
 #include "engine/systems/rigid3d/joint_def.h"
 
@@ -32,6 +34,9 @@ struct BodyDef {
   Vec3 velocity, angular_velocity;
   double density = 1000;
   std::optional<double> mass;
+  std::vector<double> inertia;
+  Vec3 force, torque;
+  enum class Axes : uint8_t { world, body } force_frame = Axes::world;
   double linear_damping = 0, angular_damping = 0, gravity_scale = 1;
   std::optional<double> friction, restitution, rolling_resistance, spinning_resistance;
   int64_t group = 1, mask = 0xffffffff;
@@ -113,12 +118,18 @@ struct Rigid3dDef {
 };
 
 const DefTable& rigid3d_table();
+/// What it gives out.
+const Outputs& rigid3d_outputs();
 std::unique_ptr<const System> build_rigid3d(const void* def, const BuildContext& context);
 Cost rigid3d_cost(const void* def);
 
 /// Members that every alternative has.
 inline const BodyDef& common(const AnyBodyDef& d) {
   return std::visit([](const auto& b) -> const BodyDef& { return b; }, d);
+}
+/// Tensor of three or six numbers of a def's "inertia".
+inline Symmetric3 inertia_of(const std::vector<double>& I) {
+  return I.size() == 6 ? Symmetric3{I[0], I[1], I[2], I[3], I[4], I[5]} : Symmetric3{I[0], I[1], I[2]};
 }
 /// Bodies that a def stands for, in double so that nothing overflows.
 double body_count(const BodyDef& d);

@@ -22,7 +22,13 @@ enum Field : size_t {
   kJointForce,
   kJointTorque
 };
+
+// W of a body's constant torque, and of its constant force where that turns with it.
+double applied_power(const BodyKind& b, const Quat& q, const Vec3& v, const Vec3& w) {
+  const Rotation R = rotation(q);
+  return b.force_turns ? dot(R.apply(b.force), v) + dot(R.apply(b.torque), w) : dot(b.torque, w);
 }
+}  // namespace
 
 void Rigid3d::observe(const State& s, double, Observables& out) const {
   const auto kind = s.span<uint32_t>(columns::kind);
@@ -30,7 +36,7 @@ void Rigid3d::observe(const State& s, double, Observables& out) const {
   const double *x = s.f64(columns::position).data(), *q = s.f64(columns::orientation).data();
   const double *v = s.f64(columns::velocity).data(), *w = s.f64(columns::angular_velocity).data();
   const Vec3 g = load3(s.f64(columns::gravity).data(), 0);
-  double linear = 0, turning = 0, potential = 0, awake = 0, fastest = 0;
+  double linear = 0, turning = 0, potential = 0, power = 0, awake = 0, fastest = 0;
   Vec3 momentum, spin;
   for (size_t i = 0; i < kind.size(); ++i) {
     const BodyKind& b = bodies_.kinds[kind[i]];
@@ -39,6 +45,8 @@ void Rigid3d::observe(const State& s, double, Observables& out) const {
     const Vec3 L = free_rotation::momentum({load_quat(q, i), load3(w, i)}, b.moments);
     linear += 0.5 * dot(p, load3(v, i)), turning += 0.5 * dot(L, load3(w, i));
     potential -= b.mass * b.gravity_scale * dot(g, load3(x, i));
+    if (b.forced()) power += applied_power(b, load_quat(q, i), load3(v, i), load3(w, i));
+    if (!b.force_turns) potential -= dot(b.force, load3(x, i));
     momentum += p, spin += L + cross(load3(x, i), p);
     awake += asleep[i] == 0;
     fastest = std::max(fastest, norm(load3(v, i)));
@@ -48,6 +56,8 @@ void Rigid3d::observe(const State& s, double, Observables& out) const {
   out.add("energy.rotation", turning, "J");
   out.add("energy.potential", potential, "J");
   out.add("energy.total", kinetic + potential, "J");
+  const auto forced = [](const BodyKind& k) { return k.forced(); };
+  if (std::any_of(bodies_.kinds.begin(), bodies_.kinds.end(), forced)) out.add("power.applied", power, "W");
   out.add("momentum.x", momentum.x, "kg m/s");
   out.add("momentum.y", momentum.y, "kg m/s");
   out.add("momentum.z", momentum.z, "kg m/s");

@@ -78,7 +78,7 @@ void ContactSolver<T>::choose_bodies(const State& s, std::span<const BodyKind> k
 
 template <class T>
 void ContactSolver<T>::load_bodies(const State& s, std::span<const BodyKind> kinds,
-                                   std::span<const BodyNow> now, std::span<const Vec3> change,
+                                   std::span<const BodyNow> now, const ForceChange& change,
                                    const SolverSettings& settings, double h) {
   const auto kind = s.span<uint32_t>(columns::kind);
   const double *v = s.f64(columns::velocity).data(), *w = s.f64(columns::angular_velocity).data();
@@ -87,6 +87,7 @@ void ContactSolver<T>::load_bodies(const State& s, std::span<const BodyKind> kin
   for (auto* r : {&velocity_, &displacement_, &change_, &warm_, &start_}) r->resize(n + 1);
   damped_ = false;
   const double part = 1.0 / settings.substeps;
+  twist_.resize(change.momentum.empty() ? 0 : n);
   const auto load = [&](size_t k) {
     const uint32_t i = body_[k];
     const BodyKind& b = kinds[kind[i]];
@@ -96,8 +97,12 @@ void ContactSolver<T>::load_bodies(const State& s, std::span<const BodyKind> kin
     scaled_[k] = scaled_body(b, R), moments_[k] = b.moments;
     const Vec3 spin = load3(w, i), own = R.apply_inverse(spin);
     velocity_[k] = record<T>(load3(v, i) * root, free_rotation::times(own, r));
-    const Vec3 turned = gyroscopic_change(own, b.moments, h);
-    change_[k] = record<T>(change[i] * (root * part), free_rotation::times(turned * part, r));
+    Vec3 turned = gyroscopic_change(own, b.moments, h) * part;
+    if (!twist_.empty()) {
+      twist_[k] = free_rotation::divide(R.apply_inverse(change.momentum[i]), b.moments) * part;
+      turned += twist_[k];
+    }
+    change_[k] = record<T>(change.velocity[i] * (root * part), free_rotation::times(turned, r));
     displacement_[k] = {}, warm_[k] = {};
   };
   each_body(load);
@@ -199,8 +204,8 @@ void ContactSolver<T>::foresee_spin(int substeps, double h) {
 }
 
 template <class T>
-void ContactSolver<T>::set_turned(size_t i, const Vec3& turned) {
-  const Vec3 r = roots(moments_[i]);
+void ContactSolver<T>::set_turned(size_t i, const Vec3& gyroscopic) {
+  const Vec3 r = roots(moments_[i]), turned = twist_.empty() ? gyroscopic : gyroscopic + twist_[i];
   change_[i].x[3] = T(turned.x * r.x), change_[i].x[4] = T(turned.y * r.y),
   change_[i].x[5] = T(turned.z * r.z);
 }
@@ -283,8 +288,7 @@ void ContactSolver<T>::store_bodies(State& s) {
 template <class T>
 void ContactSolver<T>::solve(State& s, std::span<const BodyKind> kinds, const JointList& joints,
                              std::span<Contact* const> contacts, std::span<const BodyNow> now,
-                             std::span<const Vec3> change, const SolverSettings& settings,
-                             const StepInput& in) {
+                             const ForceChange& change, const SolverSettings& settings, const StepInput& in) {
   choose_bodies(s, kinds, contacts, now);
   if (body_.empty()) return;
   const auto gathering = team_.gather(in.arena);

@@ -15,14 +15,20 @@
 
 namespace truestep {
 
+/// What forces do to every body in a step.
+struct ForceChange {
+  std::span<const Vec3> velocity;  ///< m/s
+  std::span<const Vec3> momentum;  ///< angular, N m s, in the world; empty where nothing twists
+};
+
 template <class T>
 class ContactSolver {
  public:
   using W = Wide<T>;
-  /// Moves the bodies that have contacts (`slots` tells which) by in.h; `change` is what gravity and pushes
-  /// add to the velocity of every body in that time.
+  /// Moves the bodies that have contacts (`slots` tells which) by in.h; `change` is what gravity, pushes and
+  /// torques add to the velocity and to the angular momentum of every body in that time.
   void solve(State& s, std::span<const BodyKind> kinds, const JointList& joints,
-             std::span<Contact* const> contacts, std::span<const BodyNow> now, std::span<const Vec3> change,
+             std::span<Contact* const> contacts, std::span<const BodyNow> now, const ForceChange& change,
              const SolverSettings& settings, const StepInput& in);
   /// Per body: its place among those that this step's solver moved, or kNoBody.
   std::span<const uint32_t> slots() const { return slot_; }
@@ -31,14 +37,14 @@ class ContactSolver {
   void choose_bodies(const State& s, std::span<const BodyKind> kinds, std::span<Contact* const> contacts,
                      std::span<const BodyNow> now);
   void load_bodies(const State& s, std::span<const BodyKind> kinds, std::span<const BodyNow> now,
-                   std::span<const Vec3> change, const SolverSettings& settings, double h);
+                   const ForceChange& change, const SolverSettings& settings, double h);
   void fill(size_t group, std::span<Contact* const> contacts, const State& s, std::span<const BodyKind> kinds,
             std::span<const BodyNow> now);
   void substeps(const State& s, const JointList& joints, const SolverSettings& settings, const StepInput& in);
   /// Gyroscopic torques follow the spin half way through the step, by the impulses that it begins with: those
   /// of joints last.
   void foresee_spin(int substeps, double h);
-  void set_turned(size_t body, const Vec3& turned);
+  void set_turned(size_t body, const Vec3& gyroscopic);
   /// Bodies on which springs act alone begin and end a step with half of what pulls them in a substep.
   void choose_sprung(const State& s, const JointList& joints, std::span<Contact* const> contacts);
   void kick(T times);
@@ -53,6 +59,7 @@ class ContactSolver {
   std::vector<uint32_t> slot_, body_;
   std::vector<ScaledBody> scaled_;
   std::vector<Vec3> moments_;
+  std::vector<Vec3> twist_;  ///< change of spin per substep by torques, about principal axes; empty: none
   Aligned<Record8<T>> velocity_, displacement_, change_, warm_, start_, late_, damping_;
   Aligned<ContactGroup<T>> groups_;
   JointSolver<T> joints_;

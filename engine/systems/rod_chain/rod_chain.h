@@ -18,6 +18,7 @@
 
 #include "engine/core/build.h"
 #include "engine/core/def.h"
+#include "engine/core/outputs.h"
 #include "engine/core/system.h"
 
 namespace truestep {
@@ -32,6 +33,8 @@ struct RodChainDef {
 };
 
 const DefTable& rod_chain_table();
+/// What it gives out.
+const Outputs& rod_chain_outputs();
 std::unique_ptr<const System> build_rod_chain(const void* def, const BuildContext& context);
 Cost rod_chain_cost(const void* def);
 

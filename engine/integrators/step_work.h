@@ -1,0 +1,28 @@
+// What a step of an implicit method with direct solves costs, before any is made: how often it evaluates,
+// differentiates, factorises and solves by the method's own habits, times what one of each costs by the
+// pattern of the derivatives. Tests hold the sum to within a factor of three of what steps are counted to do.
+#pragma once
+#include <optional>
+
+#include "engine/integrators/advance.h"
+
+namespace truestep {
+
+/// Per step (or substep) of a scene; one operation is a multiplication with its addition.
+struct StepWork {
+  double rates = 0, jacobians = 0, factorisations = 0, solves = 0;
+  double rate = 0, jacobian = 0, factorisation = 0, solve = 0;  ///< operations of one each
+
+  double operations() const {
+    return rates * rate + jacobians * jacobian + factorisations * factorisation + solves * solve;
+  }
+  /// On one core of a present-day server.
+  double seconds() const { return 1e-9 * operations(); }
+};
+
+/// Nothing for methods that do not solve by NewtonMatrix. `rate` operations of one evaluation of f; h (s) is
+/// the step's length, y and the tolerance as for `advance`.
+std::optional<StepWork> implicit_step_work(const Integrator& method, const RightHandSide& f, double rate,
+                                           double h, const double* y, const Tolerance& tolerance);
+
+}  // namespace truestep

@@ -1,0 +1,34 @@
+// What the system type "articulation" gives out, in words.
+#include "engine/core/outputs.h"
+#include "engine/systems/articulation/articulation_def.h"
+
+namespace truestep {
+
+const Outputs& articulation_outputs() {
+  static const Outputs kOutputs{
+      .rows =
+          "a link in the order of links; position and velocity have a second row per link after those, the "
+          "origin of its joint",
+      .fields = {{"position", "m", 3, "centre of mass of every link, then the origin of every link's joint"},
+                 {"velocity", "m/s", 3, "of the same"},
+                 {"orientation", "1", 4, "unit quaternion w x y z"},
+                 {"angular_velocity", "rad/s", 3, "in the world"},
+                 {"joint_force", "N", 3, "that the joint puts on its link, in the world"},
+                 {"joint_moment", "N m", 3, "about the joint's origin"}},
+      .observables = {{"energy.kinetic", "J", "of motion"},
+                      {"energy.potential", "J", "of all forces that have one"},
+                      {"energy.total", "J", "their sum"},
+                      {"integrator.held_steps", "1",
+                       "implicit_euler: steps whose damping was taken at the step's start"},
+                      {"momentum.x", "kg m/s", "of all that moves freely"},
+                      {"momentum.y", "kg m/s", ""},
+                      {"momentum.z", "kg m/s", ""},
+                      {"angular_momentum.x", "kg m^2/s", "about the origin"},
+                      {"angular_momentum.y", "kg m^2/s", ""},
+                      {"angular_momentum.z", "kg m^2/s", ""},
+                      {"loops.gap", "m", "largest distance between points that a loop joins"}},
+      {"power.applied", "W", "where links have a constant force or torque: of those without a potential"}};
+  return kOutputs;
+}
+
+}  // namespace truestep

@@ -1,0 +1,24 @@
+// What the system type "pendulum" gives out, in words.
+#include "engine/core/outputs.h"
+#include "engine/systems/pendulum/pendulum.h"
+
+namespace truestep {
+
+const Outputs& pendulum_outputs() {
+  static const Outputs kOutputs{
+      .rows =
+          "of position and velocity the pivot (0) and the masses (1 ...); of angle and angular_velocity the "
+          "links (0 ...)",
+      .fields = {{"position", "m", 3, "of pivot and masses"},
+                 {"velocity", "m/s", 3, ""},
+                 {"angle", "rad", 1, "of a link from the downward vertical"},
+                 {"angular_velocity", "rad/s", 1, ""}},
+      .observables = {{"energy.kinetic", "J", "of motion"},
+                      {"energy.potential", "J", "of all forces that have one"},
+                      {"energy.total", "J", "their sum"},
+                      {"integrator.held_steps", "1",
+                       "implicit_euler: steps whose damping was taken at the step's start"}}};
+  return kOutputs;
+}
+
+}  // namespace truestep

@@ -1,0 +1,78 @@
+// What the catalogue says that systems give out is what they give out: every field and observable of every
+// gallery scene is listed with its unit, and of what is listed each plain name is seen somewhere.
+#include <gtest/gtest.h>
+
+#include <regex>
+#include <set>
+
+#include "engine/scene/gallery.h"
+#include "engine/scene/json.h"
+#include "engine/session/world.h"
+
+namespace truestep {
+namespace {
+
+/// "joint.<id>.force" as a pattern.
+std::regex pattern(std::string_view name) {
+  std::string out;
+  for (size_t i = 0; i < name.size(); ++i) {
+    if (name[i] == '<') {
+      out += ".+";
+      i = name.find('>', i);
+    } else if (name[i] == '.') {
+      out += "\\.";
+    } else {
+      out += name[i];
+    }
+  }
+  return std::regex(out);
+}
+
+TEST(SystemOutputs, WhatGalleryScenesGiveOutIsListed) {
+  std::set<std::string> seen;
+  for (const GalleryScene& g : gallery()) {
+    const World world(parse_scene(g.text));
+    for (size_t i = 0; i < world.size(); ++i) {
+      const CatalogueRow& row = *world.scene().systems[i].row;
+      for (const FieldInfo& f : world.system(i).fields()) {
+        bool listed = false;
+        for (const FieldOutput& o : row.outputs->fields) {
+          if (!std::regex_match(f.name, pattern(o.name))) continue;
+          listed = true;
+          if (o.name.find('<') != std::string_view::npos) continue;
+          EXPECT_EQ(f.unit, o.unit) << row.type << ' ' << f.name;
+          EXPECT_EQ(f.width, o.width) << row.type << ' ' << f.name;
+          seen.insert(std::string(row.type) + "/" + f.name);
+        }
+        EXPECT_TRUE(listed) << row.type << ' ' << f.name;
+      }
+      Observables values;
+      world.system(i).observe(world.system(i).initial_state(), 0, values);
+      for (const Observation& v : values.rows()) {
+        bool listed = false;
+        for (const OutputInfo& o : row.outputs->observables) {
+          if (!std::regex_match(v.name, pattern(o.name))) continue;
+          listed = true;
+          if (o.name == v.name) {
+            EXPECT_EQ(v.unit, o.unit) << row.type << ' ' << v.name;
+            seen.insert(std::string(row.type) + "/" + v.name);
+          }
+        }
+        EXPECT_TRUE(listed) << row.type << ' ' << v.name;
+      }
+    }
+  }
+  for (const CatalogueRow& row : catalogue()) {
+    EXPECT_FALSE(row.outputs->rows.empty()) << row.type;
+    const auto expect_seen = [&](std::string_view name) {
+      // Only one method counts its steps, and it need not be in the gallery.
+      if (name.find('<') != std::string_view::npos || name == "integrator.held_steps") return;
+      EXPECT_TRUE(seen.contains(std::string(row.type) + "/" + std::string(name))) << row.type << ' ' << name;
+    };
+    for (const FieldOutput& f : row.outputs->fields) expect_seen(f.name);
+    for (const OutputInfo& o : row.outputs->observables) expect_seen(o.name);
+  }
+}
+
+}  // namespace
+}  // namespace truestep
