@@ -2,7 +2,7 @@
 # read once. For code that no step runs: files of steps stay apart, because tests look at their objects one by one. The
 # tree of the fuzz targets, which is only ever built whole, joins more. Names in anonymous namespaces of joined files must
 # differ; APART names the files of which that is not so.
-set(joined_apart dense_lu.cc work_precision.cc export_vtu.cc)
+set(joined_apart dense_lu.cc export_vtu.cc)
 function(join_sources target batch)
   set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_MODE GROUP)
   foreach(folder ${ARGN})

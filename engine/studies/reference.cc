@@ -2,10 +2,10 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <cmath>
 
 #include "engine/base/errors.h"
+#include "engine/base/short_number.h"
 #include "engine/core/integrator.h"
 #include "engine/studies/scene_variant.h"
 
@@ -14,11 +14,6 @@ namespace truestep {
 namespace json = boost::json;
 
 namespace {
-
-std::string short_number(double v) {
-  char buffer[32];
-  return {buffer, std::to_chars(buffer, buffer + sizeof buffer, v, std::chars_format::general, 3).ptr};
-}
 
 struct Attempt {
   Trace trace;
@@ -38,7 +33,7 @@ class Search {
     json::value d = document_;
     set_integrator(d, request_.field.system, method);
     set_tolerance(d, request_.field.system, tolerance);
-    return run(std::move(d), parts, std::string(method) + " at tolerance " + short_number(tolerance));
+    return run(std::move(d), parts, std::string(method) + " at tolerance " + short_number(tolerance, 3));
   }
   /// The scene's own method.
   std::optional<Attempt> refined(uint64_t parts) { return run(document_, parts, "the scene's method"); }

@@ -1,12 +1,12 @@
 #include "engine/studies/stability.h"
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <optional>
 
 #include "engine/base/errors.h"
 #include "engine/base/random.h"
+#include "engine/base/short_number.h"
 #include "engine/core/force_system.h"
 #include "engine/studies/scene_variant.h"
 #include "engine/studies/spectrum.h"
@@ -247,11 +247,6 @@ class BorderSearch {
   int runs_ = 0;
 };
 
-std::string short_number(double v) {
-  char buffer[32];
-  return {buffer, std::to_chars(buffer, buffer + sizeof buffer, v, std::chars_format::general, 4).ptr};
-}
-
 std::vector<const Integrator*> methods(const StabilityParams& p, const ForceField& field) {
   std::vector<const Integrator*> out;
   for (const Integrator& row : integrators()) {
@@ -352,8 +347,8 @@ StudyResult run_stability(const json::value& scene, const void* def, StudyContex
         for (const auto& span : f.again) {
           again.x.insert(again.x.end(), {span.from, span.to}), again.y.insert(again.y.end(), {y, y});
           list.push_back({{"from", span.from}, {"to", span.to}});
-          spans +=
-              (spans.empty() ? "" : ", ") + short_number(span.from) + " to " + short_number(span.to) + " s";
+          spans += (spans.empty() ? "" : ", ") + short_number(span.from, 4) + " to " +
+                   short_number(span.to, 4) + " s";
         }
         if (!list.empty()) windows[row.name] = std::move(list);
         if (std::isfinite(limit) && limit > 0) {

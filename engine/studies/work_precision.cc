@@ -2,10 +2,10 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <cmath>
 
 #include "engine/base/errors.h"
+#include "engine/base/short_number.h"
 #include "engine/core/integrator.h"
 #include "engine/studies/scene_variant.h"
 
@@ -48,11 +48,6 @@ std::vector<std::string> methods(const WorkPrecisionParams& p) {
   std::vector<std::string> all;
   for (const Integrator& row : integrators()) all.emplace_back(row.name);
   return all;
-}
-
-std::string short_number(double v) {
-  char buffer[32];
-  return {buffer, std::to_chars(buffer, buffer + sizeof buffer, v, std::chars_format::general, 3).ptr};
 }
 
 double median(std::vector<double> v) {
@@ -141,11 +136,11 @@ class Measurer {
 
   [[noreturn]] void refuse(double possible) const {
     const std::string allowed =
-        possible >= scene_dt_ ? "about " + short_number(possible) + " s at most" : "a larger budget";
+        possible >= scene_dt_ ? "about " + short_number(possible, 3) + " s at most" : "a larger budget";
     throw Error(
         "study_failed", "no method reaches a reference solution within the time budget",
         {{"/horizon", "too_long", "no method gets so far in time, accurately enough to be a reference",
-          short_number(out_.horizon), allowed, "", "s"}});
+          short_number(out_.horizon, 3), allowed, "", "s"}});
   }
 
   void measure(const std::string& name, double share) {
@@ -308,8 +303,8 @@ WorkMeasurement measure_work(const json::value& scene, const WorkPrecisionParams
 
 void describe_reach(const WorkMeasurement& m, json::object& summary) {
   if (m.horizon < m.duration) {
-    summary["note"] = "the budget reaches " + short_number(m.horizon) + " s of the scene's " +
-                      short_number(m.duration) + " s; give a horizon or a larger budget for another part";
+    summary["note"] = "the budget reaches " + short_number(m.horizon, 3) + " s of the scene's " +
+                      short_number(m.duration, 3) + " s; give a horizon or a larger budget for another part";
   }
   if (m.reference.meaningless()) {
     summary["warning"] =
