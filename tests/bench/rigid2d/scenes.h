@@ -1,19 +1,25 @@
 // Scenes of rigid bodies in the plane that say nothing about engines, and how well a state keeps them: the
 // published set of the Box2D v3 benchmark (density 1, friction 0.6, gravity -10, steps of 1/60 s).
 #pragma once
+#include <array>
 #include <string>
 #include <vector>
 
 namespace truestep::bench {
 
-/// Box of half edges about (cx, cy); hy = 0: a segment, hx = 0: a disk of radius hy.
+/// Box of half edges about (cx, cy); hy = 0: a segment, hx = 0: a disk of radius hy. With corners (four,
+/// counter-clockwise): what they span.
 struct FlatShape {
   double hx, hy, cx = 0, cy = 0, density = 1;
+  std::vector<std::array<double, 2>> corners = {};
 };
+/// Dynamic bodies sleep where the engine is told so, sleepers always may, and what is asleep is one from the
+/// start.
 struct FlatBody {
-  enum class Kind { fixed, dynamic, asleep } kind = Kind::dynamic;
+  enum class Kind { fixed, dynamic, sleeper, asleep } kind = Kind::dynamic;
   double x = 0, y = 0, vx = 0;
-  std::vector<FlatShape> shapes;
+  std::vector<FlatShape> shapes = {};
+  double angle = 0, spin = 0;
 };
 /// Revolute; anchors in the bodies' frames. A torque above 0 is a motor.
 struct FlatJoint {
@@ -22,17 +28,32 @@ struct FlatJoint {
 };
 struct FlatScene {
   std::string name;
-  std::vector<FlatBody> bodies;
-  std::vector<FlatJoint> joints;
+  std::vector<FlatBody> bodies = {};
+  std::vector<FlatJoint> joints = {};
   double gravity = -10;
   bool collide = true;
   int steps = 200;
+  int settle = 0;  ///< steps before standing begins
+  size_t top = 0;  ///< body whose drift and sinking are told; 0: of every body the largest
 };
 struct FlatPose {
   double x, y, angle;
 };
+struct FlatState {
+  FlatPose pose;
+  double vx, vy, spin;
+};
+inline constexpr double kFlatFriction = 0.6, kFlatDt = 1.0 / 60;
 
 std::vector<FlatScene> flat_scenes();
+/// What should stand: large pyramid, stacks of 10, 20 and 50, an arch, a house of cards, a heap.
+std::vector<FlatScene> standing_flat_scenes();
+FlatScene flat_stack(int boxes);
+struct FlatMass {
+  double mass = 0, inertia = 0;  ///< inertia about the origin of the body's frame, its centre
+};
+FlatMass flat_mass(const FlatBody& body);
+double flat_kinetic(const FlatScene& scene, const std::vector<FlatState>& state);
 /// Deepest overlap of any two bodies (m), or the widest gap of any joint where nothing collides.
 double flat_error(const FlatScene& scene, const std::vector<FlatPose>& poses);
 

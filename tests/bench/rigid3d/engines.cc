@@ -21,14 +21,15 @@ Vec3 on_body(const SpaceScene& scene, int body, const SpaceJoint& j) {
 Rigid3dDef def_of(const SpaceScene& scene, const OursSettings& settings) {
   Rigid3dDef def;
   def.gravity = scene.gravity, def.friction = kSpaceFriction;
-  def.sleeping = settings.sleep == OursSettings::Sleep::allowed;
+  def.sleeping = settings.sleep == Sleep::allowed;
   if (scene.substeps > 0) def.substeps = scene.substeps;
   if (settings.numbers == OursSettings::Numbers::f64) def.precision = Rigid3dDef::Precision::f64;
   for (const SpaceBody& b : scene.bodies) {
     const auto add = [&](auto body) {
       const Quat& q = b.pose.orientation;
       body.position = b.pose.position, body.orientation = {q.w, q.x, q.y, q.z};
-      body.angular_velocity = b.angular_velocity, body.density = kSpaceDensity;
+      body.velocity = b.velocity, body.angular_velocity = b.angular_velocity;
+      body.density = kSpaceDensity;
       if (b.fixed) body.motion = BodyDef::Motion::fixed;
       if (!scene.collide) body.mask = 0;
       def.bodies.push_back(body);
@@ -41,9 +42,13 @@ Rigid3dDef def_of(const SpaceScene& scene, const OursSettings& settings) {
       SphereBodyDef d;
       d.radius = b.size.x;
       add(d);
-    } else {
+    } else if (b.shape == Shape::capsule) {
       CapsuleBodyDef d;
       d.radius = b.size.x, d.half_length = b.size.y;
+      add(d);
+    } else {
+      HullBodyDef d;
+      d.points = prism_points(b);
       add(d);
     }
   }
@@ -71,6 +76,7 @@ class Ours final : public SpaceEngine {
             load3(state_.f64(c::velocity).data(), i),
             load3(state_.f64(c::angular_velocity).data(), i)};
   }
+  bool asleep(size_t i) const override { return state_.span<uint32_t>(rigid3d_columns::asleep)[i] != 0; }
 
  private:
   Rigid3d system_;
@@ -82,14 +88,20 @@ class Ours final : public SpaceEngine {
 
 class Rapier final : public SpaceEngine {
  public:
-  Rapier(const RapierLibrary& library, const SpaceScene& scene)
+  Rapier(const RapierLibrary& library, const SpaceScene& scene, Sleep sleep)
       : library_(library), world_(library.create(&scene.gravity.x)) {
     for (const SpaceBody& b : scene.bodies) {
-      const Vec3 &x = b.pose.position, &w = b.angular_velocity, I = moments(b);
+      const Vec3 &x = b.pose.position, &v = b.velocity, &w = b.angular_velocity, I = moments(b);
       const Quat& q = b.pose.orientation;
-      const double pose[] = {x.x, x.y, x.z, q.w, q.x, q.y, q.z}, motion[] = {0, 0, 0, w.x, w.y, w.z};
-      library.body(world_, static_cast<int>(b.shape), &b.size.x, pose, motion, b.fixed, scene.collide,
-                   kSpaceDensity, kSpaceFriction, mass(b), &I.x);
+      const double pose[] = {x.x, x.y, x.z, q.w, q.x, q.y, q.z}, motion[] = {v.x, v.y, v.z, w.x, w.y, w.z};
+      std::vector<double> size{b.size.x, b.size.y, b.size.z};
+      if (b.shape == Shape::prism) {
+        const std::vector<Vec3> points = prism_points(b);
+        size = {static_cast<double>(points.size())};
+        for (const Vec3& p : points) size.insert(size.end(), {p.x, p.y, p.z});
+      }
+      library.body(world_, static_cast<int>(b.shape), size.data(), pose, motion, b.fixed, scene.collide,
+                   sleep == Sleep::allowed, kSpaceDensity, kSpaceFriction, mass(b), &I.x);
     }
     for (const SpaceJoint& j : scene.joints) {
       const Vec3 on_a = on_body(scene, j.a, j), on_b = on_body(scene, j.b, j);
@@ -102,6 +114,7 @@ class Rapier final : public SpaceEngine {
     library_.motion(world_, static_cast<int>(i), m);
     return {{{m[0], m[1], m[2]}, {m[3], m[4], m[5], m[6]}}, {m[7], m[8], m[9]}, {m[10], m[11], m[12]}};
   }
+  bool asleep(size_t i) const override { return library_.asleep(world_, static_cast<int>(i)) != 0; }
 
  private:
   const RapierLibrary& library_;
@@ -115,9 +128,9 @@ btVector3 vector(const Vec3& a) {
 
 class Bullet final : public SpaceEngine {
  public:
-  explicit Bullet(const SpaceScene& scene) {
+  Bullet(const SpaceScene& scene, Sleep sleep) {
     world_.setGravity(vector(scene.gravity));
-    for (const SpaceBody& b : scene.bodies) add(b, scene.collide);
+    for (const SpaceBody& b : scene.bodies) add(b, scene.collide, sleep);
     for (const SpaceJoint& j : scene.joints) {
       joints_.push_back(std::make_unique<btPoint2PointConstraint>(
           *bodies_[static_cast<size_t>(j.a)], *bodies_[static_cast<size_t>(j.b)],
@@ -138,16 +151,23 @@ class Bullet final : public SpaceEngine {
             back(bodies_[i]->getLinearVelocity()),
             back(bodies_[i]->getAngularVelocity())};
   }
+  bool asleep(size_t i) const override { return !bodies_[i]->isActive(); }
 
  private:
-  void add(const SpaceBody& b, bool collide) {
+  void add(const SpaceBody& b, bool collide, Sleep sleep) {
     const btScalar radius(b.size.x), length(2 * b.size.y);
     if (b.shape == Shape::box) {
       shapes_.push_back(std::make_unique<btBoxShape>(vector(b.size)));
     } else if (b.shape == Shape::sphere) {
       shapes_.push_back(std::make_unique<btSphereShape>(radius));
-    } else {
+    } else if (b.shape == Shape::capsule) {
       shapes_.push_back(std::make_unique<btCapsuleShape>(radius, length));
+    } else {
+      auto hull = std::make_unique<btConvexHullShape>();
+      for (const Vec3& p : prism_points(b)) hull->addPoint(vector(p));
+      // Bullet puts a hull's margin around it, a box's inside.
+      hull->setMargin(0);
+      shapes_.push_back(std::move(hull));
     }
     const Quat& q = b.pose.orientation;
     btRigidBody::btRigidBodyConstructionInfo info(b.fixed ? 0 : btScalar(mass(b)), nullptr,
@@ -158,7 +178,8 @@ class Bullet final : public SpaceEngine {
     info.m_friction = std::sqrt(btScalar(kSpaceFriction)), info.m_restitution = 0;
     info.m_linearDamping = info.m_angularDamping = 0;
     bodies_.push_back(std::make_unique<btRigidBody>(info));
-    bodies_.back()->setActivationState(DISABLE_DEACTIVATION);
+    if (sleep == Sleep::never) bodies_.back()->setActivationState(DISABLE_DEACTIVATION);
+    bodies_.back()->setLinearVelocity(vector(b.velocity));
     bodies_.back()->setAngularVelocity(vector(b.angular_velocity));
     if (collide) {
       world_.addRigidBody(bodies_.back().get());
@@ -192,17 +213,19 @@ std::unique_ptr<RapierLibrary> RapierLibrary::open(const char* path) {
     return f != nullptr;
   };
   const bool all = find(l->create, "peer_new") && find(l->body, "peer_body") && find(l->ball, "peer_ball") &&
-                   find(l->step, "peer_step") && find(l->motion, "peer_motion");
+                   find(l->step, "peer_step") && find(l->motion, "peer_motion") &&
+                   find(l->asleep, "peer_asleep");
   return all ? std::move(l) : nullptr;
 }
 
-std::unique_ptr<SpaceEngine> RapierLibrary::make(const SpaceScene& scene) const {
-  return std::make_unique<Rapier>(*this, scene);
+std::unique_ptr<SpaceEngine> RapierLibrary::make(const SpaceScene& scene, Sleep sleep) const {
+  return std::make_unique<Rapier>(*this, scene, sleep);
 }
 
-std::unique_ptr<SpaceEngine> make_bullet([[maybe_unused]] const SpaceScene& scene) {
+std::unique_ptr<SpaceEngine> make_bullet([[maybe_unused]] const SpaceScene& scene,
+                                         [[maybe_unused]] Sleep sleep) {
 #ifdef TRUESTEP_BULLET
-  return std::make_unique<Bullet>(scene);
+  return std::make_unique<Bullet>(scene, sleep);
 #else
   return nullptr;
 #endif

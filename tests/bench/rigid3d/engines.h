@@ -3,6 +3,7 @@
 #include <memory>
 
 #include "tests/bench/rigid3d/scenes.h"
+#include "tests/bench/sleep.h"
 
 namespace truestep::bench {
 
@@ -12,11 +13,12 @@ struct SpaceEngine {
   virtual ~SpaceEngine() = default;
   virtual void step() = 0;
   virtual SpaceState state(size_t body) const = 0;
+  virtual bool asleep(size_t body) const = 0;
 };
 
 struct OursSettings {
   int threads = 1;
-  enum class Sleep { never, allowed } sleep = Sleep::never;
+  Sleep sleep = Sleep::never;
   enum class Numbers { f32, f64 } numbers = Numbers::f32;
 };
 std::unique_ptr<SpaceEngine> make_ours(const SpaceScene& scene, const OursSettings& settings = {});
@@ -25,17 +27,18 @@ std::unique_ptr<SpaceEngine> make_ours(const SpaceScene& scene, const OursSettin
 class RapierLibrary {
  public:
   static std::unique_ptr<RapierLibrary> open(const char* path);
-  std::unique_ptr<SpaceEngine> make(const SpaceScene& scene) const;
+  std::unique_ptr<SpaceEngine> make(const SpaceScene& scene, Sleep sleep = Sleep::never) const;
 
   void* (*create)(const double*) = nullptr;
-  void (*body)(void*, int, const double*, const double*, const double*, int, int, double, double, double,
+  void (*body)(void*, int, const double*, const double*, const double*, int, int, int, double, double, double,
                const double*) = nullptr;
   void (*ball)(void*, int, int, const double*, const double*) = nullptr;
   void (*step)(void*, double) = nullptr;
   void (*motion)(void*, int, double*) = nullptr;
+  int (*asleep)(void*, int) = nullptr;
 };
 
 /// Nothing where Bullet is not installed.
-std::unique_ptr<SpaceEngine> make_bullet(const SpaceScene& scene);
+std::unique_ptr<SpaceEngine> make_bullet(const SpaceScene& scene, Sleep sleep = Sleep::never);
 
 }  // namespace truestep::bench

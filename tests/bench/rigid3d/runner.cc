@@ -1,5 +1,5 @@
-// rigid3d_runner [LIBRARY [SCENE...]]: rigid bodies in space beside Rapier3d (LIBRARY is the peer of
-// peers/rapier3d) and Bullet where it is installed. Engines take turns of ten steps on the same scene;
+// rigid3d_runner [standing] [LIBRARY [SCENE...]]: rigid bodies in space beside Rapier3d (LIBRARY is the peer
+// of peers/rapier3d) and Bullet where it is installed. Engines take turns of ten steps on the same scene;
 // milliseconds of one thread per step beside the deepest overlap or widest gap at twenty moments of the last
 // three quarters, then what was kept: the drift of the topmost body, the energy left in bodies that should
 // rest. Ours beside itself: doubles, two threads, asleep, many small sessions.
@@ -9,6 +9,7 @@
 
 #include "tests/bench/report.h"
 #include "tests/bench/rigid3d/engines.h"
+#include "tests/bench/rigid3d/standing.h"
 
 namespace truestep::bench {
 namespace {
@@ -128,14 +129,14 @@ void ours_beside_itself(const std::vector<SpaceScene>& scenes) {
   beside_itself("pyramid, ms per step", "the same in f64", *make_ours(pyramid),
                 *make_ours(pyramid, {.numbers = OursSettings::Numbers::f64}), 60, thread_seconds);
   beside_itself("pyramid asleep, ms per step", "the same awake",
-                *make_ours(pyramid, {.sleep = OursSettings::Sleep::allowed}), *make_ours(pyramid), 900,
-                thread_seconds);
+                *make_ours(pyramid, {.sleep = Sleep::allowed}), *make_ours(pyramid), 900, thread_seconds);
   // A thousand boxes on the ground, alone or together.
   struct Crowd final : SpaceEngine {
     void step() override {
       for (const auto& e : all) e->step();
     }
     SpaceState state(size_t) const override { return {}; }
+    bool asleep(size_t) const override { return false; }
     std::vector<std::unique_ptr<SpaceEngine>> all;
   } crowd;
   SpaceScene together = space_stack(0, 0);
@@ -152,11 +153,14 @@ void ours_beside_itself(const std::vector<SpaceScene>& scenes) {
 
 int main(int count, char** arguments) {
   using namespace truestep::bench;
+  const bool standing = count > 1 && !std::strcmp(arguments[1], "standing");
+  count -= standing, arguments += standing;
   const auto rapier = count > 1 && *arguments[1] ? RapierLibrary::open(arguments[1]) : nullptr;
   if (count > 1 && *arguments[1] && !rapier) std::fprintf(stderr, "%s: no such peer\n", arguments[1]);
   const auto wanted = [&](const std::string& name) {
     return count <= 2 || std::any_of(arguments + 2, arguments + count, [&](char* a) { return name == a; });
   };
+  if (standing) return stand(rapier.get(), {arguments + std::min(count, 2), arguments + count}), 0;
   const auto scenes = space_scenes();
   for (const SpaceScene& scene : scenes) {
     if (!wanted(scene.name)) continue;

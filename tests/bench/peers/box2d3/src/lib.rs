@@ -19,24 +19,30 @@ pub unsafe extern "C" fn peer_new(gx: f64, gy: f64) -> *mut Peer {
     Box::into_raw(Box::new(Peer { world: b2CreateWorld(&def), bodies: vec![] }))
 }
 
-/// Number of the new body, from 0. `asleep`: starts asleep and may sleep, otherwise never sleeps.
+/// Number of the new body, from 0. `place`: x, y, angle, velocity along x, angular velocity. `rest`: 0 never sleeps,
+/// 1 may, 2 is asleep at the start.
 #[no_mangle]
-pub unsafe extern "C" fn peer_body(p: *mut Peer, dynamic: c_int, x: f64, y: f64, vx: f64, asleep: c_int) -> c_int {
+pub unsafe extern "C" fn peer_body(p: *mut Peer, dynamic: c_int, place: *const f64, rest: c_int) -> c_int {
     let p = &mut *p;
+    let at = |k: usize| *place.add(k);
     let mut def = b2DefaultBodyDef();
     def.type_ = if dynamic != 0 { b2BodyType_b2_dynamicBody } else { b2BodyType_b2_staticBody };
-    def.position = vec(x, y);
-    def.linearVelocity = vec(vx, 0.0);
-    def.enableSleep = asleep != 0;
-    def.isAwake = asleep != 1;
+    def.position = vec(at(0), at(1));
+    def.rotation = b2Rot { c: at(2).cos() as f32, s: at(2).sin() as f32 };
+    def.linearVelocity = vec(at(3), 0.0);
+    def.angularVelocity = at(4) as f32;
+    def.enableSleep = rest != 0;
+    def.isAwake = rest != 2;
     p.bodies.push(b2CreateBody(p.world, &def));
     (p.bodies.len() - 1) as c_int
 }
 
-/// Box with half edges about (cx, cy); hy = 0: a segment; hx = 0: a disk of radius hy.
+/// `size`: half edges and centre of a box; half height 0: a segment; half width 0: a disk of radius half height. With
+/// corners: the convex hull of these points.
 #[no_mangle]
-pub unsafe extern "C" fn peer_shape(p: *mut Peer, body: c_int, hx: f64, hy: f64, cx: f64, cy: f64, density: f64, friction: f64, collide: c_int) {
+pub unsafe extern "C" fn peer_shape(p: *mut Peer, body: c_int, size: *const f64, corners: c_int, corner: *const f64, density: f64, friction: f64, collide: c_int) {
     let body = (&*p).bodies[body as usize];
+    let (hx, hy, cx, cy) = (*size, *size.add(1), *size.add(2), *size.add(3));
     let mut def = b2DefaultShapeDef();
     def.density = density as f32;
     def.material.friction = friction as f32;
@@ -44,7 +50,11 @@ pub unsafe extern "C" fn peer_shape(p: *mut Peer, body: c_int, hx: f64, hy: f64,
     if collide == 0 {
         def.filter.maskBits = 0;
     }
-    if hx == 0.0 {
+    if corners > 0 {
+        let points: Vec<b2Vec2> = (0..corners as usize).map(|k| vec(*corner.add(2 * k), *corner.add(2 * k + 1))).collect();
+        let hull = b2ComputeHull(points.as_ptr(), corners);
+        b2CreatePolygonShape(body, &def, &b2MakePolygon(&hull, 0.0));
+    } else if hx == 0.0 {
         b2CreateCircleShape(body, &def, &b2Circle { center: vec(cx, cy), radius: hy as f32 });
     } else if hy == 0.0 {
         b2CreateSegmentShape(body, &def, &b2Segment { point1: vec(cx - hx, cy), point2: vec(cx + hx, cy) });
@@ -74,12 +84,20 @@ pub unsafe extern "C" fn peer_step(p: *mut Peer, dt: f64) {
     b2World_Step((&*p).world, dt as f32, 4);
 }
 
-/// x, y, angle.
+/// x, y, angle, velocity, angular velocity.
 #[no_mangle]
-pub unsafe extern "C" fn peer_pose(p: *mut Peer, body: c_int, out: *mut f64) {
+pub unsafe extern "C" fn peer_motion(p: *mut Peer, body: c_int, out: *mut f64) {
     let body = (&*p).bodies[body as usize];
-    let (at, q) = (b2Body_GetPosition(body), b2Body_GetRotation(body));
-    *out = at.x as f64;
-    *out.add(1) = at.y as f64;
-    *out.add(2) = (q.s as f64).atan2(q.c as f64);
+    let (at, q, v) = (b2Body_GetPosition(body), b2Body_GetRotation(body), b2Body_GetLinearVelocity(body));
+    let angle = (q.s as f64).atan2(q.c as f64);
+    let all = [at.x as f64, at.y as f64, angle, v.x as f64, v.y as f64, b2Body_GetAngularVelocity(body) as f64];
+    for (k, value) in all.iter().enumerate() {
+        *out.add(k) = *value;
+    }
+}
+
+#[no_mangle]
+pub unsafe extern "C" fn peer_asleep(p: *mut Peer, body: c_int) -> c_int {
+    let body = (&*p).bodies[body as usize];
+    !b2Body_IsAwake(body) as c_int
 }

@@ -14,32 +14,41 @@ pub extern "C" fn peer_new(gx: f64, gy: f64) -> *mut Peer {
     Box::into_raw(Box::new(Peer { world, bodies: vec![] }))
 }
 
-/// Number of the new body, from 0. `asleep`: starts asleep and may sleep, otherwise never sleeps.
+/// Number of the new body, from 0. `place`: x, y, angle, velocity along x, angular velocity. `rest`: 0 never sleeps,
+/// 1 may, 2 is asleep at the start.
 #[no_mangle]
-pub unsafe extern "C" fn peer_body(p: *mut Peer, dynamic: c_int, x: f64, y: f64, vx: f64, asleep: c_int) -> c_int {
+pub unsafe extern "C" fn peer_body(p: *mut Peer, dynamic: c_int, place: *const f64, rest: c_int) -> c_int {
     let p = &mut *p;
+    let at = |k: usize| *place.add(k) as f32;
     let builder = if dynamic != 0 { RigidBodyBuilder::dynamic() } else { RigidBodyBuilder::fixed() };
     let body = builder
-        .translation(Vector::new(x as f32, y as f32))
-        .linvel(Vector::new(vx as f32, 0.0))
-        .can_sleep(asleep != 0)
-        .sleeping(asleep == 1);
+        .translation(Vector::new(at(0), at(1)))
+        .rotation(at(2))
+        .linvel(Vector::new(at(3), 0.0))
+        .angvel(at(4))
+        .can_sleep(rest != 0)
+        .sleeping(rest == 2);
     p.bodies.push(p.world.bodies.insert(body));
     (p.bodies.len() - 1) as c_int
 }
 
-/// Box with half edges about (cx, cy); hy = 0: a segment; hx = 0: a disk of radius hy.
+/// `size`: half edges and centre of a box; half height 0: a segment; half width 0: a disk of radius half height. With
+/// corners: the convex hull of these points.
 #[no_mangle]
-pub unsafe extern "C" fn peer_shape(p: *mut Peer, body: c_int, hx: f64, hy: f64, cx: f64, cy: f64, density: f64, friction: f64, collide: c_int) {
+pub unsafe extern "C" fn peer_shape(p: *mut Peer, body: c_int, size: *const f64, corners: c_int, corner: *const f64, density: f64, friction: f64, collide: c_int) {
     let p = &mut *p;
-    let center = Vector::new(cx as f32, cy as f32);
-    let shape = if hx == 0.0 {
-        ColliderBuilder::ball(hy as f32).translation(center)
+    let (hx, hy, center) = (*size as f32, *size.add(1) as f32, Vector::new(*size.add(2) as f32, *size.add(3) as f32));
+    let shape = if corners > 0 {
+        let at = |k: usize| Vector::new(*corner.add(2 * k) as f32, *corner.add(2 * k + 1) as f32);
+        let points: Vec<_> = (0..corners as usize).map(at).collect();
+        ColliderBuilder::convex_hull(&points).unwrap()
+    } else if hx == 0.0 {
+        ColliderBuilder::ball(hy).translation(center)
     } else if hy == 0.0 {
-        let along = Vector::new(hx as f32, 0.0);
+        let along = Vector::new(hx, 0.0);
         ColliderBuilder::segment(center - along, center + along)
     } else {
-        ColliderBuilder::cuboid(hx as f32, hy as f32).translation(center)
+        ColliderBuilder::cuboid(hx, hy).translation(center)
     };
     let mut shape = shape.density(density as f32).friction(friction as f32).restitution(0.0);
     if collide == 0 {
@@ -69,12 +78,20 @@ pub unsafe extern "C" fn peer_step(p: *mut Peer, dt: f64) {
     p.world.step();
 }
 
-/// x, y, angle.
+/// x, y, angle, velocity, angular velocity.
 #[no_mangle]
-pub unsafe extern "C" fn peer_pose(p: *mut Peer, body: c_int, out: *mut f64) {
+pub unsafe extern "C" fn peer_motion(p: *mut Peer, body: c_int, out: *mut f64) {
     let p = &*p;
     let body = &p.world.bodies[p.bodies[body as usize]];
-    *out = body.translation().x as f64;
-    *out.add(1) = body.translation().y as f64;
-    *out.add(2) = body.rotation().angle() as f64;
+    let (x, v) = (body.translation(), body.linvel());
+    let all = [x.x, x.y, body.rotation().angle(), v.x, v.y, body.angvel()];
+    for (k, value) in all.iter().enumerate() {
+        *out.add(k) = *value as f64;
+    }
+}
+
+#[no_mangle]
+pub unsafe extern "C" fn peer_asleep(p: *mut Peer, body: c_int) -> c_int {
+    let p = &*p;
+    p.world.bodies[p.bodies[body as usize]].is_sleeping() as c_int
 }

@@ -18,11 +18,12 @@ pub unsafe extern "C" fn peer_new(gravity: *const f64) -> *mut Peer {
     Box::into_raw(Box::new(Peer { world, bodies: vec![] }))
 }
 
-/// Sizes by shape: box (0) half edges, sphere (1) radius, capsule along y (2) radius and half length. The pose is
+/// Sizes by shape: box (0) half edges, sphere (1) radius, capsule along y (2) radius and half length, hull
+/// (3) the number of its points and their coordinates. The pose is
 /// position and quaternion (w first), the motion velocity and angular velocity. What does not collide has no shape,
-/// only `mass` and its moments. Nothing sleeps.
+/// only `mass` and its moments.
 #[no_mangle]
-pub unsafe extern "C" fn peer_body(p: *mut Peer, shape: c_int, size: *const f64, pose: *const f64, motion: *const f64, fixed: c_int, collide: c_int, density: f64, friction: f64, mass: f64, moments: *const f64) {
+pub unsafe extern "C" fn peer_body(p: *mut Peer, shape: c_int, size: *const f64, pose: *const f64, motion: *const f64, fixed: c_int, collide: c_int, may_sleep: c_int, density: f64, friction: f64, mass: f64, moments: *const f64) {
     let p = &mut *p;
     let f = |k: usize| *size.add(k) as f32;
     let q = |k: usize| *pose.add(3 + k) as f32;
@@ -31,7 +32,7 @@ pub unsafe extern "C" fn peer_body(p: *mut Peer, shape: c_int, size: *const f64,
         .pose(Pose::from_parts(vector(pose), Rotation::from_xyzw(q(1), q(2), q(3), q(0))))
         .linvel(vector(motion))
         .angvel(vector(motion.add(3)))
-        .can_sleep(false)
+        .can_sleep(may_sleep != 0)
         .gyroscopic_forces_enabled(true);
     if collide == 0 {
         if fixed == 0 {
@@ -43,7 +44,11 @@ pub unsafe extern "C" fn peer_body(p: *mut Peer, shape: c_int, size: *const f64,
     let collider = match shape {
         0 => ColliderBuilder::cuboid(f(0), f(1), f(2)),
         1 => ColliderBuilder::ball(f(0)),
-        _ => ColliderBuilder::capsule_y(f(1), f(0)),
+        2 => ColliderBuilder::capsule_y(f(1), f(0)),
+        _ => {
+            let points: Vec<_> = (0..*size as usize).map(|k| vector(size.add(1 + 3 * k))).collect();
+            ColliderBuilder::convex_hull(&points).unwrap()
+        }
     };
     let collider = collider.density(density as f32).friction(friction as f32).restitution(0.0);
     let (handle, _) = p.world.insert(body, collider);
@@ -75,4 +80,10 @@ pub unsafe extern "C" fn peer_motion(p: *mut Peer, body: c_int, out: *mut f64) {
     for (k, value) in all.iter().enumerate() {
         *out.add(k) = *value as f64;
     }
+}
+
+#[no_mangle]
+pub unsafe extern "C" fn peer_asleep(p: *mut Peer, body: c_int) -> c_int {
+    let p = &*p;
+    p.world.bodies[p.bodies[body as usize]].is_sleeping() as c_int
 }
