@@ -36,9 +36,7 @@ void ForceSystem::bound_speed() {
   const double reach = 1 + largest(x);
   double speed = largest(v) + std::sqrt(2 * largest(a) * reach);
   if (const auto fastest = field_->stiffness(s)) speed += fastest->omega * reach;
-  constexpr double kMargin = 1000;
-  // At least orbital speed: a scene at rest may be kicked by commands.
-  speed_limit_ = kMargin * std::max(speed, 1e4);
+  speed_limit_ = unexplained_speed(speed);
 }
 
 State ForceSystem::initial_state() const {
@@ -59,6 +57,23 @@ void ForceSystem::observe(const State& state, double t, Observables& out) const 
     out.add("energy.total", kinetic + *potential, "J");
   }
   if (method_.observe) method_.observe(state, out);
+}
+
+std::optional<Energy> ForceSystem::energy(const State& state, double t, Workspace& workspace,
+                                          const ThreadArena& arena) const {
+  Evaluation e{workspace, arena};
+  const Phase at{t, state.f64(state.at("position")), state.f64(state.at("velocity")), state};
+  Energy out{.kinetic = field_->kinetic(at, e)};
+  if (const auto potential = field_->potential(at, e)) {
+    out.potential = *potential;
+    out.exchange = exchange(state);
+  }
+  // Methods without a limit have no swings worth mentioning: twice what there was, from nothing, is a fault.
+  constexpr double kSteady = 2;
+  const bool limited =
+      method_.kind == Integrator::Kind::explicit_ && method_.stepping == Integrator::Stepping::fixed;
+  out.swing = limited ? Energy::kSwingNearLimit : kSteady;
+  return out;
 }
 
 std::vector<FieldInfo> ForceSystem::fields() const {

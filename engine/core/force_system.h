@@ -22,12 +22,17 @@ class ForceSystem : public StagedSystem {
   std::optional<double> stable_dt(const State& state) const override;
   size_t max_rows() const override { return max_rows_; }
   std::optional<double> speed_limit() const override { return speed_limit_; }
+  /// The field's, where it has a potential.
+  std::optional<Energy> energy(const State& state, double t, Workspace& workspace,
+                               const ThreadArena& arena) const override;
 
   const ForceField& force_field() const { return *field_; }
   const Integrator& integrator() const { return method_; }
   const IntegratorOptions& options() const { return options_; }
 
  protected:
+  /// Whether the field's forces are those of its potential and of friction alone in this state.
+  virtual Energy::Exchange exchange(const State& state) const { return Energy::Exchange::open; }
   /// Adds no stage yet: derived constructors call add_integration_stage where it belongs.
   ForceSystem(std::unique_ptr<const ForceField> field, const Integrator& method, IntegratorOptions options);
   void add_integration_stage();

@@ -163,7 +163,7 @@ State State::deserialize(std::span<const std::byte> bytes) {
     const auto type = r.get<uint8_t>(), role = r.get<uint8_t>();
     info.width = r.get<uint32_t>();
     const auto rows = r.get<uint64_t>();
-    if (type > 4 || role > 2 || info.width > 4096 || rows > (uint64_t{1} << 40) || state.find(info.name)) {
+    if (type > 4 || role > 3 || info.width > 4096 || rows > (uint64_t{1} << 40) || state.find(info.name)) {
       throw Error("bad_snapshot", "a column of the snapshot is malformed");
     }
     info.type = static_cast<Scalar>(type);
@@ -185,38 +185,47 @@ size_t State::memory_bytes() const {
 namespace {
 
 // Sums of term(v) in many lanes, so that the additions of one do not wait for each other.
-template <class Term>
-double lane_sum(std::span<const double> values, Term term) {
+template <class T, class Term>
+T lane_sum(std::span<const T> values, Term term) {
   constexpr size_t kLanes = 32;
-  double sum[kLanes] = {};
+  T sum[kLanes] = {};
   size_t i = 0;
   for (; i + kLanes <= values.size(); i += kLanes) {
     for (size_t k = 0; k < kLanes; ++k) sum[k] += term(values[i + k]);
   }
   for (; i < values.size(); ++i) sum[0] += term(values[i]);
-  double total = 0;
-  for (const double lane : sum) total += lane;
+  T total = 0;
+  for (const T lane : sum) total += lane;
   return total;
+}
+
+// Index of the first value that is not finite or beyond the limit. One sweep answers for nearly every column:
+// v * 0 is NaN exactly when v is NaN or infinite, and no velocity is beyond the limit when the sum of all
+// squares is not.
+template <class T>
+std::optional<size_t> first_beyond(std::span<const T> values, double limit) {
+  const bool limited = limit < std::numeric_limits<double>::infinity();
+  if (limited ? lane_sum(values, [](T v) { return v * v; }) <= limit * limit
+              : lane_sum(values, [](T v) { return v * T(0); }) == 0) {
+    return std::nullopt;
+  }
+  for (size_t i = 0; i < values.size(); ++i) {
+    if (!std::isfinite(values[i]) || (limited && std::abs(values[i]) > limit)) return i;
+  }
+  return std::nullopt;
 }
 
 }  // namespace
 
-std::optional<State::BadValue> State::first_bad(double speed_limit) const {
+std::optional<State::BadValue> State::first_bad(double speed_limit, Look look) const {
   for (Column c = 0; c < columns_.size(); ++c) {
     const ColumnInfo& info = columns_[c].info;
-    if (info.role == Role::internal || info.type != Scalar::f64) continue;
-    const auto values = span<double>(c);
-    // One sweep answers for nearly every column: v * 0 is NaN exactly when v is NaN or infinite, and no
-    // velocity is beyond the limit when the sum of all squares is not.
-    const bool limited = info.role == Role::velocity && speed_limit < std::numeric_limits<double>::infinity();
-    if (limited ? lane_sum(values, [](double v) { return v * v; }) <= speed_limit * speed_limit
-                : lane_sum(values, [](double v) { return v * 0.0; }) == 0) {
-      continue;
-    }
-    for (size_t i = 0; i < values.size(); ++i) {
-      if (!std::isfinite(values[i]) || (limited && std::abs(values[i]) > speed_limit))
-        return BadValue{c, i / info.width};
-    }
+    if (info.role == Role::sentinel || (info.role == Role::internal && look == Look::motion)) continue;
+    const double limit = info.role == Role::velocity ? speed_limit : std::numeric_limits<double>::infinity();
+    const auto bad = info.type == Scalar::f64   ? first_beyond(span<double>(c), limit)
+                     : info.type == Scalar::f32 ? first_beyond(span<float>(c), limit)
+                                                : std::nullopt;
+    if (bad) return BadValue{c, *bad / info.width};
   }
   return std::nullopt;
 }

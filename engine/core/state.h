@@ -17,7 +17,8 @@
 namespace truestep {
 
 enum class Scalar : uint8_t { f64, f32, i32, u32, u64 };
-enum class Role : uint8_t { position, velocity, internal };
+/// `sentinel` is internal too, but NaN and infinity mean something there (never, unlimited, nothing yet).
+enum class Role : uint8_t { position, velocity, internal, sentinel };
 
 /// Bytes of one element.
 constexpr size_t scalar_size(Scalar s) {
@@ -76,6 +77,11 @@ class State {
   /// Sets aside memory so that growing up to `rows` allocates nothing.
   void reserve(Column c, size_t rows);
 
+  /// Takes rows and values of a column of the same type and width.
+  void copy_column(Column to, const State& other, Column from) {
+    columns_[to].rows = other.columns_[from].rows, columns_[to].data = other.columns_[from].data;
+  }
+
   /// All rows x width elements. T must be the column's type (asserted).
   template <class T>
   std::span<T> span(Column c) {
@@ -108,8 +114,10 @@ class State {
     Column column;
     size_t row;
   };
-  /// First NaN or infinity in a position or velocity column, or velocity beyond `speed_limit` in magnitude.
-  std::optional<BadValue> first_bad(double speed_limit = std::numeric_limits<double>::infinity()) const;
+  enum class Look : uint8_t { motion, everything };  ///< at positions and velocities, or at internal ones too
+  /// First NaN or infinity in a floating column, or velocity beyond `speed_limit` in magnitude.
+  std::optional<BadValue> first_bad(double speed_limit = std::numeric_limits<double>::infinity(),
+                                    Look look = Look::motion) const;
 
  private:
   struct Storage {

@@ -13,6 +13,7 @@
 #include "engine/base/profile.h"
 #include "engine/core/command.h"
 #include "engine/core/drawn.h"
+#include "engine/core/energy.h"
 #include "engine/core/observables.h"
 #include "engine/core/points.h"
 #include "engine/core/state.h"
@@ -98,6 +99,12 @@ class System {
   /// Velocity (in its own unit) that nothing in this system's energy explains; a step that leaves one beyond
   /// it has failed. Nothing where the energy has no bound (emitters, expressions).
   virtual std::optional<double> speed_limit() const { return std::nullopt; }
+  /// Energies of this state at time t (s); nothing when the system knows none. Asked for every few steps, and
+  /// allocates nothing after the first time.
+  virtual std::optional<Energy> energy(const State& state, double t, Workspace& workspace,
+                                       const ThreadArena& arena) const {
+    return std::nullopt;
+  }
   /// Upper bound of rows that "position" may reach (emitters grow).
   virtual size_t max_rows() const = 0;
 };

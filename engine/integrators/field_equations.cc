@@ -35,7 +35,7 @@ void FieldEquations::jacobian(double t, const double* x, const double* v, double
 }
 
 void add_memory(State& state, size_t n) {
-  const auto column = state.add({"integrator.memory", "1", Scalar::f64, 1, Role::internal}, n);
+  const auto column = state.add({"integrator.memory", "1", Scalar::f64, 1, Role::sentinel}, n);
   const auto memory = state.f64(column);
   std::fill(memory.begin(), memory.end(), std::numeric_limits<double>::quiet_NaN());
 }

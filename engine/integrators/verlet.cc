@@ -45,10 +45,10 @@ std::optional<std::string> refuses_general_rates(const ForceField& field) {
 
 void prepare_verlet(const ForceField&, State& s) {
   const ColumnInfo x = s.info(s.at("position")), v = s.info(s.at("velocity"));
-  s.add({std::string(kPrevious), x.unit, Scalar::f64, x.width, Role::internal}, 0);
-  s.add({std::string(kLeftPosition), x.unit, Scalar::f64, x.width, Role::internal}, 0);
-  s.add({std::string(kLeftVelocity), v.unit, Scalar::f64, v.width, Role::internal}, 0);
-  s.add({std::string(kLeftStep), "s", Scalar::f64, 1, Role::internal}, 1);
+  s.add({std::string(kPrevious), x.unit, Scalar::f64, x.width, Role::sentinel}, 0);
+  s.add({std::string(kLeftPosition), x.unit, Scalar::f64, x.width, Role::sentinel}, 0);
+  s.add({std::string(kLeftVelocity), v.unit, Scalar::f64, v.width, Role::sentinel}, 0);
+  s.add({std::string(kLeftStep), "s", Scalar::f64, 1, Role::sentinel}, 1);
 }
 
 void step_verlet(const ForceField& field, State& state, const StepInput& in, const IntegratorOptions&) {

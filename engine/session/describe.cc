@@ -117,6 +117,8 @@ json::object describe_failure(const Failure& f) {
                  {"quantity", f.quantity},
                  {"index", f.index},
                  {"detail", f.detail},
+                 {"step", f.step},
+                 {"time", f.time},
                  {"last_good_step", f.last_good_step}};
   if (f.suggested_dt) o["suggested_dt"] = *f.suggested_dt;
   json::array remedies;

@@ -1,13 +1,23 @@
 #include "engine/session/remedies.h"
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 
+#include "engine/base/errors.h"
 #include "engine/core/force_system.h"
+#include "engine/scene/admission.h"
 
 namespace truestep {
 
 namespace {
+
+namespace json = boost::json;
+
+/// Of estimated time for one trial; a handful of them are made.
+constexpr double kTrialSeconds = 0.5;
+constexpr int64_t kMostParts = 4096;  // substeps that are worth a trial
+constexpr size_t kMostMethods = 3;    // that are tried, of each kind
 
 std::string short_number(double v) {
   char buffer[32];
@@ -18,48 +28,132 @@ bool unlimited(const Integrator& row, const ForceSystem& s) {
   return std::isinf(stability_interval(row, s.options()).imaginary);
 }
 
-// The first method of the wanted kind that serves the field and is not the one that failed.
-const Integrator* other_method(const ForceSystem& s, Integrator::Kind kind, Integrator::Stepping stepping) {
-  for (const Integrator& row : integrators()) {
-    if (&row == &s.integrator() || row.kind != kind || row.stepping != stepping || !row.step) continue;
-    if ((kind != Integrator::Kind::implicit || unlimited(row, s)) && !refusal(row, s.force_field()))
-      return &row;
-  }
-  return nullptr;
+// Methods that hold at any step or choose their own, in the order in which they are worth a trial.
+std::vector<const Integrator*> other_methods(const ForceSystem& s) {
+  using Kind = Integrator::Kind;
+  using Stepping = Integrator::Stepping;
+  std::vector<const Integrator*> out;
+  const auto add = [&](Kind kind, Stepping stepping) {
+    size_t found = 0;
+    for (const Integrator& row : integrators()) {
+      if (&row == &s.integrator() || row.kind != kind || row.stepping != stepping || !row.step) continue;
+      if (found == kMostMethods || row.name.starts_with("cvode")) continue;
+      if (kind == Kind::implicit && stepping == Stepping::fixed && !unlimited(row, s)) continue;
+      if (refusal(row, s.force_field())) continue;
+      out.push_back(&row), ++found;
+    }
+  };
+  add(Kind::implicit, Stepping::fixed);
+  add(Kind::explicit_, Stepping::adaptive);
+  add(Kind::implicit, Stepping::adaptive);
+  return out;
 }
+
+class Trials {
+ public:
+  Trials(const World& world, const WorldState& before, uint64_t failed, const Commands& commands,
+         const ThreadArena& arena)
+      : world_(world), before_(before), commands_(commands), arena_(arena) {
+    const uint64_t until = failed + 1 - before.step;
+    steps_ = until + std::min(kTrialAfter, until / 2 + 1);
+  }
+  uint64_t steps() const { return steps_; }
+
+  /// Whether the scene with this many substeps, and with this method in one of its systems where one is
+  /// given, goes from `before` to the end of the trial.
+  bool holds(int64_t substeps, size_t system = 0, const Integrator* method = nullptr) {
+    json::object d = world_.scene().canonical();
+    d.erase("accuracy");
+    d["time"].as_object()["substeps"] = substeps;
+    if (method) d["systems"].as_array()[system].as_object()["integrator"] = method->name;
+    try {
+      const World changed(require_scene(read_scene(d)));
+      WorldState state = begin(changed);
+      Workspace workspace;
+      for (uint64_t n = 0; n < steps_; ++n) {
+        if (n > 0) commands_(changed, state);
+        changed.step(state, workspace, arena_, {});
+      }
+      // What has come a long way since the last look shows itself here.
+      state.watch.clear();
+      changed.step(state, workspace, arena_, {});
+    } catch (const Error&) {
+      return false;
+    }
+    return true;
+  }
+
+ private:
+  // The states of `before`; what belongs to a method alone starts afresh where the methods differ.
+  WorldState begin(const World& changed) const {
+    WorldState state = changed.initial_state();
+    state.step = before_.step;
+    state.couplings = before_.couplings;
+    state.watch = before_.watch;
+    for (size_t i = 0; i < state.systems.size(); ++i) {
+      State& to = state.systems[i];
+      const State& from = before_.systems[i];
+      for (State::Column c = 0; c < to.columns(); ++c) {
+        const auto there = from.find(to.info(c).name);
+        if (!there || !(from.info(*there) == to.info(c))) continue;
+        const bool of_method = to.info(c).name.starts_with("integrator.");
+        if (of_method && from.rows(*there) != to.rows(c)) continue;
+        to.copy_column(c, from, *there);
+      }
+    }
+    return state;
+  }
+
+  const World& world_;
+  const WorldState& before_;
+  const Commands& commands_;
+  const ThreadArena& arena_;
+  uint64_t steps_;
+};
 
 }  // namespace
 
-std::vector<std::string> remedies(const World& world, const std::string& system,
-                                  std::optional<double> stable_dt) {
-  std::vector<std::string> out;
-  const double dt = world.dt();
+uint64_t trial_steps_before(const World& world) {
+  const double each = std::max(estimate(world.scene()).seconds_per_step, 1e-9);
+  return static_cast<uint64_t>(std::clamp(kTrialSeconds / each, 8.0, double{kTrialBefore}));
+}
+
+Remedies try_remedies(const World& world, const WorldState& before, uint64_t failed,
+                      const std::string& system, std::optional<double> hint, const Commands& commands,
+                      const ThreadArena& arena) {
+  Remedies out;
+  Trials trials(world, before, failed, commands, arena);
+  const double dt = world.dt(), each = std::max(estimate(world.scene()).seconds_per_step, 1e-9);
   const int64_t substeps = world.scene().header.time.substeps;
-  constexpr double kMostParts = 1e9;  // beyond that (a state that has exploded) no step is advice
-  if (stable_dt && *stable_dt < dt && dt < kMostParts * *stable_dt) {
-    const auto parts = static_cast<int64_t>(std::ceil(dt / *stable_dt)) * substeps;
-    out.push_back("a step of at most " + short_number(*stable_dt) + " s, or " + std::to_string(parts) +
-                  " substeps of the present one");
-  } else {
-    out.push_back("half the step, or " + std::to_string(2 * substeps) + " substeps of the present one");
+  const std::string tried = " (held when tried for " + std::to_string(trials.steps()) + " steps)";
+
+  // Smaller steps: what theory expects to hold, else half; then ever fewer seconds.
+  const double most =
+      std::min(static_cast<double>(kMostParts),
+               std::max(8.0, 16 * kTrialSeconds / (each * static_cast<double>(trials.steps()))));
+  const bool expected = hint && *hint > 0 && *hint < dt;
+  const double first = expected ? std::ceil(dt / *hint) : 2;
+  for (double parts = first; parts <= most; parts *= 4) {
+    const int64_t finer = static_cast<int64_t>(parts) * substeps;
+    if (!trials.holds(finer)) continue;
+    out.dt = expected && parts == first ? *hint : dt / parts;
+    out.sentences.push_back("a step of at most " + short_number(*out.dt) + " s, or " + std::to_string(finer) +
+                            " substeps of the present one" + tried);
+    break;
   }
-  const auto* forces = dynamic_cast<const ForceSystem*>(&world.system(world.index_of(system)));
-  const Integrator* method = nullptr;
-  if (forces) {
-    using Kind = Integrator::Kind;
-    using Stepping = Integrator::Stepping;
-    const Integrator& own = forces->integrator();
-    method = own.kind == Kind::implicit && unlimited(own, *forces)
-                 ? nullptr
-                 : other_method(*forces, Kind::implicit, Stepping::fixed);
-    if (!method) method = other_method(*forces, Kind::explicit_, Stepping::adaptive);
+  const size_t index = world.index_of(system);
+  if (const auto* forces = dynamic_cast<const ForceSystem*>(&world.system(index))) {
+    for (const Integrator* method : other_methods(*forces)) {
+      if (!trials.holds(substeps, index, method)) continue;
+      out.sentences.push_back("the integrator " + std::string(method->name) + " (" +
+                              std::string(method->title) + ")" + tried);
+      break;
+    }
   }
-  if (method) {
-    out.push_back(
-        "the integrator " + std::string(method->name) + " (" + std::string(method->title) + "), which " +
-        (method->kind == Integrator::Kind::implicit ? "holds at any step" : "chooses its own steps"));
-  } else {
-    out.push_back("softer forces: lower stiffness, more mass or more damping");
+  if (out.sentences.empty()) {
+    out.sentences.push_back(
+        "softer forces: lower stiffness, more mass or more damping (no smaller step and no other method that "
+        "was tried held)");
   }
   return out;
 }

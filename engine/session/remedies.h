@@ -1,5 +1,7 @@
-// What a user can do about a scene that became unstable.
+// What a user can do about a scene that became unstable: every remedy that is named was tried on the state
+// that failed.
 #pragma once
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -8,9 +10,23 @@
 
 namespace truestep {
 
-/// Two sentences at least: a smaller step, and a method that holds at this one. `stable_dt` (s) is the
-/// largest session step that is expected to hold, where that is known.
-std::vector<std::string> remedies(const World& world, const std::string& system,
-                                  std::optional<double> stable_dt);
+struct Remedies {
+  std::vector<std::string> sentences;  ///< at least one
+  std::optional<double> dt;            ///< s, largest session step among those tried that held
+};
+
+/// Steps of a trial before and after the one that failed, at most.
+inline constexpr uint64_t kTrialBefore = 128, kTrialAfter = 64;
+/// How far before a failure trials may begin so that all of them cost seconds, whatever the scene.
+uint64_t trial_steps_before(const World& world);
+
+/// Carries out what was commanded before the step that follows a state.
+using Commands = std::function<void(const World&, WorldState&)>;
+
+/// Tries smaller steps and other methods from `before`, a state of `world` some steps before step `failed`
+/// failed, through that step and half as far again. `hint` (s): a session step that theory expects to hold.
+Remedies try_remedies(const World& world, const WorldState& before, uint64_t failed,
+                      const std::string& system, std::optional<double> hint, const Commands& commands,
+                      const ThreadArena& arena);
 
 }  // namespace truestep

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <cstdio>
 #include <cstring>
 
 #include "engine/base/errors.h"
@@ -27,6 +28,15 @@ uint64_t Session::step(uint64_t n) {
   uint64_t done = 0;
   while (done < n && one_step()) ++done;
   return done;
+}
+
+void Session::examine() {
+  if (failure_) return;
+  try {
+    world_->examine(state_, workspace_, *arena_);
+  } catch (const Instability& e) {
+    fail(e);
+  }
 }
 
 bool Session::one_step() {
@@ -253,17 +263,33 @@ void Session::fail(const Instability& e) {
   f.system = e.system;
   f.quantity = e.quantity;
   f.index = e.index;
-  f.detail = "system \"" + e.system + "\": " + e.what() + " (row " + std::to_string(e.index) + ") in step " +
-             std::to_string(e.step + 1);
   f.last_good_step = static_cast<uint64_t>(e.step);
-  // The failed state is of no use: the last good one is computed again from the nearest snapshot.
-  const uint64_t good = f.last_good_step;
-  state_ = snapshot_at_or_before(good);
+  f.step = f.last_good_step + 1;
+  f.time = static_cast<double>(f.step) * world_->dt();
+  char time[32];
+  std::snprintf(time, sizeof time, "%.6g", f.time);
+  f.detail = "system \"" + e.system + "\": " + e.what() +
+             (e.index >= 0 ? " (row " + std::to_string(e.index) + ")" : "") + " in step " +
+             std::to_string(f.step) + " (t = " + time + " s)";
+  // The failed state is of no use: the last good one is computed again from the nearest snapshot, and on the
+  // way the one that remedies are tried from.
+  const uint64_t good = f.last_good_step, first = origin_ ? origin_->step : 0;
+  const uint64_t back = std::min(good - first, trial_steps_before(*world_));
+  state_ = snapshot_at_or_before(good - back);
   journal_cursor_ = 0;
   while (journal_cursor_ < journal_.size() && journal_[journal_cursor_].step < state_.step) ++journal_cursor_;
+  step_silently_to(good - back);
+  const WorldState before = state_;
   step_silently_to(good);
-  f.suggested_dt = e.suggested_dt > 0 ? std::optional(e.suggested_dt) : world_->stable_dt(state_);
-  f.remedies = remedies(*world_, f.system, f.suggested_dt);
+  const auto hint = e.suggested_dt > 0 ? std::optional(e.suggested_dt) : world_->stable_dt(state_);
+  const Commands again = [this](const World& world, WorldState& state) {
+    for (const JournalEntry& entry : journal_) {
+      if (entry.step == state.step) world.apply(state, entry.command);
+    }
+  };
+  Remedies remedies = try_remedies(*world_, before, good, f.system, hint, again, *arena_);
+  f.suggested_dt = remedies.dt;
+  f.remedies = std::move(remedies.sentences);
   for (size_t i = 0; i < f.remedies.size(); ++i) f.detail += (i ? ", or " : "; try ") + f.remedies[i];
   failure_ = f;
   playing_ = false;

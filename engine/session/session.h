@@ -30,9 +30,10 @@ struct JournalEntry {
 struct Failure {
   std::string system, quantity, detail;
   long long index = -1;
-  uint64_t last_good_step = 0;
-  std::optional<double> suggested_dt;  ///< s, largest step that is expected to hold
-  std::vector<std::string> remedies;   ///< what would help, one sentence each
+  uint64_t last_good_step = 0, step = 0;  ///< `step` failed
+  double time = 0;                        ///< s, at its end
+  std::optional<double> suggested_dt;     ///< s, a step that held when it was tried
+  std::vector<std::string> remedies;      ///< what helped when it was tried, one sentence each
 };
 
 class Session {
@@ -49,6 +50,9 @@ class Session {
   /// Carries out waiting commands, then up to n steps with frames to the sinks that are due. Returns how many
   /// were done: fewer only after a failure. Error "instability" when the session has failed already.
   uint64_t step(uint64_t n);
+
+  /// Looks at the whole state once more, as steps do every so often: a run that ends between two looks.
+  void examine();
 
   // --- the clock
   /// Simulated seconds a second of wall time; Error "bad_request" unless 0 < speed <= 1000.

@@ -1,5 +1,6 @@
 #include "engine/session/world.h"
 
+#include <bit>
 #include <cmath>
 #include <cstring>
 #include <limits>
@@ -7,6 +8,7 @@
 #include "engine/base/errors.h"
 #include "engine/core/configuration.h"
 #include "engine/core/force_system.h"
+#include "engine/scene/json_write.h"
 
 namespace truestep {
 
@@ -26,9 +28,10 @@ std::vector<std::byte> WorldState::serialize() const {
     const auto* b = static_cast<const std::byte*>(p);
     out.insert(out.end(), b, b + n);
   };
-  // Systems in the lower half of the count, couplings in the upper, whose last bit says that a companion
-  // follows.
-  const uint64_t count = systems.size() | uint64_t{couplings.size()} << 32 | uint64_t{!finer.empty()} << 63;
+  // Systems in the lower half of the count, couplings in the upper, whose last bits say that the watch on the
+  // energies and a companion follow.
+  const uint64_t count = systems.size() | uint64_t{couplings.size()} << 32 | uint64_t{!watch.empty()} << 62 |
+                         uint64_t{!finer.empty()} << 63;
   put(&step, 8);
   put(&count, 8);
   for (const auto* states : {&systems, &couplings}) {
@@ -38,6 +41,12 @@ std::vector<std::byte> WorldState::serialize() const {
       put(&size, 8);
       put(bytes.data(), bytes.size());
     }
+  }
+  for (const EnergyWatch& w : watch) {
+    const auto phase = static_cast<uint64_t>(w.phase);
+    put(&w.reference, 8);
+    put(&w.available, 8);
+    put(&phase, 8);
   }
   for (const WorldState& s : finer) {
     const auto bytes = s.serialize();
@@ -62,7 +71,7 @@ WorldState WorldState::read(std::span<const std::byte> bytes, Companion companio
   };
   WorldState state;
   state.step = get();
-  const uint64_t count = get(), systems = count & 0xffffffff, couplings = count >> 32 & 0x7fffffff;
+  const uint64_t count = get(), systems = count & 0xffffffff, couplings = count >> 32 & 0x3fffffff;
   if (systems > 256 || couplings > 256) {
     throw Error("bad_snapshot", "the snapshot names too many systems or couplings");
   }
@@ -71,6 +80,12 @@ WorldState WorldState::read(std::span<const std::byte> bytes, Companion companio
     if (size > bytes.size()) throw Error("bad_snapshot", "the snapshot ends too early");
     (i < systems ? state.systems : state.couplings).push_back(State::deserialize(bytes.first(size)));
     bytes = bytes.subspan(size);
+  }
+  for (uint64_t i = 0; (count >> 62 & 1) && i < systems; ++i) {
+    EnergyWatch& w = state.watch.emplace_back();
+    w.reference = std::bit_cast<double>(get());
+    w.available = std::bit_cast<double>(get());
+    w.phase = static_cast<EnergyWatch::Phase>(std::min<uint64_t>(get(), 2));
   }
   if (count >> 63) {
     const uint64_t size = get();
@@ -211,12 +226,65 @@ WorldState World::initial_state() const {
 void World::reject(size_t i, const State& state, const State::BadValue& bad) const {
   const ColumnInfo& column = state.info(bad.column);
   bool finite = true;
-  for (size_t k = 0; k < column.width; ++k)
-    finite = finite && std::isfinite(state.f64(bad.column)[bad.row * column.width + k]);
+  for (size_t k = 0; k < column.width; ++k) {
+    const size_t at = bad.row * column.width + k;
+    finite = finite && std::isfinite(column.type == Scalar::f32 ? double{state.span<float>(bad.column)[at]}
+                                                                : state.f64(bad.column)[at]);
+  }
   throw Instability(
       id(i), column.name, static_cast<long long>(bad.row),
       finite ? column.name + " exploded: beyond what the scene's energy could give a thousand times over"
              : column.name + " became non-finite");
+}
+
+bool World::watched(uint64_t step) {
+  constexpr uint64_t kEvery = 16;
+  return step % kEvery == 0 || (step < kEvery && std::has_single_bit(step));
+}
+
+void World::watch_energy(WorldState& state, size_t i, double t, Workspace& workspace,
+                         const ThreadArena& arena) const {
+  const auto now = systems_[i]->energy(state.systems[i], t, workspace, arena);
+  if (!now) return;
+  const auto unstable = [&](const std::string& what) { return Instability(id(i), "energy", -1, what); };
+  const auto joules = [](double v) { return write_json(boost::json::value(v)) + " J"; };
+  if (!std::isfinite(now->kinetic) || !std::isfinite(now->potential))
+    throw unstable(std::string(std::isfinite(now->kinetic) ? "potential" : "kinetic") +
+                   " energy became non-finite");
+  EnergyWatch& watch = state.watch[i];
+  // What couplings bring and take is not known to a system.
+  if (!couplings_.empty()) return;
+  const double reference = watch.reference;
+  if (!watch.holds(*now)) {
+    throw unstable("energy rose from " + joules(reference) + " to " + joules(now->kinetic + now->potential) +
+                   " with nothing to bring it (" + joules(watch.available) + " were available)");
+  }
+}
+
+void World::look(WorldState& state, uint64_t step, Workspace& workspace, const ThreadArena& arena) const {
+  for (size_t i = 0; i < systems_.size(); ++i) {
+    try {
+      if (const auto bad = state.systems[i].first_bad(speed_limits_[i], State::Look::everything))
+        reject(i, state.systems[i], *bad);
+      watch_energy(state, i, static_cast<double>(step) * dt(), workspace.object<Workspace>(id(i)), arena);
+    } catch (Instability& e) {
+      e.step = static_cast<long long>(step > 0 ? step - 1 : 0);
+      throw;
+    }
+  }
+}
+
+void World::examine(WorldState& state, Workspace& workspace, const ThreadArena& arena) const {
+  if (state.step == 0 || state.watch.size() != systems_.size()) return;
+  const auto watch = state.watch;
+  look(state, state.step, workspace, arena);
+  state.watch = watch;
+}
+
+std::optional<Energy> World::energy(const WorldState& state, size_t i) const {
+  static const ThreadArena kSerial(1);
+  Workspace workspace;
+  return systems_[i]->energy(state.systems[i], static_cast<double>(state.step) * dt(), workspace, kSerial);
 }
 
 void World::step(WorldState& state, Workspace& workspace, const ThreadArena& arena,
@@ -233,6 +301,10 @@ void World::step(WorldState& state, Workspace& workspace, const ThreadArena& are
       throw;
     }
   };
+  if (state.watch.size() != systems_.size()) {
+    state.watch.assign(systems_.size(), {});
+    look(state, state.step, workspace, arena);
+  }
   for (uint64_t k = 0; k < substeps; ++k) {
     const uint64_t n = state.step * substeps + k;
     const auto input = [&](const std::string& name, size_t profile) -> StepInput {
@@ -256,13 +328,19 @@ void World::step(WorldState& state, Workspace& workspace, const ThreadArena& are
   if (!couplings_.empty()) {
     for (size_t i = 0; i < systems_.size(); ++i) named(i, [] {});
   }
+  if (watched(state.step + 1)) look(state, state.step + 1, workspace, arena);
   if (finer_) finer_->step(state.finer.at(0), workspace.object<Workspace>("finer"), arena, {});
   ++state.step;
 }
 
 void World::apply(WorldState& state, const Command& command) const {
   const size_t i = index_of(command.system);
+  const bool judged = i < state.watch.size() && state.watch[i].phase == EnergyWatch::Phase::watching;
+  const auto before = judged ? energy(state, i) : std::nullopt;
   systems_[i]->apply(state.systems[i], command);
+  if (before) {
+    if (const auto after = energy(state, i)) state.watch[i].command(*before, *after);
+  }
   if (finer_) finer_->apply(state.finer.at(0), command);
 }
 

@@ -16,8 +16,10 @@ struct WorldState {
   uint64_t step = 0;
   std::vector<State> systems;
   std::vector<State> couplings;
-  std::vector<WorldState> finer;  ///< the companion that errors are estimated with: one, or none
+  std::vector<WorldState> finer;   ///< the companion that errors are estimated with: one, or none
+  std::vector<EnergyWatch> watch;  ///< per system, from its first step on
 
+  /// Of everything but the watch, which moves nothing.
   uint64_t hash() const;
   friend bool operator==(const WorldState&, const WorldState&) = default;
   /// Little-endian bytes, read back by deserialize (Error "bad_snapshot").
@@ -47,10 +49,13 @@ class World {
 
   WorldState initial_state() const;
   /// One step: every substep of every system between the two halves of every coupling (core/coupling.h), with
-  /// checks that all is finite (Instability if not; the state is then unusable and the caller restores an
+  /// checks that positions and velocities are finite and, every so often, that everything is and that no
+  /// energy came from nothing (Instability if not; the state is then unusable and the caller restores an
   /// older one). `profiles` has `profiled` entries, or is empty when nobody asked where the time goes.
   void step(WorldState& state, Workspace& workspace, const ThreadArena& arena,
             std::span<Profile> profiles) const;
+  /// The look that `step` takes every so often, at the present state: Instability when something is wrong.
+  void examine(WorldState& state, Workspace& workspace, const ThreadArena& arena) const;
   /// Carries out a command between two steps; Error "bad_command" or "unknown_system".
   void apply(WorldState& state, const Command& command) const;
 
@@ -68,6 +73,9 @@ class World {
   };
   /// Passes that a step runs, in order, and those it does not need, with the reasons.
   const std::vector<PlanEntry>& plan() const { return plan_; }
+  /// Steps whose end is looked at as a whole: 1, 2, 4, 8, then every 16th. Energies cost about a third of a
+  /// pass of forces.
+  static bool watched(uint64_t step);
   /// Largest dt (s) of the session step that every method is known to hold in this state.
   std::optional<double> stable_dt(const WorldState& state) const;
 
@@ -76,6 +84,12 @@ class World {
   void build_finer();
   [[noreturn]] void reject(size_t i, const State& state, const State::BadValue& bad) const;
   void list_plan();
+  /// At everything in all systems at the end of a step.
+  void look(WorldState& state, uint64_t step, Workspace& workspace, const ThreadArena& arena) const;
+  /// Throws Instability when the energy of system i is not finite or beyond what it could have.
+  void watch_energy(WorldState& state, size_t i, double t, Workspace& workspace,
+                    const ThreadArena& arena) const;
+  std::optional<Energy> energy(const WorldState& state, size_t i) const;
   double error_estimate(const WorldState& state) const;
   CoupledStates sides(WorldState& state, size_t coupling) const;
   ConstCoupledStates sides(const WorldState& state, size_t coupling) const;

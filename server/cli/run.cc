@@ -92,6 +92,7 @@ int run(const RunOptions& options) {
     if (every_step) expectations.add(session.observe());
     if (n % 16 == 0) progress.update(n, "");
   }
+  session.examine();
   progress.finish();
   const double wall = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   if (!expectations.empty() && !every_step) expectations.add(session.observe());

@@ -65,6 +65,13 @@ Articulation::Articulation(std::unique_ptr<const ArticulationField> field, const
   set_max_rows(2 * tree_.model().links.size());
 }
 
+Energy::Exchange Articulation::exchange(const State& s) const {
+  const auto torque = s.f64(Columns::kTorque);
+  const bool driven =
+      std::ranges::any_of(torque, [](double t) { return t != 0; }) || s.f64(Columns::kPushRemaining)[0] > 0;
+  return driven ? Energy::Exchange::open : Energy::Exchange::closed;
+}
+
 void Articulation::observe(const State& s, double t, Observables& out) const {
   ForceSystem::observe(s, t, out);
   const Model& m = tree_.model();

@@ -18,6 +18,8 @@ class Articulation final : public ForceSystem {
   Topology topology(const State& state) const override;
   DrawnBodies bodies(const State& state) const override;
   std::vector<JointMark> joint_marks(const State& state) const override;
+  /// Open while torques act or a link is pushed.
+  Energy::Exchange exchange(const State& state) const override;
 
  private:
   const ArticulationField& tree_;

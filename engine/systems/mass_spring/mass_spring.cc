@@ -99,6 +99,12 @@ std::optional<PointColumns> MassSpring::points() const {
                       .radius = radius_};
 }
 
+Energy::Exchange MassSpring::exchange(const State& s) const {
+  const bool driven =
+      s.span<uint32_t>(Columns::air)[0] != 0 || s.rows(Columns::push_row) > 0 || !colliders_.empty();
+  return driven ? Energy::Exchange::open : Energy::Exchange::closed;
+}
+
 void MassSpring::add_contact_stage() {
   add_stage("contacts", std::to_string(colliders_.colliders().size()) + " colliders keep the points out",
             [this](State& s, const StepInput& in) {

@@ -25,6 +25,9 @@ class MassSpring final : public ForceSystem {
   /// without one.
   PublishedSolids solids() const override { return {springs_.network().triangles, segments_}; }
 
+  /// Open in the wind, while something is pushed, and where obstacles put points back.
+  Energy::Exchange exchange(const State& state) const override;
+
   const MassSpringField& springs() const { return springs_; }
 
  private:

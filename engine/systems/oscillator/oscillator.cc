@@ -52,6 +52,11 @@ class Oscillator : public ForceSystem {
     }
   }
 
+  Energy::Exchange exchange(const State& s) const override {
+    const bool driven = s.f64(C::kDriveForce)[0] != 0 || s.f64(C::kPushRemaining)[0] > 0;
+    return driven ? Energy::Exchange::open : Energy::Exchange::closed;
+  }
+
   void apply(State& state, const Command& c) const override {
     if (c.index > 0 || c.index < -1) refuse("/index", "an oscillator has one point", "0");
     switch (c.kind) {

@@ -269,6 +269,17 @@ std::vector<DrawnShape> Particles::shapes(const State&, double t) const {
   return particles_.colliders().drawn(t);
 }
 
+Energy::Exchange Particles::exchange(const State& s) const {
+  const ParticlesDef& d = particles_.def();
+  const bool changing = !d.emitters.empty() || !d.kill_planes.empty() || !d.kill_boxes.empty();
+  const bool blown =
+      vector_parameter(s, Parameter::wind) != Vec3{} &&
+      (parameter(s, Parameter::linear_drag) != 0 || parameter(s, Parameter::quadratic_drag) != 0);
+  const bool driven = d.expression || d.propulsion || blown || !particles_.colliders().empty() ||
+                      s.rows(columns::push_id) + s.rows(columns::drag_id) > 0;
+  return changing || driven ? Energy::Exchange::open : Energy::Exchange::closed;
+}
+
 std::optional<PointColumns> Particles::points() const {
   return PointColumns{columns::position, columns::velocity, columns::mass,
                       std::nullopt,      columns::id,       particles_.def().radius};

@@ -22,6 +22,8 @@ class Particles final : public ForceSystem {
   uint32_t topology_version(const State& state) const override;
   std::vector<DrawnShape> shapes(const State& state, double t) const override;
   std::optional<PointColumns> points() const override;
+  /// Open where particles come, go, are driven, held by hands or put back by obstacles.
+  Energy::Exchange exchange(const State& state) const override;
   /// A ball around every particle.
   PublishedSolids solids() const override;
 

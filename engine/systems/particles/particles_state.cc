@@ -57,7 +57,7 @@ void add_columns(State& s, const ParticlesDef& def, size_t colliders) {
   s.add({"velocity", "m/s", S::f64, 3, Role::velocity}, 0);
   s.add({"mass", "kg", S::f64, 1}, 0);
   s.add({"birth", "s", S::f64, 1}, 0);
-  s.add({"death", "s", S::f64, 1}, 0);
+  s.add({"death", "s", S::f64, 1, Role::sentinel}, 0);  // infinity: never
   s.add({"id", "1", S::u64, 1}, 0);
   s.add({"time", "s", S::f64, 1}, 1);
   s.add({"emitter.next_particle", "1", S::u64, 1}, def.emitters.size());

@@ -61,6 +61,10 @@ class Pendulum final : public ForceSystem {
     set_max_rows(chain_.links() + 1);
   }
 
+  Energy::Exchange exchange(const State& s) const override {
+    return s.f64(C::kPushRemaining)[0] > 0 ? Energy::Exchange::open : Energy::Exchange::closed;
+  }
+
   std::vector<FieldInfo> fields() const override {
     return {{"position", "m", Scalar::f64, 3},
             {"velocity", "m/s", Scalar::f64, 3},

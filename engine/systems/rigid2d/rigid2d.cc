@@ -32,6 +32,12 @@ constexpr double kContactHertz = 0.2;
 Rigid2d::Rigid2d(const Rigid2dDef& def, const BuildContext& context)
     : model_(build_model(def)), gravity_(def.gravity.value_or(context.gravity)), dt_(context.dt) {
   settings_ = def;
+  double fastest = 0;
+  for (const Body& b : model_.bodies) {
+    const double fall = std::sqrt(2 * norm(gravity_) * flat::norm(b.position));
+    fastest = std::max({fastest, flat::norm(b.velocity), std::abs(b.angular_velocity), fall});
+  }
+  speed_limit_ = unexplained_speed(fastest);
   settings_.bodies.clear(), settings_.generators.clear(), settings_.joints.clear();
   add_stages();
 }

@@ -21,6 +21,11 @@ class Rigid2d final : public StagedSystem {
   /// energy.kinetic/potential/total (J), momentum.x/y (kg m/s), momentum.angular (kg m^2/s, about the
   /// origin), contacts, penetration.max (m), joint.gap (m), joints.broken, awake, sensor.overlaps.
   void observe(const State& state, double t, Observables& out) const override;
+  /// Closed without joints, hands, surfaces that run and bodies that are moved: what joints store is not
+  /// counted.
+  std::optional<Energy> energy(const State& state, double t, Workspace& workspace,
+                               const ThreadArena& arena) const override;
+  std::optional<double> speed_limit() const override { return speed_limit_; }
   /// position, velocity, angle, angular_velocity, asleep, contact_force (N, sum of normal forces on the
   /// body), orientation (quaternion w x y z).
   std::vector<FieldInfo> fields() const override;
@@ -51,6 +56,7 @@ class Rigid2d final : public StagedSystem {
   mutable DrawnBodies drawn_;
   Vec3 gravity_;
   double dt_;
+  double speed_limit_;  ///< m/s and rad/s
 };
 
 std::unique_ptr<const System> build_rigid2d(const void* def, const BuildContext& context);

@@ -46,6 +46,29 @@ double widest_gap(const Model& model, const State& s) {
 
 }  // namespace
 
+std::optional<Energy> Rigid2d::energy(const State& s, double, Workspace&, const ThreadArena&) const {
+  const double *x = s.f64(columns::position).data(), *v = s.f64(columns::velocity).data();
+  const auto w = s.f64(columns::angular_velocity), g = s.f64(columns::parameters);
+  const auto status = s.span<uint32_t>(columns::status);
+  const double down = std::hypot(g[0], g[1]), pushed = settings_.push_speed;
+  Energy e;
+  bool driven = !model_.joints.empty() || s.rows(columns::push_body) + s.rows(columns::drag_body) > 0;
+  for (size_t i = 0; i < model_.count(); ++i) {
+    const Body& b = model_.bodies[i];
+    const Vec2 at{x[3 * i], x[3 * i + 1]}, u{v[3 * i], v[3 * i + 1]};
+    driven = driven || b.surface_speed != 0;
+    if (b.motion != Motion::dynamic || (status[i] & kRemoved)) {
+      driven = driven || flat::dot(u, u) + w[i] * w[i] > 0;
+      continue;
+    }
+    e.kinetic += 0.5 * b.mass * flat::dot(u, u) + 0.5 * b.inertia * w[i] * w[i];
+    e.potential -= b.mass * b.gravity_scale * (g[0] * at.x + g[1] * at.y);
+    e.slack += b.mass * (0.5 * pushed * pushed + std::abs(b.gravity_scale) * down * b.reach);
+  }
+  e.exchange = driven ? Energy::Exchange::open : Energy::Exchange::closed;
+  return e;
+}
+
 void Rigid2d::observe(const State& s, double, Observables& out) const {
   const double *x = s.f64(columns::position).data(), *v = s.f64(columns::velocity).data();
   const auto w = s.f64(columns::angular_velocity), g = s.f64(columns::parameters);

@@ -35,6 +35,11 @@ Rigid3d::Rigid3d(const Rigid3dDef& def, const BuildContext& context)
       most_bodies_(bodies_.starts.size() + kSpare) {
   settings_ = {static_cast<int>(def.substeps), def.rest_speed, def.push_out_speed, def.contact_hertz,
                def.contact_damping};
+  double fastest = 0;
+  for (const BodyStart& b : bodies_.starts)
+    fastest = std::max({fastest, norm(b.velocity), norm(b.angular_velocity),
+                        std::sqrt(2 * norm(gravity_) * norm(b.pose.position))});
+  speed_limit_ = unexplained_speed(fastest);
   // A scene that sleeps skips the stages' work, not the stages: a command may wake it.
   const auto awake = [this](void (Rigid3d::*run)(State&, const StepInput&) const) {
     return [this, run](State& s, const StepInput& in) {

@@ -19,6 +19,10 @@ class Rigid3d final : public StagedSystem {
 
   State initial_state() const override;
   void observe(const State& s, double t, Observables& out) const override;
+  /// Closed without joints, hands and bodies that are moved: what joints store is not counted.
+  std::optional<Energy> energy(const State& s, double t, Workspace& workspace,
+                               const ThreadArena& arena) const override;
+  std::optional<double> speed_limit() const override { return speed_limit_; }
   std::vector<FieldInfo> fields() const override;
   FieldView field(const State& s, size_t which, std::vector<double>& scratch) const override;
   void apply(State& s, const Command& c) const override;
@@ -67,6 +71,7 @@ class Rigid3d final : public StagedSystem {
   mutable std::once_flag forms_made_;  ///< meshes are made when somebody looks for the first time
   mutable std::vector<DrawnBodies::Form> forms_;
   SolverSettings settings_;
+  double speed_limit_ = 0;  ///< m/s and rad/s
   Rigid3dDef::Precision precision_;
   Vec3 gravity_;
   double sleep_speed_, sleep_time_;

@@ -72,6 +72,30 @@ void Rigid3d::observe(const State& s, double, Observables& out) const {
   observe_joints(s, out);
 }
 
+std::optional<Energy> Rigid3d::energy(const State& s, double, Workspace&, const ThreadArena&) const {
+  const auto kind = s.span<uint32_t>(columns::kind);
+  const double *x = s.f64(columns::position).data(), *q = s.f64(columns::orientation).data();
+  const double *v = s.f64(columns::velocity).data(), *w = s.f64(columns::angular_velocity).data();
+  const Vec3 g = load3(s.f64(columns::gravity).data(), 0);
+  const double pushed = settings_.push_out_speed;
+  Energy e;
+  bool driven = !joints_.joints.empty() || s.rows(columns::push_id) + s.rows(columns::drag_id) > 0;
+  for (size_t i = 0; i < kind.size(); ++i) {
+    const BodyKind& b = bodies_.kinds[kind[i]];
+    const Vec3 u = load3(v, i), spin = load3(w, i);
+    if (!b.moved_by_forces()) {
+      driven = driven || norm2(u) + norm2(spin) > 0;
+      continue;
+    }
+    const Vec3 L = free_rotation::momentum({load_quat(q, i), spin}, b.moments);
+    e.kinetic += 0.5 * b.mass * norm2(u) + 0.5 * dot(L, spin);
+    e.potential -= b.mass * b.gravity_scale * dot(g, load3(x, i));
+    e.slack += b.mass * (0.5 * pushed * pushed + std::abs(b.gravity_scale) * norm(g) * b.reach);
+  }
+  e.exchange = driven ? Energy::Exchange::open : Energy::Exchange::closed;
+  return e;
+}
+
 std::vector<FieldInfo> Rigid3d::fields() const {
   return {{"position", "m", Scalar::f64, 3},    {"velocity", "m/s", Scalar::f64, 3},
           {"orientation", "1", Scalar::f64, 4}, {"angular_velocity", "rad/s", Scalar::f64, 3},

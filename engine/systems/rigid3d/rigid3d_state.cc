@@ -35,7 +35,7 @@ State rigid3d_at_start(const BodyList& bodies, const JointList& list, const Vec3
   s.add({"joint.broken", "1", S::u32, 1}, joints.size());
   s.add({"drive.impulse", "SI", S::f64, 4}, list.drives.size());
   s.add({"drive.coordinate", "SI", S::f64, 1}, list.drives.size());
-  s.add({"drive.motor", "SI", S::f64, 2}, list.drives.size());
+  s.add({"drive.motor", "SI", S::f64, 2, Role::sentinel}, list.drives.size());
   for (size_t k = 0; k < list.drives.size(); ++k) {
     const Drive& d = list.drives[k];
     const Joint& j = joints[d.joint];

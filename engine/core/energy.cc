@@ -1,0 +1,30 @@
+#include "engine/core/energy.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace truestep {
+
+void EnergyWatch::begin(const Energy& e) {
+  reference = e.kinetic + e.potential;
+  // The zero of a potential is anybody's choice: where it is far away the watch is only less strict.
+  available = std::max(available, e.kinetic + std::abs(e.potential));
+  phase = e.exchange == Energy::Exchange::closed ? Phase::watching : Phase::open;
+}
+
+void EnergyWatch::command(const Energy& before, const Energy& after) {
+  if (phase == Phase::fresh) return;
+  const double work = (after.kinetic + after.potential) - (before.kinetic + before.potential);
+  reference += work;
+  available = std::max(available, std::abs(work)) + std::abs(after.kinetic - before.kinetic);
+}
+
+bool EnergyWatch::holds(const Energy& now) {
+  if (phase != Phase::watching || now.exchange == Energy::Exchange::open) return begin(now), true;
+  // Where energy is kept, this is what the potential has given or taken so far.
+  available = std::max(available, reference - now.potential);
+  const double gain = now.kinetic + now.potential - reference;
+  return gain <= now.swing * std::max(available, now.slack);
+}
+
+}  // namespace truestep
