@@ -22,6 +22,7 @@ struct Measured {
 Measured run(Treatment treatment, double h) {
   RodChainDef d;
   d.constraints = treatment, d.links = kLinks, d.length = 0.15, d.mass = 0.1, d.direction = {1, -1, 0};
+  d.substeps = 1;
   BuildContext context;
   context.dt = h;
   // As stiff as the step bears with a margin of a tenth.

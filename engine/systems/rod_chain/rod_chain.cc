@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "engine/base/errors.h"
 #include "engine/core/command_checks.h"
+#include "engine/integrators/advance.h"
 #include "engine/systems/rod_chain/treatments.h"
 
 namespace truestep {
@@ -13,17 +15,27 @@ using rods::Rod;
 
 namespace {
 
-enum Column : State::Column { kPosition, kVelocity, kDirection, kSpin, kGravity };
+enum Column : State::Column { kPosition, kVelocity, kDirection, kSpin, kGravity, kCarry };
 constexpr std::string_view kScratch = "rod_chain";
+constexpr int kMostHalvings = 12;  // of a step of projection
 
 class RodChain final : public StagedSystem {
  public:
   RodChain(const RodChainDef& def, const BuildContext& context) : def_(def), gravity_(context.gravity) {
     chain_.half = 0.5 * def.length, chain_.mass = def.mass, chain_.anchor = def.anchor;
     chain_.inertia = def.mass * def.length * def.length / 12;
-    const char* how[] = {"exact joint forces, RK4, then places and velocities are projected",
-                         "free flight, then the nearest places without gaps",
-                         "springs at the joints; stable below the step that stable_dt says"};
+    substeps_ = def.substeps.value_or(1);
+    if (!def.substeps && def.constraints == RodChainDef::Treatment::penalty) {
+      constexpr double kOfTheLimit = 1.0 / 8;
+      const double parts = std::ceil(context.dt / (kOfTheLimit * stable_substep()));
+      substeps_ = static_cast<int64_t>(std::clamp(parts, 1.0, 1e6));
+    }
+    const std::string times = std::to_string(substeps_) + (substeps_ == 1 ? " step" : " steps");
+    const std::string how[] = {std::string("exact joint forces, ") +
+                                   (adaptive() ? "dop853 in steps of its own" : "RK4 in " + times) +
+                                   ", then places and velocities are projected",
+                               "free flight, then the nearest places without gaps, in " + times,
+                               "springs at the joints, in " + times + " of semi-implicit Euler"};
     const char* names[] = {"lagrange", "projection", "penalty"};
     const auto chosen = static_cast<size_t>(def.constraints);
     add_stage(names[chosen], how[chosen], [this](State& s, const StepInput& in) { advance(s, in); });
@@ -40,6 +52,7 @@ class RodChain final : public StagedSystem {
     s.add({"direction", "1", Scalar::f64, 3, Role::position}, n);
     s.add({"angular_velocity", "rad/s", Scalar::f64, 3, Role::velocity}, n);
     s.add({"gravity", "m/s^2", Scalar::f64, 3}, 1);
+    if (adaptive()) s.add({"integrator.carry", "1"}, 2);
     store3(s.f64(kGravity).data(), 0, gravity_);
     const Vec3 u = normalized(def_.direction);
     for (size_t j = 0; j < n; ++j) {
@@ -52,11 +65,18 @@ class RodChain final : public StagedSystem {
   void observe(const State& s, double, Observables& out) const override {
     const auto all = load(s);
     const Chain c = chain(s);
-    const double kinetic = rods::kinetic(c, all), potential = rods::potential(c, all);
-    out.add("energy.kinetic", kinetic, "J");
-    out.add("energy.potential", potential, "J");
-    out.add("energy.total", kinetic + potential, "J");
+    const Energy e = energy_of(c, all);
+    out.add("energy.kinetic", e.kinetic, "J");
+    out.add("energy.potential", e.potential, "J");
+    out.add("energy.total", e.kinetic + e.potential, "J");
     out.add("joints.gap", rods::largest_gap(c, all), "m");
+  }
+
+  std::optional<Energy> energy(const State& s, double, Workspace& workspace,
+                               const ThreadArena&) const override {
+    auto& scratch = workspace.object<rods::Scratch>(kScratch);
+    load(s, scratch.rods);
+    return energy_of(chain(s), scratch.rods);
   }
 
   std::vector<FieldInfo> fields() const override {
@@ -102,13 +122,25 @@ class RodChain final : public StagedSystem {
 
   std::optional<double> stable_dt(const State&) const override {
     if (def_.constraints != RodChainDef::Treatment::penalty) return std::nullopt;
-    // Semi-implicit Euler on x'' = -w2 x - d x': h^2 w2 + 2 h d < 4 suffices.
-    const double most = rods::largest_eigenvalue(chain_), w2 = def_.stiffness * most, d = def_.damping * most;
-    return static_cast<double>(def_.substeps) * 4 / (d + std::sqrt(d * d + 4 * w2));
+    return static_cast<double>(substeps_) * stable_substep();
   }
   size_t max_rows() const override { return static_cast<size_t>(def_.links); }
 
  private:
+  bool adaptive() const { return def_.constraints == RodChainDef::Treatment::lagrange && !def_.substeps; }
+  Energy energy_of(const Chain& c, std::span<const Rod> all) const {
+    const bool springs = def_.constraints == RodChainDef::Treatment::penalty;
+    Energy e{.kinetic = rods::kinetic(c, all), .potential = rods::potential(c, all)};
+    e.exchange = Energy::Exchange::closed;
+    e.swing = 2;
+    if (springs) e.potential += rods::stored(c, all, def_.stiffness), e.swing = Energy::kSwingNearLimit;
+    return e;
+  }
+  double stable_substep() const {
+    // Semi-implicit Euler on x'' = -w2 x - d x': h^2 w2 + 2 h d < 4 suffices.
+    const double most = rods::largest_eigenvalue(chain_), w2 = def_.stiffness * most, d = def_.damping * most;
+    return 4 / (d + std::sqrt(d * d + 4 * w2));
+  }
   Chain chain(const State& s) const {
     Chain c = chain_;
     c.gravity = load3(s.f64(kGravity).data(), 0);
@@ -130,14 +162,15 @@ class RodChain final : public StagedSystem {
     auto& scratch = in.workspace.object<rods::Scratch>(kScratch);
     load(s, scratch.rods);
     const Chain c = chain(s);
-    const double h = in.h / static_cast<double>(def_.substeps);
-    for (int64_t k = 0; k < def_.substeps; ++k) {
+    const double h = in.h / static_cast<double>(substeps_);
+    if (adaptive()) choose_steps(s, c, in, scratch);
+    for (int64_t k = 0; k < substeps_ && !adaptive(); ++k) {
       switch (def_.constraints) {
         case RodChainDef::Treatment::lagrange:
           rods::step_lagrange(c, scratch.rods, h, def_.tolerance * def_.length, scratch);
           break;
         case RodChainDef::Treatment::projection:
-          rods::step_projection(c, scratch.rods, h, def_.tolerance * def_.length, scratch);
+          project(c, h, kMostHalvings, scratch);
           break;
         case RodChainDef::Treatment::penalty:
           rods::step_penalty(c, scratch.rods, h, def_.stiffness, def_.damping, scratch);
@@ -151,8 +184,39 @@ class RodChain final : public StagedSystem {
     }
   }
 
+  // A step from which no way leads back to a closed chain is taken as two.
+  void project(const Chain& c, double h, int halvings, rods::Scratch& scratch) const {
+    if (rods::step_projection(c, scratch.rods, h, def_.tolerance * def_.length, scratch)) return;
+    if (halvings == 0) throw Instability("", "joints.gap", 0, "no places without gaps were found");
+    for (int half = 0; half < 2; ++half) project(c, 0.5 * h, halvings - 1, scratch);
+  }
+  void choose_steps(State& s, const Chain& c, const StepInput& in, rods::Scratch& scratch) const {
+    static const Integrator& method = *find_integrator("dop853");
+    const rods::RodEquations equations(c, scratch, scratch.rods.size());
+    const auto y = in.workspace.doubles("rod_chain.y", equations.size());
+    rods::RodEquations::write(scratch.rods, y.data());
+    const auto carried = s.f64(kCarry);
+    Carry carry{carried[0], carried[1]};
+    Advance run{
+        .f = equations, .t = 0, .t_end = in.h, .y = y.data(), .workspace = in.workspace, .carry = carry};
+    run.tolerance.relative = run.tolerance.absolute = def_.error_tolerance;
+    run.max_steps = kMaxInternalSteps;
+    try {
+      method.advance(run);
+    } catch (Instability& e) {
+      constexpr const char* kParts[] = {"position", "direction", "velocity", "angular_velocity"};
+      e.quantity = kParts[static_cast<size_t>(e.index) / 3 % 4];
+      e.index /= static_cast<long long>(rods::RodEquations::kNumbers);
+      throw;
+    }
+    carried[0] = carry.step, carried[1] = carry.last_error;
+    rods::RodEquations::read(y.data(), scratch.rods);
+    rods::close_gaps(c, scratch.rods, def_.tolerance * def_.length, scratch);
+  }
+
   RodChainDef def_;
   Chain chain_;
+  int64_t substeps_ = 1;
   Vec3 gravity_;
 };
 
@@ -176,7 +240,10 @@ const DefTable& rod_chain_table() {
           .number("damping", &D::damping, "N s/m", at_least(0), "penalty: of the joints' springs")
           .number("tolerance", &D::tolerance, "1", between(1e-15, 0.1),
                   "projection and lagrange: widest gap left, in lengths of a rod")
-          .integer("substeps", &D::substeps, between(1, 100'000), "steps of the method per step of the scene")
+          .number("error_tolerance", &D::error_tolerance, "1", between(1e-14, 0.1),
+                  "lagrange without substeps: bound on the local error of every internal step")
+          .integer("substeps", &D::substeps, between(1, 100'000),
+                   "steps of the method per step of the scene; absent: as many as the treatment needs")
           .check([](const D& d, const DefTable::Report& report) {
             if (!(norm(d.direction) > 0)) report("/direction", "the direction must not be zero");
           })
@@ -190,7 +257,9 @@ std::unique_ptr<const System> build_rod_chain(const void* def, const BuildContex
 
 Cost rod_chain_cost(const void* def) {
   const auto& d = *static_cast<const RodChainDef*>(def);
-  const auto n = static_cast<double>(d.links), steps = static_cast<double>(d.substeps);
+  const auto n = static_cast<double>(d.links),
+             steps = static_cast<double>(
+                 d.substeps.value_or(d.constraints == RodChainDef::Treatment::projection ? 1 : 8));
   const double each = d.constraints == RodChainDef::Treatment::penalty      ? 3e-8
                       : d.constraints == RodChainDef::Treatment::projection ? 2.5e-7
                                                                             : 6e-7;

@@ -67,6 +67,16 @@ double potential(const Chain& c, std::span<const Rod> rods) {
   return e;
 }
 
+double stored(const Chain& c, std::span<const Rod> rods, double k) {
+  double squares = 0;
+  Vec3 before = c.anchor;
+  for (const Rod& r : rods) {
+    squares += norm2((r.x - r.u * c.half) - before);
+    before = r.x + r.u * c.half;
+  }
+  return 0.5 * k * squares;
+}
+
 double largest_gap(const Chain& c, std::span<const Rod> rods) {
   double most = 0;
   Vec3 before = c.anchor;

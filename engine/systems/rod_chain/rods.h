@@ -40,6 +40,8 @@ Change response(const Chain& c, std::span<const Rod> rods, std::span<const Vec3>
 /// Energies (J).
 double kinetic(const Chain& c, std::span<const Rod> rods);
 double potential(const Chain& c, std::span<const Rod> rods);
+/// Of joints that are springs of k (N/m).
+double stored(const Chain& c, std::span<const Rod> rods, double k);
 double largest_gap(const Chain& c, std::span<const Rod> rods);
 
 }  // namespace truestep::rods

@@ -15,13 +15,14 @@ double largest(std::span<const Vec3> v) {
   return std::sqrt(most);
 }
 
-/// Newton's method on C = 0, corrections weighed by mass; ends at the tolerance or when rounding stops it.
-void project_places(const Chain& c, std::span<Rod> rods, double tolerance, Scratch& s) {
+/// Newton's method on C = 0, corrections weighed by mass; ends at the tolerance or when nothing gets better.
+/// The widest gap (m) that is left.
+double project_places(const Chain& c, std::span<Rod> rods, double tolerance, Scratch& s) {
   double last = HUGE_VAL;
   for (int k = 0; k < kMostIterations; ++k) {
     gaps(c, rods, s.force);
     const double gap = largest(s.force);
-    if (gap <= tolerance || gap >= last) return;
+    if (gap <= tolerance || gap >= last) return gap;
     last = gap;
     constraint_matrix(c, rods, s.matrix);
     for (Vec3& f : s.force) f = -f;
@@ -32,6 +33,8 @@ void project_places(const Chain& c, std::span<Rod> rods, double tolerance, Scrat
       rods[j].x += d.v, rods[j].u = normalized(turned(rods[j].u, d.w));
     }
   }
+  gaps(c, rods, s.force);
+  return largest(s.force);
 }
 
 /// C' = 0, by the impulses that do it.
@@ -72,6 +75,24 @@ void add(std::span<const Rod> from, std::span<const Rod> rates, double h, std::s
 
 }  // namespace
 
+void RodEquations::write(std::span<const Rod> rods, double* y) {
+  for (size_t j = 0; j < rods.size(); ++j) {
+    const Vec3* part[] = {&rods[j].x, &rods[j].u, &rods[j].v, &rods[j].w};
+    for (size_t k = 0; k < 4; ++k) store3(y, 4 * j + k, *part[k]);
+  }
+}
+void RodEquations::read(const double* y, std::span<Rod> rods) {
+  for (size_t j = 0; j < rods.size(); ++j)
+    rods[j] = {load3(y, 4 * j), load3(y, 4 * j + 1), load3(y, 4 * j + 2), load3(y, 4 * j + 3)};
+}
+void RodEquations::rate(double, const double* y, double* dydt) const {
+  Scratch& s = scratch_;
+  s.force.resize(rods_), s.stage.resize(rods_), s.rates.resize(rods_);
+  read(y, s.stage);
+  lagrange_rates(chain_, s.stage, s.rates, s);
+  write(s.rates, dydt);
+}
+
 void step_penalty(const Chain& chain, std::span<Rod> rods, double h, double k, double c, Scratch& s) {
   const size_t n = rods.size();
   s.force.resize(n), s.from.resize(n);
@@ -89,14 +110,18 @@ void step_penalty(const Chain& chain, std::span<Rod> rods, double h, double k, d
   for (Rod& r : rods) r.x += r.v * h, r.u = normalized(turned(r.u, r.w * h));
 }
 
-void step_projection(const Chain& chain, std::span<Rod> rods, double h, double tolerance, Scratch& s) {
+bool step_projection(const Chain& chain, std::span<Rod> rods, double h, double tolerance, Scratch& s) {
   const size_t n = rods.size();
   s.force.resize(n), s.from.resize(n), s.stage.assign(rods.begin(), rods.end());
   for (Rod& r : rods) {
     r.v += chain.gravity * h;
     r.x += r.v * h, r.u = normalized(turned(r.u, r.w * h));
   }
-  project_places(chain, rods, tolerance, s);
+  constexpr double kClosed = 1e-9;  // of a rod: far above rounding, far below what could be seen
+  if (!(project_places(chain, rods, tolerance, s) <= std::max(tolerance, kClosed * chain.half))) {
+    std::copy(s.stage.begin(), s.stage.end(), rods.begin());
+    return false;
+  }
   for (size_t j = 0; j < n; ++j) {
     const Rod& old = s.stage[j];
     rods[j].v = (rods[j].x - old.x) / h;
@@ -104,6 +129,7 @@ void step_projection(const Chain& chain, std::span<Rod> rods, double h, double t
     const double sine = norm(axis);
     rods[j].w = sine > 0 ? axis * (trig::atan2(sine, dot(old.u, rods[j].u)) / (sine * h)) : Vec3{};
   }
+  return true;
 }
 
 void step_lagrange(const Chain& chain, std::span<Rod> rods, double h, double tolerance, Scratch& s) {
@@ -117,10 +143,15 @@ void step_lagrange(const Chain& chain, std::span<Rod> rods, double h, double tol
     add(s.sum, s.rates, kShare[stage] * h, s.sum);
     if (stage < 3) add(rods, s.rates, kAhead[stage] * h, s.stage);
   }
-  for (size_t j = 0; j < n; ++j) {
-    rods[j] = s.sum[j];
-    rods[j].u = normalized(rods[j].u);
-    rods[j].w -= rods[j].u * dot(rods[j].u, rods[j].w);
+  std::copy(s.sum.begin(), s.sum.end(), rods.begin());
+  close_gaps(chain, rods, tolerance, s);
+}
+
+void close_gaps(const Chain& chain, std::span<Rod> rods, double tolerance, Scratch& s) {
+  s.force.resize(rods.size()), s.from.resize(rods.size());
+  for (Rod& r : rods) {
+    r.u = normalized(r.u);
+    r.w -= r.u * dot(r.u, r.w);
   }
   project_places(chain, rods, tolerance, s);
   project_velocities(chain, rods, s);

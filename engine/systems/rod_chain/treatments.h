@@ -1,5 +1,6 @@
 // One step of a chain of rods by each of the three treatments of its constraints (rod_chain.h).
 #pragma once
+#include "engine/core/right_hand_side.h"
 #include "engine/systems/rod_chain/rods.h"
 
 namespace truestep::rods {
@@ -11,11 +12,35 @@ struct Scratch {
   std::vector<Rod> rods, from, stage, rates, sum;
 };
 
+/// The chain with its joints' exact forces as equations of first order: every rod's x, u, v, w.
+class RodEquations final : public RightHandSide {
+ public:
+  /// Both must outlive this.
+  RodEquations(const Chain& chain, Scratch& scratch, size_t rods)
+      : chain_(chain), scratch_(scratch), rods_(rods) {}
+  size_t size() const override { return kNumbers * rods_; }
+  void rate(double t, const double* y, double* dydt) const override;
+  bool autonomous() const override { return true; }
+
+  static constexpr size_t kNumbers = 12;
+  static void write(std::span<const Rod> rods, double* y);
+  static void read(const double* y, std::span<Rod> rods);
+
+ private:
+  const Chain& chain_;
+  Scratch& scratch_;
+  size_t rods_;
+};
+
 /// Springs of k (N/m) and c (N s/m) for h (s); semi-implicit Euler.
 void step_penalty(const Chain& chain, std::span<Rod> rods, double h, double k, double c, Scratch& s);
-/// Free flight and projection until no gap is wider than `tolerance` (m), or rounding is reached.
-void step_projection(const Chain& chain, std::span<Rod> rods, double h, double tolerance, Scratch& s);
+/// Free flight and projection until no gap is wider than `tolerance` (m), or rounding is reached. False when
+/// places without gaps are too far away to be found; the rods are then as they were.
+[[nodiscard]] bool step_projection(const Chain& chain, std::span<Rod> rods, double h, double tolerance,
+                                   Scratch& s);
 /// Exact multipliers, RK4, then places and velocities are projected.
 void step_lagrange(const Chain& chain, std::span<Rod> rods, double h, double tolerance, Scratch& s);
+/// What ends a step of multipliers: unit directions, spins across them, then gaps and their rates are closed.
+void close_gaps(const Chain& chain, std::span<Rod> rods, double tolerance, Scratch& s);
 
 }  // namespace truestep::rods
