@@ -23,17 +23,22 @@ constexpr int kMaxEventsPerStep = 1000;
 struct Ode::Scratch {
   const OdeModel* model = nullptr;
   std::unique_ptr<OdeEquations> equations;
+  std::unique_ptr<OdeContacts> contacts;
   std::unique_ptr<OdeGuards> guards;
   std::unique_ptr<EventWatcher> watcher;
   std::vector<OdeEvaluation> event_values;
   std::vector<double> values;  ///< of an event's targets
+  /// Guards whose event has just led away from zero, with the side: too short a flight is a crossing as well.
+  std::vector<std::pair<uint32_t, int32_t>> departing;
   std::unique_ptr<OdeEvaluation> plot;
   std::vector<double> points;                               ///< that `plot` gives
   std::vector<double> start, middle, rate_start, rate_end;  ///< of the states, for tracers
+  std::vector<double> rates;                                ///< of the states, or these before an event
 
   void set_parameters(std::span<const double> p) {
     equations->set_parameters(p);
     guards->set_parameters(p);
+    contacts->set_parameters(p);
     plot->set_parameters(p);
     for (OdeEvaluation& e : event_values) e.set_parameters(p);
   }
@@ -118,9 +123,12 @@ State Ode::initial_state() const {
   }
   add(C::kInvariantsAtStart, "invariants.start", "1", 1, Role::internal, invariants);
   add(C::kWork, "integrator.work", "1", 1, Role::internal, std::vector<uint64_t>(kOdeWorkCounters));
-  add(C::kMemory, "integrator.memory", "1", 1, Role::internal,
+  add(C::kMemory, "integrator.memory", "1", 1, Role::sentinel,
       std::vector<double>(method_ && method_->memory ? method_->memory(model_.size()) : 0, NAN));
   add(C::kTrail, "trail", "m", 3, Role::internal, std::vector<double>(def_.tracers ? 0 : 3 * rows_));
+  if (!model_.contacts.empty()) {
+    add(C::kResting, "events.resting", "1", 1, Role::internal, std::vector<int32_t>(model_.guards.outputs()));
+  }
   if (rows_ > 0 && !def_.tracers) {
     Workspace workspace;
     for (size_t k = 0; k <= trail_; ++k) draw_path(s, 0, workspace);
@@ -129,6 +137,13 @@ State Ode::initial_state() const {
     Workspace workspace;
     Scratch& work = scratch(s, workspace);
     work.watcher->look(0, model_.initial.data());
+    // What begins at zero in contact rests there; an event in either direction does not say on which side.
+    for (uint32_t k = 0; k < model_.contacts.size(); ++k) {
+      const Crossing direction = work.guards->directions()[k];
+      if (s.span<int32_t>(C::kEventSigns)[k] != 0 || direction == Crossing::either) continue;
+      if (work.contacts->possible(k)) settle(s, work, k, direction == Crossing::falling ? 1 : -1, 0);
+      if (work.contacts->resting(k)) work.watcher->look(0, s.f64(C::kStates).data());
+    }
   }
   return s;
 }
@@ -138,7 +153,8 @@ Ode::Scratch& Ode::scratch(State& s, Workspace& workspace) const {
   if (work.model != &model_) {
     work.model = &model_;
     work.equations = std::make_unique<OdeEquations>(model_);
-    work.guards = std::make_unique<OdeGuards>(model_);
+    work.contacts = std::make_unique<OdeContacts>(model_);
+    work.guards = std::make_unique<OdeGuards>(model_, *work.contacts);
     work.watcher = std::make_unique<EventWatcher>(*work.guards, work.guards->directions(), model_.size());
     work.plot = std::make_unique<OdeEvaluation>(model_.plot);
     work.event_values.clear();
@@ -150,6 +166,7 @@ Ode::Scratch& Ode::scratch(State& s, Workspace& workspace) const {
     work.values.resize(most);
   }
   work.set_parameters(s.f64(C::kParameters));
+  if (!model_.contacts.empty()) work.contacts->attach(s.span<int32_t>(C::kResting));
   work.watcher->attach(s.span<int32_t>(C::kEventSigns));
   return work;
 }
@@ -167,7 +184,7 @@ void Ode::integrate(State& s, const StepInput& in) const {
     const double target = timed < t_end - slack ? timed : t_end;
     t = advance(s, work, in.workspace, t, target);
     const auto& crossed = work.watcher->fired();
-    for (const uint32_t k : crossed) fire(s, work, work.guards->event(k), t);
+    for (const uint32_t k : crossed) cross(s, work, k, t);
     const bool on_time = crossed.empty() && timed <= t_end + slack;
     for (size_t k = 0; on_time && k < model_.events.size(); ++k) {
       const OdeEventDef& e = model_.events[k].def;
@@ -176,6 +193,8 @@ void Ode::integrate(State& s, const StepInput& in) const {
     }
     if (!crossed.empty() || on_time) {
       if (model_.guards.outputs() > 0) work.watcher->look(t, y.data());
+      for (const auto& [guard, side] : work.departing) s.span<int32_t>(C::kEventSigns)[guard] = side;
+      work.departing.clear();
       if (++times > kMaxEventsPerStep) {
         throw Instability("", "events",
                           crossed.empty() ? 0 : static_cast<long long>(work.guards->event(crossed[0])),
@@ -209,6 +228,9 @@ double Ode::advance(State& s, Scratch& work, Workspace& workspace, double t, dou
   run.damping = options_.damping;
   run.watcher = model_.guards.outputs() > 0 ? work.watcher.get() : nullptr;
   run.statistics = &statistics;
+  const bool rests = work.contacts->any();
+  work.equations->rest_on(rests ? work.contacts.get() : nullptr);
+  if (rests) work.contacts->remember(s.f64(C::kStates));
   try {
     method_->advance(run);
   } catch (Instability& e) {
@@ -238,11 +260,60 @@ void Ode::forget(State& s) {
   std::ranges::fill(s.f64(C::kMemory), NAN);
 }
 
+// The event of a guard that crosses zero; or the end of its contact.
+void Ode::cross(State& s, Scratch& work, uint32_t guard, double t) const {
+  const size_t event = work.guards->event(guard);
+  if (model_.contacts.empty() || !work.contacts->possible(guard)) return fire(s, work, event, t);
+  OdeContacts& contacts = *work.contacts;
+  const auto y = s.f64(C::kStates);
+  if (contacts.resting(guard)) {
+    work.departing.emplace_back(guard, s.span<int32_t>(C::kResting)[guard]);
+    contacts.end(guard);
+    return forget(s);
+  }
+  const int32_t side = s.span<int32_t>(C::kEventSigns)[guard];
+  // What moves away from zero only seems to cross it, by rounding.
+  if (side * contacts.motion(guard, t, y.data()).rate > 0) {
+    work.departing.emplace_back(guard, side);
+    return;
+  }
+  fire(s, work, event, t);
+  if (side * contacts.motion(guard, t, y.data()).rate < 0) return;
+  settle(s, work, guard, side, t);
+  if (!contacts.resting(guard)) work.departing.emplace_back(guard, side);
+}
+
+// Rests what would fly no farther than the tolerance.
+void Ode::settle(State& s, Scratch& work, uint32_t guard, int32_t side, double t) const {
+  const auto y = s.f64(C::kStates);
+  work.rates.resize(y.size());
+  work.equations->rest_on(nullptr);
+  work.equations->rate(t, y.data(), work.rates.data());
+  if (work.contacts->ends_here(guard, side, t, y.data(), work.rates.data(), tolerance_)) {
+    work.contacts->begin(guard, side, t, y.data());
+  }
+}
+
+// Whatever rests elsewhere goes on resting unless the event has moved it.
+void Ode::wake(State& s, Scratch& work, double t, std::span<const double> before) const {
+  const auto y = s.f64(C::kStates);
+  for (uint32_t k = 0; k < model_.contacts.size(); ++k) {
+    if (!work.contacts->resting(k)) continue;
+    const auto& c = model_.contacts[k];
+    const auto moved = [&](uint32_t place) { return before[place] != y[place]; };
+    if (std::ranges::none_of(c.places, moved) && std::ranges::none_of(c.watched, moved)) continue;
+    work.departing.emplace_back(k, s.span<int32_t>(C::kResting)[k]);
+    work.contacts->end(k);
+  }
+}
+
 void Ode::fire(State& s, Scratch& work, size_t k, double t) const {
   const OdeModel::Event& e = model_.events[k];
   const auto y = s.f64(C::kStates), p = s.f64(C::kParameters);
   ++s.span<uint64_t>(C::kEventCounts)[k];
   if (!e.targets.empty()) {
+    const bool rests = work.contacts->any();
+    if (rests) work.rates.assign(y.begin(), y.end());
     work.event_values[k](t, y.data(), y.size(), p.size(), work.values.data());
     for (size_t i = 0; i < e.targets.size(); ++i) {
       (e.targets[i].kind == OdeModel::Event::Target::Kind::state ? y : p)[e.targets[i].place] =
@@ -250,6 +321,7 @@ void Ode::fire(State& s, Scratch& work, size_t k, double t) const {
     }
     work.set_parameters(p);
     forget(s);
+    if (rests) wake(s, work, t, work.rates);
   }
   if (e.def.then == OdeEventDef::Then::stop) s.f64(C::kStopped)[0] = 1, s.f64(C::kStopped)[1] = t;
 }

@@ -4,7 +4,9 @@
 // points that a velocity field v(x, y, z, t) carries. Without a named integrator the default is tsit5 (dop853
 // for tolerances below 1e-9), or radau5 where the system looks stiff: at the start, or one explicit Euler
 // step of a scene step from it, the dominant eigenvalue of df/dy (power iteration, differences of f) is real,
-// negative and such that an explicit method would need more than 50 internal steps per step. Commands:
+// negative and such that an explicit method would need more than 50 internal steps per step. An event that
+// turns a motion round rests at its guard once it moves nothing by more than the tolerance (ode_contacts.h).
+// Commands:
 // set_parameter of a parameter or a state ("mu", "m[3]", "x").
 #pragma once
 #include "engine/core/system.h"
@@ -43,6 +45,9 @@ class Ode final : public StagedSystem {
   double next_timed_event(double t, double slack) const;
   /// The integrator begins afresh: what it knows of earlier steps belongs to other equations.
   static void forget(State& state);
+  void cross(State& state, Scratch& work, uint32_t guard, double t) const;
+  void settle(State& state, Scratch& work, uint32_t guard, int32_t side, double t) const;
+  void wake(State& state, Scratch& work, double t, std::span<const double> before) const;
   void fire(State& state, Scratch& work, size_t event, double t) const;
   void carry_tracers(State& state, const StepInput& in) const;
   void draw_path(State& state, double t, Workspace& workspace) const;

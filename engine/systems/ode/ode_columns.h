@@ -17,7 +17,9 @@ struct OdeColumns {
     kInvariantsAtStart,  ///< value of each invariant at t = 0
     kWork,               ///< u64: internal steps, rejected ones, right-hand sides, Jacobians
     kMemory,             ///< what the method remembers of earlier steps, NaN in front: nothing yet
-    kTrail  ///< what is drawn: for every body its present point, then the past ones, newest first
+    kTrail,   ///< what is drawn: for every body its present point, then the past ones, newest first
+    kResting  ///< i32, only where events can rest: per guard the side of zero that its contact pushes to, 0:
+              ///< it does not rest
   };
 };
 

@@ -78,6 +78,9 @@ class OdeCompiler {
 
   ExpressionProgram program(const std::vector<Node>& roots) const;
   void programs();
+  Node rate_of(Node n);
+  /// What an event's guard and its first two rates make of the states that the event sets.
+  void contacts();
   /// Finds P and V such that x' = v for x in P, v in V, one to one, and P and V are all states.
   void pair_up();
   /// Derivatives of the roots by `blocks` groups of n states, all of one shape.

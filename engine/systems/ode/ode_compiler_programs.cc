@@ -39,6 +39,62 @@ void OdeCompiler::programs() {
     differentiate(accelerations, n / 2, 2, m.acceleration_jacobian);
   }
   differentiate(roots_, n, 1, m.jacobian);
+  contacts();
+}
+
+// dn/dt along the solution: dn/dt + dn/dy f.
+OdeCompiler::Node OdeCompiler::rate_of(Node n) {
+  std::vector<ExpressionGraph::Partial> partials;
+  graph_.differentiate(n, 0, 1, partials);
+  Node sum = partials.empty() ? graph_.constant(0) : partials[0].node;
+  partials.clear();
+  graph_.differentiate(n, first_state_, static_cast<int32_t>(model_.size()), partials);
+  for (const auto& p : partials) {
+    const Node term = graph_.binary(Operation::multiply, p.node, roots_[static_cast<size_t>(p.variable)]);
+    sum = graph_.binary(Operation::add, sum, term);
+  }
+  return sum;
+}
+
+void OdeCompiler::contacts() {
+  OdeModel& m = model_;
+  m.contacts.resize(guards_.size());
+  bool any = false;
+  const auto n = static_cast<int32_t>(m.size());
+  size_t guard = 0;
+  for (const OdeModel::Event& e : m.events) {
+    if (e.def.when.empty()) continue;
+    OdeModel::Contact& c = m.contacts[guard];
+    const Node g = guards_[guard++];
+    std::vector<uint8_t> set(m.size());
+    for (const auto& target : e.targets) {
+      const bool moves = !m.second_order || target.place >= m.size() / 2;
+      if (target.kind == OdeModel::Event::Target::Kind::state && moves) set[target.place] = 1;
+    }
+    if (std::ranges::find(set, 1) == set.end()) continue;
+    try {
+      const Node rate = rate_of(g);
+      std::vector<Node> outputs{rate, rate_of(rate)};
+      std::vector<ExpressionGraph::Partial> partials;
+      graph_.differentiate(rate, first_state_, n, partials);
+      for (const auto& p : partials) {
+        if (!set[static_cast<size_t>(p.variable)]) continue;
+        c.places.push_back(static_cast<uint32_t>(p.variable));
+        outputs.push_back(p.node);
+      }
+      partials.clear();
+      graph_.differentiate(g, first_state_, n, partials);
+      for (const auto& p : partials) {
+        const auto place = static_cast<uint32_t>(p.variable);
+        if (std::ranges::find(c.places, place) == c.places.end()) c.watched.push_back(place);
+      }
+      c.program = program(outputs);
+      any = any || !c.places.empty();
+    } catch (const ExpressionFault&) {
+      c = {};  // too large: such an event never rests
+    }
+  }
+  if (!any) m.contacts.clear();
 }
 
 void OdeCompiler::pair_up() {

@@ -1,5 +1,7 @@
 #include "engine/systems/ode/ode_equations.h"
 
+#include "engine/systems/ode/ode_contacts.h"
+
 namespace truestep {
 
 OdeEquations::OdeEquations(const OdeModel& model)
@@ -13,6 +15,13 @@ OdeEquations::OdeEquations(const OdeModel& model)
 
 void OdeEquations::set_parameters(std::span<const double> p) {
   for (OdeEvaluation* e : {&rate_, &jacobian_, &acceleration_, &acceleration_jacobian_}) e->set_parameters(p);
+}
+
+void OdeEquations::support_rates(double t, const double* y, double* dydt) const {
+  contacts_->support(t, y, dydt);
+}
+void OdeEquations::support_accelerations(double t, const double* x, const double* v, double* a) const {
+  contacts_->support_accelerations(t, x, v, a);
 }
 
 void OdeEquations::jacobian(double t, const double* x, const double* v, double* dadx, double* dadv) const {

@@ -36,21 +36,27 @@ class OdeEvaluation {
   std::vector<double, CacheLineAllocator<double>> registers_;
 };
 
+class OdeContacts;
+
 class OdeEquations final : public RightHandSide, public SecondOrder {
  public:
   /// The model must outlive this.
   explicit OdeEquations(const OdeModel& model);
   void set_parameters(std::span<const double> p);
   const OdeModel& model() const { return model_; }
+  /// The states that rest somewhere are held there; null: nothing rests. Valid until the next call.
+  void rest_on(OdeContacts* contacts) { contacts_ = contacts; }
 
   size_t size() const override { return model_.size(); }
   void rate(double t, const double* y, double* dydt) const override {
     rate_(t, y, model_.size(), parameters_, dydt);
+    if (contacts_) support_rates(t, y, dydt);
   }
   MatrixShape jacobian_shape() const override { return model_.jacobian.shape(); }
   /// Of both: the first-order equations and, where there are such, those of second order.
   bool has_jacobian() const override {
-    return model_.jacobian.program.outputs() > 0 &&
+    // What holds a contact is not among the compiled derivatives.
+    return !contacts_ && model_.jacobian.program.outputs() > 0 &&
            (!model_.second_order || model_.acceleration_jacobian.program.outputs() > 0);
   }
   void jacobian(double t, const double* y, double* values) const override {
@@ -61,14 +67,19 @@ class OdeEquations final : public RightHandSide, public SecondOrder {
 
   void acceleration(double t, const double* x, const double* v, double* a) const override {
     acceleration_(t, x, v, model_.size() / 2, parameters_, a);
+    if (contacts_) support_accelerations(t, x, v, a);
   }
   bool depends_on_velocity() const override { return model_.depends_on_velocity; }
   MatrixShape shape() const override { return model_.acceleration_jacobian.shape(); }
   void jacobian(double t, const double* x, const double* v, double* dadx, double* dadv) const override;
 
  private:
+  void support_rates(double t, const double* y, double* dydt) const;
+  void support_accelerations(double t, const double* x, const double* v, double* a) const;
+
   const OdeModel& model_;
   size_t parameters_;
+  OdeContacts* contacts_ = nullptr;
   mutable OdeEvaluation rate_, jacobian_, acceleration_, acceleration_jacobian_;
   mutable std::vector<double> both_;  ///< da/dx and da/dv together
 };

@@ -1,16 +1,18 @@
-// The guards of a model's events, one program for all of them, as integrators/events.h watches them.
+// The guards of a model's events, one program for all of them, as integrators/events.h watches them. While an
+// event rests, its guard is -g'': it crosses zero in the event's own direction when the contact ends.
 #pragma once
 #include <vector>
 
 #include "engine/integrators/events.h"
-#include "engine/systems/ode/ode_equations.h"
+#include "engine/systems/ode/ode_contacts.h"
 
 namespace truestep {
 
 class OdeGuards final : public Guards {
  public:
   /// The model must outlive this.
-  explicit OdeGuards(const OdeModel& model) : model_(model), values_(model.guards) {
+  explicit OdeGuards(const OdeModel& model, OdeContacts& contacts)
+      : model_(model), contacts_(contacts), values_(model.guards) {
     using Direction = OdeEventDef::Direction;
     for (size_t k = 0; k < model.events.size(); ++k) {
       const OdeEventDef& e = model.events[k].def;
@@ -24,6 +26,9 @@ class OdeGuards final : public Guards {
   void set_parameters(std::span<const double> p) { values_.set_parameters(p); }
   void evaluate(double t, const double* y, double* g) override {
     values_(t, y, model_.size(), model_.parameter_values.size(), g);
+    for (size_t k = 0; k < model_.contacts.size(); ++k) {
+      if (contacts_.resting(k)) g[k] = -contacts_.motion(k, t, y).acceleration;
+    }
   }
   std::span<const Crossing> directions() const { return directions_; }
   /// The event that a guard belongs to.
@@ -31,6 +36,7 @@ class OdeGuards final : public Guards {
 
  private:
   const OdeModel& model_;
+  OdeContacts& contacts_;
   OdeEvaluation values_;
   std::vector<Crossing> directions_;
   std::vector<size_t> events_;

@@ -48,6 +48,13 @@ void Ode::observe(const State& s, double t, Observables& out) const {
     out.add("events." + model_.events[k].name, static_cast<double>(s.span<uint64_t>(C::kEventCounts)[k]),
             "1");
   }
+  size_t guard = 0;
+  for (const OdeModel::Event& e : model_.events) {
+    if (model_.contacts.empty() || e.def.when.empty()) continue;
+    const size_t k = guard++;
+    if (model_.contacts[k].places.empty()) continue;
+    out.add("events." + e.name + ".resting", s.span<int32_t>(C::kResting)[k] != 0 ? 1 : 0, "1");
+  }
   if (!model_.events.empty()) {
     const bool stopped = s.f64(C::kStopped)[0] != 0;
     out.add("stopped", stopped ? 1 : 0, "1");
@@ -123,6 +130,12 @@ void Ode::apply(State& s, const Command& c) const {
   // Guards count from where they are next seen, and a system that stood still goes on.
   forget(s);
   std::ranges::fill(s.span<int32_t>(C::kEventSigns), 0);
+  if (!model_.contacts.empty()) {
+    // What rested is put on the side that its contact pushed it to: it falls back, or it rises.
+    const auto resting = s.span<int32_t>(C::kResting);
+    std::ranges::copy(resting, s.span<int32_t>(C::kEventSigns).begin());
+    std::ranges::fill(resting, 0);
+  }
   std::ranges::fill(s.f64(C::kStopped), 0.0);
 }
 

@@ -43,13 +43,21 @@ struct OdeModel {
     ExpressionProgram values;  ///< of the targets
   };
 
+  /// What a guard's event could rest against (ode_contacts.h).
+  struct Contact {
+    std::vector<uint32_t> places;   ///< states that the event sets and g' depends on; none: no contact
+    std::vector<uint32_t> watched;  ///< other states that g depends on
+    ExpressionProgram program;      ///< g', g'', then dg'/dy of `places`
+  };
+
   std::vector<Named> states, parameters;
   std::vector<double> initial, parameter_values;
   std::vector<std::string> labels;  ///< of every state: "x", "x[3]", "x'"
   std::vector<double> absolute_tolerances;
 
   ExpressionProgram rate, invariants, plot;
-  ExpressionProgram guards;  ///< of the events with a `when`, in their order
+  ExpressionProgram guards;       ///< of the events with a `when`, in their order
+  std::vector<Contact> contacts;  ///< one per guard, or none at all
   OdeMatrix jacobian;
   bool autonomous = false;
 
