@@ -1,7 +1,9 @@
 #include "engine/studies/stability.h"
 
 #include <algorithm>
+#include <charconv>
 #include <cmath>
+#include <optional>
 
 #include "engine/base/errors.h"
 #include "engine/base/random.h"
@@ -26,61 +28,127 @@ double largest_move(std::span<const double> x, const std::vector<double>& from) 
   return most;
 }
 
-class Bisection {
+/// A border below which steps hold, and spans beyond it where they hold again.
+class BorderSearch {
  public:
-  Bisection(const json::value& scene, const StabilityParams& p, size_t system, std::string method,
-            StudyContext& c)
+  BorderSearch(const json::value& scene, const StabilityParams& p, size_t system, std::string method,
+               StudyContext& c)
       : scene_(scene), params_(p), system_(system), method_(std::move(method)), context_(c) {}
 
+  struct Span {
+    double from = 0, to = 0;  ///< s
+  };
   struct Found {
     double dt = 0;
     enum class Kind : uint8_t { limit, always, never, over_budget } kind = Kind::limit;
     int runs = 0;
+    std::vector<Span> again;  ///< stable spans above the first border
   };
 
-  /// The border between `guess` / 256 and 256 `guess`. Runs are shortened, to kFewestSteps at most, so that
-  /// the search ends within `cpu_limit` s; where even that is too much, what is known by then is returned.
+  /// The first border between `guess` / 256 and 256 `guess`, and what holds again within a factor of four of
+  /// it. Steps are tried from below, `resolution` apart near the guess and near a border, because some
+  /// compositions lose stability over a span of 1.4 % only; every border is then bisected. Runs are
+  /// shortened, to kFewestSteps at most, and then steps set further apart, so that the search ends within
+  /// `cpu_limit` s; where even that is too much, what is known by then is returned.
   Found find(double guess, double cpu_limit) {
     const double begin = thread_cpu_seconds();
     stop_at_ = begin + cpu_limit;
-    double low = 0, high = guess;
+    Found found{.dt = guess / 256};
     try {
-      shorten_runs(guess / 256, cpu_limit);
-      if (!stable(guess / 256)) return {guess / 256, Found::Kind::never, runs_};
-      low = guess / 256;
-      while (high < 256 * guess && stable(high)) low = high, high *= 2;
-      if (high >= 256 * guess && stable(high)) return {high, Found::Kind::always, runs_};
-      while (high - low > params_.accuracy * low) {
-        const double middle = 0.5 * (low + high);
-        (stable(middle) ? low : high) = middle;
+      plan_runs(guess / 256, cpu_limit);
+      if (!stable(guess / 256)) return {guess / 256, Found::Kind::never, runs_, {}};
+      double low = guess / 256;
+      // From below in doublings, finely around the guess, in doublings beyond.
+      while (low < guess / kNear && advance(low, 2 * low, found)) {
       }
+      while (!border_ && low < kNear * guess && advance(low, low * (1 + resolution_), found)) {
+      }
+      while (!border_ && low < 256 * guess && advance(low, 2 * low, found)) {
+      }
+      found.runs = runs_;
+      if (!border_) return found.dt = low, found.kind = Found::Kind::always, found;
+      find_again(found);
     } catch (const OverBudget&) {
-      return {low, Found::Kind::over_budget, runs_};
+      if (!border_) found.kind = Found::Kind::over_budget;
     }
-    return {low, Found::Kind::limit, runs_};
+    found.runs = runs_;
+    return found;
   }
   /// Steps of a run.
   int64_t steps() const { return steps_; }
+  /// Spans narrower than this share of the step may have been missed.
+  double resolution() const { return resolution_; }
 
  private:
   static constexpr int64_t kFewestSteps = 60;
-  static constexpr double kUsualRuns = 24;  // of a search
+  static constexpr double kNear = 4;        // finely from guess / 4 to 4 guess
+  static constexpr double kUsualRuns = 60;  // beside the fine ones
+  static constexpr double kFinest = 0.01, kCoarsest = 0.25;
   struct OverBudget {};
 
-  void shorten_runs(double dt, double cpu_limit) {
+  // Fine steps over a factor of kNear^2, and of kNear beyond the border.
+  static double fine_runs(double resolution) { return 3 * std::log(kNear) / std::log1p(resolution); }
+
+  void plan_runs(double dt, double cpu_limit) {
     constexpr int64_t kProbe = 16;
     const double begin = thread_cpu_seconds();
     steps_ = kProbe;
     stable(dt);
     // Every run builds its own world.
-    const double rest = thread_cpu_seconds() - begin - stepping_,
-                 affordable = (cpu_limit / kUsualRuns - rest) * kProbe / stepping_;
+    const double rest = thread_cpu_seconds() - begin - stepping_, each = stepping_ / kProbe;
+    const auto affordable = [&] { return (cpu_limit / (kUsualRuns + fine_runs(resolution_)) - rest) / each; };
+    resolution_ = kFinest;
+    while (resolution_ < kCoarsest &&
+           affordable() < static_cast<double>(std::min(params_.steps, 4 * kFewestSteps)))
+      resolution_ *= 1.5;
     steps_ = params_.steps;
-    if (affordable < static_cast<double>(steps_)) {
-      steps_ = std::min(steps_, std::max(kFewestSteps, static_cast<int64_t>(affordable)));
+    if (affordable() < static_cast<double>(steps_)) {
+      steps_ = std::min(steps_, std::max(kFewestSteps, static_cast<int64_t>(affordable())));
     }
     reaches_.clear();
     runs_ = 0;
+  }
+  // Goes from `low`, which holds, to `next`; false at a border, which is then known.
+  bool advance(double& low, double next, Found& found) {
+    if (stable(next)) {
+      found.dt = low = next;
+      return true;
+    }
+    // Between the two there may be more than one border: the lowest is wanted.
+    double high = next;
+    if (next > low * (1 + 1.5 * resolution_)) {
+      double step = low;
+      while (step * (1 + resolution_) < next && stable(step * (1 + resolution_))) {
+        found.dt = step *= 1 + resolution_;
+      }
+      low = step, high = std::min(next, step * (1 + resolution_));
+    }
+    border_ = high;
+    found.dt = bisect(low, high);
+    return false;
+  }
+  /// `holds` and `fails`: steps on either side of a border. The last step that holds.
+  double bisect(double holds, double fails) {
+    while (std::abs(fails - holds) > params_.accuracy * std::min(holds, fails)) {
+      const double middle = 0.5 * (holds + fails);
+      (stable(middle) ? holds : fails) = middle;
+    }
+    return holds;
+  }
+  void find_again(Found& found) {
+    bool holds = false;
+    const double end = kNear * *border_;
+    double last = *border_;
+    for (double dt = last * (1 + resolution_); dt < end; last = dt, dt *= 1 + resolution_) {
+      const bool now = stable(dt);
+      if (now == holds) continue;
+      if (now) {
+        found.again.push_back({bisect(dt, last), end});
+      } else {
+        found.again.back().to = bisect(last, dt);
+      }
+      holds = now;
+    }
   }
   bool stable(double dt) {
     ++runs_;
@@ -174,8 +242,15 @@ class Bisection {
   double stop_at_ = 0;
   int64_t steps_ = 0;
   double stepping_ = 0;  // s that the steps of the last run that held took
+  double resolution_ = kFinest;
+  std::optional<double> border_;  // a step just above the first border
   int runs_ = 0;
 };
+
+std::string short_number(double v) {
+  char buffer[32];
+  return {buffer, std::to_chars(buffer, buffer + sizeof buffer, v, std::chars_format::general, 4).ptr};
+}
 
 std::vector<const Integrator*> methods(const StabilityParams& p, const ForceField& field) {
   std::vector<const Integrator*> out;
@@ -202,12 +277,13 @@ std::vector<const Integrator*> methods(const StabilityParams& p, const ForceFiel
 const DefTable& stability_table() {
   using P = StabilityParams;
   static const DefTable t =
-      TableOf<P>("largest stable step of each method, measured and from theory")
+      TableOf<P>("largest step up to which each method holds, measured and from theory")
           .text("system", &P::system, "system whose method varies; the first that has one when left out")
           .texts("integrators", &P::integrators, {0, 64},
                  "methods; the explicit fixed-step ones when left out")
           .integer("steps", &P::steps, between(10, 1e7), "steps that a run must survive")
-          .number("accuracy", &P::accuracy, "1", between(1e-9, 0.5), "relative width at which bisection ends")
+          .number("accuracy", &P::accuracy, "1", between(1e-9, 0.5),
+                  "relative width at which the bisection of a border ends")
           .number("budget", &P::budget, "s", between(0.1, 1e5), "CPU time for the whole study")
           .build();
   return t;
@@ -234,14 +310,17 @@ StudyResult run_stability(const json::value& scene, const void* def, StudyContex
   }
 
   StudyResult r;
-  r.table.columns = {
-      {"integrator", ""}, {"largest_stable_dt", "s"}, {"theory_dt", "s"}, {"ratio", "1"}, {"status", ""}};
+  r.table.columns = {{"integrator", ""}, {"largest_stable_dt", "s"}, {"theory_dt", "s"}, {"ratio", "1"},
+                     {"status", ""},     {"stable_again", ""}};
   const auto rows = methods(p, forces->force_field());
   using Style = StudyPlot::Series::Style;
   StudyPlot::Series measured{.name = "measured", .style = Style::markers},
-      theory{.name = "linear theory", .style = Style::rings};
+      theory{.name = "linear theory", .style = Style::rings},
+      again{.name = "stable again, first and last step", .style = Style::rings};
   std::vector<std::string> names;
   int64_t fewest = p.steps;
+  double resolution = 0;
+  json::object windows;
   for (size_t i = 0; i < rows.size(); ++i) {
     const Integrator& row = *rows[i];
     context.progress(static_cast<double>(i) / static_cast<double>(rows.size()), std::string(row.name));
@@ -252,11 +331,12 @@ StudyResult run_stability(const json::value& scene, const void* def, StudyContex
                          : spectrum.omega > 0              ? 1 / spectrum.omega
                                                            : world.scene().substep();
     StudyTable::Cell dt, promised, ratio;
-    std::string status;
+    std::string status, spans;
     try {
-      Bisection search(scene, p, system, std::string(row.name), context);
+      BorderSearch search(scene, p, system, std::string(row.name), context);
       const auto f = search.find(guess, p.budget / static_cast<double>(rows.size()));
       fewest = std::min(fewest, search.steps());
+      resolution = std::max(resolution, search.resolution());
       using Kind = decltype(f.kind);
       status = f.kind == Kind::limit    ? "ok"
                : f.kind == Kind::always ? "stable at every step tried"
@@ -268,6 +348,14 @@ StudyResult run_stability(const json::value& scene, const void* def, StudyContex
         const auto y = static_cast<double>(names.size());
         names.emplace_back(row.name);
         measured.x.push_back(f.dt), measured.y.push_back(y);
+        json::array list;
+        for (const auto& span : f.again) {
+          again.x.insert(again.x.end(), {span.from, span.to}), again.y.insert(again.y.end(), {y, y});
+          list.push_back({{"from", span.from}, {"to", span.to}});
+          spans +=
+              (spans.empty() ? "" : ", ") + short_number(span.from) + " to " + short_number(span.to) + " s";
+        }
+        if (!list.empty()) windows[row.name] = std::move(list);
         if (std::isfinite(limit) && limit > 0) {
           ratio = f.dt / limit;
           theory.x.push_back(limit), theory.y.push_back(y);
@@ -277,12 +365,15 @@ StudyResult run_stability(const json::value& scene, const void* def, StudyContex
       if (e.code() != "scene_invalid") throw;
       status = e.issues().empty() ? e.what() : e.issues().front().message;
     }
-    r.table.rows.push_back({std::string(row.name), dt, promised, ratio, status});
+    r.table.rows.push_back({std::string(row.name), dt, promised, ratio, status,
+                            spans.empty() ? StudyTable::Cell{} : StudyTable::Cell{spans}});
   }
   r.summary = {{"omega_max", spectrum.omega},
                {"damping_max", spectrum.damping},
                {"iterations", spectrum.iterations},
-               {"suggested_dt", nullptr}};
+               {"suggested_dt", nullptr},
+               {"resolution", resolution}};
+  if (!windows.empty()) r.summary["stable_again"] = std::move(windows);
   if (fewest < p.steps) {
     r.summary["note"] = "the budget reaches runs of " + std::to_string(fewest) + " of the " +
                         std::to_string(p.steps) + " steps; give a larger budget or fewer integrators";
@@ -297,6 +388,7 @@ StudyResult run_stability(const json::value& scene, const void* def, StudyContex
             .y_label = "",
             .y_names = std::move(names),
             .series = {std::move(theory), std::move(measured)}};
+  if (!again.x.empty()) r.plot.series.push_back(std::move(again));
   return r;
 }
 

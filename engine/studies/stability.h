@@ -1,8 +1,10 @@
-// Largest stable step of each method on a scene, found by bisection, beside linear theory:
+// Largest step up to which each method holds on a scene, beside linear theory:
 //   dt <= imaginary limit / omega_max  and  dt <= real limit / damping_max,
 // with both rates from a power iteration on the scene's own stiffness (Hairer, Wanner 1996, section IV.2).
 // A step is stable when `steps` steps from a slightly disturbed start stay finite and no row goes farther
-// than ten times as far as the reference motion does in the same time.
+// than ten times as far as the reference motion does in the same time. Steps are tried from below: what is
+// reported is the end of the first stable span, and beside it the spans above where a method holds again
+// (compositions of leapfrog do), which no scene with more than one frequency should rely on.
 #pragma once
 #include <string>
 #include <vector>

@@ -51,6 +51,10 @@ function stabilityModel(result: StudyResult): Model {
     { name: "linear theory", manner: "rings", points: points("theory_dt") },
     { name: "measured", manner: "marks", points: points("largest_stable_dt") },
   ];
+  // Some methods hold again above their first border: where each of these spans begins and ends.
+  const again = (result.summary.stable_again ?? {}) as Record<string, { from: number; to: number }[]>;
+  const ends = rows.flatMap((row, y) => (again[String(row.integrator)] ?? []).flatMap((span) => [{ x: span.from, y }, { x: span.to, y }]));
+  if (ends.length > 0) curves.push({ name: "stable again", manner: "rings", points: ends });
   return {
     title: result.plot.title, xLabel: "Step", yLabel: "", xUnit: "s", yUnit: "", xScale: "log", yScale: "linear",
     curves, categories: rows.map((row) => String(row.integrator)), front: ["measured", "linear theory"],
