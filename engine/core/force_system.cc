@@ -15,9 +15,11 @@ ForceSystem::ForceSystem(std::unique_ptr<const ForceField> field, const Integrat
   max_rows_ = s.rows(s.at("position"));
 }
 
-void ForceSystem::add_integration_stage() {
-  add_stage("integrate", "advances position and velocity with " + std::string(method_.name),
-            [this](State& s, const StepInput& in) { method_.step(*field_, s, in, options_); });
+void ForceSystem::add_integration_stage(const std::string& why) {
+  add_stage(
+      "integrate",
+      "advances position and velocity with " + std::string(method_.name) + (why.empty() ? "" : ": " + why),
+      [this](State& s, const StepInput& in) { method_.step(*field_, s, in, options_); });
 }
 
 void ForceSystem::bound_speed() {

@@ -35,7 +35,8 @@ class ForceSystem : public StagedSystem {
   virtual Energy::Exchange exchange(const State& state) const { return Energy::Exchange::open; }
   /// Adds no stage yet: derived constructors call add_integration_stage where it belongs.
   ForceSystem(std::unique_ptr<const ForceField> field, const Integrator& method, IntegratorOptions options);
-  void add_integration_stage();
+  /// `why`: this method, for the plan.
+  void add_integration_stage(const std::string& why = "");
   void set_max_rows(size_t rows) { max_rows_ = rows; }
   /// For systems that only exchange the energy they start with: a limit of a thousand times the speeds that
   /// the start, its accelerations and its fastest oscillation could give.

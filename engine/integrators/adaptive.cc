@@ -21,6 +21,10 @@ namespace {
 constexpr std::string_view kInternalStep = "integrator.internal_step";
 constexpr std::string_view kLastError = "integrator.last_error";
 
+// Of the session's step: shorter ones say that the method cannot go on. A jump of the acceleration (joint
+// limits, linkages that pass through one line) is crossed where it times the step is below the tolerance.
+constexpr double kShortest = 1e-14;
+
 [[noreturn]] void give_up(const Motion& m, double t, double h) {
   const auto bad = m.state.first_bad();
   throw Instability("", "position", bad ? static_cast<long long>(bad->row) : -1,
@@ -54,7 +58,7 @@ void subdivide(Motion& m, const step_control::Law& law, int most, Attempt attemp
     const double error = attempt(m.input.t + done, now);
     if (!(error <= 1)) {
       h = now * control.rejected(error * error);
-      if (h < 1e-9 * length) give_up(m, m.input.t + done, h);
+      if (h < kShortest * length) give_up(m, m.input.t + done, h);
       continue;
     }
     accept(now);

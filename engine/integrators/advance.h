@@ -1,9 +1,11 @@
 // One integration of y' = f(t, y) from t to t_end: what every method of the table's `advance` column is
 // given. A method adds no state of its own beyond `Carry` and `memory`, so a run restored at t_end repeats
-// every choice; its arrays come from the workspace and may vanish between two calls. Adaptive methods accept
+// every choice; its arrays come from the workspace and may vanish between two calls. `memory` belongs to the
+// y that the call left: a method begins anew where y is another one. Adaptive methods accept
 // a step when the weighted root mean square of its error estimate is at most 1:
 //   sqrt(1/n sum_i (e_i / (absolute + relative * max(|y_i|, |y_i new|)))^2) <= 1
-// (Hairer, Norsett, Wanner 1993, eq. II.4.11). They never step over t_end. Fixed-step methods divide
+// (Hairer, Norsett, Wanner 1993, eq. II.4.11). They never step over t_end, except where
+// their history is worth more (cvode.cc). Fixed-step methods divide
 // [t, t_end] into `fixed_steps` equal steps.
 #pragma once
 #include <cstdint>
@@ -31,6 +33,20 @@ struct Statistics {
   uint64_t steps = 0, rejected = 0;  ///< internal steps that were accepted, and those that were tried again
   uint64_t rates = 0;                ///< evaluations of f (or a)
   uint64_t jacobians = 0, factorisations = 0, solves = 0;
+
+  Statistics& operator+=(const Statistics& o) {
+    steps += o.steps, rejected += o.rejected, rates += o.rates;
+    jacobians += o.jacobians, factorisations += o.factorisations, solves += o.solves;
+    return *this;
+  }
+  Statistics operator-(const Statistics& o) const {
+    return {steps - o.steps,
+            rejected - o.rejected,
+            rates - o.rates,
+            jacobians - o.jacobians,
+            factorisations - o.factorisations,
+            solves - o.solves};
+  }
 };
 
 /// The solution between the two ends of an accepted internal step.
@@ -65,6 +81,11 @@ struct Advance {
   /// What multistep methods keep from call to call, NaN in front when there is nothing yet; methods that need
   /// another length start anew.
   std::span<double> memory = {};
+  /// Names everything besides t and y that f depends on, for methods that may have to repeat steps.
+  uint64_t surroundings = 0;
+  /// Brings a solution back to where it belongs (unit quaternions); null: it stays there by itself. Methods
+  /// with a memory call it on the y that they leave.
+  void (*project)(const RightHandSide& f, double* y) = nullptr;
   StepWatcher* watcher = nullptr;
   Statistics* statistics = nullptr;
   double reached = 0;  ///< out: t_end, or where a watcher stopped

@@ -81,6 +81,7 @@ class Bdf2 final : public Interpolant {
   /// The last step for the next call, after drive_fixed.
   void remember() {
     const size_t n = eq_.size();
+    if (a_.project) a_.project(a_.f, a_.y);
     if (a_.memory.size() != memory_size(n)) return;
     a_.memory[0] = h_;
     std::copy_n(eq_.array(y_), n, a_.memory.data() + 1);

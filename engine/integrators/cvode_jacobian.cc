@@ -11,14 +11,9 @@
 
 namespace truestep {
 
-CvodeJacobian::CvodeJacobian(const RightHandSide& f) : f_(f), second_(f.second_order()), n_(f.size()) {
-  if (!second_) {
-    shape_ = f.jacobian_shape();
-    analytic_ = f.has_jacobian();
-  } else {
-    shape_ = second_->shape();
-    analytic_ = second_->has_jacobian();
-  }
+CvodeJacobian::CvodeJacobian(const RightHandSide& f) : n_(f.size()) {
+  bind(f);
+  analytic_ = second_ ? second_->has_jacobian() : f.has_jacobian();
   const size_t m = second_ ? n_ / 2 : n_;
   if (shape_.kind == MatrixShape::Kind::banded && 2 * (shape_.lower + shape_.upper) < m) {
     kind_ = Kind::band, interleaved_ = second_ != nullptr;
@@ -41,6 +36,11 @@ CvodeJacobian::CvodeJacobian(const RightHandSide& f) : f_(f), second_(f.second_o
     if (second_) second_values_.resize(first_.size());
   }
   if (interleaved_) y_.resize(n_);
+}
+
+void CvodeJacobian::bind(const RightHandSide& f) {
+  f_ = &f, second_ = f.second_order();
+  shape_ = second_ ? second_->shape() : f.jacobian_shape();
 }
 
 void CvodeJacobian::to_cvode(const double* ours, double* theirs) const {
@@ -94,7 +94,7 @@ void CvodeJacobian::evaluate(double t, const double* y, SUNMatrix j) {
   if (second_) {
     second_->jacobian(t, y, y + m, first_.data(), second_values_.data());
   } else {
-    f_.jacobian(t, y, first_.data());
+    f_->jacobian(t, y, first_.data());
   }
   SUNMatZero(j);
   if (kind_ == Kind::sparse) {

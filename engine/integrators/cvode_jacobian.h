@@ -15,6 +15,8 @@ class CvodeJacobian {
   enum class Kind : uint8_t { dense, band, sparse };
 
   explicit CvodeJacobian(const RightHandSide& f);
+  /// Another object of the same equations, with the same shape.
+  void bind(const RightHandSide& f);
 
   Kind kind() const { return kind_; }
   size_t lower() const { return lower_; }
@@ -38,7 +40,7 @@ class CvodeJacobian {
   template <class F>
   void for_entries(const MatrixShape& shape, size_t n, F&& f) const;
 
-  const RightHandSide& f_;
+  const RightHandSide* f_;
   const SecondOrder* second_;
   size_t n_;
   MatrixShape shape_;

@@ -51,6 +51,10 @@ inline constexpr DirkTableau kTrBdf2 = {
               1 - kRootTwo / 2 - (1 - kRootTwo / 2) / 3},
     .error_order = 3};
 
+/// Y = y + h f(Y): L-stable, order 1. Hairer, Wanner 1996, eq. IV.3.1.
+inline constexpr DirkTableau kImplicitEuler = {
+    .stages = 1, .order = 1, .gamma = 1, .a = {{{1}}}, .b = {1}, .c = {1}};
+
 /// Y = y + h/2 f(Y), y1 = y + h f(Y): symplectic, order 2. Hairer, Lubich, Wanner 2006, eq. I.1.7.
 inline constexpr DirkTableau kImplicitMidpoint = {
     .stages = 1, .order = 2, .gamma = 0.5, .a = {{{0.5}}}, .b = {1}, .c = {0.5}};

@@ -52,10 +52,15 @@ class ExplicitPair final : public Interpolant {
         a_(in.workspace, "integrator.pair", n_),
         low_(in.workspace, "integrator.pair_low", sums == Sums::compensated ? n_ : 0) {
     std::copy_n(in.y, n_, a_[kY]);
-    if (sums == Sums::compensated) std::fill_n(low_[0], n_, 0);
+    if (sums == Sums::compensated) recall_sums(in, low_[0]);
   }
   ~ExplicitPair() override {
     if (in_.statistics) in_.statistics->rates += rates_;
+  }
+
+  /// The candidate as the end of the call.
+  void remember() {
+    if (sums == Sums::compensated) remember_sums(in_, low_[1]);
   }
 
   // --- drive.h
@@ -252,6 +257,7 @@ void advance_pair(Advance& in, const step_control::Law& law) {
   const auto run = [&]<size_t N>() {
     ExplicitPair<T, N, sums> pair(in);
     drive(in, pair, law);
+    pair.remember();
   };
   with_size<1, 2, 3, 4, 6, 8, 12>(in.f.size(), run);
 }

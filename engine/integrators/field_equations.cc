@@ -1,8 +1,10 @@
 #include "engine/integrators/field_equations.h"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 
+#include "engine/base/byte_hash.h"
 #include "engine/base/errors.h"
 #include "engine/integrators/implicit_methods.h"
 
@@ -14,6 +16,11 @@ void FieldEquations::rate(double t, const double* y, double* dydt) const {
   const auto moved = motion_.rate(t, x, v, {dydt, nx});
   if (moved.data() != dydt) std::copy(moved.begin(), moved.end(), dydt);
   motion_.acceleration(t, x, v, {dydt + nx, nv});
+}
+
+void FieldEquations::project(double* y) const {
+  const size_t nx = motion_.x.size(), nv = motion_.v.size();
+  motion_.field.project({y, nx}, {y + nx, nv}, motion_.state);
 }
 
 void FieldEquations::acceleration(double t, const double* x, const double* v, double* a) const {
@@ -40,8 +47,22 @@ void add_memory(State& state, size_t n) {
   std::fill(memory.begin(), memory.end(), std::numeric_limits<double>::quiet_NaN());
 }
 
+namespace {
+// A hash of all columns but those that an integration itself changes, and the time.
+uint64_t surroundings_of(const State& state) {
+  uint64_t hash = 0;
+  for (State::Column c = 0; c < state.columns(); ++c) {
+    const std::string& name = state.info(c).name;
+    if (name == "position" || name == "velocity" || name == "time" || name.starts_with("integrator."))
+      continue;
+    hash = byte_hash(state.bytes(c).data(), state.bytes(c).size(), hash);
+  }
+  return hash;
+}
+}  // namespace
+
 void step_equations(AdvanceFunction* method, const ForceField& field, State& state, const StepInput& in,
-                    const IntegratorOptions& options) {
+                    const IntegratorOptions& options, History history) {
   Motion m(field, state, in);
   const FieldEquations f(m);
   const size_t nx = m.x.size(), nv = m.v.size();
@@ -53,9 +74,11 @@ void step_equations(AdvanceFunction* method, const ForceField& field, State& sta
   if (step) carry.step = state.f64(*step)[0];
   if (error) carry.last_error = state.f64(*error)[0];
   if (!(carry.step > 0)) carry.step = in.h;
+  // The next step begins exactly where this one ends: lengths that are rounded one by one lose time.
+  const double counted = static_cast<double>(in.step + 1) * in.h, summed = in.t + in.h;
   Advance advance{.f = f,
                   .t = in.t,
-                  .t_end = in.t + in.h,
+                  .t_end = std::abs(counted - summed) < 1e-9 * in.h ? counted : summed,
                   .y = y.data(),
                   .workspace = in.workspace,
                   .carry = carry,
@@ -64,6 +87,10 @@ void step_equations(AdvanceFunction* method, const ForceField& field, State& sta
                   .damping = options.damping,
                   .newton_tolerance = options.newton_tolerance};
   if (const auto memory = state.find("integrator.memory")) advance.memory = state.f64(*memory);
+  if (history == History::repeated) advance.surroundings = surroundings_of(state);
+  advance.project = [](const RightHandSide& equations, double* at) {
+    static_cast<const FieldEquations&>(equations).project(at);
+  };
   try {
     method(advance);
   } catch (const Instability& e) {
@@ -77,7 +104,7 @@ void step_equations(AdvanceFunction* method, const ForceField& field, State& sta
   }
   std::copy_n(y.begin(), nx, m.x.begin());
   std::copy_n(y.begin() + static_cast<std::ptrdiff_t>(nx), nv, m.v.begin());
-  m.project();
+  if (advance.memory.empty()) m.project();
   if (step) state.f64(*step)[0] = std::min(carry.step, in.h);
   if (error) state.f64(*error)[0] = carry.last_error;
 }

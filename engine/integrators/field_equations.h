@@ -21,6 +21,8 @@ class FieldEquations final : public RightHandSide, public SecondOrder {
                  : "element " + std::to_string(i - n) + " of velocity";
   }
   const SecondOrder* second_order() const override { return plain_ ? this : nullptr; }
+  /// ForceField::project.
+  void project(double* y) const;
 
   void acceleration(double t, const double* x, const double* v, double* a) const override;
   bool depends_on_velocity() const override {
@@ -45,15 +47,19 @@ inline Tolerance tolerance_of(const IntegratorOptions& options) {
           .absolute = options.absolute_tolerance.value_or(options.tolerance)};
 }
 
+/// How a method's history comes back after a restore: as numbers of its memory, or by repeating the steps
+/// that made it, for which everything else in the state must be as it was.
+enum class History : uint8_t { kept, repeated };
+
 /// Advances a force field's state by one session step with `method`, in as many internal steps as it wants
 /// (one, for fixed-step methods). The carry lives in the columns of prepare_adaptive where these exist.
 void step_equations(AdvanceFunction* method, const ForceField& field, State& state, const StepInput& in,
-                    const IntegratorOptions& options);
+                    const IntegratorOptions& options, History history);
 
 /// A step function made of an advance function.
-template <AdvanceFunction* method>
+template <AdvanceFunction* method, History history = History::kept>
 void step_by(const ForceField& field, State& state, const StepInput& in, const IntegratorOptions& options) {
-  step_equations(method, field, state, in, options);
+  step_equations(method, field, state, in, options, history);
 }
 
 }  // namespace truestep

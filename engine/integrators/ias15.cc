@@ -6,8 +6,9 @@
 // compensated sums as in Rein, Spiegel 2015, "IAS15: a fast, adaptive, high-order integrator", eqs. 8 to 11.
 // Differences: each coefficient is found by divided differences of the samples over s (the g of the papers);
 // the step's bound on |b_6| / |a_0| is epsilon = max(1e-9, 0.1 tolerance^(7/16)), because |b_6| falls like
-// h^7 and the local error like h^16; every call predicts its first step anew, so that a restored run repeats
-// it. What the sums left over goes from call to call in `memory`, beside the y that it belongs to.
+// h^7 and the local error like h^16; a step is solved when no coefficient changes any more, not b_6 alone,
+// which in short steps is below rounding before the others are found. What the sums left over and the
+// polynomials that predict the next step go from call to call in `memory`.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -58,10 +59,6 @@ class Radau15 final : public Interpolant {
         y_(in.workspace, "integrator.ias15_y", 2 * m_) {
     std::copy_n(in.y, 2 * m_, y_[kNow]);
     recall();
-    for (size_t k = 0; k < 7; ++k) {
-      std::fill_n(a_[kB + k], m_, 0);
-      std::fill_n(a_[kE + k], m_, 0);
-    }
   }
 
   void run() {
@@ -71,11 +68,12 @@ class Radau15 final : public Interpolant {
                       : std::max(1e-9, 0.1 * step_control::rough_pow(std::max(tolerance, 1e-30), 0.4375));
     double t = in_.t, t_low = 0, h = in_.carry.step > 0 ? in_.carry.step : first_step();
     sample(t, y_[kNow], a_[kA0]);
+    if (h_ > 0) predict_next(step_within(in_.t_end - t, h) / h_);
     for (uint64_t tried = 0;; ++tried) {
       if (tried >= in_.max_steps) step_control::too_many_steps(in_, t, h);
       const double left = (in_.t_end - t) - t_low;
       const bool last = h >= left * (1 - 1e-12);
-      const double now = last ? left : 2 * h > left ? 0.5 * left : h;
+      const double now = step_within(left, h);
       const double error = converge(t, now);
       // |b_6| grows like h^7.
       const double factor = error > 0 ? step_control::rough_pow(epsilon / error, 1.0 / 7) : kGrow;
@@ -99,18 +97,16 @@ class Radau15 final : public Interpolant {
       h_ = now;
       if (in_.watcher) verdict = in_.watcher->accepted(t, t1, y_[kNew], *this);
       t = t1;
-      if (last || verdict == StepWatcher::Verdict::stop) break;
-      y_.take(kNow, kNew);
-      y_.take(kLow, kLowNew);
-      sample(t, y_[kNow], a_[kA0]);
-      const double next_left = (in_.t_end - t) - t_low;
-      const double next = h >= next_left * (1 - 1e-12) ? next_left : 2 * h > next_left ? 0.5 * next_left : h;
-      // The polynomials of the finished step, corrected by what prediction missed there, continued.
+      // What prediction missed.
       for (size_t k = 0; k < 7; ++k) {
         double *b = a_[kB + k], *e = a_[kE + k];
         loop([=](size_t i) { e[i] = b[i] - e[i]; });
       }
-      predict_next(next / now);
+      if (last || verdict == StepWatcher::Verdict::stop) break;
+      y_.take(kNow, kNew);
+      y_.take(kLow, kLowNew);
+      sample(t, y_[kNow], a_[kA0]);
+      predict_next(step_within((in_.t_end - t) - t_low, h) / now);
     }
     std::copy_n(y_[kNew], 2 * m_, in_.y);
     remember();
@@ -138,19 +134,35 @@ class Radau15 final : public Interpolant {
     for (size_t i = 0; i < m; ++i) body(i);
   }
 
-  // What the sums of the last call left over, if nobody has changed y since.
+  /// Length of the next step where `left` is left: two equal ones where less than two remain.
+  static double step_within(double left, double h) {
+    return h >= left * (1 - 1e-12) ? left : 2 * h > left ? 0.5 * left : h;
+  }
+
+  // Lower parts and polynomials of the last call, if nobody has changed y since.
   void recall() {
-    const double* memory = in_.memory.data();
-    if (in_.memory.size() == ias15_memory(2 * m_) && std::equal(in_.y, in_.y + 2 * m_, memory + 2 * m_)) {
-      std::copy_n(memory, 2 * m_, y_[kLow]);
-    } else {
-      std::fill_n(y_[kLow], 2 * m_, 0);
+    const bool known = recall_sums(in_, y_[kLow]) && in_.memory.size() == ias15_memory(2 * m_);
+    const double* from = in_.memory.data() + sums_memory(2 * m_);
+    for (size_t k = 0; k < 7; ++k) {
+      for (double* to : {a_[kB + k], a_[kE + k]}) {
+        if (known) {
+          std::copy_n(from, m_, to);
+          from += m_;
+        } else {
+          std::fill_n(to, m_, 0);
+        }
+      }
     }
+    if (known) h_ = from[0], warm_ = from[1] > 0;
   }
   void remember() {
-    if (in_.memory.size() != ias15_memory(2 * m_)) return;
-    std::copy_n(y_[kLowNew], 2 * m_, in_.memory.data());
-    std::copy_n(in_.y, 2 * m_, in_.memory.data() + 2 * m_);
+    if (!remember_sums(in_, y_[kLowNew]) || in_.memory.size() != ias15_memory(2 * m_)) return;
+    double* to = in_.memory.data() + sums_memory(2 * m_);
+    for (size_t k = 0; k < 7; ++k) {
+      to = std::copy_n(a_[kB + k], m_, to);
+      to = std::copy_n(a_[kE + k], m_, to);
+    }
+    to[0] = h_, to[1] = warm_ ? 1 : 0;
   }
 
   void sample(double t, const double* y, double* a) {
@@ -205,17 +217,15 @@ class Radau15 final : public Interpolant {
     double last_change = 2;
     // Twelve are enough for steps that meet a tolerance; long ones with damping need most.
     for (int round = 0; round < 40; ++round) {
+      double* changes = y_[kYs];
+      std::fill_n(changes, m_, 0.0);
       double change = 0, most_b = 0, most_a = 0;
       correct<1>(t, h), correct<2>(t, h), correct<3>(t, h), correct<4>(t, h), correct<5>(t, h),
-          correct<6>(t, h);
-      const double* b6 = a_[kB + 6];
-      double* before = y_[kYs];
-      std::copy_n(b6, m_, before);
-      correct<7>(t, h);
-      const double* sampled = a_[kAt];
+          correct<6>(t, h), correct<7>(t, h);
+      const double *b6 = a_[kB + 6], *sampled = a_[kAt];
       double poison = 0;
       for (size_t i = 0; i < m_; ++i) {
-        change = std::max(change, std::abs(b6[i] - before[i]));
+        change = std::max(change, changes[i]);
         most_b = std::max(most_b, std::abs(b6[i]));
         most_a = std::max(most_a, std::abs(sampled[i]));
         poison += 0.0 * b6[i] + 0.0 * sampled[i];
@@ -242,12 +252,13 @@ class Radau15 final : public Interpolant {
     double* at = a_[kAt];
     sample(t + s * h, out, at);
     const double* a0 = a_[kA0];
-    double* g = a_[kG + K - 1];
+    double *g = a_[kG + K - 1], *changes = y_[kYs];
     loop([&](size_t i) {
       double d = (at[i] - a0[i]) * kInverseGaps[K][0];
       for (size_t j = 1; j < K; ++j) d = (d - a_[kG + j - 1][i]) * kInverseGaps[K][j];
       const double change = d - g[i];
       g[i] = d;
+      changes[i] = changes[i] > std::abs(change) ? changes[i] : std::abs(change);
       for (size_t m = 0; m < K; ++m) a_[kB + m][i] += kBasis[K - 1][m] * change;
     });
   }
@@ -312,9 +323,10 @@ class Radau15 final : public Interpolant {
 
 }  // namespace
 
-// Layout: the lower parts of y, the y that they belong to.
+// Layout: the sums' (compensated.h), then b and e of the last step (7 pairs of n / 2), its length, 1 once
+// predictions have been made.
 size_t ias15_memory(size_t n) {
-  return 2 * n;
+  return sums_memory(n) + 7 * n + 2;
 }
 
 void prepare_ias15(const ForceField& field, State& state) {

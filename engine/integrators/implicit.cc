@@ -3,12 +3,15 @@
 //   linear_implicit_euler  (M - h df/dv - h^2 df/dx) dv = h (f + h df/dx v),  v' = v + dv,  x' = x + h v'
 // which is one Newton step of the former from x' = x; with v' = dx / h and no damping it reads
 // (M/h^2 - df/dx) dx = M v / h + f. Baraff, Witkin 1998, "Large steps in cloth simulation", eq. 6.
-// Fields without a Jacobian are served up to 64 unknowns, with central differences.
+// Fields without a Jacobian are served with differences: small ones by central differences and a matrix of
+// (x, v), larger ones as first-order equations (sdirk.cc).
 // Steps of implicit_euler that ended with damping and air held at the step's start are counted in the state
 // and observed as integrator.held_steps.
 #include "engine/integrators/implicit.h"
 
 #include "engine/core/lagged_dissipation.h"
+#include "engine/integrators/field_equations.h"
+#include "engine/integrators/implicit_methods.h"
 #include "engine/integrators/methods.h"
 
 namespace truestep {
@@ -22,6 +25,11 @@ bool sparse(Motion& m) {
 void step(const ForceField& field, State& state, const StepInput& in, const IntegratorOptions& options,
           NewtonSteps steps) {
   Motion m(field, state, in);
+  if (!sparse(m) && m.x.size() + m.v.size() > kDenseUnknowns) {
+    AdvanceFunction* whole =
+        steps == NewtonSteps::one ? advance_linear_implicit_euler : advance_implicit_euler;
+    return step_equations(whole, field, state, in, options, History::kept);
+  }
   if (sparse(m)) {
     steps == NewtonSteps::one ? linear_implicit_euler_sparse(m, options) : implicit_euler_sparse(m, options);
   } else {
@@ -38,10 +46,12 @@ std::optional<std::string> refuses_without_jacobian(const ForceField& field) {
   const ThreadArena serial(1);
   const StepInput in{.workspace = workspace, .arena = serial};
   Motion m(field, state, in);
-  if (sparse(m) || m.x.size() + m.v.size() <= kDenseUnknowns) return std::nullopt;
+  // Where dx/dt = v only half of them are solved for.
+  const size_t unknowns = m.plain_rate() ? m.v.size() : m.x.size() + m.v.size();
+  if (sparse(m) || unknowns <= kMostDifferences) return std::nullopt;
   return "implicit methods need the forces' derivatives, which this system does not provide, and " +
-         std::to_string(m.x.size() + m.v.size()) + " unknowns are too many for differences (at most " +
-         std::to_string(kDenseUnknowns) + ")";
+         std::to_string(unknowns) + " unknowns are too many for differences (at most " +
+         std::to_string(kMostDifferences) + ")";
 }
 
 void prepare_implicit_euler(const ForceField& field, State& state) {

@@ -19,5 +19,8 @@ enum class NewtonSteps : uint8_t { converged, one };
 void implicit_euler_dense(Motion& m, const IntegratorOptions& options, NewtonSteps steps);
 
 inline constexpr size_t kDenseUnknowns = 64;
+/// Unknowns of a step up to which fields without a Jacobian are served by differences: matrices of 50 to 200
+/// MB.
+inline constexpr size_t kMostDifferences = 2500;
 
 }  // namespace truestep

@@ -23,6 +23,8 @@ StepFunction step_yoshida6, step_yoshida8, step_kahan_li8, step_pefrl;  // split
 StepFunction step_step_doubling, step_bs32, step_rkf45, step_dopri5;  // adaptive.cc
 StepFunction step_tsit5, step_dop853, step_ssprk104;                  // adaptive.cc
 PrepareFunction prepare_adaptive;                                     // adaptive.cc
+MemoryFunction compensated_memory;                                    // compensated.cc
+PrepareFunction prepare_compensated;                                  // compensated.cc
 MemoryFunction ias15_memory;                                          // ias15.cc
 PrepareFunction prepare_ias15;                                        // ias15.cc
 

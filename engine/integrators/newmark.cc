@@ -103,6 +103,7 @@ class NewmarkSteps final : public Interpolant {
   }
 
   void remember() {
+    if (in_.project && !in_.memory.empty()) in_.project(in_.f, in_.y);
     if (kept_ == Acceleration::evaluated || in_.memory.size() != memory_size(2 * n_)) return;
     std::copy_n(eq_.array(kA1), n_, in_.memory.data());
     std::copy_n(in_.y, 2 * n_, in_.memory.data() + n_);

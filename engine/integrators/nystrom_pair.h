@@ -21,8 +21,10 @@ class NystromPair final : public Interpolant {
         y_(in.workspace, "integrator.nystrom_y", 2 * m_),
         k_(in.workspace, "integrator.nystrom_k", m_) {
     std::copy_n(in.y, 2 * m_, y_[kNow]);
-    std::fill_n(y_[kLow], 2 * m_, 0);
+    recall_sums(in, y_[kLow]);
   }
+  /// The candidate as the end of the call.
+  void remember() { remember_sums(in_, y_[kLowNew]); }
   ~NystromPair() override {
     if (in_.statistics) in_.statistics->rates += rates_;
   }
@@ -159,6 +161,7 @@ void advance_nystrom(Advance& in, const step_control::Law& law) {
   const auto run = [&]<size_t M>() {
     NystromPair<T, M> pair(in);
     drive(in, pair, law);
+    pair.remember();
   };
   with_size<1, 2, 3, 6>(positions_of(in), run);
 }

@@ -23,8 +23,9 @@ std::span<const Integrator> cvode_rows() {
                  .kind = Kind::implicit,
                  .order_with_velocity = 5,
                  .source = "Hindmarsh et al. 2005; SUNDIALS 6.4",
-                 .prepare = prepare_adaptive,
-                 .step = step_by<advance_cvode_bdf>,
+                 .prepare = prepare_cvode,
+                 .step = step_by<advance_cvode_bdf, History::repeated>,
+                 .memory = cvode_memory,
                  .advance = advance_cvode_bdf,
                  .refuses = refuses_without_jacobian},
       Integrator{.name = "cvode_adams",
@@ -35,8 +36,9 @@ std::span<const Integrator> cvode_rows() {
                  .stepping = Stepping::adaptive,
                  .order_with_velocity = 12,
                  .source = "Hindmarsh et al. 2005; SUNDIALS 6.4",
-                 .prepare = prepare_adaptive,
-                 .step = step_by<advance_cvode_adams>,
+                 .prepare = prepare_cvode,
+                 .step = step_by<advance_cvode_adams, History::repeated>,
+                 .memory = cvode_memory,
                  .advance = advance_cvode_adams},
   };
   return kRows;

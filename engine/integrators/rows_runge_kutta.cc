@@ -83,6 +83,7 @@ std::span<const Integrator> runge_kutta_rows() {
                  .source = "Hairer, Norsett, Wanner 1993, section II.10, eq. II.10.17",
                  .prepare = prepare_adaptive,
                  .step = step_dop853,
+                 .memory = compensated_memory,
                  .advance = advance_dop853},
       Integrator{
           .name = "ssprk104",

@@ -12,6 +12,9 @@ namespace {
 constexpr double kNear = 1e-4;  ///< of the first residual: a solution is near
 /// Iterations on the whole equations before damping and air are held, and after they were.
 constexpr int kDirect = 60, kPolish = 25;
+constexpr double kCrawling = 0.25;  ///< share of a direction below which a line search gets nowhere
+constexpr int kLeap = 6;            ///< full steps that may lead uphill before they must be below the start
+constexpr double kNoise = 1e-12;    ///< relative error of sums over many terms, generously
 
 }  // namespace
 
@@ -29,6 +32,7 @@ StageNewton::StageNewton(Motion& m, const IntegratorOptions& options)
       lagged_(m.scratch("integrator.x_lagged", n_)),
       trial_(m.scratch("integrator.u", n_)),
       start_(m.scratch("integrator.u_start", n_)),
+      leap_(m.scratch("integrator.u_leap", n_)),
       a_near_(m.scratch("integrator.k2", n_)),
       x_near_(m.scratch("integrator.x_near", n_)),
       rest_(m.scratch("integrator.krylov_r", n_)),
@@ -98,6 +102,10 @@ StageNewton::Failure StageNewton::iterate_to(double target, int most, const Stag
     const double accuracy =
         std::clamp(std::max(0.1 * report_.target / norm_, 0.1 * norm_ / first_), 1e-14, 1e-2);
     const Search kind = norm_ <= kNear * first_ ? Search::any_solution : Search::descent;
+    if (kind == Search::descent && last_share_ < kCrawling && leap(eq, u, accuracy)) {
+      ++report_.iterations;
+      continue;
+    }
     if (!iterate(eq, u, accuracy, kind)) return "found no better point";
     ++report_.iterations;
   }
@@ -198,6 +206,37 @@ bool StageNewton::iterate(const StageEquation& eq, std::span<double> u, double a
   }
 }
 
+// Springs that are stiff against everything else leave a valley so narrow and bent that every straight
+// direction soon leads up its wall: line searches then go round its bends in tiny steps. Full Newton steps
+// cross it: the first leaves the valley, the next return to its floor further down (a watchdog; Chamberlain,
+// Powell, Lemarechal, Pedersen 1982). What has not fallen below the start by then is taken back.
+bool StageNewton::leap(const StageEquation& eq, std::span<double> u, double accuracy) {
+  if (merit_ != Merit::incremental_potential) return false;
+  if (lag_ == Lag::iterate) std::copy(x_.begin(), x_.end(), lagged_.begin());
+  const double before = value(eq, u), bound = before - kNoise * magnitude_;
+  std::copy(u.begin(), u.end(), leap_.begin());
+  for (int k = 0; k < kLeap; ++k) {
+    if (k > 0) system_.differentiate(eq.t, x_, u, Derivatives::exact, rate_position());
+    system_.differentiate(eq.t, x_, u, Derivatives::both, rate_position());
+    for (double share = 0;; share = share > 0 ? std::min(1.0, 2 * share) : 0.25) {
+      system_.assemble(eq.g, eq.s, share);
+      const auto sign = system_.solve(b_, d_, accuracy);
+      ++report_.solves;
+      if (sign == BlockSolver::Result::Sign::positive || share >= 1) break;
+    }
+    m_.loop(n_, [to = u.data(), d = d_.data()](size_t i) { to[i] += d[i]; });
+    norm_ = evaluate(eq, u);
+    if (!std::isfinite(norm_)) break;
+    if (value(eq, u) < bound) return true;
+  }
+  std::copy(leap_.begin(), leap_.end(), u.begin());
+  norm_ = evaluate(eq, u);
+  // The line search has the next word.
+  last_share_ = 1;
+  system_.differentiate(eq.t, x_, u, Derivatives::exact, rate_position());
+  return false;
+}
+
 // q = J z for the Jacobian J of the residual at u, by a difference of forces.
 void StageNewton::slope_along(const StageEquation& eq, std::span<const double> u, std::span<const double> z,
                               std::span<double> q) {
@@ -262,7 +301,6 @@ bool StageNewton::full_step(const StageEquation& eq, std::span<double> u, double
 
 // Moves u along d; false when no step is better than none.
 bool StageNewton::search(const StageEquation& eq, std::span<double> u, double slope) {
-  constexpr double kNoise = 1e-12;  // relative error of sums over many terms, generously
   const bool potential = merit_ == Merit::incremental_potential;
   const double norm = norm_;
   const line_search::Point start{potential ? value(eq, u) : 0, slope};
@@ -297,6 +335,7 @@ bool StageNewton::search(const StageEquation& eq, std::span<double> u, double sl
       at = go(share);
     } while (!good());
   }
+  last_share_ = share;
   std::copy(trial_.begin(), trial_.end(), u.begin());
   return true;
 }

@@ -68,6 +68,7 @@ class StageNewton {
   double evaluate(const StageEquation& eq, std::span<const double> u);
   double value(const StageEquation& eq, std::span<const double> u);
   bool iterate(const StageEquation& eq, std::span<double> u, double accuracy, Search kind);
+  bool leap(const StageEquation& eq, std::span<double> u, double accuracy);
   bool full_step(const StageEquation& eq, std::span<double> u, double accuracy);
   void slope_along(const StageEquation& eq, std::span<const double> u, std::span<const double> z,
                    std::span<double> q);
@@ -88,7 +89,8 @@ class StageNewton {
   double definite_ = 0;   // share of the definite Jacobian in the matrix of the last direction
   double norm_ = 0;       // of the residual at the last evaluation
   double magnitude_ = 0;  // sum of |terms| of the last value
-  std::span<double> a_, b_, d_, x_, lagged_, trial_, start_;
+  std::span<double> a_, b_, d_, x_, lagged_, trial_, start_, leap_;
+  double last_share_ = 1;  // of its direction that the last line search took
   // Conjugate residuals.
   static constexpr size_t kMostDirections = 12;
   std::span<double> a_near_, x_near_, rest_, whole_;

@@ -1,4 +1,5 @@
-// A struct as JSON, by its table: what reading it again gives the same struct from.
+// A struct as JSON, by its table: what reading it again gives the same struct from. Lists that were not given
+// are left out where an empty one could not be read.
 #include "engine/scene/params.h"
 
 namespace truestep {
@@ -50,6 +51,9 @@ json::value to_json(const ParamValue& value) {
 
 json::object write_params(const DefTable& table, const void* owner) {
   json::object out;
+  const auto put = [&out](const ParamRow& r, json::array a) {
+    if (a.size() >= r.count.min) out[r.name] = std::move(a);
+  };
   for (const ParamRow& r : table.rows) {
     switch (r.kind) {
       case ParamKind::object:
@@ -58,7 +62,7 @@ json::object write_params(const DefTable& table, const void* owner) {
       case ParamKind::objects: {
         json::array a;
         for (size_t i = 0; i < r.size(owner); ++i) a.push_back(write_params(*r.nested, r.at(owner, i)));
-        out[r.name] = std::move(a);
+        put(r, std::move(a));
         break;
       }
       case ParamKind::variants: {
@@ -72,12 +76,16 @@ json::object write_params(const DefTable& table, const void* owner) {
             }
           }
         }
-        out[r.name] = std::move(a);
+        put(r, std::move(a));
         break;
       }
       default: {
         json::value v = to_json(r.get(owner));
-        if (!v.is_null()) out[r.name] = std::move(v);
+        if (v.is_array() && r.kind != ParamKind::vector) {
+          put(r, std::move(v.as_array()));
+        } else if (!v.is_null()) {
+          out[r.name] = std::move(v);
+        }
       }
     }
   }

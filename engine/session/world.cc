@@ -419,7 +419,8 @@ double element(const FieldView& view, size_t k) {
   return 0;
 }
 
-// A field of doubles, or the configuration for "state"; empty when there is no such field.
+// A field of doubles, or the configuration for "state" and for "position" where nothing has one; empty when
+// there is no such field.
 std::vector<double> quantity_values(const System& system, const State& state, const std::string& name) {
   if (name == "state") return configuration(state);
   const auto infos = system.fields();
@@ -430,6 +431,7 @@ std::vector<double> quantity_values(const System& system, const State& state, co
     const auto* values = static_cast<const double*>(view.data);
     return {values, values + view.rows * view.width};
   }
+  if (name == "position") return configuration(state);
   return {};
 }
 

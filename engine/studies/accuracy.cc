@@ -7,9 +7,8 @@
 #include "engine/base/errors.h"
 #include "engine/core/integrator.h"
 #include "engine/scene/json_write.h"
-#include "engine/session/expectation.h"
+#include "engine/studies/method_search.h"
 #include "engine/studies/scene_variant.h"
-#include "engine/studies/work_precision.h"
 
 namespace truestep {
 
@@ -17,71 +16,72 @@ namespace json = boost::json;
 
 namespace {
 
-// Of the tolerance, what a measured error may use: another machine's rounding and the rest of the path need
-// some.
-constexpr double kSafety = 0.5;
+using JudgedBy = MethodAnswer::JudgedBy;
 
-json::object describe(const WorkPoint& p) {
-  const bool adaptive = find_integrator(p.integrator)->stepping == Integrator::Stepping::adaptive;
+bool is_adaptive(std::string_view integrator) {
+  return find_integrator(integrator)->stepping == Integrator::Stepping::adaptive;
+}
+
+std::string rounded(double v) {
+  char text[32];
+  return {text, std::to_chars(text, text + sizeof text, v, std::chars_format::scientific, 1).ptr};
+}
+
+json::object describe(const MeasuredMethod& p) {
   return {{"integrator", p.integrator},
-          {adaptive ? "tolerance" : "step", p.setting},
-          {"error", std::isfinite(p.error_path) ? json::value(p.error_path) : json::value(nullptr)},
+          {is_adaptive(p.integrator) ? "tolerance" : "step", p.setting},
+          {"error", std::isfinite(p.error) ? json::value(p.error) : json::value(nullptr)},
           {"cpu_seconds", p.cpu_seconds}};
 }
 
-bool finite_run(const WorkPoint& p) {
-  return std::isfinite(p.error_path) && p.status != "over budget";
+// A field of the system; "position" stands for all that says where a system is that draws no points.
+std::string quantity_of(const AccuracyParams& wanted, const System& system) {
+  std::string names = "state";
+  for (const FieldInfo& f : system.fields()) {
+    if (f.name == wanted.quantity) return wanted.quantity;
+    names += ", " + f.name;
+  }
+  if (wanted.quantity == "state" || wanted.quantity == "position") return "state";
+  throw Error("scene_invalid", "the system has no field \"" + wanted.quantity + '"',
+              {{"/accuracy/quantity", "unknown_field", "the system has no such field",
+                '"' + wanted.quantity + '"', names, "", ""}});
 }
 
-// Error of every point by an invariant: the largest relative drift of the energy over the horizon.
-void judge_by_energy(const json::value& document, size_t system, double horizon,
-                     std::vector<WorkPoint>& points, const StudyContext& context) {
-  static const ThreadArena kSerial(1);
-  for (WorkPoint& p : points) {
-    if (!std::isfinite(p.cpu_seconds) || p.status == "unstable" || p.status == "over budget") continue;
+// What order and structure promise where nothing could be measured: the best that serves the system, a
+// hundred times finer than asked.
+std::optional<MeasuredMethod> promised(const json::value& document, size_t system, double tolerance) {
+  for (const char* name : {"dop853", "radau5", "dopri5"}) {
     json::value d = document;
-    set_integrator(d, system, p.integrator);
-    const bool adaptive = find_integrator(p.integrator)->stepping == Integrator::Stepping::adaptive;
-    if (adaptive)
-      set_tolerance(d, system, p.setting);
-    else
-      set_dt(d, p.setting);
-    Scene scene = require_scene(read_scene(d));
-    ExpectParams drift;
-    drift.quantity = "energy.drift";
-    scene.header.expect = {drift};
-    const auto steps = static_cast<uint64_t>(std::llround(horizon / scene.header.time.dt));
-    const World world(std::move(scene));
-    Expectations watch(world.scene());
-    WorldState state = world.initial_state();
-    Workspace workspace;
-    watch.add(world.observe(state));
-    const uint64_t every = std::max<uint64_t>(1, steps / 200);
+    set_integrator(d, system, name);
     try {
-      for (uint64_t n = 1; n <= steps; ++n) {
-        if (n % 64 == 0) context.check();
-        world.step(state, workspace, kSerial, {});
-        if (n % every == 0) watch.add(world.observe(state));
-      }
-      p.error_path = watch.verdicts()[0].measured.value_or(INFINITY);
-    } catch (const Instability&) {
-      p.error_path = INFINITY;
+      build_world(d);
+    } catch (const Error&) {
+      continue;
     }
+    return MeasuredMethod{name, std::max(1e-13, 1e-2 * tolerance), INFINITY, 0};
   }
+  return std::nullopt;
 }
 
-// A horizon that no reference gets through is the scene's to change.
-WorkMeasurement measured(const json::value& document, const WorkPrecisionParams& w, StudyContext& context) {
-  try {
-    return measure_work(document, w, context);
-  } catch (const Error& e) {
-    if (e.code() != "study_failed") throw;
-    auto issues = e.issues();
-    for (Issue& i : issues) i.pointer = "/accuracy" + i.pointer;
-    throw Error("accuracy_unreachable",
-                "the accuracy of this scene cannot be measured over its horizon in the time there is",
-                std::move(issues));
+const MeasuredMethod* closest(const std::vector<MeasuredMethod>& measured) {
+  const MeasuredMethod* best = nullptr;
+  for (const MeasuredMethod& p : measured) {
+    if (std::isfinite(p.error) && (!best || p.error < best->error)) best = &p;
   }
+  return best;
+}
+
+[[noreturn]] void refuse(double tolerance, const MethodAnswer& answer) {
+  const MeasuredMethod* nearest = closest(answer.measured);
+  const bool any = nearest != nullptr;
+  // With the share that a choice leaves for the rest of the path.
+  const std::string reachable = any ? "at least " + rounded(2 * nearest->error) : "";
+  throw Error("accuracy_unreachable",
+              any ? "no method meets the tolerance; the closest measured error is " + rounded(nearest->error)
+                  : "no method gets through this scene, so that no accuracy can be promised",
+              {{"/accuracy/tolerance", "unreachable",
+                any ? nearest->integrator + " comes closest" : "every method failed on this scene",
+                write_json(tolerance), reachable, "", ""}});
 }
 
 }  // namespace
@@ -94,63 +94,57 @@ AccuracyOutcome choose_method(const json::value& original, double budget, StudyC
   // The runs that are measured carry no companion of their own.
   json::value document = original;
   document.as_object().erase("accuracy");
-  WorkPrecisionParams w;
-  w.system = scene.systems[system].id;
-  w.quantity = wanted.quantity;
-  w.budget = budget;
-  w.repeats = 1;
-  // Whole session steps per sample, so that what is measured is what will run.
-  const double horizon = wanted.horizon.value_or(scene.header.time.duration);
-  const double steps = std::max(1.0, std::round(horizon / dt));
-  w.samples = static_cast<int64_t>(std::min(16.0, steps));
-  const double per_sample = std::ceil(steps / static_cast<double>(w.samples));
-  w.horizon = per_sample * static_cast<double>(w.samples) * dt;
-  for (int k = 0; k <= 9; ++k) w.steps.push_back(std::ldexp(dt, -k));
-  w.adaptive_step = dt;
-  WorkMeasurement m = measured(document, w, context);
+  const MethodQuestion question{
+      .system = system,
+      .quantity = quantity_of(wanted, build_world(document).system(system)),
+      .tolerance = wanted.tolerance,
+      .horizon = std::max(dt, wanted.horizon.value_or(scene.header.time.duration)),
+      .budget = budget,
+  };
+  const MethodAnswer answer = search_method(document, question, context);
 
-  std::string judged_by = "path";
-  const bool path_means_nothing = m.reference.meaningless() || m.reference.uncertainty > wanted.tolerance;
-  if (path_means_nothing) {
-    judged_by = "energy";
-    judge_by_energy(document, system, m.horizon, m.points, context);
+  constexpr const char* kJudges[] = {"path", "energy", "order"};
+  JudgedBy judged_by = answer.judged_by;
+  std::optional<MeasuredMethod> best = answer.best;
+  // One that meets the tolerance with less to spare is better than none.
+  if (!best) {
+    const MeasuredMethod* nearest = closest(answer.measured);
+    if (nearest && nearest->error <= wanted.tolerance) best = *nearest;
   }
-  const WorkPoint *best = nullptr, *closest = nullptr;
-  for (const WorkPoint& p : m.points) {
-    if (!finite_run(p)) continue;
-    if (!closest || p.error_path < closest->error_path) closest = &p;
-    if (p.error_path <= kSafety * wanted.tolerance && (!best || p.cpu_seconds < best->cpu_seconds)) best = &p;
+  if (!best && answer.out_of_time) {
+    best = promised(document, system, wanted.tolerance);
+    judged_by = JudgedBy::nothing;
   }
+  if (!best) refuse(wanted.tolerance, answer);
+
   json::object report{{"tolerance", wanted.tolerance},
-                      {"quantity", wanted.quantity},
-                      {"horizon", m.horizon},
-                      {"judged_by", judged_by},
-                      {"reference", describe_reference(m.reference)}};
-  if (path_means_nothing) {
+                      {"quantity", question.quantity},
+                      {"horizon", question.horizon},
+                      {"judged_by", kJudges[static_cast<size_t>(judged_by)]}};
+  if (answer.reference) report["reference"] = describe_reference(*answer.reference);
+  if (judged_by == JudgedBy::energy) {
     report["note"] =
         "two accurate methods part further than the tolerance before the horizon: the motion is chaotic or "
         "discontinuous, so single paths cannot be this accurate; methods are judged by the drift of the "
         "energy";
+  } else if (judged_by == JudgedBy::nothing) {
+    report["note"] =
+        "measuring would take longer than running the scene ten times: the method is the one whose order "
+        "promises most, its tolerance a hundredth of what was asked";
+  } else if (answer.measured_horizon < question.horizon * (1 - 1e-9)) {
+    report["note"] = "errors were measured over " + rounded(answer.measured_horizon) +
+                     " s and carried on to the horizon as they grew there";
+    report["measured_horizon"] = answer.measured_horizon;
   }
   json::array runs;
-  for (const WorkPoint& p : m.points) {
-    if (finite_run(p)) runs.push_back(describe(p));
+  for (const MeasuredMethod& p : answer.measured) {
+    if (std::isfinite(p.error)) runs.push_back(describe(p));
   }
   report["measured"] = std::move(runs);
-  if (!best) {
-    char text[32] = "nothing";
-    if (closest)
-      *std::to_chars(text, text + 31, closest->error_path, std::chars_format::scientific, 1).ptr = 0;
-    throw Error("accuracy_unreachable",
-                "no method meets the tolerance; the closest measured error is " + std::string(text),
-                {{"/accuracy/tolerance", "unreachable",
-                  closest ? closest->integrator + " comes closest" : "every method failed on this scene",
-                  write_json(wanted.tolerance), "at least " + std::string(text), "", ""}});
-  }
+  report["chosen"] = describe(*best);
   AccuracyOutcome out{original, std::move(report)};
-  out.report["chosen"] = describe(*best);
   set_integrator(out.scene, system, best->integrator);
-  if (find_integrator(best->integrator)->stepping == Integrator::Stepping::adaptive)
+  if (is_adaptive(best->integrator))
     set_tolerance(out.scene, system, best->setting);
   else
     set_at(out.scene, "/time/substeps", static_cast<int64_t>(std::llround(dt / best->setting)));

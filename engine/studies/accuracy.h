@@ -16,8 +16,9 @@ struct AccuracyOutcome {
 };
 
 /// For a document that has "accuracy"; its session step stays (methods of fixed step divide it into
-/// substeps). Spends at most `budget` CPU seconds. Error "accuracy_unreachable" with what is reachable when
-/// nothing meets it.
+/// substeps). Spends at most about `budget` CPU seconds, 0.8 where steps take milliseconds, and ten times
+/// what the scene takes to run; without time to measure, the method is the one whose order promises most.
+/// Error "accuracy_unreachable" with what is reachable when nothing meets it.
 AccuracyOutcome choose_method(const boost::json::value& document, double budget, StudyContext& context);
 
 struct SettledScene {

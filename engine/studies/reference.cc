@@ -81,7 +81,8 @@ Reference compare(Attempt taken, const Attempt& other) {
 
 bool steps_matter(const World& world) {
   // What a step may do besides without changing the motion.
-  constexpr std::array<std::string_view, 4> kNeutral = {"integrate", "clock", "hands", "path"};
+  constexpr std::array<std::string_view, 6> kNeutral = {"integrate", "clock", "hands",
+                                                        "path",      "push",  "loops"};
   for (const auto& [system, row, number] : world.plan()) {
     if (row.status == PlanRow::Status::runs &&
         std::find(kNeutral.begin(), kNeutral.end(), row.name) == kNeutral.end())
@@ -91,27 +92,31 @@ bool steps_matter(const World& world) {
 }
 
 ReferenceSearch find_reference(const json::value& document, const TraceRequest& request,
-                               double sample_interval, double cpu_limit, const StudyContext& context) {
+                               double sample_interval, double cpu_limit, const StudyContext& context,
+                               const ReferenceEffort& effort) {
   // Families differ within each list, so two that agree do not share a mistake.
-  constexpr std::array<std::string_view, 5> kTaken = {"ias15", "dop853", "radau5", "dopri5", "step_doubling"};
+  constexpr std::array<std::string_view, 5> kUsual = {"ias15", "dop853", "radau5", "dopri5", "step_doubling"};
+  constexpr std::array<std::string_view, 5> kStiff = {"radau5", "rodas5p", "cvode_bdf", "dop853", "ias15"};
   constexpr std::array<std::string_view, 4> kExplicit = {"dop853", "dopri5", "cvode_adams", "radau5"};
   constexpr std::array<std::string_view, 4> kImplicit = {"cvode_bdf", "rodas5p", "sdirk4", "cvode_adams"};
   Search search(document, request, sample_interval / static_cast<double>(request.steps_per_sample), cpu_limit,
                 context);
   const bool split = steps_matter(build_world(document));
   const uint64_t fine = split ? 8 : 1, coarse = split ? 4 : 1;
-  for (const std::string_view name : kTaken) {
-    auto taken = search.tight(name, 1e-7, fine);
+  for (const std::string_view name : effort.stiff ? kStiff : kUsual) {
+    const double first = effort.first_tolerance;
+    auto taken = search.tight(name, first, fine);
     if (!taken) continue;
     // What got through by an explicit method is not stiff, and implicit ones may be far slower.
     const bool easy = find_integrator(name)->kind == Integrator::Kind::explicit_;
     for (const std::string_view check : easy ? kExplicit : kImplicit) {
       if (check == name) continue;
-      const auto other = search.tight(check, 1e-6, coarse);
+      const auto other = search.tight(check, 10 * first, coarse);
       if (!other) continue;
       // Tighter while the time allows and the two come closer; rounding ends that by itself.
       Reference best = compare(std::move(*taken), *other);
-      for (const double tolerance : {1e-9, 1e-11, 1e-13}) {
+      for (double tolerance = 1e-2 * first; tolerance > 0.9e-13; tolerance *= 1e-2) {
+        if (best.uncertainty <= effort.enough) break;
         auto tighter = search.tight(name, tolerance, fine);
         const auto again = tighter ? search.tight(check, 10 * tolerance, coarse) : std::nullopt;
         if (!again) break;

@@ -27,11 +27,19 @@ struct ReferenceSearch {
   double reached = 0;  ///< 0 to 1
 };
 
+/// How much is asked of a reference.
+struct ReferenceEffort {
+  double first_tolerance = 1e-7;  ///< of the first pair of runs; further pairs are a hundred times tighter
+  double enough = 0;              ///< uncertainty at which no further pair is run
+  bool stiff = false;             ///< implicit methods come first
+};
+
 /// `steps_per_sample` is that of the scene's own step. Where steps do more than integrate (contacts,
 /// couplings, births), the two runs also differ in their steps, an eighth and a quarter of the scene's, so
 /// that the uncertainty holds what those add.
 ReferenceSearch find_reference(const boost::json::value& document, const TraceRequest& request,
-                               double sample_interval, double cpu_limit, const StudyContext& context);
+                               double sample_interval, double cpu_limit, const StudyContext& context,
+                               const ReferenceEffort& effort = {});
 
 /// Whether the steps of this world do more than integrate, so that the motion depends on their length even
 /// with a perfect method.

@@ -25,7 +25,7 @@ namespace json = boost::json;
 
 namespace {
 
-constexpr double kAccuracySeconds = 10;  // CPU time for choosing a method
+constexpr double kAccuracySeconds = 2;  // CPU time for choosing a method
 
 struct RunOptions {
   std::string scene, output, picture, show, csv, hashes, progress = "auto";

@@ -19,7 +19,7 @@ struct StoreLimits {
   AdmissionLimits per_session;
   std::chrono::seconds idle_ttl{3600};  ///< unused, not playing, no stream for so long: removed
   int threads_per_session = 1;
-  double accuracy_seconds = 5;  ///< CPU time that choosing a method for "accuracy" may take
+  double accuracy_seconds = 2;  ///< CPU time that choosing a method for "accuracy" may take
 };
 
 class SessionStore {

@@ -8,11 +8,11 @@
 
 #include "engine/base/errors.h"
 #include "engine/core/force_system.h"
+#include "engine/integrators/spectrum.h"
 #include "engine/scene/json.h"
 #include "engine/studies/accuracy.h"
 #include "engine/studies/convergence.h"
 #include "engine/studies/scene_variant.h"
-#include "engine/studies/spectrum.h"
 #include "engine/studies/study.h"
 #include "engine/studies/trajectory.h"
 #include "engine/studies/work_precision.h"

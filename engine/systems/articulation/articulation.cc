@@ -40,13 +40,13 @@ std::vector<spatial::Frame> frames_of(const Tree& tree, const Work& work) {
 
 }  // namespace
 
-Articulation::Articulation(std::unique_ptr<const ArticulationField> field, const Integrator& method,
+Articulation::Articulation(std::unique_ptr<const ArticulationField> field, const ChosenMethod& method,
                            const ArticulationDef& def)
-    : ForceSystem(std::move(field), method, def.choice().options),
+    : ForceSystem(std::move(field), method.row, def.choice().options),
       tree_(static_cast<const ArticulationField&>(force_field())),
       point_radius_(def.point_radius.value_or(all_have_shapes(def) ? 0 : 0.03)),
       color_(def.color) {
-  add_integration_stage();
+  add_integration_stage(method.why);
   bound_speed();
   if (tree_.model().closures.empty()) {
     skip_stage("loops", "the links are a tree");
@@ -193,7 +193,7 @@ std::unique_ptr<const System> build_articulation(const void* def, const BuildCon
   const auto& d = *static_cast<const ArticulationDef*>(def);
   auto field = std::make_unique<articulation::ArticulationField>(articulation::build_model(d),
                                                                  d.gravity.value_or(context.gravity));
-  const Integrator& method = choose_integrator(d.choice(), "rk4", *field);
+  const ChosenMethod method = settle_method(d.choice(), {.usual = "rk4"}, *field, context.dt);
   return std::make_unique<articulation::Articulation>(std::move(field), method, d);
 }
 

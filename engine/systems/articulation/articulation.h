@@ -2,13 +2,14 @@
 // Rows of position and velocity are the centres of mass of all links, then their joints.
 #pragma once
 #include "engine/core/force_system.h"
+#include "engine/integrators/default_method.h"
 #include "engine/systems/articulation/articulation_field.h"
 
 namespace truestep::articulation {
 
 class Articulation final : public ForceSystem {
  public:
-  Articulation(std::unique_ptr<const ArticulationField> field, const Integrator& method,
+  Articulation(std::unique_ptr<const ArticulationField> field, const ChosenMethod& method,
                const ArticulationDef& def);
 
   void observe(const State& state, double t, Observables& out) const override;

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "engine/base/errors.h"
+#include "engine/integrators/spectrum.h"
 
 namespace truestep::articulation {
 
@@ -40,6 +41,10 @@ ArticulationField::ArticulationField(Model model, const Vec3& gravity)
     : model_(std::move(model)), gravity_(gravity) {
   refuse_empty_joints();
   close_start();
+  // Joints that pull at one another are faster than each alone.
+  const Spectrum whole = estimate_spectrum(*this, initial_state(), 0, kRoughSpectrum);
+  stiffness_.omega = std::max(stiffness_.omega, whole.omega);
+  stiffness_.damping = std::max(stiffness_.damping, whole.damping);
 }
 
 void ArticulationField::close_start() {

@@ -3,6 +3,7 @@
 // shear_stiffness, bending_stiffness, damping, internal_damping, gravity, wind).
 #pragma once
 #include "engine/core/force_system.h"
+#include "engine/integrators/default_method.h"
 #include "engine/systems/mass_spring/mass_spring_field.h"
 
 namespace truestep {
@@ -33,7 +34,7 @@ class MassSpring final : public ForceSystem {
   const MassSpringField& springs() const { return springs_; }
 
  private:
-  MassSpring(std::unique_ptr<const MassSpringField> field, const Integrator& method,
+  MassSpring(std::unique_ptr<const MassSpringField> field, const ChosenMethod& method,
              const MassSpringDef& def);
   void add_contact_stage();
   void publish_segments();

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "engine/base/byte_hash.h"
 #include "engine/systems/ode/ode_events.h"
 #include "engine/systems/ode/ode_method.h"
 #include "engine/systems/ode/ode_tracers.h"
@@ -221,6 +222,8 @@ double Ode::advance(State& s, Scratch& work, Workspace& workspace, double t, dou
               .workspace = workspace,
               .carry = carry,
               .memory = s.f64(C::kMemory)};
+  const auto parameters = s.bytes(C::kParameters);
+  run.surroundings = byte_hash(parameters.data(), parameters.size());
   run.tolerance = tolerance_;
   run.newton_tolerance = options_.newton_tolerance;
   run.max_steps = static_cast<uint64_t>(options_.max_internal_steps);

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "engine/base/errors.h"
+#include "engine/integrators/default_method.h"
 
 namespace truestep {
 
@@ -35,9 +36,9 @@ class Oscillator : public ForceSystem {
  public:
   using C = OscillatorColumns;
 
-  Oscillator(const OscillatorDef& def, std::unique_ptr<const ForceField> field, const Integrator& method)
-      : ForceSystem(std::move(field), method, def.choice().options), def_(def) {
-    add_integration_stage();
+  Oscillator(const OscillatorDef& def, std::unique_ptr<const ForceField> field, const ChosenMethod& method)
+      : ForceSystem(std::move(field), method.row, def.choice().options), def_(def) {
+    add_integration_stage(method.why);
     bound_speed();
     add_stage("push", "ends a push command when its time is over", end_push);
     if (def.drive_force == 0) skip_stage("drive", "the driving force is zero");
@@ -119,10 +120,10 @@ class Oscillator : public ForceSystem {
 
 }  // namespace
 
-std::unique_ptr<const System> make_oscillator(const void* def, const BuildContext&) {
+std::unique_ptr<const System> make_oscillator(const void* def, const BuildContext& context) {
   const auto& d = *static_cast<const OscillatorDef*>(def);
   auto field = make_oscillator_field(d);
-  const Integrator& method = choose_integrator(d.choice(), "rk4", *field);
+  const ChosenMethod method = settle_method(d.choice(), {.usual = "rk4"}, *field, context.dt);
   return std::make_unique<Oscillator>(d, std::move(field), method);
 }
 

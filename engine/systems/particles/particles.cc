@@ -48,28 +48,28 @@ void expire_pushes(State& s, double h) {
 
 }  // namespace
 
-Particles::Particles(std::unique_ptr<const ParticlesField> field, const Integrator& method,
+Particles::Particles(std::unique_ptr<const ParticlesField> field, const ChosenMethod& method,
                      const ParticlesDef& def, uint64_t seed)
-    : ForceSystem(std::move(field), method, def.choice().options),
+    : ForceSystem(std::move(field), method.row, def.choice().options),
       particles_(static_cast<const ParticlesField&>(force_field())),
       seed_(seed) {
   set_max_rows(particles_.capacity());
-  plan_stages();
+  plan_stages(method.why);
 }
 
 std::unique_ptr<const Particles> Particles::make(const ParticlesDef& def, const BuildContext& context) {
   auto field = std::make_unique<const ParticlesField>(def, context.gravity, context.seed);
-  const Integrator& method = choose_integrator(def.choice(), kDefaultIntegrator, *field);
+  const ChosenMethod method = settle_method(def.choice(), {.usual = kDefaultIntegrator}, *field, context.dt);
   return std::unique_ptr<const Particles>(new Particles(std::move(field), method, def, context.seed));
 }
 
-void Particles::plan_stages() {
+void Particles::plan_stages(const std::string& why_this_method) {
   const ParticlesDef& d = particles_.def();
   if (!d.colliders.empty()) {
     add_stage("remember", "contacts need the step's start",
               [this](State& s, const StepInput& in) { remember(s, in); });
   }
-  add_integration_stage();
+  add_integration_stage(why_this_method);
   if (!d.colliders.empty()) {
     add_stage("contacts", std::to_string(d.colliders.size()) + " colliders",
               [this](State& s, const StepInput& in) { collide(s, in); });

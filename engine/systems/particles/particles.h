@@ -2,6 +2,7 @@
 // colliders, removals and births. Commands: push, impulse, drag, release, spawn, remove, set_parameter.
 #pragma once
 #include "engine/core/force_system.h"
+#include "engine/integrators/default_method.h"
 #include "engine/systems/particles/particles_field.h"
 
 namespace truestep {
@@ -28,9 +29,9 @@ class Particles final : public ForceSystem {
   PublishedSolids solids() const override;
 
  private:
-  Particles(std::unique_ptr<const ParticlesField> field, const Integrator& method, const ParticlesDef& def,
+  Particles(std::unique_ptr<const ParticlesField> field, const ChosenMethod& method, const ParticlesDef& def,
             uint64_t seed);
-  void plan_stages();
+  void plan_stages(const std::string& why_this_method);
   void remember(State& state, const StepInput& in) const;
   void collide(State& state, const StepInput& in) const;
   void end_lives(State& state, const StepInput& in) const;

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "engine/base/errors.h"
+#include "engine/integrators/default_method.h"
 
 namespace truestep {
 
@@ -51,10 +52,10 @@ namespace {
 
 class Pendulum final : public ForceSystem {
  public:
-  Pendulum(std::unique_ptr<const PendulumField> field, const Integrator& method, const PendulumDef& def)
-      : ForceSystem(std::move(field), method, def.choice().options),
+  Pendulum(std::unique_ptr<const PendulumField> field, const ChosenMethod& method, const PendulumDef& def)
+      : ForceSystem(std::move(field), method.row, def.choice().options),
         chain_(static_cast<const PendulumField&>(force_field())) {
-    add_integration_stage();
+    add_integration_stage(method.why);
     bound_speed();
     add_stage("push", "ends a push command when its time is over", end_push);
     if (def.damping == 0) skip_stage("damping", "the damping is zero");
@@ -148,7 +149,7 @@ class Pendulum final : public ForceSystem {
 std::unique_ptr<const System> make_pendulum(const void* def, const BuildContext& context) {
   const auto& d = *static_cast<const PendulumDef*>(def);
   auto field = std::make_unique<PendulumField>(d, context.gravity);
-  const Integrator& method = choose_integrator(d.choice(), "rk4", *field);
+  const ChosenMethod method = settle_method(d.choice(), {.usual = "rk4"}, *field, context.dt);
   return std::make_unique<Pendulum>(std::move(field), method, d);
 }
 

@@ -13,7 +13,16 @@ struct Spectrum {
   double residual = 0;  ///< relative |A u - lambda u| of the frequency's vector: how far from settled
 };
 
-/// At `state`, time t in s.
-Spectrum estimate_spectrum(const ForceField& field, const State& state, double t);
+/// When an iteration ends: after so many products, or when an eigenvalue changes by less.
+struct SpectrumEffort {
+  int most_iterations = 2000;
+  double settled = 1e-7;  ///< relative
+};
+/// Enough to choose a method by: some percent.
+inline constexpr SpectrumEffort kRoughSpectrum{.most_iterations = 60, .settled = 1e-3};
+
+/// At `state`, time t in s. Positions move along G(x) u where they have coordinates of their own.
+Spectrum estimate_spectrum(const ForceField& field, const State& state, double t,
+                           const SpectrumEffort& effort = {});
 
 }  // namespace truestep

@@ -1,0 +1,46 @@
+// Finds the cheapest method and setting that keep a scene within an error, in a bounded time: a reference
+// solution, then a handful of methods that are known to pay at such an error, each at a guessed setting that
+// its own measured error corrects (error ~ tolerance, error ~ step^order). Where the time does not reach over
+// the horizon, a part of it is measured and errors are carried on as they grew.
+#pragma once
+#include <boost/json.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "engine/studies/reference.h"
+#include "engine/studies/study.h"
+
+namespace truestep {
+
+struct MethodQuestion {
+  size_t system = 0;
+  std::string quantity = "state";
+  double tolerance = 1e-4;  ///< relative error over the horizon
+  double horizon = 1;       ///< s
+  double budget = 1;        ///< CPU seconds that the search may take at most
+};
+
+/// One method at one setting.
+struct MeasuredMethod {
+  std::string integrator;
+  double setting = 0;      ///< tolerance of an adaptive method, step (s) of a fixed one
+  double error = 0;        ///< over the horizon; infinity: it failed
+  double cpu_seconds = 0;  ///< of its steps over the part that was measured
+  friend bool operator==(const MeasuredMethod&, const MeasuredMethod&) = default;
+};
+
+struct MethodAnswer {
+  std::optional<Reference> reference;
+  enum class JudgedBy : uint8_t { path, energy, nothing } judged_by = JudgedBy::path;
+  double measured_horizon = 0;  ///< s
+  std::vector<MeasuredMethod> measured;
+  std::optional<MeasuredMethod> best;  ///< meets the tolerance; by energy or nothing: see judged_by
+  bool out_of_time = false;            ///< methods were left untried
+};
+
+/// Runs at most about `budget` seconds, and ten times what the scene itself takes to run. Error "cancelled".
+MethodAnswer search_method(const boost::json::value& document, const MethodQuestion& question,
+                           const StudyContext& context);
+
+}  // namespace truestep

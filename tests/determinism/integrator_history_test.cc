@@ -1,0 +1,73 @@
+// Methods that remember earlier steps continue with the same bits where nothing but the state has survived:
+// from a snapshot restored elsewhere, with a workspace that is thrown away, after another state has used it,
+// and over the places where a history begins anew (commands, events, its greatest length).
+#include <gtest/gtest.h>
+
+#include "tests/support/ode_run.h"
+
+namespace truestep::test {
+namespace {
+
+// Kepler's ellipse with a bounce that changes a velocity every now and then.
+std::string ellipse(const std::string& integrator) {
+  return R"("states": {"x": 0.5, "y": 0}, "velocities": {"x": 0, "y": 1.7320508075688772},
+    "parameters": {"mu": 1},
+    "second": {"x": "-mu * x / (x^2 + y^2)^1.5", "y": "-mu * y / (x^2 + y^2)^1.5"},
+    "events": [{"name": "kick", "every": 2.503, "set": {"x'": "x' + 0.01"}}],
+    "tolerance": 1e-8, "integrator": ")" +
+         integrator + '"';
+}
+
+class History : public testing::TestWithParam<std::string> {};
+
+TEST_P(History, ContinuesWithTheSameBits) {
+  constexpr int kParts = 12, kSteps = 23;
+  const std::string scene = ellipse(GetParam());
+  OdeRun whole(scene, 0.05), restored(scene, 0.05), forgetful(scene, 0.05), shared(scene, 0.05),
+      other(scene, 0.05);
+  other.set("mu", 1.1);
+  for (int part = 0; part < kParts; ++part) {
+    if (part == 7) {
+      for (OdeRun* run : {&whole, &restored, &forgetful, &shared}) run->set("mu", 0.9);
+    }
+    whole.steps(kSteps);
+    restored.state = WorldState::deserialize(restored.state.serialize());
+    restored.workspace.clear();
+    restored.steps(kSteps);
+    for (int k = 0; k < kSteps; ++k) {
+      forgetful.workspace.clear();
+      forgetful.steps(1);
+      // Two states with one workspace.
+      shared.steps(1);
+      std::swap(shared.workspace, other.workspace);
+      other.steps(1);
+      std::swap(shared.workspace, other.workspace);
+    }
+    ASSERT_EQ(restored.state.hash(), whole.state.hash()) << "restored, part " << part;
+    ASSERT_EQ(forgetful.state.hash(), whole.state.hash()) << "forgetful, part " << part;
+    ASSERT_EQ(shared.state.hash(), whole.state.hash()) << "shared, part " << part;
+  }
+}
+
+// So many steps that a history grows too long to be repeated.
+TEST_P(History, OfGreatLengthContinuesWithTheSameBits) {
+  const std::string scene = R"("states": {"x": 1}, "velocities": {"x": 0}, "second": {"x": "-400 * x"},
+    "tolerance": 1e-7, "integrator": ")" +
+                            GetParam() + '"';
+  OdeRun whole(scene, 0.1), restored(scene, 0.1);
+  for (int part = 0; part < 8; ++part) {
+    whole.steps(100);
+    restored.state = WorldState::deserialize(restored.state.serialize());
+    restored.workspace.clear();
+    restored.steps(100);
+    ASSERT_EQ(restored.state.hash(), whole.state.hash()) << "part " << part;
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Methods, History,
+                         testing::Values("cvode_adams", "cvode_bdf", "ias15", "rkn86", "rkn1210", "dop853",
+                                         "bdf2", "generalized_alpha"),
+                         [](const auto& info) { return info.param; });
+
+}  // namespace
+}  // namespace truestep::test

@@ -1,0 +1,146 @@
+// What a scene that names no method gets: one that holds at the scene's own step, with the reason in the
+// plan.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "engine/core/force_system.h"
+#include "engine/session/world.h"
+
+namespace truestep {
+namespace {
+
+struct SceneRun {
+  explicit SceneRun(const std::string& system, double dt, const std::string& more = "")
+      : world(parse_scene(R"({"schema_version": "1.0", )" + more + R"( "time": {"dt": )" +
+                          std::to_string(dt) + R"(}, "systems": [)" + system + "]}")),
+        state(world.initial_state()) {}
+  SceneRun& steps(int n) {
+    for (int k = 0; k < n; ++k) world.step(state, workspace, arena, {});
+    return *this;
+  }
+  std::string method() const {
+    return std::string(dynamic_cast<const ForceSystem&>(world.system(0)).integrator().name);
+  }
+  std::string reason() const {
+    for (const auto& [system, row, number] : world.plan()) {
+      if (row.name == "integrate") return row.reason;
+    }
+    return "";
+  }
+  double observed(const char* name) const { return world.observe(state).find(name).value(); }
+
+  World world;
+  WorldState state;
+  Workspace workspace;
+  ThreadArena arena{1};
+};
+
+std::string oscillator(double stiffness, const std::string& rest = "") {
+  return R"({"type": "oscillator", "id": "o", "mass": 1, "position": 1, "stiffness": )" +
+         std::to_string(stiffness) + rest + "}";
+}
+
+TEST(DefaultMethod, FollowsTheFastestMotionAgainstTheStep) {
+  EXPECT_EQ(SceneRun(oscillator(100), 0.01).method(), "rk4");
+  EXPECT_EQ(SceneRun(oscillator(1e6), 0.01).method(), "dop853");
+  EXPECT_EQ(SceneRun(oscillator(1e10), 0.01).method(), "bdf2");
+  // The step decides, not the spring.
+  EXPECT_EQ(SceneRun(oscillator(1e10), 1e-5).method(), "rk4");
+  EXPECT_NE(SceneRun(oscillator(1e10), 0.01).reason().find("too fast for rk4"), std::string::npos);
+  for (const double k : {100.0, 1e6, 1e10}) {
+    SceneRun run(oscillator(k), 0.01);
+    EXPECT_LE(run.steps(500).observed("energy.total"), 0.5 * k * (1 + 1e-6)) << k;
+  }
+}
+
+TEST(DefaultMethod, HoldsShortPendulumsAndStiffPairsOfParticles) {
+  SceneRun pendulum(R"({"type": "pendulum", "id": "p", "links": 3, "length": 1e-4, "angle": 0.3})", 1.0 / 60);
+  EXPECT_EQ(pendulum.method(), "dop853") << pendulum.reason();
+  const double start = pendulum.observed("energy.total");
+  EXPECT_NEAR(pendulum.steps(300).observed("energy.total"), start, 1e-3 * std::abs(start));
+  SceneRun pair(R"({"type": "particles", "id": "p", "mass": 1, "positions": [[0, 0, 0], [1.001, 0, 0]],
+               "springs": [{"a": 0, "b": 1, "stiffness": 1e8, "rest_length": 1}]})",
+                0.01, R"("gravity": [0, 0, 0],)");
+  EXPECT_NE(pair.method(), "leapfrog");
+  EXPECT_LE(pair.steps(500).observed("energy.total"), 50 * (1 + 1e-3));
+}
+
+TEST(DefaultMethod, NeverReplacesOneThatIsNamed) {
+  SceneRun run(oscillator(1e10, R"(, "integrator": "rk4")"), 0.01);
+  EXPECT_EQ(run.method(), "rk4");
+  EXPECT_NE(run.reason().find("named by the scene"), std::string::npos);
+  EXPECT_THROW(run.steps(500), Instability) << "control: it does not hold";
+}
+
+// A beam of 200 links with springs in its hinges, clamped at one end. Bending stiffness EI, mass per length
+// rho: a spring of EI / l between links of length l, twice that at the clamp (half a link bends there).
+constexpr int kLinks = 200;
+std::string beam(double EI, const std::string& joint = "hinge", const std::string& rest = "") {
+  const double l = 1.0 / kLinks;
+  const auto link = [&](double stiffness, const std::string& more) {
+    return R"({"joint": ")" + joint + R"(", "mass": )" + std::to_string(l) + R"(, "center": [)" +
+           std::to_string(l / 2) + R"(, 0, 0], "inertia": [1e-9, 1e-7, 1e-7], "stiffness": )" +
+           std::to_string(stiffness) + more + "}";
+  };
+  return R"({"type": "articulation", "id": "beam", "links": [)" + link(2 * EI / l, "") + ", " +
+         link(EI / l, R"(, "offset": [)" + std::to_string(l) + R"(, 0, 0], "copies": {"count": )" +
+                          std::to_string(kLinks - 1) + R"(, "offset": [)" + std::to_string(l) + ", 0, 0]}") +
+         "]" + rest + "}";
+}
+constexpr const char* kLight = R"("gravity": [0, -0.1, 0],)";
+
+double tip(const SceneRun& run) {
+  std::vector<double> scratch;
+  const FieldView x = run.world.system(0).field(run.state.systems[0], 0, scratch);
+  return static_cast<const double*>(x.data)[3 * (kLinks - 1) + 1];
+}
+
+// From straight under its own weight it swings about the deflection rho g L^4 / 8 EI with the period of its
+// first mode, 2 pi / (3.5160 sqrt(EI / rho L^4)) (Timoshenko, Vibration Problems in Engineering,
+// section 5.11): 0.39179 % of the length and 1 s here. A step of 1/60 s is some 4,800 times what rk4 holds.
+TEST(DefaultMethod, StiffBeamOfTwoHundredLinksSwingsLikeABeam) {
+  const double omega = 2 * std::numbers::pi, EI = std::pow(omega / 3.5160152685, 2);
+  SceneRun run(beam(EI), 1.0 / 60, kLight);
+  EXPECT_EQ(run.method(), "bdf2") << run.reason();
+  double sum = 0, lowest = 0;
+  for (int k = 0; k < 60; ++k) {
+    sum += tip(run.steps(1)) / 60;
+    lowest = std::min(lowest, tip(run));
+  }
+  const double deflection = -0.1 / (8 * EI);
+  EXPECT_NEAR(sum / deflection, 1, 0.02);
+  EXPECT_NEAR(lowest / deflection, 2, 0.1);
+  EXPECT_LT(std::abs(tip(run) / deflection), 0.05) << "back where it began after one period";
+  // Control: half a period off would be seen.
+  EXPECT_GT(std::abs(tip(run.steps(30)) / deflection), 1.5);
+}
+
+TEST(DefaultMethod, StiffBeamHoldsForLong) {
+  // Stiff enough that nothing is seen to move, and heavy enough to bend far.
+  for (const double EI : {1e-1, 1e6}) {
+    SceneRun run(beam(EI), 1.0 / 60);
+    run.steps(20);
+    EXPECT_LE(run.observed("energy.total"), 1e-3) << EI;
+  }
+}
+
+TEST(DefaultMethod, StiffRopeHolds) {
+  for (const double k : {1e3, 1e5, 1e7, 1e8}) {
+    SceneRun run(
+        R"({"type": "mass_spring", "id": "r", "rope": {"from": [0, 1, 0], "to": [1, 1, 0], "links": 40},
+               "pinned": ["first"], "mass": 0.01, "stiffness": )" +
+            std::to_string(k) + "}",
+        1.0 / 60);
+    const double start = run.observed("energy.total");
+    double most = start;
+    for (int s = 0; s < 600; ++s) most = std::max(most, run.steps(1).observed("energy.total"));
+    // Nothing drives it: what falls may not gain. A thousandth of what there is to gain, 41 points of 10 g
+    // that fall 1 m.
+    EXPECT_LT(most - start, 4e-3) << k;
+  }
+}
+
+}  // namespace
+}  // namespace truestep

@@ -1,0 +1,115 @@
+// Choosing a method for an accuracy: it costs little, it works for every kind of system that takes a method,
+// and what it says when it cannot is true.
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "engine/base/errors.h"
+#include "engine/scene/json.h"
+#include "engine/studies/accuracy.h"
+#include "engine/studies/scene_variant.h"
+#include "engine/studies/trajectory.h"
+
+namespace truestep {
+namespace {
+
+namespace json = boost::json;
+
+json::value scene_of(const std::string& system, double tolerance, const std::string& quantity = "position",
+                     double duration = 5) {
+  json::value d =
+      parse_json(R"({"schema_version": "1.0", "time": {"dt": 0.01}, "systems": [)" + system + "]}");
+  d.as_object()["time"].as_object()["duration"] = duration;
+  d.as_object()["accuracy"] = json::object{{"tolerance", tolerance}, {"quantity", quantity}};
+  return d;
+}
+
+struct Plan : testing::Test {
+  AccuracyOutcome choose(const json::value& d, double budget = 2) {
+    const double begin = thread_cpu_seconds();
+    AccuracyOutcome out = choose_method(d, budget, context);
+    cpu = thread_cpu_seconds() - begin;
+    return out;
+  }
+  // CPU seconds of the scene as it was settled.
+  double run_of(const json::value& scene) {
+    json::value d = scene;
+    d.as_object().erase("accuracy");
+    const double begin = thread_cpu_seconds();
+    const World world = build_world(d);
+    const auto steps = static_cast<size_t>(std::llround(world.scene().header.time.duration / world.dt()));
+    trace(world, {.field = {0, "state"}, .samples = steps}, context);
+    return thread_cpu_seconds() - begin;
+  }
+  ThreadArena arena{1};
+  std::atomic<bool> cancelled{false};
+  StudyContext context{.arena = arena, .cancelled = cancelled, .progress = [](double, const std::string&) {}};
+  double cpu = 0;
+};
+
+constexpr const char* kLotka = R"json({"type": "ode", "id": "s", "states": {"a": 1, "b": 0.5},
+  "equations": {"a": "a * (1 - b)", "b": "b * (a - 1)"}})json";
+constexpr const char* kDecay = R"json({"type": "ode", "id": "s", "states": {"a": 1},
+  "equations": {"a": "-a + sin(t)"}})json";
+constexpr const char* kVanDerPol = R"json({"type": "ode", "id": "s", "states": {"x": 2, "v": 0},
+  "equations": {"x": "v", "v": "1000 * (1 - x^2) * v - x"}})json";
+constexpr const char* kPendulum = R"json({"type": "pendulum", "id": "p", "links": 2, "angle": 0.5})json";
+constexpr const char* kLinkage = R"json({"type": "articulation", "id": "l", "links": [
+  {"id": "crank", "parent": "ground", "mass": 1, "center": [0.15, 0, 0], "q": [1], "v": [3]},
+  {"id": "coupler", "parent": "crank", "offset": [0.3, 0, 0], "mass": 1, "center": [0.5, 0, 0], "q": [-0.6]},
+  {"id": "rocker", "parent": "ground", "offset": [1, 0, 0], "mass": 1, "center": [0.4, 0, 0], "q": [1.3]}],
+  "closures": [{"a": "coupler", "b": "rocker", "point_a": [1, 0, 0], "point_b": [0.8, 0, 0]}]})json";
+
+TEST_F(Plan, IsMadeForEveryKindOfSystemAndCostsLittle) {
+  for (const char* system : {kLotka, kDecay, kVanDerPol, kPendulum, kLinkage}) {
+    for (const double tolerance : {1e-3, 1e-6, 1e-9}) {
+      const json::value d = scene_of(system, tolerance, "position", system == kLinkage ? 1 : 5);
+      const AccuracyOutcome out = choose(d);
+      EXPECT_TRUE(out.report.contains("chosen")) << system << tolerance;
+      EXPECT_NE(out.report.at("judged_by"), "order") << system << tolerance << "was not measured";
+      EXPECT_LT(cpu, 1) << system << tolerance;
+      // What a session's creation costs anyway may be spent on top.
+      EXPECT_LT(cpu, 12 * run_of(out.scene) + 0.06) << system << tolerance;
+    }
+  }
+}
+
+TEST_F(Plan, AnEquationWithoutAPlotIsAsAccurateAsWasAsked) {
+  const AccuracyOutcome out = choose(scene_of(kDecay, 1e-6));
+  EXPECT_EQ(out.report.at("quantity"), "state");
+  const auto end = [&](json::value d, const char* method, double tolerance) {
+    d.as_object().erase("accuracy");
+    if (method) set_integrator(d, 0, method), set_tolerance(d, 0, tolerance);
+    return trace(build_world(d), {.field = {0, "state"}, .samples = 500}, context).values.back();
+  };
+  const auto exact = end(out.scene, "dop853", 1e-12);
+  EXPECT_LT(relative_error(end(out.scene, nullptr, 0), exact), 1e-6);
+  EXPECT_GT(relative_error(end(out.scene, "euler", 1), exact), 1e-6) << "control";
+}
+
+TEST_F(Plan, WhatCannotBeReachedIsRefusedWithWhatCan) {
+  const json::value d = scene_of(kPendulum, 1e-14);
+  try {
+    choose(d);
+    FAIL() << "1e-14 over 500 steps is below rounding";
+  } catch (const Error& e) {
+    const Issue& issue = e.issues().at(0);
+    EXPECT_EQ(e.code(), "accuracy_unreachable");
+    ASSERT_TRUE(issue.allowed.starts_with("at least ")) << issue.allowed;
+    EXPECT_GT(std::stod(issue.allowed.substr(9)), 1e-14) << "what is allowed is more than what was asked";
+    EXPECT_EQ(std::string(e.what()).find("nothing"), std::string::npos);
+  }
+}
+
+TEST_F(Plan, NamesAFieldThatThereIs) {
+  try {
+    choose(scene_of(kLotka, 1e-6, "temperature"));
+    FAIL();
+  } catch (const Error& e) {
+    EXPECT_EQ(e.issues().at(0).pointer, "/accuracy/quantity");
+    EXPECT_NE(e.issues().at(0).allowed.find("state"), std::string::npos);
+  }
+}
+
+}  // namespace
+}  // namespace truestep
