@@ -15,19 +15,20 @@ const Outputs& articulation_outputs() {
                  {"angular_velocity", "rad/s", 3, "in the world"},
                  {"joint_force", "N", 3, "that the joint puts on its link, in the world"},
                  {"joint_moment", "N m", 3, "about the joint's origin"}},
-      .observables = {{"energy.kinetic", "J", "of motion"},
-                      {"energy.potential", "J", "of all forces that have one"},
-                      {"energy.total", "J", "their sum"},
-                      {"integrator.held_steps", "1",
-                       "implicit_euler: steps whose damping was taken at the step's start"},
-                      {"momentum.x", "kg m/s", "of all that moves freely"},
-                      {"momentum.y", "kg m/s", ""},
-                      {"momentum.z", "kg m/s", ""},
-                      {"angular_momentum.x", "kg m^2/s", "about the origin"},
-                      {"angular_momentum.y", "kg m^2/s", ""},
-                      {"angular_momentum.z", "kg m^2/s", ""},
-                      {"loops.gap", "m", "largest distance between points that a loop joins"}},
-      {"power.applied", "W", "where links have a constant force or torque: of those without a potential"}};
+      .observables = {
+          {"energy.kinetic", "J", "of motion"},
+          {"energy.potential", "J", "of all forces that have one"},
+          {"energy.total", "J", "their sum"},
+          {"integrator.held_steps", "1", "implicit_euler: steps whose damping was taken at the step's start"},
+          {"momentum.x", "kg m/s", "of all that moves freely"},
+          {"momentum.y", "kg m/s", ""},
+          {"momentum.z", "kg m/s", ""},
+          {"angular_momentum.x", "kg m^2/s", "about the origin"},
+          {"angular_momentum.y", "kg m^2/s", ""},
+          {"angular_momentum.z", "kg m^2/s", ""},
+          {"loops.gap", "m", "largest distance between points that a loop joins"},
+          {"power.applied", "W",
+           "where links have a constant force or torque: of those without a potential"}}};
   return kOutputs;
 }
 

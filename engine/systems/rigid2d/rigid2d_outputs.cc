@@ -25,8 +25,9 @@ const Outputs& rigid2d_outputs() {
                       {"awake", "1", "dynamic bodies that do not sleep"},
                       {"joint.gap", "m", "largest distance between points that a joint keeps together"},
                       {"joints.broken", "1", "joints that have broken"},
-                      {"sensor.overlaps", "1", "pairs of a sensor and a dynamic body in it"}},
-      {"power.applied", "W", "where bodies have a constant force or torque: of those without a potential"}};
+                      {"sensor.overlaps", "1", "pairs of a sensor and a dynamic body in it"},
+                      {"power.applied", "W",
+                       "where bodies have a constant force or torque: of those without a potential"}}};
   return kOutputs;
 }
 

@@ -45,8 +45,9 @@ const Outputs& rigid3d_outputs() {
                       {"joint.<id>.angle", "rad", "turn about its one free axis"},
                       {"joint.<id>.length", "m", "distance and spring joints: between the two points"},
                       {"joint.<id>.<axis>", "m", "x, y, z where it slides in several directions"},
-                      {"joint.<id>.turn_<axis>", "rad", "about x, y, z where it turns about several axes"}},
-      {"power.applied", "W", "where bodies have a constant force or torque: of those without a potential"}};
+                      {"joint.<id>.turn_<axis>", "rad", "about x, y, z where it turns about several axes"},
+                      {"power.applied", "W",
+                       "where bodies have a constant force or torque: of those without a potential"}}};
   return kOutputs;
 }
 
