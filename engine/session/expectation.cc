@@ -5,7 +5,7 @@
 
 namespace truestep {
 
-Quantity quantity_of(const std::string& text) {
+ExpectedQuantity expected_quantity(const std::string& text) {
   const std::string name = text == "energy.drift" ? "drift(energy.total)" : text;
   for (const auto& [prefix, reduction] :
        {std::pair{"min(", Reduction::min}, {"max(", Reduction::max}, {"drift(", Reduction::drift}}) {
@@ -41,7 +41,7 @@ Expectations::Expectations(const Scene& scene) {
   for (const ExpectParams& e : scene.header.expect) {
     Watched w;
     w.expected = e;
-    w.quantity = quantity_of(e.quantity);
+    w.quantity = expected_quantity(e.quantity);
     watched_.push_back(std::move(w));
   }
 }

@@ -18,12 +18,12 @@ struct Verdict {
 
 /// How a run's values of an observable become one.
 enum class Reduction : uint8_t { last, min, max, drift };
-struct Quantity {
+struct ExpectedQuantity {
   Reduction reduction = Reduction::last;
   std::string name;  ///< of an observable
 };
 /// "energy.total", "max(rope.strain.max)", "energy.drift" taken apart.
-Quantity quantity_of(const std::string& text);
+ExpectedQuantity expected_quantity(const std::string& text);
 
 /// Watches a run. Observables are computed at every step only when an expectation needs the whole run.
 class Expectations {
@@ -39,7 +39,7 @@ class Expectations {
  private:
   struct Watched {
     ExpectParams expected;
-    Quantity quantity;
+    ExpectedQuantity quantity;
     std::optional<double> first, value, least, greatest, deviation;
     double scale = 0;  ///< of a drift
   };

@@ -9,10 +9,6 @@
 #include "engine/base/errors.h"
 #include "engine/core/configuration.h"
 #include "engine/core/force_system.h"
-#include "engine/integrators/field_equations.h"
-#include "engine/integrators/motion.h"
-#include "engine/integrators/step_work.h"
-#include "engine/scene/admission.h"
 #include "engine/scene/json_write.h"
 
 namespace truestep {
@@ -383,26 +379,6 @@ std::vector<Observation> World::known_observables() const {
 
 namespace {
 
-// Of an implicit method that factorises the field's derivatives.
-std::optional<double> force_step_seconds(const ForceSystem& s, const State& state, double h) {
-  if (s.integrator().kind != Integrator::Kind::implicit || !s.integrator().advance) return std::nullopt;
-  static const ThreadArena kSerial(1);
-  Workspace workspace;
-  State copy = state;
-  const StepInput in{0, h, 0, workspace, kSerial};
-  Motion motion(s.force_field(), copy, in);
-  const FieldEquations f(motion);
-  std::vector<double> y(motion.x.begin(), motion.x.end());
-  y.insert(y.end(), motion.v.begin(), motion.v.end());
-  const IntegratorOptions& o = s.options();
-  const Tolerance tolerance{o.relative_tolerance.value_or(0), o.absolute_tolerance.value_or(o.tolerance)};
-  // Some 20 operations per number of a point, as in a cloth.
-  constexpr double kPerUnknown = 20;
-  const double rate = kPerUnknown * static_cast<double>(y.size());
-  const auto work = implicit_step_work(s.integrator(), f, rate, h, y.data(), tolerance);
-  return work ? std::optional(work->seconds()) : std::nullopt;
-}
-
 double element(const FieldView& view, size_t k) {
   switch (view.type) {
     case Scalar::f64:
@@ -474,19 +450,6 @@ void World::observe_probe(const ProbeParams& probe, const WorldState& state, Obs
       out.add(names[c], element(view, static_cast<size_t>(row) * view.width + c), infos[f].unit);
     }
   }
-}
-
-Cost World::cost(const WorldState& state) const {
-  Cost sum = estimate(scene_);
-  const double h = scene_.substep(), substeps = static_cast<double>(scene_.header.time.substeps);
-  for (size_t i = 0; i < size(); ++i) {
-    const SceneSystem& s = scene_.systems[i];
-    const auto* forces = dynamic_cast<const ForceSystem*>(systems_[i].get());
-    const auto seconds = forces ? force_step_seconds(*forces, state.systems[i], h)
-                                : systems_[i]->step_seconds(state.systems[i], h);
-    if (seconds) sum.seconds_per_step += substeps * (*seconds - s.row->cost(s.def.get()).seconds_per_step);
-  }
-  return sum;
 }
 
 std::optional<double> World::stable_dt(const WorldState& state) const {

@@ -113,6 +113,10 @@ TEST(SceneFaults, EmittersFillRowsThatProbesMayName) {
   };
   EXPECT_TRUE(with("49").empty());
   EXPECT_EQ(with("50").size(), 1u);
+  // Bodies that only a command could bring are not there.
+  const auto ball = faults(R"({"systems": [{"type": "rigid3d", "id": "r", "bodies": [{"type": "sphere"}]}],
+    "probes": [{"id": "a", "system": "r", "index": 1}]})");
+  EXPECT_EQ(ball.size(), 1u);
 }
 
 TEST(SceneFaults, ValuesAreShownWhereThereAreAny) {

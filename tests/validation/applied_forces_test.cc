@@ -79,7 +79,7 @@ TEST(AppliedForces, ATorqueTurnsTheInertiaThatIsGiven) {
   EXPECT_NEAR(plane.observed("energy.kinetic"), 0.5 * inertia * rate * rate, 1e-5);
   EXPECT_NEAR(plane.observed("energy.total"), before, 1e-3);  // first order: torque^2 t h / (2 I)
   Run link(
-      R"({"type": "articulation", "id": "r", "links": [{"mass": 1, "inertia": [0.3, 0.4, 1.5], "axis": [0, 0, 1],
+      R"({"type": "articulation", "id": "r", "links": [{"mass": 1, "inertia": [1.2, 1.4, 1.5], "axis": [0, 0, 1],
                "moment": [0, 0, 0.6]}]})");
   link.steps(200);
   EXPECT_NEAR(link.field("angular_velocity", 2), rate, 1e-9);
