@@ -4,8 +4,8 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <fstream>
 
+#include "engine/scene/gallery.h"
 #include "engine/scene/json.h"
 #include "engine/session/session.h"
 
@@ -104,8 +104,7 @@ TEST(Instability, RemediesWereTriedOnTheStateThatFailed) {
 
 TEST(Instability, RemediesOfALinkageHold) {
   // Newton's method loses a linkage with a loop at 2.5 ms although implicit Euler has no limit in theory.
-  std::ifstream file(TRUESTEP_SOURCE_DIR "/scenes/four_bars.json");
-  const std::string text{std::istreambuf_iterator<char>(file), {}};
+  const std::string text(find_gallery_scene("four_bars")->text);
   const auto linkage = [&](const std::string& method) {
     boost::json::value d = parse_json(text);
     d.as_object()["time"].as_object()["dt"] = 0.0025;
