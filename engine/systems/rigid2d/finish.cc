@@ -102,29 +102,49 @@ void stop_fast_bodies(const Model& model, State& s, const Pairs& pairs, std::spa
   });
 }
 
+namespace {
+
+/// Counts how long bodies have rested; the longest.
+double count_rest(const Model& model, State& s, const SleepRule& rule, double h) {
+  const auto status = s.span<uint32_t>(columns::status);
+  const auto rest = s.f64(columns::rest), w = s.f64(columns::angular_velocity), angle = s.f64(columns::angle);
+  const double* v = s.f64(columns::velocity).data();
+  const double* x = s.f64(columns::position).data();
+  double* place = s.f64(columns::rest_place).data();
+  double longest = 0;
+  for (size_t i = 0; i < model.count(); ++i) {
+    const Light& b = model.light[i];
+    if (!is_moved(b, status[i])) continue;
+    if (rest[i] == 0) place[3 * i] = x[3 * i], place[3 * i + 1] = x[3 * i + 1], place[3 * i + 2] = angle[i];
+    const double speed = std::max(flat::norm({v[3 * i], v[3 * i + 1]}), std::abs(w[i]) * b.reach);
+    const double moved = std::max(flat::norm({x[3 * i] - place[3 * i], x[3 * i + 1] - place[3 * i + 1]}),
+                                  std::abs(angle[i] - place[3 * i + 2]) * b.reach);
+    rest[i] = b.can_sleep ? rest_after(rest[i], h, speed, moved, rule) : 0;
+    longest = std::max(longest, rest[i]);
+  }
+  return longest;
+}
+
+}  // namespace
+
 void fall_asleep(const Model& model, State& s, const Pairs& pairs, const SleepRule& rule, double h,
-                 std::vector<uint32_t>& parent, std::vector<double>& rested) {
+                 Sleepers& scratch) {
+  if (count_rest(model, s, rule, h) < rule.time) return;
   const size_t n = model.count();
   const auto status = s.span<uint32_t>(columns::status);
   const auto rest = s.f64(columns::rest), w = s.f64(columns::angular_velocity);
+  const auto impulse = s.span<float>(columns::contact_impulse);
   double* v = s.f64(columns::velocity).data();
-  double longest = 0;
-  for (size_t i = 0; i < n; ++i) {
-    const Light& b = model.light[i];
-    if (!is_moved(b, status[i])) continue;
-    const double slip = std::abs(w[i]) * b.reach, speed2 = v[3 * i] * v[3 * i] + v[3 * i + 1] * v[3 * i + 1];
-    const bool slow = speed2 <= rule.speed * rule.speed && slip <= rule.speed;
-    rest[i] = slow && b.can_sleep ? rest[i] + h : 0;
-    longest = std::max(longest, rest[i]);
-  }
-  if (longest < rule.time) return;
-  parent.resize(n);
+  auto& [parent, rested, unborne, still] = scratch;
+  parent.resize(n), still.resize(n);
+  unborne.assign(n, 1);
   start_islands(parent);
   rested.assign(rest.begin(), rest.end());
   for (size_t i = 0; i < n; ++i) {
     if (!is_moved(model.light[i], status[i])) rested[i] = HUGE_VAL;
+    still[i] = v[3 * i] == 0 && v[3 * i + 1] == 0 && w[i] == 0;
   }
-  const auto join = [&](uint32_t a, uint32_t b) {
+  const auto join = [&](uint32_t a, uint32_t b, bool bears) {
     const bool moved_a = a < n && is_moved(model.light[a], status[a]);
     const bool moved_b = b < n && is_moved(model.light[b], status[b]);
     if (moved_a && moved_b) return link_islands(parent, a, b);
@@ -134,13 +154,21 @@ void fall_asleep(const Model& model, State& s, const Pairs& pairs, const SleepRu
     };
     if (moved_a && carries(b)) rested[a] = 0;
     if (moved_b && carries(a)) rested[b] = 0;
+    if (moved_a && bears) unborne[a] = 0;
+    if (moved_b && bears) unborne[b] = 0;
   };
-  for (const uint32_t i : pairs.touching) join(pairs.hits[i].body_a, pairs.hits[i].body_b);
+  size_t row = 0;
+  for (const Hit& hit : pairs.hits) {
+    if (hit.what < Hit::What::touching) continue;
+    const bool bears = impulse[5 * row] > 0 || impulse[5 * row + 1] > 0;
+    ++row;
+    if (hit.what == Hit::What::touching) join(hit.body_a, hit.body_b, bears);
+  }
   const auto broken = s.span<uint32_t>(columns::joint_broken);
   for (size_t j = 0; j < model.joints.size(); ++j) {
     const Joint& d = model.joints[j];
     if (broken[j]) continue;
-    join(d.a, d.b);
+    join(d.a, d.b, true);
     // A motor that wants to turn does not let its bodies sleep.
     if (d.has_motor && d.motor_speed != 0) {
       for (const uint32_t i : {d.a, d.b}) {
@@ -149,8 +177,11 @@ void fall_asleep(const Model& model, State& s, const Pairs& pairs, const SleepRu
     }
   }
   spread_minimum<double>(parent, rested);
+  spread_minimum<uint8_t>(parent, unborne);
+  spread_minimum<uint8_t>(parent, still);
   for (size_t i = 0; i < n; ++i) {
     if (!is_moved(model.light[i], status[i]) || rested[i] < rule.time) continue;
+    if (unborne[i] && !still[i]) continue;
     status[i] = 0;
     v[3 * i] = v[3 * i + 1] = 0, w[i] = 0;
   }

@@ -1,6 +1,7 @@
 // What ends a step: bodies too fast for the solver's contacts stop at what they would have passed, and what
 // has come to rest falls asleep, island by island.
 #pragma once
+#include "engine/kernels/sleeping.h"
 #include "engine/systems/rigid2d/columns.h"
 #include "engine/systems/rigid2d/pairs.h"
 
@@ -18,11 +19,14 @@ struct Travel {
 void stop_fast_bodies(const Model& model, State& s, const Pairs& pairs, std::span<const Travel> travels,
                       double h, const ThreadArena& arena);
 
-struct SleepRule {
-  double speed = 0.05, time = 0.5;  ///< m/s, s
+/// Scratch of a step.
+struct Sleepers {
+  std::vector<uint32_t> parent;
+  std::vector<double> rested;
+  std::vector<uint8_t> unborne, still;  ///< nothing fixed bears it; its velocities are zero
 };
-/// Counts rest (h in s) and puts islands to sleep whose bodies have all rested long enough.
+/// Counts rest (h in s) and puts islands to sleep that rest on something (kernels/sleeping.h).
 void fall_asleep(const Model& model, State& s, const Pairs& pairs, const SleepRule& rule, double h,
-                 std::vector<uint32_t>& parent, std::vector<double>& rest);
+                 Sleepers& scratch);
 
 }  // namespace truestep::rigid2d

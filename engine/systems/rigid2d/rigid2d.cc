@@ -15,8 +15,7 @@ struct Rigid2d::Scratch {
   Solver<double> f64;
   Hands hands;
   std::vector<Travel> travels;
-  std::vector<uint32_t> parent;
-  std::vector<double> rest;
+  Sleepers sleepers;
   bool idle = false;
 };
 
@@ -24,9 +23,10 @@ namespace {
 
 constexpr std::string_view kScratch = "rigid2d";
 constexpr double kDragDamping = 0.7;
-// Of the rate of small steps: the stiffest contacts with which a pile still comes to rest. Towers buckle
-// where contacts are softer: at 0.19 one of 20 boxes falls within a minute.
-constexpr double kContactHertz = 0.2;
+// Of the rate of small steps, for a body with two contacts. Two sweeps a small step are themselves a spring
+// of (w h)^2 = 2: stiffer contacts than that feed every slow mode of a pile, softer ones let towers buckle
+// (docs/standing.md).
+constexpr double kContactHertz = 0.21;
 
 }  // namespace
 
@@ -86,8 +86,12 @@ SolverSettings Rigid2d::settings_for(double dt) const {
   s.h = dt / s.steps;
   const double rate = 1 / s.h;
   const double contact = settings_.contact_hertz.value_or(kContactHertz * rate);
-  s.contact = soft_constraint(contact, settings_.contact_damping_ratio, s.h);
-  s.contact_fixed = soft_constraint(2 * contact, settings_.contact_damping_ratio, s.h);
+  for (size_t n = 0; n <= kCrowd; ++n) {
+    // What a body stands on stays as stiff as two contacts, however many share it.
+    const double hertz = contact * std::sqrt(2 / std::max(2.0, static_cast<double>(n)));
+    s.contact[n] = soft_constraint(hertz, settings_.contact_damping_ratio, s.h);
+    s.contact_fixed[n] = soft_constraint(2 * hertz, settings_.contact_damping_ratio, s.h);
+  }
   s.padding = contact_padding(contact, rate, dt);
   s.joint = soft_constraint(settings_.joint_hertz.value_or(0.25 * rate), settings_.joint_damping_ratio, s.h);
   s.push_speed = settings_.push_speed;
@@ -195,7 +199,7 @@ void Rigid2d::solve(State& s, const StepInput& in) const {
 void Rigid2d::end_step(State& s, const StepInput& in) const {
   Scratch& w = in.workspace.object<Scratch>(kScratch);
   if (w.idle) return;
-  fall_asleep(model_, s, w.pairs, {settings_.sleep_speed, settings_.sleep_time}, in.h, w.parent, w.rest);
+  fall_asleep(model_, s, w.pairs, {settings_.sleep_speed, settings_.sleep_time}, in.h, w.sleepers);
 }
 
 void Rigid2d::wake(State& s, uint32_t body) const {

@@ -299,7 +299,9 @@ const DefTable& rigid2d_table() {
           .choice("precision", &D::precision, {"f32", "f64"},
                   "numbers of the constraint solver; poses are always f64")
           .number("contact_hertz", &D::contact_hertz, "Hz", above(0),
-                  "stiffness of contacts; absent: a fifth of the rate of small steps")
+                  "stiffness of contacts of a body that has two, shared where it has more; absent: 0.21 of "
+                  "the rate of "
+                  "small steps")
           .number("contact_damping_ratio", &D::contact_damping_ratio, "1", at_least(0), "of contacts")
           .number("joint_hertz", &D::joint_hertz, "Hz", above(0),
                   "stiffness of joints; absent: a quarter of the rate of small steps")
@@ -311,8 +313,12 @@ const DefTable& rigid2d_table() {
               "restitution_speed", &D::restitution_speed, "m/s", at_least(0),
               "slower impacts do not bounce; absent: half of what gravity adds in a step, hops of one step")
           .boolean("sleeping", &D::sleeping, "bodies at rest cost nothing until something touches them")
-          .number("sleep_speed", &D::sleep_speed, "m/s", at_least(0), "slower counts as at rest")
-          .number("sleep_time", &D::sleep_time, "s", at_least(0), "rest needed before sleep")
+          .number("sleep_speed", &D::sleep_speed, "m/s", at_least(0),
+                  "slower counts as at rest where it also stays within an eighth of this times sleep_time: "
+                  "so sleep takes no "
+                  "mean momentum above an eighth of this times the mass")
+          .number("sleep_time", &D::sleep_time, "s", at_least(0),
+                  "rest needed before sleep; what floats free does not sleep")
           .vector("color", &D::color, "1", between(0, 1),
                   "red, green, blue of all that moves, as a screen shows them")
           .check(check)

@@ -265,6 +265,10 @@ void Solver<T>::solve(const Model& model, State& state, const Pairs& pairs, Hand
   const uint32_t packs = contact_end_.empty() ? 0 : contact_end_.back();
   bounces_ =
       std::any_of(contacts_.begin(), contacts_.begin() + packs, [](const auto& p) { return p.bounces != 0; });
+  // Loads that joints carry are not known.
+  if (packs > 0 && state.rows(columns::contact_key) == 0 && model.joints.empty()) {
+    start_contacts(pairs, settings.h);
+  }
   for (JointRow<T>& j : joints_) {
     solve_joint(j, rows_.data(), moved_, JointPass::soften, h);
   }
@@ -319,8 +323,10 @@ void Solver<T>::store_contacts(const Pairs& pairs, const ContactPadding& padding
       impulse[4] = static_cast<float>(c.rolling_impulse[k]);
       const double mobility =
           rows_[8 * static_cast<size_t>(c.a[k]) + 3] + rows_[8 * static_cast<size_t>(c.b[k]) + 3];
-      const double before = h.old == kNoPoint ? 0 : old_pad_[h.old];
-      *pad = load > 0 ? static_cast<float>(next_pad(before, depth / load, load * mobility, padding)) : 0;
+      const double before = contact.point[0].separation - static_cast<double>(c.point[0].separation[k]);
+      const double yields = (1 - c.mass_scale[k]) / (c.mass_scale[k] * c.bias_rate[k]);  // m per m/s of load
+      const ContactPadding own{padding.learnt, kMostPad * yields};
+      *pad = load > 0 ? static_cast<float>(next_pad(before, depth / load, load * mobility, own)) : 0;
     }
     id += 2, impulse += 5, ++pad;
   }

@@ -5,6 +5,7 @@
 // Bodies are rows of eight numbers (v, w, 1/m, dx, dangle, 1/I) relative to the step's start, constraints are
 // packed by colour, as many side by side as the machine has lanes. Poses stay f64 outside.
 #pragma once
+#include <array>
 #include <vector>
 
 #include "engine/base/cache_line.h"
@@ -19,10 +20,15 @@
 
 namespace truestep::rigid2d {
 
+/// Bodies with more contacts are as soft as those with that many.
+inline constexpr size_t kCrowd = 8;
+
 struct SolverSettings {
   int steps = 4;
   double h = 0;  ///< s, of a small step
-  SoftConstraint<double> contact, contact_fixed, joint;
+  /// By the number of contacts of the busier body.
+  std::array<SoftConstraint<double>, kCrowd + 1> contact, contact_fixed;
+  SoftConstraint<double> joint;
   ContactPadding padding;
   double push_speed = 3, restitution_speed = 0;
 };
@@ -110,6 +116,10 @@ class Solver {
                    const SolverSettings& settings);
   JointRow<T> row_of(const Joint& joint, const Pairs& pairs, const SolverSettings& settings,
                      const State& state) const;
+  /// Impulses and pads for contacts of which none continues another.
+  void start_contacts(const Pairs& pairs, double h);
+  /// The contacts through which bodies at rest carry others, the highest first.
+  void list_bearings(const Pairs& pairs, double h);
   /// Lets contacts bounce that close within a small step.
   void hit_contacts(const SolverSettings& settings, const ThreadArena& arena);
   /// Bodies on which springs act alone begin and end a step with half of what pulls them in a small step
@@ -139,8 +149,15 @@ class Solver {
   std::vector<uint64_t> used_;
   std::vector<uint8_t> colour_;
   std::vector<uint32_t> order_, place_, hinge_list_;
-  std::vector<uint32_t> old_id_;
+  std::vector<uint32_t> old_id_, crowd_;  // crowd_: contacts of every row
   std::vector<float> old_impulse_, old_pad_;
+  struct Bearing {
+    uint32_t upper = 0, lower = 0, pack = 0;  // rows
+    int lane = 0;
+    double lean = 0, height = 0;
+  };
+  std::vector<Bearing> bearings_;
+  std::vector<double> load_, share_;
 };
 
 }  // namespace truestep::rigid2d

@@ -34,10 +34,6 @@ void Solver<T>::fill(ContactPack<T>& c, const uint32_t* hits, int count, const M
   const auto impulses = state.span<float>(columns::contact_impulse),
              pads = state.span<float>(columns::contact_pad);
   const auto t = [](double x) { return static_cast<T>(x); };
-  const SoftConstraint<T> between{t(settings.contact.bias_rate), t(settings.contact.mass_scale),
-                                  t(settings.contact.impulse_scale)};
-  const SoftConstraint<T> fixed{t(settings.contact_fixed.bias_rate), t(settings.contact_fixed.mass_scale),
-                                t(settings.contact_fixed.impulse_scale)};
   W there[2] = {W::zero(), W::zero()};  // 1 where a lane has that point
   for (int k = 0; k < count; ++k) {
     const uint32_t index = pairs.touching[hits[k]];
@@ -54,9 +50,11 @@ void Solver<T>::fill(ContactPack<T>& c, const uint32_t* hits, int count, const M
     const double bounces = std::max(a.restitution, b.restitution);
     c.restitution.set(k, t(bounces));
     if (bounces > 0) c.bounces = 1;
-    const SoftConstraint<T>& soft = c.a[k] < moved_ && c.b[k] < moved_ ? between : fixed;
-    c.bias_rate.set(k, soft.bias_rate), c.mass_scale.set(k, soft.mass_scale);
-    c.impulse_scale.set(k, soft.impulse_scale);
+    const size_t crowd = std::min<size_t>(kCrowd, std::max(crowd_[c.a[k]], crowd_[c.b[k]]));
+    const SoftConstraint<double>& soft =
+        (c.a[k] < moved_ && c.b[k] < moved_ ? settings.contact : settings.contact_fixed)[crowd];
+    c.bias_rate.set(k, t(soft.bias_rate)), c.mass_scale.set(k, t(soft.mass_scale));
+    c.impulse_scale.set(k, t(soft.impulse_scale));
     const double pad = hit.old == kNoPoint ? 0 : pads[hit.old];
     const double rolling = std::max(a.rolling_resistance, b.rolling_resistance);
     const uint32_t* id = hit.old == kNoPoint ? nullptr : ids.data() + 2 * hit.old;
@@ -111,9 +109,13 @@ void Solver<T>::pack_contacts(const Model& model, const State& state, const Pair
   ends_.resize(n), colour_.resize(n), order_.resize(n), place_.resize(n);
   used_.resize(movers_.size() + 1);
   const auto end = [&](uint32_t body) { return slot_[body] < moved_ ? slot_[body] : kNoBody; };
+  crowd_.assign(movers_.size() + 1, 0);
   for (size_t i = 0; i < n; ++i) {
     const Hit& h = pairs.hits[pairs.touching[i]];
     ends_[i] = {end(h.body_a), end(h.body_b)};
+    for (const uint32_t row : ends_[i]) {
+      if (row != kNoBody) ++crowd_[row];
+    }
   }
   std::array<uint32_t, kColours + 1> count;
   colour_constraints(ends_, used_, colour_, count);

@@ -1,0 +1,83 @@
+// The impulses that a scene begins with. Small steps carry loads on from the one before; the first has none,
+// and a sweep passes a load on by a row or two, so that a tall pile would plunge before its lowest contacts
+// knew of its top. Where no contact continues another, loads are handed down once, from the highest body to
+// the lowest: what a body carries and weighs is shared by the contacts below it as  N_c = load cos_c / sum
+// cos^2  (cos between normal and vertical), and the pads of these contacts start as thick as they give way
+// under N_c. Exact for stacks, near it for piles of boxes; the sweeps correct the rest. It knows nothing of
+// thrust along the horizontal (arches).
+#include <algorithm>
+#include <cmath>
+
+#include "engine/systems/rigid2d/solver_contact.h"
+
+namespace truestep::rigid2d {
+namespace {
+
+/// Contacts steeper than that (cosine between normal and vertical) carry nothing at the start.
+constexpr double kCarries = 0.3;
+
+}  // namespace
+
+template <class T>
+void Solver<T>::list_bearings(const Pairs& pairs, double h) {
+  bearings_.clear();
+  const Vec2 pull{push_[0], push_[1]};
+  const double speed = flat::norm(pull);
+  if (!(speed > 0)) return;
+  const Vec2 up = (-1 / speed) * pull;
+  for (uint32_t p = 0; p < contact_end_.back(); ++p) {
+    const ContactPack<T>& c = contacts_[p];
+    for (int k = 0; k < Wide<T>::kLanes; ++k) {
+      // Held apart by more than it falls in a small step, or about to hit: not a bearing.
+      if (!(c.point[0].normal_mass[k] > 0) || c.point[0].separation[k] > h * speed) continue;
+      const T *a = rows_.data() + 8 * static_cast<size_t>(c.a[k]),
+              *b = rows_.data() + 8 * static_cast<size_t>(c.b[k]);
+      const Vec2 n{c.nx[k], c.ny[k]};
+      if (std::abs(flat::dot(n, Vec2{b[0] - a[0], b[1] - a[1]})) > 2 * speed) continue;
+      const double lean = flat::dot(up, n);
+      const uint32_t upper = lean > 0 ? c.b[k] : c.a[k], lower = lean > 0 ? c.a[k] : c.b[k];
+      if (upper >= moved_ || std::abs(lean) < kCarries) continue;
+      const double height = flat::dot(up, pairs.pose[movers_[upper]].p);
+      bearings_.push_back({upper, lower, p, k, std::abs(lean), height});
+    }
+  }
+  std::sort(bearings_.begin(), bearings_.end(), [](const Bearing& a, const Bearing& b) {
+    if (a.height != b.height) return a.height > b.height;
+    if (a.upper != b.upper) return a.upper < b.upper;
+    return a.pack != b.pack ? a.pack < b.pack : a.lane < b.lane;
+  });
+}
+
+template <class T>
+void Solver<T>::start_contacts(const Pairs& pairs, double h) {
+  list_bearings(pairs, h);
+  if (bearings_.empty()) return;
+  load_.assign(movers_.size() + 1, 0), share_.assign(movers_.size() + 1, 0);
+  for (size_t r = 0; r < moved_; ++r) {
+    load_[r] = std::hypot(push_[8 * r], push_[8 * r + 1]) / static_cast<double>(rows_[8 * r + 3]);
+  }
+  for (const Bearing& b : bearings_) share_[b.upper] += b.lean * b.lean;
+  for (const Bearing& b : bearings_) {
+    const double normal = load_[b.upper] * b.lean / share_[b.upper];
+    load_[b.lower] += normal * b.lean;
+    ContactPack<T>& c = contacts_[b.pack];
+    const int points = c.point[1].normal_mass[b.lane] > 0 ? 2 : 1;
+    double pad = 0;
+    for (int i = 0; i < points; ++i) {
+      auto& p = c.point[i];
+      p.normal.set(b.lane, static_cast<T>(normal / points));
+      // Rest of the soft constraint:  x (1 - scale) = -mass scale bias_rate C.
+      pad += normal / points * (1 - static_cast<double>(c.mass_scale[b.lane])) /
+             static_cast<double>(c.mass_scale[b.lane] * c.bias_rate[b.lane] * p.normal_mass[b.lane]) / points;
+    }
+    for (int i = 0; i < points; ++i) {
+      auto& p = c.point[i];
+      p.separation.set(b.lane, p.separation[b.lane] - static_cast<T>(pad));
+    }
+  }
+}
+
+template void Solver<float>::start_contacts(const Pairs&, double);
+template void Solver<double>::start_contacts(const Pairs&, double);
+
+}  // namespace truestep::rigid2d

@@ -1,0 +1,124 @@
+// What stands in the plane goes on standing: a pyramid neither plunges at the start nor trembles afterwards,
+// a heap falls asleep, and the slowest mode of a tall pile is damped (docs/standing.md).
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "engine/kernels/contact_pad.h"
+#include "engine/kernels/soft_constraint.h"
+#include "tests/support/rigid2d_run.h"
+
+namespace truestep {
+namespace {
+
+using Trial = testing::FlatTrial;
+
+const char* kGround =
+    R"({"motion": "fixed", "position": [0, -1, 0], "shapes": [{"type": "box", "half_extents": [100, 1, 0]}]})";
+
+std::string pyramid(int base, const std::string& more) {
+  return std::string(R"("sleeping": false, "bodies": [)") + kGround +
+         R"(], "generators": [{"type": "pyramid", "base": )" + std::to_string(base) +
+         R"(, "origin": [0, 0.5, 0], "spacing": [1, 1, 0],
+    "body": {"density": 1, "shapes": [{"type": "box", "half_extents": [0.5, 0.5, 0]}]}}])" +
+         more;
+}
+
+/// Of boxes of 1 kg, J.
+double kinetic_energy(Trial& t, int boxes) {
+  double sum = 0;
+  for (int i = 1; i <= boxes; ++i) {
+    const auto k = static_cast<size_t>(i);
+    sum += 0.5 * norm2(t.velocity(k)) + 0.5 / 6 * t.spin(k) * t.spin(k);
+  }
+  return sum;
+}
+
+TEST(Rigid2dStanding, APyramidDoesNotPlungeAtTheStart) {
+  for (const char* precision : {"f32", "f64"}) {
+    const std::string more = std::string(R"(, "precision": ")") + precision + '"';
+    Trial t(pyramid(40, more));
+    const double top = t.position(820).y;
+    double sunk = 0;
+    for (int i = 0; i < 30; ++i) t.steps(1), sunk = std::max(sunk, top - t.position(820).y);
+    // The control: impulses that start at zero let 40 rows sink by 6 cm in half a second.
+    EXPECT_LT(sunk, 1e-3) << precision;
+    t.steps(270);
+    EXPECT_LT(kinetic_energy(t, 820), 1e-5) << precision;
+  }
+}
+
+TEST(Rigid2dStanding, APyramidThatIsKickedComesToRest) {
+  Trial t(pyramid(40, ""));
+  t.steps(30);
+  Command kick;
+  kick.kind = CommandKind::impulse, kick.index = 600, kick.vector = {10, 0, 0};
+  t.world.system(0).apply(t.s(), kick);
+  t.steps(1);
+  EXPECT_GT(kinetic_energy(t, 820), 1e-2);  // control
+  t.steps(600);
+  EXPECT_LT(kinetic_energy(t, 820), 1e-5);
+}
+
+/// A mode of which a sweep takes back the share eps, in small steps of h: depth S h, velocity u, warm-start
+/// impulse y, pad p; with pads that learn in every step of four small ones. How much it grows in a minute.
+double growth(double eps, double hertz_share, double damping_ratio, double learnt, double h) {
+  const auto soft = soft_constraint(hertz_share / h, damping_ratio, h);
+  const double leak = soft.impulse_scale / soft.mass_scale, rate = soft.bias_rate * h;
+  double S = 1, u = 0, y = 0, p = 0;
+  const auto size = [&] { return std::sqrt(S * S * eps + u * u + y * y / eps); };
+  double early = 0, late = 0;
+  const int steps = 60 * 120;
+  for (int k = 0; k < steps; ++k) {
+    const double start = S;
+    for (int i = 0; i < 4; ++i) {
+      u += y;
+      const double d = eps * (u + rate * (S + p)) + leak * y;
+      u -= d, y -= d, S += u;
+      const double r = eps * u;
+      u -= r, y -= r;
+    }
+    p += learnt * start;
+    if (k >= steps / 2 - 600 && k < steps / 2) early = std::max(early, size());
+    if (k >= steps - 600) late = std::max(late, size());
+  }
+  return late / early;
+}
+
+TEST(Rigid2dStanding, TheSlowestModeOfAHundredRowsIsDamped) {
+  const double h = 1.0 / 240, dt = 1.0 / 60, eps = std::pow(std::numbers::pi / 200, 2);
+  const double learnt = contact_padding(0.21 / h, 1 / h, dt).learnt;
+  for (const double crowd : {2.0, 4.0, 6.0}) {
+    EXPECT_LT(growth(eps, 0.21 * std::sqrt(2 / crowd), 20, learnt, h), 0.5) << crowd;
+  }
+  // Controls: pads that learn in a second, contacts stiffer than two sweeps are.
+  EXPECT_GT(growth(eps / 2, 0.2, 10, dt / (dt + 1), h), 2);
+  EXPECT_GT(growth(eps, 0.25, 20, 0, h), 2);
+  EXPECT_LT(growth(eps, 0.21, 20, 0, h), 0.5);
+}
+
+TEST(Rigid2dStanding, AHeapOfMixedShapesFallsAsleep) {
+  std::string bodies = kGround;
+  for (const char* x : {"-3.2", "3.2"}) {
+    bodies += std::string(R"(, {"motion": "fixed", "position": [)") + x +
+              R"(, 5, 0], "shapes": [{"type": "box", "half_extents": [0.2, 5, 0]}]})";
+  }
+  const char* shapes[] = {R"({"type": "box", "half_extents": [0.3, 0.4, 0]})",
+                          R"({"type": "circle", "radius": 0.35})",
+                          R"({"type": "capsule", "from": [-0.25, 0, 0], "to": [0.25, 0, 0], "radius": 0.2})"};
+  for (int i = 0; i < 50; ++i) {
+    bodies += R"(, {"position": [)" + std::to_string(-2.4 + 1.15 * (i % 5) + 0.03 * (i % 7)) + ", " +
+              std::to_string(1 + 1.2 * (i / 5)) + R"(, 0], "angle": )" + std::to_string(0.7 * i) +
+              R"(, "shapes": [)" + shapes[i % 3] + "]}";
+  }
+  Trial t("\"bodies\": [" + bodies + "]");
+  t.steps(60);
+  EXPECT_EQ(t.observed("awake"), 50);  // control
+  int steps = 60;
+  while (t.observed("awake") > 0 && steps < 900) t.steps(10), steps += 10;
+  EXPECT_LT(steps, 900);
+}
+
+}  // namespace
+}  // namespace truestep

@@ -1,0 +1,53 @@
+// The rule of rest, and pads that stop learning.
+#include "engine/kernels/sleeping.h"
+
+#include <gtest/gtest.h>
+
+#include "engine/kernels/contact_pad.h"
+
+namespace truestep {
+namespace {
+
+TEST(Sleeping, RestNeedsToBeSlowAndToStay) {
+  const SleepRule rule{0.08, 0.5};
+  EXPECT_DOUBLE_EQ(rule.drift(), 0.005);
+  EXPECT_DOUBLE_EQ(rest_after(0.2, 0.01, 0.07, 0.004, rule), 0.21);
+  EXPECT_EQ(rest_after(0.2, 0.01, 0.09, 0.004, rule), 0);
+  EXPECT_EQ(rest_after(0.2, 0.01, 0.07, 0.006, rule), 0);
+  // Where rest begins, nothing has moved yet.
+  EXPECT_DOUBLE_EQ(rest_after(0, 0.01, 0.07, 1, rule), 0.01);
+}
+
+TEST(Sleeping, WhatAConstantForcePushesDoesNotRest) {
+  // An acceleration that reaches sleep_speed only after sleep_time: slow all the while, but not in one place.
+  const SleepRule rule{0.05, 0.5};
+  const double h = 1.0 / 240, a = 0.09;
+  double rest = 0, place = 0, longest = 0, x = 0, v = 0;
+  for (int i = 0; i < 240; ++i) {
+    v += h * a, x += h * v;
+    if (rest == 0) place = x;
+    rest = rest_after(rest, h, v, x - place, rule);
+    longest = std::max(longest, rest);
+  }
+  EXPECT_LT(longest, rule.time);
+}
+
+TEST(ContactPad, LearnsItsLoadAndThenRests) {
+  const double hertz = 48, rate = 240, h = 1.0 / 60, load = 0.04;
+  const ContactPadding padding = contact_padding(hertz, rate, h);
+  const double gives = padding.per_load / kMostPad * load;
+  double pad = 0;
+  for (int i = 0; i < 3000; ++i) pad = next_pad(pad, gives - pad, load, padding);
+  EXPECT_GT(pad, 0.5 * gives);
+  EXPECT_LT(pad, gives);
+  // Small depths leave it, larger ones do not.
+  EXPECT_EQ(next_pad(pad, 0.3 * pad, load, padding), pad);
+  EXPECT_GT(next_pad(pad, 0.9 * pad, load, padding), pad);
+  // A load that goes lets it shrink slowly, not at once.
+  const double after = next_pad(pad, -pad, load / 100, padding);
+  EXPECT_LT(after, pad);
+  EXPECT_GT(after, 0.9 * pad);
+}
+
+}  // namespace
+}  // namespace truestep
