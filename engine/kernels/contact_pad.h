@@ -16,14 +16,20 @@ struct ContactPadding {
   double per_load = 0;  ///< s, times the load: the thickest pad
 };
 
+/// A pad is at most that many times what the spring gives way under its load, so that none outlasts it.
+inline constexpr double kMostPad = 4;
+
 /// For contacts of `hertz` solved at `rate` (1/s) in steps of h (s).
 inline ContactPadding contact_padding(double hertz, double rate, double h) {
   /// s in which a contact takes back how far its load presses it in. Slower than the stacks it carries sway.
   constexpr double kPadTime = 1;
-  /// A pad is at most that many times what the spring gives way under its load, so that none outlasts it.
-  constexpr double kMostPad = 4;
   const double w = 2 * std::numbers::pi * hertz;
   return {h / (h + kPadTime), w > 0 ? kMostPad * rate / (w * w) : 0};
+}
+
+/// s, times the load: the pad that takes back all that the spring gives way.
+inline double pad_at_rest(const ContactPadding& padding) {
+  return padding.per_load / kMostPad;
 }
 
 /// The pad (m) of a contact that was `depth` (m) deep under its load: the impulse of a substep times

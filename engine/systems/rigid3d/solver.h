@@ -35,6 +35,8 @@ class ContactSolver {
   void fill(size_t group, std::span<Contact* const> contacts, const State& s, std::span<const BodyKind> kinds,
             std::span<const BodyNow> now);
   void substeps(const JointList& joints, const SolverSettings& settings, const StepInput& in);
+  /// Lets the first step start from the impulses and pads that gravity's loads ask for.
+  void find_loads(std::span<Contact* const> contacts, const SolverSettings& settings, double h);
   /// Lets contacts bounce that close within a substep.
   void hit(const ImpactPass<T>& pass, int substeps_left);
   void store_impulses(std::span<Contact* const> contacts, const ContactPadding& padding);
