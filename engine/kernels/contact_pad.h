@@ -30,6 +30,11 @@ inline ContactPadding contact_padding(double hertz, double rate, double h) {
   return {h / (h + kPadTime), w > 0 ? kMostPad * rate / (w * w) : 0};
 }
 
+/// s, times the load: the pad that takes back all that the spring gives way.
+inline double pad_at_rest(const ContactPadding& padding) {
+  return padding.per_load / kMostPad;
+}
+
 /// The pad (m) of a contact that was `depth` (m) deep under its load: the impulse of a substep times
 /// 1/m_a + 1/m_b (m/s).
 inline double next_pad(double pad, double depth, double load, const ContactPadding& padding) {

@@ -29,7 +29,8 @@ struct ContactPass {
   T bias_rate;      ///< 1/s, share of a depth that is taken back
   T mass_scale;     ///< 1
   T impulse_scale;  ///< 1
-  T push_out;       ///< m/s, fastest taking back
+  T tilt_bias_rate, tilt_mass_scale, tilt_impulse_scale;  ///< of tilts of a patch
+  T push_out;                                             ///< m/s, fastest taking back
 };
 
 template <class T>
@@ -48,6 +49,7 @@ struct alignas(64) ContactGroup {
     W arm[3];      ///< m, from the centre to c along n, t0, t1
   } body_a, body_b;
   W inverse[21];    ///< of K, lower triangle by rows
+  W follow[3][3];   ///< what slides and twist do per force and torques of the points
   W whole, filled;  ///< 1 where the points span a plane; where there are any
   struct Place {
     W x, y;               ///< m from c along the tangents
@@ -76,6 +78,7 @@ struct ContactLanes {
   W kept[4];  ///< m/s along n by which b's surface moves otherwise than what it is made of, a's the other way
   W root_a, root_b, turn_a[9], turn_b[9];  ///< 1/sqrt(m); S by rows
   W friction, spinning, rolling, restitution;
+  W holds;                     ///< 1 where a patch may be solved at once, else 0
   W slide[3], twist, roll[3];  ///< impulses of the last step in the world
   W surface[3],
       surface_turn[3];  ///< velocity at a's centre and spin of b's surface against a's by themselves
@@ -152,7 +155,7 @@ void prepare_contacts(ContactGroup<T>& g, const ContactLanes<T>& in) {
   const W c00 = syy * sxx - sxy * sxy, c01 = sy * sxx - sx * sxy, c02 = sy * sxy - sx * syy;
   const W det = n * c00 - sy * c01 + sx * c02, scale = sxx + syy;
   // A patch thinner than a hundredth of its length is an edge.
-  g.whole = where_positive(det - W(1e-4) * n * scale * scale, one, zero);
+  g.whole = where_positive(det - W(1e-4) * n * scale * scale, in.holds, zero);
   const W inv = g.whole / where_positive(det, det, one);
   const W c11 = n * sxx - sx * sx, c12 = n * sxy - sx * sy, c22 = n * syy - sy * sy;
   for (int p = 0; p < g.points; ++p) {
@@ -184,6 +187,17 @@ void prepare_contacts(ContactGroup<T>& g, const ContactLanes<T>& in) {
     if (g.flags & ContactGroup<T>::kRolls) r::invert(k[4][4], k[5][4], k[5][5], g.roll_k);
     for (int p = 0; p < 6; ++p) k[p][p] = madd(k[p][p], W(1e-5), k[p][p]);
     r::invert_positive<6>(k, g.inverse);
+    const W tangent[3][3] = {
+        {k[1][1], k[2][1], k[3][1]}, {k[2][1], k[2][2], k[3][2]}, {k[3][1], k[3][2], k[3][3]}};
+    W held[6];
+    r::invert_positive<3>(tangent, held);
+    const W beside[3][3] = {
+        {k[1][0], k[4][1], k[5][1]}, {k[2][0], k[4][2], k[5][2]}, {k[3][0], k[4][3], k[5][3]}};
+    for (int e = 0; e < 3; ++e) {
+      g.follow[0][e] = -madd(held[3], beside[2][e], madd(held[1], beside[1][e], held[0] * beside[0][e]));
+      g.follow[1][e] = -madd(held[4], beside[2][e], madd(held[2], beside[1][e], held[1] * beside[0][e]));
+      g.follow[2][e] = -madd(held[5], beside[2][e], madd(held[4], beside[1][e], held[3] * beside[0][e]));
+    }
   }
   for (W& k : g.slide_inverse) k *= in.active[0];
   g.friction = in.friction;

@@ -12,11 +12,17 @@ struct SolverSettings {
   double restitution_speed = 0;  ///< m/s
   double push_out_speed = 3;
   std::optional<double> contact_hertz;  ///< absent: a fixed share of the substeps' rate
-  double contact_damping = 10;
+  double contact_damping = 30;
 };
 
 /// Coefficients of contacts for substeps of h (s).
 SoftConstraint<double> contact_softness(const SolverSettings& settings, double h);
+
+/// The same for how a body tilts on a patch of three points or more.
+SoftConstraint<double> tilt_softness(const SolverSettings& settings, double h);
+
+/// rad/s of a tilt on its own.
+double tilt_rate(const SolverSettings& settings, double h);
 
 /// For steps of h (s).
 ContactPadding contact_padding(const SolverSettings& settings, double h);

@@ -19,6 +19,11 @@ namespace {
 
 /// Bodies that may be spawned on top of those of the scene.
 constexpr size_t kSpare = 10'000;
+/// Steps between looks whether columns need other substeps.
+constexpr uint64_t kStepsPerLook = 4;
+/// What falls asleep is slower than this share of sleep_speed, so that it loses no more than its mass times
+/// that.
+constexpr double kLostShare = 0.05;
 /// Share of the speed at which bodies rest that a motor may still want.
 constexpr double kMotorAtRest = 0.01;
 /// Change of angular velocity (rad/s) that belongs to one of angular momentum, both in the world.
@@ -53,6 +58,7 @@ Rigid3d::Rigid3d(const Rigid3dDef& def, const BuildContext& context)
     };
   };
   add_stage("forces", "gravity and pushes", awake(&Rigid3d::push));
+  add_stage("substeps", "more for tall columns", awake(&Rigid3d::choose_substeps));
   add_stage("contacts", "which bodies touch, and where", awake(&Rigid3d::find_contacts));
   add_stage("solve",
             "bodies that touch, in substeps; " + says_slowest_bounce(restitution_speed(gravity_, context.dt)),
@@ -91,6 +97,31 @@ void Rigid3d::push(State& s, const StepInput& in) const {
   collect_forces(s, bodies_.kinds, in.h, scratch(in).change, scratch(in).twist);
 }
 
+void Rigid3d::choose_substeps(State& s, const StepInput& in) const {
+  double& substep = s.f64(columns::substep)[0];
+  if (!(substep > 0)) {
+    substep = in.h / settings_.substeps;
+    return;
+  }
+  if (in.step % kStepsPerLook != 1) return;
+  const int now = std::max(1, static_cast<int>(std::lround(in.h / substep)));
+  const int wanted = scratch(in).buckling.substeps(s, bodies_.kinds, settings_, now, in.h);
+  // One at a time: what the springs' stiffness stores changes little by little.
+  const int next = std::clamp(wanted, now - 1, now + 1);
+  if (next == now) return;
+  // Impulses are those of one substep.
+  const double share = static_cast<double>(now) / next;
+  for (const auto c : {columns::contact_impulse, columns::contact_friction, columns::contact_roll,
+                       columns::joint_impulse, columns::drive_impulse}) {
+    for (double& impulse : s.f64(c)) impulse *= share;
+  }
+  // Pads are what the contacts' springs give way.
+  if (!settings_.contact_hertz) {
+    for (double& pad : s.f64(columns::contact_pad)) pad *= share * share;
+  }
+  substep = in.h / next;
+}
+
 void Rigid3d::find_contacts(State& s, const StepInput& in) const {
   Scratch& scratch = Rigid3d::scratch(in);
   scratch.before.resize(s.rows(columns::position));
@@ -123,6 +154,7 @@ void Rigid3d::solve(State& s, const StepInput& in) const {
   Scratch& scratch = Rigid3d::scratch(in);
   SolverSettings settings = settings_;
   settings.restitution_speed = restitution_speed(load3(s.f64(columns::gravity).data(), 0), in.h);
+  settings.substeps = static_cast<int>(std::lround(in.h / s.f64(columns::substep)[0]));
   const auto run = [&](auto& solver) {
     solver.solve(s, bodies_.kinds, joints_, scratch.contacts.all(), scratch.contacts.bodies(),
                  {scratch.change, scratch.twist}, settings, in);
@@ -133,7 +165,6 @@ void Rigid3d::solve(State& s, const StepInput& in) const {
     run(scratch.solver64);
   }
   scratch.contacts.store(s);
-  s.f64(columns::substep)[0] = in.h / settings_.substeps;
 }
 
 void Rigid3d::fly(State& s, const StepInput& in) const {
@@ -248,14 +279,20 @@ void Rigid3d::rest(State& s, const StepInput& in) const {
   const auto kind = s.span<uint32_t>(columns::kind);
   const auto calm = s.f64(columns::calm_time);
   double *v = s.f64(columns::velocity).data(), *w = s.f64(columns::angular_velocity).data();
-  // Only what leans on something rests; a slow body in space goes on for ever.
-  scratch.parent.resize(n), scratch.calm.assign(n, 0);
+  // What rests presses on something, and all that it leans on ends at something that does not move. Bodies
+  // that touch in space go on for ever.
+  scratch.parent.resize(n), scratch.calm.assign(n, 0), scratch.adrift.assign(n, 1);
   start_islands(scratch.parent);
+  const auto holds = [&](uint32_t i) { return i == kNoBody || now[i].part == Part::fixed; };
   for (const Contact* c : scratch.contacts.all()) {
-    if (now[c->a].part == Part::active) scratch.calm[c->a] = 1;
-    if (now[c->b].part == Part::active) scratch.calm[c->b] = 1;
-    if (now[c->a].part == Part::active && now[c->b].part == Part::active)
-      link_islands(scratch.parent, c->a, c->b);
+    const bool a = now[c->a].part == Part::active, b = now[c->b].part == Part::active;
+    if (a) scratch.calm[c->a] = 1;
+    if (b) scratch.calm[c->b] = 1;
+    if (a && b) link_islands(scratch.parent, c->a, c->b);
+    if (a == b || !holds(a ? c->b : c->a)) continue;
+    if (std::any_of(c->impulse, c->impulse + c->manifold.count, [](double l) { return l > 0; })) {
+      scratch.adrift[a ? c->a : c->b] = 0;
+    }
   }
   const auto held = s.span<uint32_t>(columns::joint_bodies);
   for (size_t k = 0; k < held.size(); k += 2) {
@@ -267,7 +304,10 @@ void Rigid3d::rest(State& s, const StepInput& in) const {
     if (a != kNoBody && b != kNoBody && now[a].part == Part::active && now[b].part == Part::active) {
       link_islands(scratch.parent, a, b);
     }
+    if (a != kNoBody && holds(b)) scratch.adrift[a] = 0;
+    if (b != kNoBody && holds(a)) scratch.adrift[b] = 0;
   }
+  spread_minimum<uint8_t>(scratch.parent, scratch.adrift);
   // Bodies of a motor that shall turn are not at rest even where they do not get on.
   for (size_t k = 0; k < joints_.drives.size(); ++k) {
     const Drive& d = joints_.drives[k];
@@ -284,7 +324,9 @@ void Rigid3d::rest(State& s, const StepInput& in) const {
     if (now[i].part != Part::active) continue;
     const double reach = bodies_.kinds[kind[i]].reach;
     if (bodies_.kinds[kind[i]].forced()) scratch.calm[i] = 0;
-    const bool slow = norm2(load3(v, i)) + norm2(load3(w, i)) * (reach * reach) < sleep_speed_ * sleep_speed_;
+    const double speed2 = norm2(load3(v, i)) + norm2(load3(w, i)) * (reach * reach);
+    const double most = scratch.adrift[i] ? 0 : kLostShare * sleep_speed_;
+    const bool slow = speed2 <= most * most;
     calm[i] = slow && scratch.calm[i] > 0 ? calm[i] + in.h : 0;
     scratch.calm[i] = calm[i];
   }

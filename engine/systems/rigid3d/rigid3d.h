@@ -8,6 +8,7 @@
 #include <mutex>
 
 #include "engine/core/build.h"
+#include "engine/systems/rigid3d/buckling.h"
 #include "engine/systems/rigid3d/contacts.h"
 #include "engine/systems/rigid3d/solver.h"
 
@@ -39,17 +40,20 @@ class Rigid3d final : public StagedSystem {
   /// Memory of a step; nothing in it outlives one.
   struct Scratch {
     ContactList contacts;
+    BucklingWatch buckling;
     ContactSolver<float> solver32;
     ContactSolver<double> solver64;
     std::vector<Vec3> change, twist;
     std::vector<Pose> before;
     std::vector<uint32_t> parent;
     std::vector<double> calm;
+    std::vector<uint8_t> adrift;  ///< 1: nothing that does not move holds the body's island
     std::vector<uint32_t> near;
     std::vector<std::pair<uint32_t, double>> stopped;
   };
   static Scratch& scratch(const StepInput& in);
   void push(State& s, const StepInput& in) const;
+  void choose_substeps(State& s, const StepInput& in) const;
   void find_contacts(State& s, const StepInput& in) const;
   void solve(State& s, const StepInput& in) const;
   /// m/s, as given or by gravity.

@@ -15,6 +15,8 @@ namespace {
 /// Impacts may run to and fro between bodies that often in a substep; what is left does not bounce.
 constexpr int kImpactRounds = 64;
 constexpr size_t kBodiesPerBlock = 256;
+/// Sweeps for the loads that a scene starts with, and groups of contacts that these may take in all.
+constexpr size_t kLoadSweeps = 2000, kLoadGroups = 200'000;
 /// rad/s; slower bodies change their axis of rotation by less than a float shows.
 constexpr double kSlowSpin = 1e-2;
 
@@ -129,14 +131,55 @@ void ContactSolver<T>::each_body(Body&& body) {
 }
 
 template <class T>
+void ContactSolver<T>::find_loads(std::span<Contact* const> contacts, const SolverSettings& settings,
+                                  double step) {
+  const auto end = static_cast<uint32_t>(body_.size());
+  const double h = step / settings.substeps;
+  ContactPass<T> pass{};
+  pass.inverse_h = T(1 / h);
+  // As if all were at rest: velocities are what gravity adds in a substep and contacts take back.
+  start_.assign(change_.begin(), change_.end());
+  const size_t sweeps = std::min(kLoadSweeps, kLoadGroups / std::max<size_t>(contact_lanes_.count, 1));
+  for (size_t k = 0; k < sweeps; ++k) {
+    each_colour(contact_lanes_, groups_, team_, k % 2 == 0 ? ColourOrder::forth : ColourOrder::back,
+                [&](ContactGroup<T>& g) {
+                  solve_contacts<ContactSolve::relax>(g, start_.data(), displacement_.data(), end, pass);
+                });
+  }
+  const double gives_way = pad_at_rest(contact_padding(settings, step));
+  for (size_t k = 0; k < contact_lanes_.count; ++k) {
+    ContactGroup<T>& g = groups_[k];
+    for (int lane = 0; lane < W::kLanes; ++lane) {
+      const uint32_t m = contact_lanes_.member[k * W::kLanes + lane];
+      if (m == kNoBody) continue;
+      double load = 0;
+      for (int p = 0; p < g.points; ++p) load += g.place[p].impulse[lane];
+      const double a = g.root_a[lane], b = g.root_b[lane];
+      contacts[m]->pad = gives_way * load * (a * a + b * b);
+      for (int p = 0; p < g.points; ++p) {
+        const T separation = g.place[p].separation[lane] - T(contacts[m]->pad);
+        g.place[p].separation.set(lane, separation), g.place[p].apart.set(lane, separation);
+      }
+    }
+  }
+}
+
+template <class T>
 void ContactSolver<T>::substeps(const State& s, const JointList& joints, const SolverSettings& settings,
                                 const StepInput& in) {
   const size_t n = body_.size();
   const auto end = static_cast<uint32_t>(n);
   const double h = in.h / settings.substeps;
-  const auto soft = contact_softness(settings, h);
-  ContactPass<T> pass{
-      T(1 / h), 0, T(soft.bias_rate), T(soft.mass_scale), T(soft.impulse_scale), T(settings.push_out_speed)};
+  const auto soft = contact_softness(settings, h), tilt = tilt_softness(settings, h);
+  ContactPass<T> pass{T(1 / h),
+                      0,
+                      T(soft.bias_rate),
+                      T(soft.mass_scale),
+                      T(soft.impulse_scale),
+                      T(tilt.bias_rate),
+                      T(tilt.mass_scale),
+                      T(tilt.impulse_scale),
+                      T(settings.push_out_speed)};
   Record8<T>*v = velocity_.data(), *d = displacement_.data();
   for (size_t g = 0; g < contact_lanes_.count; ++g) flags_ |= groups_[g].flags;
   const bool bounces = flags_ & ContactGroup<T>::kBounces;
@@ -311,6 +354,7 @@ void ContactSolver<T>::solve(State& s, std::span<const BodyKind> kinds, const Jo
   balls_.fill(s, joints.joints, bodies, h, team_);
   joints_.fill(s, joints, bodies, h, team_);
   flags_ = 0;
+  if (s.rows(columns::contact_bodies) == 0 && in.step == 0) find_loads(contacts, settings, in.h);
   substeps(s, joints, settings, in);
   store_impulses(contacts, contact_padding(settings, in.h));
   store_bodies(s);

@@ -48,6 +48,8 @@ class ContactSolver {
   /// Bodies on which springs act alone begin and end a step with half of what pulls them in a substep.
   void choose_sprung(const State& s, const JointList& joints, std::span<Contact* const> contacts);
   void kick(T times);
+  /// Lets the first step start from the impulses and pads that gravity's loads ask for.
+  void find_loads(std::span<Contact* const> contacts, const SolverSettings& settings, double h);
   /// Lets contacts bounce that close within a substep.
   void hit(const ImpactPass<T>& pass, int substeps_left);
   void store_impulses(std::span<Contact* const> contacts, const ContactPadding& padding);

@@ -1,4 +1,5 @@
 // The contact solver's groups of contacts: how they are filled from manifolds, and what goes back to them.
+#include <algorithm>
 #include <cmath>
 
 #include "engine/collision/compound.h"
@@ -33,6 +34,18 @@ double passes(const BodyKind& kind, uint32_t part, Transform at, const Vec3& spi
   if (!cylinder_of(kind.solid, part, at)) return 0;
   const Vec3 own = axis(at.rotation, 1);
   return dot(own, spin) * dot(n, cross(own, x - at.position));
+}
+
+/// Patches are solved at once while every point carries this share of an even load, and friction less than
+/// that share of what it can. Near either bound a patch would go to and fro between its two ways of solving
+/// within a step, and never come to rest.
+constexpr double kLeastShare = 0.1, kMostGrip = 0.8;
+
+bool holds_at_once(const Contact& c, double friction) {
+  if (c.manifold.count < 3) return false;
+  double sum = 0, least = c.impulse[0];
+  for (int p = 0; p < c.manifold.count; ++p) sum += c.impulse[p], least = std::min(least, c.impulse[p]);
+  return least * c.manifold.count >= kLeastShare * sum && norm(c.slide) <= kMostGrip * friction * sum;
 }
 
 }  // namespace
@@ -80,7 +93,9 @@ void ContactSolver<T>::fill(size_t group, std::span<Contact* const> contacts, co
       g.b[lane] = slot_[c.b], in.root_b.set(lane, T(b.root));
       for (int e = 0; e < 9; ++e) in.turn_b[e].set(lane, T(b.turn[e]));
     }
-    in.friction.set(lane, T(std::sqrt(ka.friction * kb.friction)));
+    const double friction = std::sqrt(ka.friction * kb.friction);
+    in.friction.set(lane, T(friction));
+    in.holds.set(lane, T(holds_at_once(c, friction) ? 1 : 0));
     in.restitution.set(lane, T(std::max(ka.restitution, kb.restitution)));
     in.spinning.set(lane, T(std::max(ka.spinning, kb.spinning)));
     const double rolling = std::max(ka.rolling, kb.rolling);

@@ -1,0 +1,102 @@
+#include "engine/systems/rigid3d/buckling.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "engine/kernels/islands.h"
+
+namespace truestep {
+
+namespace columns = rigid3d_columns;
+
+namespace {
+
+/// Bodies that a contact carries, below which nothing buckles: half of what five substeps hold.
+constexpr double kTallLoad = 10;
+/// Quotient below which substeps are added, that they are added for, and from which on fewer are tried.
+constexpr double kTooSoft = 1.1, kStiff = 1.4, kMoreThanStiff = 2.2;
+constexpr int kMostTimes = 6;
+
+/// integral_0^s of (t (2 - t))^2.
+double squared_tilts(double s) {
+  return s * s * s * (4.0 / 3 - s + 0.2 * s * s);
+}
+
+}  // namespace
+
+int BucklingWatch::substeps(const State& s, std::span<const BodyKind> kinds, const SolverSettings& settings,
+                            int now, double h) {
+  const auto kind = s.span<uint32_t>(columns::kind);
+  const auto asleep = s.span<uint32_t>(columns::asleep);
+  const auto bodies = s.span<uint32_t>(columns::contact_bodies), ids = s.span<uint32_t>(columns::contact_ids);
+  const double *impulse = s.f64(columns::contact_impulse).data(), *x = s.f64(columns::position).data();
+  const Vec3 gravity = load3(s.f64(columns::gravity).data(), 0);
+  const double g = norm(gravity), substep = s.f64(columns::substep)[0];
+  const size_t contacts = s.rows(columns::contact_bodies);
+  if (!(g > 0) || !(substep > 0)) return settings.substeps;
+
+  const auto moves = [&](uint32_t i) { return kinds[kind[i]].moved_by_forces() && !asleep[i]; };
+  const auto load = [&](size_t k) {
+    return (impulse[4 * k] + impulse[4 * k + 1] + impulse[4 * k + 2] + impulse[4 * k + 3]) / substep;
+  };
+  bool tall = false;
+  for (size_t k = 0; k < contacts && !tall; ++k) {
+    const uint32_t a = bodies[2 * k], b = bodies[2 * k + 1];
+    const double mass = std::max(moves(a) ? kinds[kind[a]].mass : 0, moves(b) ? kinds[kind[b]].mass : 0);
+    tall = load(k) > kTallLoad * mass * g;
+  }
+  if (!tall) return settings.substeps;
+
+  const Vec3 up = gravity * (-1 / g);
+  const auto height = [&](uint32_t i) { return dot(load3(x, i), up); };
+  parent_.resize(kind.size()), start_islands(parent_);
+  for (size_t k = 0; k < contacts; ++k) {
+    const uint32_t a = bodies[2 * k], b = bodies[2 * k + 1];
+    if (moves(a) && moves(b)) link_islands(parent_, a, b);
+  }
+  island_.assign(kind.size(), {std::numeric_limits<double>::max(), std::numeric_limits<double>::lowest()});
+  for (uint32_t i = 0; i < kind.size(); ++i) {
+    if (!moves(i)) continue;
+    Island& all = island_[island_of(parent_, i)];
+    all.low = std::min(all.low, height(i)), all.high = std::max(all.high, height(i));
+  }
+  const auto place = [&](const Island& all, double z) {
+    return std::clamp((z - all.low) / std::max(all.high - all.low, 1e-9), 0.0, 1.0);
+  };
+  for (uint32_t i = 0; i < kind.size(); ++i) {
+    if (!moves(i)) continue;
+    Island& all = island_[island_of(parent_, i)];
+    all.load += kinds[kind[i]].mass * g * (all.high - all.low) * squared_tilts(place(all, height(i)));
+  }
+  const double rate = tilt_rate(settings, h / now), w2 = rate * rate;
+  for (size_t k = 0; k < contacts; ++k) {
+    const uint32_t a = bodies[2 * k], b = bodies[2 * k + 1];
+    if (!moves(a) && !moves(b)) continue;
+    Island& all = island_[island_of(parent_, moves(a) ? a : b)];
+    if (ids[5 * k] < 3 && load(k) > 0) all.counts = false;
+    double turns = 0, tilt[2] = {};
+    int end = 0;
+    for (const uint32_t i : {a, b}) {
+      if (moves(i)) {
+        const Vec3& I = kinds[kind[i]].moments;
+        const double t = place(all, height(i));
+        turns += 1 / std::min({I.x, I.y, I.z}), tilt[end] = t * (2 - t);
+      }
+      ++end;
+    }
+    const double turn = tilt[1] - tilt[0];
+    if (load(k) > 0) all.stiffness += w2 / turns * turn * turn;
+  }
+  double least = kMoreThanStiff;
+  for (uint32_t i = 0; i < kind.size(); ++i) {
+    const Island& all = island_[i];
+    if (all.counts && all.load > 0) least = std::min(least, all.stiffness / all.load);
+  }
+  if (least >= kTooSoft && (now == settings.substeps || least < kMoreThanStiff)) return now;
+  const double wanted = now * std::sqrt(kStiff / std::max(least, 1e-6));
+  return std::clamp(static_cast<int>(std::ceil(std::min(wanted, 1e6))), settings.substeps,
+                    kMostTimes * settings.substeps);
+}
+
+}  // namespace truestep
