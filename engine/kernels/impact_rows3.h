@@ -27,8 +27,11 @@ struct ImpactRecords {
   Record8<T>* late;          ///< to be added to the displacements at the end of the substep
 };
 
+/// Which contacts of a group an impact may act at.
+enum class Hits : uint8_t { bouncing, all };
+
 /// Lets the due contacts of a group bounce; false when there are none.
-template <class T>
+template <Hits kHits, class T>
 bool hit_contacts(ContactGroup<T>& g, const ImpactRecords<T>& bodies, uint32_t end,
                   const ImpactPass<T>& pass) {
   using W = Wide<T>;
@@ -42,14 +45,14 @@ bool hit_contacts(ContactGroup<T>& g, const ImpactRecords<T>& bodies, uint32_t e
     const auto& at = g.place[p];
     speed[p] = nmadd(at.x, v[5], madd(at.y, v[4], v[0])) + at.drift;
     const W reached = -madd(speed[p], W(pass.h), g.place[p].apart);
-    // In lanes without a point, or where nothing bounces, the inverse or e is zero.
+    // In lanes without a point the inverse is zero.
     closes[p] = where_positive(g.point_inverse[p],
                                where_positive(reached, where_positive(-speed[p], one, zero), zero), zero);
     due = where_positive(-speed[p] - W(pass.threshold), max(due, closes[p]), due);
     const W reaches = max(g.place[p].apart, zero) / where_positive(-speed[p], -speed[p], one);
     wait = where_positive(closes[p], min(wait, reaches), wait);
   }
-  due = where_positive(g.restitution, due, zero);
+  if constexpr (kHits == Hits::bouncing) due = where_positive(g.restitution, due, zero);
   if (!any_below(zero, due)) return false;
   {
     W fa[6], fb[6];

@@ -62,6 +62,8 @@ double first_stop(const Model& model, const State& s, const Pairs& pairs, const 
       const bool apart = flat::distance(wall, shape, seen).distance > 2 * gap;
       const auto hit = flat::time_of_impact(wall, theirs, apart ? shape : core, mine,
                                             apart ? gap : kCoreGap * core.radius);
+      // What is in a wall may leave it.
+      if (hit && hit->fraction == 0 && flat::dot(hit->normal, mine.shift - theirs.shift) > 0) return;
       if (hit) stop = std::min(stop, hit->fraction);
     };
     const Box around = swept_box(shape, mine, body.reach);
@@ -74,9 +76,10 @@ double first_stop(const Model& model, const State& s, const Pairs& pairs, const 
 }  // namespace
 
 void stop_fast_bodies(const Model& model, State& s, const Pairs& pairs, std::span<const Travel> travels,
-                      const ThreadArena& arena) {
+                      double h, const ThreadArena& arena) {
   const auto status = s.span<uint32_t>(columns::status);
-  double* x = s.f64(columns::position).data();
+  double *x = s.f64(columns::position).data(), *v = s.f64(columns::velocity).data();
+  const auto g = s.f64(columns::parameters);
   const auto angle = s.f64(columns::angle);
   arena.for_blocks(travels.size(), 256, [&](size_t begin, size_t end) {
     for (size_t i = begin; i < end; ++i) {
@@ -89,7 +92,11 @@ void stop_fast_bodies(const Model& model, State& s, const Pairs& pairs, std::spa
       if (f >= 1) continue;
       const Vec2 p = pairs.pose[t.body].p + f * t.shift;
       x[3 * t.body] = p.x, x[3 * t.body + 1] = p.y;
-      angle[t.body] -= (1 - f) * t.angle;
+      // At its place already, it still turns, or it would stay in what it got into with a corner.
+      if (f > 0) angle[t.body] -= (1 - f) * t.angle;
+      // The time that it loses is lost for gravity too: what is put back up must not keep the fall's speed.
+      const double fall = (1 - f) * h * model.dynamics[t.body].gravity_scale;
+      v[3 * t.body] -= fall * g[0], v[3 * t.body + 1] -= fall * g[1];
     }
   });
 }

@@ -16,7 +16,7 @@ struct Travel {
 /// Takes fast bodies back to where they first touch fixed bodies (a bullet: any body). `travels` are all that
 /// moved, ascending; poses in `pairs` are those at the step's start.
 void stop_fast_bodies(const Model& model, State& s, const Pairs& pairs, std::span<const Travel> travels,
-                      const ThreadArena& arena);
+                      double h, const ThreadArena& arena);
 
 struct SleepRule {
   double speed = 0.05, time = 0.5;  ///< m/s, s

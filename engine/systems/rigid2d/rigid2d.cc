@@ -53,7 +53,7 @@ void Rigid2d::add_stages() {
             });
   add_stage("stop", "fast bodies must not pass thin ones", [this, scratch](State& s, const StepInput& in) {
     Scratch& w = scratch(in);
-    if (!w.idle) stop_fast_bodies(model_, s, w.pairs, w.travels, in.arena);
+    if (!w.idle) stop_fast_bodies(model_, s, w.pairs, w.travels, in.h, in.arena);
   });
   if (settings_.sleeping) {
     add_stage("sleep", "islands at rest cost nothing",

@@ -97,11 +97,15 @@ void Solver<T>::hit_contacts(const SolverSettings& settings, const ThreadArena& 
   late_.assign(rows_.size(), 0);
   const ImpactRows<T> bodies{rows_.data(), push_.data(), late_.data(), moved_};
   const T h = static_cast<T>(settings.h), threshold = static_cast<T>(settings.restitution_speed);
-  std::atomic<bool> any = true;
-  for (int round = 0; round < kImpactRounds && any; ++round) {
+  std::atomic<bool> any = false;
+  each_colour(arena, contacts_, contact_end_, [&](const ContactPack<T>& p) {
+    if (p.bounces && hit<Hits::bouncing>(p, bodies, h, threshold)) any = true;
+  });
+  // A blow goes on through what does not bounce.
+  for (int round = 1; round < kImpactRounds && any; ++round) {
     any = false;
     each_colour(arena, contacts_, contact_end_, [&](const ContactPack<T>& p) {
-      if (p.bounces && hit(p, bodies, h, threshold)) any = true;
+      if (hit<Hits::all>(p, bodies, h, threshold)) any = true;
     });
   }
 }
@@ -122,11 +126,12 @@ void Solver<T>::small_step(const SolverSettings& settings, const ThreadArena& ar
       r[0] = (r[0] + p[0]) * p[3], r[1] = (r[1] + p[1]) * p[3], r[2] = (r[2] + p[2]) * p[4];
     }
   });
+  // Before the impulses of the last small step act again: bodies meet with the velocities that they have.
+  if (bounces_) hit_contacts(settings, arena);
   for (JointRow<T>& j : joints_) solve_joint(j, rows, moved, JointPass::warm, h);
   each_colour(arena, hinges_, hinge_end_, [&](HingePack<T>& p) { warm_start(p, rows, moved); });
   each_colour(arena, contacts_, contact_end_, [&](ContactPack<T>& p) { warm_start(p, rows, moved); });
 
-  if (bounces_) hit_contacts(settings, arena);
   for (JointRow<T>& j : joints_) solve_joint(j, rows, moved, JointPass::bias, h);
   each_colour(arena, hinges_, hinge_end_,
               [&](HingePack<T>& p) { solve_hinges<Pass::bias>(p, rows, moved, soft); });

@@ -17,8 +17,11 @@ struct ImpactRows {
   uint32_t moved;
 };
 
+/// Which contacts of a pack an impact may act at.
+enum class Hits : uint8_t { bouncing, all };
+
 /// Lets the due contacts of a pack bounce; false when there are none.
-template <class T>
+template <Hits kHits, class T>
 bool hit(const ContactPack<T>& c, const ImpactRows<T>& bodies, T h, T threshold) {
   using W = Wide<T>;
   const W zero = W::zero(), one = W::all(1);
@@ -36,7 +39,7 @@ bool hit(const ContactPack<T>& c, const ImpactRows<T>& bodies, T h, T threshold)
     wait =
         select(closes[i] > zero, min(wait, max(separation[i], zero) / select(u[i] < zero, -u[i], one)), wait);
   }
-  due = select(c.restitution > zero, due, zero);
+  if constexpr (kHits == Hits::bouncing) due = select(c.restitution > zero, due, zero);
   if (!any_below(zero, due)) return false;
   {
     W fa[8], fb[8];

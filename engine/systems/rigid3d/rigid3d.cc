@@ -158,6 +158,7 @@ void Rigid3d::stop_fast_bodies(State& s, const StepInput& in) const {
   const auto contacts = scratch.contacts.all();
   const auto kind = s.span<uint32_t>(columns::kind);
   double *x = s.f64(columns::position).data(), *q = s.f64(columns::orientation).data();
+  double* v = s.f64(columns::velocity).data();
   const auto pose = [&](size_t i) { return Pose{load3(x, i), load_quat(q, i)}; };
   const auto sweep = [&](size_t i) {
     return now[i].part == Part::active || now[i].part == Part::driven
@@ -196,9 +197,11 @@ void Rigid3d::stop_fast_bodies(State& s, const StepInput& in) const {
       const Contact* c = contact_of(i, j);
       if (!c) hit = time_of_impact(k.solid, own, o.solid, other, 0.25 * now[i].margin);
       if (!hit || hit->t == 0) hit = time_of_impact(core, own, o.solid, other, 0.1 * k.inner);
-      // Cores of bodies that are in one another may part; of what is in a wall nobody knows whence it came.
+      // Cores of bodies that are in one another may part, and what got near a wall may leave it; a core that
+      // is inside a wall has no side to return to.
       const bool parting = c && dot(c->manifold.normal, moved(c->b) - moved(c->a)) > 0;
       if (hit && hit->t == 0 && o.moved_by_forces() && parting) continue;
+      if (hit && hit->t == 0 && hit->gap > 0 && dot(hit->normal, own.move - other.move) < 0) continue;
       if (hit && hit->t < first) first = hit->t;
     }
     if (first < 1) scratch.stopped.push_back({i, first});
@@ -206,7 +209,10 @@ void Rigid3d::stop_fast_bodies(State& s, const StepInput& in) const {
   for (const auto& [i, t] : scratch.stopped) {
     const Sweep own = sweep(i);
     store3(x, i, own.from.position + own.move * t);
-    store_quat(q, i, normalized(free_rotation::turn(own.turn * t) * own.from.orientation));
+    // At its place already, it still turns, or it would stay in what it got into with a corner.
+    if (t > 0) store_quat(q, i, normalized(free_rotation::turn(own.turn * t) * own.from.orientation));
+    // The time that it loses is lost for forces too: what is put back up must not keep the fall's speed.
+    store3(v, i, load3(v, i) - scratch.change[i] * (1 - t));
   }
 }
 

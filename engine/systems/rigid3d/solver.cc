@@ -152,10 +152,12 @@ void ContactSolver<T>::substeps(const JointList& joints, const SolverSettings& s
       if (damped_) {
         for (int e = 0; e < 8; ++e) v[i].x[e] *= damping_[i].x[e];
       }
-      for (int e = 0; e < 8; ++e) v[i].x[e] += warm_[i].x[e];
     });
+    // Before the impulses of the last substep act again: bodies meet with the velocities that they have.
     if (bounces) hit({T(h), T(settings.rest_speed)}, settings.substeps - 1 - k);
-    std::copy_n(velocity_.begin(), n, start_.begin());
+    each_body([&](size_t i) {
+      for (int e = 0; e < 8; ++e) start_[i].x[e] = v[i].x[e] += warm_[i].x[e];
+    });
     // There and back: sweeps in one order only would feed bodies that rest on several others, because the
     // impulses they start from sum up what the sweeps left (eigenvalues of the iteration become complex).
     const ColourOrder order = k % 2 == 0 ? ColourOrder::forth : ColourOrder::back;
@@ -187,14 +189,18 @@ void ContactSolver<T>::hit(const ImpactPass<T>& pass, int substeps_left) {
   late_.assign(n + 1, {});
   std::copy_n(velocity_.begin(), n, start_.begin());
   const ImpactRecords<T> bodies{velocity_.data(), change_.data(), late_.data()};
-  std::atomic<bool> any = true;
-  for (int round = 0; round < kImpactRounds && any; ++round) {
+  std::atomic<bool> any = false;
+  each_colour(contact_lanes_, groups_, team_, [&](ContactGroup<T>& g) {
+    if (!(g.flags & ContactGroup<T>::kBounces)) return;
+    if (hit_contacts<Hits::bouncing>(g, bodies, end, pass)) any = true;
+  });
+  if (!any) return;
+  // A blow goes on through what does not bounce.
+  for (int round = 1; round < kImpactRounds && any; ++round) {
     any = false;
     each_colour(contact_lanes_, groups_, team_, [&](ContactGroup<T>& g) {
-      if (!(g.flags & ContactGroup<T>::kBounces)) return;
-      if (hit_contacts(g, bodies, end, pass)) any = true;
+      if (hit_contacts<Hits::all>(g, bodies, end, pass)) any = true;
     });
-    if (!any && round == 0) return;
   }
   // Whoever turns differently now feels other gyroscopic torques for the rest of the step.
   for (size_t i = 0; i < n && substeps_left > 0; ++i) {
