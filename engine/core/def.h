@@ -105,6 +105,7 @@ struct ParamRow {
   Count count;
   std::string sentence;
   Presence presence = Presence::optional;
+  std::vector<std::string> also;  ///< other words for it, which are read but not written
   std::vector<std::string> choices;
   const DefTable* nested = nullptr;
   std::vector<ParamVariant> variants;
@@ -245,6 +246,11 @@ class TableOf {
   /// The row added last must be given.
   TableOf& required() {
     table_.rows.back().presence = Presence::required;
+    return *this;
+  }
+  /// Another word for the last parameter: accepted, and echoed as the parameter's name.
+  TableOf& also(const char* word) {
+    table_.rows.back().also.emplace_back(word);
     return *this;
   }
   /// A check across members.

@@ -10,6 +10,7 @@
 // acted on what it hits with until then.
 #pragma once
 #include "engine/kernels/contact_solve3.h"
+#include "engine/kernels/impact_limits.h"
 
 namespace truestep {
 
@@ -41,10 +42,17 @@ bool hit_contacts(ContactGroup<T>& g, const ImpactRecords<T>& bodies, uint32_t e
   W a[6], b[6], v[6], speed[4], closes[4], due(0), wait(T(1e30));
   gather6(bodies.velocity, g.a, a), gather6(bodies.velocity, g.b, b);
   detail::relative_motion(g, a, b, v);
+  // What ends a substep within rounding of a hit hits in it: in the next, it would have been stopped already.
+  W rounding(0);
+  for (int k = 0; k < 3; ++k) {
+    const W va = g.root_a * a[k], vb = g.root_b * b[k];
+    rounding += max(va, -va) + max(vb, -vb);
+  }
+  rounding *= W(impact_rounding<T> * pass.h);
   for (int p = 0; p < g.points; ++p) {
     const auto& at = g.place[p];
     speed[p] = nmadd(at.x, v[5], madd(at.y, v[4], v[0])) + at.drift;
-    const W reached = -madd(speed[p], W(pass.h), g.place[p].apart);
+    const W reached = rounding - madd(speed[p], W(pass.h), g.place[p].apart);
     // In lanes without a point the inverse is zero.
     closes[p] = where_positive(g.point_inverse[p],
                                where_positive(reached, where_positive(-speed[p], one, zero), zero), zero);

@@ -17,7 +17,7 @@ class Box2d final : public reference::OwnFace<rigid2d::Rigid2d> {
  public:
   Box2d(const rigid2d::Rigid2dDef& def, const BuildContext& context)
       : OwnFace(def, context),
-        scene_(std::make_shared<const reference::Box2dScene>(def)),
+        scene_(std::make_shared<const reference::Box2dScene>(def, context)),
         key_("box2d/" + context.id) {
     add_stage("box2d", "Box2D 2.4.1 in floats: 8 iterations for velocities, 3 for positions",
               [this](State& s, const StepInput& in) { step_world(s, in); });

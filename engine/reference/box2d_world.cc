@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstring>
 
+#include "engine/kernels/impact_limits.h"
 #include "engine/reference/box2d_joints.h"
 #include "engine/systems/rigid2d/columns.h"
 #include "engine/systems/rigid2d/pairs.h"
@@ -52,9 +53,10 @@ b2CircleShape circle(Vec2 at, double radius) {
 
 }  // namespace
 
-Box2dScene::Box2dScene(const rigid2d::Rigid2dDef& def)
+Box2dScene::Box2dScene(const rigid2d::Rigid2dDef& def, const BuildContext& context)
     : model(rigid2d::build_model(def)),
-      restitution_speed(def.restitution_speed),
+      restitution_speed(def.restitution_speed.value_or(
+          slowest_bounce(norm(def.gravity.value_or(context.gravity)), context.dt))),
       parts(static_cast<double>(def.solver_steps)),
       sleeping(def.sleeping) {}
 

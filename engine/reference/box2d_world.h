@@ -6,6 +6,7 @@
 #include <set>
 #include <vector>
 
+#include "engine/core/build.h"
 #include "engine/core/state.h"
 #include "engine/systems/rigid2d/model.h"
 
@@ -13,7 +14,7 @@ namespace truestep::reference {
 
 /// What a world is made from and does not change.
 struct Box2dScene {
-  explicit Box2dScene(const rigid2d::Rigid2dDef& def);
+  Box2dScene(const rigid2d::Rigid2dDef& def, const BuildContext& context);
 
   rigid2d::Model model;
   double restitution_speed, parts;  ///< parts of a step that impulses in the state are of

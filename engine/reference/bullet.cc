@@ -18,7 +18,7 @@ class Bullet final : public reference::OwnFace<Rigid3d> {
  public:
   Bullet(const Rigid3dDef& def, const BuildContext& context, std::vector<Issue>& issues)
       : OwnFace(def, context),
-        scene_(std::make_shared<const reference::BulletScene>(def, context.seed, issues)),
+        scene_(std::make_shared<const reference::BulletScene>(def, context, issues)),
         key_("bullet/" + context.id) {
     add_stage("forces", "gravity and pushes", [this](State& s, const StepInput& in) {
       collect_forces(s, own_.kinds(), in.h, in.workspace.object<Scratch>(key_).change);

@@ -6,6 +6,7 @@
 
 #include "engine/kernels/constraint_colouring.h"
 #include "engine/kernels/free_rotation.h"
+#include "engine/kernels/impact_limits.h"
 #include "engine/math/trig.h"
 #include "engine/reference/bullet_joints.h"
 #include "engine/systems/rigid3d/rigid3d_state.h"
@@ -37,12 +38,13 @@ constexpr State::Column kPoses[] = {columns::position, columns::velocity, column
 
 }  // namespace
 
-BulletScene::BulletScene(const Rigid3dDef& def, uint64_t seed, std::vector<Issue>& issues)
-    : bodies(build_bodies(def, seed)),
+BulletScene::BulletScene(const Rigid3dDef& def, const BuildContext& context, std::vector<Issue>& issues)
+    : bodies(build_bodies(def, context.seed)),
       joints(build_joints(def, bodies).joints),
       joint_defs(reference::joint_defs(def)),
       shapes(bodies.kinds, issues),
-      rest_speed(def.rest_speed),
+      restitution_speed(def.restitution_speed.value_or(
+          slowest_bounce(norm(def.gravity.value_or(context.gravity)), context.dt))),
       sleep_speed(def.sleep_speed),
       sleeping(def.sleeping) {}
 
@@ -54,7 +56,7 @@ BulletWorld::BulletWorld(std::shared_ptr<const BulletScene> scene, const State& 
   gCalculateCombinedRollingFrictionCallback = mix_rolling;
   gCalculateCombinedSpinningFrictionCallback = mix_spinning;
   world_.setGravity({0, 0, 0});
-  world_.getSolverInfo().m_restitutionVelocityThreshold = scene_->rest_speed;
+  world_.getSolverInfo().m_restitutionVelocityThreshold = scene_->restitution_speed;
   for (size_t i = 0; i < s.rows(columns::position); ++i) add_body(s, i);
   for (size_t k = 0; k < scene_->joints.size(); ++k) add_joint(s, k);
   remember(s);

@@ -13,13 +13,13 @@ namespace truestep::reference {
 
 /// What a world is made from and does not change.
 struct BulletScene {
-  BulletScene(const Rigid3dDef& def, uint64_t seed, std::vector<Issue>& issues);
+  BulletScene(const Rigid3dDef& def, const BuildContext& context, std::vector<Issue>& issues);
 
   BodyList bodies;
   std::vector<Joint> joints;
   std::vector<AnyJointDef> joint_defs;
   BulletShapes shapes;
-  double rest_speed, sleep_speed;
+  double restitution_speed, sleep_speed;
   bool sleeping;
 };
 

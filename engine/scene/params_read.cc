@@ -19,6 +19,12 @@ void ParamReader::object(const DefTable& table, void* owner, const json::object&
     }
     const std::string where = pointer + "/" + pointer_token(key);
     if (const ParamRow* row = table.find(key)) {
+      if (row->name != key && o.contains(row->name)) {
+        fault(where, "unknown_key",
+              "\"" + key + "\" is another word for \"" + row->name + "\", which is there already", value,
+              row->name);
+        continue;
+      }
       this->row(*row, owner, value, where);
     } else {
       std::vector<std::string> names;
@@ -29,7 +35,9 @@ void ParamReader::object(const DefTable& table, void* owner, const json::object&
     }
   }
   for (const ParamRow& r : table.rows) {
-    if (r.presence == Presence::required && !o.contains(r.name)) {
+    const bool given = o.contains(r.name) || std::any_of(r.also.begin(), r.also.end(),
+                                                         [&](const auto& word) { return o.contains(word); });
+    if (r.presence == Presence::required && !given) {
       fault(pointer + "/" + pointer_token(r.name), "missing", "\"" + r.name + "\" is required: " + r.sentence,
             json::value(nullptr), kind_text(r), r.unit);
     }

@@ -100,6 +100,12 @@ json::object schema_of(const DefTable& table) {
       required.emplace_back(r.name);
     else if (const json::value* v = values.if_contains(r.name); v && plain)
       s["default"] = *v;
+    for (const std::string& word : r.also) {
+      json::object old = s;
+      old["description"] = "another word for " + r.name;
+      old["deprecated"] = true;
+      properties[word] = std::move(old);
+    }
     properties[r.name] = std::move(s);
   }
   json::object out{{"type", "object"},

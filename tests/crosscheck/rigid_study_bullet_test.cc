@@ -12,7 +12,7 @@ namespace json = boost::json;
 
 class RigidStudy : public ::testing::Test {
  protected:
-  StudyResult run(const std::string& extra, const std::string& system = R"("rest_speed":0.05)") {
+  StudyResult run(const std::string& extra, const std::string& system = R"("restitution_speed":0.05)") {
     const std::string request = R"({"kind":"cross_check","samples":10,)" + extra + R"("scene":{
       "name":"drop","time":{"dt":0.01,"duration":1},"systems":[{"type":"rigid3d","id":"r",)" +
                                 system + R"(,"bodies":[{"type":"plane","motion":"fixed"},

@@ -44,7 +44,7 @@ struct Energies {
 /// 27 bodies of 0.2 m fly about at up to 7 m/s and meet one another and the walls some ten times a second.
 Energies run_room(const Trial& trial, uint64_t steps) {
   Rigid3dDef d;
-  d.restitution = trial.restitution, d.friction = 0, d.rest_speed = 0, d.sleeping = false;
+  d.restitution = trial.restitution, d.friction = 0, d.restitution_speed = 0, d.sleeping = false;
   d.precision = trial.precision;
   add_room(d);
   for (int k = 0; k < 27; ++k) {

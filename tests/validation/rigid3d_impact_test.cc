@@ -19,7 +19,7 @@ using testing::RigidRun;
 std::vector<Vec3> cradle(double restitution, double gap) {
   Rigid3dDef d;
   d.precision = Rigid3dDef::Precision::f64;
-  d.restitution = restitution, d.friction = 0, d.rest_speed = 0, d.sleeping = false;
+  d.restitution = restitution, d.friction = 0, d.restitution_speed = 0, d.sleeping = false;
   for (int k = 0; k < 5; ++k) d.bodies.push_back(ball(0.1, {(0.2 + gap) * k - (k == 0 ? 0.1 : 0), 0, 0}));
   std::get<SphereBodyDef>(d.bodies[0]).velocity = {1, 0, 0};
   RigidRun run(d, 1.0 / 240, 1, {});

@@ -147,7 +147,7 @@ TEST(Rigid3dContact, ABowlingBallBeginsToRoll) {
 TEST(Rigid3dContact, ABouncingBallComesToRest) {
   // contact.zeno_08: from 1 m with e = 0.8 it stops after 4.0637 s.
   Rigid3dDef d;
-  d.restitution = 0.8, d.rest_speed = 0.02;
+  d.restitution = 0.8, d.restitution_speed = 0.02;
   d.bodies.push_back(ground());
   d.bodies.push_back(ball(0.1, {0, 1.1, 0}));
   RigidRun run(d, 1.0 / 960);

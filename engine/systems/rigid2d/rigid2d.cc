@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "engine/kernels/impact_limits.h"
 #include "engine/systems/rigid2d/finish.h"
 
 namespace truestep::rigid2d {
@@ -46,7 +47,8 @@ void Rigid2d::add_stages() {
             });
   add_stage("solve",
             std::to_string(settings_.solver_steps) + " small steps of " +
-                (settings_.precision == Precision::f32 ? "f32" : "f64") + " constraints",
+                (settings_.precision == Precision::f32 ? "f32" : "f64") + " constraints; " +
+                says_slowest_bounce(restitution_speed(flat::norm(flat::flatten(gravity_)), dt_)),
             [this, scratch](State& s, const StepInput& in) {
               if (scratch(in).idle) return;
               settings_.precision == Precision::f32 ? solve<float>(s, in) : solve<double>(s, in);
@@ -68,6 +70,10 @@ State Rigid2d::initial_state() const {
   return state_at_start(model_, gravity_);
 }
 
+double Rigid2d::restitution_speed(double gravity, double dt) const {
+  return settings_.restitution_speed.value_or(slowest_bounce(gravity, dt));
+}
+
 SolverSettings Rigid2d::settings_for(double dt) const {
   SolverSettings s;
   s.steps = static_cast<int>(settings_.solver_steps);
@@ -78,7 +84,7 @@ SolverSettings Rigid2d::settings_for(double dt) const {
   s.contact_fixed = soft_constraint(2 * contact, settings_.contact_damping_ratio, s.h);
   s.padding = contact_padding(contact, rate, dt);
   s.joint = soft_constraint(settings_.joint_hertz.value_or(0.25 * rate), settings_.joint_damping_ratio, s.h);
-  s.push_speed = settings_.push_speed, s.restitution_speed = settings_.restitution_speed;
+  s.push_speed = settings_.push_speed;
   return s;
 }
 
@@ -130,7 +136,9 @@ void Rigid2d::solve(State& s, const StepInput& in) const {
   } else {
     solver = &w.f64;
   }
-  const SolverSettings settings = settings_for(in.h);
+  const auto g = s.f64(columns::parameters);
+  SolverSettings settings = settings_for(in.h);
+  settings.restitution_speed = restitution_speed(flat::norm(Vec2{g[0], g[1]}), in.h);
   solver->solve(model_, s, w.pairs, w.hands, settings, in.arena);
   solver->store_contacts(w.pairs, settings.padding, s);
   const auto impulse = s.f64(columns::drag_impulse);

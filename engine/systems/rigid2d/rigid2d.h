@@ -42,6 +42,8 @@ class Rigid2d final : public StagedSystem {
   void solve(State& s, const StepInput& in) const;
   void end_step(State& s, const StepInput& in) const;
   SolverSettings settings_for(double dt) const;
+  /// m/s, as given or by gravity (m/s^2).
+  double restitution_speed(double gravity, double dt) const;
   void wake(State& s, uint32_t body) const;
   size_t sensor_overlaps(const State& s) const;
 

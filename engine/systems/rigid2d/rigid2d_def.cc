@@ -284,8 +284,9 @@ const DefTable& rigid2d_table() {
           .number("push_speed", &D::push_speed, "m/s", above(0), "fastest that an overlap is undone")
           .number("contact_margin", &D::contact_margin, "m", above(0),
                   "contacts are foreseen at this distance; absent: by the bodies' size")
-          .number("restitution_speed", &D::restitution_speed, "m/s", at_least(0),
-                  "slower impacts do not bounce")
+          .number(
+              "restitution_speed", &D::restitution_speed, "m/s", at_least(0),
+              "slower impacts do not bounce; absent: half of what gravity adds in a step, hops of one step")
           .boolean("sleeping", &D::sleeping, "bodies at rest cost nothing until something touches them")
           .number("sleep_speed", &D::sleep_speed, "m/s", at_least(0), "slower counts as at rest")
           .number("sleep_time", &D::sleep_time, "s", at_least(0), "rest needed before sleep")

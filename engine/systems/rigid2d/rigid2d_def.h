@@ -132,7 +132,7 @@ struct Rigid2dDef {
   Precision precision = Precision::f32;
   std::optional<double> contact_hertz, joint_hertz, contact_margin;
   double contact_damping_ratio = 10, joint_damping_ratio = 2, push_speed = 3;
-  double restitution_speed = 1;
+  std::optional<double> restitution_speed;
   bool sleeping = true;
   double sleep_speed = 0.05, sleep_time = 0.5;
   std::optional<Vec3> color;

@@ -24,7 +24,7 @@ struct SolverSettings {
   double h = 0;  ///< s, of a small step
   SoftConstraint<double> contact, contact_fixed, joint;
   ContactPadding padding;
-  double push_speed = 3, restitution_speed = 1;
+  double push_speed = 3, restitution_speed = 0;
 };
 
 /// What users' hands do in a step: forces on bodies, and springs from points to targets.

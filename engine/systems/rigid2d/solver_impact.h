@@ -4,6 +4,7 @@
 //   impulse = (1 + e) s l,   s = -(l . u) / (l . K l),
 // which changes the kinetic energy by -(1 - e^2) (l . u)^2 / (2 l . K l): never up.
 #pragma once
+#include "engine/kernels/impact_limits.h"
 #include "engine/systems/rigid2d/solver_contact.h"
 
 namespace truestep::rigid2d {
@@ -28,11 +29,16 @@ bool hit(const ContactPack<T>& c, const ImpactRows<T>& bodies, T h, T threshold)
   Ends<T> e(bodies.rows, c.a, c.b);
   W u[2], closes[2], separation[2], vx, vy, due = zero, wait = W::all(T(1e30));
   separations(c, e, separation);
+  // What ends a small step within rounding of a hit hits in it: in the next, it would have been stopped
+  // already.
+  W rounding = zero;
+  for (int k = 0; k < 2; ++k) rounding += max(e.a[k], -e.a[k]) + max(e.b[k], -e.b[k]);
+  rounding *= W::all(impact_rounding<T> * h);
   for (int i = 0; i < 2; ++i) {
     const auto& p = c.point[i];
     e.relative(p.ax, p.ay, p.bx, p.by, vx, vy);
     u[i] = madd(vx, c.nx, vy * c.ny);
-    const W reached = -madd(u[i], W::all(h), separation[i]);
+    const W reached = rounding - madd(u[i], W::all(h), separation[i]);
     closes[i] =
         select(p.normal_mass > zero, select(reached > zero, select(u[i] < zero, one, zero), zero), zero);
     due = select(u[i] < W::all(-threshold), max(due, closes[i]), due);

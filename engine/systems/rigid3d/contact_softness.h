@@ -9,7 +9,8 @@ namespace truestep {
 
 struct SolverSettings {
   int substeps = 5;
-  double rest_speed = 0.05, push_out_speed = 3;
+  double restitution_speed = 0;  ///< m/s
+  double push_out_speed = 3;
   std::optional<double> contact_hertz;  ///< absent: a fixed share of the substeps' rate
   double contact_damping = 10;
 };

@@ -5,6 +5,7 @@
 
 #include "engine/base/errors.h"
 #include "engine/kernels/free_rotation.h"
+#include "engine/kernels/impact_limits.h"
 #include "engine/kernels/islands.h"
 #include "engine/math/trig.h"
 #include "engine/systems/rigid3d/forces.h"
@@ -28,13 +29,13 @@ constexpr double kCore = 0.25;
 Rigid3d::Rigid3d(const Rigid3dDef& def, const BuildContext& context)
     : bodies_(build_bodies(def, context.seed)),
       joints_(build_joints(def, bodies_)),
+      restitution_speed_(def.restitution_speed),
       precision_(def.precision),
       gravity_(def.gravity.value_or(context.gravity)),
       sleep_speed_(def.sleep_speed),
       sleep_time_(def.sleep_time),
       most_bodies_(bodies_.starts.size() + kSpare) {
-  settings_ = {static_cast<int>(def.substeps), def.rest_speed, def.push_out_speed, def.contact_hertz,
-               def.contact_damping};
+  settings_ = {static_cast<int>(def.substeps), 0, def.push_out_speed, def.contact_hertz, def.contact_damping};
   // A scene that sleeps skips the stages' work, not the stages: a command may wake it.
   const auto awake = [this](void (Rigid3d::*run)(State&, const StepInput&) const) {
     return [this, run](State& s, const StepInput& in) {
@@ -43,7 +44,9 @@ Rigid3d::Rigid3d(const Rigid3dDef& def, const BuildContext& context)
   };
   add_stage("forces", "gravity and pushes", awake(&Rigid3d::push));
   add_stage("contacts", "which bodies touch, and where", awake(&Rigid3d::find_contacts));
-  add_stage("solve", "bodies that touch, in substeps", awake(&Rigid3d::solve));
+  add_stage("solve",
+            "bodies that touch, in substeps; " + says_slowest_bounce(restitution_speed(gravity_, context.dt)),
+            awake(&Rigid3d::solve));
   add_stage("fly", "bodies that touch nothing", awake(&Rigid3d::fly));
   add_stage("fast bodies", "none passes another within a step", awake(&Rigid3d::stop_fast_bodies));
   if (def.sleeping) {
@@ -102,11 +105,17 @@ void Rigid3d::find_contacts(State& s, const StepInput& in) const {
   scratch.contacts.find(s, bodies_.kinds, joints_.joints, in);
 }
 
+double Rigid3d::restitution_speed(const Vec3& gravity, double dt) const {
+  return restitution_speed_.value_or(slowest_bounce(norm(gravity), dt));
+}
+
 void Rigid3d::solve(State& s, const StepInput& in) const {
   Scratch& scratch = Rigid3d::scratch(in);
+  SolverSettings settings = settings_;
+  settings.restitution_speed = restitution_speed(load3(s.f64(columns::gravity).data(), 0), in.h);
   const auto run = [&](auto& solver) {
     solver.solve(s, bodies_.kinds, joints_, scratch.contacts.all(), scratch.contacts.bodies(), scratch.change,
-                 settings_, in);
+                 settings, in);
   };
   if (precision_ == Rigid3dDef::Precision::f32) {
     run(scratch.solver32);

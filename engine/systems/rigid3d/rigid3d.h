@@ -48,6 +48,8 @@ class Rigid3d final : public StagedSystem {
   void push(State& s, const StepInput& in) const;
   void find_contacts(State& s, const StepInput& in) const;
   void solve(State& s, const StepInput& in) const;
+  /// m/s, as given or by gravity.
+  double restitution_speed(const Vec3& gravity, double dt) const;
   void fly(State& s, const StepInput& in) const;
   void stop_fast_bodies(State& s, const StepInput& in) const;
   void rest(State& s, const StepInput& in) const;
@@ -66,7 +68,8 @@ class Rigid3d final : public StagedSystem {
   JointList joints_;
   mutable std::once_flag forms_made_;  ///< meshes are made when somebody looks for the first time
   mutable std::vector<DrawnBodies::Form> forms_;
-  SolverSettings settings_;
+  SolverSettings settings_;  ///< restitution_speed only in a step
+  std::optional<double> restitution_speed_;
   Rigid3dDef::Precision precision_;
   Vec3 gravity_;
   double sleep_speed_, sleep_time_;

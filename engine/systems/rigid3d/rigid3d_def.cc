@@ -280,7 +280,10 @@ const DefTable& rigid3d_table() {
                   "numbers in which contacts are solved; poses are f64")
           .number("friction", &D::friction, "1", at_least(0), "of bodies that do not say otherwise")
           .number("restitution", &D::restitution, "1", between(0, 1), "of bodies that do not say otherwise")
-          .number("rest_speed", &D::rest_speed, "m/s", at_least(0), "slower approaches do not bounce")
+          .number(
+              "restitution_speed", &D::restitution_speed, "m/s", at_least(0),
+              "slower impacts do not bounce; absent: half of what gravity adds in a step, hops of one step")
+          .also("rest_speed")
           .number("rolling_resistance", &D::rolling_resistance, "m", at_least(0),
                   "of bodies that do not say otherwise")
           .number("spinning_resistance", &D::spinning_resistance, "m", at_least(0),

@@ -103,7 +103,8 @@ struct Rigid3dDef {
   std::optional<Vec3> gravity;
   int64_t substeps = 5;
   enum class Precision : uint8_t { f32, f64 } precision = Precision::f32;
-  double friction = 0.5, restitution = 0, rest_speed = 0.05;
+  double friction = 0.5, restitution = 0;
+  std::optional<double> restitution_speed;
   double rolling_resistance = 0, spinning_resistance = 0;
   std::optional<double> contact_hertz;
   double contact_damping = 10, push_out_speed = 3;

@@ -154,7 +154,7 @@ void ContactSolver<T>::substeps(const JointList& joints, const SolverSettings& s
       }
     });
     // Before the impulses of the last substep act again: bodies meet with the velocities that they have.
-    if (bounces) hit({T(h), T(settings.rest_speed)}, settings.substeps - 1 - k);
+    if (bounces) hit({T(h), T(settings.restitution_speed)}, settings.substeps - 1 - k);
     each_body([&](size_t i) {
       for (int e = 0; e < 8; ++e) start_[i].x[e] = v[i].x[e] += warm_[i].x[e];
     });
