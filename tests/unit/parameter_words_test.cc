@@ -19,7 +19,7 @@ TEST(ParameterWords, AnotherWordIsReadAndEchoedAsTheName) {
   Rigid3dDef def;
   std::vector<Issue> issues;
   const auto read = [&](const char* text) {
-    read_params(rigid3d_table(), &def, boost::json::parse(text).as_object(), "", issues);
+    read_params(rigid3d_table(), &def, boost::json::parse(text).as_object(), "", {}, issues);
   };
   read(R"({"rest_speed": 0.3})");
   EXPECT_TRUE(issues.empty());
