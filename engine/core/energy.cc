@@ -16,7 +16,7 @@ void EnergyWatch::command(const Energy& before, const Energy& after) {
   if (phase == Phase::fresh) return;
   const double work = (after.kinetic + after.potential) - (before.kinetic + before.potential);
   reference += work;
-  available = std::max(available, std::abs(work)) + std::abs(after.kinetic - before.kinetic);
+  available = std::max({available, std::abs(work), std::abs(after.kinetic - before.kinetic)});
 }
 
 bool EnergyWatch::holds(const Energy& now) {
