@@ -16,7 +16,7 @@ void EnergyWatch::command(const Energy& before, const Energy& after) {
   if (phase == Phase::fresh) return;
   const double work = (after.kinetic + after.potential) - (before.kinetic + before.potential);
   reference += work;
-  available = std::max(available, std::abs(work)) + std::abs(after.kinetic - before.kinetic);
+  available = std::max({available, std::abs(work), std::abs(after.kinetic - before.kinetic)});
 }
 
 bool EnergyWatch::holds(const Energy& now) {
@@ -24,7 +24,9 @@ bool EnergyWatch::holds(const Energy& now) {
   // Where energy is kept, this is what the potential has given or taken so far.
   available = std::max(available, reference - now.potential);
   const double gain = now.kinetic + now.potential - reference;
-  return gain <= now.swing * std::max(available, now.slack);
+  // Of things at rest whose energy is all rounding.
+  constexpr double kRounding = 1e-9;
+  return gain <= std::max(kRounding, now.swing * std::max(available, now.slack));
 }
 
 }  // namespace truestep

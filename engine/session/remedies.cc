@@ -50,7 +50,7 @@ class Trials {
          const ThreadArena& arena)
       : world_(world), before_(before), commands_(commands), arena_(arena) {
     const uint64_t until = failed + 1 - before.step;
-    steps_ = until + std::min(kTrialAfter, until / 2 + 1);
+    steps_ = until + std::min(kTrialAfter, trial_steps_before(world));
   }
   uint64_t steps() const { return steps_; }
 

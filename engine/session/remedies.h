@@ -24,7 +24,8 @@ uint64_t trial_steps_before(const World& world);
 using Commands = std::function<void(const World&, WorldState&)>;
 
 /// Tries smaller steps and other methods from `before`, a state of `world` some steps before step `failed`
-/// failed, through that step and half as far again. `hint` (s): a session step that theory expects to hold.
+/// failed, through that step and at most kTrialAfter more. `hint` (s): a session step that theory expects to
+/// hold.
 Remedies try_remedies(const World& world, const WorldState& before, uint64_t failed,
                       const std::string& system, std::optional<double> hint, const Commands& commands,
                       const ThreadArena& arena);

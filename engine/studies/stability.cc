@@ -70,6 +70,8 @@ class BorderSearch {
       find_again(found);
     } catch (const OverBudget&) {
       if (!border_) found.kind = Found::Kind::over_budget;
+    } catch (const TooLong&) {
+      if (!border_) found.kind = Found::Kind::always;
     }
     found.runs = runs_;
     return found;
@@ -85,6 +87,7 @@ class BorderSearch {
   static constexpr double kUsualRuns = 60;  // beside the fine ones
   static constexpr double kFinest = 0.01, kCoarsest = 0.25;
   struct OverBudget {};
+  struct TooLong {};  ///< scenes take no such step
 
   // Fine steps over a factor of kNear^2, and of kNear beyond the border.
   static double fine_runs(double resolution) { return 3 * std::log(kNear) / std::log1p(resolution); }
@@ -141,9 +144,10 @@ class BorderSearch {
     double last = *border_;
     for (double dt = last * (1 + resolution_); dt < end; last = dt, dt *= 1 + resolution_) {
       const bool now = stable(dt);
+      if (now && holds) found.again.back().to = dt;
       if (now == holds) continue;
       if (now) {
-        found.again.push_back({bisect(dt, last), end});
+        found.again.push_back({bisect(dt, last), dt});
       } else {
         found.again.back().to = bisect(last, dt);
       }
@@ -155,7 +159,15 @@ class BorderSearch {
     json::value d = scene_;
     set_dt(d, dt);
     set_integrator(d, system_, method_);
-    const World world = build_world(d);
+    std::optional<World> built;
+    try {
+      built.emplace(require_scene(read_scene(d)));
+    } catch (const Error& e) {
+      // Long steps are refused with a pointer; what is wrong with shorter ones as well is for the caller.
+      if (e.code() != "scene_invalid" || runs_ < 3) throw;
+      throw TooLong{};
+    }
+    const World& world = *built;
     WorldState state = world.initial_state();
     State& s = state.systems[system_];
     const auto x = s.at("position");
