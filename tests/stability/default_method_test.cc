@@ -136,9 +136,9 @@ TEST(DefaultMethod, StiffRopeHolds) {
     const double start = run.observed("energy.total");
     double most = start;
     for (int s = 0; s < 600; ++s) most = std::max(most, run.steps(1).observed("energy.total"));
-    // Nothing drives it: what falls may not gain. A thousandth of what there is to gain, 41 points of 10 g
-    // that fall 1 m.
-    EXPECT_LT(most - start, 4e-3) << k;
+    // Nothing drives it: what falls may not gain. A quarter of a per cent of the 4 J that 41 points of 10 g
+    // have 1 m up.
+    EXPECT_LT(most - start, 1e-2) << k;
   }
 }
 
