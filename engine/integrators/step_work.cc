@@ -10,16 +10,23 @@ namespace truestep {
 
 namespace {
 
-/// What an internal step does, as counted on the scenes of tests/unit/step_work_test.cc.
+/// What an internal step does, as counted on diffusion with a reaction on a grid of 20 x 20 points at a
+/// tolerance of 1e-6; and the internal steps against those of a method of second order.
 struct Habits {
   std::string_view method;
-  double rates, jacobians, factorisations, solves;
+  double rates, jacobians, factorisations, solves, steps = 1;
 };
 constexpr Habits kHabits[] = {
-    {"implicit_midpoint", 4, 1, 1, 4}, {"trapezoid", 5, 1, 1, 4},         {"bdf2", 4, 1, 1, 4},
-    {"newmark", 4, 1, 1, 4},           {"generalized_alpha", 4, 1, 1, 4}, {"tr_bdf2", 6, 0.5, 0.7, 7},
-    {"sdirk4", 14, 0.5, 0.7, 15},      {"rodas5p", 9, 1, 1, 8},           {"radau5", 9, 0.5, 1.2, 5},
-    {"cvode_bdf", 2, 0.1, 0.2, 1.6},
+    {"implicit_midpoint", 5, 1, 1, 5},
+    {"trapezoid", 5, 1, 1, 5},
+    {"bdf2", 5, 1, 1, 5},
+    {"newmark", 5, 1, 1, 5},
+    {"generalized_alpha", 5, 1, 1, 5},
+    {"tr_bdf2", 4.1, 0.1, 0.5, 5},
+    {"sdirk4", 10.7, 0.2, 0.6, 11.5, 0.5},
+    {"rodas5p", 8.7, 1, 1, 8, 0.25},
+    {"radau5", 6.5, 0.2, 0.6, 3, 0.45},
+    {"cvode_bdf", 2, 0.1, 0.2, 1.6, 1},
 };
 
 /// Internal steps of an adaptive method: as many as the first step's length suggests, but no more than it
@@ -49,8 +56,9 @@ std::optional<StepWork> implicit_step_work(const Integrator& method, const Right
   if (habits == std::end(kHabits) || f.size() == 0) return std::nullopt;
   NewtonMatrix matrix;
   matrix.bind(f);
-  const double steps =
-      method.stepping == Integrator::Stepping::adaptive ? internal_steps(f, h, y, tolerance) : 1;
+  const double steps = method.stepping == Integrator::Stepping::adaptive
+                           ? std::max(1.0, habits->steps * internal_steps(f, h, y, tolerance))
+                           : 1;
   StepWork w;
   w.rates = steps * habits->rates, w.jacobians = steps * habits->jacobians;
   w.factorisations = steps * habits->factorisations, w.solves = steps * habits->solves;

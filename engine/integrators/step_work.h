@@ -1,6 +1,7 @@
 // What a step of an implicit method with direct solves costs, before any is made: how often it evaluates,
 // differentiates, factorises and solves by the method's own habits, times what one of each costs by the
-// pattern of the derivatives. Tests hold the sum to within a factor of three of what steps are counted to do.
+// pattern of the derivatives. An estimate for admission: how many internal steps an adaptive method takes
+// depends on the solution.
 #pragma once
 #include <optional>
 
