@@ -23,15 +23,9 @@ json::object limited(Dice& d, json::object joint, double reach) {
 }
 
 /// An undamped spring: by stiffness or by frequency where the joint knows both.
-json::object sprung(Dice& d, json::object joint, const char* ratio) {
-  const json::value* by = joint.if_contains("by");
-  if (by && *by == "stiffness") {
-    joint["stiffness"] = d.spread(1, 1e5), joint["damping"] = 0;
-  } else {
-    joint["hertz"] = d.spread(0.5, 30), joint[ratio] = 0;
-  }
-  joint.erase("by");
-  return joint;
+json::object sprung(Dice& d, std::string_view by) {
+  if (by == "stiffness") return {{"stiffness", d.spread(1, 1e5)}, {"damping", 0}};
+  return {{"hertz", d.spread(0.5, 30)}, {"damping_ratio", 0}};
 }
 
 json::array chain_2d(Dice& d, int n, double speed) {
@@ -148,29 +142,37 @@ void joints_3d(Dice& d, Trial& t) {
 void springs_2d(Dice& d, Trial& t) {
   const int n = d.whole(2, 4);
   const double speed = d.spread(0.3, 3), dt = usual_dt(d);
-  json::array joints;
+  json::array joints, bodies = chain_2d(d, n, speed);
+  const auto mass = [&](int i) {
+    return bodies[static_cast<size_t>(i)].as_object()["mass"].to_number<double>();
+  };
+  double stored = 0;
   for (int i = 0; i + 1 < n; ++i) {
-    const std::string kind = d.of({"distance", "prismatic", "revolute", "weld", "wheel"});
+    const std::string kind = d.of({"distance", "distance", "prismatic", "revolute", "weld", "wheel"});
     json::object j{{"type", kind}, {"a", i}, {"b", i + 1}};
     if (kind == "distance") {
-      // At rest at the start, at a good distance from no length at all.
-      const double off = d.between(-0.2, 0.2);
-      j["anchor"] = vec(kSpacing * i, off), j["anchor_b"] = vec(kSpacing * (i + 1), off);
+      j["anchor"] = vec(kSpacing * i, 0), j["anchor_b"] = vec(kSpacing * (i + 1), 0);
     } else {
       j["anchor"] = anchor(i);
     }
     if (kind == "prismatic" || kind == "wheel") j["axis"] = vec(1, 0);
+    const double hertz = d.spread(0.5, 30);
     if (kind == "wheel") {
-      j["spring_hertz"] = d.spread(0.5, 10), j["spring_damping_ratio"] = 0;
+      j["spring_hertz"] = hertz, j["spring_damping_ratio"] = 0;
     } else {
-      j = sprung(d, j, "damping_ratio");
+      j["hertz"] = hertz, j["damping_ratio"] = 0;
+    }
+    if (kind == "distance" && d.chance(0.6)) {
+      // Between centres the frequency is that of the reduced mass.
+      const double rest = kSpacing * d.between(0.6, 1.4), w = 2 * std::numbers::pi * hertz;
+      const double reduced = mass(i) * mass(i + 1) / (mass(i) + mass(i + 1)), off = kSpacing - rest;
+      j["length"] = rest, stored += 0.5 * reduced * w * w * off * off;
     }
     joints.push_back(j);
   }
-  json::array bodies = chain_2d(d, n, speed);
   set_scene(t, dt, 4, {}, {{{"type", "rigid2d"}, {"bodies", bodies}, {"joints", joints}}});
-  close(t, n, 3, speed, 1e-3);
-  t.rules.gain = 0.02;
+  close(t, n, 3, speed + std::sqrt(stored), 1e-3);
+  t.rules.gain = 0.02, t.rules.stored = stored;
 }
 
 void springs_3d(Dice& d, Trial& t) {
@@ -180,7 +182,7 @@ void springs_3d(Dice& d, Trial& t) {
   // A spring by stiffness may start out of its rest, which stores k s^2 / 2.
   double stored = 0;
   const auto drive = [&](const char* by, double reach) {
-    json::object s = sprung(d, {{"by", by}}, "damping_ratio");
+    json::object s = sprung(d, by);
     if (s.contains("stiffness") && d.chance(0.6)) {
       const double off = d.sign() * d.between(0.1, 1) * reach;
       s["rest"] = off, stored += 0.5 * s["stiffness"].to_number<double>() * off * off;
@@ -192,7 +194,7 @@ void springs_3d(Dice& d, Trial& t) {
     const char* by = d.of({"stiffness", "hertz"});
     json::object j;
     if (kind == "spring") {
-      j = sprung(d, {{"by", by}}, "damping_ratio");
+      j = sprung(d, by);
       const Vec3 off = d.chance(0.6) ? d.in_cube(0.2) : Vec3{};
       const Vec3 from = Vec3{kSpacing * i, 0, 0} + off, to = Vec3{kSpacing * (i + 1), 0, 0} - off;
       j["anchor"] = vec(from), j["anchor_b"] = vec(to);
