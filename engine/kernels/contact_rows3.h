@@ -29,8 +29,7 @@ struct ContactPass {
   T bias_rate;      ///< 1/s, share of a depth that is taken back
   T mass_scale;     ///< 1
   T impulse_scale;  ///< 1
-  T tilt_bias_rate, tilt_mass_scale, tilt_impulse_scale;  ///< of tilts of a patch
-  T push_out;                                             ///< m/s, fastest taking back
+  T push_out;       ///< m/s, fastest taking back
 };
 
 template <class T>

@@ -98,10 +98,10 @@ void solve_friction(ContactGroup<T>& g, Wide<T> v[6], Wide<T> f[6]) {
 }
 /// What every point should have for a relative velocity, negated; what is apart may close in one substep.
 template <ContactSolve kind, class T>
-Wide<T> wanted(const Wide<T>& s, const ContactPass<T>& pass, T bias_rate) {
+Wide<T> wanted(const Wide<T>& s, const ContactPass<T>& pass) {
   using W = Wide<T>;
   if constexpr (kind == ContactSolve::push) {
-    return where_positive(s, s * W(pass.inverse_h), max(s * W(bias_rate), W(-pass.push_out)));
+    return where_positive(s, s * W(pass.inverse_h), max(s * W(pass.bias_rate), W(-pass.push_out)));
   }
   return max(s, W(0)) * W(pass.inverse_h);
 }
@@ -123,10 +123,9 @@ Wide<T> solve_patch(ContactGroup<T>& g, const Wide<T> v[6], Wide<T> f[6], const 
   W held[3] = {}, before(0);  // force and torques of the normal impulses
   for (int p = 0; p < g.points; ++p) {
     const auto& at = g.place[p];
-    const W u = wanted<kind>(at.apart, pass, pass.bias_rate) + at.drift;
-    const W tilt = wanted<kind>(at.apart, pass, pass.tilt_bias_rate) + at.drift;
+    const W u = wanted<kind>(at.apart, pass) + at.drift;
     slip[0] = madd(at.share[0], u, slip[0]);
-    slip[4] = madd(at.share[1], tilt, slip[4]), slip[5] = madd(at.share[2], tilt, slip[5]);
+    slip[4] = madd(at.share[1], u, slip[4]), slip[5] = madd(at.share[2], u, slip[5]);
     held[0] += at.impulse;
     held[1] = madd(at.y, at.impulse, held[1]), held[2] = nmadd(at.x, at.impulse, held[2]);
   }
@@ -145,8 +144,7 @@ Wide<T> solve_patch(ContactGroup<T>& g, const Wide<T> v[6], Wide<T> f[6], const 
     for (int e = 0; e < 3; ++e) {
       const int p = normal_rows[e];
       const W full = f[p];
-      f[p] = e == 0 ? W(pass.mass_scale) * full - W(pass.impulse_scale) * held[e]
-                    : W(pass.tilt_mass_scale) * full - W(pass.tilt_impulse_scale) * held[e];
+      f[p] = W(pass.mass_scale) * full - W(pass.impulse_scale) * held[e];
       const W less = f[p] - full;
       for (int t = 0; t < 3; ++t) f[1 + t] = madd(g.follow[t][e], less, f[1 + t]);
     }
@@ -210,10 +208,10 @@ void solve_points(ContactGroup<T>& g, Wide<T> v[6], Wide<T> f[6], const ContactP
     if constexpr (kind == ContactSolve::push) {
       const W mass = where_positive(s, one, W(pass.mass_scale));
       const W leak = where_positive(s, zero, W(pass.impulse_scale));
-      total = place.impulse - g.point_inverse[p] * mass * (speed + wanted<kind>(s, pass, pass.bias_rate)) -
-              leak * place.impulse;
+      total =
+          place.impulse - g.point_inverse[p] * mass * (speed + wanted<kind>(s, pass)) - leak * place.impulse;
     } else {
-      total = nmadd(g.point_inverse[p], speed + wanted<kind>(s, pass, T(0)), place.impulse);
+      total = nmadd(g.point_inverse[p], speed + wanted<kind>(s, pass), place.impulse);
       total = total * held_back(g, p);
     }
     total = max(total, zero);

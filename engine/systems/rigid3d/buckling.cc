@@ -69,7 +69,7 @@ int BucklingWatch::substeps(const State& s, std::span<const BodyKind> kinds, con
     Island& all = island_[island_of(parent_, i)];
     all.load += kinds[kind[i]].mass * g * (all.high - all.low) * squared_tilts(place(all, height(i)));
   }
-  const double rate = tilt_rate(settings, h / now), w2 = rate * rate;
+  const double rate = contact_rate(settings, h / now), w2 = rate * rate;
   for (size_t k = 0; k < contacts; ++k) {
     const uint32_t a = bodies[2 * k], b = bodies[2 * k + 1];
     if (!moves(a) && !moves(b)) continue;

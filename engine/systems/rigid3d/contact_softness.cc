@@ -6,11 +6,9 @@ namespace truestep {
 
 namespace {
 
-/// Contacts are springs of this share of the substeps' rate; from 0.225 on slow waves grow
+/// Contacts are springs of this share of the substeps' rate; from 0.225 on slow modes grow
 /// (docs/standing.md).
 constexpr double kContactHertzShare = 0.2;
-/// Tilts are stiffer and give way more slowly: what sways then holds longer and calms down sooner.
-constexpr double kTiltHertzTimes = 1.1, kTiltDampingTimes = 2;
 
 double hertz_at(const SolverSettings& settings, double rate) {
   return settings.contact_hertz.value_or(kContactHertzShare * rate);
@@ -18,17 +16,12 @@ double hertz_at(const SolverSettings& settings, double rate) {
 
 }  // namespace
 
+double contact_rate(const SolverSettings& settings, double h) {
+  return 2 * std::numbers::pi * hertz_at(settings, 1 / h);
+}
+
 SoftConstraint<double> contact_softness(const SolverSettings& settings, double h) {
   return soft_constraint<double>(hertz_at(settings, 1 / h), settings.contact_damping, h);
-}
-
-double tilt_rate(const SolverSettings& settings, double h) {
-  return 2 * std::numbers::pi * kTiltHertzTimes * hertz_at(settings, 1 / h);
-}
-
-SoftConstraint<double> tilt_softness(const SolverSettings& settings, double h) {
-  return soft_constraint<double>(kTiltHertzTimes * hertz_at(settings, 1 / h),
-                                 kTiltDampingTimes * settings.contact_damping, h);
 }
 
 ContactPadding contact_padding(const SolverSettings& settings, double h) {

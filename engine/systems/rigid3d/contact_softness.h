@@ -15,14 +15,11 @@ struct SolverSettings {
   double contact_damping = 30;
 };
 
+/// rad/s of contacts as springs, for substeps of h (s).
+double contact_rate(const SolverSettings& settings, double h);
+
 /// Coefficients of contacts for substeps of h (s).
 SoftConstraint<double> contact_softness(const SolverSettings& settings, double h);
-
-/// The same for how a body tilts on a patch of three points or more.
-SoftConstraint<double> tilt_softness(const SolverSettings& settings, double h);
-
-/// rad/s of a tilt on its own.
-double tilt_rate(const SolverSettings& settings, double h);
 
 /// For steps of h (s).
 ContactPadding contact_padding(const SolverSettings& settings, double h);

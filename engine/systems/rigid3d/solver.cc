@@ -170,16 +170,9 @@ void ContactSolver<T>::substeps(const State& s, const JointList& joints, const S
   const size_t n = body_.size();
   const auto end = static_cast<uint32_t>(n);
   const double h = in.h / settings.substeps;
-  const auto soft = contact_softness(settings, h), tilt = tilt_softness(settings, h);
-  ContactPass<T> pass{T(1 / h),
-                      0,
-                      T(soft.bias_rate),
-                      T(soft.mass_scale),
-                      T(soft.impulse_scale),
-                      T(tilt.bias_rate),
-                      T(tilt.mass_scale),
-                      T(tilt.impulse_scale),
-                      T(settings.push_out_speed)};
+  const auto soft = contact_softness(settings, h);
+  ContactPass<T> pass{
+      T(1 / h), 0, T(soft.bias_rate), T(soft.mass_scale), T(soft.impulse_scale), T(settings.push_out_speed)};
   Record8<T>*v = velocity_.data(), *d = displacement_.data();
   for (size_t g = 0; g < contact_lanes_.count; ++g) flags_ |= groups_[g].flags;
   const bool bounces = flags_ & ContactGroup<T>::kBounces;

@@ -1,7 +1,7 @@
 """Modes of what stands: the contact solver's substep as a linear map, and how fast its modes grow or decay.
 
-    python3 tests/bench/rigid3d/modes.py wall 6 | tower 20 | pyramid 4  [--share 0.2] [--damping 10]
-                                         [--tilt-share 0.22] [--tilt-damping 100] [--normal-only]
+    python3 tests/bench/rigid3d/modes.py wall 6 | tower 20 | pyramid 4  [--share 0.2] [--damping 30]
+                                         [--tilt-share 0.2] [--tilt-damping 30] [--normal-only]
 
 Unit cubes on one another, every contact a patch that sticks: six rows (n, two tangents, turns about them) in
 one block. The state is (positions, velocities, impulses that the next substep starts from). A substep:
@@ -155,7 +155,7 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("structure", choices=("tower", "wall", "pyramid"))
     parser.add_argument("count", type=int)
-    for name, default in (("share", 0.2), ("damping", 10), ("tilt-share", 0.22), ("tilt-damping", 100)):
+    for name, default in (("share", 0.2), ("damping", 30), ("tilt-share", 0.2), ("tilt-damping", 30)):
         parser.add_argument("--" + name, type=float, default=default)
     parser.add_argument("--normal-only", action="store_true")
     a = parser.parse_args()
