@@ -53,7 +53,10 @@ def compare(row, ours):
 
 
 def length(x):
-    return f"{x:.2g} m" if x >= 1 else f"{1e3 * x:.2g} mm" if x >= 1e-4 else f"{1e6 * x:.2g} um" if x >= 1e-8 else "0"
+    for unit, per_metre, least in (("m", 1, 1), ("mm", 1e3, 1e-4), ("um", 1e6, 1e-8)):
+        if x >= least:
+            return f"{x * per_metre:.{0 if x * per_metre >= 10 else 1}f} {unit}"
+    return "0"
 
 
 def joules(x):
