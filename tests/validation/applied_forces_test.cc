@@ -10,12 +10,12 @@
 namespace truestep {
 namespace {
 
-struct Run {
-  Run(const std::string& system, double dt = 0.01)
+struct Trial {
+  Trial(const std::string& system, double dt = 0.01)
       : world(parse_scene(R"({"gravity": [0, 0, 0], "time": {"dt": )" + std::to_string(dt) +
                           R"(}, "systems": [)" + system + "]}")),
         state(world.initial_state()) {}
-  Run& steps(int n) {
+  Trial& steps(int n) {
     for (int k = 0; k < n; ++k) world.step(state, workspace, arena, {});
     return *this;
   }
@@ -48,7 +48,7 @@ std::string body2(const std::string& more, const std::string& others = "") {
 TEST(AppliedForces, AFreeBodyAcceleratesAndKeepsItsTotalEnergy) {
   for (const std::string& scene : {body3(R"("force": [3, 0, -1], "velocity": [0, 1, 0])"),
                                    body2(R"("force": [3, -1, 0], "velocity": [0, 1, 0])")}) {
-    Run run(scene);
+    Trial run(scene);
     const double before = run.observed("energy.total");
     run.steps(200);
     EXPECT_NEAR(run.field("velocity", 0), 3.0 / 2 * 2, 1e-9);
@@ -62,23 +62,23 @@ TEST(AppliedForces, AFreeBodyAcceleratesAndKeepsItsTotalEnergy) {
 
 TEST(AppliedForces, ATorqueTurnsTheInertiaThatIsGiven) {
   const double torque = 0.6, inertia = 1.5, t = 2, rate = torque * t / inertia;
-  Run space(body3(R"("inertia": [1.2, 1.4, 1.5], "torque": [0, 0, 0.6])"));
+  Trial space(body3(R"("inertia": [1.2, 1.4, 1.5], "torque": [0, 0, 0.6])"));
   space.steps(200);
   EXPECT_NEAR(space.field("angular_velocity", 2), rate, 1e-9);
   EXPECT_NEAR(space.observed("energy.kinetic"), 0.5 * inertia * rate * rate, 1e-9);
   EXPECT_NEAR(space.observed("power.applied"), torque * rate, 1e-9);
   // The tensor's axes are the shape's: turned by 90 degrees about y, its x axis is the world's -z.
-  Run turned(
+  Trial turned(
       body3(R"("axis": [0, 1, 0], "angle": "90 deg", "inertia": [1.5, 1.4, 1.2], "torque": [0, 0, 0.6])"));
   turned.steps(200);
   EXPECT_NEAR(turned.field("angular_velocity", 2), rate, 1e-9);
-  Run plane(body2(R"("inertia": 1.5, "torque": 0.6)"));
+  Trial plane(body2(R"("inertia": 1.5, "torque": 0.6)"));
   const double before = plane.observed("energy.total");
   plane.steps(200);
   EXPECT_NEAR(plane.field("angular_velocity", 0), rate, 1e-6);
   EXPECT_NEAR(plane.observed("energy.kinetic"), 0.5 * inertia * rate * rate, 1e-5);
   EXPECT_NEAR(plane.observed("energy.total"), before, 1e-3);  // first order: torque^2 t h / (2 I)
-  Run link(
+  Trial link(
       R"({"type": "articulation", "id": "r", "links": [{"mass": 1, "inertia": [1.2, 1.4, 1.5], "axis": [0, 0, 1],
                "moment": [0, 0, 0.6]}]})");
   link.steps(200);
@@ -92,7 +92,7 @@ TEST(AppliedForces, AForceThatTurnsWithTheBodyLeadsInACircle) {
   for (const std::string& scene :
        {body3(R"("force": [4, 0, 0], "force_frame": "body", "angular_velocity": [0, 0, 3])"),
         body2(R"("force": [4, 0, 0], "force_frame": "body", "angular_velocity": 3)")}) {
-    Run run(scene);
+    Trial run(scene);
     run.steps(200);
     // Second order: w^2 h^2 / 24 of the speed.
     EXPECT_NEAR(run.field("velocity", 0), reach * std::sin(w * t), 1e-4);
@@ -112,7 +112,7 @@ TEST(AppliedForces, OnAFloorWithoutFrictionABodySlides) {
                                  "inertia": [1.2, 1.5, 1.2])",
               floor);
     scene.erase(scene.rfind("]}"), 1);
-    Run run(scene);
+    Trial run(scene);
     run.steps(200);
     EXPECT_NEAR(run.field("velocity", 0), 3, 3e-3) << precision;
     EXPECT_NEAR(run.field("angular_velocity", 1), 0.8, 3e-3) << precision;
@@ -124,16 +124,17 @@ TEST(AppliedForces, OnAFloorWithoutFrictionABodySlides) {
 TEST(AppliedForces, AForceOnALinkIsItsWeight) {
   const std::string link =
       R"("axis": [0, 0, 1], "mass": 2, "center": [0.5, 0, 0], "inertia": [0.1, 0.2, 0.2])";
-  Run pushed(R"({"type": "articulation", "id": "r", "links": [{)" + link + R"(, "force": [0, -19.62, 0]}]})");
-  Run heavy(R"({"type": "articulation", "id": "r", "gravity": [0, -9.81, 0], "links": [{)" + link + "}]}");
+  Trial pushed(R"({"type": "articulation", "id": "r", "links": [{)" + link +
+               R"(, "force": [0, -19.62, 0]}]})");
+  Trial heavy(R"({"type": "articulation", "id": "r", "gravity": [0, -9.81, 0], "links": [{)" + link + "}]}");
   const double before = pushed.observed("energy.total");
   pushed.steps(300), heavy.steps(300);
   EXPECT_NEAR(pushed.field("angular_velocity", 2), heavy.field("angular_velocity", 2), 1e-12);
   EXPECT_NEAR(pushed.observed("energy.total"), before, 1e-5);
   EXPECT_NEAR(pushed.observed("energy.potential"), heavy.observed("energy.potential"), 1e-10);
   // The control: a force that turns with the link pushes it round and round.
-  Run round(R"({"type": "articulation", "id": "r", "links": [{)" + link +
-            R"(, "force": [0, -19.62, 0], "force_frame": "link"}]})");
+  Trial round(R"({"type": "articulation", "id": "r", "links": [{)" + link +
+              R"(, "force": [0, -19.62, 0], "force_frame": "link"}]})");
   round.steps(300);
   EXPECT_NEAR(round.field("angular_velocity", 2), -19.62 * 0.5 / (0.2 + 2 * 0.25) * 3, 1e-6);
 }
