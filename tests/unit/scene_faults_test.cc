@@ -55,9 +55,9 @@ TEST(SceneFaults, ProbesNameFieldsAndRowsThatThereAre) {
 }
 
 TEST(SceneFaults, ObservablesAndQuantitiesAreOnesThatThereAre) {
-  const auto found = faults(rope(R"x("observables": ["energy", "r.strian", "r.momentum.x"], "expect": [
+  const auto found = faults(rope(R"s("observables": ["energy", "r.strian", "r.momentum.x"], "expect": [
     {"quantity": "max(r.strain.max)", "min": 0}, {"quantity": "max(r.strain.mix)", "min": 0},
-    {"quantity": "mean(energy.total)", "min": 0}, {"quantity": "energy.drift", "max": 1}])x"));
+    {"quantity": "mean(energy.total)", "min": 0}, {"quantity": "energy.drift", "max": 1}])s"));
   ASSERT_EQ(found.size(), 3u);
   EXPECT_EQ(text_of(found.at("/observables/1"), "did_you_mean"), "r.strain");
   EXPECT_EQ(text_of(found.at("/expect/1/quantity"), "did_you_mean"), "max(r.strain.max)");

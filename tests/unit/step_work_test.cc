@@ -9,7 +9,6 @@
 
 #include "engine/integrators/newton_matrix.h"
 #include "engine/math/solvers/symbolic_fill.h"
-#include "tests/support/stiff_problems.h"
 
 namespace truestep {
 namespace {

@@ -124,7 +124,8 @@ TEST(AppliedForces, OnAFloorWithoutFrictionABodySlides) {
 TEST(AppliedForces, AForceOnALinkIsItsWeight) {
   const std::string link =
       R"("axis": [0, 0, 1], "mass": 2, "center": [0.5, 0, 0], "inertia": [0.1, 0.2, 0.2])";
-  Trial pushed(R"({"type": "articulation", "id": "r", "links": [{)" + link + R"(, "force": [0, -19.62, 0]}]})");
+  Trial pushed(R"({"type": "articulation", "id": "r", "links": [{)" + link +
+               R"(, "force": [0, -19.62, 0]}]})");
   Trial heavy(R"({"type": "articulation", "id": "r", "gravity": [0, -9.81, 0], "links": [{)" + link + "}]}");
   const double before = pushed.observed("energy.total");
   pushed.steps(300), heavy.steps(300);
@@ -133,7 +134,7 @@ TEST(AppliedForces, AForceOnALinkIsItsWeight) {
   EXPECT_NEAR(pushed.observed("energy.potential"), heavy.observed("energy.potential"), 1e-10);
   // The control: a force that turns with the link pushes it round and round.
   Trial round(R"({"type": "articulation", "id": "r", "links": [{)" + link +
-            R"(, "force": [0, -19.62, 0], "force_frame": "link"}]})");
+              R"(, "force": [0, -19.62, 0], "force_frame": "link"}]})");
   round.steps(300);
   EXPECT_NEAR(round.field("angular_velocity", 2), -19.62 * 0.5 / (0.2 + 2 * 0.25) * 3, 1e-6);
 }
