@@ -30,6 +30,8 @@ struct ContactPass {
   T mass_scale;     ///< 1
   T impulse_scale;  ///< 1
   T push_out;       ///< m/s, fastest taking back
+  T gentle;         ///< m/s; faster, a body is taken out of another without keeping the speed
+  const Record8<T>* start = nullptr;  ///< scaled velocities before the pushes, where some are faster
 };
 
 template <class T>
@@ -66,6 +68,11 @@ struct alignas(64) ContactGroup {
   // Read only where the flags ask for it.
   W restitution;
   W roll_k[3], roll[2], rolling;
+  // Written only in substeps with deep overlaps.
+  struct Before {
+    W taken;  ///< 1 in lanes whose push is taken back
+    W impulse[kPoints], slide[2], twist, roll[2];
+  } before;
 };
 
 /// One manifold per lane, as the narrow phase found it.

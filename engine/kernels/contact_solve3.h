@@ -98,12 +98,28 @@ void solve_friction(ContactGroup<T>& g, Wide<T> v[6], Wide<T> f[6]) {
 }
 /// What every point should have for a relative velocity, negated; what is apart may close in one substep.
 template <ContactSolve kind, class T>
-Wide<T> wanted(const Wide<T>& s, const ContactPass<T>& pass) {
+Wide<T> wanted(const Wide<T>& s, const ContactPass<T>& pass, const Wide<T>& push_out) {
   using W = Wide<T>;
   if constexpr (kind == ContactSolve::push) {
-    return where_positive(s, s * W(pass.inverse_h), max(s * W(pass.bias_rate), W(-pass.push_out)));
+    return where_positive(s, s * W(pass.inverse_h), max(s * W(pass.bias_rate), -push_out));
   }
   return max(s, W(0)) * W(pass.inverse_h);
+}
+
+/// What a pair may still be pushed apart with (m/s): bodies in many others are not to add up all their
+/// pushes.
+template <class T>
+Wide<T> push_left(const ContactGroup<T>& g, const Wide<T> a[6], const Wide<T> b[6],
+                  const ContactPass<T>& pass) {
+  using W = Wide<T>;
+  W a0[6], b0[6], ea(0), eb(0);
+  gather6(pass.start, g.a, a0), gather6(pass.start, g.b, b0);
+  for (int k = 0; k < 6; ++k) {
+    const W da = a[k] - a0[k], db = b[k] - b0[k];
+    ea = madd(da, da, ea), eb = madd(db, db, eb);
+  }
+  const W gained = madd(g.root_a, sqrt(ea), g.root_b * sqrt(eb));
+  return max(nmadd(W(T(1.2)), gained, W(pass.push_out)), W(0));
 }
 
 /// 0 where a relaxation has to leave a point alone, 1 elsewhere: what bounces is not slowed before it hits.
@@ -117,13 +133,14 @@ Wide<T> held_back(const ContactGroup<T>& g, int p) {
 /// All six ways in which a patch holds at once. Lanes where that would pull, slide or twist are left as they
 /// are: 1 in `done` for the others.
 template <ContactSolve kind, class T>
-Wide<T> solve_patch(ContactGroup<T>& g, const Wide<T> v[6], Wide<T> f[6], const ContactPass<T>& pass) {
+Wide<T> solve_patch(ContactGroup<T>& g, const Wide<T> v[6], Wide<T> f[6], const ContactPass<T>& pass,
+                    const Wide<T>& push_out) {
   using W = Wide<T>;
   W slip[6] = {v[0], v[1] + g.slide_drift[0], v[2] + g.slide_drift[1], v[3] + g.twist_drift, v[4], v[5]};
   W held[3] = {}, before(0);  // force and torques of the normal impulses
   for (int p = 0; p < g.points; ++p) {
     const auto& at = g.place[p];
-    const W u = wanted<kind>(at.apart, pass) + at.drift;
+    const W u = wanted<kind>(at.apart, pass, push_out) + at.drift;
     slip[0] = madd(at.share[0], u, slip[0]);
     slip[4] = madd(at.share[1], u, slip[4]), slip[5] = madd(at.share[2], u, slip[5]);
     held[0] += at.impulse;
@@ -193,7 +210,8 @@ Wide<T> solve_patch(ContactGroup<T>& g, const Wide<T> v[6], Wide<T> f[6], const 
 
 /// The points' normal impulses one after the other.
 template <ContactSolve kind, class T>
-void solve_points(ContactGroup<T>& g, Wide<T> v[6], Wide<T> f[6], const ContactPass<T>& pass) {
+void solve_points(ContactGroup<T>& g, Wide<T> v[6], Wide<T> f[6], const ContactPass<T>& pass,
+                  const Wide<T>& push_out) {
   using W = Wide<T>;
   const W zero(0), one(1);
   // A point's impulse is one along n and two about the tangents: only those matter to the other points.
@@ -208,10 +226,10 @@ void solve_points(ContactGroup<T>& g, Wide<T> v[6], Wide<T> f[6], const ContactP
     if constexpr (kind == ContactSolve::push) {
       const W mass = where_positive(s, one, W(pass.mass_scale));
       const W leak = where_positive(s, zero, W(pass.impulse_scale));
-      total =
-          place.impulse - g.point_inverse[p] * mass * (speed + wanted<kind>(s, pass)) - leak * place.impulse;
+      total = place.impulse - g.point_inverse[p] * mass * (speed + wanted<kind>(s, pass, push_out)) -
+              leak * place.impulse;
     } else {
-      total = nmadd(g.point_inverse[p], speed + wanted<kind>(s, pass), place.impulse);
+      total = nmadd(g.point_inverse[p], speed + wanted<kind>(s, pass, push_out), place.impulse);
       total = total * held_back(g, p);
     }
     total = max(total, zero);
@@ -254,9 +272,11 @@ void solve_contacts(ContactGroup<T>& g, Record8<T>* records, const Record8<T>* d
   if constexpr (kind == ContactSolve::relax) update_separations(g, d, pass.elapsed);
   gather6(records, g.a, a), gather6(records, g.b, b);
   detail::relative_motion(g, a, b, v);
+  W push_out(pass.push_out);
+  if (kind == ContactSolve::push && pass.start) push_out = detail::push_left(g, a, b, pass);
   bool rest = true;
   if (g.points > 2 && !(g.flags & ContactGroup<T>::kRolls)) {
-    const W done = detail::solve_patch<kind>(g, v, f, pass);
+    const W done = detail::solve_patch<kind>(g, v, f, pass, push_out);
     rest = any_below(done, g.filled);
     if (kind == ContactSolve::push || rest) {
       for (int p = 0; p < 6; ++p) {
@@ -269,8 +289,58 @@ void solve_contacts(ContactGroup<T>& g, Record8<T>* records, const Record8<T>* d
   if (rest) {
     // Friction is bounded by the normal impulses of the last relaxation, never by what a push leaves.
     if constexpr (kind == ContactSolve::push) detail::solve_friction(g, v, f);
-    detail::solve_points<kind>(g, v, f, pass);
+    detail::solve_points<kind>(g, v, f, pass, push_out);
     if constexpr (kind == ContactSolve::relax) detail::solve_friction(g, v, f);
+  }
+  detail::push_apart(g, f, a, b);
+  scatter6(records, g.a, end, a), scatter6(records, g.b, end, b);
+}
+
+/// Below 0 in lanes that overlap so deeply that a push would be faster than `gentle`, and not because of
+/// their load: what a load presses in by itself is held there by as fast a push.
+template <class T>
+Wide<T> depth_left(const ContactGroup<T>& g, const ContactPass<T>& pass) {
+  using W = Wide<T>;
+  W least(T(1e30)), load(0);
+  for (int p = 0; p < g.points; ++p) {
+    const W left = madd(g.place[p].apart, W(pass.bias_rate), W(pass.gentle));
+    least = min(least, left * g.point_inverse[p]);
+    load += g.place[p].impulse;
+  }
+  return madd(load, W(2 * pass.impulse_scale / pass.mass_scale), least);
+}
+
+/// Before a push that will be taken back.
+template <class T>
+void remember_impulses(ContactGroup<T>& g) {
+  for (int p = 0; p < g.points; ++p) g.before.impulse[p] = g.place[p].impulse;
+  for (int t = 0; t < 2; ++t) g.before.slide[t] = g.slide[t], g.before.roll[t] = g.roll[t];
+  g.before.twist = g.twist;
+}
+
+/// Takes from the records what a push gave them since, in lanes where `taken` says so: bodies have moved by
+/// it, and keep no speed of it.
+template <class T>
+void take_push_back(ContactGroup<T>& g, Record8<T>* records, uint32_t end) {
+  using W = Wide<T>;
+  const W& taken = g.before.taken;
+  W a[6], b[6], f[6] = {};
+  gather6(records, g.a, a), gather6(records, g.b, b);
+  const auto back = [&](W& now, const W& before) {
+    const W change = taken * (before - now);
+    now += change;
+    return change;
+  };
+  for (int p = 0; p < g.points; ++p) {
+    auto& at = g.place[p];
+    const W change = back(at.impulse, g.before.impulse[p]);
+    f[0] += change;
+    f[4] = madd(at.y, change, f[4]), f[5] = nmadd(at.x, change, f[5]);
+  }
+  for (int t = 0; t < 2; ++t) f[1 + t] = back(g.slide[t], g.before.slide[t]);
+  f[3] = back(g.twist, g.before.twist);
+  if (g.flags & ContactGroup<T>::kRolls) {
+    for (int t = 0; t < 2; ++t) f[4 + t] += back(g.roll[t], g.before.roll[t]);
   }
   detail::push_apart(g, f, a, b);
   scatter6(records, g.a, end, a), scatter6(records, g.b, end, b);

@@ -61,6 +61,7 @@ std::optional<Energy> Rigid2d::energy(const State& s, double, Workspace&, const 
       driven = driven || flat::dot(u, u) + w[i] * w[i] > 0;
       continue;
     }
+    driven = driven || b.torque != 0 || flat::dot(b.force, b.force) > 0;
     e.kinetic += 0.5 * b.mass * flat::dot(u, u) + 0.5 * b.inertia * w[i] * w[i];
     e.potential -= b.mass * b.gravity_scale * (g[0] * at.x + g[1] * at.y);
     e.slack += b.mass * (0.5 * pushed * pushed + std::abs(b.gravity_scale) * down * b.reach);

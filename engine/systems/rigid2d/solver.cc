@@ -4,6 +4,7 @@
 #include <atomic>
 #include <cmath>
 
+#include "engine/kernels/islands.h"
 #include "engine/systems/rigid2d/solver_impact.h"
 
 namespace truestep::rigid2d {
@@ -63,6 +64,7 @@ void Solver<T>::place_bodies(const Model& model, const State& state, const Pairs
 
   rows_.assign(8 * (movers_.size() + 1), 0);
   push_.assign(8 * (movers_.size() + 1), 0);
+  start_.resize(rows_.size()), island_.resize(movers_.size() + 1), parts_.resize(movers_.size() + 1);
   const double* v = state.f64(columns::velocity).data();
   const auto w = state.f64(columns::angular_velocity);
   const auto g = state.f64(columns::parameters);
@@ -153,6 +155,41 @@ void Solver<T>::kick(JointPass pass, T h) {
 }
 
 template <class T>
+void Solver<T>::start_parting(T push_speed) {
+  std::copy(rows_.begin(), rows_.end(), start_.begin());
+  std::fill(parts_.begin(), parts_.end(), uint8_t{0});
+  start_islands(island_);
+  const uint32_t packs = contact_end_.empty() ? 0 : contact_end_.back();
+  const auto lanes = [&](auto&& visit) {
+    for (uint32_t p = 0; p < packs; ++p) {
+      for (int k = 0; k < Wide<T>::kLanes; ++k) visit(contacts_[p], k);
+    }
+  };
+  const auto island = [&](const ContactPack<T>& c, int k) {
+    const uint32_t body = std::min(c.a[k], c.b[k]);
+    return body < moved_ ? island_of(island_, body) : kNoPoint;
+  };
+  lanes([&](ContactPack<T>& c, int k) {
+    if (c.a[k] < moved_ && c.b[k] < moved_) link_islands(island_, c.a[k], c.b[k]);
+  });
+  for (uint32_t p = 0; p < packs; ++p) {
+    ContactPack<T>& c = contacts_[p];
+    remember_impulses(c);
+    Wide<T> separation[2];
+    separations(c, Ends<T>(rows_.data(), c.a, c.b), separation);
+    const Wide<T> left = depth_left(c, separation, push_speed);
+    for (int k = 0; k < Wide<T>::kLanes; ++k) {
+      const uint32_t i = island(c, k);
+      if (i != kNoPoint && left[k] < 0) parts_[i] = 1;
+    }
+  }
+  lanes([&](ContactPack<T>& c, int k) {
+    const uint32_t i = island(c, k);
+    c.before.taken.set(k, i != kNoPoint && parts_[i] ? T(1) : T(0));
+  });
+}
+
+template <class T>
 void Solver<T>::small_step(const SolverSettings& settings, const ThreadArena& arena) {
   const T h = static_cast<T>(settings.h), inverse_h = static_cast<T>(1 / settings.h);
   const T push_speed = static_cast<T>(settings.push_speed);
@@ -174,11 +211,14 @@ void Solver<T>::small_step(const SolverSettings& settings, const ThreadArena& ar
   each_colour(arena, hinges_, hinge_end_, [&](HingePack<T>& p) { warm_start(p, rows, moved); });
   each_colour(arena, contacts_, contact_end_, [&](ContactPack<T>& p) { warm_start(p, rows, moved); });
 
+  const bool parts = deep_.exchange(false);
+  if (parts) start_parting(push_speed);
+  const T* start = parts ? start_.data() : nullptr;
   for (JointRow<T>& j : joints_) solve_joint(j, rows, moved, JointPass::bias, h);
   each_colour(arena, hinges_, hinge_end_,
               [&](HingePack<T>& p) { solve_hinges<Pass::bias>(p, rows, moved, soft, h); });
   each_colour_back(arena, contacts_, contact_end_, [&](ContactPack<T>& p) {
-    solve_contacts<Pass::bias>(p, rows, moved, inverse_h, push_speed);
+    solve_contacts<Pass::bias>(p, rows, moved, inverse_h, push_speed, start);
   });
 
   arena.for_blocks(movers_.size(), kBlock, [&](size_t begin, size_t end) {
@@ -191,11 +231,14 @@ void Solver<T>::small_step(const SolverSettings& settings, const ThreadArena& ar
     }
   });
 
+  if (parts) {
+    each_colour(arena, contacts_, contact_end_, [&](ContactPack<T>& p) { take_push_back(p, rows, moved); });
+  }
   for (JointRow<T>& j : joints_) solve_joint(j, rows, moved, JointPass::relax, h);
   each_colour(arena, hinges_, hinge_end_,
               [&](HingePack<T>& p) { solve_hinges<Pass::relax>(p, rows, moved, soft, h); });
   each_colour_back(arena, contacts_, contact_end_, [&](ContactPack<T>& p) {
-    solve_contacts<Pass::relax>(p, rows, moved, inverse_h, push_speed);
+    if (solve_contacts<Pass::relax>(p, rows, moved, inverse_h, push_speed, start)) deep_ = true;
   });
 }
 
@@ -274,6 +317,12 @@ void Solver<T>::solve(const Model& model, State& state, const Pairs& pairs, Hand
   }
   choose_sprung(pairs);
   if (springs_) kick(JointPass::unkick, h);
+  deep_ = false;
+  for (uint32_t p = 0; p < packs; ++p) {
+    const Wide<T> separation[2] = {contacts_[p].point[0].separation, contacts_[p].point[1].separation};
+    const Wide<T> left = depth_left(contacts_[p], separation, static_cast<T>(settings.push_speed));
+    if (any_below(left, Wide<T>::zero())) deep_ = true;
+  }
   for (int i = 0; i < settings.steps; ++i) small_step(settings, arena);
   if (springs_) kick(JointPass::kick, h);
   store_bodies(state, settings.h * settings.steps, arena);

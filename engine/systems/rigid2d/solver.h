@@ -6,6 +6,7 @@
 // packed by colour, as many side by side as the machine has lanes. Poses stay f64 outside.
 #pragma once
 #include <array>
+#include <atomic>
 #include <vector>
 
 #include "engine/base/cache_line.h"
@@ -67,6 +68,11 @@ struct ContactPack {
   W held;                              // the coupling, or a little less where K has no inverse
   Point point[2];
   uint32_t rolls, bounces;
+  // Written only in small steps with deep overlaps.
+  struct Before {
+    W taken;  // 1 in lanes whose push is taken back
+    W normal[2], tangent[2], rolling;
+  } before;
 };
 
 /// Joints that only hold two points together, side by side.
@@ -126,6 +132,8 @@ class Solver {
   /// (oscillator_step).
   void choose_sprung(const Pairs& pairs);
   void kick(JointPass pass, T h);
+  /// Marks the lanes of islands in which a contact is deep, and remembers impulses and velocities.
+  void start_parting(T push_speed);
   void small_step(const SolverSettings& settings, const ThreadArena& arena);
   void store_bodies(State& state, double dt, const ThreadArena& arena) const;
   void store_joints(const Model& model, State& state, Hands& hands, const SolverSettings& settings) const;
@@ -137,6 +145,10 @@ class Solver {
   Aligned<T> push_;  // per row: change of vx vy w per small step, factors of damping
   Aligned<T> late_;  // per row: shift and angle of bodies that hit within the small step
   bool bounces_ = false;
+  std::atomic<bool> deep_ = false;  // some overlap deeply
+  Aligned<T> start_;                // rows before the pushes, where some overlap deeply
+  std::vector<uint32_t> island_;
+  std::vector<uint8_t> parts_;
   Aligned<ContactPack<T>> contacts_;
   Aligned<HingePack<T>> hinges_;
   std::vector<uint32_t> contact_end_, hinge_end_;  // packs of every colour end here

@@ -76,12 +76,77 @@ void separations(const ContactPack<T>& c, const Ends<T>& e, Wide<T> out[2]) {
   }
 }
 
+/// Share of push_speed up to which pushes may leave their speed to the relaxation, which takes back most of
+/// it: walls and towers lean where positions are corrected apart from velocities.
+inline constexpr double kGentlePush = 1.0 / 32;
+
+/// Below 0 in lanes that overlap so deeply that a push would be faster than that, and not because of their
+/// load: what a load presses in by itself is held there by as fast a push.
+template <class T>
+Wide<T> depth_left(const ContactPack<T>& c, const Wide<T> separation[2], T push_speed) {
+  using W = Wide<T>;
+  const W gentle = W::all(T(kGentlePush) * push_speed);
+  const auto left = [&](int i) { return c.point[i].normal_mass * madd(c.bias_rate, separation[i], gentle); };
+  const W load = c.point[0].normal + c.point[1].normal;
+  return madd(W::all(2) * c.impulse_scale, load, c.mass_scale * min(left(0), left(1)));
+}
+
+template <class T>
+void remember_impulses(ContactPack<T>& c) {
+  for (int i = 0; i < 2; ++i) {
+    c.before.normal[i] = c.point[i].normal, c.before.tangent[i] = c.point[i].tangent;
+  }
+  c.before.rolling = c.rolling_impulse;
+}
+
+/// Takes from the rows what a push gave them since, in lanes where `taken` says so: bodies have moved by it,
+/// and keep no speed of it.
+template <class T>
+void take_push_back(ContactPack<T>& c, T* rows, uint32_t moved) {
+  using W = Wide<T>;
+  Ends<T> e(rows, c.a, c.b);
+  const auto back = [&](W& now, const W& before) {
+    const W change = c.before.taken * (before - now);
+    now += change;
+    return change;
+  };
+  for (int i = 0; i < 2; ++i) {
+    auto& p = c.point[i];
+    const W n = back(p.normal, c.before.normal[i]), t = back(p.tangent, c.before.tangent[i]);
+    e.push(nmadd(t, c.ny, n * c.nx), madd(t, c.nx, n * c.ny), p.ax, p.ay, p.bx, p.by);
+  }
+  if (c.rolls) {
+    const W d = back(c.rolling_impulse, c.before.rolling);
+    e.a[2] = nmadd(e.a[7], d, e.a[2]), e.b[2] = madd(e.b[7], d, e.b[2]);
+  }
+  e.store(rows, moved);
+}
+
+/// What a pair may still be pushed apart with (m/s): bodies in many others are not to add up all their
+/// pushes.
+template <class T>
+Wide<T> push_left(const ContactPack<T>& c, const Ends<T>& e, const T* start, T push_speed) {
+  using W = Wide<T>;
+  const Ends<T> before(start, c.a, c.b);
+  const auto gained = [](const W now[8], const W then[8]) {
+    const W x = now[0] - then[0], y = now[1] - then[1], w = now[2] - then[2];
+    // Turning counts by the radius of gyration.
+    const W inertia = select(now[7] > W::zero(), W::all(1) / now[7], W::zero());
+    return sqrt(madd(w * w, now[3] * inertia, madd(x, x, y * y)));
+  };
+  const W all = gained(e.a, before.a) + gained(e.b, before.b);
+  return max(nmadd(W::all(T(1.2)), all, W::all(push_speed)), W::zero());
+}
+
+/// `start`: rows before the pushes of this small step where some overlap deeply, else null. True (in a
+/// relaxation) where a contact is deep.
 template <Pass kPass, class T>
-void solve_contacts(ContactPack<T>& c, T* rows, uint32_t moved, T inverse_h, T push_speed) {
+bool solve_contacts(ContactPack<T>& c, T* rows, uint32_t moved, T inverse_h, T push_speed, const T* start) {
   using W = Wide<T>;
   const W zero = W::zero(), one = W::all(1);
   Ends<T> e(rows, c.a, c.b);
-  W vx, vy;
+  W vx, vy, most_push = W::all(push_speed);
+  if (kPass == Pass::bias && start) most_push = push_left(c, e, start, push_speed);
 
   // Friction first: what keeps bodies apart has the last word. The tangent is the normal turned left.
   W load = zero;
@@ -114,7 +179,7 @@ void solve_contacts(ContactPack<T>& c, T* rows, uint32_t moved, T inverse_h, T p
     W bias = s * W::all(inverse_h);
     g[i] = p.normal_mass;
     if constexpr (kPass == Pass::bias) {
-      bias = select(apart, bias, max(c.bias_rate * s, W::all(-push_speed)));
+      bias = select(apart, bias, max(c.bias_rate * s, -most_push));
       g[i] = select(apart, g[i], g[i] * c.mass_scale);
     } else {
       bias = select(apart, bias, zero);
@@ -150,6 +215,7 @@ void solve_contacts(ContactPack<T>& c, T* rows, uint32_t moved, T inverse_h, T p
     e.push(d * c.nx, d * c.ny, p.ax, p.ay, p.bx, p.by);
   }
   e.store(rows, moved);
+  return kPass == Pass::relax && any_below(depth_left(c, separation, push_speed), zero);
 }
 
 template <class T>

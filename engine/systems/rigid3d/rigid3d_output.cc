@@ -97,6 +97,7 @@ std::optional<Energy> Rigid3d::energy(const State& s, double, Workspace&, const 
       driven = driven || norm2(u) + norm2(spin) > 0;
       continue;
     }
+    driven = driven || b.forced();
     const Vec3 L = free_rotation::momentum({load_quat(q, i), spin}, b.moments);
     e.kinetic += 0.5 * b.mass * norm2(u) + 0.5 * dot(L, spin);
     e.potential -= b.mass * b.gravity_scale * dot(g, load3(x, i));

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "engine/kernels/free_rotation.h"
+#include "engine/kernels/islands.h"
 
 namespace truestep {
 
@@ -17,6 +18,9 @@ constexpr int kImpactRounds = 64;
 constexpr size_t kBodiesPerBlock = 256;
 /// Sweeps for the loads that a scene starts with, and groups of contacts that these may take in all.
 constexpr size_t kLoadSweeps = 2000, kLoadGroups = 200'000;
+/// Share of push_out_speed up to which pushes may leave their speed to the relaxation, which takes back most
+/// of it: walls and towers lean where positions are corrected apart from velocities.
+constexpr double kGentlePush = 1.0 / 32;
 /// rad/s; slower bodies change their axis of rotation by less than a float shows.
 constexpr double kSlowSpin = 1e-2;
 
@@ -85,7 +89,7 @@ void ContactSolver<T>::load_bodies(const State& s, std::span<const BodyKind> kin
   const auto kind = s.span<uint32_t>(columns::kind);
   const double *v = s.f64(columns::velocity).data(), *w = s.f64(columns::angular_velocity).data();
   const size_t n = body_.size();
-  scaled_.resize(n), moments_.resize(n);
+  scaled_.resize(n), moments_.resize(n), island_.resize(n), parts_.resize(n);
   for (auto* r : {&velocity_, &displacement_, &change_, &warm_, &start_}) r->resize(n + 1);
   damped_ = false;
   const double part = 1.0 / settings.substeps;
@@ -171,13 +175,24 @@ void ContactSolver<T>::substeps(const State& s, const JointList& joints, const S
   const auto end = static_cast<uint32_t>(n);
   const double h = in.h / settings.substeps;
   const auto soft = contact_softness(settings, h);
-  ContactPass<T> pass{
-      T(1 / h), 0, T(soft.bias_rate), T(soft.mass_scale), T(soft.impulse_scale), T(settings.push_out_speed)};
+  ContactPass<T> pass{T(1 / h),
+                      0,
+                      T(soft.bias_rate),
+                      T(soft.mass_scale),
+                      T(soft.impulse_scale),
+                      T(settings.push_out_speed),
+                      T(kGentlePush * settings.push_out_speed)};
   Record8<T>*v = velocity_.data(), *d = displacement_.data();
   for (size_t g = 0; g < contact_lanes_.count; ++g) flags_ |= groups_[g].flags;
   const bool bounces = flags_ & ContactGroup<T>::kBounces;
-  each_colour(contact_lanes_, groups_, team_,
-              [&](ContactGroup<T>& g) { apply_contacts(g, warm_.data(), end); });
+  std::atomic<bool> deep = false;
+  const auto look = [&](const ContactGroup<T>& g) {
+    if (any_below(depth_left(g, pass), W(0))) deep.store(true, std::memory_order_relaxed);
+  };
+  each_colour(contact_lanes_, groups_, team_, [&](ContactGroup<T>& g) {
+    apply_contacts(g, warm_.data(), end);
+    look(g);
+  });
   joints_.start(joints, d, warm_.data(), h, team_);
   balls_.start(warm_.data(), team_);
   if (jointed_) foresee_spin(settings.substeps, h);
@@ -197,6 +212,9 @@ void ContactSolver<T>::substeps(const State& s, const JointList& joints, const S
     // There and back: sweeps in one order only would feed bodies that rest on several others, because the
     // impulses they start from sum up what the sweeps left (eigenvalues of the iteration become complex).
     const ColourOrder order = k % 2 == 0 ? ColourOrder::forth : ColourOrder::back;
+    const bool parts = deep.exchange(false);
+    pass.start = parts ? start_.data() : nullptr;
+    if (parts) start_parting(pass);
     joints_.push(v, team_);
     balls_.push(v, team_);
     each_colour(contact_lanes_, groups_, team_, order,
@@ -212,10 +230,15 @@ void ContactSolver<T>::substeps(const State& s, const JointList& joints, const S
     // in every substep by the directions that it had before.
     joints_.renew(d, warm_.data(), pass.elapsed, team_);
     balls_.renew(d, warm_.data(), team_);
+    if (parts) {
+      each_colour(contact_lanes_, groups_, team_, [&](ContactGroup<T>& g) { take_push_back(g, v, end); });
+    }
     joints_.relax(v, team_);
     balls_.relax(v, team_);
-    each_colour(contact_lanes_, groups_, team_, order,
-                [&](ContactGroup<T>& g) { solve_contacts<ContactSolve::relax>(g, v, d, end, pass); });
+    each_colour(contact_lanes_, groups_, team_, order, [&](ContactGroup<T>& g) {
+      solve_contacts<ContactSolve::relax>(g, v, d, end, pass);
+      look(g);
+    });
     each_body([&](size_t i) {
       for (int e = 0; e < 8; ++e) warm_[i].x[e] += v[i].x[e] - start_[i].x[e];
     });
@@ -268,6 +291,38 @@ void ContactSolver<T>::kick(T times) {
     for (int e = 0; e < 8; ++e) v[i].x[e] += T(0.5) * times * change_[i].x[e];
   }
   joints_.kick(v, times, team_);
+}
+
+template <class T>
+void ContactSolver<T>::start_parting(const ContactPass<T>& pass) {
+  start_islands(island_);
+  const auto lanes = [&](auto&& visit) {
+    for (size_t g = 0; g < contact_lanes_.count; ++g) {
+      for (int lane = 0; lane < W::kLanes; ++lane) visit(groups_[g], lane);
+    }
+  };
+  lanes([&](ContactGroup<T>& g, int lane) {
+    if (g.a[lane] < island_.size() && g.b[lane] < island_.size()) {
+      link_islands(island_, g.a[lane], g.b[lane]);
+    }
+  });
+  const auto island = [&](const ContactGroup<T>& g, int lane) {
+    const uint32_t body = std::min(g.a[lane], g.b[lane]);
+    return body < island_.size() ? island_of(island_, body) : kNoBody;
+  };
+  std::fill(parts_.begin(), parts_.end(), uint8_t{0});
+  for (size_t k = 0; k < contact_lanes_.count; ++k) {
+    const W left = depth_left(groups_[k], pass);
+    for (int lane = 0; lane < W::kLanes; ++lane) {
+      const uint32_t i = island(groups_[k], lane);
+      if (i != kNoBody && left[lane] < 0) parts_[i] = 1;
+    }
+  }
+  lanes([&](ContactGroup<T>& g, int lane) {
+    const uint32_t i = island(g, lane);
+    g.before.taken.set(lane, i != kNoBody && parts_[i] ? T(1) : T(0));
+    if (lane == 0) remember_impulses(g);
+  });
 }
 
 template <class T>

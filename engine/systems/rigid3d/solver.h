@@ -52,6 +52,8 @@ class ContactSolver {
   void find_loads(std::span<Contact* const> contacts, const SolverSettings& settings, double h);
   /// Lets contacts bounce that close within a substep.
   void hit(const ImpactPass<T>& pass, int substeps_left);
+  /// Marks the lanes of islands in which a contact is deep, and remembers their impulses.
+  void start_parting(const ContactPass<T>& pass);
   void store_impulses(std::span<Contact* const> contacts, const ContactPadding& padding);
   void store_bodies(State& s);
   template <class Body>
@@ -59,6 +61,8 @@ class ContactSolver {
   template <class U>
   using Aligned = std::vector<U, CacheLineAllocator<U>>;
   std::vector<uint32_t> slot_, body_;
+  std::vector<uint32_t> island_;  // per body that moves, where some overlap deeply
+  std::vector<uint8_t> parts_;
   std::vector<ScaledBody> scaled_;
   std::vector<Vec3> moments_;
   std::vector<Vec3> twist_;  ///< change of spin per substep by torques, about principal axes; empty: none
