@@ -31,7 +31,8 @@ std::regex pattern(std::string_view name) {
 TEST(SystemOutputs, WhatGalleryScenesGiveOutIsListed) {
   std::set<std::string> seen;
   // What no gallery scene has.
-  std::vector<std::string> texts{R"({"systems": [{"type": "pendulum"}, {"type": "rigid2d", "bodies": [
+  std::vector<std::string> texts{
+      R"({"systems": [{"type": "pendulum"}, {"type": "oscillator"}, {"type": "rigid2d", "bodies": [
     {"motion": "fixed", "sensor": true, "shapes": [{"type": "circle"}]}]}]})"};
   for (const GalleryScene& g : gallery()) texts.emplace_back(g.text);
   for (const std::string& text : texts) {
