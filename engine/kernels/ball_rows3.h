@@ -68,19 +68,23 @@ void apply_balls(const BallGroup<T>& g, Record8<T>* records, uint32_t end) {
 }
 
 /// Follows bodies that moved (m) and turned (rad, in the world) by `moved`; `warm` holds the impulses of all.
-template <class T>
+template <Renewal renewal, class T>
 void renew_balls(BallGroup<T>& g, const Record8<T>* moved, Record8<T>* warm, uint32_t end) {
   using W = Wide<T>;
   namespace r = contact_rows;
   W a[6], b[6], wa[6], wb[6];
   gather6(moved, g.a, a), gather6(moved, g.b, b);
-  gather6(warm, g.a, wa), gather6(warm, g.b, wb);
-  for (int k = 0; k < 3; ++k) g.gap[k] += (b[k] - a[k]) + (g.arm_a[k] - g.arm_b[k]);
   const auto turn = [](const W t[3], W x[3]) {
     W out[3];
     detail::turn_arm(t, x, out);
     for (int k = 0; k < 3; ++k) x[k] = out[k];
   };
+  if constexpr (renewal == Renewal::last) {
+    for (int j = 0; j < 3; ++j) turn(a + 3, g.spin_a[j]), turn(b + 3, g.spin_b[j]);
+    return detail::invert_ball(g);
+  }
+  gather6(warm, g.a, wa), gather6(warm, g.b, wb);
+  for (int k = 0; k < 3; ++k) g.gap[k] += (b[k] - a[k]) + (g.arm_a[k] - g.arm_b[k]);
   turn(a + 3, g.arm_a), turn(b + 3, g.arm_b);
   for (int k = 0; k < 3; ++k) g.gap[k] += g.arm_b[k] - g.arm_a[k];
   detail::bend_gap(a + 3, g.arm_a, b + 3, g.arm_b, g.bend);

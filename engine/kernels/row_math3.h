@@ -5,6 +5,9 @@
 
 namespace truestep {
 
+/// Whether another substep follows that starts from what joints carry.
+enum class Renewal : uint8_t { goes_on, last };
+
 enum class ContactSolve : uint8_t {
   push,  ///< depths are taken back
   relax  ///< velocities only: takes out what `push` put in

@@ -67,8 +67,8 @@ Articulation::Articulation(std::unique_ptr<const ArticulationField> field, const
 
 Energy::Exchange Articulation::exchange(const State& s) const {
   const auto torque = s.f64(Columns::kTorque);
-  const bool driven =
-      std::ranges::any_of(torque, [](double t) { return t != 0; }) || s.f64(Columns::kPushRemaining)[0] > 0;
+  const bool driven = !tree_.model().loads.empty() || s.f64(Columns::kPushRemaining)[0] > 0 ||
+                      std::ranges::any_of(torque, [](double t) { return t != 0; });
   return driven ? Energy::Exchange::open : Energy::Exchange::closed;
 }
 

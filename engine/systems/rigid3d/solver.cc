@@ -228,8 +228,9 @@ void ContactSolver<T>::substeps(const State& s, const JointList& joints, const S
     pass.elapsed = T((k + 1) * h);
     // Velocities have to suit the joints where they are by now: what swings would lose (h w)^2 of its energy
     // in every substep by the directions that it had before.
-    joints_.renew(d, warm_.data(), pass.elapsed, team_);
-    balls_.renew(d, warm_.data(), team_);
+    const Renewal renewal = k + 1 < settings.substeps ? Renewal::goes_on : Renewal::last;
+    joints_.renew(d, warm_.data(), pass.elapsed, renewal, team_);
+    balls_.renew(d, warm_.data(), renewal, team_);
     if (parts) {
       each_colour(contact_lanes_, groups_, team_, [&](ContactGroup<T>& g) { take_push_back(g, v, end); });
     }
@@ -250,8 +251,9 @@ template <class T>
 void ContactSolver<T>::foresee_spin(int substeps, double h) {
   each_body([&](size_t i) {
     const T* warm = warm_[i].x;
-    if (warm[3] == 0 && warm[4] == 0 && warm[5] == 0) return;
-    const Vec3 r = roots(moments_[i]);
+    const Vec3& moments = moments_[i];
+    if (moments.x == moments.y && moments.y == moments.z) return;
+    const Vec3 r = roots(moments);
     const auto own = [&r](const T* x) { return Vec3{x[3] / r.x, x[4] / r.y, x[5] / r.z}; };
     const Vec3 spin = own(velocity_[i].x);
     if (norm2(spin) <= kSlowSpin * kSlowSpin) return;

@@ -108,7 +108,8 @@ void BallSolver<T>::start(Record8<T>* warm, const ThreadTeam& team) {
 }
 
 template <class T>
-void BallSolver<T>::renew(const Record8<T>* displacement, Record8<T>* warm, const ThreadTeam& team) {
+void BallSolver<T>::renew(const Record8<T>* displacement, Record8<T>* warm, Renewal renewal,
+                          const ThreadTeam& team) {
   if (lanes_.count == 0) return;
   for (size_t i = 0; i < end_; ++i) {
     const T *to = displacement[i].x, *from = seen_[i].x, *s = unscaled_[i].turn;
@@ -119,7 +120,13 @@ void BallSolver<T>::renew(const Record8<T>* displacement, Record8<T>* warm, cons
     for (int e = 0; e < 3; ++e) out[3 + e] = s[e] * turn[0] + s[3 + e] * turn[1] + s[6 + e] * turn[2];
   }
   std::copy_n(displacement, end_, seen_.begin());
-  each_colour(lanes_, groups_, team, [&](BallGroup<T>& g) { renew_balls(g, moved_.data(), warm, end_); });
+  each_colour(lanes_, groups_, team, [&](BallGroup<T>& g) {
+    if (renewal == Renewal::last) {
+      renew_balls<Renewal::last>(g, moved_.data(), warm, end_);
+    } else {
+      renew_balls<Renewal::goes_on>(g, moved_.data(), warm, end_);
+    }
+  });
 }
 
 template <class T>

@@ -26,7 +26,7 @@ class BallSolver {
   void start(Record8<T>* warm, const ThreadTeam& team);
   /// When the bodies have moved: what joints carry turns with them; `displacement` (scaled) is what they
   /// moved since the step's start.
-  void renew(const Record8<T>* displacement, Record8<T>* warm, const ThreadTeam& team);
+  void renew(const Record8<T>* displacement, Record8<T>* warm, Renewal renewal, const ThreadTeam& team);
   void push(Record8<T>* v, const ThreadTeam& team);
   void relax(Record8<T>* v, const ThreadTeam& team);
   /// What the next step starts from, once the bodies of `s` are where they go; h: a substep. Joints that

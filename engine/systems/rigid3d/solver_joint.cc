@@ -253,14 +253,15 @@ void JointSolver<T>::start(const JointList& joints, const Record8<T>* moved, Rec
 }
 
 template <class T>
-void JointSolver<T>::renew(const Record8<T>* moved, Record8<T>* warm, double elapsed,
+void JointSolver<T>::renew(const Record8<T>* moved, Record8<T>* warm, double elapsed, Renewal renewal,
                            const ThreadTeam& team) {
+  const bool last = renewal == Renewal::last;
   for (const GearRow<T>& gear : gears_) apply_gear(gear, warm, end_, T(-1));
   each_colour(lanes_, groups_, team, [&](JointGroup<T>& g) {
     const JointDrive<T>* drives = drives_.data() + g.first_drive;
-    apply_joints(g, drives, warm, end_, T(-1));
+    if (!last) apply_joints(g, drives, warm, end_, T(-1));
     prepare(g, moved, elapsed);
-    apply_joints(g, drives, warm, end_, T(1));
+    if (!last) apply_joints(g, drives, warm, end_, T(1));
   });
   for (GearRow<T>& gear : gears_) {
     prepare_gear<T>(gear, groups_, drives_, end_);

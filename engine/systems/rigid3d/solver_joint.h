@@ -48,7 +48,8 @@ class JointSolver {
   /// Half a pull of those where they are now, `times` over.
   void kick(Record8<T>* v, T times, const ThreadTeam& team);
   /// When the bodies have moved, `elapsed` (s) after the step's start: what joints carry turns with them.
-  void renew(const Record8<T>* moved, Record8<T>* warm, double elapsed, const ThreadTeam& team);
+  void renew(const Record8<T>* moved, Record8<T>* warm, double elapsed, Renewal renewal,
+             const ThreadTeam& team);
   /// Softness of joints, for substeps of h.
   static SoftConstraint<double> softness(double h);
   void push(Record8<T>* v, const ThreadTeam& team);
