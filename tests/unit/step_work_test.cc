@@ -86,8 +86,8 @@ TEST(StepWork, ALargeNetCostsWhatItsFactorsCost) {
 }
 
 TEST(StepWork, ExplicitMethodsHaveNone) {
-  const test::Rober f;
-  const std::vector<double> y{1, 0, 0};
+  const Net f(2, 2, 1);
+  const std::vector<double> y(4, 0.5);
   EXPECT_FALSE(implicit_step_work(*find_integrator("rk4"), f, 10, 1, y.data(), {}));
 }
 

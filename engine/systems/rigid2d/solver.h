@@ -126,6 +126,8 @@ class Solver {
   void start_contacts(const Pairs& pairs, double h);
   /// The contacts through which bodies at rest carry others, the highest first.
   void list_bearings(const Pairs& pairs, double h);
+  /// Marks in parts_ the bodies of islands in which every load lies above what bears it.
+  void find_balance();
   /// Lets contacts bounce that close within a small step.
   void hit_contacts(const SolverSettings& settings, const ThreadArena& arena);
   /// Bodies on which springs act alone begin and end a step with half of what pulls them in a small step

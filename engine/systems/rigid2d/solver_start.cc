@@ -3,11 +3,13 @@
 // knew of its top. Where no contact continues another, loads are handed down once, from the highest body to
 // the lowest: what a body carries and weighs is shared by the contacts below it as  N_c = load cos_c / sum
 // cos^2  (cos between normal and vertical), and the pads of these contacts start as thick as they give way
-// under N_c. Exact for stacks, near it for piles of boxes; the sweeps correct the rest. It knows nothing of
-// thrust along the horizontal (arches).
+// under N_c. Exact for stacks, near it for piles of boxes; the sweeps correct the rest. Islands with a body
+// whose load lies beside what it rests on start without: they topple, and springs under load would throw them
+// up. It knows nothing of thrust along the horizontal (arches).
 #include <algorithm>
 #include <cmath>
 
+#include "engine/kernels/islands.h"
 #include "engine/systems/rigid2d/solver_contact.h"
 
 namespace truestep::rigid2d {
@@ -57,9 +59,11 @@ void Solver<T>::start_contacts(const Pairs& pairs, double h) {
     load_[r] = std::hypot(push_[8 * r], push_[8 * r + 1]) / static_cast<double>(rows_[8 * r + 3]);
   }
   for (const Bearing& b : bearings_) share_[b.upper] += b.lean * b.lean;
+  find_balance();
   for (const Bearing& b : bearings_) {
     const double normal = load_[b.upper] * b.lean / share_[b.upper];
     load_[b.lower] += normal * b.lean;
+    if (!parts_[b.upper]) continue;
     ContactPack<T>& c = contacts_[b.pack];
     const int points = c.point[1].normal_mass[b.lane] > 0 ? 2 : 1;
     double pad = 0;
@@ -75,6 +79,49 @@ void Solver<T>::start_contacts(const Pairs& pairs, double h) {
       p.separation.set(b.lane, p.separation[b.lane] - static_cast<T>(pad));
     }
   }
+}
+
+template <class T>
+void Solver<T>::find_balance() {
+  const double speed = std::hypot(push_[0], push_[1]);
+  const Vec2 along{-push_[1] / speed, push_[0] / speed};
+  struct Seat {
+    double load = 0, moment = 0, low = HUGE_VAL, high = -HUGE_VAL;
+  };
+  std::vector<Seat> seat(movers_.size() + 1);
+  for (size_t r = 0; r <= movers_.size(); ++r) seat[r].load = load_[r];
+  // Where along the horizontal a point of a contact is, seen from a body's centre.
+  const auto place = [&](const Bearing& b, uint32_t body, int i) {
+    const ContactPack<T>& c = contacts_[b.pack];
+    const auto& p = c.point[i];
+    const bool first = body == static_cast<uint32_t>(c.a[b.lane]);
+    return along.x * static_cast<double>(first ? p.ax[b.lane] : p.bx[b.lane]) +
+           along.y * static_cast<double>(first ? p.ay[b.lane] : p.by[b.lane]);
+  };
+  for (const Bearing& b : bearings_) {
+    const int points = contacts_[b.pack].point[1].normal_mass[b.lane] > 0 ? 2 : 1;
+    double middle = 0;
+    for (int i = 0; i < points; ++i) {
+      const double x = place(b, b.upper, i);
+      seat[b.upper].low = std::min(seat[b.upper].low, x),
+      seat[b.upper].high = std::max(seat[b.upper].high, x);
+      middle += place(b, b.lower, i) / points;
+    }
+    const double handed = seat[b.upper].load * b.lean * b.lean / share_[b.upper];
+    seat[b.lower].load += handed, seat[b.lower].moment += handed * middle;
+  }
+  start_islands(island_);
+  for (const Bearing& b : bearings_) {
+    if (b.lower < moved_) link_islands(island_, b.upper, b.lower);
+  }
+  std::fill(parts_.begin(), parts_.end(), uint8_t{1});
+  for (uint32_t r = 0; r < moved_; ++r) {
+    const Seat& on = seat[r];
+    const double slack = 1e-3 * (on.high - on.low);
+    parts_[r] = on.high < on.low ||
+                (on.moment >= (on.low - slack) * on.load && on.moment <= (on.high + slack) * on.load);
+  }
+  spread_minimum<uint8_t>(island_, {parts_.data(), island_.size()});
 }
 
 template void Solver<float>::start_contacts(const Pairs&, double);

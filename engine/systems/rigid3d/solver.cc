@@ -135,6 +135,30 @@ void ContactSolver<T>::each_body(Body&& body) {
 }
 
 template <class T>
+void ContactSolver<T>::find_resting() {
+  /// Share of what forces would give a body that may be left when it is held, and how much of that it may move
+  /// already.
+  constexpr double kHeld = 0.05, kStill = 2;
+  const auto size2 = [](const Record8<T>& r) {
+    double sum = 0;
+    for (int e = 0; e < 6; ++e) sum += double(r.x[e]) * double(r.x[e]);
+    return sum;
+  };
+  start_islands(island_);
+  for (size_t g = 0; g < contact_lanes_.count; ++g) {
+    for (int lane = 0; lane < W::kLanes; ++lane) {
+      const uint32_t a = groups_[g].a[lane], b = groups_[g].b[lane];
+      if (a < island_.size() && b < island_.size()) link_islands(island_, a, b);
+    }
+  }
+  for (size_t i = 0; i < body_.size(); ++i) {
+    const double pull = size2(change_[i]);
+    parts_[i] = size2(start_[i]) <= kHeld * kHeld * pull && size2(velocity_[i]) <= kStill * kStill * pull;
+  }
+  spread_minimum<uint8_t>(island_, {parts_.data(), island_.size()});
+}
+
+template <class T>
 void ContactSolver<T>::find_loads(std::span<Contact* const> contacts, const SolverSettings& settings,
                                   double step) {
   const auto end = static_cast<uint32_t>(body_.size());
@@ -150,12 +174,15 @@ void ContactSolver<T>::find_loads(std::span<Contact* const> contacts, const Solv
                   solve_contacts<ContactSolve::relax>(g, start_.data(), displacement_.data(), end, pass);
                 });
   }
+  find_resting();
   const double gives_way = pad_at_rest(contact_padding(settings, step));
   for (size_t k = 0; k < contact_lanes_.count; ++k) {
     ContactGroup<T>& g = groups_[k];
     for (int lane = 0; lane < W::kLanes; ++lane) {
       const uint32_t m = contact_lanes_.member[k * W::kLanes + lane];
       if (m == kNoBody) continue;
+      const uint32_t body = std::min(g.a[lane], g.b[lane]);
+      if (body < end && !parts_[body]) continue;
       double load = 0;
       for (int p = 0; p < g.points; ++p) load += g.place[p].impulse[lane];
       const double a = g.root_a[lane], b = g.root_b[lane];

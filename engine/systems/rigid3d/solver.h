@@ -48,6 +48,9 @@ class ContactSolver {
   /// Bodies on which springs act alone begin and end a step with half of what pulls them in a substep.
   void choose_sprung(const State& s, const JointList& joints, std::span<Contact* const> contacts);
   void kick(T times);
+  /// Marks in parts_ the bodies of islands in which all rest on one another under the impulses that were
+  /// found: only their springs may start under load, because what topples would be thrown up by them.
+  void find_resting();
   /// Lets the first step start from the impulses and pads that gravity's loads ask for.
   void find_loads(std::span<Contact* const> contacts, const SolverSettings& settings, double h);
   /// Lets contacts bounce that close within a substep.
