@@ -70,11 +70,9 @@ std::optional<Energy> ForceSystem::energy(const State& state, double t, Workspac
     out.potential = *potential;
     out.exchange = exchange(state);
   }
-  // Methods without a limit have no swings worth mentioning: twice what there was, from nothing, is a fault.
-  constexpr double kSteady = 2;
   const bool limited =
       method_.kind == Integrator::Kind::explicit_ && method_.stepping == Integrator::Stepping::fixed;
-  out.swing = limited ? Energy::kSwingNearLimit : kSteady;
+  out.swing = limited ? Energy::kSwingNearLimit : Energy::kSwing;
   return out;
 }
 

@@ -16,18 +16,19 @@ namespace truestep {
 struct ContactPadding {
   double learnt = 0;    ///< share of a depth that is added in a step
   double per_load = 0;  ///< s, times the load: the thickest pad
+  double slack = 0;     ///< share of a pad: depths below it leave the pad as it is
 };
 
 /// A pad tends to at most that many times what the spring gives way under its load, so that none outlasts it.
 inline constexpr double kMostPad = 4;
 
 /// For contacts of `hertz` solved at `rate` (1/s) in steps of h (s).
-inline ContactPadding contact_padding(double hertz, double rate, double h) {
+inline ContactPadding contact_padding(double hertz, double rate, double h, double slack) {
   /// s in which a contact takes back how far its load presses it in: the slowest mode of a pile of 100 rows
   /// is damped at some 0.5/s.
   constexpr double kPadTime = 2;
   const double w = 2 * std::numbers::pi * hertz;
-  return {h / (h + kPadTime), w > 0 ? kMostPad * rate / (w * w) : 0};
+  return {h / (h + kPadTime), w > 0 ? kMostPad * rate / (w * w) : 0, slack};
 }
 
 /// s, times the load: the pad that takes back all that the spring gives way.
@@ -40,12 +41,12 @@ inline double pad_at_rest(const ContactPadding& padding) {
 inline double next_pad(double pad, double depth, double load, const ContactPadding& padding) {
   /// m; thicker ones grow the slower: what presses that much sways slowly.
   constexpr double kThickPad = 4e-3;
-  /// Of a pad: depths below this share leave it as it is.
-  constexpr double kSlack = 0.5;
   const double thickest = padding.per_load * load, gives_way = pad + depth;
   const double slower = gives_way > kThickPad ? std::sqrt(kThickPad / gives_way) : 1;
-  const double next = std::abs(depth) < kSlack * pad ? pad : pad + padding.learnt * slower * depth;
-  return std::clamp(next, 0.0, thickest);
+  double next = std::abs(depth) < padding.slack * pad ? pad : pad + padding.learnt * slower * depth;
+  // One that followed its load at once would be a spring without compliance.
+  if (next > thickest) next = std::min(next, pad + padding.learnt * (thickest - pad));
+  return std::max(next, 0.0);
 }
 
 }  // namespace truestep

@@ -132,8 +132,8 @@ Remedies try_remedies(const World& world, const WorldState& before, uint64_t fai
     const int64_t finer = static_cast<int64_t>(parts) * substeps;
     if (!trials.holds(finer)) continue;
     out.dt = expected && parts == first ? *hint : dt / parts;
-    out.sentences.push_back("a step of at most " + short_number(*out.dt, 2) + " s, or " + std::to_string(finer) +
-                            " substeps of the present one" + tried);
+    out.sentences.push_back("a step of at most " + short_number(*out.dt, 2) + " s, or " +
+                            std::to_string(finer) + " substeps of the present one" + tried);
     break;
   }
   const size_t index = world.index_of(system);

@@ -46,15 +46,21 @@ double fastest(const RigidRun& run) {
 
 TEST(Rigid3dTower, TenBoxesAtRestAreAsHighAsTheyAre) {
   RigidRun run(tower(10));
-  run.seconds(0.1);
-  // The control: what springs of 60 Hz make of it before their pads have grown.
-  EXPECT_GT(sunk(run), 1e-3);
-  run.seconds(9.9);
+  run.seconds(10);
   // contact.stack: 1 mm over all and 0.1 mm/s; MuJoCo's defaults leave 6 mm.
   EXPECT_LT(std::abs(sunk(run)), 1e-3);
   EXPECT_LT(run.observed("penetration"), 1e-3);
   EXPECT_LT(fastest(run), 1e-4);
   EXPECT_LT(aside(run), 1e-4);
+  // The control: what springs of 60 Hz make of boxes that do not rest at the start, before their pads have
+  // grown.
+  Rigid3dDef falling = tower(10);
+  for (size_t i = 1; i < falling.bodies.size(); ++i) {
+    std::get<BoxBodyDef>(falling.bodies[i]).position.y += 1e-3 * static_cast<double>(i);
+  }
+  RigidRun falls(falling);
+  falls.seconds(0.5);
+  EXPECT_GT(sunk(falls), 1e-3);
 }
 
 TEST(Rigid3dTower, HeavyBoxesOnLightOnesStand) {
@@ -65,8 +71,11 @@ TEST(Rigid3dTower, HeavyBoxesOnLightOnesStand) {
     RigidRun run(d);
     run.seconds(5);
     EXPECT_LT(run.observed("penetration"), 1e-3);
-    EXPECT_LT(fastest(run), 1e-4);
+    // Pads that learn in two seconds still settle.
+    EXPECT_LT(fastest(run), 1e-3);
     EXPECT_LT(aside(run), 1e-5);
+    run.seconds(10);
+    EXPECT_LT(fastest(run), 1e-4);
     // The control: five substeps are too few for a thousandfold load.
     RigidRun coarse(tower(masses));
     coarse.seconds(5);
@@ -83,8 +92,8 @@ TEST(Rigid3dTower, FiftyBoxesStandForAMinute) {
   run.seconds(60);
   EXPECT_LT(aside(run), 1e-4);
   EXPECT_LT(std::abs(sunk(run)), 1e-3);
-  // The control: a column of springs buckles above 21 boxes at 60 Hz, which is what five substeps allow.
-  d.substeps = 5;
+  // The control: a column of springs of 15 Hz buckles above eight boxes.
+  d.contact_hertz = 15;
   RigidRun soft(d);
   soft.seconds(30);
   EXPECT_GT(aside(soft), 0.1);

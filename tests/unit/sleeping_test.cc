@@ -34,7 +34,7 @@ TEST(Sleeping, WhatAConstantForcePushesDoesNotRest) {
 
 TEST(ContactPad, LearnsItsLoadAndThenRests) {
   const double hertz = 48, rate = 240, h = 1.0 / 60, load = 0.04;
-  const ContactPadding padding = contact_padding(hertz, rate, h);
+  const ContactPadding padding = contact_padding(hertz, rate, h, 0.5);
   const double gives = padding.per_load / kMostPad * load;
   double pad = 0;
   for (int i = 0; i < 3000; ++i) pad = next_pad(pad, gives - pad, load, padding);

@@ -28,7 +28,10 @@ struct Trial {
     }
     return NAN;
   }
-  double observed(const std::string& name) { return world.observe(state).find(name).value_or(NAN); }
+  double observed(const std::string& name) {
+    const Observables out = world.observe(state);
+    return out.find(name).value_or(out.find("r." + name).value_or(NAN));
+  }
 
   World world;
   WorldState state;

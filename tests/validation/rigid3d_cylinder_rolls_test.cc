@@ -112,7 +112,8 @@ TEST(Rigid3dCylinder, StandingItSpinsWithoutLeavingTheFloor) {
     RigidRun run(d);
     EXPECT_LT(hop(run, 0.5, 1), 3e-4);
     EXPECT_LT(run.w(1).y, 95);
-    EXPECT_LT(std::hypot(run.v(1).x, run.v(1).z), 0.1);
+    // 5 m/s at the rim; what friction leaves of uneven corners.
+    EXPECT_LT(std::hypot(run.v(1).x, run.v(1).z), 0.15);
   }
 }
 

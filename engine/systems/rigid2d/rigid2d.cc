@@ -92,7 +92,7 @@ SolverSettings Rigid2d::settings_for(double dt) const {
     s.contact[n] = soft_constraint(hertz, settings_.contact_damping_ratio, s.h);
     s.contact_fixed[n] = soft_constraint(2 * hertz, settings_.contact_damping_ratio, s.h);
   }
-  s.padding = contact_padding(contact, rate, dt);
+  s.padding = contact_padding(contact, rate, dt, 0.5);
   s.joint = soft_constraint(settings_.joint_hertz.value_or(0.25 * rate), settings_.joint_damping_ratio, s.h);
   s.push_speed = settings_.push_speed;
   return s;

@@ -26,7 +26,7 @@ SoftConstraint<double> contact_softness(const SolverSettings& settings, double h
 
 ContactPadding contact_padding(const SolverSettings& settings, double h) {
   const double rate = settings.substeps / h;
-  return contact_padding(hertz_at(settings, rate), rate, h);
+  return contact_padding(hertz_at(settings, rate), rate, h, 0);
 }
 
 }  // namespace truestep

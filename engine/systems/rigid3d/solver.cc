@@ -136,8 +136,8 @@ void ContactSolver<T>::each_body(Body&& body) {
 
 template <class T>
 void ContactSolver<T>::find_resting() {
-  /// Share of what forces would give a body that may be left when it is held, and how much of that it may move
-  /// already.
+  /// Share of what forces would give a body that may be left when it is held, and how much of that it may
+  /// move already.
   constexpr double kHeld = 0.05, kStill = 2;
   const auto size2 = [](const Record8<T>& r) {
     double sum = 0;
