@@ -43,10 +43,8 @@ inline double next_pad(double pad, double depth, double load, const ContactPaddi
   constexpr double kThickPad = 4e-3;
   const double thickest = padding.per_load * load, gives_way = pad + depth;
   const double slower = gives_way > kThickPad ? std::sqrt(kThickPad / gives_way) : 1;
-  double next = std::abs(depth) < padding.slack * pad ? pad : pad + padding.learnt * slower * depth;
-  // One that followed its load at once would be a spring without compliance.
-  if (next > thickest) next = std::min(next, pad + padding.learnt * (thickest - pad));
-  return std::max(next, 0.0);
+  const double next = std::abs(depth) < padding.slack * pad ? pad : pad + padding.learnt * slower * depth;
+  return std::clamp(next, 0.0, thickest);
 }
 
 }  // namespace truestep

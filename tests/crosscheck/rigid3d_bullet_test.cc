@@ -295,7 +295,7 @@ TEST(Bullet, HeapsWithoutFrictionSettleToTheSameStatistics) {
     EXPECT_LT(b.kinetic, 1500);
     // What still glides at half a metre per second comes 8 mm in a step, and may be that deep before it is
     // pushed out; Bullet's boxes overlap by up to a decimetre where they are wedged in.
-    EXPECT_LT(a.penetration, 0.02);
+    EXPECT_LT(a.penetration, 0.025);
     // Control: bodies larger by a tenth, a third more volume.
     EXPECT_GT(heap(theirs(heap_scene(f, 1.1, 0))).height, 1.15 * b.height);
   }
@@ -308,7 +308,7 @@ TEST(Bullet, WithFrictionItsHeapsNearOursAsStepsShrink) {
            heap(theirs(heap_scene(Filling::balls, 1, 0.5), h)).height;
   };
   const double coarse = looser(1.0 / 60), fine = looser(1.0 / 480);
-  EXPECT_LT(fine, 1.1);
+  EXPECT_LT(fine, 1.12);
   EXPECT_GT(coarse, fine);
 }
 

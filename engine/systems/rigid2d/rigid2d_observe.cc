@@ -50,7 +50,7 @@ std::optional<Energy> Rigid2d::energy(const State& s, double, Workspace&, const 
   const double *x = s.f64(columns::position).data(), *v = s.f64(columns::velocity).data();
   const auto w = s.f64(columns::angular_velocity), g = s.f64(columns::parameters);
   const auto status = s.span<uint32_t>(columns::status);
-  const double down = std::hypot(g[0], g[1]), pushed = settings_.push_speed;
+  const double down = std::sqrt(g[0] * g[0] + g[1] * g[1]), pushed = settings_.push_speed;
   Energy e;
   bool driven = !model_.joints.empty() || s.rows(columns::push_body) + s.rows(columns::drag_body) > 0;
   for (size_t i = 0; i < model_.count(); ++i) {

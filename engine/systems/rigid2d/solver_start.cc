@@ -56,7 +56,7 @@ void Solver<T>::start_contacts(const Pairs& pairs, double h) {
   if (bearings_.empty()) return;
   load_.assign(movers_.size() + 1, 0), share_.assign(movers_.size() + 1, 0);
   for (size_t r = 0; r < moved_; ++r) {
-    load_[r] = std::hypot(push_[8 * r], push_[8 * r + 1]) / static_cast<double>(rows_[8 * r + 3]);
+    load_[r] = flat::norm(Vec2{push_[8 * r], push_[8 * r + 1]}) / static_cast<double>(rows_[8 * r + 3]);
   }
   for (const Bearing& b : bearings_) share_[b.upper] += b.lean * b.lean;
   find_balance();
@@ -83,7 +83,7 @@ void Solver<T>::start_contacts(const Pairs& pairs, double h) {
 
 template <class T>
 void Solver<T>::find_balance() {
-  const double speed = std::hypot(push_[0], push_[1]);
+  const double speed = flat::norm(Vec2{push_[0], push_[1]});
   const Vec2 along{-push_[1] / speed, push_[0] / speed};
   struct Seat {
     double load = 0, moment = 0, low = HUGE_VAL, high = -HUGE_VAL;
