@@ -1,6 +1,5 @@
 # join_sources(BATCH FOLDER...): compiles the files of each folder BATCH at a time, so that the headers that they share are
-# read once. For code that no step runs: files of steps stay apart, because tests look at their objects one by one. The
-# tree of the fuzz targets, which is only ever built whole, joins more. Names in anonymous namespaces of joined files must
+# read once. For code that no step runs: files of steps stay apart, because tests look at their objects one by one. Names in anonymous namespaces of joined files must
 # differ; APART names the files of which that is not so.
 set(joined_apart dense_lu.cc export_vtu.cc)
 function(join_sources target batch)
