@@ -52,7 +52,7 @@ class CommandLine(unittest.TestCase):
     def test_numbers_beyond_all_bounds_end_with_exit_code_4(self):
         ball = {"type": "particles", "id": "p", "positions": [[0, 1, 0]], "velocities": [[0, 0, 0]]}
         attracted = {**ball, "attractors": [{"position": [0, 0, 0], "mu": 1e300}]}
-        huge = {"type": "rigid3d", "id": "b", "bodies": [{"sphere": {"radius": 1e150}}]}
+        huge = {"type": "rigid3d", "id": "b", "bodies": [{"type": "sphere", "radius": 1e150}]}
         for system in (attracted, huge):
             self.unstable(system, "--steps", "3")
 
