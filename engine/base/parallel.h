@@ -6,6 +6,8 @@
 #include <memory>
 #include <span>
 
+#include "engine/base/interrupt.h"
+
 namespace truestep {
 
 /// The threads that a session may use. 0 or 1 means: run in the caller. Cheap to hold while idle.
@@ -17,9 +19,11 @@ class ThreadArena {
   ThreadArena& operator=(const ThreadArena&) = delete;
   int threads() const { return threads_; }
 
-  /// body(begin, end) for every block of at most `block` elements of [0, n). Blocks may run concurrently.
+  /// body(begin, end) for every block of at most `block` elements of [0, n). Blocks may run concurrently. The
+  /// caller's work may be interrupted before the loop.
   template <class Body>
   void for_blocks(size_t n, size_t block, Body&& body) const {
+    interruption_point();
     if (n <= block || threads_ <= 1) {
       for (size_t b = 0; b < n; b += block) body(b, b + block < n ? b + block : n);
     } else {

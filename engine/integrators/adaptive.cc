@@ -8,6 +8,7 @@
 #include <cmath>
 
 #include "engine/base/errors.h"
+#include "engine/base/interrupt.h"
 #include "engine/base/short_number.h"
 #include "engine/integrators/methods.h"
 #include "engine/integrators/runge_kutta.h"
@@ -47,6 +48,7 @@ void subdivide(Motion& m, const step_control::Law& law, int most, Attempt attemp
   if (!(h > 0)) h = length;
   double done = 0;
   for (int tried = 0;; ++tried) {
+    interruption_point();
     if (tried >= most) {
       const auto count = static_cast<uint64_t>(most);
       throw Instability("", "position", -1, step_control::too_many_steps_message(count, m.input.t + done, h));

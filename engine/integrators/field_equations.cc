@@ -11,6 +11,7 @@
 namespace truestep {
 
 void FieldEquations::rate(double t, const double* y, double* dydt) const {
+  interruption_point();
   const size_t nx = motion_.x.size(), nv = motion_.v.size();
   const std::span<const double> x{y, nx}, v{y + nx, nv};
   const auto moved = motion_.rate(t, x, v, {dydt, nx});

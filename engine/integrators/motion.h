@@ -4,6 +4,7 @@
 #include <span>
 #include <string_view>
 
+#include "engine/base/interrupt.h"
 #include "engine/core/integrator.h"
 
 namespace truestep {
@@ -32,6 +33,7 @@ class Motion {
   /// a(x, v, t) into `a`.
   void acceleration(double t, std::span<const double> x_at, std::span<const double> v_at,
                     std::span<double> a) {
+    interruption_point();
     field.acceleration({t, x_at, v_at, state}, a, e_);
   }
   /// G(x) v: `rate`, or v_at itself where G is the identity.

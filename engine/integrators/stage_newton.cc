@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "engine/base/errors.h"
+#include "engine/base/interrupt.h"
 
 namespace truestep {
 
@@ -88,6 +89,7 @@ StageNewton::Failure StageNewton::solve_held(const StageEquation& eq, std::span<
 StageNewton::Failure StageNewton::iterate_to(double target, int most, const StageEquation& eq,
                                              std::span<double> u) {
   for (int it = 0;; ++it) {
+    interruption_point();
     record();
     if (!std::isfinite(norm_)) return "met forces that are not finite";
     if (norm_ <= target) return nullptr;

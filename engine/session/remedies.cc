@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "engine/base/errors.h"
+#include "engine/base/interrupt.h"
 #include "engine/base/short_number.h"
 #include "engine/core/force_system.h"
 #include "engine/scene/admission.h"
@@ -72,6 +73,8 @@ class Trials {
       // What has come a long way since the last look shows itself here.
       state.watch.clear();
       changed.step(state, workspace, arena_, {});
+    } catch (const Interrupted&) {
+      throw;
     } catch (const Error&) {
       return false;
     }

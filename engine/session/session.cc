@@ -5,8 +5,10 @@
 #include <cmath>
 #include <cstdio>
 #include <cstring>
+#include <utility>
 
 #include "engine/base/errors.h"
+#include "engine/base/interrupt.h"
 #include "engine/session/remedies.h"
 
 namespace truestep {
@@ -35,34 +37,122 @@ void Session::examine() {
   try {
     world_->examine(state_, workspace_, *arena_);
   } catch (const Instability& e) {
-    fail(e);
+    Failure failure = diagnose(e);
+    state_ = replayed(failure.last_good_step);
+    changed();
+    fail(std::move(failure));
   }
 }
 
+// The owner who has nobody waiting.
 bool Session::one_step() {
+  StepOutcome outcome = step_in_place(Output::aloud);
+  if (outcome == StepOutcome::unstable) {
+    compute_aside();
+    outcome = commit_aside(Output::aloud);
+  }
+  if (outcome == StepOutcome::interrupted) throw Interrupted();
+  return outcome == StepOutcome::done;
+}
+
+namespace {
+
+double seconds_since(std::chrono::steady_clock::time_point start) {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
+}  // namespace
+
+// --- steps in parts
+
+StepOutcome Session::step_in_place(Output output) {
   drain_queue();
   replay_commands();
+  const uint64_t good = state_.step;
+  // A step that a snapshot may follow is timed, for the history to know what it may cost; the clock costs as
+  // much as a step of the smallest worlds, so not every step is.
+  const bool timed = history_.due(good + 1) || step_seconds_ > 1e-4 || step_seconds_ == 0;
+  const auto start = timed ? std::chrono::steady_clock::now() : std::chrono::steady_clock::time_point{};
+  const auto recover = [&] {
+    const InterruptScope undisturbed(nullptr);
+    workspace_.clear();
+    state_ = replayed(good);
+    changed();
+  };
   try {
-    step_world();
+    world_->step(state_, workspace_, *arena_, profiles_);
   } catch (const Instability& e) {
-    fail(e);
-    return false;
+    recover();
+    unstable_ = e;
+    aside_ = true;
+    return StepOutcome::unstable;
+  } catch (const Interrupted&) {
+    recover();
+    return StepOutcome::interrupted;
   }
-  after_step();
-  return true;
+  changed();
+  if (timed) {
+    step_seconds_ = seconds_since(start);
+    history_.offer(state_, step_seconds_);
+  }
+  after_step(output);
+  return StepOutcome::done;
 }
 
-// A step that a snapshot may follow is timed, for the history to know what it may cost.
-void Session::step_world() {
-  if (!history_.due(state_.step + 1)) return world_->step(state_, workspace_, *arena_, profiles_);
+void Session::begin_aside() {
+  if (aside_) return;
+  drain_queue();
+  replay_commands();
+  next_profiles_ = profiles_;
+  aside_ = true;
+}
+
+void Session::compute_aside() {
   const auto start = std::chrono::steady_clock::now();
-  world_->step(state_, workspace_, *arena_, profiles_);
-  const std::chrono::duration<double> took = std::chrono::steady_clock::now() - start;
-  history_.offer(state_, took.count());
+  try {
+    if (!unstable_) {
+      next_ = state_;
+      try {
+        world_->step(next_, workspace_, *arena_, next_profiles_);
+      } catch (const Instability& e) {
+        unstable_ = e;
+      }
+    }
+    if (unstable_) diagnosis_ = diagnose(*unstable_);
+  } catch (...) {
+    thrown_ = std::current_exception();
+  }
+  next_seconds_ = seconds_since(start);
 }
 
-void Session::after_step() {
+StepOutcome Session::commit_aside(Output output) {
+  aside_ = false;
+  unstable_.reset();
+  if (thrown_) {
+    workspace_.clear();
+    try {
+      std::rethrow_exception(std::exchange(thrown_, nullptr));
+    } catch (const Interrupted&) {
+      return StepOutcome::interrupted;
+    }
+  }
+  if (diagnosis_) {
+    fail(std::move(*diagnosis_));
+    diagnosis_.reset();
+    return StepOutcome::failed;
+  }
+  std::swap(state_, next_);
+  profiles_ = next_profiles_;
+  changed();
+  step_seconds_ = next_seconds_;
+  if (history_.due(state_.step)) history_.offer(state_, step_seconds_);
+  after_step(output);
+  return StepOutcome::done;
+}
+
+void Session::after_step(Output output) {
   record_series();
+  if (output == Output::silent || sinks_.empty()) return;
   // One frame serves every sink that is due; it holds the union of what they ask for.
   due_.clear();
   FrameRequest wanted;
@@ -100,7 +190,7 @@ void Session::pause() {
   notify("playback", "");
 }
 
-uint64_t Session::advance(double wall_seconds) {
+uint64_t Session::accrue(double wall_seconds) {
   if (!playing_ || failure_) return 0;
   accumulator_ += std::max(wall_seconds, 0.0) * speed_;
   const double dt = world_->dt();
@@ -109,12 +199,17 @@ uint64_t Session::advance(double wall_seconds) {
   const double display = std::ceil(speed_ / (60 * dt));
   const double most = std::max(static_cast<double>(world_->scene().header.time.max_catchup_steps), display);
   const auto bound = static_cast<uint64_t>(std::min(most, 1e15));
-  const uint64_t todo = std::min(owed, bound);
+  const uint64_t due = std::min(owed, bound);
   // Time beyond the bound is given up, not saved: a late session must not fall further behind.
-  skipped_ += owed - todo;
+  skipped_ += owed - due;
   accumulator_ = std::max(0.0, accumulator_ - static_cast<double>(owed) * dt);
+  return due;
+}
+
+uint64_t Session::advance(double wall_seconds) {
+  const uint64_t due = accrue(wall_seconds);
   uint64_t done = 0;
-  while (done < todo && one_step()) ++done;
+  while (done < due && one_step()) ++done;
   return done;
 }
 
@@ -141,6 +236,7 @@ uint64_t Session::command(const Command& command) {
     journal_.pop_back();
     throw;
   }
+  changed();
   journal_cursor_ = journal_.size();
   // The snapshot of this very step stays: it was taken before the step's commands.
   history_.truncate(state_.step);
@@ -169,7 +265,13 @@ void Session::replay_commands() {
   for (; journal_cursor_ < journal_.size() && journal_[journal_cursor_].step <= state_.step;
        ++journal_cursor_) {
     world_->apply(state_, journal_[journal_cursor_].command);
+    changed();
   }
+}
+
+uint64_t Session::hash() const {
+  if (!hash_) hash_ = state_.hash();
+  return *hash_;
 }
 
 // --- the past
@@ -211,6 +313,7 @@ void Session::restore(WorldState state) {
 
 void Session::load(WorldState state) {
   state_ = std::move(state);
+  changed();
   history_.clear();
   series_.clear();
   journal_.clear();
@@ -225,40 +328,43 @@ WorldState Session::snapshot_at_or_before(uint64_t step) const {
   return origin_ ? *origin_ : world_->initial_state();
 }
 
-void Session::step_silently_to(uint64_t step) {
-  while (state_.step < step) {
-    replay_commands();
-    step_world();
-    record_series();
-  }
-  replay_commands();
-}
-
-void Session::seek(uint64_t step) {
+void Session::begin_seek(uint64_t step) {
   drain_queue();
   const uint64_t first = origin_ ? origin_->step : 0;
   if (step < first) {
     throw Error("bad_request", "this session's past begins at step " + std::to_string(first));
   }
-  if (step < state_.step || failure_) {
-    state_ = snapshot_at_or_before(step);
-    // Snapshots are taken before the commands of their step.
-    journal_cursor_ = 0;
-    while (journal_cursor_ < journal_.size() && journal_[journal_cursor_].step < state_.step)
-      ++journal_cursor_;
-    series_.truncate(state_.step);
-    failure_.reset();
-  }
-  try {
-    step_silently_to(step);
-  } catch (const Instability& e) {
-    fail(e);
-  }
+  if (step >= state_.step && !failure_) return;
+  state_ = snapshot_at_or_before(step);
+  changed();
+  // Snapshots are taken before the commands of their step.
+  journal_cursor_ = 0;
+  while (journal_cursor_ < journal_.size() && journal_[journal_cursor_].step < state_.step) ++journal_cursor_;
+  series_.truncate(state_.step);
+  failure_.reset();
+}
+
+void Session::end_seek() {
+  replay_commands();
   accumulator_ = 0;
   notify("seek", "");
 }
 
-void Session::fail(const Instability& e) {
+void Session::seek(uint64_t step) {
+  begin_seek(step);
+  while (state_.step < step) {
+    StepOutcome outcome = step_in_place(Output::silent);
+    if (outcome == StepOutcome::unstable) {
+      compute_aside();
+      outcome = commit_aside(Output::silent);
+    }
+    if (outcome == StepOutcome::interrupted) throw Interrupted();
+    if (outcome == StepOutcome::failed) break;
+  }
+  end_seek();
+}
+
+Failure Session::diagnose(const Instability& e) const {
   Failure f;
   f.system = e.system;
   f.quantity = e.quantity;
@@ -271,29 +377,30 @@ void Session::fail(const Instability& e) {
   f.detail = "system \"" + e.system + "\": " + e.what() +
              (e.index >= 0 ? " (row " + std::to_string(e.index) + ")" : "") + " in step " +
              std::to_string(f.step) + " (t = " + time + " s)";
-  // The failed state is of no use: the last good one is computed again from the nearest snapshot, and on the
-  // way the one that remedies are tried from.
-  const uint64_t good = f.last_good_step, first = origin_ ? origin_->step : 0;
-  const uint64_t back = std::min(good - first, trial_steps_before(*world_));
-  state_ = snapshot_at_or_before(good - back);
-  journal_cursor_ = 0;
-  while (journal_cursor_ < journal_.size() && journal_[journal_cursor_].step < state_.step) ++journal_cursor_;
-  step_silently_to(good - back);
-  const WorldState before = state_;
-  step_silently_to(good);
-  const auto hint = e.suggested_dt > 0 ? std::optional(e.suggested_dt) : world_->stable_dt(state_);
-  const Commands again = [this](const World& world, WorldState& state) {
-    for (const JournalEntry& entry : journal_) {
-      if (entry.step == state.step) world.apply(state, entry.command);
-    }
-  };
-  Remedies remedies = try_remedies(*world_, before, good, f.system, hint, again, *arena_);
-  f.suggested_dt = remedies.dt;
-  f.remedies = std::move(remedies.sentences);
+  try {
+    // Remedies are tried from some way before the last good step.
+    const uint64_t good = f.last_good_step, first = origin_ ? origin_->step : 0;
+    const WorldState before = replayed(good - std::min(good - first, trial_steps_before(*world_)));
+    const auto hint = e.suggested_dt > 0 ? std::optional(e.suggested_dt) : world_->stable_dt(state_);
+    const Commands again = [this](const World& world, WorldState& state) {
+      for (const JournalEntry& entry : journal_) {
+        if (entry.step == state.step) world.apply(state, entry.command);
+      }
+    };
+    Remedies remedies = try_remedies(*world_, before, good, f.system, hint, again, *arena_);
+    f.suggested_dt = remedies.dt;
+    f.remedies = std::move(remedies.sentences);
+  } catch (const Interrupted&) {
+    // Whoever interrupts wants no remedies; the failure stands.
+  }
   for (size_t i = 0; i < f.remedies.size(); ++i) f.detail += (i ? ", or " : "; try ") + f.remedies[i];
-  failure_ = f;
+  return f;
+}
+
+void Session::fail(Failure failure) {
+  failure_ = std::move(failure);
   playing_ = false;
-  notify("instability", f.detail);
+  notify("instability", failure_->detail);
 }
 
 // --- what comes out
@@ -346,21 +453,41 @@ FramePtr Session::frame(const FrameRequest& request) const {
 }
 
 WorldState Session::state_at(uint64_t step) const {
-  if (step == state_.step) return state_;
+  return past(step).compute();
+}
+
+Past Session::past(uint64_t step) const {
   if (step > state_.step || step < (origin_ ? origin_->step : 0))
     throw Error("not_found", "this session's past does not hold this step");
-  WorldState state = snapshot_at_or_before(step);
+  if (step == state_.step) return {world_, arena_, state_, {}, step};
+  Past past{world_, arena_, snapshot_at_or_before(step), {}, step};
+  for (const JournalEntry& e : journal_) {
+    if (e.step >= past.start.step && e.step <= step) past.commands.push_back(e);
+  }
+  return past;
+}
+
+WorldState Past::compute() const {
+  WorldState state = start;
   Workspace scratch;
   size_t cursor = 0;
-  while (cursor < journal_.size() && journal_[cursor].step < state.step) ++cursor;
   while (true) {
     // Like the session itself: a step's commands come first, and those of the wanted step count.
-    for (; cursor < journal_.size() && journal_[cursor].step <= state.step; ++cursor) {
-      world_->apply(state, journal_[cursor].command);
+    for (; cursor < commands.size() && commands[cursor].step <= state.step; ++cursor) {
+      world->apply(state, commands[cursor].command);
     }
     if (state.step == step) return state;
-    world_->step(state, scratch, *arena_, {});
+    world->step(state, scratch, *arena, {});
   }
+}
+
+// The present step, too, from its snapshot: in-place steps that failed left nothing else of it.
+WorldState Session::replayed(uint64_t step) const {
+  Past past{world_, arena_, snapshot_at_or_before(step), {}, step};
+  for (const JournalEntry& e : journal_) {
+    if (e.step >= past.start.step && e.step <= step) past.commands.push_back(e);
+  }
+  return past.compute();
 }
 
 FramePtr Session::frame_at(uint64_t step, const FrameRequest& request) const {
@@ -380,6 +507,7 @@ uint32_t Session::topology_version() const {
 
 size_t Session::overhead_bytes() const {
   return sizeof(*this) + history_.memory_bytes() + series_.memory_bytes() +
+         (aside_ || next_.systems.empty() ? 0 : next_.memory_bytes()) +
          journal_.capacity() * sizeof(JournalEntry) + (origin_ ? origin_->memory_bytes() : 0);
 }
 

@@ -1,12 +1,15 @@
 // A session: a world that runs. Fixed-dt accumulator, command queue and journal, sinks, and a history of
-// snapshots for exact seeking. One thread at a time may use it; only `post` may be called from any thread.
+// snapshots for exact seeking. One thread at a time may use it; only `post` may be called from any thread,
+// and whoever may read may do so while another thread is in `compute_aside`.
 #pragma once
 #include <atomic>
+#include <exception>
 #include <memory>
 #include <mutex>
 #include <optional>
 #include <vector>
 
+#include "engine/base/errors.h"
 #include "engine/session/frame.h"
 #include "engine/session/history.h"
 #include "engine/session/series.h"
@@ -36,6 +39,25 @@ struct Failure {
   std::vector<std::string> remedies;      ///< what helped when it was tried, one sentence each
 };
 
+/// What became of a step.
+enum class StepOutcome : uint8_t {
+  done,
+  failed,      ///< the session has a failure now and stays at its last good step
+  unstable,    ///< the step failed; compute_aside finds out why and what would have held
+  interrupted  ///< its thread's Interrupt was raised; the session stays where it was
+};
+
+/// The way from a kept state to a later step of the same run: computed without the session.
+struct Past {
+  std::shared_ptr<const World> world;
+  std::shared_ptr<const ThreadArena> arena;
+  WorldState start;
+  std::vector<JournalEntry> commands;  ///< from the start on
+  uint64_t step = 0;
+
+  WorldState compute() const;
+};
+
 class Session {
  public:
   Session(std::shared_ptr<const World> world, std::shared_ptr<const ThreadArena> arena,
@@ -45,11 +67,29 @@ class Session {
   const WorldState& state() const { return state_; }
   uint64_t step_index() const { return state_.step; }
   double time() const { return static_cast<double>(state_.step) * world_->dt(); }
-  uint64_t hash() const { return state_.hash(); }
+  uint64_t hash() const;
 
   /// Carries out waiting commands, then up to n steps with frames to the sinks that are due. Returns how many
   /// were done: fewer only after a failure. Error "instability" when the session has failed already.
   uint64_t step(uint64_t n);
+
+  // --- steps in parts, for owners with a lock around the session and readers who will not wait for a step
+  /// Sinks see a step that is aloud; one that repeats the past on the way to another step is silent.
+  enum class Output : uint8_t { aloud, silent };
+  /// One step in place, which nobody may look at meanwhile: `done`, `unstable` or `interrupted`.
+  StepOutcome step_in_place(Output output);
+  /// Carries out waiting commands and prepares a step beside the present state (or, after `unstable`, the
+  /// search for remedies). From here to commit_aside the session may only be read.
+  void begin_aside();
+  /// Computes it. Needs no lock; the present state stays as it is.
+  void compute_aside();
+  /// Makes what was computed the present state: `done`, `failed` or `interrupted`. What else the step threw
+  /// is thrown here.
+  StepOutcome commit_aside(Output output);
+  /// Between begin_aside and commit_aside.
+  bool computing_aside() const { return aside_; }
+  /// s that the last step took, 0 before the first.
+  double step_seconds() const { return step_seconds_; }
 
   /// Looks at the whole state once more, as steps do every so often: a run that ends between two looks.
   void examine();
@@ -62,6 +102,8 @@ class Session {
   double speed() const { return speed_; }
   /// Hands the accumulator elapsed wall time; does the steps it buys, at most the scene's catch-up bound.
   uint64_t advance(double wall_seconds);
+  /// The same without doing them: how many are due.
+  uint64_t accrue(double wall_seconds);
   /// Position between the last two steps, in [0, 1).
   double alpha() const { return accumulator_ / world_->dt(); }
   /// Steps left out because the session could not keep up.
@@ -78,6 +120,10 @@ class Session {
   void reset();
   /// Goes to a step, back from the nearest snapshot or forward, repeating the journal: exact.
   void seek(uint64_t step);
+  /// A seek in parts: back to the nearest state at or before `step` (or nowhere when it lies ahead), from
+  /// where silent steps lead there, and the word to the sinks that it is over.
+  void begin_seek(uint64_t step);
+  void end_seek();
   /// Continues from a state of this world (Error "bad_snapshot" when its shape is another).
   void restore(WorldState state);
   /// Steps at which a snapshot is kept.
@@ -91,6 +137,12 @@ class Session {
   FramePtr frame(const FrameRequest& request) const;
   /// The state of an earlier step, computed from the nearest snapshot; the session stays where it is.
   WorldState state_at(uint64_t step) const;
+  /// How to compute that state elsewhere.
+  Past past(uint64_t step) const;
+  /// A frame of a state of this world.
+  FramePtr frame_of(const WorldState& state, const FrameRequest& request) const {
+    return build_frame(state, 0, request);
+  }
   /// A frame of an earlier step. Error "not_found" when the step lies before this session's past or ahead.
   FramePtr frame_at(uint64_t step, const FrameRequest& request) const;
   /// Frames built so far; a frame nobody asked for is not built.
@@ -108,17 +160,18 @@ class Session {
 
  private:
   bool one_step();
-  void step_world();
-  void after_step();
+  void after_step(Output output);
+  WorldState replayed(uint64_t step) const;
+  Failure diagnose(const Instability& e) const;
+  void changed() { hash_.reset(); }
   void drain_queue();
   void replay_commands();
   void load(WorldState state);
-  void fail(const Instability& e);
+  void fail(Failure failure);
   void notify(std::string_view kind, const std::string& detail);
   FramePtr build_frame(const WorldState& state, double alpha, const FrameRequest& request) const;
   void record_series();
   WorldState snapshot_at_or_before(uint64_t step) const;
-  void step_silently_to(uint64_t step);
 
   std::shared_ptr<const World> world_;
   std::shared_ptr<const ThreadArena> arena_;
@@ -127,6 +180,18 @@ class Session {
   std::optional<WorldState> origin_;  ///< state restored last; none: the world's initial state
   Workspace workspace_;
   std::vector<Profile> profiles_;
+  mutable std::optional<uint64_t> hash_;  ///< of the present state, when somebody asked
+  double step_seconds_ = 0;
+
+  // The step beside the present state.
+  bool aside_ = false;
+  WorldState next_;
+  std::vector<Profile> next_profiles_;
+  double next_seconds_ = 0;
+  std::optional<Instability> unstable_;
+  std::optional<Failure> diagnosis_;
+  std::exception_ptr thrown_;
+
   History history_;
   Series series_;
 

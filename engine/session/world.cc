@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "engine/base/errors.h"
+#include "engine/base/interrupt.h"
 #include "engine/core/configuration.h"
 #include "engine/core/force_system.h"
 #include "engine/scene/json_write.h"
@@ -130,6 +131,7 @@ void collecting(std::vector<Issue>& issues, const std::string& where, Build buil
 
 void World::build(std::vector<Issue>& issues, std::span<const std::string> lost_ids) {
   for (size_t i = 0; i < scene_.systems.size(); ++i) {
+    interruption_point();
     const SceneSystem& s = scene_.systems[i];
     systems_.emplace_back();
     if (s.reading == Reading::faulty) continue;
@@ -329,6 +331,7 @@ void World::step(WorldState& state, Workspace& workspace, const ThreadArena& are
     look(state, state.step, workspace, arena);
   }
   for (uint64_t k = 0; k < substeps; ++k) {
+    interruption_point();
     const uint64_t n = state.step * substeps + k;
     const auto input = [&](const std::string& name, size_t profile) -> StepInput {
       return {static_cast<double>(n) * h,        h,     n,

@@ -40,7 +40,9 @@ void discard_recording(SessionEntry& entry) {
 void finish_recordings(App& app) {
   for (const EntryPtr& e : app.store.all()) {
     const std::lock_guard lock(e->mutex);
-    if (e->recording) e->recording->finish();
+    if (!e->recording) continue;
+    e->session.remove_sink(e->recording.get());
+    e->recording->finish();
   }
 }
 

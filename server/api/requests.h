@@ -53,4 +53,20 @@ boost::asio::awaitable<net::Response> with_session_on_worker(App& app, EntryPtr 
   co_return co_await net::offload(app.runner.pool(), std::move(work));
 }
 
+/// f(entry) once everything that was requested of the session has been cut short.
+template <class F>
+boost::asio::awaitable<void> interrupt_and_call(App& app, EntryPtr entry, F f) {
+  // The network thread does not wait for the lock, and the job comes before what is asked for from now on.
+  const JobPtr job = Job::between_steps(std::move(f));
+  auto work = [&app, entry, job] {
+    {
+      const std::lock_guard lock(entry->mutex);
+      app.runner.interrupt(*entry);
+    }
+    return app.runner.start(entry, job);
+  };
+  co_await net::offload(app.runner.pool(), std::move(work));
+  co_await app.runner.end_of(entry, job);
+}
+
 }  // namespace truestep

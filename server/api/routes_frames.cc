@@ -81,6 +81,15 @@ Response latest_frame(SessionEntry& e, const Request& request, Media media) {
   return Response::shared(c.body, c.content_type, c.etag);
 }
 
+// The state of a step that the session has had, computed beside it.
+WorldState state_of(SessionEntry& entry, uint64_t step) {
+  std::unique_lock lock(entry.mutex);
+  if (step > entry.session.step_index()) throw Error("not_found", "the session has not reached this step");
+  const Past past = entry.session.past(step);
+  lock.unlock();
+  return past.compute();
+}
+
 asio::awaitable<Response> frame_at(App& app, const Request& request) {
   EntryPtr entry = app.store.find(request.param("id"));
   const Media media = media_of(request);
@@ -93,12 +102,17 @@ asio::awaitable<Response> frame_at(App& app, const Request& request) {
   const auto [end, error] = std::from_chars(which.data(), which.data() + which.size(), step);
   if (error != std::errc() || end != which.data() + which.size())
     throw Error("not_found", "a frame is named by its step, or latest");
-  co_return co_await with_session_on_worker(app, entry, [&](SessionEntry& e) {
-    const auto fields = fields_of(request, e.session.world(), media);
-    if (step > e.session.step_index()) throw Error("not_found", "the session has not reached this step");
-    const FramePtr frame = e.session.frame_at(step, request_for(fields, FrameRequest::Extras::none));
+  auto compute = [&] {
+    const WorldState state = state_of(*entry, step);
+    const auto fields = fields_of(request, entry->session.world(), media);
+    FramePtr frame;
+    {
+      const std::lock_guard lock(entry->mutex);
+      frame = entry->session.frame_of(state, request_for(fields, FrameRequest::Extras::none));
+    }
     return Response::text(encode(*frame, fields, media), media_type(media));
-  });
+  };
+  co_return co_await app.runner.long_work(std::move(compute));
 }
 
 // Poll: frames after a step, waiting up to `wait` seconds for the first one.
@@ -255,18 +269,16 @@ asio::awaitable<Response> picture(App& app, const Request& request) {
   if (request.query_value("step")) step = query_integer(request, "step", 0, UINT64_MAX);
   DrawList list;
   std::string etag;
-  co_await with_session_on_worker(app, entry, [&](SessionEntry& e) {
-    if (step && *step > e.session.step_index())
-      throw Error("not_found", "the session has not reached this step");
-    const WorldState* state = &e.session.state();
-    WorldState past;
-    if (step && *step != e.session.step_index()) {
-      past = e.session.state_at(*step);
-      state = &past;
-    }
-    list = draw_list_of(e.session.world(), *state, overlay);
+  const auto draw = [&](SessionEntry& e, const WorldState& state) {
+    list = draw_list_of(e.session.world(), state, overlay);
     return Response();
-  });
+  };
+  if (step) {
+    auto compute = [&] { return draw(*entry, state_of(*entry, *step)); };
+    co_await app.runner.long_work(std::move(compute));
+  } else {
+    co_await with_session_on_worker(app, entry, [&](SessionEntry& e) { return draw(e, e.session.state()); });
+  }
   if (camera) list.camera = camera;
   // One thread draws: a software renderer uses all cores by itself.
   co_return co_await net::offload(app.runner.picture_thread(), [&] {

@@ -52,6 +52,15 @@ uint64_t step_target(const json::object& body, const Session& s) {
   return s.step_index() + static_cast<uint64_t>(steps);
 }
 
+// The clock after a run of steps, or why it did not get there.
+asio::awaitable<Response> after_run(App& app, const Request& request, EntryPtr entry, JobPtr job) {
+  co_return co_await with_session(app, entry, [&](SessionEntry& e) {
+    if (e.session.failure()) return instability(request, e.session);
+    if (job->end == Job::End::cancelled) return cut_short(app, request, e);
+    return json_response(describe_clock(e));
+  });
+}
+
 asio::awaitable<Response> step(App& app, const Request& request) {
   EntryPtr entry = app.store.find(request.param("id"));
   const std::string key(request.header("idempotency-key"));
@@ -64,16 +73,9 @@ asio::awaitable<Response> step(App& app, const Request& request) {
       co_return Response::json(before->body, before->status);
   }
   try {
-    auto find_target = [entry, &body] {
-      const std::lock_guard lock(entry->mutex);
-      if (!entry->session.failure()) return step_target(body, entry->session);
-      return UINT64_MAX;
-    };
-    const uint64_t target = co_await net::offload(app.runner.pool(), std::move(find_target));
-    if (target != UINT64_MAX) co_await app.runner.step_to(entry, target);
-    Response response = co_await with_session(app, entry, [&](SessionEntry& e) {
-      return e.session.failure() ? instability(request, e.session) : json_response(describe_clock(e));
-    });
+    Aim aim = [&body](SessionEntry& e) { return step_target(body, e.session); };
+    const JobPtr job = co_await app.runner.run_to(entry, Job::Kind::step, std::move(aim));
+    Response response = co_await after_run(app, request, entry, job);
     if (!key.empty())
       app.idempotency.remember(key,
                                {hasher.value(), response.status, std::string(response.body_bytes()), ""});
@@ -96,22 +98,42 @@ asio::awaitable<Response> play(App& app, const Request& request) {
   });
 }
 
+uint64_t seek_target(const json::object& body, const Session& session) {
+  double target = 0;
+  if (body.contains("step"))
+    target = number_member(body, "step", 0, 1e9);
+  else if (body.contains("time"))
+    target = std::round(number_member(body, "time", 0, 1e9) / session.world().dt());
+  else
+    throw Error("bad_request", "give step or time",
+                {{"", "missing", "give step or time", "", "step, time", "", ""}});
+  return static_cast<uint64_t>(std::min(target, 9e15));
+}
+
 asio::awaitable<Response> seek(App& app, const Request& request) {
   EntryPtr entry = app.store.find(request.param("id"));
   const json::object body = json_object_body(request);
-  co_return co_await with_session_on_worker(app, entry, [&](SessionEntry& e) {
-    double target = 0;
-    if (body.contains("step"))
-      target = number_member(body, "step", 0, 1e9);
-    else if (body.contains("time"))
-      target = std::round(number_member(body, "time", 0, 1e9) / e.session.world().dt());
-    else
-      throw Error("bad_request", "give step or time",
-                  {{"", "missing", "give step or time", "", "step, time", "", ""}});
-    e.session.seek(static_cast<uint64_t>(target));
+  Aim aim = [&body](SessionEntry& e) { return seek_target(body, e.session); };
+  const JobPtr job = co_await app.runner.run_to(entry, Job::Kind::seek, std::move(aim));
+  co_return co_await after_run(app, request, entry, job);
+}
+
+asio::awaitable<Response> pause(App& app, const Request& request) {
+  EntryPtr entry = app.store.find(request.param("id"));
+  co_return co_await with_session(app, entry, [&app](SessionEntry& e) {
+    e.session.pause();
+    app.runner.interrupt(e);
     e.publish();
-    return e.session.failure() ? instability(request, e.session) : json_response(describe_clock(e));
+    return json_response(describe_clock(e));
   });
+}
+
+asio::awaitable<Response> reset(App& app, const Request& request) {
+  EntryPtr entry = app.store.find(request.param("id"));
+  const auto to_start = [](SessionEntry& e) { e.session.reset(); };
+  co_await interrupt_and_call(app, entry, to_start);
+  co_return co_await with_session(app, entry,
+                                  [](SessionEntry& e) { return json_response(describe_clock(e)); });
 }
 
 }  // namespace
@@ -123,21 +145,10 @@ void add_playback_routes(net::Router& router, App& app) {
              [&app](const Request& r) { return step(app, r); });
   router.add(Method::post, session + "/play", "Runs in real time times speed",
              [&app](const Request& r) { return play(app, r); });
-  router.add(Method::post, session + "/pause", "Stops running", [&app](const Request& r) {
-    return with_session(app, app.store.find(r.param("id")), [](SessionEntry& e) {
-      e.session.pause();
-      e.publish();
-      return json_response(describe_clock(e));
-    });
-  });
+  router.add(Method::post, session + "/pause", "Stops running, and whatever steps were asked for",
+             [&app](const Request& r) { return pause(app, r); });
   router.add(Method::post, session + "/reset", "Back to step 0; the journal is forgotten",
-             [&app](const Request& r) {
-               return with_session_on_worker(app, app.store.find(r.param("id")), [](SessionEntry& e) {
-                 e.session.reset();
-                 e.publish();
-                 return json_response(describe_clock(e));
-               });
-             });
+             [&app](const Request& r) { return reset(app, r); });
   router.add(Method::post, session + "/seek", "Goes to a step or time of this run, exactly",
              [&app](const Request& r) { return seek(app, r); });
 }

@@ -81,11 +81,13 @@ asio::awaitable<Response> create(App& app, const Request& request, std::string i
 asio::awaitable<Response> command(App& app, const Request& request) {
   EntryPtr entry = app.store.find(request.param("id"));
   const Command c = read_command(json_body(request));
-  co_return co_await with_session(app, entry, [&](SessionEntry& e) {
-    const uint64_t sequence = e.session.command(c);
-    e.publish();
-    return json_response(json::object{{"sequence", sequence}, {"step", e.session.step_index()}}, 202);
-  });
+  json::object answer;
+  std::function<void(SessionEntry&)> carry_out = [&](SessionEntry& e) {
+    answer = {{"sequence", e.session.command(c)}, {"step", e.session.step_index()}};
+  };
+  const JobPtr job = co_await app.runner.call(entry, std::move(carry_out));
+  if (job->end == Job::End::reached) co_return json_response(answer, 202);
+  co_return co_await with_session(app, entry, [&](SessionEntry& e) { return cut_short(app, request, e); });
 }
 
 }  // namespace

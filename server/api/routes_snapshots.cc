@@ -33,6 +33,15 @@ std::shared_ptr<const WorldState> snapshot_of(SessionEntry& e, std::string_view 
   return it->second;
 }
 
+asio::awaitable<Response> restore(App& app, const Request& request) {
+  EntryPtr entry = app.store.find(request.param("id"));
+  const std::string sid(request.param("sid"));
+  const auto back = [&sid](SessionEntry& e) { e.session.restore(*snapshot_of(e, sid)); };
+  co_await interrupt_and_call(app, entry, back);
+  co_return co_await with_session(app, entry,
+                                  [](SessionEntry& e) { return json_response(describe_clock(e)); });
+}
+
 asio::awaitable<Response> branch(App& app, const Request& request) {
   EntryPtr entry = app.store.find(request.param("id"));
   auto copy = [&app, entry] {
@@ -53,7 +62,7 @@ asio::awaitable<Response> branch(App& app, const Request& request) {
     r.header("Location", "/v1/sessions/" + made.entry->id);
     return r;
   };
-  co_return co_await net::offload(app.runner.pool(), std::move(copy));
+  co_return co_await app.runner.long_work(std::move(copy));
 }
 
 }  // namespace
@@ -83,15 +92,7 @@ void add_snapshot_routes(net::Router& router, App& app) {
                    });
              });
   router.add(Method::post, session + "/snapshots/{sid}/restore", "Continues from a snapshot",
-             [&app](const Request& r) -> asio::awaitable<Response> {
-               const std::string sid(r.param("sid"));
-               co_return co_await with_session_on_worker(app, app.store.find(r.param("id")),
-                                                         [&sid](SessionEntry& e) {
-                                                           e.session.restore(*snapshot_of(e, sid));
-                                                           e.publish();
-                                                           return json_response(describe_clock(e));
-                                                         });
-             });
+             [&app](const Request& r) { return restore(app, r); });
 }
 
 }  // namespace truestep

@@ -80,6 +80,16 @@ json::object describe_clock(const SessionEntry& e) {
           {"speed", s.speed()}, {"state_hash", hex64(s.hash())}};
 }
 
+Response cut_short(const App& app, const Request& request, const SessionEntry& e) {
+  if (app.server && app.server->draining())
+    return net::problem(request, "draining", "the service is shutting down");
+  if (e.removed) return net::problem(request, "unknown_session", "the session has been deleted");
+  return net::problem(
+      request, "interrupted",
+      "pause, reset or restore came before the end, at step " + std::to_string(e.session.step_index()), {},
+      json::object{{"step", e.session.step_index()}, {"time", e.session.time()}});
+}
+
 Response instability(const Request& request, const Session& s) {
   const Failure& f = *s.failure();
   json::object extra = describe_failure(f);

@@ -3,6 +3,7 @@
 #include <boost/json.hpp>
 #include <string>
 
+#include "server/api/app.h"
 #include "server/net/message.h"
 #include "server/sessions/entry.h"
 
@@ -16,6 +17,9 @@ boost::json::object describe_session(SessionEntry& entry);
 
 /// Step, time, status, speed and hash. Under the entry's lock.
 boost::json::object describe_clock(const SessionEntry& entry);
+
+/// The problem of a request that another one, or the end of the service, cut short. Under the entry's lock.
+net::Response cut_short(const App& app, const net::Request& request, const SessionEntry& entry);
 
 /// The problem "instability" of a session that has failed.
 net::Response instability(const net::Request& request, const Session& session);

@@ -7,8 +7,11 @@
 #include <boost/asio/ip/tcp.hpp>
 #include <boost/asio/signal_set.hpp>
 #include <boost/asio/steady_timer.hpp>
+#include <condition_variable>
+#include <cstdlib>
 #include <filesystem>
 #include <iostream>
+#include <mutex>
 #include <thread>
 
 #include "engine/base/log.h"
@@ -90,6 +93,53 @@ void let_sinks_go(App& app) {
   }
 }
 
+/// Ends the process when work that nothing can interrupt outlasts the time that an end may take. By then
+/// recordings are complete and peers have been told.
+class LastResort {
+ public:
+  explicit LastResort(std::chrono::milliseconds patience)
+      : thread_([this, end = std::chrono::steady_clock::now() + patience] {
+          std::unique_lock lock(mutex_);
+          if (over_.wait_until(lock, end, [this] { return ended_; })) return;
+          spdlog::warn("work that goes on is given up");
+          std::_Exit(kExitOk);
+        }) {}
+  ~LastResort() {
+    {
+      const std::lock_guard lock(mutex_);
+      ended_ = true;
+    }
+    over_.notify_one();
+    thread_.join();
+  }
+  LastResort(const LastResort&) = delete;
+  LastResort& operator=(const LastResort&) = delete;
+
+ private:
+  std::mutex mutex_;
+  std::condition_variable over_;
+  bool ended_ = false;
+  std::thread thread_;
+};
+
+/// In this order: nothing new comes in, streams hear of it, work ends, recordings are completed, the network
+/// threads end, then those that hand them answers. Nothing is destroyed that a thread may still use.
+void shut_down(net::Server& server, App& app) {
+  const auto begun = std::chrono::steady_clock::now();
+  server.drain();
+  app.runner.cancel_all(app.store.all());
+  app.operations.cancel_all();
+  finish_recordings(app);
+  server.stop(std::chrono::milliseconds(1500));
+  const auto taken =
+      std::chrono::duration_cast<std::chrono::milliseconds>(std::chrono::steady_clock::now() - begun);
+  const LastResort last_resort(
+      std::max(std::chrono::milliseconds(4000) - taken, std::chrono::milliseconds(500)));
+  app.operations.stop();
+  app.runner.join();
+  let_sinks_go(app);
+}
+
 int serve(const ServeOptions& options) {
   spdlog::set_level(spdlog::level::from_str(options.log_level));
   AppOptions settings = app_options(options);
@@ -105,7 +155,10 @@ int serve(const ServeOptions& options) {
   net::Server server(settings.net, make_router(app));
   app.server = &server;
   asio::io_context main_loop;
-  asio::signal_set signals(main_loop, SIGTERM, SIGINT);
+  // A peer that left, or a log that nobody reads any more, shows itself as an error of the write.
+  ::signal(SIGPIPE, SIG_IGN);
+  spdlog::set_error_handler([](const std::string&) {});
+  asio::signal_set signals(main_loop, SIGTERM, SIGINT, SIGHUP);
   server.start();
   std::cout << "Truestep " << version() << " listening on " << server.url() << std::endl;
   recover_recordings(app);
@@ -118,11 +171,7 @@ int serve(const ServeOptions& options) {
   });
   main_loop.run();
   spdlog::info("shutting down");
-  server.stop();
-  app.operations.stop();
-  app.runner.stop();
-  finish_recordings(app);
-  let_sinks_go(app);
+  shut_down(server, app);
   return kExitOk;
 }
 

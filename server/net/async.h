@@ -2,6 +2,7 @@
 // other threads raise for long polls.
 #pragma once
 #include <boost/asio/awaitable.hpp>
+#include <boost/asio/bind_cancellation_slot.hpp>
 #include <boost/asio/co_spawn.hpp>
 #include <boost/asio/post.hpp>
 #include <boost/asio/redirect_error.hpp>
@@ -24,7 +25,11 @@ boost::asio::awaitable<std::invoke_result_t<F>> offload(Pool& pool, F f) {
   using T = std::invoke_result_t<F>;
   // Named, not a temporary of the co_await expression: gcc 12 destroys the captures of such a closure twice.
   auto work = [f = std::move(f)]() mutable -> boost::asio::awaitable<T> { co_return f(); };
-  co_return co_await boost::asio::co_spawn(pool.get_executor(), std::move(work), boost::asio::use_awaitable);
+  // Without a cancellation slot: signals are raised on the network thread while the work is on another, and f
+  // may refer to what its caller holds.
+  co_return co_await boost::asio::co_spawn(
+      pool.get_executor(), std::move(work),
+      boost::asio::bind_cancellation_slot(boost::asio::cancellation_slot(), boost::asio::use_awaitable));
 }
 
 /// A counter that any thread raises and coroutines wait for. Read version(), check the condition, then wait
@@ -51,5 +56,24 @@ class Signal {
   uint64_t version_ = 0;
   std::vector<std::shared_ptr<Waiter>> waiters_;
 };
+
+/// Waits until `ended()`, which `done` announces. A coroutine that is cancelled meanwhile calls `give_up` and
+/// still waits for the end, so that work elsewhere may refer to what the coroutine holds. Named closures
+/// only.
+template <class Ended, class GiveUp>
+boost::asio::awaitable<void> wait_for_end(Signal& done, Ended ended, GiveUp give_up) {
+  namespace this_coro = boost::asio::this_coro;
+  co_await this_coro::throw_if_cancelled(false);
+  while (true) {
+    const uint64_t seen = done.version();
+    if (ended()) break;
+    co_await done.wait(seen, std::chrono::steady_clock::now() + std::chrono::hours(24));
+    const auto state = co_await this_coro::cancellation_state;
+    if (state.cancelled() == boost::asio::cancellation_type::none) continue;
+    give_up();
+    co_await this_coro::reset_cancellation_state();
+  }
+  co_await this_coro::throw_if_cancelled(true);
+}
 
 }  // namespace truestep::net

@@ -1,9 +1,12 @@
 #include "server/net/connection.h"
 
+#include <sys/socket.h>
+
 #include <boost/asio/bind_cancellation_slot.hpp>
 #include <boost/asio/co_spawn.hpp>
 #include <boost/asio/redirect_error.hpp>
 #include <boost/asio/use_awaitable.hpp>
+#include <cerrno>
 
 #include "engine/base/errors.h"
 #include "engine/base/log.h"
@@ -17,6 +20,7 @@ namespace asio = boost::asio;
 namespace {
 
 constexpr size_t kRead = 4096, kReadBody = 65536;
+constexpr int kPatientLooks = 8;
 constexpr auto kLinger = std::chrono::milliseconds(1000);
 // A body that arrives faster than this may take longer than the body time-out.
 constexpr size_t kBodyBytesPerSecond = 65536;
@@ -82,6 +86,10 @@ void Connection::enter(Phase phase) {
 
 void Connection::tick(Clock::time_point now) {
   if (websocket_) return websocket_->tick(now);
+  if (phase_ == Phase::handler && left()) {
+    gone_ = true;
+    cancel_handler_.emit(asio::cancellation_type::terminal);
+  }
   if (now <= deadline_) return;
   service_.stats.timeouts++;
   if ((phase_ == Phase::head || phase_ == Phase::body) && !timed_out_) {
@@ -92,6 +100,15 @@ void Connection::tick(Clock::time_point now) {
   } else {
     abort();
   }
+}
+
+// Whether the peer is no longer there to read an answer. One that has only ended its side of the connection
+// may still read: it gets some looks' time.
+bool Connection::left() {
+  char byte;
+  const ssize_t n = ::recv(socket_.native_handle(), &byte, 1, MSG_PEEK | MSG_DONTWAIT);
+  if (n > 0 || (n < 0 && (errno == EAGAIN || errno == EWOULDBLOCK || errno == EINTR))) return false;
+  return n < 0 || ++ended_looks_ > kPatientLooks;
 }
 
 void Connection::drain() {
@@ -247,6 +264,7 @@ Response Connection::answer(const Route& route) {
 
 asio::awaitable<Response> Connection::wait_for(const Route& route) {
   enter(Phase::handler);
+  ended_looks_ = 0;
   try {
     co_return co_await asio::co_spawn(
         socket_.get_executor(), route.async_handler(request_),
@@ -255,6 +273,8 @@ asio::awaitable<Response> Connection::wait_for(const Route& route) {
     co_return problem(request_, e);
   } catch (const std::exception& e) {
     if (service_.draining) co_return problem(request_, "draining", "the service is shutting down");
+    // Nobody reads it.
+    if (gone_) co_return problem(request_, "request_timeout", "the client has left");
     co_return problem(request_, e);
   }
 }

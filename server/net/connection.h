@@ -63,6 +63,7 @@ class Connection : public std::enable_shared_from_this<Connection> {
   boost::asio::awaitable<void> linger();
   Response open_websocket(const Route& route);
   void enter(Phase phase);
+  bool left();
 
   Socket socket_;
   Service& service_;
@@ -74,6 +75,8 @@ class Connection : public std::enable_shared_from_this<Connection> {
   Phase phase_ = Phase::idle;
   Clock::time_point deadline_;
   bool timed_out_ = false;
+  int ended_looks_ = 0;                        ///< at a peer that has ended its side while a handler waits
+  bool gone_ = false;                          ///< the peer has left: nobody reads the answer
   bool closing_ = false;                       ///< no further request after the current response
   bool unread_ = false;                        ///< the peer may still be sending: linger before closing
   std::shared_ptr<WebSocketHandler> upgrade_;  ///< set by a successful handshake

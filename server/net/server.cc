@@ -173,21 +173,26 @@ void Server::start() {
   s.started = true;
 }
 
-void Server::stop(std::chrono::milliseconds grace) {
+void Server::drain() {
   Impl& s = *impl_;
-  if (!s.started || s.stopped) return;
-  s.stopped = true;
-  s.service.draining = true;
+  if (!s.started || s.service.draining.exchange(true)) return;
   asio::post(s.shards[0]->io(), [&s] {
     boost::system::error_code ec;
     s.acceptor->close(ec);
     s.pause_timer->cancel();
   });
+  for (auto& shard : s.shards) shard->drain();
+}
+
+void Server::stop(std::chrono::milliseconds grace) {
+  Impl& s = *impl_;
+  if (!s.started || s.stopped) return;
+  s.stopped = true;
+  drain();
   const auto wait_until = [&](Clock::time_point end) {
     while (s.service.stats.connections > 0 && Clock::now() < end)
       std::this_thread::sleep_for(std::chrono::milliseconds(2));
   };
-  for (auto& shard : s.shards) shard->drain();
   wait_until(Clock::now() + grace);
   for (auto& shard : s.shards) shard->abort_all();
   // Aborted connections end by themselves; only a handler that still waits for its own work can outlast this.

@@ -36,6 +36,9 @@ class Server {
   /// Binds, listens and starts the network threads. Throws Error("bind_failed") when the address is taken or
   /// not ours.
   void start();
+  /// Stops accepting and tells every connection: streams close with 1001, requests that wait are cancelled.
+  /// Returns at once.
+  void drain();
   /// Stops accepting, lets running requests finish, closes WebSockets with 1001 and joins the threads;
   /// whatever is still open after `grace` is cut. Not to be called from a handler.
   void stop(std::chrono::milliseconds grace = std::chrono::milliseconds(3000));

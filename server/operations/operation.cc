@@ -1,5 +1,6 @@
 #include "server/operations/operation.h"
 
+#include "engine/base/interrupt.h"
 #include "engine/base/log.h"
 
 namespace truestep {
@@ -57,6 +58,8 @@ void Operation::run(const ThreadArena& arena, std::vector<boost::json::object> e
     rows_.push_back(row);
   };
   try {
+    // Inside a step and while a world is built, too.
+    const InterruptScope scope(&cancelled);
     end(OperationStatus::done, std::nullopt,
         std::make_shared<const StudyResult>(run_study(request, context)));
   } catch (const Error& e) {

@@ -3,11 +3,18 @@
 #include <algorithm>
 #include <boost/asio/post.hpp>
 
+#include "server/sessions/lane.h"
 #include "server/sessions/store.h"
 
 namespace truestep {
 
-OperationStore::OperationStore(OperationLimits limits, int threads) : limits_(limits), arena_(threads) {}
+namespace {
+constexpr int kNice = 12;
+}
+
+OperationStore::OperationStore(OperationLimits limits, int threads) : limits_(limits), arena_(threads) {
+  boost::asio::post(thread_, [] { yield_to_others(kNice); });
+}
 
 OperationStore::~OperationStore() {
   stop();
@@ -74,8 +81,12 @@ std::vector<OperationPtr> OperationStore::all() const {
   return out;
 }
 
-void OperationStore::stop() {
+void OperationStore::cancel_all() {
   for (const OperationPtr& o : all()) o->cancel();
+}
+
+void OperationStore::stop() {
+  cancel_all();
   thread_.join();
 }
 

@@ -28,6 +28,8 @@ class OperationStore {
   /// Cancels and forgets.
   void remove(std::string_view id);
   std::vector<OperationPtr> all() const;
+  /// Tells everything to stop.
+  void cancel_all();
   /// Cancels everything and waits for the thread.
   void stop();
 

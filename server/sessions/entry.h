@@ -9,9 +9,11 @@
 #include <mutex>
 #include <string>
 
+#include "engine/base/interrupt.h"
 #include "engine/session/session.h"
 #include "server/net/async.h"
 #include "server/net/message.h"
+#include "server/sessions/job.h"
 #include "server/sessions/poll_sink.h"
 #include "server/stream/encoded_frames.h"
 
@@ -54,7 +56,11 @@ struct SessionEntry {
   std::shared_ptr<RecordingSink> recording;  ///< null: the scene asks for none
   CachedAnswer cached_frame;
   EncodedFrames encoded;  ///< of the newest frame that was streamed
-  bool ticking = false;   ///< the runner has a timer for it
+
+  // The runner's.
+  JobQueue jobs;
+  Interrupt interrupt;        ///< of the step in progress; raised under the lock or by the watch
+  double estimated_step = 0;  ///< s, before the first has been measured
 
   void touch() { last_used.store(Clock::now().time_since_epoch().count(), std::memory_order_relaxed); }
   /// To be called after every change, with or without the lock.

@@ -1,6 +1,8 @@
-// The threads that advance sessions: a timer per playing session (none for an idle one), jobs of many steps
-// in slices, and a thread for pictures. Nothing here runs on a network thread.
+// The threads that advance sessions. Three lanes: requests that want little, playing, and whatever takes long
+// (one step at a time, beside the state that readers see). Nothing here runs on a network thread, and no step
+// is computed under a session's lock for longer than a reader would wait.
 #pragma once
+#include <array>
 #include <atomic>
 #include <boost/asio/awaitable.hpp>
 #include <boost/asio/steady_timer.hpp>
@@ -8,7 +10,10 @@
 #include <functional>
 #include <optional>
 
+#include "engine/base/interrupt.h"
 #include "server/sessions/entry.h"
+#include "server/sessions/job.h"
+#include "server/sessions/lane.h"
 
 namespace truestep {
 
@@ -17,29 +22,116 @@ class Runner {
   explicit Runner(int workers);
   ~Runner();
 
+  /// For what takes milliseconds at most.
   boost::asio::thread_pool& pool() { return pool_; }
   boost::asio::thread_pool& picture_thread() { return picture_thread_; }
 
-  /// Starts the timer of a playing session; call after Session::play with the entry's lock held.
+  /// Starts the clock of a playing session; after Session::play, with the entry's lock held.
   void keep_playing(const EntryPtr& entry);
 
-  /// Steps until `target` (a step number) in slices of some milliseconds, so that other sessions and readers
-  /// of this one get their turn. Returns the step reached: earlier after an instability, removal or stop.
-  boost::asio::awaitable<uint64_t> step_to(EntryPtr entry, uint64_t target);
+  /// Steps (aloud, or silently for a seek) to where `aim` says when the turn has come, in slices between
+  /// which other sessions and readers of this one get their turn. Whoever stops waiting cancels it. What
+  /// `aim` throws comes out here.
+  boost::asio::awaitable<JobPtr> run_to(EntryPtr entry, Job::Kind kind, Aim aim);
+  /// f(entry) between two steps, under the lock; its exceptions come out here.
+  boost::asio::awaitable<JobPtr> call(EntryPtr entry, std::function<void(SessionEntry&)> f);
+  /// Waits for the end of a job that was started.
+  boost::asio::awaitable<JobPtr> end_of(EntryPtr entry, JobPtr job);
+  /// Starts one without waiting for its end; `queue` with the entry's lock held.
+  JobPtr start(const EntryPtr& entry, JobPtr job);
+  void queue(const EntryPtr& entry, const JobPtr& job);
 
-  /// Ends timers and jobs and joins the threads.
-  void stop();
+  /// Ends what was requested of the session, a step in progress included. Under the entry's lock.
+  void interrupt(SessionEntry& entry);
+
+  /// Runs f() with the threads for long work, under an Interrupt that is raised when whoever awaits this is
+  /// cancelled or the service ends. Exceptions pass through.
+  template <class F>
+  boost::asio::awaitable<std::invoke_result_t<F>> long_work(F f);
+  /// The same for work that nobody waits for.
+  void start_long_work(const std::function<void()>& f);
+
+  /// Tells all work to end; jobs end as cancelled.
+  void cancel_all(const std::vector<EntryPtr>& entries);
+  /// Finishes what the lanes and pools still hold and joins their threads.
+  void join();
 
   uint64_t steps_done() const { return steps_.load(std::memory_order_relaxed); }
 
  private:
-  void tick(const EntryPtr& entry, const std::shared_ptr<boost::asio::steady_timer>& timer,
-            Clock::time_point last);
-  boost::asio::awaitable<uint64_t> run_slices(EntryPtr entry, uint64_t target);
+  enum class LaneKind : uint8_t { express, playing, slow };
+  enum class Next : uint8_t { step, silent_step, wait, nothing };
+
+  Lane& lane(LaneKind kind) {
+    return kind == LaneKind::express ? express_ : kind == LaneKind::playing ? playing_ : slow_;
+  }
+  static LaneKind lane_of(const SessionEntry& entry);
+  void schedule(const EntryPtr& entry);
+  void turn(const EntryPtr& entry, LaneKind kind);
+  Next next_of(SessionEntry& entry);
+  StepOutcome one_step(const EntryPtr& entry, std::unique_lock<std::mutex>& lock, Session::Output output);
+  void carry_out_calls(SessionEntry& entry);
+  void cancel_jobs(SessionEntry& entry);
+  void wait_for_clock(const EntryPtr& entry);
+  /// Looks, as long as sessions work, whether a step that runs under its lock takes long, and interrupts it.
+  void watch();
+
+  struct InPlace {
+    std::mutex mutex;
+    EntryPtr entry;
+    std::atomic<Clock::rep> since{0};
+  };
+  class UnderWatch;
 
   boost::asio::thread_pool pool_, picture_thread_;
   std::atomic<bool> stopping_{false};
   std::atomic<uint64_t> steps_{0};
+  std::array<InPlace, 64> in_place_;
+  std::atomic<bool> watching_{false};
+  boost::asio::steady_timer watch_timer_{pool_};
+  std::mutex long_mutex_;
+  std::vector<std::weak_ptr<Interrupt>> long_interrupts_;
+  Lane express_, playing_, slow_;  ///< last: their threads end before what they use
 };
+
+namespace runner_detail {
+template <class T>
+struct LongWork {
+  std::shared_ptr<Interrupt> interrupt = std::make_shared<Interrupt>();
+  net::Signal done;
+  std::atomic<bool> ended{false};
+  std::exception_ptr error;
+  std::optional<T> value;
+};
+}  // namespace runner_detail
+
+template <class F>
+boost::asio::awaitable<std::invoke_result_t<F>> Runner::long_work(F f) {
+  using T = std::invoke_result_t<F>;
+  const auto work = std::make_shared<runner_detail::LongWork<T>>();
+  {
+    const std::lock_guard lock(long_mutex_);
+    std::erase_if(long_interrupts_, [](const auto& w) { return w.expired(); });
+    long_interrupts_.push_back(work->interrupt);
+    if (stopping_) work->interrupt->raise();
+  }
+  const std::function<void()> run = [work, &f] {
+    try {
+      const InterruptScope scope(*work->interrupt);
+      interruption_point();
+      work->value.emplace(f());
+    } catch (...) {
+      work->error = std::current_exception();
+    }
+    work->ended = true;
+    work->done.notify();
+  };
+  start_long_work(run);
+  const auto ended = [work] { return work->ended.load(); };
+  const auto give_up = [work] { work->interrupt->raise(); };
+  co_await net::wait_for_end(work->done, ended, give_up);
+  if (work->error) std::rethrow_exception(work->error);
+  co_return std::move(*work->value);
+}
 
 }  // namespace truestep

@@ -76,6 +76,7 @@ SessionStore::Created SessionStore::create(const json::value& document, const st
   auto entry = std::make_shared<SessionEntry>(id, std::move(world), arena_, bytes);
   entry->scene_hash = scene_hash;
   entry->accuracy = std::move(settled.report);
+  entry->estimated_step = cost.seconds_per_step;
   const std::lock_guard lock(mutex_);
   if (EntryPtr e = existing()) return {e, Created::How::existed};
   check_room(bytes);

@@ -1,7 +1,5 @@
 #include "server/stream/stream_client.h"
 
-#include <boost/asio/co_spawn.hpp>
-#include <boost/asio/detached.hpp>
 #include <boost/asio/post.hpp>
 
 #include "engine/base/log.h"
@@ -90,12 +88,8 @@ void StreamClient::on_message(net::MessageKind kind, std::string_view payload) {
   locked([this, message = std::move(message)] {
     try {
       handle(message);
-    } catch (const Error& e) {
-      send(problem_message(e.code(), e.what(), message.request_id(),
-                           e.issues().empty() ? "" : e.issues().front().pointer));
-    } catch (const std::exception& e) {
-      spdlog::error("stream: {}", e.what());
-      send(problem_message("internal", "", message.request_id(), ""));
+    } catch (...) {
+      report(std::current_exception(), message.request_id());
     }
   });
 }
@@ -107,13 +101,11 @@ void StreamClient::handle(const v1::ClientMessage& message) {
       subscribe(message.subscribe());
       break;
     case v1::ClientMessage::kControl:
+      if (message.control().action() == "reset") return reset(message.request_id());
       control(message.control());
       break;
     case v1::ClientMessage::kCommand:
-      session.command(read_command(parse_json(message.command().json())));
-      entry_->publish();
-      if (!session.playing()) send_current_frame();
-      break;
+      return command(message);
     case v1::ClientMessage::kRequestKeyframe:
       base_.reset();
       send_current_frame();
@@ -121,12 +113,49 @@ void StreamClient::handle(const v1::ClientMessage& message) {
     default:
       throw Error("bad_request", "the message is empty");
   }
-  // Drags come many times a second and nobody waits for their answers.
-  if (message.request_id().empty()) return;
+  reply(message.request_id());
+}
+
+// Drags come many times a second and nobody waits for their answers.
+void StreamClient::reply(const std::string& request_id) {
+  if (request_id.empty()) return;
   v1::ServerMessage reply;
-  reply.mutable_reply()->set_request_id(message.request_id());
-  reply.mutable_reply()->set_step(session.step_index());
+  reply.mutable_reply()->set_request_id(request_id);
+  reply.mutable_reply()->set_step(entry_->session.step_index());
   send(reply);
+}
+
+void StreamClient::report(const std::exception_ptr& error, const std::string& request_id) {
+  try {
+    std::rethrow_exception(error);
+  } catch (const Error& e) {
+    send(problem_message(e.code(), e.what(), request_id,
+                         e.issues().empty() ? "" : e.issues().front().pointer));
+  } catch (const std::exception& e) {
+    spdlog::error("stream: {}", e.what());
+    send(problem_message("internal", "", request_id, ""));
+  }
+}
+
+// Between two steps, like everything that changes the state.
+void StreamClient::between_steps(const std::string& request_id, std::function<void()> f) {
+  const auto self = shared_from_this();
+  runner_.queue(entry_, Job::between_steps([self, request_id, f = std::move(f)](SessionEntry&) {
+                  if (self->closed_) return;
+                  try {
+                    f();
+                    self->reply(request_id);
+                  } catch (...) {
+                    self->report(std::current_exception(), request_id);
+                  }
+                }));
+}
+
+void StreamClient::command(const v1::ClientMessage& message) {
+  between_steps(message.request_id(), [this, c = read_command(parse_json(message.command().json()))] {
+    entry_->session.command(c);
+    if (!entry_->session.playing()) send_current_frame();
+  });
 }
 
 void StreamClient::subscribe(const v1::Subscribe& wish) {
@@ -155,6 +184,19 @@ void StreamClient::subscribe(const v1::Subscribe& wish) {
   send_current_frame();
 }
 
+void StreamClient::run(Job::Kind kind, Aim aim) {
+  const JobPtr job = Job::run(kind, std::move(aim));
+  job->after = [self = shared_from_this()](const Job& ended) {
+    if (ended.end == Job::End::threw) self->report(ended.error, "");
+  };
+  runner_.queue(entry_, job);
+}
+
+void StreamClient::reset(const std::string& request_id) {
+  runner_.interrupt(*entry_);
+  between_steps(request_id, [this] { entry_->session.reset(); });
+}
+
 void StreamClient::control(const v1::Control& control) {
   Session& session = entry_->session;
   const std::string& action = control.action();
@@ -167,15 +209,17 @@ void StreamClient::control(const v1::Control& control) {
     }
   } else if (action == "pause") {
     session.pause();
-  } else if (action == "reset") {
-    session.reset();
+    runner_.interrupt(*entry_);
   } else if (action == "step" || action == "seek") {
     if (!(value >= 0) || value > 1e15) throw Error("bad_request", action + " takes a number from 0 to 1e15");
+    const auto n = static_cast<uint64_t>(value);
     if (action == "seek") {
-      session.seek(static_cast<uint64_t>(value));
+      // The newest wish counts: a slider that is dragged asks many times a second.
+      runner_.interrupt(*entry_);
+      run(Job::Kind::seek, [n](SessionEntry&) { return n; });
     } else {
-      const uint64_t target = session.step_index() + std::max<uint64_t>(1, static_cast<uint64_t>(value));
-      asio::co_spawn(runner_.pool(), runner_.step_to(entry_, target), asio::detached);
+      run(Job::Kind::step,
+          [n](SessionEntry& e) { return e.session.step_index() + std::max<uint64_t>(1, n); });
     }
   } else {
     throw Error("bad_request", "unknown action; there are: play, pause, step, seek, speed, reset");

@@ -45,6 +45,12 @@ class StreamClient : public net::WebSocketHandler,
   void handle(const v1::ClientMessage& message);
   void subscribe(const v1::Subscribe& wish);
   void control(const v1::Control& control);
+  void command(const v1::ClientMessage& message);
+  void run(Job::Kind kind, Aim aim);
+  void reset(const std::string& request_id);
+  void between_steps(const std::string& request_id, std::function<void()> f);
+  void reply(const std::string& request_id);
+  void report(const std::exception_ptr& error, const std::string& request_id);
   void send_current_frame();
   void send(const v1::ServerMessage& message);
   bool has_room() const;

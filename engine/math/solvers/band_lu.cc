@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "engine/base/interrupt.h"
+
 namespace truestep {
 
 namespace {
@@ -63,6 +65,7 @@ bool BandLu<T>::factor_general() {
   for (size_t j = 0; j < n_; ++j) std::fill_n(a_.begin() + long(j * height_), lower_, T(0));
   size_t last = 0;  // last column that an exchange has reached
   for (size_t k = 0; k < n_; ++k) {
+    if (k % 64 == 0) interruption_point();
     T* column = a_.data() + k * height_ + diagonal;  // column[i - k]
     const size_t rows = std::min(lower_, n_ - 1 - k);
     size_t p = 0;

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "engine/base/errors.h"
+#include "engine/base/interrupt.h"
 #include "engine/math/lanes.h"
 
 namespace truestep {
@@ -119,6 +120,7 @@ BlockLdlt::Outcome BlockLdlt::factorize_blocks(const BlockSparse& a) {
   std::fill(filled_.begin(), filled_.end(), 0u);
   std::fill(mark_.begin(), mark_.end(), UINT32_MAX);
   for (uint32_t k = 0; k < n_; ++k) {
+    if (k % 64 == 0) interruption_point();
     // Scatter row k of A and find which columns of L it meets, in an order that respects the tree.
     size_t top = n_;
     mark_[k] = k;

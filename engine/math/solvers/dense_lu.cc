@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "engine/base/interrupt.h"
+
 namespace truestep {
 
 namespace {
@@ -38,6 +40,7 @@ void DenseLu<T>::resize(size_t n) {
 // Eliminates within the columns [first, first + width); rows are exchanged in these columns only.
 template <class T>
 bool DenseLu<T>::factor_panel(size_t first, size_t width) {
+  interruption_point();
   const size_t end = first + width;
   bool regular = true;
   for (size_t k = first; k < end; ++k) {

@@ -3,6 +3,8 @@
 #include <Eigen/OrderingMethods>
 #include <Eigen/SparseCore>
 
+#include "engine/base/interrupt.h"
+
 namespace truestep {
 
 FactorWork symbolic_factor_work(const ColumnPattern& a) {
@@ -27,6 +29,7 @@ FactorWork symbolic_factor_work(const ColumnPattern& a) {
   std::vector<int> parent(static_cast<size_t>(n), -1), seen(static_cast<size_t>(n), -1);
   std::vector<double> column(static_cast<size_t>(n), 0);
   for (int k = 0; k < n; ++k) {
+    if (k % 256 == 0) interruption_point();
     seen[static_cast<size_t>(k)] = k;
     for (Matrix::InnerIterator it(both, order.indices()[k]); it; ++it) {
       // From every earlier unknown of row k up the tree, until where another path has been.

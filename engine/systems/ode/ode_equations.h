@@ -3,6 +3,7 @@
 #include <vector>
 
 #include "engine/base/cache_line.h"
+#include "engine/base/interrupt.h"
 #include "engine/systems/ode/ode_model.h"
 
 namespace truestep {
@@ -49,6 +50,7 @@ class OdeEquations final : public RightHandSide, public SecondOrder {
 
   size_t size() const override { return model_.size(); }
   void rate(double t, const double* y, double* dydt) const override {
+    interruption_point();
     rate_(t, y, model_.size(), parameters_, dydt);
     if (contacts_) support_rates(t, y, dydt);
   }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "engine/base/interrupt.h"
 #include "engine/math/trig.h"
 
 namespace truestep::rods {
@@ -86,6 +87,7 @@ void RodEquations::read(const double* y, std::span<Rod> rods) {
     rods[j] = {load3(y, 4 * j), load3(y, 4 * j + 1), load3(y, 4 * j + 2), load3(y, 4 * j + 3)};
 }
 void RodEquations::rate(double, const double* y, double* dydt) const {
+  interruption_point();
   Scratch& s = scratch_;
   s.force.resize(rods_), s.stage.resize(rods_), s.rates.resize(rods_);
   read(y, s.stage);
