@@ -84,12 +84,12 @@ void add_recording_routes(net::Router& router, App& app) {
   const std::string path = "/v1/sessions/{id}/recording";
   router.add(Method::get, path, "The recording as HDF5 (H5MD and VTKHDF); 409 while it is written",
              [&app](const Request& r) -> asio::awaitable<Response> {
-               co_return co_await with_session_on_worker(app, app.store.find(r.param("id")),
+               co_return co_await with_session_on_worker(app, session_of(app, r),
                                                          [&](SessionEntry& e) { return recording(r, e); });
              });
   router.add(Method::post, path + "/finish", "Completes the recording, so that it can be downloaded",
              [&app](const Request& r) {
-               return with_session_on_worker(app, app.store.find(r.param("id")), [](SessionEntry& e) {
+               return with_session_on_worker(app, session_of(app, r), [](SessionEntry& e) {
                  if (!e.recording)
                    throw Error("not_found", "this session records nothing; give its scene a \"recording\"");
                  const RecordingStatus status = e.recording->finish();

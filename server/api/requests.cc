@@ -50,6 +50,25 @@ json::object json_object_body(const net::Request& request) {
   return std::move(v.as_object());
 }
 
+EntryPtr session_of(App& app, const net::Request& request) {
+  return app.store.find(request.param("id"), request.caller);
+}
+
+OperationPtr operation_of(const App& app, const net::Request& request) {
+  return app.operations.find(request.param("id"), request.caller);
+}
+
+std::string idempotency_key(const net::Request& request) {
+  constexpr std::string_view kName = "idempotency-key";
+  if (!request.has_header(kName)) return {};
+  const std::string_view key = request.header(kName);
+  size_t given = 0;
+  for (const net::Field& f : request.headers) given += net::iequals(f.name, kName);
+  if (key.empty() || key.size() > 255 || given > 1)
+    throw Error("bad_request", "an Idempotency-Key has 1 to 255 characters and comes once");
+  return request.caller.name + '\n' + std::string(key);
+}
+
 uint64_t query_integer(const net::Request& request, std::string_view name, uint64_t fallback, uint64_t max) {
   return parse_query<uint64_t>(request, name, fallback, max, "an integer");
 }

@@ -17,6 +17,14 @@ boost::json::value json_body(const net::Request& request);
 /// An object; Error bad_request otherwise.
 boost::json::object json_object_body(const net::Request& request);
 
+/// The session that the path names. Error "unknown_session" or "session_expired".
+EntryPtr session_of(App& app, const net::Request& request);
+/// The operation that the path names. Error "unknown_operation".
+OperationPtr operation_of(const App& app, const net::Request& request);
+/// The Idempotency-Key, told apart from other callers' keys; empty without one. Error bad_request for an
+/// empty one, one of more than 255 characters and several.
+std::string idempotency_key(const net::Request& request);
+
 /// A non-negative integer or number from the query; Error bad_request with the pointer "?name" when it is no
 /// such thing or above `max`.
 uint64_t query_integer(const net::Request& request, std::string_view name, uint64_t fallback, uint64_t max);

@@ -53,8 +53,8 @@ uint64_t step_target(const json::object& body, const Session& s) {
 }
 
 asio::awaitable<Response> step(App& app, const Request& request) {
-  EntryPtr entry = app.store.find(request.param("id"));
-  const std::string key(request.header("idempotency-key"));
+  EntryPtr entry = session_of(app, request);
+  const std::string key = idempotency_key(request);
   const json::object body = json_object_body(request);
   Hasher hasher;
   hasher.text(entry->id);
@@ -85,7 +85,7 @@ asio::awaitable<Response> step(App& app, const Request& request) {
 }
 
 asio::awaitable<Response> play(App& app, const Request& request) {
-  EntryPtr entry = app.store.find(request.param("id"));
+  EntryPtr entry = session_of(app, request);
   const json::object body = json_object_body(request);
   co_return co_await with_session(app, entry, [&](SessionEntry& e) {
     if (e.session.failure()) return instability(request, e.session);
@@ -97,7 +97,7 @@ asio::awaitable<Response> play(App& app, const Request& request) {
 }
 
 asio::awaitable<Response> seek(App& app, const Request& request) {
-  EntryPtr entry = app.store.find(request.param("id"));
+  EntryPtr entry = session_of(app, request);
   const json::object body = json_object_body(request);
   co_return co_await with_session_on_worker(app, entry, [&](SessionEntry& e) {
     double target = 0;
@@ -124,7 +124,7 @@ void add_playback_routes(net::Router& router, App& app) {
   router.add(Method::post, session + "/play", "Runs in real time times speed",
              [&app](const Request& r) { return play(app, r); });
   router.add(Method::post, session + "/pause", "Stops running", [&app](const Request& r) {
-    return with_session(app, app.store.find(r.param("id")), [](SessionEntry& e) {
+    return with_session(app, session_of(app, r), [](SessionEntry& e) {
       e.session.pause();
       e.publish();
       return json_response(describe_clock(e));
@@ -132,7 +132,7 @@ void add_playback_routes(net::Router& router, App& app) {
   });
   router.add(Method::post, session + "/reset", "Back to step 0; the journal is forgotten",
              [&app](const Request& r) {
-               return with_session_on_worker(app, app.store.find(r.param("id")), [](SessionEntry& e) {
+               return with_session_on_worker(app, session_of(app, r), [](SessionEntry& e) {
                  e.session.reset();
                  e.publish();
                  return json_response(describe_clock(e));

@@ -81,7 +81,10 @@ void Connection::enter(Phase phase) {
 }
 
 void Connection::tick(Clock::time_point now) {
-  if (websocket_) return websocket_->tick(now);
+  if (websocket_) {
+    check_key_again();
+    return websocket_->tick(now);
+  }
   if (now <= deadline_) return;
   service_.stats.timeouts++;
   if ((phase_ == Phase::head || phase_ == Phase::body) && !timed_out_) {
@@ -92,6 +95,15 @@ void Connection::tick(Clock::time_point now) {
   } else {
     abort();
   }
+}
+
+// A key that is withdrawn ends the streams that were opened with it.
+void Connection::check_key_again() {
+  KeyFile& keys = service_.guard.keys();
+  if (!keys.asks() || request_.key_digest.empty()) return;
+  const auto ring = keys.keys();
+  if (keys.version() == std::exchange(keys_version_, keys.version())) return;
+  if (!ring->find(request_.key_digest)) websocket_->close(1008, "the key is no longer valid");
 }
 
 void Connection::drain() {

@@ -160,7 +160,9 @@ void Request::clear() {
   if (body.capacity() > 65536) std::string().swap(body);
   body.clear();
   method = Method::other;
-  method_text = target = raw_path = principal = {};
+  method_text = target = raw_path = {};
+  caller = {};
+  key_digest.clear();
   trace_id_.clear();
   http10 = false;
 }
