@@ -22,6 +22,8 @@ void attach_recording(App& app, SessionEntry& entry) {
   if (!entry.session.world().scene().header.recording) return;
   if (app.options.data_dir.empty())
     throw Error("bad_request", "this server has no data directory, so it cannot record");
+  // What is written now must not look like a file that an earlier run left.
+  if (app.repairing) throw Error("starting", "recordings of an earlier run are being repaired");
   const fs::path path = fs::path(app.options.data_dir) / (entry.id + ".vtkhdf");
   entry.recording = std::make_shared<RecordingSink>(app.recording_thread, entry.session, path.string());
   entry.session.add_sink(entry.recording);
@@ -89,6 +91,7 @@ void add_recording_routes(net::Router& router, App& app) {
              });
   router.add(Method::post, path + "/finish", "Completes the recording, so that it can be downloaded",
              [&app](const Request& r) {
+               object_body_of(r, {});
                return with_session_on_worker(app, session_of(app, r), [](SessionEntry& e) {
                  if (!e.recording)
                    throw Error("not_found", "this session records nothing; give its scene a \"recording\"");

@@ -125,6 +125,7 @@ void add_operation_routes(net::Router& router, App& app) {
   router.add(Method::post, "/v1/operations/{id}/cancel", "Asks an operation to stop",
              [&app](const Request& r) {
                const OperationPtr o = operation_of(app, r);
+               object_body_of(r, {});
                o->cancel();
                return json_response(describe_operation(*o));
              });

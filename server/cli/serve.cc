@@ -117,9 +117,11 @@ int serve(const ServeOptions& options) {
   app.server = &server;
   asio::io_context main_loop;
   asio::signal_set signals(main_loop, SIGTERM, SIGINT);
+  app.repairing = true;
   server.start();
   std::cout << "Truestep " << version() << " listening on " << server.url() << std::endl;
   recover_recordings(app);
+  app.repairing = false;
 
   asio::steady_timer sweeper(main_loop);
   sweep_every(sweeper, app);

@@ -46,6 +46,7 @@ constexpr ProblemKind kKinds[] = {
     {"head_too_large", 431, "The request's head is too large"},
     {"internal", 500, "Something went wrong inside the service"},
     {"not_implemented", 501, "Not implemented"},
+    {"starting", 503, "The service is still starting"},
     {"draining", 503, "The service is shutting down"},
     {"overloaded", 503, "The service is at its limit"},
     {"render_unavailable", 503, "Pictures cannot be drawn here"},
