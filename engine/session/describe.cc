@@ -169,6 +169,7 @@ json::object validate_scene(const json::value& document, const AdmissionLimits& 
       const World world(*report.scene);
       out["plan"] = describe_plan(world, {});
       const WorldState state = world.initial_state();
+      world.require_finite_energy(state);
       const Cost built = world.cost(state);
       out["estimate"] = describe_cost(built);
       require_admission(built, limits);

@@ -70,6 +70,13 @@ void History::truncate(uint64_t step) {
   }
 }
 
+void History::forget_before(uint64_t step) {
+  const auto kept =
+      std::find_if(snapshots_.begin(), snapshots_.end(), [&](const WorldState& s) { return s.step >= step; });
+  std::move(snapshots_.begin(), kept, std::back_inserter(spare_));
+  snapshots_.erase(snapshots_.begin(), kept);
+}
+
 void History::clear() {
   snapshots_.clear();
   spare_.clear();

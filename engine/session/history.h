@@ -26,6 +26,8 @@ class History {
   const WorldState* at_or_before(uint64_t step) const;
   /// Forgets snapshots after `step`.
   void truncate(uint64_t step);
+  /// Forgets snapshots before `step`.
+  void forget_before(uint64_t step);
   /// Forgets all and gives their memory back.
   void clear();
   std::vector<uint64_t> steps() const;

@@ -21,6 +21,7 @@ Session::Session(std::shared_ptr<const World> world, std::shared_ptr<const Threa
       state_(world_->initial_state()),
       history_(options.history_bytes),
       series_(world_->scene().header.observables) {
+  world_->require_finite_energy(state_);
   if (options_.profiling == SessionOptions::Profiling::on) profiles_.resize(world_->profiled());
   record_series();
 }
@@ -229,6 +230,7 @@ uint64_t Session::command(const Command& command) {
   const uint64_t sequence = next_sequence_++;
   // A new command makes a new future: what was journalled for later steps no longer holds.
   journal_.resize(journal_cursor_);
+  if (journal_.size() >= options_.journal_entries) shorten_journal();
   journal_.push_back({state_.step, sequence, command});
   try {
     world_->apply(state_, command);
@@ -242,6 +244,26 @@ uint64_t Session::command(const Command& command) {
   history_.truncate(state_.step);
   series_.truncate(state_.step);
   return sequence;
+}
+
+// The older half of the journal goes, up to a snapshot of that time; where there is none near, all of it: the
+// past then begins at the present state. `command` is about to add an entry, and all entries are carried out.
+void Session::shorten_journal() {
+  const WorldState* s = history_.at_or_before(journal_[journal_.size() / 2].step);
+  const auto kept = std::find_if(journal_.begin(), journal_.end(),
+                                 [&](const JournalEntry& e) { return s && e.step >= s->step; });
+  const auto gone = static_cast<size_t>(kept - journal_.begin());
+  if (s && s->step > first_step() && gone >= journal_.size() / 4) {
+    origin_ = *s;
+    journal_.erase(journal_.begin(), kept);
+  } else {
+    origin_ = state_;
+    journal_.clear();
+    // Snapshots of this step are older than its commands, which are part of the new origin.
+    history_.clear();
+  }
+  history_.forget_before(first_step());
+  journal_cursor_ = journal_.size();
 }
 
 void Session::drain_queue() {
@@ -330,7 +352,7 @@ WorldState Session::snapshot_at_or_before(uint64_t step) const {
 
 void Session::begin_seek(uint64_t step) {
   drain_queue();
-  const uint64_t first = origin_ ? origin_->step : 0;
+  const uint64_t first = first_step();
   if (step < first) {
     throw Error("bad_request", "this session's past begins at step " + std::to_string(first));
   }
@@ -379,7 +401,7 @@ Failure Session::diagnose(const Instability& e) const {
              std::to_string(f.step) + " (t = " + time + " s)";
   try {
     // Remedies are tried from some way before the last good step.
-    const uint64_t good = f.last_good_step, first = origin_ ? origin_->step : 0;
+    const uint64_t good = f.last_good_step, first = first_step();
     const WorldState before = replayed(good - std::min(good - first, trial_steps_before(*world_)));
     const auto hint = e.suggested_dt > 0 ? std::optional(e.suggested_dt) : world_->stable_dt(state_);
     const Commands again = [this](const World& world, WorldState& state) {
@@ -457,7 +479,7 @@ WorldState Session::state_at(uint64_t step) const {
 }
 
 Past Session::past(uint64_t step) const {
-  if (step > state_.step || step < (origin_ ? origin_->step : 0))
+  if (step > state_.step || step < first_step())
     throw Error("not_found", "this session's past does not hold this step");
   if (step == state_.step) return {world_, arena_, state_, {}, step};
   Past past{world_, arena_, snapshot_at_or_before(step), {}, step};

@@ -19,6 +19,7 @@ namespace truestep {
 
 struct SessionOptions {
   size_t history_bytes = 32 << 20;  ///< bound of all snapshots kept for seeking
+  size_t journal_entries = 65536;   ///< more commands shorten the past that can be gone back to
   enum class Profiling : uint8_t { off, on } profiling = Profiling::off;
 };
 
@@ -115,6 +116,11 @@ class Session {
   /// Carries out a command at this boundary, after those waiting; Error when it makes no sense.
   uint64_t command(const Command& command);
   const std::vector<JournalEntry>& journal() const { return journal_; }
+  /// What the journal begins at: a restored state, or the one that commands beyond the journal's bound have
+  /// moved its beginning to; none: the world's initial state.
+  const std::optional<WorldState>& origin() const { return origin_; }
+  /// The earliest step that can be gone back to.
+  uint64_t first_step() const { return origin_ ? origin_->step : 0; }
 
   // --- the past
   void reset();
@@ -166,6 +172,7 @@ class Session {
   void changed() { hash_.reset(); }
   void drain_queue();
   void replay_commands();
+  void shorten_journal();
   void load(WorldState state);
   void fail(Failure failure);
   void notify(std::string_view kind, const std::string& detail);
@@ -177,7 +184,7 @@ class Session {
   std::shared_ptr<const ThreadArena> arena_;
   SessionOptions options_;
   WorldState state_;
-  std::optional<WorldState> origin_;  ///< state restored last; none: the world's initial state
+  std::optional<WorldState> origin_;  ///< see origin()
   Workspace workspace_;
   std::vector<Profile> profiles_;
   mutable std::optional<uint64_t> hash_;  ///< of the present state, when somebody asked

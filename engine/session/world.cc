@@ -242,6 +242,18 @@ WorldState World::initial_state() const {
   WorldState state;
   for (const auto& s : systems_) state.systems.push_back(s->initial_state());
   for (const auto& c : couplings_) state.couplings.push_back(c->initial_state());
+  // What overflows between a scene's numbers and its start is a fault of the scene.
+  constexpr double kNoLimit = std::numeric_limits<double>::infinity();
+  std::vector<Issue> issues;
+  for (size_t i = 0; i < size(); ++i) {
+    const State& s = state.systems[i];
+    const auto bad = s.first_bad(kNoLimit, State::Look::everything);
+    if (!bad) continue;
+    const std::string what = s.info(bad->column).name + " of row " + std::to_string(bad->row);
+    issues.push_back({"/systems/" + std::to_string(scene_.systems[i].place), "out_of_range",
+                      "the start is not finite: " + what, "", "numbers whose results are finite", "", ""});
+  }
+  if (!issues.empty()) throw Error("scene_invalid", "the scene's start is not finite", std::move(issues));
   if (finer_) state.finer.push_back(finer_->initial_state());
   return state;
 }
@@ -310,6 +322,19 @@ std::optional<Energy> World::energy(const WorldState& state, size_t i) const {
   static const ThreadArena kSerial(1);
   Workspace workspace;
   return systems_[i]->energy(state.systems[i], static_cast<double>(state.step) * dt(), workspace, kSerial);
+}
+
+void World::require_finite_energy(const WorldState& state) const {
+  std::vector<Issue> issues;
+  for (size_t i = 0; i < size(); ++i) {
+    const auto e = energy(state, i);
+    if (!e || std::isfinite(e->kinetic + e->potential)) continue;
+    issues.push_back({"/systems/" + std::to_string(scene_.systems[i].place), "out_of_range",
+                      "the energy of the start is not finite", "", "numbers whose results are finite", "",
+                      "J"});
+  }
+  if (!issues.empty())
+    throw Error("scene_invalid", "the energy of the scene's start is not finite", std::move(issues));
 }
 
 void World::step(WorldState& state, Workspace& workspace, const ThreadArena& arena,

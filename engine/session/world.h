@@ -50,7 +50,10 @@ class World {
   /// Index of the system with this id; Error "unknown_system" naming those there are.
   size_t index_of(std::string_view id) const;
 
+  /// Error "scene_invalid" when a number of it is beyond what its type holds.
   WorldState initial_state() const;
+  /// Error "scene_invalid" when a state that nothing has happened to has more energy than a number holds.
+  void require_finite_energy(const WorldState& state) const;
   /// One step: every substep of every system between the two halves of every coupling (core/coupling.h), with
   /// checks that positions and velocities are finite and, every so often, that everything is and that no
   /// energy came from nothing (Instability if not; the state is then unusable and the caller restores an

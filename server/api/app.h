@@ -1,5 +1,6 @@
 // The application behind the routes: sessions, threads, counters. One object, handed to every route.
 #pragma once
+#include <atomic>
 #include <memory>
 #include <string>
 
@@ -31,6 +32,7 @@ struct App {
   IdempotencyKeys idempotency;
   StreamStats stream_stats;
   OperationStore operations{OperationLimits{}, options.workers};
+  std::atomic<bool> repairing{false};   ///< recordings of an earlier run; no new ones meanwhile
   Runner runner;                        ///< last: its threads end before what they use
   const net::Server* server = nullptr;  ///< for the metrics page; set before the server starts
 };

@@ -22,6 +22,8 @@ void attach_recording(App& app, SessionEntry& entry) {
   if (!entry.session.world().scene().header.recording) return;
   if (app.options.data_dir.empty())
     throw Error("bad_request", "this server has no data directory, so it cannot record");
+  // What is written now must not look like a file that an earlier run left.
+  if (app.repairing) throw Error("starting", "recordings of an earlier run are being repaired");
   const fs::path path = fs::path(app.options.data_dir) / (entry.id + ".vtkhdf");
   entry.recording = std::make_shared<RecordingSink>(app.recording_thread, entry.session, path.string());
   entry.session.add_sink(entry.recording);
@@ -86,12 +88,13 @@ void add_recording_routes(net::Router& router, App& app) {
   const std::string path = "/v1/sessions/{id}/recording";
   router.add(Method::get, path, "The recording as HDF5 (H5MD and VTKHDF); 409 while it is written",
              [&app](const Request& r) -> asio::awaitable<Response> {
-               co_return co_await with_session_on_worker(app, app.store.find(r.param("id")),
+               co_return co_await with_session_on_worker(app, session_of(app, r),
                                                          [&](SessionEntry& e) { return recording(r, e); });
              });
   router.add(Method::post, path + "/finish", "Completes the recording, so that it can be downloaded",
              [&app](const Request& r) {
-               return with_session_on_worker(app, app.store.find(r.param("id")), [](SessionEntry& e) {
+               object_body_of(r, {});
+               return with_session_on_worker(app, session_of(app, r), [](SessionEntry& e) {
                  if (!e.recording)
                    throw Error("not_found", "this session records nothing; give its scene a \"recording\"");
                  const RecordingStatus status = e.recording->finish();

@@ -1,10 +1,12 @@
 #include "server/api/requests.h"
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 
 #include "engine/scene/json.h"
 #include "engine/scene/json_write.h"
+#include "engine/scene/params.h"
 
 namespace truestep {
 
@@ -32,13 +34,20 @@ T parse_query(const net::Request& request, std::string_view name, T fallback, T 
 
 }  // namespace
 
+void require_media(const net::Request& request, std::string_view type) {
+  if (request.body.empty()) return;
+  const std::string_view coding = request.header("content-encoding");
+  if (!coding.empty() && !net::iequals(coding, "identity"))
+    throw Error("unsupported_media", "bodies are read as they are: send them without Content-Encoding");
+  std::string_view sent = request.header("content-type");
+  sent = net::trim(sent.substr(0, sent.find(';')));
+  if (net::iequals(sent, type) || (type.ends_with("/json") && sent.ends_with("+json"))) return;
+  throw Error("unsupported_media", "the body must come with Content-Type: " + std::string(type));
+}
+
 json::value json_body(const net::Request& request) {
   if (request.body.empty()) return json::object{};
-  std::string_view type = request.header("content-type");
-  type = net::trim(type.substr(0, type.find(';')));
-  if (!type.empty() && !net::iequals(type, "application/json") && !type.ends_with("+json")) {
-    throw Error("unsupported_media", "the body must be application/json");
-  }
+  require_media(request, "application/json");
   return parse_json(request.body);
 }
 
@@ -48,6 +57,43 @@ json::object json_object_body(const net::Request& request) {
     throw Error("bad_request", "the body must be a JSON object",
                 {{"", "wrong_type", "the body must be a JSON object", "", "an object", "", ""}});
   return std::move(v.as_object());
+}
+
+EntryPtr session_of(App& app, const net::Request& request) {
+  return app.store.find(request.param("id"), request.caller);
+}
+
+OperationPtr operation_of(const App& app, const net::Request& request) {
+  return app.operations.find(request.param("id"), request.caller);
+}
+
+std::string idempotency_key(const net::Request& request) {
+  constexpr std::string_view kName = "idempotency-key";
+  if (!request.has_header(kName)) return {};
+  const std::string_view key = request.header(kName);
+  size_t given = 0;
+  for (const net::Field& f : request.headers) given += net::iequals(f.name, kName);
+  if (key.empty() || key.size() > 255 || given > 1)
+    throw Error("bad_request", "an Idempotency-Key has 1 to 255 characters and comes once");
+  return request.caller.name + '\n' + std::string(key);
+}
+
+json::object object_body_of(const net::Request& request, std::initializer_list<std::string_view> members) {
+  json::object body = json_object_body(request);
+  const std::vector<std::string> names(members.begin(), members.end());
+  std::string all;
+  for (const std::string& m : names) (all += all.empty() ? "" : ", ") += m;
+  std::vector<Issue> issues;
+  for (const auto& [key, value] : body) {
+    const std::string_view name(key.data(), key.size());
+    if (std::find(names.begin(), names.end(), name) != names.end()) continue;
+    std::string pointer;
+    append_pointer(pointer, name);
+    issues.push_back({pointer, "unknown_key", "this request has no such member", shorten(value),
+                      all.empty() ? "no members" : all, nearest_name(name, names), ""});
+  }
+  if (!issues.empty()) throw Error("bad_request", "the request has faults", std::move(issues));
+  return body;
 }
 
 uint64_t query_integer(const net::Request& request, std::string_view name, uint64_t fallback, uint64_t max) {
@@ -80,6 +126,16 @@ double number_member(const json::object& o, const char* name, double min, double
           write_json(json::value(min)) + " to " + write_json(json::value(max)), "", ""}});
   }
   return x;
+}
+
+uint64_t integer_member(const json::object& o, const char* name, uint64_t max) {
+  const double x = number_member(o, name, 0, static_cast<double>(max));
+  if (x != std::floor(x)) {
+    throw Error("bad_request", std::string(name) + " is a whole number",
+                {{std::string("/") + name, "wrong_type", "expected a whole number", write_json(o.at(name)),
+                  "0 to " + std::to_string(max), "", ""}});
+  }
+  return static_cast<uint64_t>(x);
 }
 
 net::Response json_response(const json::value& value, int status) {

@@ -11,11 +11,27 @@
 
 namespace truestep {
 
-/// The body as strict JSON. Error unsupported_media unless it is application/json (or empty, which counts as
-/// {}).
+/// The body as strict JSON. Error unsupported_media unless it says application/json (or is empty, which
+/// counts as {}).
 boost::json::value json_body(const net::Request& request);
 /// An object; Error bad_request otherwise.
 boost::json::object json_object_body(const net::Request& request);
+
+/// The session that the path names. Error "unknown_session" or "session_expired".
+EntryPtr session_of(App& app, const net::Request& request);
+/// The operation that the path names. Error "unknown_operation".
+OperationPtr operation_of(const App& app, const net::Request& request);
+/// The Idempotency-Key, told apart from other callers' keys; empty without one. Error bad_request for an
+/// empty one, one of more than 255 characters and several.
+std::string idempotency_key(const net::Request& request);
+
+/// An object with these members only ("step, time"); Error bad_request with a pointer to every other.
+/// Requests that take none are refused when they have some.
+boost::json::object object_body_of(const net::Request& request,
+                                   std::initializer_list<std::string_view> members);
+/// A body that was sent as it is. Error unsupported_media for a Content-Encoding, and for any Content-Type
+/// but `type`, "+json" beside JSON included. An empty body has no type.
+void require_media(const net::Request& request, std::string_view type);
 
 /// A non-negative integer or number from the query; Error bad_request with the pointer "?name" when it is no
 /// such thing or above `max`.
@@ -26,6 +42,8 @@ std::vector<std::string> query_list(const net::Request& request, std::string_vie
 
 /// A finite number of an object in [min, max]; Error bad_request with its pointer otherwise.
 double number_member(const boost::json::object& o, const char* name, double min, double max);
+/// The same for a whole number, 2.0 included.
+uint64_t integer_member(const boost::json::object& o, const char* name, uint64_t max);
 
 net::Response json_response(const boost::json::value& value, int status = 200);
 

@@ -54,9 +54,9 @@ asio::awaitable<Response> start_study(App& app, const Request& request) {
     body.erase("resume");
   }
   // A worker reads it: scenes may be large.
-  auto work = [&app, body = std::move(body), resume]() mutable {
+  auto work = [&app, body = std::move(body), resume, caller = request.caller]() mutable {
     const std::string text = write_json(body);
-    return app.operations.start(read_study_request(body), text, resume);
+    return app.operations.start(read_study_request(body), text, resume, caller);
   };
   const OperationPtr o = co_await net::offload(app.runner.pool(), std::move(work));
   Response r = json_response(describe_operation(*o), 202);
@@ -90,7 +90,7 @@ net::StreamBody events_of(OperationPtr operation) {
 }
 
 std::shared_ptr<const StudyResult> result_of(const App& app, const Request& request) {
-  const OperationPtr o = app.operations.find(request.param("id"));
+  const OperationPtr o = operation_of(app, request);
   const OperationView v = o->view();
   if (v.status == OperationStatus::failed) throw Error(v.error->code(), v.error->what(), v.error->issues());
   if (v.status == OperationStatus::cancelled) throw Error("not_found", "the operation was cancelled");
@@ -109,23 +109,23 @@ void add_operation_routes(net::Router& router, App& app) {
   router.add(Method::post, "/v1/studies", "Starts a study of a scene: 202 and an operation",
              [&app](const Request& r) { return start_study(app, r); });
   router.add(Method::get, "/v1/operations", "The operations that the server remembers",
-             [&app](const Request&) {
+             [&app](const Request& r) {
                json::array list;
-               for (const OperationPtr& o : app.operations.all()) list.push_back(describe_operation(*o));
+               for (const OperationPtr& o : app.operations.all(r.caller))
+                 list.push_back(describe_operation(*o));
                return json_response(json::object{{"operations", std::move(list)}});
              });
   router.add(Method::get, "/v1/operations/{id}", "State and progress of an operation",
-             [&app](const Request& r) {
-               return json_response(describe_operation(*app.operations.find(r.param("id"))));
-             });
+             [&app](const Request& r) { return json_response(describe_operation(*operation_of(app, r))); });
   router.add(Method::delete_, "/v1/operations/{id}", "Cancels and forgets an operation",
              [&app](const Request& r) {
-               app.operations.remove(r.param("id"));
+               app.operations.remove(operation_of(app, r));
                return Response(204);
              });
   router.add(Method::post, "/v1/operations/{id}/cancel", "Asks an operation to stop",
              [&app](const Request& r) {
-               const OperationPtr o = app.operations.find(r.param("id"));
+               const OperationPtr o = operation_of(app, r);
+               object_body_of(r, {});
                o->cancel();
                return json_response(describe_operation(*o));
              });
@@ -134,7 +134,7 @@ void add_operation_routes(net::Router& router, App& app) {
                Response out(200);
                out.content_type = "text/event-stream";
                out.header("Cache-Control", "no-store");
-               out.body = events_of(app.operations.find(r.param("id")));
+               out.body = events_of(operation_of(app, r));
                return out;
              });
   for (const char* name : {"result", "result.json"}) {

@@ -16,39 +16,35 @@ using net::Response;
 
 namespace {
 
+constexpr uint64_t kMostSteps = 1'000'000'000;         // that one request may ask for
+constexpr uint64_t kMostStep = 9'000'000'000'000'000;  // that a number of JSON holds exactly
+
+Error too_many_steps(const char* pointer) {
+  return {"bad_request",
+          "a request does at most 1e9 steps",
+          {{pointer, "out_of_range", "this is more than 1e9 steps", "", "0 to 1e9 steps", "", ""}}};
+}
+
 // The step that {"steps": n | "seconds": s | "until": t} leads to.
 uint64_t step_target(const json::object& body, const Session& s) {
-  std::vector<Issue> issues;
-  int given = 0;
-  for (const auto& [key, value] : body) {
-    if (key == "steps" || key == "seconds" || key == "until")
-      ++given;
-    else if (key != "from_step")
-      issues.push_back({"/" + std::string(key), "unknown_key", "this is no member of a step request", "",
-                        "steps, seconds, until, from_step", "", ""});
-  }
-  if (given > 1)
-    issues.push_back({"", "inconsistent", "give one of steps, seconds and until", "", "", "", ""});
-  if (!issues.empty()) throw Error("bad_request", "the step request has faults", std::move(issues));
+  if (body.contains("steps") + body.contains("seconds") + body.contains("until") > 1)
+    throw Error("bad_request", "the step request has faults",
+                {{"", "inconsistent", "give one of steps, seconds and until", "", "", "", ""}});
   const double now = static_cast<double>(s.step_index()), dt = s.world().dt();
   if (body.contains("from_step")) {
-    const double from = number_member(body, "from_step", 0, 9e15);
-    if (from != now) {
+    const uint64_t from = integer_member(body, "from_step", kMostStep);
+    if (from != s.step_index()) {
       throw Error("step_conflict", "the session is at step " + std::to_string(s.step_index()),
                   {{"/from_step", "precondition", "the session is at another step",
                     write_json(body.at("from_step")), std::to_string(s.step_index()), "", ""}});
     }
   }
   double steps = 1;
-  if (body.contains("steps")) steps = number_member(body, "steps", 0, 1e9);
+  if (body.contains("steps")) steps = static_cast<double>(integer_member(body, "steps", kMostSteps));
   if (body.contains("seconds")) steps = std::round(number_member(body, "seconds", 0, 1e9) / dt);
   if (body.contains("until"))
     steps = std::max(0.0, std::round(number_member(body, "until", 0, 1e9) / dt) - now);
-  if (steps != std::floor(steps) || steps > 1e9) {
-    throw Error(
-        "bad_request", "a request does a whole number of steps, at most 1e9",
-        {{"/steps", "out_of_range", "the value is outside the allowed range", "", "0 to 1e9", "", ""}});
-  }
+  if (steps > kMostSteps) throw too_many_steps(body.contains("until") ? "/until" : "/seconds");
   return s.step_index() + static_cast<uint64_t>(steps);
 }
 
@@ -62,9 +58,9 @@ asio::awaitable<Response> after_run(App& app, const Request& request, EntryPtr e
 }
 
 asio::awaitable<Response> step(App& app, const Request& request) {
-  EntryPtr entry = app.store.find(request.param("id"));
-  const std::string key(request.header("idempotency-key"));
-  const json::object body = json_object_body(request);
+  EntryPtr entry = session_of(app, request);
+  const std::string key = idempotency_key(request);
+  const json::object body = object_body_of(request, {"steps", "seconds", "until", "from_step"});
   Hasher hasher;
   hasher.text(entry->id);
   hasher.text(request.body);
@@ -87,8 +83,8 @@ asio::awaitable<Response> step(App& app, const Request& request) {
 }
 
 asio::awaitable<Response> play(App& app, const Request& request) {
-  EntryPtr entry = app.store.find(request.param("id"));
-  const json::object body = json_object_body(request);
+  EntryPtr entry = session_of(app, request);
+  const json::object body = object_body_of(request, {"speed"});
   co_return co_await with_session(app, entry, [&](SessionEntry& e) {
     if (e.session.failure()) return instability(request, e.session);
     e.session.play(body.contains("speed") ? number_member(body, "speed", 1e-6, 1000) : 1.0);
@@ -99,27 +95,27 @@ asio::awaitable<Response> play(App& app, const Request& request) {
 }
 
 uint64_t seek_target(const json::object& body, const Session& session) {
-  double target = 0;
-  if (body.contains("step"))
-    target = number_member(body, "step", 0, 1e9);
-  else if (body.contains("time"))
-    target = std::round(number_member(body, "time", 0, 1e9) / session.world().dt());
-  else
-    throw Error("bad_request", "give step or time",
-                {{"", "missing", "give step or time", "", "step, time", "", ""}});
-  return static_cast<uint64_t>(std::min(target, 9e15));
+  if (body.contains("step")) return integer_member(body, "step", kMostSteps);
+  const double steps = std::round(number_member(body, "time", 0, 1e9) / session.world().dt());
+  if (steps > kMostSteps) throw too_many_steps("/time");
+  return static_cast<uint64_t>(steps);
 }
 
 asio::awaitable<Response> seek(App& app, const Request& request) {
-  EntryPtr entry = app.store.find(request.param("id"));
-  const json::object body = json_object_body(request);
+  EntryPtr entry = session_of(app, request);
+  const json::object body = object_body_of(request, {"step", "time"});
+  if (body.contains("step") == body.contains("time"))
+    throw Error(
+        "bad_request", "give step or time",
+        {{"", body.empty() ? "missing" : "inconsistent", "give step or time", "", "step, time", "", ""}});
   Aim aim = [&body](SessionEntry& e) { return seek_target(body, e.session); };
   const JobPtr job = co_await app.runner.run_to(entry, Job::Kind::seek, std::move(aim));
   co_return co_await after_run(app, request, entry, job);
 }
 
 asio::awaitable<Response> pause(App& app, const Request& request) {
-  EntryPtr entry = app.store.find(request.param("id"));
+  object_body_of(request, {});
+  EntryPtr entry = session_of(app, request);
   co_return co_await with_session(app, entry, [&app](SessionEntry& e) {
     e.session.pause();
     app.runner.interrupt(e);
@@ -129,7 +125,8 @@ asio::awaitable<Response> pause(App& app, const Request& request) {
 }
 
 asio::awaitable<Response> reset(App& app, const Request& request) {
-  EntryPtr entry = app.store.find(request.param("id"));
+  object_body_of(request, {});
+  EntryPtr entry = session_of(app, request);
   const auto to_start = [](SessionEntry& e) { e.session.reset(); };
   co_await interrupt_and_call(app, entry, to_start);
   co_return co_await with_session(app, entry,

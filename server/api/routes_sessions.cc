@@ -54,12 +54,11 @@ asio::awaitable<Response> create(App& app, const Request& request, std::string i
   Hasher hasher;
   hasher.text(request.body);
   if (!key.empty()) {
-    if (key.size() > 255) throw Error("bad_request", "an Idempotency-Key has at most 255 characters");
     if (const auto before = app.idempotency.begin(key, hasher.value())) co_return created(*before);
   }
   try {
-    auto build = [&app, id, document = std::move(document)] {
-      SessionStore::Created c = app.store.create(document, id);
+    auto build = [&app, id, caller = request.caller, document = std::move(document)] {
+      SessionStore::Created c = app.store.create(document, id, caller);
       const std::lock_guard lock(c.entry->mutex);
       if (c.how == SessionStore::Created::How::made) attach_recording(app, *c.entry);
       RememberedAnswer answer;
@@ -79,7 +78,7 @@ asio::awaitable<Response> create(App& app, const Request& request, std::string i
 }
 
 asio::awaitable<Response> command(App& app, const Request& request) {
-  EntryPtr entry = app.store.find(request.param("id"));
+  EntryPtr entry = session_of(app, request);
   const Command c = read_command(json_body(request));
   json::object answer;
   std::function<void(SessionEntry&)> carry_out = [&](SessionEntry& e) {
@@ -95,9 +94,7 @@ asio::awaitable<Response> command(App& app, const Request& request) {
 void add_session_routes(net::Router& router, App& app) {
   const std::string session = "/v1/sessions/{id}";
   router.add(Method::post, "/v1/sessions", "Creates a session from a scene or {\"gallery\": name}",
-             [&app](const Request& r) {
-               return create(app, r, random_session_id(), std::string(r.header("idempotency-key")));
-             });
+             [&app](const Request& r) { return create(app, r, random_session_id(), idempotency_key(r)); });
   router.add(Method::put, session,
              "Creates a session under the client's own UUID; repeating it changes nothing",
              [&app](const Request& r) {
@@ -110,7 +107,7 @@ void add_session_routes(net::Router& router, App& app) {
              [&app](const Request& r) {
                const uint64_t limit = std::max<uint64_t>(1, query_integer(r, "limit", 100, 1000));
                json::array list;
-               const auto entries = app.store.list(r.query_value("page_token").value_or(""), limit);
+               const auto entries = app.store.list(r.query_value("page_token").value_or(""), limit, r.caller);
                for (const EntryPtr& e : entries)
                  list.push_back(json::object{{"id", e->id}, {"links", links_of(e->id)}});
                json::object o{{"sessions", std::move(list)}};
@@ -118,12 +115,12 @@ void add_session_routes(net::Router& router, App& app) {
                return json_response(o);
              });
   router.add(Method::get, session, "One session: clock, status, systems, links", [&app](const Request& r) {
-    return with_session(app, app.store.find(r.param("id")),
+    return with_session(app, session_of(app, r),
                         [](SessionEntry& e) { return json_response(describe_session(e)); });
   });
   router.add(Method::delete_, session, "Ends a session and removes its recording",
              [&app](const Request& r) -> asio::awaitable<Response> {
-               EntryPtr entry = app.store.remove(r.param("id"));
+               EntryPtr entry = app.store.remove(session_of(app, r));
                entry->publish();
                co_return co_await with_session_on_worker(app, entry, [](SessionEntry& e) {
                  e.session.pause();
@@ -137,14 +134,14 @@ void add_session_routes(net::Router& router, App& app) {
   router.add(Method::get, session + "/scene",
              "The scene as it runs, with every default, in SI: what POST /v1/sessions and studies take",
              [&app](const Request& r) {
-               return with_session(app, app.store.find(r.param("id")), [](SessionEntry& e) {
+               return with_session(app, session_of(app, r), [](SessionEntry& e) {
                  return json_response(e.session.world().scene().canonical());
                });
              });
   router.add(Method::get, session + "/plan",
              "Passes of a step with their share of time, and what was skipped and why",
              [&app](const Request& r) {
-               return with_session(app, app.store.find(r.param("id")), [](SessionEntry& e) {
+               return with_session(app, session_of(app, r), [](SessionEntry& e) {
                  return json_response(
                      json::object{{"passes", describe_plan(e.session.world(), e.session.profiles())}});
                });

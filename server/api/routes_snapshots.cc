@@ -14,7 +14,7 @@ using net::Response;
 namespace {
 
 asio::awaitable<Response> take_snapshot(App& app, const Request& request) {
-  EntryPtr entry = app.store.find(request.param("id"));
+  EntryPtr entry = session_of(app, request);
   co_return co_await with_session_on_worker(app, entry, [](SessionEntry& e) {
     if (e.snapshots.size() >= 64) throw Error("quota_exceeded", "a session keeps at most 64 snapshots");
     const std::string sid = "step-" + std::to_string(e.session.step_index());
@@ -34,7 +34,7 @@ std::shared_ptr<const WorldState> snapshot_of(SessionEntry& e, std::string_view 
 }
 
 asio::awaitable<Response> restore(App& app, const Request& request) {
-  EntryPtr entry = app.store.find(request.param("id"));
+  EntryPtr entry = session_of(app, request);
   const std::string sid(request.param("sid"));
   const auto back = [&sid](SessionEntry& e) { e.session.restore(*snapshot_of(e, sid)); };
   co_await interrupt_and_call(app, entry, back);
@@ -43,8 +43,8 @@ asio::awaitable<Response> restore(App& app, const Request& request) {
 }
 
 asio::awaitable<Response> branch(App& app, const Request& request) {
-  EntryPtr entry = app.store.find(request.param("id"));
-  auto copy = [&app, entry] {
+  EntryPtr entry = session_of(app, request);
+  auto copy = [&app, entry, caller = request.caller] {
     json::value document;
     json::object accuracy;
     WorldState state;
@@ -54,7 +54,7 @@ asio::awaitable<Response> branch(App& app, const Request& request) {
       accuracy = entry->accuracy;
       state = entry->session.state();
     }
-    auto made = app.store.create(document, random_session_id(), SessionStore::Accuracy::chosen);
+    auto made = app.store.create(document, random_session_id(), caller, SessionStore::Accuracy::chosen);
     const std::lock_guard lock(made.entry->mutex);
     made.entry->accuracy = std::move(accuracy);
     made.entry->session.restore(std::move(state));
@@ -72,7 +72,7 @@ void add_snapshot_routes(net::Router& router, App& app) {
   router.add(Method::post, session + "/branch", "A new session that continues from this one's state",
              [&app](const Request& r) { return branch(app, r); });
   router.add(Method::get, session + "/snapshots", "Snapshots that were taken", [&app](const Request& r) {
-    return with_session(app, app.store.find(r.param("id")), [](SessionEntry& e) {
+    return with_session(app, session_of(app, r), [](SessionEntry& e) {
       json::array list;
       for (const auto& [sid, state] : e.snapshots)
         list.push_back(json::object{{"id", sid}, {"step", state->step}});
@@ -84,12 +84,11 @@ void add_snapshot_routes(net::Router& router, App& app) {
   router.add(Method::get, session + "/snapshots/{sid}", "A snapshot's bytes",
              [&app](const Request& r) -> asio::awaitable<Response> {
                const std::string sid(r.param("sid"));
-               co_return co_await with_session_on_worker(
-                   app, app.store.find(r.param("id")), [&sid](SessionEntry& e) {
-                     const auto bytes = snapshot_of(e, sid)->serialize();
-                     return Response::text({reinterpret_cast<const char*>(bytes.data()), bytes.size()},
-                                           "application/octet-stream");
-                   });
+               co_return co_await with_session_on_worker(app, session_of(app, r), [&sid](SessionEntry& e) {
+                 const auto bytes = snapshot_of(e, sid)->serialize();
+                 return Response::text({reinterpret_cast<const char*>(bytes.data()), bytes.size()},
+                                       "application/octet-stream");
+               });
              });
   router.add(Method::post, session + "/snapshots/{sid}/restore", "Continues from a snapshot",
              [&app](const Request& r) { return restore(app, r); });

@@ -35,6 +35,7 @@ json::object describe_session(SessionEntry& e) {
   json::object o{{"id", e.id},
                  {"name", s.world().scene().header.name},
                  {"step", s.step_index()},
+                 {"first_step", s.first_step()},
                  {"time", s.time()},
                  {"dt", s.world().dt()},
                  {"status", s.failure()   ? "unstable"

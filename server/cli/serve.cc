@@ -19,6 +19,7 @@
 #include "server/api/app.h"
 #include "server/api/recordings.h"
 #include "server/cli/exit_codes.h"
+#include "server/data/folder_lock.h"
 
 namespace truestep {
 
@@ -54,7 +55,6 @@ AppOptions app_options(const ServeOptions& o) {
   a.net.api_key_file = o.key_file;
   a.net.allowed_hosts = o.hosts;
   a.net.allowed_origins = o.origins;
-  if (o.insecure && a.net.allowed_hosts.empty()) a.net.allowed_hosts = {"*"};
   a.workers = o.threads > 0 ? o.threads : static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
   a.limits.threads_per_session = a.workers;
   a.limits.max_memory_bytes = o.max_memory_mb * 1e6;
@@ -140,16 +140,27 @@ void shut_down(net::Server& server, App& app) {
   let_sinks_go(app);
 }
 
+// The folder becomes "" where nothing can be written.
+FolderLock lock_data_folder(std::string& folder) {
+  try {
+    std::error_code failed;
+    std::filesystem::create_directories(folder, failed);
+    if (failed) throw Error("folder_unusable", folder + " cannot be created: " + failed.message());
+    return FolderLock(folder);
+  } catch (const Error& e) {
+    if (e.code() != "folder_unusable") throw;
+    spdlog::warn("no recordings: {}", e.what());
+    folder.clear();
+    return {};
+  }
+}
+
 int serve(const ServeOptions& options) {
   spdlog::set_level(spdlog::level::from_str(options.log_level));
   AppOptions settings = app_options(options);
   if (settings.data_dir.empty()) settings.data_dir = default_data_dir();
-  std::error_code failed;
-  std::filesystem::create_directories(settings.data_dir, failed);
-  if (failed) {
-    spdlog::warn("no recordings: {} cannot be created ({})", settings.data_dir, failed.message());
-    settings.data_dir.clear();
-  }
+  // Before anything in the folder is looked at: what another server records there is not ours to repair.
+  const FolderLock folder = lock_data_folder(settings.data_dir);
   // Declared first, so that it goes last: the server's connections use it.
   App app(settings);
   net::Server server(settings.net, make_router(app));
@@ -159,9 +170,11 @@ int serve(const ServeOptions& options) {
   ::signal(SIGPIPE, SIG_IGN);
   spdlog::set_error_handler([](const std::string&) {});
   asio::signal_set signals(main_loop, SIGTERM, SIGINT, SIGHUP);
+  app.repairing = true;
   server.start();
   std::cout << "Truestep " << version() << " listening on " << server.url() << std::endl;
   recover_recordings(app);
+  app.repairing = false;
 
   asio::steady_timer sweeper(main_loop);
   sweep_every(sweeper, app);
@@ -202,9 +215,11 @@ void add_serve_command(CLI::App& app, int& exit_code) {
   c->add_option("--host", o->host, "address to listen on")->capture_default_str();
   c->add_option("--port", o->port, "port; 0: any free one")->capture_default_str();
   c->add_option("--data-dir", o->data_dir, "where recordings go (default: ~/.local/share/truestep)");
-  c->add_option("--api-key-file", o->key_file, "keys that clients must present, one a line");
-  c->add_flag("--insecure", o->insecure, "serve other machines without keys");
-  c->add_option("--allow-host", o->hosts, "further names in the Host header");
+  c->add_option("--api-key-file", o->key_file,
+                "keys that clients must present, a line each: NAME KEY [admin]");
+  c->add_flag("--insecure", o->insecure,
+              "serve other machines without keys (the Host header is checked all the same)");
+  c->add_option("--allow-host", o->hosts, "further names that clients may call this server by");
   c->add_option("--allow-origin", o->origins, "further origins of browsers");
   c->add_option("--threads", o->threads, "threads that advance sessions (default: all)")
       ->check(CLI::Range(1, 1024));

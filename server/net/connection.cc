@@ -85,7 +85,10 @@ void Connection::enter(Phase phase) {
 }
 
 void Connection::tick(Clock::time_point now) {
-  if (websocket_) return websocket_->tick(now);
+  if (websocket_) {
+    check_key_again();
+    return websocket_->tick(now);
+  }
   if (phase_ == Phase::handler && left()) {
     gone_ = true;
     cancel_handler_.emit(asio::cancellation_type::terminal);
@@ -109,6 +112,15 @@ bool Connection::left() {
   const ssize_t n = ::recv(socket_.native_handle(), &byte, 1, MSG_PEEK | MSG_DONTWAIT);
   if (n > 0 || (n < 0 && (errno == EAGAIN || errno == EWOULDBLOCK || errno == EINTR))) return false;
   return n < 0 || ++ended_looks_ > kPatientLooks;
+}
+
+// A key that is withdrawn ends the streams that were opened with it.
+void Connection::check_key_again() {
+  KeyFile& keys = service_.guard.keys();
+  if (!keys.asks() || request_.key_digest.empty()) return;
+  const auto ring = keys.keys();
+  if (keys.version() == std::exchange(keys_version_, keys.version())) return;
+  if (!ring->find(request_.key_digest)) websocket_->close(1008, "the key is no longer valid");
 }
 
 void Connection::drain() {

@@ -64,6 +64,7 @@ class Connection : public std::enable_shared_from_this<Connection> {
   Response open_websocket(const Route& route);
   void enter(Phase phase);
   bool left();
+  void check_key_again();
 
   Socket socket_;
   Service& service_;
@@ -82,6 +83,7 @@ class Connection : public std::enable_shared_from_this<Connection> {
   std::shared_ptr<WebSocketHandler> upgrade_;  ///< set by a successful handshake
   std::string subprotocol_;
   std::shared_ptr<ServedWebSocket> websocket_;
+  uint64_t keys_version_ = 0;  ///< of the keys that the open WebSocket's was found among
   boost::asio::cancellation_signal cancel_handler_;
 };
 

@@ -1,10 +1,7 @@
 #include "server/net/guard.h"
 
 #include <boost/asio/ip/address.hpp>
-#include <fstream>
-#include <sstream>
 
-#include "engine/base/errors.h"
 #include "server/net/digest.h"
 #include "server/net/problem.h"
 
@@ -25,41 +22,14 @@ bool is_address(std::string_view text) {
 
 }  // namespace
 
-KeyRing KeyRing::load(const std::string& path) {
-  std::ifstream in(path);
-  if (!in) throw Error("bad_request", "the key file " + path + " cannot be read");
-  KeyRing ring;
-  std::string line;
-  while (std::getline(in, line)) {
-    std::istringstream words(line.substr(0, line.find('#')));
-    std::string name, key;
-    if (!(words >> name)) continue;
-    if (!(words >> key)) std::swap(name, key);
-    std::string digest = key.starts_with("sha256:") ? key.substr(7) : sha256_hex(key);
-    if (name.empty()) name = digest.substr(0, 12);
-    ring.keys_.push_back({std::move(name), std::move(digest)});
-  }
-  if (ring.keys_.empty()) throw Error("bad_request", "the key file " + path + " holds no key");
-  return ring;
-}
-
-std::string_view KeyRing::principal(std::string_view key) const {
-  const std::string digest = sha256_hex(key);
-  std::string_view found;
-  for (const Key& k : keys_) {
-    if (equal_constant_time(k.digest, digest)) found = k.name;
-  }
-  return found;
-}
-
-Guard::Guard(const Options& options) : hosts_(options.allowed_hosts), origins_(options.allowed_origins) {
+Guard::Guard(const Options& options)
+    : hosts_(options.allowed_hosts), origins_(options.allowed_origins), keys_(options.api_key_file) {
   for (const std::string& h : hosts_) any_host_ = any_host_ || h == "*";
   for (const std::string& o : origins_) any_origin_ = any_origin_ || o == "*";
   for (const char* name : {"localhost", "127.0.0.1", "::1"}) hosts_.emplace_back(name);
   hosts_.push_back(options.host);
   // On all interfaces any literal address may be ours. Rebinding needs a name, so literals are safe.
   any_literal_ = options.host == "0.0.0.0" || options.host == "::";
-  if (!options.api_key_file.empty()) keys_ = KeyRing::load(options.api_key_file);
 }
 
 bool Guard::host_allowed(std::string_view host) const {
@@ -85,7 +55,8 @@ bool Guard::origin_allowed(std::string_view origin, std::string_view host) const
 std::optional<Response> Guard::check_source(const Request& request) const {
   const std::string_view host = request.header("host");
   if (!(host.empty() && request.http10) && !host_allowed(host)) {
-    return problem(request, "misdirected", "the Host header names a host that is not served here");
+    return problem(request, "misdirected",
+                   "the Host header names a host that is not served here; --allow-host adds names");
   }
   for (const Field& f : request.headers) {
     if (f.name.size() == 6 && iequals(f.name, "origin") && !origin_allowed(f.value, host)) {
@@ -95,17 +66,30 @@ std::optional<Response> Guard::check_source(const Request& request) const {
   return std::nullopt;
 }
 
-std::optional<Response> Guard::check_key(Request& request) const {
-  if (keys_.empty()) return std::nullopt;
+std::optional<Response> Guard::check_key(Request& request) {
+  if (!keys_.asks()) return std::nullopt;
   std::string_view key;
   const std::string_view authorization = request.header("authorization");
   if (authorization.size() > 7 && iequals(authorization.substr(0, 7), "bearer "))
     key = trim(authorization.substr(7));
   if (key.empty() && request.header_has_token("upgrade", "websocket"))
     key = request.query_value("access_token").value_or("");
-  if (!key.empty()) request.principal = keys_.principal(key);
-  if (request.principal.empty())
-    return problem(request, "unauthorized", key.empty() ? "no API key was sent" : "the API key is not known");
+  if (key.empty()) return problem(request, "unauthorized", "no API key was sent");
+  std::string digest = sha256_hex(key);
+  const auto now = KeyThrottle::Clock::now();
+  if (const int seconds = throttle_.wait(request.remote, digest, now); seconds > 0) {
+    Response r = problem(request, "too_many_keys", "this address has sent too many wrong keys");
+    return std::move(r.header("Retry-After", std::to_string(seconds)));
+  }
+  const auto ring = keys_.keys();
+  const Caller* caller = ring->find(digest);
+  if (!caller) {
+    throttle_.failed(request.remote, now);
+    return problem(request, "unauthorized", "the API key is not known");
+  }
+  throttle_.succeeded(request.remote, digest, now);
+  request.caller = *caller;
+  request.key_digest = std::move(digest);
   return std::nullopt;
 }
 

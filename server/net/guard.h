@@ -7,45 +7,32 @@
 #include <string_view>
 #include <vector>
 
+#include "server/net/key_throttle.h"
+#include "server/net/keys.h"
 #include "server/net/message.h"
 #include "server/net/options.h"
 
 namespace truestep::net {
-
-/// The keys of a file. A line is "NAME KEY", "KEY", or either with "sha256:HEX" in place of the key; '#'
-/// comments. Only digests stay in memory; every key is compared in constant time.
-class KeyRing {
- public:
-  /// Throws Error("bad_request") when the file cannot be read or holds no key.
-  static KeyRing load(const std::string& path);
-  /// Name of the matching key (its digest's first 12 digits when unnamed); empty when none matches.
-  std::string_view principal(std::string_view key) const;
-  bool empty() const { return keys_.empty(); }
-
- private:
-  struct Key {
-    std::string name, digest;
-  };
-  std::vector<Key> keys_;
-};
 
 /// Decides by Host, Origin and key.
 class Guard {
  public:
   explicit Guard(const Options& options);
 
-  /// Nullopt when the request may pass; otherwise the problem to answer. Sets request.principal.
+  /// Nullopt when the request may pass; otherwise the problem to answer.
   std::optional<Response> check_source(const Request& request) const;
-  /// The same for the API key; `websocket` handshakes may give it as ?access_token= because browsers cannot
-  /// set headers.
-  std::optional<Response> check_key(Request& request) const;
+  /// The same for the API key; sets request.caller. WebSocket handshakes may give it as ?access_token=
+  /// because browsers cannot set headers. 429 for an address that guesses.
+  std::optional<Response> check_key(Request& request);
+  KeyFile& keys() { return keys_; }
 
  private:
   bool host_allowed(std::string_view host) const;
   bool origin_allowed(std::string_view origin, std::string_view host) const;
   std::vector<std::string> hosts_, origins_;
   bool any_host_ = false, any_origin_ = false, any_literal_ = false;
-  KeyRing keys_;
+  KeyFile keys_;
+  KeyThrottle throttle_;
 };
 
 }  // namespace truestep::net

@@ -160,13 +160,17 @@ void Request::clear() {
   if (body.capacity() > 65536) std::string().swap(body);
   body.clear();
   method = Method::other;
-  method_text = target = raw_path = principal = {};
+  method_text = target = raw_path = {};
+  caller = {};
+  key_digest.clear();
   trace_id_.clear();
   http10 = false;
 }
 
 FileBody FileBody::open(const std::string& path) {
   const int fd = ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NOCTTY | O_NONBLOCK);
+  if (fd < 0 && (errno == EMFILE || errno == ENFILE))
+    throw Error("overloaded", "no more files can be opened at the moment");
   if (fd < 0) throw Error("not_found", "no such file (" + std::string(std::strerror(errno)) + ")");
   FileBody body;
   body.fd_ = std::shared_ptr<int>(new int(fd), [](int* f) {

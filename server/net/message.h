@@ -30,6 +30,13 @@ struct Field {
   std::string_view name, value;
 };
 
+/// Who asks, and what of that which others made is shown.
+struct Caller {
+  std::string name;  ///< of the key that was presented; empty where no keys are asked for
+  enum class Scope : uint8_t { own, all } scope = Scope::all;
+  bool may_see(std::string_view owner) const { return scope == Scope::all || owner == name; }
+};
+
 /// One request. The connection fills it in; handlers only read.
 class Request {
  public:
@@ -47,7 +54,8 @@ class Request {
   std::vector<Field> params;               ///< what the pattern's {names} matched
   std::string body;                        ///< complete, chunked coding already undone
   std::string_view remote;                 ///< address and port of the peer
-  std::string_view principal;              ///< name of the key that was presented; empty without keys
+  Caller caller;                           ///< everybody where no keys are asked for
+  std::string key_digest;                  ///< of the key that was presented; empty without one
   std::chrono::system_clock::time_point received;
   bool http10 = false;
 

@@ -42,10 +42,12 @@ constexpr ProblemKind kKinds[] = {
     {"bad_snapshot", 422, "The snapshot cannot be used"},
     {"idempotency_key_reused", 422, "The idempotency key was used for another request"},
     {"upgrade_required", 426, "A WebSocket handshake is required"},
+    {"too_many_keys", 429, "Too many wrong keys"},
     {"quota_exceeded", 429, "A limit is reached"},
     {"head_too_large", 431, "The request's head is too large"},
     {"internal", 500, "Something went wrong inside the service"},
     {"not_implemented", 501, "Not implemented"},
+    {"starting", 503, "The service is still starting"},
     {"draining", 503, "The service is shutting down"},
     {"overloaded", 503, "The service is at its limit"},
     {"render_unavailable", 503, "Pictures cannot be drawn here"},
@@ -116,7 +118,9 @@ Response problem(const Request& request, std::string_view code, std::string_view
   for (const auto& member : extra) o[member.key()] = member.value();
   Response r = Response::text(write_json(o), "application/problem+json", kind.status);
   r.header("Cache-Control", "no-store");
-  if (kind.status == 429 || kind.status == 503) r.header("Retry-After", "1");
+  // Whoever guesses keys is told by the guard how long to wait.
+  if (kind.status == 503 || (kind.status == 429 && kind.code != "too_many_keys"))
+    r.header("Retry-After", "1");
   if (kind.status == 401) r.header("WWW-Authenticate", "Bearer realm=\"truestep\"");
   if (kind.status == 426)
     r.header("Upgrade", "websocket").header("Connection", "Upgrade").header("Sec-WebSocket-Version", "13");

@@ -203,6 +203,10 @@ void Server::stop(std::chrono::milliseconds grace) {
   }
 }
 
+void Server::reload_keys() {
+  impl_->service.guard.keys().reload();
+}
+
 bool Server::draining() const {
   return impl_->service.draining;
 }

@@ -42,6 +42,8 @@ class Server {
   /// Stops accepting, lets running requests finish, closes WebSockets with 1001 and joins the threads;
   /// whatever is still open after `grace` is cut. Not to be called from a handler.
   void stop(std::chrono::milliseconds grace = std::chrono::milliseconds(3000));
+  /// Reads the file of keys at once (it is looked at once a second anyway). Any thread.
+  void reload_keys();
   /// True from the call of stop() on.
   bool draining() const;
 

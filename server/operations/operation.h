@@ -36,6 +36,7 @@ class Operation {
       : id(std::move(id)), request(std::move(request)), request_text(std::move(request_text)) {}
 
   const std::string id;
+  std::string owner;  ///< name of the key that started it
   const StudyRequest request;
   const std::string request_text;  ///< canonical JSON: only the same request may go on with another's rows
   std::atomic<bool> cancelled{false};

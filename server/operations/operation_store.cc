@@ -21,15 +21,16 @@ OperationStore::~OperationStore() {
 }
 
 OperationPtr OperationStore::start(StudyRequest request, const std::string& request_text,
-                                   std::string_view resume) {
+                                   std::string_view resume, const net::Caller& owner) {
   std::vector<boost::json::object> earlier;
   if (!resume.empty()) {
-    const OperationPtr before = find(resume);
+    const OperationPtr before = find(resume, owner);
     if (before->request_text != request_text)
       throw Error("conflict", "the operation to resume had another request");
     earlier = before->rows();
   }
   auto operation = std::make_shared<Operation>(random_session_id(), std::move(request), request_text);
+  operation->owner = owner.name;
   {
     const std::lock_guard lock(mutex_);
     const auto waiting = std::count_if(operations_.begin(), operations_.end(),
@@ -58,31 +59,33 @@ void OperationStore::forget_oldest() {
   }
 }
 
-OperationPtr OperationStore::find(std::string_view id) const {
+OperationPtr OperationStore::find(std::string_view id, const net::Caller& caller) const {
   const std::lock_guard lock(mutex_);
   const auto it = operations_.find(id);
-  if (it == operations_.end()) throw Error("unknown_operation", "there is no operation with this id");
+  if (it == operations_.end() || !caller.may_see(it->second->owner))
+    throw Error("unknown_operation", "there is no operation with this id");
   return it->second;
 }
 
-void OperationStore::remove(std::string_view id) {
-  find(id)->cancel();
+void OperationStore::remove(const OperationPtr& operation) {
+  operation->cancel();
   const std::lock_guard lock(mutex_);
-  if (const auto it = operations_.find(id); it != operations_.end()) operations_.erase(it);
-  std::erase(order_, id);
+  operations_.erase(operation->id);
+  std::erase(order_, operation->id);
 }
 
-std::vector<OperationPtr> OperationStore::all() const {
+std::vector<OperationPtr> OperationStore::all(const net::Caller& caller) const {
   const std::lock_guard lock(mutex_);
   std::vector<OperationPtr> out;
   for (const std::string& id : order_) {
-    if (const auto it = operations_.find(id); it != operations_.end()) out.push_back(it->second);
+    const auto it = operations_.find(id);
+    if (it != operations_.end() && caller.may_see(it->second->owner)) out.push_back(it->second);
   }
   return out;
 }
 
 void OperationStore::cancel_all() {
-  for (const OperationPtr& o : all()) o->cancel();
+  for (const OperationPtr& o : all({})) o->cancel();
 }
 
 void OperationStore::stop() {

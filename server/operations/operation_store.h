@@ -6,6 +6,7 @@
 #include <map>
 #include <mutex>
 
+#include "server/net/message.h"
 #include "server/operations/operation.h"
 
 namespace truestep {
@@ -22,12 +23,14 @@ class OperationStore {
 
   /// Queues the work. `resume` is the id of an earlier sweep of the same request, or empty. Error
   /// quota_exceeded, unknown_operation, or conflict when the earlier request was another.
-  OperationPtr start(StudyRequest request, const std::string& request_text, std::string_view resume);
-  /// Error unknown_operation.
-  OperationPtr find(std::string_view id) const;
+  OperationPtr start(StudyRequest request, const std::string& request_text, std::string_view resume,
+                     const net::Caller& owner);
+  /// Error unknown_operation, also for one that the caller may not see.
+  OperationPtr find(std::string_view id, const net::Caller& caller) const;
   /// Cancels and forgets.
-  void remove(std::string_view id);
-  std::vector<OperationPtr> all() const;
+  void remove(const OperationPtr& operation);
+  /// Those that the caller may see.
+  std::vector<OperationPtr> all(const net::Caller& caller) const;
   /// Tells everything to stop.
   void cancel_all();
   /// Cancels everything and waits for the thread.

@@ -39,6 +39,7 @@ struct SessionEntry {
         session(std::move(world), std::move(arena), {.profiling = SessionOptions::Profiling::on}) {}
 
   const std::string id;
+  std::string owner;  ///< name of the key that made it; set before anybody can find it
   const double estimated_bytes;
   const Clock::time_point created = Clock::now();
   uint64_t scene_hash = 0;       ///< of the document that created it (PUT is idempotent)

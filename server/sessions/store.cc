@@ -28,6 +28,12 @@ bool is_session_id(std::string_view text) {
   return true;
 }
 
+namespace {
+Error unknown_session() {
+  return {"unknown_session", "there is no session with this id"};
+}
+}  // namespace
+
 SessionStore::SessionStore(StoreLimits limits)
     : limits_(limits), arena_(std::make_shared<const ThreadArena>(limits.threads_per_session)) {}
 
@@ -42,13 +48,14 @@ void SessionStore::check_room(double bytes) const {
 }
 
 SessionStore::Created SessionStore::create(const json::value& document, const std::string& id,
-                                           Accuracy accuracy) {
+                                           const net::Caller& owner, Accuracy accuracy) {
   Hasher hasher;
   hasher.text(write_json(document));
   const uint64_t scene_hash = hasher.value();
   const auto existing = [&]() -> EntryPtr {
     const auto it = entries_.find(id);
     if (it == entries_.end()) return nullptr;
+    if (!owner.may_see(it->second->owner)) throw unknown_session();
     if (it->second->scene_hash != scene_hash)
       throw Error("conflict", "a session with this id and another scene exists");
     return it->second;
@@ -74,6 +81,7 @@ SessionStore::Created SessionStore::create(const json::value& document, const st
   auto world = std::make_shared<const World>(std::move(settled.scene));
   require_admission(world->cost(world->initial_state()), limits_.per_session);
   auto entry = std::make_shared<SessionEntry>(id, std::move(world), arena_, bytes);
+  entry->owner = owner.name;
   entry->scene_hash = scene_hash;
   entry->accuracy = std::move(settled.report);
   entry->estimated_step = cost.seconds_per_step;
@@ -85,36 +93,39 @@ SessionStore::Created SessionStore::create(const json::value& document, const st
   return {entry, Created::How::made};
 }
 
-EntryPtr SessionStore::find(std::string_view id) {
+EntryPtr SessionStore::find(std::string_view id, const net::Caller& caller) {
   const std::lock_guard lock(mutex_);
   const auto it = entries_.find(id);
   if (it != entries_.end()) {
+    if (!caller.may_see(it->second->owner)) throw unknown_session();
     it->second->touch();
     return it->second;
   }
-  if (expired_.contains(id))
+  const auto gone = expired_.find(id);
+  if (gone != expired_.end() && caller.may_see(gone->second))
     throw Error("session_expired", "this session was removed because nobody used it");
-  throw Error("unknown_session", "there is no session with this id");
+  throw unknown_session();
 }
 
-EntryPtr SessionStore::remove(std::string_view id) {
-  EntryPtr entry = find(id);
+EntryPtr SessionStore::remove(EntryPtr entry) {
   const std::lock_guard lock(mutex_);
   if (entries_.erase(entry->id)) memory_ -= entry->estimated_bytes;
   entry->removed = true;
   return entry;
 }
 
-std::vector<EntryPtr> SessionStore::list(std::string_view after, size_t limit) const {
+std::vector<EntryPtr> SessionStore::list(std::string_view after, size_t limit,
+                                         const net::Caller& caller) const {
   const std::lock_guard lock(mutex_);
   std::vector<EntryPtr> out;
-  for (auto it = entries_.upper_bound(after); it != entries_.end() && out.size() < limit; ++it)
-    out.push_back(it->second);
+  for (auto it = entries_.upper_bound(after); it != entries_.end() && out.size() < limit; ++it) {
+    if (caller.may_see(it->second->owner)) out.push_back(it->second);
+  }
   return out;
 }
 
 std::vector<EntryPtr> SessionStore::all() const {
-  return list("", SIZE_MAX);
+  return list("", SIZE_MAX, {});
 }
 
 size_t SessionStore::size() const {
@@ -140,7 +151,7 @@ std::vector<EntryPtr> SessionStore::expire() {
     }
     e.removed = true;
     memory_ -= e.estimated_bytes;
-    expired_.insert(e.id);
+    expired_[e.id] = e.owner;
     expired_order_.push_back(e.id);
     if (expired_order_.size() > 10000) {
       expired_.erase(expired_order_.front());

@@ -1,10 +1,10 @@
-// All sessions of a server: created under limits, found by id, forgotten when nobody has used them for long.
+// All sessions of a server: created under limits, found by id and owner, forgotten when nobody has used them
+// for long.
 #pragma once
 #include <boost/json.hpp>
 #include <deque>
 #include <map>
 #include <mutex>
-#include <set>
 #include <string>
 #include <vector>
 
@@ -36,15 +36,16 @@ class SessionStore {
   /// What becomes of a scene's "accuracy": a method is chosen by measuring, or the scene comes from a session
   /// where that was done and runs as it is.
   enum class Accuracy : uint8_t { choose, chosen };
-  Created create(const boost::json::value& scene, const std::string& id,
+  Created create(const boost::json::value& scene, const std::string& id, const net::Caller& owner,
                  Accuracy accuracy = Accuracy::choose);
 
-  /// Error "unknown_session", or "session_expired" when it was removed for want of use.
-  EntryPtr find(std::string_view id);
-  /// Takes a session out; error as find.
-  EntryPtr remove(std::string_view id);
-  /// Sessions in the order of their ids, starting after `after`.
-  std::vector<EntryPtr> list(std::string_view after, size_t limit) const;
+  /// Error "unknown_session", also for a session that the caller may not see, or "session_expired" when it
+  /// was removed for want of use.
+  EntryPtr find(std::string_view id, const net::Caller& caller);
+  /// Takes a session out.
+  EntryPtr remove(EntryPtr entry);
+  /// Sessions that the caller may see in the order of their ids, starting after `after`.
+  std::vector<EntryPtr> list(std::string_view after, size_t limit, const net::Caller& caller) const;
   std::vector<EntryPtr> all() const;
   size_t size() const;
   /// Removes what has been idle for too long and returns it.
@@ -58,7 +59,7 @@ class SessionStore {
   mutable std::mutex mutex_;
   std::map<std::string, EntryPtr, std::less<>> entries_;
   double memory_ = 0;
-  std::set<std::string, std::less<>> expired_;
+  std::map<std::string, std::string, std::less<>> expired_;  ///< owners by id
   std::deque<std::string> expired_order_;
 };
 

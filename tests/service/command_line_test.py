@@ -52,9 +52,11 @@ class CommandLine(unittest.TestCase):
     def test_numbers_beyond_all_bounds_end_with_exit_code_4(self):
         ball = {"type": "particles", "id": "p", "positions": [[0, 1, 0]], "velocities": [[0, 0, 0]]}
         attracted = {**ball, "attractors": [{"position": [0, 0, 0], "mu": 1e300}]}
-        huge = {"type": "rigid3d", "id": "b", "bodies": [{"type": "sphere", "radius": 1e150}]}
-        for system in (attracted, huge):
-            self.unstable(system, "--steps", "3")
+        self.unstable(attracted, "--steps", "3")
+        # Its mass is no number: it does not even start.
+        huge = {"systems": [{"type": "rigid3d", "id": "b", "bodies": [{"type": "sphere", "radius": 1e150}]}]}
+        done = self.run_truestep("run", "-", "--steps", "3", text=json.dumps(huge))
+        self.assertEqual((done.returncode, "/systems/0" in done.stderr), (3, True), done.stderr)
 
     def test_run_prints_one_json_object(self):
         done = self.run_truestep("run", "-", "--steps", "100", "--json", "--progress", "none", text=json.dumps(OSCILLATOR))

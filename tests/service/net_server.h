@@ -69,7 +69,7 @@ class NetServer : public testing::Test {
     router.add(Method::get, "/ok", "small", [](const Request&) { return Response::text("ok"); }).access =
         Access::open;
     router.add(Method::get, "/who", "name of the key",
-               [](const Request& r) { return Response::text(std::string(r.principal)); });
+               [](const Request& r) { return Response::text(r.caller.name); });
     router
         .add(Method::post, "/length", "bytes of the body",
              [](const Request& r) { return Response::text(std::to_string(r.body.size())); })

@@ -1,5 +1,5 @@
 # The real program as a client sees it, a file of tests per subject; their controls; and the checks that it must survive.
-foreach(part sessions lifecycle output catalogue equations stream ending command_line control)
+foreach(part sessions lifecycle output catalogue equations stream ending command_line data_folder keys control)
   add_test(NAME service.${part} COMMAND ${Python3_EXECUTABLE} -m unittest -v ${part}_test
            WORKING_DIRECTORY ${PROJECT_SOURCE_DIR}/tests/service)
   set_tests_properties(service.${part} PROPERTIES LABELS service
@@ -15,7 +15,7 @@ endif()
 function(check_service name script expect)
   add_test(NAME service.program.${name}
     COMMAND ${Python3_EXECUTABLE} ${PROJECT_SOURCE_DIR}/tests/service/run_check.py --script ${TRUESTEP_CHECKS_FOLDER}/${script} --play fountain
-            --server "$<TARGET_FILE:truestep> serve --port 0 --log-level warn --data-dir ${CMAKE_BINARY_DIR}/check-data"
+            --server "$<TARGET_FILE:truestep> serve --port 0 --log-level warn --data-dir ${CMAKE_BINARY_DIR}/check-data/${name}"
             --expect ${expect} -- ${ARGN})
   set_tests_properties(service.program.${name} PROPERTIES LABELS service)
 endfunction()

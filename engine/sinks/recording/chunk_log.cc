@@ -109,7 +109,8 @@ ChunkLog::ChunkLog(const RecordingLayout& layout, const ChunkPlan& plan)
     : layout_(layout), plan_(plan), path_(chunk_log_path(layout.path)) {
   file_ = open(path_.c_str(), O_CREAT | O_TRUNC | O_WRONLY | O_APPEND | O_CLOEXEC, 0644);
   if (file_ < 0)
-    throw Error("recording_io", "create the recording's chunk log: " + std::string(std::strerror(errno)));
+    throw Error(errno == EMFILE || errno == ENFILE ? "overloaded" : "recording_io",
+                "create the recording's chunk log: " + std::string(std::strerror(errno)));
   const auto head = layout_bytes(layout);
   put(bytes_, kHead, sizeof kHead);
   put<uint64_t>(bytes_, head.size());

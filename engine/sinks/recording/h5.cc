@@ -1,6 +1,8 @@
 #include "engine/sinks/recording/h5.h"
 
 #include <cerrno>
+#include <cstdlib>
+#include <cstring>
 
 #include "engine/base/errors.h"
 
@@ -9,15 +11,20 @@ namespace {
 
 struct StackText {
   std::string innermost;
-  bool disk_full = false;
+  int code = 0;  // errno, where the library says it
 };
+
+// The library's description names the file, which is nobody's business but the owner's.
+std::string without_path(const std::string& text) {
+  const size_t begin = text.find("name = '"), end = text.find('\'', begin + 8);
+  if (begin == text.npos || end == text.npos) return text;
+  return text.substr(0, begin) + text.substr(std::min(text.size(), text.find_first_not_of(", ", end + 1)));
+}
 
 herr_t visit(unsigned n, const H5E_error2_t* e, void* data) {
   auto& text = *static_cast<StackText*>(data);
   const std::string_view desc = e->desc ? e->desc : "";
-  for (int code : {ENOSPC, EDQUOT, EFBIG}) {
-    if (desc.find("errno = " + std::to_string(code) + ",") != desc.npos) text.disk_full = true;
-  }
+  if (const size_t at = desc.find("errno = "); at != desc.npos) text.code = std::atoi(desc.data() + at + 8);
   if (n == 0) text.innermost = std::string(desc);
   return 0;
 }
@@ -41,8 +48,20 @@ void throw_h5_error(const char* what) {
   StackText text;
   H5Ewalk2(H5E_DEFAULT, H5E_WALK_UPWARD, visit, &text);
   H5Eclear2(H5E_DEFAULT);
-  if (text.disk_full) throw Error("disk_full", std::string("the disk is full: could not ") + what);
-  throw Error("recording_io", std::string("could not ") + what + ": " + text.innermost);
+  const std::string failed = std::string("could not ") + what;
+  switch (text.code) {
+    case ENOSPC:
+    case EDQUOT:
+    case EFBIG:
+      throw Error("disk_full", "the disk is full: " + failed);
+    case EMFILE:
+    case ENFILE:
+      throw Error("overloaded", "no more files can be opened: " + failed);
+    case 0:
+      throw Error("recording_io", failed + ": " + without_path(text.innermost));
+    default:
+      throw Error("recording_io", failed + ": " + std::strerror(text.code));
+  }
 }
 
 void h5_quiet() {

@@ -37,6 +37,9 @@ Solid part_solid(const AnyPartDef& d) {
   return std::visit(Make{}, d);
 }
 
+// Distances are compared by their squares, which underflow or overflow beyond these.
+constexpr double kSmallest = 1e-150, kLargest = 1e150;  // m
+
 std::vector<uint32_t> checked_triangles(const MeshBodyDef& d) {
   if (d.triangles.size() % 3 != 0) throw Error("bad_mesh", "triangles need three indices each");
   std::vector<uint32_t> out;
@@ -120,6 +123,9 @@ BodyKind build_kind(const AnyBodyDef& any, const Rigid3dDef& def) {
     }
   }
   k.reach = bounding_radius(k.solid), k.inner = inner_radius(k.solid);
+  const bool sized = is_convex(k.solid.kind) || k.solid.kind == SolidKind::compound;
+  if (sized && !(k.inner >= kSmallest && k.reach <= kLargest))
+    throw Error("bad_solid", "a body's size must lie between 1e-150 and 1e150 m");
   k.turned_round = k.solid.kind == SolidKind::cylinder;
   if (k.solid.kind == SolidKind::compound) {
     for (const Compound::Part& p : k.solid.compound->parts()) {
