@@ -147,7 +147,10 @@ json::object describe_observables(const Observables& values) {
 }
 
 SceneReport examine_scene(const json::value& document, const AdmissionLimits& limits) {
-  SceneReport report = read_scene(document);
+  return examine_further(read_scene(document), limits);
+}
+
+SceneReport examine_further(SceneReport report, const AdmissionLimits& limits) {
   if (report.scene || !report.draft) return report;
   try {
     require_admission(estimate(*report.draft), limits);

@@ -32,6 +32,8 @@ boost::json::object describe_observables(const Observables& values);
 /// What read_scene says and, where it found faults, those that only building shows (World::more_faults),
 /// within `limits`: the whole list at once.
 SceneReport examine_scene(const boost::json::value& document, const AdmissionLimits& limits);
+/// The same for a report that reading has given.
+SceneReport examine_further(SceneReport report, const AdmissionLimits& limits);
 
 /// Everything about a scene document: valid, errors, warnings, plan, estimate, canonical scene. Never throws
 /// for what a client can write.

@@ -24,14 +24,19 @@ struct AppOptions {
 };
 
 struct App {
-  explicit App(AppOptions o) : options(std::move(o)), store(options.limits), runner(options.workers) {}
+  explicit App(AppOptions o)
+      : options(std::move(o)),
+        memory(options.limits.max_memory_bytes),
+        store(options.limits, memory),
+        runner(options.workers) {}
 
   const AppOptions options;
   std::shared_ptr<RecordingThread> recording_thread = std::make_shared<RecordingThread>();
+  MemoryBudget memory;
   SessionStore store;
   IdempotencyKeys idempotency;
   StreamStats stream_stats;
-  OperationStore operations{OperationLimits{}, options.workers};
+  OperationStore operations{OperationLimits{.per_run = options.limits.per_session}, options.workers, memory};
   std::atomic<bool> repairing{false};   ///< recordings of an earlier run; no new ones meanwhile
   Runner runner;                        ///< last: its threads end before what they use
   const net::Server* server = nullptr;  ///< for the metrics page; set before the server starts

@@ -51,8 +51,20 @@ json::value json_body(const net::Request& request) {
   return parse_json(request.body);
 }
 
+boost::asio::awaitable<json::value> long_json_body(App& app, const net::Request& request) {
+  constexpr size_t kShort = 32 << 10;
+  if (request.body.size() <= kShort) co_return json_body(request);
+  // A value takes some 25 bytes and is copied once while its array grows.
+  const auto lease = app.memory.lease(3.5 * static_cast<double>(request.body.size()), "reading the body");
+  auto parse = [&request] { return json_body(request); };
+  co_return co_await app.runner.long_work(std::move(parse));
+}
+
 json::object json_object_body(const net::Request& request) {
-  json::value v = json_body(request);
+  return object_of(json_body(request));
+}
+
+json::object object_of(json::value v) {
   if (!v.is_object())
     throw Error("bad_request", "the body must be a JSON object",
                 {{"", "wrong_type", "the body must be a JSON object", "", "an object", "", ""}});

@@ -14,8 +14,11 @@ namespace truestep {
 /// The body as strict JSON. Error unsupported_media unless it says application/json (or is empty, which
 /// counts as {}).
 boost::json::value json_body(const net::Request& request);
+/// The same on a worker when it is long.
+boost::asio::awaitable<boost::json::value> long_json_body(App& app, const net::Request& request);
 /// An object; Error bad_request otherwise.
 boost::json::object json_object_body(const net::Request& request);
+boost::json::object object_of(boost::json::value body);
 
 /// The session that the path names. Error "unknown_session" or "session_expired".
 EntryPtr session_of(App& app, const net::Request& request);

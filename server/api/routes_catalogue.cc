@@ -47,11 +47,12 @@ void add_catalogue_routes(net::Router& router, App& app) {
              });
   router.add(Method::post, "/v1/scenes/validate", "Errors, warnings, plan and cost of a scene",
              [&app](const Request& r) -> asio::awaitable<Response> {
-               const json::value document = json_body(r);
-               co_return co_await net::offload(app.runner.pool(), [&] {
+               const json::value document = co_await long_json_body(app, r);
+               auto validate = [&] {
                  const json::object report = validate_scene(document, app.options.limits.per_session);
                  return json_response(report, report.at("valid").as_bool() ? 200 : 422);
-               });
+               };
+               co_return co_await app.runner.long_work(std::move(validate));
              });
 }
 

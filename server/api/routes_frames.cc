@@ -280,15 +280,15 @@ asio::awaitable<Response> picture(App& app, const Request& request) {
     co_await with_session_on_worker(app, entry, [&](SessionEntry& e) { return draw(e, e.session.state()); });
   }
   if (camera) list.camera = camera;
-  // One thread draws: a software renderer uses all cores by itself.
-  co_return co_await net::offload(app.runner.picture_thread(), [&] {
+  auto draw_it = [&] {
     thread_local PictureRenderer renderer(width, height);
     renderer.resize(width, height);
     const auto png = encode_png(renderer.render_rgba(list), width, height);
     Response r = Response::text({reinterpret_cast<const char*>(png.data()), png.size()}, "image/png");
     r.header("Cache-Control", "no-store");
     return r;
-  });
+  };
+  co_return co_await app.runner.draw(std::move(draw_it));
 }
 
 }  // namespace

@@ -42,7 +42,7 @@ json::object describe_kind(const StudyKind& k) {
 }
 
 asio::awaitable<Response> start_study(App& app, const Request& request) {
-  json::object body = json_object_body(request);
+  json::object body = object_of(co_await long_json_body(app, request));
   std::string resume;
   if (const json::value* r = body.if_contains("resume")) {
     if (!r->is_string()) {

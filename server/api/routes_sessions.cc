@@ -45,29 +45,77 @@ json::value scene_document(json::value body) {
 Response created(const RememberedAnswer& a) {
   Response r = Response::json(a.body, a.status);
   r.header("Location", a.location);
+  if (a.status == 202) r.header("Retry-After", "1");
   return r;
 }
 
-// The handlers that create: on a worker, for building a world takes as long as its scene is large.
+/// How long a request waits for a session that takes long to make before it is answered 202.
+constexpr auto kPatience = std::chrono::seconds(5);
+
+json::object describe_creation(const Creation& c) {
+  return {{"id", c.id},
+          {"status", "creating"},
+          {"stage", c.stage.load()},
+          {"elapsed", std::chrono::duration<double>(Clock::now() - c.begun).count()},
+          {"links", json::object{{"self", "/v1/sessions/" + c.id}}}};
+}
+
+// Light scenes are built at once, heavy ones by the threads for long work.
+void start_making(App& app, const CreationPtr& creation, SceneDraft draft) {
+  const bool heavy = draft.heavy();
+  const auto shared = std::make_shared<SceneDraft>(std::move(draft));
+  std::function<void()> make = [&app, creation, shared] {
+    app.store.make(creation, std::move(*shared), SessionStore::Accuracy::choose,
+                   [&app](SessionEntry& e) { attach_recording(app, e); });
+  };
+  if (heavy)
+    app.runner.start_long_work(make);
+  else
+    asio::post(app.runner.pool(), make);
+}
+
+RememberedAnswer answer_of(const Creation& c) {
+  RememberedAnswer answer;
+  answer.location = "/v1/sessions/" + c.id;
+  if (!c.ended) {
+    answer.status = 202;
+    answer.body = write_json(describe_creation(c));
+    return answer;
+  }
+  answer.status = c.existed ? 200 : 201;
+  const std::lock_guard lock(c.entry->mutex);
+  answer.body = write_json(describe_session(*c.entry));
+  return answer;
+}
+
+asio::awaitable<RememberedAnswer> make_session(App& app, const Request& request, const std::string& id) {
+  json::value body = co_await long_json_body(app, request);
+  auto read = [&body] { return read_draft(scene_document(std::move(body))); };
+  SceneDraft draft = co_await net::offload(app.runner.pool(), std::move(read));
+  const auto [creation, how] = app.store.begin(id, draft.document, request.caller);
+  const bool anew = how == SessionStore::Begun::How::anew;
+  if (anew) start_making(app, creation, std::move(draft));
+  const auto ended = [c = creation] { return c->ended.load(); };
+  const auto give_up = [c = creation, anew] {
+    if (anew) c->interrupt.raise();
+  };
+  co_await net::wait_for_end(creation->done, ended, give_up, Clock::now() + kPatience);
+  if (creation->ended && creation->error) {
+    app.store.forget(creation);
+    std::rethrow_exception(creation->error);
+  }
+  auto describe = [c = creation] { return answer_of(*c); };
+  co_return co_await net::offload(app.runner.pool(), std::move(describe));
+}
+
 asio::awaitable<Response> create(App& app, const Request& request, std::string id, std::string key) {
-  json::value document = scene_document(json_body(request));
   Hasher hasher;
   hasher.text(request.body);
   if (!key.empty()) {
     if (const auto before = app.idempotency.begin(key, hasher.value())) co_return created(*before);
   }
   try {
-    auto build = [&app, id, caller = request.caller, document = std::move(document)] {
-      SessionStore::Created c = app.store.create(document, id, caller);
-      const std::lock_guard lock(c.entry->mutex);
-      if (c.how == SessionStore::Created::How::made) attach_recording(app, *c.entry);
-      RememberedAnswer answer;
-      answer.status = c.how == SessionStore::Created::How::made ? 201 : 200;
-      answer.body = write_json(describe_session(*c.entry));
-      answer.location = "/v1/sessions/" + c.entry->id;
-      return answer;
-    };
-    auto made = co_await net::offload(app.runner.pool(), std::move(build));
+    RememberedAnswer made = co_await make_session(app, request, id);
     made.request_hash = hasher.value();
     if (!key.empty()) app.idempotency.remember(key, made);
     co_return created(made);
@@ -77,9 +125,35 @@ asio::awaitable<Response> create(App& app, const Request& request, std::string i
   }
 }
 
+asio::awaitable<Response> describe(App& app, const Request& request) {
+  if (const CreationPtr c = app.store.creation(request.param("id"), request.caller)) {
+    if (c->ended && c->error) std::rethrow_exception(c->error);
+    if (!c->ended) co_return json_response(describe_creation(*c));
+  }
+  co_return co_await with_session(app, session_of(app, request),
+                                  [](SessionEntry& e) { return json_response(describe_session(e)); });
+}
+
+asio::awaitable<Response> end(App& app, const Request& request) {
+  if (const CreationPtr c = app.store.creation(request.param("id"), request.caller)) {
+    if (!c->ended) {
+      app.store.forget(c);
+      co_return Response(204);
+    }
+  }
+  EntryPtr entry = app.store.remove(session_of(app, request));
+  entry->publish();
+  co_return co_await with_session_on_worker(app, entry, [&app](SessionEntry& e) {
+    app.runner.interrupt(e);
+    e.session.pause();
+    discard_recording(e);
+    return Response(204);
+  });
+}
+
 asio::awaitable<Response> command(App& app, const Request& request) {
   EntryPtr entry = session_of(app, request);
-  const Command c = read_command(json_body(request));
+  const Command c = read_command(co_await long_json_body(app, request));
   json::object answer;
   std::function<void(SessionEntry&)> carry_out = [&](SessionEntry& e) {
     answer = {{"sequence", e.session.command(c)}, {"step", e.session.step_index()}};
@@ -114,20 +188,10 @@ void add_session_routes(net::Router& router, App& app) {
                if (entries.size() == limit) o["next_page_token"] = entries.back()->id;
                return json_response(o);
              });
-  router.add(Method::get, session, "One session: clock, status, systems, links", [&app](const Request& r) {
-    return with_session(app, session_of(app, r),
-                        [](SessionEntry& e) { return json_response(describe_session(e)); });
-  });
+  router.add(Method::get, session, "One session: clock, status, systems, links; or how far its making is",
+             [&app](const Request& r) { return describe(app, r); });
   router.add(Method::delete_, session, "Ends a session and removes its recording",
-             [&app](const Request& r) -> asio::awaitable<Response> {
-               EntryPtr entry = app.store.remove(session_of(app, r));
-               entry->publish();
-               co_return co_await with_session_on_worker(app, entry, [](SessionEntry& e) {
-                 e.session.pause();
-                 discard_recording(e);
-                 return Response(204);
-               });
-             });
+             [&app](const Request& r) { return end(app, r); });
   router.add(Method::post, session + "/commands",
              "Push, impulse, drag, release, pin, unpin, set_parameter, spawn, remove",
              [&app](const Request& r) { return command(app, r); });

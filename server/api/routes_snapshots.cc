@@ -1,5 +1,6 @@
 // /v1/sessions/{id}/snapshots and branch: states that a session, or another one, continues from.
 #include "engine/base/hash.h"
+#include "server/api/recordings.h"
 #include "server/api/requests.h"
 #include "server/api/session_answers.h"
 
@@ -15,10 +16,12 @@ namespace {
 
 asio::awaitable<Response> take_snapshot(App& app, const Request& request) {
   EntryPtr entry = session_of(app, request);
-  co_return co_await with_session_on_worker(app, entry, [](SessionEntry& e) {
+  co_return co_await with_session_on_worker(app, entry, [&app](SessionEntry& e) {
     if (e.snapshots.size() >= 64) throw Error("quota_exceeded", "a session keeps at most 64 snapshots");
     const std::string sid = "step-" + std::to_string(e.session.step_index());
-    e.snapshots[sid] = std::make_shared<const WorldState>(e.session.state());
+    const WorldState& now = e.session.state();
+    auto lease = app.memory.lease(static_cast<double>(now.memory_bytes()), "this snapshot");
+    e.snapshots[sid] = std::make_shared<const Snapshot>(now, std::move(lease));
     Response r = json_response(
         json::object{{"id", sid}, {"step", e.session.step_index()}, {"state_hash", hex64(e.session.hash())}},
         201);
@@ -27,7 +30,7 @@ asio::awaitable<Response> take_snapshot(App& app, const Request& request) {
   });
 }
 
-std::shared_ptr<const WorldState> snapshot_of(SessionEntry& e, std::string_view sid) {
+std::shared_ptr<const Snapshot> snapshot_of(SessionEntry& e, std::string_view sid) {
   const auto it = e.snapshots.find(std::string(sid));
   if (it == e.snapshots.end()) throw Error("not_found", "this session has no such snapshot");
   return it->second;
@@ -36,7 +39,7 @@ std::shared_ptr<const WorldState> snapshot_of(SessionEntry& e, std::string_view 
 asio::awaitable<Response> restore(App& app, const Request& request) {
   EntryPtr entry = session_of(app, request);
   const std::string sid(request.param("sid"));
-  const auto back = [&sid](SessionEntry& e) { e.session.restore(*snapshot_of(e, sid)); };
+  const auto back = [&sid](SessionEntry& e) { e.session.restore(snapshot_of(e, sid)->state); };
   co_await interrupt_and_call(app, entry, back);
   co_return co_await with_session(app, entry,
                                   [](SessionEntry& e) { return json_response(describe_clock(e)); });
@@ -54,12 +57,15 @@ asio::awaitable<Response> branch(App& app, const Request& request) {
       accuracy = entry->accuracy;
       state = entry->session.state();
     }
-    auto made = app.store.create(document, random_session_id(), caller, SessionStore::Accuracy::chosen);
-    const std::lock_guard lock(made.entry->mutex);
-    made.entry->accuracy = std::move(accuracy);
-    made.entry->session.restore(std::move(state));
-    Response r = json_response(describe_session(*made.entry), 201);
-    r.header("Location", "/v1/sessions/" + made.entry->id);
+    const EntryPtr made = app.store.create(std::move(document), random_session_id(), caller,
+                                           SessionStore::Accuracy::chosen, [&](SessionEntry& e) {
+                                             e.accuracy = std::move(accuracy);
+                                             e.session.restore(std::move(state));
+                                             attach_recording(app, e);
+                                           });
+    const std::lock_guard lock(made->mutex);
+    Response r = json_response(describe_session(*made), 201);
+    r.header("Location", "/v1/sessions/" + made->id);
     return r;
   };
   co_return co_await app.runner.long_work(std::move(copy));
@@ -74,8 +80,8 @@ void add_snapshot_routes(net::Router& router, App& app) {
   router.add(Method::get, session + "/snapshots", "Snapshots that were taken", [&app](const Request& r) {
     return with_session(app, session_of(app, r), [](SessionEntry& e) {
       json::array list;
-      for (const auto& [sid, state] : e.snapshots)
-        list.push_back(json::object{{"id", sid}, {"step", state->step}});
+      for (const auto& [sid, snapshot] : e.snapshots)
+        list.push_back(json::object{{"id", sid}, {"step", snapshot->state.step}});
       return json_response(json::object{{"snapshots", std::move(list)}});
     });
   });
@@ -85,7 +91,7 @@ void add_snapshot_routes(net::Router& router, App& app) {
              [&app](const Request& r) -> asio::awaitable<Response> {
                const std::string sid(r.param("sid"));
                co_return co_await with_session_on_worker(app, session_of(app, r), [&sid](SessionEntry& e) {
-                 const auto bytes = snapshot_of(e, sid)->serialize();
+                 const auto bytes = snapshot_of(e, sid)->state.serialize();
                  return Response::text({reinterpret_cast<const char*>(bytes.data()), bytes.size()},
                                        "application/octet-stream");
                });

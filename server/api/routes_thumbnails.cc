@@ -55,13 +55,14 @@ void add_thumbnail_routes(net::Router& router, App& app) {
                Hasher hasher;
                hasher.text(g->text);
                const std::string etag = "\"" + hex64(hasher.value()) + "\"";
-               co_return co_await net::offload(app.runner.picture_thread(), [&] {
+               auto draw_it = [&] {
                  net::SharedBuffer& png = (*drawn)[g->name];
                  if (!png) png = std::make_shared<const std::string>(draw(*g));
                  Response response = Response::shared(png, "image/png", etag);
                  response.header("Cache-Control", "no-cache");
                  return response;
-               });
+               };
+               co_return co_await app.runner.draw(std::move(draw_it));
              });
 }
 

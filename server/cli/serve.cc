@@ -129,6 +129,7 @@ void shut_down(net::Server& server, App& app) {
   server.drain();
   app.runner.cancel_all(app.store.all());
   app.operations.cancel_all();
+  app.store.cancel_creations();
   finish_recordings(app);
   server.stop(std::chrono::milliseconds(1500));
   const auto taken =

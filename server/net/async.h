@@ -57,17 +57,20 @@ class Signal {
   std::vector<std::shared_ptr<Waiter>> waiters_;
 };
 
-/// Waits until `ended()`, which `done` announces. A coroutine that is cancelled meanwhile calls `give_up` and
-/// still waits for the end, so that work elsewhere may refer to what the coroutine holds. Named closures
-/// only.
+/// Waits until `ended()`, which `done` announces, or the deadline. A coroutine that is cancelled meanwhile
+/// calls `give_up` and still waits, so that work elsewhere may refer to what the coroutine holds. Named
+/// closures only.
 template <class Ended, class GiveUp>
-boost::asio::awaitable<void> wait_for_end(Signal& done, Ended ended, GiveUp give_up) {
+boost::asio::awaitable<void> wait_for_end(
+    Signal& done, Ended ended, GiveUp give_up,
+    std::chrono::steady_clock::time_point deadline = std::chrono::steady_clock::now() +
+                                                     std::chrono::hours(24 * 365)) {
   namespace this_coro = boost::asio::this_coro;
   co_await this_coro::throw_if_cancelled(false);
   while (true) {
     const uint64_t seen = done.version();
-    if (ended()) break;
-    co_await done.wait(seen, std::chrono::steady_clock::now() + std::chrono::hours(24));
+    if (ended() || std::chrono::steady_clock::now() >= deadline) break;
+    co_await done.wait(seen, deadline);
     const auto state = co_await this_coro::cancellation_state;
     if (state.cancelled() == boost::asio::cancellation_type::none) continue;
     give_up();

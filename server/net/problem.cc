@@ -24,6 +24,7 @@ constexpr ProblemKind kKinds[] = {
     {"request_timeout", 408, "The request took too long to arrive"},
     {"step_conflict", 409, "The session is at another step"},
     {"instability", 409, "The simulation became unstable"},
+    {"creating", 409, "The session is still being made"},
     {"interrupted", 409, "Another request cut this one short"},
     {"conflict", 409, "The resource is in another state"},
     {"session_expired", 410, "The session has expired"},

@@ -12,7 +12,8 @@ namespace {
 constexpr int kNice = 12;
 }
 
-OperationStore::OperationStore(OperationLimits limits, int threads) : limits_(limits), arena_(threads) {
+OperationStore::OperationStore(OperationLimits limits, int threads, MemoryBudget& budget)
+    : limits_(limits), budget_(budget), arena_(threads) {
   boost::asio::post(thread_, [] { yield_to_others(kNice); });
 }
 
@@ -22,6 +23,11 @@ OperationStore::~OperationStore() {
 
 OperationPtr OperationStore::start(StudyRequest request, const std::string& request_text,
                                    std::string_view resume, const net::Caller& owner) {
+  // A run, the reference that it is compared with, and what both keep to compare.
+  constexpr double kCopies = 3;
+  const Cost cost = estimate(require_scene(read_scene(request.scene)));
+  require_admission(cost, limits_.per_run);
+  auto lease = budget_.lease(kCopies * (cost.state_bytes + cost.workspace_bytes), "this study");
   std::vector<boost::json::object> earlier;
   if (!resume.empty()) {
     const OperationPtr before = find(resume, owner);
@@ -41,7 +47,8 @@ OperationPtr OperationStore::start(StudyRequest request, const std::string& requ
     order_.push_back(operation->id);
     forget_oldest();
   }
-  boost::asio::post(thread_, [this, operation, earlier = std::move(earlier)]() mutable {
+  const auto held = std::make_shared<MemoryBudget::Lease>(std::move(lease));
+  boost::asio::post(thread_, [this, operation, held, earlier = std::move(earlier)]() mutable {
     operation->run(arena_, std::move(earlier));
   });
   return operation;

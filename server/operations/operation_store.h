@@ -6,19 +6,22 @@
 #include <map>
 #include <mutex>
 
+#include "engine/scene/admission.h"
 #include "server/net/message.h"
 #include "server/operations/operation.h"
+#include "server/sessions/memory_budget.h"
 
 namespace truestep {
 
 struct OperationLimits {
-  size_t waiting = 32;  ///< that have not ended
-  size_t kept = 256;    ///< all; the oldest ended ones are forgotten beyond
+  size_t waiting = 32;      ///< that have not ended
+  size_t kept = 256;        ///< all; the oldest ended ones are forgotten beyond
+  AdmissionLimits per_run;  ///< what one run of the scene may cost
 };
 
 class OperationStore {
  public:
-  OperationStore(OperationLimits limits, int threads);
+  OperationStore(OperationLimits limits, int threads, MemoryBudget& budget);
   ~OperationStore();
 
   /// Queues the work. `resume` is the id of an earlier sweep of the same request, or empty. Error
@@ -39,6 +42,7 @@ class OperationStore {
  private:
   void forget_oldest();
   OperationLimits limits_;
+  MemoryBudget& budget_;
   ThreadArena arena_;
   mutable std::mutex mutex_;
   std::map<std::string, OperationPtr, std::less<>> operations_;

@@ -14,6 +14,7 @@
 #include "server/net/async.h"
 #include "server/net/message.h"
 #include "server/sessions/job.h"
+#include "server/sessions/memory_budget.h"
 #include "server/sessions/poll_sink.h"
 #include "server/stream/encoded_frames.h"
 
@@ -31,16 +32,23 @@ struct CachedAnswer {
 
 class RecordingSink;
 
+/// A state that a client kept.
+struct Snapshot {
+  Snapshot(WorldState state, MemoryBudget::Lease lease) : state(std::move(state)), lease(std::move(lease)) {}
+  WorldState state;
+  MemoryBudget::Lease lease;
+};
+
 struct SessionEntry {
   SessionEntry(std::string id, std::shared_ptr<const World> world, std::shared_ptr<const ThreadArena> arena,
-               double estimated_bytes)
+               MemoryBudget::Lease lease)
       : id(std::move(id)),
-        estimated_bytes(estimated_bytes),
+        lease(std::move(lease)),
         session(std::move(world), std::move(arena), {.profiling = SessionOptions::Profiling::on}) {}
 
   const std::string id;
-  std::string owner;  ///< name of the key that made it; set before anybody can find it
-  const double estimated_bytes;
+  std::string owner;                ///< name of the key that made it; set before anybody can find it
+  const MemoryBudget::Lease lease;  ///< of world, state and workspace
   const Clock::time_point created = Clock::now();
   uint64_t scene_hash = 0;       ///< of the document that created it (PUT is idempotent)
   boost::json::object accuracy;  ///< how the method was chosen; empty unless the scene asks for accuracy
@@ -52,7 +60,7 @@ struct SessionEntry {
 
   std::mutex mutex;
   Session session;
-  std::map<std::string, std::shared_ptr<const WorldState>> snapshots;
+  std::map<std::string, std::shared_ptr<const Snapshot>> snapshots;
   std::shared_ptr<PollSink> poll;            ///< keeps frames for clients that poll
   std::shared_ptr<RecordingSink> recording;  ///< null: the scene asks for none
   CachedAnswer cached_frame;

@@ -285,7 +285,10 @@ Runner::Next Runner::next_of(SessionEntry& entry) {
 StepOutcome Runner::one_step(const EntryPtr& entry, std::unique_lock<std::mutex>& lock,
                              Session::Output output) {
   Session& session = entry->session;
-  if (!slow(*entry)) return session.step_in_place(output);
+  if (!slow(*entry)) {
+    const InterruptScope scope(entry->interrupt);
+    return session.step_in_place(output);
+  }
   session.begin_aside();
   lock.unlock();
   {
@@ -304,7 +307,6 @@ void Runner::turn(const EntryPtr& entry, LaneKind kind) {
   auto before = begun;
   std::optional<UnderWatch> under_watch;
   if (kind != LaneKind::slow) under_watch.emplace(*this, entry);
-  const InterruptScope scope(entry->interrupt);
   bool moved = false;
   while (true) {
     entry->interrupt.clear();

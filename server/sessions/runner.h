@@ -24,7 +24,10 @@ class Runner {
 
   /// For what takes milliseconds at most.
   boost::asio::thread_pool& pool() { return pool_; }
-  boost::asio::thread_pool& picture_thread() { return picture_thread_; }
+  /// Runs f() with the thread that draws (one: a software renderer uses all cores by itself) unless whoever
+  /// awaits this is cancelled before. Error quota_exceeded when too many pictures wait.
+  template <class F>
+  boost::asio::awaitable<std::invoke_result_t<F>> draw(F f);
 
   /// Starts the clock of a playing session; after Session::play, with the entry's lock held.
   void keep_playing(const EntryPtr& entry);
@@ -66,6 +69,8 @@ class Runner {
     return kind == LaneKind::express ? express_ : kind == LaneKind::playing ? playing_ : slow_;
   }
   static LaneKind lane_of(const SessionEntry& entry);
+  template <class F, class Start>
+  boost::asio::awaitable<std::invoke_result_t<F>> work_elsewhere(F f, Start start);
   void schedule(const EntryPtr& entry);
   void turn(const EntryPtr& entry, LaneKind kind);
   Next next_of(SessionEntry& entry);
@@ -88,6 +93,8 @@ class Runner {
   std::atomic<uint64_t> steps_{0};
   std::array<InPlace, 64> in_place_;
   std::atomic<bool> watching_{false};
+  static constexpr int kMostPictures = 32;
+  std::atomic<int> pictures_{0};  ///< that wait or are drawn
   boost::asio::steady_timer watch_timer_{pool_};
   std::mutex long_mutex_;
   std::vector<std::weak_ptr<Interrupt>> long_interrupts_;
@@ -105,8 +112,8 @@ struct LongWork {
 };
 }  // namespace runner_detail
 
-template <class F>
-boost::asio::awaitable<std::invoke_result_t<F>> Runner::long_work(F f) {
+template <class F, class Start>
+boost::asio::awaitable<std::invoke_result_t<F>> Runner::work_elsewhere(F f, Start start) {
   using T = std::invoke_result_t<F>;
   const auto work = std::make_shared<runner_detail::LongWork<T>>();
   {
@@ -126,12 +133,33 @@ boost::asio::awaitable<std::invoke_result_t<F>> Runner::long_work(F f) {
     work->ended = true;
     work->done.notify();
   };
-  start_long_work(run);
+  start(run);
   const auto ended = [work] { return work->ended.load(); };
   const auto give_up = [work] { work->interrupt->raise(); };
   co_await net::wait_for_end(work->done, ended, give_up);
   if (work->error) std::rethrow_exception(work->error);
   co_return std::move(*work->value);
+}
+
+template <class F>
+boost::asio::awaitable<std::invoke_result_t<F>> Runner::long_work(F f) {
+  const auto start = [this](const std::function<void()>& run) { start_long_work(run); };
+  co_return co_await work_elsewhere(std::move(f), start);
+}
+
+template <class F>
+boost::asio::awaitable<std::invoke_result_t<F>> Runner::draw(F f) {
+  if (pictures_.fetch_add(1) >= kMostPictures) {
+    --pictures_;
+    throw Error("quota_exceeded", "too many pictures are being drawn; ask again");
+  }
+  const auto start = [this](const std::function<void()>& run) {
+    boost::asio::post(picture_thread_, [this, run] {
+      run();
+      --pictures_;
+    });
+  };
+  co_return co_await work_elsewhere(std::move(f), start);
 }
 
 }  // namespace truestep

@@ -34,63 +34,124 @@ Error unknown_session() {
 }
 }  // namespace
 
-SessionStore::SessionStore(StoreLimits limits)
-    : limits_(limits), arena_(std::make_shared<const ThreadArena>(limits.threads_per_session)) {}
+SessionStore::SessionStore(StoreLimits limits, MemoryBudget& budget)
+    : limits_(limits),
+      budget_(budget),
+      arena_(std::make_shared<const ThreadArena>(limits.threads_per_session)) {}
 
-void SessionStore::check_room(double bytes) const {
-  if (entries_.size() >= limits_.max_sessions) {
-    throw Error("quota_exceeded",
-                "this server holds its most of " + std::to_string(limits_.max_sessions) + " sessions");
-  }
-  if (memory_ + bytes > limits_.max_memory_bytes) {
-    throw Error("quota_exceeded", "the sessions of this server use all memory that it may use");
-  }
+void SessionStore::check_room() const {
+  if (entries_.size() + creations_.size() < limits_.max_sessions) return;
+  throw Error("quota_exceeded",
+              "this server holds its most of " + std::to_string(limits_.max_sessions) + " sessions");
 }
 
-SessionStore::Created SessionStore::create(const json::value& document, const std::string& id,
-                                           const net::Caller& owner, Accuracy accuracy) {
+SessionStore::Begun SessionStore::begin(const std::string& id, const json::value& document,
+                                        const net::Caller& owner) {
   Hasher hasher;
   hasher.text(write_json(document));
   const uint64_t scene_hash = hasher.value();
-  const auto existing = [&]() -> EntryPtr {
-    const auto it = entries_.find(id);
-    if (it == entries_.end()) return nullptr;
-    if (!owner.may_see(it->second->owner)) throw unknown_session();
-    if (it->second->scene_hash != scene_hash)
+  const auto check = [&](const std::string& existing_owner, uint64_t existing_hash) {
+    if (!owner.may_see(existing_owner)) throw unknown_session();
+    if (existing_hash != scene_hash)
       throw Error("conflict", "a session with this id and another scene exists");
-    return it->second;
   };
-  {
-    const std::lock_guard lock(mutex_);
-    if (EntryPtr e = existing()) return {e, Created::How::existed};
-    check_room(0);
+  const std::lock_guard lock(mutex_);
+  if (const auto it = entries_.find(id); it != entries_.end()) {
+    check(it->second->owner, it->second->scene_hash);
+    auto there = std::make_shared<Creation>(id, owner.name, scene_hash);
+    there->entry = it->second;
+    there->existed = true;
+    there->ended = true;
+    return {there, Begun::How::before};
   }
-  Scene asked = require_scene(examine_scene(document, limits_.per_session));
-  const Cost cost = estimate(asked);
-  require_admission(cost, limits_.per_session);
+  if (const auto it = creations_.find(id); it != creations_.end() && !it->second->ended) {
+    check(it->second->owner, it->second->scene_hash);
+    return {it->second, Begun::How::before};
+  }
+  // Failures are remembered for those who were told to ask again, the oldest forgotten first.
+  constexpr size_t kMostRemembered = 256;
+  constexpr auto kRemembered = std::chrono::minutes(10);
+  std::erase_if(creations_, [&](const auto& c) {
+    return c.second->ended && (c.second->entry || creations_.size() > kMostRemembered ||
+                               Clock::now() - c.second->begun > kRemembered);
+  });
+  check_room();
+  const auto creation = std::make_shared<Creation>(id, owner.name, scene_hash);
+  creations_[id] = creation;
+  return {creation, Begun::How::anew};
+}
+
+EntryPtr SessionStore::build(Creation& creation, SceneDraft draft, Accuracy accuracy,
+                             const std::function<void(SessionEntry&)>& prepare) {
+  const InterruptScope scope(creation.interrupt);
+  interruption_point();
+  Scene asked = require_scene(examine_further(std::move(draft.report), limits_.per_session));
+  require_admission(draft.cost, limits_.per_session);
   // A scene that asks for accuracy has a companion as large as itself.
   const double copies = asked.header.accuracy ? 2 : 1;
-  const double bytes = copies * (cost.state_bytes + cost.workspace_bytes);
+  auto lease = budget_.lease(copies * (draft.cost.state_bytes + draft.cost.workspace_bytes), "this scene");
+  creation.stage = "measuring";
   SettledScene settled = accuracy == Accuracy::chosen
                              ? SettledScene{std::move(asked), {}}
-                             : settle_accuracy(document, limits_.accuracy_seconds, *arena_);
-  {
-    const std::lock_guard lock(mutex_);
-    check_room(bytes);
-  }
+                             : settle_accuracy(draft.document, limits_.accuracy_seconds, *arena_);
+  creation.stage = "building";
   auto world = std::make_shared<const World>(std::move(settled.scene));
   require_admission(world->cost(world->initial_state()), limits_.per_session);
-  auto entry = std::make_shared<SessionEntry>(id, std::move(world), arena_, bytes);
-  entry->owner = owner.name;
-  entry->scene_hash = scene_hash;
+  interruption_point();
+  auto entry = std::make_shared<SessionEntry>(creation.id, std::move(world), arena_, std::move(lease));
+  entry->owner = creation.owner;
+  entry->scene_hash = creation.scene_hash;
   entry->accuracy = std::move(settled.report);
-  entry->estimated_step = cost.seconds_per_step;
+  entry->estimated_step = draft.cost.seconds_per_step;
+  prepare(*entry);
+  return entry;
+}
+
+void SessionStore::make(const CreationPtr& creation, SceneDraft draft, Accuracy accuracy,
+                        const std::function<void(SessionEntry&)>& prepare) {
+  try {
+    creation->entry = build(*creation, std::move(draft), accuracy, prepare);
+  } catch (...) {
+    creation->error = std::current_exception();
+  }
+  {
+    const std::lock_guard lock(mutex_);
+    if (creation->entry) {
+      entries_.emplace(creation->id, creation->entry);
+      creations_.erase(creation->id);
+    }
+    creation->ended = true;
+  }
+  creation->done.notify();
+}
+
+EntryPtr SessionStore::create(json::value document, const std::string& id, const net::Caller& owner,
+                              Accuracy accuracy, const std::function<void(SessionEntry&)>& prepare) {
+  const Begun begun = begin(id, document, owner);
+  if (begun.how == Begun::How::anew) make(begun.creation, read_draft(std::move(document)), accuracy, prepare);
+  if (begun.creation->error) {
+    forget(begun.creation);
+    std::rethrow_exception(begun.creation->error);
+  }
+  return begun.creation->entry;
+}
+
+CreationPtr SessionStore::creation(std::string_view id, const net::Caller& caller) const {
   const std::lock_guard lock(mutex_);
-  if (EntryPtr e = existing()) return {e, Created::How::existed};
-  check_room(bytes);
-  entries_.emplace(id, entry);
-  memory_ += bytes;
-  return {entry, Created::How::made};
+  const auto it = creations_.find(id);
+  return it != creations_.end() && caller.may_see(it->second->owner) ? it->second : nullptr;
+}
+
+void SessionStore::forget(const CreationPtr& creation) {
+  creation->interrupt.raise();
+  const std::lock_guard lock(mutex_);
+  const auto it = creations_.find(creation->id);
+  if (it != creations_.end() && it->second == creation && creation->ended) creations_.erase(it);
+}
+
+void SessionStore::cancel_creations() {
+  const std::lock_guard lock(mutex_);
+  for (const auto& [id, creation] : creations_) creation->interrupt.raise();
 }
 
 EntryPtr SessionStore::find(std::string_view id, const net::Caller& caller) {
@@ -101,6 +162,9 @@ EntryPtr SessionStore::find(std::string_view id, const net::Caller& caller) {
     it->second->touch();
     return it->second;
   }
+  const auto making = creations_.find(id);
+  if (making != creations_.end() && !making->second->ended && caller.may_see(making->second->owner))
+    throw Error("creating", "this session is still being made");
   const auto gone = expired_.find(id);
   if (gone != expired_.end() && caller.may_see(gone->second))
     throw Error("session_expired", "this session was removed because nobody used it");
@@ -109,7 +173,7 @@ EntryPtr SessionStore::find(std::string_view id, const net::Caller& caller) {
 
 EntryPtr SessionStore::remove(EntryPtr entry) {
   const std::lock_guard lock(mutex_);
-  if (entries_.erase(entry->id)) memory_ -= entry->estimated_bytes;
+  entries_.erase(entry->id);
   entry->removed = true;
   return entry;
 }
@@ -150,7 +214,6 @@ std::vector<EntryPtr> SessionStore::expire() {
       continue;
     }
     e.removed = true;
-    memory_ -= e.estimated_bytes;
     expired_[e.id] = e.owner;
     expired_order_.push_back(e.id);
     if (expired_order_.size() > 10000) {

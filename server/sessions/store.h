@@ -9,13 +9,15 @@
 #include <vector>
 
 #include "engine/scene/admission.h"
+#include "server/sessions/creation.h"
 #include "server/sessions/entry.h"
+#include "server/sessions/memory_budget.h"
 
 namespace truestep {
 
 struct StoreLimits {
   size_t max_sessions = 10000;
-  double max_memory_bytes = 8e9;  ///< sum of all sessions' estimates
+  double max_memory_bytes = 8e9;  ///< of sessions, studies and whatever else is large
   AdmissionLimits per_session;
   std::chrono::seconds idle_ttl{3600};  ///< unused, not playing, no stream for so long: removed
   int threads_per_session = 1;
@@ -24,20 +26,32 @@ struct StoreLimits {
 
 class SessionStore {
  public:
-  explicit SessionStore(StoreLimits limits);
+  SessionStore(StoreLimits limits, MemoryBudget& budget);
 
-  /// Builds a world from a parsed scene document and a session from that. Takes as long as the scene needs,
-  /// so not on a network thread. Error scene_invalid, too_large, quota_exceeded. An id that exists with the
-  /// same document is returned as it is; with another one it is Error "conflict".
-  struct Created {
-    EntryPtr entry;
-    enum class How { made, existed } how = How::made;
-  };
   /// What becomes of a scene's "accuracy": a method is chosen by measuring, or the scene comes from a session
   /// where that was done and runs as it is.
   enum class Accuracy : uint8_t { choose, chosen };
-  Created create(const boost::json::value& scene, const std::string& id, const net::Caller& owner,
-                 Accuracy accuracy = Accuracy::choose);
+
+  /// Takes an id for a document. An id that exists with the same document is given as it is (`ended` already
+  /// when it is a session); with another one it is Error "conflict". Error quota_exceeded.
+  struct Begun {
+    CreationPtr creation;
+    enum class How : uint8_t { anew, before } how = How::anew;
+  };
+  Begun begin(const std::string& id, const boost::json::value& document, const net::Caller& owner);
+  /// Builds the world and the session, calls `prepare` before anybody can see it, and ends the creation (with
+  /// scene_invalid, too_large, quota_exceeded or what `prepare` threw). Takes as long as the scene needs.
+  void make(const CreationPtr& creation, SceneDraft draft, Accuracy accuracy,
+            const std::function<void(SessionEntry&)>& prepare);
+  /// Both, in the calling thread: the new session.
+  EntryPtr create(boost::json::value document, const std::string& id, const net::Caller& owner,
+                  Accuracy accuracy, const std::function<void(SessionEntry&)>& prepare);
+  /// One that goes on or has failed not long ago; null where there is none, or none for this caller.
+  CreationPtr creation(std::string_view id, const net::Caller& caller) const;
+  /// Stops and forgets it.
+  void forget(const CreationPtr& creation);
+  /// Tells all that are being made to stop.
+  void cancel_creations();
 
   /// Error "unknown_session", also for a session that the caller may not see, or "session_expired" when it
   /// was removed for want of use.
@@ -53,12 +67,15 @@ class SessionStore {
   const StoreLimits& limits() const { return limits_; }
 
  private:
-  void check_room(double bytes) const;
+  void check_room() const;
+  EntryPtr build(Creation& creation, SceneDraft draft, Accuracy accuracy,
+                 const std::function<void(SessionEntry&)>& prepare);
   StoreLimits limits_;
+  MemoryBudget& budget_;
   std::shared_ptr<const ThreadArena> arena_;
   mutable std::mutex mutex_;
   std::map<std::string, EntryPtr, std::less<>> entries_;
-  double memory_ = 0;
+  std::map<std::string, CreationPtr, std::less<>> creations_;
   std::map<std::string, std::string, std::less<>> expired_;  ///< owners by id
   std::deque<std::string> expired_order_;
 };

@@ -87,7 +87,13 @@ export class Service {
   }
 
   async createSession(body: { gallery: string } | Scene): Promise<Session> {
-    return (await this.call("POST", "/v1/sessions", body)) as Session;
+    let session = (await this.call("POST", "/v1/sessions", body)) as Session;
+    // Large scenes take a while to build; until then the session says how far that is.
+    while (session.status === "creating") {
+      await new Promise((resolve) => setTimeout(resolve, 500));
+      session = await this.session(session.id);
+    }
+    return session;
   }
 
   async session(id: string): Promise<Session> {

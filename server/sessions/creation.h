@@ -1,0 +1,46 @@
+// A session in the making: large scenes take seconds to build, and those that ask for accuracy are measured
+// first. It has an id from the start; who asks for that hears how far it is.
+#pragma once
+#include <atomic>
+#include <exception>
+#include <memory>
+#include <string>
+
+#include "engine/base/interrupt.h"
+#include "engine/scene/admission.h"
+#include "engine/scene/scene.h"
+#include "server/sessions/entry.h"
+
+namespace truestep {
+
+/// A scene document as far as reading it goes, which is quick whatever it describes.
+struct SceneDraft {
+  boost::json::value document;
+  SceneReport report;
+  Cost cost;
+  /// Whether what comes now takes longer than a request should.
+  bool heavy() const;
+};
+
+SceneDraft read_draft(boost::json::value document);
+
+struct Creation {
+  Creation(std::string id, std::string owner, uint64_t scene_hash)
+      : id(std::move(id)), owner(std::move(owner)), scene_hash(scene_hash) {}
+
+  const std::string id, owner;
+  const uint64_t scene_hash;
+  const Clock::time_point begun = Clock::now();
+  std::atomic<const char*> stage{"reading"};
+  Interrupt interrupt;
+  net::Signal done;
+  std::atomic<bool> ended{false};
+  // Written before `ended`.
+  EntryPtr entry;
+  bool existed = false;
+  std::exception_ptr error;
+};
+
+using CreationPtr = std::shared_ptr<Creation>;
+
+}  // namespace truestep
