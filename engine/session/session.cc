@@ -67,8 +67,12 @@ double seconds_since(std::chrono::steady_clock::time_point start) {
 // --- steps in parts
 
 StepOutcome Session::step_in_place(Output output) {
-  drain_queue();
-  replay_commands();
+  {
+    // Commands are carried out as a whole.
+    const InterruptScope undisturbed(nullptr);
+    drain_queue();
+    replay_commands();
+  }
   const uint64_t good = state_.step;
   // A step that a snapshot may follow is timed, for the history to know what it may cost; the clock costs as
   // much as a step of the smallest worlds, so not every step is.
@@ -152,6 +156,7 @@ StepOutcome Session::commit_aside(Output output) {
 }
 
 void Session::after_step(Output output) {
+  const InterruptScope undisturbed(nullptr);
   record_series();
   if (output == Output::silent || sinks_.empty()) return;
   // One frame serves every sink that is due; it holds the union of what they ask for.
