@@ -18,7 +18,7 @@ constexpr double kTallLoad = 10;
 constexpr double kTooSoft = 1.1, kStiff = 1.4, kMoreThanStiff = 2.2;
 constexpr int kMostTimes = 6;
 /// Share of the smaller body's reach by which a contact of such loads may give way.
-constexpr double kMostGive = 0.01;
+constexpr double kMostGive = 0.015;
 /// m/s; what moves faster falls or flies.
 constexpr double kStands = 0.5;
 
@@ -50,12 +50,15 @@ int BucklingWatch::substeps(const State& s, std::span<const BodyKind> kinds, con
   double gives_way = 0;  // of what it may
   for (size_t k = 0; k < contacts; ++k) {
     double lightest = std::numeric_limits<double>::max(), smallest = lightest;
+    bool stands = true;
     for (const uint32_t i : {bodies[2 * k], bodies[2 * k + 1]}) {
       if (!moves(i)) continue;
+      stands &= norm2(load3(v, i)) < kStands * kStands;
       lightest = std::min(lightest, kinds[kind[i]].mass), smallest = std::min(smallest, kinds[kind[i]].reach);
     }
     if (!(load(k) > kTallLoad * lightest * g)) continue;
-    tall = true, gives_way = std::max(gives_way, pad[k] / (kMostGive * smallest));
+    tall = true;
+    if (stands) gives_way = std::max(gives_way, pad[k] / (kMostGive * smallest));
   }
   if (!tall) return settings.substeps;
 
