@@ -49,19 +49,13 @@ struct alignas(64) ContactGroup {
     W axis[3][3];  ///< S n, S t0, S t1
     W arm[3];      ///< m, from the centre to c along n, t0, t1
   } body_a, body_b;
-  W inverse[21];    ///< of K, lower triangle by rows
-  W follow[3][3];   ///< what slides and twist do per force and torques of the points
-  W whole, filled;  ///< 1 where the points span a plane; where there are any
   struct Place {
     W x, y;               ///< m from c along the tangents
-    W share[3];           ///< of force, torques about the tangents that this point takes
-    W spare, per_spare;   ///< what four points may add without force or torque; 1 / spare
     W separation, apart;  ///< m, at the step's start and now
     W impulse, drift;
   } place[kPoints];
   W friction, slide[2], slide_drift[2];  ///< coefficient, impulses, velocity of the surfaces themselves
   W twist, twist_drift, lever[kPoints];
-  // For lanes whose patch lets go or slides.
   W k[21];                            ///< K, lower triangle by rows
   W point_inverse[kPoints];           ///< of K for a point's normal; 0 where there is no point
   W slide_inverse[3], twist_inverse;  ///< of friction: xx, xy, yy
@@ -84,7 +78,6 @@ struct ContactLanes {
   W kept[4];  ///< m/s along n by which b's surface moves otherwise than what it is made of, a's the other way
   W root_a, root_b, turn_a[9], turn_b[9];  ///< 1/sqrt(m); S by rows
   W friction, spinning, rolling, restitution;
-  W holds;                     ///< 1 where a patch may be solved at once, else 0
   W slide[3], twist, roll[3];  ///< impulses of the last step in the world
   W surface[3],
       surface_turn[3];  ///< velocity at a's centre and spin of b's surface against a's by themselves
@@ -147,31 +140,12 @@ void prepare_contacts(ContactGroup<T>& g, const ContactLanes<T>& in) {
   }
   g.body_a.arm[0] -= half, g.body_b.arm[0] += half;
 
-  // Rows (1, y, -x) of the points: how their impulses make force and torque, and least squares back.
-  W n(0), sx(0), sy(0), sxx(0), sxy(0), syy(0);
   for (int p = 0; p < g.points; ++p) {
     W d[3];
     for (int k = 0; k < 3; ++k) d[k] = (in.arm[p][k] - center[k]) * in.active[p];
-    const W x = r::dot(d, g.tangent[0]), y = r::dot(d, g.tangent[1]);
-    g.place[p].x = x, g.place[p].y = y;
-    n += in.active[p], sx += x, sy += y;
-    sxx = madd(x, x, sxx), sxy = madd(x, y, sxy), syy = madd(y, y, syy);
+    g.place[p].x = r::dot(d, g.tangent[0]), g.place[p].y = r::dot(d, g.tangent[1]);
     g.lever[p] = madd(in.friction, sqrt(r::dot(d, d)), in.spinning) * in.active[p];
   }
-  const W c00 = syy * sxx - sxy * sxy, c01 = sy * sxx - sx * sxy, c02 = sy * sxy - sx * syy;
-  const W det = n * c00 - sy * c01 + sx * c02, scale = sxx + syy;
-  // A patch thinner than a hundredth of its length is an edge.
-  g.whole = where_positive(det - W(1e-4) * n * scale * scale, in.holds, zero);
-  const W inv = g.whole / where_positive(det, det, one);
-  const W c11 = n * sxx - sx * sx, c12 = n * sxy - sx * sy, c22 = n * syy - sy * sy;
-  for (int p = 0; p < g.points; ++p) {
-    auto& at = g.place[p];
-    const W f = inv * in.active[p], x = -at.x;
-    at.share[0] = f * (c00 - c01 * at.y - c02 * x);
-    at.share[1] = f * (c11 * at.y + c12 * x - c01);
-    at.share[2] = f * (c12 * at.y + c22 * x - c02);
-  }
-  r::spare_impulses(g.place, g.points, in.active[3] * g.whole);
   {
     W ja[6][3], jb[6][3], k[6][6];
     detail::body_rows(g.body_a, ja), detail::body_rows(g.body_b, jb);
@@ -191,19 +165,6 @@ void prepare_contacts(ContactGroup<T>& g, const ContactLanes<T>& in) {
     r::invert(k[1][1], k[2][1], k[2][2], g.slide_inverse);
     g.twist_inverse = in.active[0] * inverse(k[3][3]);
     if (g.flags & ContactGroup<T>::kRolls) r::invert(k[4][4], k[5][4], k[5][5], g.roll_k);
-    for (int p = 0; p < 6; ++p) k[p][p] = madd(k[p][p], W(1e-5), k[p][p]);
-    r::invert_positive<6>(k, g.inverse);
-    const W tangent[3][3] = {
-        {k[1][1], k[2][1], k[3][1]}, {k[2][1], k[2][2], k[3][2]}, {k[3][1], k[3][2], k[3][3]}};
-    W held[6];
-    r::invert_positive<3>(tangent, held);
-    const W beside[3][3] = {
-        {k[1][0], k[4][1], k[5][1]}, {k[2][0], k[4][2], k[5][2]}, {k[3][0], k[4][3], k[5][3]}};
-    for (int e = 0; e < 3; ++e) {
-      g.follow[0][e] = -madd(held[3], beside[2][e], madd(held[1], beside[1][e], held[0] * beside[0][e]));
-      g.follow[1][e] = -madd(held[4], beside[2][e], madd(held[2], beside[1][e], held[1] * beside[0][e]));
-      g.follow[2][e] = -madd(held[5], beside[2][e], madd(held[4], beside[1][e], held[3] * beside[0][e]));
-    }
   }
   for (W& k : g.slide_inverse) k *= in.active[0];
   g.friction = in.friction;
@@ -212,7 +173,6 @@ void prepare_contacts(ContactGroup<T>& g, const ContactLanes<T>& in) {
     g.slide_drift[t] = drifts ? drift(center, g.tangent[t]) : zero;
   }
   g.twist = in.twist, g.twist_drift = drifts ? r::dot(in.surface_turn, in.normal) : zero;
-  g.filled = in.active[0];
   g.restitution = in.restitution, g.rolling = in.rolling;
   if (g.flags & ContactGroup<T>::kRolls) {
     for (int t = 0; t < 2; ++t) g.roll[t] = r::dot(in.roll, g.tangent[t]);

@@ -1,6 +1,6 @@
-// Passes over groups of contacts (contact_rows3.h): a patch whose points hold a body is solved at once, by
-// the inverse of K over its six rows; where that would pull or slide, its rows one by one, friction by the
-// impulses of the points as they are.
+// Passes over groups of contacts (contact_rows3.h), row by row: the points' normal impulses one after the
+// other, friction for these as they are. Six rows of a patch in one block converge faster but never come to
+// rest: blocks take other turns as soon as a point lets go or friction gives way.
 #pragma once
 #include "engine/kernels/contact_rows3.h"
 
@@ -130,84 +130,6 @@ Wide<T> held_back(const ContactGroup<T>& g, int p) {
   return where_positive(g.restitution, waits, one);
 }
 
-/// All six ways in which a patch holds at once. Lanes where that would pull, slide or twist are left as they
-/// are: 1 in `done` for the others.
-template <ContactSolve kind, class T>
-Wide<T> solve_patch(ContactGroup<T>& g, const Wide<T> v[6], Wide<T> f[6], const ContactPass<T>& pass,
-                    const Wide<T>& push_out) {
-  using W = Wide<T>;
-  W slip[6] = {v[0], v[1] + g.slide_drift[0], v[2] + g.slide_drift[1], v[3] + g.twist_drift, v[4], v[5]};
-  W held[3] = {}, before(0);  // force and torques of the normal impulses
-  for (int p = 0; p < g.points; ++p) {
-    const auto& at = g.place[p];
-    const W u = wanted<kind>(at.apart, pass, push_out) + at.drift;
-    slip[0] = madd(at.share[0], u, slip[0]);
-    slip[4] = madd(at.share[1], u, slip[4]), slip[5] = madd(at.share[2], u, slip[5]);
-    held[0] += at.impulse;
-    held[1] = madd(at.y, at.impulse, held[1]), held[2] = nmadd(at.x, at.impulse, held[2]);
-  }
-  for (int p = 0; p < 6; ++p) f[p] = W(0);
-  for (int p = 0, at = 0; p < 6; ++p) {
-    for (int q = 0; q < p; ++q, ++at) {
-      f[p] = nmadd(g.inverse[at], slip[q], f[p]);
-      f[q] = nmadd(g.inverse[at], slip[p], f[q]);
-    }
-    f[p] = nmadd(g.inverse[at], slip[p], f[p]), ++at;
-  }
-  if constexpr (kind == ContactSolve::push) {
-    // What softness changes of the normal impulses, friction answers: otherwise stresses that act on no body
-    // would grow wherever one body rests on two patches.
-    const int normal_rows[3] = {0, 4, 5};
-    for (int e = 0; e < 3; ++e) {
-      const int p = normal_rows[e];
-      const W full = f[p];
-      f[p] = W(pass.mass_scale) * full - W(pass.impulse_scale) * held[e];
-      const W less = f[p] - full;
-      for (int t = 0; t < 3; ++t) f[1 + t] = madd(g.follow[t][e], less, f[1 + t]);
-    }
-  }
-  // The force and torques that the points have to make, spread as evenly as can be without pulling.
-  const W zero(0), one(1);
-  W impulse[4], low(-1e30), high(1e30);
-  before = held[0];
-  for (int k = 0; k < 3; ++k) held[k] += f[k == 0 ? 0 : 3 + k];
-  for (int p = 0; p < g.points; ++p) {
-    const auto& at = g.place[p];
-    impulse[p] = madd(at.share[2], held[2], madd(at.share[1], held[1], at.share[0] * held[0]));
-    const W zeroed = -impulse[p] * at.per_spare;
-    low = where_positive(at.per_spare, max(low, zeroed), low);
-    high = where_positive(-at.per_spare, min(high, zeroed), high);
-  }
-  const W moved = min(max(zero, low), high);
-  W least(1e30), pressure(0), torque(0);
-  for (int p = 0; p < g.points; ++p) {
-    const auto& at = g.place[p];
-    impulse[p] = madd(moved, at.spare, impulse[p]);
-    least = min(least, impulse[p]);
-    impulse[p] = max(impulse[p], zero);
-    pressure += impulse[p];
-    torque = madd(g.lever[p], impulse[p], torque);
-  }
-  const W slide[2] = {g.slide[0] + f[1], g.slide[1] + f[2]}, twist = g.twist + f[3];
-  // A push takes from the points what friction may still rely on.
-  const W limit = g.friction * max(pressure, before);
-  W done = where_positive(-least - W(1e-5) * pressure, zero, g.whole);
-  if (kind == ContactSolve::relax && (g.flags & ContactGroup<T>::kBounces)) {
-    for (int p = 0; p < g.points; ++p) {
-      done = where_positive(g.point_inverse[p], done * held_back(g, p), done);
-    }
-  }
-  done = where_positive(madd(slide[1], slide[1], slide[0] * slide[0]) - limit * limit, zero, done);
-  done = where_positive(max(twist, -twist) - torque, zero, done);
-  for (int p = 0; p < g.points; ++p) {
-    g.place[p].impulse = where_positive(done, impulse[p], g.place[p].impulse);
-  }
-  for (int t = 0; t < 2; ++t) g.slide[t] = where_positive(done, slide[t], g.slide[t]);
-  g.twist = where_positive(done, twist, g.twist);
-  for (int k = 0; k < 6; ++k) f[k] = where_positive(done, f[k], zero);
-  return done;
-}
-
 /// The points' normal impulses one after the other.
 template <ContactSolve kind, class T>
 void solve_points(ContactGroup<T>& g, Wide<T> v[6], Wide<T> f[6], const ContactPass<T>& pass,
@@ -261,7 +183,7 @@ template <class T>
   }
 }
 
-/// One pass over a group: patches that hold at once, then the rows of those that do not.
+/// One pass over a group.
 template <ContactSolve kind, class T>
 void solve_contacts(ContactGroup<T>& g, Record8<T>* records, const Record8<T>* d, uint32_t end,
                     const ContactPass<T>& pass) {
@@ -274,24 +196,10 @@ void solve_contacts(ContactGroup<T>& g, Record8<T>* records, const Record8<T>* d
   detail::relative_motion(g, a, b, v);
   W push_out(pass.push_out);
   if (kind == ContactSolve::push && pass.start) push_out = detail::push_left(g, a, b, pass);
-  bool rest = true;
-  if (g.points > 2 && !(g.flags & ContactGroup<T>::kRolls)) {
-    const W done = detail::solve_patch<kind>(g, v, f, pass, push_out);
-    rest = any_below(done, g.filled);
-    if (kind == ContactSolve::push || rest) {
-      for (int p = 0; p < 6; ++p) {
-        for (int q = 0; q < 6; ++q) v[p] = madd(g.k[detail::at(p, q)], f[q], v[p]);
-      }
-    }
-    // A push gives up some of the normal impulses; without friction's word on that, bodies creep.
-    if (kind == ContactSolve::push && !rest) detail::solve_friction(g, v, f);
-  }
-  if (rest) {
-    // Friction is bounded by the normal impulses of the last relaxation, never by what a push leaves.
-    if constexpr (kind == ContactSolve::push) detail::solve_friction(g, v, f);
-    detail::solve_points<kind>(g, v, f, pass, push_out);
-    if constexpr (kind == ContactSolve::relax) detail::solve_friction(g, v, f);
-  }
+  // Friction is bounded by the normal impulses of the last relaxation, never by what a push leaves.
+  if constexpr (kind == ContactSolve::push) detail::solve_friction(g, v, f);
+  detail::solve_points<kind>(g, v, f, pass, push_out);
+  if constexpr (kind == ContactSolve::relax) detail::solve_friction(g, v, f);
   detail::push_apart(g, f, a, b);
   scatter6(records, g.a, end, a), scatter6(records, g.b, end, b);
 }

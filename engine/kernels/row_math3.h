@@ -55,26 +55,6 @@ void invert(const W& xx, const W& xy, const W& yy, W out[3]) {
   const W det = xx * yy - xy * xy, inv = where_positive(det, W(1) / det, W(0));
   out[0] = yy * inv, out[1] = -xy * inv, out[2] = xx * inv;
 }
-/// Four points in a plane hold a body in one way too many: adding s (a1, a2, a3, a4) with sum(a) = 0 and
-/// sum(a p) = 0 changes neither force nor torque. Zero in lanes where `four` is.
-template <class Place, class W>
-void spare_impulses(Place place[4], int points, const W& four) {
-  for (int p = 0; p < points; ++p) place[p].spare = place[p].per_spare = W(0);
-  if (points < 4) return;
-  const auto area = [&](int i, int j, int k) {
-    return (place[j].x - place[i].x) * (place[k].y - place[i].y) -
-           (place[j].y - place[i].y) * (place[k].x - place[i].x);
-  };
-  const W a[4] = {area(1, 2, 3), -area(0, 2, 3), area(0, 1, 3), -area(0, 1, 2)};
-  W largest(0);
-  for (const W& x : a) largest = max(largest, max(x, -x));
-  const W scale = four / where_positive(largest, largest, W(1));
-  for (int p = 0; p < 4; ++p) {
-    const W x = a[p] * scale;
-    place[p].spare = x;
-    place[p].per_spare = where_positive(max(x, -x) - W(1e-3), W(1) / x, W(0));
-  }
-}
 /// Inverse of a symmetric positive matrix, lower triangles by rows.
 template <int n, class W>
 void invert_positive(const W k[n][n], W out[n * (n + 1) / 2]) {

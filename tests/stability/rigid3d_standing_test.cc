@@ -61,21 +61,37 @@ class Rigid3dStanding : public ::testing::TestWithParam<Rigid3dDef::Precision> {
   }
 };
 
-TEST_P(Rigid3dStanding, AWallOfBricksHardlyTrembles) {
-  RigidRun run = start(wall(10));
+TEST_P(Rigid3dStanding, AWallOfFortyCoursesIsStill) {
+  RigidRun run = start(wall(40));
   const Vec3 top = run.x(run.count() - 1);
   run.seconds(5);
-  // Stresses that act on no body must not grow: they do at 6/s where friction does not answer soft normals.
-  // What is left, 2 mm/s, is of the slowest sways.
-  EXPECT_LT(fastest(run), 5e-3);
-  EXPECT_LT(norm(run.x(run.count() - 1) - top), 2e-3);
+  // 820 t: 0.16 J is 0.6 mm/s all over. Rapier's top is 43 mm aside and 113 mm lower by then.
+  EXPECT_LT(run.observed("energy.kinetic"), 0.16);
+  EXPECT_LT(norm(run.x(run.count() - 1) - top), 1e-3);
+}
+
+TEST_P(Rigid3dStanding, AWallThatIsPushedComesToRest) {
+  const auto sways = [&](std::optional<double> hertz) {
+    Rigid3dDef d = wall(10);
+    d.contact_hertz = hertz;
+    RigidRun run = start(d);
+    run.seconds(1);
+    const auto v = run.state.f64(rigid3d_columns::velocity);
+    for (size_t i = 1; i < run.count(); ++i) v[3 * i + 2] += 1e-5 * run.x(i).y;
+    run.seconds(1);
+    const double soon = run.observed("energy.kinetic");
+    run.seconds(15);
+    return run.observed("energy.kinetic") / soon;
+  };
+  EXPECT_LT(sways({}), 0.1);
+  // The control: contacts of a fifth of the substeps' rate feed the sway.
+  EXPECT_GT(sways(60), 1);
 }
 
 TEST_P(Rigid3dStanding, ThreeBlocksOnASlopeRest) {
   RigidRun run = start(blocks_on_a_slope(3, 0.6));
   run.seconds(5);
-  // Pads that learn in two seconds still settle.
-  EXPECT_LT(fastest(run), 1e-4);
+  EXPECT_LT(fastest(run), 1e-5);
   // The control: tan(30 degrees) = 0.577 is what holds them.
   RigidRun loose = start(blocks_on_a_slope(3, 0.56));
   loose.seconds(5);
@@ -89,7 +105,7 @@ TEST_P(Rigid3dStanding, ATowerOfFiftyStandsAtTheDefaults) {
   RigidRun run = start(d);
   run.seconds(20);
   const Vec3 top = run.x(50);
-  // Five substeps hold 21; a tower that falls is metres aside after 20 s.
+  // Five substeps hold 16; a tower that falls is metres aside after 20 s.
   EXPECT_LT(std::hypot(top.x, top.z), 0.01);
   EXPECT_LT(fastest(run), 0.01);
 }
@@ -102,7 +118,7 @@ TEST_P(Rigid3dStanding, TallTowersTakeMoreSubsteps) {
   };
   EXPECT_GE(substeps(tower(50)), 10);
   // The control: what five hold is left at five, and a wall that narrows is no tower.
-  EXPECT_EQ(substeps(tower(20)), 5);
+  EXPECT_EQ(substeps(tower(12)), 5);
   EXPECT_EQ(substeps(wall(20)), 5);
 }
 

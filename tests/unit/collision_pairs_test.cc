@@ -222,5 +222,27 @@ TEST(CollisionPairs, WhatIsDeepInsideIsInContact) {
   EXPECT_EQ(lost(4.0), 500);
 }
 
+// Stones of an arch: a face that is cut by another must not name a cut like a corner, or one point's impulse
+// would go to another.
+TEST(CollisionPairs, PointsOfAManifoldHaveNamesOfTheirOwn) {
+  const Vec3 corners[] = {{-0.1, -0.15, -0.2}, {-0.1, 0.15, -0.2}, {0.1, -0.15, -0.25}, {0.1, 0.15, -0.25},
+                          {0.1, -0.15, 0.25},  {0.1, 0.15, 0.25},  {-0.1, -0.15, 0.2},  {-0.1, 0.15, 0.2}};
+  const Solid stone = hull_solid(corners);
+  int four = 0;
+  for (uint64_t i = 0; i < 2000; ++i) {
+    const auto u = uniform4(5, 5, i);
+    Transform above;
+    above.rotation = rotation(Quat{std::cos(0.01 * u[3]), 0, 0, std::sin(0.01 * u[3])});
+    above.position = {0.1 * (u[0] - 0.5), 0.1 * (u[1] - 0.5), 0.44};
+    Manifold m;
+    if (!collide(stone, {}, stone, above, 0.1, m)) continue;
+    four += m.count == 4;
+    for (int p = 0; p < m.count; ++p) {
+      for (int q = 0; q < p; ++q) EXPECT_NE(m.points[p].id, m.points[q].id) << i;
+    }
+  }
+  EXPECT_GT(four, 500);
+}
+
 }  // namespace
 }  // namespace truestep

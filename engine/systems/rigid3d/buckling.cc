@@ -17,6 +17,10 @@ constexpr double kTallLoad = 10;
 /// Quotient below which substeps are added, that they are added for, and from which on fewer are tried.
 constexpr double kTooSoft = 1.1, kStiff = 1.4, kMoreThanStiff = 2.2;
 constexpr int kMostTimes = 6;
+/// Share of the smaller body's reach by which a contact of such loads may give way.
+constexpr double kMostGive = 0.015;
+/// m/s; what moves faster falls or flies.
+constexpr double kStands = 0.5;
 
 /// integral_0^s of (t (2 - t))^2.
 double squared_tilts(double s) {
@@ -30,7 +34,8 @@ int BucklingWatch::substeps(const State& s, std::span<const BodyKind> kinds, con
   const auto kind = s.span<uint32_t>(columns::kind);
   const auto asleep = s.span<uint32_t>(columns::asleep);
   const auto bodies = s.span<uint32_t>(columns::contact_bodies), ids = s.span<uint32_t>(columns::contact_ids);
-  const double *impulse = s.f64(columns::contact_impulse).data(), *x = s.f64(columns::position).data();
+  const double *impulse = s.f64(columns::contact_impulse).data(), *x = s.f64(columns::position).data(),
+               *v = s.f64(columns::velocity).data();
   const Vec3 gravity = load3(s.f64(columns::gravity).data(), 0);
   const double g = norm(gravity), substep = s.f64(columns::substep)[0];
   const size_t contacts = s.rows(columns::contact_bodies);
@@ -40,11 +45,20 @@ int BucklingWatch::substeps(const State& s, std::span<const BodyKind> kinds, con
   const auto load = [&](size_t k) {
     return (impulse[4 * k] + impulse[4 * k + 1] + impulse[4 * k + 2] + impulse[4 * k + 3]) / substep;
   };
+  const auto pad = s.f64(columns::contact_pad);
   bool tall = false;
-  for (size_t k = 0; k < contacts && !tall; ++k) {
-    const uint32_t a = bodies[2 * k], b = bodies[2 * k + 1];
-    const double mass = std::max(moves(a) ? kinds[kind[a]].mass : 0, moves(b) ? kinds[kind[b]].mass : 0);
-    tall = load(k) > kTallLoad * mass * g;
+  double gives_way = 0;  // of what it may
+  for (size_t k = 0; k < contacts; ++k) {
+    double lightest = std::numeric_limits<double>::max(), smallest = lightest;
+    bool stands = true;
+    for (const uint32_t i : {bodies[2 * k], bodies[2 * k + 1]}) {
+      if (!moves(i)) continue;
+      stands &= norm2(load3(v, i)) < kStands * kStands;
+      lightest = std::min(lightest, kinds[kind[i]].mass), smallest = std::min(smallest, kinds[kind[i]].reach);
+    }
+    if (!(load(k) > kTallLoad * lightest * g)) continue;
+    tall = true;
+    if (stands) gives_way = std::max(gives_way, pad[k] / (kMostGive * smallest));
   }
   if (!tall) return settings.substeps;
 
@@ -67,6 +81,7 @@ int BucklingWatch::substeps(const State& s, std::span<const BodyKind> kinds, con
   for (uint32_t i = 0; i < kind.size(); ++i) {
     if (!moves(i)) continue;
     Island& all = island_[island_of(parent_, i)];
+    all.counts &= norm2(load3(v, i)) < kStands * kStands;
     all.load += kinds[kind[i]].mass * g * (all.high - all.low) * squared_tilts(place(all, height(i)));
   }
   const double rate = contact_rate(settings, h / now), w2 = rate * rate;
@@ -93,8 +108,9 @@ int BucklingWatch::substeps(const State& s, std::span<const BodyKind> kinds, con
     const Island& all = island_[i];
     if (all.counts && all.load > 0) least = std::min(least, all.stiffness / all.load);
   }
-  if (least >= kTooSoft && (now == settings.substeps || least < kMoreThanStiff)) return now;
-  const double wanted = now * std::sqrt(kStiff / std::max(least, 1e-6));
+  const bool enough = least >= kTooSoft && (now == settings.substeps || least < kMoreThanStiff);
+  const double standing = enough ? now : now * std::sqrt(kStiff / std::max(least, 1e-6)),
+               bearing = now * std::sqrt(gives_way), wanted = std::max(standing, bearing);
   return std::clamp(static_cast<int>(std::ceil(std::min(wanted, 1e6))), settings.substeps,
                     kMostTimes * settings.substeps);
 }

@@ -6,9 +6,11 @@ namespace truestep {
 
 namespace {
 
-/// Contacts are springs of this share of the substeps' rate; from 0.225 on slow modes grow
+/// Pads rest while depths are below this share of them.
+constexpr double kPadSlack = 0.5;
+/// Contacts are springs of this share of the substeps' rate; from 0.14 on slow modes of walls grow
 /// (docs/standing.md).
-constexpr double kContactHertzShare = 0.2;
+constexpr double kContactHertzShare = 0.13;
 
 double hertz_at(const SolverSettings& settings, double rate) {
   return settings.contact_hertz.value_or(kContactHertzShare * rate);
@@ -26,7 +28,7 @@ SoftConstraint<double> contact_softness(const SolverSettings& settings, double h
 
 ContactPadding contact_padding(const SolverSettings& settings, double h) {
   const double rate = settings.substeps / h;
-  return contact_padding(hertz_at(settings, rate), rate, h, 0);
+  return contact_padding(hertz_at(settings, rate), rate, h, kPadSlack);
 }
 
 }  // namespace truestep

@@ -12,7 +12,7 @@ struct SolverSettings {
   double restitution_speed = 0;  ///< m/s
   double push_out_speed = 3;
   std::optional<double> contact_hertz;  ///< absent: a fixed share of the substeps' rate
-  double contact_damping = 30;
+  double contact_damping = 10;
 };
 
 /// rad/s of contacts as springs, for substeps of h (s).

@@ -12,6 +12,8 @@ namespace {
 constexpr size_t kPairsPerBlock = 128;
 /// Bodies feel one another this share of their size apart, at most kMostMargin.
 constexpr double kMarginShare = 0.005, kMostMargin = 0.02;
+/// Least cosine between the normals of a contact that goes on though none of its points has kept its name.
+constexpr double kSameNormal = 0.98;
 
 using Part = BodyNow::Part;
 
@@ -143,32 +145,80 @@ void ContactList::find(State& s, std::span<const BodyKind> kinds, std::span<cons
 
 void ContactList::match(const State& s) {
   const auto bodies = s.span<uint32_t>(columns::contact_bodies);
-  const auto ids = s.span<uint32_t>(columns::contact_ids);
-  const double* impulse = s.f64(columns::contact_impulse).data();
-  const double *friction = s.f64(columns::contact_friction).data(), *pad = s.f64(columns::contact_pad).data();
-  const double* roll = s.f64(columns::contact_roll).data();
   const size_t rows = s.rows(columns::contact_bodies);
   const auto key = [&](size_t r) { return uint64_t{bodies[2 * r]} << 32 | bodies[2 * r + 1]; };
-  size_t first = 0;
-  for (Contact* c : contacts_) {
-    const uint64_t pair = uint64_t{c->a} << 32 | c->b;
-    while (first < rows && key(first) < pair) ++first;
-    size_t whole = rows;  // the row whose friction goes on
+  claimed_.assign(rows, 0);
+  size_t row = 0;
+  for (size_t k = 0; k < contacts_.size();) {
+    const uint64_t pair = uint64_t{contacts_[k]->a} << 32 | contacts_[k]->b;
+    while (row < rows && key(row) < pair) ++row;
+    size_t rows_end = row, end = k;
+    while (rows_end < rows && key(rows_end) == pair) ++rows_end;
+    const auto same = [&](const Contact& c) { return (uint64_t{c.a} << 32 | c.b) == pair; };
+    while (end < contacts_.size() && same(*contacts_[end])) ++end;
+    match_pair(s, {contacts_.data() + k, end - k}, row, rows_end);
+    k = end, row = rows_end;
+  }
+}
+
+/// The contacts of two bodies, with rows [first, end) of the step before.
+void ContactList::match_pair(const State& s, std::span<Contact* const> contacts, size_t first, size_t end) {
+  const auto ids = s.span<uint32_t>(columns::contact_ids);
+  const double *impulse = s.f64(columns::contact_impulse).data(),
+               *normal = s.f64(columns::contact_normal).data();
+  const double *friction = s.f64(columns::contact_friction).data(), *pad = s.f64(columns::contact_pad).data();
+  const auto go_on = [&](Contact& c, size_t r) {
+    c.slide = {friction[4 * r], friction[4 * r + 1], friction[4 * r + 2]};
+    c.twist = friction[4 * r + 3], c.pad = pad[r];
+    c.roll = load3(s.f64(columns::contact_roll).data(), r), claimed_[r] = 1;
+  };
+  bool strangers = false;
+  for (Contact* c : contacts) {
+    size_t whole = end;  // the row that goes on
+    int found = 0;
+    double left = 0;
+    bool known[Manifold::kMost] = {};
     for (int p = 0; p < c->manifold.count; ++p) {
-      for (size_t r = first; r < rows && key(r) == pair; ++r) {
+      for (size_t r = first; r < end; ++r) {
         const uint32_t* old = &ids[5 * r];
         uint32_t k = 0;
         while (k < old[0] && old[1 + k] != c->manifold.points[p].id) ++k;
         if (k == old[0]) continue;
-        c->impulse[p] = impulse[4 * r + k];
-        if (whole == rows) whole = r;
+        c->impulse[p] = impulse[4 * r + k], known[p] = true, ++found;
+        left -= c->impulse[p];
+        if (whole == end) whole = r;
         break;
       }
     }
-    if (whole == rows) continue;
-    c->slide = {friction[4 * whole], friction[4 * whole + 1], friction[4 * whole + 2]};
-    c->twist = friction[4 * whole + 3], c->pad = pad[whole];
-    c->roll = load3(roll, whole);
+    if (whole == end) {
+      strangers = true;
+      continue;
+    }
+    go_on(*c, whole);
+    // Points that came bear what those bore that went.
+    for (uint32_t k = 0; k < ids[5 * whole]; ++k) left += impulse[4 * whole + k];
+    const int came = c->manifold.count - found;
+    for (int p = 0; p < c->manifold.count && came > 0 && left > 0; ++p) {
+      if (!known[p]) c->impulse[p] = left / came;
+    }
+  }
+  if (!strangers) return;
+  // Points change their names where a face becomes an edge; their load does not know of it.
+  for (Contact* c : contacts) {
+    const bool stranger =
+        std::all_of(c->impulse, c->impulse + Manifold::kMost, [](double l) { return l == 0; });
+    if (!stranger) continue;
+    size_t next = end;
+    double closest = kSameNormal;
+    for (size_t r = first; r < end; ++r) {
+      const double along = dot(load3(normal, r), c->manifold.normal);
+      if (!claimed_[r] && along > closest) closest = along, next = r;
+    }
+    if (next == end) continue;
+    go_on(*c, next);
+    const double* old = impulse + 4 * next;
+    const double share = (old[0] + old[1] + old[2] + old[3]) / c->manifold.count;
+    std::fill_n(c->impulse, c->manifold.count, share);
   }
 }
 

@@ -54,6 +54,7 @@ class ContactList {
   void narrow_phase(const State& s, std::span<const BodyKind> kinds, const StepInput& in);
   bool wake(State& s, std::span<const BodyKind> kinds);
   void match(const State& s);
+  void match_pair(const State& s, std::span<Contact* const> contacts, size_t first, size_t end);
 
   struct Row {
     uint32_t bodies[2], ids[5];
@@ -69,6 +70,7 @@ class ContactList {
   std::vector<std::vector<Manifold>> manifolds_;
   std::vector<Contact*> contacts_;
   std::vector<Row> rows_;
+  std::vector<uint8_t> claimed_;  // rows of the step before that a contact goes on from
 };
 
 }  // namespace truestep

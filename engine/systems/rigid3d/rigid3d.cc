@@ -7,6 +7,7 @@
 #include "engine/kernels/free_rotation.h"
 #include "engine/kernels/impact_limits.h"
 #include "engine/kernels/islands.h"
+#include "engine/kernels/sleeping.h"
 #include "engine/math/trig.h"
 #include "engine/systems/rigid3d/forces.h"
 
@@ -21,15 +22,17 @@ namespace {
 constexpr size_t kSpare = 10'000;
 /// Steps between looks whether columns need other substeps.
 constexpr uint64_t kStepsPerLook = 4;
-/// What falls asleep is slower than this share of sleep_speed, so that it loses no more than its mass times
-/// that.
-constexpr double kLostShare = 0.05;
 /// Share of the speed at which bodies rest that a motor may still want.
 constexpr double kMotorAtRest = 0.01;
 /// Change of angular velocity (rad/s) that belongs to one of angular momentum, both in the world.
 Vec3 spin_of(const Quat& q, const Vec3& momentum, const Vec3& moments) {
   const Rotation R = rotation(q);
   return R.apply(free_rotation::divide(R.apply_inverse(momentum), moments));
+}
+/// Angle (rad, small) between two orientations.
+double turned(const Quat& from, const Quat& to) {
+  const Quat d = to * Quat{from.w, -from.x, -from.y, -from.z};
+  return 2 * norm(Vec3{d.x, d.y, d.z});
 }
 /// Radius of the ball within a fast body that passes nothing, as a share of the body's inner radius.
 constexpr double kCore = 0.25;
@@ -320,14 +323,18 @@ void Rigid3d::rest(State& s, const StepInput& in) const {
       if (i != kNoBody) scratch.calm[i] = 0;
     }
   }
+  const SleepRule rule{sleep_speed_, sleep_time_};
+  const double *x = s.f64(columns::position).data(), *q = s.f64(columns::orientation).data();
+  double *x0 = s.f64(columns::calm_position).data(), *q0 = s.f64(columns::calm_orientation).data();
   for (size_t i = 0; i < n; ++i) {
     if (now[i].part != Part::active) continue;
     const double reach = bodies_.kinds[kind[i]].reach;
     if (bodies_.kinds[kind[i]].forced()) scratch.calm[i] = 0;
-    const double speed2 = norm2(load3(v, i)) + norm2(load3(w, i)) * (reach * reach);
-    const double most = scratch.adrift[i] ? 0 : kLostShare * sleep_speed_;
-    const bool slow = speed2 <= most * most;
-    calm[i] = slow && scratch.calm[i] > 0 ? calm[i] + in.h : 0;
+    if (calm[i] == 0) store3(x0, i, load3(x, i)), store_quat(q0, i, load_quat(q, i));
+    const double speed = std::sqrt(norm2(load3(v, i)) + norm2(load3(w, i)) * (reach * reach));
+    const double moved = norm(load3(x, i) - load3(x0, i)) + reach * turned(load_quat(q0, i), load_quat(q, i));
+    const bool may_rest = scratch.calm[i] > 0 && (!scratch.adrift[i] || speed == 0);
+    calm[i] = may_rest ? rest_after(calm[i], in.h, speed, moved, rule) : 0;
     scratch.calm[i] = calm[i];
   }
   spread_minimum<double>(scratch.parent, scratch.calm);

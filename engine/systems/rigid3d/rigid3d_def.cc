@@ -321,7 +321,7 @@ const DefTable& rigid3d_table() {
           .number("spinning_resistance", &D::spinning_resistance, "m", at_least(0),
                   "of bodies that do not say otherwise")
           .number("contact_hertz", &D::contact_hertz, "Hz", above(0),
-                  "of contacts as springs; a fifth of the substeps' rate unless given")
+                  "of contacts as springs; 0.13 of the substeps' rate unless given")
           .number("contact_damping", &D::contact_damping, "1", above(0), "damping ratio of soft contacts")
           .number("push_out_speed", &D::push_out_speed, "m/s", above(0), "fastest way out of one another")
           .boolean("sleeping", &D::sleeping, "groups of bodies that rest are not computed")

@@ -112,9 +112,9 @@ struct Rigid3dDef {
   std::optional<double> restitution_speed;
   double rolling_resistance = 0, spinning_resistance = 0;
   std::optional<double> contact_hertz;
-  double contact_damping = 30, push_out_speed = 3;
+  double contact_damping = 10, push_out_speed = 3;
   bool sleeping = true;
-  double sleep_speed = 0.02, sleep_time = 0.5;
+  double sleep_speed = 0.05, sleep_time = 0.5;
 };
 
 const DefTable& rigid3d_table();

@@ -17,7 +17,9 @@ enum : State::Column {
   angular_velocity,  ///< f64 x 3, in the world
   kind,              ///< u32, which BodyKind
   id,                ///< u64, ascending, never used twice
-  calm_time,         ///< f64, s for which the body has been slow
+  calm_time,         ///< f64, s for which the body has rested
+  calm_position,     ///< f64 x 3, where that began
+  calm_orientation,  ///< f64 x 4
   asleep,            ///< u32
   per_body_end,
   contact_bodies = per_body_end,  ///< u32 x 2

@@ -16,11 +16,9 @@ namespace {
 /// Impacts may run to and fro between bodies that often in a substep; what is left does not bounce.
 constexpr int kImpactRounds = 64;
 constexpr size_t kBodiesPerBlock = 256;
-/// Sweeps for the loads that a scene starts with, and groups of contacts that these may take in all.
-constexpr size_t kLoadSweeps = 2000, kLoadGroups = 200'000;
 /// Share of push_out_speed up to which pushes may leave their speed to the relaxation, which takes back most
 /// of it: walls and towers lean where positions are corrected apart from velocities.
-constexpr double kGentlePush = 1.0 / 32;
+constexpr double kGentlePush = 0.25;
 /// rad/s; slower bodies change their axis of rotation by less than a float shows.
 constexpr double kSlowSpin = 1e-2;
 
@@ -31,11 +29,6 @@ Vec3 apply_transposed(const double s[9], const Vec3& a) {
 }
 Vec3 roots(const Vec3& a) {
   return {std::sqrt(a.x), std::sqrt(a.y), std::sqrt(a.z)};
-}
-
-bool presses_with_all(const Contact& c) {
-  return c.manifold.count > 2 &&
-         std::all_of(c.impulse, c.impulse + c.manifold.count, [](double l) { return l > 0; });
 }
 
 /// What turning freely for a time h adds to a spin (rad/s) about principal axes.
@@ -132,67 +125,6 @@ void ContactSolver<T>::each_body(Body&& body) {
   team_.for_blocks(body_.size(), kBodiesPerBlock, [&](size_t begin, size_t end) {
     for (size_t i = begin; i < end; ++i) body(i);
   });
-}
-
-template <class T>
-void ContactSolver<T>::find_resting() {
-  /// Share of what forces would give a body that may be left when it is held, and how much of that it may
-  /// move already.
-  constexpr double kHeld = 0.05, kStill = 2;
-  const auto size2 = [](const Record8<T>& r) {
-    double sum = 0;
-    for (int e = 0; e < 6; ++e) sum += double(r.x[e]) * double(r.x[e]);
-    return sum;
-  };
-  start_islands(island_);
-  for (size_t g = 0; g < contact_lanes_.count; ++g) {
-    for (int lane = 0; lane < W::kLanes; ++lane) {
-      const uint32_t a = groups_[g].a[lane], b = groups_[g].b[lane];
-      if (a < island_.size() && b < island_.size()) link_islands(island_, a, b);
-    }
-  }
-  for (size_t i = 0; i < body_.size(); ++i) {
-    const double pull = size2(change_[i]);
-    parts_[i] = size2(start_[i]) <= kHeld * kHeld * pull && size2(velocity_[i]) <= kStill * kStill * pull;
-  }
-  spread_minimum<uint8_t>(island_, {parts_.data(), island_.size()});
-}
-
-template <class T>
-void ContactSolver<T>::find_loads(std::span<Contact* const> contacts, const SolverSettings& settings,
-                                  double step) {
-  const auto end = static_cast<uint32_t>(body_.size());
-  const double h = step / settings.substeps;
-  ContactPass<T> pass{};
-  pass.inverse_h = T(1 / h);
-  // As if all were at rest: velocities are what gravity adds in a substep and contacts take back.
-  start_.assign(change_.begin(), change_.end());
-  const size_t sweeps = std::min(kLoadSweeps, kLoadGroups / std::max<size_t>(contact_lanes_.count, 1));
-  for (size_t k = 0; k < sweeps; ++k) {
-    each_colour(contact_lanes_, groups_, team_, k % 2 == 0 ? ColourOrder::forth : ColourOrder::back,
-                [&](ContactGroup<T>& g) {
-                  solve_contacts<ContactSolve::relax>(g, start_.data(), displacement_.data(), end, pass);
-                });
-  }
-  find_resting();
-  const double gives_way = pad_at_rest(contact_padding(settings, step));
-  for (size_t k = 0; k < contact_lanes_.count; ++k) {
-    ContactGroup<T>& g = groups_[k];
-    for (int lane = 0; lane < W::kLanes; ++lane) {
-      const uint32_t m = contact_lanes_.member[k * W::kLanes + lane];
-      if (m == kNoBody) continue;
-      const uint32_t body = std::min(g.a[lane], g.b[lane]);
-      if (body < end && !parts_[body]) continue;
-      double load = 0;
-      for (int p = 0; p < g.points; ++p) load += g.place[p].impulse[lane];
-      const double a = g.root_a[lane], b = g.root_b[lane];
-      contacts[m]->pad = gives_way * load * (a * a + b * b);
-      for (int p = 0; p < g.points; ++p) {
-        const T separation = g.place[p].separation[lane] - T(contacts[m]->pad);
-        g.place[p].separation.set(lane, separation), g.place[p].apart.set(lane, separation);
-      }
-    }
-  }
 }
 
 template <class T>
@@ -413,13 +345,13 @@ void ContactSolver<T>::solve(State& s, std::span<const BodyKind> kinds, const Jo
   if (body_.empty()) return;
   const auto gathering = team_.gather(in.arena);
   load_bodies(s, kinds, now, change, settings, in.h);
-  ends_.clear(), partial_.clear();
+  ends_.clear(), many_.clear();
   for (const uint32_t k : listed_) {
     ends_.push_back({slot_[contacts[k]->a], slot_[contacts[k]->b]});
-    partial_.push_back(!presses_with_all(*contacts[k]));
+    many_.push_back(contacts[k]->manifold.count > 2);
   }
-  // A group is solved at once as long as the patches of all of its lanes hold.
-  make_lanes(listed_, ends_, partial_, body_.size(), W::kLanes, colouring_, contact_lanes_);
+  // A group takes as long as the lane with most points.
+  make_lanes(listed_, ends_, many_, body_.size(), W::kLanes, colouring_, contact_lanes_);
   if (groups_.size() < contact_lanes_.count) groups_.resize(contact_lanes_.count + contact_lanes_.count / 4);
   team_.for_blocks(contact_lanes_.count, kGroupsPerBlock, [&](size_t begin, size_t end) {
     for (size_t g = begin; g < end; ++g) fill(g, contacts, s, kinds, now);
@@ -431,7 +363,9 @@ void ContactSolver<T>::solve(State& s, std::span<const BodyKind> kinds, const Jo
   balls_.fill(s, joints.joints, bodies, h, team_);
   joints_.fill(s, joints, bodies, h, team_);
   flags_ = 0;
-  if (s.rows(columns::contact_bodies) == 0 && in.step == 0) find_loads(contacts, settings, in.h);
+  if (s.rows(columns::contact_bodies) == 0 && in.step == 0) {
+    find_loads(s, kinds, contacts, now, settings, in.h);
+  }
   substeps(s, joints, settings, in);
   store_impulses(contacts, contact_padding(settings, in.h));
   store_bodies(s);

@@ -52,7 +52,11 @@ class ContactSolver {
   /// found: only their springs may start under load, because what topples would be thrown up by them.
   void find_resting();
   /// Lets the first step start from the impulses and pads that gravity's loads ask for.
-  void find_loads(std::span<Contact* const> contacts, const SolverSettings& settings, double h);
+  void find_loads(const State& s, std::span<const BodyKind> kinds, std::span<Contact* const> contacts,
+                  std::span<const BodyNow> now, const SolverSettings& settings, double h);
+  /// The contacts that bear something, from the highest body down, and the loads that gravity puts on them.
+  void list_bearings(std::span<Contact* const> contacts, std::span<const BodyNow> now, const Vec3& up);
+  void hand_down_loads(std::span<Contact* const> contacts, std::span<const BodyNow> now);
   /// Lets contacts bounce that close within a substep.
   void hit(const ImpactPass<T>& pass, int substeps_left);
   /// Marks the lanes of islands in which a contact is deep, and remembers their impulses.
@@ -61,6 +65,13 @@ class ContactSolver {
   void store_bodies(State& s);
   template <class Body>
   void each_body(Body&& body);
+  /// Body `upper` rests on `lower` (kNoBody: on what does not move) with this contact.
+  struct Bearing {
+    uint32_t upper, lower, group;
+    int lane;
+    uint32_t contact;
+    double lean, height;  ///< cosine between normal and vertical; m, of the upper body
+  };
   template <class U>
   using Aligned = std::vector<U, CacheLineAllocator<U>>;
   std::vector<uint32_t> slot_, body_;
@@ -78,7 +89,8 @@ class ContactSolver {
   LaneColouring colouring_;
   std::vector<ConstraintEnds> ends_;
   std::vector<uint32_t> listed_;
-  std::vector<uint8_t> partial_;  // contacts that may not press with all of their points
+  std::vector<uint8_t> many_;  // contacts of more than two points
+  std::vector<Bearing> bearings_;
   uint32_t flags_ = 0;
   std::vector<uint8_t> held_, sprung_;  // per place: something else acts on it; springs alone do
   bool damped_ = false, springs_ = false, jointed_ = false;

@@ -36,23 +36,6 @@ double passes(const BodyKind& kind, uint32_t part, Transform at, const Vec3& spi
   return dot(own, spin) * dot(n, cross(own, x - at.position));
 }
 
-/// Patches are solved at once while every point carries this share of an even load, and friction less than
-/// that share of what it can. Near either bound a patch would go to and fro between its two ways of solving
-/// within a step, and never come to rest.
-constexpr double kLeastShare = 0.1, kMostGrip = 0.8;
-
-/// m/s; what meets faster is solved point by point in its first step, as an impact is.
-constexpr double kMeets = 0.3;
-
-/// `closing` in m/s, of bodies that meet.
-bool holds_at_once(const Contact& c, double friction, double closing) {
-  if (c.manifold.count < 3) return false;
-  double sum = 0, least = c.impulse[0];
-  for (int p = 0; p < c.manifold.count; ++p) sum += c.impulse[p], least = std::min(least, c.impulse[p]);
-  if (!(sum > 0)) return closing < kMeets;
-  return least * c.manifold.count >= kLeastShare * sum && norm(c.slide) <= kMostGrip * friction * sum;
-}
-
 }  // namespace
 
 template <class T>
@@ -100,10 +83,6 @@ void ContactSolver<T>::fill(size_t group, std::span<Contact* const> contacts, co
     }
     const double friction = std::sqrt(ka.friction * kb.friction);
     in.friction.set(lane, T(friction));
-    const Vec3& first = c.manifold.points[0].position;
-    const Vec3 ua = load3(v, c.a) + cross(load3(w, c.a), first - xa);
-    const Vec3 ub = load3(v, c.b) + cross(load3(w, c.b), first - xb);
-    in.holds.set(lane, T(holds_at_once(c, friction, dot(c.manifold.normal, ua - ub)) ? 1 : 0));
     in.restitution.set(lane, T(std::max(ka.restitution, kb.restitution)));
     in.spinning.set(lane, T(std::max(ka.spinning, kb.spinning)));
     const double rolling = std::max(ka.rolling, kb.rolling);

@@ -56,9 +56,11 @@ class Watch {
       const double work = kinetic_ + (*first_potential_ - lowest_) + unseen + r.drives;
       const std::string of_work = " J beside " + number(work) + " J at work";
       const double allowed = unseen + r.drives;
-      if (r.gain && most_ > allowed + *r.gain * work + 1e-12)
+      // Poses are rounded: what rests has no work to measure that against.
+      const double rounding = 1e-12 + 1e-9 * std::abs(*first_potential_);
+      if (r.gain && most_ > allowed + *r.gain * work + rounding)
         out.push_back({"energy", "gains " + number(most_ - allowed) + of_work});
-      if (r.loss && -least_ > *r.loss * work + 1e-12)
+      if (r.loss && -least_ > *r.loss * work + rounding)
         out.push_back({"loss", "loses " + number(-least_) + of_work});
     }
     for (const auto& [name, change] : changes_) {
