@@ -43,6 +43,9 @@ TEST(Campaign, RopesNetsAndEmitters) {
 TEST(Campaign, RodChains) {
   judge_families({"rod_chain"});
 }
+TEST(Campaign, LinksAndEquations) {
+  judge_families({"articulation", "linkage", "pendulum", "bounces"});
+}
 
 // A judge that finds nothing in a scene that is wrong would be worth nothing.
 TEST(Campaign, JudgesFindWhatIsWrong) {

@@ -21,6 +21,7 @@ enum : State::Column {
   contact_pad,       // f32, m, by which the contact gives way under its load
   joint_impulse,     // f64 x 6, see solver_joint.h
   joint_broken,      // u32
+  small_steps,       // u32 x 1, that the last step was divided into; 0 before the first
   parameters,        // f64 x 3: gravity
   push_body,         // u32
   push_force,        // f64 x 3, N
