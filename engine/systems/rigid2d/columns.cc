@@ -13,7 +13,7 @@ State state_at_start(const Model& model, const Vec3& gravity) {
   s.add({"angle", "rad", S::f64, 1, Role::position}, n);
   s.add({"angular_velocity", "rad/s", S::f64, 1, Role::velocity}, n);
   s.add({"rest", "s", S::f64, 1}, n);
-  s.add({"rest.place", "m", S::f64, 3}, n);
+  s.add({"rest.place", "m", S::f64, 6}, n);
   s.add({"status", "1", S::u32, 1}, n);
   s.add({"contact.key", "1", S::u64, 1}, 0);
   s.add({"contact.id", "1", S::u32, 2}, 0);

@@ -13,7 +13,7 @@ enum : State::Column {
   angle,             // f64, rad, never wrapped
   angular_velocity,  // f64, rad/s
   rest,              // f64, s that a body has been slow
-  rest_place,        // f64 x 3, m m rad: where that began
+  rest_place,        // f64 x 6, m m rad: where that began, and where it was after half of sleep_time
   status,            // u32, bits of Status
   contact_key,       // u64, shape a << 32 | shape b, ascending
   contact_id,        // u32 x 2, features; kNoPoint for a missing second point
