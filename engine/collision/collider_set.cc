@@ -169,6 +169,24 @@ double ColliderSet::clearance(const Vec3& x, double t) const {
   return least;
 }
 
+NearSurface ColliderSet::nearest(const Vec3& x, double t) const {
+  NearSurface out;
+  for (size_t k = 0; k < colliders_.size(); ++k) {
+    const Collider& c = colliders_[k];
+    const Pose pose = moved(c.start, c.motion, t);
+    const Rotation r = rotation(pose.orientation);
+    const SurfaceDistance<double> local = solid_distance(c.shape, r.apply_inverse(x - pose.position));
+    const double side = c.shape.side == PointSide::outside ? 1 : -1, d = side * local.d;
+    if (out.collider != NearSurface::kNone && d >= out.distance) continue;
+    out.collider = k, out.distance = d, out.normal = r.apply(local.n) * side;
+    out.velocity = {};
+    if (c.motion.at_rest()) continue;
+    const SweptCollider swept = sweep_collider(c, c.surface, t, 1e-4, 0);
+    out.velocity = swept.velocity + cross(swept.spin, x - pose.position);
+  }
+  return out;
+}
+
 std::vector<DrawnShape> ColliderSet::drawn(double t) const {
   static constexpr DrawnShape::Kind kKinds[] = {DrawnShape::Kind::plane, DrawnShape::Kind::box,
                                                 DrawnShape::Kind::sphere, DrawnShape::Kind::capsule};

@@ -29,6 +29,15 @@ struct ContactSweep {
   std::span<const Surface> surfaces{};     ///< one per collider, or empty: the colliders' own
 };
 
+/// The surface that a place is nearest to, or deepest in.
+struct NearSurface {
+  static constexpr size_t kNone = SIZE_MAX;
+  size_t collider = kNone;
+  double distance = 0;  ///< m, negative where no point may be
+  Vec3 normal;          ///< towards where points stay
+  Vec3 velocity;        ///< m/s, of the surface there
+};
+
 class ColliderSet {
  public:
   /// Error "too_many_colliders" beyond kMaxColliders.
@@ -41,6 +50,8 @@ class ColliderSet {
 
   /// Distance (m) from a point to the nearest surface at time t; negative where no point may be.
   double clearance(const Vec3& x, double t) const;
+  /// The nearest of all surfaces at time t; none of an empty set.
+  NearSurface nearest(const Vec3& x, double t) const;
   /// For pictures, at time t.
   std::vector<DrawnShape> drawn(double t) const;
 

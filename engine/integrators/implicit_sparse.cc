@@ -24,6 +24,42 @@ void implicit_euler_sparse(Motion& m, const IntegratorOptions& options) {
   });
 }
 
+namespace {
+
+// dv = y + z: z is what surfaces give, y what is left,  S A S y = S (b - A z);  the surfaces' impulse is what
+// is missing from A dv = b.
+void solve_on_surfaces(Motion& m, ImplicitSystem& system, double h, std::span<double> b, std::span<double> dv,
+                       double accuracy) {
+  const RowContacts& on = *system.contacts();
+  const auto w = system.inverse_mass();
+  const size_t n = b.size();
+  const auto z = m.scratch("integrator.given", n), az = m.scratch("integrator.given_a", n),
+             rest = m.scratch("integrator.left", n);
+  m.loop(w.size(), [&](size_t i) {
+    const Vec3 v = load3(m.v.data(), i);
+    const bool moves = w[i] > 0;
+    store3(z.data(), i, moves ? on.given(i, v) - v : Vec3{});
+    if (moves && on.kind[i] == RowContacts::kSlides)
+      store3(b.data(), i, load3(b.data(), i) + load3(on.drag.data(), i));
+  });
+  system.multiply(z, az);
+  m.loop(w.size(),
+         [&](size_t i) { store3(rest.data(), i, on.left(i, load3(b.data(), i) - load3(az.data(), i))); });
+  system.constrain();
+  system.solve(rest, dv, accuracy);
+  m.loop(n, [&](size_t k) { dv[k] += z[k]; });
+  system.assemble(h, h);
+  system.multiply(dv, az);
+  m.loop(w.size(), [&](size_t i) {
+    const Vec3 missing = load3(az.data(), i) - load3(b.data(), i);
+    const Vec3 drag = on.kind[i] == RowContacts::kSlides ? load3(on.drag.data(), i) : Vec3{};
+    store3(on.impulse.data(), i,
+           on.kind[i] == RowContacts::kFree ? Vec3{} : missing - on.left(i, missing) + drag);
+  });
+}
+
+}  // namespace
+
 void linear_implicit_euler_sparse(Motion& m, const IntegratorOptions& options) {
   if (m.v.empty()) return;
   const double h = m.input.h, t = m.input.t + h;
@@ -45,7 +81,12 @@ void linear_implicit_euler_sparse(Motion& m, const IntegratorOptions& options) {
     }
   });
   system.assemble(h, h);
-  system.solve(b, dv, std::clamp(options.newton_tolerance, 1e-14, 1e-2));
+  const double accuracy = std::clamp(options.newton_tolerance, 1e-14, 1e-2);
+  if (system.contacts()) {
+    solve_on_surfaces(m, system, h, b, dv, accuracy);
+  } else {
+    system.solve(b, dv, accuracy);
+  }
   m.loop(n, [x = m.x.data(), v = m.v.data(), dv = dv.data(), h](size_t i) {
     v[i] += dv[i];
     x[i] += h * v[i];

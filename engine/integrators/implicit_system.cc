@@ -52,6 +52,7 @@ ImplicitSystem::ImplicitSystem(Motion& m)
     : m_(m),
       w_(m.field.inverse_mass(m.state)),
       width_(m.v.size() / std::max<size_t>(w_.size(), 1)),
+      contacts_(RowContacts::of(m.state)),
       matrices_(m.input.workspace.object<Matrices>("integrator.matrices")),
       partial_(m.scratch("integrator.partial", (w_.size() + kBlockRows - 1) / kBlockRows)) {
   matrices_.prepare(m.field, m.state, w_.size());
@@ -125,6 +126,40 @@ void ImplicitSystem::assemble(double g, double s, double definite) {
   });
   // Eigenvalues lie between the mass and twice the diagonal.
   condition_ = 2 * *std::max_element(partial_.begin(), partial_.end());
+}
+
+void ImplicitSystem::multiply(std::span<const double> x, std::span<double> y) const {
+  matrices_.system.multiply(x, y, m_.input.arena);
+}
+
+// S_i A_ij S_j with S = 1 - n n^T, 0 or 1, and n n^T / w on the diagonal.
+void ImplicitSystem::constrain() {
+  if (!contacts_) return;
+  BlockSparse& system = matrices_.system;
+  const RowContacts& on = *contacts_;
+  double* a = system.values().data();
+  m_.input.arena.for_blocks(system.block_rows(), kBlockRows, [&](size_t begin, size_t end) {
+    for (size_t i = begin; i < end; ++i) {
+      for (auto k = system.row_begin(i); k < system.row_begin(i + 1); ++k) {
+        const size_t j = system.column(k);
+        if (on.kind[i] == RowContacts::kFree && on.kind[j] == RowContacts::kFree) continue;
+        double* block = a + 9 * size_t{k};
+        // From the left column by column, from the right row by row.
+        for (size_t c = 0; c < 3; ++c) store3(block, c, on.left(i, load3(block, c)));
+        for (size_t r = 0; r < 3; ++r) {
+          const Vec3 row = on.left(j, {block[r], block[3 + r], block[6 + r]});
+          block[r] = row.x, block[3 + r] = row.y, block[6 + r] = row.z;
+        }
+      }
+      if (on.kind[i] == RowContacts::kFree || w_[i] == 0) continue;
+      double* diagonal = a + 9 * size_t{system.diagonal_slot(i)};
+      for (size_t c = 0; c < 3; ++c) {
+        Vec3 e{c == 0 ? 1.0 : 0, c == 1 ? 1.0 : 0, c == 2 ? 1.0 : 0};
+        e -= on.left(i, e);
+        store3(diagonal, c, load3(diagonal, c) + e / w_[i]);
+      }
+    }
+  });
 }
 
 BlockSolver::Result::Sign ImplicitSystem::solve(std::span<const double> b, std::span<double> d,

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "engine/integrators/motion.h"
+#include "engine/integrators/row_contacts.h"
 #include "engine/math/block_sparse.h"
 #include "engine/math/solvers/block_solver.h"
 
@@ -30,6 +31,12 @@ class ImplicitSystem {
   const BlockSparse& force_slope() const;
   /// A from the last derivatives; of `both`, a share `definite` of [0, 1] is the definite one.
   void assemble(double g, double s, double definite = 0);
+  /// Rows on surfaces; nothing where there are none.
+  const std::optional<RowContacts>& contacts() const { return contacts_; }
+  /// y = A x.
+  void multiply(std::span<const double> x, std::span<double> y) const;
+  /// Takes the directions that surfaces give out of A: their rows and columns become those of the masses.
+  void constrain();
   /// A d = b to the relative accuracy that is asked for. Instability when A is singular.
   BlockSolver::Result::Sign solve(std::span<const double> b, std::span<double> d, double accuracy);
 
@@ -72,6 +79,7 @@ class ImplicitSystem {
   Motion& m_;
   std::span<const double> w_;
   size_t width_;
+  std::optional<RowContacts> contacts_;
   Matrices& matrices_;
   std::span<double> partial_;  // one number per block of rows
   double condition_ = 1;

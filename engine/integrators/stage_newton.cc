@@ -118,6 +118,13 @@ StageNewton::Failure StageNewton::iterate_to(double target, int most, const Stag
 void StageNewton::choose_start(const StageEquation& eq, std::span<double> u) {
   const auto w = system_.inverse_mass();
   for (size_t k = 0; k < n_; ++k) trial_[k] = w[k / system_.width()] > 0 ? 0 : u[k];
+  if (const auto& on = system_.contacts()) {
+    for (size_t i = 0; i < w.size(); ++i) {
+      if (w[i] == 0) continue;
+      store3(u.data(), i, on->given(i, load3(u.data(), i)));
+      store3(trial_.data(), i, on->given(i, load3(trial_.data(), i)));
+    }
+  }
   move(eq, u);
   std::copy(x_.begin(), x_.end(), lagged_.begin());
   const double guess = value(eq, u);
@@ -150,7 +157,7 @@ double StageNewton::evaluate(const StageEquation& eq, std::span<const double> u)
   accelerate(eq.t, x_, u, a_);
   const auto w = system_.inverse_mass();
   const size_t width = system_.width();
-  return std::sqrt(system_.sum([&](size_t i) {
+  const double norm = std::sqrt(system_.sum([&](size_t i) {
     double s = 0;
     for (size_t k = i * width; k < (i + 1) * width; ++k) {
       const double per_mass = eq.g * a_[k] - (u[k] - eq.u0[k]);
@@ -158,6 +165,25 @@ double StageNewton::evaluate(const StageEquation& eq, std::span<const double> u)
       s += b_[k] * per_mass;
     }
     return s;
+  }));
+  return system_.contacts() ? residual_on_surfaces() : norm;
+}
+
+// What is left of -r where surfaces give the rest; the norm of that.
+double StageNewton::residual_on_surfaces() {
+  const RowContacts& on = *system_.contacts();
+  const auto w = system_.inverse_mass();
+  return std::sqrt(system_.sum([&](size_t i) {
+    if (w[i] == 0) return 0.0;
+    Vec3 b = load3(b_.data(), i);
+    if (on.kind[i] != RowContacts::kFree) {
+      const bool slides = on.kind[i] == RowContacts::kSlides;
+      const Vec3 drag = slides ? load3(on.drag.data(), i) : Vec3{};
+      const Vec3 left = on.left(i, b + drag);
+      store3(on.impulse.data(), i, left - b);
+      store3(b_.data(), i, b = left);
+    }
+    return w[i] * norm2(b);
   }));
 }
 
@@ -172,7 +198,14 @@ double StageNewton::value(const StageEquation& eq, std::span<const double> u) {
   }
   const double inertia =
       0.5 * system_.sum_free([&](size_t k, double w) { return (u[k] - eq.u0[k]) * (u[k] - eq.u0[k]) / w; });
-  const double v = eq.g / eq.s * *potential, r = eq.g * *dissipation;
+  const double v = eq.g / eq.s * *potential;
+  double r = eq.g * *dissipation;
+  if (const auto& on = system_.contacts()) {
+    r -= system_.sum([&](size_t i) {
+      const bool slides = on->kind[i] == RowContacts::kSlides;
+      return slides ? dot(load3(on->drag.data(), i), load3(u.data(), i)) : 0.0;
+    });
+  }
   magnitude_ = inertia + std::abs(v) + std::abs(r);
   return inertia + v + r;
 }
@@ -193,6 +226,7 @@ bool StageNewton::iterate(const StageEquation& eq, std::span<double> u, double a
       both = true;
     }
     system_.assemble(eq.g, eq.s, definite_);
+    system_.constrain();
     const auto sign = system_.solve(b_, d_, accuracy);
     ++report_.solves;
     const double slope = -system_.sum_free([&](size_t k, double) { return b_[k] * d_[k]; });
@@ -222,6 +256,7 @@ bool StageNewton::leap(const StageEquation& eq, std::span<double> u, double accu
     system_.differentiate(eq.t, x_, u, Derivatives::both, rate_position());
     for (double share = 0;; share = share > 0 ? std::min(1.0, 2 * share) : 0.25) {
       system_.assemble(eq.g, eq.s, share);
+      system_.constrain();
       const auto sign = system_.solve(b_, d_, accuracy);
       ++report_.solves;
       if (sign == BlockSolver::Result::Sign::positive || share >= 1) break;
@@ -256,6 +291,9 @@ void StageNewton::slope_along(const StageEquation& eq, std::span<const double> u
   for (size_t k = 0; k < n_; ++k) {
     const double wk = w[k / system_.width()];
     q[k] = wk > 0 ? (z[k] - eq.g * (a_near_[k] - a_[k]) / step) / wk : 0;
+  }
+  if (const auto& on = system_.contacts()) {
+    for (size_t i = 0; i < w.size(); ++i) store3(q.data(), i, on->left(i, load3(q.data(), i)));
   }
 }
 

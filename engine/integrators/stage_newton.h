@@ -66,6 +66,7 @@ class StageNewton {
 
   void choose_start(const StageEquation& eq, std::span<double> u);
   double evaluate(const StageEquation& eq, std::span<const double> u);
+  double residual_on_surfaces();
   double value(const StageEquation& eq, std::span<const double> u);
   bool iterate(const StageEquation& eq, std::span<double> u, double accuracy, Search kind);
   bool leap(const StageEquation& eq, std::span<double> u, double accuracy);

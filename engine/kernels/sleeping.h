@@ -13,6 +13,9 @@ struct SleepRule {
 
   /// m by which a resting body's points may go from where its rest began.
   double drift() const { return 0.125 * speed * time; }
+  /// m by which the middle of its way in sleep_time may lie beside the middle between its ends: a force that
+  /// is left over, as on a pendulum that turns back, bends the way by a (time / 2)^2 / 2.
+  double bend() const { return 0.1 * drift(); }
 };
 
 /// s that a body has rested after a step of h. `before`: at the step's start (0: its rest begins, at this

@@ -28,20 +28,23 @@ void judge_families(std::initializer_list<std::string_view> wanted) {
   EXPECT_GT(judged, 0u);
 }
 
-TEST(Campaign, DropsAndPiles) {
-  judge_families({"drop"});
+TEST(Campaign, DropsPilesAndSlowMotion) {
+  judge_families({"drop", "pile_2d", "slow"});
 }
 TEST(Campaign, Wheels) {
   judge_families({"wheel", "spin"});
 }
 TEST(Campaign, JointsAndSprings) {
-  judge_families({"joints", "springs_3d", "hinge"});
+  judge_families({"joints", "springs", "hinge"});
 }
 TEST(Campaign, RopesNetsAndEmitters) {
   judge_families({"rope", "net", "emitter"});
 }
 TEST(Campaign, RodChains) {
   judge_families({"rod_chain"});
+}
+TEST(Campaign, LinksAndEquations) {
+  judge_families({"articulation", "linkage", "pendulum", "bounces"});
 }
 
 // A judge that finds nothing in a scene that is wrong would be worth nothing.

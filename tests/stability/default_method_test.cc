@@ -67,6 +67,25 @@ TEST(DefaultMethod, HoldsShortPendulumsAndStiffPairsOfParticles) {
   EXPECT_LE(pair.steps(500).observed("energy.total"), 50 * (1 + 1e-3));
 }
 
+// Three links that start at rest 3 rad from hanging flip at up to some 40 rad/s: 0.7 rad in a step of 1/60 s,
+// of which nothing is to be seen at the start.
+TEST(DefaultMethod, HoldsLinksThatFlipLater) {
+  const auto gain = [](const std::string& method) {
+    SceneRun run(R"({"type": "pendulum", "id": "p", "links": 4, "angles": [3, 2.8, -2.9, 3], )"
+                 R"("masses": [3, 1, 0.5, 0.3])" +
+                     method + "}",
+                 1.0 / 60);
+    const double start = run.observed("energy.total");
+    double most = 0;
+    for (int k = 0; k < 600; ++k)
+      most = std::max(most, std::abs(run.steps(1).observed("energy.total") - start));
+    return most;
+  };
+  // About 4.8 kg that can fall by some 3 m: 140 J at work.
+  EXPECT_LT(gain(""), 0.01);
+  EXPECT_GT(gain(R"(, "integrator": "rk4")"), 1) << "control: a fixed step loses hold of them";
+}
+
 TEST(DefaultMethod, NeverReplacesOneThatIsNamed) {
   SceneRun run(oscillator(1e10, R"(, "integrator": "rk4")"), 0.01);
   EXPECT_EQ(run.method(), "rk4");
@@ -115,6 +134,26 @@ TEST(DefaultMethod, StiffBeamOfTwoHundredLinksSwingsLikeABeam) {
   EXPECT_LT(std::abs(tip(run) / deflection), 0.05) << "back where it began after one period";
   // Control: half a period off would be seen.
   EXPECT_GT(std::abs(tip(run.steps(30)) / deflection), 1.5);
+}
+
+// A step that Newton's method cannot solve as a whole is divided: a sail of three links on springs that
+// swings far, 1e4 times faster than its step.
+TEST(DefaultMethod, FewStiffLinksDivideStepsThatCannotBeSolved) {
+  const std::string links =
+      R"({"type": "articulation", "id": "a", "links": [
+        {"joint": "ball", "shapes": [{"type": "box", "half_extents": [0.2, 0.05, 0.08], "position": [0.2, 0, 0]}]},
+        {"joint": "hinge", "axis": [0, 0, 1], "offset": [0.4, 0, 0], "stiffness": 3e7,
+         "shapes": [{"type": "box", "half_extents": [0.2, 0.05, 0.08], "position": [0.2, 0, 0]}]},
+        {"joint": "universal", "axis": [0, 0, 1], "second_axis": [0, 1, 0], "offset": [0.4, 0, 0],
+         "stiffness": 1e7,
+         "shapes": [{"type": "box", "half_extents": [0.2, 0.05, 0.08], "position": [0.2, 0, 0]}]}])";
+  SceneRun run(links + "}", 1.0 / 60);
+  EXPECT_EQ(run.method(), "radau5") << run.reason();
+  const double start = run.observed("energy.total");
+  double most = start;
+  for (int k = 0; k < 300; ++k) most = std::max(most, run.steps(1).observed("energy.total"));
+  // 20 kg that fall by half a metre and more: 100 J at work.
+  EXPECT_LT(most - start, 0.1);
 }
 
 TEST(DefaultMethod, StiffBeamHoldsForLong) {

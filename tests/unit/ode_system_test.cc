@@ -153,6 +153,8 @@ TEST(OdeEvents, TimesPeriodsAndStops) {
       {"name": "edge", "at": 1.0},
       {"name": "end", "when": "x + 0.5", "then": "stop"}])s");
   run.steps(10);
+  EXPECT_EQ(run.value("stopped"), 0);
+  EXPECT_FALSE(run.world().observe(run.state).find("s.stopped.time")) << "a time that has not come is absent";
   EXPECT_EQ(run.value("events.tick"), 4);  // 0.25, 0.5, 0.75 and 1.0, the end of the tenth step
   EXPECT_EQ(run.value("n"), 4);
   EXPECT_EQ(run.value("events.edge"), 1);

@@ -5,6 +5,7 @@
 #include "engine/core/force_system.h"
 #include "engine/integrators/default_method.h"
 #include "engine/systems/mass_spring/mass_spring_field.h"
+#include "engine/systems/mass_spring/surface_contacts.h"
 
 namespace truestep {
 
@@ -13,6 +14,7 @@ class MassSpring final : public ForceSystem {
   /// Error "scene_invalid" when the def's integrator is unknown or does not fit.
   static std::unique_ptr<const MassSpring> make(const MassSpringDef& def, const BuildContext& context);
 
+  State initial_state() const override;
   /// Besides the energies: momentum.x/y/z (kg m/s), strain.max, strain.rms (1, structural springs), pins,
   /// reaction.x/y/z (N, sum over the pins).
   void observe(const State& state, double t, Observables& out) const override;
@@ -37,6 +39,8 @@ class MassSpring final : public ForceSystem {
   MassSpring(std::unique_ptr<const MassSpringField> field, const ChosenMethod& method,
              const MassSpringDef& def);
   void add_contact_stage();
+  /// Whether contacts are part of the method's own solution.
+  bool solves_contacts() const;
   void publish_segments();
   double default_drag(const State& state, size_t row) const;
   void set_parameter(State& state, const Command& command) const;
@@ -45,8 +49,9 @@ class MassSpring final : public ForceSystem {
   const MassSpringField& springs_;
   Topology topology_;
   ColliderSet colliders_;
-  std::vector<Surface> surfaces_;                  // one per collider
-  double radius_;                                  // m, distance kept from colliders
+  std::vector<Surface> surfaces_;  // one per collider
+  double radius_;                  // m, distance kept from colliders
+  SurfaceContacts on_surfaces_{colliders_, surfaces_, radius_};
   std::vector<std::array<uint32_t, 2>> segments_;  // published where there are no triangles
 };
 

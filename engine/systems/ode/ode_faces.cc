@@ -60,7 +60,8 @@ void Ode::observe(const State& s, double t, Observables& out) const {
   if (!model_.events.empty()) {
     const bool stopped = s.f64(C::kStopped)[0] != 0;
     out.add("stopped", stopped ? 1 : 0, "1");
-    out.add("stopped.time", stopped ? s.f64(C::kStopped)[1] : NAN, "s");
+    // A time that has not come is no number.
+    if (stopped) out.add("stopped.time", s.f64(C::kStopped)[1], "s");
   }
   if (def_.tracers) {
     // One pass in the order of the points.

@@ -13,7 +13,7 @@ State state_at_start(const Model& model, const Vec3& gravity) {
   s.add({"angle", "rad", S::f64, 1, Role::position}, n);
   s.add({"angular_velocity", "rad/s", S::f64, 1, Role::velocity}, n);
   s.add({"rest", "s", S::f64, 1}, n);
-  s.add({"rest.place", "m", S::f64, 3}, n);
+  s.add({"rest.place", "m", S::f64, 6}, n);
   s.add({"status", "1", S::u32, 1}, n);
   s.add({"contact.key", "1", S::u64, 1}, 0);
   s.add({"contact.id", "1", S::u32, 2}, 0);
@@ -21,6 +21,7 @@ State state_at_start(const Model& model, const Vec3& gravity) {
   s.add({"contact.pad", "m", S::f32, 1}, 0);
   s.add({"joint.impulse", "N s", S::f64, 6}, model.joints.size());
   s.add({"joint.broken", "1", S::u32, 1}, model.joints.size());
+  s.add({"small_steps", "1", S::u32, 1}, 1);
   s.add({"parameters", "m/s^2", S::f64, 3}, 1);
   s.add({"push.body", "1", S::u32, 1}, 0);
   s.add({"push.force", "N", S::f64, 3}, 0);

@@ -13,7 +13,7 @@ enum : State::Column {
   angle,             // f64, rad, never wrapped
   angular_velocity,  // f64, rad/s
   rest,              // f64, s that a body has been slow
-  rest_place,        // f64 x 3, m m rad: where that began
+  rest_place,        // f64 x 6, m m rad: where that began, and where it was after half of sleep_time
   status,            // u32, bits of Status
   contact_key,       // u64, shape a << 32 | shape b, ascending
   contact_id,        // u32 x 2, features; kNoPoint for a missing second point
@@ -21,6 +21,7 @@ enum : State::Column {
   contact_pad,       // f32, m, by which the contact gives way under its load
   joint_impulse,     // f64 x 6, see solver_joint.h
   joint_broken,      // u32
+  small_steps,       // u32 x 1, that the last step was divided into; 0 before the first
   parameters,        // f64 x 3: gravity
   push_body,         // u32
   push_force,        // f64 x 3, N

@@ -115,11 +115,20 @@ double count_rest(const Model& model, State& s, const SleepRule& rule, double h)
   for (size_t i = 0; i < model.count(); ++i) {
     const Light& b = model.light[i];
     if (!is_moved(b, status[i])) continue;
-    if (rest[i] == 0) place[3 * i] = x[3 * i], place[3 * i + 1] = x[3 * i + 1], place[3 * i + 2] = angle[i];
+    const double now[3] = {x[3 * i], x[3 * i + 1], angle[i]};
+    double *first = place + 6 * i, *middle = first + 3;
+    if (rest[i] == 0) std::copy(now, now + 3, first);
+    const auto size = [&](auto&& part) {
+      return std::max(flat::norm({part(0), part(1)}), std::abs(part(2)) * b.reach);
+    };
     const double speed = std::max(flat::norm({v[3 * i], v[3 * i + 1]}), std::abs(w[i]) * b.reach);
-    const double moved = std::max(flat::norm({x[3 * i] - place[3 * i], x[3 * i + 1] - place[3 * i + 1]}),
-                                  std::abs(angle[i] - place[3 * i + 2]) * b.reach);
-    rest[i] = b.can_sleep ? rest_after(rest[i], h, speed, moved, rule) : 0;
+    const double moved = size([&](int k) { return now[k] - first[k]; });
+    const double before = rest[i];
+    rest[i] = b.can_sleep ? rest_after(before, h, speed, moved, rule) : 0;
+    if (before <= 0.5 * rule.time) std::copy(now, now + 3, middle);
+    if (before < rule.time && rest[i] >= rule.time &&
+        size([&](int k) { return middle[k] - 0.5 * (first[k] + now[k]); }) > rule.bend())
+      rest[i] = 0;
     longest = std::max(longest, rest[i]);
   }
   return longest;

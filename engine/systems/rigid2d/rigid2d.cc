@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "engine/kernels/impact_limits.h"
 #include "engine/systems/rigid2d/finish.h"
+#include "engine/systems/rigid2d/small_steps.h"
 
 namespace truestep::rigid2d {
 
@@ -16,6 +18,7 @@ struct Rigid2d::Scratch {
   Hands hands;
   std::vector<Travel> travels;
   Sleepers sleepers;
+  SmallSteps small_steps;
   bool idle = false;
 };
 
@@ -27,6 +30,8 @@ constexpr double kDragDamping = 0.7;
 // of (w h)^2 = 2: stiffer contacts than that feed every slow mode of a pile, softer ones let towers buckle
 // (docs/standing.md).
 constexpr double kContactHertz = 0.21;
+/// Steps between looks whether loads need fewer small steps.
+constexpr uint64_t kStepsPerLook = 16;
 
 }  // namespace
 
@@ -50,6 +55,10 @@ void Rigid2d::add_stages() {
   add_stage("contacts", std::to_string(model_.shapes.size()) + " shapes may touch",
             [this, scratch](State& s, const StepInput& in) {
               if (!scratch(in).idle) find_contacts(model_, s, in.h, scratch(in).pairs, in.arena);
+            });
+  add_stage("small steps", "more for tall columns and for what is heavy on what is light",
+            [this, scratch](State& s, const StepInput& in) {
+              if (!scratch(in).idle) choose_small_steps(s, in);
             });
   add_stage("solve",
             std::to_string(settings_.solver_steps) + " small steps of " +
@@ -80,9 +89,37 @@ double Rigid2d::restitution_speed(double gravity, double dt) const {
   return settings_.restitution_speed.value_or(slowest_bounce(gravity, dt));
 }
 
-SolverSettings Rigid2d::settings_for(double dt) const {
+int Rigid2d::small_steps(const State& s) const {
+  const uint32_t now = s.span<uint32_t>(columns::small_steps)[0];
+  return now > 0 ? static_cast<int>(now) : static_cast<int>(settings_.solver_steps);
+}
+
+void Rigid2d::choose_small_steps(State& s, const StepInput& in) const {
+  const int least = static_cast<int>(settings_.solver_steps), now = small_steps(s);
+  const double h = in.h / now;
+  // Contacts of a frequency of their own get no stiffer.
+  const double rate = settings_.contact_hertz ? 0 : 2 * std::numbers::pi * kContactHertz / h;
+  Scratch& w = in.workspace.object<Scratch>(kScratch);
+  const int wanted = w.small_steps.wanted(model_, s, w.pairs, {least, now, h, rate});
+  const int fewest = in.step % kStepsPerLook == 1 ? now - 1 : now;
+  const int next = std::max(wanted, fewest);
+  s.span<uint32_t>(columns::small_steps)[0] = static_cast<uint32_t>(next);
+  if (next == now) return;
+  // Impulses are those of one small step.
+  const double share = static_cast<double>(now) / next;
+  for (float& p : s.span<float>(columns::contact_impulse)) p *= static_cast<float>(share);
+  for (const auto c : {columns::joint_impulse, columns::drag_impulse}) {
+    for (double& p : s.f64(c)) p *= share;
+  }
+  // Pads are what the contacts' springs give way.
+  if (!settings_.contact_hertz) {
+    for (float& pad : s.span<float>(columns::contact_pad)) pad *= static_cast<float>(share * share);
+  }
+}
+
+SolverSettings Rigid2d::settings_for(double dt, int steps) const {
   SolverSettings s;
-  s.steps = static_cast<int>(settings_.solver_steps);
+  s.steps = steps;
   s.h = dt / s.steps;
   const double rate = 1 / s.h;
   const double contact = settings_.contact_hertz.value_or(kContactHertz * rate);
@@ -157,7 +194,7 @@ void Rigid2d::solve(State& s, const StepInput& in) const {
     solver = &w.f64;
   }
   const auto g = s.f64(columns::parameters);
-  SolverSettings settings = settings_for(in.h);
+  SolverSettings settings = settings_for(in.h, small_steps(s));
   settings.restitution_speed = restitution_speed(flat::norm(Vec2{g[0], g[1]}), in.h);
   solver->solve(model_, s, w.pairs, w.hands, settings, in.arena);
   solver->store_contacts(w.pairs, settings.padding, s);

@@ -46,7 +46,10 @@ class Rigid2d final : public StagedSystem {
   template <class T>
   void solve(State& s, const StepInput& in) const;
   void end_step(State& s, const StepInput& in) const;
-  SolverSettings settings_for(double dt) const;
+  SolverSettings settings_for(double dt, int steps) const;
+  /// Small steps that impulses of this state were made in.
+  int small_steps(const State& s) const;
+  void choose_small_steps(State& s, const StepInput& in) const;
   /// m/s, as given or by gravity (m/s^2).
   double restitution_speed(double gravity, double dt) const;
   void wake(State& s, uint32_t body) const;

@@ -3,14 +3,11 @@
 #include <cmath>
 
 #include "engine/collision/flat/distance.h"
+#include "engine/systems/rigid2d/joint_energy.h"
 #include "engine/systems/rigid2d/rigid2d.h"
 
 namespace truestep::rigid2d {
 namespace {
-
-Pose pose_or_world(const Model& model, const State& s, uint32_t body) {
-  return body < model.count() ? pose_of(s, body) : Pose{};
-}
 
 double deepest(const Model& model, const State& s) {
   double depth = 0;
@@ -24,26 +21,6 @@ double deepest(const Model& model, const State& s) {
   return depth;
 }
 
-/// Largest distance of two points that a joint should keep together.
-double widest_gap(const Model& model, const State& s) {
-  double gap = 0;
-  const auto broken = s.span<uint32_t>(columns::joint_broken);
-  for (size_t i = 0; i < model.joints.size(); ++i) {
-    const Joint& j = model.joints[i];
-    if (broken[i]) continue;
-    const Pose a = pose_or_world(model, s, j.a), b = pose_or_world(model, s, j.b);
-    const Vec2 d = b * j.local_b - a * j.local_a;
-    if (j.kind == JointKind::revolute || j.kind == JointKind::weld) gap = std::max(gap, flat::norm(d));
-    if (j.kind == JointKind::prismatic || j.kind == JointKind::wheel) {
-      gap = std::max(gap, std::abs(flat::cross(a.q * j.axis, d)));
-    }
-    if (j.kind == JointKind::distance && !j.has_spring && !j.has_lower && !j.has_upper) {
-      gap = std::max(gap, std::abs(flat::norm(d) - j.length));
-    }
-  }
-  return gap;
-}
-
 }  // namespace
 
 std::optional<Energy> Rigid2d::energy(const State& s, double, Workspace&, const ThreadArena&) const {
@@ -52,7 +29,7 @@ std::optional<Energy> Rigid2d::energy(const State& s, double, Workspace&, const 
   const auto status = s.span<uint32_t>(columns::status);
   const double down = std::sqrt(g[0] * g[0] + g[1] * g[1]), pushed = settings_.push_speed;
   Energy e;
-  bool driven = !model_.joints.empty() || s.rows(columns::push_body) + s.rows(columns::drag_body) > 0;
+  bool driven = joints_drive(model_, s) || s.rows(columns::push_body) + s.rows(columns::drag_body) > 0;
   for (size_t i = 0; i < model_.count(); ++i) {
     const Body& b = model_.bodies[i];
     const Vec2 at{x[3 * i], x[3 * i + 1]}, u{v[3 * i], v[3 * i + 1]};
@@ -66,6 +43,7 @@ std::optional<Energy> Rigid2d::energy(const State& s, double, Workspace&, const 
     e.potential -= b.mass * b.gravity_scale * (g[0] * at.x + g[1] * at.y);
     e.slack += b.mass * (0.5 * pushed * pushed + std::abs(b.gravity_scale) * down * b.reach);
   }
+  e.potential += spring_energy(model_, s);
   e.exchange = driven ? Energy::Exchange::open : Energy::Exchange::closed;
   return e;
 }
@@ -74,7 +52,7 @@ void Rigid2d::observe(const State& s, double, Observables& out) const {
   const double *x = s.f64(columns::position).data(), *v = s.f64(columns::velocity).data();
   const auto w = s.f64(columns::angular_velocity), g = s.f64(columns::parameters);
   const auto status = s.span<uint32_t>(columns::status);
-  double kinetic = 0, potential = 0, power = 0, px = 0, py = 0, spin = 0;
+  double kinetic = 0, potential = spring_energy(model_, s), power = 0, px = 0, py = 0, spin = 0;
   size_t awake = 0;
   for (size_t i = 0; i < model_.count(); ++i) {
     const Body& b = model_.bodies[i];
@@ -168,7 +146,7 @@ FieldView Rigid2d::field(const State& s, size_t which, std::vector<double>& scra
       scratch.assign(n, 0);
       const auto keys = s.span<uint64_t>(columns::contact_key);
       const auto impulse = s.span<float>(columns::contact_impulse);
-      const double h = settings_for(dt_).h;
+      const double h = settings_for(dt_, small_steps(s)).h;
       for (size_t k = 0; k < keys.size(); ++k) {
         const double f = (impulse[5 * k] + impulse[5 * k + 1]) / h;
         scratch[model_.shapes[keys[k] >> 32].body] += f;

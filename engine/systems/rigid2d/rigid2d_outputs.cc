@@ -15,7 +15,7 @@ const Outputs& rigid2d_outputs() {
                  {"contact_force", "N", 1, "sum of the normal forces of all its contacts"},
                  {"orientation", "1", 4, "unit quaternion w x y z about z"}},
       .observables = {{"energy.kinetic", "J", "of motion"},
-                      {"energy.potential", "J", "of all forces that have one"},
+                      {"energy.potential", "J", "of all forces that have one, springs of joints among them"},
                       {"energy.total", "J", "their sum"},
                       {"momentum.x", "kg m/s", "of dynamic bodies"},
                       {"momentum.y", "kg m/s", ""},

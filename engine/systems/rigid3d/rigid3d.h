@@ -20,7 +20,7 @@ class Rigid3d final : public StagedSystem {
 
   State initial_state() const override;
   void observe(const State& s, double t, Observables& out) const override;
-  /// Closed without joints, hands and bodies that are moved: what joints store is not counted.
+  /// Closed without motors, hands and bodies that are moved.
   std::optional<Energy> energy(const State& s, double t, Workspace& workspace,
                                const ThreadArena& arena) const override;
   std::optional<double> speed_limit() const override { return speed_limit_; }
@@ -66,6 +66,13 @@ class Rigid3d final : public StagedSystem {
   size_t checked_body(const State& s, const Command& c) const;
   void set_motor(State& s, const Command& c) const;
   void observe_joints(const State& s, Observables& out) const;
+  /// J in the springs of unbroken joints, sum of k s^2 / 2.
+  double spring_energy(const State& s) const;
+  /// Largest distance (m) of two points that an unbroken joint keeps together.
+  double widest_gap(const State& s) const;
+  /// True where a joint can do work of its own: motors, and gaps of more than a hundredth of a body that it
+  /// closes.
+  bool joints_drive(const State& s) const;
   enum class JointLoad : uint8_t { force, torque };
   /// Per body what its joints do to it, into 3 numbers each.
   void joint_loads(const State& s, JointLoad what, std::span<double> out) const;

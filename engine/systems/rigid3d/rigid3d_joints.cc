@@ -15,21 +15,18 @@ void Rigid3d::observe_joints(const State& s, Observables& out) const {
   const auto held = s.span<uint32_t>(columns::joint_bodies);
   const auto pose = [&](uint32_t i) { return i == kNoBody ? Pose{} : Pose{load3(x, i), load_quat(q, i)}; };
   const auto is_broken = s.span<uint32_t>(columns::joint_broken);
-  double gap = 0, tilt = 0, force = 0, torque = 0;
+  double tilt = 0, force = 0, torque = 0;
   for (size_t k = 0; k < joints_.joints.size(); ++k) {
     if (is_broken[k]) continue;
     const Joint& j = joints_.joints[k];
     const JointPlace at = joint_place(j, pose(held[2 * k]), pose(held[2 * k + 1]));
-    double off = 0, turned = 0;
-    for (size_t e = 0; e < 3; ++e) {
-      off += j.locked[e] * at.coordinate[e] * at.coordinate[e];
-      turned += j.locked[3 + e] * at.coordinate[3 + e] * at.coordinate[3 + e];
-    }
-    gap = std::max(gap, std::sqrt(off)), tilt = std::max(tilt, std::sqrt(turned));
+    double turned = 0;
+    for (size_t e = 3; e < 6; ++e) turned += j.locked[e] * at.coordinate[e] * at.coordinate[e];
+    tilt = std::max(tilt, std::sqrt(turned));
     force = std::max(force, norm(load3(load, 2 * k))),
     torque = std::max(torque, norm(load3(load, 2 * k + 1)));
   }
-  out.add("joints.gap", gap, "m");
+  out.add("joints.gap", widest_gap(s), "m");
   out.add("joints.broken", static_cast<double>(std::count(is_broken.begin(), is_broken.end(), 1u)), "1");
   if (joints_.joints.empty()) return;
   out.add("joints.tilt", tilt, "rad");
@@ -64,6 +61,49 @@ void Rigid3d::observe_joints(const State& s, Observables& out) const {
       out.add(name + (only ? plain : kRows[e]), coordinate[e], slide ? "m" : "rad");
     }
   }
+}
+
+double Rigid3d::spring_energy(const State& s) const {
+  const double *x = s.f64(columns::position).data(), *q = s.f64(columns::orientation).data();
+  const auto held = s.span<uint32_t>(columns::joint_bodies), broken = s.span<uint32_t>(columns::joint_broken);
+  const auto pose = [&](uint32_t i) { return i == kNoBody ? Pose{} : Pose{load3(x, i), load_quat(q, i)}; };
+  double sum = 0;
+  for (size_t d = 0; d < joints_.drives.size(); ++d) {
+    const Drive& drive = joints_.drives[d];
+    if (!(drive.laws & Drive::kSpring) || broken[drive.joint]) continue;
+    const JointPlace at = joint_place(joints_.joints[drive.joint], pose(held[2 * drive.joint]),
+                                      pose(held[2 * drive.joint + 1]));
+    const double now = at.coordinate[drive.row];
+    const double off =
+        (drive.row < 3 ? now : unwrapped(now, s.f64(columns::drive_coordinate)[d])) - drive.rest;
+    sum += 0.5 * drive.stiffness * off * off;
+  }
+  return sum;
+}
+
+double Rigid3d::widest_gap(const State& s) const {
+  const double *x = s.f64(columns::position).data(), *q = s.f64(columns::orientation).data();
+  const auto held = s.span<uint32_t>(columns::joint_bodies), broken = s.span<uint32_t>(columns::joint_broken);
+  const auto pose = [&](uint32_t i) { return i == kNoBody ? Pose{} : Pose{load3(x, i), load_quat(q, i)}; };
+  double gap = 0;
+  for (size_t k = 0; k < joints_.joints.size(); ++k) {
+    const Joint& j = joints_.joints[k];
+    if (broken[k] || j.form == Joint::Form::gear) continue;
+    const JointPlace at = joint_place(j, pose(held[2 * k]), pose(held[2 * k + 1]));
+    double off = 0;
+    for (size_t e = 0; e < 3; ++e) off += j.locked[e] * at.coordinate[e] * at.coordinate[e];
+    gap = std::max(gap, std::sqrt(off));
+  }
+  return gap;
+}
+
+bool Rigid3d::joints_drive(const State& s) const {
+  const auto works = [](const Drive& d) { return (d.laws & Drive::kMotor) != 0; };
+  double size = 0;
+  for (const BodyKind& b : bodies_.kinds) {
+    if (b.moved_by_forces()) size = std::max(size, b.reach);
+  }
+  return std::any_of(joints_.drives.begin(), joints_.drives.end(), works) || widest_gap(s) > 0.01 * size;
 }
 
 void Rigid3d::joint_loads(const State& s, JointLoad what, std::span<double> out) const {

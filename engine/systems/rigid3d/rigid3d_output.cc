@@ -36,7 +36,7 @@ void Rigid3d::observe(const State& s, double, Observables& out) const {
   const double *x = s.f64(columns::position).data(), *q = s.f64(columns::orientation).data();
   const double *v = s.f64(columns::velocity).data(), *w = s.f64(columns::angular_velocity).data();
   const Vec3 g = load3(s.f64(columns::gravity).data(), 0);
-  double linear = 0, turning = 0, potential = 0, power = 0, awake = 0, fastest = 0;
+  double linear = 0, turning = 0, potential = spring_energy(s), power = 0, awake = 0, fastest = 0;
   Vec3 momentum, spin;
   for (size_t i = 0; i < kind.size(); ++i) {
     const BodyKind& b = bodies_.kinds[kind[i]];
@@ -89,7 +89,7 @@ std::optional<Energy> Rigid3d::energy(const State& s, double, Workspace&, const 
   const Vec3 g = load3(s.f64(columns::gravity).data(), 0);
   const double pushed = settings_.push_out_speed;
   Energy e;
-  bool driven = !joints_.joints.empty() || s.rows(columns::push_id) + s.rows(columns::drag_id) > 0;
+  bool driven = joints_drive(s) || s.rows(columns::push_id) + s.rows(columns::drag_id) > 0;
   for (size_t i = 0; i < kind.size(); ++i) {
     const BodyKind& b = bodies_.kinds[kind[i]];
     const Vec3 u = load3(v, i), spin = load3(w, i);
@@ -103,6 +103,7 @@ std::optional<Energy> Rigid3d::energy(const State& s, double, Workspace&, const 
     e.potential -= b.mass * b.gravity_scale * dot(g, load3(x, i));
     e.slack += b.mass * (0.5 * pushed * pushed + std::abs(b.gravity_scale) * norm(g) * b.reach);
   }
+  e.potential += spring_energy(s);
   e.exchange = driven ? Energy::Exchange::open : Energy::Exchange::closed;
   return e;
 }

@@ -19,7 +19,7 @@ const Outputs& rigid3d_outputs() {
                  {"joint_torque", "N m", 3, "sum of its joints' torques"}},
       .observables = {{"energy.kinetic", "J", "of motion"},
                       {"energy.rotation", "J", "part of energy.kinetic that is rotation"},
-                      {"energy.potential", "J", "of all forces that have one"},
+                      {"energy.potential", "J", "of all forces that have one, springs of joints among them"},
                       {"energy.total", "J", "their sum"},
                       {"momentum.x", "kg m/s", "of all that moves freely"},
                       {"momentum.y", "kg m/s", ""},

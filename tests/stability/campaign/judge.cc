@@ -96,13 +96,14 @@ std::vector<double> values(const Session& s, size_t system, const char* name) {
   return {};
 }
 
-/// How far bodies that sleep move within 0.4 s once they are woken: what rests stays where it is. The time is
-/// shorter than the default that must pass before they may sleep again.
+/// How far bodies that sleep part within 0.4 s from what they do once they are woken: what rests stays where
+/// it is, and what something else hits in the meantime goes with it, asleep or not. The time is shorter than
+/// the default that must pass before they may sleep again.
 double moved_when_woken(const Session& now, const std::shared_ptr<const ThreadArena>& arena) {
   const auto world = std::shared_ptr<const World>(&now.world(), [](const World*) {});
-  Session woken(world, arena, {.history_bytes = 0});
-  woken.restore(now.state());
-  const std::vector<double> asleep = values(now, 0, "asleep"), before = values(now, 0, "position");
+  Session woken(world, arena, {.history_bytes = 0}), left(world, arena, {.history_bytes = 0});
+  woken.restore(now.state()), left.restore(now.state());
+  const std::vector<double> asleep = values(now, 0, "asleep");
   for (size_t i = 0; i < asleep.size(); ++i) {
     if (asleep[i] == 0) continue;
     Command c;
@@ -112,11 +113,18 @@ double moved_when_woken(const Session& now, const std::shared_ptr<const ThreadAr
     } catch (const Error&) {  // a body that forces do not move
     }
   }
-  woken.step(static_cast<uint64_t>(std::max(1.0, std::floor(0.4 / now.world().dt()))));
-  const std::vector<double> after = values(woken, 0, "position");
   double most = 0;
-  for (size_t i = 0; i < asleep.size(); ++i) {
-    if (asleep[i] != 0) most = std::max(most, norm(load3(after.data(), i) - load3(before.data(), i)));
+  const auto steps = static_cast<int>(std::max(1.0, std::floor(0.4 / now.world().dt())));
+  std::vector<uint8_t> sleeps(asleep.size());
+  for (size_t i = 0; i < asleep.size(); ++i) sleeps[i] = asleep[i] != 0;
+  for (int k = 0; k < steps; ++k) {
+    woken.step(1), left.step(1);
+    const std::vector<double> still = values(left, 0, "asleep");
+    const std::vector<double> x = values(woken, 0, "position"), y = values(left, 0, "position");
+    for (size_t i = 0; i < asleep.size(); ++i) {
+      sleeps[i] = sleeps[i] && still[i] != 0;
+      if (sleeps[i]) most = std::max(most, norm(load3(x.data(), i) - load3(y.data(), i)));
+    }
   }
   return most;
 }

@@ -1,0 +1,210 @@
+#include "engine/systems/mass_spring/surface_contacts.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "engine/base/errors.h"
+#include "engine/systems/mass_spring/mass_spring_field.h"
+
+namespace truestep {
+
+using Columns = MassSpringColumns;
+
+namespace {
+
+/// Solutions of a step at most, of which the last ones only let go: what still enters waits for the next
+/// step, because a place that is forced on stiff springs is energy from nothing.
+constexpr int kRounds = 16, kTakingRounds = 10;
+/// How often a point is let go in a step before it stays free.
+constexpr double kMostReleases = 2;
+/// Halvings of a step that has no solution.
+constexpr int kHalvings = 5;
+/// m and share of a point's radius that it may be off its surface (which bends under it) until the next step.
+constexpr double kOff = 1e-6, kOffRadius = 0.02;
+/// Share of a friction by which another one may differ, and of its weight by which a point may be pulled,
+/// until the next step.
+constexpr double kSame = 0.25, kPulled = 0.05;
+
+}  // namespace
+
+void SurfaceContacts::step(const ForceField& field, const Integrator& method,
+                           const IntegratorOptions& options, State& s, const StepInput& in) const {
+  const auto x = s.f64(Columns::position), v = s.f64(Columns::velocity);
+  const auto x_begin = in.workspace.doubles("surfaces.x_begin", x.size());
+  const auto v_begin = in.workspace.doubles("surfaces.v_begin", v.size());
+  std::copy(x.begin(), x.end(), x_begin.begin()), std::copy(v.begin(), v.end(), v_begin.begin());
+  for (int halvings = 0;; ++halvings) {
+    const int parts = 1 << halvings;
+    try {
+      for (int k = 0; k < parts; ++k) {
+        StepInput part{in.t + in.h * k / parts, in.h / parts, in.step, in.workspace, in.arena, in.profile};
+        whole(field, method, options, s, part);
+      }
+      return;
+    } catch (const Instability&) {
+      if (halvings == kHalvings) throw;
+      std::copy(x_begin.begin(), x_begin.end(), x.begin()),
+          std::copy(v_begin.begin(), v_begin.end(), v.begin());
+    }
+  }
+}
+
+void SurfaceContacts::whole(const ForceField& field, const Integrator& method,
+                            const IntegratorOptions& options, State& s, const StepInput& in) const {
+  const auto x = s.f64(Columns::position), v = s.f64(Columns::velocity);
+  const RowContacts on = RowContacts::all(s);
+  const size_t n = on.kind.size();
+  const auto x0 = in.workspace.doubles("surfaces.x", x.size()),
+             v0 = in.workspace.doubles("surfaces.v", v.size());
+  const auto before = in.workspace.doubles("surfaces.before", n);
+  std::copy(x.begin(), x.end(), x0.begin()), std::copy(v.begin(), v.end(), v0.begin());
+  for (size_t i = 0; i < n; ++i) before[i] = on.kind[i];
+  const Start start{x0, v0};
+  const auto released = in.workspace.doubles("surfaces.released", n);
+  std::fill(released.begin(), released.end(), 0.0);
+  take_up(s, on, start, in);
+  for (int round = 0;; ++round) {
+    method.step(field, s, in, options);
+    if (round + 1 == kRounds || !revise(s, on, start, in, round)) break;
+    std::copy(x0.begin(), x0.end(), x.begin()), std::copy(v0.begin(), v0.end(), v.begin());
+  }
+  finish(s, on, start, in, before);
+}
+
+void SurfaceContacts::hold(const RowContacts& on, size_t i, const Vec3& x0, const NearSurface& at,
+                           const Vec3& place, RowContacts::Kind kind, double h) const {
+  // Sticking to what moves; along the normal to where the surface is.
+  const Vec3 to = (place - x0) / h;
+  on.kind[i] = kind;
+  store3(on.normal.data(), i, at.normal);
+  store3(on.velocity.data(), i, at.velocity + at.normal * dot(at.normal, to - at.velocity));
+  if (kind == RowContacts::kSticks) store3(on.drag.data(), i, Vec3{});
+}
+
+// What the last step held stays held where it still touches.
+void SurfaceContacts::take_up(const State& s, const RowContacts& on, const Start& start,
+                              const StepInput& in) const {
+  const auto w = s.f64(Columns::inverse_mass);
+  for (size_t i = 0; i < on.kind.size(); ++i) {
+    store3(on.impulse.data(), i, Vec3{});
+    if (on.kind[i] == RowContacts::kFree) continue;
+    const Vec3 x0 = load3(start.x.data(), i);
+    const NearSurface at = colliders_.nearest(x0, in.t + in.h);
+    const double off = at.distance - radius_ - kContactSlop;
+    const bool moving = norm2(at.velocity) > 0;
+    if (w[i] == 0 || at.collider == NearSurface::kNone || (!moving && off > kOff + kOffRadius * radius_)) {
+      on.kind[i] = RowContacts::kFree;
+      continue;
+    }
+    hold(on, i, x0, at, x0 - at.normal * off, static_cast<RowContacts::Kind>(on.kind[i]), in.h);
+  }
+}
+
+// Looks at a solution; says whether another one is needed.
+bool SurfaceContacts::revise(State& s, const RowContacts& on, const Start& start, const StepInput& in,
+                             int round) const {
+  const auto x = s.f64(Columns::position), v = s.f64(Columns::velocity);
+  const auto w = s.f64(Columns::inverse_mass);
+  const auto xr = in.workspace.doubles("surfaces.x_apart", x.size()),
+             vr = in.workspace.doubles("surfaces.v_apart", v.size());
+  std::copy(x.begin(), x.end(), xr.begin()), std::copy(v.begin(), v.end(), vr.begin());
+  colliders_.resolve({.t = in.t,
+                      .h = in.h,
+                      .x_old = start.x,
+                      .v_old = start.v,
+                      .x = xr,
+                      .v = vr,
+                      .inverse_mass = w,
+                      .radius = radius_,
+                      .surfaces = surfaces_},
+                     in.workspace, in.arena);
+  const double t = in.t + in.h;
+  const auto released = in.workspace.doubles("surfaces.released", on.kind.size());
+  const bool takes = round < kTakingRounds;
+  const double slack = kOff + kOffRadius * radius_;
+  const double g = norm(load3(s.f64(Columns::gravity).data(), 0));
+  bool again = false;
+  if (round + 1 == kTakingRounds) {
+    // No end is in sight: without friction the points that are held only need letting go.
+    for (size_t i = 0; i < on.kind.size(); ++i) {
+      if (on.kind[i] != RowContacts::kFree) on.kind[i] = RowContacts::kSlides;
+      store3(on.drag.data(), i, Vec3{});
+    }
+    return true;
+  }
+  for (size_t i = 0; i < on.kind.size(); ++i) {
+    if (w[i] == 0) continue;
+    const Vec3 x0 = load3(start.x.data(), i), x1 = load3(x.data(), i);
+    if (on.kind[i] == RowContacts::kFree) {
+      const Vec3 apart = load3(xr.data(), i);
+      if (apart == x1 || !takes || released[i] >= kMostReleases) continue;
+      const NearSurface at = colliders_.nearest(apart, t);
+      if (at.collider == NearSurface::kNone) continue;
+      const Vec3 place = apart - at.normal * (at.distance - radius_ - kContactSlop);
+      // Only what ends beyond the surface needs holding.
+      const double depth = dot(at.normal, place - x1);
+      if (depth <= 0) continue;
+      // Friction comes with the next solution, which knows its load.
+      hold(on, i, x0, at, place, RowContacts::kSlides, in.h);
+      store3(on.drag.data(), i, Vec3{});
+      again = again || depth > slack;
+      continue;
+    }
+    const Vec3 n = load3(on.normal.data(), i), impulse = load3(on.impulse.data(), i);
+    const double pressed = dot(n, impulse), weight = g * in.h / w[i];
+    const NearSurface at = colliders_.nearest(x1, t);
+    if (pressed < 0) {
+      on.kind[i] = RowContacts::kFree, released[i] += 1;
+      again = again || -pressed > kPulled * weight;
+      store3(on.drag.data(), i, Vec3{});
+      continue;
+    }
+    const double off = at.distance - radius_ - kContactSlop, most = surfaces_[at.collider].friction * pressed;
+    if (!takes) continue;
+    if (std::abs(off) > slack) {
+      hold(on, i, x0, at, x1 - at.normal * off, static_cast<RowContacts::Kind>(on.kind[i]), in.h);
+      again = true;
+    }
+    const Vec3 along = impulse - n * pressed;
+    if (on.kind[i] == RowContacts::kSticks) {
+      if (norm(along) <= most * (1 + kSame)) continue;
+      on.kind[i] = RowContacts::kSlides;
+      again = again || norm(along) > (1 + kSame) * most + kPulled * weight;
+      store3(on.drag.data(), i, along * (most / norm(along)));
+      continue;
+    }
+    const Vec3 drag = load3(on.drag.data(), i), slip = load3(v.data(), i) - at.velocity;
+    const Vec3 slides = slip - n * dot(n, slip);
+    if (most > 0 && dot(drag, slides) > 0) {
+      // Friction does not drive: it sticks.
+      hold(on, i, x0, at, x1 - at.normal * off, RowContacts::kSticks, in.h);
+      again = again || dot(drag, slides) > kPulled * weight * g * in.h;
+      continue;
+    }
+    const double size = norm(drag), speed = norm(slides);
+    const Vec3 against = size > 0 ? drag / size : speed > 0 ? slides * (-1 / speed) : Vec3{};
+    store3(on.drag.data(), i, against * most);
+    again = again || std::abs(size - most) > kSame * std::max(size, most) + kPulled * weight;
+  }
+  return again;
+}
+
+void SurfaceContacts::finish(State& s, const RowContacts& on, const Start& start, const StepInput& in,
+                             std::span<const double> held_before) const {
+  const auto x = s.f64(Columns::position), v = s.f64(Columns::velocity);
+  const auto w = s.f64(Columns::inverse_mass);
+  const Vec3 g = load3(s.f64(Columns::gravity).data(), 0);
+  for (size_t i = 0; i < on.kind.size(); ++i) {
+    if (w[i] == 0) continue;
+    const Vec3 x1 = load3(x.data(), i), v1 = load3(v.data(), i), v0 = load3(start.v.data(), i);
+    if (on.kind[i] == RowContacts::kFree) continue;
+    const NearSurface at = colliders_.nearest(x1, in.t + in.h);
+    const Vec3 n = at.normal, relative = v1 - at.velocity;
+    const double approach = -dot(n, v0 - at.velocity), e = surfaces_[at.collider].restitution;
+    const bool rests = held_before[i] != RowContacts::kFree ||
+                       approach <= surfaces_[at.collider].rest_speed || e * approach <= 0.51 * norm(g) * in.h;
+    store3(v.data(), i, at.velocity + relative - n * dot(n, relative) + n * (rests ? 0 : e * approach));
+  }
+}
+
+}  // namespace truestep
