@@ -52,9 +52,10 @@ class CommandLine(unittest.TestCase):
     def test_numbers_beyond_all_bounds_end_with_exit_code_4(self):
         ball = {"type": "particles", "id": "p", "positions": [[0, 1, 0]], "velocities": [[0, 0, 0]]}
         attracted = {**ball, "attractors": [{"position": [0, 0, 0], "mu": 1e300}]}
-        huge = {"type": "rigid3d", "id": "b", "bodies": [{"type": "sphere", "radius": 1e150}]}
-        for system in (attracted, huge):
-            self.unstable(system, "--steps", "3")
+        self.unstable(attracted, "--steps", "3")
+        # What is beyond them before anything has moved is no scene.
+        huge = {"systems": [{"type": "rigid3d", "id": "b", "bodies": [{"type": "sphere", "radius": 1e150}]}]}
+        self.assertEqual(self.run_truestep("run", "-", "--steps", "3", text=json.dumps(huge)).returncode, 3)
 
     def test_run_prints_one_json_object(self):
         done = self.run_truestep("run", "-", "--steps", "100", "--json", "--progress", "none", text=json.dumps(OSCILLATOR))
