@@ -106,8 +106,9 @@ json::object operation(const net::Route& route, const ServiceDescription& servic
   }
   if (service.keys && route.access == net::Access::open) o["security"] = json::array{};
   if (json::array all = parameters(route); !all.empty()) o["parameters"] = std::move(all);
-  if (json::object body = body_of(route); !body.empty())
-    o["requestBody"] = json::object{{"content", std::move(body)}};
+  if (json::object body = body_of(route); !body.empty()) {
+    o["requestBody"] = json::object{{"required", body_is_required(route)}, {"content", std::move(body)}};
+  }
   o["responses"] = responses(route);
   return o;
 }

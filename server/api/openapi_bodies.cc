@@ -25,7 +25,8 @@ constexpr RouteParameter kParameters[] = {
     {net::Method::post, "/v1/sessions/{id}/step", "header", "Idempotency-Key", kIdempotency, kOnce},
     {net::Method::get, "/v1/sessions", "query", "limit",
      R"({"type": "integer", "minimum": 1, "maximum": 1000, "default": 100})", "sessions on a page"},
-    {net::Method::get, "/v1/sessions", "query", "page_token", R"({"$ref": "#/components/schemas/Id"})",
+    {net::Method::get, "/v1/sessions", "query", "page_token",
+     R"({"type": "string", "pattern": "^([0-9a-f]{8}(-[0-9a-f]{4}){3}-[0-9a-f]{12})?$"})",
      "next_page_token of the page before"},
     {net::Method::get, "/v1/sessions/{id}/frames", "query", "after",
      R"({"type": "integer", "minimum": 0, "maximum": 9000000000000000})",
@@ -140,6 +141,14 @@ json::object body_of(const net::Route& route) {
   json::object media = as_json(schema_reference("Nothing"));
   if (p.ends_with("/snapshots")) media["application/octet-stream"] = json::object{};
   return media;
+}
+
+bool body_is_required(const net::Route& route) {
+  for (const std::string_view end :
+       {"/sessions", "/sessions/{id}", "/validate", "/studies", "/seek", "/commands"}) {
+    if (route.pattern.ends_with(end)) return true;
+  }
+  return false;
 }
 
 json::object body_schemas() {

@@ -40,6 +40,8 @@ std::string_view path_parameter_schema(std::string_view pattern, std::string_vie
 
 /// The body that a route takes: media types with their schemas; empty when it takes none.
 boost::json::object body_of(const net::Route& route);
+/// Whether an empty body says nothing that the route could do.
+bool body_is_required(const net::Route& route);
 /// Schemas that only bodies refer to.
 boost::json::object body_schemas();
 
