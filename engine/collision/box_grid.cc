@@ -42,7 +42,10 @@ void BoxGrid::build(std::span<const Box> boxes) {
   // few cells and that there are not many more cells than boxes.
   double size = count > 0 ? std::max(sum / count, largest / 16) : 1;
   if (!(size > 0)) size = 1;
-  const Vec3 extent = count > 0 ? bounds_.high - bounds_.low : Vec3{};
+  // Boxes at both ends of what a double holds are further apart than one.
+  constexpr double kMost = std::numeric_limits<double>::max();
+  Vec3 extent = count > 0 ? bounds_.high - bounds_.low : Vec3{};
+  extent = {std::min(extent.x, kMost), std::min(extent.y, kMost), std::min(extent.z, kMost)};
   const double most = 4.0 * static_cast<double>(boxes.size()) + 64;
   for (;; size *= 1.25) {
     const double nx = std::floor(extent.x / size) + 1, ny = std::floor(extent.y / size) + 1,

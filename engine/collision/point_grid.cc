@@ -26,10 +26,12 @@ void PointGrid::build(std::span<const double> x, double reach) {
   // At most a few cells per point; every try makes them larger by a quarter.
   const double most = 4.0 * static_cast<double>(n) + 64;
   double size = reach, wx, wy, wz;
+  // Points at both ends of what a double holds are further apart than one.
+  const auto apart = [](double a, double b) { return std::min(b - a, std::numeric_limits<double>::max()); };
   for (;; size *= 1.25) {
-    wx = std::floor((high.x - low.x) / size) + 1;
-    wy = std::floor((high.y - low.y) / size) + 1;
-    wz = std::floor((high.z - low.z) / size) + 1;
+    wx = std::floor(apart(low.x, high.x) / size) + 1;
+    wy = std::floor(apart(low.y, high.y) / size) + 1;
+    wz = std::floor(apart(low.z, high.z) / size) + 1;
     if (wx * wy * wz <= most) break;
   }
   per_cell_ = 1 / size;

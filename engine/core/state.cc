@@ -156,6 +156,9 @@ State State::deserialize(std::span<const std::byte> bytes) {
   if (r.get<uint32_t>() != kMagic) throw Error("bad_snapshot", "these bytes are no serialised state");
   State state;
   const auto count = r.get<uint32_t>();
+  // More than any system has; columns are told apart one by one.
+  constexpr uint32_t kMostColumns = 1024;
+  if (count > kMostColumns) throw Error("bad_snapshot", "the snapshot has too many columns");
   for (uint32_t i = 0; i < count; ++i) {
     ColumnInfo info;
     info.name = r.text();

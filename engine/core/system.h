@@ -17,6 +17,7 @@
 #include "engine/core/observables.h"
 #include "engine/core/points.h"
 #include "engine/core/state.h"
+#include "engine/core/state_check.h"
 #include "engine/core/topology.h"
 #include "engine/core/workspace.h"
 
@@ -69,6 +70,10 @@ class System {
   virtual std::vector<FieldInfo> fields() const = 0;
   /// The field's values; nothing is computed for fields nobody asks for.
   virtual FieldView field(const State& state, size_t which, std::vector<double>& scratch) const = 0;
+
+  /// Names the columns that grow or point to rows, with what they may hold, for a state at time t (s) that
+  /// came from outside: whatever passes can be stepped, observed and drawn.
+  virtual void check(StateCheck& check, double t) const {}
 
   /// Carries out a command between two steps. Error "bad_command" (with an Issue) when it makes no sense.
   virtual void apply(State& state, const Command& command) const = 0;

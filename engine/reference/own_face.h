@@ -14,6 +14,7 @@ class OwnFace : public StagedSystem {
   FieldView field(const State& s, size_t which, std::vector<double>& scratch) const override {
     return own_.field(s, which, scratch);
   }
+  void check(StateCheck& check, double t) const override { own_.check(check, t); }
   void apply(State& s, const Command& c) const override { own_.apply(s, c); }
   Topology topology(const State& s) const override { return own_.topology(s); }
   uint32_t topology_version(const State& s) const override { return own_.topology_version(s); }

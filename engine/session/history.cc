@@ -85,6 +85,12 @@ void History::clear() {
   step_seconds_ = 0;
 }
 
+std::vector<const WorldState*> History::snapshots() const {
+  std::vector<const WorldState*> out;
+  for (const WorldState& s : snapshots_) out.push_back(&s);
+  return out;
+}
+
 std::vector<uint64_t> History::steps() const {
   std::vector<uint64_t> out;
   for (const WorldState& s : snapshots_) out.push_back(s.step);

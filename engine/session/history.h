@@ -31,6 +31,7 @@ class History {
   /// Forgets all and gives their memory back.
   void clear();
   std::vector<uint64_t> steps() const;
+  std::vector<const WorldState*> snapshots() const;
   /// Of the snapshots and of the memory kept for the next ones; at most the bound.
   size_t memory_bytes() const { return bytes_; }
 

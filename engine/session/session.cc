@@ -310,29 +310,8 @@ void Session::reset() {
   notify("reset", "");
 }
 
-namespace {
-
-bool same_shape(const std::vector<State>& a, const std::vector<State>& b) {
-  bool fits = a.size() == b.size();
-  for (size_t i = 0; fits && i < b.size(); ++i) {
-    fits = a[i].columns() == b[i].columns();
-    for (State::Column c = 0; fits && c < b[i].columns(); ++c) fits = a[i].info(c) == b[i].info(c);
-  }
-  return fits;
-}
-
-bool same_shape(const WorldState& a, const WorldState& b) {
-  bool fits = same_shape(a.systems, b.systems) && same_shape(a.couplings, b.couplings) &&
-              a.finer.size() == b.finer.size();
-  for (size_t i = 0; fits && i < b.finer.size(); ++i) fits = same_shape(a.finer[i], b.finer[i]);
-  return fits;
-}
-
-}  // namespace
-
 void Session::restore(WorldState state) {
-  if (!same_shape(state, world_->initial_state()))
-    throw Error("bad_snapshot", "the snapshot belongs to another scene");
+  world_->require_state(state);
   origin_ = state;
   load(std::move(state));
   notify("reset", "");

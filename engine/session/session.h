@@ -116,6 +116,8 @@ class Session {
   /// Carries out a command at this boundary, after those waiting; Error when it makes no sense.
   uint64_t command(const Command& command);
   const std::vector<JournalEntry>& journal() const { return journal_; }
+  /// Those that have been carried out where the session stands now.
+  std::span<const JournalEntry> journal_done() const { return {journal_.data(), journal_cursor_}; }
   /// What the journal begins at: a restored state, or the one that commands beyond the journal's bound have
   /// moved its beginning to; none: the world's initial state.
   const std::optional<WorldState>& origin() const { return origin_; }
@@ -134,6 +136,8 @@ class Session {
   void restore(WorldState state);
   /// Steps at which a snapshot is kept.
   std::vector<uint64_t> snapshot_steps() const { return history_.steps(); }
+  /// What is kept, each from before the commands of its step.
+  std::vector<const WorldState*> snapshots() const { return history_.snapshots(); }
 
   // --- what comes out
   void add_sink(std::shared_ptr<Sink> sink);

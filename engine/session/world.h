@@ -12,6 +12,9 @@
 
 namespace truestep {
 
+/// Steps that a number of JSON counts exactly.
+inline constexpr uint64_t kMostStep = 9'000'000'000'000'000;
+
 /// The states of all systems and couplings at the end of step `step`.
 struct WorldState {
   uint64_t step = 0;
@@ -52,6 +55,11 @@ class World {
 
   /// Error "scene_invalid" when a number of it is beyond what its type holds.
   WorldState initial_state() const;
+  /// Error "bad_snapshot" unless a state from outside can be stepped: the columns of this world's states,
+  /// rows that belong together, finite numbers.
+  void require_state(const WorldState& state) const;
+  /// Of everything in the scene that moves something: two scenes with the same one continue a state alike.
+  uint64_t fingerprint() const;
   /// Error "scene_invalid" when a state that nothing has happened to has more energy than a number holds.
   void require_finite_energy(const WorldState& state) const;
   /// One step: every substep of every system between the two halves of every coupling (core/coupling.h), with

@@ -2,134 +2,41 @@
 
 #include "engine/base/version.h"
 #include "engine/base/xml.h"
+#include "engine/scene/json.h"
 #include "engine/scene/json_write.h"
-#include "engine/scene/params.h"
-#include "engine/session/commands.h"
-#include "engine/studies/study.h"
+#include "server/api/openapi_tables.h"
 #include "server/net/problem.h"
 
 namespace truestep {
 
 namespace json = boost::json;
 
+json::object schema_reference(std::string_view name) {
+  return {{"$ref", "#/components/schemas/" + std::string(name)}};
+}
+
 namespace {
-
-struct QueryParameter {
-  std::string_view route, name, type, description;
-};
-
-// What handlers read from the query, by route.
-constexpr QueryParameter kQuery[] = {
-    {"/v1/sessions", "limit", "integer", "sessions on a page, at most 1000"},
-    {"/v1/sessions", "page_token", "string", "next_page_token of the page before"},
-    {"/v1/sessions/{id}/frames", "after", "integer", "frames after this step; without it the newest"},
-    {"/v1/sessions/{id}/frames", "limit", "integer", "frames in one answer, at most 1024"},
-    {"/v1/sessions/{id}/frames", "wait", "number", "seconds to wait for a frame, at most 60"},
-    {"/v1/sessions/{id}/frames", "fields", "string", "names, separated by commas; position if absent"},
-    {"/v1/sessions/{id}/frames", "systems", "string", "ids, separated by commas; all if absent"},
-    {"/v1/sessions/{id}/frames/{step}", "fields", "string", "names, separated by commas; position if absent"},
-    {"/v1/sessions/{id}/frames/{step}", "systems", "string", "ids, separated by commas; all if absent"},
-    {"/v1/sessions/{id}/observables", "names", "string", "names or their beginnings, separated by commas"},
-    {"/v1/sessions/{id}/observables", "max_points", "integer", "points of a series at most"},
-    {"/v1/sessions/{id}/picture.png", "camera", "string", "ex,ey,ez,tx,ty,tz in m"},
-    {"/v1/sessions/{id}/picture.png", "width", "integer", "16 to 4096 pixels"},
-    {"/v1/sessions/{id}/picture.png", "height", "integer", "16 to 4096 pixels"},
-    {"/v1/sessions/{id}/picture.png", "show", "string", "contacts, joints or both, drawn over the bodies"},
-    {"/v1/sessions/{id}/picture.png", "step", "integer", "an earlier step; the present one if absent"},
-};
-
-json::object number(const char* description, const char* type = "number") {
-  return {{"type", type}, {"description", description}};
-}
-
-json::object reference(const char* name) {
-  return {{"$ref", std::string("#/components/schemas/") + name}};
-}
-
-json::object body_schema(const net::Route& route) {
-  const std::string& p = route.pattern;
-  if (p == "/v1/sessions" || p == "/v1/sessions/{id}") {
-    return {{"oneOf",
-             json::array{json::object{{"$ref", "/v1/schemas/scene-1.json"}}, reference("GalleryChoice")}}};
-  }
-  if (p == "/v1/scenes/validate") return {{"$ref", "/v1/schemas/scene-1.json"}};
-  if (p == "/v1/studies") return reference("StudyRequest");
-  if (p.ends_with("/step")) return reference("StepRequest");
-  if (p.ends_with("/play")) return reference("PlayRequest");
-  if (p.ends_with("/seek")) return reference("SeekRequest");
-  if (p.ends_with("/commands")) return reference("Command");
-  return {};
-}
-
-// {"kind": ..., "scene" or "gallery", parameters}, one alternative per kind of study.
-json::object study_schema() {
-  json::array kinds;
-  for (const StudyKind& k : study_kinds()) {
-    json::object s = schema_of(k.table());
-    json::object& properties = s["properties"].as_object();
-    properties["kind"] = json::object{{"const", k.name}};
-    properties["scene"] = json::object{{"$ref", "/v1/schemas/scene-1.json"}};
-    properties["gallery"] = json::object{{"type", "string"}};
-    properties["resume"] = json::object{{"type", "string"}, {"description", "a sweep to go on with"}};
-    if (!s.contains("required")) s["required"] = json::array{};
-    s["required"].as_array().emplace_back("kind");
-    kinds.push_back(std::move(s));
-  }
-  return {{"oneOf", std::move(kinds)}};
-}
-
-json::object schemas() {
-  json::array commands;
-  for (const CommandType& t : command_types()) {
-    json::object s = schema_of(*t.table);
-    s["properties"].as_object()["type"] = json::object{{"const", t.name}};
-    if (!s.contains("required")) s["required"] = json::array{};
-    s["required"].as_array().emplace_back("type");
-    commands.push_back(std::move(s));
-  }
-  return {
-      {"Command", json::object{{"oneOf", std::move(commands)}}},
-      {"StudyRequest", study_schema()},
-      {"GalleryChoice",
-       json::object{{"type", "object"},
-                    {"properties", json::object{{"gallery", json::object{{"type", "string"}}}}},
-                    {"required", json::array{"gallery"}},
-                    {"additionalProperties", false}}},
-      {"StepRequest",
-       json::object{
-           {"type", "object"},
-           {"properties",
-            json::object{{"steps", number("steps to do", "integer")},
-                         {"seconds", number("simulated seconds to do")},
-                         {"until", number("time to reach, s")},
-                         {"from_step", number("refused unless the session is at this step", "integer")}}},
-           {"additionalProperties", false}}},
-      {"PlayRequest",
-       json::object{{"type", "object"},
-                    {"properties", json::object{{"speed", number("simulated seconds a second")}}}}},
-      {"SeekRequest", json::object{{"type", "object"},
-                                   {"properties", json::object{{"step", number("step to go to", "integer")},
-                                                               {"time", number("time to go to, s")}}}}},
-      {"Problem",
-       json::object{{"type", "object"},
-                    {"description", "RFC 9457"},
-                    {"properties",
-                     json::object{{"type", json::object{{"type", "string"}}},
-                                  {"title", json::object{{"type", "string"}}},
-                                  {"status", json::object{{"type", "integer"}}},
-                                  {"code", json::object{{"type", "string"}}},
-                                  {"detail", json::object{{"type", "string"}}},
-                                  {"instance", json::object{{"type", "string"}}},
-                                  {"trace_id", json::object{{"type", "string"}}},
-                                  {"errors", json::object{{"type", "array"},
-                                                          {"items", json::object{{"type", "object"}}}}}}},
-                    {"required", json::array{"type", "title", "status", "code"}}}},
-  };
-}
 
 std::string lower(std::string_view s) {
   std::string out(s);
   for (char& c : out) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c + 32) : c;
+  return out;
+}
+
+// "post /v1/sessions/{id}/step" is post_sessions_id_step.
+std::string operation_id(const net::Route& route) {
+  std::string out = lower(net::method_name(route.method));
+  std::string_view rest = route.pattern;
+  if (rest.starts_with("/v1/")) rest.remove_prefix(3);
+  for (const char c : rest) {
+    const bool plain = (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9');
+    if (plain) {
+      out += c;
+    } else if (out.back() != '_' && c != '}') {
+      out += '_';
+    }
+  }
+  if (out.back() == '_') out.pop_back();
   return out;
 }
 
@@ -138,37 +45,71 @@ bool is_interface(const net::Route& r) {
   return r.summary != "A file of the viewer";
 }
 
-json::object operation(const net::Route& route) {
-  json::array parameters;
+json::value parsed(std::string_view text) {
+  return parse_json(text);
+}
+
+json::array parameters(const net::Route& route) {
+  json::array out;
   for (size_t at = route.pattern.find('{'); at != std::string::npos; at = route.pattern.find('{', at + 1)) {
     const size_t end = route.pattern.find('}', at);
-    parameters.push_back(json::object{{"name", route.pattern.substr(at + 1, end - at - 1)},
-                                      {"in", "path"},
-                                      {"required", true},
-                                      {"schema", json::object{{"type", "string"}}}});
+    const std::string name = route.pattern.substr(at + 1, end - at - 1);
+    out.push_back(json::object{{"name", name},
+                               {"in", "path"},
+                               {"required", true},
+                               {"schema", parsed(path_parameter_schema(route.pattern, name))}});
   }
-  if (route.method == net::Method::get) {
-    for (const QueryParameter& q : kQuery) {
-      if (q.route == route.pattern) {
-        parameters.push_back(json::object{{"name", q.name},
-                                          {"in", "query"},
-                                          {"description", q.description},
-                                          {"schema", json::object{{"type", q.type}}}});
-      }
+  for (const RouteParameter& p : route_parameters()) {
+    if (p.method != route.method || p.pattern != route.pattern) continue;
+    out.push_back(json::object{
+        {"name", p.name}, {"in", p.in}, {"description", p.description}, {"schema", parsed(p.schema)}});
+  }
+  return out;
+}
+
+json::object responses(const net::Route& route) {
+  json::object out;
+  for (const RouteAnswer& a : answers_of(route)) {
+    json::value& answer = out[std::to_string(a.status)];
+    if (!answer.is_object()) answer = json::object{{"description", a.description}};
+    if (a.status == 201 || a.status == 202) {
+      answer.as_object()["headers"] =
+          json::object{{"Location", json::object{{"description", "of what was made"},
+                                                 {"schema", json::object{{"type", "string"}}}}}};
     }
+    if (a.media.empty()) continue;
+    json::value& content = answer.as_object()["content"];
+    if (!content.is_object()) content = json::object{};
+    content.as_object()[a.media] =
+        a.schema.empty() ? json::object{} : json::object{{"schema", schema_reference(a.schema)}};
   }
-  json::object o{{"summary", route.summary}};
-  if (!parameters.empty()) o["parameters"] = std::move(parameters);
-  if (json::object schema = body_schema(route); !schema.empty()) {
-    o["requestBody"] = json::object{
-        {"content", json::object{{"application/json", json::object{{"schema", std::move(schema)}}}}}};
+  if (out.empty()) out["2XX"] = json::object{{"description", "done"}};
+  const json::object problem{
+      {"application/problem+json", json::object{{"schema", schema_reference("Problem")}}}};
+  out["default"] = json::object{{"description", "a problem"}, {"content", problem}};
+  // A status that has an answer of its own can be a problem as well.
+  for (auto& [status, answer] : out) {
+    if (status[0] == '4')
+      answer.as_object()["content"].as_object()["application/problem+json"] = problem.begin()->value();
   }
-  o["responses"] = json::object{
-      {route.open_websocket ? "101" : "2XX",
-       json::object{{"description", route.open_websocket ? "the stream begins" : "done"}}},
-      {"default", json::object{{"description", "a problem"},
-                               {"content", json::object{{"application/problem+json",
-                                                         json::object{{"schema", reference("Problem")}}}}}}}};
+  return out;
+}
+
+json::object operation(const net::Route& route, const ServiceDescription& service) {
+  json::object o{{"operationId", operation_id(route)}, {"summary", route.summary}};
+  if (route.open_websocket) {
+    o["description"] =
+        "A WebSocket with the subprotocols truestep.v1.proto and truestep.v1.json. A message from "
+        "the client of more than " +
+        std::to_string(service.max_message) +
+        " bytes (option --max-message) closes it with 1009; the server's own messages have no bound.";
+  }
+  if (service.keys && route.access == net::Access::open) o["security"] = json::array{};
+  if (json::array all = parameters(route); !all.empty()) o["parameters"] = std::move(all);
+  if (json::object body = body_of(route); !body.empty()) {
+    o["requestBody"] = json::object{{"required", body_is_required(route)}, {"content", std::move(body)}};
+  }
+  o["responses"] = responses(route);
   return o;
 }
 
@@ -196,26 +137,33 @@ std::string docs_page(const net::Router& router) {
 
 }  // namespace
 
-json::object openapi_document(const net::Router& router) {
+json::object openapi_document(const net::Router& router, const ServiceDescription& service) {
   json::object paths;
   for (const net::Route& r : router.rows()) {
     if (!is_interface(r)) continue;
     json::value& path = paths[r.pattern];
     if (!path.is_object()) path = json::object{};
-    path.as_object()[lower(net::method_name(r.method))] = operation(r);
+    path.as_object()[lower(net::method_name(r.method))] = operation(r, service);
   }
-  return {{"openapi", "3.1.0"},
-          {"info", json::object{{"title", "Truestep"},
-                                {"version", version()},
-                                {"description", "Physics simulation sessions over HTTP and WebSocket."}}},
-          {"paths", std::move(paths)},
-          {"components",
-           json::object{{"schemas", schemas()},
-                        {"securitySchemes",
-                         json::object{{"key", json::object{{"type", "http"}, {"scheme", "bearer"}}}}}}}};
+  json::object schemas = answer_schemas();
+  for (auto& [name, schema] : body_schemas()) schemas[name] = std::move(schema);
+  json::object out{
+      {"openapi", "3.1.0"},
+      {"info", json::object{{"title", "Truestep"},
+                            {"version", version()},
+                            {"description", "Physics simulation sessions over HTTP and WebSocket."}}},
+      {"paths", std::move(paths)}};
+  json::object components{{"schemas", std::move(schemas)}};
+  if (service.keys) {
+    components["securitySchemes"] =
+        json::object{{"key", json::object{{"type", "http"}, {"scheme", "bearer"}}}};
+    out["security"] = json::array{json::object{{"key", json::array{}}}};
+  }
+  out["components"] = std::move(components);
+  return out;
 }
 
-void add_description_routes(net::Router& router) {
+void add_description_routes(net::Router& router, const ServiceDescription& service) {
   auto document = std::make_shared<net::SharedBuffer>();
   auto page = std::make_shared<net::SharedBuffer>();
   router
@@ -226,7 +174,7 @@ void add_description_routes(net::Router& router) {
       .add(net::Method::get, "/docs", "This description as a page",
            [page](const net::Request&) { return net::Response::shared(*page, "text/html; charset=utf-8"); })
       .access = net::Access::open;
-  *document = std::make_shared<const std::string>(write_json(openapi_document(router)));
+  *document = std::make_shared<const std::string>(write_json(openapi_document(router, service)));
   *page = std::make_shared<const std::string>(docs_page(router));
 }
 

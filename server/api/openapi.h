@@ -6,8 +6,14 @@
 
 namespace truestep {
 
-boost::json::object openapi_document(const net::Router& router);
+/// What differs from server to server.
+struct ServiceDescription {
+  bool keys = false;       ///< are asked for
+  size_t max_message = 0;  ///< bytes of a stream's message from a client
+};
+
+boost::json::object openapi_document(const net::Router& router, const ServiceDescription& service);
 /// Adds /openapi.json and /docs; call last, so that they describe everything.
-void add_description_routes(net::Router& router);
+void add_description_routes(net::Router& router, const ServiceDescription& service);
 
 }  // namespace truestep

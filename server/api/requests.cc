@@ -21,33 +21,50 @@ namespace {
 }
 
 template <class T>
-T parse_query(const net::Request& request, std::string_view name, T fallback, T max, const char* kind) {
+T parse_query(const net::Request& request, std::string_view name, T fallback, T min, T max,
+              const char* kind) {
   const auto text = request.query_value(name);
   if (!text) return fallback;
   T value{};
   const auto [end, error] = std::from_chars(text->data(), text->data() + text->size(), value);
   const bool good =
-      error == std::errc() && end == text->data() + text->size() && value >= T(0) && value <= max;
-  if (!good) bad_query(name, *text, std::string(kind) + " from 0 to " + write_json(json::value(max)));
+      error == std::errc() && end == text->data() + text->size() && value >= min && value <= max;
+  if (!good)
+    bad_query(
+        name, *text,
+        std::string(kind) + " from " + write_json(json::value(min)) + " to " + write_json(json::value(max)));
   return value;
 }
 
 }  // namespace
+
+namespace {
+constexpr std::string_view kJsonType = "application/json";
+
+// Without parameters.
+std::string_view media_type(const net::Request& request) {
+  const std::string_view sent = request.header("content-type");
+  return net::trim(sent.substr(0, sent.find(';')));
+}
+}  // namespace
+
+bool is_json(const net::Request& request) {
+  const std::string_view type = media_type(request);
+  return net::iequals(type, kJsonType) || type.ends_with("+json");
+}
 
 void require_media(const net::Request& request, std::string_view type) {
   if (request.body.empty()) return;
   const std::string_view coding = request.header("content-encoding");
   if (!coding.empty() && !net::iequals(coding, "identity"))
     throw Error("unsupported_media", "bodies are read as they are: send them without Content-Encoding");
-  std::string_view sent = request.header("content-type");
-  sent = net::trim(sent.substr(0, sent.find(';')));
-  if (net::iequals(sent, type) || (type.ends_with("/json") && sent.ends_with("+json"))) return;
+  if (net::iequals(media_type(request), type) || (type == kJsonType && is_json(request))) return;
   throw Error("unsupported_media", "the body must come with Content-Type: " + std::string(type));
 }
 
 json::value json_body(const net::Request& request) {
   if (request.body.empty()) return json::object{};
-  require_media(request, "application/json");
+  require_media(request, kJsonType);
   return parse_json(request.body);
 }
 
@@ -85,8 +102,9 @@ std::string idempotency_key(const net::Request& request) {
   const std::string_view key = request.header(kName);
   size_t given = 0;
   for (const net::Field& f : request.headers) given += net::iequals(f.name, kName);
-  if (key.empty() || key.size() > 255 || given > 1)
-    throw Error("bad_request", "an Idempotency-Key has 1 to 255 characters and comes once");
+  const bool visible = std::all_of(key.begin(), key.end(), [](char c) { return c > ' ' && c <= '~'; });
+  if (key.empty() || key.size() > 255 || !visible || given > 1)
+    throw Error("bad_request", "an Idempotency-Key has 1 to 255 visible characters of ASCII and comes once");
   return request.caller.name + '\n' + std::string(key);
 }
 
@@ -108,12 +126,13 @@ json::object object_body_of(const net::Request& request, std::initializer_list<s
   return body;
 }
 
-uint64_t query_integer(const net::Request& request, std::string_view name, uint64_t fallback, uint64_t max) {
-  return parse_query<uint64_t>(request, name, fallback, max, "an integer");
+uint64_t query_integer(const net::Request& request, std::string_view name, uint64_t fallback, uint64_t min,
+                       uint64_t max) {
+  return parse_query<uint64_t>(request, name, fallback, min, max, "an integer");
 }
 
 double query_number(const net::Request& request, std::string_view name, double fallback, double max) {
-  return parse_query<double>(request, name, fallback, max, "a number");
+  return parse_query<double>(request, name, fallback, 0, max, "a number");
 }
 
 std::vector<std::string> query_list(const net::Request& request, std::string_view name) {

@@ -24,8 +24,8 @@ boost::json::object object_of(boost::json::value body);
 EntryPtr session_of(App& app, const net::Request& request);
 /// The operation that the path names. Error "unknown_operation".
 OperationPtr operation_of(const App& app, const net::Request& request);
-/// The Idempotency-Key, told apart from other callers' keys; empty without one. Error bad_request for an
-/// empty one, one of more than 255 characters and several.
+/// The Idempotency-Key, told apart from other callers' keys; empty without one. Error bad_request unless it
+/// is one of 1 to 255 visible characters of ASCII.
 std::string idempotency_key(const net::Request& request);
 
 /// An object with these members only ("step, time"); Error bad_request with a pointer to every other.
@@ -36,9 +36,13 @@ boost::json::object object_body_of(const net::Request& request,
 /// but `type`, "+json" beside JSON included. An empty body has no type.
 void require_media(const net::Request& request, std::string_view type);
 
-/// A non-negative integer or number from the query; Error bad_request with the pointer "?name" when it is no
-/// such thing or above `max`.
-uint64_t query_integer(const net::Request& request, std::string_view name, uint64_t fallback, uint64_t max);
+/// Does the request say that its body is JSON?
+bool is_json(const net::Request& request);
+
+/// An integer or number from the query; Error bad_request with the pointer "?name" when it is no such thing,
+/// below `min` (0 for numbers) or above `max`.
+uint64_t query_integer(const net::Request& request, std::string_view name, uint64_t fallback, uint64_t min,
+                       uint64_t max);
 double query_number(const net::Request& request, std::string_view name, double fallback, double max);
 /// "a,b,c" from the query; empty when absent.
 std::vector<std::string> query_list(const net::Request& request, std::string_view name);

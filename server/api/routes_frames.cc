@@ -120,8 +120,8 @@ asio::awaitable<Response> poll(App& app, const Request& request) {
   EntryPtr entry = session_of(app, request);
   const Media media = media_of(request);
   const bool any_step = !request.query_value("after");
-  const uint64_t after = query_integer(request, "after", 0, UINT64_MAX);
-  const uint64_t limit = std::max<uint64_t>(1, query_integer(request, "limit", 16, 1024));
+  const uint64_t after = query_integer(request, "after", 0, 0, kMostStep);
+  const uint64_t limit = query_integer(request, "limit", 16, 1, 1024);
   const double wait = query_number(request, "wait", 0, 60);
   const auto deadline =
       Clock::now() + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(wait));
@@ -257,16 +257,12 @@ Overlay overlay_of(const Request& request) {
 
 asio::awaitable<Response> picture(App& app, const Request& request) {
   EntryPtr entry = session_of(app, request);
-  const int width = static_cast<int>(query_integer(request, "width", 800, 4096));
-  const int height = static_cast<int>(query_integer(request, "height", 600, 4096));
-  if (width < 16 || height < 16)
-    throw Error(
-        "bad_request", "a picture has 16 to 4096 pixels a side",
-        {{"?width", "out_of_range", "a picture has 16 to 4096 pixels a side", "", "16 to 4096", "", ""}});
+  const int width = static_cast<int>(query_integer(request, "width", 800, 16, 4096));
+  const int height = static_cast<int>(query_integer(request, "height", 600, 16, 4096));
   const auto camera = camera_of(request.query_value("camera").value_or(""));
   const Overlay overlay = overlay_of(request);
   std::optional<uint64_t> step;
-  if (request.query_value("step")) step = query_integer(request, "step", 0, UINT64_MAX);
+  if (request.query_value("step")) step = query_integer(request, "step", 0, 0, kMostStep);
   DrawList list;
   std::string etag;
   const auto draw = [&](SessionEntry& e, const WorldState& state) {
@@ -303,7 +299,8 @@ void add_frame_routes(net::Router& router, App& app) {
   router.add(Method::get, session + "/observables",
              "Energies, momenta, probes: latest values and series, JSON or CSV", [&app](const Request& r) {
                const auto names = query_list(r, "names");
-               const auto max_points = static_cast<size_t>(query_integer(r, "max_points", 4096, 1'000'000));
+               const auto max_points =
+                   static_cast<size_t>(query_integer(r, "max_points", 4096, 1, 1'000'000));
                const bool csv = r.header("accept").find("text/csv") != std::string_view::npos;
                return with_session(app, session_of(app, r),
                                    [=](SessionEntry& e) { return observables(e, names, max_points, csv); });

@@ -16,8 +16,7 @@ using net::Response;
 
 namespace {
 
-constexpr uint64_t kMostSteps = 1'000'000'000;         // that one request may ask for
-constexpr uint64_t kMostStep = 9'000'000'000'000'000;  // that a number of JSON holds exactly
+constexpr uint64_t kMostSteps = 1'000'000'000;  // that one request may ask for
 
 Error too_many_steps(const char* pointer) {
   return {"bad_request",

@@ -122,7 +122,8 @@ net::Router make_router(App& app) {
   add_frame_routes(router, app);
   add_recording_routes(router, app);
   add_operation_routes(router, app);
-  add_description_routes(router);
+  add_description_routes(router,
+                         {!app.options.net.api_key_file.empty(), app.options.net.websocket.max_message});
   return router;
 }
 

@@ -179,9 +179,14 @@ void add_session_routes(net::Router& router, App& app) {
              });
   router.add(Method::get, "/v1/sessions", "Sessions in the order of their ids, page by page",
              [&app](const Request& r) {
-               const uint64_t limit = std::max<uint64_t>(1, query_integer(r, "limit", 100, 1000));
+               const uint64_t limit = query_integer(r, "limit", 100, 1, 1000);
+               const std::string_view after = r.query_value("page_token").value_or("");
+               if (!after.empty() && !is_session_id(after))
+                 throw Error(
+                     "bad_request", "a page_token is what the page before gave",
+                     {{"?page_token", "wrong_type", "this is no page_token", "", "a session's id", "", ""}});
                json::array list;
-               const auto entries = app.store.list(r.query_value("page_token").value_or(""), limit, r.caller);
+               const auto entries = app.store.list(after, limit, r.caller);
                for (const EntryPtr& e : entries)
                  list.push_back(json::object{{"id", e->id}, {"links", links_of(e->id)}});
                json::object o{{"sessions", std::move(list)}};

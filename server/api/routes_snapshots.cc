@@ -1,5 +1,8 @@
-// /v1/sessions/{id}/snapshots and branch: states that a session, or another one, continues from.
+// /v1/sessions/{id}/snapshots, branch and bundle: states that a session, or another one, continues from, and
+// files that repeat it elsewhere.
 #include "engine/base/hash.h"
+#include "engine/session/bundle.h"
+#include "engine/session/snapshot.h"
 #include "server/api/recordings.h"
 #include "server/api/requests.h"
 #include "server/api/session_answers.h"
@@ -14,18 +17,40 @@ using net::Response;
 
 namespace {
 
-asio::awaitable<Response> take_snapshot(App& app, const Request& request) {
+constexpr size_t kMostSnapshots = 64;               // of a session
+constexpr size_t kMostUploaded = size_t{64} << 20;  // bytes of one that comes in a body
+
+std::span<const std::byte> bytes_of(const Request& request) {
+  return std::as_bytes(std::span(request.body.data(), request.body.size()));
+}
+
+Response binary(const Bytes& bytes, const std::string& name) {
+  Response r =
+      Response::text({reinterpret_cast<const char*>(bytes.data()), bytes.size()}, "application/octet-stream");
+  r.header("Content-Disposition", "attachment; filename=\"" + name + "\"");
+  return r;
+}
+
+// The present state, or one that comes in the body.
+asio::awaitable<Response> keep_snapshot(App& app, const Request& request) {
   EntryPtr entry = session_of(app, request);
-  co_return co_await with_session_on_worker(app, entry, [&app](SessionEntry& e) {
-    if (e.snapshots.size() >= 64) throw Error("quota_exceeded", "a session keeps at most 64 snapshots");
-    const std::string sid = "step-" + std::to_string(e.session.step_index());
-    const WorldState& now = e.session.state();
-    auto lease = app.memory.lease(static_cast<double>(now.memory_bytes()), "this snapshot");
-    e.snapshots[sid] = std::make_shared<const Snapshot>(now, std::move(lease));
-    Response r = json_response(
-        json::object{{"id", sid}, {"step", e.session.step_index()}, {"state_hash", hex64(e.session.hash())}},
-        201);
+  const bool uploaded = !request.body.empty() && !is_json(request);
+  if (uploaded) require_media(request, "application/octet-stream");
+  if (!uploaded) object_body_of(request, {});
+  co_return co_await with_session_on_worker(app, entry, [&app, &request, uploaded](SessionEntry& e) {
+    if (e.snapshots.size() >= kMostSnapshots)
+      throw Error("quota_exceeded", "a session keeps at most 64 snapshots");
+    auto lease = app.memory.lease(
+        uploaded ? static_cast<double>(request.body.size()) : static_cast<double>(e.session.state().memory_bytes()),
+        "this snapshot");
+    auto snapshot = std::make_shared<const Snapshot>(
+        uploaded ? read_snapshot(e.session.world(), bytes_of(request)) : e.session.state(), std::move(lease));
+    const WorldState& state = snapshot->state;
+    const std::string hash = hex64(state.hash());
+    const std::string sid = uploaded ? "upload-" + hash : "step-" + std::to_string(state.step);
+    Response r = json_response(json::object{{"id", sid}, {"step", state.step}, {"state_hash", hash}}, 201);
     r.header("Location", "/v1/sessions/" + e.id + "/snapshots/" + sid);
+    e.snapshots[sid] = std::move(snapshot);
     return r;
   });
 }
@@ -37,6 +62,7 @@ std::shared_ptr<const Snapshot> snapshot_of(SessionEntry& e, std::string_view si
 }
 
 asio::awaitable<Response> restore(App& app, const Request& request) {
+  object_body_of(request, {});
   EntryPtr entry = session_of(app, request);
   const std::string sid(request.param("sid"));
   const auto back = [&sid](SessionEntry& e) { e.session.restore(snapshot_of(e, sid)->state); };
@@ -46,6 +72,7 @@ asio::awaitable<Response> restore(App& app, const Request& request) {
 }
 
 asio::awaitable<Response> branch(App& app, const Request& request) {
+  object_body_of(request, {});
   EntryPtr entry = session_of(app, request);
   auto copy = [&app, entry, caller = request.caller] {
     json::value document;
@@ -85,19 +112,29 @@ void add_snapshot_routes(net::Router& router, App& app) {
       return json_response(json::object{{"snapshots", std::move(list)}});
     });
   });
-  router.add(Method::post, session + "/snapshots", "Takes a snapshot of the present state",
-             [&app](const Request& r) { return take_snapshot(app, r); });
-  router.add(Method::get, session + "/snapshots/{sid}", "A snapshot's bytes",
+  router
+      .add(Method::post, session + "/snapshots",
+           "Takes a snapshot of the present state, or keeps the one that the body holds",
+           [&app](const Request& r) { return keep_snapshot(app, r); })
+      .max_body = kMostUploaded;
+  router.add(Method::get, session + "/snapshots/{sid}", "A snapshot as a file, for this or another server",
              [&app](const Request& r) -> asio::awaitable<Response> {
                const std::string sid(r.param("sid"));
-               co_return co_await with_session_on_worker(app, session_of(app, r), [&sid](SessionEntry& e) {
-                 const auto bytes = snapshot_of(e, sid)->state.serialize();
-                 return Response::text({reinterpret_cast<const char*>(bytes.data()), bytes.size()},
-                                       "application/octet-stream");
-               });
+               auto give = [&sid](SessionEntry& e) {
+                 return binary(write_snapshot(e.session.world(), snapshot_of(e, sid)->state), sid + ".snapshot");
+               };
+               co_return co_await with_session_on_worker(app, session_of(app, r), give);
              });
   router.add(Method::post, session + "/snapshots/{sid}/restore", "Continues from a snapshot",
              [&app](const Request& r) { return restore(app, r); });
+  router.add(Method::get, session + "/bundle",
+             "Scene, journal, start and hashes as a file that `truestep replay` repeats",
+             [&app](const Request& r) -> asio::awaitable<Response> {
+               auto give = [](SessionEntry& e) {
+                 return binary(write_bundle(bundle_of(e.session)), e.id + ".bundle");
+               };
+               co_return co_await with_session_on_worker(app, session_of(app, r), give);
+             });
 }
 
 }  // namespace truestep

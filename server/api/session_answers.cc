@@ -24,6 +24,7 @@ json::object links_of(const std::string& id) {
           {"scene", self + "/scene"},
           {"commands", self + "/commands"},
           {"snapshots", self + "/snapshots"},
+          {"bundle", self + "/bundle"},
           {"picture", self + "/picture.png"},
           {"recording", self + "/recording"},
           {"stream", self + "/stream"},

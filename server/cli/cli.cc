@@ -9,6 +9,7 @@
 #include "server/cli/exit_codes.h"
 #include "server/cli/input.h"
 #include "server/cli/recording_commands.h"
+#include "server/cli/replay.h"
 #include "server/cli/run.h"
 #include "server/cli/serve.h"
 #include "server/cli/study.h"
@@ -19,7 +20,8 @@ namespace {
 
 int exit_code_of(const Error& e) {
   const std::string& c = e.code();
-  if (c == "scene_invalid" || c == "bad_json" || c == "too_large" || c == "accuracy_unreachable")
+  if (c == "scene_invalid" || c == "bad_json" || c == "too_large" || c == "accuracy_unreachable" ||
+      c == "bad_snapshot" || c == "bad_bundle" || c == "bad_command")
     return kExitInvalidScene;
   if (c == "instability") return kExitUnstable;
   if (c == "not_found" || c == "bad_request") return kExitUsage;
@@ -38,6 +40,7 @@ int run_command_line(int argc, char** argv) {
   add_serve_command(app, exit_code);
   add_describe_commands(app, exit_code);
   add_recording_commands(app, exit_code);
+  add_replay_command(app, exit_code);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& e) {

@@ -47,4 +47,10 @@ void Progress::finish() {
   drawn_ = false;
 }
 
+Progress::Style progress_style(std::string_view name) {
+  return name == "none"    ? Progress::Style::none
+         : name == "plain" ? Progress::Style::plain
+                           : Progress::Style::automatic;
+}
+
 }  // namespace truestep

@@ -3,6 +3,7 @@
 #include <chrono>
 #include <cstdint>
 #include <string>
+#include <string_view>
 
 namespace truestep {
 
@@ -20,5 +21,8 @@ class Progress {
   std::chrono::steady_clock::time_point start_, last_;
   bool drawn_ = false;
 };
+
+/// The style of "auto", "plain" or "none".
+Progress::Style progress_style(std::string_view name);
 
 }  // namespace truestep

@@ -12,6 +12,7 @@
 #include "engine/session/describe.h"
 #include "engine/session/expectation.h"
 #include "engine/session/session.h"
+#include "engine/session/snapshot.h"
 #include "engine/studies/accuracy.h"
 #include "server/cli/exit_codes.h"
 #include "server/cli/input.h"
@@ -28,7 +29,7 @@ namespace {
 constexpr double kAccuracySeconds = 2;  // CPU time for choosing a method
 
 struct RunOptions {
-  std::string scene, output, picture, show, csv, hashes, progress = "auto";
+  std::string scene, output, picture, show, csv, from, snapshot, progress = "auto";
   std::vector<std::string> observe;
   uint64_t every = 1;
   double seconds = -1;
@@ -78,20 +79,21 @@ int run(const RunOptions& options) {
   const auto arena = std::make_shared<const ThreadArena>(threads);
   auto [scene, accuracy] = settle_accuracy(document, kAccuracySeconds, *arena);
   const double dt = scene.header.time.dt;
-  const double seconds = options.seconds >= 0 ? options.seconds : scene.header.time.duration;
-  const uint64_t steps = options.steps >= 0 ? static_cast<uint64_t>(options.steps)
-                                            : static_cast<uint64_t>(std::llround(seconds / dt));
+  const double duration = scene.header.time.duration;
+  // Expectations are about a run from the scene's start.
+  if (!options.from.empty()) scene.header.expect.clear();
   Expectations expectations(scene);
 
   const auto world = std::make_shared<const World>(std::move(scene));
   Session session(world, arena, {.history_bytes = 0});
+  if (!options.from.empty()) session.restore(read_snapshot(*world, load_bytes(options.from)));
+  const double seconds = options.seconds >= 0 ? options.seconds : std::max(0.0, duration - session.time());
+  const uint64_t steps = options.steps >= 0 ? static_cast<uint64_t>(options.steps)
+                                            : static_cast<uint64_t>(std::llround(seconds / dt));
   RunOutputs outputs(session, options.output, {options.picture, options.show});
 
   const auto start = std::chrono::steady_clock::now();
-  Progress progress(options.progress == "none"    ? Progress::Style::none
-                    : options.progress == "plain" ? Progress::Style::plain
-                                                  : Progress::Style::automatic,
-                    steps);
+  Progress progress(progress_style(options.progress), steps);
   const bool every_step = expectations.needs_every_step();
   const SeriesCsv::Choice chosen = choose_observables(*world, options.observe);
   const auto reported = [&](const Observables& all) {
@@ -117,6 +119,7 @@ int run(const RunOptions& options) {
   if (!expectations.empty() && !every_step) expectations.add(session.observe());
 
   outputs.finish();
+  if (!options.snapshot.empty()) save_bytes(options.snapshot, write_snapshot(*world, session.state()));
   if (csv) csv->finish();
 
   const auto verdicts = expectations.verdicts();
@@ -166,6 +169,9 @@ void add_run_command(CLI::App& app, int& exit_code) {
   c->add_option("--steps", options->steps, "steps instead of seconds")
       ->check(CLI::Range(int64_t{0}, int64_t{1} << 60))
       ->excludes(seconds);
+  c->add_option("--from", options->from,
+                "snapshot of this scene to continue from; the run then lasts to the scene's duration");
+  c->add_option("--snapshot", options->snapshot, "snapshot of the last state to write");
   c->add_option("-o,--output", options->output, "recording to write (.vtkhdf)");
   c->add_option("--picture", options->picture, "picture of the last frame to write (.png)");
   c->add_option("--show", options->show,

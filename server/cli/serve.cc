@@ -32,6 +32,7 @@ struct ServeOptions {
   uint16_t port = 8080;
   int threads = 0;
   double max_memory_mb = 8000;
+  size_t max_message_kib = 1024;
   int64_t max_sessions = 10000, session_ttl = 3600;
   std::vector<std::string> hosts, origins;
   bool insecure = false;
@@ -55,6 +56,7 @@ AppOptions app_options(const ServeOptions& o) {
   a.net.api_key_file = o.key_file;
   a.net.allowed_hosts = o.hosts;
   a.net.allowed_origins = o.origins;
+  a.net.websocket.max_message = o.max_message_kib << 10;
   a.workers = o.threads > 0 ? o.threads : static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
   a.limits.threads_per_session = a.workers;
   a.limits.max_memory_bytes = o.max_memory_mb * 1e6;
@@ -226,6 +228,10 @@ void add_serve_command(CLI::App& app, int& exit_code) {
       ->check(CLI::Range(1, 1024));
   c->add_option("--max-memory", o->max_memory_mb, "megabytes of all sessions together")
       ->check(CLI::Range(1.0, 1e9))
+      ->capture_default_str();
+  c->add_option("--max-message", o->max_message_kib,
+                "KiB of a message that a stream's client sends; a longer one closes the stream with 1009")
+      ->check(CLI::Range(1, 1 << 20))
       ->capture_default_str();
   c->add_option("--max-sessions", o->max_sessions, "sessions at once")
       ->check(CLI::Range(1, 1000000))

@@ -41,6 +41,7 @@ constexpr ProblemKind kKinds[] = {
     {"accuracy_unreachable", 422, "No method is this accurate on this scene"},
     {"study_failed", 422, "The study cannot be done"},
     {"bad_snapshot", 422, "The snapshot cannot be used"},
+    {"bad_bundle", 422, "The bundle cannot be used"},
     {"idempotency_key_reused", 422, "The idempotency key was used for another request"},
     {"upgrade_required", 426, "A WebSocket handshake is required"},
     {"too_many_keys", 429, "Too many wrong keys"},

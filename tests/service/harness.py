@@ -27,10 +27,10 @@ class Answer:
 
 
 class Service:
-    """Starts the server on a free port with a data directory of its own; ends it with SIGTERM."""
+    """Starts the server on a free port with a data directory of its own, or with `data`; ends it with SIGTERM."""
 
-    def __init__(self, *options):
-        self.data = tempfile.mkdtemp(prefix="truestep")
+    def __init__(self, *options, data=None):
+        self.data = data or tempfile.mkdtemp(prefix="truestep")
         self.process = subprocess.Popen([BINARY, "serve", "--port", "0", "--data-dir", self.data, "--log-level", "warn", *options],
                                         stdout=subprocess.PIPE, text=True)
         line = self.process.stdout.readline()

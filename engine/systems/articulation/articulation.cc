@@ -152,6 +152,10 @@ FieldView Articulation::field(const State& s, size_t which, std::vector<double>&
   return {scratch.data(), Scalar::f64, rows, width};
 }
 
+void Articulation::check(StateCheck& check, double) const {
+  check.below(Columns::kPushLink, tree_.model().links.size());
+}
+
 void Articulation::apply(State& s, const Command& c) const {
   check_command_numbers(c);
   const Model& m = tree_.model();

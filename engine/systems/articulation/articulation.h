@@ -15,6 +15,7 @@ class Articulation final : public ForceSystem {
   void observe(const State& state, double t, Observables& out) const override;
   std::vector<FieldInfo> fields() const override;
   FieldView field(const State& state, size_t which, std::vector<double>& scratch) const override;
+  void check(StateCheck& check, double t) const override;
   void apply(State& state, const Command& command) const override;
   Topology topology(const State& state) const override;
   DrawnBodies bodies(const State& state) const override;

@@ -22,6 +22,7 @@ class MassSpring final : public ForceSystem {
   /// of a pin on its point; gusts as at t = 0).
   std::vector<FieldInfo> fields() const override;
   FieldView field(const State& state, size_t which, std::vector<double>& scratch) const override;
+  void check(StateCheck& check, double t) const override;
   void apply(State& state, const Command& command) const override;
   Topology topology(const State& state) const override { return topology_; }
   std::vector<DrawnShape> shapes(const State& state, double t) const override { return colliders_.drawn(t); }

@@ -18,6 +18,7 @@ class Particles final : public ForceSystem {
   /// position, velocity, speed (m/s), age (s), id; the last three are computed when asked for.
   std::vector<FieldInfo> fields() const override;
   FieldView field(const State& state, size_t which, std::vector<double>& scratch) const override;
+  void check(StateCheck& check, double t) const override;
   void apply(State& state, const Command& command) const override;
   Topology topology(const State& state) const override;
   uint32_t topology_version(const State& state) const override;

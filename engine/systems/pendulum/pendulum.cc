@@ -66,6 +66,8 @@ class Pendulum final : public ForceSystem {
     return s.f64(C::kPushRemaining)[0] > 0 ? Energy::Exchange::open : Energy::Exchange::closed;
   }
 
+  void check(StateCheck& check, double) const override { check.below(C::kPushRow, chain_.links()); }
+
   std::vector<FieldInfo> fields() const override {
     return {{"position", "m", Scalar::f64, 3},
             {"velocity", "m/s", Scalar::f64, 3},

@@ -30,6 +30,7 @@ class Rigid2d final : public StagedSystem {
   /// body), orientation (quaternion w x y z).
   std::vector<FieldInfo> fields() const override;
   FieldView field(const State& state, size_t which, std::vector<double>& scratch) const override;
+  void check(StateCheck& check, double t) const override;
   void apply(State& state, const Command& command) const override;
   DrawnBodies bodies(const State& state) const override;
   uint32_t topology_version(const State& state) const override;

@@ -26,6 +26,7 @@ class Rigid3d final : public StagedSystem {
   std::optional<double> speed_limit() const override { return speed_limit_; }
   std::vector<FieldInfo> fields() const override;
   FieldView field(const State& s, size_t which, std::vector<double>& scratch) const override;
+  void check(StateCheck& check, double t) const override;
   void apply(State& s, const Command& c) const override;
   std::vector<DrawnShape> shapes(const State& s, double t) const override;
   DrawnBodies bodies(const State& s) const override;

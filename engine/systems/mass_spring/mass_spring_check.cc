@@ -1,0 +1,17 @@
+// What a state from outside may hold: hands on points that are there.
+#include "engine/systems/mass_spring/mass_spring.h"
+
+namespace truestep {
+
+void MassSpring::check(StateCheck& check, double) const {
+  using C = MassSpringColumns;
+  const size_t points = check.state().rows(C::position);
+  check.together({C::drag_row, C::drag_target, C::drag_stiffness})
+      .together({C::push_row, C::push_force, C::push_remaining});
+  for (const auto column : {C::drag_row, C::push_row}) {
+    for (const uint32_t row : check.state().span<uint32_t>(column))
+      check.require(row < points, "a hand's row");
+  }
+}
+
+}  // namespace truestep

@@ -1,0 +1,29 @@
+// What a state from outside may hold: particles up to the room that is set aside, springs between particles
+// that are there, and emitters that are not far behind the clock.
+#include "engine/systems/particles/emission.h"
+#include "engine/systems/particles/particles.h"
+#include "engine/systems/particles/particles_state.h"
+
+namespace truestep {
+
+namespace columns = particle_columns;
+
+void Particles::check(StateCheck& check, double t) const {
+  constexpr uint64_t kMostBehind = 1'000'000;  // births that the next step would catch up with
+  const State& s = check.state();
+  check.together(columns::position, columns::per_particle_end, particles_.capacity())
+      .together({columns::spring_rows, columns::spring_values}, particles_.def().springs.size())
+      .together({columns::push_id, columns::push_force, columns::push_remaining})
+      .together({columns::drag_id, columns::drag_target, columns::drag_stiffness});
+  for (const uint32_t row : s.span<uint32_t>(columns::spring_rows))
+    check.require(row < s.rows(columns::position), "spring.rows");
+  const auto next = s.span<uint64_t>(columns::next_particle);
+  const auto& emitters = particles_.def().emitters;
+  check.require(next.size() == emitters.size(), "emitters");
+  for (size_t k = 0; k < emitters.size(); ++k) {
+    const bool near = next[k] <= UINT64_MAX / 2 && birth_time(emitters[k], next[k] + kMostBehind) >= t;
+    check.require(near, "an emitter is far behind the clock");
+  }
+}
+
+}  // namespace truestep

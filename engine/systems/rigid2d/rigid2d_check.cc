@@ -1,0 +1,28 @@
+// What a state from outside may hold: contacts of shapes and hands on bodies that are there.
+#include "engine/systems/rigid2d/columns.h"
+#include "engine/systems/rigid2d/rigid2d.h"
+
+namespace truestep::rigid2d {
+
+void Rigid2d::check(StateCheck& check, double) const {
+  const State& s = check.state();
+  check.together({columns::contact_key, columns::contact_id, columns::contact_impulse, columns::contact_pad})
+      .together({columns::push_body, columns::push_force, columns::push_local, columns::push_remaining})
+      .together({columns::drag_body, columns::drag_local, columns::drag_target, columns::drag_stiffness,
+                 columns::drag_impulse});
+  const size_t shapes = model_.shapes.size();
+  uint64_t last = 0;
+  for (const uint64_t key : s.span<uint64_t>(columns::contact_key)) {
+    check.require(key >= last && key > 0 && key >> 32 < shapes && static_cast<uint32_t>(key) < shapes,
+                  "contact.key");
+    last = key;
+  }
+  for (const auto column : {columns::push_body, columns::drag_body}) {
+    for (const uint32_t body : s.span<uint32_t>(column))
+      check.require(body < model_.count(), "a hand's body");
+  }
+  for (const uint32_t status : s.span<uint32_t>(columns::status))
+    check.require(status <= (kAwake | kPinned | kRemoved), "status");
+}
+
+}  // namespace truestep::rigid2d

@@ -1,0 +1,48 @@
+// What the HTTP description says of each route beyond its pattern and sentence: what it reads and what it
+// answers when all is well. Problems are the same everywhere (net/problem.h).
+#pragma once
+#include <boost/json/object.hpp>
+#include <span>
+#include <string_view>
+
+#include "server/net/router.h"
+
+namespace truestep {
+
+/// One answer of a route. Several rows of one status are its media types; `schema` names one of
+/// `answer_schemas`, or is empty for a text or a file.
+struct RouteAnswer {
+  net::Method method;
+  std::string_view pattern;
+  int status;
+  std::string_view media, schema, description;
+};
+/// Answers of a route; empty for one that is not listed.
+std::span<const RouteAnswer> answers_of(const net::Route& route);
+
+/// The schemas that answers refer to, and "Problem".
+boost::json::object answer_schemas();
+
+/// A query parameter of GET, or a header of any method.
+struct RouteParameter {
+  net::Method method;
+  std::string_view pattern, in, name;
+  std::string_view schema;  ///< JSON
+  std::string_view description;
+};
+std::span<const RouteParameter> route_parameters();
+
+/// {"$ref": a schema of the document}.
+boost::json::object schema_reference(std::string_view name);
+
+/// JSON schema of a {name} in a pattern.
+std::string_view path_parameter_schema(std::string_view pattern, std::string_view name);
+
+/// The body that a route takes: media types with their schemas; empty when it takes none.
+boost::json::object body_of(const net::Route& route);
+/// Whether an empty body says nothing that the route could do.
+bool body_is_required(const net::Route& route);
+/// Schemas that only bodies refer to.
+boost::json::object body_schemas();
+
+}  // namespace truestep
