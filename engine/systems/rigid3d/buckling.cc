@@ -17,6 +17,9 @@ constexpr double kTallLoad = 10;
 /// Quotient below which substeps are added, that they are added for, and from which on fewer are tried.
 constexpr double kTooSoft = 1.1, kStiff = 1.4, kMoreThanStiff = 2.2;
 constexpr int kMostTimes = 6;
+/// Tilt stiffness of four points, each as stiff as its own reduced mass asks, beside one spring for the tilt:
+/// that of a cube's whole face; half a face has more.
+constexpr double kPoints = 1.5;
 /// Share of the smaller body's reach by which a contact of such loads may give way.
 constexpr double kMostGive = 0.015;
 /// m/s; what moves faster falls or flies.
@@ -101,7 +104,7 @@ int BucklingWatch::substeps(const State& s, std::span<const BodyKind> kinds, con
       ++end;
     }
     const double turn = tilt[1] - tilt[0];
-    if (load(k) > 0) all.stiffness += w2 / turns * turn * turn;
+    if (load(k) > 0) all.stiffness += kPoints * w2 / turns * turn * turn;
   }
   double least = kMoreThanStiff;
   for (uint32_t i = 0; i < kind.size(); ++i) {

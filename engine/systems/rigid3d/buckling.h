@@ -2,9 +2,9 @@
 // substeps bound (contact_softness.h), so that a column taller than some length buckles under its own weight
 // (Greenhill 1881). With the trial shape theta(z) = s (2 - s), s = z / height, of an island's tilts
 //   Q = sum over contacts of k (theta_b - theta_a)^2 / sum over bodies of m g integral_0^z theta^2
-// is the Rayleigh quotient of stiffness and load: below 1 it buckles. k = w^2 / (1/I_a + 1/I_b), so that Q
-// grows with the square of the substeps. Uniform columns get 8.0 where the exact number is 7.84. Only islands
-// whose loaded contacts are all patches count; others stand or fall by their shape.
+// is the Rayleigh quotient of stiffness and load: below 1 it buckles. k = 1.5 w^2 / (1/I_a + 1/I_b), so that
+// Q grows with the square of the substeps. Uniform columns get 8.0 where the exact number is 7.84. Only
+// islands whose loaded contacts are all patches count; others stand or fall by their shape.
 #pragma once
 #include <vector>
 
