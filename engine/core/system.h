@@ -65,6 +65,8 @@ class System {
   virtual void step(State& state, const StepInput& input) const = 0;
   /// Adds energies, momenta, residuals of this state (t in s).
   virtual void observe(const State& state, double t, Observables& out) const = 0;
+  /// Adds what `observe` gives out only later in a run, with any value: a time that has not come yet.
+  virtual void late_observables(Observables& out) const {}
 
   /// Fields that exist, "position" first where there is one. The order is that of `field`'s index.
   virtual std::vector<FieldInfo> fields() const = 0;

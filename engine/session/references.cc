@@ -279,6 +279,12 @@ std::vector<Observation> known_observables(const BuiltParts& parts) {
     if (parts.couplings[k]) couplings[k] = parts.couplings[k]->initial_state();
   }
   std::vector<Observation> out = observe_parts(parts, systems, couplings, 0).rows();
+  for (size_t i = 0; i < systems.size(); ++i) {
+    Observables late;
+    if (parts.systems[i]) parts.systems[i]->late_observables(late);
+    for (const Observation& o : late.rows())
+      out.push_back({parts.scene.systems[i].id + "." + o.name, std::nan(""), o.unit});
+  }
   std::vector<double> scratch;
   for (const ProbeParams& p : parts.scene.header.probes) {
     for (size_t i = 0; i < parts.systems.size(); ++i) {

@@ -24,6 +24,7 @@ class Ode final : public StagedSystem {
   /// Every number state (arrays of at most 16 elements as well), invariants and their drift relative to the
   /// start, event counts, work of the integrator.
   void observe(const State& state, double t, Observables& out) const override;
+  void late_observables(Observables& out) const override;
   /// position (tracers, or what "plot" draws with its trail), tag (tracers: place along x at the start, 0 to
   /// 1), then every state by name.
   std::vector<FieldInfo> fields() const override;

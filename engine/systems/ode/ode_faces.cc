@@ -24,6 +24,10 @@ constexpr size_t kObservedElements = 16;
 
 }  // namespace
 
+void Ode::late_observables(Observables& out) const {
+  if (!model_.events.empty()) out.add("stopped.time", 0, "s");
+}
+
 void Ode::observe(const State& s, double t, Observables& out) const {
   const auto y = s.f64(C::kStates);
   for (const OdeModel::Named& n : model_.states) {

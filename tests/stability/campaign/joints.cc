@@ -29,6 +29,13 @@ json::object sprung(Dice& d, std::string_view by) {
   return {{"hertz", d.spread(0.5, 30)}, {"damping_ratio", 0}};
 }
 
+/// By which share the energy of springs may swing whose fastest alone has w (1/s), in small steps of h:
+/// beside rows that hold, velocities stand half a small step beside positions, which is h w / 2, and
+/// neighbours make w up to sqrt 2 times as large. Between two points only it is (h w)^2 / 8.
+double swing(double h, double w) {
+  return std::max(0.08, h * w / std::numbers::sqrt2);
+}
+
 json::array chain_2d(Dice& d, int n, double speed) {
   json::array bodies;
   for (int i = 0; i < n; ++i) {
@@ -147,7 +154,7 @@ void springs_2d(Dice& d, Trial& t) {
   const auto mass = [&](int i) {
     return bodies[static_cast<size_t>(i)].as_object()["mass"].to_number<double>();
   };
-  double stored = 0;
+  double stored = 0, fastest = 0;
   for (int i = 0; i + 1 < n; ++i) {
     const std::string kind = d.of({"distance", "distance", "prismatic", "revolute", "weld", "wheel"});
     json::object j{{"type", kind}, {"a", i}, {"b", i + 1}};
@@ -158,6 +165,7 @@ void springs_2d(Dice& d, Trial& t) {
     }
     if (kind == "prismatic" || kind == "wheel") j["axis"] = vec(1, 0);
     const double hertz = d.spread(0.5, 30) * std::min(1.0, 1.0 / (60 * dt));
+    fastest = std::max(fastest, 2 * std::numbers::pi * hertz);
     if (kind == "wheel") {
       j["spring_hertz"] = hertz, j["spring_damping_ratio"] = 0;
     } else {
@@ -173,9 +181,7 @@ void springs_2d(Dice& d, Trial& t) {
   }
   set_scene(t, dt, 4, {}, {{{"type", "rigid2d"}, {"bodies", bodies}, {"joints", joints}}});
   close(t, n, 3, speed + std::sqrt(stored), 1e-3);
-  // Springs taken in turn with free flight swing in energy by (h w)^2 / 8, with four small steps of a step of
-  // 1/60 s.
-  t.rules.gain = 0.08, t.rules.stored = stored;
+  t.rules.gain = swing(dt / 4, fastest), t.rules.stored = stored;
 }
 
 void springs_3d(Dice& d, Trial& t) {
@@ -183,9 +189,14 @@ void springs_3d(Dice& d, Trial& t) {
   const double speed = d.spread(0.3, 3), dt = usual_dt(d);
   json::array joints;
   // A spring by stiffness may start out of its rest, which stores k s^2 / 2.
-  double stored = 0;
+  double stored = 0, fastest = 0;
+  const auto rate = [](const json::object& s) {
+    if (s.contains("hertz")) return 2 * std::numbers::pi * s.at("hertz").to_number<double>();
+    return std::sqrt(s.at("stiffness").to_number<double>() / 0.15);
+  };
   const auto drive = [&](const char* by, double reach) {
     json::object s = sprung(d, by);
+    fastest = std::max(fastest, rate(s));
     if (s.contains("stiffness") && d.chance(0.6)) {
       const double off = d.sign() * d.between(0.1, 1) * reach;
       s["rest"] = off, stored += 0.5 * s["stiffness"].to_number<double>() * off * off;
@@ -221,8 +232,10 @@ void springs_3d(Dice& d, Trial& t) {
   json::array bodies = chain_3d(d, n, speed);
   set_scene(t, dt, 4, {}, {{{"type", "rigid3d"}, {"bodies", bodies}, {"joints", joints}}});
   close(t, n, 3, speed + std::sqrt(stored), 1e-3);
-  // As in the plane.
-  t.rules.gain = 0.08, t.rules.stored = stored;
+  // By stiffness, between masses of at least 0.3 kg; beyond h w = 1/2 the solver takes energy out of a
+  // spring.
+  const double small = dt / 5, w = std::min(fastest, 0.5 / small);
+  t.rules.gain = swing(small, w), t.rules.stored = stored;
 }
 
 void hinge_pendulum(Dice& d, Trial& t) {
