@@ -338,7 +338,7 @@ void Session::begin_seek(uint64_t step) {
   drain_queue();
   const uint64_t first = first_step();
   if (step < first) {
-    throw Error("bad_request", "this session's past begins at step " + std::to_string(first));
+    throw Error("conflict", "this session's past begins at step " + std::to_string(first));
   }
   if (step >= state_.step && !failure_) return;
   state_ = snapshot_at_or_before(step);

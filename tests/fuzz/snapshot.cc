@@ -15,8 +15,8 @@ namespace {
 using namespace truestep;
 
 constexpr const char* kScenes[] = {
-    R"({"systems": [{"type": "rigid2d", "bodies": [{"motion": "fixed", "shapes": [{"type": "box", "half_extents": [5, 0.1]}]},
-        {"position": [0, 0.5], "shapes": [{"type": "box"}]}, {"position": [0.1, 1.6], "shapes": [{"type": "circle"}]}],
+    R"({"systems": [{"type": "rigid2d", "bodies": [{"motion": "fixed", "shapes": [{"type": "box", "half_extents": [5, 0.1, 0]}]},
+        {"position": [0, 0.5, 0], "shapes": [{"type": "box"}]}, {"position": [0.1, 1.6, 0], "shapes": [{"type": "circle"}]}],
         "joints": [{"type": "distance", "a": 1, "b": 2, "anchor_b": [0, 0.1, 0]}]}]})",
     R"({"systems": [{"type": "rigid3d", "bodies": [{"type": "plane", "motion": "fixed"}, {"type": "box", "position": [0, 0.5, 0]},
         {"type": "sphere", "position": [0.1, 1.4, 0]}]}]})",

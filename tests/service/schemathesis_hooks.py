@@ -2,10 +2,12 @@
 
 Random ids name nothing: well-formed ones stand for a session and an operation that exist (TRUESTEP_SESSION, TRUESTEP_OPERATION)
 but where it follows links to what it made itself.
+A key that was used before answers as it did then, also when the session of that answer has been deleted since: each is new.
 Requests that would keep a session busy are made small: it looks for faults, not for how long a billion steps take.
 """
 import os
 import re
+import uuid
 
 import schemathesis
 
@@ -28,6 +30,9 @@ def before_call(context, case, kwargs):
             value = case.body.get(name)
             if isinstance(value, (int, float)) and not isinstance(value, bool) and value > most:
                 case.body[name] = most
+    headers = case.headers or {}
+    if re.fullmatch("[!-~]{1,255}", headers.get("Idempotency-Key", "")):
+        case.headers["Idempotency-Key"] = uuid.uuid4().hex
     wait = (case.query or {}).get("wait")
     if isinstance(wait, (int, float)) and wait > 0.1:
         case.query["wait"] = 0.1
