@@ -12,7 +12,7 @@ import unittest
 import uuid
 
 from cases import OSCILLATOR, Case
-from harness import Service
+from harness import Service, Socket
 from patience import patience
 
 RECORDED = {**OSCILLATOR, "recording": {}}
@@ -95,6 +95,22 @@ class Descriptors(Case):
         self.assertEqual(post(OSCILLATOR)[0], 201)
         resource.prlimit(process, resource.RLIMIT_NOFILE, before)
         self.assertEqual(post(RECORDED)[0], 201)
+
+
+class Messages(unittest.TestCase):
+    def answer(self, service, size):
+        stream = Socket(service, service.create(OSCILLATOR)["links"]["stream"], "truestep.v1.json")
+        self.addCleanup(stream.close)
+        stream._frame(1, b" " * size)
+        stream.message("problem")
+
+    def test_the_longest_message_is_a_setting(self):
+        for options, most in (((), 1 << 20), (("--max-message", "2"), 2048)):
+            service = Service(*options)
+            self.addCleanup(service.stop)
+            self.answer(service, most)
+            with self.assertRaisesRegex(ConnectionError, "1009"):
+                self.answer(service, most + 1)
 
 
 class Readiness(unittest.TestCase):
