@@ -40,9 +40,9 @@ asio::awaitable<Response> keep_snapshot(App& app, const Request& request) {
   co_return co_await with_session_on_worker(app, entry, [&app, &request, uploaded](SessionEntry& e) {
     if (e.snapshots.size() >= kMostSnapshots)
       throw Error("quota_exceeded", "a session keeps at most 64 snapshots");
-    auto lease = app.memory.lease(
-        uploaded ? static_cast<double>(request.body.size()) : static_cast<double>(e.session.state().memory_bytes()),
-        "this snapshot");
+    auto lease = app.memory.lease(uploaded ? static_cast<double>(request.body.size())
+                                           : static_cast<double>(e.session.state().memory_bytes()),
+                                  "this snapshot");
     auto snapshot = std::make_shared<const Snapshot>(
         uploaded ? read_snapshot(e.session.world(), bytes_of(request)) : e.session.state(), std::move(lease));
     const WorldState& state = snapshot->state;
@@ -121,7 +121,8 @@ void add_snapshot_routes(net::Router& router, App& app) {
              [&app](const Request& r) -> asio::awaitable<Response> {
                const std::string sid(r.param("sid"));
                auto give = [&sid](SessionEntry& e) {
-                 return binary(write_snapshot(e.session.world(), snapshot_of(e, sid)->state), sid + ".snapshot");
+                 return binary(write_snapshot(e.session.world(), snapshot_of(e, sid)->state),
+                               sid + ".snapshot");
                };
                co_return co_await with_session_on_worker(app, session_of(app, r), give);
              });
