@@ -125,17 +125,19 @@ Remedies try_remedies(const World& world, const WorldState& before, uint64_t fai
   const int64_t substeps = world.scene().header.time.substeps;
   const std::string tried = " (held when tried for " + std::to_string(trials.steps()) + " steps)";
 
-  // Smaller steps: what theory expects to hold (a tenth below its limit, where errors grow as the time does),
-  // else half; then ever fewer seconds.
+  // Smaller steps: what theory expects to hold, a tenth less (at the limit itself errors may grow as the time
+  // does), or half; then ever fewer seconds.
   const double most =
       std::min(static_cast<double>(kMostParts),
                std::max(8.0, 16 * kTrialSeconds / (each * static_cast<double>(trials.steps()))));
   const bool expected = hint && *hint > 0 && *hint < dt;
-  const double first = expected ? std::ceil(1.1 * dt / *hint) : 2;
-  for (double parts = first; parts <= most; parts *= 4) {
+  std::vector<double> divisions;
+  if (expected) divisions = {std::ceil(dt / *hint), std::ceil(1.1 * dt / *hint)};
+  for (double parts = expected ? 4 * divisions[0] : 2; parts <= most; parts *= 4) divisions.push_back(parts);
+  for (const double parts : divisions) {
     const int64_t finer = static_cast<int64_t>(parts) * substeps;
-    if (!trials.holds(finer)) continue;
-    out.dt = dt / parts;
+    if (parts > most || !trials.holds(finer)) continue;
+    out.dt = expected && parts == divisions[0] ? *hint : dt / parts;
     out.sentences.push_back("a step of at most " + short_number(*out.dt, 2) + " s, or " +
                             std::to_string(finer) + " substeps of the present one" + tried);
     break;
