@@ -29,10 +29,10 @@ Vec3 spin_of(const Quat& q, const Vec3& momentum, const Vec3& moments) {
   const Rotation R = rotation(q);
   return R.apply(free_rotation::divide(R.apply_inverse(momentum), moments));
 }
-/// Angle (rad, small) between two orientations.
-double turned(const Quat& from, const Quat& to) {
+/// Rotation vector between two orientations, for small angles; rad.
+Vec3 turned(const Quat& from, const Quat& to) {
   const Quat d = to * Quat{from.w, -from.x, -from.y, -from.z};
-  return 2 * norm(Vec3{d.x, d.y, d.z});
+  return Vec3{d.x, d.y, d.z} * (d.w < 0 ? -2.0 : 2.0);
 }
 /// Radius of the ball within a fast body that passes nothing, as a share of the body's inner radius.
 constexpr double kCore = 0.25;
@@ -326,15 +326,22 @@ void Rigid3d::rest(State& s, const StepInput& in) const {
   const SleepRule rule{sleep_speed_, sleep_time_};
   const double *x = s.f64(columns::position).data(), *q = s.f64(columns::orientation).data();
   double *x0 = s.f64(columns::calm_position).data(), *q0 = s.f64(columns::calm_orientation).data();
+  double* middle = s.f64(columns::calm_middle).data();
   for (size_t i = 0; i < n; ++i) {
     if (now[i].part != Part::active) continue;
     const double reach = bodies_.kinds[kind[i]].reach;
     if (bodies_.kinds[kind[i]].forced()) scratch.calm[i] = 0;
     if (calm[i] == 0) store3(x0, i, load3(x, i)), store_quat(q0, i, load_quat(q, i));
     const double speed = std::sqrt(norm2(load3(v, i)) + norm2(load3(w, i)) * (reach * reach));
-    const double moved = norm(load3(x, i) - load3(x0, i)) + reach * turned(load_quat(q0, i), load_quat(q, i));
+    const Vec3 shift = load3(x, i) - load3(x0, i), turn = turned(load_quat(q0, i), load_quat(q, i));
     const bool may_rest = scratch.calm[i] > 0 && (!scratch.adrift[i] || speed == 0);
-    calm[i] = may_rest ? rest_after(calm[i], in.h, speed, moved, rule) : 0;
+    const double before = calm[i];
+    calm[i] = may_rest ? rest_after(before, in.h, speed, norm(shift) + reach * norm(turn), rule) : 0;
+    if (before <= 0.5 * rule.time) store3(middle, 2 * i, shift), store3(middle, 2 * i + 1, turn);
+    if (before < rule.time && calm[i] >= rule.time) {
+      const Vec3 aside = load3(middle, 2 * i) - 0.5 * shift, twist = load3(middle, 2 * i + 1) - 0.5 * turn;
+      if (norm(aside) + reach * norm(twist) > rule.bend()) calm[i] = 0;
+    }
     scratch.calm[i] = calm[i];
   }
   spread_minimum<double>(scratch.parent, scratch.calm);

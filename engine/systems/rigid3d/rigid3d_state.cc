@@ -22,6 +22,7 @@ State rigid3d_at_start(const BodyList& bodies, const JointList& list, const Vec3
   s.add({"calm_time", "s", S::f64, 1}, 0);
   s.add({"calm_position", "m", S::f64, 3}, 0);
   s.add({"calm_orientation", "1", S::f64, 4}, 0);
+  s.add({"calm_middle", "m", S::f64, 6}, 0);
   s.add({"asleep", "1", S::u32, 1}, 0);
   s.add({"contact.bodies", "1", S::u32, 2}, 0);
   s.add({"contact.ids", "1", S::u32, 5}, 0);

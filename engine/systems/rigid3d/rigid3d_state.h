@@ -20,6 +20,7 @@ enum : State::Column {
   calm_time,         ///< f64, s for which the body has rested
   calm_position,     ///< f64 x 3, where that began
   calm_orientation,  ///< f64 x 4
+  calm_middle,       ///< f64 x 6, m rad: shift and rotation vector from there after half of sleep_time
   asleep,            ///< u32
   per_body_end,
   contact_bodies = per_body_end,  ///< u32 x 2
