@@ -25,7 +25,11 @@ constexpr bool is_plain(unsigned char c) {
 class Reader {
  public:
   Reader(std::string_view text, const JsonLimits& limits)
-      : begin_(text.data()), p_(text.data()), end_(text.data() + text.size()), max_depth_(limits.max_depth) {}
+      : begin_(text.data()),
+        p_(text.data()),
+        end_(text.data() + text.size()),
+        max_depth_(limits.max_depth),
+        max_values_(limits.max_values) {}
 
   json::value document() {
     if (end_ - p_ >= 3 && std::memcmp(p_, "\xEF\xBB\xBF", 3) == 0)
@@ -76,6 +80,10 @@ class Reader {
   }
 
   void read_value(json::value& out, int depth) {
+    if (++values_ > max_values_) {
+      throw Error("too_large", "the document holds more than " + std::to_string(max_values_) +
+                                   " values, which is the most");
+    }
     if (p_ == end_) fail("syntax", "the text ends where a value should be");
     switch (*p_) {
       case '{':
@@ -359,6 +367,7 @@ class Reader {
   const char* p_;
   const char* end_;
   int max_depth_;
+  size_t max_values_, values_ = 0;
   std::vector<Step> path_;
   std::string scratch_;
 };

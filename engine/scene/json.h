@@ -15,6 +15,7 @@ namespace truestep {
 struct JsonLimits {
   size_t max_bytes = size_t{64} << 20;  ///< bytes of text
   int max_depth = 32;                   ///< nested arrays and objects
+  size_t max_values = 20'000'000;  ///< of all kinds; each takes some 24 bytes, and twice that as it grows
 };
 
 /// Parses one document. Throws Error("bad_json") with one Issue that names the JSON pointer and the byte

@@ -65,7 +65,9 @@ void require_media(const net::Request& request, std::string_view type) {
 json::value json_body(const net::Request& request) {
   if (request.body.empty()) return json::object{};
   require_media(request, kJsonType);
-  return parse_json(request.body);
+  // Some 64 MB of memory at most.
+  constexpr size_t kMostValues = 1'200'000;
+  return parse_json(request.body, {.max_values = kMostValues});
 }
 
 boost::asio::awaitable<json::value> long_json_body(App& app, const net::Request& request) {

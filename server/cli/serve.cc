@@ -1,5 +1,6 @@
 #include "server/cli/serve.h"
 
+#include <malloc.h>
 #include <signal.h>
 
 #include <CLI/CLI.hpp>
@@ -83,6 +84,8 @@ void sweep_every(asio::steady_timer& timer, App& app) {
       const std::lock_guard lock(entry->mutex);
       discard_recording(*entry);
     }
+    // What large sessions and studies have left goes back to the system.
+    malloc_trim(0);
     sweep_every(timer, app);
   });
 }
@@ -169,6 +172,8 @@ int serve(const ServeOptions& options) {
   net::Server server(settings.net, make_router(app));
   app.server = &server;
   asio::io_context main_loop;
+  // Large blocks are mapped one by one, so that freeing one returns it, whatever lies around it.
+  mallopt(M_MMAP_THRESHOLD, 1 << 20);
   // A peer that left, or a log that nobody reads any more, shows itself as an error of the write.
   ::signal(SIGPIPE, SIG_IGN);
   spdlog::set_error_handler([](const std::string&) {});
