@@ -113,7 +113,7 @@ constexpr std::string_view kSchemas = R"json({
     "properties": {"id": {"$ref": "#/components/schemas/Id"}, "status": {"const": "creating"},
       "stage": {"enum": ["reading", "measuring", "building"]}, "elapsed": {"type": "number", "minimum": 0},
       "links": {"$ref": "#/components/schemas/Links"}}},
-  "SessionOrCreation": {"anyOf": [{"$ref": "#/components/schemas/Session"}, {"$ref": "#/components/schemas/Creation"}]},
+  "SessionOrCreation": {"type": "object", "anyOf": [{"$ref": "#/components/schemas/Session"}, {"$ref": "#/components/schemas/Creation"}]},
   "SessionPage": {"type": "object", "required": ["sessions"],
     "properties": {"next_page_token": {"type": "string"},
       "sessions": {"type": "array", "items": {"type": "object", "required": ["id", "links"],

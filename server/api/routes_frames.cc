@@ -20,9 +20,10 @@ using net::Response;
 
 namespace {
 
-// "ex,ey,ez,tx,ty,tz" in m; nothing for an empty text.
-std::optional<DrawCamera> camera_of(std::string_view text) {
-  if (text.empty()) return std::nullopt;
+// "ex,ey,ez,tx,ty,tz" in m.
+std::optional<DrawCamera> camera_of(std::optional<std::string_view> given) {
+  if (!given) return std::nullopt;
+  const std::string_view text = *given;
   double v[6];
   const char *at = text.data(), *end = at + text.size();
   for (int i = 0; i < 6; ++i) {
@@ -259,7 +260,7 @@ asio::awaitable<Response> picture(App& app, const Request& request) {
   EntryPtr entry = session_of(app, request);
   const int width = static_cast<int>(query_integer(request, "width", 800, 16, 4096));
   const int height = static_cast<int>(query_integer(request, "height", 600, 16, 4096));
-  const auto camera = camera_of(request.query_value("camera").value_or(""));
+  const auto camera = camera_of(request.query_value("camera"));
   const Overlay overlay = overlay_of(request);
   std::optional<uint64_t> step;
   if (request.query_value("step")) step = query_integer(request, "step", 0, 0, kMostStep);

@@ -6,6 +6,9 @@ foreach(part sessions lifecycle output catalogue equations stream ending command
                        ENVIRONMENT "TRUESTEP_BINARY=$<TARGET_FILE:truestep>")
 endforeach()
 
+# They measure how soon one is served while others work.
+set_tests_properties(service.lifecycle service.keys PROPERTIES RUN_SERIAL TRUE)
+
 if(NOT TRUESTEP_CHECKS_FOLDER)
   return()
 endif()
