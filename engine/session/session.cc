@@ -317,7 +317,14 @@ void Session::restore(WorldState state) {
   notify("reset", "");
 }
 
+// A failed step whose remedies nobody has looked for yet belongs to a state that is left.
+void Session::abandon_aside() {
+  aside_ = false;
+  unstable_.reset();
+}
+
 void Session::load(WorldState state) {
+  abandon_aside();
   state_ = std::move(state);
   changed();
   history_.clear();
@@ -341,6 +348,7 @@ void Session::begin_seek(uint64_t step) {
     throw Error("conflict", "this session's past begins at step " + std::to_string(first));
   }
   if (step >= state_.step && !failure_) return;
+  abandon_aside();
   state_ = snapshot_at_or_before(step);
   changed();
   // Snapshots are taken before the commands of their step.

@@ -178,6 +178,7 @@ class Session {
   void replay_commands();
   void shorten_journal();
   void load(WorldState state);
+  void abandon_aside();
   void fail(Failure failure);
   void notify(std::string_view kind, const std::string& detail);
   FramePtr build_frame(const WorldState& state, double alpha, const FrameRequest& request) const;

@@ -165,6 +165,25 @@ TEST(EnergyWatch, KnowsWhatWasThereAndWhatCommandsBrought) {
   EXPECT_FALSE(w.holds(energy(0, NAN)));
 }
 
+TEST(Instability, AResetBeforeTheDiagnosisLeavesNoFailureBehind) {
+  Session s = session(0.03, "symplectic_euler");
+  const auto explode = [&s] {
+    StepOutcome outcome = StepOutcome::done;
+    while (outcome == StepOutcome::done) outcome = s.step_in_place(Session::Output::aloud);
+    return outcome;
+  };
+  ASSERT_EQ(explode(), StepOutcome::unstable);
+  ASSERT_TRUE(s.computing_aside());
+  s.reset();
+  EXPECT_FALSE(s.computing_aside());
+  EXPECT_EQ(s.step(1), 1u);
+  // The control: with nothing in between the failure is found.
+  ASSERT_EQ(explode(), StepOutcome::unstable);
+  s.compute_aside();
+  EXPECT_EQ(s.commit_aside(Session::Output::aloud), StepOutcome::failed);
+  EXPECT_TRUE(s.failure());
+}
+
 TEST(Instability, AWatchThatIsRestoredJudgesAlike) {
   Session s = session(0.001, "rk4");
   s.step(40);
