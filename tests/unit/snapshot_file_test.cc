@@ -74,6 +74,27 @@ TEST(SnapshotFile, HostileStatesAreRefusedOrCanBeStepped) {
   }
 }
 
+// Both solvers keep in the state into how many small steps they divided the last step.
+TEST(SnapshotFile, NoStateAsksForMoreSmallStepsThanTheSolverWouldTake) {
+  const auto plane = std::make_shared<const World>(parse_scene(R"({"systems": [{"type": "rigid2d", "bodies": [
+    {"motion": "fixed", "shapes": [{"type": "box", "half_extents": [5, 0.1, 0]}]}, {"position": [0, 0.5, 0], "shapes": [{"type": "box"}]}]}]})"));
+  WorldState state = plane->initial_state();
+  uint32_t& steps = state.systems[0].span<uint32_t>(state.systems[0].at("small_steps"))[0];
+  steps = 24;
+  EXPECT_NO_THROW(plane->require_state(state)) << "the control: six times the four that a step has";
+  steps = 100'000'000;
+  EXPECT_THROW(plane->require_state(state), Error);
+
+  const auto space = std::make_shared<const World>(parse_scene(R"({"systems": [{"type": "rigid3d", "bodies": [
+    {"type": "plane", "motion": "fixed"}, {"type": "box", "position": [0, 0.5, 0]}]}]})"));
+  state = space->initial_state();
+  state.systems[0].f64(state.systems[0].at("substep"))[0] = 1e-11;
+  Session session(space, kArena, {});
+  session.restore(state);
+  session.step(2);  // would last for hours
+  EXPECT_EQ(session.state().step, 2u);
+}
+
 TEST(SnapshotFile, RowsThatDoNotBelongTogetherAreRefused) {
   const auto world = rope();
   WorldState state = world->initial_state();

@@ -1,6 +1,7 @@
 // What a state from outside may hold: contacts of shapes and hands on bodies that are there.
 #include "engine/systems/rigid2d/columns.h"
 #include "engine/systems/rigid2d/rigid2d.h"
+#include "engine/systems/rigid2d/small_steps.h"
 
 namespace truestep::rigid2d {
 
@@ -21,6 +22,8 @@ void Rigid2d::check(StateCheck& check, double) const {
     for (const uint32_t body : s.span<uint32_t>(column))
       check.require(body < model_.count(), "a hand's body");
   }
+  const auto most = static_cast<uint32_t>(SmallSteps::kMostTimes * settings_.solver_steps);
+  check.require(s.span<uint32_t>(columns::small_steps)[0] <= most, "small_steps");
   for (const uint32_t status : s.span<uint32_t>(columns::status))
     check.require(status <= (kAwake | kPinned | kRemoved), "status");
 }

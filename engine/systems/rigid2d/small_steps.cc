@@ -16,7 +16,6 @@ constexpr double kTooSoft = 1.1, kStiff = 1.4, kMoreThanStiff = 2.2;
 constexpr double kEasyBurden = 4;
 /// Small steps of free fall whose speed is a hit.
 constexpr double kHits = 30;
-constexpr int kMostTimes = 6;
 
 /// integral_0^s of (t (2 - t))^2.
 double squared_tilts(double s) {
@@ -151,7 +150,8 @@ int SmallSteps::wanted(const Model& model, const State& s, const Pairs& pairs, c
     const bool holds = quotient >= kTooSoft && (usual.now == usual.least || quotient < kMoreThanStiff);
     more = std::max(more, holds ? usual.now : usual.now * std::sqrt(kStiff / std::max(quotient, 1e-6)));
   }
-  return std::clamp(static_cast<int>(std::ceil(std::min(more, 1e6))), usual.least, kMostTimes * usual.least);
+  return std::clamp(static_cast<int>(std::ceil(std::min(more, 1e6))), usual.least,
+                    SmallSteps::kMostTimes * usual.least);
 }
 
 }  // namespace truestep::rigid2d

@@ -21,6 +21,7 @@ namespace truestep::rigid2d {
 /// Chooses the small steps of a step from the loads of the last one and from what is about to hit.
 class SmallSteps {
  public:
+  static constexpr int kMostTimes = 6;
   struct Usual {
     int least, now;  ///< small steps that the scene asks for, and of the last step
     double h;        ///< s, of the last step's

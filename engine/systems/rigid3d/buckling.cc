@@ -16,7 +16,6 @@ namespace {
 constexpr double kTallLoad = 10;
 /// Quotient below which substeps are added, that they are added for, and from which on fewer are tried.
 constexpr double kTooSoft = 1.1, kStiff = 1.4, kMoreThanStiff = 2.2;
-constexpr int kMostTimes = 6;
 /// Tilt stiffness of four points, each as stiff as its own reduced mass asks, beside one spring for the tilt:
 /// that of a cube's whole face; half a face has more.
 constexpr double kPoints = 1.5;

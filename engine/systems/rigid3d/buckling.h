@@ -17,6 +17,7 @@ namespace truestep {
 /// Chooses the substeps of a step from the loads of the last one.
 class BucklingWatch {
  public:
+  static constexpr int kMostTimes = 6;
   /// At least settings.substeps, at most kMostTimes as many; `now` is what the last step took.
   int substeps(const State& s, std::span<const BodyKind> kinds, const SolverSettings& settings, int now,
                double h);

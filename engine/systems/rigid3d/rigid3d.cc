@@ -100,6 +100,12 @@ void Rigid3d::push(State& s, const StepInput& in) const {
   collect_forces(s, bodies_.kinds, in.h, scratch(in).change, scratch(in).twist);
 }
 
+int Rigid3d::substeps(const State& s, double h) const {
+  // A state from outside may say anything.
+  const double most = BucklingWatch::kMostTimes * settings_.substeps;
+  return static_cast<int>(std::lround(std::clamp(h / s.f64(columns::substep)[0], 1.0, most)));
+}
+
 void Rigid3d::choose_substeps(State& s, const StepInput& in) const {
   double& substep = s.f64(columns::substep)[0];
   if (!(substep > 0)) {
@@ -107,7 +113,7 @@ void Rigid3d::choose_substeps(State& s, const StepInput& in) const {
     return;
   }
   if (in.step % kStepsPerLook != 1) return;
-  const int now = std::max(1, static_cast<int>(std::lround(in.h / substep)));
+  const int now = substeps(s, in.h);
   const int wanted = scratch(in).buckling.substeps(s, bodies_.kinds, settings_, now, in.h);
   // One at a time: what the springs' stiffness stores changes little by little.
   const int next = std::clamp(wanted, now - 1, now + 1);
@@ -157,7 +163,7 @@ void Rigid3d::solve(State& s, const StepInput& in) const {
   Scratch& scratch = Rigid3d::scratch(in);
   SolverSettings settings = settings_;
   settings.restitution_speed = restitution_speed(load3(s.f64(columns::gravity).data(), 0), in.h);
-  settings.substeps = static_cast<int>(std::lround(in.h / s.f64(columns::substep)[0]));
+  settings.substeps = substeps(s, in.h);
   const auto run = [&](auto& solver) {
     solver.solve(s, bodies_.kinds, joints_, scratch.contacts.all(), scratch.contacts.bodies(),
                  {scratch.change, scratch.twist}, settings, in);

@@ -54,6 +54,7 @@ class Rigid3d final : public StagedSystem {
   };
   static Scratch& scratch(const StepInput& in);
   void push(State& s, const StepInput& in) const;
+  int substeps(const State& s, double h) const;
   void choose_substeps(State& s, const StepInput& in) const;
   void find_contacts(State& s, const StepInput& in) const;
   void solve(State& s, const StepInput& in) const;
