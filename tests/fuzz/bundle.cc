@@ -6,6 +6,7 @@
 #include "engine/base/errors.h"
 #include "engine/scene/admission.h"
 #include "engine/session/bundle.h"
+#include "time_limit.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   using namespace truestep;
@@ -18,6 +19,7 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
     const Cost cost = estimate(require_scene(read_scene(bundle.scene)));
     constexpr uint64_t kMostSteps = 50;
     if (cost.elements > 100 || cost.seconds_per_step > 1e-3 || bundle.end.step > kMostSteps) return 0;
+    const TimeLimit limit;
     replay(bundle, arena);
   } catch (const Error& error) {
     if (error.code().empty() || error.code() == "internal") __builtin_trap();

@@ -9,6 +9,7 @@
 #include "engine/scene/scene.h"
 #include "engine/session/session.h"
 #include "engine/session/snapshot.h"
+#include "time_limit.h"
 
 namespace {
 
@@ -63,6 +64,7 @@ Case make(const char* text) {
 void step(const std::shared_ptr<const World>& world, WorldState state) {
   Session session(world, arena(), {.history_bytes = 0});
   session.restore(std::move(state));
+  const TimeLimit limit;
   session.step(2);
   session.observe();
   write_snapshot(*world, session.state());
@@ -91,7 +93,8 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
     }
     step(c.world, WorldState::deserialize(bytes));
   } catch (const Error& error) {
-    if (error.code() != "bad_snapshot" && error.code() != "instability") __builtin_trap();
+    if (error.code() != "bad_snapshot" && error.code() != "instability" && error.code() != "cancelled")
+      __builtin_trap();
   }
   return 0;
 }
