@@ -41,6 +41,11 @@ struct Frame {
   std::vector<FrameBlock> blocks;  ///< in the order of the request
   Observables observables;         ///< empty unless asked for
 
+  size_t memory_bytes() const {
+    size_t n = sizeof *this;
+    for (const FrameBlock& b : blocks) n += b.data.size() + sizeof b;
+    return n;
+  }
   const FrameBlock* find(const FieldKey& key) const {
     for (const FrameBlock& b : blocks) {
       if (b.key == key) return &b;

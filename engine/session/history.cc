@@ -27,11 +27,11 @@ void History::offer(const WorldState& state, double step_seconds) {
   if (!due(state.step)) return;
   if (!snapshots_.empty() && snapshots_.back().step >= state.step) return;
   const size_t size = state.memory_bytes();
-  if (size > max_bytes_) return;
   WorldState place;
   // Spare memory that does not fit (states with emitters grow) is given back before the past is thinned.
-  while (bytes_ + size > max_bytes_ || !spare_.empty()) {
+  while (!spare_.empty() || !fits(bytes_ + size)) {
     if (spare_.empty()) {
+      if (snapshots_.empty()) return;
       thin_out();
       if (!due(state.step)) return;
       continue;
@@ -39,7 +39,7 @@ void History::offer(const WorldState& state, double step_seconds) {
     place = std::move(spare_.back());
     spare_.pop_back();
     bytes_ -= place.memory_bytes();
-    if (bytes_ + std::max(size, place.memory_bytes()) <= max_bytes_) break;
+    if (fits(bytes_ + std::max(size, place.memory_bytes()))) break;
     place = {};
   }
   place = state;
@@ -81,6 +81,7 @@ void History::clear() {
   snapshots_.clear();
   spare_.clear();
   bytes_ = 0;
+  if (room_) room_(0);
   cadence_ = spacing_ = kLeastCadence;
   step_seconds_ = 0;
 }

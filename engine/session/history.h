@@ -7,6 +7,7 @@
 #pragma once
 #include <algorithm>
 #include <cstdint>
+#include <functional>
 #include <vector>
 
 #include "engine/session/world.h"
@@ -15,7 +16,10 @@ namespace truestep {
 
 class History {
  public:
-  explicit History(size_t max_bytes) : max_bytes_(max_bytes) {}
+  /// Told of the bytes that all snapshots shall take before they are allocated, and when fewer are left:
+  /// false when there is no room for as many. Empty: there always is.
+  using Room = std::function<bool(size_t bytes)>;
+  explicit History(size_t max_bytes, Room room = {}) : max_bytes_(max_bytes), room_(std::move(room)) {}
 
   /// Whether a snapshot is wanted at the end of this step: then the step is timed.
   bool due(uint64_t step) const { return step % std::max(cadence_, spacing_) == 0; }
@@ -39,8 +43,10 @@ class History {
   static constexpr uint64_t kLeastCadence = 16, kMostCadence = 1024;
   void set_cadence(size_t bytes, double step_seconds);
   void thin_out();
+  bool fits(size_t bytes) const { return bytes <= max_bytes_ && (!room_ || room_(bytes)); }
 
   size_t max_bytes_;
+  Room room_;
   size_t bytes_ = 0;                  ///< of `snapshots_` and `spare_`
   uint64_t cadence_ = kLeastCadence;  ///< steps between snapshots that the time allows
   uint64_t spacing_ = kLeastCadence;  ///< ... and that the bound in bytes allows; both powers of two

@@ -135,8 +135,9 @@ Remedies try_remedies(const World& world, const WorldState& before, uint64_t fai
   if (expected) divisions = {std::ceil(dt / *hint), std::ceil(1.1 * dt / *hint)};
   for (double parts = expected ? 4 * divisions[0] : 2; parts <= most; parts *= 4) divisions.push_back(parts);
   for (const double parts : divisions) {
+    if (!(parts <= most)) continue;
     const int64_t finer = static_cast<int64_t>(parts) * substeps;
-    if (parts > most || !trials.holds(finer)) continue;
+    if (!trials.holds(finer)) continue;
     out.dt = expected && parts == divisions[0] ? *hint : dt / parts;
     out.sentences.push_back("a step of at most " + short_number(*out.dt, 2) + " s, or " +
                             std::to_string(finer) + " substeps of the present one" + tried);

@@ -19,7 +19,7 @@ Session::Session(std::shared_ptr<const World> world, std::shared_ptr<const Threa
       arena_(std::move(arena)),
       options_(options),
       state_(world_->initial_state()),
-      history_(options.history_bytes),
+      history_(options.history_bytes, options.history_room),
       series_(world_->scene().header.observables) {
   world_->require_finite_energy(state_);
   if (options_.profiling == SessionOptions::Profiling::on) profiles_.resize(world_->profiled());

@@ -19,6 +19,7 @@ namespace truestep {
 
 struct SessionOptions {
   size_t history_bytes = 32 << 20;  ///< bound of all snapshots kept for seeking
+  History::Room history_room = {};  ///< asked before a snapshot is taken
   size_t journal_entries = 65536;   ///< more commands shorten the past that can be gone back to
   enum class Profiling : uint8_t { off, on } profiling = Profiling::off;
 };
@@ -165,6 +166,8 @@ class Session {
   uint32_t topology_version() const;
   /// Beside the world and the state itself: history, series, journal.
   size_t overhead_bytes() const;
+  /// Of that, the history's: what SessionOptions::history_room was asked for.
+  size_t history_bytes() const { return history_.memory_bytes(); }
   /// Throws away scratch memory; it comes back with the next step.
   void drop_workspace() { workspace_.clear(); }
 

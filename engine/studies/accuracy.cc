@@ -49,12 +49,13 @@ std::string quantity_of(const AccuracyParams& wanted, const System& system) {
 
 // What order and structure promise where nothing could be measured: the best that serves the system, a
 // hundred times finer than asked.
-std::optional<MeasuredMethod> promised(const json::value& document, size_t system, double tolerance) {
+std::optional<MeasuredMethod> promised(const json::value& document, size_t system, double tolerance,
+                                       const StudyContext& context) {
   for (const char* name : {"dop853", "radau5", "dopri5"}) {
     json::value d = document;
     set_integrator(d, system, name);
     try {
-      build_world(d);
+      build_world(d, context);
     } catch (const Error&) {
       continue;
     }
@@ -96,7 +97,7 @@ AccuracyOutcome choose_method(const json::value& original, double budget, StudyC
   document.as_object().erase("accuracy");
   const MethodQuestion question{
       .system = system,
-      .quantity = quantity_of(wanted, build_world(document).system(system)),
+      .quantity = quantity_of(wanted, build_world(document, context).system(system)),
       .tolerance = wanted.tolerance,
       .horizon = std::max(dt, wanted.horizon.value_or(scene.header.time.duration)),
       .budget = budget,
@@ -112,7 +113,7 @@ AccuracyOutcome choose_method(const json::value& original, double budget, StudyC
     if (nearest && nearest->error <= wanted.tolerance) best = *nearest;
   }
   if (!best && answer.out_of_time) {
-    best = promised(document, system, wanted.tolerance);
+    best = promised(document, system, wanted.tolerance, context);
     judged_by = JudgedBy::nothing;
   }
   if (!best) refuse(wanted.tolerance, answer);
@@ -151,11 +152,18 @@ AccuracyOutcome choose_method(const json::value& original, double budget, StudyC
   return out;
 }
 
-SettledScene settle_accuracy(const json::value& document, double budget, const ThreadArena& arena) {
+SettledScene settle_accuracy(const json::value& document, double budget, const ThreadArena& arena,
+                             std::function<void(const Cost&)> admit) {
   SettledScene settled{require_scene(read_scene(document)), {}};
   if (!settled.scene.header.accuracy) return settled;
   const std::atomic<bool> never{false};
   StudyContext context{.arena = arena, .cancelled = never, .progress = [](double, const std::string&) {}};
+  context.admit = std::move(admit);
+  // On a busy machine CPU time comes slowly.
+  constexpr double kPatience = 3;
+  context.deadline =
+      std::chrono::steady_clock::now() + std::chrono::duration_cast<std::chrono::steady_clock::duration>(
+                                             std::chrono::duration<double>(kPatience * budget));
   AccuracyOutcome outcome = choose_method(document, budget, context);
   return {require_scene(read_scene(outcome.scene)), std::move(outcome.report)};
 }

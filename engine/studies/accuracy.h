@@ -27,7 +27,9 @@ struct SettledScene {
 };
 
 /// Reads a document and, when it asks for an accuracy, lets choose_method fill in how. Errors of both. What
-/// only reads scenes (validation, schema) does not come here: choosing takes seconds.
-SettledScene settle_accuracy(const boost::json::value& document, double budget, const ThreadArena& arena);
+/// only reads scenes (validation, schema) does not come here: choosing takes seconds. The clock bounds it,
+/// too, at three times the budget. `admit` (may be empty) throws when a scene of that cost may not be built.
+SettledScene settle_accuracy(const boost::json::value& document, double budget, const ThreadArena& arena,
+                             std::function<void(const Cost&)> admit = {});
 
 }  // namespace truestep

@@ -44,7 +44,7 @@ Run run_side(const json::value& scene, const CrossCheckSide& side, TraceRequest 
   if (!side.engine.empty())
     set_at(d, "/systems/" + std::to_string(request.field.system) + "/engine", json::string(side.engine));
   try {
-    r.trace = trace(build_world(d), request, context);
+    r.trace = trace(build_world(d, context), request, context);
   } catch (const Error& e) {
     if (e.code() != "scene_invalid") throw;
     auto issues = e.issues();
@@ -171,7 +171,7 @@ StudyResult run_cross_check(const json::value& scene, const void* def, StudyCont
   request.field = {system, p.quantity};
   CrossCheckSide side_b = p.b;
   if (says_nothing(p.a) && says_nothing(p.b)) side_b.engine = other_engine(scene, read, system);
-  const World world = build_world(scene);
+  const World world = build_world(scene, context);
   const RigidKind kind = rigid_kind(world.system(system).initial_state());
   const bool poses = kind != RigidKind::none && p.quantity == "state";
   request.observables = statistics(p, world.system(system), kind);

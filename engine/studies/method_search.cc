@@ -66,11 +66,14 @@ class Search {
   }
 
  private:
-  double left() const { return limit_ - (thread_cpu_seconds() - started_); }
+  double left() const {
+    if (std::chrono::steady_clock::now() >= context_.deadline) return 0;
+    return limit_ - (thread_cpu_seconds() - started_);
+  }
 
   // How fast the scene is, how much of its horizon can be measured, and against what.
   void look() {
-    const World own = build_world(document_);
+    const World own = build_world(document_, context_);
     const double built = thread_cpu_seconds() - started_;
     const Scene& scene = own.scene();
     dt_ = scene.header.time.dt;
@@ -101,7 +104,7 @@ class Search {
       set_integrator(d, question_.system, name);
       set_tolerance(d, question_.system, std::max(1e-13, 0.1 * question_.tolerance));
       try {
-        const Trace t = trace(build_world(d), probe, context_);
+        const Trace t = trace(build_world(d, context_), probe, context_);
         if (t.steps > 0) return t.cpu_seconds / static_cast<double>(t.steps);
       } catch (const Error& e) {
         if (e.code() == "cancelled") throw;
@@ -196,7 +199,7 @@ class Search {
   void part(const json::value& d, MeasuredMethod& out) {
     TraceRequest request = request_;
     request.cpu_limit = std::max(left(), 1e-4);
-    const Trace t = trace(build_world(d), request, context_);
+    const Trace t = trace(build_world(d, context_), request, context_);
     out.cpu_seconds = t.cpu_seconds;
     if (t.end == Trace::End::over_budget) answer_.out_of_time = true;
     if (t.end != Trace::End::complete) {

@@ -47,7 +47,7 @@ class Search {
     set_dt(d, dt_ / static_cast<double>(parts));
     if (parts > 1) name += " at dt / " + std::to_string(parts);
     try {
-      Trace t = trace(build_world(d), request, context_);
+      Trace t = trace(build_world(d, context_), request, context_);
       left_ -= t.cpu_seconds;
       if (t.end == Trace::End::over_budget) {
         const uint64_t all = request.steps_per_sample * request.samples;
@@ -101,7 +101,7 @@ ReferenceSearch find_reference(const json::value& document, const TraceRequest& 
   constexpr std::array<std::string_view, 4> kImplicit = {"cvode_bdf", "rodas5p", "sdirk4", "cvode_adams"};
   Search search(document, request, sample_interval / static_cast<double>(request.steps_per_sample), cpu_limit,
                 context);
-  const bool split = steps_matter(build_world(document));
+  const bool split = steps_matter(build_world(document, context));
   const uint64_t fine = split ? 8 : 1, coarse = split ? 4 : 1;
   for (const std::string_view name : effort.stiff ? kStiff : kUsual) {
     const double first = effort.first_tolerance;

@@ -3,6 +3,7 @@
 #include <charconv>
 
 #include "engine/base/errors.h"
+#include "engine/scene/admission.h"
 
 namespace truestep {
 
@@ -67,8 +68,14 @@ void set_tolerance(json::value& document, size_t system, double tolerance) {
   set_at(document, "/systems/" + std::to_string(system) + "/tolerance", tolerance);
 }
 
-World build_world(const json::value& document) {
-  return World(require_scene(read_scene(document)));
+Scene read_variant(const json::value& document, const StudyContext& context) {
+  Scene scene = require_scene(read_scene(document));
+  if (context.admit) context.admit(estimate(scene));
+  return scene;
+}
+
+World build_world(const json::value& document, const StudyContext& context) {
+  return World(read_variant(document, context));
 }
 
 size_t studied_system(const Scene& scene, std::string_view id) {

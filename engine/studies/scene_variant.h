@@ -5,6 +5,7 @@
 #include <string_view>
 
 #include "engine/session/world.h"
+#include "engine/studies/study.h"
 
 namespace truestep {
 
@@ -19,8 +20,10 @@ void set_integrator(boost::json::value& document, size_t system, std::string_vie
 /// Error bound of that system's adaptive method: relative, and absolute in the units of its columns.
 void set_tolerance(boost::json::value& document, size_t system, double tolerance);
 
-/// World of a document; Error "scene_invalid".
-World build_world(const boost::json::value& document);
+/// Scene of a document; Error "scene_invalid", or what the study's context throws at its cost.
+Scene read_variant(const boost::json::value& document, const StudyContext& context);
+/// World of a document; the same errors.
+World build_world(const boost::json::value& document, const StudyContext& context);
 
 /// Number of the system a study is about: the one named `id`, or the first that takes an integrator when the
 /// id is empty. Error "scene_invalid" with pointer "/system".

@@ -227,7 +227,7 @@ class BorderSearch {
   }
   // The reference motion: the scene's own method at its own step.
   void follow(const std::vector<double>& start) {
-    const World world = build_world(scene_);
+    const World world = build_world(scene_, context_);
     WorldState state = world.initial_state();
     Workspace workspace;
     double most = 0;
@@ -300,7 +300,7 @@ StudyResult run_stability(const json::value& scene, const void* def, StudyContex
   const auto& p = *static_cast<const StabilityParams*>(def);
   const Scene read = require_scene(read_scene(scene));
   const size_t system = studied_system(read, p.system);
-  const World world = build_world(scene);
+  const World world = build_world(scene, context);
   const auto* forces = dynamic_cast<const ForceSystem*>(&world.system(system));
   if (!forces) {
     throw Error("scene_invalid", "the system has no force field",

@@ -4,6 +4,7 @@
 #pragma once
 #include <atomic>
 #include <boost/json.hpp>
+#include <chrono>
 #include <functional>
 #include <memory>
 #include <span>
@@ -12,6 +13,7 @@
 #include <vector>
 
 #include "engine/base/parallel.h"
+#include "engine/core/build.h"
 #include "engine/core/def.h"
 #include "engine/studies/study_result.h"
 
@@ -26,6 +28,11 @@ struct StudyContext {
   std::vector<boost::json::object> finished_rows = {};
   /// Sweeps: called once per finished case, from any thread, one call at a time.
   std::function<void(const boost::json::object& row)> row_finished = {};
+  /// Throws when a scene of this cost may not be built; called before that, from any thread, for every
+  /// variant.
+  std::function<void(const Cost&)> admit = {};
+  /// Runs are given up as over budget when it has come.
+  std::chrono::steady_clock::time_point deadline = std::chrono::steady_clock::time_point::max();
 
   /// Error "cancelled" when somebody asked to stop.
   void check() const;

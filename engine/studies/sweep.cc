@@ -81,7 +81,7 @@ json::object run_case(const json::value& scene, const SweepParams& p, size_t num
   }
   std::string status = "ok";
   try {
-    Scene read = require_scene(read_scene(d));
+    Scene read = read_variant(d, context);
     read.header.expect.clear();
     for (const std::string& q : p.measure) {
       ExpectParams e;

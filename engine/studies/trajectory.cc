@@ -90,7 +90,7 @@ Trace trace(const World& world, const TraceRequest& request, const StudyContext&
       out.cpu_seconds += took;
       out.steps = state.step;
       if (out.end == Trace::End::unstable) return out;
-      if (out.cpu_seconds > request.cpu_limit) {
+      if (out.cpu_seconds > request.cpu_limit || std::chrono::steady_clock::now() >= context.deadline) {
         out.end = Trace::End::over_budget;
         out.detail = "the run took longer than its share of the time budget";
         return out;

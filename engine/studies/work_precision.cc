@@ -71,7 +71,7 @@ class Measurer {
     context_.progress(0, "reference");
     const double started = thread_cpu_seconds();
     const auto names = methods(params_);
-    out_.steps_matter = steps_matter(build_world(scene_));
+    out_.steps_matter = steps_matter(build_world(scene_, context_));
     if (!params_.horizon) cover(affordable(names.size()));
     find_reference_or_shorten();
     for (size_t i = 0; i < names.size(); ++i) {
@@ -114,7 +114,7 @@ class Measurer {
     probe.cpu_limit = kProbe * params_.budget;
     json::value d = scene_;
     set_dt(d, scene_dt_);
-    const Trace own = trace(build_world(d), probe, context_);
+    const Trace own = trace(build_world(d, context_), probe, context_);
     if (own.end != Trace::End::over_budget) return out_.duration;
     const double per_step = own.cpu_seconds / static_cast<double>(own.steps);
     const double share = 0.5 * params_.budget / static_cast<double>(methods);
@@ -192,7 +192,7 @@ class Measurer {
     std::vector<double> times;
     request_.cpu_limit = share - spent;
     try {
-      const World world = build_world(d);
+      const World world = build_world(d, context_);
       Trace t;
       // Short runs are repeated more often: a clock's own noise is some microseconds.
       double total = 0;

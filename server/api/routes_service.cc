@@ -47,6 +47,8 @@ std::string metrics_text(App& app) {
   gauge("truestep_state_bytes", "bytes of all states", static_cast<double>(state));
   gauge("truestep_session_overhead_bytes", "bytes of histories, series and journals",
         static_cast<double>(overhead));
+  gauge("truestep_memory_leased_bytes", "bytes of memory that are spoken for", app.memory.used());
+  gauge("truestep_memory_limit_bytes", "bytes of memory that may be", app.memory.limit());
   counter("truestep_steps_total", "steps done", static_cast<double>(app.runner.steps_done()));
   gauge("truestep_frames_built", "frames built by the sessions that exist", static_cast<double>(frames));
   counter("truestep_stream_frames_total", "frames sent to streams",

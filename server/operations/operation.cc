@@ -30,7 +30,8 @@ void Operation::cancel() {
   changed.notify();
 }
 
-void Operation::run(const ThreadArena& arena, std::vector<boost::json::object> earlier) {
+void Operation::run(const ThreadArena& arena, std::vector<boost::json::object> earlier,
+                    std::function<void(const Cost&)> admit) {
   {
     const std::lock_guard lock(mutex_);
     if (view_.ended()) return;
@@ -53,6 +54,7 @@ void Operation::run(const ThreadArena& arena, std::vector<boost::json::object> e
         changed.notify();
       }};
   context.finished_rows = std::move(earlier);
+  context.admit = std::move(admit);
   context.row_finished = [this](const boost::json::object& row) {
     const std::lock_guard lock(mutex_);
     rows_.push_back(row);

@@ -48,7 +48,8 @@ class Operation {
   /// Asks the work to stop; one that still waits ends at once.
   void cancel();
   /// Does the work in the calling thread. `earlier` are rows of an interrupted sweep.
-  void run(const ThreadArena& arena, std::vector<boost::json::object> earlier);
+  void run(const ThreadArena& arena, std::vector<boost::json::object> earlier,
+           std::function<void(const Cost&)> admit);
 
  private:
   void end(OperationStatus status, std::optional<Error> error, std::shared_ptr<const StudyResult> result);

@@ -49,7 +49,13 @@ OperationPtr OperationStore::start(StudyRequest request, const std::string& requ
   }
   const auto held = std::make_shared<MemoryBudget::Lease>(std::move(lease));
   boost::asio::post(thread_, [this, operation, held, earlier = std::move(earlier)]() mutable {
-    operation->run(arena_, std::move(earlier));
+    std::mutex several;  // cases of a sweep come from several threads
+    operation->run(arena_, std::move(earlier), [&](const Cost& variant) {
+      require_admission(variant, limits_.per_run);
+      const std::lock_guard lock(several);
+      held->require(std::max(held->bytes(), kCopies * (variant.state_bytes + variant.workspace_bytes)),
+                    "a variant of the scene");
+    });
   });
   return operation;
 }

@@ -4,6 +4,7 @@
 #include <atomic>
 #include <boost/json.hpp>
 #include <chrono>
+#include <cmath>
 #include <map>
 #include <memory>
 #include <mutex>
@@ -41,10 +42,14 @@ struct Snapshot {
 
 struct SessionEntry {
   SessionEntry(std::string id, std::shared_ptr<const World> world, std::shared_ptr<const ThreadArena> arena,
-               MemoryBudget::Lease lease)
+               MemoryBudget& budget, MemoryBudget::Lease lease)
       : id(std::move(id)),
         lease(std::move(lease)),
-        session(std::move(world), std::move(arena), {.profiling = SessionOptions::Profiling::on}) {}
+        past(budget.lease(0, "the past")),
+        kept(budget.lease(0, "what is kept")),
+        session(std::move(world), std::move(arena),
+                {.history_room = [this](size_t bytes) { return past.resize(static_cast<double>(bytes)); },
+                 .profiling = SessionOptions::Profiling::on}) {}
 
   const std::string id;
   std::string owner;                ///< name of the key that made it; set before anybody can find it
@@ -59,6 +64,8 @@ struct SessionEntry {
   net::Signal changed;               ///< notified with `version`
 
   std::mutex mutex;
+  MemoryBudget::Lease past;  ///< of the snapshots for going back: without room there are fewer
+  MemoryBudget::Lease kept;  ///< of journal, series and frames, which is what it is
   Session session;
   std::map<std::string, std::shared_ptr<const Snapshot>> snapshots;
   std::shared_ptr<PollSink> poll;            ///< keeps frames for clients that poll
@@ -72,6 +79,13 @@ struct SessionEntry {
   double estimated_step = 0;  ///< s, before the first has been measured
 
   void touch() { last_used.store(Clock::now().time_since_epoch().count(), std::memory_order_relaxed); }
+  /// Tells the budget what is kept, under the lock.
+  void count_memory() {
+    constexpr double kWorthAWord = 64 << 10;
+    const double now = static_cast<double>(session.overhead_bytes() - session.history_bytes() +
+                                           (poll ? poll->memory_bytes() : 0) + encoded.memory_bytes());
+    if (std::abs(now - kept.bytes()) > kWorthAWord) kept.count(now);
+  }
   /// To be called after every change, with or without the lock.
   void publish() {
     version.fetch_add(1, std::memory_order_release);

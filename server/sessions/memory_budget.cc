@@ -27,6 +27,19 @@ bool MemoryBudget::Lease::resize(double bytes) {
   return true;
 }
 
+void MemoryBudget::Lease::require(double bytes, const std::string& what) {
+  if (!resize(bytes)) budget_->refuse(bytes, what);
+}
+
+void MemoryBudget::Lease::count(double bytes) {
+  if (!budget_) return;
+  {
+    const std::lock_guard lock(budget_->mutex_);
+    budget_->used_ += bytes - bytes_;
+  }
+  bytes_ = bytes;
+}
+
 bool MemoryBudget::take(double more) {
   const std::lock_guard lock(mutex_);
   // Written so that a NaN is refused.
@@ -41,10 +54,14 @@ double MemoryBudget::used() const {
 }
 
 MemoryBudget::Lease MemoryBudget::lease(double bytes, const std::string& what) {
-  if (std::isfinite(bytes) && take(bytes)) return {*this, bytes};
+  if (!std::isfinite(bytes) || !take(bytes)) refuse(bytes, what);
+  return {*this, bytes};
+}
+
+void MemoryBudget::refuse(double bytes, const std::string& what) const {
   throw Error("quota_exceeded", what + " needs " + short_number(bytes / 1e6, 3) + " MB, and of the " +
                                     short_number(limit_ / 1e6, 3) + " MB of this server " +
-                                    short_number((limit_ - used()) / 1e6, 3) + " MB are free");
+                                    short_number(std::max(0.0, limit_ - used()) / 1e6, 3) + " MB are free");
 }
 
 }  // namespace truestep

@@ -22,6 +22,10 @@ class MemoryBudget {
     double bytes() const { return bytes_; }
     /// False, and nothing changed, when there is no room for more.
     bool resize(double bytes);
+    /// The same or Error "quota_exceeded", naming `what`.
+    void require(double bytes, const std::string& what);
+    /// Counts what is there already, room or not.
+    void count(double bytes);
 
    private:
     friend class MemoryBudget;
@@ -37,6 +41,7 @@ class MemoryBudget {
 
  private:
   bool take(double more);
+  [[noreturn]] void refuse(double bytes, const std::string& what) const;
   const double limit_;
   mutable std::mutex mutex_;
   double used_ = 0;

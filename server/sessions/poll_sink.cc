@@ -2,19 +2,11 @@
 
 namespace truestep {
 
-namespace {
-size_t size_of(const Frame& f) {
-  size_t n = sizeof(Frame);
-  for (const FrameBlock& b : f.blocks) n += b.data.size() + sizeof b;
-  return n;
-}
-}  // namespace
-
 void PollSink::accept(const FramePtr& frame) {
   frames_.push_back(frame);
-  bytes_ += size_of(*frame);
+  bytes_ += frame->memory_bytes();
   while (bytes_ > max_bytes_ && frames_.size() > 1) {
-    bytes_ -= size_of(*frames_.front());
+    bytes_ -= frames_.front()->memory_bytes();
     frames_.pop_front();
     ++dropped_;
   }

@@ -25,6 +25,7 @@ class PollSink : public Sink {
   std::vector<FramePtr> after(uint64_t after, size_t limit) const;
   /// Frames that were let go because of the bound.
   uint64_t dropped() const { return dropped_; }
+  size_t memory_bytes() const { return bytes_; }
   void touch() { last_poll_ = std::chrono::steady_clock::now(); }
   bool expired() const { return std::chrono::steady_clock::now() - last_poll_ > std::chrono::seconds(30); }
 

@@ -89,16 +89,24 @@ EntryPtr SessionStore::build(Creation& creation, SceneDraft draft, Accuracy accu
   require_admission(draft.cost, limits_.per_session);
   // A scene that asks for accuracy has a companion as large as itself.
   const double copies = asked.header.accuracy ? 2 : 1;
-  auto lease = budget_.lease(copies * (draft.cost.state_bytes + draft.cost.workspace_bytes), "this scene");
+  // The state twice: slow steps are computed beside it.
+  const auto bytes = [&](const Cost& c) { return copies * (2 * c.state_bytes + c.workspace_bytes); };
+  auto lease = budget_.lease(bytes(draft.cost), "this scene");
+  const auto admit = [&](const Cost& c) {
+    require_admission(c, limits_.per_session);
+    lease.require(std::max(lease.bytes(), bytes(c)), "measuring this scene");
+  };
   creation.stage = "measuring";
   SettledScene settled = accuracy == Accuracy::chosen
                              ? SettledScene{std::move(asked), {}}
-                             : settle_accuracy(draft.document, limits_.accuracy_seconds, *arena_);
+                             : settle_accuracy(draft.document, limits_.accuracy_seconds, *arena_, admit);
   creation.stage = "building";
   auto world = std::make_shared<const World>(std::move(settled.scene));
   require_admission(world->cost(world->initial_state()), limits_.per_session);
+  if (world->scene().header.accuracy) lease.require(bytes(estimate(world->scene())), "this scene");
   interruption_point();
-  auto entry = std::make_shared<SessionEntry>(creation.id, std::move(world), arena_, std::move(lease));
+  auto entry =
+      std::make_shared<SessionEntry>(creation.id, std::move(world), arena_, budget_, std::move(lease));
   entry->owner = creation.owner;
   entry->scene_hash = creation.scene_hash;
   entry->accuracy = std::move(settled.report);

@@ -29,6 +29,13 @@ class EncodedFrames {
     encodings_.emplace_back(fields, encode_blocks(*frame, fields));
     return {encodings_.back().second, nullptr};
   }
+  /// What is kept, about: a coder holds the frames that its clients have.
+  size_t memory_bytes() const {
+    size_t n = 0;
+    for (const auto& [fields, bytes] : encodings_) n += bytes->size();
+    if (frame_) n += (1 + coders_.size()) * frame_->memory_bytes();
+    return n;
+  }
   /// Lets go of the frames' memory; clients get key frames next.
   void clear() {
     frame_.reset();

@@ -36,7 +36,7 @@ struct Plan : testing::Test {
     json::value d = scene;
     d.as_object().erase("accuracy");
     const double begin = thread_cpu_seconds();
-    const World world = build_world(d);
+    const World world = build_world(d, context);
     const auto steps = static_cast<size_t>(std::llround(world.scene().header.time.duration / world.dt()));
     trace(world, {.field = {0, "state"}, .samples = steps}, context);
     return thread_cpu_seconds() - begin;
@@ -81,7 +81,7 @@ TEST_F(Plan, AnEquationWithoutAPlotIsAsAccurateAsWasAsked) {
   const auto end = [&](json::value d, const char* method, double tolerance) {
     d.as_object().erase("accuracy");
     if (method) set_integrator(d, 0, method), set_tolerance(d, 0, tolerance);
-    return trace(build_world(d), {.field = {0, "state"}, .samples = 500}, context).values.back();
+    return trace(build_world(d, context), {.field = {0, "state"}, .samples = 500}, context).values.back();
   };
   const auto exact = end(out.scene, "dop853", 1e-12);
   EXPECT_LT(relative_error(end(out.scene, nullptr, 0), exact), 1e-6);

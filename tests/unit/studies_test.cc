@@ -231,7 +231,7 @@ TEST_F(Study, StabilityOfALargeSceneEndsWithinItsBudget) {
 }
 
 Spectrum spectrum_of(const char* scene) {
-  const World world = build_world(parse_json(scene));
+  const World world(parse_scene(scene));
   const auto& forces = dynamic_cast<const ForceSystem&>(world.system(0));
   return estimate_spectrum(forces.force_field(), world.initial_state().systems[0], 0);
 }
@@ -316,7 +316,7 @@ double oscillator_end() {
 TEST_F(Study, AccuracyIsReachedByWhatWasChosen) {
   for (const double tolerance : {1e-3, 1e-6, 1e-9}) {
     const AccuracyOutcome chosen = choose_method(accurate(tolerance), 3, context);
-    const World world = build_world(chosen.scene);
+    const World world = build_world(chosen.scene, context);
     WorldState state = world.initial_state();
     Workspace workspace;
     while (state.step < 200) world.step(state, workspace, arena, {});
@@ -343,7 +343,8 @@ TEST_F(Study, AccuracyThatNothingReachesIsRefusedWithWhatIsReachable) {
 }
 
 TEST_F(Study, EstimateSurvivesASnapshotAndCostsNothingWhereNobodyAsks) {
-  const World plain = build_world(parse_json(kOscillator)), world = build_world(accurate(1e-4));
+  const World plain = build_world(parse_json(kOscillator), context),
+              world = build_world(accurate(1e-4), context);
   EXPECT_FALSE(plain.observe(plain.initial_state()).find("error.estimate"));
   EXPECT_TRUE(plain.initial_state().finer.empty());
   WorldState a = world.initial_state();

@@ -139,9 +139,9 @@ Cost ode_cost(const void* def) {
   }
   const double work = operations(d.equations) + operations(d.second);
   Cost c;
-  c.state_bytes = 16 * n + 24 * points + 24 * d.trail.value_or(400) + 2000;
+  c.state_bytes = 16 * n + 24 * points + 24 * d.trail.value_or(400) + 5e3;
   // Programs and stages; an implicit method's matrix is dense below 100 states and sparse above.
-  c.workspace_bytes = 200 * work + 8 * (30 * n + std::min(n, 100.0) * n) + 24 * points;
+  c.workspace_bytes = 240 * work + 8 * (30 * n + std::min(n, 100.0) * n) + 24 * points;
   c.elements = n + points;
   // Some 30 right-hand sides a step, 1 ns an operation; 4 stages of a tracer, 3 ns an operation and point.
   c.seconds_per_step = 1e-6 + 30e-9 * work + 4 * 1e-9 * tracer_operations * points;

@@ -326,8 +326,9 @@ Cost particles_cost(const void* def) {
   const auto n = static_cast<double>(largest_count(d));
   Cost c;
   c.state_bytes = n * 80 + static_cast<double>(d.springs.size()) * 32;
-  // Two accelerations or velocities, and the step's start where there are contacts.
-  c.workspace_bytes = n * (d.colliders.empty() ? 48 : 96);
+  // Two accelerations or velocities, and the step's start where there are contacts; what expressions compute
+  // in.
+  c.workspace_bytes = n * ((d.colliders.empty() ? 70 : 120) + (d.expression ? 80 : 0));
   c.elements = n + static_cast<double>(d.springs.size());
   const double pairs = d.pair_forces.empty() ? 0
                                              : 5e-7 + 1e-8 * expected_neighbours(d, n) *

@@ -256,7 +256,7 @@ Cost rigid2d_cost(const void* def) {
   // Measured on a pyramid of 5,050 boxes and a grid of 19,800 joints at four small steps.
   const double steps = static_cast<double>(d.solver_steps) / 4;
   return {.state_bytes = 400 * n.bodies + 120 * n.shapes + 60 * n.joints,
-          .workspace_bytes = 400 * n.bodies + 1500 * n.shapes + 400 * n.joints,
+          .workspace_bytes = 400 * n.bodies + 300 * n.shapes + 1200 * n.moving_shapes + 900 * n.joints,
           .elements = n.bodies + n.shapes + n.joints,
           .seconds_per_step = 1e-7 * n.bodies + (3e-7 + 5e-7 * steps) * n.shapes + 2e-7 * steps * n.joints};
 }

@@ -227,19 +227,22 @@ double shapes_of(const BodyDef& b) {
 struct CountGenerated {
   Counts operator()(const GridDef& d) const {
     const double n = static_cast<double>(d.nx) * static_cast<double>(d.ny);
-    return {n, n * shapes_of(d.body), d.joined ? 2 * n : 0};
+    const double shapes = n * shapes_of(d.body);
+    return {n, shapes, d.joined ? 2 * n : 0, shapes};
   }
   Counts operator()(const PyramidDef& d) const {
     const auto b = static_cast<double>(d.base);
-    return {b * (b + 1) / 2, b * (b + 1) / 2 * shapes_of(d.body), 0};
+    const double n = b * (b + 1) / 2, shapes = n * shapes_of(d.body);
+    return {n, shapes, 0, shapes};
   }
   Counts operator()(const WallDef& d) const {
     const double n = static_cast<double>(d.nx) * static_cast<double>(d.ny);
-    return {n, n * shapes_of(d.body), 0};
+    const double shapes = n * shapes_of(d.body);
+    return {n, shapes, 0, shapes};
   }
   Counts operator()(const BodyChainDef& d) const {
     const auto n = static_cast<double>(d.links);
-    return {n, n, n + 1};
+    return {n, n, n + 1, n};
   }
 };
 
@@ -260,10 +263,14 @@ void check(const Rigid2dDef& d, const DefTable::Report& report) {
 
 Counts counts(const Rigid2dDef& def) {
   Counts total;
-  for (const BodyDef& b : def.bodies) total.bodies += 1, total.shapes += shapes_of(b);
+  for (const BodyDef& b : def.bodies) {
+    total.bodies += 1, total.shapes += shapes_of(b);
+    if (b.motion == Motion::dynamic) total.moving_shapes += shapes_of(b);
+  }
   for (const GeneratorDef& g : def.generators) {
     const Counts c = std::visit(CountGenerated{}, g);
     total.bodies += c.bodies, total.shapes += c.shapes, total.joints += c.joints;
+    total.moving_shapes += c.moving_shapes;
   }
   total.joints += static_cast<double>(def.joints.size());
   return total;

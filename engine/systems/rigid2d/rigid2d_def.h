@@ -150,6 +150,7 @@ const Outputs& rigid2d_outputs();
 /// Bodies and joints that the generators bring, without the listed ones.
 struct Counts {
   double bodies = 0, shapes = 0, joints = 0;
+  double moving_shapes = 0;  ///< of the shapes
 };
 Counts counts(const Rigid2dDef& def);
 

@@ -364,15 +364,27 @@ std::unique_ptr<const System> build_rigid3d(const void* def, const BuildContext&
 
 Cost rigid3d_cost(const void* def) {
   const auto& d = *static_cast<const Rigid3dDef*>(def);
-  double n = 0;
-  for (const AnyBodyDef& b : d.bodies) n += body_count(common(b));
-  // Some four contacts per body, as in a heap.
-  double joints = 0;
-  for (const AnyJointDef& j : d.joints) joints += static_cast<double>(joint_count(j));
-  const double contacts = 4 * n, wide = d.precision == Rigid3dDef::Precision::f64 ? 2 : 1;
+  double n = 0, moving = 0, heaped = 0;
+  for (const AnyBodyDef& b : d.bodies) {
+    n += body_count(common(b));
+    if (common(b).motion != BodyDef::Motion::dynamic) continue;
+    moving += body_count(common(b));
+    const auto& copies = common(b).copies;
+    if (copies && std::ranges::count_if(copies->count, [](int64_t k) { return k > 1; }) >= 2)
+      heaped += body_count(common(b));
+  }
+  double joints = 0, joint_bytes = d.joints.empty() ? 0 : 10e3;
+  for (const AnyJointDef& j : d.joints) {
+    const auto count = static_cast<double>(joint_count(j));
+    // What limits and drives of the others take.
+    joints += count, joint_bytes += count * (std::holds_alternative<BallJointDef>(j) ? 1000 : 5000);
+  }
+  // Measured in stacks and in heaps; what is joined touches less.
+  const double contacts = std::max(2.8 * (moving - joints), 1.5 * moving) + heaped;
+  const double wide = d.precision == Rigid3dDef::Precision::f64 ? 2 : 1;
   Cost c;
-  c.state_bytes = 150 * n + 180 * contacts + 160 * joints;
-  c.workspace_bytes = 700 * n + 1200 * contacts + 1500 * joints;
+  c.state_bytes = 150 * n + 180 * contacts;
+  c.workspace_bytes = 900 * n + 1200 * contacts + joint_bytes;
   c.elements = n;
   const double parts = wide * static_cast<double>(d.substeps);
   c.seconds_per_step = n * 2e-7 + contacts * (3e-7 + 3e-8 * parts) + joints * (2e-7 + 2e-7 * parts);
