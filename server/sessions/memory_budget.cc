@@ -21,7 +21,9 @@ MemoryBudget::Lease::~Lease() {
   if (budget_) budget_->take(-bytes_);
 }
 
+// Whole bytes: sums of them are exact, and what is taken is given back to the last one.
 bool MemoryBudget::Lease::resize(double bytes) {
+  bytes = std::ceil(bytes);
   if (!budget_ || !budget_->take(bytes - bytes_)) return !budget_;
   bytes_ = bytes;
   return true;
@@ -33,6 +35,7 @@ void MemoryBudget::Lease::require(double bytes, const std::string& what) {
 
 void MemoryBudget::Lease::count(double bytes) {
   if (!budget_) return;
+  bytes = std::ceil(bytes);
   {
     const std::lock_guard lock(budget_->mutex_);
     budget_->used_ += bytes - bytes_;
@@ -54,6 +57,7 @@ double MemoryBudget::used() const {
 }
 
 MemoryBudget::Lease MemoryBudget::lease(double bytes, const std::string& what) {
+  bytes = std::ceil(bytes);
   if (!std::isfinite(bytes) || !take(bytes)) refuse(bytes, what);
   return {*this, bytes};
 }
