@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -22,8 +23,13 @@ struct FieldKey {
 /// What a sink wants in its frames.
 struct FrameRequest {
   std::vector<FieldKey> fields;  ///< sorted, unique
-  enum class Extras : uint8_t { none, observables } extras = Extras::none;
+  /// What costs something and is there only where asked for; a set of bits.
+  enum class Extras : uint8_t { none = 0, observables = 1, state_hash = 2 } extras = Extras::none;
+  bool wants(Extras what) const { return (static_cast<uint8_t>(extras) & static_cast<uint8_t>(what)) != 0; }
 };
+constexpr FrameRequest::Extras operator|(FrameRequest::Extras a, FrameRequest::Extras b) {
+  return static_cast<FrameRequest::Extras>(static_cast<uint8_t>(a) | static_cast<uint8_t>(b));
+}
 
 struct FrameBlock {
   FieldKey key;
@@ -34,9 +40,9 @@ struct FrameBlock {
 
 struct Frame {
   uint64_t step = 0;
-  double time = 0;   ///< s
-  double alpha = 0;  ///< interpolation factor of the accumulator
-  uint64_t state_hash = 0;
+  double time = 0;                     ///< s
+  double alpha = 0;                    ///< interpolation factor of the accumulator
+  std::optional<uint64_t> state_hash;  ///< when asked for
   uint32_t topology_version = 1;
   std::vector<FrameBlock> blocks;  ///< in the order of the request
   Observables observables;         ///< empty unless asked for

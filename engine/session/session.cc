@@ -22,7 +22,6 @@ Session::Session(std::shared_ptr<const World> world, std::shared_ptr<const Threa
       history_(options.history_bytes, options.history_room),
       series_(world_->scene().header.observables) {
   world_->require_finite_energy(state_);
-  if (options_.profiling == SessionOptions::Profiling::on) profiles_.resize(world_->profiled());
   record_series();
 }
 
@@ -167,7 +166,7 @@ void Session::after_step(Output output) {
     due_.push_back(sink);
     const FrameRequest& r = sink->request();
     wanted.fields.insert(wanted.fields.end(), r.fields.begin(), r.fields.end());
-    if (r.extras == FrameRequest::Extras::observables) wanted.extras = r.extras;
+    wanted.extras = wanted.extras | r.extras;
   }
   if (due_.empty()) return;
   std::sort(wanted.fields.begin(), wanted.fields.end());
@@ -436,7 +435,7 @@ FramePtr Session::build_frame(const WorldState& state, double alpha, const Frame
   out->step = state.step;
   out->time = static_cast<double>(state.step) * world_->dt();
   out->alpha = alpha;
-  out->state_hash = state.hash();
+  if (request.wants(FrameRequest::Extras::state_hash)) out->state_hash = state.hash();
   out->topology_version = topology_version();
   std::vector<double> scratch;
   for (const FieldKey& key : request.fields) {
@@ -457,7 +456,7 @@ FramePtr Session::build_frame(const WorldState& state, double alpha, const Frame
       throw Error("bad_request", "this field cannot be given as " + std::string(scalar_name(key.type)));
     }
   }
-  if (request.extras == FrameRequest::Extras::observables) out->observables = world_->observe(state);
+  if (request.wants(FrameRequest::Extras::observables)) out->observables = world_->observe(state);
   ++frames_built_;
   return out;
 }

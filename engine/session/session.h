@@ -21,7 +21,6 @@ struct SessionOptions {
   size_t history_bytes = 32 << 20;  ///< bound of all snapshots kept for seeking
   History::Room history_room = {};  ///< asked before a snapshot is taken
   size_t journal_entries = 65536;   ///< more commands shorten the past that can be gone back to
-  enum class Profiling : uint8_t { off, on } profiling = Profiling::off;
 };
 
 /// A command as it was carried out: before the step from `step` to `step + 1`, in the order of `sequence`.
@@ -162,6 +161,12 @@ class Session {
   /// Kept when the scene names observables.
   const Series& series() const { return series_; }
   const std::optional<Failure>& failure() const { return failure_; }
+  /// Where the time of steps goes, from now on; the clock is looked at in every pass.
+  void start_profiling() {
+    if (profiles_.empty()) profiles_.resize(world_->profiled());
+  }
+  void stop_profiling() { profiles_.clear(); }
+  /// Empty unless it was started.
   std::span<const Profile> profiles() const { return profiles_; }
   uint32_t topology_version() const;
   /// Beside the world and the state itself: history, series, journal.

@@ -76,9 +76,9 @@ Response latest_frame(SessionEntry& e, const Request& request, Media media) {
     return Response::shared(c.body, c.content_type, c.etag);
   }
   const auto fields = fields_of(request, e.session.world(), media);
-  const FramePtr frame = e.session.frame(request_for(fields, FrameRequest::Extras::none));
+  const FramePtr frame = e.session.frame(request_for(fields, FrameRequest::Extras::state_hash));
   c = {key, version, std::make_shared<const std::string>(encode(*frame, fields, media)), media_type(media),
-       '"' + hex64(frame->state_hash) + '-' + std::to_string(frame->step) + '"'};
+       '"' + hex64(frame->state_hash.value()) + '-' + std::to_string(frame->step) + '"'};
   return Response::shared(c.body, c.content_type, c.etag);
 }
 
@@ -109,7 +109,7 @@ asio::awaitable<Response> frame_at(App& app, const Request& request) {
     FramePtr frame;
     {
       const std::lock_guard lock(entry->mutex);
-      frame = entry->session.frame_of(state, request_for(fields, FrameRequest::Extras::none));
+      frame = entry->session.frame_of(state, request_for(fields, FrameRequest::Extras::state_hash));
     }
     return Response::text(encode(*frame, fields, media), media_type(media));
   };
@@ -130,7 +130,7 @@ asio::awaitable<Response> poll(App& app, const Request& request) {
     const uint64_t seen = entry->changed.version();
     Response response = co_await with_session(app, entry, [&](SessionEntry& e) {
       const auto fields = fields_of(request, e.session.world(), media);
-      const FrameRequest wanted = request_for(fields, FrameRequest::Extras::none);
+      const FrameRequest wanted = request_for(fields, FrameRequest::Extras::state_hash);
       // The first poll makes the session keep frames for the next ones.
       if (!e.poll || e.poll->expired() || e.poll->request().fields != wanted.fields) {
         if (e.poll) e.session.remove_sink(e.poll.get());

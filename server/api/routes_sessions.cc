@@ -211,6 +211,7 @@ void add_session_routes(net::Router& router, App& app) {
              "Passes of a step with their share of time, and what was skipped and why",
              [&app](const Request& r) {
                return with_session(app, session_of(app, r), [](SessionEntry& e) {
+                 e.profile_for(std::chrono::seconds(60));
                  return json_response(
                      json::object{{"passes", describe_plan(e.session.world(), e.session.profiles())}});
                });

@@ -48,8 +48,7 @@ struct SessionEntry {
         past(budget.lease(0, "the past")),
         kept(budget.lease(0, "what is kept")),
         session(std::move(world), std::move(arena),
-                {.history_room = [this](size_t bytes) { return past.resize(static_cast<double>(bytes)); },
-                 .profiling = SessionOptions::Profiling::on}) {}
+                {.history_room = [this](size_t bytes) { return past.resize(static_cast<double>(bytes)); }}) {}
 
   const std::string id;
   std::string owner;                ///< name of the key that made it; set before anybody can find it
@@ -75,12 +74,20 @@ struct SessionEntry {
 
   // The runner's.
   JobQueue jobs;
-  Interrupt interrupt;        ///< of the step in progress; raised under the lock or by the watch
+  Interrupt interrupt;  ///< of the step in progress; raised under the lock or by the watch
+  Clock::time_point profiled_until;
   double estimated_step = 0;  ///< s, before the first has been measured
 
   void touch() { last_used.store(Clock::now().time_since_epoch().count(), std::memory_order_relaxed); }
-  /// Tells the budget what is kept, under the lock.
-  void count_memory() {
+  /// Profiles for as long as somebody asks every now and then; under the lock, between steps.
+  void profile_for(std::chrono::seconds time) {
+    profiled_until = Clock::now() + time;
+    if (!session.computing_aside()) session.start_profiling();
+  }
+  /// After some steps, under the lock: tells the budget what is kept and ends what nobody asks for any more.
+  void settle() {
+    if (!session.profiles().empty() && Clock::now() > profiled_until) session.stop_profiling();
+
     constexpr double kWorthAWord = 64 << 10;
     const double now = static_cast<double>(session.overhead_bytes() - session.history_bytes() +
                                            (poll ? poll->memory_bytes() : 0) + encoded.memory_bytes());

@@ -321,7 +321,7 @@ void Runner::turn(const EntryPtr& entry, LaneKind kind) {
     if (next == Next::nothing || next == Next::wait) {
       jobs.scheduled = false;
       jobs.used += seconds(Clock::now() - begun) * (watched(*entry) ? 1 : kUnwatched);
-      if (moved) entry->count_memory(), entry->publish();
+      if (moved) entry->settle(), entry->publish();
       if (next == Next::wait) wait_for_clock(entry);
       return;
     }
@@ -361,7 +361,7 @@ void Runner::turn(const EntryPtr& entry, LaneKind kind) {
   }
   jobs.scheduled = false;
   jobs.used += seconds(Clock::now() - begun) * (watched(*entry) || !jobs.runs.empty() ? 1 : kUnwatched);
-  if (moved) entry->count_memory(), entry->publish();
+  if (moved) entry->settle(), entry->publish();
   schedule(entry);
 }
 

@@ -6,6 +6,7 @@
 
 #include "engine/base/version.h"
 #include "engine/scene/json.h"
+#include "engine/sinks/stream/block_encoding.h"
 #include "server/net/problem.h"
 
 namespace truestep {
@@ -59,8 +60,8 @@ v1::ServerMessage hello_message(const Session& session, const std::string& id) {
   h.set_dt(session.world().dt());
   h.set_step(session.step_index());
   h.set_scene_name(session.world().scene().header.name);
-  for (const char* c :
-       {"F32", "F64", "Q16", "Q16_DELTA", "QUAT32", "latest", "every", "commands", "observables", "marks"})
+  for (const char* c : {"F32", "F64", "Q16", "Q16_DELTA", "QUAT32", "latest", "every", "commands",
+                        "observables", "marks", "state_hash"})
     h.add_capabilities(c);
   for (size_t i = 0; i < session.world().size(); ++i) {
     v1::SystemInfo& info = *h.add_systems();
@@ -71,7 +72,8 @@ v1::ServerMessage hello_message(const Session& session, const std::string& id) {
       field.set_name(f.name);
       field.set_unit(f.unit);
       field.set_width(f.width);
-      field.set_encoding(f.type == Scalar::f64 || f.type == Scalar::f32 ? v1::F32 : v1::U32);
+      const Scalar type = f.type == Scalar::f64 ? Scalar::f32 : f.type;
+      field.set_encoding(static_cast<v1::Encoding>(plain_encoding(type)));
     }
     Observables values;
     session.world().system(i).observe(session.state().systems[i], session.time(), values);

@@ -166,8 +166,9 @@ void StreamClient::subscribe(const v1::Subscribe& wish) {
   fields_ =
       wire_fields(entry_->session.world(), {wish.fields().begin(), wish.fields().end()},
                   {wish.systems().begin(), wish.systems().end()}, static_cast<WireEncoding>(wish.encoding()));
-  request_ = request_for(fields_,
-                         wish.observables() ? FrameRequest::Extras::observables : FrameRequest::Extras::none);
+  using Extras = FrameRequest::Extras;
+  request_ = request_for(fields_, (wish.observables() ? Extras::observables : Extras::none) |
+                                      (wish.state_hash() ? Extras::state_hash : Extras::none));
   overlay_ = (wish.contacts() ? Overlay::contacts : Overlay::none) |
              (wish.joints() ? Overlay::joints : Overlay::none);
   policy_ = wish.policy();
@@ -286,7 +287,7 @@ void StreamClient::accept(const FramePtr& frame) {
   refresh_waiting_ = false;
   stats_.frames.fetch_add(1, std::memory_order_relaxed);
   stats_.bytes.fetch_add(bytes, std::memory_order_relaxed);
-  if (request_.extras == FrameRequest::Extras::observables) {
+  if (request_.wants(FrameRequest::Extras::observables)) {
     v1::ServerMessage message;
     v1::Observables& o = *message.mutable_observables();
     o.set_step(frame->step);

@@ -32,10 +32,10 @@ Command impulse(double x) {
 // Takes every frame; does nothing with it.
 class CountingSink : public Sink {
  public:
-  CountingSink() { request_.fields = {{0, 0, Scalar::f64}}; }
+  CountingSink() { request_ = {{{0, 0, Scalar::f64}}, FrameRequest::Extras::state_hash}; }
   bool due(uint64_t step) override { return step % 3 == 0; }
   const FrameRequest& request() const override { return request_; }
-  void accept(const FramePtr& frame) override { hashes.push_back(frame->state_hash); }
+  void accept(const FramePtr& frame) override { hashes.push_back(frame->state_hash.value()); }
   std::vector<uint64_t> hashes;
 
  private:

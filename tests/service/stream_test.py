@@ -43,11 +43,12 @@ class Stream(Case):
         self.assertEqual((hello["session"], hello["systems"][0]["id"]), (self.session["id"], "a"))
         self.assertEqual(ws.message("topology")["systems"][0]["system"], "a")
         self.assertFalse(ws.message("playback")["playing"])
-        self.assertEqual(ws.message("frame")["step"], "0")
+        frame = ws.message("frame")
+        self.assertEqual((frame["step"], frame["state_hash"]), ("0", "0"), "the hash of a state is for those who ask")
 
     def test_credit_bounds_the_frames_in_flight_and_gaps_are_counted(self):
         ws = self.open()
-        ws.send({"request_id": "s", "subscribe": {"credit": 2, "encoding": "F64"}})
+        ws.send({"request_id": "s", "subscribe": {"credit": 2, "encoding": "F64", "state_hash": True}})
         ws.message("reply")
         self.service.post(self.session["links"]["step"], {"steps": 50})
         time.sleep(0.2)

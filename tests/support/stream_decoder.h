@@ -63,8 +63,17 @@ class StreamDecoder {
       case v1::QUAT32:
         for (const uint32_t packed : array<uint32_t>(block.data())) append_quaternion(packed, out);
         break;
-      default:
+      case v1::U32:
         for (const uint32_t v : array<uint32_t>(block.data())) out.push_back(v);
+        break;
+      case v1::U64:
+        for (const uint64_t v : array<uint64_t>(block.data())) out.push_back(static_cast<double>(v));
+        break;
+      case v1::I32:
+        for (const int32_t v : array<int32_t>(block.data())) out.push_back(v);
+        break;
+      default:
+        throw std::runtime_error("unknown encoding");
     }
     if (out.size() != n) throw std::runtime_error("not count x width values");
     return out;

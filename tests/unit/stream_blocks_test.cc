@@ -8,6 +8,7 @@
 #include <fstream>
 #include <random>
 
+#include "engine/session/session.h"
 #include "engine/sinks/stream/quaternion_packing.h"
 #include "tests/support/stream_frames.h"
 
@@ -42,6 +43,28 @@ double worst_angle(const std::vector<float>& q, const std::vector<double>& decod
         std::max(worst, angle_between({decoded[i], decoded[i + 1], decoded[i + 2], decoded[i + 3]}, &q[i]));
   }
   return worst;
+}
+
+// Ids of particles are 64 bits wide: as U32 every second one would be the upper half of the one before.
+TEST(Blocks, IntegersComeAsTheyAre) {
+  const auto world = std::make_shared<const World>(parse_scene(
+      R"({"systems": [{"type": "particles", "id": "p", "positions": [[0, 0, 0], [1, 0, 0], [2, 0, 0]]}]})"));
+  const Session session(world, std::make_shared<const ThreadArena>(1));
+  for (const WireEncoding wish : {WireEncoding::f32, WireEncoding::q16_delta}) {
+    const auto fields = wire_fields(*world, {"id"}, {}, wish);
+    ASSERT_EQ(fields.size(), 1u);
+    EXPECT_EQ(fields[0].encoding, WireEncoding::u64);
+    const FramePtr frame = session.frame(request_for(fields, FrameRequest::Extras::none));
+    EXPECT_FALSE(frame->state_hash) << "nobody asked for it";
+    v1::Frame message;
+    ASSERT_TRUE(
+        message.ParseFromString(encode_frame_fields(*frame, {1, 0, 0}) + *encode_blocks(*frame, fields)));
+    EXPECT_EQ(message.blocks(0).encoding(), v1::U64);
+    EXPECT_EQ(StreamDecoder().decode(message)[0], (std::vector<double>{0, 1, 2}));
+    // The control: read as U32 they are six numbers.
+    message.mutable_blocks(0)->set_encoding(v1::U32);
+    EXPECT_THROW(StreamDecoder().decode(message), std::runtime_error);
+  }
 }
 
 TEST(Quat32, RandomRotationsStayWithinTheStatedAngle) {

@@ -13,18 +13,23 @@ std::string_view bytes_of(const std::vector<T>& v) {
   return {reinterpret_cast<const char*>(v.data()), v.size() * sizeof(T)};
 }
 
-WireEncoding plain_encoding(const FrameBlock& block) {
-  switch (block.key.type) {
+}  // namespace
+
+WireEncoding plain_encoding(Scalar type) {
+  switch (type) {
     case Scalar::f64:
       return WireEncoding::f64;
     case Scalar::f32:
       return WireEncoding::f32;
-    default:
+    case Scalar::u32:
       return WireEncoding::u32;
+    case Scalar::u64:
+      return WireEncoding::u64;
+    case Scalar::i32:
+      return WireEncoding::i32;
   }
+  throw Error("internal", "a type that has no encoding");
 }
-
-}  // namespace
 
 const FrameBlock& block_of(const Frame& frame, const WireField& field) {
   const FrameBlock* block = frame.find(field.key);
@@ -70,7 +75,7 @@ void append_block(std::string& out, const WireField& field, const FrameBlock& bl
         return append_block(out, field, block, WireEncoding::quat32, {}, bytes_of(packed));
     }
   }
-  append_block(out, field, block, plain_encoding(block), {},
+  append_block(out, field, block, plain_encoding(block.key.type), {},
                {reinterpret_cast<const char*>(block.data.data()), block.data.size()});
 }
 

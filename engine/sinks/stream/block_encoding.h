@@ -9,6 +9,8 @@
 
 namespace truestep {
 
+/// How values of a type go as they are.
+WireEncoding plain_encoding(Scalar type);
 /// The frame's values of a field. Error "internal" when the frame does not hold them.
 const FrameBlock& block_of(const Frame& frame, const WireField& field);
 /// The values of a block of type f32.

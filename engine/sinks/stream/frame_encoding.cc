@@ -16,7 +16,7 @@ bool is_rotation(const FieldInfo& info) {
 }
 
 WireEncoding encoding_of(const FieldInfo& info, WireEncoding wish) {
-  if (info.type != Scalar::f64 && info.type != Scalar::f32) return WireEncoding::u32;
+  if (info.type != Scalar::f64 && info.type != Scalar::f32) return plain_encoding(info.type);
   switch (wish) {
     case WireEncoding::f64:
       return info.type == Scalar::f64 ? WireEncoding::f64 : WireEncoding::f32;
@@ -93,8 +93,7 @@ std::string encode_frame_fields(const Frame& frame, const StreamPlace& place) {
   put_integer(out, 1, place.seq);
   put_integer(out, 2, frame.step);
   put_double(out, 3, frame.time);
-  put_tag(out, 4, fixed64);
-  put_raw(out, frame.state_hash);
+  if (frame.state_hash) put_tag(out, 4, fixed64), put_raw(out, *frame.state_hash);
   put_integer(out, 5, place.dropped);
   put_integer(out, 6, frame.topology_version);
   put_integer(out, 7, place.base_seq == 0 ? 1 : 0);

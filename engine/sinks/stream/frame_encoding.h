@@ -14,7 +14,16 @@
 namespace truestep {
 
 /// As Encoding in stream.proto.
-enum class WireEncoding : uint8_t { f32 = 0, f64 = 1, q16 = 2, q16_delta = 3, quat32 = 4, u32 = 5 };
+enum class WireEncoding : uint8_t {
+  f32 = 0,
+  f64 = 1,
+  q16 = 2,
+  q16_delta = 3,
+  quat32 = 4,
+  u32 = 5,
+  u64 = 6,
+  i32 = 7
+};
 
 /// One block to send: which field, and how.
 struct WireField {

@@ -63,8 +63,8 @@ std::string encode_json(const Frame& frame, std::span<const WireField> fields) {
   append_number(out, frame.time);
   out += ",\"alpha\":";
   append_number(out, frame.alpha);
-  out += ",\"state_hash\":\"" + hex64(frame.state_hash) +
-         "\",\"topology_version\":" + std::to_string(frame.topology_version) + ",\"blocks\":[";
+  if (frame.state_hash) out += ",\"state_hash\":\"" + hex64(*frame.state_hash) + '"';
+  out += ",\"topology_version\":" + std::to_string(frame.topology_version) + ",\"blocks\":[";
   for (size_t k = 0; k < fields.size(); ++k) {
     const WireField& f = fields[k];
     const FrameBlock& block = block_of(frame, f);

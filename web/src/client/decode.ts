@@ -10,7 +10,7 @@ export interface FieldArray {
   field: string;
   count: number;
   width: number;
-  data: Float32Array | Float64Array | Uint32Array;
+  data: Float32Array | Float64Array | Uint32Array | Int32Array;
   /** Greatest distance between two numbers that can be told apart; 0 where they came as they are. */
   quantum: number;
 }
@@ -111,6 +111,11 @@ export class Decoder {
         return view(block.data, Float64Array);
       case Encoding.U32:
         return view(block.data, Uint32Array);
+      case Encoding.I32:
+        return view(block.data, Int32Array);
+      case Encoding.U64:
+        // Ids are counted from 0: every one that comes up is a number without loss.
+        return Float64Array.from(view(block.data, BigUint64Array), Number);
       case Encoding.QUAT32:
         return unpackQuaternions(view(block.data, Uint32Array));
       case Encoding.Q16: {
