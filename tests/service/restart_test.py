@@ -1,0 +1,576 @@
+"""What a server that ends, by whatever means, leaves to the next one on its folder: sessions at the hash that they would have
+had, snapshots, recordings, and whose they are."""
+import json
+import os
+import pathlib
+import shutil
+import subprocess
+import tempfile
+import time
+import unittest
+import uuid
+
+from cases import OSCILLATOR
+from harness import BINARY, Service, Socket
+from patience import patience
+
+ROPE = {"name": "a rope", "time": {"dt": 0.004, "duration": 1000}, "observables": ["energy"],
+        "systems": [{"type": "mass_spring", "id": "rope", "stiffness": 2000, "mass": 0.01, "pinned": ["first"],
+                     "rope": {"from": [0, 1, 0], "to": [1, 1, 0], "links": 40}}]}
+PUSH = {"type": "impulse", "system": "rope", "index": 20, "impulse": [0, 0, 0.01]}
+
+
+def info(path):
+    done = subprocess.run([BINARY, "info", "--json", str(path)], capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+    return json.loads(done.stdout)
+
+
+class Restarted(unittest.TestCase):
+    """A folder, and one server after another on it."""
+    options = ()
+
+    def setUp(self):
+        self.data = tempfile.mkdtemp(prefix="truestep")
+        self.addCleanup(shutil.rmtree, self.data, ignore_errors=True)
+        self.service = None
+        self.start()
+        self.addCleanup(self.kill)
+
+    def start(self, *options):
+        self.service = Service(*self.options, *options, data=self.data)
+        end = time.monotonic() + patience(20)
+        while self.service.get("/readyz").status != 200 and time.monotonic() < end:
+            time.sleep(0.02)
+
+    def kill(self):
+        self.service.process.kill()
+        self.service.process.wait(patience(10))
+        self.service.process.stdout.close()
+
+    def again(self, *options, how="kill"):
+        if how == "kill":
+            self.kill()
+        else:
+            self.service.process.terminate()
+            self.assertEqual(self.service.process.wait(patience(10)), 0)
+            self.service.process.stdout.close()
+        self.start(*options)
+
+    def step(self, session, n):
+        answer = self.service.post(session["links"]["step"], {"steps": n})
+        self.assertEqual(answer.status, 200, answer.body)
+        return answer.json()
+
+    def look(self, session):
+        answer = self.service.get(session["links"]["self"])
+        self.assertEqual(answer.status, 200, answer.body)
+        return answer.json()
+
+    def uninterrupted(self, scene, course):
+        """The hash that a session has after a course of ("step", n) and ("command", c)."""
+        s = self.service.create(scene)
+        self.follow(s, course)
+        now = self.look(s)
+        self.service.request("DELETE", s["links"]["self"])
+        return now["step"], now["state_hash"]
+
+    def follow(self, s, course):
+        for what, value in course:
+            if what == "step":
+                self.step(s, value)
+            else:
+                self.assertEqual(self.service.post(s["links"]["commands"], value).status, 202)
+
+    def folder(self, session):
+        return pathlib.Path(self.data) / "sessions" / session["id"]
+
+
+class Sessions(Restarted):
+    COURSE = (("step", 37), ("command", PUSH), ("step", 20), ("command", {**PUSH, "impulse": [0.02, 0, 0]}), ("step", 1))
+
+    def test_what_was_acknowledged_is_there_after_a_kill(self):
+        s = self.service.create(ROPE)
+        self.follow(s, self.COURSE)
+        before = self.look(s)
+        self.again()
+        listed = self.service.get("/v1/sessions").json()["sessions"]
+        self.assertEqual([row["id"] for row in listed], [s["id"]])
+        after = self.look(s)
+        self.assertEqual((after["step"], after["state_hash"]), (58, before["state_hash"]))
+        self.assertEqual(after["status"], "paused")
+        self.assertEqual(after["restored"], {"from_step": 0, "step": 58, "complete": True})
+        self.assertEqual((before["step"], before["state_hash"]), self.uninterrupted(ROPE, self.COURSE))
+        # And on from there, commands before and after the kill alike.
+        more = (("command", PUSH), ("step", 30))
+        self.follow(s, more)
+        self.again()
+        now = self.look(s)
+        self.assertEqual((now["step"], now["state_hash"]), self.uninterrupted(ROPE, self.COURSE + more))
+
+    def test_a_command_that_nobody_stepped_after(self):
+        s = self.service.create(ROPE)
+        self.step(s, 5)
+        self.service.post(s["links"]["commands"], PUSH)
+        before = self.look(s)
+        self.again()
+        self.assertEqual(self.look(s)["state_hash"], before["state_hash"])
+
+    def test_refused_commands_leave_no_trace(self):
+        s = self.service.create(ROPE)
+        self.step(s, 5)
+        for _ in range(2):
+            self.assertEqual(self.service.post(s["links"]["commands"], {**PUSH, "index": 4000}).status, 422)
+        self.step(s, 5)
+        self.assertEqual(self.service.post(s["links"]["commands"], {**PUSH, "index": 4000}).status, 422)
+        before = self.look(s)
+        for _ in range(2):
+            self.again()
+            self.assertEqual(self.look(s)["state_hash"], before["state_hash"])
+        self.step(s, 1)
+
+    def test_seeks_and_the_future_that_they_went_back_from(self):
+        s = self.service.create(ROPE)
+        self.follow(s, self.COURSE)
+        end = self.look(s)
+        self.service.post(s["links"]["self"] + "/seek", {"step": 10})
+        at = self.look(s)
+        self.again()
+        back = self.look(s)
+        self.assertEqual((back["step"], back["state_hash"]), (10, at["state_hash"]))
+        self.step(s, 48)
+        self.assertEqual(self.look(s)["state_hash"], end["state_hash"])
+
+    def test_reset_and_restored_snapshots(self):
+        s = self.service.create(ROPE)
+        self.follow(s, self.COURSE)
+        taken = self.service.post(s["links"]["snapshots"]).json()
+        self.step(s, 10)
+        self.service.post(s["links"]["reset"])
+        start = self.look(s)
+        self.again()
+        self.assertEqual(self.look(s)["state_hash"], start["state_hash"])
+        path = s["links"]["snapshots"] + "/" + taken["id"]
+        self.assertEqual(self.service.get(s["links"]["snapshots"]).json()["snapshots"], [{"id": taken["id"], "step": 58}])
+        self.assertEqual(self.service.post(path + "/restore").json()["state_hash"], taken["state_hash"])
+        self.again()
+        self.assertEqual(self.look(s)["state_hash"], taken["state_hash"])
+        self.assertEqual(self.service.get(path).status, 200)
+
+    def test_branches_and_scenes_whose_method_was_chosen(self):
+        asked = self.service.create({**OSCILLATOR, "accuracy": {"tolerance": 1e-4}})
+        hashes = [self.step(asked, 20)["state_hash"]]
+        branch = self.service.post(asked["links"]["self"] + "/branch").json()
+        hashes.append(self.step(branch, 7)["state_hash"])
+        self.again()
+        for session, wanted in zip((asked, branch), hashes):
+            now = self.look(session)
+            self.assertEqual((now["state_hash"], now["accuracy"]), (wanted, asked["accuracy"]))
+
+    def test_a_playing_session_comes_back_paused_where_it_was_last_seen(self):
+        s = self.service.create(ROPE)
+        self.service.post(s["links"]["play"], {"speed": 20})
+        time.sleep(1)
+        seen = self.look(s)
+        self.again()
+        now = self.look(s)
+        self.assertEqual(now["status"], "paused")
+        # What was told at the latest a moment before the end; a tenth of a second is told at once.
+        self.assertGreater(now["step"], seen["step"] * 0.7)
+        step = now["step"]
+        self.assertEqual((step, now["state_hash"]), self.uninterrupted(ROPE, (("step", step),)))
+
+    def test_the_first_use_may_be_any(self):
+        s = self.service.create(ROPE)
+        self.step(s, 9)
+        self.again()
+        self.assertEqual(self.step(s, 1)["step"], 10)
+        self.again()
+        stream = Socket(self.service, s["links"]["stream"], "truestep.v1.json")
+        self.addCleanup(stream.close)
+        self.assertEqual(int(stream.message("frame")["step"]), 10)
+
+    def test_put_of_the_same_id(self):
+        path = "/v1/sessions/%s" % uuid.uuid4()
+        self.assertEqual(self.service.request("PUT", path, ROPE).status, 201)
+        self.service.post(path + "/step", {"steps": 12})
+        self.again()
+        self.assertEqual(self.service.request("PUT", path, {**ROPE, "name": "another"}).status, 409)
+        same = self.service.request("PUT", path, ROPE)
+        self.assertEqual((same.status, same.json()["step"], same.json()["restored"]["step"]), (200, 12, 12))
+
+    def test_deleted_is_deleted(self):
+        loaded, stored = self.service.create(ROPE), self.service.create(ROPE)
+        self.service.request("DELETE", loaded["links"]["self"])
+        self.again()
+        self.assertEqual(self.service.get(loaded["links"]["self"]).status, 404)
+        self.assertEqual(self.service.request("DELETE", stored["links"]["self"]).status, 204)
+        self.again()
+        self.assertEqual(self.service.get("/v1/sessions").json()["sessions"], [])
+        self.assertEqual(list((pathlib.Path(self.data) / "sessions").iterdir()), [])
+
+    def test_an_orderly_end_saves_where_the_sessions_stand(self):
+        s = self.service.create(ROPE)
+        self.service.post(s["links"]["step"], {"steps": 5000})
+        before = self.look(s)
+        self.again(how="term")
+        now = self.look(s)
+        self.assertEqual((now["step"], now["state_hash"]), (5000, before["state_hash"]))
+        self.assertEqual(now["restored"]["from_step"], 5000)
+
+    def test_idle_sessions_are_put_away_and_come_back(self):
+        self.again("--session-ttl", "1")
+        s = self.service.create(ROPE)
+        before = self.step(s, 30)
+        end = time.monotonic() + patience(10)
+        while b"truestep_sessions 0" not in self.service.get("/metrics").body and time.monotonic() < end:
+            time.sleep(0.1)
+        self.assertIn(b"truestep_sessions 0", self.service.get("/metrics").body)
+        now = self.look(s)
+        self.assertEqual((now["step"], now["state_hash"]), (30, before["state_hash"]))
+        self.assertIn("restored", now)
+
+    def test_without_keeping_it_is_as_if_there_were_no_folder(self):
+        kept = self.service.create(ROPE)
+        self.again("--keep-sessions", "0", "--session-ttl", "1")
+        self.assertEqual(self.service.get(kept["links"]["self"]).status, 404)
+        s = self.service.create(ROPE)
+        self.assertNotIn("kept", s)
+        end = time.monotonic() + patience(10)
+        while self.service.get("/v1/sessions").json()["sessions"] and time.monotonic() < end:
+            time.sleep(0.3)
+        gone = self.service.get(s["links"]["self"])
+        self.assertEqual((gone.status, gone.json()["code"]), (410, "session_expired"))
+        self.assertEqual([p.name for p in (pathlib.Path(self.data) / "sessions").iterdir()], [kept["id"]])
+
+    def test_retention(self):
+        s = self.service.create(ROPE)
+        self.again("--keep-sessions", "1s")
+        end = time.monotonic() + patience(10)
+        while self.service.get("/v1/sessions").json()["sessions"] and time.monotonic() < end:
+            time.sleep(0.1)
+        self.assertEqual(self.service.get(s["links"]["self"]).status, 404)
+        self.assertFalse(self.folder(s).exists())
+
+    def test_the_quota_takes_what_was_unused_longest(self):
+        big = {**ROPE, "systems": [{**ROPE["systems"][0], "rope": {"from": [0, 1, 0], "to": [1, 1, 0], "links": 9000}}]}
+        sessions = []
+        for _ in range(3):
+            s = self.service.create(big)
+            self.service.post(s["links"]["snapshots"])
+            sessions.append(s)
+            time.sleep(0.02)
+        self.assertGreater(sum(p.stat().st_size for p in self.folder(sessions[0]).rglob("*") if p.is_file()), 400_000)
+        self.again("--max-kept", "1", "--session-ttl", "1")
+        end = time.monotonic() + patience(10)
+        while self.folder(sessions[0]).exists() and time.monotonic() < end:
+            time.sleep(0.1)
+        left = [row["id"] for row in self.service.get("/v1/sessions").json()["sessions"]]
+        self.assertNotIn(sessions[0]["id"], left)
+        self.assertIn(sessions[2]["id"], left)
+
+
+class Damage(Restarted):
+    def test_torn_tails_and_damaged_folders(self):
+        torn, cut, wild, none = (self.service.create(ROPE) for _ in range(4))
+        hashes = {}
+        for s in (torn, cut, wild, none):
+            self.step(s, 8)
+            hashes[s["id"]] = self.look(s)["state_hash"]
+        self.kill()
+        # What a kill in the middle of a write leaves.
+        log = next(self.folder(torn).glob("log.*"))
+        with open(log, "ab") as f:
+            f.write(log.read_bytes()[-32:-7])
+        (self.folder(cut) / "about").write_bytes((self.folder(cut) / "about").read_bytes()[:-40])
+        (self.folder(wild) / "about").write_bytes(os.urandom(300))
+        shutil.rmtree(self.folder(none))
+        self.folder(none).mkdir()
+        self.start()
+        self.assertEqual(self.look(torn)["state_hash"], hashes[torn["id"]])
+        for s in (cut, wild, none):
+            answer = self.service.get(s["links"]["self"])
+            self.assertEqual((answer.status, answer.json()["code"]), (409, "session_damaged"), answer.body)
+            self.assertEqual(self.service.request("DELETE", s["links"]["self"]).status, 204)
+        self.step(torn, 4)
+        self.again()
+        self.assertEqual(self.look(torn)["step"], 12)
+
+    def test_a_log_that_is_damaged_in_its_middle_says_so(self):
+        s = self.service.create(ROPE)
+        for _ in range(10):
+            self.step(s, 1)
+            self.service.post(s["links"]["commands"], PUSH)
+        self.kill()
+        log = next(self.folder(s).glob("log.*"))
+        data = bytearray(log.read_bytes())
+        data[len(data) // 2] ^= 1
+        log.write_bytes(data)
+        self.start()
+        now = self.look(s)
+        self.assertFalse(now["restored"]["complete"])
+        self.assertLess(now["step"], 10)
+
+    def test_ten_thousand_folders_hold_nobody_up(self):
+        s = self.service.create(ROPE)
+        self.kill()
+        about = (self.folder(s) / "about").read_text()
+        for _ in range(10000):
+            name = str(uuid.uuid4())
+            folder = pathlib.Path(self.data) / "sessions" / name
+            folder.mkdir()
+            (folder / "about").write_text(about.replace(s["id"], name))
+        begun = time.monotonic()
+        self.start()
+        self.assertLess(time.monotonic() - begun, patience(3))
+        page = self.service.get("/v1/sessions?limit=1000").json()
+        self.assertEqual(len(page["sessions"]), 1000)
+        self.assertEqual(self.service.get("/v1/sessions/%s" % page["sessions"][500]["id"]).json()["step"], 0)
+
+
+class Owners(Restarted):
+    def setUp(self):
+        folder = tempfile.mkdtemp(prefix="truestep")
+        self.addCleanup(shutil.rmtree, folder)
+        keys = pathlib.Path(folder) / "keys"
+        keys.write_text("alice aaaaaaaaaaaaaaaa\nbob bbbbbbbbbbbbbbbb\nroot cccccccccccccccc admin\n")
+        self.options = ("--api-key-file", str(keys))
+        super().setUp()
+
+    def ask(self, who, method, path, body=None):
+        return self.service.request(method, path, body, {"Authorization": "Bearer " + {"alice": "a", "bob": "b", "root": "c"}[who] * 16})
+
+    def test_what_a_key_made_is_its_own_after_a_restart(self):
+        s = self.ask("alice", "POST", "/v1/sessions", {**ROPE, "recording": {}}).json()
+        self.ask("alice", "POST", s["links"]["step"], {"steps": 100})
+        self.again()
+        recording = "/v1/recordings/" + s["id"]
+        for path in (s["links"]["self"], recording, recording + "/file", s["links"]["recording"]):
+            self.assertEqual(self.ask("bob", "GET", path).status, 404, path)
+        for path in (s["links"]["self"], recording):
+            self.assertEqual(self.ask("bob", "DELETE", path).status, 404, path)
+        self.assertEqual(self.ask("bob", "PUT", s["links"]["self"], {**ROPE, "recording": {}}).status, 404)
+        for what in ("sessions", "recordings"):
+            self.assertEqual(self.ask("bob", "GET", "/v1/" + what).json()[what], [])
+            for who in ("alice", "root"):
+                self.assertEqual([row["id"] for row in self.ask(who, "GET", "/v1/" + what).json()[what]], [s["id"]])
+        self.assertEqual(self.ask("alice", "GET", s["links"]["self"]).json()["step"], 100)
+
+
+class Recordings(Restarted):
+    SCENE = {**ROPE, "recording": {}}
+
+    def recordings(self):
+        return self.service.get("/v1/recordings").json()["recordings"]
+
+    def download(self, recording):
+        answer = self.service.get(recording["links"]["file"])
+        self.assertEqual(answer.status, 200, answer.body[:200])
+        path = pathlib.Path(self.data) / "download.h5"
+        path.write_bytes(answer.body)
+        self.addCleanup(lambda: path.unlink(missing_ok=True))
+        return path
+
+    def test_after_a_kill_it_is_listed_repaired_and_continued_without_a_gap(self):
+        s = self.service.create(self.SCENE)
+        self.step(s, 500)
+        live, = self.recordings()
+        self.assertEqual((live["id"], live["session"], live["state"], live["title"]), (s["id"], s["id"], "live", "a rope"))
+        self.assertGreaterEqual(live["frames"], 400)
+        self.assertEqual(self.service.get(live["links"]["file"]).status, 409)
+        self.assertEqual(self.service.request("DELETE", live["links"]["self"]).status, 409)
+        self.again()
+        repaired, = self.recordings()
+        self.assertEqual((repaired["id"], repaired["state"]), (s["id"], "repaired"))
+        self.assertGreaterEqual(repaired["frames"], live["frames"])
+        self.assertEqual(info(self.download(repaired))["frames"], repaired["frames"])
+        part = self.service.get(repaired["links"]["file"], {"Range": "bytes=0-7"})
+        self.assertEqual((part.status, part.body), (206, b"\x89HDF\r\n\x1a\n"))
+        self.assertEqual(self.service.get(s["links"]["recording"]).status, 200)
+        # The session goes on, and so does its recording, in a file of its own.
+        self.step(s, 250)
+        finished = self.service.post(s["links"]["recording"] + "/finish")
+        self.assertEqual(finished.status, 200, finished.body)
+        first, second = self.recordings()
+        self.assertEqual((first, second["id"], second["state"]), (repaired, s["id"] + ".2", "finished"))
+        self.assertEqual(first["frames"] + second["frames"], 751)
+        self.assertEqual(self.frames_of(first) + self.frames_of(second), list(range(751)))
+
+    def frames_of(self, recording):
+        """Steps of its frames, as any reader of HDF5 finds them."""
+        path = self.download(recording)
+        code = "import h5py, json, sys; print(json.dumps(h5py.File(sys.argv[1])['clock/step'][:].tolist()))"
+        python = pathlib.Path(__file__).resolve().parents[2] / "build" / "venv" / "bin" / "python"
+        done = subprocess.run([str(python), "-c", code, str(path)], capture_output=True, text=True)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        return json.loads(done.stdout)
+
+    def test_an_orderly_end_and_idleness_close_it_and_it_goes_on(self):
+        s = self.service.create(self.SCENE)
+        self.step(s, 10)
+        self.again("--session-ttl", "1", how="term")
+        closed, = self.recordings()
+        self.assertEqual((closed["state"], closed["frames"]), ("closed", 11))
+        self.step(s, 10)
+        end = time.monotonic() + patience(10)
+        while len([r for r in self.recordings() if r["state"] == "closed"]) < 2 and time.monotonic() < end:
+            time.sleep(0.1)
+        self.assertEqual([(r["state"], r["frames"]) for r in self.recordings()], [("closed", 11), ("closed", 10)])
+        # Looking at the session begins nothing.
+        self.look(s)
+        self.assertEqual(len(self.recordings()), 2)
+        self.step(s, 5)
+        self.service.post(s["links"]["recording"] + "/finish")
+        parts = self.recordings()
+        self.assertEqual(sum((self.frames_of(r) for r in parts), []), list(range(26)))
+        # Finished is finished.
+        self.again()
+        self.step(s, 5)
+        self.assertEqual(len(self.recordings()), 3)
+
+    def test_never_overwritten(self):
+        path = "/v1/sessions/%s" % uuid.uuid4()
+        links = self.service.request("PUT", path, self.SCENE).json()["links"]
+        self.service.post(links["step"], {"steps": 100})
+        self.service.post(links["recording"] + "/finish")
+        self.assertEqual(self.service.request("DELETE", path).status, 204)
+        first, = self.recordings()
+        again = self.service.request("PUT", path, self.SCENE)
+        self.assertEqual((again.status, again.json()["step"]), (201, 0))
+        second = self.recordings()[1]
+        self.assertEqual((self.recordings()[0], second["id"]), (first, first["id"] + ".2"))
+        self.assertEqual(info(self.download(first))["frames"], 101)
+        self.service.post(links["recording"] + "/finish")
+        self.assertEqual(self.service.request("DELETE", first["links"]["self"]).status, 204)
+        self.assertEqual(self.recordings(), [self.service.get("/v1/recordings/" + second["id"]).json()])
+        self.assertEqual(self.service.get(first["links"]["self"]).status, 404)
+
+    def test_pages(self):
+        sessions = sorted(self.service.create(self.SCENE)["id"] for _ in range(5))
+        page = self.service.get("/v1/recordings?limit=3").json()
+        rest = self.service.get("/v1/recordings?limit=3&page_token=" + page["next_page_token"]).json()
+        self.assertEqual([r["id"] for r in page["recordings"] + rest["recordings"]], sessions)
+        self.assertEqual(self.service.get("/v1/recordings?page_token=x").status, 400)
+
+    def test_the_quota_refuses_new_ones(self):
+        self.again("--max-recordings", "0.02")
+        s = self.service.create(self.SCENE)
+        self.step(s, 200)
+        self.service.post(s["links"]["recording"] + "/finish")
+        refused = self.service.post("/v1/sessions", self.SCENE)
+        self.assertEqual((refused.status, refused.json()["code"]), (429, "quota_exceeded"))
+        self.assertEqual(self.service.post("/v1/sessions", ROPE).status, 201)
+        self.service.request("DELETE", "/v1/recordings/" + s["id"])
+        self.assertEqual(self.service.post("/v1/sessions", self.SCENE).status, 201)
+
+    def test_retention_when_it_is_asked_for(self):
+        s = self.service.create(self.SCENE)
+        self.service.post(s["links"]["recording"] + "/finish")
+        self.again("--keep-recordings", "1s", "--session-ttl", "1")
+        end = time.monotonic() + patience(10)
+        while self.recordings() and time.monotonic() < end:
+            time.sleep(0.1)
+        self.assertEqual(self.recordings(), [])
+
+
+class Failures(Restarted):
+    def test_a_create_whose_recording_fails_leaves_nothing(self):
+        path = "/v1/sessions/%s" % uuid.uuid4()
+        scene = {**ROPE, "recording": {"fields": ["colour"]}}
+        refused = self.service.request("PUT", path, scene)
+        self.assertEqual((refused.status, refused.json()["errors"][0]["pointer"]), (422, "/recording/fields/0"))
+        # The layout is good, and either of the files cannot be made.
+        ids = [path.rsplit("/", 1)[1]]
+        for ending in (".vtkhdf", ".vtkhdf.chunks"):
+            ids.append(str(uuid.uuid4()))
+            os.symlink("/nonexistent/place", pathlib.Path(self.data) / (ids[-1] + ending))
+            failed = self.service.request("PUT", "/v1/sessions/" + ids[-1], {**ROPE, "recording": {}})
+            self.assertEqual((failed.status, failed.json()["code"]), (500, "recording_io"))
+        for name in ids:
+            self.assertEqual(self.service.get("/v1/sessions/" + name).json()["code"], "unknown_session")
+            self.assertEqual([p.name for p in pathlib.Path(self.data).rglob(name + "*")], [])
+        self.assertEqual(self.service.get("/v1/recordings").json()["recordings"], [])
+        for name in ids:
+            made = self.service.request("PUT", "/v1/sessions/" + name, {**ROPE, "recording": {}})
+            self.assertEqual(made.status, 201, made.body)
+            self.service.post(made.json()["links"]["step"], {"steps": 3})
+            self.assertEqual(self.service.post(made.json()["links"]["recording"] + "/finish").json()["frames"], 4)
+
+    def small_disk(self, size):
+        folder = tempfile.mkdtemp(prefix="truestep")
+        self.addCleanup(shutil.rmtree, folder, ignore_errors=True)
+        if os.geteuid() != 0 or subprocess.run(["mount", "-t", "tmpfs", "-o", "size=" + size, "tmpfs", folder], capture_output=True).returncode:
+            self.skipTest("mounting a small disk needs root")
+        self.addCleanup(subprocess.run, ["umount", "-l", folder])
+        return folder
+
+    def test_what_was_recorded_before_the_disk_was_full_can_be_had(self):
+        self.kill()
+        self.data = self.small_disk("4m")
+        self.start()
+        cloth = {"time": {"dt": 0.004, "duration": 1000}, "recording": {},
+                 "systems": [{"type": "mass_spring", "id": "cloth", "pinned": ["first"], "cloth_grid": {"nx": 40, "ny": 40}}]}
+        s = self.service.create(cloth)
+        last = None
+        for _ in range(60):
+            last = self.step(s, 10)
+            row, = self.service.get("/v1/recordings").json()["recordings"]
+            if row["state"] == "incomplete":
+                break
+        self.assertEqual(row["state"], "incomplete")
+        self.assertGreater(row["frames"], 100)
+        # The simulation goes on.
+        self.assertEqual(self.step(s, 1)["step"], last["step"] + 1)
+        done = self.service.post(s["links"]["recording"] + "/finish")
+        self.assertEqual(done.status, 200, done.body)
+        self.assertFalse(done.json()["complete"])
+        self.assertGreaterEqual(done.json()["frames"], row["frames"])
+        answer = self.service.get(s["links"]["recording"])
+        self.assertEqual(answer.status, 200)
+        with tempfile.NamedTemporaryFile(suffix=".vtkhdf") as file:
+            file.write(answer.body)
+            file.flush()
+            self.assertEqual(info(file.name)["frames"], done.json()["frames"])
+            code = "import h5py, sys; f = h5py.File(sys.argv[1]); n = len(f['clock/step']); f['particles/cloth/position/value'][n - 1]; print(n)"
+            python = pathlib.Path(__file__).resolve().parents[2] / "build" / "venv" / "bin" / "python"
+            read = subprocess.run([str(python), "-c", code, file.name], capture_output=True, text=True)
+            self.assertEqual((read.returncode, read.stdout.strip()), (0, str(done.json()["frames"])), read.stderr)
+
+    def test_a_session_on_a_full_disk_goes_on_and_is_kept_again_when_there_is_room(self):
+        self.kill()
+        self.data = self.small_disk("1m")
+        self.start()
+        s = self.service.create(ROPE)
+        self.step(s, 5)
+        filler = pathlib.Path(self.data) / "filler"
+        with open(filler, "wb", buffering=0) as f:
+            try:
+                while True:
+                    f.write(b"x" * 4096)
+            except OSError:
+                pass
+        for _ in range(200):
+            self.assertEqual(self.service.post(s["links"]["commands"], PUSH).status, 202)
+        self.step(s, 5)
+        self.assertFalse(self.look(s)["kept"])
+        filler.unlink()
+        time.sleep(1.1)
+        self.step(s, 5)
+        now = self.look(s)
+        self.assertTrue(now["kept"])
+        self.again()
+        self.assertEqual(self.look(s)["state_hash"], now["state_hash"])
+
+
+class Load(Restarted):
+    def test_kills_under_load(self):
+        """A short run of tests/service/restart_kills.py."""
+        self.kill()
+        script = pathlib.Path(__file__).with_name("restart_kills.py")
+        done = subprocess.run(["python3", str(script), "--kills", "5", "--sessions", "6"], capture_output=True, text=True)
+        self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
+        self.start()
+
+
+if __name__ == "__main__":
+    unittest.main()
