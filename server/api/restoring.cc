@@ -1,10 +1,9 @@
 #include "server/api/restoring.h"
 
-#include <unistd.h>
-
 #include "engine/base/log.h"
 #include "server/api/recordings.h"
 #include "server/api/requests.h"
+#include "server/persistence/files.h"
 #include "server/persistence/restorer.h"
 #include "server/persistence/session_keeper.h"
 
@@ -106,15 +105,14 @@ void unload(App& app, const EntryPtr& entry) {
   app.store.unloaded(entry);
 }
 
-void save_sessions(App& app, std::chrono::steady_clock::time_point deadline) {
+void save_sessions(App& app) {
   if (!app.archive) return;
   for (const EntryPtr& e : app.store.all()) {
-    if (Clock::now() > deadline) break;
     const std::lock_guard lock(e->mutex);
     if (e->keeper) e->keeper->save();
   }
   // Once for all of them.
-  ::sync();
+  sync_disk_of(app.options.data_dir);
 }
 
 std::unique_ptr<SessionArchive> open_archive(const AppOptions& options, MemoryBudget& memory) {

@@ -12,7 +12,8 @@ inline constexpr auto kPatience = std::chrono::seconds(5);
 void start_restoring(App& app, const CreationPtr& creation);
 /// Puts away what SessionStore::expire took out.
 void unload(App& app, const EntryPtr& entry);
-/// Saves where the sessions stand: at the end of the service, as far as the time allows.
-void save_sessions(App& app, std::chrono::steady_clock::time_point deadline);
+/// Saves where the sessions stand, at the end of the service. Whoever cannot wait may end the process: the
+/// logs tell the same.
+void save_sessions(App& app);
 
 }  // namespace truestep

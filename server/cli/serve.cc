@@ -148,7 +148,6 @@ void shut_down(net::Server& server, App& app) {
   app.operations.cancel_all();
   app.store.cancel_creations();
   close_recordings(app);
-  save_sessions(app, begun + std::chrono::milliseconds(1500));
   server.stop(std::chrono::milliseconds(1500));
   const auto taken =
       std::chrono::duration_cast<std::chrono::milliseconds>(std::chrono::steady_clock::now() - begun);
@@ -156,6 +155,7 @@ void shut_down(net::Server& server, App& app) {
       std::max(std::chrono::milliseconds(4000) - taken, std::chrono::milliseconds(500)));
   app.operations.stop();
   app.runner.join();
+  save_sessions(app);
   let_sinks_go(app);
 }
 

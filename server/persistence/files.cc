@@ -21,7 +21,10 @@ class Descriptor {
  public:
   Descriptor(const fs::path& path, int flags, const char* what)
       : fd_(::open(path.c_str(), flags | O_CLOEXEC, 0644)) {
-    if (fd_ < 0) throw_file_error(std::string(what) + " " + path.filename().string(), errno);
+    if (fd_ >= 0) return;
+    if (errno == ENOENT && (flags & O_ACCMODE) == O_RDONLY)
+      throw Error("session_damaged", path.filename().string() + " is missing");
+    throw_file_error(std::string(what) + " " + path.filename().string(), errno);
   }
   ~Descriptor() { ::close(fd_); }
   Descriptor(const Descriptor&) = delete;
@@ -98,6 +101,11 @@ void write_file(const fs::path& path, std::span<const std::byte> bytes, Durabili
 void harden_file(const fs::path& path) {
   sync(path, O_RDONLY);
   sync(path.parent_path(), O_RDONLY | O_DIRECTORY);
+}
+
+void sync_disk_of(const fs::path& folder) {
+  const Descriptor file(folder, O_RDONLY | O_DIRECTORY, "open");
+  ::syncfs(file.get());
 }
 
 Bytes read_file(const fs::path& path, size_t most) {

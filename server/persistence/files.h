@@ -32,6 +32,8 @@ class FreshFile {
 void write_file(const std::filesystem::path& path, std::span<const std::byte> bytes, Durability durability);
 /// Makes what was written of a file, and its name, outlive a power cut.
 void harden_file(const std::filesystem::path& path);
+/// Makes all that was written on the folder's disk outlive a power cut, as far as the disk allows.
+void sync_disk_of(const std::filesystem::path& folder);
 /// The whole file. Error "folder_io" when it cannot be read, "session_damaged" when it is longer than `most`.
 Bytes read_file(const std::filesystem::path& path, size_t most);
 /// Its first bytes, at most so many.
