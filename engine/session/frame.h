@@ -62,6 +62,8 @@ struct Frame {
 
 using FramePtr = std::shared_ptr<const Frame>;
 
+struct JournalEntry;
+
 /// Takes frames of a session. Called by the thread that advances the session, never by two at once.
 class Sink {
  public:
@@ -72,6 +74,10 @@ class Sink {
   virtual void accept(const FramePtr& frame) = 0;
   /// The session's past or clock changed: reset, seek, play, pause, instability.
   virtual void notify(std::string_view kind, uint64_t step, const std::string& detail) {}
+  /// A command is about to be carried out.
+  virtual void before_command(const JournalEntry& entry) {}
+  /// It made no sense and changed nothing.
+  virtual void command_refused(const JournalEntry& entry) {}
 };
 
 }  // namespace truestep

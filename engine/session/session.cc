@@ -235,13 +235,15 @@ uint64_t Session::command(const Command& command) {
   // A new command makes a new future: what was journalled for later steps no longer holds.
   journal_.resize(journal_cursor_);
   if (journal_.size() >= options_.journal_entries) shorten_journal();
-  journal_.push_back({state_.step, sequence, command});
+  const JournalEntry entry{state_.step, sequence, command};
+  for (const auto& sink : sinks_) sink->before_command(entry);
   try {
     world_->apply(state_, command);
   } catch (...) {
-    journal_.pop_back();
+    for (const auto& sink : sinks_) sink->command_refused(entry);
     throw;
   }
+  journal_.push_back(entry);
   changed();
   journal_cursor_ = journal_.size();
   // The snapshot of this very step stays: it was taken before the step's commands.
@@ -314,6 +316,16 @@ void Session::restore(WorldState state) {
   origin_ = state;
   load(std::move(state));
   notify("reset", "");
+}
+
+void Session::resume(std::optional<WorldState> origin, std::vector<JournalEntry> journal) {
+  if (origin) world_->require_state(*origin);
+  origin_ = std::move(origin);
+  load(origin_ ? *origin_ : world_->initial_state());
+  uint64_t last = 0;
+  for (const JournalEntry& e : journal) last = std::max(last, e.sequence);
+  next_sequence_ = last + 1;
+  journal_ = std::move(journal);
 }
 
 // A failed step whose remedies nobody has looked for yet belongs to a state that is left.

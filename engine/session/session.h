@@ -65,6 +65,7 @@ class Session {
           SessionOptions options = {});
 
   const World& world() const { return *world_; }
+  const std::shared_ptr<const World>& shared_world() const { return world_; }
   const WorldState& state() const { return state_; }
   uint64_t step_index() const { return state_.step; }
   double time() const { return static_cast<double>(state_.step) * world_->dt(); }
@@ -118,6 +119,10 @@ class Session {
   const std::vector<JournalEntry>& journal() const { return journal_; }
   /// Those that have been carried out where the session stands now.
   std::span<const JournalEntry> journal_done() const { return {journal_.data(), journal_cursor_}; }
+  /// Those that have not: of a future that a seek has gone back from.
+  std::span<const JournalEntry> journal_ahead() const { return std::span(journal_).subspan(journal_cursor_); }
+  /// The number of the newest command.
+  uint64_t last_sequence() const { return next_sequence_ - 1; }
   /// What the journal begins at: a restored state, or the one that commands beyond the journal's bound have
   /// moved its beginning to; none: the world's initial state.
   const std::optional<WorldState>& origin() const { return origin_; }
@@ -134,6 +139,11 @@ class Session {
   void end_seek();
   /// Continues from a state of this world (Error "bad_snapshot" when its shape is another).
   void restore(WorldState state);
+  /// Takes up a session that was interrupted: its past begins at `origin` (none: at the start), and the
+  /// commands of `journal`, all from there on, are carried out on the way to the steps that follow.
+  void resume(std::optional<WorldState> origin, std::vector<JournalEntry> journal);
+  /// Carries out those of the present step; the next step does so by itself.
+  void carry_out_due_commands() { replay_commands(); }
   /// Steps at which a snapshot is kept.
   std::vector<uint64_t> snapshot_steps() const { return history_.steps(); }
   /// What is kept, each from before the commands of its step.

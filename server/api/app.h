@@ -2,6 +2,7 @@
 #pragma once
 #include <atomic>
 #include <memory>
+#include <optional>
 #include <string>
 
 #include "engine/sinks/recording/recording_thread.h"
@@ -9,6 +10,8 @@
 #include "server/net/router.h"
 #include "server/net/server.h"
 #include "server/operations/operation_store.h"
+#include "server/persistence/recording_catalogue.h"
+#include "server/persistence/session_archive.h"
 #include "server/sessions/idempotency.h"
 #include "server/sessions/runner.h"
 #include "server/sessions/store.h"
@@ -20,19 +23,28 @@ struct AppOptions {
   net::Options net;
   StoreLimits limits;
   int workers = 2;       ///< threads that advance sessions
-  std::string data_dir;  ///< where recordings go; empty: none are made
+  std::string data_dir;  ///< where recordings and sessions go; empty: nothing outlives the process
+  std::optional<ArchiveLimits> keep_sessions;  ///< none: they end with the process
+  RecordingLimits recordings;
 };
+
+/// The sessions that the data folder keeps; null where nothing is kept.
+std::unique_ptr<SessionArchive> open_archive(const AppOptions& options, MemoryBudget& memory);
 
 struct App {
   explicit App(AppOptions o)
       : options(std::move(o)),
         memory(options.limits.max_memory_bytes),
-        store(options.limits, memory),
+        archive(open_archive(options, memory)),
+        recordings(options.data_dir, options.recordings),
+        store(options.limits, memory, archive.get()),
         runner(options.workers) {}
 
   const AppOptions options;
   std::shared_ptr<RecordingThread> recording_thread = std::make_shared<RecordingThread>();
   MemoryBudget memory;
+  const std::unique_ptr<SessionArchive> archive;
+  RecordingCatalogue recordings;
   SessionStore store;
   IdempotencyKeys idempotency;
   StreamStats stream_stats;

@@ -28,6 +28,11 @@ constexpr RouteParameter kParameters[] = {
     {net::Method::get, "/v1/sessions", "query", "page_token",
      R"({"type": "string", "pattern": "^([0-9a-f]{8}(-[0-9a-f]{4}){3}-[0-9a-f]{12})?$"})",
      "next_page_token of the page before"},
+    {net::Method::get, "/v1/recordings", "query", "limit",
+     R"({"type": "integer", "minimum": 1, "maximum": 1000, "default": 100})", "recordings on a page"},
+    {net::Method::get, "/v1/recordings", "query", "page_token",
+     R"({"type": "string", "pattern": "^([0-9a-f]{8}(-[0-9a-f]{4}){3}-[0-9a-f]{12}([.]([2-9]|[1-9][0-9]{1,8}))?)?$"})",
+     "next_page_token of the page before"},
     {net::Method::get, "/v1/sessions/{id}/frames", "query", "after",
      R"({"type": "integer", "minimum": 0, "maximum": 9000000000000000})",
      "frames after this step; without it the newest"},
@@ -116,6 +121,7 @@ std::span<const RouteParameter> route_parameters() {
 
 std::string_view path_parameter_schema(std::string_view pattern, std::string_view name) {
   if (name == "id") return R"({"$ref": "#/components/schemas/Id"})";
+  if (name == "rid") return R"({"$ref": "#/components/schemas/RecordingId"})";
   if (name == "step") return R"({"type": "string", "pattern": "^(latest|[0-9]{1,15})$"})";
   if (name == "sid") return R"({"type": "string", "pattern": "^(step-[0-9]{1,16}|upload-[0-9a-f]{16})$"})";
   if (name == "name" && pattern.starts_with("/v1/gallery/"))

@@ -1,108 +1,134 @@
 #include "server/api/recordings.h"
 
-#include <filesystem>
-
 #include "engine/base/log.h"
-#include "engine/sinks/recording/chunk_log.h"
+#include "engine/sinks/recording/recording_reader.h"
 #include "engine/sinks/recording/recording_sink.h"
-#include "engine/sinks/recording/recover.h"
-#include "server/api/requests.h"
-#include "server/net/problem.h"
+#include "engine/sinks/recording/salvage.h"
+#include "server/persistence/session_keeper.h"
 
 namespace truestep {
 
-namespace fs = std::filesystem;
-namespace json = boost::json;
-namespace asio = boost::asio;
-using net::Method;
-using net::Request;
-using net::Response;
+namespace {
 
-void attach_recording(App& app, SessionEntry& entry) {
-  if (!entry.session.world().scene().header.recording) return;
-  if (app.options.data_dir.empty())
+// There is nothing to go on with any more.
+void end_newest(App& app, const std::string& session) {
+  const auto last = app.recordings.newest(session);
+  if (last && (last->state == RecordingFate::closed || last->state == RecordingFate::repaired))
+    app.recordings.end(last->id, RecordingFate::finished, last->frames, last->note);
+}
+
+void ended(App& app, const std::string& session, const std::string& id, const RecordingStatus& status) {
+  if (status.state == RecordingState::kFailed) return;
+  if (status.appended_frames > 0) {
+    app.recordings.end(id, RecordingFate::finished, status.durable_frames, "");
+  } else {
+    app.recordings.forget(id);
+    end_newest(app, session);
+  }
+}
+
+void begin(App& app, SessionEntry& entry, std::optional<uint64_t> after) {
+  if (!app.recordings.on())
     throw Error("bad_request", "this server has no data directory, so it cannot record");
   // What is written now must not look like a file that an earlier run left.
   if (app.repairing) throw Error("starting", "recordings of an earlier run are being repaired");
-  const fs::path path = fs::path(app.options.data_dir) / (entry.id + ".vtkhdf");
-  entry.recording = std::make_shared<RecordingSink>(app.recording_thread, entry.session, path.string());
+  const SceneHeader& header = entry.session.world().scene().header;
+  const RecordingFacts facts =
+      app.recordings.begin(entry.id, entry.owner, header.title.empty() ? header.name : header.title);
+  const auto finished = [&app, id = facts.id, session = entry.id](const RecordingStatus& status) {
+    ended(app, session, id, status);
+  };
+  try {
+    entry.recording = std::make_shared<RecordingSink>(app.recording_thread, entry.session,
+                                                      app.recordings.path(facts.id).string(),
+                                                      RecordingTies{after, finished});
+  } catch (...) {
+    app.recordings.forget(facts.id);
+    throw;
+  }
+  entry.recording_id = facts.id;
   entry.session.add_sink(entry.recording);
+  app.recordings.attach(facts.id, entry.recording);
 }
 
-void discard_recording(SessionEntry& entry) {
-  if (!entry.recording) return;
-  entry.session.remove_sink(entry.recording.get());
-  entry.recording->finish();
-  std::error_code ignored;
-  fs::remove(entry.recording->path(), ignored);
-  fs::remove(chunk_log_path(entry.recording->path()), ignored);
-  entry.recording.reset();
-}
-
-void finish_recordings(App& app) {
-  for (const EntryPtr& e : app.store.all()) {
-    const std::lock_guard lock(e->mutex);
-    if (!e->recording) continue;
-    e->session.remove_sink(e->recording.get());
-    e->recording->finish();
-  }
-}
-
-int recover_recordings(App& app) {
-  int repaired = 0;
-  if (app.options.data_dir.empty() || !fs::exists(app.options.data_dir)) return 0;
-  for (const auto& file : fs::directory_iterator(app.options.data_dir)) {
-    if (file.path().extension() != ".vtkhdf") continue;
-    const RecoveryReport report = recover_recording(*app.recording_thread, file.path().string(), {});
-    if (report.outcome == RecoveryOutcome::kRecovered) {
-      ++repaired;
-      spdlog::warn("recording {} was not finished: {} of {} frames kept", file.path().string(),
-                   report.frames_kept, report.frames_found);
-    } else if (report.outcome != RecoveryOutcome::kIntact) {
-      spdlog::error("recording {} could not be repaired: {}", file.path().string(), report.message);
-    }
-  }
-  return repaired;
-}
-
-namespace {
-
-// 409 with the way to finish it while it is written; the file afterwards.
-Response recording(const Request& request, SessionEntry& e) {
-  if (!e.recording) throw Error("not_found", "this session records nothing; give its scene a \"recording\"");
-  const RecordingStatus status = e.recording->status();
-  if (status.state == RecordingState::kRecording) {
-    return net::problem(request, "conflict", "the recording is being written; finish it first", {},
-                        json::object{{"frames", status.durable_frames},
-                                     {"finish", "/v1/sessions/" + e.id + "/recording/finish"}});
-  }
-  if (status.state == RecordingState::kFailed) return net::problem(request, status.code, status.message);
-  Response r = Response::file(e.recording->path(), "application/x-hdf5");
-  r.header("Content-Disposition", "attachment; filename=\"" + e.id + ".vtkhdf\"");
-  return r;
+// What the disk has no room for any more is one thing, what it holds another.
+void salvage(App& app, const std::string& id, const RecordingStatus& status) {
+  const SalvageReport report = salvage_recording(*app.recording_thread, app.recordings.path(id).string());
+  app.recordings.end(id, RecordingFate::incomplete, report.frames, status.message);
 }
 
 }  // namespace
 
-void add_recording_routes(net::Router& router, App& app) {
-  const std::string path = "/v1/sessions/{id}/recording";
-  router.add(Method::get, path, "The recording as HDF5 (H5MD and VTKHDF); 409 while it is written",
-             [&app](const Request& r) -> asio::awaitable<Response> {
-               co_return co_await with_session_on_worker(app, session_of(app, r),
-                                                         [&](SessionEntry& e) { return recording(r, e); });
-             });
-  router.add(Method::post, path + "/finish", "Completes the recording, so that it can be downloaded",
-             [&app](const Request& r) {
-               object_body_of(r, {});
-               return with_session_on_worker(app, session_of(app, r), [](SessionEntry& e) {
-                 if (!e.recording)
-                   throw Error("not_found", "this session records nothing; give its scene a \"recording\"");
-                 const RecordingStatus status = e.recording->finish();
-                 if (status.state == RecordingState::kFailed) throw Error(status.code, status.message);
-                 return json_response(json::object{{"frames", status.durable_frames},
-                                                   {"recording", "/v1/sessions/" + e.id + "/recording"}});
-               });
-             });
+void attach_recording(App& app, SessionEntry& entry) {
+  if (entry.session.world().scene().header.recording) begin(app, entry, std::nullopt);
+}
+
+bool recording_goes_on(const App& app, const std::string& session) {
+  const auto last = app.recordings.newest(session);
+  return last && last->state != RecordingFate::finished && last->state != RecordingFate::incomplete;
+}
+
+std::optional<uint64_t> last_recorded_step(App& app, const std::string& session) {
+  const auto last = app.recordings.newest(session);
+  if (!last) return std::nullopt;
+  try {
+    RecordingReader reader(app.recording_thread, app.recordings.path(last->id).string());
+    const uint64_t frames = reader.info().frames;
+    if (frames > 0) return static_cast<uint64_t>(reader.read_clock(frames - 1).step);
+  } catch (const Error& e) {
+    spdlog::warn("recording {}: {}", last->id, e.what());
+  }
+  return std::nullopt;
+}
+
+void continue_recording(App& app, SessionEntry& entry, std::optional<uint64_t> after) {
+  const World& world = entry.session.world();
+  if (!world.scene().header.recording || (after && !RecordingSink::goes_on(world, *after))) return;
+  begin(app, entry, after);
+}
+
+void discard_recording(App& app, SessionEntry& entry) {
+  if (!entry.recording) return;
+  entry.session.remove_sink(entry.recording.get());
+  entry.recording->close();
+  entry.recording.reset();
+  app.recordings.forget(entry.recording_id);
+}
+
+void close_recording(App& app, SessionEntry& entry) {
+  if (!entry.recording) return;
+  entry.session.remove_sink(entry.recording.get());
+  if (entry.recording->status().state == RecordingState::kRecording) {
+    const RecordingStatus status = entry.recording->close();
+    if (status.state == RecordingState::kFailed)
+      salvage(app, entry.recording_id, status);
+    else if (status.appended_frames == 0)
+      app.recordings.forget(entry.recording_id);
+    else
+      app.recordings.end(entry.recording_id, RecordingFate::closed, status.durable_frames, "");
+  } else if (app.recordings.live(entry.recording_id)) {
+    salvage(app, entry.recording_id, entry.recording->status());
+  }
+  entry.recording.reset();
+}
+
+RecordingFacts finish_recording(App& app, SessionEntry& entry) {
+  if (entry.recording) {
+    const RecordingStatus status = entry.recording->finish();
+    if (status.state == RecordingState::kFailed && app.recordings.live(entry.recording_id))
+      salvage(app, entry.recording_id, status);
+  }
+  end_newest(app, entry.id);
+  const auto last = app.recordings.newest(entry.id);
+  if (!last) throw Error("not_found", "this session records nothing; give its scene a \"recording\"");
+  return *last;
+}
+
+void close_recordings(App& app) {
+  for (const EntryPtr& e : app.store.all()) {
+    const std::lock_guard lock(e->mutex);
+    close_recording(app, *e);
+  }
 }
 
 }  // namespace truestep

@@ -90,10 +90,6 @@ json::object object_of(json::value v) {
   return std::move(v.as_object());
 }
 
-EntryPtr session_of(App& app, const net::Request& request) {
-  return app.store.find(request.param("id"), request.caller);
-}
-
 OperationPtr operation_of(const App& app, const net::Request& request) {
   return app.operations.find(request.param("id"), request.caller);
 }

@@ -20,8 +20,9 @@ boost::asio::awaitable<boost::json::value> long_json_body(App& app, const net::R
 boost::json::object json_object_body(const net::Request& request);
 boost::json::object object_of(boost::json::value body);
 
-/// The session that the path names. Error "unknown_session" or "session_expired".
-EntryPtr session_of(App& app, const net::Request& request);
+/// The session that the path names, brought back from disk when it is there. Error "unknown_session",
+/// "session_expired", or "creating" while that takes long.
+boost::asio::awaitable<EntryPtr> session_of(App& app, const net::Request& request);
 /// The operation that the path names. Error "unknown_operation".
 OperationPtr operation_of(const App& app, const net::Request& request);
 /// The Idempotency-Key, told apart from other callers' keys; empty without one. Error bad_request unless it
@@ -65,6 +66,13 @@ boost::asio::awaitable<net::Response> with_session(App& app, EntryPtr entry, F f
     return f(*entry);
   };
   co_return co_await net::offload(app.runner.pool(), std::move(work));
+}
+
+/// The same with the session that the path names.
+template <class F>
+boost::asio::awaitable<net::Response> with_session(App& app, const net::Request& request, F f) {
+  EntryPtr entry = co_await session_of(app, request);
+  co_return co_await with_session(app, std::move(entry), std::move(f));
 }
 
 /// The same, always on a worker: for what takes long.

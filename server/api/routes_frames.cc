@@ -92,7 +92,7 @@ WorldState state_of(SessionEntry& entry, uint64_t step) {
 }
 
 asio::awaitable<Response> frame_at(App& app, const Request& request) {
-  EntryPtr entry = session_of(app, request);
+  EntryPtr entry = co_await session_of(app, request);
   const Media media = media_of(request);
   const std::string_view which = request.param("step");
   if (which == "latest") {
@@ -118,7 +118,7 @@ asio::awaitable<Response> frame_at(App& app, const Request& request) {
 
 // Poll: frames after a step, waiting up to `wait` seconds for the first one.
 asio::awaitable<Response> poll(App& app, const Request& request) {
-  EntryPtr entry = session_of(app, request);
+  EntryPtr entry = co_await session_of(app, request);
   const Media media = media_of(request);
   const bool any_step = !request.query_value("after");
   const uint64_t after = query_integer(request, "after", 0, 0, kMostStep);
@@ -257,7 +257,7 @@ Overlay overlay_of(const Request& request) {
 }
 
 asio::awaitable<Response> picture(App& app, const Request& request) {
-  EntryPtr entry = session_of(app, request);
+  EntryPtr entry = co_await session_of(app, request);
   const int width = static_cast<int>(query_integer(request, "width", 800, 16, 4096));
   const int height = static_cast<int>(query_integer(request, "height", 600, 16, 4096));
   const auto camera = camera_of(request.query_value("camera"));
@@ -297,21 +297,25 @@ void add_frame_routes(net::Router& router, App& app) {
              [&app](const Request& r) { return poll(app, r); });
   router.add(Method::get, session + "/frames/{step}", "The frame of a step, or the latest",
              [&app](const Request& r) { return frame_at(app, r); });
-  router.add(Method::get, session + "/observables",
-             "Energies, momenta, probes: latest values and series, JSON or CSV", [&app](const Request& r) {
-               const auto names = query_list(r, "names");
-               const auto max_points =
-                   static_cast<size_t>(query_integer(r, "max_points", 4096, 1, 1'000'000));
-               const bool csv = r.header("accept").find("text/csv") != std::string_view::npos;
-               return with_session(app, session_of(app, r),
-                                   [=](SessionEntry& e) { return observables(e, names, max_points, csv); });
-             });
+  router.add(
+      Method::get, session + "/observables",
+      "Energies, momenta, probes: latest values and series, JSON or CSV", [&app](const Request& r) {
+        const auto names = query_list(r, "names");
+        const auto max_points = static_cast<size_t>(query_integer(r, "max_points", 4096, 1, 1'000'000));
+        const bool csv = r.header("accept").find("text/csv") != std::string_view::npos;
+        return with_session(app, r, [=](SessionEntry& e) { return observables(e, names, max_points, csv); });
+      });
   router.add(Method::get, session + "/picture.png", "A picture of the present state or of an earlier step",
              [&app](const Request& r) { return picture(app, r); });
-  router.websocket(session + "/stream", "Frames, events and control over a WebSocket",
-                   {"truestep.v1.proto", "truestep.v1.json"}, [&app](const Request& r) {
-                     return std::make_shared<StreamClient>(session_of(app, r), app.runner, app.stream_stats);
-                   });
+  router
+      .websocket(session + "/stream", "Frames, events and control over a WebSocket",
+                 {"truestep.v1.proto", "truestep.v1.json"},
+                 [&app](const Request& r) {
+                   EntryPtr entry = app.store.find(r.param("id"), r.caller);
+                   if (!entry) throw Error("creating", "this session is on its way to the disk; ask again");
+                   return std::make_shared<StreamClient>(std::move(entry), app.runner, app.stream_stats);
+                 })
+      .before_open = [&app](const Request& r) -> asio::awaitable<void> { co_await session_of(app, r); };
 }
 
 }  // namespace truestep

@@ -57,7 +57,7 @@ asio::awaitable<Response> after_run(App& app, const Request& request, EntryPtr e
 }
 
 asio::awaitable<Response> step(App& app, const Request& request) {
-  EntryPtr entry = session_of(app, request);
+  EntryPtr entry = co_await session_of(app, request);
   const std::string key = idempotency_key(request);
   const json::object body = object_body_of(request, {"steps", "seconds", "until", "from_step"});
   Hasher hasher;
@@ -82,7 +82,7 @@ asio::awaitable<Response> step(App& app, const Request& request) {
 }
 
 asio::awaitable<Response> play(App& app, const Request& request) {
-  EntryPtr entry = session_of(app, request);
+  EntryPtr entry = co_await session_of(app, request);
   const json::object body = object_body_of(request, {"speed"});
   co_return co_await with_session(app, entry, [&](SessionEntry& e) {
     if (e.session.failure()) return instability(request, e.session);
@@ -101,7 +101,7 @@ uint64_t seek_target(const json::object& body, const Session& session) {
 }
 
 asio::awaitable<Response> seek(App& app, const Request& request) {
-  EntryPtr entry = session_of(app, request);
+  EntryPtr entry = co_await session_of(app, request);
   const json::object body = object_body_of(request, {"step", "time"});
   if (body.contains("step") == body.contains("time"))
     throw Error(
@@ -114,7 +114,7 @@ asio::awaitable<Response> seek(App& app, const Request& request) {
 
 asio::awaitable<Response> pause(App& app, const Request& request) {
   object_body_of(request, {});
-  EntryPtr entry = session_of(app, request);
+  EntryPtr entry = co_await session_of(app, request);
   co_return co_await with_session(app, entry, [&app](SessionEntry& e) {
     e.session.pause();
     app.runner.interrupt(e);
@@ -125,7 +125,7 @@ asio::awaitable<Response> pause(App& app, const Request& request) {
 
 asio::awaitable<Response> reset(App& app, const Request& request) {
   object_body_of(request, {});
-  EntryPtr entry = session_of(app, request);
+  EntryPtr entry = co_await session_of(app, request);
   const auto to_start = [](SessionEntry& e) { e.session.reset(); };
   co_await interrupt_and_call(app, entry, to_start);
   co_return co_await with_session(app, entry,

@@ -7,7 +7,9 @@
 #include "engine/session/describe.h"
 #include "server/api/recordings.h"
 #include "server/api/requests.h"
+#include "server/api/restoring.h"
 #include "server/api/session_answers.h"
+#include "server/persistence/session_keeper.h"
 
 namespace truestep {
 
@@ -49,12 +51,9 @@ Response created(const RememberedAnswer& a) {
   return r;
 }
 
-/// How long a request waits for a session that takes long to make before it is answered 202.
-constexpr auto kPatience = std::chrono::seconds(5);
-
 json::object describe_creation(const Creation& c) {
   return {{"id", c.id},
-          {"status", "creating"},
+          {"status", c.kind == Creation::Kind::create ? "creating" : "restoring"},
           {"stage", c.stage.load()},
           {"elapsed", std::chrono::duration<double>(Clock::now() - c.begun).count()},
           {"links", json::object{{"self", "/v1/sessions/" + c.id}}}};
@@ -92,14 +91,21 @@ asio::awaitable<RememberedAnswer> make_session(App& app, const Request& request,
   json::value body = co_await long_json_body(app, request);
   auto read = [&body] { return read_draft(scene_document(std::move(body))); };
   SceneDraft draft = co_await net::offload(app.runner.pool(), std::move(read));
-  const auto [creation, how] = app.store.begin(id, draft.document, request.caller);
-  const bool anew = how == SessionStore::Begun::How::anew;
-  if (anew) start_making(app, creation, std::move(draft));
-  const auto ended = [c = creation] { return c->ended.load(); };
-  const auto give_up = [c = creation, anew] {
-    if (anew) c->interrupt.raise();
-  };
-  co_await net::wait_for_end(creation->done, ended, give_up, Clock::now() + kPatience);
+  CreationPtr creation;
+  const auto deadline = Clock::now() + kPatience;
+  // A session that is just being put away comes back as soon as it is.
+  while (!creation || (creation->ended && !creation->entry && !creation->error)) {
+    auto [begun, how] = app.store.begin(id, draft.document, request.caller);
+    creation = std::move(begun);
+    const bool anew = how == SessionStore::Begun::How::anew;
+    if (anew) start_making(app, creation, std::move(draft));
+    if (how == SessionStore::Begun::How::stored) start_restoring(app, creation);
+    const auto ended = [c = creation] { return c->ended.load(); };
+    const auto give_up = [c = creation, anew] {
+      if (anew) c->interrupt.raise();
+    };
+    co_await net::wait_for_end(creation->done, ended, give_up, deadline);
+  }
   if (creation->ended && creation->error) {
     app.store.forget(creation);
     std::rethrow_exception(creation->error);
@@ -126,33 +132,58 @@ asio::awaitable<Response> create(App& app, const Request& request, std::string i
 }
 
 asio::awaitable<Response> describe(App& app, const Request& request) {
-  if (const CreationPtr c = app.store.creation(request.param("id"), request.caller)) {
+  const std::string_view id = request.param("id");
+  if (const CreationPtr c = app.store.creation(id, request.caller); c && c->kind == Creation::Kind::create) {
     if (c->ended && c->error) std::rethrow_exception(c->error);
     if (!c->ended) co_return json_response(describe_creation(*c));
   }
-  co_return co_await with_session(app, session_of(app, request),
+  EntryPtr entry;
+  try {
+    entry = co_await session_of(app, request);
+  } catch (const Error& e) {
+    const CreationPtr c = app.store.creation(id, request.caller);
+    if (e.code() != "creating" || !c || c->ended) throw;
+    co_return json_response(describe_creation(*c));
+  }
+  co_return co_await with_session(app, entry,
                                   [](SessionEntry& e) { return json_response(describe_session(e)); });
 }
 
+// What was made is stopped, what comes from or goes to the disk is waited for.
 asio::awaitable<Response> end(App& app, const Request& request) {
-  if (const CreationPtr c = app.store.creation(request.param("id"), request.caller)) {
-    if (!c->ended) {
-      app.store.forget(c);
-      co_return Response(204);
-    }
+  const std::string id(request.param("id"));
+  if (const CreationPtr c = app.store.creation(id, request.caller); c && !c->ended) {
+    app.store.forget(c);
+    if (c->kind == Creation::Kind::create) co_return Response(204);
+    const auto ended = [c] { return c->ended.load(); };
+    const auto give_up = [] {};
+    co_await net::wait_for_end(c->done, ended, give_up);
   }
-  EntryPtr entry = app.store.remove(session_of(app, request));
+  const EntryPtr found = app.store.find(id, request.caller);
+  if (!found) {
+    auto work = [&app, id] {
+      app.archive->remove(id);
+      return Response(204);
+    };
+    co_return co_await net::offload(app.runner.pool(), std::move(work));
+  }
+  // First from the disk: what is not in memory and not there is gone.
+  auto forget = [&app, found] {
+    if (found->keeper) app.archive->remove(found->id);
+    return app.store.remove(found);
+  };
+  const EntryPtr entry = co_await net::offload(app.runner.pool(), std::move(forget));
   entry->publish();
   co_return co_await with_session_on_worker(app, entry, [&app](SessionEntry& e) {
     app.runner.interrupt(e);
     e.session.pause();
-    discard_recording(e);
+    if (e.recording) finish_recording(app, e);
     return Response(204);
   });
 }
 
 asio::awaitable<Response> command(App& app, const Request& request) {
-  EntryPtr entry = session_of(app, request);
+  EntryPtr entry = co_await session_of(app, request);
   const Command c = read_command(co_await long_json_body(app, request));
   json::object answer;
   std::function<void(SessionEntry&)> carry_out = [&](SessionEntry& e) {
@@ -186,16 +217,16 @@ void add_session_routes(net::Router& router, App& app) {
                      "bad_request", "a page_token is what the page before gave",
                      {{"?page_token", "wrong_type", "this is no page_token", "", "a session's id", "", ""}});
                json::array list;
-               const auto entries = app.store.list(after, limit, r.caller);
-               for (const EntryPtr& e : entries)
-                 list.push_back(json::object{{"id", e->id}, {"links", links_of(e->id)}});
+               const auto ids = app.store.list(after, limit, r.caller);
+               for (const std::string& id : ids)
+                 list.push_back(json::object{{"id", id}, {"links", links_of(id)}});
                json::object o{{"sessions", std::move(list)}};
-               if (entries.size() == limit) o["next_page_token"] = entries.back()->id;
+               if (ids.size() == limit) o["next_page_token"] = ids.back();
                return json_response(o);
              });
   router.add(Method::get, session, "One session: clock, status, systems, links; or how far its making is",
              [&app](const Request& r) { return describe(app, r); });
-  router.add(Method::delete_, session, "Ends a session and removes its recording",
+  router.add(Method::delete_, session, "Ends a session; its recordings are completed and stay",
              [&app](const Request& r) { return end(app, r); });
   router.add(Method::post, session + "/commands",
              "Push, impulse, drag, release, pin, unpin, set_parameter, spawn, remove",
@@ -203,14 +234,14 @@ void add_session_routes(net::Router& router, App& app) {
   router.add(Method::get, session + "/scene",
              "The scene as it runs, with every default, in SI: what POST /v1/sessions and studies take",
              [&app](const Request& r) {
-               return with_session(app, session_of(app, r), [](SessionEntry& e) {
+               return with_session(app, r, [](SessionEntry& e) {
                  return json_response(e.session.world().scene().canonical());
                });
              });
   router.add(Method::get, session + "/plan",
              "Passes of a step with their share of time, and what was skipped and why",
              [&app](const Request& r) {
-               return with_session(app, session_of(app, r), [](SessionEntry& e) {
+               return with_session(app, r, [](SessionEntry& e) {
                  e.profile_for(std::chrono::seconds(60));
                  return json_response(
                      json::object{{"passes", describe_plan(e.session.world(), e.session.profiles())}});

@@ -6,6 +6,7 @@
 #include "server/api/recordings.h"
 #include "server/api/requests.h"
 #include "server/api/session_answers.h"
+#include "server/persistence/session_keeper.h"
 
 namespace truestep {
 
@@ -33,12 +34,12 @@ Response binary(const Bytes& bytes, const std::string& name) {
 
 // The present state, or one that comes in the body.
 asio::awaitable<Response> keep_snapshot(App& app, const Request& request) {
-  EntryPtr entry = session_of(app, request);
+  EntryPtr entry = co_await session_of(app, request);
   const bool uploaded = !request.body.empty() && !is_json(request);
   if (uploaded) require_media(request, "application/octet-stream");
   if (!uploaded) object_body_of(request, {});
   co_return co_await with_session_on_worker(app, entry, [&app, &request, uploaded](SessionEntry& e) {
-    if (e.snapshots.size() >= kMostSnapshots)
+    if (e.snapshots.size() + e.stored_snapshots.size() >= kMostSnapshots)
       throw Error("quota_exceeded", "a session keeps at most 64 snapshots");
     auto lease = app.memory.lease(uploaded ? static_cast<double>(request.body.size())
                                            : static_cast<double>(e.session.state().memory_bytes()),
@@ -48,24 +49,39 @@ asio::awaitable<Response> keep_snapshot(App& app, const Request& request) {
     const WorldState& state = snapshot->state;
     const std::string hash = hex64(state.hash());
     const std::string sid = uploaded ? "upload-" + hash : "step-" + std::to_string(state.step);
+    if (e.keeper) {
+      const Bytes made = uploaded ? Bytes() : write_snapshot(e.session.world(), state);
+      const auto file = uploaded ? bytes_of(request) : std::span<const std::byte>(made);
+      app.archive->require_room(static_cast<double>(file.size()));
+      e.keeper->folder().keep_snapshot(sid, state.step, file);
+    }
     Response r = json_response(json::object{{"id", sid}, {"step", state.step}, {"state_hash", hash}}, 201);
     r.header("Location", "/v1/sessions/" + e.id + "/snapshots/" + sid);
+    e.stored_snapshots.erase(sid);
     e.snapshots[sid] = std::move(snapshot);
     return r;
   });
 }
 
-std::shared_ptr<const Snapshot> snapshot_of(SessionEntry& e, std::string_view sid) {
-  const auto it = e.snapshots.find(std::string(sid));
+// One that came back with its session is read when it is wanted.
+std::shared_ptr<const Snapshot> snapshot_of(App& app, SessionEntry& e, const std::string& sid) {
+  if (const auto stored = e.stored_snapshots.find(sid); stored != e.stored_snapshots.end() && e.keeper) {
+    const Bytes file = e.keeper->folder().snapshot(sid, stored->second);
+    auto lease = app.memory.lease(static_cast<double>(file.size()), "this snapshot");
+    e.snapshots[sid] =
+        std::make_shared<const Snapshot>(read_snapshot(e.session.world(), file), std::move(lease));
+    e.stored_snapshots.erase(stored);
+  }
+  const auto it = e.snapshots.find(sid);
   if (it == e.snapshots.end()) throw Error("not_found", "this session has no such snapshot");
   return it->second;
 }
 
 asio::awaitable<Response> restore(App& app, const Request& request) {
   object_body_of(request, {});
-  EntryPtr entry = session_of(app, request);
+  EntryPtr entry = co_await session_of(app, request);
   const std::string sid(request.param("sid"));
-  const auto back = [&sid](SessionEntry& e) { e.session.restore(snapshot_of(e, sid)->state); };
+  const auto back = [&app, &sid](SessionEntry& e) { e.session.restore(snapshot_of(app, e, sid)->state); };
   co_await interrupt_and_call(app, entry, back);
   co_return co_await with_session(app, entry,
                                   [](SessionEntry& e) { return json_response(describe_clock(e)); });
@@ -73,7 +89,7 @@ asio::awaitable<Response> restore(App& app, const Request& request) {
 
 asio::awaitable<Response> branch(App& app, const Request& request) {
   object_body_of(request, {});
-  EntryPtr entry = session_of(app, request);
+  EntryPtr entry = co_await session_of(app, request);
   auto copy = [&app, entry, caller = request.caller] {
     json::value document;
     json::object accuracy;
@@ -105,10 +121,12 @@ void add_snapshot_routes(net::Router& router, App& app) {
   router.add(Method::post, session + "/branch", "A new session that continues from this one's state",
              [&app](const Request& r) { return branch(app, r); });
   router.add(Method::get, session + "/snapshots", "Snapshots that were taken", [&app](const Request& r) {
-    return with_session(app, session_of(app, r), [](SessionEntry& e) {
+    return with_session(app, r, [](SessionEntry& e) {
       json::array list;
       for (const auto& [sid, snapshot] : e.snapshots)
         list.push_back(json::object{{"id", sid}, {"step", snapshot->state.step}});
+      for (const auto& [sid, step] : e.stored_snapshots)
+        list.push_back(json::object{{"id", sid}, {"step", step}});
       return json_response(json::object{{"snapshots", std::move(list)}});
     });
   });
@@ -120,11 +138,12 @@ void add_snapshot_routes(net::Router& router, App& app) {
   router.add(Method::get, session + "/snapshots/{sid}", "A snapshot as a file, for this or another server",
              [&app](const Request& r) -> asio::awaitable<Response> {
                const std::string sid(r.param("sid"));
-               auto give = [&sid](SessionEntry& e) {
-                 return binary(write_snapshot(e.session.world(), snapshot_of(e, sid)->state),
+               auto give = [&app, &sid](SessionEntry& e) {
+                 return binary(write_snapshot(e.session.world(), snapshot_of(app, e, sid)->state),
                                sid + ".snapshot");
                };
-               co_return co_await with_session_on_worker(app, session_of(app, r), give);
+               EntryPtr entry = co_await session_of(app, r);
+               co_return co_await with_session_on_worker(app, entry, give);
              });
   router.add(Method::post, session + "/snapshots/{sid}/restore", "Continues from a snapshot",
              [&app](const Request& r) { return restore(app, r); });
@@ -134,7 +153,8 @@ void add_snapshot_routes(net::Router& router, App& app) {
                auto give = [](SessionEntry& e) {
                  return binary(write_bundle(bundle_of(e.session)), e.id + ".bundle");
                };
-               co_return co_await with_session_on_worker(app, session_of(app, r), give);
+               EntryPtr entry = co_await session_of(app, r);
+               co_return co_await with_session_on_worker(app, entry, give);
              });
 }
 

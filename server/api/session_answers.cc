@@ -3,6 +3,7 @@
 #include "engine/base/hash.h"
 #include "engine/session/describe.h"
 #include "server/net/problem.h"
+#include "server/persistence/session_keeper.h"
 
 namespace truestep {
 
@@ -27,6 +28,7 @@ json::object links_of(const std::string& id) {
           {"bundle", self + "/bundle"},
           {"picture", self + "/picture.png"},
           {"recording", self + "/recording"},
+          {"recordings", "/v1/recordings"},
           {"stream", self + "/stream"},
           {"viewer", "/?session=" + id}};
 }
@@ -71,6 +73,14 @@ json::object describe_session(SessionEntry& e) {
   if (!viewer.empty()) o["viewer"] = std::move(viewer);
   if (const auto& f = s.failure()) o["instability"] = describe_failure(*f);
   if (!e.accuracy.empty()) o["accuracy"] = e.accuracy;
+  if (e.keeper) {
+    o["kept"] = e.keeper->problem().empty();
+    if (!e.keeper->problem().empty()) o["not_kept_because"] = e.keeper->problem();
+  }
+  if (e.restored) {
+    o["restored"] = json::object{
+        {"from_step", e.restored->from_step}, {"step", e.restored->step}, {"complete", e.restored->complete}};
+  }
   o["links"] = links_of(e.id);
   return o;
 }

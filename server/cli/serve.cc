@@ -19,6 +19,8 @@
 #include "engine/base/version.h"
 #include "server/api/app.h"
 #include "server/api/recordings.h"
+#include "server/api/restoring.h"
+#include "server/cli/duration.h"
 #include "server/cli/exit_codes.h"
 #include "server/data/folder_lock.h"
 
@@ -36,6 +38,8 @@ struct ServeOptions {
   size_t max_message_kib = 1024;
   int64_t max_sessions = 10000, session_ttl = 3600;
   std::vector<std::string> hosts, origins;
+  std::string keep_sessions = "7d", keep_recordings = "forever";
+  double max_kept_mb = 10000, max_recordings_mb = 0;
   bool insecure = false;
 };
 
@@ -65,6 +69,11 @@ AppOptions app_options(const ServeOptions& o) {
   a.limits.max_sessions = static_cast<size_t>(o.max_sessions);
   a.limits.idle_ttl = std::chrono::seconds(o.session_ttl);
   a.data_dir = o.data_dir;
+  if (const auto keep = read_duration("--keep-sessions", o.keep_sessions); keep && keep->count() > 0)
+    a.keep_sessions = ArchiveLimits{*keep, o.max_kept_mb * 1e6};
+  else if (!keep)
+    a.keep_sessions = ArchiveLimits{std::chrono::hours(24 * 365 * 100), o.max_kept_mb * 1e6};
+  a.recordings = {o.max_recordings_mb * 1e6, read_duration("--keep-recordings", o.keep_recordings)};
   return a;
 }
 
@@ -75,15 +84,18 @@ std::string default_data_dir() {
   return home && *home ? std::string(home) + "/.local/share/truestep" : "/tmp/truestep";
 }
 
-// Removes what nobody uses, once in a while.
+// Puts away and removes what nobody uses, once in a while.
 void sweep_every(asio::steady_timer& timer, App& app) {
-  timer.expires_after(std::chrono::seconds(30));
+  auto pause = std::min(std::chrono::seconds(30), app.options.limits.idle_ttl);
+  if (app.options.keep_sessions) pause = std::min(pause, app.options.keep_sessions->keep);
+  timer.expires_after(std::max(pause, std::chrono::seconds(1)));
   timer.async_wait([&](const boost::system::error_code& e) {
     if (e) return;
-    for (const EntryPtr& entry : app.store.expire()) {
-      const std::lock_guard lock(entry->mutex);
-      discard_recording(*entry);
+    for (const EntryPtr& entry : app.store.expire()) unload(app, entry);
+    if (app.archive) {
+      for (const std::string& id : app.archive->sweep()) spdlog::info("session {} is no longer kept", id);
     }
+    app.recordings.sweep();
     // What large sessions and studies have left goes back to the system.
     malloc_trim(0);
     sweep_every(timer, app);
@@ -135,7 +147,7 @@ void shut_down(net::Server& server, App& app) {
   app.runner.cancel_all(app.store.all());
   app.operations.cancel_all();
   app.store.cancel_creations();
-  finish_recordings(app);
+  close_recordings(app);
   server.stop(std::chrono::milliseconds(1500));
   const auto taken =
       std::chrono::duration_cast<std::chrono::milliseconds>(std::chrono::steady_clock::now() - begun);
@@ -143,6 +155,7 @@ void shut_down(net::Server& server, App& app) {
       std::max(std::chrono::milliseconds(4000) - taken, std::chrono::milliseconds(500)));
   app.operations.stop();
   app.runner.join();
+  save_sessions(app);
   let_sinks_go(app);
 }
 
@@ -155,7 +168,7 @@ FolderLock lock_data_folder(std::string& folder) {
     return FolderLock(folder);
   } catch (const Error& e) {
     if (e.code() != "folder_unusable") throw;
-    spdlog::warn("no recordings: {}", e.what());
+    spdlog::warn("no recordings, and no session outlives the server: {}", e.what());
     folder.clear();
     return {};
   }
@@ -179,9 +192,13 @@ int serve(const ServeOptions& options) {
   spdlog::set_error_handler([](const std::string&) {});
   asio::signal_set signals(main_loop, SIGTERM, SIGINT, SIGHUP);
   app.repairing = true;
+  app.recordings.read_folder();
   server.start();
   std::cout << "Truestep " << version() << " listening on " << server.url() << std::endl;
-  recover_recordings(app);
+  if (app.archive) {
+    for (const std::string& what : app.archive->damage()) spdlog::error("{}", what);
+  }
+  app.recordings.repair(*app.recording_thread);
   app.repairing = false;
 
   asio::steady_timer sweeper(main_loop);
@@ -222,7 +239,8 @@ void add_serve_command(CLI::App& app, int& exit_code) {
   CLI::App* c = app.add_subcommand("serve", "serves API and viewer");
   c->add_option("--host", o->host, "address to listen on")->capture_default_str();
   c->add_option("--port", o->port, "port; 0: any free one")->capture_default_str();
-  c->add_option("--data-dir", o->data_dir, "where recordings go (default: ~/.local/share/truestep)");
+  c->add_option("--data-dir", o->data_dir,
+                "where sessions and recordings are kept (default: ~/.local/share/truestep)");
   c->add_option("--api-key-file", o->key_file,
                 "keys that clients must present, a line each: NAME KEY [admin]");
   c->add_flag("--insecure", o->insecure,
@@ -241,8 +259,23 @@ void add_serve_command(CLI::App& app, int& exit_code) {
   c->add_option("--max-sessions", o->max_sessions, "sessions at once")
       ->check(CLI::Range(1, 1000000))
       ->capture_default_str();
-  c->add_option("--session-ttl", o->session_ttl, "seconds after which an unused session is removed")
+  c->add_option("--session-ttl", o->session_ttl,
+                "seconds after which an unused session is put away on disk, or removed when it is not kept")
       ->check(CLI::Range(1, 1000000000))
+      ->capture_default_str();
+  c->add_option("--keep-sessions", o->keep_sessions,
+                "how long an unused session stays on disk: 7d, 12h, 30m, 90s, forever; 0: sessions end with "
+                "the server or when they are unused for long")
+      ->capture_default_str();
+  c->add_option("--max-kept", o->max_kept_mb,
+                "megabytes of sessions on disk; beyond, those unused longest are removed")
+      ->check(CLI::Range(1.0, 1e9))
+      ->capture_default_str();
+  c->add_option("--keep-recordings", o->keep_recordings, "how long a finished recording stays, or forever")
+      ->capture_default_str();
+  c->add_option("--max-recordings", o->max_recordings_mb,
+                "megabytes of recordings; beyond, no new one begins; 0: no limit")
+      ->check(CLI::Range(0.0, 1e12))
       ->capture_default_str();
   c->add_option("--log-level", o->log_level, "log level")
       ->check(CLI::IsMember({"debug", "info", "warn", "error", "off"}))

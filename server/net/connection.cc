@@ -173,7 +173,7 @@ asio::awaitable<void> Connection::run() {
       }
       response = co_await wait_for(*match.route);
     } else {
-      response = open_websocket(*match.route);
+      response = co_await open_websocket(*match.route);
       if (upgrade_) break;
     }
     std::string_view large_body;
@@ -319,19 +319,26 @@ void Connection::refuse(int status, std::string_view reason) {
 }
 
 // On success upgrade_ is set.
-Response Connection::open_websocket(const Route& route) {
+asio::awaitable<Response> Connection::open_websocket(const Route& route) {
   if (!request_.body.empty() || buffer_.size() > 0)
-    return problem(request_, "bad_request", "nothing may follow a handshake before its answer");
-  if (auto refused = check_handshake(request_, route, subprotocol_)) return std::move(*refused);
-  if (service_.draining) return problem(request_, "draining", "the service is shutting down");
+    co_return problem(request_, "bad_request", "nothing may follow a handshake before its answer");
+  if (auto refused = check_handshake(request_, route, subprotocol_)) co_return std::move(*refused);
   try {
+    if (route.before_open) {
+      enter(Phase::handler);
+      ended_looks_ = 0;
+      co_await asio::co_spawn(socket_.get_executor(), route.before_open(request_),
+                              asio::bind_cancellation_slot(cancel_handler_.slot(), asio::use_awaitable));
+    }
+    if (service_.draining) co_return problem(request_, "draining", "the service is shutting down");
     upgrade_ = route.open_websocket(request_);
   } catch (const Error& e) {
-    return problem(request_, e);
+    co_return problem(request_, e);
   } catch (const std::exception& e) {
-    return problem(request_, e);
+    if (service_.draining) co_return problem(request_, "draining", "the service is shutting down");
+    co_return problem(request_, e);
   }
-  return {};
+  co_return Response{};
 }
 
 }  // namespace truestep::net

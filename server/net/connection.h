@@ -61,7 +61,7 @@ class Connection : public std::enable_shared_from_this<Connection> {
   boost::asio::awaitable<bool> send_stream(const StreamBody& stream);
   boost::asio::awaitable<void> wait_writable();
   boost::asio::awaitable<void> linger();
-  Response open_websocket(const Route& route);
+  boost::asio::awaitable<Response> open_websocket(const Route& route);
   void enter(Phase phase);
   bool left();
   void check_key_again();

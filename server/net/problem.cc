@@ -27,6 +27,7 @@ constexpr ProblemKind kKinds[] = {
     {"creating", 409, "The session is still being made"},
     {"interrupted", 409, "Another request cut this one short"},
     {"conflict", 409, "The resource is in another state"},
+    {"session_damaged", 409, "What is saved of the session cannot be used"},
     {"session_expired", 410, "The session has expired"},
     {"precondition_failed", 412, "A precondition does not hold"},
     {"too_large", 413, "The request is too large"},
@@ -54,6 +55,7 @@ constexpr ProblemKind kKinds[] = {
     {"overloaded", 503, "The service is at its limit"},
     {"render_unavailable", 503, "Pictures cannot be drawn here"},
     {"recording_io", 500, "The recording failed"},
+    {"folder_io", 500, "The data folder cannot be used"},
     {"disk_full", 507, "The disk is full"},
 };
 

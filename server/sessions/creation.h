@@ -25,11 +25,14 @@ struct SceneDraft {
 SceneDraft read_draft(boost::json::value document);
 
 struct Creation {
-  Creation(std::string id, std::string owner, uint64_t scene_hash)
-      : id(std::move(id)), owner(std::move(owner)), scene_hash(scene_hash) {}
+  /// `load` brings a session back from disk, `unload` is on its way there.
+  enum class Kind : uint8_t { create, load, unload };
+  Creation(std::string id, std::string owner, uint64_t scene_hash, Kind kind = Kind::create)
+      : id(std::move(id)), owner(std::move(owner)), scene_hash(scene_hash), kind(kind) {}
 
   const std::string id, owner;
   const uint64_t scene_hash;
+  const Kind kind;
   const Clock::time_point begun = Clock::now();
   std::atomic<const char*> stage{"reading"};
   Interrupt interrupt;

@@ -8,6 +8,7 @@
 #include <map>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <string>
 
 #include "engine/base/interrupt.h"
@@ -32,6 +33,13 @@ struct CachedAnswer {
 };
 
 class RecordingSink;
+class SessionKeeper;
+
+/// How a session came back from disk.
+struct Restored {
+  uint64_t from_step = 0, step = 0;  ///< of the state it was computed from, and where that led
+  bool complete = true;              ///< false: it had been further, and that is lost
+};
 
 /// A state that a client kept.
 struct Snapshot {
@@ -68,7 +76,11 @@ struct SessionEntry {
   Session session;
   std::map<std::string, std::shared_ptr<const Snapshot>> snapshots;
   std::shared_ptr<PollSink> poll;            ///< keeps frames for clients that poll
-  std::shared_ptr<RecordingSink> recording;  ///< null: the scene asks for none
+  std::shared_ptr<RecordingSink> recording;  ///< null: the scene asks for none, or it has ended
+  std::string recording_id;                  ///< of that
+  std::shared_ptr<SessionKeeper> keeper;     ///< null: not kept on disk
+  std::optional<Restored> restored;
+  std::map<std::string, uint64_t> stored_snapshots;  ///< steps of those on disk that are not loaded
   CachedAnswer cached_frame;
   EncodedFrames encoded;  ///< of the newest frame that was streamed
 

@@ -5,6 +5,7 @@
 #include <boost/asio/use_awaitable.hpp>
 
 #include "engine/base/log.h"
+#include "server/persistence/session_keeper.h"
 
 namespace truestep {
 
@@ -22,6 +23,13 @@ constexpr int kPlayingNice = 4, kSlowNice = 10, kPictureNice = 5;
 
 double seconds(Clock::duration d) {
   return std::chrono::duration<double>(d).count();
+}
+
+// What steps that were no part of a seek have come to is kept now and then.
+void keep_worked(SessionEntry& e, double seconds) {
+  const bool seeking =
+      !e.jobs.runs.empty() && e.jobs.runs.front()->kind == Job::Kind::seek && e.jobs.runs.front()->begun;
+  if (e.keeper && seconds > 0 && !seeking) e.keeper->worked(seconds);
 }
 
 bool watched(const SessionEntry& e) {
@@ -269,6 +277,8 @@ Runner::Next Runner::next_of(SessionEntry& entry) {
       session.pause();
     }
     jobs.runs.pop_front();
+    // Before anybody hears of it.
+    if (entry.keeper) entry.keeper->stands();
     entry.publish();
     finish(*job, end);
     jobs.clock = Clock::now();
@@ -308,6 +318,7 @@ void Runner::turn(const EntryPtr& entry, LaneKind kind) {
   std::optional<UnderWatch> under_watch;
   if (kind != LaneKind::slow) under_watch.emplace(*this, entry);
   bool moved = false;
+  double worked = 0;  // s of steps that readers saw
   while (true) {
     entry->interrupt.clear();
     if (entry->removed || stopping_) {
@@ -322,6 +333,7 @@ void Runner::turn(const EntryPtr& entry, LaneKind kind) {
       jobs.scheduled = false;
       jobs.used += seconds(Clock::now() - begun) * (watched(*entry) ? 1 : kUnwatched);
       if (moved) entry->settle(), entry->publish();
+      keep_worked(*entry, worked);
       if (next == Next::wait) wait_for_clock(entry);
       return;
     }
@@ -345,6 +357,7 @@ void Runner::turn(const EntryPtr& entry, LaneKind kind) {
     }
     const auto now = Clock::now();
     if (job) job->used += seconds(now - before);
+    if (next == Next::step) worked += seconds(now - before);
     before = now;
     if (under_watch) under_watch->begin(now);
     moved = true;
@@ -362,6 +375,7 @@ void Runner::turn(const EntryPtr& entry, LaneKind kind) {
   jobs.scheduled = false;
   jobs.used += seconds(Clock::now() - begun) * (watched(*entry) || !jobs.runs.empty() ? 1 : kUnwatched);
   if (moved) entry->settle(), entry->publish();
+  keep_worked(*entry, worked);
   schedule(entry);
 }
 

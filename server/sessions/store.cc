@@ -1,32 +1,18 @@
 #include "server/sessions/store.h"
 
+#include <algorithm>
+#include <ctime>
+
 #include "engine/base/hash.h"
+#include "engine/base/log.h"
 #include "engine/scene/json_write.h"
 #include "engine/session/describe.h"
 #include "engine/studies/accuracy.h"
-#include "server/net/digest.h"
+#include "server/persistence/session_archive.h"
 
 namespace truestep {
 
 namespace json = boost::json;
-
-std::string random_session_id() {
-  std::string h = net::random_hex128();
-  h[12] = '4';
-  h[16] = "89ab"[(h[16] <= '9' ? h[16] - '0' : h[16] - 'a' + 10) & 3];
-  return h.substr(0, 8) + '-' + h.substr(8, 4) + '-' + h.substr(12, 4) + '-' + h.substr(16, 4) + '-' +
-         h.substr(20);
-}
-
-bool is_session_id(std::string_view text) {
-  if (text.size() != 36) return false;
-  for (size_t i = 0; i < text.size(); ++i) {
-    const bool dash = i == 8 || i == 13 || i == 18 || i == 23;
-    const char c = text[i];
-    if (dash ? c != '-' : !((c >= '0' && c <= '9') || (c >= 'a' && c <= 'f'))) return false;
-  }
-  return true;
-}
 
 namespace {
 Error unknown_session() {
@@ -34,9 +20,10 @@ Error unknown_session() {
 }
 }  // namespace
 
-SessionStore::SessionStore(StoreLimits limits, MemoryBudget& budget)
+SessionStore::SessionStore(StoreLimits limits, MemoryBudget& budget, SessionArchive* archive)
     : limits_(limits),
       budget_(budget),
+      archive_(archive),
       arena_(std::make_shared<const ThreadArena>(limits.threads_per_session)) {}
 
 void SessionStore::check_room() const {
@@ -68,6 +55,12 @@ SessionStore::Begun SessionStore::begin(const std::string& id, const json::value
     check(it->second->owner, it->second->scene_hash);
     return {it->second, Begun::How::before};
   }
+  if (archive_) {
+    if (const auto about = archive_->find(id)) {
+      check(about->owner, about->scene_hash);
+      return begin_loading(id, about->owner, about->scene_hash);
+    }
+  }
   // Failures are remembered for those who were told to ask again, the oldest forgotten first.
   constexpr size_t kMostRemembered = 256;
   constexpr auto kRemembered = std::chrono::minutes(10);
@@ -79,6 +72,45 @@ SessionStore::Begun SessionStore::begin(const std::string& id, const json::value
   const auto creation = std::make_shared<Creation>(id, owner.name, scene_hash);
   creations_[id] = creation;
   return {creation, Begun::How::anew};
+}
+
+SessionStore::Begun SessionStore::begin_loading(const std::string& id, const std::string& owner,
+                                                uint64_t scene_hash) {
+  check_room();
+  const auto creation = std::make_shared<Creation>(id, owner, scene_hash, Creation::Kind::load);
+  creation->stage = "restoring";
+  creation->existed = true;
+  creations_[id] = creation;
+  return {creation, Begun::How::stored};
+}
+
+SessionStore::Begun SessionStore::load(std::string_view id, const net::Caller& caller) {
+  const std::lock_guard lock(mutex_);
+  if (const auto it = entries_.find(id); it != entries_.end() && caller.may_see(it->second->owner)) {
+    auto there = std::make_shared<Creation>(it->first, it->second->owner, it->second->scene_hash);
+    there->ended = true;
+    return {there, Begun::How::before};
+  }
+  const auto it = creations_.find(id);
+  if (it != creations_.end() && !it->second->ended && caller.may_see(it->second->owner))
+    return {it->second, Begun::How::before};
+  const auto about = archive_ ? archive_->find(id) : std::nullopt;
+  if (!about || !caller.may_see(about->owner)) throw unknown_session();
+  return begin_loading(about->id, about->owner, about->scene_hash);
+}
+
+// A session that cannot be kept goes on all the same, and says so.
+void SessionStore::keep(SessionEntry& entry) {
+  const SceneHeader& header = entry.session.world().scene().header;
+  const SessionAbout about{entry.id, entry.owner, header.title.empty() ? header.name : header.title,
+                           entry.scene_hash, static_cast<int64_t>(std::time(nullptr))};
+  try {
+    entry.keeper = archive_->keep(about, entry.session, entry.accuracy);
+    entry.keeper->keep_for(entry.recording);
+    entry.session.add_sink(entry.keeper);
+  } catch (const Error& e) {
+    spdlog::warn("session {} is not kept: {}", entry.id, e.what());
+  }
 }
 
 EntryPtr SessionStore::build(Creation& creation, SceneDraft draft, Accuracy accuracy,
@@ -112,6 +144,7 @@ EntryPtr SessionStore::build(Creation& creation, SceneDraft draft, Accuracy accu
   entry->accuracy = std::move(settled.report);
   entry->estimated_step = draft.cost.seconds_per_step;
   prepare(*entry);
+  if (archive_ && creation.kind == Creation::Kind::create) keep(*entry);
   return entry;
 }
 
@@ -124,12 +157,24 @@ void SessionStore::make(const CreationPtr& creation, SceneDraft draft, Accuracy 
   }
   {
     const std::lock_guard lock(mutex_);
-    if (creation->entry) {
-      entries_.emplace(creation->id, creation->entry);
-      creations_.erase(creation->id);
-    }
+    if (creation->entry) entries_.emplace(creation->id, creation->entry);
+    // What cannot be loaded is tried again by whoever asks next.
+    if (creation->entry || creation->kind == Creation::Kind::load) creations_.erase(creation->id);
     creation->ended = true;
   }
+  if (archive_ && !creation->entry && creation->kind == Creation::Kind::load)
+    archive_->unloaded(creation->id);
+  creation->done.notify();
+}
+
+void SessionStore::fail(const CreationPtr& creation, std::exception_ptr error) {
+  creation->error = std::move(error);
+  {
+    const std::lock_guard lock(mutex_);
+    if (creation->kind == Creation::Kind::load) creations_.erase(creation->id);
+    creation->ended = true;
+  }
+  if (archive_ && creation->kind == Creation::Kind::load) archive_->unloaded(creation->id);
   creation->done.notify();
 }
 
@@ -171,8 +216,14 @@ EntryPtr SessionStore::find(std::string_view id, const net::Caller& caller) {
     return it->second;
   }
   const auto making = creations_.find(id);
-  if (making != creations_.end() && !making->second->ended && caller.may_see(making->second->owner))
+  if (making != creations_.end() && !making->second->ended && caller.may_see(making->second->owner)) {
+    if (making->second->kind != Creation::Kind::create) return nullptr;
     throw Error("creating", "this session is still being made");
+  }
+  if (archive_) {
+    const auto about = archive_->find(id);
+    if (about && caller.may_see(about->owner)) return nullptr;
+  }
   const auto gone = expired_.find(id);
   if (gone != expired_.end() && caller.may_see(gone->second))
     throw Error("session_expired", "this session was removed because nobody used it");
@@ -186,18 +237,29 @@ EntryPtr SessionStore::remove(EntryPtr entry) {
   return entry;
 }
 
-std::vector<EntryPtr> SessionStore::list(std::string_view after, size_t limit,
-                                         const net::Caller& caller) const {
-  const std::lock_guard lock(mutex_);
-  std::vector<EntryPtr> out;
-  for (auto it = entries_.upper_bound(after); it != entries_.end() && out.size() < limit; ++it) {
-    if (caller.may_see(it->second->owner)) out.push_back(it->second);
+std::vector<std::string> SessionStore::list(std::string_view after, size_t limit,
+                                            const net::Caller& caller) const {
+  std::vector<std::string> out, stored;
+  if (archive_) stored = archive_->list(after, limit, caller);
+  {
+    const std::lock_guard lock(mutex_);
+    for (auto it = entries_.upper_bound(after); it != entries_.end() && out.size() < limit; ++it) {
+      if (caller.may_see(it->second->owner)) out.push_back(it->first);
+    }
   }
+  const auto loaded = static_cast<std::ptrdiff_t>(out.size());
+  out.insert(out.end(), stored.begin(), stored.end());
+  std::inplace_merge(out.begin(), out.begin() + loaded, out.end());
+  out.erase(std::unique(out.begin(), out.end()), out.end());
+  if (out.size() > limit) out.resize(limit);
   return out;
 }
 
 std::vector<EntryPtr> SessionStore::all() const {
-  return list("", SIZE_MAX, {});
+  const std::lock_guard lock(mutex_);
+  std::vector<EntryPtr> out;
+  for (const auto& [id, entry] : entries_) out.push_back(entry);
+  return out;
 }
 
 size_t SessionStore::size() const {
@@ -215,23 +277,43 @@ std::vector<EntryPtr> SessionStore::expire() {
     bool idle = now - used > limits_.idle_ttl && e.streams == 0;
     if (idle) {
       const std::unique_lock session_lock(e.mutex, std::try_to_lock);
-      idle = session_lock.owns_lock() && !e.session.playing();
+      idle = session_lock.owns_lock() && !e.session.playing() && !e.jobs.scheduled;
     }
     if (!idle) {
       ++it;
       continue;
     }
     e.removed = true;
-    expired_[e.id] = e.owner;
-    expired_order_.push_back(e.id);
-    if (expired_order_.size() > 10000) {
-      expired_.erase(expired_order_.front());
-      expired_order_.pop_front();
-    }
+    auto unloading = std::make_shared<Creation>(e.id, e.owner, e.scene_hash, Creation::Kind::unload);
+    unloading->stage = "unloading";
+    creations_[e.id] = std::move(unloading);
     out.push_back(it->second);
     it = entries_.erase(it);
   }
   return out;
+}
+
+void SessionStore::unloaded(const EntryPtr& entry) {
+  if (archive_) archive_->unloaded(entry->id);
+  CreationPtr unloading;
+  {
+    const std::lock_guard lock(mutex_);
+    const auto it = creations_.find(entry->id);
+    if (it != creations_.end()) {
+      unloading = it->second;
+      creations_.erase(it);
+      unloading->ended = true;
+    }
+    if (!entry->keeper) {
+      expired_[entry->id] = entry->owner;
+      expired_order_.push_back(entry->id);
+      if (expired_order_.size() > 10000) {
+        expired_.erase(expired_order_.front());
+        expired_order_.pop_front();
+      }
+    }
+  }
+  if (unloading) unloading->done.notify();
 }
 
 }  // namespace truestep

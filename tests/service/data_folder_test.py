@@ -25,7 +25,7 @@ def second(folder):
 
 
 def contents(folder):
-    return {p.name: hashlib.sha256(p.read_bytes()).hexdigest() for p in pathlib.Path(folder).iterdir()}
+    return {str(p): hashlib.sha256(p.read_bytes()).hexdigest() for p in pathlib.Path(folder).rglob("*") if p.is_file()}
 
 
 class DataFolder(unittest.TestCase):

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "engine/base/version.h"
 #include "engine/scene/json_write.h"
@@ -13,6 +14,10 @@ namespace {
 
 RecordingParams params_of(const World& world) {
   return world.scene().header.recording.value_or(RecordingParams{});
+}
+
+uint64_t last_step(const World& world) {
+  return static_cast<uint64_t>(std::llround(world.scene().header.time.duration / world.dt()));
 }
 
 std::optional<size_t> field_index(const System& system, const std::string& name) {
@@ -102,13 +107,14 @@ RecordingLayout recording_layout(const World& world, const std::string& path) {
 }
 
 RecordingSink::RecordingSink(std::shared_ptr<RecordingThread> thread, const Session& session,
-                             const std::string& path)
+                             const std::string& path, RecordingTies ties)
     : session_(session),
+      ties_(std::move(ties)),
       every_(static_cast<uint64_t>(params_of(session.world()).every)),
-      first_step_(session.step_index()),
-      last_step_(static_cast<uint64_t>(
-          std::llround(session.world().scene().header.time.duration / session.world().dt()))),
-      writer_(std::move(thread), recording_layout(session.world(), path)) {
+      first_step_(ties_.after ? *ties_.after + every_ : session.step_index()),
+      last_step_(last_step(session.world())),
+      writer_(std::move(thread), recording_layout(session.world(), path),
+              ties_.after ? RecordingWriter::File::with_first_frames : RecordingWriter::File::at_once) {
   for (const RecordedSystem& s : writer_.layout().systems) {
     const size_t i = session.world().index_of(s.id);
     auto& keys = keys_.emplace_back();
@@ -123,7 +129,16 @@ RecordingSink::RecordingSink(std::shared_ptr<RecordingThread> thread, const Sess
   }
   std::sort(request_.fields.begin(), request_.fields.end());
   if (!writer_.layout().observables.empty()) request_.extras = FrameRequest::Extras::observables;
-  accept(session.frame(request_));
+  if (!ties_.after) accept(session.frame(request_));
+}
+
+bool RecordingSink::goes_on(const World& world, uint64_t step) {
+  return step + static_cast<uint64_t>(params_of(world).every) <= last_step(world);
+}
+
+std::optional<uint64_t> RecordingSink::durable_step() const {
+  const uint64_t frames = writer_.durable_frames();
+  return frames > 0 ? std::optional(first_step_ + (frames - 1) * every_) : ties_.after;
 }
 
 bool RecordingSink::due(uint64_t step) {
@@ -157,7 +172,7 @@ void RecordingSink::accept(const FramePtr& frame) {
     observables.push_back(frame->observables.find(o.name).value_or(std::nan("")));
   }
   writer_.append(static_cast<int64_t>(frame->step), frame->time, systems, observables);
-  if (frame->step >= last_step_ && frame->step > first_step_) finish();
+  if (frame->step >= last_step_ && (ties_.after || frame->step > first_step_)) finish();
 }
 
 void RecordingSink::notify(std::string_view kind, uint64_t, const std::string&) {
@@ -165,6 +180,12 @@ void RecordingSink::notify(std::string_view kind, uint64_t, const std::string&) 
 }
 
 RecordingStatus RecordingSink::finish() {
+  const RecordingStatus status = close();
+  if (ties_.finished) std::exchange(ties_.finished, nullptr)(status);
+  return status;
+}
+
+RecordingStatus RecordingSink::close() {
   finished_ = true;
   boost::json::array journal;
   for (const JournalEntry& e : session_.journal()) {

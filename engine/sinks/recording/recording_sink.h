@@ -2,7 +2,9 @@
 // wait rather than leave a hole. The recording ends at the scene's duration, when the clock goes back, or
 // when it is told to.
 #pragma once
+#include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 
 #include "engine/session/session.h"
@@ -14,10 +16,20 @@ namespace truestep {
 /// of a field that no system has or that cannot be recorded.
 RecordingLayout recording_layout(const World& world, const std::string& path);
 
+/// How a recording begins, and who hears of its end.
+struct RecordingTies {
+  /// It goes on behind an earlier file whose last frame was of this step: the next one is the first that is
+  /// missing there.
+  std::optional<uint64_t> after;
+  /// Called once, by `finish`.
+  std::function<void(const RecordingStatus&)> finished;
+};
+
 class RecordingSink : public Sink {
  public:
-  /// Creates the file and records the session's present state.
-  RecordingSink(std::shared_ptr<RecordingThread> thread, const Session& session, const std::string& path);
+  /// Creates the file and, unless it goes on behind another, records the session's present state.
+  RecordingSink(std::shared_ptr<RecordingThread> thread, const Session& session, const std::string& path,
+                RecordingTies ties = {});
 
   bool due(uint64_t step) override;
   const FrameRequest& request() const override { return request_; }
@@ -26,11 +38,18 @@ class RecordingSink : public Sink {
 
   /// Completes the file: journal, VTKHDF part. Afterwards it can be downloaded; a second call does nothing.
   RecordingStatus finish();
+  /// The same without telling anybody: the session goes on elsewhere, and its recording with it.
+  RecordingStatus close();
+  /// The last step whose frame outlives the process; none before the first.
+  std::optional<uint64_t> durable_step() const;
+  /// Whether a frame of a later step than `step` belongs to the recording.
+  static bool goes_on(const World& world, uint64_t step);
   RecordingStatus status() const { return writer_.status(); }
   const std::string& path() const { return writer_.layout().path; }
 
  private:
   const Session& session_;
+  RecordingTies ties_;
   uint64_t every_, first_step_, last_step_;
   bool finished_ = false;
   RecordingWriter writer_;

@@ -87,6 +87,7 @@ struct RecordingWriter::Batch final : RecordingTask {
     const size_t left = c->queued.fetch_sub(1) - 1;
     if (c->state == RecordingState::kRecording) {
       c->guarded([&] {
+        if (!c->file) c->file.emplace(c->layout, c->plan);
         c->file->write(image.get(), frames);
         c->unflushed += size;
         if (left == 0 || c->unflushed >= kFlushBytes) c->flush();
@@ -98,10 +99,10 @@ struct RecordingWriter::Batch final : RecordingTask {
   }
 };
 
-RecordingWriter::RecordingWriter(std::shared_ptr<RecordingThread> thread, RecordingLayout layout) {
+RecordingWriter::RecordingWriter(std::shared_ptr<RecordingThread> thread, RecordingLayout layout, File file) {
   validate_layout(layout);
   core_ = std::make_shared<Core>(std::move(thread), std::move(layout));
-  core_->thread->run([&] { core_->file.emplace(core_->layout, core_->plan); });
+  if (file == File::at_once) core_->thread->run([&] { core_->file.emplace(core_->layout, core_->plan); });
 }
 
 RecordingWriter::~RecordingWriter() {
@@ -137,9 +138,11 @@ RecordingStatus RecordingWriter::finalize(const std::string& journal) {
   core_->thread->run([&] {
     if (core_->state != RecordingState::kRecording) return;
     core_->guarded([&] {
-      core_->flush();
-      core_->file->finalize(journal);
-      core_->file.reset();
+      if (core_->file) {
+        core_->flush();
+        core_->file->finalize(journal);
+        core_->file.reset();
+      }
       core_->state = RecordingState::kFinalized;
     });
   });

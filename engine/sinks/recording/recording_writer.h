@@ -22,9 +22,11 @@ struct RecordingStatus {
 
 class RecordingWriter {
  public:
+  /// When the file is made; what comes to no frame then leaves none, and what goes wrong shows in the status.
+  enum class File : uint8_t { at_once, with_first_frames };
   /// Creates the file. Throws Error("recording_invalid") for a layout that cannot be recorded, or the HDF5
   /// error.
-  RecordingWriter(std::shared_ptr<RecordingThread> thread, RecordingLayout layout);
+  RecordingWriter(std::shared_ptr<RecordingThread> thread, RecordingLayout layout, File file = File::at_once);
   ~RecordingWriter();  ///< finalises with an empty journal when that was not done
   RecordingWriter(const RecordingWriter&) = delete;
   RecordingWriter& operator=(const RecordingWriter&) = delete;

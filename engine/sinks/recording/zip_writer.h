@@ -1,5 +1,5 @@
 // A zip archive of stored (not compressed) members, each written in pieces; always with 64-bit sizes.
-// Source: PKWARE APPNOTE 6.3, sections 4.3.7, 4.3.12, 4.3.14-16, 4.5.3; checksum CRC-32 (ISO 3309).
+// Source: PKWARE APPNOTE 6.3, sections 4.3.7, 4.3.12, 4.3.14-16, 4.5.3.
 #pragma once
 #include <string>
 #include <vector>
@@ -7,9 +7,6 @@
 #include "engine/sinks/recording/export_parts.h"
 
 namespace truestep::exporting {
-
-/// CRC-32 of `size` bytes after those that gave `before` (0 at the start).
-uint32_t crc32(uint32_t before, const void* data, size_t size);
 
 class ZipWriter {
  public:

@@ -1,0 +1,129 @@
+#include "server/api/restoring.h"
+
+#include "engine/base/log.h"
+#include "server/api/recordings.h"
+#include "server/api/requests.h"
+#include "server/persistence/files.h"
+#include "server/persistence/restorer.h"
+#include "server/persistence/session_keeper.h"
+
+namespace truestep {
+
+namespace asio = boost::asio;
+
+namespace {
+
+// What is computed for longer belongs to the threads for long work.
+constexpr double kShortWay = 0.02;  // s
+
+struct Saved {
+  SavedSession session;
+  SceneDraft draft;
+  std::optional<uint64_t> recorded;  ///< last step of its recording
+  bool records = false;              ///< which goes on
+};
+
+Saved read_saved(App& app, const std::string& id) {
+  Saved saved;
+  saved.records = app.recordings.on() && recording_goes_on(app, id);
+  if (saved.records) {
+    if (app.repairing) throw Error("starting", "recordings of an earlier run are being repaired");
+    saved.recorded = last_recorded_step(app, id);
+  }
+  const auto wanted = saved.records ? std::optional(saved.recorded.value_or(0)) : std::nullopt;
+  saved.session = app.archive->read(id, wanted);
+  saved.draft = read_draft(saved.session.scene.document);
+  return saved;
+}
+
+void prepare(App& app, SessionEntry& e, const Saved& saved) {
+  try {
+    const LastCommand last = bring_back(e, saved.session, [&] {
+      if (saved.records) continue_recording(app, e, saved.recorded);
+    });
+    e.stored_snapshots = app.archive->folder_of(e.id).snapshots();
+    e.keeper = app.archive->keep_on(saved.session, e.session);
+    e.keeper->keep_for(e.recording);
+    e.session.add_sink(e.keeper);
+    // Its number is that of the record which tells of it.
+    if (last == LastCommand::refused) e.keeper->command_refused(*saved.session.course.unconfirmed);
+  } catch (...) {
+    discard_recording(app, e);
+    throw;
+  }
+}
+
+}  // namespace
+
+void start_restoring(App& app, const CreationPtr& creation) {
+  asio::post(app.runner.pool(), [&app, creation] {
+    const auto saved = std::make_shared<Saved>();
+    try {
+      *saved = read_saved(app, creation->id);
+    } catch (...) {
+      return app.store.fail(creation, std::current_exception());
+    }
+    const std::function<void()> make = [&app, creation, saved] {
+      app.store.make(creation, std::move(saved->draft), SessionStore::Accuracy::chosen,
+                     [&app, saved](SessionEntry& e) { prepare(app, e, *saved); });
+    };
+    const auto steps = static_cast<double>(saved->session.course.step - saved->session.from_step);
+    if (saved->draft.heavy() || steps * saved->draft.cost.seconds_per_step > kShortWay)
+      app.runner.start_long_work(make);
+    else
+      make();
+  });
+}
+
+asio::awaitable<EntryPtr> session_of(App& app, const net::Request& request) {
+  const std::string_view id = request.param("id");
+  if (EntryPtr entry = app.store.find(id, request.caller)) co_return entry;
+  const auto deadline = Clock::now() + kPatience;
+  while (true) {
+    const auto [creation, how] = app.store.load(id, request.caller);
+    if (how == SessionStore::Begun::How::stored) start_restoring(app, creation);
+    // Others may wait for it as well: whoever leaves ends nothing.
+    const auto ended = [c = creation] { return c->ended.load(); };
+    const auto give_up = [] {};
+    co_await net::wait_for_end(creation->done, ended, give_up, deadline);
+    if (!creation->ended)
+      throw Error("creating", "this session is on its way from or to the disk; ask again");
+    if (creation->error) std::rethrow_exception(creation->error);
+    if (EntryPtr entry = app.store.find(id, request.caller)) co_return entry;
+  }
+}
+
+void unload(App& app, const EntryPtr& entry) {
+  {
+    const std::lock_guard lock(entry->mutex);
+    close_recording(app, *entry);
+    if (entry->keeper) {
+      entry->keeper->save();
+      entry->keeper->abandon();
+    }
+  }
+  app.store.unloaded(entry);
+}
+
+void save_sessions(App& app) {
+  if (!app.archive) return;
+  for (const EntryPtr& e : app.store.all()) {
+    const std::lock_guard lock(e->mutex);
+    if (e->keeper) e->keeper->save();
+  }
+  // Once for all of them.
+  sync_disk_of(app.options.data_dir);
+}
+
+std::unique_ptr<SessionArchive> open_archive(const AppOptions& options, MemoryBudget& memory) {
+  if (options.data_dir.empty() || !options.keep_sessions) return nullptr;
+  try {
+    return std::make_unique<SessionArchive>(std::filesystem::path(options.data_dir) / "sessions",
+                                            *options.keep_sessions, memory);
+  } catch (const Error& e) {
+    spdlog::warn("sessions are not kept: {}", e.what());
+    return nullptr;
+  }
+}
+
+}  // namespace truestep

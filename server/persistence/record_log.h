@@ -1,0 +1,63 @@
+// A log of records: what happened to a session since its last saved state, in order, each written before it
+// counts. A write that a kill cut short leaves a record whose checksum is wrong; what stands before it holds.
+//   record = u32 size of the body | u32 CRC-32 of size and body | body | zeros to a multiple of 32
+//   body   = u64 kind | u64 step | u64 sequence | text
+// (little-endian). Records begin at multiples of 32 bytes, so one without a text lies within a page and is
+// written as a whole or not at all. A record of where the session stands is replaced by the next such one.
+#pragma once
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "engine/session/sealed.h"
+#include "server/persistence/open_files.h"
+
+namespace truestep {
+
+struct LogRecord {
+  enum class Kind : uint8_t {
+    continues,  ///< what stands in the log before leads here
+    anew,       ///< nothing before counts any more: the saved state of the same number does
+    command,    ///< `text` is about to be carried out at `step`, which takes back those of later steps
+    refused,    ///< the command of that number made no sense
+    stands,     ///< at `step`
+  };
+  Kind kind = Kind::stands;
+  uint64_t step = 0, sequence = 0;
+  std::string text;
+  friend bool operator==(const LogRecord&, const LogRecord&) = default;
+};
+
+Bytes record_bytes(const LogRecord& record);
+
+struct LogContents {
+  std::vector<LogRecord> records;
+  /// Whether what follows them is one record that was cut short, the mark of a writer that was killed.
+  enum class End : uint8_t { clean, torn, damaged } end = End::clean;
+};
+LogContents read_records(std::span<const std::byte> file);
+
+/// The writing end. One thread at a time.
+class RecordLog {
+ public:
+  /// Makes the file with the first append.
+  RecordLog(std::filesystem::path path, OpenFiles& files) : path_(std::move(path)), files_(files) {}
+  ~RecordLog();
+  RecordLog(const RecordLog&) = delete;
+  RecordLog& operator=(const RecordLog&) = delete;
+
+  /// Error "disk_full" or "folder_io"; the file then ends where it ended before.
+  void append(const LogRecord& record);
+  uint64_t bytes() const { return end_; }
+
+ private:
+  const std::filesystem::path path_;
+  OpenFiles& files_;
+  uint64_t end_ = 0;
+  std::optional<uint64_t> standing_;  ///< where the record of kind `stands` that ends the file begins
+};
+
+}  // namespace truestep

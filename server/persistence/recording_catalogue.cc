@@ -1,0 +1,317 @@
+#include "server/persistence/recording_catalogue.h"
+
+#include <algorithm>
+#include <charconv>
+#include <ctime>
+
+#include "engine/base/errors.h"
+#include "engine/base/log.h"
+#include "engine/base/short_number.h"
+#include "engine/scene/json.h"
+#include "engine/scene/json_write.h"
+#include "engine/sinks/recording/chunk_log.h"
+#include "engine/sinks/recording/recording_reader.h"
+#include "engine/sinks/recording/recover.h"
+#include "server/persistence/files.h"
+#include "server/sessions/session_id.h"
+
+namespace truestep {
+
+namespace fs = std::filesystem;
+namespace json = boost::json;
+
+namespace {
+
+constexpr std::string_view kEnding = ".vtkhdf";
+constexpr const char* kNames[] = {"live", "finished", "closed", "repaired", "incomplete", "damaged"};
+constexpr size_t kMostNote = 64 << 10;
+constexpr size_t kIdLength = 36;
+
+fs::path note_path(fs::path recording) {
+  return recording += ".json";
+}
+
+// ID for the first, ID.2, ID.3 ... for the next.
+std::string name_of(const std::string& session, uint64_t number) {
+  return number == 1 ? session : session + "." + std::to_string(number);
+}
+
+uint64_t number_of(std::string_view id) {
+  uint64_t n = 1;
+  if (id.size() > kIdLength + 1) std::from_chars(id.data() + kIdLength + 1, id.data() + id.size(), n);
+  return n;
+}
+
+std::string text_member(const json::object& o, const char* name) {
+  const json::value* v = o.if_contains(name);
+  return v && v->is_string() ? std::string(v->as_string()) : std::string();
+}
+
+// What the note says; a recording without one was left by a server that wrote none.
+RecordingFacts read_note(const fs::path& path, const std::string& id) {
+  RecordingFacts f;
+  f.id = id;
+  f.session = id.substr(0, kIdLength);
+  try {
+    const json::value v = parse_json(text_of(read_file(note_path(path), kMostNote)));
+    const json::object& o = v.as_object();
+    f.owner = text_member(o, "owner");
+    f.title = text_member(o, "title");
+    f.note = text_member(o, "note");
+    f.created = o.at("created").to_number<int64_t>();
+    f.frames = o.at("frames").to_number<uint64_t>();
+    const std::string state = text_member(o, "state");
+    for (size_t k = 0; k < std::size(kNames); ++k) {
+      if (state == kNames[k]) f.state = static_cast<RecordingFate>(k);
+    }
+  } catch (const std::exception&) {
+    f.state = RecordingFate::live;
+    std::error_code failed;
+    const auto written = fs::last_write_time(path, failed);
+    if (!failed)
+      f.created = std::chrono::duration_cast<std::chrono::seconds>(
+                      fs::file_time_type::clock::to_sys(written).time_since_epoch())
+                      .count();
+  }
+  return f;
+}
+
+Error unknown() {
+  return {"not_found", "there is no recording with this id"};
+}
+
+}  // namespace
+
+const char* state_name(RecordingFate state) {
+  return kNames[static_cast<size_t>(state)];
+}
+
+bool is_recording_id(std::string_view text) {
+  if (!is_session_id(text.substr(0, kIdLength))) return false;
+  const std::string_view rest = text.substr(kIdLength);
+  if (rest.empty()) return true;
+  return rest.size() >= 2 && rest.size() <= 10 && rest[0] == '.' && rest[1] >= '1' && rest[1] <= '9' &&
+         rest != ".1" &&
+         std::all_of(rest.begin() + 1, rest.end(), [](char c) { return c >= '0' && c <= '9'; });
+}
+
+RecordingCatalogue::RecordingCatalogue(fs::path folder, RecordingLimits limits)
+    : folder_(std::move(folder)), limits_(limits) {}
+
+// --- at the start
+
+void RecordingCatalogue::read_folder() {
+  if (!on()) return;
+  const std::lock_guard lock(mutex_);
+  std::error_code failed;
+  for (fs::directory_iterator it(folder_, failed), end; !failed && it != end; it.increment(failed)) {
+    // A note of what came to no frame.
+    if (it->path().string().ends_with(".vtkhdf.json") &&
+        !fs::exists(fs::path(it->path()).replace_extension())) {
+      std::error_code ignored;
+      fs::remove(it->path(), ignored);
+      continue;
+    }
+    const std::string id = it->path().stem().string();
+    if (it->path().extension() != kEnding || !is_recording_id(id)) continue;
+    rows_[id].facts = read_note(it->path(), id);
+  }
+}
+
+void RecordingCatalogue::settle(Row& row, RecordingThread& thread) {
+  RecordingFacts& f = row.facts;
+  const std::string file = path(f.id).string();
+  const RecoveryReport report = recover_recording(thread, file, {});
+  f.note = report.message;
+  f.frames = report.frames_kept;
+  switch (report.outcome) {
+    case RecoveryOutcome::kIntact:
+      // Complete, but nobody came to say so any more.
+      f.state = RecordingFate::closed;
+      break;
+    case RecoveryOutcome::kRecovered:
+      f.state = RecordingFate::repaired;
+      spdlog::warn("recording {} was not finished: {} of {} frames kept", file, report.frames_kept,
+                   report.frames_found);
+      break;
+    default:
+      f.state = RecordingFate::damaged;
+      spdlog::error("recording {} could not be repaired: {}", file, report.message);
+  }
+}
+
+void RecordingCatalogue::repair(RecordingThread& thread) {
+  if (!on()) return;
+  std::vector<Row> open;
+  {
+    const std::lock_guard lock(mutex_);
+    for (const auto& [id, row] : rows_) {
+      if (row.facts.state == RecordingFate::live || row.facts.state == RecordingFate::damaged)
+        open.push_back(row);
+    }
+  }
+  for (Row& row : open) {
+    settle(row, thread);
+    write_note(row.facts);
+    const std::lock_guard lock(mutex_);
+    rows_[row.facts.id].facts = row.facts;
+  }
+}
+
+// --- one that is written
+
+RecordingFacts RecordingCatalogue::begin(const std::string& session, const std::string& owner,
+                                         const std::string& title) {
+  const std::lock_guard lock(mutex_);
+  if (limits_.most_bytes > 0) {
+    double sum = 0;
+    for (const auto& [id, row] : rows_) sum += present(row).bytes;
+    if (sum >= limits_.most_bytes)
+      throw Error("quota_exceeded", "recordings take " + short_number(sum / 1e6, 3) + " MB of the " +
+                                        short_number(limits_.most_bytes / 1e6, 3) +
+                                        " MB that this server keeps; delete some");
+  }
+  uint64_t number = 1;
+  for (auto it = rows_.lower_bound(session); it != rows_.end() && it->second.facts.session == session; ++it)
+    number = std::max(number, number_of(it->first) + 1);
+  // Nor is a name used of which anything is left that no note tells of.
+  const auto taken = [&](const std::string& id) {
+    for (const char* rest : {"", ".chunks", ".damaged", ".json"}) {
+      if (fs::exists(path(id).string() + rest)) return true;
+    }
+    return false;
+  };
+  while (taken(name_of(session, number))) ++number;
+  Row row;
+  row.facts.id = name_of(session, number);
+  row.facts.session = session;
+  row.facts.owner = owner;
+  row.facts.title = title;
+  row.facts.created = static_cast<int64_t>(std::time(nullptr));
+  write_note(row.facts);
+  rows_[row.facts.id] = row;
+  return row.facts;
+}
+
+void RecordingCatalogue::attach(const std::string& id, std::weak_ptr<const RecordingSink> sink) {
+  const std::lock_guard lock(mutex_);
+  const auto it = rows_.find(id);
+  if (it != rows_.end()) it->second.sink = std::move(sink);
+}
+
+void RecordingCatalogue::forget(const std::string& id) {
+  const std::lock_guard lock(mutex_);
+  rows_.erase(id);
+  remove_files(id);
+}
+
+void RecordingCatalogue::end(const std::string& id, RecordingFate state, uint64_t frames,
+                             const std::string& note) {
+  const std::lock_guard lock(mutex_);
+  const auto it = rows_.find(id);
+  if (it == rows_.end()) return;
+  RecordingFacts& f = it->second.facts;
+  f.state = state;
+  f.frames = frames;
+  f.note = note;
+  it->second.sink.reset();
+  write_note(f);
+}
+
+// On a full disk the old note stands, which is looked into at the next start.
+void RecordingCatalogue::write_note(const RecordingFacts& f) const {
+  const std::string text = write_json(json::object{{"owner", f.owner},
+                                                   {"title", f.title},
+                                                   {"created", f.created},
+                                                   {"state", state_name(f.state)},
+                                                   {"frames", f.frames},
+                                                   {"note", f.note}});
+  try {
+    write_file(note_path(path(f.id)), bytes_of(text), Durability::process);
+  } catch (const Error& e) {
+    spdlog::warn("recording {}: {}", f.id, e.what());
+  }
+}
+
+// --- what there is
+
+RecordingFacts RecordingCatalogue::present(const Row& row) const {
+  RecordingFacts f = row.facts;
+  std::error_code none;
+  const auto size = fs::file_size(path(f.id), none);
+  f.bytes = none ? 0 : static_cast<double>(size);
+  if (const auto sink = row.sink.lock()) {
+    const RecordingStatus status = sink->status();
+    f.frames = status.durable_frames;
+    f.note = status.message;
+    if (status.state == RecordingState::kFailed) f.state = RecordingFate::incomplete;
+  }
+  return f;
+}
+
+bool RecordingCatalogue::live(const std::string& id) const {
+  const std::lock_guard lock(mutex_);
+  const auto it = rows_.find(id);
+  return it != rows_.end() && it->second.facts.state == RecordingFate::live;
+}
+
+RecordingFacts RecordingCatalogue::find(std::string_view id, const net::Caller& caller) const {
+  const std::lock_guard lock(mutex_);
+  const auto it = rows_.find(id);
+  if (it == rows_.end() || !caller.may_see(it->second.facts.owner)) throw unknown();
+  return present(it->second);
+}
+
+std::optional<RecordingFacts> RecordingCatalogue::newest(const std::string& session) const {
+  const std::lock_guard lock(mutex_);
+  const Row* best = nullptr;
+  for (auto it = rows_.lower_bound(session); it != rows_.end() && it->second.facts.session == session; ++it) {
+    if (!fs::exists(path(it->first))) continue;
+    if (!best || number_of(it->first) > number_of(best->facts.id)) best = &it->second;
+  }
+  return best ? std::optional(present(*best)) : std::nullopt;
+}
+
+std::vector<RecordingFacts> RecordingCatalogue::list(std::string_view after, size_t limit,
+                                                     const net::Caller& caller) const {
+  const std::lock_guard lock(mutex_);
+  std::vector<RecordingFacts> out;
+  for (auto it = rows_.upper_bound(after); it != rows_.end() && out.size() < limit; ++it) {
+    if (caller.may_see(it->second.facts.owner) && fs::exists(path(it->first)))
+      out.push_back(present(it->second));
+  }
+  return out;
+}
+
+void RecordingCatalogue::remove(const std::string& id) {
+  const std::lock_guard lock(mutex_);
+  const auto it = rows_.find(id);
+  if (it == rows_.end()) throw unknown();
+  const auto sink = it->second.sink.lock();
+  if (it->second.facts.state == RecordingFate::live && sink &&
+      sink->status().state == RecordingState::kRecording)
+    throw Error("conflict", "the recording is being written; finish it first");
+  rows_.erase(it);
+  remove_files(id);
+}
+
+void RecordingCatalogue::remove_files(const std::string& id) const {
+  std::error_code ignored;
+  const std::string file = path(id).string();
+  for (const std::string& name : {file, chunk_log_path(file), file + ".damaged",
+                                  chunk_log_path(file + ".damaged"), note_path(file).string()})
+    fs::remove(name, ignored);
+}
+
+void RecordingCatalogue::sweep() {
+  if (!on() || !limits_.keep) return;
+  const auto oldest = static_cast<int64_t>(std::time(nullptr)) - limits_.keep->count();
+  const std::lock_guard lock(mutex_);
+  std::erase_if(rows_, [&](const auto& r) {
+    const bool old = r.second.facts.state != RecordingFate::live && r.second.facts.created < oldest;
+    if (old) remove_files(r.first);
+    return old;
+  });
+}
+
+}  // namespace truestep

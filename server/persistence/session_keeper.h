@@ -1,0 +1,93 @@
+// What makes a session outlive the process: a sink that writes each command before it is carried out, where
+// the session stands whenever somebody is told, and now and then a state, so that restoring repeats little.
+// Commands and places are handed to the system at once (they outlive the process, kill -9 included); states
+// are made to outlive a power cut by a thread of their own.
+// What cannot be written (a full disk) never stops the session: it goes on, says that it is not kept, and is
+// kept again from the next state that can be written.
+#pragma once
+#include <atomic>
+#include <chrono>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+
+#include "engine/session/session.h"
+#include "engine/sinks/recording/recording_sink.h"
+#include "server/persistence/record_log.h"
+#include "server/persistence/state_files.h"
+#include "server/persistence/state_writer.h"
+#include "server/sessions/memory_budget.h"
+
+namespace truestep {
+
+/// What all keepers share.
+struct KeepingMeans {
+  OpenFiles& files;
+  StateWriter& writer;
+  MemoryBudget& memory;
+};
+
+class SessionKeeper final : public Sink {
+ public:
+  /// Of a session that stands at `base`, the step of the newest state, or behind it. `number` of the next
+  /// log.
+  SessionKeeper(SessionFolder folder, const Session& session, uint64_t number, uint64_t base,
+                const KeepingMeans& means);
+
+  bool due(uint64_t) override { return false; }
+  const FrameRequest& request() const override { return request_; }
+  void accept(const FramePtr&) override {}
+  void notify(std::string_view kind, uint64_t step, const std::string& detail) override;
+  void before_command(const JournalEntry& entry) override;
+  void command_refused(const JournalEntry& entry) override;
+
+  // --- under the session's lock
+  /// States from before the end of this recording stay.
+  void keep_for(std::weak_ptr<const RecordingSink> recording) { recording_ = std::move(recording); }
+  /// Somebody is told that the session is at the present step.
+  void stands();
+  /// The session has stepped for so long (s of computing).
+  void worked(double seconds);
+  /// Saves the present state, unless little leads to it from the one before.
+  void save();
+  /// Saves the present state as the beginning of the session's past.
+  void save_anew();
+  /// Why the session is not kept at the moment; empty when it is.
+  const std::string& problem() const { return problem_; }
+
+  // --- any thread
+  const SessionFolder& folder() const { return files_->folder(); }
+  /// Whether something was written since the last call.
+  bool take_written();
+  /// The folder is another's now, or gone: nothing is written there any more.
+  void abandon() { files_->abandon(); }
+
+ private:
+  struct Shared;  // with the thread that writes
+  bool write(const LogRecord& record);
+  void lose(const Error& e);
+  void begin_log(LogRecord::Kind first);
+  bool due_to_save(double least_seconds) const;
+  void save_beside();
+  SavedState saved(Bytes snapshot) const;
+  StateFiles::Recorded recorded() const;
+  double seconds_to_write() const;
+
+  const Session& session_;
+  const KeepingMeans means_;
+  const std::shared_ptr<StateFiles> files_;
+  const FrameRequest request_;
+  std::weak_ptr<const RecordingSink> recording_;
+  uint64_t number_;
+  std::optional<RecordLog> log_;
+  LogRecord::Kind first_ = LogRecord::Kind::continues;  ///< of the log, which is made when it is needed
+  uint64_t base_step_;                                  ///< of the newest state
+  std::optional<uint64_t> told_step_;
+  double worked_ = 0;  ///< s of computing since the newest state
+  std::chrono::steady_clock::time_point told_at_{}, tried_at_{};
+  std::string problem_;
+  const std::shared_ptr<Shared> shared_;
+};
+
+}  // namespace truestep

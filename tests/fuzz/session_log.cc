@@ -1,0 +1,52 @@
+// The files that a session is restored from. A first byte of 0: the rest is a log; 1: a saved state; 2: a log
+// behind a saved state, the two separated by eight zeros. What is read is refused with "session_damaged" or
+// comes to a course whose commands are in order.
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+
+#include "engine/base/errors.h"
+#include "server/persistence/saved_session.h"
+
+namespace {
+
+using namespace truestep;
+
+void check(const LoggedCourse& course) {
+  for (size_t k = 1; k < course.journal.size(); ++k) {
+    if (course.journal[k].step < course.journal[k - 1].step) __builtin_trap();
+  }
+  if (course.step > kMostStep) __builtin_trap();
+}
+
+void check_log(std::span<const std::byte> bytes, const SavedState& state) {
+  const LogContents read = read_records(bytes);
+  Bytes again;
+  for (const LogRecord& r : read.records) {
+    const Bytes one = record_bytes(r);
+    again.insert(again.end(), one.begin(), one.end());
+  }
+  if (again.size() > bytes.size() || !std::equal(again.begin(), again.end(), bytes.begin())) __builtin_trap();
+  check(follow(state, state.ahead.empty() ? 0 : state.ahead.front().step, read.records));
+}
+
+}  // namespace
+
+extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
+  if (size == 0) return 0;
+  const auto rest = std::as_bytes(std::span(data + 1, size - 1));
+  try {
+    if (data[0] == 0) check_log(rest, {});
+    if (data[0] == 1) read_saved_state(rest);
+    if (data[0] == 2) {
+      constexpr std::byte kZeros[8] = {};
+      const auto* cut = std::search(rest.data(), rest.data() + rest.size(), kZeros, kZeros + 8);
+      const auto first = static_cast<size_t>(cut - rest.data());
+      const SavedState state = read_saved_state(rest.first(first));
+      check_log(rest.subspan(std::min(first + 8, rest.size())), state);
+    }
+  } catch (const Error& e) {
+    if (e.code() != "session_damaged") __builtin_trap();
+  }
+  return 0;
+}
