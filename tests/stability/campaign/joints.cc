@@ -209,6 +209,7 @@ void springs_3d(Dice& d, Trial& t) {
     json::object j;
     if (kind == "spring") {
       j = sprung(d, by);
+      fastest = std::max(fastest, rate(j));
       const Vec3 off = d.chance(0.6) ? d.in_cube(0.2) : Vec3{};
       const Vec3 from = Vec3{kSpacing * i, 0, 0} + off, to = Vec3{kSpacing * (i + 1), 0, 0} - off;
       j["anchor"] = vec(from), j["anchor_b"] = vec(to);
