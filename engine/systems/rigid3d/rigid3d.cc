@@ -106,7 +106,7 @@ void Rigid3d::choose_substeps(State& s, const StepInput& in) const {
     substep = in.h / settings_.substeps;
     return;
   }
-  if (in.step % kStepsPerLook != 1) return;
+  if (in.step % kStepsPerLook != 1 || scratch(in).parts > 1) return;
   const int now = std::max(1, static_cast<int>(std::lround(in.h / substep)));
   const int wanted = scratch(in).buckling.substeps(s, bodies_.kinds, settings_, now, in.h);
   // One at a time: what the springs' stiffness stores changes little by little.
@@ -156,7 +156,8 @@ double Rigid3d::restitution_speed(const Vec3& gravity, double dt) const {
 void Rigid3d::solve(State& s, const StepInput& in) const {
   Scratch& scratch = Rigid3d::scratch(in);
   SolverSettings settings = settings_;
-  settings.restitution_speed = restitution_speed(load3(s.f64(columns::gravity).data(), 0), in.h);
+  settings.restitution_speed =
+      restitution_speed(load3(s.f64(columns::gravity).data(), 0), in.h * scratch.parts);
   settings.substeps = static_cast<int>(std::lround(in.h / s.f64(columns::substep)[0]));
   const auto run = [&](auto& solver) {
     solver.solve(s, bodies_.kinds, joints_, scratch.contacts.all(), scratch.contacts.bodies(),
