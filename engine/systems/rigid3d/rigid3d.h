@@ -55,7 +55,7 @@ class Rigid3d final : public StagedSystem {
     int parts = 1;  ///< into which this step is cut
   };
   static Scratch& scratch(const StepInput& in);
-  /// Whether most contacts of the last step are of bodies that turn far in a step of h.
+  /// Whether contacts of the last step are mostly of bodies that turn far in a step of h.
   bool contacts_turn_fast(const State& s, double h) const;
   void push(State& s, const StepInput& in) const;
   void choose_substeps(State& s, const StepInput& in) const;

@@ -1,7 +1,7 @@
-// A step where most of what touches turns fast: contact points and normals of the step's start are stale
-// after a turn of a few tenths of a radian (a spinning box would stand on corners that have gone round), so
-// that the stages run once a substep. What rolls or spins among many that do not turn is left to the step as
-// it is: the search for contacts is a large part of what a step costs.
+// A step where most of what is awake touches and turns fast: contact points and normals of the step's start
+// are stale after a turn of a few tenths of a radian (a spinning box would stand on corners that have gone
+// round), so that the stages run once a substep. What rolls or spins among many that do not turn is left to
+// the step as it is: the search for contacts is a large part of what a step costs.
 #include <cmath>
 
 #include "engine/systems/rigid3d/rigid3d.h"
@@ -11,8 +11,8 @@ namespace truestep {
 namespace columns = rigid3d_columns;
 
 namespace {
-/// rad in a step, and the share of the contacts with a body that turns as far.
-constexpr double kFastTurn = 0.1, kMost = 0.5;
+/// rad in a step; contacts of bodies that turn as far, for every body awake.
+constexpr double kFastTurn = 0.1, kMost = 1;
 }  // namespace
 
 bool Rigid3d::contacts_turn_fast(const State& s, double h) const {
@@ -25,9 +25,11 @@ bool Rigid3d::contacts_turn_fast(const State& s, double h) const {
     if (asleep[i] || k.reach == k.inner) return false;
     return norm2(load3(w, i)) * (h * h) > kFastTurn * kFastTurn;
   };
-  size_t turning = 0;
+  size_t turning = 0, awake = 0;
   for (size_t k = 0; k < pairs.size(); k += 2) turning += fast(pairs[k]) || fast(pairs[k + 1]);
-  return turning > 0 && static_cast<double>(turning) >= kMost * 0.5 * static_cast<double>(pairs.size());
+  if (turning == 0) return false;
+  for (size_t i = 0; i < kind.size(); ++i) awake += !asleep[i] && bodies_.kinds[kind[i]].moved_by_forces();
+  return static_cast<double>(turning) >= kMost * static_cast<double>(awake);
 }
 
 void Rigid3d::step(State& s, const StepInput& in) const {
