@@ -74,23 +74,24 @@ void renew_balls(BallGroup<T>& g, const Record8<T>* moved, Record8<T>* warm, uin
   namespace r = contact_rows;
   W a[6], b[6], wa[6], wb[6];
   gather6(moved, g.a, a), gather6(moved, g.b, b);
-  const auto turn = [](const W t[3], W x[3]) {
+  const detail::Turn<W> turn_a(a + 3), turn_b(b + 3);
+  const auto turn = [](const detail::Turn<W>& by, W x[3]) {
     W out[3];
-    detail::turn_arm(t, x, out);
+    by.apply(x, out);
     for (int k = 0; k < 3; ++k) x[k] = out[k];
   };
   if constexpr (renewal == Renewal::last) {
-    for (int j = 0; j < 3; ++j) turn(a + 3, g.spin_a[j]), turn(b + 3, g.spin_b[j]);
+    for (int j = 0; j < 3; ++j) turn(turn_a, g.spin_a[j]), turn(turn_b, g.spin_b[j]);
     return detail::invert_ball(g);
   }
   gather6(warm, g.a, wa), gather6(warm, g.b, wb);
   for (int k = 0; k < 3; ++k) g.gap[k] += (b[k] - a[k]) + (g.arm_a[k] - g.arm_b[k]);
-  turn(a + 3, g.arm_a), turn(b + 3, g.arm_b);
+  turn(turn_a, g.arm_a), turn(turn_b, g.arm_b);
   for (int k = 0; k < 3; ++k) g.gap[k] += g.arm_b[k] - g.arm_a[k];
   detail::bend_gap(a + 3, g.arm_a, b + 3, g.arm_b, g.bend);
   for (int j = 0; j < 3; ++j) {
     wa[3 + j] += r::dot(g.spin_a[j], g.impulse), wb[3 + j] -= r::dot(g.spin_b[j], g.impulse);
-    turn(a + 3, g.spin_a[j]), turn(b + 3, g.spin_b[j]);
+    turn(turn_a, g.spin_a[j]), turn(turn_b, g.spin_b[j]);
     wa[3 + j] -= r::dot(g.spin_a[j], g.impulse), wb[3 + j] += r::dot(g.spin_b[j], g.impulse);
   }
   detail::invert_ball(g);

@@ -99,4 +99,17 @@ inline Motion advance(const Motion& m, const Vec3& I, double t) {
   return {q, detail::velocity(q, L, I)};
 }
 
+/// (I2 - I3) / I1 and so on:  w1' = (I2 - I3) / I1 w2 w3  of a body that turns freely.
+inline Vec3 spin_ratios(const Vec3& I) {
+  return {(I.y - I.z) / I.x, (I.z - I.x) / I.y, (I.x - I.y) / I.z};
+}
+/// What turning freely for t (s) adds to a spin (rad/s) about principal axes, by the classical fourth-order
+/// method in one step, for turns of a fraction of a radian.
+inline Vec3 spin_change(const Vec3& spin, const Vec3& ratios, double t) {
+  const auto rate = [&](const Vec3& w) { return times(ratios, {w.y * w.z, w.z * w.x, w.x * w.y}); };
+  const Vec3 k1 = rate(spin), k2 = rate(spin + k1 * (0.5 * t)), k3 = rate(spin + k2 * (0.5 * t)),
+             k4 = rate(spin + k3 * t);
+  return (k1 + (k2 + k3) * 2.0 + k4) * (t / 6);
+}
+
 }  // namespace truestep::free_rotation

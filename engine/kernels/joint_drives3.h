@@ -190,6 +190,23 @@ void apply_joints(const JointGroup<T>& g, const JointDrive<T>* drives, Record8<T
   scatter6(records, g.a, end, a), scatter6(records, g.b, end, b);
 }
 
+/// Springs of a group pull as they do at the substep's start. All of them do before any locked row answers,
+/// because reactions that come a substep later than the pull feed what swings.
+template <class T>
+void pull_springs(const JointGroup<T>& g, JointDrive<T>* drives, Record8<T>* v, uint32_t end) {
+  using W = Wide<T>;
+  W a[6], b[6];
+  gather6(v, g.a, a), gather6(v, g.b, b);
+  for (uint32_t i = 0; i < g.drives; ++i) {
+    JointDrive<T>& d = drives[i];
+    if (!(d.laws & JointDrive<T>::kSpring)) continue;
+    d.moved = g.gap[d.row] - d.start;
+    W speed = detail::joint_speed(g, d.row, a, b);
+    detail::push_drive(g, d, detail::two_sided<T>(d.spring, W(0), d.moved, d, speed), a, b);
+  }
+  scatter6(v, g.a, end, a), scatter6(v, g.b, end, b);
+}
+
 /// One pass: velocities, and with `push` gaps too. drives: the group's own.
 template <ContactSolve kind, class T>
 void solve_joints(JointGroup<T>& g, JointDrive<T>* drives, Record8<T>* v, uint32_t end,

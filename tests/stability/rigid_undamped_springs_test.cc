@@ -174,9 +174,9 @@ TEST(UndampedSprings, AClosedHeapInSpaceKeepsItsEnergyForAMinute) {
       std::printf("%s %s: energy %.4f to %.4f of the first, kinetic %.3f of the first ten seconds'\n",
                   by == By::hertz ? "hertz" : "N/m", precision == Rigid3dDef::Precision::f32 ? "f32" : "f64",
                   e.least / e.first, e.most / e.first, e.kinetic_last / e.kinetic_first);
-      EXPECT_NEAR(e.last / e.first, 1, 0.02);
-      EXPECT_GT(e.least / e.first, 0.96);
-      EXPECT_LT(e.most / e.first, 1.04);
+      // Springs turn by (h w)^2 / 8 = 1e-4 in a substep, and bodies between them turn freely.
+      EXPECT_GT(e.least / e.first, 0.998);
+      EXPECT_LT(e.most / e.first, 1.002);
     }
   }
 }

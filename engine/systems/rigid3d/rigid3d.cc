@@ -112,7 +112,7 @@ void Rigid3d::choose_substeps(State& s, const StepInput& in) const {
     substep = in.h / settings_.substeps;
     return;
   }
-  if (in.step % kStepsPerLook != 1) return;
+  if (in.step % kStepsPerLook != 1 || scratch(in).parts > 1) return;
   const int now = substeps(s, in.h);
   const int wanted = scratch(in).buckling.substeps(s, bodies_.kinds, settings_, now, in.h);
   // One at a time: what the springs' stiffness stores changes little by little.
@@ -162,7 +162,8 @@ double Rigid3d::restitution_speed(const Vec3& gravity, double dt) const {
 void Rigid3d::solve(State& s, const StepInput& in) const {
   Scratch& scratch = Rigid3d::scratch(in);
   SolverSettings settings = settings_;
-  settings.restitution_speed = restitution_speed(load3(s.f64(columns::gravity).data(), 0), in.h);
+  settings.restitution_speed =
+      restitution_speed(load3(s.f64(columns::gravity).data(), 0), in.h * scratch.parts);
   settings.substeps = substeps(s, in.h);
   const auto run = [&](auto& solver) {
     solver.solve(s, bodies_.kinds, joints_, scratch.contacts.all(), scratch.contacts.bodies(),

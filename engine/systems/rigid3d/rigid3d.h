@@ -27,6 +27,7 @@ class Rigid3d final : public StagedSystem {
   std::vector<FieldInfo> fields() const override;
   FieldView field(const State& s, size_t which, std::vector<double>& scratch) const override;
   void check(StateCheck& check, double t) const override;
+  void step(State& s, const StepInput& in) const override;
   void apply(State& s, const Command& c) const override;
   std::vector<DrawnShape> shapes(const State& s, double t) const override;
   DrawnBodies bodies(const State& s) const override;
@@ -51,8 +52,11 @@ class Rigid3d final : public StagedSystem {
     std::vector<uint8_t> adrift;  ///< 1: nothing that does not move holds the body's island
     std::vector<uint32_t> near;
     std::vector<std::pair<uint32_t, double>> stopped;
+    int parts = 1;  ///< into which this step is cut
   };
   static Scratch& scratch(const StepInput& in);
+  /// Whether contacts of the last step are mostly of bodies that turn far in a step of h.
+  bool contacts_turn_fast(const State& s, double h) const;
   void push(State& s, const StepInput& in) const;
   int substeps(const State& s, double h) const;
   void choose_substeps(State& s, const StepInput& in) const;

@@ -15,18 +15,12 @@ namespace {
 
 /// Impacts may run to and fro between bodies that often in a substep; what is left does not bounce.
 constexpr int kImpactRounds = 64;
-constexpr size_t kBodiesPerBlock = 256;
 /// Share of push_out_speed up to which pushes may leave their speed to the relaxation, which takes back most
 /// of it: walls and towers lean where positions are corrected apart from velocities.
 constexpr double kGentlePush = 0.25;
 /// rad/s; slower bodies change their axis of rotation by less than a float shows.
 constexpr double kSlowSpin = 1e-2;
 
-/// S^T a.
-Vec3 apply_transposed(const double s[9], const Vec3& a) {
-  return {s[0] * a.x + s[3] * a.y + s[6] * a.z, s[1] * a.x + s[4] * a.y + s[7] * a.z,
-          s[2] * a.x + s[5] * a.y + s[8] * a.z};
-}
 Vec3 roots(const Vec3& a) {
   return {std::sqrt(a.x), std::sqrt(a.y), std::sqrt(a.z)};
 }
@@ -39,6 +33,11 @@ Vec3 gyroscopic_change(const Vec3& spin, const Vec3& moments, double h) {
   return rotation(m.orientation).apply_inverse(m.angular_velocity) - spin;
 }
 
+/// S^T a.
+Vec3 apply_transposed(const double s[9], const Vec3& a) {
+  return {s[0] * a.x + s[3] * a.y + s[6] * a.z, s[1] * a.x + s[4] * a.y + s[7] * a.z,
+          s[2] * a.x + s[5] * a.y + s[8] * a.z};
+}
 template <class T>
 Record8<T> record(const Vec3& linear, const Vec3& turn) {
   return {{T(linear.x), T(linear.y), T(linear.z), T(turn.x), T(turn.y), T(turn.z), 0, 0}};
@@ -84,6 +83,7 @@ void ContactSolver<T>::load_bodies(const State& s, std::span<const BodyKind> kin
   const size_t n = body_.size();
   scaled_.resize(n), moments_.resize(n), island_.resize(n), parts_.resize(n);
   for (auto* r : {&velocity_, &displacement_, &change_, &warm_, &start_}) r->resize(n + 1);
+  if (jointed_) turning_.resize(n), moved_.resize(n + 1), cross_.resize(n + 1);
   damped_ = false;
   const double part = 1.0 / settings.substeps;
   twist_.resize(change.momentum.empty() ? 0 : n);
@@ -94,9 +94,14 @@ void ContactSolver<T>::load_bodies(const State& s, std::span<const BodyKind> kin
     const Vec3 r = roots(b.moments);
     const Rotation& R = now[i].at.rotation;
     scaled_[k] = scaled_body(b, R), moments_[k] = b.moments;
+    if (jointed_) {
+      const bool ball = b.moments.x == b.moments.y && b.moments.y == b.moments.z;
+      turning_[k] = {r, free_rotation::spin_ratios(b.moments), {}, !ball};
+      cross_[k] = record<T>({r.x / (r.y * r.z), r.y / (r.z * r.x), r.z / (r.x * r.y)}, {});
+    }
     const Vec3 spin = load3(w, i), own = R.apply_inverse(spin);
     velocity_[k] = record<T>(load3(v, i) * root, free_rotation::times(own, r));
-    Vec3 turned = gyroscopic_change(own, b.moments, h) * part;
+    Vec3 turned = jointed_ ? Vec3{} : gyroscopic_change(own, b.moments, h) * part;
     if (!twist_.empty()) {
       twist_[k] = free_rotation::divide(R.apply_inverse(change.momentum[i]), b.moments) * part;
       turned += twist_[k];
@@ -117,14 +122,6 @@ void ContactSolver<T>::load_bodies(const State& s, std::span<const BodyKind> kin
     const double l = 1 / (1 + h * part * b.linear_damping), a = 1 / (1 + h * part * b.angular_damping);
     damping_[k] = record<T>({l, l, l}, {a, a, a});
   }
-}
-
-template <class T>
-template <class Body>
-void ContactSolver<T>::each_body(Body&& body) {
-  team_.for_blocks(body_.size(), kBodiesPerBlock, [&](size_t begin, size_t end) {
-    for (size_t i = begin; i < end; ++i) body(i);
-  });
 }
 
 template <class T>
@@ -154,7 +151,6 @@ void ContactSolver<T>::substeps(const State& s, const JointList& joints, const S
   });
   joints_.start(joints, d, warm_.data(), h, team_);
   balls_.start(warm_.data(), team_);
-  if (jointed_) foresee_spin(settings.substeps, h);
   if (springs_) joints_.loosen(s, joints, held_, sprung_, h), kick(T(-1));
   for (int k = 0; k < settings.substeps; ++k) {
     each_body([&](size_t i) {
@@ -174,14 +170,17 @@ void ContactSolver<T>::substeps(const State& s, const JointList& joints, const S
     const bool parts = deep.exchange(false);
     pass.start = parts ? start_.data() : nullptr;
     if (parts) start_parting(pass);
+    joints_.pull(v, team_);
     joints_.push(v, team_);
     balls_.push(v, team_);
     each_colour(contact_lanes_, groups_, team_, order,
                 [&](ContactGroup<T>& g) { solve_contacts<ContactSolve::push>(g, v, d, end, pass); });
+    if (jointed_) move_jointed(T(h));
     each_body([&](size_t i) {
-      for (int e = 0; e < 8; ++e) d[i].x[e] += T(h) * v[i].x[e];
+      for (int e = 0; e < 8 && !jointed_; ++e) d[i].x[e] += T(h) * v[i].x[e];
       if (bounces) {
         for (int e = 0; e < 8; ++e) d[i].x[e] += late_[i].x[e];
+        for (int e = 0; e < 8 && jointed_; ++e) moved_[i].x[e] += late_[i].x[e];
       }
     });
     pass.elapsed = T((k + 1) * h);
@@ -189,7 +188,7 @@ void ContactSolver<T>::substeps(const State& s, const JointList& joints, const S
     // in every substep by the directions that it had before.
     const Renewal renewal = k + 1 < settings.substeps ? Renewal::goes_on : Renewal::last;
     joints_.renew(d, warm_.data(), pass.elapsed, renewal, team_);
-    balls_.renew(d, warm_.data(), renewal, team_);
+    balls_.renew(moved_.data(), warm_.data(), renewal, team_);
     if (parts) {
       each_colour(contact_lanes_, groups_, team_, [&](ContactGroup<T>& g) { take_push_back(g, v, end); });
     }
@@ -204,23 +203,6 @@ void ContactSolver<T>::substeps(const State& s, const JointList& joints, const S
     });
   }
   if (springs_) kick(T(1));
-}
-
-template <class T>
-void ContactSolver<T>::foresee_spin(int substeps, double h) {
-  each_body([&](size_t i) {
-    const T* warm = warm_[i].x;
-    const Vec3& moments = moments_[i];
-    if (moments.x == moments.y && moments.y == moments.z) return;
-    const Vec3 r = roots(moments);
-    const auto own = [&r](const T* x) { return Vec3{x[3] / r.x, x[4] / r.y, x[5] / r.z}; };
-    const Vec3 spin = own(velocity_[i].x);
-    if (norm2(spin) <= kSlowSpin * kSlowSpin) return;
-    const Vec3 to_half_way = own(warm) * (0.5 * substeps);
-    // After an impact what the last step carried says little of this one.
-    if (norm2(to_half_way) > norm2(spin)) return;
-    set_turned(i, gyroscopic_change(spin + to_half_way, moments_[i], substeps * h) / substeps);
-  });
 }
 
 template <class T>
@@ -307,7 +289,7 @@ void ContactSolver<T>::hit(const ImpactPass<T>& pass, int substeps_left) {
     });
   }
   // Whoever turns differently now feels other gyroscopic torques for the rest of the step.
-  for (size_t i = 0; i < n && substeps_left > 0; ++i) {
+  for (size_t i = 0; i < n && substeps_left > 0 && !jointed_; ++i) {
     const T *v = velocity_[i].x, *before = start_[i].x;
     if (std::equal(v + 3, v + 6, before + 3)) continue;
     const Vec3 r = roots(moments_[i]), turn{double(v[3]), double(v[4]), double(v[5])};

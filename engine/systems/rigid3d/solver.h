@@ -34,6 +34,7 @@ class ContactSolver {
   std::span<const uint32_t> slots() const { return slot_; }
 
  private:
+  static constexpr size_t kBodiesPerBlock = 256;
   void choose_bodies(const State& s, std::span<const BodyKind> kinds, std::span<Contact* const> contacts,
                      std::span<const BodyNow> now);
   void load_bodies(const State& s, std::span<const BodyKind> kinds, std::span<const BodyNow> now,
@@ -41,10 +42,9 @@ class ContactSolver {
   void fill(size_t group, std::span<Contact* const> contacts, const State& s, std::span<const BodyKind> kinds,
             std::span<const BodyNow> now);
   void substeps(const State& s, const JointList& joints, const SolverSettings& settings, const StepInput& in);
-  /// Gyroscopic torques follow the spin half way through the step, by the impulses that it begins with: those
-  /// of joints last.
-  void foresee_spin(int substeps, double h);
   void set_turned(size_t body, const Vec3& gyroscopic);
+  /// Where joints are: moves the bodies for a substep of h with the velocities that they have.
+  void move_jointed(T h);
   /// Bodies on which springs act alone begin and end a step with half of what pulls them in a substep.
   void choose_sprung(const State& s, const JointList& joints, std::span<Contact* const> contacts);
   void kick(T times);
@@ -64,7 +64,11 @@ class ContactSolver {
   void store_impulses(std::span<Contact* const> contacts, const ContactPadding& padding);
   void store_bodies(State& s);
   template <class Body>
-  void each_body(Body&& body);
+  void each_body(Body&& body) {
+    team_.for_blocks(body_.size(), kBodiesPerBlock, [&](size_t begin, size_t end) {
+      for (size_t i = begin; i < end; ++i) body(i);
+    });
+  }
   /// Body `upper` rests on `lower` (kNoBody: on what does not move) with this contact.
   struct Bearing {
     uint32_t upper, lower, group;
@@ -79,8 +83,15 @@ class ContactSolver {
   std::vector<uint8_t> parts_;
   std::vector<ScaledBody> scaled_;
   std::vector<Vec3> moments_;
+  /// Where joints follow their bodies' turns: roots and ratios (free_rotation.h) of the moments, half of what
+  /// a substep changes in the (scaled) spin, and whether that has an axis to change.
+  struct Turning {
+    Vec3 root, ratios, half;
+    bool asymmetric;
+  };
+  std::vector<Turning> turning_;
   std::vector<Vec3> twist_;  ///< change of spin per substep by torques, about principal axes; empty: none
-  Aligned<Record8<T>> velocity_, displacement_, change_, warm_, start_, late_, damping_;
+  Aligned<Record8<T>> velocity_, displacement_, moved_, cross_, change_, warm_, start_, late_, damping_;
   Aligned<ContactGroup<T>> groups_;
   JointSolver<T> joints_;
   BallSolver<T> balls_;

@@ -43,7 +43,7 @@ void BallSolver<T>::fill(const State& s, std::span<const Joint> joints, const Bo
   lanes_.count = 0, lanes_.colour_begin.assign(1, 0);
   if (listed_.empty()) return;
   end_ = static_cast<uint32_t>(bodies.moving);
-  seen_.assign(bodies.moving + 1, {}), moved_.assign(bodies.moving + 1, {});
+  moved_.assign(bodies.moving + 1, {});
   unscaled_.resize(bodies.moving);
   for (size_t i = 0; i < bodies.moving; ++i) {
     unscaled_[i].root = T(bodies.scaled[i].root);
@@ -108,18 +108,16 @@ void BallSolver<T>::start(Record8<T>* warm, const ThreadTeam& team) {
 }
 
 template <class T>
-void BallSolver<T>::renew(const Record8<T>* displacement, Record8<T>* warm, Renewal renewal,
+void BallSolver<T>::renew(const Record8<T>* moved, Record8<T>* warm, Renewal renewal,
                           const ThreadTeam& team) {
   if (lanes_.count == 0) return;
   for (size_t i = 0; i < end_; ++i) {
-    const T *to = displacement[i].x, *from = seen_[i].x, *s = unscaled_[i].turn;
-    T *out = moved_[i].x, turn[3];
+    const T *m = moved[i].x, *s = unscaled_[i].turn;
+    T* out = moved_[i].x;
     for (int e = 0; e < 3; ++e) {
-      out[e] = unscaled_[i].root * (to[e] - from[e]), turn[e] = to[3 + e] - from[3 + e];
+      out[e] = unscaled_[i].root * m[e], out[3 + e] = s[e] * m[3] + s[3 + e] * m[4] + s[6 + e] * m[5];
     }
-    for (int e = 0; e < 3; ++e) out[3 + e] = s[e] * turn[0] + s[3 + e] * turn[1] + s[6 + e] * turn[2];
   }
-  std::copy_n(displacement, end_, seen_.begin());
   each_colour(lanes_, groups_, team, [&](BallGroup<T>& g) {
     if (renewal == Renewal::last) {
       renew_balls<Renewal::last>(g, moved_.data(), warm, end_);

@@ -24,9 +24,9 @@ class BallSolver {
             const ThreadTeam& team);
   /// Before the first substep: adds to `warm` what the joints carried last.
   void start(Record8<T>* warm, const ThreadTeam& team);
-  /// When the bodies have moved: what joints carry turns with them; `displacement` (scaled) is what they
-  /// moved since the step's start.
-  void renew(const Record8<T>* displacement, Record8<T>* warm, Renewal renewal, const ThreadTeam& team);
+  /// When the bodies have moved: what joints carry turns with them; `moved` (scaled, in the frames of the
+  /// step's start) is what they did in the substep.
+  void renew(const Record8<T>* moved, Record8<T>* warm, Renewal renewal, const ThreadTeam& team);
   void push(Record8<T>* v, const ThreadTeam& team);
   void relax(Record8<T>* v, const ThreadTeam& team);
   /// What the next step starts from, once the bodies of `s` are where they go; h: a substep. Joints that
@@ -43,7 +43,7 @@ class BallSolver {
   template <class U>
   using Aligned = std::vector<U, CacheLineAllocator<U>>;
   Aligned<BallGroup<T>> groups_;
-  Aligned<Record8<T>> seen_, moved_;  // displacements of the last renewal; m and rad since then
+  Aligned<Record8<T>> moved_;  // m and rad in the world, in the last substep
   std::vector<Unscaled> unscaled_;
   LaneGroups lanes_;
   LaneColouring colouring_;

@@ -121,12 +121,6 @@ void JointSolver<T>::fill_group(size_t group, const State& s, const JointList& j
       g.bound[1].set(lane, T(std::min(joint.max_torque, kAnyImpulse)));
     }
     set_drift(g, lane, s, {a, b}, bodies, at);
-    const auto bend = [&](uint32_t i, const Vec3& arm) {
-      if (i == kNoBody || bodies.slot[i] == kNoBody) return Vec3{};
-      const Vec3 t = load3(s.f64(columns::angular_velocity).data(), i) * h;
-      return cross(t, cross(t, arm)) * 0.5;
-    };
-    set3(g.bend, lane, bend(b, at.arm_b) - bend(a, at.arm_a));
     for (uint32_t d = joint.first_drive; d < joint.first_drive + joint.drives; ++d) {
       fill_drive(g, lane, s, joint, d, joints.drives[d], at);
     }
@@ -168,6 +162,7 @@ void JointSolver<T>::fill_drive(JointGroup<T>& g, int lane, const State& s, cons
   // Row 0 of a line is measured from the length that it wants.
   d.start.set(lane, drive.row < 3 ? T(at.coordinate[drive.row]) : T(0));
   if (drive.laws & Drive::kSpring) {
+    g.flags |= JointGroup<T>::kSprings;
     d.spring.error.set(lane, T(coordinate - drive.rest)), d.spring.impulse.set(lane, T(impulse[0]));
     d.spring.most.set(lane, T(kAnyImpulse));
   }
@@ -267,6 +262,13 @@ void JointSolver<T>::renew(const Record8<T>* moved, Record8<T>* warm, double ela
     prepare_gear<T>(gear, groups_, drives_, end_);
     apply_gear(gear, warm, end_, T(1));
   }
+}
+
+template <class T>
+void JointSolver<T>::pull(Record8<T>* v, const ThreadTeam& team) {
+  each_colour(lanes_, groups_, team, [&](JointGroup<T>& g) {
+    if (g.flags & JointGroup<T>::kSprings) pull_springs(g, drives_.data() + g.first_drive, v, end_);
+  });
 }
 
 template <class T>

@@ -52,6 +52,8 @@ class JointSolver {
              const ThreadTeam& team);
   /// Softness of joints, for substeps of h.
   static SoftConstraint<double> softness(double h);
+  /// Springs pull, before what is locked answers in `push`.
+  void pull(Record8<T>* v, const ThreadTeam& team);
   void push(Record8<T>* v, const ThreadTeam& team);
   void relax(Record8<T>* v, const ThreadTeam& team);
   /// What the next step starts from, once the bodies of `s` are where they go; h: a substep. Joints that

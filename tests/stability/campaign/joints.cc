@@ -190,13 +190,15 @@ void springs_3d(Dice& d, Trial& t) {
   json::array joints;
   // A spring by stiffness may start out of its rest, which stores k s^2 / 2.
   double stored = 0, fastest = 0;
-  const auto rate = [](const json::object& s) {
+  // Two bodies of at least 0.3 kg, and of the inertia of a ball of that, have half of these between them.
+  const auto rate = [](const json::object& s, double inertia) {
     if (s.contains("hertz")) return 2 * std::numbers::pi * s.at("hertz").to_number<double>();
-    return std::sqrt(s.at("stiffness").to_number<double>() / 0.15);
+    return std::sqrt(s.at("stiffness").to_number<double>() / (0.5 * inertia));
   };
-  const auto drive = [&](const char* by, double reach) {
+  constexpr double kLeastMass = 0.3, kLeastInertia = 0.4 * kLeastMass * 0.3 * 0.3;
+  const auto drive = [&](const char* by, double reach, double inertia) {
     json::object s = sprung(d, by);
-    fastest = std::max(fastest, rate(s));
+    fastest = std::max(fastest, rate(s, inertia));
     if (s.contains("stiffness") && d.chance(0.6)) {
       const double off = d.sign() * d.between(0.1, 1) * reach;
       s["rest"] = off, stored += 0.5 * s["stiffness"].to_number<double>() * off * off;
@@ -209,6 +211,7 @@ void springs_3d(Dice& d, Trial& t) {
     json::object j;
     if (kind == "spring") {
       j = sprung(d, by);
+      fastest = std::max(fastest, rate(j, kLeastMass));
       const Vec3 off = d.chance(0.6) ? d.in_cube(0.2) : Vec3{};
       const Vec3 from = Vec3{kSpacing * i, 0, 0} + off, to = Vec3{kSpacing * (i + 1), 0, 0} - off;
       j["anchor"] = vec(from), j["anchor_b"] = vec(to);
@@ -219,11 +222,12 @@ void springs_3d(Dice& d, Trial& t) {
       }
     } else if (kind == "six_dof") {
       for (const char* way : {"x", "y"}) {
-        if (d.chance(0.6)) j[way] = drive(by, 0.3);
+        if (d.chance(0.6)) j[way] = drive(by, 0.3, kLeastMass);
       }
-      if (d.chance(0.6)) j["turn_x"] = drive(by, 1);
+      if (d.chance(0.6)) j["turn_x"] = drive(by, 1, kLeastInertia);
     } else {
-      j = drive(by, kind == "hinge" ? 1 : 0.3);
+      const bool turns = kind == "hinge";
+      j = drive(by, turns ? 1 : 0.3, turns ? kLeastInertia : kLeastMass);
     }
     if (kind != "spring") j["anchor"] = anchor(i), j["axis"] = vec(axes(d).first);
     j["type"] = kind, j["a"] = i, j["b"] = i + 1;
@@ -232,8 +236,7 @@ void springs_3d(Dice& d, Trial& t) {
   json::array bodies = chain_3d(d, n, speed);
   set_scene(t, dt, 4, {}, {{{"type", "rigid3d"}, {"bodies", bodies}, {"joints", joints}}});
   close(t, n, 3, speed + std::sqrt(stored), 1e-3);
-  // By stiffness, between masses of at least 0.3 kg; beyond h w = 1/2 the solver takes energy out of a
-  // spring.
+  // Beyond h w = 1/2 the solver takes energy out of a spring.
   const double small = dt / 5, w = std::min(fastest, 0.5 / small);
   t.rules.gain = swing(small, w), t.rules.stored = stored;
 }
