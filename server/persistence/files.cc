@@ -62,20 +62,32 @@ void throw_file_error(const std::string& what, int code) {
   throw Error(full ? "disk_full" : "folder_io", "cannot " + what + ": " + std::strerror(code));
 }
 
+namespace {
+
+void write_whole(const fs::path& path, std::span<const std::byte> bytes, Durability durability) {
+  const Descriptor file(path, O_WRONLY | O_CREAT | O_TRUNC | O_NOFOLLOW, "create");
+  for (size_t done = 0; done < bytes.size();) {
+    const ssize_t n = ::write(file.get(), bytes.data() + done, bytes.size() - done);
+    if (n < 0 && errno == EINTR) continue;
+    if (n <= 0) throw_file_error("write " + path.filename().string(), n < 0 ? errno : ENOSPC);
+    done += static_cast<size_t>(n);
+  }
+  if (durability == Durability::power && ::fsync(file.get()) != 0)
+    throw_file_error("keep " + path.filename().string(), errno);
+}
+
+}  // namespace
+
+void write_in_fresh_folder(const fs::path& path, std::span<const std::byte> bytes) {
+  write_whole(path, bytes, Durability::process);
+}
+
 FreshFile::FreshFile(fs::path path, std::span<const std::byte> bytes, Durability durability)
     : path_(std::move(path)), fresh_(path_) {
   static std::atomic<uint64_t> count{0};
   fresh_ += ".new" + std::to_string(++count);
   try {
-    const Descriptor file(fresh_, O_WRONLY | O_CREAT | O_TRUNC | O_NOFOLLOW, "create");
-    for (size_t done = 0; done < bytes.size();) {
-      const ssize_t n = ::write(file.get(), bytes.data() + done, bytes.size() - done);
-      if (n < 0 && errno == EINTR) continue;
-      if (n <= 0) throw_file_error("write " + path_.filename().string(), n < 0 ? errno : ENOSPC);
-      done += static_cast<size_t>(n);
-    }
-    if (durability == Durability::power && ::fsync(file.get()) != 0)
-      throw_file_error("keep " + path_.filename().string(), errno);
+    write_whole(fresh_, bytes, durability);
   } catch (...) {
     ::unlink(fresh_.c_str());
     throw;

@@ -30,6 +30,8 @@ class FreshFile {
 
 /// Replaces the file `path` at once. Error "disk_full" or "folder_io"; then the old file stands.
 void write_file(const std::filesystem::path& path, std::span<const std::byte> bytes, Durability durability);
+/// For a file of a folder that nobody knows yet: as it is written.
+void write_in_fresh_folder(const std::filesystem::path& path, std::span<const std::byte> bytes);
 /// Makes what was written of a file, and its name, outlive a power cut.
 void harden_file(const std::filesystem::path& path);
 /// Makes all that was written on the folder's disk outlive a power cut, as far as the disk allows.

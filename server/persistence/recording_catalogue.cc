@@ -258,7 +258,8 @@ bool RecordingCatalogue::live(const std::string& id) const {
 RecordingFacts RecordingCatalogue::find(std::string_view id, const net::Caller& caller) const {
   const std::lock_guard lock(mutex_);
   const auto it = rows_.find(id);
-  if (it == rows_.end() || !caller.may_see(it->second.facts.owner)) throw unknown();
+  if (it == rows_.end() || !caller.may_see(it->second.facts.owner) || !fs::exists(path(it->first)))
+    throw unknown();
   return present(it->second);
 }
 

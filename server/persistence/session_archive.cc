@@ -53,8 +53,9 @@ std::vector<std::string> SessionArchive::list(std::string_view after, size_t lim
 }
 
 std::shared_ptr<SessionKeeper> SessionArchive::add(SessionFolder folder, const SessionAbout& about,
-                                                   const Session& session, uint64_t number, uint64_t base) {
-  auto keeper = std::make_shared<SessionKeeper>(std::move(folder), session, number, base,
+                                                   const Session& session,
+                                                   SessionKeeper::Beginning beginning) {
+  auto keeper = std::make_shared<SessionKeeper>(std::move(folder), session, std::move(beginning),
                                                 KeepingMeans{files_, writer_, memory_});
   const std::lock_guard lock(mutex_);
   Row& row = rows_[about.id];
@@ -67,7 +68,7 @@ std::shared_ptr<SessionKeeper> SessionArchive::add(SessionFolder folder, const S
 std::shared_ptr<SessionKeeper> SessionArchive::keep(const SessionAbout& about, const Session& session,
                                                     const boost::json::object& accuracy) {
   auto keeper = add(SessionFolder::create(root_, about, session.world().scene().canonical(), accuracy), about,
-                    session, 0, 0);
+                    session, {});
   if (session.origin()) keeper->save_anew();
   return keeper;
 }
@@ -83,7 +84,8 @@ SavedSession SessionArchive::read(const std::string& id, std::optional<uint64_t>
 }
 
 std::shared_ptr<SessionKeeper> SessionArchive::keep_on(const SavedSession& saved, const Session& session) {
-  return add(folder_of(saved.about.id), saved.about, session, saved.next_number, saved.from_step);
+  const SessionFolder folder = folder_of(saved.about.id);
+  return add(folder, saved.about, session, {folder.contents().states, saved.next_number, saved.from_step});
 }
 
 void SessionArchive::unloaded(const std::string& id) {

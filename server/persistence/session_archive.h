@@ -62,7 +62,7 @@ class SessionArchive {
   };
   void survey(const std::string& id);
   std::shared_ptr<SessionKeeper> add(SessionFolder folder, const SessionAbout& about, const Session& session,
-                                     uint64_t number, uint64_t base);
+                                     SessionKeeper::Beginning beginning);
 
   const std::filesystem::path root_;
   const ArchiveLimits limits_;

@@ -65,7 +65,7 @@ SessionFolder SessionFolder::create(const fs::path& root, const SessionAbout& ab
   std::error_code failed;
   if (!fs::create_directory(fresh, failed)) throw_file_error("make a folder for the session", failed.value());
   try {
-    write_file(SessionFolder(fresh).about_path(), bytes_of(line + "\n" + body), Durability::process);
+    write_in_fresh_folder(SessionFolder(fresh).about_path(), bytes_of(line + "\n" + body));
     fs::rename(fresh, path, failed);
     if (failed) throw_file_error("name the folder of the session", failed.value());
   } catch (...) {

@@ -36,13 +36,13 @@ struct SessionKeeper::Shared {
   std::atomic<bool> written{true};
 };
 
-SessionKeeper::SessionKeeper(SessionFolder folder, const Session& session, uint64_t number, uint64_t base,
+SessionKeeper::SessionKeeper(SessionFolder folder, const Session& session, Beginning beginning,
                              const KeepingMeans& means)
     : session_(session),
       means_(means),
-      files_(std::make_shared<StateFiles>(std::move(folder))),
-      number_(number),
-      base_step_(base),
+      files_(std::make_shared<StateFiles>(std::move(folder), std::move(beginning.states))),
+      number_(beginning.next_number),
+      base_step_(beginning.base_step),
       shared_(std::make_shared<Shared>()) {
   begin_log(LogRecord::Kind::continues);
 }

@@ -30,10 +30,13 @@ struct KeepingMeans {
 
 class SessionKeeper final : public Sink {
  public:
-  /// Of a session that stands at `base`, the step of the newest state, or behind it. `number` of the next
-  /// log.
-  SessionKeeper(SessionFolder folder, const Session& session, uint64_t number, uint64_t base,
-                const KeepingMeans& means);
+  /// What there is of the session on disk already.
+  struct Beginning {
+    std::map<uint64_t, uint64_t> states;  ///< steps by number
+    uint64_t next_number = 0;             ///< of a log or state
+    uint64_t base_step = 0;               ///< of the state that the session came from
+  };
+  SessionKeeper(SessionFolder folder, const Session& session, Beginning beginning, const KeepingMeans& means);
 
   bool due(uint64_t) override { return false; }
   const FrameRequest& request() const override { return request_; }

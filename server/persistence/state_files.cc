@@ -8,8 +8,8 @@ namespace truestep {
 
 namespace fs = std::filesystem;
 
-StateFiles::StateFiles(SessionFolder folder)
-    : folder_(std::move(folder)), states_(folder_.contents().states) {}
+StateFiles::StateFiles(SessionFolder folder, std::map<uint64_t, uint64_t> states)
+    : folder_(std::move(folder)), states_(std::move(states)) {}
 
 void StateFiles::write(uint64_t number, uint64_t step, const SavedState& state) {
   FreshFile file(folder_.state_path(number, step), write_saved_state(state), Durability::process);

@@ -17,8 +17,8 @@ class StateFiles {
  public:
   /// The last step of a recording that goes on; none where none does.
   using Recorded = std::function<std::optional<uint64_t>()>;
-  /// What an earlier server left in the folder stays until it is not needed.
-  explicit StateFiles(SessionFolder folder);
+  /// `states`, steps by number, are those that an earlier server left.
+  StateFiles(SessionFolder folder, std::map<uint64_t, uint64_t> states);
   const SessionFolder& folder() const { return folder_; }
 
   /// Writes a state from which logs `number` and later lead on. Error "disk_full" or "folder_io".

@@ -1,6 +1,6 @@
-// The files that a session is restored from. A first byte of 0: the rest is a log; 1: a saved state; 2: a log
-// behind a saved state, the two separated by eight zeros. What is read is refused with "session_damaged" or
-// comes to a course whose commands are in order.
+// The files that a session is restored from. A first byte of 0: the rest is a log; 1: a saved state; 2: two
+// bytes of its size (the higher first), a saved state and a log. What is read is refused with
+// "session_damaged" or comes to a course whose commands are in order.
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
@@ -38,12 +38,10 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   try {
     if (data[0] == 0) check_log(rest, {});
     if (data[0] == 1) read_saved_state(rest);
-    if (data[0] == 2) {
-      constexpr std::byte kZeros[8] = {};
-      const auto* cut = std::search(rest.data(), rest.data() + rest.size(), kZeros, kZeros + 8);
-      const auto first = static_cast<size_t>(cut - rest.data());
-      const SavedState state = read_saved_state(rest.first(first));
-      check_log(rest.subspan(std::min(first + 8, rest.size())), state);
+    if (data[0] == 2 && size > 3) {
+      const auto both = rest.subspan(2);
+      const size_t first = std::min(size_t{data[1]} << 8 | data[2], both.size());
+      check_log(both.subspan(first), read_saved_state(both.first(first)));
     }
   } catch (const Error& e) {
     if (e.code() != "session_damaged") __builtin_trap();

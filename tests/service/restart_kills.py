@@ -209,7 +209,8 @@ def main():
                 token = answer.get("next_page_token")
             for c in courses:
                 for name, frames in c.durable.items():
-                    assert page[name]["frames"] >= frames, (name, "had", frames, "durable frames", page[name])
+                    there = page.get(name, {"frames": 0})
+                    assert there["frames"] >= frames, (name, "had", frames, "durable frames", there)
                 mine = [r["id"] for r in page.values() if r["session"] == c.id]
                 c.newest = "%s.%d" % (c.id, len(mine) + 1) if mine else c.id
         frames = 0

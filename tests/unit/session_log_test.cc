@@ -165,9 +165,10 @@ class KeptSession : public SessionLog {
     return std::make_shared<const World>(parse_scene(
         R"({"systems": [{"type": "mass_spring", "id": "rope", "rope": {"from": [0, 1, 0], "to": [1, 1, 0], "links": 5}}]})"));
   }
-  std::shared_ptr<SessionKeeper> keep(uint64_t number, uint64_t base) {
-    auto keeper = std::make_shared<SessionKeeper>(SessionFolder(folder / kId), *session, number, base,
-                                                  KeepingMeans{files, writer, memory});
+  std::shared_ptr<SessionKeeper> keep() {
+    auto keeper =
+        std::make_shared<SessionKeeper>(SessionFolder(folder / kId), *session, SessionKeeper::Beginning{},
+                                        KeepingMeans{files, writer, memory});
     session->add_sink(keeper);
     return keeper;
   }
@@ -201,7 +202,7 @@ class KeptSession : public SessionLog {
 TEST_F(KeptSession, AnyCourseLeadsToTheSameHash) {
   SessionFolder::create(folder, {kId, "", "", 1, 2}, session->world().scene().canonical(), {});
   std::mt19937 random(5);
-  auto keeper = keep(0, 0);
+  auto keeper = keep();
   for (int k = 0; k < 300; ++k) {
     switch (random() % 8) {
       case 0:
@@ -234,7 +235,7 @@ TEST_F(KeptSession, AnyCourseLeadsToTheSameHash) {
 TEST_F(KeptSession, AStateThatIsDamagedLeavesTheOneBefore) {
   const auto sf =
       SessionFolder::create(folder, {kId, "", "", 1, 2}, session->world().scene().canonical(), {});
-  auto keeper = keep(0, 0);
+  auto keeper = keep();
   session->step(5);
   session->command(pin(0, 2).command);
   session->step(5);
