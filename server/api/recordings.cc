@@ -69,14 +69,15 @@ bool recording_goes_on(const App& app, const std::string& session) {
 }
 
 std::optional<uint64_t> last_recorded_step(App& app, const std::string& session) {
-  const auto last = app.recordings.newest(session);
-  if (!last) return std::nullopt;
-  try {
-    RecordingReader reader(app.recording_thread, app.recordings.path(last->id).string());
-    const uint64_t frames = reader.info().frames;
-    if (frames > 0) return static_cast<uint64_t>(reader.read_clock(frames - 1).step);
-  } catch (const Error& e) {
-    spdlog::warn("recording {}: {}", last->id, e.what());
+  // The newest may have been cut short before its first frame.
+  for (const RecordingFacts& f : app.recordings.of_session(session)) {
+    try {
+      RecordingReader reader(app.recording_thread, app.recordings.path(f.id).string());
+      const uint64_t frames = reader.info().frames;
+      if (frames > 0) return static_cast<uint64_t>(reader.read_clock(frames - 1).step);
+    } catch (const Error& e) {
+      spdlog::warn("recording {}: {}", f.id, e.what());
+    }
   }
   return std::nullopt;
 }

@@ -13,7 +13,7 @@ void attach_recording(App& app, SessionEntry& entry);
 void continue_recording(App& app, SessionEntry& entry, std::optional<uint64_t> after);
 /// Whether it is to be continued.
 bool recording_goes_on(const App& app, const std::string& session);
-/// The step of the last frame that the session's newest recording holds.
+/// The step of the last frame that the session's recordings hold.
 std::optional<uint64_t> last_recorded_step(App& app, const std::string& session);
 /// Takes back what attach or continue began.
 void discard_recording(App& app, SessionEntry& entry);

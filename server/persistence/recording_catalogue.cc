@@ -152,8 +152,14 @@ void RecordingCatalogue::repair(RecordingThread& thread) {
   }
   for (Row& row : open) {
     settle(row, thread);
-    write_note(row.facts);
     const std::lock_guard lock(mutex_);
+    // One that was begun to go on with and came to no frame holds nothing that the one before does not.
+    if (row.facts.state == RecordingFate::repaired && row.facts.frames == 0 && number_of(row.facts.id) > 1) {
+      rows_.erase(row.facts.id);
+      remove_files(row.facts.id);
+      continue;
+    }
+    write_note(row.facts);
     rows_[row.facts.id].facts = row.facts;
   }
 }
@@ -263,14 +269,20 @@ RecordingFacts RecordingCatalogue::find(std::string_view id, const net::Caller& 
   return present(it->second);
 }
 
-std::optional<RecordingFacts> RecordingCatalogue::newest(const std::string& session) const {
+std::vector<RecordingFacts> RecordingCatalogue::of_session(const std::string& session) const {
   const std::lock_guard lock(mutex_);
-  const Row* best = nullptr;
+  std::vector<RecordingFacts> out;
   for (auto it = rows_.lower_bound(session); it != rows_.end() && it->second.facts.session == session; ++it) {
-    if (!fs::exists(path(it->first))) continue;
-    if (!best || number_of(it->first) > number_of(best->facts.id)) best = &it->second;
+    if (fs::exists(path(it->first))) out.push_back(present(it->second));
   }
-  return best ? std::optional(present(*best)) : std::nullopt;
+  std::sort(out.begin(), out.end(),
+            [](const auto& a, const auto& b) { return number_of(a.id) > number_of(b.id); });
+  return out;
+}
+
+std::optional<RecordingFacts> RecordingCatalogue::newest(const std::string& session) const {
+  const auto all = of_session(session);
+  return all.empty() ? std::nullopt : std::optional(all.front());
 }
 
 std::vector<RecordingFacts> RecordingCatalogue::list(std::string_view after, size_t limit,

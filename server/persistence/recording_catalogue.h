@@ -67,6 +67,8 @@ class RecordingCatalogue {
   bool live(const std::string& id) const;
   /// Error "not_found", also for one that the caller may not see.
   RecordingFacts find(std::string_view id, const net::Caller& caller) const;
+  /// A session's recordings, the last one first.
+  std::vector<RecordingFacts> of_session(const std::string& session) const;
   /// The last of a session's recordings.
   std::optional<RecordingFacts> newest(const std::string& session) const;
   std::vector<RecordingFacts> list(std::string_view after, size_t limit, const net::Caller& caller) const;

@@ -69,6 +69,25 @@ class Recordings(Restarted):
         self.assertEqual(done.returncode, 0, done.stderr)
         return json.loads(done.stdout)
 
+    def test_a_second_file_that_came_to_no_frame_begins_nothing_again(self):
+        s = self.service.create(self.SCENE)
+        self.step(s, 300)
+        self.again()
+        # Some frames for a new file, too few to be durable.
+        self.step(s, 70)
+        self.kill()
+        second = pathlib.Path(self.data) / (s["id"] + ".2.vtkhdf")
+        for kept in (0, 1000):
+            second.write_bytes(second.read_bytes()[:kept])
+            second.with_name(second.name + ".chunks").unlink(missing_ok=True)
+            self.start()
+            self.step(s, 10)
+            self.kill()
+        self.start()
+        self.service.post(s["links"]["recording"] + "/finish")
+        frames = sum((self.frames_of(r) for r in self.recordings() if r["state"] != "damaged"), [])
+        self.assertEqual(frames, list(range(self.look(s)["step"] + 1)))
+
     def test_an_orderly_end_and_idleness_close_it_and_it_goes_on(self):
         s = self.service.create(self.SCENE)
         self.step(s, 10)

@@ -172,6 +172,15 @@ class Course:
         return answer["state_hash"]
 
 
+def recordings(service):
+    page, token = {}, ""
+    while token is not None:
+        _, answer = Client(service).ask("GET", "/v1/recordings?limit=1000&page_token=" + token)
+        page.update({r["id"]: r for r in answer["recordings"]})
+        token = answer.get("next_page_token")
+    return page
+
+
 def main():
     random.seed(SEED)
     data = tempfile.mkdtemp(prefix="truestep")
@@ -201,12 +210,7 @@ def main():
             ready.append(time.monotonic() - begun)
             for c in courses:
                 restored.append(c.check(service))
-            page = {}
-            token = ""
-            while token is not None:
-                _, answer = Client(service).ask("GET", "/v1/recordings?limit=1000&page_token=" + token)
-                page.update({r["id"]: r for r in answer["recordings"]})
-                token = answer.get("next_page_token")
+            page = recordings(service)
             for c in courses:
                 for name, frames in c.durable.items():
                     there = page.get(name, {"frames": 0})
@@ -219,8 +223,7 @@ def main():
                 client = Client(service)
                 status, answer = client.ask("POST", c.path + "/recording/finish", {})
                 assert status == 200, answer
-                _, page = client.ask("GET", "/v1/recordings?limit=1000")
-                mine = sum(r["frames"] for r in page["recordings"] if r["session"] == c.id)
+                mine = sum(r["frames"] for r in recordings(service).values() if r["session"] == c.id)
                 _, now = client.ask("GET", c.path)
                 assert mine == now["step"] + 1, (c.number, "frames", mine, "of", now["step"] + 1)
                 frames += mine

@@ -232,6 +232,20 @@ TEST_F(KeptSession, AnyCourseLeadsToTheSameHash) {
   }
 }
 
+TEST_F(KeptSession, ACommandThatIsLeftOutShows) {  // control
+  SessionFolder::create(folder, {kId, "", "", 1, 2}, session->world().scene().canonical(), {});
+  auto keeper = keep();
+  session->step(5);
+  session->command(pin(0, 2).command);
+  session->step(5);
+  keeper->stands();
+  Session other(world(), std::make_shared<const ThreadArena>(1));
+  other.resume(std::nullopt, {});
+  other.step(saved().course.step);
+  EXPECT_NE(other.hash(), session->hash());
+  EXPECT_EQ(restored_hash(), session->hash());
+}
+
 TEST_F(KeptSession, AStateThatIsDamagedLeavesTheOneBefore) {
   const auto sf =
       SessionFolder::create(folder, {kId, "", "", 1, 2}, session->world().scene().canonical(), {});
