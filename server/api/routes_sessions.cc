@@ -239,7 +239,8 @@ void add_session_routes(net::Router& router, App& app) {
                });
              });
   router.add(Method::get, session + "/plan",
-             "Passes of a step with their share of time, and what was skipped and why",
+             "Passes of a step with their share of time (of the steps since the first request for it), and "
+             "what was skipped and why",
              [&app](const Request& r) {
                return with_session(app, r, [](SessionEntry& e) {
                  e.profile_for(std::chrono::seconds(60));

@@ -54,6 +54,8 @@ class Output(Case):
 
     def test_plan_names_passes_and_what_was_skipped(self):
         s = self.service.create(OSCILLATOR)
+        # Who asks for the first time starts the clocks: nobody else pays for them.
+        self.assertFalse(any("share" in p for p in self.service.get(s["links"]["plan"]).json()["passes"]))
         self.service.post(s["links"]["step"], {"steps": 10})
         passes = self.service.get(s["links"]["plan"]).json()["passes"]
         self.assertTrue(any(p["pass"] == "integrate" and p["runs"] and p["share"] > 0 for p in passes))

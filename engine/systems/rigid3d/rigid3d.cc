@@ -381,7 +381,7 @@ Cost rigid3d_cost(const void* def) {
     joints += count, joint_bytes += count * (std::holds_alternative<BallJointDef>(j) ? 1000 : 5000);
   }
   // Measured in stacks and in heaps; what is joined touches less.
-  const double contacts = std::max(2.8 * (moving - joints), 1.5 * moving) + heaped;
+  const double contacts = std::max(2.8 * (moving - joints), 1.5 * moving) + 1.3 * heaped;
   const double wide = d.precision == Rigid3dDef::Precision::f64 ? 2 : 1;
   Cost c;
   c.state_bytes = 150 * n + 180 * contacts;
