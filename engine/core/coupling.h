@@ -44,6 +44,8 @@ class Coupling {
   virtual bool guard(const CoupledStates& s, const StepInput& input) const { return false; }
   /// Adds what was exchanged: impulses, energy lost, energy stored ("energy.potential", J).
   virtual void observe(const ConstCoupledStates& s, Observables& out) const = 0;
+  /// J that it holds in this state. Asked for every few steps, and allocates nothing.
+  virtual double stored_energy(const ConstCoupledStates& s) const { return 0; }
   /// Passes of `begin` and `end`, then what this scene does not need.
   virtual std::vector<PlanRow> plan() const = 0;
   /// Largest substep (s) that the coupling is known to hold; nothing when unknown or unlimited.

@@ -183,19 +183,28 @@ void Attachment::observe(const ConstCoupledStates& s, Observables& out) const {
   const ConstPoints a(s.a, a_), b(s.b, b_);
   std::vector<Live> live;
   collect(a, b, live);
-  double stored = 0, error = 0;
-  for (const Live& p : live) {
-    const double stretch = norm(separation(a.x, p.a, b.x, p.b)) - p.rest;
-    stored += 0.5 * def_.stiffness * stretch * stretch;
-    error = std::max(error, std::abs(stretch));
-  }
+  double error = 0;
+  for (const Live& p : live) error = std::max(error, std::abs(norm(separation(a.x, p.a, b.x, p.b)) - p.rest));
   observe_exchange(s.own, out);
   if (def_.link == AttachmentDef::Link::spring) {
-    out.add("energy.potential", stored, "J");
+    out.add("energy.potential", stored_energy(s), "J");
   } else {
     out.add("length.error", error, "m");
   }
   out.add("pairs", static_cast<double>(live.size()), "1");
+}
+
+double Attachment::stored_energy(const ConstCoupledStates& s) const {
+  if (def_.link != AttachmentDef::Link::spring) return 0;
+  const ConstPoints a(s.a, a_), b(s.b, b_);
+  double stored = 0;
+  for (const Pair& p : pairs_) {
+    const auto i = a.row_of(p.a), j = b.row_of(p.b);
+    if (!i || !j || !(a.inverse_mass(*i) + b.inverse_mass(*j) > 0)) continue;
+    const double stretch = norm(separation(a.x, *i, b.x, *j)) - p.rest;
+    stored += 0.5 * def_.stiffness * stretch * stretch;
+  }
+  return stored;
 }
 
 std::vector<PlanRow> Attachment::plan() const {

@@ -28,6 +28,7 @@ class Attachment final : public Coupling {
   /// The exchange; energy.potential (J) of springs; length.error (m), largest ||r| - L| of rigid links;
   /// pairs.
   void observe(const ConstCoupledStates& s, Observables& out) const override;
+  double stored_energy(const ConstCoupledStates& s) const override;
   std::vector<PlanRow> plan() const override;
   std::optional<double> stable_h(const ConstCoupledStates& s) const override;
 

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstring>
 #include <limits>
+#include <numeric>
 
 #include "engine/base/errors.h"
 #include "engine/base/interrupt.h"
@@ -59,6 +60,7 @@ World::World(Scene scene) : scene_(std::move(scene)) {
   }
   constexpr double kNone = std::numeric_limits<double>::infinity();
   for (const auto& s : systems_) speed_limits_.push_back(s->speed_limit().value_or(kNone));
+  find_joined();
   if (scene_.header.accuracy) build_finer();
   list_plan();
 }
@@ -89,6 +91,17 @@ void World::build_finer() {
     }
   }
   finer_ = std::make_unique<const World>(require_scene(read_scene(d)));
+}
+
+void World::find_joined() {
+  joined_to_.resize(size());
+  std::iota(joined_to_.begin(), joined_to_.end(), size_t{0});
+  for (const SceneCoupling& c : scene_.couplings) {
+    const size_t a = joined_to_[c.a], b = joined_to_[c.b];
+    for (size_t& first : joined_to_) {
+      if (first == a || first == b) first = std::min(a, b);
+    }
+  }
 }
 
 // Couplings look at their sides, which must both be there.
@@ -185,21 +198,22 @@ bool World::watched(uint64_t step) {
 
 void World::watch_energy(WorldState& state, size_t i, double t, Workspace& workspace,
                          const ThreadArena& arena) const {
-  const auto now = systems_[i]->energy(state.systems[i], t, workspace, arena);
+  const auto now = systems_[i]->energy(state.systems[i], t, workspace.object<Workspace>(id(i)), arena);
   if (!now) return;
   const auto unstable = [&](const std::string& what) { return Instability(id(i), "energy", -1, what); };
   const auto joules = [](double v) { return write_json(boost::json::value(v)) + " J"; };
   if (!std::isfinite(now->kinetic) || !std::isfinite(now->potential))
     throw unstable(std::string(std::isfinite(now->kinetic) ? "potential" : "kinetic") +
                    " energy became non-finite");
+  if (joined_to_[i] != i) return;
+  const auto all = couplings_.empty() ? now : energy_together(state, i, t, workspace, arena);
+  if (!all) return;
   EnergyWatch& watch = state.watch[i];
-  // What couplings bring and take is not known to a system.
-  if (!couplings_.empty()) return;
   // After one step of explicit Euler from rest there is speed, and no potential has given anything yet.
   if (watch.phase != EnergyWatch::Phase::fresh && state.step == 0) return;
   const double reference = watch.reference;
-  if (!watch.holds(*now)) {
-    throw unstable("energy rose from " + joules(reference) + " to " + joules(now->kinetic + now->potential) +
+  if (!watch.holds(*all)) {
+    throw unstable("energy rose from " + joules(reference) + " to " + joules(all->kinetic + all->potential) +
                    " with nothing to bring it (" + joules(watch.available) + " were available)");
   }
 }
@@ -209,7 +223,7 @@ void World::look(WorldState& state, uint64_t step, Workspace& workspace, const T
     try {
       if (const auto bad = state.systems[i].first_bad(speed_limits_[i], State::Look::everything))
         reject(i, state.systems[i], *bad);
-      watch_energy(state, i, static_cast<double>(step) * dt(), workspace.object<Workspace>(id(i)), arena);
+      watch_energy(state, i, static_cast<double>(step) * dt(), workspace, arena);
     } catch (Instability& e) {
       e.step = static_cast<long long>(step > 0 ? step - 1 : 0);
       throw;
@@ -227,7 +241,26 @@ void World::examine(WorldState& state, Workspace& workspace, const ThreadArena& 
 std::optional<Energy> World::energy(const WorldState& state, size_t i) const {
   static const ThreadArena kSerial(1);
   Workspace workspace;
-  return systems_[i]->energy(state.systems[i], static_cast<double>(state.step) * dt(), workspace, kSerial);
+  return energy_together(state, i, static_cast<double>(state.step) * dt(), workspace, kSerial);
+}
+
+std::optional<Energy> World::energy_together(const WorldState& state, size_t i, double t,
+                                             Workspace& workspace, const ThreadArena& arena) const {
+  Energy sum;
+  sum.exchange = Energy::Exchange::closed, sum.swing = 0;
+  for (size_t k = 0; k < size(); ++k) {
+    if (joined_to_[k] != joined_to_[i]) continue;
+    const auto e = systems_[k]->energy(state.systems[k], t, workspace.object<Workspace>(id(k)), arena);
+    if (!e) return std::nullopt;
+    sum.kinetic += e->kinetic, sum.potential += e->potential, sum.slack += e->slack;
+    sum.swing = std::max(sum.swing, e->swing);
+    if (e->exchange == Energy::Exchange::open) sum.exchange = Energy::Exchange::open;
+  }
+  for (size_t k = 0; k < couplings_.size(); ++k) {
+    if (joined_to_[scene_.couplings[k].a] == joined_to_[i])
+      sum.potential += couplings_[k]->stored_energy(sides(state, k));
+  }
+  return sum;
 }
 
 void World::step(WorldState& state, Workspace& workspace, const ThreadArena& arena,
@@ -279,11 +312,12 @@ void World::step(WorldState& state, Workspace& workspace, const ThreadArena& are
 
 void World::apply(WorldState& state, const Command& command) const {
   const size_t i = index_of(command.system);
-  const bool judged = i < state.watch.size() && state.watch[i].phase == EnergyWatch::Phase::watching;
+  const size_t first = joined_to_[i];
+  const bool judged = first < state.watch.size() && state.watch[first].phase == EnergyWatch::Phase::watching;
   const auto before = judged ? energy(state, i) : std::nullopt;
   systems_[i]->apply(state.systems[i], command);
   if (before) {
-    if (const auto after = energy(state, i)) state.watch[i].command(*before, *after);
+    if (const auto after = energy(state, i)) state.watch[first].command(*before, *after);
   }
   if (finer_) finer_->apply(state.finer.at(0), command);
 }

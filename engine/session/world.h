@@ -107,12 +107,18 @@ class World {
   void build_couplings(std::vector<Issue>& issues);
   void build_finer();
   [[noreturn]] void reject(size_t i, const State& state, const State::BadValue& bad) const;
+  void find_joined();
   void list_plan();
   /// At everything in all systems at the end of a step.
   void look(WorldState& state, uint64_t step, Workspace& workspace, const ThreadArena& arena) const;
-  /// Throws Instability when the energy of system i is not finite or beyond what it could have.
+  /// Throws Instability when the energy of system i is not finite or when it and what couplings join to it
+  /// have more than they could; of systems that are joined the first watches for all.
   void watch_energy(WorldState& state, size_t i, double t, Workspace& workspace,
                     const ThreadArena& arena) const;
+  /// Of all systems joined to system i and of what their couplings store; nothing when one of them knows
+  /// none.
+  std::optional<Energy> energy_together(const WorldState& state, size_t i, double t, Workspace& workspace,
+                                        const ThreadArena& arena) const;
   std::optional<Energy> energy(const WorldState& state, size_t i) const;
   double error_estimate(const WorldState& state) const;
   CoupledStates sides(WorldState& state, size_t coupling) const;
@@ -125,6 +131,7 @@ class World {
   /// Scenes with "accuracy": the same scene computed more finely beside it, which is what "error.estimate" is
   /// made of (step doubling over the whole run: Hairer, Norsett, Wanner 1993, section II.4). Null otherwise.
   std::unique_ptr<const World> finer_;
+  std::vector<size_t> joined_to_;     ///< per system, the first of those that couplings join it to
   std::vector<double> speed_limits_;  ///< per system, infinity where there is none
   std::vector<PlanEntry> plan_;
 };

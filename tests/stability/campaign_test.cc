@@ -81,6 +81,13 @@ TEST(Campaign, RareScenes) {
   }
 }
 
+// A coupling of ropes that are far too stiff for the step brings a million times what was there: told, not
+// shown.
+TEST(Campaign, CoupledSystemsThatRunAwayAreAnEvent) {
+  EXPECT_TRUE(judge(make_trial(3968)).event.has_value());
+  EXPECT_FALSE(judge(make_trial(24)).event.has_value());
+}
+
 // A judge that finds nothing in a scene that is wrong would be worth nothing.
 TEST(Campaign, JudgesFindWhatIsWrong) {
   Trial t = make_trial(0);

@@ -255,33 +255,4 @@ std::unique_ptr<const System> build_mass_spring(const void* def, const BuildCont
   return MassSpring::make(*static_cast<const MassSpringDef*>(def), context);
 }
 
-namespace {
-
-// Measured. A solve keeps matrix and factor: trees fill in nothing (hair, ropes), sheets log2(points) times
-// some share in the order of elimination that is used, lattices in space the cube root of the points.
-double solver_bytes(const MassSpringCounts& n) {
-  const double springs_each = n.springs / std::max(n.points, 1.0),
-               levels = std::log2(std::max(n.points, 1.0));
-  constexpr double kSheet = 2, kLattice = 8;
-  if (springs_each < kSheet) return 300 * n.points + 1200 * n.springs;
-  if (springs_each < kLattice) return 300 * n.points + (1100 + 3.5 * levels * levels) * n.springs;
-  return 300 * n.points + (1100 + 60 * std::cbrt(n.points)) * n.springs;
-}
-
-}  // namespace
-
-Cost mass_spring_cost(const void* def) {
-  const auto& d = *static_cast<const MassSpringDef*>(def);
-  const MassSpringCounts n = mass_spring_counts(d);
-  const Integrator* named = find_integrator(d.choice().name);
-  // Measured on a 100 x 100 cloth: a solve per step, or an evaluation, of which adaptive methods need many.
-  const bool solves = !named || named->kind == Integrator::Kind::implicit;
-  const double evaluations = named && named->stepping == Integrator::Stepping::adaptive ? 20 : 2;
-  const double per_spring = solves ? 1e-6 : 5e-9 * evaluations;
-  return {.state_bytes = 56 * n.points,
-          .workspace_bytes = solves ? solver_bytes(n) : 75 * n.points + 300 * n.springs,
-          .elements = n.points + n.springs,
-          .seconds_per_step = 1e-7 * n.points + per_spring * n.springs};
-}
-
 }  // namespace truestep

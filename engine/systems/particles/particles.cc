@@ -333,7 +333,7 @@ Cost particles_cost(const void* def) {
   const double pairs = d.pair_forces.empty() ? 0
                                              : 5e-7 + 1e-8 * expected_neighbours(d, n) *
                                                           static_cast<double>(d.pair_forces.size());
-  const double own = d.expression ? 2e-7 : 0;
+  const double own = d.expression ? 6e-8 : 0;
   c.seconds_per_step = n * (8e-9 + 3e-9 * static_cast<double>(d.colliders.size()) + pairs + own) +
                        1e-8 * static_cast<double>(d.springs.size());
   return c;

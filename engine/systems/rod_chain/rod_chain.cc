@@ -260,9 +260,9 @@ Cost rod_chain_cost(const void* def) {
   const auto n = static_cast<double>(d.links),
              steps = static_cast<double>(
                  d.substeps.value_or(d.constraints == RodChainDef::Treatment::projection ? 1 : 8));
-  const double each = d.constraints == RodChainDef::Treatment::penalty      ? 3e-8
-                      : d.constraints == RodChainDef::Treatment::projection ? 2.5e-7
-                                                                            : 6e-7;
+  const double each = d.constraints == RodChainDef::Treatment::penalty      ? 1.5e-8
+                      : d.constraints == RodChainDef::Treatment::projection ? 1.2e-7
+                                                                            : 3e-7;
   return {
       .state_bytes = 96 * n, .workspace_bytes = 800 * n, .elements = n, .seconds_per_step = n * steps * each};
 }

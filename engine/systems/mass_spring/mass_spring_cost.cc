@@ -1,0 +1,49 @@
+// What a system of springs will cost, from counts alone.
+#include <algorithm>
+#include <cmath>
+
+#include "engine/systems/mass_spring/mass_spring.h"
+
+namespace truestep {
+
+namespace {
+
+constexpr double kSheet = 2, kLattice = 8;  // springs a point from which on a system is no tree, no sheet
+
+double springs_each(const MassSpringCounts& n) {
+  return n.springs / std::max(n.points, 1.0);
+}
+
+// Measured. A solve keeps matrix and factor: trees fill in nothing (hair, ropes), sheets log2(points) times
+// some share in the order of elimination that is used, lattices in space the cube root of the points.
+double solver_bytes(const MassSpringCounts& n) {
+  const double levels = std::log2(std::max(n.points, 1.0));
+  if (springs_each(n) < kSheet) return 300 * n.points + 1200 * n.springs;
+  if (springs_each(n) < kLattice) return 300 * n.points + (1100 + 3.5 * levels * levels) * n.springs;
+  return 300 * n.points + (1100 + 60 * std::cbrt(n.points)) * n.springs;
+}
+
+// The factor of a sheet takes points^1.5, that of a tree takes its springs.
+double solver_seconds(const MassSpringCounts& n) {
+  const double tree = 2.2e-7 * n.springs;
+  if (springs_each(n) < kSheet) return tree;
+  return tree + 3e-8 * n.springs * std::sqrt(n.points);
+}
+
+}  // namespace
+
+Cost mass_spring_cost(const void* def) {
+  const auto& d = *static_cast<const MassSpringDef*>(def);
+  const MassSpringCounts n = mass_spring_counts(d);
+  const Integrator* named = find_integrator(d.choice().name);
+  // Measured: an evaluation, of which adaptive methods need many, or a solve per step.
+  const bool solves = !named || named->kind == Integrator::Kind::implicit;
+  const double evaluations = named && named->stepping == Integrator::Stepping::adaptive ? 20 : 2;
+  return {
+      .state_bytes = 56 * n.points,
+      .workspace_bytes = solves ? solver_bytes(n) : 75 * n.points + 300 * n.springs,
+      .elements = n.points + n.springs,
+      .seconds_per_step = solves ? solver_seconds(n) : 3e-8 * n.points + 3.5e-9 * evaluations * n.springs};
+}
+
+}  // namespace truestep
