@@ -28,7 +28,9 @@ def ask(service, method, path, body):
 
 def load(service, dice):
     kept = []
-    sessions = [service.create({**ROPE, "recording": {}}) for _ in range(dice.randint(1, 3))]
+    # A busy machine may answer 202: such a session is in the making when the end comes.
+    answers = [service.post("/v1/sessions", {**ROPE, "recording": {}}) for _ in range(dice.randint(1, 3))]
+    sessions = [a.json() for a in answers if a.status == 201]
     for s in sessions:
         for _ in range(dice.randint(0, 3)):
             kept.append(Socket(service, s["links"]["stream"], dice.choice(["truestep.v1.json", "truestep.v1.proto"])))

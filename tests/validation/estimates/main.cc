@@ -122,10 +122,11 @@ int main(int count, char** arguments) {
   CLI::App app("compares estimates with the truth");
   int times = 1;
   bool judge = false;
-  double seconds = 0.3;
+  double seconds = 0.3, factor = 1;
   std::vector<std::string> wanted;
   app.add_option("--times", times, "how much of everything");
   app.add_option("--seconds", seconds, "CPU time for a scene's steps");
+  app.add_option("--factor", factor, "what estimates are multiplied by, for a control");
   app.add_flag("--judge", judge, "exit code 1 when memory is beyond 0.7 to 1.5 of the truth");
   app.add_option("scenes", wanted, "of the gallery");
   CLI11_PARSE(app, count, arguments);
@@ -138,7 +139,8 @@ int main(int count, char** arguments) {
   for (const GalleryScene& scene : gallery()) {
     const std::string name(scene.name);
     if (!wanted.empty() && std::find(wanted.begin(), wanted.end(), name) == wanted.end()) continue;
-    const Figures f = measure_apart(scaled_scene(parse_json(scene.text), times), seconds);
+    Figures f = measure_apart(scaled_scene(parse_json(scene.text), times), seconds);
+    f.estimated_bytes *= factor;
     const double ratio = f.estimated_bytes / f.bytes;
     const bool off = !(ratio >= kLeast && ratio <= kMost) &&
                      !(std::abs(f.estimated_bytes - f.bytes) <= kSmall * f.systems);
