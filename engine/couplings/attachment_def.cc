@@ -32,7 +32,7 @@ Cost attachment_cost(const void* def, const Cost&, const Cost&) {
           .workspace_bytes = 32 * pairs,
           .elements = pairs,
           // A rigid link between points that others share takes several sweeps.
-          .seconds_per_step = pairs * (d.link == AttachmentDef::Link::rigid ? 1e-6 : 1e-7)};
+          .seconds_per_step = pairs * (d.link == AttachmentDef::Link::rigid ? 1.5e-6 : 1e-7)};
 }
 
 }  // namespace truestep

@@ -144,7 +144,7 @@ Cost ode_cost(const void* def) {
   c.workspace_bytes = 240 * work + 8 * (30 * n + std::min(n, 100.0) * n) + 24 * points;
   c.elements = n + points;
   // Measured: some 30 right-hand sides a step; 4 stages of a tracer, 3 ns an operation and point.
-  c.seconds_per_step = 3.5e-6 + 20e-9 * work + 4 * 1e-9 * tracer_operations * points;
+  c.seconds_per_step = 1.3e-6 + 25e-9 * work + 4 * 0.8e-9 * tracer_operations * points;
   return c;
 }
 

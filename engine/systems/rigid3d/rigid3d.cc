@@ -363,38 +363,4 @@ std::unique_ptr<const System> build_rigid3d(const void* def, const BuildContext&
   return std::make_unique<Rigid3d>(*static_cast<const Rigid3dDef*>(def), context);
 }
 
-// Measured in gallery scenes: stacks, heaps, ragdolls, machines.
-Cost rigid3d_cost(const void* def) {
-  const auto& d = *static_cast<const Rigid3dDef*>(def);
-  // Bodies that fall in a heap, and those whose faces are many.
-  double n = 0, moving = 0, heaped = 0, edged = 0;
-  for (const AnyBodyDef& b : d.bodies) {
-    const double count = body_count(common(b));
-    n += count;
-    if (common(b).motion != BodyDef::Motion::dynamic) continue;
-    moving += count;
-    const auto& copies = common(b).copies;
-    if (copies && std::ranges::count_if(copies->count, [](int64_t k) { return k > 1; }) >= 2) heaped += count;
-    if (std::holds_alternative<HullBodyDef>(b) || std::holds_alternative<CompoundBodyDef>(b)) edged += count;
-  }
-  double joints = 0, balls = 0;
-  for (const AnyJointDef& j : d.joints) {
-    const auto count = static_cast<double>(joint_count(j));
-    (std::holds_alternative<BallJointDef>(j) ? balls : joints) += count;
-  }
-  // What is joined touches less.
-  const double contacts = std::max(2.8 * (moving - joints - balls), 1.5 * moving) + 1.3 * heaped;
-  const double wide = d.precision == Rigid3dDef::Precision::f64 ? 2 : 1;
-  const double parts = wide * static_cast<double>(d.substeps);
-  Cost c;
-  c.state_bytes = 150 * n + 180 * contacts;
-  // Joints but balls have limits and drives.
-  c.workspace_bytes =
-      900 * n + 1200 * contacts + 1000 * balls + 5000 * joints + (d.joints.empty() ? 0 : 10e3);
-  c.elements = n;
-  c.seconds_per_step = 2e-7 * n + contacts * (3.6e-7 + 3.6e-8 * parts) + 6e-6 * heaped + 1.5e-6 * edged +
-                       balls * (2e-7 + 2e-7 * parts) + joints * (5e-7 + 1e-6 * parts);
-  return c;
-}
-
 }  // namespace truestep
