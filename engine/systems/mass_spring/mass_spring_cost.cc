@@ -25,10 +25,11 @@ double solver_bytes(const MassSpringCounts& n) {
 
 // The factor of a sheet takes points^1.5, that of a tree takes its springs. Springs that reach over a
 // neighbour (more than four a point) make separators twice as wide, and the work grows with the cube of that.
-double solver_seconds(const MassSpringCounts& n) {
+// Points that touch something make a step solve again.
+double solver_seconds(const MassSpringCounts& n, bool touches) {
   const double tree = 2.2e-7 * n.springs, each = springs_each(n);
-  if (each < kSheet) return tree;
-  return tree + (each > 4.5 ? 1.7e-7 : 2.2e-8) * n.points * std::sqrt(n.points);
+  if (each < kSheet) return (touches ? 1.7 : 1) * tree;
+  return tree + (touches ? 3.5 : 1) * (each > 4.5 ? 1.7e-7 : 2.2e-8) * n.points * std::sqrt(n.points);
 }
 
 }  // namespace
@@ -43,7 +44,7 @@ Cost mass_spring_cost(const void* def) {
   return {.state_bytes = 56 * n.points,
           .workspace_bytes = solves ? solver_bytes(n) : 75 * n.points + 300 * n.springs,
           .elements = n.points + n.springs,
-          .seconds_per_step = solves ? solver_seconds(n) * (d.colliders.empty() ? 1 : 1.7)
+          .seconds_per_step = solves ? solver_seconds(n, !d.colliders.empty())
                                      : 1.5e-8 * n.points + 3.5e-9 * evaluations * n.springs};
 }
 
