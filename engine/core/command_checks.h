@@ -29,6 +29,11 @@ inline void check_command_numbers(const Command& c) {
   }
 }
 
+/// Refuses `at` where rows have no extent: a point, a particle.
+inline void refuse_place(const Command& c, const std::string& noun) {
+  if (c.at) refuse_command("at", "not_a_body", "a " + noun + " has no extent to act on", "absent");
+}
+
 /// The command's row, refused unless it is one of `rows`; `noun` is what a row is ("point", "particle").
 inline size_t checked_command_row(const Command& c, size_t rows, const std::string& noun) {
   if (c.index < 0 || static_cast<size_t>(c.index) >= rows) {

@@ -38,6 +38,12 @@ void State::resize(Column c, size_t rows) {
   s.data.resize(rows * s.info.width * scalar_size(s.info.type));
 }
 
+void State::copy_row(Column c, size_t from, size_t to) {
+  Storage& s = columns_[c];
+  const size_t bytes = s.info.width * scalar_size(s.info.type);
+  if (from != to) std::memcpy(s.data.data() + to * bytes, s.data.data() + from * bytes, bytes);
+}
+
 void State::reserve(Column c, size_t rows) {
   Storage& s = columns_[c];
   s.data.reserve(rows * s.info.width * scalar_size(s.info.type));

@@ -74,6 +74,8 @@ class State {
   size_t rows(Column c) const { return columns_[c].rows; }
   /// Keeps the first rows, fills new ones with zero.
   void resize(Column c, size_t rows);
+  /// Row `from` over row `to`.
+  void copy_row(Column c, size_t from, size_t to);
   /// Sets aside memory so that growing up to `rows` allocates nothing.
   void reserve(Column c, size_t rows);
 

@@ -54,6 +54,12 @@ inline Vec3 momentum(const Motion& m, const Vec3& I) {
   return r.apply(times(I, r.apply_inverse(m.angular_velocity)));
 }
 
+/// Change of angular velocity (rad/s) by a change of angular momentum (kg m^2/s), both in the world.
+inline Vec3 spin_of(const Quat& q, const Vec3& momentum, const Vec3& I) {
+  const Rotation r = rotation(q);
+  return r.apply(divide(r.apply_inverse(momentum), I));
+}
+
 namespace detail {
 inline Vec3 velocity(const Quat& q, const Vec3& L, const Vec3& I) {
   const Rotation r = rotation(normalized(q));

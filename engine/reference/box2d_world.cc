@@ -21,7 +21,6 @@ namespace {
 
 // What the library's own examples use.
 constexpr int kVelocityIterations = 8, kPositionIterations = 3;
-constexpr double kDragDamping = 0.7;
 
 constexpr State::Column kPoses[] = {columns::position, columns::velocity, columns::angle,
                                     columns::angular_velocity};
@@ -172,9 +171,6 @@ bool Box2dWorld::matches(const Box2dScene& scene, const State& s) const {
 
 /// Pushes as forces, drags as joints of this step.
 std::vector<b2Joint*> Box2dWorld::take_hands(State& s, double h) {
-  const auto pair = [&](State::Column c, size_t k) {
-    return rigid2d::Vec2{s.f64(c)[2 * k], s.f64(c)[2 * k + 1]};
-  };
   for (const uint32_t i : scene_->model.forced) {
     const Body& own = scene_->model.bodies[i];
     b2Body& b = *bodies_[i];
@@ -183,36 +179,18 @@ std::vector<b2Joint*> Box2dWorld::take_hands(State& s, double h) {
     b.ApplyForceToCenter(own.force_turns ? b.GetWorldVector(f) : f, true);
     b.ApplyTorque(real(own.torque), true);
   }
-  const auto pushed = s.span<uint32_t>(columns::push_body);
-  const auto remaining = s.f64(columns::push_remaining);
-  double* force = s.f64(columns::push_force).data();
-  size_t kept = 0;
-  for (size_t k = 0; k < pushed.size(); ++k) {
-    b2Body& b = *bodies_[pushed[k]];
-    const Vec3 f = load3<double>(force, k);
-    const rigid2d::Vec2 local = pair(columns::push_local, k);
-    b.ApplyForce(vec({f.x, f.y}), b.GetWorldPoint(vec(local)), true);
-    // A push lasts until its time is used up, with half a step of tolerance for rounding.
-    const double left = remaining[k] - h;
-    if (left < 0.5 * h) continue;
-    pushed[kept] = pushed[k], remaining[kept] = left;
-    s.f64(columns::push_local)[2 * kept] = local.x, s.f64(columns::push_local)[2 * kept + 1] = local.y;
-    store3(force, kept++, f);
+  for (size_t k = 0; k < columns::kHands.pushes(s); ++k) {
+    const UserForces::Push p = columns::kHands.push(s, k);
+    b2Body& b = *bodies_[p.who];
+    b.ApplyForce(vec({p.force.x, p.force.y}), b.GetWorldPoint(vec(flat::flatten(p.at))), true);
   }
-  for (const auto c : columns::kPushColumns) s.resize(c, kept);
+  columns::kHands.count_down(s, h);
   std::vector<b2Joint*> drags;
-  const auto dragged = s.span<uint32_t>(columns::drag_body);
-  for (size_t k = 0; k < dragged.size(); ++k) {
-    const uint32_t body = dragged[k];
-    const Body& b = scene_->model.bodies[body];
-    if (bodies_[body]->GetType() != b2_dynamicBody) continue;
-    bodies_[body]->SetAwake(true);
-    rigid2d::Joint j;
-    j.kind = rigid2d::JointKind::mouse, j.a = scene_->model.world(), j.b = body,
-    j.local_b = pair(columns::drag_local, k);
-    j.ground_a = flat::flatten(load3<double>(s.f64(columns::drag_target).data(), k));
-    j.hertz = std::sqrt(s.f64(columns::drag_stiffness)[k] / b.mass) / 6.283185307179586;
-    j.damping_ratio = kDragDamping, j.max_force = HUGE_VAL;
+  for (size_t k = 0; k < columns::kHands.drags(s); ++k) {
+    const UserForces::Drag d = columns::kHands.drag(s, k);
+    if (bodies_[d.who]->GetType() != b2_dynamicBody) continue;
+    bodies_[d.who]->SetAwake(true);
+    const rigid2d::Joint j = rigid2d::drag_joint(scene_->model, d);
     drags.push_back(add_box2d_joint(world_, scene_->model, j, bodies_, joints_));
   }
   return drags;

@@ -33,24 +33,6 @@ ChosenMethod settle(const MassSpringDef& def, const BuildContext& context, const
           whole ? why : why + ", or a step as a whole"};
 }
 
-// A push lasts until its time is used up; counting down by whole steps, half a step of tolerance hides
-// rounding.
-void expire_pushes(State& s, double h) {
-  const size_t n = s.rows(Columns::push_row);
-  if (n == 0) return;
-  size_t kept = 0;
-  for (size_t k = 0; k < n; ++k) {
-    const double remaining = s.f64(Columns::push_remaining)[k] - h;
-    if (remaining < 0.5 * h) continue;
-    s.f64(Columns::push_remaining)[kept] = remaining;
-    s.span<uint32_t>(Columns::push_row)[kept] = s.span<uint32_t>(Columns::push_row)[k];
-    const auto force = s.f64(Columns::push_force);
-    store3(force.data(), kept, load3<double>(force.data(), k));
-    ++kept;
-  }
-  for (const auto c : {Columns::push_row, Columns::push_force, Columns::push_remaining}) s.resize(c, kept);
-}
-
 constexpr std::string_view kOldPosition = "mass_spring.x_old", kOldVelocity = "mass_spring.v_old";
 
 void remember(State& s, const StepInput& in) {
@@ -95,7 +77,7 @@ MassSpring::MassSpring(std::unique_ptr<const MassSpringField> field, const Chose
     add_contact_stage();
   }
   add_stage("hands", "ends pushes whose time is over",
-            [](State& s, const StepInput& in) { expire_pushes(s, in.h); });
+            [](State& s, const StepInput& in) { Columns::kHands.count_down(s, in.h); });
   if (!def.wind) skip_stage("air", "no wind is given; set_parameter wind brings it");
   if (!(def.damping > 0)) skip_stage("viscous damping", "damping is 0");
   if (!(def.internal_damping > 0)) skip_stage("internal damping", "internal_damping is 0");

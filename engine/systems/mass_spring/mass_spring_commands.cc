@@ -9,63 +9,27 @@ namespace truestep {
 
 using Columns = MassSpringColumns;
 
-namespace {
-
-void add_push(State& s, size_t row, const Vec3& force, double duration) {
-  const size_t k = s.rows(Columns::push_row);
-  for (const auto c : {Columns::push_row, Columns::push_force, Columns::push_remaining}) s.resize(c, k + 1);
-  s.span<uint32_t>(Columns::push_row)[k] = static_cast<uint32_t>(row);
-  store3(s.f64(Columns::push_force).data(), k, force);
-  s.f64(Columns::push_remaining)[k] = duration;
-}
-
-void set_drag(State& s, size_t row, const Vec3& target, double stiffness) {
-  const auto rows = s.span<uint32_t>(Columns::drag_row);
-  const size_t k = static_cast<size_t>(std::find(rows.begin(), rows.end(), row) - rows.begin());
-  if (k == rows.size()) {
-    for (const auto c : {Columns::drag_row, Columns::drag_target, Columns::drag_stiffness})
-      s.resize(c, k + 1);
-  }
-  s.span<uint32_t>(Columns::drag_row)[k] = static_cast<uint32_t>(row);
-  store3(s.f64(Columns::drag_target).data(), k, target);
-  s.f64(Columns::drag_stiffness)[k] = stiffness;
-}
-
-void end_drag(State& s, std::optional<size_t> row) {
-  size_t kept = 0;
-  for (size_t k = 0; k < s.rows(Columns::drag_row); ++k) {
-    const auto rows = s.span<uint32_t>(Columns::drag_row);
-    if (!row || rows[k] == *row) continue;
-    rows[kept] = rows[k];
-    const auto target = s.f64(Columns::drag_target);
-    store3(target.data(), kept, load3<double>(target.data(), k));
-    s.f64(Columns::drag_stiffness)[kept] = s.f64(Columns::drag_stiffness)[k];
-    ++kept;
-  }
-  for (const auto c : {Columns::drag_row, Columns::drag_target, Columns::drag_stiffness}) s.resize(c, kept);
-}
-
-}  // namespace
-
 void MassSpring::apply(State& s, const Command& c) const {
   check_command_numbers(c);
+  refuse_place(c, "point");
   if (c.value < 0) refuse_command("value", "out_of_range", "the value must be at least 0");
   const auto row = [&] { return checked_command_row(c, s.rows(Columns::inverse_mass), "point"); };
   const auto w = s.f64(Columns::inverse_mass);
   double* v = s.f64(Columns::velocity).data();
   switch (c.kind) {
     case CommandKind::push:
-      return add_push(s, row(), c.vector, c.duration);
+      return Columns::kHands.add_push(s, {row(), c.vector, {}}, c.duration);
     case CommandKind::impulse: {
       const size_t i = row();
       return store3(v, i, load3(v, i) + w[i] * c.vector);
     }
     case CommandKind::drag: {
       const size_t i = row();
-      return set_drag(s, i, c.vector, c.value > 0 ? c.value : default_drag(s, i));
+      return Columns::kHands.set_drag(s, i, c.vector, c.value > 0 ? c.value : default_drag(s, i),
+                                      std::nullopt);
     }
     case CommandKind::release:
-      return end_drag(s, c.index == -1 ? std::nullopt : std::optional(row()));
+      return Columns::kHands.release(s, c.index == -1 ? std::nullopt : std::optional<uint64_t>(row()));
     case CommandKind::pin: {
       const size_t i = row();
       w[i] = 0;

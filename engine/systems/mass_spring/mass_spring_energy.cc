@@ -39,10 +39,10 @@ std::optional<double> MassSpringField::potential(const Phase& at, Evaluation& e)
   });
   const Vec3 g = load3(at.state.f64(Columns::gravity).data(), 0);
   v += sum(e, masses_.size(), [&](size_t i) { return -masses_[i] * dot(g, load3(x, i)); });
-  const auto drag_row = at.state.span<uint32_t>(Columns::drag_row);
-  for (size_t k = 0; k < drag_row.size(); ++k) {
-    const Vec3 d = load3(at.state.f64(Columns::drag_target).data(), k) - load3(x, drag_row[k]);
-    v += 0.5 * at.state.f64(Columns::drag_stiffness)[k] * norm2(d);
+  for (size_t k = 0; k < Columns::kHands.drags(at.state); ++k) {
+    const UserForces::Drag drag = Columns::kHands.drag(at.state, k);
+    const Vec3 d = drag.target - load3(x, drag.who);
+    v += 0.5 * drag.stiffness * norm2(d);
   }
   return v;
 }
@@ -78,9 +78,9 @@ std::optional<double> MassSpringField::dissipation(const Phase& at, Evaluation& 
       return air::cylinder_dissipation(wind - load3(v, i), air_factor_, section_[i]);
     });
   }
-  const auto push_row = state.span<uint32_t>(Columns::push_row);
-  for (size_t k = 0; k < push_row.size(); ++k) {
-    r -= dot(load3(state.f64(Columns::push_force).data(), k), load3(v, push_row[k]));
+  for (size_t k = 0; k < Columns::kHands.pushes(state); ++k) {
+    const UserForces::Push push = Columns::kHands.push(state, k);
+    r -= dot(push.force, load3(v, push.who));
   }
   return r;
 }

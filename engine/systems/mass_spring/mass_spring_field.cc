@@ -132,7 +132,7 @@ void MassSpringField::accelerate(const Phase& at, std::span<double> a, Evaluatio
   const double internal = dissipative * state.f64(Columns::damping)[1];
   const bool air = dissipative > 0 && state.span<uint32_t>(Columns::air)[0] != 0;
   const bool bends = which != Forces::dissipative && !network_.bends.empty();
-  const bool hands = state.rows(Columns::drag_row) + state.rows(Columns::push_row) > 0;
+  const bool hands = Columns::kHands.any(state);
   const bool moving = internal > 0 || (air && !network_.triangles.empty());
 
   // Coordinates apart from each other, so that the springs' loops read straight through.
@@ -256,16 +256,14 @@ void MassSpringField::hand_forces(const Rows& rows, const State& state, const Sc
   const auto add_force = [&](size_t i, const Vec3& f) {
     if (i >= rows.begin && i < rows.end) s.f[0][i] += f.x, s.f[1][i] += f.y, s.f[2][i] += f.z;
   };
-  const auto drag_row = state.span<uint32_t>(Columns::drag_row);
-  for (size_t k = 0; k < drag_row.size() && which != Forces::dissipative; ++k) {
-    const size_t i = drag_row[k];
-    const Vec3 x{s.x[0][i], s.x[1][i], s.x[2][i]};
-    add_force(i,
-              state.f64(Columns::drag_stiffness)[k] * (load3(state.f64(Columns::drag_target).data(), k) - x));
+  for (size_t k = 0; k < Columns::kHands.drags(state) && which != Forces::dissipative; ++k) {
+    const UserForces::Drag d = Columns::kHands.drag(state, k);
+    const Vec3 x{s.x[0][d.who], s.x[1][d.who], s.x[2][d.who]};
+    add_force(d.who, d.stiffness * (d.target - x));
   }
-  const auto push_row = state.span<uint32_t>(Columns::push_row);
-  for (size_t k = 0; k < push_row.size() && which != Forces::conservative; ++k) {
-    add_force(push_row[k], load3(state.f64(Columns::push_force).data(), k));
+  for (size_t k = 0; k < Columns::kHands.pushes(state) && which != Forces::conservative; ++k) {
+    const UserForces::Push p = Columns::kHands.push(state, k);
+    add_force(p.who, p.force);
   }
 }
 

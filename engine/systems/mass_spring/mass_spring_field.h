@@ -10,6 +10,7 @@
 #include "engine/core/build.h"
 #include "engine/core/force_field.h"
 #include "engine/core/lagged_dissipation.h"
+#include "engine/core/user_forces.h"
 #include "engine/kernels/bending.h"
 #include "engine/kernels/spring.h"
 #include "engine/systems/mass_spring/network.h"
@@ -35,6 +36,8 @@ struct MassSpringColumns {
     push_force,      ///< N
     push_remaining,  ///< s
   };
+  static constexpr UserForces kHands{{push_row, push_force, push_remaining},
+                                     {drag_row, drag_target, drag_stiffness}};
 };
 
 class MassSpringField final : public ForceField, public LaggedDissipation {

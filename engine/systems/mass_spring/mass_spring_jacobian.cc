@@ -194,10 +194,9 @@ void MassSpringField::assemble_jacobian(const Phase& at, BlockSparse& dfdx, Bloc
     }
   });
   add_bending_slopes(at, dfdx, slope);
-  const auto drag_row = state.span<uint32_t>(Columns::drag_row);
-  for (size_t k = 0; k < drag_row.size(); ++k) {
-    const double stiffness = state.f64(Columns::drag_stiffness)[k];
-    add_symmetric(dfdx.block(dfdx.diagonal_slot(drag_row[k])).data(), -stiffness, 0, {});
+  for (size_t k = 0; k < Columns::kHands.drags(at.state); ++k) {
+    const UserForces::Drag d = Columns::kHands.drag(at.state, k);
+    add_symmetric(dfdx.block(dfdx.diagonal_slot(static_cast<uint32_t>(d.who))).data(), -d.stiffness, 0, {});
   }
 }
 
@@ -228,9 +227,9 @@ std::optional<ForceField::Stiffness> MassSpringField::stiffness(const State& sta
     add_symmetric(&sum_k[9 * size_t{b.points[1]}], s * both * both, 0, {});
     add_symmetric(&sum_k[9 * size_t{b.points[2]}], s * l.per_b * l.per_b, 0, {});
   }
-  const auto drag_row = state.span<uint32_t>(Columns::drag_row);
-  for (size_t k = 0; k < drag_row.size(); ++k) {
-    add_symmetric(&sum_k[9 * size_t{drag_row[k]}], 0.5 * state.f64(Columns::drag_stiffness)[k], 0, {});
+  for (size_t k = 0; k < Columns::kHands.drags(state); ++k) {
+    const UserForces::Drag d = Columns::kHands.drag(state, k);
+    add_symmetric(&sum_k[9 * d.who], 0.5 * d.stiffness, 0, {});
   }
   const auto largest = [](const double* block) {
     // Not computeDirect: that calls libm's atan2 and cos.

@@ -31,21 +31,6 @@ std::span<const Surface> surfaces(const State& s, Workspace& workspace) {
   return out;
 }
 
-/// Ends pushes whose time is over (half a step of tolerance hides rounding) or whose particle is gone.
-void expire_pushes(State& s, double h) {
-  size_t kept = 0;
-  for (size_t k = 0; k < s.rows(columns::push_id); ++k) {
-    const double remaining = s.f64(columns::push_remaining)[k] - h;
-    const uint64_t id = s.span<uint64_t>(columns::push_id)[k];
-    if (remaining < 0.5 * h || !row_of(s, id)) continue;
-    s.f64(columns::push_remaining)[kept] = remaining;
-    s.span<uint64_t>(columns::push_id)[kept] = id;
-    double* force = s.f64(columns::push_force).data();
-    store3(force, kept++, load3(force, k));
-  }
-  for (const auto c : {columns::push_id, columns::push_force, columns::push_remaining}) s.resize(c, kept);
-}
-
 }  // namespace
 
 Particles::Particles(std::unique_ptr<const ParticlesField> field, const ChosenMethod& method,
@@ -87,7 +72,7 @@ void Particles::plan_stages(const std::string& why_this_method) {
   }
   add_stage("clock", "the state's time, and pushes whose time is over", [](State& s, const StepInput& in) {
     s.f64(columns::time)[0] = in.t + in.h;
-    if (s.rows(columns::push_id) > 0) expire_pushes(s, in.h);
+    columns::kHands.count_down(s, in.h, [&](uint64_t id) { return row_of(s, id).has_value(); });
   });
   if (!d.emitters.empty()) {
     add_stage("births", std::to_string(d.emitters.size()) + " emitters",
@@ -275,8 +260,8 @@ Energy::Exchange Particles::exchange(const State& s) const {
   const bool blown =
       vector_parameter(s, Parameter::wind) != Vec3{} &&
       (parameter(s, Parameter::linear_drag) != 0 || parameter(s, Parameter::quadratic_drag) != 0);
-  const bool driven = d.expression || d.propulsion || blown || !particles_.colliders().empty() ||
-                      s.rows(columns::push_id) + s.rows(columns::drag_id) > 0;
+  const bool driven =
+      d.expression || d.propulsion || blown || !particles_.colliders().empty() || columns::kHands.any(s);
   return changing || driven ? Energy::Exchange::open : Energy::Exchange::closed;
 }
 

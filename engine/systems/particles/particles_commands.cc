@@ -20,36 +20,6 @@ uint64_t id_of(const State& s, size_t row) {
   return s.span<uint64_t>(columns::id)[row];
 }
 
-void add_push(State& s, uint64_t id, const Vec3& force, double duration) {
-  const size_t k = s.rows(columns::push_id);
-  for (const auto c : {columns::push_id, columns::push_force, columns::push_remaining}) s.resize(c, k + 1);
-  s.span<uint64_t>(columns::push_id)[k] = id;
-  store3(s.f64(columns::push_force).data(), k, force);
-  s.f64(columns::push_remaining)[k] = duration;
-}
-
-void end_drags(State& s, std::optional<uint64_t> id) {
-  size_t kept = 0;
-  const auto ids = s.span<uint64_t>(columns::drag_id);
-  double *target = s.f64(columns::drag_target).data(), *stiffness = s.f64(columns::drag_stiffness).data();
-  for (size_t k = 0; k < ids.size(); ++k) {
-    if (!id || ids[k] == *id) continue;
-    ids[kept] = ids[k];
-    store3(target, kept, load3(target, k));
-    stiffness[kept++] = stiffness[k];
-  }
-  for (const auto c : {columns::drag_id, columns::drag_target, columns::drag_stiffness}) s.resize(c, kept);
-}
-
-void start_drag(State& s, uint64_t id, const Vec3& target, double stiffness) {
-  end_drags(s, id);
-  const size_t k = s.rows(columns::drag_id);
-  for (const auto c : {columns::drag_id, columns::drag_target, columns::drag_stiffness}) s.resize(c, k + 1);
-  s.span<uint64_t>(columns::drag_id)[k] = id;
-  store3(s.f64(columns::drag_target).data(), k, target);
-  s.f64(columns::drag_stiffness)[k] = stiffness;
-}
-
 /// Parameters of the whole system that set_parameter changes.
 struct Settable {
   std::string_view name;
@@ -70,9 +40,10 @@ constexpr Settable kSettable[] = {
 
 void Particles::apply(State& s, const Command& c) const {
   check_command_numbers(c);
+  refuse_place(c, "particle");
   switch (c.kind) {
     case CommandKind::push:
-      return add_push(s, id_of(s, checked_row(s, c)), c.vector, c.duration);
+      return columns::kHands.add_push(s, {id_of(s, checked_row(s, c)), c.vector, {}}, c.duration);
     case CommandKind::impulse: {
       const size_t i = checked_row(s, c);
       double* v = s.f64(columns::velocity).data();
@@ -82,10 +53,12 @@ void Particles::apply(State& s, const Command& c) const {
       const size_t i = checked_row(s, c);
       if (c.value < 0) refuse_command("value", "out_of_range", "the stiffness must be at least 0");
       // 100 m: a period of 0.6 s, soft enough for every step that draws smoothly.
-      return start_drag(s, id_of(s, i), c.vector, c.value > 0 ? c.value : 100 * s.f64(columns::mass)[i]);
+      return columns::kHands.set_drag(s, id_of(s, i), c.vector,
+                                      c.value > 0 ? c.value : 100 * s.f64(columns::mass)[i], std::nullopt);
     }
     case CommandKind::release:
-      return end_drags(s, c.index == -1 ? std::nullopt : std::optional(id_of(s, checked_row(s, c))));
+      return columns::kHands.release(
+          s, c.index == -1 ? std::nullopt : std::optional(id_of(s, checked_row(s, c))));
     case CommandKind::spawn: {
       if (s.rows(columns::position) >= particles_.capacity()) {
         refuse_command("kind", "full", "the system holds its largest number of particles",

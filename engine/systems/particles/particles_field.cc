@@ -103,7 +103,7 @@ void ParticlesField::acceleration(const Phase& at, std::span<double> a, Evaluati
   });
   if (!pair_laws_.empty()) add_pair_forces(pair_laws_, at, arrays.mass, a, e);
   if (s.rows(columns::spring_rows) > 0) add_springs(at, a);
-  if (s.rows(columns::push_id) + s.rows(columns::drag_id) > 0) add_commands(at, a);
+  if (columns::kHands.any(s)) add_commands(at, a);
 }
 
 void ParticlesField::add_springs(const Phase& at, std::span<double> a) const {
@@ -140,18 +140,18 @@ void ParticlesField::add_expression(const Phase& at, const double* mass, double*
 void ParticlesField::add_commands(const Phase& at, std::span<double> a) const {
   const State& s = at.state;
   const double* mass = s.f64(columns::mass).data();
-  const auto pushed = s.span<uint64_t>(columns::push_id), dragged = s.span<uint64_t>(columns::drag_id);
-  for (size_t k = 0; k < pushed.size(); ++k) {
-    if (const auto i = row_of(s, pushed[k]))
-      add(a, *i, load3(s.f64(columns::push_force).data(), k) / mass[*i]);
+  for (size_t k = 0; k < columns::kHands.pushes(s); ++k) {
+    const UserForces::Push p = columns::kHands.push(s, k);
+    if (const auto i = row_of(s, p.who)) add(a, *i, p.force / mass[*i]);
   }
-  for (size_t k = 0; k < dragged.size(); ++k) {
-    const auto i = row_of(s, dragged[k]);
+  for (size_t k = 0; k < columns::kHands.drags(s); ++k) {
+    const UserForces::Drag d = columns::kHands.drag(s, k);
+    const auto i = row_of(s, d.who);
     if (!i) continue;
     // Critically damped, so that the particle follows the hand without swinging.
-    const double stiffness = s.f64(columns::drag_stiffness)[k], m = mass[*i];
-    const Vec3 pull = (load3(s.f64(columns::drag_target).data(), k) - load3(at.x.data(), *i)) * stiffness -
-                      load3(at.v.data(), *i) * (2 * std::sqrt(stiffness * m));
+    const double m = mass[*i];
+    const Vec3 pull = (d.target - load3(at.x.data(), *i)) * d.stiffness -
+                      load3(at.v.data(), *i) * (2 * std::sqrt(d.stiffness * m));
     add(a, *i, pull / m);
   }
 }

@@ -4,6 +4,7 @@
 #pragma once
 #include "engine/collision/collider_set.h"
 #include "engine/core/state.h"
+#include "engine/core/user_forces.h"
 #include "engine/systems/particles/particles_def.h"
 
 namespace truestep {
@@ -32,6 +33,8 @@ enum : State::Column {
   drag_target,              ///< f64 x 3, m
   drag_stiffness,           ///< f64, N/m
 };
+inline constexpr UserForces kHands{{push_id, push_force, push_remaining},
+                                   {drag_id, drag_target, drag_stiffness}};
 }  // namespace particle_columns
 
 enum class Counter : uint8_t { next_id, emitted, killed, refused, count };

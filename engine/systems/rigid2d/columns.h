@@ -1,6 +1,9 @@
 // Columns of a rigid2d state, and reading poses out of them. The world has no row: it is at the origin.
 #pragma once
+#include <cmath>
+
 #include "engine/core/state.h"
+#include "engine/core/user_forces.h"
 #include "engine/math/trig.h"
 #include "engine/systems/rigid2d/model.h"
 
@@ -33,10 +36,20 @@ enum : State::Column {
   drag_stiffness,    // f64, N/m
   drag_impulse,      // f64 x 2, N s
 };
-inline constexpr State::Column kPushColumns[] = {push_body, push_force, push_local, push_remaining};
-inline constexpr State::Column kDragColumns[] = {drag_body, drag_local, drag_target, drag_stiffness,
-                                                 drag_impulse};
+inline constexpr UserForces kHands{{push_body, push_force, push_remaining, push_local},
+                                   {drag_body, drag_target, drag_stiffness, drag_local, drag_impulse}};
 }  // namespace columns
+
+/// The spring of a drag as a joint of this step, of damping ratio 0.7: it follows the hand with little
+/// swinging.
+inline Joint drag_joint(const Model& model, const UserForces::Drag& d) {
+  Joint j;
+  j.kind = JointKind::mouse, j.a = model.world(), j.b = static_cast<uint32_t>(d.who);
+  j.local_b = flat::flatten(d.at), j.ground_a = flat::flatten(d.target);
+  j.hertz = std::sqrt(d.stiffness / model.bodies[j.b].mass) / 6.283185307179586;
+  j.damping_ratio = 0.7, j.max_force = HUGE_VAL;
+  return j;
+}
 
 inline constexpr uint32_t kNoPoint = 0xffffffff;
 

@@ -25,7 +25,6 @@ struct Rigid2d::Scratch {
 namespace {
 
 constexpr std::string_view kScratch = "rigid2d";
-constexpr double kDragDamping = 0.7;
 // Of the rate of small steps, for a body with two contacts. Two sweeps a small step are themselves a spring
 // of (w h)^2 = 2: stiffer contacts than that feed every slow mode of a pile, softer ones let towers buckle
 // (docs/standing.md).
@@ -139,12 +138,11 @@ void Rigid2d::take_hands(State& s, const StepInput& in) const {
   Scratch& w = in.workspace.object<Scratch>(kScratch);
   w.hands.forces.clear(), w.hands.drags.clear();
   const auto rest = s.f64(columns::rest);
-  const auto pair = [&](State::Column c, size_t k) { return Vec2{s.f64(c)[2 * k], s.f64(c)[2 * k + 1]}; };
-  const auto pushes = s.span<uint32_t>(columns::push_body);
-  for (size_t k = 0; k < pushes.size(); ++k) {
-    const uint32_t body = pushes[k];
-    const Vec2 f = flat::flatten(load3<double>(s.f64(columns::push_force).data(), k));
-    const double torque = flat::cross(pose_of(s, body).q * pair(columns::push_local, k), f);
+  for (size_t k = 0; k < columns::kHands.pushes(s); ++k) {
+    const UserForces::Push p = columns::kHands.push(s, k);
+    const auto body = static_cast<uint32_t>(p.who);
+    const Vec2 f = flat::flatten(p.force);
+    const double torque = flat::cross(pose_of(s, body).q * flat::flatten(p.at), f);
     w.hands.forces.push_back(Hands::Force{body, f, torque});
     wake(s, body);
     rest[body] = 0;
@@ -159,17 +157,13 @@ void Rigid2d::take_hands(State& s, const StepInput& in) const {
     w.hands.forces.push_back({body, f, b.torque});
     rest[body] = 0;
   }
-  const auto drags = s.span<uint32_t>(columns::drag_body);
-  for (size_t k = 0; k < drags.size(); ++k) {
-    const uint32_t body = drags[k];
-    const Body& b = model_.bodies[body];
-    if (b.motion != Motion::dynamic) continue;
-    Joint j;
-    j.kind = JointKind::mouse, j.a = model_.world(), j.b = body, j.local_b = pair(columns::drag_local, k);
-    j.ground_a = flat::flatten(load3<double>(s.f64(columns::drag_target).data(), k));
-    j.hertz = std::sqrt(s.f64(columns::drag_stiffness)[k] / b.mass) / 6.283185307179586;
-    j.damping_ratio = kDragDamping, j.max_force = HUGE_VAL;
-    w.hands.drags.push_back({j, pair(columns::drag_impulse, k)});
+  const auto impulse = s.f64(columns::drag_impulse);
+  for (size_t k = 0; k < columns::kHands.drags(s); ++k) {
+    const UserForces::Drag d = columns::kHands.drag(s, k);
+    const auto body = static_cast<uint32_t>(d.who);
+    if (model_.bodies[body].motion != Motion::dynamic) continue;
+    const Joint j = drag_joint(model_, d);
+    w.hands.drags.push_back({j, Vec2{impulse[2 * k], impulse[2 * k + 1]}});
     wake(s, body);
     rest[body] = 0;
   }
@@ -216,21 +210,7 @@ void Rigid2d::solve(State& s, const StepInput& in) const {
     std::sort(w.travels.begin(), w.travels.end(), earlier);
   }
 
-  // A push lasts until its time is used up, with half a step of tolerance for rounding.
-  size_t kept = 0;
-  const auto rows = s.span<uint32_t>(columns::push_body);
-  const auto remaining = s.f64(columns::push_remaining);
-  const auto local = s.f64(columns::push_local);
-  double* force = s.f64(columns::push_force).data();
-  for (size_t k = 0; k < rows.size(); ++k) {
-    const double left = remaining[k] - in.h;
-    if (left < 0.5 * in.h) continue;
-    rows[kept] = rows[k], remaining[kept] = left;
-    local[2 * kept] = local[2 * k], local[2 * kept + 1] = local[2 * k + 1];
-    store3(force, kept, load3<double>(force, k));
-    ++kept;
-  }
-  for (const auto c : columns::kPushColumns) s.resize(c, kept);
+  columns::kHands.count_down(s, in.h);
 }
 
 void Rigid2d::end_step(State& s, const StepInput& in) const {

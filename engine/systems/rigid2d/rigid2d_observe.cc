@@ -29,7 +29,7 @@ std::optional<Energy> Rigid2d::energy(const State& s, double, Workspace&, const 
   const auto status = s.span<uint32_t>(columns::status);
   const double down = std::sqrt(g[0] * g[0] + g[1] * g[1]), pushed = settings_.push_speed;
   Energy e;
-  bool driven = joints_drive(model_, s) || s.rows(columns::push_body) + s.rows(columns::drag_body) > 0;
+  bool driven = joints_drive(model_, s) || columns::kHands.any(s);
   for (size_t i = 0; i < model_.count(); ++i) {
     const Body& b = model_.bodies[i];
     const Vec2 at{x[3 * i], x[3 * i + 1]}, u{v[3 * i], v[3 * i + 1]};

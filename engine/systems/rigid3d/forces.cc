@@ -1,9 +1,11 @@
 #include "engine/systems/rigid3d/forces.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "engine/kernels/free_rotation.h"
+#include "engine/math/solvers/small_lu.h"
 
 namespace truestep {
 
@@ -32,6 +34,33 @@ void add_constant(const State& s, std::span<const BodyKind> kinds, double h, std
   }
 }
 
+// How a point of a body answers an impulse there: K J = J / m + (I^-1 (arm x J)) x arm.
+struct PointMass {
+  const BodyKind& body;
+  Quat q;
+  Vec3 arm;
+  Vec3 answer(const Vec3& impulse) const {
+    return impulse / body.mass + cross(free_rotation::spin_of(q, cross(arm, impulse), body.moments), arm);
+  }
+};
+
+// Impulse (N s) of a spring from a point to its target, critically damped for the mass, implicit in both:
+// (1 + (h c + h^2 k) K) J = -h (k away + (c + h k) speed).
+Vec3 pull(double k, double h, const Vec3& away, const Vec3& speed, const PointMass& point) {
+  const double c = 2 * std::sqrt(k * point.body.mass), share = h * c + h * h * k;
+  const Vec3 wanted = (away * k + speed * (c + h * k)) * -h;
+  const Vec3 axes[3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+  SmallLu<double, 3> lu;
+  for (int j = 0; j < 3; ++j) {
+    const Vec3 column = axes[j] + share * point.answer(axes[j]);
+    lu.matrix()[3 * j] = column.x, lu.matrix()[3 * j + 1] = column.y, lu.matrix()[3 * j + 2] = column.z;
+  }
+  std::array<double, 3> out{wanted.x, wanted.y, wanted.z};
+  lu.factor();
+  lu.solve(out.data());
+  return {out[0], out[1], out[2]};
+}
+
 }  // namespace
 
 void collect_forces(State& s, std::span<const BodyKind> kinds, double h, std::vector<Vec3>& change,
@@ -43,33 +72,34 @@ void collect_forces(State& s, std::span<const BodyKind> kinds, double h, std::ve
   twist.clear();
   const auto forced = [](const BodyKind& k) { return k.forced(); };
   if (std::any_of(kinds.begin(), kinds.end(), forced)) add_constant(s, kinds, h, change, twist);
-  const double *x = s.f64(columns::position).data(), *v = s.f64(columns::velocity).data();
-  size_t kept = 0;
-  for (size_t k = 0; k < s.rows(columns::push_id); ++k) {
-    const uint64_t id = s.span<uint64_t>(columns::push_id)[k];
-    const auto row = row_of_body(s, id);
-    if (!row) continue;
-    const double mass = kinds[kind[*row]].mass;
-    const Vec3 force = load3(s.f64(columns::push_force).data(), k);
-    if (mass > 0) change[*row] += force * (h / mass);
+  const double *x = s.f64(columns::position).data(), *v = s.f64(columns::velocity).data(),
+               *w = s.f64(columns::angular_velocity).data();
+  const double* q = s.f64(columns::orientation).data();
+  const auto add = [&](size_t i, const Vec3& impulse, const Vec3& arm) {
+    change[i] += impulse / kinds[kind[i]].mass;
+    if (norm2(arm) == 0) return;
+    if (twist.empty()) twist.resize(kind.size());
+    twist[i] += cross(arm, impulse);
+  };
+  for (size_t k = 0; k < columns::kHands.pushes(s); ++k) {
+    const UserForces::Push p = columns::kHands.push(s, k);
+    const auto row = row_of_body(s, p.who);
+    if (!row || !(kinds[kind[*row]].mass > 0)) continue;
+    add(*row, p.force * h, rotation(load_quat(q, *row)).apply(p.at));
     wake_body(s, *row, kinds);
-    const double remaining = s.f64(columns::push_remaining)[k] - h;
-    if (remaining < 0.5 * h) continue;  // half a step of tolerance hides rounding
-    s.f64(columns::push_remaining)[kept] = remaining;
-    s.span<uint64_t>(columns::push_id)[kept] = id;
-    store3(s.f64(columns::push_force).data(), kept++, force);
   }
-  for (const auto c : {columns::push_id, columns::push_force, columns::push_remaining}) s.resize(c, kept);
-  for (size_t k = 0; k < s.rows(columns::drag_id); ++k) {
-    const auto row = row_of_body(s, s.span<uint64_t>(columns::drag_id)[k]);
+  columns::kHands.count_down(s, h);
+  for (size_t k = 0; k < columns::kHands.drags(s); ++k) {
+    const UserForces::Drag d = columns::kHands.drag(s, k);
+    const auto row = row_of_body(s, d.who);
     if (!row) continue;
-    const double mass = kinds[kind[*row]].mass;
-    if (!(mass > 0)) continue;
+    const BodyKind& b = kinds[kind[*row]];
+    if (!(b.mass > 0)) continue;
     wake_body(s, *row, kinds);
-    // A critically damped spring, implicit in both.
-    const double w2 = s.f64(columns::drag_stiffness)[k] / mass, c = 2 * std::sqrt(w2);
-    const Vec3 away = load3(x, *row) - load3(s.f64(columns::drag_target).data(), k);
-    change[*row] -= (away * w2 + load3(v, *row) * (c + h * w2)) * (h / (1 + h * c + h * h * w2));
+    const Vec3 arm = rotation(load_quat(q, *row)).apply(d.at);
+    const Vec3 away = load3(x, *row) + arm - d.target;
+    const Vec3 speed = load3(v, *row) + cross(load3(w, *row), arm);
+    add(*row, pull(d.stiffness, h, away, speed, PointMass{b, load_quat(q, *row), arm}), arm);
   }
 }
 

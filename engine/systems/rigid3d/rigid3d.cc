@@ -24,11 +24,6 @@ constexpr size_t kSpare = 10'000;
 constexpr uint64_t kStepsPerLook = 4;
 /// Share of the speed at which bodies rest that a motor may still want.
 constexpr double kMotorAtRest = 0.01;
-/// Change of angular velocity (rad/s) that belongs to one of angular momentum, both in the world.
-Vec3 spin_of(const Quat& q, const Vec3& momentum, const Vec3& moments) {
-  const Rotation R = rotation(q);
-  return R.apply(free_rotation::divide(R.apply_inverse(momentum), moments));
-}
 /// Rotation vector between two orientations, for small angles; rad.
 Vec3 turned(const Quat& from, const Quat& to) {
   const Quat d = to * Quat{from.w, -from.x, -from.y, -from.z};
@@ -209,10 +204,10 @@ void Rigid3d::fly(State& s, const StepInput& in) const {
       Quat turned = load_quat(q, i);
       Vec3 spin = load3(w, i) * half;
       // Half of a torque's change before and half after (Strang).
-      if (!scratch.twist.empty()) spin += spin_of(turned, scratch.twist[i] * 0.5, b.moments);
+      if (!scratch.twist.empty()) spin += free_rotation::spin_of(turned, scratch.twist[i] * 0.5, b.moments);
       const auto m = free_rotation::advance({turned, spin}, b.moments, h);
       turned = m.orientation, spin = m.angular_velocity;
-      if (!scratch.twist.empty()) spin += spin_of(turned, scratch.twist[i] * 0.5, b.moments);
+      if (!scratch.twist.empty()) spin += free_rotation::spin_of(turned, scratch.twist[i] * 0.5, b.moments);
       store_quat(q, i, turned), store3(w, i, spin * half);
     }
   });

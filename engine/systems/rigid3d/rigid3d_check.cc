@@ -10,8 +10,8 @@ void Rigid3d::check(StateCheck& check, double) const {
   const State& s = check.state();
   check.together(columns::position, columns::per_body_end, most_bodies_)
       .together(columns::contact_bodies, columns::contacts_end)
-      .together({columns::push_id, columns::push_force, columns::push_remaining})
-      .together({columns::drag_id, columns::drag_target, columns::drag_stiffness});
+      .together({columns::push_id, columns::push_force, columns::push_at, columns::push_remaining})
+      .together({columns::drag_id, columns::drag_target, columns::drag_at, columns::drag_stiffness});
   const size_t bodies = s.rows(columns::position), kinds = bodies_.kinds.size();
   for (const uint32_t kind : s.span<uint32_t>(columns::kind)) check.require(kind < kinds, "kind");
   const auto pairs = s.span<uint32_t>(columns::contact_bodies);

@@ -9,17 +9,11 @@ namespace columns = rigid3d_columns;
 
 namespace {
 
-void end_drags(State& s, std::optional<uint64_t> id) {
-  size_t kept = 0;
-  const auto ids = s.span<uint64_t>(columns::drag_id);
-  double *target = s.f64(columns::drag_target).data(), *stiffness = s.f64(columns::drag_stiffness).data();
-  for (size_t k = 0; k < ids.size(); ++k) {
-    if (!id || ids[k] == *id) continue;
-    ids[kept] = ids[k];
-    store3(target, kept, load3(target, k));
-    stiffness[kept++] = stiffness[k];
-  }
-  for (const auto c : {columns::drag_id, columns::drag_target, columns::drag_stiffness}) s.resize(c, kept);
+// Where a command acts, about the centre of mass in the body's frame.
+std::optional<Vec3> place_on(const State& s, const Command& c, size_t body) {
+  if (!c.at) return std::nullopt;
+  const Rotation r = rotation(load_quat(s.f64(columns::orientation).data(), body));
+  return r.apply_inverse(*c.at - load3(s.f64(columns::position).data(), body));
 }
 
 }  // namespace
@@ -37,37 +31,36 @@ void Rigid3d::apply(State& s, const Command& c) const {
   check_command_numbers(c);
   switch (c.kind) {
     case CommandKind::push: {
-      const size_t i = checked_body(s, c), k = s.rows(columns::push_id);
-      for (const auto column : {columns::push_id, columns::push_force, columns::push_remaining})
-        s.resize(column, k + 1);
-      s.span<uint64_t>(columns::push_id)[k] = s.span<uint64_t>(columns::id)[i];
-      store3(s.f64(columns::push_force).data(), k, c.vector);
-      s.f64(columns::push_remaining)[k] = c.duration;
+      const size_t i = checked_body(s, c);
+      columns::kHands.add_push(
+          s, {s.span<uint64_t>(columns::id)[i], c.vector, place_on(s, c, i).value_or(Vec3{})}, c.duration);
       return wake_body(s, i, bodies_.kinds);
     }
     case CommandKind::impulse: {
       const size_t i = checked_body(s, c);
+      const BodyKind& b = bodies_.kinds[s.span<uint32_t>(columns::kind)[i]];
       double* v = s.f64(columns::velocity).data();
-      store3(v, i, load3(v, i) + c.vector / bodies_.kinds[s.span<uint32_t>(columns::kind)[i]].mass);
+      store3(v, i, load3(v, i) + c.vector / b.mass);
+      if (c.at) {
+        double* w = s.f64(columns::angular_velocity).data();
+        const Vec3 turn = cross(*c.at - load3(s.f64(columns::position).data(), i), c.vector);
+        store3(w, i,
+               load3(w, i) +
+                   free_rotation::spin_of(load_quat(s.f64(columns::orientation).data(), i), turn, b.moments));
+      }
       return wake_body(s, i, bodies_.kinds);
     }
     case CommandKind::drag: {
       const size_t i = checked_body(s, c);
       if (c.value < 0) refuse_command("value", "out_of_range", "the stiffness must be at least 0");
-      const uint64_t id = s.span<uint64_t>(columns::id)[i];
-      end_drags(s, id);
-      const size_t k = s.rows(columns::drag_id);
-      for (const auto column : {columns::drag_id, columns::drag_target, columns::drag_stiffness})
-        s.resize(column, k + 1);
-      s.span<uint64_t>(columns::drag_id)[k] = id;
-      store3(s.f64(columns::drag_target).data(), k, c.vector);
       // 100 m: a period of 0.6 s.
       const double mass = bodies_.kinds[s.span<uint32_t>(columns::kind)[i]].mass;
-      s.f64(columns::drag_stiffness)[k] = c.value > 0 ? c.value : 100 * mass;
+      columns::kHands.set_drag(s, s.span<uint64_t>(columns::id)[i], c.vector,
+                               c.value > 0 ? c.value : 100 * mass, place_on(s, c, i));
       return wake_body(s, i, bodies_.kinds);
     }
     case CommandKind::release:
-      return end_drags(
+      return columns::kHands.release(
           s, c.index == -1 ? std::nullopt : std::optional(s.span<uint64_t>(columns::id)[checked_body(s, c)]));
     case CommandKind::spawn: {
       if (s.rows(columns::position) >= most_bodies_) {

@@ -89,7 +89,7 @@ std::optional<Energy> Rigid3d::energy(const State& s, double, Workspace&, const 
   const Vec3 g = load3(s.f64(columns::gravity).data(), 0);
   const double pushed = settings_.push_out_speed;
   Energy e;
-  bool driven = joints_drive(s) || s.rows(columns::push_id) + s.rows(columns::drag_id) > 0;
+  bool driven = joints_drive(s) || columns::kHands.any(s);
   for (size_t i = 0; i < kind.size(); ++i) {
     const BodyKind& b = bodies_.kinds[kind[i]];
     const Vec3 u = load3(v, i), spin = load3(w, i);

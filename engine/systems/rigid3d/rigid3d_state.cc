@@ -57,9 +57,11 @@ State rigid3d_at_start(const BodyList& bodies, const JointList& list, const Vec3
   s.add({"substep", "s", S::f64, 1}, 1);
   s.add({"push.id", "1", S::u64, 1}, 0);
   s.add({"push.force", "N", S::f64, 3}, 0);
+  s.add({"push.at", "m", S::f64, 3}, 0);
   s.add({"push.remaining", "s", S::f64, 1}, 0);
   s.add({"drag.id", "1", S::u64, 1}, 0);
   s.add({"drag.target", "m", S::f64, 3}, 0);
+  s.add({"drag.at", "m", S::f64, 3}, 0);
   s.add({"drag.stiffness", "N/m", S::f64, 1}, 0);
   for (State::Column c = 0; c < columns::per_body_end; ++c) s.reserve(c, bodies.starts.size());
   for (State::Column c = columns::contact_bodies; c < columns::contacts_end; ++c) {
@@ -156,16 +158,7 @@ void remove_body(State& s, size_t row) {
     }
   }
   for (State::Column c = 0; c < columns::per_body_end; ++c) erase_any_row(s, c, row);
-  for (size_t k = s.rows(columns::push_id); k-- > 0;) {
-    if (s.span<uint64_t>(columns::push_id)[k] != id) continue;
-    for (const auto c : {columns::push_id, columns::push_force, columns::push_remaining})
-      erase_any_row(s, c, k);
-  }
-  for (size_t k = s.rows(columns::drag_id); k-- > 0;) {
-    if (s.span<uint64_t>(columns::drag_id)[k] != id) continue;
-    for (const auto c : {columns::drag_id, columns::drag_target, columns::drag_stiffness})
-      erase_any_row(s, c, k);
-  }
+  columns::kHands.forget(s, id);
 }
 
 }  // namespace truestep

@@ -4,6 +4,7 @@
 #include <span>
 
 #include "engine/core/state.h"
+#include "engine/core/user_forces.h"
 #include "engine/systems/rigid3d/bodies.h"
 #include "engine/systems/rigid3d/joints.h"
 
@@ -44,11 +45,15 @@ enum : State::Column {
   substep,                      ///< f64, s, length of the last step's substeps; 0 before the first
   push_id,                      ///< u64
   push_force,                   ///< f64 x 3, N
+  push_at,                      ///< f64 x 3, m, where on the body, in the frame of its principal axes
   push_remaining,               ///< f64, s
   drag_id,                      ///< u64
   drag_target,                  ///< f64 x 3, m
+  drag_at,                      ///< f64 x 3, m, as of pushes
   drag_stiffness,               ///< f64, N/m
 };
+inline constexpr UserForces kHands{{push_id, push_force, push_remaining, push_at},
+                                   {drag_id, drag_target, drag_stiffness, drag_at}};
 }  // namespace rigid3d_columns
 
 /// The state at t = 0.
