@@ -99,6 +99,15 @@ TEST(Campaign, StiffAttachments) {
   }
 }
 
+// Particles that rest on cloth to the last bit of their distance.
+TEST(Campaign, RestOnCloth) {
+  for (const uint64_t seed : {342, 1647, 3387, 7592, 8549}) {
+    const Trial trial = make_trial(seed);
+    const Outcome outcome = judge(trial);
+    EXPECT_TRUE(outcome.findings.empty()) << report(trial, outcome);
+  }
+}
+
 // A judge that finds nothing in a scene that is wrong would be worth nothing.
 TEST(Campaign, JudgesFindWhatIsWrong) {
   Trial t = make_trial(0);
