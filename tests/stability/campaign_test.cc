@@ -108,6 +108,16 @@ TEST(Campaign, RestOnCloth) {
   }
 }
 
+// Cloth that hardly stretches falls on a sphere: the friction that its points were held with grew from
+// solution to solution of one step.
+TEST(Campaign, StiffClothOnSolids) {
+  for (const uint64_t seed : {484, 4544, 5182, 7879}) {
+    const Trial trial = make_trial(seed);
+    const Outcome outcome = judge(trial);
+    EXPECT_TRUE(outcome.findings.empty()) << report(trial, outcome);
+  }
+}
+
 // A judge that finds nothing in a scene that is wrong would be worth nothing.
 TEST(Campaign, JudgesFindWhatIsWrong) {
   Trial t = make_trial(0);
