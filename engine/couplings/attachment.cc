@@ -10,12 +10,34 @@ namespace truestep {
 namespace {
 
 constexpr const char* kStart = "attachment.start";
+/// Column of the impulses on b in the last two substeps, where a side answers as a whole.
+constexpr const char* kPairImpulse = "pair_impulse";
 /// Links are swept until each is within this part of its length (or of a metre); rounding itself is 1e-16.
 constexpr double kLengthTolerance = 1e-13;
 constexpr int kMostSweeps = 200;
+/// Newton steps towards the lengths and directions at the end at most, and rad by which directions may be
+/// off.
+constexpr int kMostSolutions = 30;
+constexpr double kSameDirection = 1e-6;
+/// (h omega)^2 of a spring on its two points from which it is solved for: half of what its kicks are stable
+/// at.
+constexpr double kMostKicked = 1;
 
 Vec3 separation(const double* a, size_t i, const double* b, size_t j) {
   return load3(b, j) - load3(a, i);
+}
+
+/// The column; null in states of the same scene by other methods, which remedies are tried on.
+double* pair_impulses(State& own) {
+  const auto c = own.find(kPairImpulse);
+  return c ? own.f64(*c).data() : nullptr;
+}
+
+/// What the last two impulses have in common: forces last, blows do not.
+Vec3 lasting(const double* last, size_t pair) {
+  const Vec3 j = load3(last, 2 * pair), before = load3(last, 2 * pair + 1);
+  const double d = dot(j, before), jj = norm2(j);
+  return d > 0 ? j * std::min(1.0, d / jj) : Vec3{};
 }
 
 /// Id of the point that an index of the scene names.
@@ -48,7 +70,7 @@ Vec3 length_correction(const Vec3& r, const Vec3& d, double rest) {
 
 std::unique_ptr<const Attachment> Attachment::make(const AttachmentDef& def, const CouplingContext& context) {
   const PointColumns a = require_points(context.a, "a"), b = require_points(context.b, "b");
-  std::unique_ptr<Attachment> out(new Attachment(def, a, b));
+  std::unique_ptr<Attachment> out(new Attachment(def, context, a, b));
   const ConstPoints pa(context.a.state, a), pb(context.b.state, b);
   std::map<uint64_t, double> a_pairs, b_pairs;
   const bool same = &context.a.system == &context.b.system;
@@ -82,22 +104,32 @@ void Attachment::collect(const PointsOf<Real>& a, const PointsOf<Real>& b, std::
   }
 }
 
-std::vector<Attachment::Live>& Attachment::live_pairs(const Points& a, const Points& b,
-                                                      Workspace& workspace) const {
-  auto& live = workspace.object<std::vector<Live>>("attachment.live");
+std::vector<Attachment::Live>& Attachment::live_pairs(const Points& a, const Points& b, const StepInput& in,
+                                                      Wanted wanted) const {
+  auto& live = in.workspace.object<std::vector<Live>>(wanted == Wanted::solved ? "attachment.stiff"
+                                                                               : "attachment.live");
   collect(a, b, live);
+  if (wanted == Wanted::links) return live;
+  std::erase_if(live, [&](const Live& p) {
+    const Pair& pair = pairs_[p.pair];
+    const double pull = def_.stiffness * (pair.a_share * p.wa + pair.b_share * p.wb);
+    return (in.h * in.h * pull > kMostKicked) != (wanted == Wanted::solved);
+  });
   return live;
 }
 
 void Attachment::begin(const CoupledStates& s, const StepInput& in) const {
   const ProfileScope scope(in.profile, pass());
   Points a(s.a, a_), b(s.b, b_);
-  const auto& live = live_pairs(a, b, in.workspace);
   if (def_.link == AttachmentDef::Link::rigid) {
+    const auto& live = live_pairs(a, b, in, Wanted::links);
+    if (answered_.any()) return give_last(s, a, b, live);
     double* start = in.workspace.doubles(kStart, 3 * pairs_.size()).data();
     for (const Live& p : live) store3(start, p.pair, separation(a.x, p.a, b.x, p.b));
     return;
   }
+  give_last(s, a, b, live_pairs(a, b, in, Wanted::solved));
+  const auto& live = live_pairs(a, b, in, Wanted::kicked);
   Exchange sum;
   pull(a, b, live, 0.5 * in.h, sum);
   damp(a, b, live, 0.5 * in.h, sum);
@@ -107,17 +139,122 @@ void Attachment::begin(const CoupledStates& s, const StepInput& in) const {
 void Attachment::end(const CoupledStates& s, const StepInput& in) const {
   const ProfileScope scope(in.profile, pass());
   Points a(s.a, a_), b(s.b, b_);
-  const auto& live = live_pairs(a, b, in.workspace);
   Exchange sum;
   if (def_.link == AttachmentDef::Link::rigid) {
-    const double* start = in.workspace.doubles(kStart, 3 * pairs_.size()).data();
-    restore_lengths(a, b, live, start, in.h, sum);
+    const auto& live = live_pairs(a, b, in, Wanted::links);
+    if (answered_.any()) {
+      solve_pairs(s, in, live, sum);
+    } else {
+      const double* start = in.workspace.doubles(kStart, 3 * pairs_.size()).data();
+      restore_lengths(a, b, live, start, in.h, sum);
+    }
     match_velocities(a, b, live, sum);
   } else {
+    solve_pairs(s, in, live_pairs(a, b, in, Wanted::solved), sum);
+    const auto& live = live_pairs(a, b, in, Wanted::kicked);
     damp(a, b, live, 0.5 * in.h, sum);
     pull(a, b, live, 0.5 * in.h, sum);
   }
   book(s.own, sum);
+}
+
+// Forces last about as long as many steps do: both sides take the last step's into their own, curved answer,
+// and the straight one (answered_pairs.h) is left with what has changed since.
+void Attachment::give_last(const CoupledStates& s, Points& a, Points& b,
+                           const std::vector<Live>& live) const {
+  const double* last = pair_impulses(s.own);
+  if (!last) return;
+  for (const Live& p : live) exchange_impulse(a.v, p.a, p.wa, b.v, p.b, p.wb, lasting(last, p.pair));
+}
+
+// What is asked of a pair that has come to r and u without its impulse J, in the direction n that it ends in;
+// r' = r + h W J and u' = u + W J.
+//   link    |r'| = L: n.(W J) = (L - n.r) / h, J along n
+//   spring  J = -h f(r', u') with f = K r' - k L n + c (u'.n) n, K = k n n^T + k (1 - L / |r'|) (1 - n n^T),
+//   the
+//           second part where it is stretched. With B = h (h K + c n n^T) and J = sqrt(B) y
+//           (1 + sqrt(B) W sqrt(B)) y = -h sqrt(B)^-1 f(r, u)
+void Attachment::ask(AnsweredPair& q, double rest, const Vec3& r, const Vec3& u, double h) const {
+  const Vec3 ends = r + q.change * h;
+  q.n = rest == 0 ? Vec3{} : normalized(ends);
+  if (def_.link == AttachmentDef::Link::rigid) {
+    q.along = 1, q.across = rest == 0 ? 1 : 0;
+    q.right = (rest == 0 ? -r : q.n * (rest - dot(r, q.n))) / h;
+    return;
+  }
+  const double k = def_.stiffness, c = def_.damping;
+  q.give = 1, q.along = std::sqrt(h * (h * k + c));
+  if (rest == 0) {
+    q.across = q.along;
+    q.right = (r * k + u * c) * (-h / q.along);
+    return;
+  }
+  const double across = std::sqrt(k * std::max(0.0, 1 - rest / std::max(norm(ends), rest)));
+  q.across = h * across;
+  q.right =
+      q.n * (-h / q.along * (k * (dot(r, q.n) - rest) + c * dot(u, q.n))) - (r - q.n * dot(r, q.n)) * across;
+}
+
+// Newton's method for the directions at the end: with both sides' answers the step of implicit Euler on the
+// two systems as one.
+void Attachment::solve_pairs(const CoupledStates& s, const StepInput& in, const std::vector<Live>& live,
+                             Exchange& sum) const {
+  if (live.empty()) return;
+  Points a(s.a, a_), b(s.b, b_);
+  double* last = pair_impulses(s.own);
+  auto& pairs = in.workspace.object<std::vector<AnsweredPair>>("attachment.answered");
+  auto& free = in.workspace.object<std::vector<FreePair>>("attachment.free");
+  pairs.clear(), free.clear();
+  for (const Live& p : live) {
+    pairs.push_back({.a = p.a, .b = p.b, .wa = p.wa, .wb = p.wb});
+    if (last) pairs.back().given = lasting(last, p.pair);
+  }
+  answered_.answer_given(s, in, pairs);
+  for (const AnsweredPair& p : pairs) {
+    free.push_back(
+        {separation(a.x, p.a, b.x, p.b) - p.change * in.h, separation(a.v, p.a, b.v, p.b) - p.change});
+  }
+  for (int solution = 0; solution < kMostSolutions; ++solution) {
+    double turn = 0;
+    for (size_t i = 0; i < pairs.size(); ++i) {
+      const Vec3 n = pairs[i].n;
+      ask(pairs[i], live[i].rest, free[i].r, free[i].u, in.h);
+      turn = std::max(turn, norm(pairs[i].n - n));
+    }
+    if (solution > 0 && turn <= kSameDirection) break;
+    answered_.solve(s, in, pairs);
+  }
+  answered_.move(s, in, pairs);
+  for (size_t i = 0; i < pairs.size(); ++i) {
+    const AnsweredPair& p = pairs[i];
+    const Vec3 u = separation(a.v, p.a, b.v, p.b);
+    const double u2 = live[i].rest == 0 ? norm2(u) : dot(u, p.n) * dot(u, p.n);
+    sum.add(p.impulse, def_.link == AttachmentDef::Link::spring ? in.h * def_.damping * u2 : 0);
+    if (!last) continue;
+    store3(last, 2 * live[i].pair + 1, load3(last, 2 * live[i].pair));
+    store3(last, 2 * live[i].pair, p.impulse);
+  }
+  if (def_.link == AttachmentDef::Link::rigid) close_lengths(s, in, live, pairs, sum);
+}
+
+// What rounding and the last turn of the links have left of their lengths.
+void Attachment::close_lengths(const CoupledStates& s, const StepInput& in, const std::vector<Live>& live,
+                               std::vector<AnsweredPair>& pairs, Exchange& sum) const {
+  Points a(s.a, a_), b(s.b, b_);
+  for (int solution = 0; solution < kMostSolutions; ++solution) {
+    double worst = 0;
+    for (size_t i = 0; i < pairs.size(); ++i) {
+      AnsweredPair& p = pairs[i];
+      const Vec3 r = separation(a.x, p.a, b.x, p.b);
+      p.given = {}, p.change = {};
+      ask(p, live[i].rest, r, {}, in.h);
+      worst = std::max(worst, norm(p.right) * in.h / std::max(live[i].rest, 1.0));
+    }
+    if (worst <= kLengthTolerance) break;
+    answered_.solve(s, in, pairs);
+    answered_.move(s, in, pairs);
+    for (const AnsweredPair& p : pairs) sum.add(p.impulse, 0);
+  }
 }
 
 // J = -half k (|r| - L) n; with L = 0 it needs no direction.
@@ -179,6 +316,12 @@ void Attachment::match_velocities(Points& a, Points& b, const std::vector<Live>&
   }
 }
 
+State Attachment::initial_state() const {
+  State s = exchange_state();
+  if (answered_.any()) s.add({kPairImpulse, "N s", Scalar::f64, 6}, pairs_.size());
+  return s;
+}
+
 void Attachment::observe(const ConstCoupledStates& s, Observables& out) const {
   const ConstPoints a(s.a, a_), b(s.b, b_);
   std::vector<Live> live;
@@ -211,29 +354,20 @@ std::vector<PlanRow> Attachment::plan() const {
   using enum PlanRow::Status;
   const std::string count = std::to_string(pairs_.size()) + (pairs_.size() == 1 ? " pair" : " pairs");
   if (def_.link == AttachmentDef::Link::rigid) {
-    return {{runs, pass(), count + " of points at a fixed distance"},
+    const char* together = answered_.any() ? ", solved for with all that is tied to them" : "";
+    return {{runs, pass(), count + " of points at a fixed distance" + together},
             {skipped, "damping", "rigid links have none"}};
   }
-  std::vector<PlanRow> rows{{runs, pass(), count + " of points, a kick at both ends of the substep"}};
+  std::vector<PlanRow> rows{{runs, pass(),
+                             count +
+                                 " of points, a kick at both ends of the substep; stiff ones solved for with "
+                                 "all that is tied to them"}};
   if (def_.damping > 0) {
     rows.push_back({runs, "damping", "along the pairs"});
   } else {
     rows.push_back({skipped, "damping", "damping is 0"});
   }
   return rows;
-}
-
-std::optional<double> Attachment::stable_h(const ConstCoupledStates& s) const {
-  if (def_.link == AttachmentDef::Link::rigid || def_.stiffness == 0) return std::nullopt;
-  const ConstPoints a(s.a, a_), b(s.b, b_);
-  std::vector<Live> live;
-  collect(a, b, live);
-  double fastest = 0;
-  for (const Live& p : live) {
-    const Pair& pair = pairs_[p.pair];
-    fastest = std::max(fastest, def_.stiffness * (pair.a_share * p.wa + pair.b_share * p.wb));
-  }
-  return fastest > 0 ? std::optional(2 / std::sqrt(fastest)) : std::nullopt;
 }
 
 std::unique_ptr<const Coupling> build_attachment(const void* def, const CouplingContext& context) {

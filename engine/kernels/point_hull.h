@@ -139,11 +139,17 @@ inline std::optional<HullContact> first_hull_contact(const HullPath& p, const st
     for (size_t k = 0; k < corners; ++k) {
       const HullPath& q = c[k];
       const double a = 0.5 * dot(h.n, p.a - q.a), b = dot(h.n, p.v + p.a * s - q.v - q.a * s);
-      const double room = dot(h.n, p.at(s) - q.at(s)) - target;
+      // No corner is nearer than the hull, but for rounding: of less than nothing a way back would be made.
+      const double room = std::max(dot(h.n, p.at(s) - q.at(s)), h.apart) - target;
       const double discriminant = b * b - 4 * a * room;
       if (discriminant < 0) continue;
-      const double q2 = std::sqrt(discriminant) - b;
-      if (q2 > 0) advance = std::min(advance, 2 * room / q2);
+      // The later root for what leaves and comes back, each in the form that subtracts nothing.
+      const double root = std::sqrt(discriminant);
+      if (b < 0) {
+        advance = std::min(advance, 2 * room / (root - b));
+      } else if (a < 0) {
+        advance = std::min(advance, (b + root) / (-2 * a));
+      }
     }
     s += advance;
     if (s > 1) return std::nullopt;

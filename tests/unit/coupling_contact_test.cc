@@ -70,6 +70,29 @@ TEST(PointHull, FirstContactIsTheFirst) {
   EXPECT_GT(hits, 50);
 }
 
+// A point at the target to the last bit, sliding along a face: a touch is within the step or nowhere.
+TEST(PointHull, TouchesOfWhatRestsAreWithinTheStep) {
+  int hits = 0;
+  for (uint64_t i = 0; i < 3000; ++i) {
+    const double reach = 0.04;
+    const Vec3 n = normalized(random_vec(40, i)), at = random_vec(41, i);
+    const Vec3 e = normalized(cross(n, random_vec(42, i))), f = cross(n, e);
+    const std::array<HullPath, 3> c{
+        {{at + e * 0.1, {}, {}}, {at - e * 0.05 + f * 0.08, {}, {}}, {at - e * 0.05 - f * 0.08, {}, {}}}};
+    HullPath p;
+    p.x = at + n * reach;
+    p.v = e * (1e-3 * random_vec(43, i).x) + n * (1e-12 * random_vec(43, i).y * double(i % 2));
+    p.a = n * (-1e-12 * double(i % 3));
+    const auto hit = first_hull_contact(p, c, 3, reach);
+    if (!hit) continue;
+    ++hits;
+    ASSERT_GE(hit->s, 0) << i;
+    ASSERT_LE(hit->s, 1) << i;
+    ASSERT_NEAR(hit->apart, reach, 2e-3 * reach) << i;
+  }
+  EXPECT_GT(hits, 1000);
+}
+
 // Particles rain on a free cloth that tumbles; nothing else acts.
 std::string rain(const char* law) {
   std::string positions, velocities;

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "engine/integrators/impulse_answer.h"
+
 namespace truestep {
 
 using Columns = MassSpringColumns;
@@ -120,6 +122,11 @@ std::optional<PointColumns> MassSpring::points() const {
                       .inverse_mass = Columns::inverse_mass,
                       .id = std::nullopt,
                       .radius = radius_};
+}
+
+void MassSpring::answer(State& state, const StepInput& in, Answer which, std::span<const double> impulses,
+                        std::span<double> dv) const {
+  answer_implicitly(force_field(), options(), state, in, which, impulses, dv);
 }
 
 Energy::Exchange MassSpring::exchange(const State& s) const {

@@ -3,13 +3,14 @@
 // shear_stiffness, bending_stiffness, damping, internal_damping, gravity, wind).
 #pragma once
 #include "engine/core/force_system.h"
+#include "engine/core/impulse_answer.h"
 #include "engine/integrators/default_method.h"
 #include "engine/systems/mass_spring/mass_spring_field.h"
 #include "engine/systems/mass_spring/surface_contacts.h"
 
 namespace truestep {
 
-class MassSpring final : public ForceSystem {
+class MassSpring final : public ForceSystem, public AnswersImpulses {
  public:
   /// Error "scene_invalid" when the def's integrator is unknown or does not fit.
   static std::unique_ptr<const MassSpring> make(const MassSpringDef& def, const BuildContext& context);
@@ -27,6 +28,12 @@ class MassSpring final : public ForceSystem {
   Topology topology(const State& state) const override { return topology_; }
   std::vector<DrawnShape> shapes(const State& state, double t) const override { return colliders_.drawn(t); }
   std::optional<PointColumns> points() const override;
+  /// Loose points are never solved for together.
+  bool answers_together() const override {
+    return integrator().kind == Integrator::Kind::implicit && !springs_.schedule().a.empty();
+  }
+  void answer(State& state, const StepInput& input, Answer which, std::span<const double> impulses,
+              std::span<double> dv) const override;
   /// The triangles of a cloth; otherwise a capsule along every structural spring and a ball at every point
   /// without one.
   PublishedSolids solids() const override { return {springs_.network().triangles, segments_}; }

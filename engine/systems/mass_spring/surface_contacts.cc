@@ -19,6 +19,8 @@ constexpr int kRounds = 16, kTakingRounds = 10;
 constexpr double kMostReleases = 2;
 /// Halvings of a step that has no solution.
 constexpr int kHalvings = 5;
+/// Energy by which a step may rise, as a share of what moves and of what gravity sets in motion in a step.
+constexpr double kRise = 0.01;
 /// m and share of a point's radius that it may be off its surface (which bends under it) until the next step.
 constexpr double kOff = 1e-6, kOffRadius = 0.02;
 /// Share of a friction by which another one may differ, and of its weight by which a point may be pulled,
@@ -29,16 +31,50 @@ constexpr double kSame = 0.25, kPulled = 0.05;
 
 void SurfaceContacts::step(const ForceField& field, const Integrator& method,
                            const IntegratorOptions& options, State& s, const StepInput& in) const {
+  const RowContacts on = RowContacts::all(s);
+  const size_t n = on.kind.size();
   const auto x = s.f64(Columns::position), v = s.f64(Columns::velocity);
   const auto x_begin = in.workspace.doubles("surfaces.x_begin", x.size());
   const auto v_begin = in.workspace.doubles("surfaces.v_begin", v.size());
+  const auto held = in.workspace.doubles("surfaces.held", n);
   std::copy(x.begin(), x.end(), x_begin.begin()), std::copy(v.begin(), v.end(), v_begin.begin());
+  for (size_t i = 0; i < n; ++i) held[i] = on.kind[i];
+  const EnergyBound bound = energy_bound(field, s, in);
+  divided(field, method, options, s, in, Friction::coulomb);
+  if (bound.most == HUGE_VAL || energy(field, s, in.t + in.h, in) <= bound.most) return;
+  // Friction that is revised from solution to solution may run away where springs are stiff; without it
+  // points are only held back.
+  std::copy(x_begin.begin(), x_begin.end(), x.begin()), std::copy(v_begin.begin(), v_begin.end(), v.begin());
+  for (size_t i = 0; i < n; ++i) {
+    on.kind[i] = held[i] == RowContacts::kFree ? RowContacts::kFree : RowContacts::kSlides;
+    store3(on.drag.data(), i, Vec3{});
+  }
+  divided(field, method, options, s, in, Friction::none);
+  const double end = energy(field, s, in.t + in.h, in);
+  if (end <= bound.most) return;
+  // What putting points on surfaces has given to the springs between them is taken from what moves.
+  Evaluation e{in.workspace, in.arena};
+  const double kinetic = field.kinetic({in.t + in.h, x, v, s}, e);
+  const double left = std::max(0.0, kinetic - (end - bound.start));
+  const double share = kinetic > 0 ? std::sqrt(left / kinetic) : 0;
+  const auto w = s.f64(Columns::inverse_mass);
+  for (size_t i = 0; i < n; ++i) {
+    if (w[i] > 0) store3(v.data(), i, load3(v.data(), i) * share);
+  }
+}
+
+void SurfaceContacts::divided(const ForceField& field, const Integrator& method,
+                              const IntegratorOptions& options, State& s, const StepInput& in,
+                              Friction friction) const {
+  const auto x = s.f64(Columns::position), v = s.f64(Columns::velocity);
+  const auto x_begin = in.workspace.doubles("surfaces.x_begin", x.size());
+  const auto v_begin = in.workspace.doubles("surfaces.v_begin", v.size());
   for (int halvings = 0;; ++halvings) {
     const int parts = 1 << halvings;
     try {
       for (int k = 0; k < parts; ++k) {
         StepInput part{in.t + in.h * k / parts, in.h / parts, in.step, in.workspace, in.arena, in.profile};
-        whole(field, method, options, s, part);
+        whole(field, method, options, s, part, friction);
       }
       return;
     } catch (const Instability&) {
@@ -49,8 +85,33 @@ void SurfaceContacts::step(const ForceField& field, const Integrator& method,
   }
 }
 
+double SurfaceContacts::energy(const ForceField& field, const State& s, double t, const StepInput& in) const {
+  Evaluation e{in.workspace, in.arena};
+  const Phase at{t, s.f64(Columns::position), s.f64(Columns::velocity), s};
+  return field.kinetic(at, e) + field.potential(at, e).value_or(0);
+}
+
+// Nothing but what moves, blows or pushes can bring any.
+SurfaceContacts::EnergyBound SurfaceContacts::energy_bound(const ForceField& field, const State& s,
+                                                           const StepInput& in) const {
+  const bool moved =
+      std::ranges::any_of(colliders_.colliders(), [](const Collider& c) { return !c.motion.at_rest(); });
+  if (moved || s.span<uint32_t>(Columns::air)[0] != 0 || s.rows(Columns::push_row) > 0)
+    return {HUGE_VAL, HUGE_VAL};
+  const auto v = s.f64(Columns::velocity), w = s.f64(Columns::inverse_mass);
+  const double fall = norm(load3(s.f64(Columns::gravity).data(), 0)) * in.h;
+  double moving = 0;
+  for (size_t i = 0; i < w.size(); ++i) {
+    const double speed = norm(load3(v.data(), i)) + fall;
+    if (w[i] > 0) moving += 0.5 / w[i] * speed * speed;
+  }
+  const double start = energy(field, s, in.t, in);
+  return {start, start + kRise * moving};
+}
+
 void SurfaceContacts::whole(const ForceField& field, const Integrator& method,
-                            const IntegratorOptions& options, State& s, const StepInput& in) const {
+                            const IntegratorOptions& options, State& s, const StepInput& in,
+                            Friction friction) const {
   const auto x = s.f64(Columns::position), v = s.f64(Columns::velocity);
   const RowContacts on = RowContacts::all(s);
   const size_t n = on.kind.size();
@@ -65,7 +126,7 @@ void SurfaceContacts::whole(const ForceField& field, const Integrator& method,
   take_up(s, on, start, in);
   for (int round = 0;; ++round) {
     method.step(field, s, in, options);
-    if (round + 1 == kRounds || !revise(s, on, start, in, round)) break;
+    if (round + 1 == kRounds || !revise(s, on, start, in, round, friction)) break;
     std::copy(x0.begin(), x0.end(), x.begin()), std::copy(v0.begin(), v0.end(), v.begin());
   }
   finish(s, on, start, in, before);
@@ -102,7 +163,7 @@ void SurfaceContacts::take_up(const State& s, const RowContacts& on, const Start
 
 // Looks at a solution; says whether another one is needed.
 bool SurfaceContacts::revise(State& s, const RowContacts& on, const Start& start, const StepInput& in,
-                             int round) const {
+                             int round, Friction friction) const {
   const auto x = s.f64(Columns::position), v = s.f64(Columns::velocity);
   const auto w = s.f64(Columns::inverse_mass);
   const auto xr = in.workspace.doubles("surfaces.x_apart", x.size()),
@@ -159,7 +220,8 @@ bool SurfaceContacts::revise(State& s, const RowContacts& on, const Start& start
       store3(on.drag.data(), i, Vec3{});
       continue;
     }
-    const double off = at.distance - radius_ - kContactSlop, most = surfaces_[at.collider].friction * pressed;
+    const double off = at.distance - radius_ - kContactSlop,
+                 most = friction == Friction::none ? 0 : surfaces_[at.collider].friction * pressed;
     if (!takes) continue;
     if (std::abs(off) > slack) {
       hold(on, i, x0, at, x1 - at.normal * off, static_cast<RowContacts::Kind>(on.kind[i]), in.h);

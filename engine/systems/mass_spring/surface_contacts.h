@@ -3,6 +3,9 @@
 // would enter, sticks while Coulomb's cone holds it, slides under mu N where not, and is let go where it is
 // pulled. What was held is tried first in the next step, so that cloth at rest needs one solution. Bounces
 // follow the solution: a point that came at w leaves at e w.
+// The search for that set may end at another branch of stiff springs, far from where the step began. A step
+// that ends with more energy than it had, where nothing brings any, is made again without friction, and what
+// is still too much is taken from its velocities.
 #pragma once
 #include <vector>
 
@@ -26,10 +29,21 @@ class SurfaceContacts {
   struct Start {
     std::span<const double> x, v;
   };
+  enum class Friction : uint8_t { coulomb, none };
   void whole(const ForceField& field, const Integrator& method, const IntegratorOptions& options, State& s,
-             const StepInput& in) const;
+             const StepInput& in, Friction friction) const;
+  double energy(const ForceField& field, const State& s, double t, const StepInput& in) const;
+  /// J at the start of a step, and at most at the end of a sound one; infinite where anything brings energy.
+  struct EnergyBound {
+    double start, most;
+  };
+  EnergyBound energy_bound(const ForceField& field, const State& s, const StepInput& in) const;
+  /// The step, or its halves where it has no solution as a whole, and so on.
+  void divided(const ForceField& field, const Integrator& method, const IntegratorOptions& options, State& s,
+               const StepInput& in, Friction friction) const;
   void take_up(const State& s, const RowContacts& on, const Start& start, const StepInput& in) const;
-  bool revise(State& s, const RowContacts& on, const Start& start, const StepInput& in, int round) const;
+  bool revise(State& s, const RowContacts& on, const Start& start, const StepInput& in, int round,
+              Friction friction) const;
   void finish(State& s, const RowContacts& on, const Start& start, const StepInput& in,
               std::span<const double> held_before) const;
   /// The row stays on the surface at `place`.
