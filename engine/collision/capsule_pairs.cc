@@ -72,7 +72,7 @@ void collide_capsule(const Convex& a, const Convex& b, const Transform& place, d
     face_polygon(poly, face, {}, reference);
     segment.add(p - n * r, 1);
     segment.add(q - n * r, 2);
-    clip_faces(reference, n, segment, margin, Reference::first, static_cast<uint32_t>(face & 0xfff) + 1, out);
+    clip_faces(reference, n, segment, margin, FaceOwner::first, static_cast<uint32_t>(face & 0xfff) + 1, out);
     if (!own || (out.count > 0 && -out.deepest() <= at.separation - r + 1e-3 * r)) return;
     out.count = 0;
   }

@@ -34,7 +34,7 @@ void FacePolygon::cut(const Vec3& outward, double offset, uint32_t plane) {
 }
 
 void clip_faces(const FacePolygon& reference, const Vec3& normal, FacePolygon incident, double margin,
-                Reference owner, uint32_t tag, Manifold& out) {
+                FaceOwner owner, uint32_t tag, Manifold& out) {
   for (int i = 0; i < reference.count && incident.count > 0; ++i) {
     const Vec3 &p = reference.corner[i], &q = reference.corner[i + 1 < reference.count ? i + 1 : 0];
     const Vec3 side = cross(q - p, normal);
@@ -47,7 +47,7 @@ void clip_faces(const FacePolygon& reference, const Vec3& normal, FacePolygon in
     if (s > margin) continue;
     all.point[all.count++] = {incident.corner[i] - normal * (0.5 * s), s, tag << 16 | incident.id[i]};
   }
-  out.normal = owner == Reference::first ? normal : -normal;
+  out.normal = owner == FaceOwner::first ? normal : -normal;
   keep_best(all.all(), normal, out);
 }
 

@@ -27,9 +27,9 @@ struct FacePolygon {
 /// Points of `incident` inside the prism over `reference` (3 corners or more, anticlockwise seen against the
 /// unit normal) and no further than `margin` above its plane, as a manifold with the normal +-`normal`:
 /// `flip` < 0 when the reference is the second body's. Ids hold `tag` in the upper 16 bits.
-enum class Reference : uint8_t { first, second };
+enum class FaceOwner : uint8_t { first, second };
 void clip_faces(const FacePolygon& reference, const Vec3& normal, FacePolygon incident, double margin,
-                Reference owner, uint32_t tag, Manifold& out);
+                FaceOwner owner, uint32_t tag, Manifold& out);
 
 /// Keeps at most four of the points: the outermost along two directions and the deepest. `normal` is unit.
 struct PointList {

@@ -122,7 +122,7 @@ void face_contact(const Feature& fa, const Feature& fb, const Vec3& n, double ma
   const Vec3 down = reference.normal * other.radius;
   for (int i = 0; i < incident.shape.count; ++i) incident.shape.corner[i] -= down;
   clip_faces(reference.shape, reference.normal, incident.shape, margin,
-             first ? Reference::first : Reference::second,
+             first ? FaceOwner::first : FaceOwner::second,
              (reference.number & 0xff) << 8 | (incident.number & 0x7f) << 1 | (first ? 0u : 1u), out);
 }
 

@@ -127,9 +127,9 @@ void collide_polyhedra(const Convex& ca, const Convex& cb, const Transform& plac
 
   // Faces make better manifolds than edges, and a's should not alternate with b's.
   const double bias = 1e-3 * std::min(a.thickness, b.thickness);
-  const auto from_faces = [&](const FaceAxis& best, Reference owner) {
+  const auto from_faces = [&](const FaceAxis& best, FaceOwner owner) {
     FacePolygon reference, incident;
-    if (owner == Reference::first) {
+    if (owner == FaceOwner::first) {
       const Vec3 n = a.faces[best.face].normal;
       face_polygon(a, best.face, {}, reference);
       const int other = furthest_face(b, place.inverse_direction(-n));
@@ -154,9 +154,9 @@ void collide_polyhedra(const Convex& ca, const Convex& cb, const Transform& plac
                  0x40000000u | static_cast<uint32_t>(edge.edge_a & 0x7fff) << 15 | (edge.edge_b & 0x7fff),
                  bias, out);
   } else if (fb.separation > fa.separation + bias) {
-    from_faces(fb, Reference::second);
+    from_faces(fb, FaceOwner::second);
   } else {
-    from_faces(fa, Reference::first);
+    from_faces(fa, FaceOwner::first);
   }
   if (apart <= 0 ? out.count > 0 : tight(out, apart, bias)) return;
 

@@ -33,10 +33,11 @@ bool more_than_balls(const PublishedSolids& s) {
 
 }  // namespace
 
-std::unique_ptr<const Contact> Contact::make(const ContactDef& def, const CouplingContext& context) {
+std::unique_ptr<const ContactCoupling> ContactCoupling::make(const ContactDef& def,
+                                                             const CouplingContext& context) {
   const PointColumns a = require_points(context.a, "a"), b = require_points(context.b, "b");
   const PublishedSolids of_a = context.a.system.solids(), of_b = context.b.system.solids();
-  std::unique_ptr<Contact> out(new Contact(def));
+  std::unique_ptr<ContactCoupling> out(new ContactCoupling(def));
   if (&context.a.system == &context.b.system) {
     if (of_a.balls == PublishedSolids::Balls::none) {
       refuse("/b", '"' + context.a.id + "\" cannot touch itself: only systems of balls can",
@@ -62,17 +63,17 @@ std::unique_ptr<const Contact> Contact::make(const ContactDef& def, const Coupli
   return out;
 }
 
-State Contact::initial_state() const {
+State ContactCoupling::initial_state() const {
   State s = exchange_state();
   s.add({"contacts", "1", Scalar::u64}, 1);
   return s;
 }
 
-SolidList Contact::solids(const Points& of) const {
+SolidList ContactCoupling::solids(const Points& of) const {
   return {published_, published_.balls == PublishedSolids::Balls::every_point ? of.count : 0};
 }
 
-void Contact::begin(const CoupledStates& s, const StepInput& in) const {
+void ContactCoupling::begin(const CoupledStates& s, const StepInput& in) const {
   auto& scratch = in.workspace.object<ContactScratch>("contact");
   const ProfileScope scope(in.profile, "remember");
   const bool swapped = roles_ == Roles::b_on_a;
@@ -80,7 +81,7 @@ void Contact::begin(const CoupledStates& s, const StepInput& in) const {
   if (roles_ != Roles::on_itself) scratch.other.store(ConstPoints(swapped ? s.a : s.b, other_));
 }
 
-void Contact::midway(const CoupledStates& s, const StepInput& in) const {
+void ContactCoupling::midway(const CoupledStates& s, const StepInput& in) const {
   auto& scratch = in.workspace.object<ContactScratch>("contact");
   const ProfileScope scope(in.profile, "remember");
   const bool swapped = roles_ == Roles::b_on_a;
@@ -88,7 +89,7 @@ void Contact::midway(const CoupledStates& s, const StepInput& in) const {
   if (roles_ != Roles::on_itself) scratch.other.follow(ConstPoints(swapped ? s.a : s.b, other_));
 }
 
-void Contact::end(const CoupledStates& s, const StepInput& in) const {
+void ContactCoupling::end(const CoupledStates& s, const StepInput& in) const {
   auto& scratch = in.workspace.object<ContactScratch>("contact");
   const bool swapped = roles_ == Roles::b_on_a, itself = roles_ == Roles::on_itself;
   Points points(swapped ? s.b : s.a, points_), other(swapped ? s.a : s.b, other_);
@@ -109,7 +110,7 @@ void Contact::end(const CoupledStates& s, const StepInput& in) const {
     return scratch.search.run(query, round, in.arena);
   };
   const std::vector<Touch>* touches = &search(0);
-  ContactSolver solver(def_, query, points, other, scratch.solver);
+  PointContactSolver solver(def_, query, points, other, scratch.solver);
   size_t acted = 0;
   for (uint32_t round = 0; round < kMostRounds && !touches->empty(); ++round) {
     // Answers bend ways, which may lead to touches that nobody looked for.
@@ -129,7 +130,7 @@ void Contact::end(const CoupledStates& s, const StepInput& in) const {
   book(s.own, sum);
 }
 
-bool Contact::guard(const CoupledStates& s, const StepInput& in) const {
+bool ContactCoupling::guard(const CoupledStates& s, const StepInput& in) const {
   if (published_.triangles.empty()) return false;
   auto& scratch = in.workspace.object<ContactScratch>("contact");
   const ProfileScope scope(in.profile, "guard");
@@ -144,12 +145,12 @@ bool Contact::guard(const CoupledStates& s, const StepInput& in) const {
   return acted;
 }
 
-void Contact::observe(const ConstCoupledStates& s, Observables& out) const {
+void ContactCoupling::observe(const ConstCoupledStates& s, Observables& out) const {
   observe_exchange(s.own, out);
   out.add("contacts", static_cast<double>(s.own.span<uint64_t>(kContacts)[0]), "1");
 }
 
-std::vector<PlanRow> Contact::plan() const {
+std::vector<PlanRow> ContactCoupling::plan() const {
   using enum PlanRow::Status;
   std::string what;
   const auto add = [&](size_t n, const char* noun) {
@@ -174,7 +175,7 @@ std::vector<PlanRow> Contact::plan() const {
 }
 
 std::unique_ptr<const Coupling> build_contact(const void* def, const CouplingContext& context) {
-  return Contact::make(*static_cast<const ContactDef*>(def), context);
+  return ContactCoupling::make(*static_cast<const ContactDef*>(def), context);
 }
 
 }  // namespace truestep

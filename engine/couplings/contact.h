@@ -25,11 +25,11 @@
 
 namespace truestep {
 
-class Contact final : public Coupling {
+class ContactCoupling final : public Coupling {
  public:
   /// Error "scene_invalid" when a side has no points, or the two can never
   /// touch.
-  static std::unique_ptr<const Contact> make(const ContactDef& def, const CouplingContext& context);
+  static std::unique_ptr<const ContactCoupling> make(const ContactDef& def, const CouplingContext& context);
 
   State initial_state() const override;
   void begin(const CoupledStates& s, const StepInput& input) const override;
@@ -43,7 +43,7 @@ class Contact final : public Coupling {
  private:
   /// Whose points are tested against the other's solids.
   enum class Roles : uint8_t { a_on_b, b_on_a, on_itself };
-  Contact(const ContactDef& def) : def_(def) {}
+  ContactCoupling(const ContactDef& def) : def_(def) {}
   SolidList solids(const Points& of) const;
 
   ContactDef def_;

@@ -18,14 +18,14 @@ constexpr double kSettled = 1e-10;
 
 }  // namespace
 
-ContactSolver::ContactSolver(const ContactDef& law, const ContactQuery& q, Points& points, Points& other,
-                             ContactSolverScratch& scratch)
+PointContactSolver::PointContactSolver(const ContactDef& law, const ContactQuery& q, Points& points,
+                                       Points& other, ContactSolverScratch& scratch)
     : law_(law), q_(q), p_(points), o_(other), pt_(q.points.traces), ot_(q.other.traces), scratch_(scratch) {
   scratch_.answered.clear();
   scratch_.contacts.clear();
 }
 
-Vec3 ContactSolver::relative_acceleration(const ContactPair& c) const {
+Vec3 PointContactSolver::relative_acceleration(const ContactPair& c) const {
   Vec3 a = q_.points.acceleration(c.point, q_.h);
   for (size_t i = 0; i < c.corners.count; ++i) {
     a -= q_.other.acceleration(c.corners.rows[i], q_.h) * c.b[i];
@@ -34,7 +34,7 @@ Vec3 ContactSolver::relative_acceleration(const ContactPair& c) const {
 }
 
 // At the time of the touch: u and the relative acceleration a decide between bounce, support and nothing.
-bool ContactSolver::answer(const ContactPair& c, const HullContact& at) {
+bool PointContactSolver::answer(const ContactPair& c, const HullContact& at) {
   const double left = (1 - at.s) * q_.h;
   const Vec3 a = relative_acceleration(c), u = c.relative(p_.v, o_.v) - a * left, n = at.n;
   const double approach = -dot(u, n), pull = -dot(a, n);
@@ -72,7 +72,7 @@ bool ContactSolver::answer(const ContactPair& c, const HullContact& at) {
 
 // What the answers left: points still within reach at the substep's end stop there and are moved apart. The
 // side is the one that the touch came from.
-bool ContactSolver::settle(const Touch& t, HullContact& at) {
+bool PointContactSolver::settle(const Touch& t, HullContact& at) {
   const SolidList::Corners corners = q_.solids.corners(t.solid);
   std::array<Vec3, 3> x;
   for (size_t i = 0; i < corners.count; ++i) x[i] = load3(o_.x, corners.rows[i]);
@@ -95,7 +95,7 @@ bool ContactSolver::settle(const Touch& t, HullContact& at) {
   return true;
 }
 
-size_t ContactSolver::answer_all(const std::vector<Touch>& touches, uint32_t round) {
+size_t PointContactSolver::answer_all(const std::vector<Touch>& touches, uint32_t round) {
   round_ = round;
   // Earlier answers delay or undo later touches: what comes later than it was found goes back into the queue.
   const auto later = [](const Touch& a, const Touch& b) { return touch_order(b, a); };
@@ -124,7 +124,7 @@ size_t ContactSolver::answer_all(const std::vector<Touch>& touches, uint32_t rou
   return acted;
 }
 
-void ContactSolver::finish() {
+void PointContactSolver::finish() {
   for (const Touch& t : scratch_.answered) {
     pt_.forget(t.point);
     const SolidList::Corners corners = q_.solids.corners(t.solid);

@@ -16,11 +16,11 @@ struct ContactSolverScratch {
   std::vector<HullContact> contacts;  ///< one per answered touch
 };
 
-class ContactSolver {
+class PointContactSolver {
  public:
   /// `points` and `other` are written to; `q` says where they came from and what touches.
-  ContactSolver(const ContactDef& law, const ContactQuery& q, Points& points, Points& other,
-                ContactSolverScratch& scratch);
+  PointContactSolver(const ContactDef& law, const ContactQuery& q, Points& points, Points& other,
+                     ContactSolverScratch& scratch);
 
   /// Answers the touches of a round in the order of their times; returns how many acted.
   size_t answer_all(const std::vector<Touch>& touches, uint32_t round);

@@ -63,7 +63,7 @@ uint64_t surroundings_of(const State& state) {
 }  // namespace
 
 void step_equations(AdvanceFunction* method, const ForceField& field, State& state, const StepInput& in,
-                    const IntegratorOptions& options, History history) {
+                    const IntegratorOptions& options, MethodHistory history) {
   Motion m(field, state, in);
   const FieldEquations f(m);
   const size_t nx = m.x.size(), nv = m.v.size();
@@ -88,7 +88,7 @@ void step_equations(AdvanceFunction* method, const ForceField& field, State& sta
                   .damping = options.damping,
                   .newton_tolerance = options.newton_tolerance};
   if (const auto memory = state.find("integrator.memory")) advance.memory = state.f64(*memory);
-  if (history == History::repeated) advance.surroundings = surroundings_of(state);
+  if (history == MethodHistory::repeated) advance.surroundings = surroundings_of(state);
   advance.project = [](const RightHandSide& equations, double* at) {
     static_cast<const FieldEquations&>(equations).project(at);
   };

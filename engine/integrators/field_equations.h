@@ -49,15 +49,15 @@ inline Tolerance tolerance_of(const IntegratorOptions& options) {
 
 /// How a method's history comes back after a restore: as numbers of its memory, or by repeating the steps
 /// that made it, for which everything else in the state must be as it was.
-enum class History : uint8_t { kept, repeated };
+enum class MethodHistory : uint8_t { kept, repeated };
 
 /// Advances a force field's state by one session step with `method`, in as many internal steps as it wants
 /// (one, for fixed-step methods). The carry lives in the columns of prepare_adaptive where these exist.
 void step_equations(AdvanceFunction* method, const ForceField& field, State& state, const StepInput& in,
-                    const IntegratorOptions& options, History history);
+                    const IntegratorOptions& options, MethodHistory history);
 
 /// A step function made of an advance function.
-template <AdvanceFunction* method, History history = History::kept>
+template <AdvanceFunction* method, MethodHistory history = MethodHistory::kept>
 void step_by(const ForceField& field, State& state, const StepInput& in, const IntegratorOptions& options) {
   step_equations(method, field, state, in, options, history);
 }

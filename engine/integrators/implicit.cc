@@ -28,7 +28,7 @@ void step(const ForceField& field, State& state, const StepInput& in, const Inte
   if (!sparse(m) && m.x.size() + m.v.size() > kDenseUnknowns) {
     AdvanceFunction* whole =
         steps == NewtonSteps::one ? advance_linear_implicit_euler : advance_implicit_euler;
-    return step_equations(whole, field, state, in, options, History::kept);
+    return step_equations(whole, field, state, in, options, MethodHistory::kept);
   }
   if (sparse(m)) {
     steps == NewtonSteps::one ? linear_implicit_euler_sparse(m, options) : implicit_euler_sparse(m, options);

@@ -24,7 +24,7 @@ std::span<const Integrator> cvode_rows() {
                  .order_with_velocity = 5,
                  .source = "Hindmarsh et al. 2005; SUNDIALS 6.4",
                  .prepare = prepare_cvode,
-                 .step = step_by<advance_cvode_bdf, History::repeated>,
+                 .step = step_by<advance_cvode_bdf, MethodHistory::repeated>,
                  .memory = cvode_memory,
                  .advance = advance_cvode_bdf,
                  .refuses = refuses_without_jacobian},
@@ -37,7 +37,7 @@ std::span<const Integrator> cvode_rows() {
                  .order_with_velocity = 12,
                  .source = "Hindmarsh et al. 2005; SUNDIALS 6.4",
                  .prepare = prepare_cvode,
-                 .step = step_by<advance_cvode_adams, History::repeated>,
+                 .step = step_by<advance_cvode_adams, MethodHistory::repeated>,
                  .memory = cvode_memory,
                  .advance = advance_cvode_adams},
   };

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Checks the house rules: include order, file sizes, head comments, flags, libm imports, README's folder table.
+"""Checks the house rules: include order, one definition a type, file sizes, head comments, flags, libm imports, README's folder table.
 
 check.py [--build DIR] [--in PATH...] [RULE...]     prints one line per finding, exit code 1 when one is no warning.
 Without a build folder the rules that read object files are left out (the pre-commit hook does that).
@@ -10,11 +10,13 @@ from pathlib import Path
 
 import files
 import includes
+import names
 import symbols
 from source import Tree
 
 RULES = {
     "includes": includes.check,
+    "names": names.check,
     "length": files.check_length,
     "head": files.check_head,
     "machine": files.check_machine_paths,

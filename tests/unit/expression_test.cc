@@ -174,9 +174,9 @@ TEST(Expression, EqualPartsAreComputedOnce) {
   // y - x itself is a node; everything above it is shared.
   EXPECT_EQ(e.graph.size(), alone + 1);
   e.root("x / 4");
-  EXPECT_EQ(e.graph.at(e.roots[2]).op, Operation::multiply);
+  EXPECT_EQ(e.graph.at(e.roots[2]).op, Operator::multiply);
   e.root("x / 3");
-  EXPECT_EQ(e.graph.at(e.roots[3]).op, Operation::divide);  // no product with 1/3 has the same bits
+  EXPECT_EQ(e.graph.at(e.roots[3]).op, Operator::divide);  // no product with 1/3 has the same bits
 }
 
 }  // namespace

@@ -7,7 +7,7 @@
 
 namespace truestep {
 
-using O = Operation;
+using O = Operator;
 using Node = ExpressionGraph::Node;
 
 void ExpressionGraph::accumulate(Node n, Node term) {

@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "engine/math/expression/operation.h"
+#include "engine/math/expression/operator.h"
 
 namespace truestep {
 
@@ -28,7 +28,7 @@ class ExpressionGraph {
   static constexpr size_t kMaxNodes = 400'000, kMaxWork = 1'500'000;
 
   struct Entry {
-    Operation op;
+    Operator op;
     Node a = kNone, b = kNone, c = kNone;  ///< operands; of a variable, `a` is its number
     double value = 0;                      ///< of a constant
   };
@@ -38,8 +38,8 @@ class ExpressionGraph {
   /// A value that does not exist, for the reason given; using it spreads through every operation but a
   /// choice.
   Node fault(ExpressionFault why);
-  Node unary(Operation op, Node a);
-  Node binary(Operation op, Node a, Node b);
+  Node unary(Operator op, Node a);
+  Node binary(Operator op, Node a, Node b);
   Node choose(Node condition, Node a, Node b);
   /// a^b; see the head of this file.
   Node power(Node a, Node b);

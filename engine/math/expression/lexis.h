@@ -2,11 +2,11 @@
 #pragma once
 #include <string_view>
 
-#include "engine/math/expression/operation.h"
+#include "engine/math/expression/operator.h"
 
 namespace truestep::lexis {
 
-using O = Operation;
+using O = Operator;
 
 inline bool letter(char c) {
   return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_';

@@ -33,7 +33,7 @@ class ExpressionProgram {
  private:
   enum class Source : uint8_t { neighbours, one, scattered };  ///< where an instruction's lanes come from
   struct Instruction {
-    Operation op;
+    Operator op;
     Source a = Source::one, b = Source::one;
     uint32_t lanes = 1;     ///< number of results; 1: a scalar instruction
     uint32_t to = 0;        ///< first register of the results

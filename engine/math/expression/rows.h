@@ -46,7 +46,7 @@ class ExpressionRows {
     double value;
   };
   struct Instruction {
-    Operation op;
+    Operator op;
     uint16_t to, from[3];
     int32_t output;  ///< root that this is, or -1
   };

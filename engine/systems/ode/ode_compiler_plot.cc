@@ -75,7 +75,7 @@ bool OdeCompiler::is_velocity(const std::string& name) const {
 OdeCompiler::Node OdeCompiler::graph_of_variable(uint32_t place) const {
   for (size_t n = 0; n < graph_.size(); ++n) {
     const auto& e = graph_.at(static_cast<Node>(n));
-    if (e.op == Operation::variable && e.a == first_state_ + static_cast<int32_t>(place))
+    if (e.op == Operator::variable && e.a == first_state_ + static_cast<int32_t>(place))
       return static_cast<Node>(n);
   }
   return ExpressionGraph::kNone;

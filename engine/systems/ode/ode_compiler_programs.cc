@@ -50,8 +50,8 @@ OdeCompiler::Node OdeCompiler::rate_of(Node n) {
   partials.clear();
   graph_.differentiate(n, first_state_, static_cast<int32_t>(model_.size()), partials);
   for (const auto& p : partials) {
-    const Node term = graph_.binary(Operation::multiply, p.node, roots_[static_cast<size_t>(p.variable)]);
-    sum = graph_.binary(Operation::add, sum, term);
+    const Node term = graph_.binary(Operator::multiply, p.node, roots_[static_cast<size_t>(p.variable)]);
+    sum = graph_.binary(Operator::add, sum, term);
   }
   return sum;
 }
@@ -108,7 +108,7 @@ void OdeCompiler::pair_up() {
   size_t pairs = 0;
   for (const uint32_t p : declared) {
     const auto& e = graph_.at(roots_[p]);
-    if (is_velocity[p] || e.op != Operation::variable || e.a < first_state_) continue;
+    if (is_velocity[p] || e.op != Operator::variable || e.a < first_state_) continue;
     const auto v = static_cast<uint32_t>(e.a - first_state_);
     if (v == p || is_velocity[v] || velocity_of[v] >= 0) continue;
     velocity_of[p] = static_cast<int32_t>(v);

@@ -1,6 +1,6 @@
-// The operations of user-written expressions and what each does to numbers. Folding, the evaluation of one
+// The operators of user-written expressions and what each does to numbers. Folding, the evaluation of one
 // point and that of many rows all go through `apply`, so they agree to the bit. Powers with small integer or
-// half-integer exponents are no operations: the graph writes them as products and a square root.
+// half-integer exponents are no operators: the graph writes them as products and a square root.
 #pragma once
 #include <cmath>
 #include <cstdint>
@@ -9,7 +9,7 @@
 
 namespace truestep {
 
-enum class Operation : uint8_t {
+enum class Operator : uint8_t {
   constant,
   variable,
   fault,  ///< a value that does not exist (x[-1]); an error unless a condition leaves it out
@@ -48,15 +48,15 @@ enum class Operation : uint8_t {
 };
 
 /// Number of operands; 0 for what is no operation.
-constexpr int arity(Operation op) {
-  if (op < Operation::negate) return 0;
-  if (op < Operation::add) return 1;
-  return op < Operation::choose ? 2 : 3;
+constexpr int arity(Operator op) {
+  if (op < Operator::negate) return 0;
+  if (op < Operator::add) return 1;
+  return op < Operator::choose ? 2 : 3;
 }
 
-template <Operation op>
+template <Operator op>
 inline double apply(double a, double b, double c) {
-  using O = Operation;
+  using O = Operator;
   if constexpr (op == O::negate) return -a;
   if constexpr (op == O::sqrt) return std::sqrt(a);
   if constexpr (op == O::abs) return std::fabs(a);
@@ -93,8 +93,8 @@ inline double apply(double a, double b, double c) {
 
 /// Calls f.template operator()<op>() for an operation that is known only at run time.
 template <class F>
-[[gnu::always_inline]] inline decltype(auto) dispatch(Operation op, F&& f) {
-  using O = Operation;
+[[gnu::always_inline]] inline decltype(auto) dispatch(Operator op, F&& f) {
+  using O = Operator;
   switch (op) {
 #define TRUESTEP_CASE(name) \
   case O::name:             \
@@ -137,8 +137,8 @@ template <class F>
 }
 
 /// The same for an operation that is known only at run time.
-inline double apply(Operation op, double a, double b, double c) {
-  return dispatch(op, [=]<Operation known>() { return apply<known>(a, b, c); });
+inline double apply(Operator op, double a, double b, double c) {
+  return dispatch(op, [=]<Operator known>() { return apply<known>(a, b, c); });
 }
 
 }  // namespace truestep
