@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "engine/base/errors.h"
 #include "engine/base/interrupt.h"
@@ -16,6 +17,27 @@ constexpr int kDirect = 60, kPolish = 25;
 constexpr double kCrawling = 0.25;  ///< share of a direction below which a line search gets nowhere
 constexpr int kLeap = 6;            ///< full steps that may lead uphill before they must be below the start
 constexpr double kNoise = 1e-12;    ///< relative error of sums over many terms, generously
+/// (omega h)^2 up to which Newton's method finds the end of a step by itself; that of softened forces; and
+/// how well their first solution must hold.
+constexpr double kStiffest = 1e7, kSofter = 3e6, kApproach = 1e-6;
+constexpr int kMostShifts = 30;
+
+/// Forces are softer while this lives.
+class Softened {
+ public:
+  Softened(const SofteningForces& forces, Motion& m, double share)
+      : forces_(forces), state_(m.state), e_{m.input.workspace, m.input.arena} {
+    forces_.soften(state_, share, e_);
+  }
+  ~Softened() { forces_.restore(state_, e_); }
+  Softened(const Softened&) = delete;
+  Softened& operator=(const Softened&) = delete;
+
+ private:
+  const SofteningForces& forces_;
+  State& state_;
+  Evaluation e_;
+};
 
 }  // namespace
 
@@ -26,6 +48,7 @@ StageNewton::StageNewton(Motion& m, const IntegratorOptions& options)
       system_(m),
       report_(m.input.workspace.object<NewtonReport>(kNewtonReport)),
       lagging_(dynamic_cast<const LaggedDissipation*>(&m.field)),
+      softening_(dynamic_cast<const SofteningForces*>(&m.field)),
       a_(m.scratch("integrator.k1", n_)),
       b_(m.scratch("integrator.rhs", n_)),
       d_(m.scratch("integrator.dv", n_)),
@@ -34,6 +57,7 @@ StageNewton::StageNewton(Motion& m, const IntegratorOptions& options)
       trial_(m.scratch("integrator.u", n_)),
       start_(m.scratch("integrator.u_start", n_)),
       leap_(m.scratch("integrator.u_leap", n_)),
+      guess_(m.scratch("integrator.u_guess", n_)),
       a_near_(m.scratch("integrator.k2", n_)),
       x_near_(m.scratch("integrator.x_near", n_)),
       rest_(m.scratch("integrator.krylov_r", n_)),
@@ -45,11 +69,83 @@ StageNewton::StageNewton(Motion& m, const IntegratorOptions& options)
 
 const NewtonReport& StageNewton::solve(const StageEquation& eq, std::span<double> u) {
   report_ = {};
+  const double share = softer(eq);
+  if (share < 1 && approach(share, eq, u)) return report_;
+  const Failure failure = find(options_.newton_tolerance, eq, u);
+  if (failure) {
+    fail(std::string("Newton's method ") + failure + " (" + std::to_string(report_.iterations) +
+         " iterations)");
+  }
+  return report_;
+}
+
+// Share of their stiffness that forces may keep.
+double StageNewton::softer(const StageEquation& eq) const {
+  if (!softening_) return 1;
+  const double stiff = softening_->fastest_squared(m_.state) * eq.g * eq.s;
+  return stiff > kStiffest ? kSofter / stiff : 1;
+}
+
+// Links that are all but rigid leave a valley whose floor bends away from every direction within a share
+// 1 / (omega h) of a link's length, and forces whose rounding exceeds what moves them. Softer ones make it
+// wide enough to walk through, and a few shifts of their lengths bring the solution of the whole ones.
+bool StageNewton::approach(double share, const StageEquation& eq, std::span<double> u) {
+  std::copy(u.begin(), u.end(), guess_.begin());
+  const Softened softened(*softening_, m_, share);
+  Failure failure = find(kApproach, eq, u);
+  report_.softened = report_.iterations;
+  if (report_.held) {
+    lag_ = Lag::held;
+    std::copy(eq.x0.begin(), eq.x0.end(), lagged_.begin());
+  }
+  if (!failure) failure = stiffen(report_.target * (options_.newton_tolerance / kApproach), eq, u);
+  lag_ = Lag::iterate;
+  if (failure) std::copy(guess_.begin(), guess_.end(), u.begin());
+  return !failure;
+}
+
+// Every shift takes most out of what lengths are off by: of ropes of n links all but a share of some
+// n^2 / (omega h)^2. When the shifted equations are solved as they stand it is over.
+StageNewton::Failure StageNewton::stiffen(double target, const StageEquation& eq, std::span<double> u) {
+  constexpr double kRoundings = 8 * std::numeric_limits<double>::epsilon(), kStretch = 1e-6;
+  constexpr double kHidden = 8, kSettled = 0.2;  // of the rounding that is expected
+  Evaluation e{m_.input.workspace, m_.input.arena};
+  double reach = 0;
+  for (const double c : x_) reach = std::max(reach, std::abs(c));
+  for (int k = 0; k < kMostShifts; ++k) {
+    const auto lengths = softening_->shift({eq.t, x_, u, m_.state}, e);
+    if (lengths.off <= kRoundings * reach + kStretch * lengths.stretched) return nullptr;
+    norm_ = evaluate(eq, u);
+    report_.target = std::max(target, kHidden * report_.floor);
+    if (norm_ <= std::max(target, kSettled * report_.floor)) return nullptr;
+    if (norm_ > report_.target) {
+      first_ = std::numeric_limits<double>::infinity();
+      if (const Failure failure = iterate_to(report_.target, kPolish, eq, u)) return failure;
+    } else {
+      full_step_unasked(eq, u);
+    }
+  }
+  return norm_ <= report_.target ? nullptr : "did not converge";
+}
+
+// Rounding hides whether it is better, but what it takes out is what lengths still lack.
+void StageNewton::full_step_unasked(const StageEquation& eq, std::span<double> u) {
+  system_.differentiate(eq.t, x_, u, Derivatives::exact, rate_position());
+  system_.assemble(eq.g, eq.s);
+  system_.constrain();
+  system_.solve(b_, d_, 1e-6);
+  m_.loop(n_, [to = u.data(), d = d_.data()](size_t i) { to[i] += d[i]; });
+  norm_ = evaluate(eq, u);
+  ++report_.solves, ++report_.iterations;
+  record();
+}
+
+StageNewton::Failure StageNewton::find(double tolerance, const StageEquation& eq, std::span<double> u) {
   choose_start(eq, u);
   norm_ = first_ = evaluate(eq, u);
   const double momentum =
       std::sqrt(system_.sum_free([&](size_t k, double w) { return eq.u0[k] * eq.u0[k] / w; }));
-  report_.target = options_.newton_tolerance * std::max(first_, momentum);
+  report_.target = tolerance * std::max(first_, momentum);
   const bool may_lag = lagging_ && merit_ == Merit::incremental_potential &&
                        m_.field.dependence() == Dependence::position_and_velocity;
   if (may_lag) std::copy(u.begin(), u.end(), start_.begin());
@@ -57,11 +153,7 @@ const NewtonReport& StageNewton::solve(const StageEquation& eq, std::span<double
       may_lag ? std::min(kDirect, options_.max_newton_iterations) : options_.max_newton_iterations;
   Failure failure = iterate_to(report_.target, most, eq, u);
   if (failure && may_lag) failure = solve_held(eq, u);
-  if (failure) {
-    fail(std::string("Newton's method ") + failure + " (" + std::to_string(report_.iterations) +
-         " iterations)");
-  }
-  return report_;
+  return failure;
 }
 
 // Near the minimum with damping and air held, the whole equations may have a solution; if not, the minimum is
@@ -271,71 +363,6 @@ bool StageNewton::leap(const StageEquation& eq, std::span<double> u, double accu
   // The line search has the next word.
   last_share_ = 1;
   system_.differentiate(eq.t, x_, u, Derivatives::exact, rate_position());
-  return false;
-}
-
-// q = J z for the Jacobian J of the residual at u, by a difference of forces.
-void StageNewton::slope_along(const StageEquation& eq, std::span<const double> u, std::span<const double> z,
-                              std::span<double> q) {
-  const double z2 = system_.sum_free([&](size_t k, double) { return z[k] * z[k]; });
-  const double x2 = system_.sum_free([&](size_t k, double) { return x_[k] * x_[k]; });
-  // A change of position of 1e-7 of its size: half of the digits.
-  const double step = 1e-7 * (std::sqrt(x2) + eq.s) / (eq.s * std::sqrt(z2));
-  m_.loop(n_, [&, x0 = x_.data(), s = eq.s](size_t k) {
-    trial_[k] = u[k] + step * z[k];
-    x_near_[k] = x0[k] + s * step * z[k];
-  });
-  accelerate(eq.t, x_near_, trial_, a_near_);
-  ++report_.evaluations;
-  const auto w = system_.inverse_mass();
-  for (size_t k = 0; k < n_; ++k) {
-    const double wk = w[k / system_.width()];
-    q[k] = wk > 0 ? (z[k] - eq.g * (a_near_[k] - a_[k]) / step) / wk : 0;
-  }
-  if (const auto& on = system_.contacts()) {
-    for (size_t i = 0; i < w.size(); ++i) store3(q.data(), i, on->left(i, load3(q.data(), i)));
-  }
-}
-
-// Fields leave parts of their derivatives out that are not symmetric (damping and air change with position).
-// Conjugate residuals (GCR; Eisenstat, Elman, Schultz 1983) on the whole Jacobian, preconditioned with the
-// matrix at hand, bring them back: the full step is taken when it halves the residual, and d stays as it was
-// when not.
-bool StageNewton::full_step(const StageEquation& eq, std::span<double> u, double accuracy) {
-  const auto r = rest_, d = whole_;
-  std::span<double> z[kMostDirections], q[kMostDirections];
-  double q2[kMostDirections];
-  const auto dot = [&](std::span<const double> p, std::span<const double> q) {
-    return system_.sum_free([&](size_t k, double w) { return w * p[k] * q[k]; });
-  };
-  std::copy(b_.begin(), b_.end(), r.begin());
-  std::fill(d.begin(), d.end(), 0);
-  const double norm = norm_;
-  for (size_t i = 0; i < most_; ++i) {
-    z[i] = krylov_.subspan(2 * i * n_, n_), q[i] = krylov_.subspan((2 * i + 1) * n_, n_);
-    if (i == 0) {
-      std::copy(d_.begin(), d_.end(), z[0].begin());
-    } else {
-      system_.solve_again(r, z[i], accuracy);
-    }
-    slope_along(eq, u, z[i], q[i]);
-    for (size_t j = 0; j < i; ++j) {
-      const double share = dot(q[i], q[j]) / q2[j];
-      m_.loop(n_, [&](size_t k) { q[i][k] -= share * q[j][k], z[i][k] -= share * z[j][k]; });
-    }
-    q2[i] = dot(q[i], q[i]);
-    if (!(q2[i] > 0)) break;
-    const double share = dot(r, q[i]) / q2[i];
-    m_.loop(n_, [&](size_t k) { d[k] += share * z[i][k], r[k] -= share * q[i][k]; });
-    if (dot(r, r) <= accuracy * accuracy * norm * norm) break;
-  }
-  m_.loop(n_, [&](size_t k) { trial_[k] = u[k] + d[k]; });
-  norm_ = evaluate(eq, trial_);
-  if (norm_ < 0.5 * norm) {
-    std::copy(trial_.begin(), trial_.end(), u.begin());
-    return true;
-  }
-  norm_ = evaluate(eq, u);
   return false;
 }
 
