@@ -49,15 +49,13 @@ void MassSpringField::soften(State& state, double share, Evaluation& e) const {
 SofteningForces::Lengths MassSpringField::shift(const Phase& at, Evaluation& e) const {
   auto& soft = e.workspace.object<SoftSprings>(kSoft);
   const double* x = at.x.data();
-  const double whole = soft.share, lacking = 1 - soft.share;
   Lengths out;
   for (size_t s = 0; s < schedule_.rest.size(); ++s) {
     const double l = norm(load3(x, schedule_.b[s]) - load3(x, schedule_.a[s]));
-    // Tension over the softened stiffness, and over the whole one.
-    const double pulled = l - soft.rest[s], stretched = whole * pulled;
-    const double shifted = schedule_.rest[s] - lacking * pulled;
+    // Tension over the softened stiffness; over the whole one it is a share of that.
+    const double pulled = l - soft.rest[s], shifted = schedule_.rest[s] - (1 - soft.share) * pulled;
     out.off = std::max(out.off, std::abs(shifted - soft.rest[s]));
-    out.stretched = std::max(out.stretched, std::abs(stretched));
+    out.stretched = std::max(out.stretched, std::abs(soft.share * pulled));
     soft.rest[s] = shifted;
   }
   for (size_t j = 0; j < soft.list_rest.size(); ++j) soft.list_rest[j] = soft.rest[schedule_.list_spring[j]];
