@@ -1,6 +1,7 @@
 #include "engine/core/force_field.h"
 
 #include "engine/base/errors.h"
+#include "engine/core/linear_solver.h"
 
 namespace truestep {
 
@@ -14,6 +15,10 @@ void ForceField::jacobian_pattern(const State&, BlockSparse&, BlockSparse&) cons
 
 void ForceField::jacobian(const Phase&, BlockSparse&, BlockSparse&, Evaluation&) const {
   throw Error("no_jacobian", "this force field has no Jacobian");
+}
+
+std::unique_ptr<FieldLinearSolver> ForceField::linear_solver() const {
+  return nullptr;
 }
 
 }  // namespace truestep

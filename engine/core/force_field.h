@@ -2,6 +2,7 @@
 // "position" (rows x position width), v its column "velocity" (rows x velocity width), both f64 and flat.
 // G is the identity for points; orientations supply their own.
 #pragma once
+#include <memory>
 #include <optional>
 #include <span>
 #include <string>
@@ -12,7 +13,8 @@
 
 namespace truestep {
 
-class BlockSparse;  // math/: matrix of small dense blocks
+class BlockSparse;        // math/: matrix of small dense blocks
+class FieldLinearSolver;  // core/linear_solver.h
 
 /// Where a right-hand side is evaluated. x and v are an integrator's stage values; the rest of the state
 /// (masses, rest lengths, drag targets ...) is the one at the step's start.
@@ -75,6 +77,10 @@ class ForceField {
   virtual void definite_jacobian(const Phase& at, BlockSparse& dfdx, BlockSparse& dfdv, Evaluation& e) const {
     jacobian(at, dfdx, dfdv, e);
   }
+
+  /// Means of its own to solve the linear systems of implicit methods, for one user; null: none. It refers to
+  /// this field.
+  virtual std::unique_ptr<FieldLinearSolver> linear_solver() const;
 
   /// Largest angular frequency (1/s) and damping rate (1/s) of the linearised field, for step suggestions.
   struct Stiffness {

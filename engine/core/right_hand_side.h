@@ -10,6 +10,8 @@
 
 namespace truestep {
 
+class LinearSolver;  // core/linear_solver.h
+
 /// Where entries of a square matrix may differ from 0, and in which order their values are stored.
 struct MatrixShape {
   enum class Kind : uint8_t {
@@ -65,6 +67,11 @@ class RightHandSide {
   /// The equations of second order behind this, or null. Implicit methods then ask for their derivatives and
   /// never for df/dy.
   virtual const SecondOrder* second_order() const { return nullptr; }
+
+  /// Means of its own to solve (I - z J) x = b, or null; `linearise` brings them to (t, y). Methods then ask
+  /// for no derivatives.
+  virtual LinearSolver* linear_solver() const { return nullptr; }
+  virtual void linearise(double t, const double* y) const {}
 };
 
 }  // namespace truestep

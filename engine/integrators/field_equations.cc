@@ -6,6 +6,7 @@
 
 #include "engine/base/byte_hash.h"
 #include "engine/base/errors.h"
+#include "engine/core/linear_solver.h"
 #include "engine/integrators/implicit_methods.h"
 
 namespace truestep {
@@ -40,6 +41,25 @@ MatrixShape FieldEquations::shape() const {
 }
 void FieldEquations::jacobian(double t, const double* x, const double* v, double* dadx, double* dadv) const {
   bound_jacobian().evaluate(motion_, t, x, v, dadx, dadv);
+}
+
+namespace {
+struct OwnSolver {
+  const ForceField* field = nullptr;
+  std::unique_ptr<FieldLinearSolver> solver;
+};
+}  // namespace
+
+LinearSolver* FieldEquations::linear_solver() const {
+  auto& own = motion_.input.workspace.object<OwnSolver>("integrator.own_solver");
+  if (own.field != &motion_.field) own = {&motion_.field, motion_.field.linear_solver()};
+  return own.solver.get();
+}
+void FieldEquations::linearise(double t, const double* y) const {
+  const size_t nx = motion_.x.size(), nv = motion_.v.size();
+  Evaluation e{motion_.input.workspace, motion_.input.arena};
+  const auto& own = motion_.input.workspace.object<OwnSolver>("integrator.own_solver");
+  own.solver->linearise({t, {y, nx}, {y + nx, nv}, motion_.state}, e);
 }
 
 void add_memory(State& state, size_t n) {

@@ -33,6 +33,9 @@ class FieldEquations final : public RightHandSide, public SecondOrder {
   MatrixShape shape() const override;
   using RightHandSide::jacobian;
   void jacobian(double t, const double* x, const double* v, double* dadx, double* dadv) const override;
+  /// The field's, made when an implicit method first asks.
+  LinearSolver* linear_solver() const override;
+  void linearise(double t, const double* y) const override;
 
  private:
   FieldJacobian& bound_jacobian() const;

@@ -4,12 +4,14 @@
 // which is one Newton step of the former from x' = x; with v' = dx / h and no damping it reads
 // (M/h^2 - df/dx) dx = M v / h + f. Baraff, Witkin 1998, "Large steps in cloth simulation", eq. 6.
 // Fields without a Jacobian are served with differences: small ones by central differences and a matrix of
-// (x, v), larger ones as first-order equations (sdirk.cc).
+// (x, v), larger ones as first-order equations (sdirk.cc), as are those that solve their linear systems by
+// means of their own.
 // Steps of implicit_euler that ended with damping and air held at the step's start are counted in the state
 // and observed as integrator.held_steps.
 #include "engine/integrators/implicit.h"
 
 #include "engine/core/lagged_dissipation.h"
+#include "engine/core/linear_solver.h"
 #include "engine/integrators/field_equations.h"
 #include "engine/integrators/implicit_methods.h"
 #include "engine/integrators/methods.h"
@@ -25,7 +27,7 @@ bool sparse(Motion& m) {
 void step(const ForceField& field, State& state, const StepInput& in, const IntegratorOptions& options,
           NewtonSteps steps) {
   Motion m(field, state, in);
-  if (!sparse(m) && m.x.size() + m.v.size() > kDenseUnknowns) {
+  if (!sparse(m) && (m.x.size() + m.v.size() > kDenseUnknowns || FieldEquations(m).linear_solver())) {
     AdvanceFunction* whole =
         steps == NewtonSteps::one ? advance_linear_implicit_euler : advance_implicit_euler;
     return step_equations(whole, field, state, in, options, MethodHistory::kept);
@@ -41,6 +43,7 @@ void step(const ForceField& field, State& state, const StepInput& in, const Inte
 }  // namespace
 
 std::optional<std::string> refuses_without_jacobian(const ForceField& field) {
+  if (field.linear_solver()) return std::nullopt;
   State state = field.initial_state();
   Workspace workspace;
   const ThreadArena serial(1);

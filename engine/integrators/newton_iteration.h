@@ -43,6 +43,8 @@ class IncrementScale {
   /// Iterations after which a shorter step or a new Jacobian is the better idea; a fixed step has no such way
   /// out.
   int most_iterations() const { return by_ == By::tolerance ? 10 : 30; }
+  /// Whether the method may take a shorter step instead.
+  bool shortens_steps() const { return by_ == By::tolerance; }
 
  private:
   // Largest absolute value, NaN as soon as there is one.

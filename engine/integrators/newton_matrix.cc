@@ -6,6 +6,7 @@
 #include <string>
 
 #include "engine/base/errors.h"
+#include "engine/core/linear_solver.h"
 #include "engine/integrators/sparse_factors.h"
 #include "engine/math/solvers/reordering.h"
 
@@ -31,6 +32,12 @@ NewtonMatrix::NewtonMatrix() = default;
 NewtonMatrix::~NewtonMatrix() = default;
 
 void NewtonMatrix::bind(const RightHandSide& f) {
+  own_ = f.linear_solver();
+  if (own_) {
+    f_ = &f, second_order_ = nullptr, m_ = f.size(), kind_ = Kind::own;
+    return;
+  }
+  if (kind_ == Kind::own) f_ = nullptr;
   const SecondOrder* second = f.second_order();
   const MatrixShape shape = second ? second->shape() : f.jacobian_shape();
   const size_t m = second ? f.size() / 2 : f.size();
@@ -135,6 +142,7 @@ void NewtonMatrix::differences(const double* at, const double* f_at, double typi
 void NewtonMatrix::differentiate(double t, const double* y, const double* fy, double typical,
                                  Statistics& count) {
   ++count.jacobians;
+  if (own_) return f_->linearise(t, y);
   if (second_order_) {
     const double *x = y, *v = y + m_;
     if (second_order_->has_jacobian()) {
@@ -163,6 +171,9 @@ FactorWork NewtonMatrix::factor_work() const {
       return {m * m * m / 3, m * m};
     case Kind::band:
       return {m * l * (l + u), m * (2 * l + u)};
+    case Kind::own:
+      // Some thousand per link, which has as many unknowns as its joint's coordinates and velocities.
+      return {1000 * m, 150 * m};
     case Kind::sparse:
       break;
   }
@@ -170,6 +181,7 @@ FactorWork NewtonMatrix::factor_work() const {
 }
 
 double NewtonMatrix::jacobian_work(double rate) const {
+  if (own_) return 2 * rate;
   const bool own = second_order_ ? second_order_->has_jacobian() : f_->has_jacobian();
   // Derivatives of an entry cost about as much as the rate does per entry of the pattern.
   return own ? 2 * rate + static_cast<double>(first_.size() + second_.size())
@@ -223,14 +235,17 @@ bool NewtonMatrix::assemble_and_factor(Factors<T>& f, T with_first, T with_secon
 
 bool NewtonMatrix::factor(double z) {
   z_ = z;
+  if (own_) return own_->factor(z);
   return second_order_ ? assemble_and_factor(real_, z * z, z) : assemble_and_factor(real_, z, 0.0);
 }
 bool NewtonMatrix::factor(Complex z) {
   z_complex_ = z;
+  if (own_) return own_->factor(z);
   return second_order_ ? assemble_and_factor(complex_, z * z, z)
                        : assemble_and_factor(complex_, z, Complex{});
 }
 bool NewtonMatrix::factor_second_order(double with_x, double with_v) {
+  if (own_) return own_->factor_second_order(with_x, with_v);
   return assemble_and_factor(real_, with_x, with_v);
 }
 
@@ -246,6 +261,7 @@ void NewtonMatrix::solve_reduced(Factors<T>& f, T* b) {
   for (size_t k = 0; k < m_; ++k) b[size_t(order_[k])] = r[k];
 }
 void NewtonMatrix::solve_second_order(double* b) {
+  if (own_) return own_->solve_second_order(b);
   solve_reduced(real_, b);
 }
 
@@ -269,6 +285,7 @@ void NewtonMatrix::multiply_first(const double* x, double* y) const {
 }
 
 void NewtonMatrix::solve(double* b) {
+  if (own_) return own_->solve(b);
   if (!second_order_) return solve_reduced(real_, b);
   double *r = b, *s = b + m_;
   double* product = product_.data();
@@ -282,6 +299,7 @@ void NewtonMatrix::solve(double* b) {
 }
 
 void NewtonMatrix::solve(double* re, double* im) {
+  if (own_) return own_->solve(re, im);
   const Complex z = z_complex_;
   const size_t offset = second_order_ ? m_ : 0;
   complex_rhs_.resize(m_);

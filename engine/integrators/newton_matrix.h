@@ -22,7 +22,8 @@ class SparseFactors;
 
 class NewtonMatrix {
  public:
-  enum class Kind : uint8_t { dense, band, sparse };
+  /// own: the right-hand side solves by itself.
+  enum class Kind : uint8_t { dense, band, sparse, own };
 
   NewtonMatrix();
   ~NewtonMatrix();
@@ -77,6 +78,7 @@ class NewtonMatrix {
 
   const RightHandSide* f_ = nullptr;
   const SecondOrder* second_order_ = nullptr;
+  LinearSolver* own_ = nullptr;
   size_t m_ = 0;
   MatrixShape shape_;  // of J, or of A and B; its spans point into the two vectors below
   std::vector<int32_t> column_start_, rows_;

@@ -26,6 +26,7 @@ StageNewton::StageNewton(Motion& m, const IntegratorOptions& options)
       system_(m),
       report_(m.input.workspace.object<NewtonReport>(kNewtonReport)),
       lagging_(dynamic_cast<const LaggedDissipation*>(&m.field)),
+      softening_(dynamic_cast<const SofteningForces*>(&m.field)),
       a_(m.scratch("integrator.k1", n_)),
       b_(m.scratch("integrator.rhs", n_)),
       d_(m.scratch("integrator.dv", n_)),
@@ -34,6 +35,7 @@ StageNewton::StageNewton(Motion& m, const IntegratorOptions& options)
       trial_(m.scratch("integrator.u", n_)),
       start_(m.scratch("integrator.u_start", n_)),
       leap_(m.scratch("integrator.u_leap", n_)),
+      guess_(m.scratch("integrator.u_guess", n_)),
       a_near_(m.scratch("integrator.k2", n_)),
       x_near_(m.scratch("integrator.x_near", n_)),
       rest_(m.scratch("integrator.krylov_r", n_)),
@@ -45,11 +47,22 @@ StageNewton::StageNewton(Motion& m, const IntegratorOptions& options)
 
 const NewtonReport& StageNewton::solve(const StageEquation& eq, std::span<double> u) {
   report_ = {};
+  const double share = softer(eq);
+  if (share < 1 && approach(share, eq, u)) return report_;
+  const Failure failure = find(options_.newton_tolerance, eq, u);
+  if (failure) {
+    fail(std::string("Newton's method ") + failure + " (" + std::to_string(report_.iterations) +
+         " iterations)");
+  }
+  return report_;
+}
+
+StageNewton::Failure StageNewton::find(double tolerance, const StageEquation& eq, std::span<double> u) {
   choose_start(eq, u);
   norm_ = first_ = evaluate(eq, u);
   const double momentum =
       std::sqrt(system_.sum_free([&](size_t k, double w) { return eq.u0[k] * eq.u0[k] / w; }));
-  report_.target = options_.newton_tolerance * std::max(first_, momentum);
+  report_.target = tolerance * std::max(first_, momentum);
   const bool may_lag = lagging_ && merit_ == Merit::incremental_potential &&
                        m_.field.dependence() == Dependence::position_and_velocity;
   if (may_lag) std::copy(u.begin(), u.end(), start_.begin());
@@ -57,11 +70,7 @@ const NewtonReport& StageNewton::solve(const StageEquation& eq, std::span<double
       may_lag ? std::min(kDirect, options_.max_newton_iterations) : options_.max_newton_iterations;
   Failure failure = iterate_to(report_.target, most, eq, u);
   if (failure && may_lag) failure = solve_held(eq, u);
-  if (failure) {
-    fail(std::string("Newton's method ") + failure + " (" + std::to_string(report_.iterations) +
-         " iterations)");
-  }
-  return report_;
+  return failure;
 }
 
 // Near the minimum with damping and air held, the whole equations may have a solution; if not, the minimum is
@@ -271,71 +280,6 @@ bool StageNewton::leap(const StageEquation& eq, std::span<double> u, double accu
   // The line search has the next word.
   last_share_ = 1;
   system_.differentiate(eq.t, x_, u, Derivatives::exact, rate_position());
-  return false;
-}
-
-// q = J z for the Jacobian J of the residual at u, by a difference of forces.
-void StageNewton::slope_along(const StageEquation& eq, std::span<const double> u, std::span<const double> z,
-                              std::span<double> q) {
-  const double z2 = system_.sum_free([&](size_t k, double) { return z[k] * z[k]; });
-  const double x2 = system_.sum_free([&](size_t k, double) { return x_[k] * x_[k]; });
-  // A change of position of 1e-7 of its size: half of the digits.
-  const double step = 1e-7 * (std::sqrt(x2) + eq.s) / (eq.s * std::sqrt(z2));
-  m_.loop(n_, [&, x0 = x_.data(), s = eq.s](size_t k) {
-    trial_[k] = u[k] + step * z[k];
-    x_near_[k] = x0[k] + s * step * z[k];
-  });
-  accelerate(eq.t, x_near_, trial_, a_near_);
-  ++report_.evaluations;
-  const auto w = system_.inverse_mass();
-  for (size_t k = 0; k < n_; ++k) {
-    const double wk = w[k / system_.width()];
-    q[k] = wk > 0 ? (z[k] - eq.g * (a_near_[k] - a_[k]) / step) / wk : 0;
-  }
-  if (const auto& on = system_.contacts()) {
-    for (size_t i = 0; i < w.size(); ++i) store3(q.data(), i, on->left(i, load3(q.data(), i)));
-  }
-}
-
-// Fields leave parts of their derivatives out that are not symmetric (damping and air change with position).
-// Conjugate residuals (GCR; Eisenstat, Elman, Schultz 1983) on the whole Jacobian, preconditioned with the
-// matrix at hand, bring them back: the full step is taken when it halves the residual, and d stays as it was
-// when not.
-bool StageNewton::full_step(const StageEquation& eq, std::span<double> u, double accuracy) {
-  const auto r = rest_, d = whole_;
-  std::span<double> z[kMostDirections], q[kMostDirections];
-  double q2[kMostDirections];
-  const auto dot = [&](std::span<const double> p, std::span<const double> q) {
-    return system_.sum_free([&](size_t k, double w) { return w * p[k] * q[k]; });
-  };
-  std::copy(b_.begin(), b_.end(), r.begin());
-  std::fill(d.begin(), d.end(), 0);
-  const double norm = norm_;
-  for (size_t i = 0; i < most_; ++i) {
-    z[i] = krylov_.subspan(2 * i * n_, n_), q[i] = krylov_.subspan((2 * i + 1) * n_, n_);
-    if (i == 0) {
-      std::copy(d_.begin(), d_.end(), z[0].begin());
-    } else {
-      system_.solve_again(r, z[i], accuracy);
-    }
-    slope_along(eq, u, z[i], q[i]);
-    for (size_t j = 0; j < i; ++j) {
-      const double share = dot(q[i], q[j]) / q2[j];
-      m_.loop(n_, [&](size_t k) { q[i][k] -= share * q[j][k], z[i][k] -= share * z[j][k]; });
-    }
-    q2[i] = dot(q[i], q[i]);
-    if (!(q2[i] > 0)) break;
-    const double share = dot(r, q[i]) / q2[i];
-    m_.loop(n_, [&](size_t k) { d[k] += share * z[i][k], r[k] -= share * q[i][k]; });
-    if (dot(r, r) <= accuracy * accuracy * norm * norm) break;
-  }
-  m_.loop(n_, [&](size_t k) { trial_[k] = u[k] + d[k]; });
-  norm_ = evaluate(eq, trial_);
-  if (norm_ < 0.5 * norm) {
-    std::copy(trial_.begin(), trial_.end(), u.begin());
-    return true;
-  }
-  norm_ = evaluate(eq, u);
   return false;
 }
 

@@ -10,9 +10,11 @@
 // Fields without a potential are judged by the residual norm alone. Where cloth buckles R changes so much
 // with the position that no end is found: then R is taken at x0, which gives phi a minimum that a line search
 // always finds, and Newton's method on the whole equations goes on from there. Where that ends nowhere the
-// minimum is the solution.
+// minimum is the solution. Where forces are all but rigid, (omega h)^2 > 1e7, the way begins with softer
+// ones.
 #pragma once
 #include "engine/core/lagged_dissipation.h"
+#include "engine/core/softening_forces.h"
 #include "engine/integrators/implicit_system.h"
 #include "engine/integrators/line_search.h"
 
@@ -33,6 +35,7 @@ struct NewtonReport {
   int definite = 0;              ///< of them, with a share of the definite Jacobian
   int solves = 0;                ///< of linear systems with a matrix of their own
   int evaluations = 0;           ///< of the forces
+  int softened = 0;              ///< of the iterations, with softened forces
   bool held = false;             ///< damping and air stayed held at x0
   double target = 0;             ///< residual norm that the tolerance asks for
   double floor = 0;              ///< residual norm that rounding leaves, 0: never needed
@@ -59,6 +62,11 @@ class StageNewton {
   /// nullptr: converged; otherwise why not.
   using Failure = const char*;
 
+  Failure find(double tolerance, const StageEquation& eq, std::span<double> u);
+  double softer(const StageEquation& eq) const;
+  void full_step_unasked(const StageEquation& eq, std::span<double> u);
+  Failure stiffen(double target, const StageEquation& eq, std::span<double> u);
+  bool approach(double share, const StageEquation& eq, std::span<double> u);
   Failure iterate_to(double target, int most, const StageEquation& eq, std::span<double> u);
   Failure solve_held(const StageEquation& eq, std::span<double> u);
   void accelerate(double t, std::span<const double> x, std::span<const double> u, std::span<double> a);
@@ -85,12 +93,13 @@ class StageNewton {
   NewtonReport& report_;
   Merit merit_ = Merit::incremental_potential;
   const LaggedDissipation* lagging_;  // of the field, if it can
+  const SofteningForces* softening_;  // the same
   Lag lag_ = Lag::iterate;
   double first_ = 0;      // norm of the residual at the start
   double definite_ = 0;   // share of the definite Jacobian in the matrix of the last direction
   double norm_ = 0;       // of the residual at the last evaluation
   double magnitude_ = 0;  // sum of |terms| of the last value
-  std::span<double> a_, b_, d_, x_, lagged_, trial_, start_, leap_;
+  std::span<double> a_, b_, d_, x_, lagged_, trial_, start_, leap_, guess_;
   double last_share_ = 1;  // of its direction that the last line search took
   // Conjugate residuals.
   static constexpr size_t kMostDirections = 12;

@@ -2,6 +2,9 @@
 //   Y = base + z f(t, Y),
 // by simplified Newton iterations with (I - z J)^-1. The Jacobian is that of a step's start or an earlier
 // one; it is formed again when iterations contract slowly or fail. The factors live as long as z and J do.
+// Where a fixed step fails even so, Newton's whole method follows: a Jacobian at every iterate, and
+// increments shortened until the next one promises to be smaller (natural monotonicity, Deuflhard 2004,
+// section 3.3).
 #pragma once
 #include "engine/integrators/newton_iteration.h"
 
@@ -28,6 +31,7 @@ class StageSolver {
   }
   /// y: a guess, then the solution; d: scratch. False: no convergence.
   bool solve(double t, const double* base, double z, double* y, double* d) {
+    if (whole_) return newton(t, base, z, y, d);
     const size_t n = eq_.padded();
     Convergence convergence(scale_.most_iterations());
     for (;;) {
@@ -44,24 +48,58 @@ class StageSolver {
     slowest_ = std::max(slowest_, convergence.theta());
     return true;
   }
-  /// After a failure: true when the same step deserves another try, with a Jacobian of its own.
+  /// After a failure: true when the same step deserves another try, with a Jacobian of its own or more.
   bool try_again() {
-    if (fresh_) return false;
+    if (fresh_ && (whole_ || scale_.shortens_steps())) return false;
+    whole_ = fresh_;
     linearised_ = false;
     return true;
   }
   /// After an accepted step: the Jacobian is now an old one, and a bad one if iterations were slow.
   void step_accepted() {
     fresh_ = false;
-    if (slowest_ > kSlow) linearised_ = false;
+    if (slowest_ > kSlow || whole_) linearised_ = false;
     slowest_ = 0;
+    whole_ = false;
   }
 
  private:
-  static constexpr double kSlow = 0.05;
+  static constexpr double kSlow = 0.05, kShortest = 1e-3;
+  static constexpr int kMostIterations = 50;
+  enum : size_t { kTrial = kWorkArrays - 2, kNext };
+
+  bool newton(double t, const double* base, double z, double* y, double* d) {
+    const size_t n = eq_.padded();
+    double *trial = eq_.array(kTrial), *next = eq_.array(kNext);
+    const auto increment = [&](const double* at, double* rate) {
+      for (size_t i = 0; i < n; ++i) rate[i] = (base[i] - at[i]) + z * rate[i];
+      eq_.solve(rate);
+    };
+    for (int k = 0; k < kMostIterations; ++k) {
+      eq_.rate(t, y, d);
+      eq_.differentiate(t, y, d);
+      factored_ = 0;
+      if (!eq_.factor(z)) return false;
+      factored_ = z;
+      increment(y, d);
+      const double size = scale_(d, y);
+      for (double share = 1;; share *= 0.5) {
+        if (!(share > kShortest)) return false;
+        for (size_t i = 0; i < n; ++i) trial[i] = y[i] + share * d[i];
+        if (size <= 1) break;
+        eq_.rate(t, trial, next);
+        increment(trial, next);
+        if (scale_(next, y) <= (1 - 0.25 * share) * size) break;
+      }
+      std::copy_n(trial, n, y);
+      if (size <= 1) return true;
+    }
+    return false;
+  }
+
   Equations& eq_;
   Scale scale_;
-  bool linearised_ = false, fresh_ = false;
+  bool linearised_ = false, fresh_ = false, whole_ = false;
   double factored_ = 0, slowest_ = 0;
 };
 

@@ -174,9 +174,15 @@ std::string rope(double stiffness) {
 TEST(DefaultMethod, StiffestRopeHolds) {
   for (const double k : {1e10, 1e12}) {
     SceneRun run(rope(k), 1.0 / 60);
-    EXPECT_EQ(run.method(), "radau5") << run.reason();
+    EXPECT_EQ(run.method(), "implicit_euler") << run.reason();
     const double start = run.observed("energy.total");
-    for (int s = 0; s < 3; ++s) EXPECT_NEAR(run.steps(1).observed("energy.total"), start, 1e-3) << k;
+    double most = start;
+    for (int s = 0; s < 120; ++s) most = std::max(most, run.steps(1).observed("energy.total"));
+    // Nothing drives it, and the 4 J of 41 points of 10 g 1 m up become less by no more than what implicit
+    // Euler takes from a rope of any stiffness.
+    EXPECT_LT(most - start, 1e-6) << k;
+    SceneRun soft(rope(1e7), 1.0 / 60);
+    EXPECT_NEAR(run.observed("energy.total"), soft.steps(120).observed("energy.total"), 0.01 * start) << k;
   }
 }
 

@@ -9,6 +9,8 @@
 
 namespace truestep::articulation {
 
+class LinearTree;
+
 /// Columns of the state in their order.
 struct Columns {
   enum Index : State::Column {
@@ -37,6 +39,10 @@ class ArticulationField final : public ForceField {
   std::optional<double> potential(const Phase& at, Evaluation& e) const override;
   double kinetic(const Phase& at, Evaluation& e) const override;
   std::optional<Stiffness> stiffness(const State& state) const override;
+  /// In O(n) for trees without closures and springs between links.
+  std::unique_ptr<FieldLinearSolver> linear_solver() const override;
+  /// The tree about `at`, closures and springs left out.
+  void linearise(const Phase& at, LinearTree& out, Evaluation& e) const;
 
   const Model& model() const { return model_; }
   /// Frames and velocities of all nodes, and accelerations with joint forces where asked for by the second.

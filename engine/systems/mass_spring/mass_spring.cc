@@ -13,12 +13,10 @@ namespace {
 
 // One Newton step per step, unconditionally stable as far as a spring's direction stands still. Where it
 // turns the spring is stretched by half the square of the angle, and a stiff one makes energy of that.
-constexpr std::string_view kUsual = "linear_implicit_euler", kStiff = "implicit_euler", kStiffest = "radau5";
+constexpr std::string_view kUsual = "linear_implicit_euler", kStiff = "implicit_euler";
 // omega dt from which that is seen: a falling rope gains a thousandth of its energy at 105, three times its
 // energy at 330; cloth that crumples on what it falls on gains four hundredths at 80.
 constexpr double kMostLinear = 50;
-// omega dt from which Newton's method no longer finds the end of a whole step: then steps are divided.
-constexpr double kMostWhole = 5000;
 
 ChosenMethod settle(const MassSpringDef& def, const BuildContext& context, const MassSpringField& field) {
   const IntegratorChoice choice = def.choice();
@@ -27,12 +25,9 @@ ChosenMethod settle(const MassSpringDef& def, const BuildContext& context, const
   if (!(omega * context.dt > kMostLinear)) {
     return {choose_integrator(choice, kUsual, field), "the default, which holds springs of this stiffness"};
   }
-  // A divided step would meet colliders only at its end.
-  const bool whole = omega * context.dt <= kMostWhole || !def.colliders.empty();
-  const std::string why = "springs turn within a step, and their fastest motion, " + std::to_string(omega) +
-                          " 1/s, is too stiff to take them as straight";
-  return {choose_integrator(choice, whole ? kStiff : kStiffest, field),
-          whole ? why : why + ", or a step as a whole"};
+  return {choose_integrator(choice, kStiff, field), "springs turn within a step, and their fastest motion, " +
+                                                        std::to_string(omega) +
+                                                        " 1/s, is too stiff to take them as straight"};
 }
 
 constexpr std::string_view kOldPosition = "mass_spring.x_old", kOldVelocity = "mass_spring.v_old";

@@ -26,11 +26,12 @@ double sum(Evaluation& e, size_t n, Term term) {
 
 std::optional<double> MassSpringField::potential(const Phase& at, Evaluation& e) const {
   const double* x = at.x.data();
+  const double* rest = rests(e).springs;
   const auto stiffness = at.state.f64(Columns::stiffness);
   double v = sum(e, schedule_.a.size(), [&](size_t s) {
     const double l = norm(load3(x, schedule_.b[s]) - load3(x, schedule_.a[s]));
     const double k = stiffness[static_cast<size_t>(schedule_.family[s])] * schedule_.scale[s];
-    return spring::energy(l, k, schedule_.rest[s]);
+    return spring::energy(l, k, rest[s]);
   });
   v += sum(e, network_.bends.size(), [&](size_t k) {
     const Bend& b = network_.bends[k];

@@ -57,6 +57,10 @@ MassSpringField::MassSpringField(const MassSpringDef& def, const BuildContext& c
       for (const uint32_t p : {s.a, s.b}) section_[p] += 0.5 * def.thickness * s.rest;
     }
   }
+  for (const SpringLink& s : network_.springs) {
+    double& largest = largest_scale_[static_cast<size_t>(s.family)];
+    largest = std::max(largest, s.scale);
+  }
   build_rows();
 }
 
@@ -107,6 +111,7 @@ MassSpringField::Scratch MassSpringField::scratch(Evaluation& e) const {
   const size_t n = schedule_.points();
   double* memory = e.workspace.doubles("mass_spring.coordinates", 9 * n).data();
   Scratch s;
+  s.rests = rests(e);
   for (size_t c = 0; c < 3; ++c) {
     s.x[c] = memory + c * n, s.v[c] = memory + (3 + c) * n, s.f[c] = memory + (6 + c) * n;
   }
@@ -176,7 +181,7 @@ void MassSpringField::spring_forces(const Rows& rows, const State& state, const 
   for (const SpringSegment& segment : schedule_.segments(rows.index)) {
     const bool run = segment.kind == SpringSegment::Kind::run;
     const double k = which == Forces::dissipative ? 0 : stiffness[static_cast<size_t>(segment.family)];
-    const double* rest = (run ? schedule_.rest.data() : schedule_.list_rest.data()) + segment.first;
+    const double* rest = (run ? s.rests.springs : s.rests.list) + segment.first;
     const double* scale = (run ? schedule_.scale.data() : schedule_.list_scale.data()) + segment.first;
     for (size_t i = 0; i < segment.count; i += spring::kRunChunk) {
       const size_t n = std::min(spring::kRunChunk, segment.count - i);

@@ -10,6 +10,7 @@
 #include "engine/core/build.h"
 #include "engine/core/force_field.h"
 #include "engine/core/lagged_dissipation.h"
+#include "engine/core/softening_forces.h"
 #include "engine/core/user_forces.h"
 #include "engine/kernels/bending.h"
 #include "engine/kernels/spring.h"
@@ -40,7 +41,7 @@ struct MassSpringColumns {
                                      {drag_row, drag_target, drag_stiffness}};
 };
 
-class MassSpringField final : public ForceField, public LaggedDissipation {
+class MassSpringField final : public ForceField, public LaggedDissipation, public SofteningForces {
  public:
   MassSpringField(const MassSpringDef& def, const BuildContext& context);
 
@@ -74,6 +75,11 @@ class MassSpringField final : public ForceField, public LaggedDissipation {
   }
   /// omega^2 <= 2 max_i |K_ii| / m_i with the blocks of the present state: 4 k/m for a chain.
   std::optional<Stiffness> stiffness(const State& state) const override;
+  /// 4 k / m of the stiffest springs and the lightest points.
+  double fastest_squared(const State& state) const override;
+  void soften(State& state, double share, Evaluation& e) const override;
+  Lengths shift(const Phase& at, Evaluation& e) const override;
+  void restore(State& state, Evaluation& e) const override;
 
   const Network& network() const { return network_; }
   const SpringSchedule& schedule() const { return schedule_; }
@@ -91,9 +97,15 @@ class MassSpringField final : public ForceField, public LaggedDissipation {
   /// Those of the potential, those of the dissipation function, or both.
   enum class Forces : uint8_t { all, conservative, dissipative };
   void accelerate(const Phase& at, std::span<double> a, Evaluation& e, Forces which) const;
+  /// Lengths without tension: the network's, or shifted ones while springs are softer.
+  struct Rests {
+    const double *springs, *list;
+  };
+  Rests rests(Evaluation& e) const;
   /// Positions, velocities and forces of all points, coordinate by coordinate.
   struct Scratch {
     double *x[3], *v[3], *f[3];
+    Rests rests;
   };
   Scratch scratch(Evaluation& e) const;
 
@@ -126,6 +138,7 @@ class MassSpringField final : public ForceField, public LaggedDissipation {
   std::vector<double> section_;  // m^2 per point, for the air; empty when triangles catch the wind
   Vec3 gravity_;
   double stiffness_[kSpringFamilies], damping_[2];
+  double largest_scale_[kSpringFamilies] = {};  // of a family's springs
   Vec3 wind_;
   uint32_t air_ = 0;
   double air_factor_, gust_, gust_period_;

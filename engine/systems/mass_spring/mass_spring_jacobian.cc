@@ -138,13 +138,14 @@ void MassSpringField::assemble_jacobian(const Phase& at, BlockSparse& dfdx, Bloc
   const Vec3 wind = wind_at(at);
 
   // alpha and beta of every spring, in one straight loop.
+  const double* rest = rests(e).springs;
   const size_t springs = schedule_.a.size();
   const auto coefficients = e.workspace.doubles("mass_spring.coefficients", 2 * springs);
   e.arena.for_blocks(springs, kBlockRows, [&](size_t begin, size_t end) {
     for (size_t s = begin; s < end; ++s) {
       const Vec3 d = load3(x, schedule_.b[s]) - load3(x, schedule_.a[s]);
       const double k = k_family[static_cast<size_t>(schedule_.family[s])] * schedule_.scale[s];
-      const spring::Stiffness c = stiffness(norm2(d), k, schedule_.rest[s]);
+      const spring::Stiffness c = stiffness(norm2(d), k, rest[s]);
       coefficients[2 * s] = c.alpha, coefficients[2 * s + 1] = c.beta;
     }
   });

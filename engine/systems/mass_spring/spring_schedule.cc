@@ -98,7 +98,7 @@ void SpringSchedule::add_lists(std::span<const uint32_t> loose, uint32_t begin, 
                                 : owns(a[s])             ? SpringEnds::a
                                                          : SpringEnds::b;
         if (family[s] != static_cast<SpringFamily>(f) || here != ends) continue;
-        list_a.push_back(a[s]), list_b.push_back(b[s]);
+        list_a.push_back(a[s]), list_b.push_back(b[s]), list_spring.push_back(s);
         list_rest.push_back(rest[s]), list_scale.push_back(scale[s]);
       }
       const auto count = static_cast<uint32_t>(list_a.size()) - first;

@@ -46,7 +46,7 @@ class SpringSchedule {
   std::vector<double> rest, scale;
   std::vector<SpringFamily> family;
   // Entries of the lists.
-  std::vector<uint32_t> list_a, list_b;
+  std::vector<uint32_t> list_a, list_b, list_spring;
   std::vector<double> list_rest, list_scale;
 
  private:

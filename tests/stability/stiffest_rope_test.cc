@@ -1,0 +1,96 @@
+// Ropes that are all but inextensible, with the method that they get by themselves: their steps are solved at
+// a cost that does not grow with the stiffness, and nothing gains energy.
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "engine/integrators/stage_newton.h"
+#include "engine/systems/mass_spring/mass_spring.h"
+
+namespace truestep {
+namespace {
+
+struct Rope {
+  Rope(double stiffness, int links, const Vec3& to, double dt = 1.0 / 60) : h(dt) {
+    MassSpringDef d;
+    d.rope = RopeShape{.from = {0, 1, 0}, .to = to, .links = links};
+    d.pinned = {"first"};
+    d.mass = 0.01, d.stiffness = stiffness;
+    BuildContext context{.id = "r"};
+    context.dt = dt;
+    system = MassSpring::make(d, context);
+    state = system->initial_state();
+  }
+  void step() {
+    system->step(state,
+                 {.t = h * double(done), .h = h, .step = done, .workspace = workspace, .arena = arena});
+    ++done;
+  }
+  double observe(const char* name) const {
+    Observables out;
+    system->observe(state, 0, out);
+    return out.find(name).value();
+  }
+  const NewtonReport& report() { return workspace.object<NewtonReport>(kNewtonReport); }
+  Vec3 tip() const {
+    const auto x = state.f64(MassSpringColumns::position);
+    return load3(x.data(), x.size() / 3 - 1);
+  }
+
+  double h;
+  std::unique_ptr<const MassSpring> system;
+  State state;
+  Workspace workspace;
+  ThreadArena arena{1};
+  uint64_t done = 0;
+};
+
+TEST(StiffestRope, SwingsWithoutGainAndAtACostThatStiffnessDoesNotRaise) {
+  for (const int links : {20, 100}) {
+    for (const double k : {1e8, 1e10, 1e11, 1e12, 1e13}) {
+      Rope rope(k, links, {1, 1, 0});
+      const double start = rope.observe("energy.total");
+      int iterations = 0;
+      double most = start;
+      for (int i = 0; i < 300; ++i) {
+        rope.step();
+        most = std::max(most, rope.observe("energy.total"));
+        iterations += rope.report().iterations;
+      }
+      // Not a hundred-thousandth of what 1 m of fall sets free.
+      EXPECT_LT(most - start, 1e-5 * start) << links << ' ' << k;
+      EXPECT_LT(iterations, 300 * 20) << links << ' ' << k;
+      // 1 kg at most hangs on it, and pulls with up to a hundred times its weight when it whips.
+      EXPECT_LT(rope.observe("strain.max"), 2000 / k) << links << ' ' << k;
+    }
+  }
+}
+
+// What 1e8 N/m and 1e13 N/m differ by is a strain of 1e-7 of a newton's pull: the motion is the same until
+// small differences have grown, by some hundred times in half a second.
+TEST(StiffestRope, MovesAsAnInextensibleOneDoes) {
+  Rope soft(1e8, 20, {1, 1, 0}), stiff(1e13, 20, {1, 1, 0}), softest(1e3, 20, {1, 1, 0});
+  for (int i = 0; i < 30; ++i) soft.step(), stiff.step(), softest.step();
+  EXPECT_LT(norm(soft.tip() - stiff.tip()), 1e-4);
+  EXPECT_GT(norm(softest.tip() - stiff.tip()), 1e-3) << "control: a soft rope is somewhere else";
+}
+
+TEST(StiffestRope, HangsStill) {
+  for (const double k : {1e8, 1e13}) {
+    Rope rope(k, 100, {0, 0, 0});
+    for (int i = 0; i < 100; ++i) rope.step();
+    EXPECT_LT(rope.observe("energy.kinetic"), 1e-12) << k;
+    EXPECT_NEAR(rope.observe("reaction.y"), 1.01 * 9.81, 1e-2) << k;
+  }
+}
+
+// Once the numbers that are made smaller for the way are back, none has lost a bit.
+TEST(StiffestRope, StiffnessIsWhatItWasAfterAStep) {
+  Rope rope(1.1e12, 20, {1, 1, 0});
+  for (int i = 0; i < 5; ++i) rope.step();
+  EXPECT_GT(rope.report().softened, 0) << "control: they were smaller";
+  EXPECT_EQ(rope.state.f64(MassSpringColumns::stiffness)[0], 1.1e12);
+}
+
+}  // namespace
+}  // namespace truestep
