@@ -19,8 +19,9 @@ class SofteningForces {
   struct Lengths {
     double off = 0, stretched = 0;
   };
-  /// Shifts lengths by the tensions at `at`; what was before.
-  virtual Lengths shift(const Phase& at, Evaluation& e) const = 0;
+  /// Shifts lengths by the tensions at `at` for forces that are smaller by `share` from now on; what was
+  /// before.
+  virtual Lengths shift(const Phase& at, State& state, double share, Evaluation& e) const = 0;
   /// Everything is as before `soften`, to the bit.
   virtual void restore(State& state, Evaluation& e) const = 0;
 };

@@ -35,7 +35,6 @@ StageNewton::StageNewton(Motion& m, const IntegratorOptions& options)
       trial_(m.scratch("integrator.u", n_)),
       start_(m.scratch("integrator.u_start", n_)),
       leap_(m.scratch("integrator.u_leap", n_)),
-      guess_(m.scratch("integrator.u_guess", n_)),
       a_near_(m.scratch("integrator.k2", n_)),
       x_near_(m.scratch("integrator.x_near", n_)),
       rest_(m.scratch("integrator.krylov_r", n_)),
@@ -48,8 +47,7 @@ StageNewton::StageNewton(Motion& m, const IntegratorOptions& options)
 const NewtonReport& StageNewton::solve(const StageEquation& eq, std::span<double> u) {
   report_ = {};
   const double share = softer(eq);
-  if (share < 1 && approach(share, eq, u)) return report_;
-  const Failure failure = find(options_.newton_tolerance, eq, u);
+  const Failure failure = share < 1 ? approach(share, eq, u) : find(options_.newton_tolerance, eq, u);
   if (failure) {
     fail(std::string("Newton's method ") + failure + " (" + std::to_string(report_.iterations) +
          " iterations)");

@@ -65,8 +65,8 @@ class StageNewton {
   Failure find(double tolerance, const StageEquation& eq, std::span<double> u);
   double softer(const StageEquation& eq) const;
   void full_step_unasked(const StageEquation& eq, std::span<double> u);
-  Failure stiffen(double target, const StageEquation& eq, std::span<double> u);
-  bool approach(double share, const StageEquation& eq, std::span<double> u);
+  Failure stiffen(double share, double target, const StageEquation& eq, std::span<double> u);
+  Failure approach(double share, const StageEquation& eq, std::span<double> u);
   Failure iterate_to(double target, int most, const StageEquation& eq, std::span<double> u);
   Failure solve_held(const StageEquation& eq, std::span<double> u);
   void accelerate(double t, std::span<const double> x, std::span<const double> u, std::span<double> a);
@@ -99,7 +99,7 @@ class StageNewton {
   double definite_ = 0;   // share of the definite Jacobian in the matrix of the last direction
   double norm_ = 0;       // of the residual at the last evaluation
   double magnitude_ = 0;  // sum of |terms| of the last value
-  std::span<double> a_, b_, d_, x_, lagged_, trial_, start_, leap_, guess_;
+  std::span<double> a_, b_, d_, x_, lagged_, trial_, start_, leap_;
   double last_share_ = 1;  // of its direction that the last line search took
   // Conjugate residuals.
   static constexpr size_t kMostDirections = 12;

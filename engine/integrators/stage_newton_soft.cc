@@ -13,6 +13,9 @@ namespace {
 /// how well their first solution must hold.
 constexpr double kStiffest = 1e7, kSofter = 3e6, kApproach = 1e-6;
 constexpr int kMostShifts = 30, kMostIterations = 25;  ///< the latter of one shift
+/// Shifts that leave more of what was off are too slow, and forces become stiffer for the next: up to (omega
+/// h)^2 where rounding of the matrix does not show.
+constexpr double kSlow = 0.25, kStiffer = 4, kStillAccurate = 1e9;
 
 /// Forces are softer while this lives.
 class Softened {
@@ -43,8 +46,7 @@ double StageNewton::softer(const StageEquation& eq) const {
 // Links that are all but rigid leave a valley whose floor bends away from every direction within a share
 // 1 / (omega h) of a link's length, and forces whose rounding exceeds what moves them. Softer ones make it
 // wide enough to walk through, and a few shifts of their lengths bring the solution of the whole ones.
-bool StageNewton::approach(double share, const StageEquation& eq, std::span<double> u) {
-  std::copy(u.begin(), u.end(), guess_.begin());
+StageNewton::Failure StageNewton::approach(double share, const StageEquation& eq, std::span<double> u) {
   const Softened softened(*softening_, m_, share);
   Failure failure = find(kApproach, eq, u);
   report_.softened = report_.iterations;
@@ -52,23 +54,28 @@ bool StageNewton::approach(double share, const StageEquation& eq, std::span<doub
     lag_ = Lag::held;
     std::copy(eq.x0.begin(), eq.x0.end(), lagged_.begin());
   }
-  if (!failure) failure = stiffen(report_.target * (options_.newton_tolerance / kApproach), eq, u);
+  if (!failure) failure = stiffen(share, report_.target * (options_.newton_tolerance / kApproach), eq, u);
   lag_ = Lag::iterate;
-  if (failure) std::copy(guess_.begin(), guess_.end(), u.begin());
-  return !failure;
+  return failure;
 }
 
 // Every shift takes most out of what lengths are off by: of ropes of n links all but a share of some
 // n^2 / (omega h)^2. When the shifted equations are solved as they stand it is over.
-StageNewton::Failure StageNewton::stiffen(double target, const StageEquation& eq, std::span<double> u) {
+StageNewton::Failure StageNewton::stiffen(double share, double target, const StageEquation& eq,
+                                          std::span<double> u) {
   constexpr double kRoundings = 8 * std::numeric_limits<double>::epsilon(), kStretch = 1e-6;
   constexpr double kHidden = 8, kSettled = 0.2;  // of the rounding that is expected
+  const double stiffest = std::min(1.0, share * (kStillAccurate / kSofter));
   Evaluation e{m_.input.workspace, m_.input.arena};
   double reach = 0;
   for (const double c : x_) reach = std::max(reach, std::abs(c));
+  double last = std::numeric_limits<double>::infinity();
   for (int k = 0; k < kMostShifts; ++k) {
-    const auto lengths = softening_->shift({eq.t, x_, u, m_.state}, e);
+    const auto lengths = softening_->shift({eq.t, x_, u, m_.state}, m_.state, share, e);
     if (lengths.off <= kRoundings * reach + kStretch * lengths.stretched) return nullptr;
+    // Sheets that are all but flat have tensions that grow without bound: shifts get nowhere by themselves.
+    if (lengths.off > kSlow * last && share < stiffest) share = std::min(kStiffer * share, stiffest);
+    last = lengths.off;
     norm_ = evaluate(eq, u);
     report_.target = std::max(target, kHidden * report_.floor);
     if (norm_ <= std::max(target, kSettled * report_.floor)) return nullptr;

@@ -97,6 +97,49 @@ TEST(Allocation, TreesOfLinksAllocateNothingAfterTheFirstStep) {
   }
 }
 
+TEST(Allocation, ImplicitStepsOfLinksAllocateNothingAfterTheFirst) {
+  ArticulationDef d;
+  LinkDef link;
+  link.joint = JointType::ball, link.mass = 1, link.center = {0, -0.5, 0}, link.inertia = {0.1, 0.01, 0.1};
+  link.copies = LinkCopiesDef{20, {0, -1, 0}}, link.rotation = {0, 0, 0.1}, link.stiffness = 50;
+  link.force = {1, 0, 0};
+  d.links.push_back(link);
+  for (const char* method : {"implicit_euler", "linear_implicit_euler", "trapezoid", "bdf2", "tr_bdf2",
+                             "sdirk4", "rodas5p", "radau5"}) {
+    d.integrator = method;
+    const auto system = build_articulation(&d, {});
+    State s = system->initial_state();
+    Workspace workspace;
+    const ThreadArena arena(1);
+    const auto step = [&](uint64_t n) {
+      system->step(s,
+                   {.t = double(n) / 100, .h = 1.0 / 100, .step = n, .workspace = workspace, .arena = arena});
+    };
+    step(0);
+    const uint64_t before = allocations;
+    for (uint64_t n = 1; n < 20; ++n) step(n);
+    EXPECT_EQ(allocations - before, 0u) << method;
+  }
+}
+
+TEST(Allocation, StepsOfTheStiffestRopeAllocateNothingAfterTheFirst) {
+  MassSpringDef d;
+  d.rope = RopeShape{.from = {0, 1, 0}, .to = {1, 1, 0}, .links = 30};
+  d.pinned = {"first"};
+  d.mass = 0.01, d.stiffness = 1e12, d.internal_damping = 0.1;
+  const auto system = MassSpring::make(d, {});
+  State s = system->initial_state();
+  Workspace workspace;
+  const ThreadArena arena(1);
+  const auto step = [&](uint64_t n) {
+    system->step(s, {.t = double(n) / 60, .h = 1.0 / 60, .step = n, .workspace = workspace, .arena = arena});
+  };
+  step(0);
+  const uint64_t before = allocations;
+  for (uint64_t n = 1; n < 20; ++n) step(n);
+  EXPECT_EQ(allocations - before, 0u);
+}
+
 TEST(Allocation, EquationsEventsAndTracersAllocateNothingAfterTheFirstSteps) {
   OdeDef d;
   d.states = {{"h", {1}, NamedNumbers::Form::number}, {"v", {0}, NamedNumbers::Form::number}};

@@ -203,5 +203,26 @@ TEST(ImplicitMethods, GiveUpWithAReason) {
   EXPECT_THROW(go("newmark", Explosion(), s, 0, 2, 1e-6, 10), Error);
 }
 
+// y' = -40 atan(10 y): all but straight where it starts, steep where it ends. With the Jacobian of the start
+// iterations run away from the solution of a long step; a fixed step has no shorter one to fall back on.
+class Bend final : public RightHandSide {
+ public:
+  size_t size() const override { return 1; }
+  void rate(double, const double* y, double* d) const override { d[0] = -40 * trig::atan(10 * y[0]); }
+};
+
+TEST(ImplicitMethods, AFixedStepIsSolvedWhereTheStartsJacobianLeadsAway) {
+  const Bend f;
+  Start s;
+  s.y = {3};
+  go("implicit_midpoint", f, s, 0, 0.1, 1e-6, 1);
+  // The stage: Y + 0.05 * 40 atan(10 Y) = 3, and y1 = 2 Y - 3.
+  const double stage = 0.5 * (s.y[0] + 3);
+  EXPECT_NEAR(stage + 2 * std::atan(10 * stage), 3, 1e-9);
+  // Control: simplified iterations from there contract by |1 - F'(Y) / F'(3)| > 1.
+  const auto slope = [](double y) { return 1 + 20 / (1 + 100 * y * y); };
+  EXPECT_GT(std::abs(1 - slope(stage) / slope(3)), 1);
+}
+
 }  // namespace
 }  // namespace truestep::test

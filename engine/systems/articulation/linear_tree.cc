@@ -95,11 +95,11 @@ void LinearTree::linearise(const Tree& tree, std::span<const double> q, std::spa
   }
   if (width_ == kMotions) return;
   // A force that keeps its direction in the world turns against the node: f x xi.
-  std::vector<spatial::Frame> frames(nodes_.size());
-  world_frames(tree, work, frames);
+  frames_.resize(nodes_.size());
+  world_frames(tree, work, frames_);
   for (const Push& push : pushes) {
     if (!in_world(push)) continue;
-    const Rotation& R = frames[size_t(push.node)].R;
+    const Rotation& R = frames_[size_t(push.node)].R;
     const Vec3 f = R.apply_inverse(push.force), t = R.apply_inverse(push.torque);
     auto& own = nodes_[size_t(push.node)].own;
     for (size_t k = 0; k < 3; ++k) {

@@ -55,6 +55,7 @@ class LinearTree {
 
  private:
   std::vector<NodeSlope> nodes_;
+  std::vector<spatial::Frame> frames_;  // of the nodes in the world
   size_t width_ = kMotions;
 };
 

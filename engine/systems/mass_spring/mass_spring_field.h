@@ -78,7 +78,7 @@ class MassSpringField final : public ForceField, public LaggedDissipation, publi
   /// 4 k / m of the stiffest springs and the lightest points.
   double fastest_squared(const State& state) const override;
   void soften(State& state, double share, Evaluation& e) const override;
-  Lengths shift(const Phase& at, Evaluation& e) const override;
+  Lengths shift(const Phase& at, State& state, double share, Evaluation& e) const override;
   void restore(State& state, Evaluation& e) const override;
 
   const Network& network() const { return network_; }

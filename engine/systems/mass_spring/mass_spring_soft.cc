@@ -46,17 +46,23 @@ void MassSpringField::soften(State& state, double share, Evaluation& e) const {
   }
 }
 
-SofteningForces::Lengths MassSpringField::shift(const Phase& at, Evaluation& e) const {
+SofteningForces::Lengths MassSpringField::shift(const Phase& at, State& state, double share,
+                                                Evaluation& e) const {
   auto& soft = e.workspace.object<SoftSprings>(kSoft);
   const double* x = at.x.data();
   Lengths out;
   for (size_t s = 0; s < schedule_.rest.size(); ++s) {
     const double l = norm(load3(x, schedule_.b[s]) - load3(x, schedule_.a[s]));
-    // Tension over the softened stiffness; over the whole one it is a share of that.
-    const double pulled = l - soft.rest[s], shifted = schedule_.rest[s] - (1 - soft.share) * pulled;
-    out.off = std::max(out.off, std::abs(shifted - soft.rest[s]));
-    out.stretched = std::max(out.stretched, std::abs(soft.share * pulled));
+    // What the tension stretches with the whole stiffness, and where it comes about with a share of it.
+    const double stretched = soft.share * (l - soft.rest[s]);
+    const double shifted = schedule_.rest[s] + stretched - stretched / share;
+    out.off = std::max(out.off, std::abs(l - schedule_.rest[s] - stretched));
+    out.stretched = std::max(out.stretched, std::abs(stretched));
     soft.rest[s] = shifted;
+  }
+  soft.share = share;
+  for (size_t f = 0; f < kSpringFamilies; ++f) {
+    state.f64(Columns::stiffness)[f] = share * soft.stiffness[f];
   }
   for (size_t j = 0; j < soft.list_rest.size(); ++j) soft.list_rest[j] = soft.rest[schedule_.list_spring[j]];
   return out;
