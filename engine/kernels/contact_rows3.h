@@ -59,6 +59,7 @@ struct alignas(64) ContactGroup {
   W k[21];                            ///< K, lower triangle by rows
   W point_inverse[kPoints];           ///< of K for a point's normal; 0 where there is no point
   W slide_inverse[3], twist_inverse;  ///< of friction: xx, xy, yy
+  W struck;                           ///< 1 where a blow is being shared
   // Read only where the flags ask for it.
   W restitution;
   W roll_k[3], roll[2], rolling;
@@ -115,19 +116,23 @@ void prepare_contacts(ContactGroup<T>& g, const ContactLanes<T>& in) {
   };
   const bool drifts = g.flags & ContactGroup<T>::kDrifts;
 
-  W weight(0), center[3] = {}, half(0);
+  W weight(0), center[3] = {}, half(0), nearest(T(1e30));
   for (int p = 0; p < g.points; ++p) {
     auto& at = g.place[p];
     at.separation = at.apart = in.separation[p], at.impulse = in.impulse[p];
     at.drift = drifts ? drift(in.arm[p], in.normal) + in.kept[p] : in.kept[p];
     // Points share the pressure of the last step; all alike where there was none.
     const W w = madd(in.active[p], W(1e-12), in.impulse[p]);
+    nearest = min(nearest, where_positive(in.active[p], in.separation[p], nearest));
     weight += w;
     r::add(center, w, in.arm[p]);
     half = madd(w, W(T(0.5)) * max(in.separation[p], zero), half);
   }
   const W share = inverse(weight);
   for (W& c : center) c *= share;
+
+  // What is pressed and yet apart was slowed by the last step to arrive in this one.
+  g.struck = where_positive(nearest, one, zero);
 
   // Friction acts where the surfaces will meet, not between them.
   half *= share;

@@ -130,6 +130,45 @@ Wide<T> held_back(const ContactGroup<T>& g, int p) {
   return where_positive(g.restitution, waits, one);
 }
 
+/// A blow: points that nothing pressed yet and that all close share the impulse that stops the slowest of
+/// them, and share what the next passes add to it or take back. One after the other, the first would take it
+/// whole and turn the body, which a few passes do not undo.
+template <ContactSolve kind, class T>
+void share_blow(ContactGroup<T>& g, Wide<T> v[6], Wide<T> f[6], const ContactPass<T>& pass,
+                const Wide<T>& push_out) {
+  using W = Wide<T>;
+  const W zero(0), one(1), far(T(1e30)), &k00 = g.k[at(0, 0)];
+  W pressure(0);
+  for (int p = 0; p < g.points; ++p) pressure += g.place[p].impulse;
+  // Not worth a look where the points' middle does not close.
+  const W closes = where_positive(-v[0], where_positive(k00, one, zero), zero);
+  const W shares = where_positive(pressure, g.struck, closes);
+  if (!any_below(-shares, zero)) return;
+  W least = far, most = -far, weakest = far, count(0);
+  for (int p = 0; p < g.points; ++p) {
+    const auto& place = g.place[p];
+    const W speed = nmadd(place.x, v[5], madd(place.y, v[4], v[0])) + place.drift;
+    const W closing = -(speed + wanted<kind>(place.apart, pass, push_out));
+    W share = where_positive(place.apart, one, W(pass.mass_scale));
+    if constexpr (kind == ContactSolve::relax) share = held_back(g, p);
+    least = min(least, where_positive(g.point_inverse[p], share * closing, far));
+    most = max(most, where_positive(g.point_inverse[p], share * closing, -far));
+    weakest = min(weakest, where_positive(g.point_inverse[p], place.impulse, far));
+    count += where_positive(g.point_inverse[p], one, zero);
+  }
+  const W stop = where_positive(least, least, min(most, zero)) / max(k00 * count, W(T(1e-30)));
+  const W each = where_positive(shares, max(stop, -weakest), zero);
+  g.struck = where_positive(each * each, one, zero);
+  W sum[3] = {};
+  for (int p = 0; p < g.points; ++p) {
+    auto& place = g.place[p];
+    const W added = where_positive(g.point_inverse[p], each, zero);
+    place.impulse += added;
+    sum[0] += added, sum[1] = madd(place.y, added, sum[1]), sum[2] = nmadd(place.x, added, sum[2]);
+  }
+  add_impulse(g, 0, sum[0], v, f), add_impulse(g, 4, sum[1], v, f), add_impulse(g, 5, sum[2], v, f);
+}
+
 /// The points' normal impulses one after the other.
 template <ContactSolve kind, class T>
 void solve_points(ContactGroup<T>& g, Wide<T> v[6], Wide<T> f[6], const ContactPass<T>& pass,
@@ -198,6 +237,7 @@ void solve_contacts(ContactGroup<T>& g, Record8<T>* records, const Record8<T>* d
   if (kind == ContactSolve::push && pass.start) push_out = detail::push_left(g, a, b, pass);
   // Friction is bounded by the normal impulses of the last relaxation, never by what a push leaves.
   if constexpr (kind == ContactSolve::push) detail::solve_friction(g, v, f);
+  detail::share_blow<kind>(g, v, f, pass, push_out);
   detail::solve_points<kind>(g, v, f, pass, push_out);
   if constexpr (kind == ContactSolve::relax) detail::solve_friction(g, v, f);
   detail::push_apart(g, f, a, b);
