@@ -38,7 +38,7 @@ Saved read_saved(App& app, const std::string& id) {
 
 void prepare(App& app, SessionEntry& e, const Saved& saved) {
   try {
-    const LastCommand last = bring_back(e, saved.session, [&] {
+    const LastCommand last = bring_back(e, saved.session, saved.recorded, [&] {
       if (saved.records) continue_recording(app, e, saved.recorded);
     });
     e.stored_snapshots = app.archive->folder_of(e.id).snapshots();
@@ -67,7 +67,8 @@ void start_restoring(App& app, const CreationPtr& creation) {
       app.store.make(creation, std::move(saved->draft), SessionStore::Accuracy::chosen,
                      [&app, saved](SessionEntry& e) { prepare(app, e, *saved); });
     };
-    const auto steps = static_cast<double>(saved->session.course.step - saved->session.from_step);
+    const uint64_t to = std::max(saved->session.course.step, saved->recorded.value_or(0));
+    const auto steps = static_cast<double>(to - std::min(to, saved->session.from_step));
     if (saved->draft.heavy() || steps * saved->draft.cost.seconds_per_step > kShortWay)
       app.runner.start_long_work(make);
     else

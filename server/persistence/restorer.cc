@@ -22,7 +22,7 @@ void resume(Session& session, const SavedSession& saved) {
 
 }  // namespace
 
-LastCommand bring_back(SessionEntry& entry, const SavedSession& saved,
+LastCommand bring_back(SessionEntry& entry, const SavedSession& saved, std::optional<uint64_t> recorded,
                        const std::function<void()>& before_steps) {
   Session& session = entry.session;
   entry.accuracy = saved.scene.accuracy;
@@ -45,6 +45,9 @@ LastCommand bring_back(SessionEntry& entry, const SavedSession& saved,
       last = LastCommand::refused;
     }
   }
+  // A recording can know more than anybody was told: its frames stay those of this session.
+  const bool went_back = saved.course.step < saved.course.furthest;
+  while (recorded && !went_back && session.step_index() < *recorded && !session.failure()) session.step(1);
   entry.restored = Restored{saved.from_step, session.step_index(), saved.complete};
   return last;
 }

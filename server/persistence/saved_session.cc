@@ -56,7 +56,7 @@ LoggedCourse follow(const SavedState& state, uint64_t from, std::span<const LogR
   const auto contradiction = [] {
     return Error("session_damaged", "the records of the session's journal contradict each other");
   };
-  LoggedCourse c{state.ahead, std::nullopt, from, state.last_sequence};
+  LoggedCourse c{state.ahead, std::nullopt, from, from, state.last_sequence};
   for (const JournalEntry& e : c.journal) {
     if (e.step < from) throw contradiction();
   }
@@ -73,6 +73,7 @@ LoggedCourse follow(const SavedState& state, uint64_t from, std::span<const LogR
       c.journal.pop_back();
     }
     c.step = r.step;
+    c.furthest = std::max(c.furthest, r.step);
   }
   if (!records.empty() && records.back().kind == LogRecord::Kind::command) {
     c.unconfirmed = std::move(c.journal.back());

@@ -14,7 +14,8 @@ namespace truestep {
 struct LoggedCourse {
   std::vector<JournalEntry> journal;        ///< from the state on, those of a future gone back from included
   std::optional<JournalEntry> unconfirmed;  ///< the newest command when nothing tells that it was carried out
-  uint64_t step = 0;                        ///< where the session stood
+  uint64_t step = 0;                        ///< where the session stood when that was last told
+  uint64_t furthest = 0;                    ///< where it had been told to stand before at most
   uint64_t last_sequence = 0;
 };
 /// `from` is the state's step. Error "session_damaged" when the records contradict each other.

@@ -69,6 +69,22 @@ class Recordings(Restarted):
         self.assertEqual(done.returncode, 0, done.stderr)
         return json.loads(done.stdout)
 
+    def test_frames_beyond_what_anybody_was_told_stay_those_of_the_session(self):
+        s = self.service.create(self.SCENE)
+        self.step(s, 5)
+        self.service.post(s["links"]["play"], {"speed": 100})
+        # Nobody asks where it stands; the recording alone says that it went on.
+        deadline = time.monotonic() + patience(60)
+        while self.recordings()[0]["frames"] < 400 and time.monotonic() < deadline:
+            time.sleep(0.05)
+        self.again()
+        repaired, = self.recordings()
+        self.assertGreaterEqual(repaired["frames"], 400)
+        now = self.service.get(s["links"]["self"]).json()
+        self.assertGreaterEqual(now["step"], repaired["frames"] - 1)
+        self.service.post(s["links"]["recording"] + "/finish")
+        self.assertEqual(sum(r["frames"] for r in self.recordings()), now["step"] + 1)
+
     def test_a_second_file_that_came_to_no_frame_begins_nothing_again(self):
         s = self.service.create(self.SCENE)
         self.step(s, 300)

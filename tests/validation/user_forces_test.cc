@@ -109,6 +109,31 @@ TEST(UserForces, ADraggedCornerFollowsTheHand) {
   }
 }
 
+// A rod of 1 m on a pin at its end: an impulse J at the distance r from the pin gives J r / I about it.
+TEST(UserForces, AnImpulseOnALinkTurnsByItsArm) {
+  const std::string rod =
+      R"({"type": "articulation", "id": "a", "links": [{"joint": "hinge", "axis": [0, 0, 1],
+      "mass": 3, "center": [0.5, 0, 0], "inertia": [0.01, 0.25, 0.25]}]})";
+  const double moment = 0.25 + 3 * 0.25;
+  const auto rate = [](const Hand& h) {
+    const State& s = h.state.systems[0];
+    return s.f64(s.at("velocity"))[0];
+  };
+  for (const double arm : {0.25, 0.5, 1.0}) {
+    Hand hand(rod);
+    hand.apply(CommandKind::impulse, {0, 2, 0}, Vec3{arm, 0, 0});
+    EXPECT_NEAR(rate(hand), 2 * arm / moment, 1e-12);
+    // A push for one step: half of its angle, 0.05 mrad, is what the arm turns meanwhile.
+    Hand push(rod);
+    push.apply(CommandKind::push, {0, 2, 0}, Vec3{arm, 0, 0}, 0.01);
+    push.steps(1);
+    EXPECT_NEAR(rate(push), 0.02 * arm / moment, 1e-7);
+  }
+  Hand centre(rod);
+  centre.apply(CommandKind::impulse, {0, 2, 0}, std::nullopt);
+  EXPECT_NEAR(rate(centre), 2 * 0.5 / moment, 1e-12);
+}
+
 TEST(UserForces, PointsRefuseAPlace) {
   for (const char* system :
        {R"({"type": "particles", "id": "p", "positions": [[0, 0, 0]]})",

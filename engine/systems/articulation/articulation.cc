@@ -161,17 +161,20 @@ void Articulation::apply(State& s, const Command& c) const {
   const Model& m = tree_.model();
   switch (c.kind) {
     case CommandKind::impulse: {
-      const auto change = tree_.response(s, checked_command_row(c, m.links.size(), "link"), c.vector);
+      const size_t link = checked_command_row(c, m.links.size(), "link");
+      const auto change = tree_.response(s, link, c.vector, tree_.hold(s, link, c.at));
       const auto v = s.f64(Columns::kVelocity);
       for (size_t i = 0; i < change.size(); ++i) v[i] += change[i];
       return;
     }
-    case CommandKind::push:
-      s.span<int32_t>(Columns::kPushLink)[0] =
-          static_cast<int32_t>(checked_command_row(c, m.links.size(), "link"));
+    case CommandKind::push: {
+      const size_t link = checked_command_row(c, m.links.size(), "link");
+      s.span<int32_t>(Columns::kPushLink)[0] = static_cast<int32_t>(link);
       store3(s.f64(Columns::kPushForce).data(), 0, c.vector);
+      store3(s.f64(Columns::kPushAt).data(), 0, tree_.hold(s, link, c.at));
       s.f64(Columns::kPushRemaining)[0] = c.duration;
       return;
+    }
     case CommandKind::set_parameter: {
       if (c.name == "gravity") return store3(s.f64(Columns::kGravity).data(), 0, c.vector);
       for (const Link& l : m.links) {

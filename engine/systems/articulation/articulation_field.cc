@@ -112,6 +112,7 @@ State ArticulationField::initial_state() const {
   s.add({"gravity", "m/s^2", Scalar::f64, 3}, 1);
   s.add({"push.link", "1", Scalar::i32}, 1);
   s.add({"push.force", "N", Scalar::f64, 3}, 1);
+  s.add({"push.at", "m", Scalar::f64, 3}, 1);
   s.add({"push.remaining", "s"}, 1);
   std::ranges::copy(model_.q, s.f64(Columns::kPosition).begin());
   std::ranges::copy(model_.v, s.f64(Columns::kVelocity).begin());
@@ -144,7 +145,9 @@ Push ArticulationField::push_of(const State& state) const {
   const int32_t link = state.span<int32_t>(Columns::kPushLink)[0];
   if (link < 0) return {};
   const Link& l = model_.links[size_t(link)];
-  return {.node = l.node, .at = l.center, .force = load3(state.f64(Columns::kPushForce).data(), 0)};
+  return {.node = l.node,
+          .at = load3(state.f64(Columns::kPushAt).data(), 0),
+          .force = load3(state.f64(Columns::kPushForce).data(), 0)};
 }
 
 Vec3 ArticulationField::reach(const LinkSpring& s, std::span<const NodeWork> work, Of what) const {
@@ -263,15 +266,24 @@ Work ArticulationField::accelerated(const State& s) const {
   return work;
 }
 
-std::vector<double> ArticulationField::response(const State& s, size_t link, const Vec3& impulse) const {
+std::vector<double> ArticulationField::response(const State& s, size_t link, const Vec3& impulse,
+                                                const Vec3& at) const {
   // An impulse acts like a force for a short time: at rest, without gravity.
   const std::vector<double> rest(model_.v.size(), 0.0);
   std::vector<double> change(model_.v.size());
   Work work(model_.tree.nodes.size());
   const Link& l = model_.links[link];
-  const Push push{.node = l.node, .at = l.center, .force = impulse};
+  const Push push{.node = l.node, .at = at, .force = impulse};
   accelerations(model_.tree, s.f64(Columns::kPosition), rest, rest, {}, {&push, 1}, work, change);
   return change;
+}
+
+Vec3 ArticulationField::hold(const State& s, size_t link, const std::optional<Vec3>& place) const {
+  const Link& l = model_.links[link];
+  if (!place) return l.center;
+  const Work work = placed(s);
+  const spatial::Frame f = world_frame(model_.tree, work, l.node);
+  return f.R.apply_inverse(*place - f.p);
 }
 
 }  // namespace truestep::articulation

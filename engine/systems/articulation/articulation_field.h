@@ -18,8 +18,9 @@ struct Columns {
     kVelocity,
     kTorque,        ///< N m or N, one per velocity
     kGravity,       ///< m/s^2, 3
-    kPushLink,      ///< link that is pushed at its centre, -1: none
+    kPushLink,      ///< link that is pushed, -1: none
     kPushForce,     ///< N, 3
+    kPushAt,        ///< m, 3, where, in the frame of the link's joint
     kPushRemaining  ///< s
   };
 };
@@ -49,7 +50,10 @@ class ArticulationField final : public ForceField {
   Work placed(const State& state) const;
   Work accelerated(const State& state) const;
   /// Change of v when `link` is hit at its centre by an impulse (N s, world).
-  std::vector<double> response(const State& state, size_t link, const Vec3& impulse) const;
+  std::vector<double> response(const State& state, size_t link, const Vec3& impulse, const Vec3& at) const;
+  /// Where a link is taken hold of, in the frame of its joint: `place` (m, in the world), or its centre of
+  /// mass.
+  Vec3 hold(const State& state, size_t link, const std::optional<Vec3>& place) const;
 
  private:
   void efforts(const Phase& at, std::span<double> tau) const;

@@ -1,4 +1,5 @@
 #include "engine/systems/oscillator/oscillator.h"
+#include "engine/core/command_checks.h"
 
 #include <algorithm>
 #include <cmath>
@@ -59,6 +60,7 @@ class Oscillator : public ForceSystem {
   }
 
   void apply(State& state, const Command& c) const override {
+    refuse_place(c, "mass");
     if (c.index > 0 || c.index < -1) refuse("/index", "an oscillator has one point", "0");
     switch (c.kind) {
       case CommandKind::impulse:

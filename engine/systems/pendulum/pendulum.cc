@@ -1,4 +1,5 @@
 #include "engine/systems/pendulum/pendulum.h"
+#include "engine/core/command_checks.h"
 
 #include <algorithm>
 #include <cmath>
@@ -87,6 +88,7 @@ class Pendulum final : public ForceSystem {
   }
 
   void apply(State& s, const Command& c) const override {
+    refuse_place(c, "bob");
     switch (c.kind) {
       case CommandKind::impulse: {
         const auto change = chain_.response(s.f64(C::kAngle), link(c), c.vector);

@@ -92,6 +92,7 @@ class RodChain final : public StagedSystem {
 
   void apply(State& s, const Command& c) const override {
     check_command_numbers(c);
+    refuse_place(c, "joint of rods");
     if (c.kind == CommandKind::impulse) {
       const size_t j = checked_command_row(c, s.rows(kPosition), "rod");
       double* v = s.f64(kVelocity).data();
