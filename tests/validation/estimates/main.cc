@@ -100,7 +100,7 @@ Figures measure(const boost::json::value& document, double most_seconds) {
   constexpr size_t kWeighed = 120, kMost = 600;
   const auto go_on = [&] {
     const double spent = cpu_seconds() - start;
-    return spent < most_seconds || (took.size() < kWeighed && spent < 3 * most_seconds);
+    return spent < most_seconds || (took.size() < kWeighed && spent < 10 * most_seconds);
   };
   while (took.empty() || (took.size() < kMost && go_on())) {
     const double begun = cpu_seconds();
