@@ -144,7 +144,9 @@ Cost ode_cost(const void* def) {
   c.workspace_bytes = 240 * work + 8 * (30 * n + std::min(n, 100.0) * n) + 24 * points;
   c.elements = n + points;
   // Measured: some 30 right-hand sides a step; 4 stages of a tracer, 3 ns an operation and point.
-  c.seconds_per_step = 1.3e-6 + 25e-9 * work + 4 * 0.8e-9 * tracer_operations * points;
+  // A long trail does not stay in the cache from step to step.
+  const double trail = 1e-9 * std::max(static_cast<double>(d.trail.value_or(400)) - 600, 0.0);
+  c.seconds_per_step = 1.3e-6 + trail + 25e-9 * work + 4 * 0.8e-9 * tracer_operations * points;
   return c;
 }
 

@@ -159,7 +159,9 @@ bool memory_is_off(const Figures& f) {
 bool time_is_off(const Figures& f, double machine) {
   constexpr double kWhole = 300;  // steps after which the busy ones have been among them
   const double estimated = f.estimated_seconds / machine;
-  if (f.steps < kRow || f.seconds <= 20e-6) return false;
+  // Hundreds of small systems in a scene do not stay in the cache, which counts do not tell.
+  constexpr double kMostSystems = 64;
+  if (f.steps < kRow || f.seconds <= 20e-6 || f.systems > kMostSystems) return false;
   return !(estimated >= 0.5 * f.usual) || (f.steps >= kWhole && estimated > 2 * f.seconds);
 }
 
