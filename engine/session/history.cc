@@ -24,8 +24,12 @@ void History::set_cadence(size_t bytes, double step_seconds) {
 
 void History::offer(const WorldState& state, double step_seconds) {
   set_cadence(state.memory_bytes(), step_seconds);
-  if (!due(state.step)) return;
+  if (due(state.step)) keep(state);
+}
+
+void History::keep(const WorldState& state) {
   if (!snapshots_.empty() && snapshots_.back().step >= state.step) return;
+  const bool regular = due(state.step);
   const size_t size = state.memory_bytes();
   WorldState place;
   // Spare memory that does not fit (states with emitters grow) is given back before the past is thinned.
@@ -33,7 +37,7 @@ void History::offer(const WorldState& state, double step_seconds) {
     if (spare_.empty()) {
       if (snapshots_.empty()) return;
       thin_out();
-      if (!due(state.step)) return;
+      if (regular && !due(state.step)) return;
       continue;
     }
     place = std::move(spare_.back());

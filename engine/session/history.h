@@ -26,6 +26,8 @@ class History {
   /// Copies a due state that is newer than the newest kept, unless its step, which took `step_seconds`, was
   /// too cheap for a snapshot so soon.
   void offer(const WorldState& state, double step_seconds);
+  /// Copies a state that is newer than the newest kept, whatever its step has taken.
+  void keep(const WorldState& state);
   /// Newest snapshot at or before `step`, or null.
   const WorldState* at_or_before(uint64_t step) const;
   /// Forgets snapshots after `step`.

@@ -234,6 +234,7 @@ uint64_t Session::command(const Command& command) {
   const uint64_t sequence = next_sequence_++;
   // A new command makes a new future: what was journalled for later steps no longer holds.
   journal_.resize(journal_cursor_);
+  mark_journal();
   if (journal_.size() >= options_.journal_entries) shorten_journal();
   const JournalEntry entry{state_.step, sequence, command};
   for (const auto& sink : sinks_) sink->before_command(entry);
@@ -250,6 +251,17 @@ uint64_t Session::command(const Command& command) {
   history_.truncate(state_.step);
   series_.truncate(state_.step);
   return sequence;
+}
+
+// A long run of commands is divided by snapshots, or there would be nothing to shorten the journal at but the
+// present. They are taken before a step's first command, as all snapshots are.
+void Session::mark_journal() {
+  if (!journal_.empty() && journal_.back().step >= state_.step) return;
+  const WorldState* s = history_.at_or_before(state_.step);
+  const uint64_t marked = s ? s->step : first_step();
+  const auto since = std::lower_bound(journal_.begin(), journal_.end(), marked,
+                                      [](const JournalEntry& e, uint64_t step) { return e.step < step; });
+  if (static_cast<size_t>(journal_.end() - since) >= options_.journal_entries / 8) history_.keep(state_);
 }
 
 // The older half of the journal goes, up to a snapshot of that time; where there is none near, all of it: the

@@ -194,6 +194,7 @@ class Session {
   void changed() { hash_.reset(); }
   void drain_queue();
   void replay_commands();
+  void mark_journal();
   void shorten_journal();
   void load(WorldState state);
   void abandon_aside();

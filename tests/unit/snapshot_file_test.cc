@@ -188,7 +188,8 @@ TEST(JournalBound, ShortensThePastAndNothingElse) {
   EXPECT_EQ(free.first_step(), 0u);
   const uint64_t first = bounded.first_step();
   ASSERT_GT(first, 0u);
-  ASSERT_LT(first, 2000u - kMost / 4);
+  // However fast the machine is: every eighth of the bound has a snapshot, and half of the journal stays.
+  EXPECT_LE(first, 2000u - kMost / 2);
   EXPECT_THROW(bounded.seek(first - 1), Error);
   for (const uint64_t step : {first, first + 7, uint64_t{1999}}) {
     bounded.seek(step), free.seek(step);
