@@ -9,7 +9,7 @@
 
 #include "engine/base/parallel.h"
 #include "engine/collision/collider.h"
-#include "engine/core/drawn.h"
+#include "engine/core/drawing.h"
 #include "engine/core/workspace.h"
 
 namespace truestep {

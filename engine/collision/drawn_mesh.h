@@ -7,7 +7,7 @@
 #include <span>
 
 #include "engine/collision/solid.h"
-#include "engine/core/drawn.h"
+#include "engine/core/drawing.h"
 
 namespace truestep {
 

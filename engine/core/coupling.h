@@ -10,7 +10,7 @@
 //
 // The order is a palindrome, so that couplings by forces compose to second order (Strang 1968).
 #pragma once
-#include "engine/core/points.h"
+#include "engine/core/ports.h"
 #include "engine/core/system.h"
 
 namespace truestep {

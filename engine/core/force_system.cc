@@ -12,7 +12,13 @@ ForceSystem::ForceSystem(std::unique_ptr<const ForceField> field, const Integrat
   const State s = field_->initial_state();
   position_ = s.info(s.at("position"));
   velocity_ = s.info(s.at("velocity"));
-  max_rows_ = s.rows(s.at("position"));
+  PartInfo part;
+  part.fields = {{"position", position_.unit, position_.type, position_.width,
+                  position_.width == 3 ? Meaning::position : Meaning::value},
+                 {"velocity", velocity_.unit, velocity_.type, velocity_.width,
+                  velocity_.width == 3 ? Meaning::velocity : Meaning::value}};
+  part.max_rows = s.rows(s.at("position"));
+  set_parts({std::move(part)});
 }
 
 void ForceSystem::add_integration_stage(const std::string& why) {
@@ -76,18 +82,15 @@ std::optional<Energy> ForceSystem::energy(const State& state, double t, Workspac
   return out;
 }
 
-std::vector<FieldInfo> ForceSystem::fields() const {
-  return {{"position", position_.unit, position_.type, position_.width},
-          {"velocity", velocity_.unit, velocity_.type, velocity_.width}};
-}
-
-FieldView ForceSystem::field(const State& state, size_t which, std::vector<double>&) const {
-  const ColumnInfo& info = which == 0 ? position_ : velocity_;
+FieldView ForceSystem::field(const State& state, size_t, size_t field, std::vector<double>&) const {
+  const ColumnInfo& info = field == 0 ? position_ : velocity_;
   const auto c = state.at(info.name);
   return {state.bytes(c).data(), info.type, state.rows(c), info.width};
 }
 
-std::optional<double> ForceSystem::stable_dt(const State& state) const {
+std::optional<double> ForceSystem::limit(Limit which, const State& state, double) const {
+  if (which == Limit::speed) return speed_limit_;
+  if (which != Limit::stable_dt) return std::nullopt;
   const auto s = field_->stiffness(state);
   const StabilityInterval interval = stability_interval(method_, options_);
   // Adaptive methods divide a step themselves; unconditionally stable ones need no limit.

@@ -15,13 +15,10 @@ class ForceSystem : public StagedSystem {
   /// energy.kinetic, energy.potential and energy.total (J) where the field has them, and what the method has
   /// counted.
   void observe(const State& state, double t, Observables& out) const override;
-  /// position and velocity as they stand in the state.
-  std::vector<FieldInfo> fields() const override;
-  FieldView field(const State& state, size_t which, std::vector<double>& scratch) const override;
-  /// From the field's stiffness and the method's stability interval.
-  std::optional<double> stable_dt(const State& state) const override;
-  size_t max_rows() const override { return max_rows_; }
-  std::optional<double> speed_limit() const override { return speed_limit_; }
+  /// position and velocity as they stand in the state, the first two fields of the main part.
+  FieldView field(const State& state, size_t part, size_t field, std::vector<double>& scratch) const override;
+  /// The stable dt from the field's stiffness and the method's stability interval.
+  std::optional<double> limit(Limit which, const State& state, double h) const override;
   /// The field's, where it has a potential.
   std::optional<Energy> energy(const State& state, double t, Workspace& workspace,
                                const ThreadArena& arena) const override;
@@ -37,7 +34,6 @@ class ForceSystem : public StagedSystem {
   ForceSystem(std::unique_ptr<const ForceField> field, const Integrator& method, IntegratorOptions options);
   /// `why`: this method, for the plan.
   void add_integration_stage(const std::string& why = "");
-  void set_max_rows(size_t rows) { max_rows_ = rows; }
   /// For systems that only exchange the energy they start with: a limit of a thousand times the speeds that
   /// the start, its accelerations and its fastest oscillation could give.
   void bound_speed();
@@ -47,7 +43,6 @@ class ForceSystem : public StagedSystem {
   const Integrator& method_;
   IntegratorOptions options_;
   ColumnInfo position_, velocity_;
-  size_t max_rows_ = 0;
   std::optional<double> speed_limit_;
 };
 

@@ -2,6 +2,13 @@
 
 namespace truestep {
 
+std::optional<FieldPlace> System::find_field(std::string_view name) const {
+  for (size_t p = 0; p < parts_.size(); ++p) {
+    if (const auto f = parts_[p].find(name)) return FieldPlace{p, *f};
+  }
+  return std::nullopt;
+}
+
 void StagedSystem::step(State& state, const StepInput& input) const {
   for (const Stage& stage : stages_) {
     ProfileScope scope(input.profile, stage.name);

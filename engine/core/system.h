@@ -12,13 +12,13 @@
 #include "engine/base/parallel.h"
 #include "engine/base/profile.h"
 #include "engine/core/command.h"
-#include "engine/core/drawn.h"
+#include "engine/core/drawing.h"
 #include "engine/core/energy.h"
 #include "engine/core/observables.h"
-#include "engine/core/points.h"
+#include "engine/core/part.h"
+#include "engine/core/ports.h"
 #include "engine/core/state.h"
 #include "engine/core/state_check.h"
-#include "engine/core/topology.h"
 #include "engine/core/workspace.h"
 
 namespace truestep {
@@ -40,20 +40,13 @@ struct PlanRow {
   std::string reason;
 };
 
-/// Something that may be streamed, recorded or drawn.
-struct FieldInfo {
-  std::string name;
-  std::string unit;
-  Scalar type = Scalar::f64;
-  uint32_t width = 1;
-};
-
-/// rows x width elements of a field, either inside the state or inside the scratch that was handed over.
-struct FieldView {
-  const void* data = nullptr;
-  Scalar type = Scalar::f64;
-  size_t rows = 0;
-  uint32_t width = 1;
+/// What may be known of how far a system's method goes; `System::limit` says where it is.
+enum class Limit : uint8_t {
+  stable_dt,    ///< s, largest step that the method is known to hold in this state
+  speed,        ///< velocity, in its own unit, that nothing in the system's energy explains, in any of its
+                ///< states: a step that leaves one beyond it has failed
+  step_seconds  ///< s on one core that a step of h from this state takes, where building the system tells
+                ///< more than its parameters do (the pattern of an implicit method's matrix)
 };
 
 class System {
@@ -63,63 +56,53 @@ class System {
   virtual State initial_state() const = 0;
   /// Advances the state by input.h. Throws Instability when it cannot.
   virtual void step(State& state, const StepInput& input) const = 0;
-  /// Adds energies, momenta, residuals of this state (t in s).
+  /// Adds energies, momenta, residuals of this state (t in s). What has no value yet is NaN, so that the
+  /// names are the same throughout a run.
   virtual void observe(const State& state, double t, Observables& out) const = 0;
-  /// Adds what `observe` gives out only later in a run, with any value: a time that has not come yet.
-  virtual void late_observables(Observables& out) const {}
-
-  /// Fields that exist, "position" first where there is one. The order is that of `field`'s index.
-  virtual std::vector<FieldInfo> fields() const = 0;
-  /// The field's values; nothing is computed for fields nobody asks for.
-  virtual FieldView field(const State& state, size_t which, std::vector<double>& scratch) const = 0;
-
-  /// Names the columns that grow or point to rows, with what they may hold, for a state at time t (s) that
-  /// came from outside: whatever passes can be stepped, observed and drawn.
-  virtual void check(StateCheck& check, double t) const {}
-
   /// Carries out a command between two steps. Error "bad_command" (with an Issue) when it makes no sense.
   virtual void apply(State& state, const Command& command) const = 0;
-
   /// Passes of this system's step in order, then what this scene does not need.
   virtual std::vector<PlanRow> plan() const = 0;
 
-  virtual Topology topology(const State& state) const { return {}; }
-  /// Solids that rows of "position" and "orientation" carry. A row is dimmed where the field "asleep" is not
-  /// 0.
-  virtual DrawnBodies bodies(const State& state) const { return {}; }
-  /// Changes when `topology` or `bodies` does.
-  virtual uint32_t topology_version(const State& state) const { return 1; }
-  /// Obstacles at time t (s), for drawing.
-  virtual std::vector<DrawnShape> shapes(const State& state, double t) const { return {}; }
-  /// Where bodies touch, for pictures that were asked to show it.
-  virtual std::vector<ContactMark> contact_marks(const State& state) const { return {}; }
-  /// Joints that hold, for pictures that were asked to show them.
-  virtual std::vector<JointMark> joint_marks(const State& state) const { return {}; }
-  /// Largest dt (s) that this system's method is known to hold in this state; nothing when unknown or
-  /// unlimited.
-  virtual std::optional<double> stable_dt(const State& state) const { return std::nullopt; }
-  /// Seconds on one core that a step of h (s) from this state is expected to take, where building the system
-  /// tells more than its parameters do (the pattern of an implicit method's matrix).
-  virtual std::optional<double> step_seconds(const State& state, double h) const { return std::nullopt; }
+  /// What there is to stream, record, draw and probe; the main part first.
+  const std::vector<PartInfo>& parts() const { return parts_; }
+  /// The first field of this name, main part first.
+  std::optional<FieldPlace> find_field(std::string_view name) const;
+  /// Values of a field of a part; nothing is computed for fields nobody asks for.
+  virtual FieldView field(const State& state, size_t part, size_t field,
+                          std::vector<double>& scratch) const = 0;
+  /// Adds to an empty drawing what is wished for, at time t (s).
+  virtual void draw(const State& state, double t, Wish wishes, Drawing& out) const {}
+  /// Changes when the constant part of the drawing does.
+  virtual uint32_t drawing_version(const State& state) const { return 1; }
+
+  /// Where couplings reach into this system's states. Valid while the system lives.
+  virtual Ports ports() const { return {}; }
+  /// Nothing where it is unknown or there is none. `h` (s) is looked at for `step_seconds` alone.
+  virtual std::optional<double> limit(Limit which, const State& state, double h) const {
+    return std::nullopt;
+  }
   /// What helps when a step fails, one sentence each, in this system's own words; empty: a shorter step,
   /// another method or softer forces.
   virtual std::vector<std::string> remedies() const { return {}; }
-  /// Where couplings find the points of this system's states; nothing when it has none that they could move.
-  virtual std::optional<PointColumns> points() const { return std::nullopt; }
-  /// Solids that points of other systems collide with; corners are rows of `points`. Valid while the system
-  /// lives.
-  virtual PublishedSolids solids() const { return {}; }
-  /// Velocity (in its own unit) that nothing in this system's energy explains; a step that leaves one beyond
-  /// it has failed. Nothing where the energy has no bound (emitters, expressions).
-  virtual std::optional<double> speed_limit() const { return std::nullopt; }
   /// Energies of this state at time t (s); nothing when the system knows none. Asked for every few steps, and
   /// allocates nothing after the first time.
   virtual std::optional<Energy> energy(const State& state, double t, Workspace& workspace,
                                        const ThreadArena& arena) const {
     return std::nullopt;
   }
-  /// Upper bound of rows that "position" may reach (emitters grow).
-  virtual size_t max_rows() const = 0;
+  /// Names the columns that grow or point to rows, with what they may hold, for a state at time t (s) that
+  /// came from outside: whatever passes can be stepped, observed and drawn.
+  virtual void check(StateCheck& check, double t) const {}
+
+ protected:
+  /// Once, by the constructor.
+  void set_parts(std::vector<PartInfo> parts) { parts_ = std::move(parts); }
+  /// The main part, for constructors that know more of it than their bases.
+  PartInfo& main_part() { return parts_.at(0); }
+
+ private:
+  std::vector<PartInfo> parts_;
 };
 
 /// One named pass of a step.

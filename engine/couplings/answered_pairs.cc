@@ -19,7 +19,7 @@ Vec3 shape(const AnsweredPair& p, const Vec3& y) {
 
 /// The points of one system, with impulses on them and what these change.
 struct AnsweredPairs::Side {
-  Side(const AnswersImpulses* system, State& state, const PointColumns& columns, Workspace& scratch)
+  Side(const AnswersImpulses* system, State& state, const PointPort& columns, Workspace& scratch)
       : system(system),
         state(state),
         points(state, columns),

@@ -27,7 +27,7 @@ struct AnsweredPair {
 
 class AnsweredPairs {
  public:
-  AnsweredPairs(const System& a, const System& b, PointColumns columns_a, PointColumns columns_b)
+  AnsweredPairs(const System& a, const System& b, PointPort columns_a, PointPort columns_b)
       : a_(answers_together(a)), b_(answers_together(b)), columns_a_(columns_a), columns_b_(columns_b) {}
 
   /// Whether any of the two sides answers as a whole.
@@ -49,7 +49,7 @@ class AnsweredPairs {
   void respond(Sides& sides, const StepInput& in, AnswersImpulses::Answer which,
                const std::vector<AnsweredPair>& pairs, ImpulseOf impulse_of) const;
   const AnswersImpulses *a_, *b_;  // null: each point for itself
-  PointColumns columns_a_, columns_b_;
+  PointPort columns_a_, columns_b_;
 };
 
 }  // namespace truestep

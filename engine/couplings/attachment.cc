@@ -41,7 +41,7 @@ Vec3 lasting(const double* last, size_t pair) {
 }
 
 /// Id of the point that an index of the scene names.
-uint64_t named_point(int64_t index, const CouplingSide& side, const PointColumns& columns,
+uint64_t named_point(int64_t index, const CouplingSide& side, const PointPort& columns,
                      const std::string& pointer) {
   const ConstPoints points(side.state, columns);
   const auto n = static_cast<int64_t>(points.count);
@@ -69,7 +69,7 @@ Vec3 length_correction(const Vec3& r, const Vec3& d, double rest) {
 }  // namespace
 
 std::unique_ptr<const Attachment> Attachment::make(const AttachmentDef& def, const CouplingContext& context) {
-  const PointColumns a = require_points(context.a, "a"), b = require_points(context.b, "b");
+  const PointPort a = require_points(context.a, "a"), b = require_points(context.b, "b");
   std::unique_ptr<Attachment> out(new Attachment(def, context, a, b));
   const ConstPoints pa(context.a.state, a), pb(context.b.state, b);
   std::map<uint64_t, double> a_pairs, b_pairs;

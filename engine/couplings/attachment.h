@@ -49,7 +49,7 @@ class Attachment final : public Coupling {
     size_t pair, a, b;  ///< index of the pair, rows
     double wa, wb, rest;
   };
-  Attachment(const AttachmentDef& def, const CouplingContext& context, PointColumns a, PointColumns b)
+  Attachment(const AttachmentDef& def, const CouplingContext& context, PointPort a, PointPort b)
       : def_(def), a_(a), b_(b), answered_(context.a.system, context.b.system, a, b) {}
   /// Name of the pass.
   const char* pass() const { return def_.link == AttachmentDef::Link::rigid ? "links" : "springs"; }
@@ -75,7 +75,7 @@ class Attachment final : public Coupling {
                      std::vector<AnsweredPair>& pairs, Exchange& sum) const;
 
   AttachmentDef def_;
-  PointColumns a_, b_;
+  PointPort a_, b_;
   AnsweredPairs answered_;
   std::vector<Pair> pairs_;
 };

@@ -35,8 +35,8 @@ bool more_than_balls(const PublishedSolids& s) {
 
 std::unique_ptr<const ContactCoupling> ContactCoupling::make(const ContactDef& def,
                                                              const CouplingContext& context) {
-  const PointColumns a = require_points(context.a, "a"), b = require_points(context.b, "b");
-  const PublishedSolids of_a = context.a.system.solids(), of_b = context.b.system.solids();
+  const PointPort a = require_points(context.a, "a"), b = require_points(context.b, "b");
+  const PublishedSolids of_a = context.a.system.ports().solids, of_b = context.b.system.ports().solids;
   std::unique_ptr<ContactCoupling> out(new ContactCoupling(def));
   if (&context.a.system == &context.b.system) {
     if (of_a.balls == PublishedSolids::Balls::none) {

@@ -49,7 +49,7 @@ class ContactCoupling final : public Coupling {
   ContactDef def_;
   Roles roles_ = Roles::a_on_b;
   std::string points_id_, solids_id_;
-  PointColumns points_, other_;
+  PointPort points_, other_;
   PublishedSolids published_;
   double reach_ = 0;  ///< m, distance at which a point touches
 };

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "engine/base/parallel.h"
-#include "engine/core/points.h"
+#include "engine/core/ports.h"
 #include "engine/couplings/near_pairs.h"
 #include "engine/kernels/point_hull.h"
 

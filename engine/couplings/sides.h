@@ -6,8 +6,8 @@
 namespace truestep {
 
 /// The columns of a side's points; Error "scene_invalid" about `member` ("a" or "b") when it has none.
-inline PointColumns require_points(const CouplingSide& side, const std::string& member) {
-  if (const auto points = side.system.points()) return *points;
+inline PointPort require_points(const CouplingSide& side, const std::string& member) {
+  if (const auto points = side.system.ports().points) return *points;
   const std::string why = "\"" + side.id + "\" has no points that a coupling could reach";
   throw Error("scene_invalid", why,
               {{"/" + member, "unsuitable_system", why, '"' + side.id + '"', "a system of points", "", ""}});

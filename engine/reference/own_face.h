@@ -10,22 +10,23 @@ class OwnFace : public StagedSystem {
  public:
   State initial_state() const override { return own_.initial_state(); }
   void observe(const State& s, double t, Observables& out) const override { own_.observe(s, t, out); }
-  std::vector<FieldInfo> fields() const override { return own_.fields(); }
-  FieldView field(const State& s, size_t which, std::vector<double>& scratch) const override {
-    return own_.field(s, which, scratch);
+  FieldView field(const State& s, size_t part, size_t field, std::vector<double>& scratch) const override {
+    return own_.field(s, part, field, scratch);
   }
   void check(StateCheck& check, double t) const override { own_.check(check, t); }
   void apply(State& s, const Command& c) const override { own_.apply(s, c); }
-  Topology topology(const State& s) const override { return own_.topology(s); }
-  uint32_t topology_version(const State& s) const override { return own_.topology_version(s); }
-  std::vector<DrawnShape> shapes(const State& s, double t) const override { return own_.shapes(s, t); }
-  DrawnBodies bodies(const State& s) const override { return own_.bodies(s); }
-  std::vector<JointMark> joint_marks(const State& s) const override { return own_.joint_marks(s); }
-  size_t max_rows() const override { return own_.max_rows(); }
+  uint32_t drawing_version(const State& s) const override { return own_.drawing_version(s); }
+  /// But the contacts, which are ours.
+  void draw(const State& s, double t, Wish wishes, Drawing& out) const override {
+    own_.draw(s, t, wishes, out);
+    out.contacts.clear();
+  }
 
  protected:
   template <class Def>
-  OwnFace(const Def& def, const BuildContext& context) : own_(def, context) {}
+  OwnFace(const Def& def, const BuildContext& context) : own_(def, context) {
+    set_parts(own_.parts());
+  }
 
   Own own_;
 };

@@ -195,7 +195,8 @@ void check_probes(const Scene& scene, SceneReport& report) {
   for (size_t i = 0; i < scene.header.probes.size(); ++i) {
     const ProbeParams& p = scene.header.probes[i];
     const std::string where = "/probes/" + std::to_string(i);
-    if (std::find(ids.begin(), ids.end(), p.system) == ids.end() && !lost(p.system)) {
+    const std::string owner = p.system.substr(0, p.system.find('.'));  // of the part "owner.part"
+    if (std::find(ids.begin(), ids.end(), owner) == ids.end() && !lost(owner)) {
       errors.push_back({where + "/system", "unknown_system", "no system has this id", '"' + p.system + '"',
                         join_names(ids), nearest_name(p.system, ids), ""});
     }

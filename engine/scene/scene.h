@@ -16,6 +16,7 @@
 
 #include "engine/base/errors.h"
 #include "engine/core/build.h"
+#include "engine/core/drawing.h"
 #include "engine/scene/catalogue.h"
 #include "engine/scene/coupling_catalogue.h"
 #include "engine/scene/params.h"
@@ -34,7 +35,8 @@ struct TimeParams {
 
 struct ProbeParams {
   std::string id, system;
-  int64_t index = 0;  ///< row; negative counts from the end
+  int64_t index = 0;       ///< row; negative counts from the end
+  std::optional<Vec3> at;  ///< m, in a grid: instead of index
   std::vector<std::string> fields{"position"};
 };
 
@@ -49,9 +51,21 @@ struct CameraParams {
   double fov = 0.7;  ///< rad, vertical
 };
 
+/// Where a grid in space is cut to be seen.
+struct SliceParams {
+  enum class Axis : uint8_t { x, y, z } axis = Axis::z;
+  std::optional<double> at;  ///< m; none: in the middle
+};
+
 struct ViewerParams {
   std::optional<CameraParams> camera;
   std::string color_by;  ///< name of a field
+  ColorMap color_map = ColorMap::viridis;
+  std::vector<double> range;  ///< lowest and highest value of the colours; empty: of what is shown
+  std::optional<SliceParams> slice;
+  std::optional<double> height;  ///< m per unit of the value
+  int64_t contours = 0;
+  int64_t streamlines = 0;
 };
 
 struct ExpectParams {

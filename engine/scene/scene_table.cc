@@ -42,6 +42,8 @@ const DefTable& probe_table() {
           .text("system", &ProbeParams::system, "id of the system")
           .required()
           .integer("index", &ProbeParams::index, between(-1e9, 1e9), "row; -1 is the last one")
+          .vector("at", &ProbeParams::at, "m", any(),
+                  "place in a grid, between whose rows is interpolated; instead of index")
           .texts("fields", &ProbeParams::fields, {1, 16}, "fields to report")
           .build();
   return t;
@@ -71,11 +73,37 @@ const DefTable& camera_table() {
   return t;
 }
 
+const DefTable& slice_table() {
+  static const DefTable t =
+      TableOf<SliceParams>("where a grid in space is cut to be seen")
+          .choice("axis", &SliceParams::axis, {"x", "y", "z"}, "that the cut is at right angles to")
+          .number("at", &SliceParams::at, "m", any(), "place along it; without it in the middle")
+          .build();
+  return t;
+}
+
 const DefTable& viewer_table() {
   static const DefTable t =
       TableOf<ViewerParams>("how viewers show the scene")
           .object("camera", &ViewerParams::camera, camera_table(), "camera; without one the scene is framed")
-          .text("color_by", &ViewerParams::color_by, "field that colours points, e.g. speed")
+          .text("color_by", &ViewerParams::color_by,
+                "field that colours points or is shown of a grid, e.g. speed")
+          .choice("color_map", &ViewerParams::color_map, {"viridis", "water", "ember"},
+                  "colours from the lowest to the highest value")
+          .numbers("range", &ViewerParams::range, "", any(), {0, 2},
+                   "lowest and highest value of the colours; without it those of what is shown")
+          .object("slice", &ViewerParams::slice, slice_table(),
+                  "cut through a grid in space; without one it is shown as translucent slices")
+          .number("height", &ViewerParams::height, "", any(),
+                  "m per unit: values of a grid in the plane stand out of it as a surface")
+          .integer("contours", &ViewerParams::contours, between(0, 64),
+                   "level lines of a grid in the plane or a slice")
+          .integer("streamlines", &ViewerParams::streamlines, between(0, 400),
+                   "lines along a vector field of a grid in the plane or a slice")
+          .check([](const ViewerParams& v, const DefTable::Report& report) {
+            if (v.range.size() == 1 || (v.range.size() == 2 && !(v.range[0] < v.range[1])))
+              report("/range", "two numbers, the lower first");
+          })
           .build();
   return t;
 }

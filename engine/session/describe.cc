@@ -92,6 +92,34 @@ json::array describe_gallery() {
   return a;
 }
 
+json::array describe_fields(const PartInfo& part) {
+  json::array fields;
+  for (const FieldInfo& f : part.fields) {
+    fields.push_back(json::object{{"name", f.name},
+                                  {"unit", f.unit},
+                                  {"width", f.width},
+                                  {"type", scalar_name(f.type)},
+                                  {"meaning", name_of(f.meaning)}});
+  }
+  return fields;
+}
+
+json::object describe_part(const PartTable::Entry& part) {
+  const PartInfo& info = part.info();
+  json::object o{{"id", part.id},
+                 {"kind", name_of(info.kind)},
+                 {"fields", describe_fields(info)},
+                 {"max_rows", info.max_rows}};
+  if (info.kind == PartInfo::Kind::grid) {
+    const Lattice& l = info.lattice;
+    o["lattice"] = json::object{{"counts", json::array{l.counts[0], l.counts[1], l.counts[2]}},
+                                {"origin", json::array{l.origin.x, l.origin.y, l.origin.z}},
+                                {"spacing", json::array{l.spacing.x, l.spacing.y, l.spacing.z}},
+                                {"centring", l.centring == Lattice::Centring::cells ? "cells" : "nodes"}};
+  }
+  return o;
+}
+
 json::object describe_cost(const Cost& cost) {
   return {{"memory_bytes", cost.state_bytes + cost.workspace_bytes},
           {"elements", cost.elements},

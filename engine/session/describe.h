@@ -21,6 +21,10 @@ boost::json::array describe_systems();
 boost::json::object describe_integrator(const Integrator& method);
 /// One line per gallery scene: name, title, teaches, tags.
 boost::json::array describe_gallery();
+/// {id, kind, fields, max_rows}, of a grid its lattice.
+boost::json::object describe_part(const PartTable::Entry& part);
+/// [{name, unit, width, type, meaning}]
+boost::json::array describe_fields(const PartInfo& part);
 /// {memory_bytes, elements, seconds_per_step}
 boost::json::object describe_cost(const Cost& cost);
 /// [{system, pass, runs, reason}]; seconds and share where profiles are given.

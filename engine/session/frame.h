@@ -7,14 +7,15 @@
 #include <string>
 #include <vector>
 
+#include "engine/core/drawing.h"
 #include "engine/core/observables.h"
 #include "engine/core/state.h"
 
 namespace truestep {
 
-/// One field of one system, wanted in a type (f64 fields may be asked for as f32).
+/// One field of one part, wanted in a type (f64 fields may be asked for as f32).
 struct FieldKey {
-  uint32_t system = 0;
+  uint32_t part = 0;  ///< index in the world's parts
   uint32_t field = 0;
   Scalar type = Scalar::f32;
   friend auto operator<=>(const FieldKey&, const FieldKey&) = default;
@@ -25,6 +26,7 @@ struct FrameRequest {
   std::vector<FieldKey> fields;  ///< sorted, unique
   /// What costs something and is there only where asked for; a set of bits.
   enum class Extras : uint8_t { none = 0, observables = 1, state_hash = 2 } extras = Extras::none;
+  Wish wishes = Wish::none;  ///< of the drawing
   bool wants(Extras what) const { return (static_cast<uint8_t>(extras) & static_cast<uint8_t>(what)) != 0; }
 };
 constexpr FrameRequest::Extras operator|(FrameRequest::Extras a, FrameRequest::Extras b) {
@@ -43,13 +45,17 @@ struct Frame {
   double time = 0;                     ///< s
   double alpha = 0;                    ///< interpolation factor of the accumulator
   std::optional<uint64_t> state_hash;  ///< when asked for
-  uint32_t topology_version = 1;
-  std::vector<FrameBlock> blocks;  ///< in the order of the request
-  Observables observables;         ///< empty unless asked for
+  uint32_t drawing_version = 1;
+  std::vector<FrameBlock> blocks;           ///< in the order of the request
+  Observables observables;                  ///< empty unless asked for
+  std::shared_ptr<const Drawing> constant;  ///< what does not change with the version; null unless wished for
+  Drawing moving;                           ///< obstacles and marks where wished for
 
   size_t memory_bytes() const {
     size_t n = sizeof *this;
     for (const FrameBlock& b : blocks) n += b.data.size() + sizeof b;
+    n += moving.obstacles.size() * sizeof(DrawnShape) + moving.contacts.size() * sizeof(ContactMark) +
+         moving.joints.size() * sizeof(JointMark);
     return n;
   }
   const FrameBlock* find(const FieldKey& key) const {

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "engine/base/nearest_name.h"
+#include "engine/core/lattice.h"
 #include "engine/scene/params_text.h"
 #include "engine/session/expectation.h"
 
@@ -36,15 +37,16 @@ bool recordable(const FieldInfo& field) {
 
 class Checker {
  public:
-  Checker(const BuiltParts& parts, std::vector<Issue>& issues) : parts_(parts), issues_(issues) {}
+  Checker(const BuiltScene& built, std::vector<Issue>& issues)
+      : built_(built), table_(built.scene, built.systems), issues_(issues) {}
 
   void run() {
-    const SceneHeader& h = parts_.scene.header;
+    const SceneHeader& h = built_.scene.header;
     for (size_t i = 0; i < h.probes.size(); ++i) probe(h.probes[i], "/probes/" + std::to_string(i));
     if (h.recording) recording(*h.recording);
     if (h.accuracy) accuracy(*h.accuracy);
     if (h.observables.empty() && h.expect.empty()) return;
-    known_ = known_observables(parts_);
+    known_ = known_observables(built_);
     for (size_t i = 0; i < h.observables.size(); ++i) {
       const std::string& entry = h.observables[i];
       if (hidden(entry)) continue;
@@ -58,23 +60,23 @@ class Checker {
  private:
   // May name something of a part that is not built.
   bool hidden(const std::string& name) const {
-    bool whole = !parts_.systems.empty() && parts_.lost_ids.empty();
+    bool whole = !built_.systems.empty() && built_.lost_ids.empty();
     const auto within = [&](const std::string& id) { return name == id || name.starts_with(id + '.'); };
-    if (std::any_of(parts_.lost_ids.begin(), parts_.lost_ids.end(), within)) return true;
-    for (size_t i = 0; i < parts_.systems.size(); ++i) {
-      if (parts_.systems[i]) continue;
+    if (std::any_of(built_.lost_ids.begin(), built_.lost_ids.end(), within)) return true;
+    for (size_t i = 0; i < built_.systems.size(); ++i) {
+      if (built_.systems[i]) continue;
       whole = false;
-      if (within(parts_.scene.systems[i].id)) return true;
+      if (within(built_.scene.systems[i].id)) return true;
     }
-    for (size_t k = 0; k < parts_.couplings.size(); ++k) {
-      if (!parts_.couplings[k] && within(parts_.scene.couplings[k].id)) return true;
+    for (size_t k = 0; k < built_.couplings.size(); ++k) {
+      if (!built_.couplings[k] && within(built_.scene.couplings[k].id)) return true;
     }
     return !whole && within("energy");
   }
 
   const System* find(const std::string& id) const {
-    for (size_t i = 0; i < parts_.systems.size(); ++i) {
-      if (parts_.scene.systems[i].id == id) return parts_.systems[i].get();
+    for (size_t i = 0; i < built_.systems.size(); ++i) {
+      if (built_.scene.systems[i].id == id) return built_.systems[i].get();
     }
     return nullptr;
   }
@@ -82,7 +84,7 @@ class Checker {
   // Rows come by themselves only where something emits them; commands may bring more, which no scene can
   // name.
   bool emits(const std::string& id) const {
-    for (const SceneSystem& s : parts_.scene.systems) {
+    for (const SceneSystem& s : built_.scene.systems) {
       const ParamRow* emitters = s.id == id ? s.row->table->find("emitters") : nullptr;
       if (emitters && emitters->size && emitters->size(s.def.get()) > 0) return true;
     }
@@ -90,27 +92,32 @@ class Checker {
   }
 
   void probe(const ProbeParams& p, const std::string& where) {
-    const System* system = find(p.system);
-    if (!system) return;
-    const auto fields = system->fields();
-    std::vector<std::string> names;
-    for (const FieldInfo& f : fields) names.push_back(f.name);
-    const State state = system->initial_state();
+    const std::string owner = p.system.substr(0, p.system.find('.'));
+    if (!find(owner)) return;
+    const std::vector<std::string> names = table_.field_names(p.system);
+    if (names.empty()) {
+      std::vector<std::string> ids = table_.ids();
+      std::erase_if(ids, [&](const std::string& id) { return id != owner && !id.starts_with(owner + '.'); });
+      issues_.push_back({where + "/system", "unknown_part", "the system \"" + owner + "\" has no such part",
+                         quoted(p.system), listed(ids), nearest_name(p.system, ids), ""});
+      return;
+    }
     std::vector<double> scratch;
     for (size_t k = 0; k < p.fields.size(); ++k) {
-      const auto at = std::find(names.begin(), names.end(), p.fields[k]);
-      if (at == names.end()) {
+      const auto at = table_.find(p.system, p.fields[k]);
+      if (!at) {
         issues_.push_back({where + "/fields/" + std::to_string(k), "unknown_field",
                            "the system \"" + p.system + "\" has no such field", quoted(p.fields[k]),
                            listed(names), nearest_name(p.fields[k], names), ""});
         continue;
       }
-      const auto f = static_cast<size_t>(at - names.begin());
-      // Fields that are as long as the system's first one grow with it.
-      const size_t rows = system->field(state, f, scratch).rows;
-      const bool grows = emits(p.system) && rows == system->field(state, 0, scratch).rows;
-      const size_t most = grows ? std::max(rows, system->max_rows()) : rows;
-      const auto n = static_cast<int64_t>(most);
+      const PartTable::Entry& part = table_[at->part];
+      if (p.at) {
+        place(*p.at, part, where);
+        continue;
+      }
+      const size_t rows = part.field(part.of->initial_state(), at->field, scratch).rows;
+      const auto n = static_cast<int64_t>(emits(owner) ? std::max(rows, part.info().max_rows) : rows);
       if (p.index >= -n && p.index < n) continue;
       issues_.push_back(
           {where + "/index", "out_of_range",
@@ -123,55 +130,45 @@ class Checker {
     }
   }
 
+  void place(const Vec3& at, const PartTable::Entry& part, const std::string& where) {
+    if (part.info().kind != PartInfo::Kind::grid) {
+      issues_.push_back({where + "/at", "inconsistent",
+                         "\"" + part.id + "\" is no grid: its rows are found by index", "", "index", "",
+                         "m"});
+    } else if (!locate(part.info().lattice, at)) {
+      issues_.push_back({where + "/at", "out_of_range", "this place lies outside of \"" + part.id + "\"", "",
+                         "a place in the grid", "", "m"});
+    }
+  }
+
   void recording(const RecordingParams& r) {
+    if (built_.systems.empty() || !built_.lost_ids.empty()) return;
+    for (const auto& system : built_.systems) {
+      if (!system) return;
+    }
     std::vector<std::string> names;
-    bool whole = !parts_.systems.empty() && parts_.lost_ids.empty();
-    for (const auto& system : parts_.systems) {
-      whole = whole && system;
-      if (!system) continue;
-      for (const FieldInfo& f : system->fields()) {
+    for (const PartTable::Entry& part : table_) {
+      for (const FieldInfo& f : part.info().fields) {
         if (recordable(f) && std::find(names.begin(), names.end(), f.name) == names.end())
           names.push_back(f.name);
       }
     }
-    for (size_t k = 0; whole && k < r.fields.size(); ++k) {
+    for (size_t k = 0; k < r.fields.size(); ++k) {
       if (std::find(names.begin(), names.end(), r.fields[k]) != names.end()) continue;
       issues_.push_back({"/recording/fields/" + std::to_string(k), "unknown_field",
                          "no system has such a field that can be recorded", quoted(r.fields[k]),
                          listed(names), nearest_name(r.fields[k], names), ""});
     }
-    for (size_t i = 0; i < parts_.systems.size(); ++i) {
-      if (parts_.systems[i]) one_length(*parts_.systems[i], parts_.scene.systems[i].id, r);
-    }
-  }
-
-  // A recording keeps one number of rows per system.
-  void one_length(const System& system, const std::string& id, const RecordingParams& r) {
-    const State state = system.initial_state();
-    const auto infos = system.fields();
-    std::vector<double> scratch;
-    std::optional<std::pair<std::string, size_t>> first;
-    for (size_t k = 0; k < r.fields.size(); ++k) {
-      for (size_t f = 0; f < infos.size(); ++f) {
-        if (infos[f].name != r.fields[k] || !recordable(infos[f])) continue;
-        const size_t rows = system.field(state, f, scratch).rows;
-        if (!first) first.emplace(infos[f].name, rows);
-        if (rows == first->second) continue;
-        issues_.push_back({"/recording/fields/" + std::to_string(k), "inconsistent",
-                           "in \"" + id + "\" this field has " + std::to_string(rows) + " rows and " +
-                               first->first + " " + std::to_string(first->second) +
-                               ": a recording keeps fields of one length",
-                           quoted(r.fields[k]), "", "", ""});
-      }
-    }
   }
 
   void accuracy(const AccuracyParams& a) {
-    const auto i = parts_.scene.integrated_system(a.system);
-    if (!i || !parts_.systems[*i] || a.quantity == "state") return;
+    const auto i = built_.scene.integrated_system(a.system);
+    if (!i || !built_.systems[*i] || a.quantity == "state") return;
     std::vector<std::string> names{"state"};
-    for (const FieldInfo& f : parts_.systems[*i]->fields()) {
-      if (f.type == Scalar::f64) names.push_back(f.name);
+    for (const PartInfo& part : built_.systems[*i]->parts()) {
+      for (const FieldInfo& f : part.fields) {
+        if (f.type == Scalar::f64) names.push_back(f.name);
+      }
     }
     if (std::find(names.begin(), names.end(), a.quantity) != names.end()) return;
     issues_.push_back({"/accuracy/quantity", "unknown_field", "the system has no such field",
@@ -193,22 +190,20 @@ class Checker {
                        wrapped ? e.quantity.substr(0, inner) + near + ")" : near, ""});
   }
 
-  const BuiltParts& parts_;
+  const BuiltScene& built_;
+  PartTable table_;
   std::vector<Issue>& issues_;
   std::vector<Observation> known_;
 };
 
 }  // namespace
 
-std::vector<std::string> component_names(const std::string& stem, uint32_t width) {
-  constexpr std::string_view kAxes[] = {".x", ".y", ".z"};
-  std::vector<std::string> out;
-  for (uint32_t c = 0; c < width; ++c) {
-    out.push_back(width == 3   ? stem + std::string(kAxes[c])
-                  : width == 1 ? stem
-                               : stem + "." + std::to_string(c));
-  }
-  return out;
+std::vector<std::string> probed_fields(const PartTable& parts, const ProbeParams& probe) {
+  std::vector<std::string> names = parts.field_names(probe.system);
+  std::erase_if(names, [&](const std::string& name) {
+    return std::find(probe.fields.begin(), probe.fields.end(), name) == probe.fields.end();
+  });
+  return names;
 }
 
 bool selects(std::string_view entry, std::string_view name) {
@@ -236,7 +231,7 @@ std::optional<Issue> unknown_observable(const std::string& entry, const std::str
                ""};
 }
 
-Observables observe_parts(const BuiltParts& parts, std::span<const State> systems,
+Observables observe_parts(const BuiltScene& parts, std::span<const State> systems,
                           std::span<const State> couplings, double t) {
   Observables total, own;
   double sums[3] = {};
@@ -270,7 +265,7 @@ Observables observe_parts(const BuiltParts& parts, std::span<const State> system
   return total;
 }
 
-std::vector<Observation> known_observables(const BuiltParts& parts) {
+std::vector<Observation> known_observables(const BuiltScene& parts) {
   std::vector<State> systems(parts.systems.size()), couplings(parts.couplings.size());
   for (size_t i = 0; i < systems.size(); ++i) {
     if (parts.systems[i]) systems[i] = parts.systems[i]->initial_state();
@@ -279,30 +274,20 @@ std::vector<Observation> known_observables(const BuiltParts& parts) {
     if (parts.couplings[k]) couplings[k] = parts.couplings[k]->initial_state();
   }
   std::vector<Observation> out = observe_parts(parts, systems, couplings, 0).rows();
-  for (size_t i = 0; i < systems.size(); ++i) {
-    Observables late;
-    if (parts.systems[i]) parts.systems[i]->late_observables(late);
-    for (const Observation& o : late.rows())
-      out.push_back({parts.scene.systems[i].id + "." + o.name, std::nan(""), o.unit});
-  }
-  std::vector<double> scratch;
+  const PartTable table(parts.scene, parts.systems);
   for (const ProbeParams& p : parts.scene.header.probes) {
-    for (size_t i = 0; i < parts.systems.size(); ++i) {
-      if (!parts.systems[i] || parts.scene.systems[i].id != p.system) continue;
-      const auto fields = parts.systems[i]->fields();
-      for (const FieldInfo& f : fields) {
-        if (std::find(p.fields.begin(), p.fields.end(), f.name) == p.fields.end()) continue;
-        for (const std::string& name : component_names(p.id + "." + f.name, f.width)) {
-          out.push_back({name, std::nan(""), f.unit});
-        }
-      }
+    for (const std::string& field : probed_fields(table, p)) {
+      const FieldPlace at = *table.find(p.system, field);
+      const FieldInfo& f = table[at.part].info().fields[at.field];
+      for (const std::string& name : component_names(p.id + "." + field, f.width))
+        out.push_back({name, std::nan(""), f.unit});
     }
   }
   if (parts.scene.header.accuracy) out.push_back({"error.estimate", std::nan(""), "1"});
   return out;
 }
 
-void check_references(const BuiltParts& parts, std::vector<Issue>& issues) {
+void check_references(const BuiltScene& parts, std::vector<Issue>& issues) {
   Checker(parts, issues).run();
 }
 

@@ -11,11 +11,12 @@
 #include "engine/core/observables.h"
 #include "engine/core/system.h"
 #include "engine/scene/scene.h"
+#include "engine/session/part_table.h"
 
 namespace truestep {
 
 /// A scene's systems and couplings in its order; null where one could not be built.
-struct BuiltParts {
+struct BuiltScene {
   const Scene& scene;
   std::span<const std::unique_ptr<const System>> systems;
   std::span<const std::unique_ptr<const Coupling>> couplings;
@@ -24,15 +25,15 @@ struct BuiltParts {
 
 /// Everything that a run can observe, with the values at t = 0; NaN where a value comes later (the row of a
 /// probe that an emitter has yet to fill).
-std::vector<Observation> known_observables(const BuiltParts& parts);
+std::vector<Observation> known_observables(const BuiltScene& parts);
 
 /// The sums over all systems ("energy.total"), then every system's and coupling's own observables; parts that
 /// are not built say nothing, and a sum is given only when every system knows its part.
-Observables observe_parts(const BuiltParts& parts, std::span<const State> systems,
+Observables observe_parts(const BuiltScene& parts, std::span<const State> systems,
                           std::span<const State> couplings, double t);
 
-/// Names of a field's components: "tip.position.x", "tip.angle", "tip.orientation.0".
-std::vector<std::string> component_names(const std::string& stem, uint32_t width);
+/// The fields that a probe looks at and that there are, in the order of the parts.
+std::vector<std::string> probed_fields(const PartTable& parts, const ProbeParams& probe);
 
 /// Whether an entry of "observables" means this name: it is the name or its beginning up to a dot.
 bool selects(std::string_view entry, std::string_view name);
@@ -42,6 +43,6 @@ std::optional<Issue> unknown_observable(const std::string& entry, const std::str
                                         std::span<const Observation> known);
 
 /// Appends what is wrong with the header's names. Of parts that are not built nothing is said.
-void check_references(const BuiltParts& parts, std::vector<Issue>& issues);
+void check_references(const BuiltScene& parts, std::vector<Issue>& issues);
 
 }  // namespace truestep

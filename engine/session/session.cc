@@ -4,7 +4,6 @@
 #include <chrono>
 #include <cmath>
 #include <cstdio>
-#include <cstring>
 #include <utility>
 
 #include "engine/base/errors.h"
@@ -19,6 +18,7 @@ Session::Session(std::shared_ptr<const World> world, std::shared_ptr<const Threa
       arena_(std::move(arena)),
       options_(options),
       state_(world_->initial_state()),
+      frames_(world_),
       history_(options.history_bytes, options.history_room),
       series_(world_->scene().header.observables) {
   world_->require_finite_energy(state_);
@@ -454,39 +454,8 @@ void Session::notify(std::string_view kind, const std::string& detail) {
   for (const auto& sink : sinks_) sink->notify(kind, state_.step, detail);
 }
 
-FramePtr Session::build_frame(const WorldState& state, double alpha, const FrameRequest& request) const {
-  auto out = std::make_shared<Frame>();
-  out->step = state.step;
-  out->time = static_cast<double>(state.step) * world_->dt();
-  out->alpha = alpha;
-  if (request.wants(FrameRequest::Extras::state_hash)) out->state_hash = state.hash();
-  out->topology_version = topology_version();
-  std::vector<double> scratch;
-  for (const FieldKey& key : request.fields) {
-    const FieldView view = world_->system(key.system).field(state.systems[key.system], key.field, scratch);
-    FrameBlock& block = out->blocks.emplace_back();
-    block.key = key;
-    block.width = view.width;
-    block.rows = view.rows;
-    const size_t n = view.rows * view.width;
-    block.data.resize(n * scalar_size(key.type));
-    if (key.type == view.type) {
-      if (n) std::memcpy(block.data.data(), view.data, n * scalar_size(key.type));
-    } else if (key.type == Scalar::f32 && view.type == Scalar::f64) {
-      const auto* from = static_cast<const double*>(view.data);
-      auto* to = reinterpret_cast<float*>(block.data.data());
-      for (size_t i = 0; i < n; ++i) to[i] = static_cast<float>(from[i]);
-    } else {
-      throw Error("bad_request", "this field cannot be given as " + std::string(scalar_name(key.type)));
-    }
-  }
-  if (request.wants(FrameRequest::Extras::observables)) out->observables = world_->observe(state);
-  ++frames_built_;
-  return out;
-}
-
 FramePtr Session::frame(const FrameRequest& request) const {
-  return build_frame(state_, alpha(), request);
+  return frames_.build(state_, alpha(), request);
 }
 
 WorldState Session::state_at(uint64_t step) const {
@@ -528,18 +497,11 @@ WorldState Session::replayed(uint64_t step) const {
 }
 
 FramePtr Session::frame_at(uint64_t step, const FrameRequest& request) const {
-  return step == state_.step ? frame(request) : build_frame(state_at(step), 0, request);
+  return step == state_.step ? frame(request) : frames_.build(state_at(step), 0, request);
 }
 
 void Session::record_series() {
   if (series_.due(state_.step)) series_.add(state_.step, observe());
-}
-
-uint32_t Session::topology_version() const {
-  uint32_t version = 0;
-  for (size_t i = 0; i < world_->size(); ++i)
-    version += world_->system(i).topology_version(state_.systems[i]);
-  return version;
 }
 
 size_t Session::overhead_bytes() const {

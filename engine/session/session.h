@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "engine/base/errors.h"
-#include "engine/session/frame.h"
+#include "engine/session/frame_builder.h"
 #include "engine/session/history.h"
 #include "engine/session/series.h"
 #include "engine/session/world.h"
@@ -161,12 +161,12 @@ class Session {
   Past past(uint64_t step) const;
   /// A frame of a state of this world.
   FramePtr frame_of(const WorldState& state, const FrameRequest& request) const {
-    return build_frame(state, 0, request);
+    return frames_.build(state, 0, request);
   }
   /// A frame of an earlier step. Error "not_found" when the step lies before this session's past or ahead.
   FramePtr frame_at(uint64_t step, const FrameRequest& request) const;
   /// Frames built so far; a frame nobody asked for is not built.
-  uint64_t frames_built() const { return frames_built_; }
+  uint64_t frames_built() const { return frames_.built(); }
   Observables observe() const { return world_->observe(state_); }
   /// Kept when the scene names observables.
   const Series& series() const { return series_; }
@@ -178,7 +178,6 @@ class Session {
   void stop_profiling() { profiles_.clear(); }
   /// Empty unless it was started.
   std::span<const Profile> profiles() const { return profiles_; }
-  uint32_t topology_version() const;
   /// Beside the world and the state itself: history, series, journal.
   size_t overhead_bytes() const;
   /// Of that, the history's: what SessionOptions::history_room was asked for.
@@ -200,7 +199,6 @@ class Session {
   void abandon_aside();
   void fail(Failure failure);
   void notify(std::string_view kind, const std::string& detail);
-  FramePtr build_frame(const WorldState& state, double alpha, const FrameRequest& request) const;
   void record_series();
   WorldState snapshot_at_or_before(uint64_t step) const;
 
@@ -223,6 +221,7 @@ class Session {
   std::optional<Failure> diagnosis_;
   std::exception_ptr thrown_;
 
+  FrameBuilder frames_;
   History history_;
   Series series_;
 
@@ -240,7 +239,6 @@ class Session {
 
   std::vector<std::shared_ptr<Sink>> sinks_;
   std::vector<std::shared_ptr<Sink>> due_;  ///< those of the present step
-  mutable uint64_t frames_built_ = 0;
   std::optional<Failure> failure_;
 };
 

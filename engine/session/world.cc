@@ -11,6 +11,7 @@
 #include "engine/base/interrupt.h"
 #include "engine/core/configuration.h"
 #include "engine/core/force_system.h"
+#include "engine/core/lattice.h"
 #include "engine/scene/json_write.h"
 
 namespace truestep {
@@ -46,7 +47,7 @@ void World::build(std::vector<Issue>& issues, std::span<const std::string> lost_
                [&] { systems_.back() = s.row->build(s.def.get(), scene_.context(i)); });
   }
   if (!scene_.couplings.empty()) build_couplings(issues);
-  BuiltParts built = parts();
+  BuiltScene built = this->built();
   built.lost_ids = lost_ids;
   check_references(built, issues);
 }
@@ -59,7 +60,8 @@ World::World(Scene scene) : scene_(std::move(scene)) {
     throw Error("scene_invalid", first, std::move(issues));
   }
   constexpr double kNone = std::numeric_limits<double>::infinity();
-  for (const auto& s : systems_) speed_limits_.push_back(s->speed_limit().value_or(kNone));
+  for (const auto& s : systems_) speed_limits_.push_back(s->limit(Limit::speed, {}, dt()).value_or(kNone));
+  parts_ = PartTable(scene_, systems_);
   find_joined();
   if (scene_.header.accuracy) build_finer();
   list_plan();
@@ -324,45 +326,27 @@ void World::apply(WorldState& state, const Command& command) const {
 
 Observables World::observe(const WorldState& state) const {
   Observables total =
-      observe_parts(parts(), state.systems, state.couplings, static_cast<double>(state.step) * dt());
+      observe_parts(built(), state.systems, state.couplings, static_cast<double>(state.step) * dt());
   for (const ProbeParams& p : scene_.header.probes) observe_probe(p, state, total);
   if (finer_) total.add("error.estimate", error_estimate(state), "1");
   return total;
 }
 
 std::vector<Observation> World::known_observables() const {
-  return truestep::known_observables(parts());
+  return truestep::known_observables(built());
 }
 
 namespace {
-
-double element(const FieldView& view, size_t k) {
-  switch (view.type) {
-    case Scalar::f64:
-      return static_cast<const double*>(view.data)[k];
-    case Scalar::f32:
-      return static_cast<const float*>(view.data)[k];
-    case Scalar::i32:
-      return static_cast<const int32_t*>(view.data)[k];
-    case Scalar::u32:
-      return static_cast<const uint32_t*>(view.data)[k];
-    case Scalar::u64:
-      return static_cast<double>(static_cast<const uint64_t*>(view.data)[k]);
-  }
-  return 0;
-}
 
 // A field of doubles, or the configuration for "state" and for "position" where nothing has one; empty when
 // there is no such field.
 std::vector<double> quantity_values(const System& system, const State& state, const std::string& name) {
   if (name == "state") return configuration(state);
-  const auto infos = system.fields();
-  for (size_t f = 0; f < infos.size(); ++f) {
-    if (infos[f].name != name || infos[f].type != Scalar::f64) continue;
+  if (const auto at = system.find_field(name)) {
     std::vector<double> scratch;
-    const FieldView view = system.field(state, f, scratch);
+    const FieldView view = system.field(state, at->part, at->field, scratch);
     const auto* values = static_cast<const double*>(view.data);
-    return {values, values + view.rows * view.width};
+    if (view.type == Scalar::f64) return {values, values + view.rows * view.width};
   }
   if (name == "position") return configuration(state);
   return {};
@@ -393,20 +377,62 @@ double World::error_estimate(const WorldState& state) const {
   return factor * std::sqrt(difference / std::max(scale, 1e-300));
 }
 
+namespace {
+
+void probe_lattice(const ProbeParams& probe, const PartInfo& part, size_t field, const FieldView& view,
+                   Observables& out) {
+  const auto place = locate(part.lattice, *probe.at);
+  if (!place) return;
+  const FieldInfo& info = part.fields[field];
+  const auto names = component_names(probe.id + "." + info.name, view.width);
+  for (uint32_t c = 0; c < view.width; ++c) {
+    double sum = 0;
+    for (size_t k = 0; k < 8; ++k) sum += place->weights[k] * element(view, place->rows[k] * view.width + c);
+    out.add(names[c], sum, info.unit);
+  }
+}
+
+}  // namespace
+
 void World::observe_probe(const ProbeParams& probe, const WorldState& state, Observables& out) const {
-  const size_t i = index_of(probe.system);
-  const auto infos = systems_[i]->fields();
   std::vector<double> scratch;
-  for (size_t f = 0; f < infos.size(); ++f) {
-    if (std::find(probe.fields.begin(), probe.fields.end(), infos[f].name) == probe.fields.end()) continue;
-    const FieldView view = systems_[i]->field(state.systems[i], f, scratch);
+  for (const std::string& name : probed_fields(parts_, probe)) {
+    const FieldPlace at = *parts_.find(probe.system, name);
+    const FieldView view = field(state, at, scratch);
+    if (probe.at) {
+      probe_lattice(probe, parts_[at.part].info(), at.field, view, out);
+      continue;
+    }
     const int64_t row = probe.index < 0 ? static_cast<int64_t>(view.rows) + probe.index : probe.index;
     if (row < 0 || row >= static_cast<int64_t>(view.rows)) continue;
-    const auto names = component_names(probe.id + "." + infos[f].name, view.width);
-    for (uint32_t c = 0; c < view.width; ++c) {
-      out.add(names[c], element(view, static_cast<size_t>(row) * view.width + c), infos[f].unit);
-    }
+    const std::string& unit = parts_[at.part].info().fields[at.field].unit;
+    const auto names = component_names(probe.id + "." + name, view.width);
+    for (uint32_t c = 0; c < view.width; ++c)
+      out.add(names[c], element(view, static_cast<size_t>(row) * view.width + c), unit);
   }
+}
+
+void World::draw(const WorldState& state, Wish wishes, Drawing& out) const {
+  const double t = static_cast<double>(state.step) * dt();
+  const auto append = [](auto& to, auto& from) {
+    to.insert(to.end(), std::make_move_iterator(from.begin()), std::make_move_iterator(from.end()));
+  };
+  for (size_t i = 0; i < size(); ++i) {
+    Drawing one;
+    systems_[i]->draw(state.systems[i], t, wishes, one);
+    if (wants(wishes, Wish::constant)) one.parts.resize(systems_[i]->parts().size());
+    append(out.parts, one.parts);
+    append(out.obstacles, one.obstacles);
+    append(out.contacts, one.contacts);
+    append(out.joints, one.joints);
+  }
+}
+
+uint32_t World::drawing_version(const WorldState& state) const {
+  uint32_t version = 0;
+  for (size_t i = 0; i < size(); ++i)
+    version = version * 1'000'003 + systems_[i]->drawing_version(state.systems[i]);
+  return version;
 }
 
 std::optional<double> World::stable_dt(const WorldState& state) const {
@@ -416,7 +442,8 @@ std::optional<double> World::stable_dt(const WorldState& state) const {
     const double whole = *h * static_cast<double>(scene_.header.time.substeps);
     dt = dt ? std::min(*dt, whole) : whole;
   };
-  for (size_t i = 0; i < systems_.size(); ++i) bound(systems_[i]->stable_dt(state.systems[i]));
+  for (size_t i = 0; i < systems_.size(); ++i)
+    bound(systems_[i]->limit(Limit::stable_dt, state.systems[i], scene_.substep()));
   for (size_t k = 0; k < couplings_.size(); ++k) bound(couplings_[k]->stable_h(sides(state, k)));
   return dt;
 }

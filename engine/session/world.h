@@ -8,6 +8,7 @@
 #include "engine/core/coupling.h"
 #include "engine/core/system.h"
 #include "engine/scene/scene.h"
+#include "engine/session/part_table.h"
 #include "engine/session/references.h"
 
 namespace truestep {
@@ -49,6 +50,14 @@ class World {
   size_t size() const { return systems_.size(); }
   const System& system(size_t i) const { return *systems_[i]; }
   const std::string& id(size_t i) const { return scene_.systems[i].id; }
+  /// What there is to stream, record, draw and probe: the parts of all systems, in their order.
+  const PartTable& parts() const { return parts_; }
+  FieldView field(const WorldState& state, const FieldPlace& at, std::vector<double>& scratch) const {
+    return parts_[at.part].field(state.systems[parts_[at.part].system], at.field, scratch);
+  }
+  /// What is wished for of all systems; with Wish::constant one PartDrawing per part of the world.
+  void draw(const WorldState& state, Wish wishes, Drawing& out) const;
+  uint32_t drawing_version(const WorldState& state) const;
   const std::vector<std::unique_ptr<const Coupling>>& couplings() const { return couplings_; }
   /// Index of the system with this id; Error "unknown_system" naming those there are.
   size_t index_of(std::string_view id) const;
@@ -103,7 +112,7 @@ class World {
  private:
   World() = default;
   void build(std::vector<Issue>& issues, std::span<const std::string> lost_ids);
-  BuiltParts parts() const { return {scene_, systems_, couplings_, {}}; }
+  BuiltScene built() const { return {scene_, systems_, couplings_, {}}; }
   void build_couplings(std::vector<Issue>& issues);
   void build_finer();
   [[noreturn]] void reject(size_t i, const State& state, const State::BadValue& bad) const;
@@ -131,6 +140,7 @@ class World {
   /// Scenes with "accuracy": the same scene computed more finely beside it, which is what "error.estimate" is
   /// made of (step doubling over the whole run: Hairer, Norsett, Wanner 1993, section II.4). Null otherwise.
   std::unique_ptr<const World> finer_;
+  PartTable parts_;
   std::vector<size_t> joined_to_;     ///< per system, the first of those that couplings join it to
   std::vector<double> speed_limits_;  ///< per system, infinity where there is none
   std::vector<PlanEntry> plan_;

@@ -39,7 +39,7 @@ Cost World::cost(const WorldState& state) const {
     const SceneSystem& s = scene_.systems[i];
     const auto* forces = dynamic_cast<const ForceSystem*>(systems_[i].get());
     const auto seconds = forces ? force_step_seconds(*forces, state.systems[i], h)
-                                : systems_[i]->step_seconds(state.systems[i], h);
+                                : systems_[i]->limit(Limit::step_seconds, state.systems[i], h);
     if (seconds) sum.seconds_per_step += substeps * (*seconds - s.row->cost(s.def.get()).seconds_per_step);
   }
   return sum;

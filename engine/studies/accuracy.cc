@@ -37,9 +37,9 @@ json::object describe(const MeasuredMethod& p) {
 // A field of the system; "position" stands for all that says where a system is that draws no points.
 std::string quantity_of(const AccuracyParams& wanted, const System& system) {
   std::string names = "state";
-  for (const FieldInfo& f : system.fields()) {
-    if (f.name == wanted.quantity) return wanted.quantity;
-    names += ", " + f.name;
+  for (const PartInfo& part : system.parts()) {
+    if (part.find(wanted.quantity)) return wanted.quantity;
+    for (const FieldInfo& f : part.fields) names += ", " + f.name;
   }
   if (wanted.quantity == "state" || wanted.quantity == "position") return "state";
   throw Error("scene_invalid", "the system has no field \"" + wanted.quantity + '"',

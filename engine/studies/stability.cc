@@ -385,7 +385,8 @@ StudyResult run_stability(const json::value& scene, const void* def, StudyContex
     r.summary["note"] = "the budget reaches runs of " + std::to_string(fewest) + " of the " +
                         std::to_string(p.steps) + " steps; give a larger budget or fewer integrators";
   }
-  if (const auto dt = forces->stable_dt(start.systems[system])) r.summary["suggested_dt_bound"] = *dt;
+  if (const auto dt = forces->limit(Limit::stable_dt, start.systems[system], 0))
+    r.summary["suggested_dt_bound"] = *dt;
   const double suggested = stability_interval(forces->integrator(), forces->options())
                                .largest_step(spectrum.omega, spectrum.damping);
   // A tenth below the border: the spectrum is that of the start.

@@ -7,18 +7,9 @@
 
 #include "engine/base/errors.h"
 #include "engine/core/configuration.h"
+#include "engine/session/part_table.h"
 
 namespace truestep {
-
-namespace {
-
-template <class T>
-std::vector<double> widened(const FieldView& v) {
-  const T* p = static_cast<const T*>(v.data);
-  return {p, p + v.rows * v.width};
-}
-
-}  // namespace
 
 double thread_cpu_seconds() {
   timespec t{};
@@ -28,27 +19,16 @@ double thread_cpu_seconds() {
 
 std::vector<double> field_values(const System& system, const State& state, const std::string& name) {
   if (name == "state") return configuration(state);
-  const auto fields = system.fields();
-  std::string names = "state";
-  for (size_t i = 0; i < fields.size(); ++i) {
-    if (fields[i].name != name) {
-      names += (names.empty() ? "" : ", ") + fields[i].name;
-      continue;
-    }
+  if (const auto at = system.find_field(name)) {
     std::vector<double> scratch;
-    const FieldView v = system.field(state, i, scratch);
-    switch (v.type) {
-      case Scalar::f64:
-        return widened<double>(v);
-      case Scalar::f32:
-        return widened<float>(v);
-      case Scalar::i32:
-        return widened<int32_t>(v);
-      case Scalar::u32:
-        return widened<uint32_t>(v);
-      case Scalar::u64:
-        return widened<uint64_t>(v);
-    }
+    const FieldView v = system.field(state, at->part, at->field, scratch);
+    std::vector<double> out(v.rows * v.width);
+    for (size_t k = 0; k < out.size(); ++k) out[k] = element(v, k);
+    return out;
+  }
+  std::string names = "state";
+  for (const PartInfo& part : system.parts()) {
+    for (const FieldInfo& f : part.fields) names += ", " + f.name;
   }
   throw Error(
       "scene_invalid", "the system has no field \"" + name + '"',

@@ -242,18 +242,18 @@ Response observables(SessionEntry& e, const std::vector<std::string>& names, siz
                                                             {"values", std::move(series)}}}});
 }
 
-Overlay overlay_of(const Request& request) {
-  Overlay overlay = Overlay::none;
+Wish marks_of(const Request& request) {
+  Wish marks = Wish::none;
   for (const std::string& part : query_list(request, "show")) {
-    const Overlay more = part == "contacts" ? Overlay::contacts
-                         : part == "joints"
-                             ? Overlay::joints
-                             : throw Error("bad_request", "a picture cannot show " + part,
-                                           {{"?show", "unknown_choice", "a picture cannot show this",
-                                             '"' + part.substr(0, 64) + '"', "contacts, joints", "", ""}});
-    overlay = overlay | more;
+    const Wish more = part == "contacts" ? Wish::contacts
+                      : part == "joints"
+                          ? Wish::joints
+                          : throw Error("bad_request", "a picture cannot show " + part,
+                                        {{"?show", "unknown_choice", "a picture cannot show this",
+                                          '"' + part.substr(0, 64) + '"', "contacts, joints", "", ""}});
+    marks = marks | more;
   }
-  return overlay;
+  return marks;
 }
 
 asio::awaitable<Response> picture(App& app, const Request& request) {
@@ -261,13 +261,14 @@ asio::awaitable<Response> picture(App& app, const Request& request) {
   const int width = static_cast<int>(query_integer(request, "width", 800, 16, 4096));
   const int height = static_cast<int>(query_integer(request, "height", 600, 16, 4096));
   const auto camera = camera_of(request.query_value("camera"));
-  const Overlay overlay = overlay_of(request);
+  const Wish marks = marks_of(request);
   std::optional<uint64_t> step;
   if (request.query_value("step")) step = query_integer(request, "step", 0, 0, kMostStep);
   DrawList list;
   std::string etag;
   const auto draw = [&](SessionEntry& e, const WorldState& state) {
-    list = draw_list_of(e.session.world(), state, overlay);
+    const World& world = e.session.world();
+    list = draw_list_of(world, *e.session.frame_of(state, picture_request(world, marks)));
     return Response();
   };
   if (step) {

@@ -35,8 +35,9 @@ std::string draw(const GalleryScene& scene) {
   Session session(world, std::make_shared<const ThreadArena>(1), {.history_bytes = 0});
   session.step(static_cast<uint64_t>(std::llround(steps)));
   PictureRenderer renderer(kWidth, kHeight);
-  const auto png =
-      encode_png(renderer.render_rgba(draw_list_of(session.world(), session.state())), kWidth, kHeight);
+  const auto png = encode_png(
+      renderer.render_rgba(draw_list_of(session.world(), *session.frame(picture_request(session.world())))),
+      kWidth, kHeight);
   return {reinterpret_cast<const char*>(png.data()), png.size()};
 }
 

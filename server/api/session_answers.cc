@@ -50,14 +50,15 @@ json::object describe_session(SessionEntry& e) {
                  {"state_hash", hex64(s.hash())}};
   json::array systems;
   for (size_t i = 0; i < s.world().size(); ++i) {
-    json::array fields;
-    for (const FieldInfo& f : s.world().system(i).fields()) {
-      fields.push_back(json::object{
-          {"name", f.name}, {"unit", f.unit}, {"width", f.width}, {"type", scalar_name(f.type)}});
+    const auto& infos = s.world().system(i).parts();
+    json::array parts;
+    for (const PartTable::Entry& part : s.world().parts()) {
+      if (part.system == i) parts.push_back(describe_part(part));
     }
     systems.push_back(json::object{{"id", s.world().id(i)},
                                    {"type", s.world().scene().systems[i].row->type},
-                                   {"fields", std::move(fields)}});
+                                   {"fields", infos.empty() ? json::array() : describe_fields(infos[0])},
+                                   {"parts", std::move(parts)}});
   }
   o["systems"] = std::move(systems);
   const SceneHeader& header = s.world().scene().header;

@@ -26,7 +26,7 @@ struct Options {
 json::object describe(RecordingReader& reader) {
   const RecordingInfo& info = reader.info();
   json::array systems;
-  for (const RecordedSystem& s : info.layout.systems) {
+  for (const RecordedPart& s : info.layout.parts) {
     json::array fields;
     for (const RecordedField& f : s.fields) {
       constexpr const char* kNames[] = {"f32", "f64", "u32"};
@@ -71,7 +71,7 @@ int info(const Options& o) {
               << d.at("last_time").as_double() << " s\n";
   }
   std::cout << "build   " << reader.info().layout.build << '\n';
-  for (const RecordedSystem& s : reader.info().layout.systems) {
+  for (const RecordedPart& s : reader.info().layout.parts) {
     std::cout << s.id << " (" << s.type << ", up to " << s.max_rows << " rows):";
     for (const RecordedField& f : s.fields) std::cout << ' ' << f.name << '[' << f.width << "] " << f.unit;
     std::cout << '\n';
@@ -132,7 +132,7 @@ void add_recording_commands(CLI::App& app, int& exit_code) {
   CLI::App* e = app.add_subcommand("export", "a recording as files that other programs read");
   e->add_option("file", o->file, "recording")->required();
   e->add_option("-o,--output", o->output, "path of the files, without ending")->required();
-  e->add_option("--format", o->format, "csv, ply, npz or vtu")->capture_default_str();
+  e->add_option("--format", o->format, "csv, ply, npz, vtu or vti")->capture_default_str();
   e->add_option("--system", o->systems, "systems (default: all)");
   e->add_option("--every", o->every, "every n-th frame")->check(CLI::Range(1, 1000000000));
   e->callback([o, &exit_code] { exit_code = export_files(*o); });

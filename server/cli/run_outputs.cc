@@ -23,10 +23,12 @@ void RunOutputs::finish() {
   if (picture_.path.empty()) return;
   constexpr int kWidth = 1280, kHeight = 720;
   PictureRenderer renderer(kWidth, kHeight);
-  const Overlay contacts =
-      picture_.show.find("contacts") != std::string::npos ? Overlay::contacts : Overlay::none;
-  const Overlay joints = picture_.show.find("joints") != std::string::npos ? Overlay::joints : Overlay::none;
-  const auto list = draw_list_of(session_.world(), session_.state(), contacts | joints);
+  const auto shown = [&](const char* name, Wish wish) {
+    return picture_.show.find(name) != std::string::npos ? wish : Wish::none;
+  };
+  const World& world = session_.world();
+  const Wish marks = shown("contacts", Wish::contacts) | shown("joints", Wish::joints);
+  const auto list = draw_list_of(world, *session_.frame(picture_request(world, marks)));
   const auto png = encode_png(renderer.render_rgba(list), kWidth, kHeight);
   std::ofstream file(picture_.path, std::ios::binary);
   file.write(reinterpret_cast<const char*>(png.data()), static_cast<std::streamsize>(png.size()));

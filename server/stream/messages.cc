@@ -28,16 +28,16 @@ void set_shape(v1::Shape& s, const DrawnShape& shape) {
   s.set_container(shape.container);
 }
 
-void set_bodies(v1::SystemTopology& t, const DrawnBodies& bodies) {
+void set_visuals(v1::SystemTopology& t, const PartDrawing& drawing) {
   std::map<const DrawnMesh*, uint32_t> meshes;
-  for (const DrawnBodies::Form& form : bodies.forms) {
-    v1::Form& f = *t.add_forms();
-    set_shape(*f.mutable_shape(), form.shape);
-    f.set_group(form.group);
-    f.set_motion(static_cast<v1::Motion>(form.motion));
-    if (form.color) f.mutable_color()->Add(form.color->begin(), form.color->end());
-    if (!form.shape.mesh) continue;
-    const DrawnMesh& mesh = *form.shape.mesh;
+  for (const Visual& visual : drawing.visuals) {
+    v1::Visual& f = *t.add_visuals();
+    set_shape(*f.mutable_shape(), visual.shape);
+    f.set_group(visual.group);
+    f.set_motion(static_cast<v1::Motion>(visual.motion));
+    if (visual.color) f.mutable_color()->Add(visual.color->begin(), visual.color->end());
+    if (!visual.shape.mesh) continue;
+    const DrawnMesh& mesh = *visual.shape.mesh;
     const auto [at, fresh] = meshes.try_emplace(&mesh, static_cast<uint32_t>(meshes.size()));
     f.set_mesh(at->second);
     if (!fresh) continue;
@@ -46,7 +46,38 @@ void set_bodies(v1::SystemTopology& t, const DrawnBodies& bodies) {
     m.set_normals(bytes_of(mesh.normals));
     m.set_triangles(bytes_of(mesh.triangles));
   }
-  t.set_places(bytes_of(bodies.places));
+  t.set_instances(bytes_of(drawing.instances));
+}
+
+void set_field(v1::Field& field, const FieldInfo& f) {
+  field.set_name(f.name);
+  field.set_unit(f.unit);
+  field.set_width(f.width);
+  const Scalar type = f.type == Scalar::f64 ? Scalar::f32 : f.type;
+  field.set_encoding(static_cast<v1::Encoding>(plain_encoding(type)));
+  field.set_meaning(std::string(name_of(f.meaning)));
+}
+
+void set_part(v1::Part& p, const PartTable::Entry& part, const std::string& system) {
+  const PartInfo& info = part.info();
+  p.set_id(part.id);
+  p.set_system(system);
+  p.set_kind(std::string(name_of(info.kind)));
+  for (const FieldInfo& f : info.fields) set_field(*p.add_fields(), f);
+  if (info.elements == PartInfo::Elements::lines) p.set_elements("lines");
+  if (info.elements == PartInfo::Elements::triangles) p.set_elements("triangles");
+  if (info.kind != PartInfo::Kind::grid) return;
+  v1::Lattice& l = *p.mutable_lattice();
+  for (const uint32_t n : info.lattice.counts) l.add_counts(n);
+  for (const double x : {info.lattice.origin.x, info.lattice.origin.y, info.lattice.origin.z})
+    l.add_origin(x);
+  for (const double x : {info.lattice.spacing.x, info.lattice.spacing.y, info.lattice.spacing.z})
+    l.add_spacing(x);
+  l.set_cells(info.lattice.centring == Lattice::Centring::cells);
+}
+
+void add(std::vector<float>& out, const Vec3& v) {
+  for (const double c : {v.x, v.y, v.z}) out.push_back(static_cast<float>(c));
 }
 
 }  // namespace
@@ -67,85 +98,63 @@ v1::ServerMessage hello_message(const Session& session, const std::string& id) {
     v1::SystemInfo& info = *h.add_systems();
     info.set_id(session.world().id(i));
     info.set_type(std::string(session.world().scene().systems[i].row->type));
-    for (const FieldInfo& f : session.world().system(i).fields()) {
-      v1::Field& field = *info.add_fields();
-      field.set_name(f.name);
-      field.set_unit(f.unit);
-      field.set_width(f.width);
-      const Scalar type = f.type == Scalar::f64 ? Scalar::f32 : f.type;
-      field.set_encoding(static_cast<v1::Encoding>(plain_encoding(type)));
-    }
+    const auto& parts = session.world().system(i).parts();
+    for (size_t k = 0; !parts.empty() && k < parts[0].fields.size(); ++k)
+      set_field(*info.add_fields(), parts[0].fields[k]);
     Observables values;
     session.world().system(i).observe(session.state().systems[i], session.time(), values);
     for (const Observation& o : values.rows()) info.add_observables(o.name);
   }
+  for (const PartTable::Entry& part : session.world().parts())
+    set_part(*h.add_parts(), part, session.world().id(part.system));
   return m;
 }
 
-v1::ServerMessage topology_message(const Session& session) {
+v1::ServerMessage topology_message(const World& world, const Frame& frame) {
   v1::ServerMessage m;
   v1::Topology& t = *m.mutable_topology();
-  t.set_version(session.topology_version());
-  for (size_t i = 0; i < session.world().size(); ++i) {
-    const System& system = session.world().system(i);
-    const Topology topology = system.topology(session.state().systems[i]);
+  t.set_version(frame.drawing_version);
+  for (size_t i = 0; i < world.parts().size(); ++i) {
+    if (world.parts()[i].info().kind == PartInfo::Kind::values) continue;
+    const PartDrawing& drawing = frame.constant->parts[i];
     v1::SystemTopology& s = *t.add_systems();
-    s.set_system(session.world().id(i));
-    s.set_lines(bytes_of(topology.lines));
-    s.set_triangles(bytes_of(topology.triangles));
-    s.set_line_kind(bytes_of(topology.line_kinds));
-    s.set_point_radius(topology.point_radius);
-    if (topology.color) {
-      for (const double c : *topology.color) s.add_color(c);
+    s.set_system(world.parts()[i].id);
+    s.set_lines(bytes_of(drawing.lines));
+    s.set_triangles(bytes_of(drawing.triangles));
+    s.set_line_kind(bytes_of(drawing.line_kinds));
+    s.set_point_radius(drawing.point_radius);
+    if (drawing.color) {
+      for (const double c : *drawing.color) s.add_color(c);
     }
-    for (const DrawnShape& shape : system.shapes(session.state().systems[i], session.time()))
-      set_shape(*t.add_shapes(), shape);
-    set_bodies(s, system.bodies(session.state().systems[i]));
+    set_visuals(s, drawing);
   }
+  for (const DrawnShape& shape : frame.moving.obstacles) set_shape(*t.add_shapes(), shape);
   return m;
 }
 
-v1::ServerMessage shapes_message(const Session& session) {
+v1::ServerMessage shapes_message(const Frame& frame) {
   v1::ServerMessage m;
-  v1::Shapes& all = *m.mutable_shapes();
-  for (size_t i = 0; i < session.world().size(); ++i) {
-    for (const DrawnShape& shape :
-         session.world().system(i).shapes(session.state().systems[i], session.time()))
-      set_shape(*all.add_shapes(), shape);
-  }
+  for (const DrawnShape& shape : frame.moving.obstacles) set_shape(*m.mutable_shapes()->add_shapes(), shape);
   return m;
 }
 
-v1::ServerMessage marks_message(const Session& session, Overlay wish) {
+v1::ServerMessage marks_message(const Frame& frame) {
   v1::ServerMessage m;
   v1::Marks& marks = *m.mutable_marks();
-  marks.set_step(session.step_index());
-  for (size_t i = 0; i < session.world().size(); ++i) {
-    const System& system = session.world().system(i);
-    const State& state = session.state().systems[i];
-    std::vector<float> contacts, joints;
-    std::vector<uint8_t> kinds;
-    const auto add = [](std::vector<float>& out, const Vec3& v) {
-      for (const double c : {v.x, v.y, v.z}) out.push_back(static_cast<float>(c));
-    };
-    if (shows(wish, Overlay::contacts)) {
-      for (const ContactMark& c : system.contact_marks(state)) {
-        add(contacts, c.point), add(contacts, c.normal);
-        contacts.push_back(static_cast<float>(c.force));
-      }
-    }
-    if (shows(wish, Overlay::joints)) {
-      for (const JointMark& j : system.joint_marks(state)) {
-        add(joints, j.a), add(joints, j.b), add(joints, j.axis);
-        kinds.push_back(static_cast<uint8_t>(j.kind));
-      }
-    }
-    v1::SystemMarks& s = *marks.add_systems();
-    s.set_system(session.world().id(i));
-    s.set_contacts(bytes_of(contacts));
-    s.set_joints(bytes_of(joints));
-    s.set_joint_kinds(bytes_of(kinds));
+  marks.set_step(frame.step);
+  std::vector<float> contacts, joints;
+  std::vector<uint8_t> kinds;
+  for (const ContactMark& c : frame.moving.contacts) {
+    add(contacts, c.point), add(contacts, c.normal);
+    contacts.push_back(static_cast<float>(c.force));
   }
+  for (const JointMark& j : frame.moving.joints) {
+    add(joints, j.a), add(joints, j.b), add(joints, j.axis);
+    kinds.push_back(static_cast<uint8_t>(j.kind));
+  }
+  marks.set_contacts(bytes_of(contacts));
+  marks.set_joints(bytes_of(joints));
+  marks.set_joint_kinds(bytes_of(kinds));
   return m;
 }
 

@@ -3,7 +3,6 @@
 #include <string>
 #include <string_view>
 
-#include "engine/core/overlay.h"
 #include "engine/session/session.h"
 #include "server/net/message.h"
 #include "truestep/v1/stream.pb.h"
@@ -13,11 +12,12 @@ namespace truestep {
 enum class WireForm : uint8_t { protobuf, json };
 
 v1::ServerMessage hello_message(const Session& session, const std::string& id);
-v1::ServerMessage topology_message(const Session& session);
-/// Where the scene's shapes are now.
-v1::ServerMessage shapes_message(const Session& session);
-/// Contacts and joints of all systems as they are now.
-v1::ServerMessage marks_message(const Session& session, Overlay wish);
+/// Of a frame whose wishes were Wish::constant and Wish::obstacles.
+v1::ServerMessage topology_message(const World& world, const Frame& frame);
+/// Where the obstacles are.
+v1::ServerMessage shapes_message(const Frame& frame);
+/// The contacts and joints that were wished for.
+v1::ServerMessage marks_message(const Frame& frame);
 v1::ServerMessage playback_message(const Session& session);
 v1::ServerMessage problem_message(std::string_view code, std::string_view detail, std::string_view request_id,
                                   std::string_view pointer);

@@ -10,10 +10,15 @@ namespace truestep {
 
 namespace asio = boost::asio;
 
+namespace {
+constexpr Wish kDrawn = Wish::constant | Wish::obstacles;
+}
+
 StreamClient::StreamClient(EntryPtr entry, Runner& runner, StreamStats& stats)
     : entry_(std::move(entry)), runner_(runner), stats_(stats), strand_(runner.pool().get_executor()) {
   fields_ = wire_fields(entry_->session.world(), {}, {}, WireEncoding::f32);
   request_ = request_for(fields_, FrameRequest::Extras::none);
+  request_.wishes = kDrawn;
 }
 
 template <class F>
@@ -34,7 +39,7 @@ void StreamClient::on_open(std::shared_ptr<net::WebSocket> socket) {
   locked([this] {
     Session& session = entry_->session;
     send(hello_message(session, entry_->id));
-    refresh_topology();
+    send_drawing(*session.frame({.wishes = kDrawn}));
     send(playback_message(session));
     send_current_frame();
     session.add_sink(shared_from_this());
@@ -169,8 +174,8 @@ void StreamClient::subscribe(const v1::Subscribe& wish) {
   using Extras = FrameRequest::Extras;
   request_ = request_for(fields_, (wish.observables() ? Extras::observables : Extras::none) |
                                       (wish.state_hash() ? Extras::state_hash : Extras::none));
-  overlay_ = (wish.contacts() ? Overlay::contacts : Overlay::none) |
-             (wish.joints() ? Overlay::joints : Overlay::none);
+  request_.wishes =
+      kDrawn | (wish.contacts() ? Wish::contacts : Wish::none) | (wish.joints() ? Wish::joints : Wish::none);
   policy_ = wish.policy();
   interval_ =
       wish.rate() > 0
@@ -260,9 +265,7 @@ bool StreamClient::due(uint64_t) {
 
 void StreamClient::accept(const FramePtr& frame) {
   if (closed_) return;
-  if (frame->topology_version != topology_version_) refresh_topology();
-  refresh_shapes();
-  if (overlay_ != Overlay::none) send(marks_message(entry_->session, overlay_));
+  send_drawing(*frame);
   if (flow_ == Flow::credit) credit_.fetch_sub(1);
   const auto [blocks, held, kind] = entry_->encoded.get(frame, fields_, base_);
   const uint64_t base_seq = kind == EncodedBlocks::Kind::refers_to_base ? base_seq_ : 0;
@@ -323,19 +326,18 @@ void StreamClient::send_current_frame() {
   accept(entry_->session.frame(request_));
 }
 
-void StreamClient::refresh_topology() {
-  topology_version_ = entry_->session.topology_version();
-  send(topology_message(entry_->session));
-}
-
-void StreamClient::refresh_shapes() {
-  const v1::ServerMessage message = shapes_message(entry_->session);
-  if (message.shapes().shapes().empty()) return;
-  std::string now = message.shapes().SerializeAsString();
-  if (now == shapes_) return;
-  // The first ones came with the topology.
-  if (!shapes_.empty()) send(message);
-  shapes_ = std::move(now);
+void StreamClient::send_drawing(const Frame& frame) {
+  const bool fresh = frame.drawing_version != drawing_version_;
+  if (fresh) send(topology_message(entry_->session.world(), frame));
+  drawing_version_ = frame.drawing_version;
+  if (!frame.moving.obstacles.empty()) {
+    const v1::ServerMessage message = shapes_message(frame);
+    std::string now = message.shapes().SerializeAsString();
+    // The first ones come with the topology.
+    if (now != shapes_ && !fresh) send(message);
+    shapes_ = std::move(now);
+  }
+  if (wants(request_.wishes, Wish::marks)) send(marks_message(frame));
 }
 
 void StreamClient::send(const v1::ServerMessage& message) {

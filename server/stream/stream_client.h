@@ -54,9 +54,8 @@ class StreamClient : public net::WebSocketHandler,
   void send_current_frame();
   void send(const v1::ServerMessage& message);
   bool has_room() const;
-  void refresh_topology();
-  /// Sends the shapes when one has moved since they were sent last.
-  void refresh_shapes();
+  /// Sends of the drawing what has changed since it was sent last, and the marks.
+  void send_drawing(const Frame& frame);
 
   EntryPtr entry_;
   Runner& runner_;
@@ -74,10 +73,9 @@ class StreamClient : public net::WebSocketHandler,
   uint64_t seq_ = 0, dropped_ = 0;
   QuantisedFramePtr base_;  ///< what the client holds after the frame that was sent last
   uint64_t base_seq_ = 0;
-  uint32_t topology_version_ = 0;
-  std::string shapes_;  ///< as sent last
-  Overlay overlay_ = Overlay::none;
-  bool stale_ = false;  ///< the client has not seen the newest state
+  std::optional<uint32_t> drawing_version_;  ///< as sent last
+  std::string shapes_;                       ///< as sent last
+  bool stale_ = false;                       ///< the client has not seen the newest state
 
   enum class Flow : uint8_t { connection, credit };
   std::atomic<Flow> flow_{Flow::connection};

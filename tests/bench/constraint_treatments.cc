@@ -28,7 +28,7 @@ Measured run(Treatment treatment, double h) {
   // As stiff as the step bears with a margin of a tenth.
   d.stiffness = 1;
   if (treatment == Treatment::penalty) {
-    const double limit = build_rod_chain(&d, context)->stable_dt({}).value();
+    const double limit = build_rod_chain(&d, context)->limit(Limit::stable_dt, {}, 0).value();
     d.stiffness = 0.81 * (limit / h) * (limit / h);
   }
   const auto system = build_rod_chain(&d, context);

@@ -31,11 +31,16 @@ struct Case {
     RecordingLayout layout;
     layout.path = file("truestep_bench.vtkhdf");
     const Precision precision = sizeof(T) == 4 ? Precision::kF32 : Precision::kF64;
-    layout.systems.push_back(
-        {"p", "particles", points, RowPolicy::kFixed, {{"position", "m", 3, precision}}, {}, {}});
+    layout.parts.push_back({"p",
+                            "particles",
+                            points,
+                            RowPolicy::kFixed,
+                            {{"position", "m", 3, precision, Meaning::position}},
+                            {},
+                            {}});
     RecordingWriter writer(thread, layout);
     const std::vector<FieldValues> fields{std::span<const T>(x)};
-    const std::vector<SystemRows> systems{{points, fields}};
+    const std::vector<PartRows> systems{{points, fields}};
     for (uint64_t i = 0; i < frames; ++i)
       writer.append(static_cast<int64_t>(i), 0.01 * double(i), systems, {});
     writer.finalize("");

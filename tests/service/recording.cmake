@@ -14,7 +14,7 @@ endfunction()
 
 # tests/requirements.txt, installed by `truestep test`.
 set(venv_python ${PROJECT_SOURCE_DIR}/build/venv/bin/python)
-foreach(case multi single h5md swmr export controls)
+foreach(case multi single grids h5md swmr export controls)
   add_recording_test(${case} ${venv_python} ${CMAKE_CURRENT_LIST_DIR}/recording_readers.py ${loop} ${read} ${case})
 endforeach()
 add_recording_test(finalize_kills ${Python3_EXECUTABLE} ${CMAKE_CURRENT_LIST_DIR}/recording_kills.py ${loop} ${read})

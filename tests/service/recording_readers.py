@@ -99,6 +99,46 @@ def case_single(loop, folder):
             print(kind, points, compare(path, [name]), "numbers")
 
 
+def image_of(data):
+    """(origin, spacing, {array: values}) of a VTK image, whatever its data belongs to."""
+    cells = data.GetCellData().GetNumberOfArrays() > 0
+    holder = data.GetCellData() if cells else data.GetPointData()
+    arrays = {holder.GetArrayName(i): vtk_to_numpy(holder.GetArray(i)).copy() for i in range(holder.GetNumberOfArrays())}
+    return data.GetOrigin(), data.GetSpacing(), cells, arrays
+
+
+def case_grids(loop, folder):
+    """Images: in the VTKHDF group without a copy, and exported; every number, and where it lies."""
+    path = record(loop, folder, 40, 7, "grids")
+    places = {"plate": ((1, 2, 0), (0.5, 0.25, 1), False), "block": ((-0.5, -1, -1.5), (1, 2, 3), True)}
+    subprocess.run([READ, path, "export", "vti", Path(folder) / "out"], check=True, stdout=subprocess.DEVNULL)
+    with h5py.File(path, "r") as f:
+        assert f["VTKHDF/plate/PointData/value"].is_virtual, "no data is copied"
+        assert list(f["grids/plate"].attrs["counts"]) == [40, 3, 1] and f["grids/block"].attrs["centring"] == b"cells"
+        reader = vtk.vtkHDFReader()
+        reader.SetFileName(str(path))
+        reader.UpdateInformation()
+        times = reader.GetOutputInformation(0).Get(vtk.vtkStreamingDemandDrivenPipeline.TIME_STEPS())
+        assert list(times) == list(f["clock/time"][:])
+        for step in range(len(times)):
+            reader.SetStep(step)
+            reader.Update()
+            out = reader.GetOutputDataObject(0)
+            assert out.GetNumberOfPartitionedDataSets() == 2
+            for k, name in enumerate(("plate", "block")):
+                exported = vtk.vtkXMLImageDataReader()
+                exported.SetFileName(str(Path(folder) / f"out.{name}.{step:06}.vti"))
+                exported.Update()
+                for image in (out.GetPartition(k, 0), exported.GetOutput()):
+                    origin, spacing, cells, arrays = image_of(image)
+                    assert (origin, spacing, cells) == places[name], (name, origin, spacing, cells)
+                    for field in ("value", "flux"):
+                        want = f["grids"][name][field]["value"][step]
+                        assert arrays[field].shape == want.shape, (name, field, arrays[field].shape, want.shape)
+                        assert arrays[field].tobytes() == want.tobytes(), f"{name}.{field} step {step}"
+    print("grids: every number of", len(times), "steps")
+
+
 def case_h5md(loop, folder):
     """The layout that H5MD asks for, and what the values must be."""
     path = record(loop, folder, 100, 70)

@@ -60,13 +60,13 @@ TEST(StraightContact, CubicFallsAtItsFirstRoot) {
 
 /// How many points are under the cloth: straight above them lies an odd number of its triangles.
 int below(const SceneRun& run) {
-  const ConstPoints c(run.session.state().systems[0], *run.world->system(0).points());
-  const ConstPoints p(run.session.state().systems[1], *run.world->system(1).points());
+  const ConstPoints c(run.session.state().systems[0], *run.world->system(0).ports().points);
+  const ConstPoints p(run.session.state().systems[1], *run.world->system(1).ports().points);
   int count = 0;
   for (size_t i = 0; i < p.count; ++i) {
     const Vec3 x = load3(p.x, i);
     bool under = false;
-    for (const auto& t : run.world->system(0).solids().triangles) {
+    for (const auto& t : run.world->system(0).ports().solids.triangles) {
       const Vec3 a = load3(c.x, t[0]) - x, b = load3(c.x, t[1]) - x, d = load3(c.x, t[2]) - x;
       const auto turn = [](const Vec3& u, const Vec3& v) { return u.x * v.z - u.z * v.x; };
       const double wd = turn(a, b), wa = turn(b, d), wb = turn(d, a);

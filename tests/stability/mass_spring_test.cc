@@ -61,7 +61,7 @@ TEST(MassSpringStability, SuggestedStepIsTheLimitOfAChain) {
   def.integrator = "symplectic_euler";
   const auto grown = [&](double factor) {
     SpringRun run(def, {});
-    const double limit = run.system->stable_dt(run.state).value();
+    const double limit = run.system->limit(Limit::stable_dt, run.state, 0).value();
     EXPECT_NEAR(limit, std::sqrt(0.5 / 200), 1e-12);
     for (size_t i = 1; i < 40; ++i) run.x()[3 * i] += i % 2 == 0 ? 1e-6 : -1e-6;
     run.step(factor * limit, 4000);

@@ -34,7 +34,7 @@ struct Sums {
 inline Sums sums(const World& world, const WorldState& state) {
   Sums out;
   for (size_t i = 0; i < world.size(); ++i) {
-    const ConstPoints p(state.systems[i], *world.system(i).points());
+    const ConstPoints p(state.systems[i], *world.system(i).ports().points);
     for (size_t k = 0; k < p.count; ++k) {
       const double w = p.inverse_mass(k);
       if (w == 0) continue;

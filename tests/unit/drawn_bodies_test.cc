@@ -1,8 +1,9 @@
-// Bodies as they are drawn: one form per shape and part, groups, versions, contacts that carry the weight.
+// Bodies as they are drawn: one visual per shape and part, groups, versions, contacts that carry the weight.
 #include <gtest/gtest.h>
 
 #include "engine/session/session.h"
 #include "engine/sinks/picture/draw_world.h"
+#include "tests/support/drawn.h"
 #include "tests/support/rigid3d_run.h"
 
 namespace truestep {
@@ -13,7 +14,7 @@ using testing::box;
 using testing::ground;
 using testing::RigidRun;
 
-TEST(DrawnBodies, EveryShapeHasAForm) {
+TEST(DrawnBodies, EveryShapeHasAVisual) {
   Rigid3dDef def;
   HullBodyDef hull;
   hull.points = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
@@ -30,18 +31,19 @@ TEST(DrawnBodies, EveryShapeHasAForm) {
   field.motion = BodyDef::Motion::fixed, field.heights = {0, 0, 0, 0}, field.position = {0, -9, 0};
   def.bodies = {ground(), box({1, 1, 1}, {0, 3, 0}), ball(0.5, {3, 3, 0}), hull, drum, pill, two, field};
   const RigidRun run(def);
-  const DrawnBodies drawn = run.system->bodies(run.state);
+  const Drawing all = testing::drawn(*run.system, run.state);
+  const PartDrawing& drawn = all.parts[0];
   using Kind = DrawnShape::Kind;
   std::vector<Kind> kinds;
-  for (const auto& form : drawn.forms) kinds.push_back(form.shape.kind);
+  for (const Visual& v : drawn.visuals) kinds.push_back(v.shape.kind);
   EXPECT_EQ(kinds, (std::vector<Kind>{Kind::box, Kind::sphere, Kind::mesh, Kind::cylinder, Kind::capsule,
                                       Kind::sphere, Kind::box, Kind::mesh}));
-  EXPECT_EQ(drawn.places.size(), 8u);
-  EXPECT_EQ(drawn.places[6], (std::array<uint32_t, 2>{6, 6}));  // the compound's second part, on its row
-  EXPECT_EQ(drawn.forms.back().motion, DrawnBodies::Motion::fixed);
-  EXPECT_EQ(run.system->shapes(run.state, 0).size(), 1u);  // the plane
+  EXPECT_EQ(drawn.instances.size(), 8u);
+  EXPECT_EQ(drawn.instances[6], (std::array<uint32_t, 2>{6, 6}));  // the compound's second part, on its row
+  EXPECT_EQ(drawn.visuals.back().motion, Visual::Motion::fixed);
+  EXPECT_EQ(all.obstacles.size(), 1u);  // the plane
   // A compound's parts stand about its centre of mass.
-  const double apart = norm(drawn.forms[6].shape.position - drawn.forms[5].shape.position);
+  const double apart = norm(drawn.visuals[6].shape.position - drawn.visuals[5].shape.position);
   EXPECT_NEAR(apart, 1, 1e-12);
 }
 
@@ -49,33 +51,33 @@ TEST(DrawnBodies, AlikeBodiesShareAGroup) {
   Rigid3dDef def;
   def.bodies = {ground(), ball(0.5, {0, 1, 0}), ball(0.7, {2, 1, 0}), ball(0.5, {4, 1, 0})};
   const RigidRun run(def);
-  const DrawnBodies drawn = run.system->bodies(run.state);
-  EXPECT_EQ(drawn.forms[0].group, drawn.forms[2].group);
-  EXPECT_NE(drawn.forms[0].group, drawn.forms[1].group);
+  const PartDrawing drawn = testing::drawn(*run.system, run.state).parts[0];
+  EXPECT_EQ(drawn.visuals[0].group, drawn.visuals[2].group);
+  EXPECT_NE(drawn.visuals[0].group, drawn.visuals[1].group);
 }
 
 TEST(DrawnBodies, TheVersionGrowsWithBirthsAndRemovals) {
   Rigid3dDef def;
   def.bodies = {ground(), ball(0.5, {0, 1, 0}), ball(0.5, {3, 1, 0})};
   RigidRun run(def);
-  const uint32_t before = run.system->topology_version(run.state);
+  const uint32_t before = run.system->drawing_version(run.state);
   run.run(3);
-  EXPECT_EQ(run.system->topology_version(run.state), before);
+  EXPECT_EQ(run.system->drawing_version(run.state), before);
   Command remove;
   remove.kind = CommandKind::remove, remove.index = 1;
   run.apply(remove);
-  EXPECT_EQ(run.system->topology_version(run.state), before + 1);
-  EXPECT_EQ(run.system->bodies(run.state).places.size(), 1u);
+  EXPECT_EQ(run.system->drawing_version(run.state), before + 1);
+  EXPECT_EQ(testing::drawn(*run.system, run.state).parts[0].instances.size(), 1u);
 }
 
 TEST(DrawnBodies, ContactsCarryTheWeight) {
   Rigid3dDef def;
   def.bodies = {ground(), box({0.5, 0.5, 0.5}, {0, 0.5, 0})};
   RigidRun run(def);
-  EXPECT_TRUE(run.system->contact_marks(run.state).empty());
+  EXPECT_TRUE(testing::drawn(*run.system, run.state).contacts.empty());
   run.run(60);
   double force = 0;
-  const auto marks = run.system->contact_marks(run.state);
+  const auto marks = testing::drawn(*run.system, run.state).contacts;
   for (const ContactMark& m : marks) {
     force += m.force;
     EXPECT_NEAR(m.point.y, 0, 2e-3);
@@ -95,9 +97,12 @@ TEST(DrawnBodies, SleepersAreDarker) {
   const Session session(std::make_shared<const World>(parse_scene(kTwoBoxes)),
                         std::make_shared<const ThreadArena>(1));
   WorldState state = session.state();
-  const DrawList awake = draw_list_of(session.world(), state);
+  const auto pictured = [&] {
+    return draw_list_of(session.world(), *session.frame_of(state, picture_request(session.world())));
+  };
+  const DrawList awake = pictured();
   state.systems[0].span<uint32_t>(rigid3d_columns::asleep)[0] = 1;
-  const DrawList asleep = draw_list_of(session.world(), state);
+  const DrawList asleep = pictured();
   ASSERT_EQ(awake.shapes.size(), 2u);
   EXPECT_FLOAT_EQ(awake.shapes[0].color->r, 0.9f);
   EXPECT_LT(asleep.shapes[0].color->r, 0.7f);

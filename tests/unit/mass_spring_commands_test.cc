@@ -1,5 +1,6 @@
 // What commands do to a network of springs, what they refuse, and the other faces of the system.
 #include "engine/base/errors.h"
+#include "tests/support/drawn.h"
 #include "tests/unit/mass_spring_rig.h"
 
 namespace truestep {
@@ -151,13 +152,15 @@ TEST(MassSpringSystem, LazyFieldsHoldForceAndStrain) {
   SpringRun run(rope());
   run.x()[30] += 0.05;  // the last of ten links of 0.1 m, stretched by half
   std::vector<double> scratch;
-  const auto fields = run.system->fields();
-  ASSERT_EQ(fields.size(), 5u);
-  const FieldView strain = run.system->field(run.state, 3, scratch);
+  ASSERT_EQ(run.system->parts()[0].fields.size(), 5u);
+  const FieldView strain = run.system->field(run.state, 0, 3, scratch);
   EXPECT_NEAR(static_cast<const double*>(strain.data)[10], 0.5, 1e-12);
   EXPECT_NEAR(static_cast<const double*>(strain.data)[3], 0, 1e-12);
-  const FieldView force = run.system->field(run.state, 2, scratch);
+  const FieldView force = run.system->field(run.state, 0, 2, scratch);
   EXPECT_NEAR(static_cast<const double*>(force.data)[30], -1000 * 0.05, 1e-9);
+  const FieldView springs = run.system->field(run.state, 1, 0, scratch);
+  ASSERT_EQ(springs.rows, 10u);
+  EXPECT_NEAR(static_cast<const double*>(springs.data)[9], 0.5, 1e-12);
   EXPECT_NEAR(run.observe("strain.max"), 0.5, 1e-12);
 }
 
@@ -166,7 +169,7 @@ TEST(MassSpringSystem, TopologyDrawsEverySpring) {
   def.cloth_grid = ClothGridShape{.nx = 3, .ny = 3};
   def.bending_stiffness = 1;
   const SpringRun run(def);
-  const Topology t = run.system->topology(run.state);
+  const PartDrawing t = testing::drawn(*run.system, run.state).parts[0];
   EXPECT_EQ(t.triangles.size(), 8u);
   EXPECT_EQ(std::count(t.line_kinds.begin(), t.line_kinds.end(), LineKind::structural), 12);
   EXPECT_EQ(std::count(t.line_kinds.begin(), t.line_kinds.end(), LineKind::shear), 8);

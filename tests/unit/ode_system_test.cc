@@ -7,6 +7,7 @@
 
 #include "engine/systems/ode/ode.h"
 #include "engine/systems/ode/ode_equations.h"
+#include "tests/support/drawn.h"
 #include "tests/support/ode_run.h"
 
 namespace truestep::test {
@@ -209,19 +210,19 @@ TEST(OdeSystem, FieldsAreThePathAndEveryState) {
       R"s("states": {"x": [1, 2], "y": [3, 4]}, "equations": {"x[i]": "0", "y[k]": "1"}, "trail": 2)s");
   run.steps(2);
   const System& s = run.world().system(0);
-  const auto infos = s.fields();
-  ASSERT_EQ(infos.size(), 3u);
-  EXPECT_EQ(infos[0].name, "position");
+  ASSERT_EQ(s.parts().size(), 2u);
+  EXPECT_EQ(s.parts()[0].fields[0].name, "position");
+  EXPECT_EQ(s.parts()[1].fields.size(), 2u);
   std::vector<double> scratch;
-  const FieldView path = s.field(run.columns(), 0, scratch);
+  const FieldView path = s.field(run.columns(), 0, 0, scratch);
   ASSERT_EQ(path.rows, 6u);
   const auto* p = static_cast<const double*>(path.data);
   EXPECT_NEAR(p[1], 3.2, 1e-9);
   EXPECT_NEAR(p[4], 3.1, 1e-9);
   EXPECT_EQ(p[7], 3);
   EXPECT_EQ(p[9], 2);
-  EXPECT_EQ(s.topology(run.columns()).lines.size(), 4u);
-  const FieldView y = s.field(run.columns(), 2, scratch);
+  EXPECT_EQ(testing::drawn(s, run.columns()).parts[0].lines.size(), 4u);
+  const FieldView y = s.field(run.columns(), 1, 1, scratch);
   EXPECT_EQ(y.rows, 2u);
   EXPECT_NEAR(static_cast<const double*>(y.data)[1], 4.2, 1e-9);
 }

@@ -38,20 +38,20 @@ TEST_F(Recording, TheDescriptionComesBack) {
   EXPECT_EQ(info.layout.seed, want.seed);
   EXPECT_EQ(info.layout.dt, want.dt);
   EXPECT_EQ(info.layout.build, want.build);
-  ASSERT_EQ(info.layout.systems.size(), 2u);
+  ASSERT_EQ(info.layout.parts.size(), 2u);
   for (size_t s = 0; s < 2; ++s) {
-    EXPECT_EQ(info.layout.systems[s].id, want.systems[s].id);
-    EXPECT_EQ(info.layout.systems[s].type, want.systems[s].type);
-    EXPECT_EQ(info.layout.systems[s].max_rows, 10u);
-    EXPECT_EQ(info.layout.systems[s].rows, want.systems[s].rows);
-    EXPECT_EQ(info.layout.systems[s].lines, want.systems[s].lines);
-    EXPECT_EQ(info.layout.systems[s].triangles, want.systems[s].triangles);
-    ASSERT_EQ(info.layout.systems[s].fields.size(), want.systems[s].fields.size());
-    for (size_t f = 0; f < want.systems[s].fields.size(); ++f) {
-      EXPECT_EQ(info.layout.systems[s].fields[f].name, want.systems[s].fields[f].name);
-      EXPECT_EQ(info.layout.systems[s].fields[f].unit, want.systems[s].fields[f].unit);
-      EXPECT_EQ(info.layout.systems[s].fields[f].width, want.systems[s].fields[f].width);
-      EXPECT_EQ(info.layout.systems[s].fields[f].precision, want.systems[s].fields[f].precision);
+    EXPECT_EQ(info.layout.parts[s].id, want.parts[s].id);
+    EXPECT_EQ(info.layout.parts[s].type, want.parts[s].type);
+    EXPECT_EQ(info.layout.parts[s].max_rows, 10u);
+    EXPECT_EQ(info.layout.parts[s].rows, want.parts[s].rows);
+    EXPECT_EQ(info.layout.parts[s].lines, want.parts[s].lines);
+    EXPECT_EQ(info.layout.parts[s].triangles, want.parts[s].triangles);
+    ASSERT_EQ(info.layout.parts[s].fields.size(), want.parts[s].fields.size());
+    for (size_t f = 0; f < want.parts[s].fields.size(); ++f) {
+      EXPECT_EQ(info.layout.parts[s].fields[f].name, want.parts[s].fields[f].name);
+      EXPECT_EQ(info.layout.parts[s].fields[f].unit, want.parts[s].fields[f].unit);
+      EXPECT_EQ(info.layout.parts[s].fields[f].width, want.parts[s].fields[f].width);
+      EXPECT_EQ(info.layout.parts[s].fields[f].precision, want.parts[s].fields[f].precision);
     }
   }
   ASSERT_EQ(info.layout.observables.size(), 2u);
@@ -62,19 +62,20 @@ TEST_F(Recording, TheDescriptionComesBack) {
 TEST_F(Recording, FloatsAndDoublesAreTakenFromAnyType) {
   RecordingLayout l;
   l.path = path("a.vtkhdf");
-  l.systems.push_back({"p",
-                       "particles",
-                       2,
-                       RowPolicy::kFixed,
-                       {{"position", "m", 3, Precision::kF64}, {"mass", "kg", 1, Precision::kF32}},
-                       {},
-                       {}});
+  l.parts.push_back(
+      {"p",
+       "particles",
+       2,
+       RowPolicy::kFixed,
+       {{"position", "m", 3, Precision::kF64, Meaning::position}, {"mass", "kg", 1, Precision::kF32}},
+       {},
+       {}});
   const std::vector<float> x{1, 2, 3, 4, 5, 6};
   const std::vector<double> m{0.1, -0.0};
   {
     RecordingWriter writer(thread, l);
     const std::vector<FieldValues> fields{std::span<const float>(x), std::span<const double>(m)};
-    const std::vector<SystemRows> systems{{2, fields}};
+    const std::vector<PartRows> systems{{2, fields}};
     writer.append(5, 0.5, systems, {});
   }
   RecordingReader reader(thread, l.path);
@@ -103,9 +104,9 @@ TEST_F(Recording, AFrameOfAnotherShapeIsRefused) {
 
 TEST_F(Recording, LayoutsThatCannotBeRecordedNameEveryFault) {
   RecordingLayout bad = layout(path("a.vtkhdf"), 3);
-  bad.systems[0].id = "a/b";
-  bad.systems[0].lines = {0, 3};
-  bad.systems[1].fields[1].width = 0;
+  bad.parts[0].id = "a/b";
+  bad.parts[0].lines = {0, 3};
+  bad.parts[1].fields[1].width = 0;
   bad.observables[1].name = bad.observables[0].name;
   try {
     RecordingWriter writer(thread, bad);

@@ -115,8 +115,8 @@ TEST(LayoutBytes, ComeBackAsTheyWentAndDamageIsRefused) {
   const auto back = layout_from_bytes(bytes);
   ASSERT_TRUE(back);
   EXPECT_EQ(layout_bytes(*back), bytes);
-  EXPECT_EQ(back->systems.size(), l.systems.size());
-  EXPECT_EQ(back->systems[0].fields[0].name, l.systems[0].fields[0].name);
+  EXPECT_EQ(back->parts.size(), l.parts.size());
+  EXPECT_EQ(back->parts[0].fields[0].name, l.parts[0].fields[0].name);
   EXPECT_EQ(back->scene_json, l.scene_json);
   for (size_t n = 0; n < bytes.size(); ++n) {
     EXPECT_FALSE(layout_from_bytes({bytes.data(), n})) << n;

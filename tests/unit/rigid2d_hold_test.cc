@@ -7,6 +7,7 @@
 
 #include "engine/systems/rigid2d/columns.h"
 #include "engine/systems/rigid2d/rigid2d.h"
+#include "tests/support/drawn.h"
 
 namespace truestep::rigid2d {
 namespace {
@@ -80,11 +81,12 @@ TEST(Rigid2dHold, RowsAreBodies) {
   def.bodies = {square({0, 0, 0}), square({3, 0, 0})};
   const Trial run(def);
   std::vector<double> scratch;
-  for (size_t f = 0; f < run.system.fields().size(); ++f)
-    EXPECT_EQ(run.system.field(run.state, f, scratch).rows, 2u) << run.system.fields()[f].name;
-  const DrawnBodies drawn = run.system.bodies(run.state);
-  EXPECT_EQ(drawn.forms.size(), 1u);
-  EXPECT_EQ(drawn.places.size(), 2u);
+  const auto& fields = run.system.parts()[0].fields;
+  for (size_t f = 0; f < fields.size(); ++f)
+    EXPECT_EQ(run.system.field(run.state, 0, f, scratch).rows, 2u) << fields[f].name;
+  const PartDrawing drawn = testing::drawn(run.system, run.state).parts[0];
+  EXPECT_EQ(drawn.visuals.size(), 1u);
+  EXPECT_EQ(drawn.instances.size(), 2u);
 }
 
 TEST(Rigid2dHold, JoinedBodiesStandInLayers) {
@@ -94,14 +96,15 @@ TEST(Rigid2dHold, JoinedBodiesStandInLayers) {
   joint.a = 0, joint.b = 1, joint.anchor = {0.4, 0, 0};
   def.joints = {joint};
   const Trial run(def);
-  const DrawnBodies drawn = run.system.bodies(run.state);
-  ASSERT_EQ(drawn.forms.size(), 2u);
-  EXPECT_GT(std::abs(drawn.forms[0].shape.position.z - drawn.forms[1].shape.position.z), 0.01);
-  EXPECT_EQ(drawn.forms[0].shape.mesh, drawn.forms[1].shape.mesh);
-  const auto marks = run.system.joint_marks(run.state);
+  const Drawing all = testing::drawn(run.system, run.state);
+  const PartDrawing& drawn = all.parts[0];
+  ASSERT_EQ(drawn.visuals.size(), 2u);
+  EXPECT_GT(std::abs(drawn.visuals[0].shape.position.z - drawn.visuals[1].shape.position.z), 0.01);
+  EXPECT_EQ(drawn.visuals[0].shape.mesh, drawn.visuals[1].shape.mesh);
+  const auto& marks = all.joints;
   ASSERT_EQ(marks.size(), 1u);
   EXPECT_NEAR(marks[0].a.x, 0.4, 1e-12);
-  EXPECT_EQ(marks[0].kind, JointMark::Kind::hinge);
+  EXPECT_EQ(marks[0].kind, JointMark::Kind::revolute);
 }
 
 }  // namespace

@@ -20,13 +20,8 @@ struct Trial {
     return *this;
   }
   double field(const std::string& name, size_t k) {
-    const auto infos = world.system(0).fields();
     std::vector<double> scratch;
-    for (size_t f = 0; f < infos.size(); ++f) {
-      if (infos[f].name == name)
-        return static_cast<const double*>(world.system(0).field(state.systems[0], f, scratch).data)[k];
-    }
-    return NAN;
+    return element(world.field(state, world.parts().find(world.id(0), name).value(), scratch), k);
   }
   double observed(const std::string& name) {
     const Observables out = world.observe(state);

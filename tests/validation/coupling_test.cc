@@ -28,8 +28,8 @@ double half_period_error(double h) {
   run.session.step(steps);
   // At the turning point the length's error is of second order in that of the period: look at the speed.
   const double speed = run.session.observe().find("p.position.x").value();
-  const ConstPoints p(run.session.state().systems[0], *run.world->system(0).points());
-  const ConstPoints q(run.session.state().systems[1], *run.world->system(1).points());
+  const ConstPoints p(run.session.state().systems[0], *run.world->system(0).ports().points);
+  const ConstPoints q(run.session.state().systems[1], *run.world->system(1).ports().points);
   EXPECT_NEAR(q.x[0] - speed, 0.9, 1e-3);
   return std::abs(q.v[0] - p.v[0]) / (0.1 * omega);
 }

@@ -126,7 +126,7 @@ TEST(RodChain, FollowsTheSameChainInJointCoordinates) {
 TEST(RodChain, SpringsHoldUpToTheStepThatIsSaid) {
   RodChainDef d = chain(Treatment::penalty, 40);
   d.direction = {0.05, -1, 0}, d.substeps = 1;
-  const double limit = RodRun(d, 1).system->stable_dt(RodRun(d, 1).state).value();
+  const double limit = RodRun(d, 1).system->limit(Limit::stable_dt, RodRun(d, 1).state, 0).value();
   RodRun below(d, 0.97 * limit), above(d, 1.05 * limit);
   below.seconds(1);
   EXPECT_LT(below.gap, 0.01);

@@ -127,11 +127,12 @@ function attach(session, socket) {
   };
   session.clients.add(client);
   socket.on("close", () => session.clients.delete(client));
-  const fields = [{ name: "position", unit: "m", width: 3 }, { name: "velocity", unit: "m/s", width: 3 }];
+  const fields = [{ name: "position", unit: "m", width: 3, meaning: "position" }, { name: "velocity", unit: "m/s", width: 3, meaning: "velocity" }];
+  const { system } = session.world;
   client.send({
     kind: {
       case: "hello",
-      value: { api: "truestep.v1", session: session.id, server: "mock", dt, systems: [{ id: session.world.system, type: "mock", fields }], sceneName: session.entry.title },
+      value: { api: "truestep.v1", session: session.id, server: "mock", dt, systems: [{ id: system, type: "mock", fields }], parts: [{ id: system, system, kind: "points", fields }], sceneName: session.entry.title },
     },
   });
   client.send({ kind: { case: "topology", value: { version: 1, ...session.world.topology() } } });

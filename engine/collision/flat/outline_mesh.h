@@ -4,7 +4,7 @@
 #include <memory>
 
 #include "engine/collision/flat/outline.h"
-#include "engine/core/drawn.h"
+#include "engine/core/drawing.h"
 
 namespace truestep::flat {
 

@@ -96,7 +96,9 @@ DrawCamera camera_for(const DrawList& list, double aspect) {
   DrawCamera camera;
   camera.up = list.up;
   const Axes axes = axes_of(list.up);
-  const Vec3 back = normalized(axes.side * 0.5 + axes.up * 0.42 + axes.front);
+  const Vec3 oblique = axes.side * 0.5 + axes.up * 0.42 + axes.front;
+  // Never quite along `up`, or the picture would have no upper side.
+  const Vec3 back = normalized(list.facing ? *list.facing + axes.front * 1e-3 : oblique);
   const Vec3 right = normalized(cross(axes.up, back)), above = cross(back, right);
   const double ky = std::tan(camera.fov_degrees * kDegree / 2) * kMargin, kx = ky * aspect;
   Slab horizontal, vertical;

@@ -7,8 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "engine/core/drawn.h"
-#include "engine/core/topology.h"
+#include "engine/core/drawing.h"
 #include "engine/math/vec3.h"
 
 namespace truestep {
@@ -17,9 +16,6 @@ namespace truestep {
 struct Color {
   float r = 0, g = 0, b = 0;
 };
-
-/// How a scalar becomes a colour, from its smallest to its largest value.
-enum class ColorMap : uint8_t { viridis, water, ember };
 
 /// The points of one system and what connects them; every vector but `positions` may be empty.
 struct DrawPoints {
@@ -35,8 +31,12 @@ struct DrawPoints {
   std::vector<uint32_t> lines;             ///< 2 per line
   std::vector<uint8_t> line_kinds;         ///< LineKind per line; empty = all structural
   std::optional<Color> line_color;         ///< none = from `color`
+  std::vector<float> line_scalar;          ///< one per line; colours lines instead of points
   float line_radius = 0;                   ///< m; lines are never thinner than about 1.5 pixels
   std::vector<uint32_t> triangles;         ///< 3 per triangle, smooth, seen from both sides
+  /// How triangles look: lit, in the very colours of the map, or in these and the clearer the lower the
+  /// value.
+  enum class Surface : uint8_t { lit, plain, translucent } surface = Surface::lit;
 };
 
 /// A fixed or moving solid. Size: plane = its normal; box = half extents; sphere = (radius, -, -);
@@ -76,6 +76,7 @@ struct DrawList {
   std::vector<DrawMark> marks;
   Vec3 up{0, 1, 0};                     ///< away from the ground; opposite to gravity
   std::optional<DrawCamera> camera;     ///< none = chosen so that all points and shapes are in the picture
+  std::optional<Vec3> facing;           ///< side that a chosen camera looks from; none = obliquely from above
   std::optional<double> ground_height;  ///< m along `up`; none = no ground
   Color background_top{0.79f, 0.825f, 0.87f};
   Color background_bottom{0.60f, 0.65f, 0.71f};

@@ -1,25 +1,15 @@
 #include "engine/sinks/picture/draw_world.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 
 #include "engine/math/quaternion.h"
+#include "engine/sinks/picture/draw_grid.h"
 
 namespace truestep {
 
 namespace {
-
-std::vector<float> floats_of(const FieldView& view) {
-  std::vector<float> out(view.rows * view.width);
-  if (view.type == Scalar::f64) {
-    const auto* v = static_cast<const double*>(view.data);
-    for (size_t i = 0; i < out.size(); ++i) out[i] = static_cast<float>(v[i]);
-  } else if (view.type == Scalar::f32) {
-    const auto* v = static_cast<const float*>(view.data);
-    out.assign(v, v + out.size());
-  }
-  return out;
-}
 
 // Length of each row: colours show the size of a vector field, or the value of a scalar one.
 std::vector<float> magnitudes(const std::vector<float>& values, uint32_t width) {
@@ -32,29 +22,44 @@ std::vector<float> magnitudes(const std::vector<float>& values, uint32_t width) 
   return out;
 }
 
-// "speed" is understood for every system that has velocities.
-std::string_view field_for(std::string_view color_by) {
-  return color_by == "speed" ? "velocity" : color_by;
+// The field of a part that colours it. "speed" is understood for everything that has velocities.
+std::optional<size_t> color_field(const PartInfo& part, const std::string& color_by) {
+  if (color_by.empty()) return std::nullopt;
+  if (const auto f = part.find(color_by)) return f;
+  return color_by == "speed" ? part.find(Meaning::velocity) : std::nullopt;
 }
 
-DrawPoints points_of(const System& system, const State& state, const std::string& color_by) {
+/// Values of the lines that a part draws, where its system has a part of such.
+struct LineValues {
+  size_t part, field;
+};
+std::optional<LineValues> line_values(const World& world, size_t drawn, const std::string& color_by) {
+  const PartTable& parts = world.parts();
+  for (size_t p = 0; p < parts.size() && !color_by.empty() && parts[drawn].index == 0; ++p) {
+    if (parts[p].system != parts[drawn].system || parts[p].info().elements != PartInfo::Elements::lines)
+      continue;
+    if (const auto f = parts[p].info().find(color_by)) return LineValues{p, *f};
+  }
+  return std::nullopt;
+}
+
+DrawPoints points_of(const World& world, const Frame& frame, size_t p, const std::string& color_by) {
+  const PartInfo& info = world.parts()[p].info();
   DrawPoints points;
-  std::vector<double> scratch;
-  const auto infos = system.fields();
-  for (size_t f = 0; f < infos.size(); ++f) {
-    if (infos[f].name == "position" && infos[f].width == 3)
-      points.positions = floats_of(system.field(state, f, scratch));
-  }
-  for (size_t f = 0; f < infos.size() && !color_by.empty(); ++f) {
-    if (infos[f].name != color_by && infos[f].name != field_for(color_by)) continue;
-    points.scalar = magnitudes(floats_of(system.field(state, f, scratch)), infos[f].width);
-    if (points.scalar.size() * 3 != points.positions.size())
+  points.positions = FrameValues(frame, p, info.find(Meaning::position)).floats();
+  if (const auto f = color_field(info, color_by)) {
+    points.scalar = magnitudes(FrameValues(frame, p, f).floats(), info.fields[*f].width);
+    points.color_map = world.scene().header.viewer.color_map;
+    if (const auto& range = world.scene().header.viewer.range; !range.empty()) {
+      points.scalar_min = static_cast<float>(range[0]), points.scalar_max = static_cast<float>(range[1]);
+    }
+    if (points.scalar.size() * 3 == points.positions.size()) {
+      points.scalar_label = color_by + " (" + info.fields[*f].unit + ")";
+    } else {
       points.scalar.clear();
-    else
-      points.scalar_label = color_by + " (" + infos[f].unit + ")";
-    break;
+    }
   }
-  const Topology topology = system.topology(state);
+  const PartDrawing& topology = frame.constant->parts[p];
   points.radius = static_cast<float>(topology.point_radius);
   points.line_radius = points.radius / 4;
   const auto n = static_cast<uint32_t>(points.positions.size() / 3);
@@ -67,6 +72,12 @@ DrawPoints points_of(const System& system, const State& state, const std::string
   }
   for (const auto& t : topology.triangles) {
     if (t[0] < n && t[1] < n && t[2] < n) points.triangles.insert(points.triangles.end(), {t[0], t[1], t[2]});
+  }
+  if (const auto at = line_values(world, p, color_by); at && points.triangles.empty() && points.radius == 0) {
+    points.line_scalar = FrameValues(frame, at->part, at->field).floats();
+    points.line_scalar.resize(points.lines.size() / 2);
+    const FieldInfo& field = world.parts()[at->part].info().fields[at->field];
+    points.scalar_label = color_by + " (" + field.unit + ")";
   }
   // Under a surface its springs would only be noise.
   if (!points.triangles.empty()) points.lines.clear(), points.line_kinds.clear();
@@ -161,38 +172,70 @@ double lowest_point(const DrawList& list) {
 
 }  // namespace
 
-DrawList draw_list_of(const World& world, const WorldState& state, Overlay overlay) {
+FrameRequest picture_request(const World& world, Wish marks) {
+  FrameRequest request;
+  request.wishes = Wish::constant | Wish::obstacles | marks;
+  for (size_t p = 0; p < world.parts().size(); ++p) {
+    const PartInfo& info = world.parts()[p].info();
+    const auto take = [&](std::optional<size_t> f) {
+      if (!f) return;
+      request.fields.push_back({static_cast<uint32_t>(p), static_cast<uint32_t>(*f), info.fields[*f].type});
+    };
+    for (const Meaning m : {Meaning::position, Meaning::orientation, Meaning::asleep}) take(info.find(m));
+    const auto colors = color_field(info, world.scene().header.viewer.color_by);
+    take(info.kind == PartInfo::Kind::grid && !colors ? std::optional<size_t>(0) : colors);
+  }
+  for (size_t p = 0; p < world.parts().size(); ++p) {
+    const auto at = line_values(world, p, world.scene().header.viewer.color_by);
+    if (!at) continue;
+    const Scalar type = world.parts()[at->part].info().fields[at->field].type;
+    request.fields.push_back({static_cast<uint32_t>(at->part), static_cast<uint32_t>(at->field), type});
+  }
+  std::sort(request.fields.begin(), request.fields.end());
+  request.fields.erase(std::unique(request.fields.begin(), request.fields.end()), request.fields.end());
+  return request;
+}
+
+DrawList draw_list_of(const World& world, const Frame& frame) {
   DrawList list;
   const SceneHeader& header = world.scene().header;
-  const double t = static_cast<double>(state.step) * world.dt();
   list.up = up_of(header.gravity);
   bool has_plane = false;
-  for (size_t i = 0; i < world.size(); ++i) {
-    DrawPoints points = points_of(world.system(i), state.systems[i], header.viewer.color_by);
+  for (size_t p = 0; p < world.parts().size(); ++p) {
+    const PartInfo& info = world.parts()[p].info();
+    if (info.kind != PartInfo::Kind::points) continue;
+    DrawPoints points = points_of(world, frame, p, header.viewer.color_by);
     const size_t before = list.shapes.size();
-    add_bodies(list, world.system(i), state.systems[i], points);
+    const auto rows = [&](Meaning m) { return FrameValues(frame, p, info.find(m)); };
+    add_bodies(list, frame.constant->parts[p],
+               {rows(Meaning::position), rows(Meaning::orientation), rows(Meaning::asleep)}, points);
     // Rows that only carry bodies are not looked at either; coloured ones bring the colour bar.
     const bool only_bodies = list.shapes.size() > before && points.radius == 0 && points.lines.empty() &&
                              points.triangles.empty() && points.scalar.empty();
     if (!points.positions.empty() && !only_bodies) list.points.push_back(std::move(points));
-    for (const DrawnShape& s : world.system(i).shapes(state.systems[i], t)) {
-      list.shapes.push_back(shape_of(s));
-      has_plane |= s.kind == DrawnShape::Kind::plane;
-    }
   }
-  if (const double low = lowest_point(list); !has_plane && std::isfinite(low))
+  bool grids_alone = list.points.empty() && list.shapes.empty() && frame.moving.obstacles.empty();
+  for (size_t p = 0; p < world.parts().size(); ++p) {
+    const PartInfo& info = world.parts()[p].info();
+    if (info.kind != PartInfo::Kind::grid) continue;
+    const size_t field = color_field(info, header.viewer.color_by).value_or(0);
+    add_grid(list, info, field, FrameValues(frame, p, field), header.viewer);
+    if (grids_alone) list.facing = facing_side(info, header.viewer);
+  }
+  grids_alone = grids_alone && !list.points.empty();
+  for (const DrawnShape& s : frame.moving.obstacles) {
+    list.shapes.push_back(shape_of(s));
+    has_plane |= s.kind == DrawnShape::Kind::plane;
+  }
+  if (const double low = lowest_point(list); !has_plane && !grids_alone && std::isfinite(low))
     list.ground_height = low - 0.05;
-  if (overlay != Overlay::none) {
-    const double size = mark_size(list);
-    for (size_t i = 0; i < world.size(); ++i)
-      add_marks(list, world.system(i), state.systems[i], overlay, size);
-  }
+  add_marks(list, frame.moving, mark_size(list));
   if (header.viewer.camera) {
     const CameraParams& c = *header.viewer.camera;
     list.camera = DrawCamera{c.eye, c.target, c.up, c.fov * 57.29577951308232};
   }
   char time[48];
-  std::snprintf(time, sizeof time, "t = %.3f s", t);
+  std::snprintf(time, sizeof time, "t = %.3f s", frame.time);
   const std::string& name = header.title.empty() ? header.name : header.title;
   list.caption = name.empty() ? time : name + "   " + time;
   return list;

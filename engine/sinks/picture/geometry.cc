@@ -1,6 +1,7 @@
 #include "engine/sinks/picture/geometry.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 
@@ -31,22 +32,25 @@ void check(const DrawPoints& set, size_t index) {
   if (set.triangles.size() % 3) refuse(index, "triangles are not triples");
   if (!set.line_kinds.empty() && 2 * set.line_kinds.size() != set.lines.size())
     refuse(index, "one kind per line is needed");
+  if (!set.line_scalar.empty() && 2 * set.line_scalar.size() != set.lines.size())
+    refuse(index, "one scalar per line is needed");
   for (const std::vector<uint32_t>* indices : {&set.lines, &set.triangles})
     for (uint32_t i : *indices)
       if (i >= n) refuse(index, "index " + std::to_string(i) + " but only " + std::to_string(n) + " points");
 }
 
-std::vector<Bytes4> point_colors(const DrawPoints& set, const Color& base) {
-  const size_t n = set.positions.size() / 3;
+// Colours of `values` by the set's map; of none, `base`.
+std::vector<Bytes4> mapped_colors(const DrawPoints& set, const std::vector<float>& values, size_t n,
+                                  const Color& base) {
   std::vector<Bytes4> colors(n, bytes_of(base));
-  if (set.scalar.empty()) return colors;
+  if (values.empty()) return colors;
   const auto [low, high] = scalar_range(set);
   std::array<Bytes4, 256> table;
   for (size_t i = 0; i < table.size(); ++i)
     table[i] = bytes_of(map_color(set.color_map, static_cast<float>(i) / 255));
   const float scale = high > low ? 255 / (high - low) : 0;
   for (size_t i = 0; i < n; ++i) {
-    const float t = (set.scalar[i] - low) * scale;
+    const float t = (values[i] - low) * scale;
     colors[i] = table[t > 0 ? static_cast<size_t>(std::min(t, 255.0f)) : 0];
   }
   return colors;
@@ -75,10 +79,28 @@ void add_surface(Geometry& g, const View& view, const DrawPoints& set, const std
       g.triangles.push_back(first + i);
     }
   }
+  // Without a normal a vertex has its colour whatever the light.
+  const bool lit = set.surface == DrawPoints::Surface::lit;
   for (size_t i = 0; i < p.size(); ++i) {
-    g.mesh.push_back({p[i], normalized(normals[i], {0, 1, 0}), colors[i]});
+    g.mesh.push_back({p[i], lit ? normalized(normals[i], {0, 1, 0}) : Vec3f{}, colors[i]});
     if (norm2(normals[i]) > 0) g.extent.add(view, p[i], 0);
   }
+}
+
+// Low values are clear, high ones dim what is behind them.
+void add_translucent(Geometry& g, const View& view, const DrawPoints& set, const std::vector<Vec3f>& p,
+                     std::vector<Bytes4> colors) {
+  constexpr float kLeast = 0.03f, kMost = 0.5f;
+  const auto [low, high] = scalar_range(set);
+  for (size_t i = 0; i < colors.size() && i < set.scalar.size(); ++i) {
+    const float t = high > low ? std::clamp((set.scalar[i] - low) / (high - low), 0.0f, 1.0f) : 1.0f;
+    colors[i][3] = static_cast<uint8_t>(255 * (kLeast + (kMost - kLeast) * t));
+  }
+  for (const uint32_t i : set.triangles) {
+    g.glass.push_back({p[i], {}, colors[i]});
+    g.extent.add(view, p[i], 0);
+  }
+  sort_far_to_near(g.glass, view);
 }
 
 void add_points(Geometry& g, const View& view, const DrawPoints& set, const Color& base) {
@@ -88,19 +110,25 @@ void add_points(Geometry& g, const View& view, const DrawPoints& set, const Colo
     const Vec3f q = load3(set.positions.data(), i);
     p[i] = view.units.position({q.x, q.y, q.z});
   }
-  const std::vector<Bytes4> colors = point_colors(set, base);
+  const std::vector<Bytes4> colors = mapped_colors(set, set.scalar, n, base);
   for (size_t i = 0; i < n; ++i) {
     const float r = view.units.length(set.radii.empty() ? set.radius : set.radii[i]);
     if (r > 0 && drawable(p[i])) g.add_sphere(view, p[i], r, colors[i]);
   }
   const std::array<Bytes4, 4> tints = line_colors(set.line_color.value_or(base));
+  const std::vector<Bytes4> line_tints = mapped_colors(set, set.line_scalar, set.line_scalar.size(), base);
   const float thickness = std::max(0.0f, view.units.length(set.line_radius));
   for (size_t l = 0; 2 * l + 1 < set.lines.size(); ++l) {
     const Vec3f a = p[set.lines[2 * l]], b = p[set.lines[2 * l + 1]];
     const size_t kind = set.line_kinds.empty() ? 0 : std::min<size_t>(set.line_kinds[l], 3);
-    if (drawable(a) && drawable(b)) g.add_line(view, a, b, thickness, tints[kind]);
+    if (!drawable(a) || !drawable(b)) continue;
+    g.add_line(view, a, b, thickness, set.line_scalar.empty() ? tints[kind] : line_tints[l]);
   }
-  if (!set.triangles.empty()) add_surface(g, view, set, p, colors);
+  if (set.surface == DrawPoints::Surface::translucent) {
+    add_translucent(g, view, set, p, colors);
+  } else if (!set.triangles.empty()) {
+    add_surface(g, view, set, p, colors);
+  }
 }
 
 // Small in the picture and in the shadow map (whose texels have a least width), and not
@@ -141,10 +169,22 @@ bool level(const DrawShape& plane, const Vec3& up) {
 
 std::pair<float, float> scalar_range(const DrawPoints& set) {
   float low = std::numeric_limits<float>::infinity(), high = -low;
-  for (float s : set.scalar)
+  for (const float s : set.line_scalar.empty() ? set.scalar : set.line_scalar)
     if (std::isfinite(s)) low = std::min(low, s), high = std::max(high, s);
   if (!(low <= high)) low = 0, high = 1;
   return {set.scalar_min.value_or(low), set.scalar_max.value_or(high)};
+}
+
+void sort_far_to_near(std::vector<MeshVertex>& glass, const View& view) {
+  using Triangle = std::array<MeshVertex, 3>;
+  std::vector<std::pair<double, Triangle>> order;
+  for (size_t i = 0; i + 2 < glass.size(); i += 3) {
+    const Vec3f c = glass[i].position + glass[i + 1].position + glass[i + 2].position;
+    order.push_back({dot(Vec3{c.x, c.y, c.z}, view.back), {glass[i], glass[i + 1], glass[i + 2]}});
+  }
+  std::stable_sort(order.begin(), order.end(),
+                   [](const auto& a, const auto& b) { return a.first < b.first; });
+  for (size_t i = 0; i < order.size(); ++i) std::copy_n(order[i].second.begin(), 3, glass.begin() + 3 * i);
 }
 
 Bytes4 bytes_of(const Color& c) {

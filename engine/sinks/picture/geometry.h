@@ -52,6 +52,9 @@ Bytes4 bytes_of(const Color& color);
 /// none).
 std::pair<float, float> scalar_range(const DrawPoints& set);
 
+/// Sorts triangles by their middles' distances from the eye.
+void sort_far_to_near(std::vector<MeshVertex>& triangles, const View& view);
+
 /// Appends `shape` (see shape_mesh.cc); planes need `extent` to be known.
 void add_shape(Geometry& geometry, const View& view, const DrawShape& shape);
 

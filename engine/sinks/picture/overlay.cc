@@ -85,7 +85,7 @@ void draw_overlay(const DrawList& list, Canvas canvas) {
   if (!list.caption.empty())
     write(canvas, style, list.caption, style.margin, canvas.height - style.margin, style.capital);
   const auto labelled = std::find_if(list.points.begin(), list.points.end(), [](const DrawPoints& set) {
-    return !set.scalar.empty() && !set.scalar_label.empty();
+    return !(set.scalar.empty() && set.line_scalar.empty()) && !set.scalar_label.empty();
   });
   if (labelled != list.points.end()) draw_bar(canvas, style, *labelled);
 }

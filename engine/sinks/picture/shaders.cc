@@ -215,12 +215,14 @@ layout(location = 0) in vec3 a_position;
 layout(location = 1) in vec3 a_normal;
 layout(location = 2) in vec4 a_color;
 out vec3 v_point, v_normal, v_albedo;
+out float v_opacity;
 void main() {
 #ifdef SHADOW
   gl_Position = vec4((light_matrix * vec4(a_position, 1.0)).xyz * 2.0 - 1.0, 1.0);
 #else
   v_point = a_position;
   v_normal = a_normal;
+  v_opacity = a_color.a;
   v_albedo = linear(a_color.rgb);
   gl_Position = view_projection * vec4(a_position, 1.0);
 #endif
@@ -228,11 +230,15 @@ void main() {
 )";
 constexpr const char* kEmptyFragment = "void main() {}\n";
 // Two-sided: the smooth normal is turned to the side that the flat one shows to the viewer. A sheet lit from
-// behind lets a third of the light through.
+// behind lets a third of the light through. What has no normal shows its colour as it is.
 constexpr const char* kMeshFragment = R"(
 in vec3 v_point, v_normal, v_albedo;
 out vec4 color;
 void main() {
+  if (dot(v_normal, v_normal) == 0.0) {
+    color = vec4(v_albedo, 1.0);
+    return;
+  }
   vec3 v = normalize(eye.xyz - v_point);
   vec3 flat_normal = cross(dFdx(v_point), dFdy(v_point));
   flat_normal *= sign(dot(flat_normal, v));
@@ -246,8 +252,13 @@ void main() {
 )";
 constexpr const char* kGlassFragment = R"(
 in vec3 v_point, v_normal, v_albedo;
+in float v_opacity;
 out vec4 color;
 void main() {
+  if (dot(v_normal, v_normal) == 0.0) {
+    color = vec4(v_albedo, v_opacity);
+    return;
+  }
   float facing = abs(dot(normalize(v_normal), normalize(eye.xyz - v_point)));
   color = vec4(v_albedo, mix(0.32, 0.05, pow(facing, 0.6)));
 }

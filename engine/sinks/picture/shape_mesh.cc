@@ -159,18 +159,6 @@ void plane_patch(Geometry& g, Triangles& out, const View& view, const DrawShape&
         {view.units.position(corner[i]), view.units.position(corner[(i + 1) % 4]), 0, bytes_of(kEdge)});
 }
 
-void sort_far_to_near(Triangles& glass, const View& view) {
-  using Triangle = std::array<MeshVertex, 3>;
-  std::vector<std::pair<double, Triangle>> order;
-  for (size_t i = 0; i + 2 < glass.size(); i += 3) {
-    const Vec3f c = glass[i].position + glass[i + 1].position + glass[i + 2].position;
-    order.push_back({dot(Vec3{c.x, c.y, c.z}, view.back), {glass[i], glass[i + 1], glass[i + 2]}});
-  }
-  std::stable_sort(order.begin(), order.end(),
-                   [](const auto& a, const auto& b) { return a.first < b.first; });
-  for (size_t i = 0; i < order.size(); ++i) std::copy_n(order[i].second.begin(), 3, glass.begin() + 3 * i);
-}
-
 }  // namespace
 
 void add_shape(Geometry& g, const View& view, const DrawShape& s) {

@@ -16,7 +16,7 @@ constexpr size_t kChunkBytes = size_t{1} << 20;    // a big frame is split into 
 
 size_t frame_bytes(const RecordingLayout& layout) {
   size_t bytes = 16 + 8 * layout.observables.size();
-  for (const RecordedSystem& s : layout.systems) {
+  for (const RecordedPart& s : layout.parts) {
     for (const RecordedField& f : s.fields) {
       bytes += size_t{s.max_rows} * f.width * element_size(element_type(f.precision));
     }
@@ -91,7 +91,7 @@ void put(const PlannedArray& a, std::byte* image, size_t slot, T value) {
   throw Error("recording_mismatch", "the frame does not fit the recording: " + what);
 }
 
-void check_system(const RecordedSystem& system, const SystemRows& given) {
+void check_system(const RecordedPart& system, const PartRows& given) {
   if (given.fields.size() != system.fields.size()) mismatch("number of fields of " + system.id);
   if (system.rows == RowPolicy::kFixed ? given.rows != system.max_rows : given.rows > system.max_rows) {
     mismatch("number of rows of " + system.id);
@@ -121,21 +121,27 @@ ElementType element_type(Precision precision) {
   return ElementType::kF64;
 }
 
-std::string system_path(const RecordedSystem& system) {
-  return "/particles/" + system.id;
+std::string part_folder(PartInfo::Kind kind) {
+  constexpr const char* kFolders[] = {"/particles", "/grids", "/values"};
+  return kFolders[static_cast<size_t>(kind)];
+}
+
+std::string part_path(const RecordedPart& part) {
+  return part_folder(part.kind) + "/" + part.id;
 }
 
 ChunkPlan plan_chunks(const RecordingLayout& layout) {
   ChunkPlan plan;
   plan.frames = std::clamp<size_t>(kBatchBytes / frame_bytes(layout), 1, kMaxFrames);
-  for (size_t s = 0; s < layout.systems.size(); ++s) {
-    const RecordedSystem& system = layout.systems[s];
+  for (size_t s = 0; s < layout.parts.size(); ++s) {
+    const RecordedPart& system = layout.parts[s];
     plan.first_field.push_back(plan.arrays.size());
     for (const RecordedField& f : system.fields) {
-      PlannedArray a{system_path(system) + "/" + f.name, f.unit, element_type(f.precision)};
+      PlannedArray a{part_path(system) + "/" + f.name, f.unit, element_type(f.precision)};
       a.rows = system.max_rows;
       a.width = f.width;
       a.system = static_cast<int>(s);
+      a.meaning = f.meaning;
       place(plan, a);
     }
   }
@@ -143,11 +149,11 @@ ChunkPlan plan_chunks(const RecordingLayout& layout) {
   for (const RecordedObservable& o : layout.observables) place(plan, {"/observables/" + o.name, o.unit});
   plan.first_clock = plan.arrays.size();
   plan.clock_offset = plan.bytes;
-  for (const RecordedSystem& system : layout.systems) {
+  for (const RecordedPart& system : layout.parts) {
     plan.rows_array.push_back(system.rows == RowPolicy::kVariable ? static_cast<int>(plan.arrays.size())
                                                                   : -1);
     if (system.rows == RowPolicy::kVariable)
-      place(plan, {system_path(system) + "/rows", "", ElementType::kU32});
+      place(plan, {part_path(system) + "/rows", "", ElementType::kU32});
   }
   place(plan, {"/clock/time", "s", ElementType::kF64});
   place(plan, {"/clock/step", "", ElementType::kI64});
@@ -155,11 +161,11 @@ ChunkPlan plan_chunks(const RecordingLayout& layout) {
 }
 
 void fill_frame(const RecordingLayout& layout, const ChunkPlan& plan, std::byte* image, size_t slot,
-                int64_t step, double time, std::span<const SystemRows> systems,
+                int64_t step, double time, std::span<const PartRows> systems,
                 std::span<const double> observables) {
-  if (systems.size() != layout.systems.size()) mismatch("number of systems");
+  if (systems.size() != layout.parts.size()) mismatch("number of systems");
   if (observables.size() != layout.observables.size()) mismatch("number of observables");
-  for (size_t s = 0; s < systems.size(); ++s) check_system(layout.systems[s], systems[s]);
+  for (size_t s = 0; s < systems.size(); ++s) check_system(layout.parts[s], systems[s]);
   for (size_t s = 0; s < systems.size(); ++s) {
     for (size_t f = 0; f < systems[s].fields.size(); ++f) {
       fill_array(plan.arrays[plan.first_field[s] + f], plan.frames, image, slot, systems[s].fields[f],
@@ -198,7 +204,7 @@ size_t used_chunks(const RecordingLayout& layout, const ChunkPlan& plan, const s
 size_t rows_in_image(const RecordingLayout& layout, const ChunkPlan& plan, const std::byte* image,
                      size_t system, size_t slot) {
   const int r = plan.rows_array[system];
-  if (r < 0) return layout.systems[system].max_rows;
+  if (r < 0) return layout.parts[system].max_rows;
   uint32_t rows = 0;
   std::memcpy(&rows, image + plan.arrays[r].offset + slot * sizeof rows, sizeof rows);
   return rows;

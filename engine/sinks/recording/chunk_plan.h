@@ -27,6 +27,7 @@ struct PlannedArray {
   size_t chunk_bytes = 0;  ///< without the checksum
   size_t stride = 0;       ///< from chunk to chunk in the image: checksum and padding included
   size_t offset = 0;       ///< of the first chunk in the image
+  Meaning meaning = Meaning::value;
 };
 
 /// All datasets of a recording, in the image's order: fields, observables, then the clock (rows, time, step).
@@ -47,7 +48,7 @@ ChunkPlan plan_chunks(const RecordingLayout& layout);
 /// Writes one frame into place `slot` of a batch's image, converting and filling absent rows with NaN (u32:
 /// all ones). Throws Error("recording_mismatch") when `systems` or `observables` do not fit the layout.
 void fill_frame(const RecordingLayout& layout, const ChunkPlan& plan, std::byte* image, size_t slot,
-                int64_t step, double time, std::span<const SystemRows> systems,
+                int64_t step, double time, std::span<const PartRows> systems,
                 std::span<const double> observables);
 
 /// Puts the checksums behind the chunks of a filled image, soon after it was filled: then it is in the cache.
@@ -66,6 +67,8 @@ size_t element_size(ElementType type);
 ElementType element_type(Precision precision);
 
 /// HDF5 path of a system's group.
-std::string system_path(const RecordedSystem& system);
+std::string part_path(const RecordedPart& part);
+/// Group that holds all parts of a kind; those of points are H5MD's.
+std::string part_folder(PartInfo::Kind kind);
 
 }  // namespace truestep

@@ -19,9 +19,9 @@ std::optional<RecordingDifference> structure(const RecordingLayout& a, const Rec
     d.message = "the recordings hold different things: " + what;
     return d;
   };
-  if (a.systems.size() != b.systems.size()) return part("the number of systems");
-  for (size_t s = 0; s < a.systems.size(); ++s) {
-    const RecordedSystem &x = a.systems[s], &y = b.systems[s];
+  if (a.parts.size() != b.parts.size()) return part("the number of systems");
+  for (size_t s = 0; s < a.parts.size(); ++s) {
+    const RecordedPart &x = a.parts[s], &y = b.parts[s];
     if (x.id != y.id) return part("system '" + x.id + "' and '" + y.id + "'");
     const bool same =
         std::equal(x.fields.begin(), x.fields.end(), y.fields.begin(), y.fields.end(),
@@ -54,7 +54,7 @@ bool differ(const std::vector<double>& a, const std::vector<double>& b, size_t w
   return found;
 }
 
-bool differ(const RecordedSystem& system, const RecordedRows& a, const RecordedRows& b, double tolerance,
+bool differ(const RecordedPart& system, const RecordedRows& a, const RecordedRows& b, double tolerance,
             RecordingDifference& d) {
   d.system = system.id;
   if (a.rows != b.rows) {
@@ -84,7 +84,7 @@ bool differ(const RecordingLayout& layout, const RecordedFrame& a, const Recorde
     return true;
   }
   for (size_t s = 0; s < a.systems.size(); ++s) {
-    if (differ(layout.systems[s], a.systems[s], b.systems[s], tolerance, d)) return true;
+    if (differ(layout.parts[s], a.systems[s], b.systems[s], tolerance, d)) return true;
   }
   d.kind = Kind::kObservable;
   for (size_t o = 0; o < a.observables.size(); ++o) {

@@ -71,11 +71,10 @@ void print(Precision precision, double value, std::string& out) {
   out.append(text, end.ptr);
 }
 
-int position_field(const RecordedSystem& system) {
+int position_field(const RecordedPart& system) {
   for (size_t f = 0; f < system.fields.size(); ++f) {
     const RecordedField& field = system.fields[f];
-    if (field.name == "position" && field.width == 3 && field.precision != Precision::kU32)
-      return static_cast<int>(f);
+    if (field.meaning == Meaning::position && field.precision != Precision::kU32) return static_cast<int>(f);
   }
   return -1;
 }
@@ -90,13 +89,13 @@ std::vector<uint64_t> chosen_frames(const RecordingInfo& info, const ExportOptio
 std::vector<size_t> chosen_systems(const RecordingInfo& info, const ExportOptions& options) {
   std::vector<size_t> chosen;
   std::string known;
-  for (size_t s = 0; s < info.layout.systems.size(); ++s) {
-    known += (s == 0 ? "" : ", ") + info.layout.systems[s].id;
+  for (size_t s = 0; s < info.layout.parts.size(); ++s) {
+    known += (s == 0 ? "" : ", ") + info.layout.parts[s].id;
     if (options.systems.empty()) chosen.push_back(s);
   }
   for (const std::string& id : options.systems) {
-    const auto& all = info.layout.systems;
-    const auto it = std::find_if(all.begin(), all.end(), [&](const RecordedSystem& s) { return s.id == id; });
+    const auto& all = info.layout.parts;
+    const auto it = std::find_if(all.begin(), all.end(), [&](const RecordedPart& s) { return s.id == id; });
     if (it == all.end())
       throw Error("unknown_system", "no system '" + id + "' in this recording, it has: " + known);
     chosen.push_back(static_cast<size_t>(it - all.begin()));
@@ -116,12 +115,13 @@ ExportFormat export_format(const std::string& name) {
   if (name == "ply") return ExportFormat::kPly;
   if (name == "npz") return ExportFormat::kNpz;
   if (name == "vtu") return ExportFormat::kVtu;
-  throw Error("unknown_format", "no export format '" + name + "', there are: csv, ply, npz, vtu");
+  if (name == "vti") return ExportFormat::kVti;
+  throw Error("unknown_format", "no export format '" + name + "', there are: csv, ply, npz, vtu, vti");
 }
 
 std::vector<std::string> export_recording(RecordingReader& reader, const ExportOptions& options) {
   std::filesystem::path stem = options.output;
-  for (const char* ending : {".csv", ".ply", ".npz", ".vtu", ".pvd"}) {
+  for (const char* ending : {".csv", ".ply", ".npz", ".vtu", ".vti", ".pvd"}) {
     if (stem.extension() == ending) stem.replace_extension();
   }
   switch (options.format) {
@@ -133,6 +133,8 @@ std::vector<std::string> export_recording(RecordingReader& reader, const ExportO
       return exporting::write_npz(reader, options, stem);
     case ExportFormat::kVtu:
       return exporting::write_vtu(reader, options, stem);
+    case ExportFormat::kVti:
+      return exporting::write_vti(reader, options, stem);
   }
   return {};
 }

@@ -1,5 +1,6 @@
 // Recordings for programs that read neither H5MD nor VTKHDF: tables (csv), polygon files (ply), NumPy
-// archives (npz) and VTK XML files (vtu with a pvd for the times; VTK 9.2 and older read them).
+// archives (npz) and VTK XML files (vtu, and vti for grids, with a pvd for the times; VTK 9.2 and older read
+// them).
 #pragma once
 #include <limits>
 #include <string>
@@ -9,7 +10,7 @@
 
 namespace truestep {
 
-enum class ExportFormat { kCsv, kPly, kNpz, kVtu };
+enum class ExportFormat { kCsv, kPly, kNpz, kVtu, kVti };
 
 struct ExportOptions {
   ExportFormat format = ExportFormat::kCsv;
@@ -20,12 +21,12 @@ struct ExportOptions {
   uint64_t every = 1;
 };
 
-/// csv, ply, npz or vtu; throws Error("unknown_format") naming these.
+/// csv, ply, npz, vtu or vti; throws Error("unknown_format") naming these.
 ExportFormat export_format(const std::string& name);
 
 /// Writes the files and returns their paths: csv one per system and one of observables; ply and vtu one per
-/// frame and system (those without positions are left out); npz a single one. Throws Error: unknown_system,
-/// disk_full, export_io, and what reading throws.
+/// frame and system (those without positions are left out), vti one per frame and grid; npz a single one.
+/// Throws Error: unknown_system, disk_full, export_io, and what reading throws.
 std::vector<std::string> export_recording(RecordingReader& reader, const ExportOptions& options);
 
 }  // namespace truestep

@@ -18,7 +18,7 @@ void clock(const RecordedFrame& frame, std::string& line) {
   print(Precision::kF64, frame.time, line);
 }
 
-std::string header(const RecordedSystem& system) {
+std::string header(const RecordedPart& system) {
   std::string line = "step,time,row";
   for (const RecordedField& f : system.fields) {
     for (uint32_t c = 0; c < f.width; ++c) {
@@ -28,7 +28,7 @@ std::string header(const RecordedSystem& system) {
   return line + "\n";
 }
 
-void table(const RecordedSystem& system, const RecordedFrame& frame, const RecordedRows& rows,
+void table(const RecordedPart& system, const RecordedFrame& frame, const RecordedRows& rows,
            OutputFile& out) {
   std::string text;
   for (size_t r = 0; r < rows.rows; ++r) {
@@ -54,7 +54,7 @@ Paths write_csv(RecordingReader& reader, const ExportOptions& options, const std
   Paths paths;
   std::vector<OutputFile> tables;
   for (size_t s : systems) {
-    const RecordedSystem& system = info.layout.systems[s];
+    const RecordedPart& system = info.layout.parts[s];
     paths.push_back(systems.size() == 1 ? stem + ".csv" : stem + "." + system.id + ".csv");
     tables.emplace_back(paths.back()).text(header(system));
   }
@@ -68,7 +68,7 @@ Paths write_csv(RecordingReader& reader, const ExportOptions& options, const std
   for (uint64_t i : chosen_frames(info, options)) {
     reader.read(i, frame);
     for (size_t k = 0; k < systems.size(); ++k) {
-      table(info.layout.systems[systems[k]], frame, frame.systems[systems[k]], tables[k]);
+      table(info.layout.parts[systems[k]], frame, frame.systems[systems[k]], tables[k]);
     }
     line.clear();
     clock(frame, line);

@@ -39,7 +39,7 @@ void whole_array(ZipWriter& zip, const std::string& name, const char* type,
 
 void field_array(ZipWriter& zip, RecordingReader& reader, size_t s, size_t f,
                  const std::vector<uint64_t>& frames) {
-  const RecordedSystem& system = reader.info().layout.systems[s];
+  const RecordedPart& system = reader.info().layout.parts[s];
   const RecordedField& field = system.fields[f];
   std::vector<uint64_t> shape{frames.size(), system.max_rows};
   if (field.width > 1) shape.push_back(field.width);
@@ -67,7 +67,7 @@ Paths write_npz(RecordingReader& reader, const ExportOptions& options, const std
   const uint64_t count = frames.size();
   std::vector<int64_t> steps;
   std::vector<double> times;
-  std::vector<std::vector<uint32_t>> rows(info.layout.systems.size());
+  std::vector<std::vector<uint32_t>> rows(info.layout.parts.size());
   std::vector<std::vector<double>> observables(info.layout.observables.size());
   for (uint64_t i : frames) {
     const RecordedClock clock = reader.read_clock(i);
@@ -83,7 +83,7 @@ Paths write_npz(RecordingReader& reader, const ExportOptions& options, const std
     whole_array(zip, "observables." + info.layout.observables[o].name, "<f8", {count}, observables[o]);
   }
   for (size_t s : systems) {
-    const RecordedSystem& system = info.layout.systems[s];
+    const RecordedPart& system = info.layout.parts[s];
     if (system.rows == RowPolicy::kVariable) whole_array(zip, system.id + ".rows", "<u4", {count}, rows[s]);
     if (!system.lines.empty())
       whole_array(zip, system.id + ".lines", "<u4", {system.lines.size() / 2, 2}, system.lines);

@@ -35,7 +35,7 @@ void pack(Precision precision, const std::vector<double>& values, std::vector<ch
 void print(Precision precision, double value, std::string& out);
 
 /// Where the position of a system is among its fields; -1 when it has none of width 3 that is a float.
-int position_field(const RecordedSystem& system);
+int position_field(const RecordedPart& system);
 
 /// Frames that the options choose, in order.
 std::vector<uint64_t> chosen_frames(const RecordingInfo& info, const ExportOptions& options);
@@ -52,5 +52,6 @@ Paths write_csv(RecordingReader& reader, const ExportOptions& options, const std
 Paths write_ply(RecordingReader& reader, const ExportOptions& options, const std::string& stem);
 Paths write_npz(RecordingReader& reader, const ExportOptions& options, const std::string& stem);
 Paths write_vtu(RecordingReader& reader, const ExportOptions& options, const std::string& stem);
+Paths write_vti(RecordingReader& reader, const ExportOptions& options, const std::string& stem);
 
 }  // namespace truestep::exporting

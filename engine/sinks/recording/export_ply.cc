@@ -10,7 +10,7 @@ const char* type_name(Precision p) {
   return p == Precision::kF32 ? "float" : p == Precision::kF64 ? "double" : "uint";
 }
 
-std::string header(const RecordedSystem& system, const RecordedFrame& frame, size_t rows) {
+std::string header(const RecordedPart& system, const RecordedFrame& frame, size_t rows) {
   std::string h =
       "ply\nformat binary_little_endian 1.0\ncomment step " + std::to_string(frame.step) + "\ncomment time ";
   print(Precision::kF64, frame.time, h);
@@ -18,7 +18,7 @@ std::string header(const RecordedSystem& system, const RecordedFrame& frame, siz
   for (const RecordedField& f : system.fields) {
     for (uint32_t c = 0; c < f.width; ++c) {
       std::string name = f.width == 1 ? f.name : f.name + "_" + std::to_string(c);
-      if (f.name == "position" && f.width == 3) name = std::string(1, static_cast<char>('x' + c));
+      if (f.meaning == Meaning::position) name = std::string(1, static_cast<char>('x' + c));
       h += std::string("property ") + type_name(f.precision) + " " + name + "\n";
     }
   }
@@ -33,7 +33,7 @@ std::string header(const RecordedSystem& system, const RecordedFrame& frame, siz
   return h + "end_header\n";
 }
 
-void body(const RecordedSystem& system, const RecordedRows& rows, OutputFile& out) {
+void body(const RecordedPart& system, const RecordedRows& rows, OutputFile& out) {
   std::vector<std::vector<char>> columns(system.fields.size());
   std::vector<size_t> sizes;
   for (size_t f = 0; f < columns.size(); ++f) {
@@ -64,7 +64,7 @@ Paths write_ply(RecordingReader& reader, const ExportOptions& options, const std
   for (uint64_t i : chosen_frames(info, options)) {
     reader.read(i, frame);
     for (size_t s : chosen_systems(info, options)) {
-      const RecordedSystem& system = info.layout.systems[s];
+      const RecordedPart& system = info.layout.parts[s];
       if (position_field(system) < 0) continue;
       paths.push_back(stem + "." + system.id + "." + digits(i) + ".ply");
       OutputFile out(paths.back());

@@ -98,6 +98,14 @@ void h5_attribute(hid_t object, const char* name, const int64_t* values, size_t 
   h5_ok(H5Awrite(attribute, H5T_NATIVE_INT64, values), "write an attribute");
 }
 
+void h5_attribute(hid_t object, const char* name, const double* values, size_t count) {
+  const hsize_t dims[1] = {count};
+  H5 space = h5_id(H5Screate_simple(1, dims, nullptr), "make a shape");
+  H5 attribute =
+      h5_id(H5Acreate2(object, name, H5T_IEEE_F64LE, space, H5P_DEFAULT, H5P_DEFAULT), "create an attribute");
+  h5_ok(H5Awrite(attribute, H5T_NATIVE_DOUBLE, values), "write an attribute");
+}
+
 void h5_dataset(hid_t parent, const char* name, hid_t type, const std::vector<hsize_t>& dims,
                 const void* data) {
   H5 space = h5_id(dims.empty() ? H5Screate(H5S_SCALAR)

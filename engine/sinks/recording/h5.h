@@ -59,6 +59,7 @@ H5 h5_group(hid_t parent, const std::string& path);
 /// Attributes: text (fixed length, UTF-8), and arrays of numbers; `count` 0 makes a scalar.
 void h5_attribute(hid_t object, const char* name, std::string_view text);
 void h5_attribute(hid_t object, const char* name, const int64_t* values, size_t count);
+void h5_attribute(hid_t object, const char* name, const double* values, size_t count);
 
 /// A contiguous dataset written at once.
 void h5_dataset(hid_t parent, const char* name, hid_t type, const std::vector<hsize_t>& dims,

@@ -36,11 +36,15 @@ struct Check {
 void validate_layout(const RecordingLayout& layout) {
   Check check;
   std::set<std::string> ids, observables;
-  for (size_t s = 0; s < layout.systems.size(); ++s) {
-    const RecordedSystem& system = layout.systems[s];
+  for (size_t s = 0; s < layout.parts.size(); ++s) {
+    const RecordedPart& system = layout.parts[s];
     const std::string at = "/systems/" + std::to_string(s);
     check.name(at + "/id", system.id, ids);
     if (system.max_rows == 0) check.add(at + "/max_rows", "a system has at least one row", "0");
+    if (system.kind == PartInfo::Kind::grid &&
+        (system.rows != RowPolicy::kFixed || system.lattice.rows() != system.max_rows)) {
+      check.add(at + "/lattice", "a grid has the rows of its lattice", std::to_string(system.max_rows));
+    }
     if (system.fields.empty()) check.add(at + "/fields", "a system has at least one field", "");
     std::set<std::string> fields{"box", "rows"};  // both are links of the system's own group
     for (const RecordedField& field : system.fields) {

@@ -87,11 +87,14 @@ void pass(Stream& io, Layout& layout) {
       io.list(f.unit);
       io.number(f.width);
       io.number(f.precision);
+      io.number(f.meaning);
     });
     io.list(s.lines);
     io.list(s.triangles);
+    io.number(s.kind);
+    io.number(s.lattice);
   };
-  io.each(layout.systems, system);
+  io.each(layout.parts, system);
   io.each(layout.observables, [&](auto& o) {
     io.list(o.name);
     io.list(o.unit);
@@ -103,11 +106,13 @@ void pass(Stream& io, Layout& layout) {
 }
 
 bool known_values(const RecordingLayout& layout) {
-  for (const RecordedSystem& s : layout.systems) {
+  for (const RecordedPart& s : layout.parts) {
     if (s.rows != RowPolicy::kFixed && s.rows != RowPolicy::kVariable) return false;
+    if (s.kind > PartInfo::Kind::values || s.lattice.centring > Lattice::Centring::cells) return false;
     for (const RecordedField& f : s.fields) {
       if (f.precision != Precision::kF32 && f.precision != Precision::kF64 && f.precision != Precision::kU32)
         return false;
+      if (f.meaning > Meaning::asleep) return false;
     }
   }
   return true;

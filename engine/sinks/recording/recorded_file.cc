@@ -5,6 +5,7 @@
 #include <filesystem>
 
 #include "engine/base/errors.h"
+#include "engine/sinks/recording/chunk_plan.h"
 #include "engine/sinks/recording/fletcher32.h"
 
 namespace truestep {
@@ -124,19 +125,46 @@ double element(Precision precision, const std::byte* p) {
   return v;
 }
 
+template <class T>
+void read_three(hid_t group, const char* name, hid_t type, T (&values)[3]) {
+  H5 attribute = h5_id(H5Aopen(group, name, H5P_DEFAULT), "open a lattice");
+  H5 space = h5_id(H5Aget_space(attribute), "read a shape");
+  if (H5Sget_simple_extent_npoints(space) != 3) damaged("a lattice has an unknown shape");
+  h5_ok(H5Aread(attribute, type, values), "read a lattice");
+}
+
+Lattice read_lattice(hid_t group, uint64_t file_size) {
+  int64_t counts[3];
+  double origin[3], spacing[3];
+  read_three(group, "counts", H5T_NATIVE_INT64, counts);
+  read_three(group, "origin", H5T_NATIVE_DOUBLE, origin);
+  read_three(group, "spacing", H5T_NATIVE_DOUBLE, spacing);
+  Lattice out;
+  for (size_t axis = 0; axis < 3; ++axis) {
+    if (counts[axis] < 1 || counts[axis] > UINT32_MAX) damaged("a lattice has an unknown shape");
+    out.counts[axis] = static_cast<uint32_t>(counts[axis]);
+  }
+  out.origin = {origin[0], origin[1], origin[2]};
+  out.spacing = {spacing[0], spacing[1], spacing[2]};
+  if (read_text_attribute(group, "centring", file_size) == "cells") out.centring = Lattice::Centring::cells;
+  return out;
+}
+
 }  // namespace
 
 RecordedFile::RecordedFile(const std::string& path, RecordingOwner owner) : file_(open_file(path, owner)) {
   file_size_ = std::filesystem::file_size(path);
   info_.layout.path = path;
-  if (!exists(file_, "/clock") || !exists(file_, "/clock/step") || !exists(file_, "/particles")) {
+  if (!exists(file_, "/clock") || !exists(file_, "/clock/step") ||
+      (!exists(file_, "/particles") && !exists(file_, "/grids"))) {
     throw Error("recording_foreign", "this HDF5 file is not a Truestep recording");
   }
   info_.frames = ~uint64_t{0};
   step_ = open_number("/clock/step", Precision::kU32, 8);
   time_ = open_number("/clock/time", Precision::kF64, 8);
   read_parameters();
-  read_systems();
+  for (const auto kind : {PartInfo::Kind::points, PartInfo::Kind::grid, PartInfo::Kind::values})
+    read_parts(kind);
   read_observables();
 }
 
@@ -203,31 +231,45 @@ RecordedField RecordedFile::read_field(const std::string& path, const std::strin
   if (a.rows != fields_.back().front().rows || (a.precision == Precision::kU32 && a.element != 4)) {
     damaged("the field '" + name + "' has an unknown shape");
   }
-  return {name, read_text_attribute(a.set, "si_unit", file_size_), static_cast<uint32_t>(a.width),
-          a.precision};
+  RecordedField field{name, read_text_attribute(a.set, "si_unit", file_size_), static_cast<uint32_t>(a.width),
+                      a.precision};
+  const std::string meaning = read_text_attribute(a.set, "meaning", file_size_);
+  for (size_t m = 0; m < kMeanings; ++m) {
+    if (name_of(static_cast<Meaning>(m)) == meaning) field.meaning = static_cast<Meaning>(m);
+  }
+  // Files from before meanings were recorded.
+  if (meaning.empty() && name == "position" && field.width == 3) field.meaning = Meaning::position;
+  return field;
 }
 
-void RecordedFile::read_systems() {
-  for (const std::string& id : links(file_, "/particles")) {
-    const std::string path = "/particles/" + id;
-    H5 group = h5_id(H5Gopen2(file_, path.c_str(), H5P_DEFAULT), "open a system");
-    RecordedSystem system;
-    system.id = id;
-    system.type = read_text_attribute(group, "type", file_size_);
-    system.rows = read_text_attribute(group, "row_policy", file_size_) == "fixed" ? RowPolicy::kFixed
-                                                                                  : RowPolicy::kVariable;
+void RecordedFile::read_parts(PartInfo::Kind kind) {
+  const std::string folder = part_folder(kind);
+  if (!exists(file_, folder)) return;
+  for (const std::string& id : links(file_, folder.c_str())) {
+    const std::string path = folder + "/" + id;
+    H5 group = h5_id(H5Gopen2(file_, path.c_str(), H5P_DEFAULT), "open a part");
+    RecordedPart part;
+    part.id = id;
+    part.kind = kind;
+    part.type = read_text_attribute(group, "type", file_size_);
+    part.rows = read_text_attribute(group, "row_policy", file_size_) == "fixed" ? RowPolicy::kFixed
+                                                                                : RowPolicy::kVariable;
     fields_.emplace_back();
     for (const std::string& name : links(file_, path.c_str())) {
-      if (name != "box" && name != "rows") system.fields.push_back(read_field(path, name));
+      if (name != "box" && name != "rows") part.fields.push_back(read_field(path, name));
     }
-    if (fields_.back().empty()) damaged("the system '" + id + "' has no fields");
-    system.max_rows = static_cast<uint32_t>(fields_.back()[0].rows);
-    counts_.push_back(system.rows == RowPolicy::kVariable ? open_number(path + "/rows", Precision::kU32, 4)
-                                                          : Array());
-    system.lines = read_indices(file_, "/connectivity/" + id + "/lines", 2, system.max_rows, file_size_);
-    system.triangles =
-        read_indices(file_, "/connectivity/" + id + "/triangles", 3, system.max_rows, file_size_);
-    info_.layout.systems.push_back(std::move(system));
+    if (fields_.back().empty()) damaged("the part '" + id + "' has no fields");
+    part.max_rows = static_cast<uint32_t>(fields_.back()[0].rows);
+    counts_.push_back(part.rows == RowPolicy::kVariable ? open_number(path + "/rows", Precision::kU32, 4)
+                                                        : Array());
+    part.lines = read_indices(file_, "/connectivity/" + id + "/lines", 2, part.max_rows, file_size_);
+    part.triangles = read_indices(file_, "/connectivity/" + id + "/triangles", 3, part.max_rows, file_size_);
+    if (kind == PartInfo::Kind::grid) {
+      part.lattice = read_lattice(group, file_size_);
+      if (part.lattice.rows() != part.max_rows)
+        damaged("the grid '" + id + "' has other rows than its lattice");
+    }
+    info_.layout.parts.push_back(std::move(part));
   }
 }
 
@@ -296,7 +338,7 @@ void RecordedFile::check_index(uint64_t index) const {
 }
 
 size_t RecordedFile::row_count(uint64_t frame, size_t system) {
-  const RecordedSystem& s = info_.layout.systems[system];
+  const RecordedPart& s = info_.layout.parts[system];
   if (s.rows == RowPolicy::kFixed) return s.max_rows;
   const size_t rows = static_cast<size_t>(element(Precision::kU32, row_data(counts_[system], frame, 0)));
   if (rows > s.max_rows) damaged("frame " + std::to_string(frame) + " has too many rows");
@@ -308,7 +350,7 @@ RecordedClock RecordedFile::read_clock(uint64_t index) {
   RecordedClock clock;
   std::memcpy(&clock.step, row_data(step_, index, 0), sizeof clock.step);
   std::memcpy(&clock.time, row_data(time_, index, 0), sizeof clock.time);
-  for (size_t s = 0; s < info_.layout.systems.size(); ++s) clock.rows.push_back(row_count(index, s));
+  for (size_t s = 0; s < info_.layout.parts.size(); ++s) clock.rows.push_back(row_count(index, s));
   for (Array& o : observables_) clock.observables.push_back(element(Precision::kF64, row_data(o, index, 0)));
   return clock;
 }

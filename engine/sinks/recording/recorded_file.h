@@ -38,7 +38,7 @@ class RecordedFile {
   };
 
   void read_parameters();
-  void read_systems();
+  void read_parts(PartInfo::Kind kind);
   void read_observables();
   RecordedField read_field(const std::string& path, const std::string& name);
   Array open_array(const std::string& path, uint64_t& frames);

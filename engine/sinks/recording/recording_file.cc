@@ -43,6 +43,16 @@ void hard_link(hid_t file, const char* target, const std::string& name) {
   h5_ok(H5Lcreate_hard(file, target, file, name.c_str(), H5P_DEFAULT, H5P_DEFAULT), "link the clock");
 }
 
+void write_lattice(hid_t group, const Lattice& l) {
+  const int64_t counts[3] = {l.counts[0], l.counts[1], l.counts[2]};
+  const double origin[3] = {l.origin.x, l.origin.y, l.origin.z};
+  const double spacing[3] = {l.spacing.x, l.spacing.y, l.spacing.z};
+  h5_attribute(group, "counts", counts, 3);
+  h5_attribute(group, "origin", origin, 3);
+  h5_attribute(group, "spacing", spacing, 3);
+  h5_attribute(group, "centring", l.centring == Lattice::Centring::cells ? "cells" : "nodes");
+}
+
 }  // namespace
 
 RecordingFile::RecordingFile(const RecordingLayout& layout, const ChunkPlan& plan)
@@ -76,17 +86,21 @@ void RecordingFile::create_groups() {
 
   h5_group(file_, "/clock");
   h5_group(file_, "/observables");
-  h5_group(file_, "/particles");
+  for (const auto kind : {PartInfo::Kind::points, PartInfo::Kind::grid, PartInfo::Kind::values})
+    h5_group(file_, part_folder(kind));
   h5_group(file_, "/connectivity");
   // Made now and filled at the end: finalising then changes no group that leads to recorded frames.
   h5_group(file_, "/VTKHDF");
-  for (const RecordedSystem& s : layout_.systems) {
-    H5 group = h5_group(file_, system_path(s));
+  for (const RecordedPart& s : layout_.parts) {
+    H5 group = h5_group(file_, part_path(s));
     h5_attribute(group, "type", s.type);
     h5_attribute(group, "row_policy", s.rows == RowPolicy::kFixed ? "fixed" : "variable");
-    H5 box = h5_group(group, "box");
-    h5_attribute(box, "dimension", &dimension, 0);
-    h5_boundary_none(box);
+    if (s.kind == PartInfo::Kind::points) {
+      H5 box = h5_group(group, "box");
+      h5_attribute(box, "dimension", &dimension, 0);
+      h5_boundary_none(box);
+    }
+    if (s.kind == PartInfo::Kind::grid) write_lattice(group, s.lattice);
     H5 connectivity = h5_group(file_, "/connectivity/" + s.id);
     if (!s.lines.empty()) {
       h5_dataset(connectivity, "lines", H5T_NATIVE_UINT32, {s.lines.size() / 2, 2}, s.lines.data());
@@ -117,6 +131,7 @@ void RecordingFile::create_arrays() {
         h5_id(H5Dcreate2(file_, path.c_str(), h5_file_type(a.type), space, H5P_DEFAULT, create, H5P_DEFAULT),
               "create a dataset"));
     if (!a.unit.empty()) h5_attribute(sets_.back(), "si_unit", a.unit);
+    if (a.meaning != Meaning::value) h5_attribute(sets_.back(), "meaning", name_of(a.meaning));
   }
   for (size_t i = 0; i < plan_.first_clock; ++i) {
     hard_link(file_, "/clock/step", plan_.arrays[i].path + "/step");

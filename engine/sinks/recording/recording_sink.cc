@@ -20,14 +20,6 @@ uint64_t last_step(const World& world) {
   return static_cast<uint64_t>(std::llround(world.scene().header.time.duration / world.dt()));
 }
 
-std::optional<size_t> field_index(const System& system, const std::string& name) {
-  const auto infos = system.fields();
-  for (size_t f = 0; f < infos.size(); ++f) {
-    if (infos[f].name == name) return f;
-  }
-  return std::nullopt;
-}
-
 [[noreturn]] void refuse(size_t index, const std::string& message) {
   throw Error("scene_invalid", message,
               {{"/recording/fields/" + std::to_string(index), "unknown_field", message, "", "", "", ""}});
@@ -40,19 +32,26 @@ bool wants_observable(const Scene& scene, std::string_view name) {
          std::any_of(wanted.begin(), wanted.end(), [&](const std::string& w) { return selects(w, name); });
 }
 
-// Fields to record of a system: those named, else position, else all that are as long as the first.
-std::vector<std::string> wanted_fields(const System& system, const State& state,
-                                       const RecordingParams& params) {
-  if (!params.fields.empty()) return params.fields;
-  if (field_index(system, "position")) return {"position"};
-  std::vector<std::string> all;
-  const auto infos = system.fields();
-  std::vector<double> scratch;
-  const size_t rows = infos.empty() ? 0 : system.field(state, 0, scratch).rows;
-  for (size_t f = 0; f < infos.size(); ++f) {
-    if (system.field(state, f, scratch).rows == rows) all.push_back(infos[f].name);
+// Fields to record of a part: those named, else the places of points, all of a grid, and what is computed of
+// a system that is numbers alone.
+std::vector<size_t> wanted_fields(const PartInfo& part, const RecordingParams& params) {
+  std::vector<size_t> out;
+  for (size_t f = 0; f < part.fields.size(); ++f) {
+    const FieldInfo& field = part.fields[f];
+    const bool named =
+        std::find(params.fields.begin(), params.fields.end(), field.name) != params.fields.end();
+    const bool usual = part.kind == PartInfo::Kind::points ? field.meaning == Meaning::position
+                       : part.kind == PartInfo::Kind::grid ? true
+                                                           : part.name.empty();
+    if (params.fields.empty() ? usual : named) out.push_back(f);
   }
-  return all;
+  return out;
+}
+
+std::optional<Precision> precision_of(Scalar type, RecordingParams::Precision wanted) {
+  if (type == Scalar::u32) return Precision::kU32;
+  if (type != Scalar::f64 && type != Scalar::f32) return std::nullopt;
+  return wanted == RecordingParams::Precision::f64 && type == Scalar::f64 ? Precision::kF64 : Precision::kF32;
 }
 
 }  // namespace
@@ -66,36 +65,35 @@ RecordingLayout recording_layout(const World& world, const std::string& path) {
   layout.dt = world.dt();
   layout.build = std::string(version()) + ' ' + std::string(build_description());
   const WorldState state = world.initial_state();
-  for (size_t i = 0; i < world.size(); ++i) {
-    const System& system = world.system(i);
-    RecordedSystem s;
-    s.id = world.id(i);
-    s.type = world.scene().systems[i].row->type;
-    s.max_rows = static_cast<uint32_t>(system.max_rows());
-    std::vector<double> scratch;
-    for (const std::string& name : wanted_fields(system, state.systems[i], params)) {
-      const auto f = field_index(system, name);
-      if (!f) continue;
-      const FieldInfo info = system.fields()[*f];
-      if (info.type != Scalar::f64 && info.type != Scalar::f32 && info.type != Scalar::u32) continue;
-      const Precision precision =
-          info.type == Scalar::u32                                                          ? Precision::kU32
-          : params.precision == RecordingParams::Precision::f64 && info.type == Scalar::f64 ? Precision::kF64
-                                                                                            : Precision::kF32;
-      s.fields.push_back({info.name, info.unit, info.width, precision});
-      const size_t rows = system.field(state.systems[i], *f, scratch).rows;
+  Drawing drawing;
+  world.draw(state, Wish::constant, drawing);
+  std::vector<double> scratch;
+  for (size_t p = 0; p < world.parts().size(); ++p) {
+    const PartTable::Entry& part = world.parts()[p];
+    RecordedPart s;
+    s.id = part.id;
+    s.type = world.scene().systems[part.system].row->type;
+    s.kind = part.info().kind;
+    s.lattice = part.info().lattice;
+    s.max_rows = static_cast<uint32_t>(part.info().max_rows);
+    for (const size_t f : wanted_fields(part.info(), params)) {
+      const FieldInfo& info = part.info().fields[f];
+      const auto precision = precision_of(info.type, params.precision);
+      if (!precision) continue;
+      s.fields.push_back({info.name, info.unit, info.width, *precision, info.meaning});
+      const size_t rows = part.field(state.systems[part.system], f, scratch).rows;
       s.max_rows = std::max(s.max_rows, static_cast<uint32_t>(rows));
       if (rows != s.max_rows) s.rows = RowPolicy::kVariable;
     }
     if (s.fields.empty()) continue;
-    const Topology topology = system.topology(state.systems[i]);
-    for (const auto& l : topology.lines) s.lines.insert(s.lines.end(), l.begin(), l.end());
-    for (const auto& t : topology.triangles) s.triangles.insert(s.triangles.end(), t.begin(), t.end());
-    layout.systems.push_back(std::move(s));
+    for (const auto& l : drawing.parts[p].lines) s.lines.insert(s.lines.end(), l.begin(), l.end());
+    for (const auto& t : drawing.parts[p].triangles)
+      s.triangles.insert(s.triangles.end(), t.begin(), t.end());
+    layout.parts.push_back(std::move(s));
   }
   for (size_t k = 0; k < params.fields.size(); ++k) {
     bool found = false;
-    for (const RecordedSystem& s : layout.systems) {
+    for (const RecordedPart& s : layout.parts) {
       for (const RecordedField& f : s.fields) found |= f.name == params.fields[k];
     }
     if (!found) refuse(k, "no system has a field \"" + params.fields[k] + "\" that can be recorded");
@@ -115,15 +113,16 @@ RecordingSink::RecordingSink(std::shared_ptr<RecordingThread> thread, const Sess
       last_step_(last_step(session.world())),
       writer_(std::move(thread), recording_layout(session.world(), path),
               ties_.after ? RecordingWriter::File::with_first_frames : RecordingWriter::File::at_once) {
-  for (const RecordedSystem& s : writer_.layout().systems) {
-    const size_t i = session.world().index_of(s.id);
+  const PartTable& parts = session.world().parts();
+  for (const RecordedPart& s : writer_.layout().parts) {
+    size_t p = 0;
+    while (parts[p].id != s.id) ++p;
     auto& keys = keys_.emplace_back();
     for (const RecordedField& f : s.fields) {
       const Scalar type = f.precision == Precision::kU32   ? Scalar::u32
                           : f.precision == Precision::kF64 ? Scalar::f64
                                                            : Scalar::f32;
-      keys.push_back({static_cast<uint32_t>(i),
-                      static_cast<uint32_t>(*field_index(session.world().system(i), f.name)), type});
+      keys.push_back({static_cast<uint32_t>(p), static_cast<uint32_t>(*parts[p].info().find(f.name)), type});
       request_.fields.push_back(keys.back());
     }
   }
@@ -147,12 +146,12 @@ bool RecordingSink::due(uint64_t step) {
 
 void RecordingSink::accept(const FramePtr& frame) {
   std::vector<std::vector<FieldValues>> values(keys_.size());
-  std::vector<SystemRows> systems(keys_.size());
+  std::vector<PartRows> rows(keys_.size());
   for (size_t i = 0; i < keys_.size(); ++i) {
     for (const FieldKey& key : keys_[i]) {
       const FrameBlock& b = *frame->find(key);
       const size_t n = b.rows * b.width;
-      systems[i].rows = b.rows;
+      rows[i].rows = b.rows;
       switch (key.type) {
         case Scalar::f64:
           values[i].emplace_back(std::span(reinterpret_cast<const double*>(b.data.data()), n));
@@ -165,13 +164,13 @@ void RecordingSink::accept(const FramePtr& frame) {
           break;
       }
     }
-    systems[i].fields = values[i];
+    rows[i].fields = values[i];
   }
   std::vector<double> observables;
   for (const RecordedObservable& o : writer_.layout().observables) {
     observables.push_back(frame->observables.find(o.name).value_or(std::nan("")));
   }
-  writer_.append(static_cast<int64_t>(frame->step), frame->time, systems, observables);
+  writer_.append(static_cast<int64_t>(frame->step), frame->time, rows, observables);
   if (frame->step >= last_step_ && (ties_.after || frame->step > first_step_)) finish();
 }
 

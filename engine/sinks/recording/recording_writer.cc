@@ -109,7 +109,7 @@ RecordingWriter::~RecordingWriter() {
   finalize("");
 }
 
-void RecordingWriter::append(int64_t step, double time, std::span<const SystemRows> systems,
+void RecordingWriter::append(int64_t step, double time, std::span<const PartRows> systems,
                              std::span<const double> observables) {
   if (core_->state != RecordingState::kRecording) return;
   if (!batch_) {

@@ -34,7 +34,7 @@ class RecordingWriter {
   /// Takes one frame; the data is copied before it returns. Throws Error("recording_mismatch") when shapes
   /// differ from the layout; ignored unless recording. Small frames become durable in groups of
   /// `frames_per_chunk()`.
-  void append(int64_t step, double time, std::span<const SystemRows> systems,
+  void append(int64_t step, double time, std::span<const PartRows> systems,
               std::span<const double> observables);
 
   /// Writes what is left, the journal and the VTKHDF part, closes the file and waits for it; a second call

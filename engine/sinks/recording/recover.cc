@@ -45,8 +45,8 @@ uint64_t rewrite(RecordedFile& source, const std::string& path, std::string& why
   RecordingFile file(layout, plan);
   std::vector<std::byte> image(plan.bytes);
   RecordedFrame frame;
-  std::vector<std::vector<FieldValues>> values(layout.systems.size());
-  std::vector<SystemRows> systems(layout.systems.size());
+  std::vector<std::vector<FieldValues>> values(layout.parts.size());
+  std::vector<PartRows> systems(layout.parts.size());
   uint64_t kept = 0;
   size_t filled = 0;
   for (; kept < source.info().frames; ++kept) {

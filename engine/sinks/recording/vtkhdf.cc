@@ -35,10 +35,10 @@ void write_zeros(hid_t group, const char* name, uint64_t rows, uint64_t columns)
   h5_dataset(group, name, H5T_NATIVE_INT64, dims, zeros.data());
 }
 
-// [T, N, w] at `source` as [T * N, w]: both selections are whole, so elements map in storage order.
-void write_flat_view(hid_t group, const std::string& name, const std::string& source,
-                     const RecordedField& field, uint64_t frames, uint64_t rows) {
-  std::vector<hsize_t> from{frames, rows}, to{frames * rows};
+// [T, N, w] at `source` in another shape of as many elements: both selections are whole, so elements map in
+// storage order.
+void write_view(hid_t group, const std::string& name, const std::string& source, const RecordedField& field,
+                std::vector<hsize_t> from, std::vector<hsize_t> to) {
   if (field.width > 1) {
     from.push_back(field.width);
     to.push_back(field.width);
@@ -51,6 +51,12 @@ void write_flat_view(hid_t group, const std::string& name, const std::string& so
   h5_id(H5Dcreate2(group, name.c_str(), h5_file_type(element_type(field.precision)), to_space, H5P_DEFAULT,
                    create, H5P_DEFAULT),
         "create a virtual dataset");
+}
+
+// [T, N, w] as [T * N, w].
+void write_flat_view(hid_t group, const std::string& name, const std::string& source,
+                     const RecordedField& field, uint64_t frames, uint64_t rows) {
+  write_view(group, name, source, field, {frames, rows}, {frames * rows});
 }
 
 // One of Vertices, Lines, Polygons, Strips. `cells` per part, each with `corners` entries of `connectivity`.
@@ -66,7 +72,7 @@ void write_cells(hid_t block, const char* name, const std::vector<int64_t>& cell
   write_ids(group, "Offsets", offsets);
 }
 
-void write_steps(hid_t block, const RecordedSystem& system, const std::vector<double>& times) {
+void write_steps(hid_t block, const RecordedPart& system, const std::vector<double>& times) {
   const uint64_t frames = times.size();
   const int64_t count = static_cast<int64_t>(frames);
   H5 steps = h5_group(block, "Steps");
@@ -82,18 +88,17 @@ void write_steps(hid_t block, const RecordedSystem& system, const std::vector<do
   write_zeros(steps, "ConnectivityIdOffsets", frames, 4);
   H5 data = h5_group(steps, "PointDataOffsets");
   for (const RecordedField& f : system.fields) {
-    if (f.name != "position") write_ids(data, f.name.c_str(), point);
+    if (f.meaning != Meaning::position) write_ids(data, f.name.c_str(), point);
   }
 }
 
-void write_block(hid_t file, hid_t block, const RecordedSystem& system, const std::vector<double>& times) {
+void write_block(hid_t file, hid_t block, const RecordedPart& system, const std::vector<double>& times) {
   const uint64_t frames = times.size();
   write_type(block, "PolyData");
   std::vector<int64_t> rows{static_cast<int64_t>(system.max_rows)};
   if (system.rows == RowPolicy::kVariable) {
     std::vector<uint32_t> recorded(frames);
-    H5 set =
-        h5_id(H5Dopen2(file, (system_path(system) + "/rows").c_str(), H5P_DEFAULT), "open the row counts");
+    H5 set = h5_id(H5Dopen2(file, (part_path(system) + "/rows").c_str(), H5P_DEFAULT), "open the row counts");
     h5_ok(H5Dread(set, H5T_NATIVE_UINT32, H5S_ALL, H5S_ALL, H5P_DEFAULT, recorded.data()),
           "read the row counts");
     rows.assign(recorded.begin(), recorded.end());
@@ -101,8 +106,8 @@ void write_block(hid_t file, hid_t block, const RecordedSystem& system, const st
   write_ids(block, "NumberOfPoints", rows);
   H5 point_data = h5_group(block, "PointData");
   for (const RecordedField& f : system.fields) {
-    const std::string source = system_path(system) + "/" + f.name + "/value";
-    if (f.name == "position") {
+    const std::string source = part_path(system) + "/" + f.name + "/value";
+    if (f.meaning == Meaning::position) {
       write_flat_view(block, "Points", source, f, frames, system.max_rows);
     } else {
       write_flat_view(point_data, f.name, source, f, frames, system.max_rows);
@@ -126,9 +131,50 @@ void write_block(hid_t file, hid_t block, const RecordedSystem& system, const st
   write_steps(block, system, times);
 }
 
-bool has_points(const RecordedSystem& s) {
+// An image: [T, N, w] as [T, z, y, x, w], the z left out of a grid in the plane x y.
+void write_image(hid_t block, const RecordedPart& part, const std::vector<double>& times) {
+  const uint64_t frames = times.size();
+  const Lattice& l = part.lattice;
+  const bool cells = l.centring == Lattice::Centring::cells;
+  write_type(block, "ImageData");
+  // The extent counts nodes; cells have one more of them along each direction that the grid has.
+  int64_t extent[6];
+  for (size_t axis = 0; axis < 3; ++axis) {
+    extent[2 * axis] = 0;
+    extent[2 * axis + 1] = l.counts[axis] - (cells && l.counts[axis] > 1 ? 0 : 1);
+  }
+  const auto corner = [&](double origin, double spacing, uint32_t count) {
+    return origin - (cells && count > 1 ? spacing / 2 : 0);
+  };
+  const double origin[3] = {corner(l.origin.x, l.spacing.x, l.counts[0]),
+                            corner(l.origin.y, l.spacing.y, l.counts[1]),
+                            corner(l.origin.z, l.spacing.z, l.counts[2])};
+  const double spacing[3] = {l.spacing.x, l.spacing.y, l.spacing.z};
+  const double direction[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1};
+  h5_attribute(block, "WholeExtent", extent, 6);
+  h5_attribute(block, "Origin", origin, 3);
+  h5_attribute(block, "Spacing", spacing, 3);
+  h5_attribute(block, "Direction", direction, 9);
+  std::vector<hsize_t> shape{frames};
+  if (l.counts[2] > 1) shape.push_back(l.counts[2]);
+  shape.insert(shape.end(), {l.counts[1], l.counts[0]});
+  const char* kind = cells ? "CellData" : "PointData";
+  H5 data = h5_group(block, kind), steps = h5_group(block, "Steps");
+  const int64_t count = static_cast<int64_t>(frames);
+  h5_attribute(steps, "NSteps", &count, 0);
+  h5_dataset(steps, "Values", H5T_NATIVE_DOUBLE, {frames}, times.data());
+  H5 offsets = h5_group(steps, std::string(kind) + "Offsets");
+  std::vector<int64_t> step(frames);
+  std::iota(step.begin(), step.end(), 0);
+  for (const RecordedField& f : part.fields) {
+    write_view(data, f.name, part_path(part) + "/" + f.name + "/value", f, {frames, part.max_rows}, shape);
+    write_ids(offsets, f.name.c_str(), step);
+  }
+}
+
+bool has_points(const RecordedPart& s) {
   return std::any_of(s.fields.begin(), s.fields.end(), [](const RecordedField& f) {
-    return f.name == "position" && f.width == 3 && f.precision != Precision::kU32;
+    return f.meaning == Meaning::position && f.precision != Precision::kU32;
   });
 }
 
@@ -146,24 +192,28 @@ std::string block_name(const std::string& id, std::set<std::string>& used) {
 }  // namespace
 
 void write_vtkhdf(hid_t file, const RecordingLayout& layout, uint64_t frames) {
-  std::vector<const RecordedSystem*> systems;
-  for (const RecordedSystem& s : layout.systems) {
-    if (has_points(s)) systems.push_back(&s);
+  std::vector<const RecordedPart*> systems;
+  for (const RecordedPart& s : layout.parts) {
+    if (s.kind == PartInfo::Kind::grid || has_points(s)) systems.push_back(&s);
   }
   if (systems.empty() || frames == 0) return;
   std::vector<double> times(frames);
   H5 time = h5_id(H5Dopen2(file, "/clock/time", H5P_DEFAULT), "open the clock");
   h5_ok(H5Dread(time, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, times.data()), "read the clock");
 
+  const auto write_any = [&](hid_t block, const RecordedPart& part) {
+    if (part.kind == PartInfo::Kind::grid) return write_image(block, part, times);
+    write_block(file, block, part, times);
+  };
   H5 root = h5_id(H5Gopen2(file, "/VTKHDF", H5P_DEFAULT), "open /VTKHDF");
-  if (systems.size() == 1) return write_block(file, root, *systems[0], times);
+  if (systems.size() == 1) return write_any(root, *systems[0]);
   write_type(root, "PartitionedDataSetCollection");
   std::set<std::string> used{"Assembly", "Steps"};
   std::vector<std::string> names;
   for (size_t i = 0; i < systems.size(); ++i) {
     names.push_back(block_name(systems[i]->id, used));
     H5 block = h5_group(root, names.back());
-    write_block(file, block, *systems[i], times);
+    write_any(block, *systems[i]);
     const int64_t index = static_cast<int64_t>(i);
     h5_attribute(block, "Index", &index, 0);
   }

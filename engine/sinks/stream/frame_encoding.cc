@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "engine/base/errors.h"
+#include "engine/scene/params_text.h"
 #include "engine/sinks/stream/block_encoding.h"
 #include "engine/sinks/stream/wire_format.h"
 
@@ -12,7 +13,7 @@ namespace {
 
 // Rotations have an encoding of their own: QUAT32 wherever small frames were asked for.
 bool is_rotation(const FieldInfo& info) {
-  return info.name == "orientation" && info.width == 4;
+  return info.meaning == Meaning::orientation && info.width == 4;
 }
 
 WireEncoding encoding_of(const FieldInfo& info, WireEncoding wish) {
@@ -29,42 +30,58 @@ WireEncoding encoding_of(const FieldInfo& info, WireEncoding wish) {
   }
 }
 
+void require_part(const PartTable& table, const std::string& name) {
+  for (size_t p = 0; p < table.size(); ++p) {
+    if (table.named(p, name)) return;
+  }
+  throw Error("unknown_system", "no system has the id \"" + name.substr(0, 64) + '"',
+              {{"/system", "unknown_system", "no system or part has this id", '"' + name.substr(0, 64) + '"',
+                join_names(table.ids()), "", ""}});
+}
+
 }  // namespace
 
 std::vector<WireField> wire_fields(const World& world, const std::vector<std::string>& fields,
-                                   const std::vector<std::string>& systems, WireEncoding wish) {
-  const std::vector<std::string> wanted = fields.empty() ? std::vector<std::string>{"position"} : fields;
-  for (const std::string& id : systems) world.index_of(id);
+                                   const std::vector<std::string>& parts, WireEncoding wish) {
+  const PartTable& table = world.parts();
   std::vector<WireField> out;
-  std::string known;
-  std::vector<bool> found(wanted.size());
-  for (size_t s = 0; s < world.size(); ++s) {
-    if (!systems.empty() && std::find(systems.begin(), systems.end(), world.id(s)) == systems.end()) continue;
-    const auto infos = world.system(s).fields();
-    for (size_t f = 0; f < infos.size(); ++f) {
-      if (known.find(infos[f].name) == std::string::npos)
-        known += (known.empty() ? "" : ", ") + infos[f].name;
-      for (size_t w = 0; w < wanted.size(); ++w) {
-        if (wanted[w] != infos[f].name) continue;
-        found[w] = true;
-        const Scalar type = infos[f].type;
-        const WireEncoding encoding = encoding_of(infos[f], wish);
-        const bool narrow = type == Scalar::f64 && encoding != WireEncoding::f64;
-        out.push_back({{static_cast<uint32_t>(s), static_cast<uint32_t>(f), narrow ? Scalar::f32 : type},
-                       encoding,
-                       world.id(s),
-                       infos[f].name,
-                       infos[f].unit,
-                       infos[f].width});
-      }
+  const auto take = [&](size_t p, size_t f) {
+    const FieldInfo& info = table[p].info().fields[f];
+    const WireEncoding encoding = encoding_of(info, wish);
+    const bool narrow = info.type == Scalar::f64 && encoding != WireEncoding::f64;
+    out.push_back({{static_cast<uint32_t>(p), static_cast<uint32_t>(f), narrow ? Scalar::f32 : info.type},
+                   encoding,
+                   table[p].id,
+                   info.name,
+                   info.unit,
+                   info.width});
+  };
+  for (const std::string& name : parts) require_part(table, name);
+  std::vector<bool> found(fields.size());
+  for (size_t p = 0; p < table.size(); ++p) {
+    const auto means = [&](const std::string& name) { return table.named(p, name); };
+    if (!parts.empty() && std::none_of(parts.begin(), parts.end(), means)) continue;
+    const PartInfo& part = table[p].info();
+    if (fields.empty()) {
+      // What shows most: where points are, what a grid holds.
+      if (part.kind == PartInfo::Kind::grid) take(p, 0);
+      if (const auto f = part.find(Meaning::position)) take(p, *f);
+      continue;
+    }
+    for (size_t f = 0; f < part.fields.size(); ++f) {
+      const auto at = std::find(fields.begin(), fields.end(), part.fields[f].name);
+      if (at == fields.end()) continue;
+      found[static_cast<size_t>(at - fields.begin())] = true;
+      take(p, f);
     }
   }
-  for (size_t w = 0; w < wanted.size(); ++w) {
-    if (!found[w]) {
-      throw Error("bad_request", "no system has a field named " + wanted[w].substr(0, 64),
-                  {{"/fields/" + std::to_string(w), "unknown_field", "no system has this field",
-                    '"' + wanted[w].substr(0, 64) + '"', known, "", ""}});
-    }
+  for (size_t w = 0; w < fields.size(); ++w) {
+    if (found[w] || std::find(fields.begin(), fields.begin() + static_cast<ptrdiff_t>(w), fields[w]) !=
+                        fields.begin() + static_cast<ptrdiff_t>(w))
+      continue;
+    throw Error("bad_request", "no system has a field named " + fields[w].substr(0, 64),
+                {{"/fields/" + std::to_string(w), "unknown_field", "no system has this field",
+                  '"' + fields[w].substr(0, 64) + '"', join_names(table.field_names("")), "", ""}});
   }
   return out;
 }
@@ -95,7 +112,7 @@ std::string encode_frame_fields(const Frame& frame, const StreamPlace& place) {
   put_double(out, 3, frame.time);
   if (frame.state_hash) put_tag(out, 4, fixed64), put_raw(out, *frame.state_hash);
   put_integer(out, 5, place.dropped);
-  put_integer(out, 6, frame.topology_version);
+  put_integer(out, 6, frame.drawing_version);
   put_integer(out, 7, place.base_seq == 0 ? 1 : 0);
   put_integer(out, 8, place.base_seq);
   put_double(out, 10, frame.alpha);

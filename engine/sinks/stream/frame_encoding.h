@@ -29,17 +29,18 @@ enum class WireEncoding : uint8_t {
 struct WireField {
   FieldKey key;  ///< key.type is what the frame must hold
   WireEncoding encoding = WireEncoding::f32;
-  std::string system, name;  ///< as they appear on the wire
+  std::string system, name;  ///< ids of part and field as they appear on the wire
   std::string unit;
   uint32_t width = 1;
   friend bool operator==(const WireField&, const WireField&) = default;
 };
 
-/// Fields by name (empty: "position"), systems by id (empty: all), in the encoding wished for floating-point
-/// fields: with Q16_DELTA orientations (w x y z) go as QUAT32, with QUAT32 everything else goes as F32. Error
-/// "bad_request" with what there is when a name is unknown.
+/// Fields by name (empty: places of points, the first field of a grid), systems or single parts by id (empty:
+/// all), in the encoding wished for floating-point fields: with Q16_DELTA orientations (w x y z) go as
+/// QUAT32, with QUAT32 everything else goes as F32. Error "bad_request" with what there is when a name is
+/// unknown.
 std::vector<WireField> wire_fields(const World& world, const std::vector<std::string>& fields,
-                                   const std::vector<std::string>& systems, WireEncoding wish);
+                                   const std::vector<std::string>& parts, WireEncoding wish);
 /// What a session must put into its frames for these.
 FrameRequest request_for(std::span<const WireField> fields, FrameRequest::Extras extras);
 

@@ -64,7 +64,7 @@ std::string encode_json(const Frame& frame, std::span<const WireField> fields) {
   out += ",\"alpha\":";
   append_number(out, frame.alpha);
   if (frame.state_hash) out += ",\"state_hash\":\"" + hex64(*frame.state_hash) + '"';
-  out += ",\"topology_version\":" + std::to_string(frame.topology_version) + ",\"blocks\":[";
+  out += ",\"topology_version\":" + std::to_string(frame.drawing_version) + ",\"blocks\":[";
   for (size_t k = 0; k < fields.size(); ++k) {
     const WireField& f = fields[k];
     const FrameBlock& block = block_of(frame, f);

@@ -62,7 +62,23 @@ Articulation::Articulation(std::unique_ptr<const ArticulationField> field, const
   if (std::ranges::none_of(drives, [](const Drive& d) { return d.limits != Drive::Limits::none; })) {
     skip_stage("limits", "no joint has limits");
   }
-  set_max_rows(2 * tree_.model().links.size());
+  const size_t n = tree_.model().links.size();
+  set_parts({{PartInfo::Kind::points,
+              "",
+              {{"position", "m", Scalar::f64, 3, Meaning::position},
+               {"velocity", "m/s", Scalar::f64, 3, Meaning::velocity},
+               {"orientation", "1", Scalar::f64, 4, Meaning::orientation},
+               {"angular_velocity", "rad/s", Scalar::f64, 3},
+               {"joint_force", "N", Scalar::f64, 3},
+               {"joint_moment", "N m", Scalar::f64, 3}},
+              n,
+              {}},
+             {PartInfo::Kind::points,
+              "skeleton",
+              {{"position", "m", Scalar::f64, 3, Meaning::position},
+               {"velocity", "m/s", Scalar::f64, 3, Meaning::velocity}},
+              2 * n,
+              {}}});
 }
 
 Energy::Exchange Articulation::exchange(const State& s) const {
@@ -106,19 +122,13 @@ void Articulation::observe(const State& s, double t, Observables& out) const {
   out.add("angular_momentum.z", spin.z, "kg m^2/s");
 }
 
-std::vector<FieldInfo> Articulation::fields() const {
-  return {{"position", "m", Scalar::f64, 3},    {"velocity", "m/s", Scalar::f64, 3},
-          {"orientation", "1", Scalar::f64, 4}, {"angular_velocity", "rad/s", Scalar::f64, 3},
-          {"joint_force", "N", Scalar::f64, 3}, {"joint_moment", "N m", Scalar::f64, 3}};
-}
-
-FieldView Articulation::field(const State& s, size_t which, std::vector<double>& scratch) const {
+FieldView Articulation::field(const State& s, size_t part, size_t which, std::vector<double>& scratch) const {
   const Model& m = tree_.model();
   const size_t n = m.links.size();
   const Work work = which >= kJointForce ? tree_.accelerated(s) : tree_.placed(s);
   const auto frames = frames_of(m.tree, work);
   const uint32_t width = which == kOrientation ? 4 : 3;
-  const size_t rows = which <= kVelocity ? 2 * n : n;
+  const size_t rows = part == 1 ? 2 * n : n;
   scratch.resize(rows * width);
   for (size_t i = 0; i < n; ++i) {
     const Link& l = m.links[i];
@@ -127,11 +137,11 @@ FieldView Articulation::field(const State& s, size_t which, std::vector<double>&
     switch (which) {
       case kPosition:
         store3(scratch.data(), i, f.R.apply(l.center) + f.p);
-        store3(scratch.data(), n + i, f.p);
+        if (part == 1) store3(scratch.data(), n + i, f.p);
         break;
       case kVelocity:
         store3(scratch.data(), i, f.R.apply(w.v.v + cross(w.v.w, l.center)));
-        store3(scratch.data(), n + i, f.R.apply(w.v.v));
+        if (part == 1) store3(scratch.data(), n + i, f.R.apply(w.v.v));
         break;
       case kOrientation: {
         const Quat q = quaternion(f.R);

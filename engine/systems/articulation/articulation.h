@@ -13,17 +13,19 @@ class Articulation final : public ForceSystem {
                const ArticulationDef& def);
 
   void observe(const State& state, double t, Observables& out) const override;
-  std::vector<FieldInfo> fields() const override;
-  FieldView field(const State& state, size_t which, std::vector<double>& scratch) const override;
+  /// Parts: the links at their centres of mass, and "skeleton": centres, then joints, which lines connect.
+  FieldView field(const State& state, size_t part, size_t field, std::vector<double>& scratch) const override;
   void check(StateCheck& check, double t) const override;
   void apply(State& state, const Command& command) const override;
-  Topology topology(const State& state) const override;
-  DrawnBodies bodies(const State& state) const override;
-  std::vector<JointMark> joint_marks(const State& state) const override;
+  void draw(const State& state, double t, Wish wishes, Drawing& out) const override;
   /// Open while torques act or a link is pushed.
   Energy::Exchange exchange(const State& state) const override;
 
  private:
+  void draw_lines(PartDrawing& out) const;
+  void draw_links(PartDrawing& out) const;
+  std::vector<JointMark> joint_marks(const State& state) const;
+
   const ArticulationField& tree_;
   double point_radius_;
   std::optional<Vec3> color_;

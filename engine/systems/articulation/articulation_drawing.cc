@@ -5,8 +5,16 @@
 
 namespace truestep::articulation {
 
-Topology Articulation::topology(const State&) const {
-  Topology t;
+void Articulation::draw(const State& s, double, Wish wishes, Drawing& out) const {
+  if (wants(wishes, Wish::constant)) {
+    out.parts.resize(2);
+    draw_links(out.parts[0]);
+    draw_lines(out.parts[1]);
+  }
+  if (wants(wishes, Wish::joints)) out.joints = joint_marks(s);
+}
+
+void Articulation::draw_lines(PartDrawing& t) const {
   const Model& m = tree_.model();
   const auto n = static_cast<uint32_t>(m.links.size());
   t.point_radius = point_radius_;
@@ -20,26 +28,23 @@ Topology Articulation::topology(const State&) const {
   }
   t.line_kinds.assign(t.lines.size(), LineKind::structural);
   if (color_) t.color = std::array<double, 3>{color_->x, color_->y, color_->z};
-  return t;
 }
 
-DrawnBodies Articulation::bodies(const State&) const {
-  DrawnBodies out;
+void Articulation::draw_links(PartDrawing& out) const {
   const Model& m = tree_.model();
   for (uint32_t i = 0; i < m.links.size(); ++i) {
     const Link& l = m.links[i];
     for (const LinkShape& shape : m.shapes[l.def]) {
-      DrawnBodies::Form form;
+      Visual visual;
       // A link's row is its centre of mass with the orientation of its frame.
-      form.shape = drawn_shape(shape.solid, {shape.pose.position - l.center, shape.pose.orientation});
-      form.shape.id = l.id.empty() ? std::to_string(i) : l.id;
-      form.group = static_cast<uint32_t>(l.def);
-      if (color_) form.color = std::array<double, 3>{color_->x, color_->y, color_->z};
-      out.places.push_back({i, static_cast<uint32_t>(out.forms.size())});
-      out.forms.push_back(std::move(form));
+      visual.shape = drawn_shape(shape.solid, {shape.pose.position - l.center, shape.pose.orientation});
+      visual.shape.id = l.id.empty() ? std::to_string(i) : l.id;
+      visual.group = static_cast<uint32_t>(l.def);
+      if (color_) visual.color = std::array<double, 3>{color_->x, color_->y, color_->z};
+      out.instances.push_back({i, static_cast<uint32_t>(out.visuals.size())});
+      out.visuals.push_back(std::move(visual));
     }
   }
-  return out;
 }
 
 std::vector<JointMark> Articulation::joint_marks(const State& s) const {
@@ -55,9 +60,9 @@ std::vector<JointMark> Articulation::joint_marks(const State& s) const {
                       (node.parent != kGround && tree.nodes[size_t(node.parent)].move == Move::translation);
     if (free) continue;
     const bool along = node.move == Move::hinge || node.move == Move::slider;
-    const Kind kind = node.move == Move::hinge    ? Kind::hinge
-                      : node.move == Move::slider ? Kind::slider
-                      : node.move == Move::ball   ? Kind::ball
+    const Kind kind = node.move == Move::hinge    ? Kind::revolute
+                      : node.move == Move::slider ? Kind::prismatic
+                      : node.move == Move::ball   ? Kind::spherical
                                                   : Kind::fixed;
     out.push_back({kind, frames[i].p, frames[i].p, along ? frames[i].R.apply(node.axis) : Vec3{}});
   }
@@ -65,7 +70,7 @@ std::vector<JointMark> Articulation::joint_marks(const State& s) const {
     return node == kGround ? at : frames[size_t(node)].R.apply(at) + frames[size_t(node)].p;
   };
   for (const Closure& c : tree_.model().closures)
-    out.push_back({Kind::ball, place(c.a, c.at_a), place(c.b, c.at_b), {}});
+    out.push_back({Kind::spherical, place(c.a, c.at_a), place(c.b, c.at_b), {}});
   for (const LinkSpring& spring : tree_.model().springs)
     out.push_back({Kind::distance,
                    place(spring.between.a, spring.between.at_a),

@@ -7,9 +7,9 @@ namespace truestep {
 const Outputs& articulation_outputs() {
   static const Outputs kOutputs{
       .rows =
-          "a link in the order of links; position and velocity have a second row per link after those, the "
-          "origin of its joint",
-      .fields = {{"position", "m", 3, "centre of mass of every link, then the origin of every link's joint"},
+          "a link in the order of links; of part skeleton the links, then the origins of their joints, which "
+          "lines connect",
+      .fields = {{"position", "m", 3, "centres of mass; of part skeleton also origins of joints"},
                  {"velocity", "m/s", 3, "of the same"},
                  {"orientation", "1", 4, "unit quaternion w x y z"},
                  {"angular_velocity", "rad/s", 3, "in the world"},

@@ -81,11 +81,36 @@ MassSpring::MassSpring(std::unique_ptr<const MassSpringField> field, const Chose
 
   const SpringSchedule& schedule = springs_.schedule();
   for (size_t s = 0; s < schedule.a.size(); ++s) {
-    topology_.lines.push_back({schedule.a[s], schedule.b[s]});
-    topology_.line_kinds.push_back(line_kind(schedule.family[s]));
+    drawing_.lines.push_back({schedule.a[s], schedule.b[s]});
+    drawing_.line_kinds.push_back(line_kind(schedule.family[s]));
   }
-  topology_.triangles = springs_.network().triangles;
-  if (topology_.triangles.empty()) publish_segments();
+  drawing_.triangles = springs_.network().triangles;
+  if (drawing_.triangles.empty()) publish_segments();
+  name_parts();
+}
+
+void MassSpring::name_parts() {
+  PartInfo points = main_part();
+  points.fields.push_back({"force", "N", Scalar::f64, 3});
+  points.fields.push_back({"strain", "1"});
+  points.fields.push_back({"reaction", "N", Scalar::f64, 3});
+  PartInfo springs;
+  springs.kind = PartInfo::Kind::values;
+  springs.name = "springs";
+  springs.fields = {{"strain", "1"}};
+  springs.max_rows = springs_.schedule().a.size();
+  springs.elements = PartInfo::Elements::lines;
+  std::vector<PartInfo> parts{std::move(points)};
+  if (springs.max_rows > 0) parts.push_back(std::move(springs));
+  set_parts(std::move(parts));
+}
+
+void MassSpring::draw(const State&, double t, Wish wishes, Drawing& out) const {
+  if (wants(wishes, Wish::constant)) {
+    out.parts.resize(parts().size());
+    out.parts[0] = drawing_;
+  }
+  if (wants(wishes, Wish::obstacles)) out.obstacles = colliders_.drawn(t);
 }
 
 void MassSpring::publish_segments() {
@@ -110,13 +135,14 @@ State MassSpring::initial_state() const {
   return s;
 }
 
-std::optional<PointColumns> MassSpring::points() const {
-  return PointColumns{.position = Columns::position,
-                      .velocity = Columns::velocity,
-                      .mass = std::nullopt,
-                      .inverse_mass = Columns::inverse_mass,
-                      .id = std::nullopt,
-                      .radius = radius_};
+Ports MassSpring::ports() const {
+  return {PointPort{.position = Columns::position,
+                    .velocity = Columns::velocity,
+                    .mass = std::nullopt,
+                    .inverse_mass = Columns::inverse_mass,
+                    .id = std::nullopt,
+                    .radius = radius_},
+          {springs_.network().triangles, segments_}};
 }
 
 void MassSpring::answer(State& state, const StepInput& in, Answer which, std::span<const double> impulses,
@@ -187,14 +213,6 @@ void MassSpring::observe(const State& state, double t, Observables& out) const {
   out.add("reaction.z", held.z, "N");
 }
 
-std::vector<FieldInfo> MassSpring::fields() const {
-  auto list = ForceSystem::fields();
-  list.push_back({"force", "N", Scalar::f64, 3});
-  list.push_back({"strain", "1", Scalar::f64, 1});
-  list.push_back({"reaction", "N", Scalar::f64, 3});
-  return list;
-}
-
 void MassSpring::reactions(const State& state, double t, std::vector<double>& out) const {
   out.resize(3 * springs_.masses().size());
   Workspace workspace;
@@ -203,9 +221,15 @@ void MassSpring::reactions(const State& state, double t, std::vector<double>& ou
   springs_.reactions({t, state.f64(Columns::position), state.f64(Columns::velocity), state}, out, e);
 }
 
-FieldView MassSpring::field(const State& state, size_t which, std::vector<double>& scratch) const {
-  if (which < 2) return ForceSystem::field(state, which, scratch);
+FieldView MassSpring::field(const State& state, size_t part, size_t which,
+                            std::vector<double>& scratch) const {
   const auto x = state.f64(Columns::position);
+  if (part == 1) {
+    scratch.resize(springs_.schedule().a.size());
+    for (size_t s = 0; s < scratch.size(); ++s) scratch[s] = springs_.strain(x, s);
+    return {scratch.data(), Scalar::f64, scratch.size(), 1};
+  }
+  if (which < 2) return ForceSystem::field(state, part, which, scratch);
   const size_t n = springs_.masses().size();
   if (which == 2) {
     scratch.resize(3 * n);

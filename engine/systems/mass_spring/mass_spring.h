@@ -21,23 +21,20 @@ class MassSpring final : public ForceSystem, public AnswersImpulses {
   void observe(const State& state, double t, Observables& out) const override;
   /// position, velocity, force (N, total on a point), strain (1, largest magnitude at a point), reaction (N,
   /// of a pin on its point; gusts as at t = 0).
-  std::vector<FieldInfo> fields() const override;
-  FieldView field(const State& state, size_t which, std::vector<double>& scratch) const override;
+  /// Parts: the points, and "springs" with their strain (1).
+  FieldView field(const State& state, size_t part, size_t field, std::vector<double>& scratch) const override;
   void check(StateCheck& check, double t) const override;
   void apply(State& state, const Command& command) const override;
-  Topology topology(const State& state) const override { return topology_; }
-  std::vector<DrawnShape> shapes(const State& state, double t) const override { return colliders_.drawn(t); }
-  std::optional<PointColumns> points() const override;
+  void draw(const State& state, double t, Wish wishes, Drawing& out) const override;
+  /// The solids: the triangles of a cloth; otherwise a capsule along every structural spring and a ball at
+  /// every point without one.
+  Ports ports() const override;
   /// Loose points are never solved for together.
   bool answers_together() const override {
     return integrator().kind == Integrator::Kind::implicit && !springs_.schedule().a.empty();
   }
   void answer(State& state, const StepInput& input, Answer which, std::span<const double> impulses,
               std::span<double> dv) const override;
-  /// The triangles of a cloth; otherwise a capsule along every structural spring and a ball at every point
-  /// without one.
-  PublishedSolids solids() const override { return {springs_.network().triangles, segments_}; }
-
   /// Open in the wind, while something is pushed, and where obstacles put points back.
   Energy::Exchange exchange(const State& state) const override;
 
@@ -50,12 +47,13 @@ class MassSpring final : public ForceSystem, public AnswersImpulses {
   /// Whether contacts are part of the method's own solution.
   bool solves_contacts() const;
   void publish_segments();
+  void name_parts();
   double default_drag(const State& state, size_t row) const;
   void set_parameter(State& state, const Command& command) const;
   void reactions(const State& state, double t, std::vector<double>& out) const;
 
   const MassSpringField& springs_;
-  Topology topology_;
+  PartDrawing drawing_;
   ColliderSet colliders_;
   std::vector<Surface> surfaces_;  // one per collider
   double radius_;                  // m, distance kept from colliders

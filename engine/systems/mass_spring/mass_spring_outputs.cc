@@ -13,7 +13,8 @@ const Outputs& mass_spring_outputs() {
                  {"velocity", "m/s", 3, ""},
                  {"force", "N", 3, "sum of all forces on the point; 0 where it is held"},
                  {"strain", "1", 1, "largest |length / rest length - 1| of its springs"},
-                 {"reaction", "N", 3, "force by which a pin holds the point; 0 where it is free"}},
+                 {"reaction", "N", 3, "force by which a pin holds the point; 0 where it is free"},
+                 {"springs.strain", "1", 1, "of part springs, a row per spring: length / rest length - 1"}},
       .observables = {
           {"energy.kinetic", "J", "of motion"},
           {"energy.potential", "J", "of all forces that have one"},

@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-#include "engine/core/topology.h"
+#include "engine/core/drawing.h"
 #include "engine/systems/mass_spring/mass_spring_def.h"
 
 namespace truestep {

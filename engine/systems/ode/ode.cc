@@ -70,6 +70,7 @@ Ode::Ode(const OdeDef& def, const BuildContext& context)
   } else {
     rows_ = model_.bodies * (1 + trail_);
   }
+  name_parts();
   plan_stages();
 }
 

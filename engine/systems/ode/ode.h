@@ -24,17 +24,14 @@ class Ode final : public StagedSystem {
   /// Every number state (arrays of at most 16 elements as well), invariants and their drift relative to the
   /// start, event counts, work of the integrator.
   void observe(const State& state, double t, Observables& out) const override;
-  void late_observables(Observables& out) const override;
   /// position (tracers, or what "plot" draws with its trail), tag (tracers: place along x at the start, 0 to
   /// 1), then every state by name.
-  std::vector<FieldInfo> fields() const override;
-  FieldView field(const State& state, size_t which, std::vector<double>& scratch) const override;
+  /// Parts: tracers or trails where there are any, the states that are numbers, and arrays by their lengths.
+  FieldView field(const State& state, size_t part, size_t field, std::vector<double>& scratch) const override;
   void apply(State& state, const Command& command) const override;
-  Topology topology(const State& state) const override;
-  std::vector<DrawnShape> shapes(const State& state, double t) const override;
+  void draw(const State& state, double t, Wish wishes, Drawing& out) const override;
   std::vector<std::string> remedies() const override;
-  std::optional<double> step_seconds(const State& state, double h) const override;
-  size_t max_rows() const override { return rows_; }
+  std::optional<double> limit(Limit which, const State& state, double h) const override;
 
   const OdeModel& model() const { return model_; }
   const Integrator* method() const { return method_; }
@@ -43,6 +40,7 @@ class Ode final : public StagedSystem {
   struct Scratch;
   Scratch& scratch(State& state, Workspace& workspace) const;
   void plan_stages();
+  void name_parts();
   void integrate(State& state, const StepInput& in) const;
   double advance(State& state, Scratch& work, Workspace& workspace, double t, double t_end) const;
   double next_timed_event(double t, double slack) const;
@@ -64,6 +62,8 @@ class Ode final : public StagedSystem {
   uint64_t seed_;
   size_t trail_ = 0, rows_ = 0;
   std::vector<double> tags_;  ///< per tracer
+  /// Per part of states, the states that are its fields.
+  std::vector<std::vector<size_t>> groups_;
 };
 
 std::unique_ptr<const System> make_ode(const void* def, const BuildContext& context);

@@ -24,10 +24,6 @@ constexpr size_t kObservedElements = 16;
 
 }  // namespace
 
-void Ode::late_observables(Observables& out) const {
-  if (!model_.events.empty()) out.add("stopped.time", 0, "s");
-}
-
 void Ode::observe(const State& s, double t, Observables& out) const {
   const auto y = s.f64(C::kStates);
   for (const OdeModel::Named& n : model_.states) {
@@ -64,8 +60,7 @@ void Ode::observe(const State& s, double t, Observables& out) const {
   if (!model_.events.empty()) {
     const bool stopped = s.f64(C::kStopped)[0] != 0;
     out.add("stopped", stopped ? 1 : 0, "1");
-    // A time that has not come is no number.
-    if (stopped) out.add("stopped.time", s.f64(C::kStopped)[1], "s");
+    out.add("stopped.time", stopped ? s.f64(C::kStopped)[1] : std::nan(""), "s");
   }
   if (def_.tracers) {
     // One pass in the order of the points.
@@ -93,27 +88,46 @@ void Ode::observe(const State& s, double t, Observables& out) const {
   }
 }
 
-std::vector<FieldInfo> Ode::fields() const {
-  std::vector<FieldInfo> out;
-  if (rows_ > 0) out.push_back({"position", "m", Scalar::f64, 3});
-  if (!tags_.empty()) out.push_back({"tag", "1", Scalar::f64, 1});
-  for (const OdeModel::Named& n : model_.states) out.push_back({n.name, "1", Scalar::f64, 1});
-  return out;
+void Ode::name_parts() {
+  std::vector<PartInfo> parts;
+  if (rows_ > 0) {
+    PartInfo& points = parts.emplace_back();
+    points.fields.push_back({"position", "m", Scalar::f64, 3, Meaning::position});
+    if (!tags_.empty()) points.fields.push_back({"tag", "1"});
+    points.max_rows = rows_;
+  }
+  for (size_t k = 0; k < model_.states.size(); ++k) {
+    const size_t rows = model_.states[k].places.size();
+    const auto alike = [&](const std::vector<size_t>& g) {
+      return model_.states[g[0]].places.size() == rows;
+    };
+    auto at = std::find_if(groups_.begin(), groups_.end(), alike);
+    if (at == groups_.end()) at = groups_.insert(at, std::vector<size_t>{});
+    at->push_back(k);
+  }
+  for (const std::vector<size_t>& group : groups_) {
+    PartInfo& part = parts.emplace_back();
+    part.kind = PartInfo::Kind::values;
+    part.max_rows = model_.states[group[0]].places.size();
+    if (parts.size() > 1) part.name = part.max_rows == 1 ? "states" : model_.states[group[0]].name;
+    for (const size_t k : group) part.fields.push_back({model_.states[k].name, "1"});
+  }
+  set_parts(std::move(parts));
 }
 
-FieldView Ode::field(const State& s, size_t which, std::vector<double>& scratch) const {
-  if (rows_ > 0 && which-- == 0) {
+FieldView Ode::field(const State& s, size_t part, size_t field, std::vector<double>& scratch) const {
+  if (rows_ > 0 && part-- == 0) {
+    if (field == 1) return {tags_.data(), Scalar::f64, tags_.size(), 1};
     return {s.f64(def_.tracers ? C::kTracers : C::kTrail).data(), Scalar::f64, rows_, 3};
   }
-  if (!tags_.empty() && which-- == 0) return {tags_.data(), Scalar::f64, tags_.size(), 1};
-  const OdeModel::Named& n = model_.states[which];
+  const OdeModel::Named& n = model_.states[groups_[part][field]];
   scratch.resize(n.places.size());
   for (size_t k = 0; k < n.places.size(); ++k) scratch[k] = s.f64(C::kStates)[n.places[k]];
   return {scratch.data(), Scalar::f64, scratch.size(), 1};
 }
 
-std::optional<double> Ode::step_seconds(const State& s, double h) const {
-  if (!method_) return std::nullopt;
+std::optional<double> Ode::limit(Limit which, const State& s, double h) const {
+  if (which != Limit::step_seconds || !method_) return std::nullopt;
   OdeEquations f(model_);
   f.set_parameters(s.f64(C::kParameters));
   const auto rate = static_cast<double>(model_.rate.instructions());
@@ -178,31 +192,27 @@ void Ode::apply(State& s, const Command& c) const {
   std::ranges::fill(s.f64(C::kStopped), 0.0);
 }
 
-Topology Ode::topology(const State&) const {
-  Topology t;
-  if (def_.color) t.color = {def_.color->x, def_.color->y, def_.color->z};
-  // The path of every body as a line; its head is one of `shapes`.
-  if (trail_ == 0) t.point_radius = def_.draw_radius;
-  const auto length = static_cast<uint32_t>(trail_ + 1);
-  for (uint32_t b = 0; trail_ > 0 && b < model_.bodies; ++b) {
-    for (uint32_t k = 0; k + 1 < length; ++k) t.lines.push_back({b * length + k, b * length + k + 1});
+void Ode::draw(const State& s, double, Wish wishes, Drawing& out) const {
+  if (wants(wishes, Wish::constant)) {
+    out.parts.resize(parts().size());
+    PartDrawing& d = out.parts[0];
+    if (def_.color) d.color = {def_.color->x, def_.color->y, def_.color->z};
+    // The path of every body as a line; its head is one of the obstacles.
+    if (trail_ == 0) d.point_radius = def_.draw_radius;
+    const auto length = static_cast<uint32_t>(trail_ + 1);
+    for (uint32_t b = 0; trail_ > 0 && b < model_.bodies; ++b) {
+      for (uint32_t k = 0; k + 1 < length; ++k) d.lines.push_back({b * length + k, b * length + k + 1});
+    }
+    d.line_kinds.assign(d.lines.size(), LineKind::structural);
   }
-  t.line_kinds.assign(t.lines.size(), LineKind::structural);
-  return t;
-}
-
-std::vector<DrawnShape> Ode::shapes(const State& s, double) const {
-  std::vector<DrawnShape> out;
-  if (trail_ == 0 || def_.draw_radius == 0) return out;
+  if (!wants(wishes, Wish::obstacles) || trail_ == 0 || def_.draw_radius == 0) return;
   for (size_t b = 0; b < model_.bodies; ++b) {
-    DrawnShape head;
+    DrawnShape& head = out.obstacles.emplace_back();
     head.kind = DrawnShape::Kind::sphere;
     head.position = load3(s.f64(C::kTrail).data(), b * (trail_ + 1));
     head.size = {def_.draw_radius, 0, 0};
     head.id = "head" + std::to_string(b);
-    out.push_back(head);
   }
-  return out;
 }
 
 }  // namespace truestep

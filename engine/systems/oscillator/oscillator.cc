@@ -79,10 +79,8 @@ class Oscillator : public ForceSystem {
     state.f64(C::kDisturbed)[0] = 1;
   }
 
-  Topology topology(const State&) const override {
-    Topology t;
-    t.point_radius = 0.05;
-    return t;
+  void draw(const State&, double, Wish wishes, Drawing& out) const override {
+    if (wants(wishes, Wish::constant)) out.parts.emplace_back().point_radius = 0.05;
   }
 
  private:

@@ -38,7 +38,11 @@ Particles::Particles(std::unique_ptr<const ParticlesField> field, const ChosenMe
     : ForceSystem(std::move(field), method.row, def.choice().options),
       particles_(static_cast<const ParticlesField&>(force_field())),
       seed_(seed) {
-  set_max_rows(particles_.capacity());
+  auto& fields = main_part().fields;
+  fields.push_back({"speed", "m/s"});
+  fields.push_back({"age", "s"});
+  fields.push_back({"id", "1", Scalar::u64});
+  main_part().max_rows = particles_.capacity();
   plan_stages(method.why);
 }
 
@@ -210,16 +214,8 @@ void Particles::observe(const State& s, double t, Observables& out) const {
   out.add("refused", static_cast<double>(counter(s, Counter::refused)), "1");
 }
 
-std::vector<FieldInfo> Particles::fields() const {
-  auto out = ForceSystem::fields();
-  out.push_back({"speed", "m/s", Scalar::f64, 1});
-  out.push_back({"age", "s", Scalar::f64, 1});
-  out.push_back({"id", "1", Scalar::u64, 1});
-  return out;
-}
-
-FieldView Particles::field(const State& s, size_t which, std::vector<double>& scratch) const {
-  if (which < 2) return ForceSystem::field(s, which, scratch);
+FieldView Particles::field(const State& s, size_t part, size_t which, std::vector<double>& scratch) const {
+  if (which < 2) return ForceSystem::field(s, part, which, scratch);
   const size_t n = s.rows(columns::position);
   if (which == 4) return {s.bytes(columns::id).data(), Scalar::u64, n, 1};
   scratch.resize(n);
@@ -234,24 +230,21 @@ FieldView Particles::field(const State& s, size_t which, std::vector<double>& sc
   return {scratch.data(), Scalar::f64, n, 1};
 }
 
-Topology Particles::topology(const State& s) const {
+void Particles::draw(const State& s, double time, Wish wishes, Drawing& out) const {
+  if (wants(wishes, Wish::obstacles)) out.obstacles = particles_.colliders().drawn(time);
+  if (!wants(wishes, Wish::constant)) return;
   const ParticlesDef& d = particles_.def();
-  Topology t;
+  PartDrawing& t = out.parts.emplace_back();
   const auto rows = s.span<uint32_t>(columns::spring_rows);
   for (size_t k = 0; k < rows.size(); k += 2) t.lines.push_back({rows[k], rows[k + 1]});
   t.point_radius = std::max(d.draw_radius, d.radius);
   if (d.color) t.color = {d.color->x, d.color->y, d.color->z};
-  return t;
 }
 
-uint32_t Particles::topology_version(const State& s) const {
+uint32_t Particles::drawing_version(const State& s) const {
   // Lines name rows, which move only when particles die.
   if (particles_.def().springs.empty()) return 1;
   return static_cast<uint32_t>(1 + counter(s, Counter::killed));
-}
-
-std::vector<DrawnShape> Particles::shapes(const State&, double t) const {
-  return particles_.colliders().drawn(t);
 }
 
 Energy::Exchange Particles::exchange(const State& s) const {
@@ -265,15 +258,12 @@ Energy::Exchange Particles::exchange(const State& s) const {
   return changing || driven ? Energy::Exchange::open : Energy::Exchange::closed;
 }
 
-std::optional<PointColumns> Particles::points() const {
-  return PointColumns{columns::position, columns::velocity, columns::mass,
-                      std::nullopt,      columns::id,       particles_.def().radius};
-}
-
-PublishedSolids Particles::solids() const {
-  PublishedSolids solids;
-  solids.balls = PublishedSolids::Balls::every_point;
-  return solids;
+Ports Particles::ports() const {
+  Ports ports;
+  ports.points = PointPort{columns::position, columns::velocity, columns::mass,
+                           std::nullopt,      columns::id,       particles_.def().radius};
+  ports.solids.balls = PublishedSolids::Balls::every_point;
+  return ports;
 }
 
 namespace {

@@ -16,18 +16,15 @@ class Particles final : public ForceSystem {
   /// Besides the energies: momentum.x/y/z (kg m/s), count, emitted, killed, refused (1).
   void observe(const State& state, double t, Observables& out) const override;
   /// position, velocity, speed (m/s), age (s), id; the last three are computed when asked for.
-  std::vector<FieldInfo> fields() const override;
-  FieldView field(const State& state, size_t which, std::vector<double>& scratch) const override;
+  FieldView field(const State& state, size_t part, size_t field, std::vector<double>& scratch) const override;
   void check(StateCheck& check, double t) const override;
   void apply(State& state, const Command& command) const override;
-  Topology topology(const State& state) const override;
-  uint32_t topology_version(const State& state) const override;
-  std::vector<DrawnShape> shapes(const State& state, double t) const override;
-  std::optional<PointColumns> points() const override;
+  void draw(const State& state, double t, Wish wishes, Drawing& out) const override;
+  uint32_t drawing_version(const State& state) const override;
+  /// The solids: a ball around every particle.
+  Ports ports() const override;
   /// Open where particles come, go, are driven, held by hands or put back by obstacles.
   Energy::Exchange exchange(const State& state) const override;
-  /// A ball around every particle.
-  PublishedSolids solids() const override;
 
  private:
   Particles(std::unique_ptr<const ParticlesField> field, const ChosenMethod& method, const ParticlesDef& def,

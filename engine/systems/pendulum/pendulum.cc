@@ -60,7 +60,18 @@ class Pendulum final : public ForceSystem {
     bound_speed();
     add_stage("push", "ends a push command when its time is over", end_push);
     if (def.damping == 0) skip_stage("damping", "the damping is zero");
-    set_max_rows(chain_.links() + 1);
+    const size_t n = chain_.links();
+    set_parts({{PartInfo::Kind::points,
+                "",
+                {{"position", "m", Scalar::f64, 3, Meaning::position},
+                 {"velocity", "m/s", Scalar::f64, 3, Meaning::velocity}},
+                n + 1,
+                {}},
+               {PartInfo::Kind::values,
+                "joints",
+                {{"angle", "rad", Scalar::f64, 1, Meaning::angle}, {"angular_velocity", "rad/s"}},
+                n,
+                {}}});
   }
 
   Energy::Exchange exchange(const State& s) const override {
@@ -69,15 +80,9 @@ class Pendulum final : public ForceSystem {
 
   void check(StateCheck& check, double) const override { check.below(C::kPushRow, chain_.links()); }
 
-  std::vector<FieldInfo> fields() const override {
-    return {{"position", "m", Scalar::f64, 3},
-            {"velocity", "m/s", Scalar::f64, 3},
-            {"angle", "rad", Scalar::f64, 1},
-            {"angular_velocity", "rad/s", Scalar::f64, 1}};
-  }
-  FieldView field(const State& s, size_t which, std::vector<double>& scratch) const override {
+  FieldView field(const State& s, size_t part, size_t which, std::vector<double>& scratch) const override {
     const auto angles = s.f64(C::kAngle), rates = s.f64(C::kAngularVelocity);
-    if (which >= 2) return {which == 2 ? angles.data() : rates.data(), Scalar::f64, angles.size(), 1};
+    if (part == 1) return {which == 0 ? angles.data() : rates.data(), Scalar::f64, angles.size(), 1};
     scratch.resize(3 * (angles.size() + 1));
     if (which == 0) {
       chain_.positions(angles, scratch.data());
@@ -108,12 +113,13 @@ class Pendulum final : public ForceSystem {
     }
   }
 
-  Topology topology(const State&) const override {
-    Topology t;
+  void draw(const State&, double, Wish wishes, Drawing& out) const override {
+    if (!wants(wishes, Wish::constant)) return;
+    out.parts.resize(2);
+    PartDrawing& t = out.parts[0];
     t.point_radius = 0.05;
     for (uint32_t i = 0; i < chain_.links(); ++i) t.lines.push_back({i, i + 1});
     t.line_kinds.assign(t.lines.size(), LineKind::structural);
-    return t;
   }
 
  private:

@@ -6,9 +6,7 @@ namespace truestep {
 
 const Outputs& pendulum_outputs() {
   static const Outputs kOutputs{
-      .rows =
-          "of position and velocity the pivot (0) and the masses (1 ...); of angle and angular_velocity the "
-          "links (0 ...)",
+      .rows = "the pivot (0) and the masses (1 ...); of part joints the links (0 ...)",
       .fields = {{"position", "m", 3, "of pivot and masses"},
                  {"velocity", "m/s", 3, ""},
                  {"angle", "rad", 1, "of a link from the downward vertical"},

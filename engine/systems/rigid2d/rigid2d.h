@@ -25,24 +25,25 @@ class Rigid2d final : public StagedSystem {
   /// counted.
   std::optional<Energy> energy(const State& state, double t, Workspace& workspace,
                                const ThreadArena& arena) const override;
-  std::optional<double> speed_limit() const override { return speed_limit_; }
+  std::optional<double> limit(Limit which, const State&, double) const override {
+    return which == Limit::speed ? std::optional(speed_limit_) : std::nullopt;
+  }
   /// position, velocity, angle, angular_velocity, asleep, contact_force (N, sum of normal forces on the
   /// body), orientation (quaternion w x y z).
-  std::vector<FieldInfo> fields() const override;
-  FieldView field(const State& state, size_t which, std::vector<double>& scratch) const override;
+  FieldView field(const State& state, size_t part, size_t field, std::vector<double>& scratch) const override;
   void check(StateCheck& check, double t) const override;
   void apply(State& state, const Command& command) const override;
-  DrawnBodies bodies(const State& state) const override;
-  uint32_t topology_version(const State& state) const override;
-  std::vector<ContactMark> contact_marks(const State& state) const override;
-  std::vector<JointMark> joint_marks(const State& state) const override;
-  size_t max_rows() const override { return model_.count(); }
+  uint32_t drawing_version(const State& state) const override;
+  void draw(const State& state, double t, Wish wishes, Drawing& out) const override;
 
   const Model& model() const { return model_; }
 
  private:
   struct Scratch;
+  void name_parts();
   void add_stages();
+  std::vector<ContactMark> contact_marks(const State& state) const;
+  std::vector<JointMark> joint_marks(const State& state) const;
   void take_hands(State& s, const StepInput& in) const;
   template <class T>
   void solve(State& s, const StepInput& in) const;
@@ -59,7 +60,7 @@ class Rigid2d final : public StagedSystem {
   Rigid2dDef settings_;  // without bodies, generators and joints
   Model model_;
   mutable std::once_flag drawn_made_;  ///< meshes are made when somebody looks for the first time
-  mutable DrawnBodies drawn_;
+  mutable PartDrawing drawn_;
   Vec3 gravity_;
   double dt_;
   double speed_limit_;  ///< m/s and rad/s

@@ -12,13 +12,13 @@ namespace {
 constexpr double kDepth = 0.5;   // of a prism, part of a typical body's size
 constexpr double kLayer = 0.06;  // from layer to layer
 
-using Motion3 = DrawnBodies::Motion;
+using Motion3 = Visual::Motion;
 
 Motion3 motion_of(const Body& b) {
   if (b.sensor) return Motion3::sensor;
   return b.motion == Motion::fixed       ? Motion3::fixed
-         : b.motion == Motion::kinematic ? Motion3::driven
-                                         : Motion3::moving;
+         : b.motion == Motion::kinematic ? Motion3::kinematic
+                                         : Motion3::dynamic;
 }
 
 /// Smallest layers, in the order of the bodies, with which no joint holds two of one layer.
@@ -46,20 +46,20 @@ void describe(Key& key, const Outline& s) {
 }
 
 /// Alike shapes share a mesh, alike bodies a group.
-class Forms {
+class Visuals {
  public:
-  Forms(const Model& model, const std::optional<Vec3>& color) : model_(model), color_(color) {}
+  Visuals(const Model& model, const std::optional<Vec3>& color) : model_(model), color_(color) {}
 
-  uint32_t form(const Body& body, const Outline& outline, uint32_t layer, uint32_t group) {
+  uint32_t visual(const Body& body, const Outline& outline, uint32_t layer, uint32_t group) {
     const std::optional<Vec3> color = body.color                       ? body.color
                                       : body.motion == Motion::dynamic ? color_
                                                                        : std::nullopt;
     Key key{static_cast<double>(motion_of(body)), static_cast<double>(layer), static_cast<double>(group)};
     if (color) key.insert(key.end(), {color->x, color->y, color->z});
     describe(key, outline);
-    const auto [at, fresh] = forms_.try_emplace(key, static_cast<uint32_t>(out_.size()));
+    const auto [at, fresh] = visuals_.try_emplace(key, static_cast<uint32_t>(out_.size()));
     if (!fresh) return at->second;
-    DrawnBodies::Form f;
+    Visual f;
     f.shape.kind = DrawnShape::Kind::mesh;
     f.shape.mesh = mesh(outline);
     f.shape.position.z = kLayer * model_.size * layer;
@@ -73,7 +73,7 @@ class Forms {
     for (uint32_t i = 0; i < body.shapes; ++i) describe(key, model_.shapes[body.first_shape + i].outline);
     return groups_.try_emplace(key, static_cast<uint32_t>(groups_.size())).first->second;
   }
-  std::vector<DrawnBodies::Form> take() { return std::move(out_); }
+  std::vector<Visual> take() { return std::move(out_); }
 
  private:
   std::shared_ptr<const DrawnMesh> mesh(const Outline& outline) {
@@ -85,22 +85,22 @@ class Forms {
   }
   const Model& model_;
   std::optional<Vec3> color_;
-  std::map<Key, uint32_t> forms_, groups_;
+  std::map<Key, uint32_t> visuals_, groups_;
   std::map<Key, std::shared_ptr<const DrawnMesh>> meshes_;
-  std::vector<DrawnBodies::Form> out_;
+  std::vector<Visual> out_;
 };
 
-DrawnBodies all_bodies(const Model& m, const std::optional<Vec3>& color) {
-  DrawnBodies out;
-  Forms forms(m, color);
+PartDrawing all_bodies(const Model& m, const std::optional<Vec3>& color) {
+  PartDrawing out;
+  Visuals visuals(m, color);
   const std::vector<uint32_t> layers = layers_of(m);
   for (uint32_t i = 0; i < m.count(); ++i) {
     const Body& b = m.bodies[i];
-    const uint32_t group = b.motion == Motion::dynamic ? forms.group(b) : 0;
+    const uint32_t group = b.motion == Motion::dynamic ? visuals.group(b) : 0;
     for (uint32_t k = 0; k < b.shapes; ++k)
-      out.places.push_back({i, forms.form(b, m.shapes[b.first_shape + k].outline, layers[i], group)});
+      out.instances.push_back({i, visuals.visual(b, m.shapes[b.first_shape + k].outline, layers[i], group)});
   }
-  out.forms = forms.take();
+  out.visuals = visuals.take();
   return out;
 }
 
@@ -110,15 +110,18 @@ Vec3 raised(Vec2 p) {
 
 }  // namespace
 
-DrawnBodies Rigid2d::bodies(const State& s) const {
-  std::call_once(drawn_made_, [this] { drawn_ = all_bodies(model_, settings_.color); });
-  DrawnBodies out = drawn_;
-  const auto status = s.span<uint32_t>(columns::status);
-  std::erase_if(out.places, [&](const auto& place) { return (status[place[0]] & kRemoved) != 0; });
-  return out;
+void Rigid2d::draw(const State& s, double, Wish wishes, Drawing& out) const {
+  if (wants(wishes, Wish::constant)) {
+    std::call_once(drawn_made_, [this] { drawn_ = all_bodies(model_, settings_.color); });
+    PartDrawing& bodies = out.parts.emplace_back(drawn_);
+    const auto status = s.span<uint32_t>(columns::status);
+    std::erase_if(bodies.instances, [&](const auto& i) { return (status[i[0]] & kRemoved) != 0; });
+  }
+  if (wants(wishes, Wish::contacts)) out.contacts = contact_marks(s);
+  if (wants(wishes, Wish::joints)) out.joints = joint_marks(s);
 }
 
-uint32_t Rigid2d::topology_version(const State& s) const {
+uint32_t Rigid2d::drawing_version(const State& s) const {
   const auto status = s.span<uint32_t>(columns::status);
   return 1 + static_cast<uint32_t>(
                  std::ranges::count_if(status, [](uint32_t bits) { return (bits & kRemoved) != 0; }));
@@ -161,11 +164,11 @@ std::vector<JointMark> Rigid2d::joint_marks(const State& s) const {
     const Vec3 along = raised(a.q * j.axis), out_of{0, 0, 1};
     switch (j.kind) {
       case JointKind::revolute:
-        out.push_back({Kind::hinge, at_a, at_b, out_of});
+        out.push_back({Kind::revolute, at_a, at_b, out_of});
         break;
       case JointKind::prismatic:
       case JointKind::wheel:
-        out.push_back({Kind::slider, at_a, at_b, along});
+        out.push_back({Kind::prismatic, at_a, at_b, along});
         break;
       case JointKind::weld:
         out.push_back({Kind::fixed, at_a, at_b, {}});

@@ -114,14 +114,20 @@ size_t Rigid2d::sensor_overlaps(const State& s) const {
   return count;
 }
 
-std::vector<FieldInfo> Rigid2d::fields() const {
-  return {{"position", "m", Scalar::f64, 3},   {"velocity", "m/s", Scalar::f64, 3},
-          {"angle", "rad", Scalar::f64, 1},    {"angular_velocity", "rad/s", Scalar::f64, 1},
-          {"asleep", "1", Scalar::f64, 1},     {"contact_force", "N", Scalar::f64, 1},
-          {"orientation", "1", Scalar::f64, 4}};
+void Rigid2d::name_parts() {
+  PartInfo bodies;
+  bodies.fields = {{"position", "m", Scalar::f64, 3, Meaning::position},
+                   {"velocity", "m/s", Scalar::f64, 3, Meaning::velocity},
+                   {"angle", "rad", Scalar::f64, 1, Meaning::angle},
+                   {"angular_velocity", "rad/s"},
+                   {"asleep", "1", Scalar::f64, 1, Meaning::asleep},
+                   {"contact_force", "N"},
+                   {"orientation", "1", Scalar::f64, 4, Meaning::orientation}};
+  bodies.max_rows = model_.count();
+  set_parts({std::move(bodies)});
 }
 
-FieldView Rigid2d::field(const State& s, size_t which, std::vector<double>& scratch) const {
+FieldView Rigid2d::field(const State& s, size_t, size_t which, std::vector<double>& scratch) const {
   enum : size_t { kPosition, kVelocity, kAngle, kAngularVelocity, kAsleep, kContactForce, kOrientation };
   const size_t n = model_.count();
   const auto column = [&](State::Column c, uint32_t width) {

@@ -49,6 +49,7 @@ Rigid3d::Rigid3d(const Rigid3dDef& def, const BuildContext& context)
     fastest = std::max({fastest, norm(b.velocity), norm(b.angular_velocity),
                         std::sqrt(2 * norm(gravity_) * norm(b.pose.position))});
   speed_limit_ = unexplained_speed(fastest);
+  name_parts();
   // A scene that sleeps skips the stages' work, not the stages: a command may wake it.
   const auto awake = [this](void (Rigid3d::*run)(State&, const StepInput&) const) {
     return [this, run](State& s, const StepInput& in) {

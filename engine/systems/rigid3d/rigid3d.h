@@ -23,18 +23,17 @@ class Rigid3d final : public StagedSystem {
   /// Closed without motors, hands and bodies that are moved.
   std::optional<Energy> energy(const State& s, double t, Workspace& workspace,
                                const ThreadArena& arena) const override;
-  std::optional<double> speed_limit() const override { return speed_limit_; }
-  std::vector<FieldInfo> fields() const override;
-  FieldView field(const State& s, size_t which, std::vector<double>& scratch) const override;
+  std::optional<double> limit(Limit which, const State&, double) const override {
+    return which == Limit::speed ? std::optional(speed_limit_) : std::nullopt;
+  }
+  /// Parts: the bodies, and "joints" with what they carry.
+  FieldView field(const State& s, size_t part, size_t field, std::vector<double>& scratch) const override;
   void check(StateCheck& check, double t) const override;
   void step(State& s, const StepInput& in) const override;
   void apply(State& s, const Command& c) const override;
-  std::vector<DrawnShape> shapes(const State& s, double t) const override;
-  DrawnBodies bodies(const State& s) const override;
-  uint32_t topology_version(const State& s) const override;
-  std::vector<ContactMark> contact_marks(const State& s) const override;
-  std::vector<JointMark> joint_marks(const State& s) const override;
-  size_t max_rows() const override { return most_bodies_; }
+  uint32_t drawing_version(const State& s) const override;
+  /// Bodies are visuals of the main part, planes obstacles.
+  void draw(const State& s, double t, Wish wishes, Drawing& out) const override;
 
   const std::vector<BodyKind>& kinds() const { return bodies_.kinds; }
 
@@ -83,12 +82,17 @@ class Rigid3d final : public StagedSystem {
   /// Per body what its joints do to it, into 3 numbers each.
   void joint_loads(const State& s, JointLoad what, std::span<double> out) const;
 
-  const std::vector<DrawnBodies::Form>& forms() const;
+  const std::vector<Visual>& visuals() const;
+  void draw_bodies(const State& s, PartDrawing& out) const;
+  std::vector<DrawnShape> planes(const State& s) const;
+  std::vector<ContactMark> contact_marks(const State& s) const;
+  std::vector<JointMark> joint_marks(const State& s) const;
+  void name_parts();
 
   BodyList bodies_;
   JointList joints_;
-  mutable std::once_flag forms_made_;  ///< meshes are made when somebody looks for the first time
-  mutable std::vector<DrawnBodies::Form> forms_;
+  mutable std::once_flag visuals_made_;  ///< meshes are made when somebody looks for the first time
+  mutable std::vector<Visual> visuals_;
   SolverSettings settings_;  ///< restitution_speed only in a step
   std::optional<double> restitution_speed_;
   double speed_limit_ = 0;  ///< m/s and rad/s

@@ -1,4 +1,4 @@
-// How bodies of a rigid3d state are drawn: one form per shape, or per part of a compound, that rows of the
+// How bodies of a rigid3d state are drawn: one visual per shape, or per part of a compound, that rows of the
 // state carry; planes as shapes in space; contacts and joints as marks.
 #include <map>
 
@@ -14,11 +14,11 @@ namespace {
 
 constexpr double kLoose = 0.02;  // m; points further apart than this are no contacts any more
 
-DrawnBodies::Motion motion_of(const BodyKind& k) {
-  using Motion = DrawnBodies::Motion;
+Visual::Motion motion_of(const BodyKind& k) {
+  using Motion = Visual::Motion;
   if (k.sensor) return Motion::sensor;
   if (k.motion == BodyDef::Motion::fixed) return Motion::fixed;
-  return k.motion == BodyDef::Motion::kinematic ? Motion::driven : Motion::moving;
+  return k.motion == BodyDef::Motion::kinematic ? Motion::kinematic : Motion::dynamic;
 }
 
 /// Numbers that alike solids share.
@@ -28,30 +28,30 @@ void describe(std::vector<double>& key, const Solid& s) {
   if (s.mesh) key.push_back(static_cast<double>(s.mesh->size()));
 }
 
-std::vector<DrawnBodies::Form> forms_of(std::span<const BodyKind> kinds) {
-  std::vector<DrawnBodies::Form> forms;
+std::vector<Visual> visuals_of(std::span<const BodyKind> kinds) {
+  std::vector<Visual> visuals;
   std::map<std::vector<double>, uint32_t> groups;
   for (const BodyKind& k : kinds) {
     if (k.solid.kind == SolidKind::plane) continue;
-    DrawnBodies::Form form;
-    form.motion = motion_of(k);
-    if (k.color) form.color = {k.color->x, k.color->y, k.color->z};
+    Visual visual;
+    visual.motion = motion_of(k);
+    if (k.color) visual.color = {k.color->x, k.color->y, k.color->z};
     // What stands still takes no colour away from what moves.
-    if (form.motion == DrawnBodies::Motion::moving && !k.color) {
+    if (visual.motion == Visual::Motion::dynamic && !k.color) {
       std::vector<double> key;
       describe(key, k.solid);
       for (const SolidPart& p : k.parts) describe(key, p.solid);
-      form.group = groups.try_emplace(key, static_cast<uint32_t>(groups.size())).first->second;
+      visual.group = groups.try_emplace(key, static_cast<uint32_t>(groups.size())).first->second;
     }
     const auto add = [&](const Solid& solid, const Pose& at) {
-      form.shape = drawn_shape(solid, at);
-      form.shape.id = k.id;
-      forms.push_back(form);
+      visual.shape = drawn_shape(solid, at);
+      visual.shape.id = k.id;
+      visuals.push_back(visual);
     };
     if (k.parts.empty()) add(k.solid, {});
     for (const SolidPart& p : k.parts) add(p.solid, p.pose);
   }
-  return forms;
+  return visuals;
 }
 
 JointMark mark_of(const Joint& j, const Pose& a, const Pose& b) {
@@ -63,10 +63,10 @@ JointMark mark_of(const Joint& j, const Pose& a, const Pose& b) {
   if (j.form == Joint::Form::line) {
     mark.kind = Kind::distance;
   } else if (slides == 0) {
-    mark.kind = turns == 0 ? Kind::fixed : j.form == Joint::Form::hinge ? Kind::hinge : Kind::ball;
-    if (mark.kind == Kind::hinge) mark.axis = normalized(at.turns[0], {});
+    mark.kind = turns == 0 ? Kind::fixed : j.form == Joint::Form::hinge ? Kind::revolute : Kind::spherical;
+    if (mark.kind == Kind::revolute) mark.axis = normalized(at.turns[0], {});
   } else if (slides == 1) {
-    mark.kind = Kind::slider;
+    mark.kind = Kind::prismatic;
     for (size_t e = 0; e < 3; ++e) {
       if (!j.locked[e]) mark.axis = at.axes[e];
     }
@@ -76,15 +76,24 @@ JointMark mark_of(const Joint& j, const Pose& a, const Pose& b) {
 
 }  // namespace
 
-const std::vector<DrawnBodies::Form>& Rigid3d::forms() const {
-  std::call_once(forms_made_, [this] { forms_ = forms_of(bodies_.kinds); });
-  return forms_;
+const std::vector<Visual>& Rigid3d::visuals() const {
+  std::call_once(visuals_made_, [this] { visuals_ = visuals_of(bodies_.kinds); });
+  return visuals_;
 }
 
-DrawnBodies Rigid3d::bodies(const State& s) const {
-  DrawnBodies out;
-  out.forms = forms();
-  // Forms stand in the order of the kinds, as many as a kind has parts.
+void Rigid3d::draw(const State& s, double, Wish wishes, Drawing& out) const {
+  if (wants(wishes, Wish::constant)) {
+    out.parts.resize(parts().size());
+    draw_bodies(s, out.parts[0]);
+  }
+  if (wants(wishes, Wish::obstacles)) out.obstacles = planes(s);
+  if (wants(wishes, Wish::contacts)) out.contacts = contact_marks(s);
+  if (wants(wishes, Wish::joints)) out.joints = joint_marks(s);
+}
+
+void Rigid3d::draw_bodies(const State& s, PartDrawing& out) const {
+  out.visuals = visuals();
+  // They stand in the order of the kinds, as many as a kind has parts.
   std::vector<uint32_t> first;
   uint32_t next = 0;
   const auto count = [](const BodyKind& k) {
@@ -95,18 +104,17 @@ DrawnBodies Rigid3d::bodies(const State& s) const {
   const auto kind = s.span<uint32_t>(columns::kind);
   for (uint32_t row = 0; row < kind.size(); ++row) {
     for (uint32_t k = 0; k < count(bodies_.kinds[kind[row]]); ++k)
-      out.places.push_back({row, first[kind[row]] + k});
+      out.instances.push_back({row, first[kind[row]] + k});
   }
-  return out;
 }
 
 // Every birth and every removal counts: births = next id - n_0, removals = next id - rows.
-uint32_t Rigid3d::topology_version(const State& s) const {
+uint32_t Rigid3d::drawing_version(const State& s) const {
   const uint64_t next = s.span<uint64_t>(columns::counters)[0];
   return static_cast<uint32_t>(1 + 2 * next - bodies_.starts.size() - s.rows(columns::position));
 }
 
-std::vector<DrawnShape> Rigid3d::shapes(const State& s, double) const {
+std::vector<DrawnShape> Rigid3d::planes(const State& s) const {
   std::vector<DrawnShape> out;
   const auto kind = s.span<uint32_t>(columns::kind);
   for (size_t i = 0; i < kind.size(); ++i) {

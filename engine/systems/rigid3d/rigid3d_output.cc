@@ -108,15 +108,40 @@ std::optional<Energy> Rigid3d::energy(const State& s, double, Workspace&, const 
   return e;
 }
 
-std::vector<FieldInfo> Rigid3d::fields() const {
-  return {{"position", "m", Scalar::f64, 3},    {"velocity", "m/s", Scalar::f64, 3},
-          {"orientation", "1", Scalar::f64, 4}, {"angular_velocity", "rad/s", Scalar::f64, 3},
-          {"asleep", "1", Scalar::u32, 1},      {"shape", "1", Scalar::f64, 1},
-          {"size", "m", Scalar::f64, 3},        {"contact_force", "N", Scalar::f64, 3},
-          {"joint_force", "N", Scalar::f64, 3}, {"joint_torque", "N m", Scalar::f64, 3}};
+void Rigid3d::name_parts() {
+  PartInfo bodies;
+  bodies.fields = {{"position", "m", Scalar::f64, 3, Meaning::position},
+                   {"velocity", "m/s", Scalar::f64, 3, Meaning::velocity},
+                   {"orientation", "1", Scalar::f64, 4, Meaning::orientation},
+                   {"angular_velocity", "rad/s", Scalar::f64, 3},
+                   {"asleep", "1", Scalar::u32, 1, Meaning::asleep},
+                   {"shape", "1"},
+                   {"size", "m", Scalar::f64, 3},
+                   {"contact_force", "N", Scalar::f64, 3},
+                   {"joint_force", "N", Scalar::f64, 3},
+                   {"joint_torque", "N m", Scalar::f64, 3}};
+  bodies.max_rows = most_bodies_;
+  std::vector<PartInfo> parts{std::move(bodies)};
+  if (!joints_.joints.empty()) {
+    PartInfo& joints = parts.emplace_back();
+    joints.kind = PartInfo::Kind::values;
+    joints.name = "joints";
+    joints.fields = {{"force", "N", Scalar::f64, 3}, {"torque", "N m", Scalar::f64, 3}};
+    joints.max_rows = joints_.joints.size();
+  }
+  set_parts(std::move(parts));
 }
 
-FieldView Rigid3d::field(const State& s, size_t which, std::vector<double>& scratch) const {
+FieldView Rigid3d::field(const State& s, size_t part, size_t which, std::vector<double>& scratch) const {
+  if (part == 1) {
+    const size_t joints = joints_.joints.size();
+    scratch.assign(3 * joints, 0);
+    const double* load = s.f64(columns::joint_load).data();
+    for (size_t k = 0; k < joints; ++k) {
+      if (!s.span<uint32_t>(columns::joint_broken)[k]) store3(scratch.data(), k, load3(load, 2 * k + which));
+    }
+    return {scratch.data(), Scalar::f64, joints, 3};
+  }
   const size_t n = s.rows(columns::position);
   const auto kind = s.span<uint32_t>(columns::kind);
   switch (which) {

@@ -42,6 +42,14 @@ class RodChain final : public StagedSystem {
     for (size_t k = 0; k < 3; ++k) {
       if (k != chosen) skip_stage(names[k], "constraints is " + std::string(names[chosen]));
     }
+    set_parts({{PartInfo::Kind::points,
+                "",
+                {{"position", "m", Scalar::f64, 3, Meaning::position},
+                 {"velocity", "m/s", Scalar::f64, 3, Meaning::velocity},
+                 {"direction", "1", Scalar::f64, 3},
+                 {"angular_velocity", "rad/s", Scalar::f64, 3}},
+                static_cast<size_t>(def.links),
+                {}}});
   }
 
   State initial_state() const override {
@@ -79,14 +87,8 @@ class RodChain final : public StagedSystem {
     return energy_of(chain(s), scratch.rods);
   }
 
-  std::vector<FieldInfo> fields() const override {
-    return {{"position", "m", Scalar::f64, 3},
-            {"velocity", "m/s", Scalar::f64, 3},
-            {"direction", "1", Scalar::f64, 3},
-            {"angular_velocity", "rad/s", Scalar::f64, 3}};
-  }
-  FieldView field(const State& s, size_t which, std::vector<double>&) const override {
-    const auto c = static_cast<State::Column>(which);
+  FieldView field(const State& s, size_t, size_t field, std::vector<double>&) const override {
+    const auto c = static_cast<State::Column>(field);
     return {s.f64(c).data(), Scalar::f64, s.rows(c), 3};
   }
 
@@ -108,24 +110,23 @@ class RodChain final : public StagedSystem {
                    "impulse, set_parameter");
   }
 
-  std::vector<DrawnShape> shapes(const State& s, double) const override {
-    std::vector<DrawnShape> out;
+  void draw(const State& s, double, Wish wishes, Drawing& out) const override {
+    if (wants(wishes, Wish::constant)) out.parts.emplace_back();
+    if (!wants(wishes, Wish::obstacles)) return;
     const double *x = s.f64(kPosition).data(), *u = s.f64(kDirection).data();
     for (size_t j = 0; j < s.rows(kPosition); ++j) {
       const Quat q = rotation_between({0, 1, 0}, load3(u, j));
       DrawnShape d;
       d.kind = DrawnShape::Kind::capsule, d.position = load3(x, j), d.orientation = {q.w, q.x, q.y, q.z};
       d.size = {def_.radius, chain_.half, 0}, d.id = std::to_string(j);
-      out.push_back(d);
+      out.obstacles.push_back(d);
     }
-    return out;
   }
 
-  std::optional<double> stable_dt(const State&) const override {
-    if (def_.constraints != RodChainDef::Treatment::penalty) return std::nullopt;
+  std::optional<double> limit(Limit which, const State&, double) const override {
+    if (which != Limit::stable_dt || def_.constraints != RodChainDef::Treatment::penalty) return std::nullopt;
     return static_cast<double>(substeps_) * stable_substep();
   }
-  size_t max_rows() const override { return static_cast<size_t>(def_.links); }
 
  private:
   bool adaptive() const { return def_.constraints == RodChainDef::Treatment::lagrange && !def_.substeps; }

@@ -69,12 +69,8 @@ struct Ours final : FlatEngine {
   }
   bool asleep(size_t i) const override {
     std::vector<double> scratch;
-    const auto fields = system->fields();
-    for (size_t f = 0; f < fields.size(); ++f) {
-      if (fields[f].name != "asleep") continue;
-      return static_cast<const double*>(system->field(state, f, scratch).data)[i] != 0;
-    }
-    return false;
+    const FieldPlace at = system->find_field("asleep").value();
+    return static_cast<const double*>(system->field(state, at.part, at.field, scratch).data)[i] != 0;
   }
   std::unique_ptr<rigid2d::Rigid2d> system;
   State state;

@@ -81,19 +81,13 @@ class Watch {
 /// Values of a field of a system; empty where it has no such field.
 std::vector<double> values(const Session& s, size_t system, const char* name) {
   const System& of = s.world().system(system);
-  const auto infos = of.fields();
-  for (size_t f = 0; f < infos.size(); ++f) {
-    if (infos[f].name != name) continue;
-    std::vector<double> scratch;
-    const FieldView v = of.field(s.state().systems[system], f, scratch);
-    std::vector<double> out(v.rows * v.width);
-    for (size_t i = 0; i < out.size(); ++i) {
-      out[i] = infos[f].type == Scalar::u32 ? static_cast<const uint32_t*>(v.data)[i]
-                                            : static_cast<const double*>(v.data)[i];
-    }
-    return out;
-  }
-  return {};
+  const auto at = of.find_field(name);
+  if (!at) return {};
+  std::vector<double> scratch;
+  const FieldView v = of.field(s.state().systems[system], at->part, at->field, scratch);
+  std::vector<double> out(v.rows * v.width);
+  for (size_t i = 0; i < out.size(); ++i) out[i] = element(v, i);
+  return out;
 }
 
 /// How far bodies that sleep part within 0.4 s from what they do once they are woken: what rests stays where

@@ -21,6 +21,13 @@ export interface Expectation {
 export interface ViewerSettings {
   camera?: { eye?: number[]; target?: number[]; fov?: number };
   color_by?: string;
+  color_map?: "viridis" | "water" | "ember";
+  /** Lowest and highest value of the colours. */
+  range?: number[];
+  /** Of a grid in space. */
+  slice?: { axis?: "x" | "y" | "z"; at?: number };
+  /** m per unit of a grid's value. */
+  height?: number;
 }
 
 /** A scene as the service takes it; the viewer only looks at the parts named here. */

@@ -6,7 +6,7 @@ import {
   InstancedBufferAttribute, InstancedBufferGeometry, Mesh, ShaderMaterial, SphereGeometry, SRGBColorSpace, Vector3, type IUniform,
 } from "three";
 import { floats, uints } from "../client/decode";
-import { Motion, type Form, type SystemTopology } from "../client/gen/truestep/v1/stream_pb";
+import { Motion, type Visual, type SystemTopology } from "../client/gen/truestep/v1/stream_pb";
 import { bodyFragment, bodyVertex, palette } from "./shading";
 
 const kMany = 400; // instances of a round shape, drawn with fewer triangles beyond
@@ -14,13 +14,13 @@ const kWide = 2.5; // a fixed body this many times wider than all that moves is 
 
 const motionColor = new Map([
   [Motion.FIXED, new Color("#8a919c")],
-  [Motion.DRIVEN, new Color("#6d86ad")],
+  [Motion.KINEMATIC, new Color("#6d86ad")],
   [Motion.SENSOR, new Color("#58b4d8")],
 ]);
 
-/** A form as numbers: where it sits on its row, and the box around it in its own frame. */
+/** A visual as numbers: where it sits on its row, and the box around it in its own frame. */
 interface Part {
-  form: Form;
+  visual: Visual;
   kind: string;
   at: [number, number, number];
   turn: [number, number, number, number]; // x y z w
@@ -55,23 +55,23 @@ export class Bodies {
   private readonly batches: Batch[] = [];
 
   constructor(topology: SystemTopology, floor: FloorUniforms) {
-    const parts = topology.forms.map((form) => partOf(form, topology));
-    const places = uints(topology.places);
+    const parts = topology.visuals.map((visual) => partOf(visual, topology));
+    const instances = uints(topology.instances);
     const groups = new Map<string, number[]>();
     let rows = 0;
-    for (let k = 0; k + 1 < places.length; k += 2) {
-      const part = parts[places[k + 1]!];
+    for (let k = 0; k + 1 < instances.length; k += 2) {
+      const part = parts[instances[k + 1]!];
       if (!part) continue;
-      rows = Math.max(rows, places[k]! + 1);
-      const { motion } = part.form;
+      rows = Math.max(rows, instances[k]! + 1);
+      const { motion } = part.visual;
       const key = `${part.kind} ${motion === Motion.FIXED ? "fixed" : motion === Motion.SENSOR ? "sensor" : ""}`;
       (groups.get(key) ?? groups.set(key, []).get(key)!).push(k);
     }
     this.rows = rows;
     this.reach = new Float32Array(rows).fill(-1);
     for (const [key, members] of groups) {
-      const mine = members.map((k) => parts[places[k + 1]!]!);
-      const batch = makeBatch(key, Uint32Array.from(members, (k) => places[k]!), mine, topology, floor);
+      const mine = members.map((k) => parts[instances[k + 1]!]!);
+      const batch = makeBatch(key, Uint32Array.from(members, (k) => instances[k]!), mine, topology, floor);
       this.batches.push(batch);
       this.group.add(batch.mesh);
       if (batch.fixed) continue;
@@ -151,8 +151,8 @@ export class Bodies {
   }
 }
 
-function partOf(form: Form, topology: SystemTopology): Part {
-  const shape = form.shape!;
+function partOf(visual: Visual, topology: SystemTopology): Part {
+  const shape = visual.shape!;
   const [x = 0, y = 0, z = 0] = shape.position;
   const [qw = 1, qx = 0, qy = 0, qz = 0] = shape.orientation;
   const [a = 1, b = a, c = a] = shape.size;
@@ -161,8 +161,8 @@ function partOf(form: Form, topology: SystemTopology): Part {
   let kind = shape.kind;
   let radius: number;
   if (kind === "mesh") {
-    kind = `mesh${form.mesh}`;
-    const points = floats(topology.meshes[form.mesh]!.positions);
+    kind = `mesh${visual.mesh}`;
+    const points = floats(topology.meshes[visual.mesh]!.positions);
     const box = new Box3().setFromArray(points);
     low.copy(box.min);
     high.copy(box.max);
@@ -175,7 +175,7 @@ function partOf(form: Form, topology: SystemTopology): Part {
     size = kind === "capsule" ? [a, b, a] : half;
     radius = kind === "box" ? Math.hypot(a, b, c) : kind === "cylinder" ? Math.hypot(a, b) : half[1];
   }
-  return { form, kind, at: [x, y, z], turn: [qx, qy, qz, qw], size, low, high, radius: radius + Math.hypot(x, y, z) };
+  return { visual, kind, at: [x, y, z], turn: [qx, qy, qz, qw], size, low, high, radius: radius + Math.hypot(x, y, z) };
 }
 
 /** Box around instance k as it is placed now. */
@@ -229,11 +229,11 @@ function baseGeometry(kind: string, count: number, topology: SystemTopology): Bu
 /** A number in [-1, 1] that neighbouring rows do not share. */
 const shade = (row: number): number => (Math.imul(row + 1, 2654435761) >>> 8) / 8388608 - 1;
 
-function colorOf({ form }: Part, row: number): Color {
-  const [r, g, b] = form.color;
+function colorOf({ visual }: Part, row: number): Color {
+  const [r, g, b] = visual.color;
   if (r !== undefined && g !== undefined && b !== undefined) return new Color().setRGB(r, g, b, SRGBColorSpace);
-  const color = (motionColor.get(form.motion) ?? palette[form.group % palette.length]!).clone();
-  return form.motion === Motion.MOVING ? color.multiplyScalar(1 + 0.16 * shade(row)) : color;
+  const color = (motionColor.get(visual.motion) ?? palette[visual.group % palette.length]!).clone();
+  return visual.motion === Motion.DYNAMIC ? color.multiplyScalar(1 + 0.16 * shade(row)) : color;
 }
 
 function makeBatch(key: string, rows: Uint32Array, parts: Part[], topology: SystemTopology, floor: FloorUniforms): Batch {

@@ -5,7 +5,7 @@ import { floats } from "../client/decode";
 import type { Marks } from "../client/gen/truestep/v1/stream_pb";
 
 const contactColor = new Color("#ff5b4d");
-/** Ball, hinge, slider, fixed, distance, other. */
+/** Spherical, revolute, prismatic, fixed, distance, other. */
 const jointColors = ["#4fe3a1", "#5bb8ff", "#ffb14a", "#c792ff", "#dfe6ef", "#dfe6ef"].map((hex) => new Color(hex));
 
 class Strokes {
@@ -51,36 +51,35 @@ export class MarkLines {
   update(marks: Marks | undefined, size: number): void {
     this.lines.begin();
     this.dots.begin();
-    let most = 0;
-    for (const { contacts } of marks?.systems ?? []) {
-      const c = floats(contacts);
-      for (let k = 6; k < c.length; k += 7) most = Math.max(most, c[k]!);
-    }
-    for (const { contacts, joints, jointKinds } of marks?.systems ?? []) {
-      const c = floats(contacts);
-      for (let k = 0; k + 6 < c.length; k += 7) {
-        const x = c[k]!, y = c[k + 1]!, z = c[k + 2]!;
-        const length = (size * c[k + 6]!) / most;
-        this.dots.add(x, y, z, contactColor);
-        this.lines.add(x, y, z, contactColor);
-        this.lines.add(x + length * c[k + 3]!, y + length * c[k + 4]!, z + length * c[k + 5]!, contactColor);
-      }
-      const j = floats(joints);
-      for (let k = 0; k + 8 < j.length; k += 9) {
-        const ax = j[k]!, ay = j[k + 1]!, az = j[k + 2]!, bx = j[k + 3]!, by = j[k + 4]!, bz = j[k + 5]!;
-        const ux = j[k + 6]!, uy = j[k + 7]!, uz = j[k + 8]!;
-        const color = jointColors[Math.min(jointKinds[k / 9] ?? 5, 5)]!;
-        this.dots.add(ax, ay, az, color);
-        this.dots.add(bx, by, bz, color);
-        this.lines.add(ax, ay, az, color);
-        this.lines.add(bx, by, bz, color);
-        if (ux === 0 && uy === 0 && uz === 0) continue;
-        const arm = 0.35 * size;
-        this.lines.add(ax - arm * ux, ay - arm * uy, az - arm * uz, color);
-        this.lines.add(ax + arm * ux, ay + arm * uy, az + arm * uz, color);
-      }
-    }
+    if (marks) this.draw(marks, size);
     this.lines.end();
     this.dots.end();
+  }
+
+  private draw({ contacts, joints, jointKinds }: Marks, size: number): void {
+    let most = 0;
+    const c = floats(contacts);
+    for (let k = 6; k < c.length; k += 7) most = Math.max(most, c[k]!);
+    for (let k = 0; k + 6 < c.length; k += 7) {
+      const x = c[k]!, y = c[k + 1]!, z = c[k + 2]!;
+      const length = (size * c[k + 6]!) / most;
+      this.dots.add(x, y, z, contactColor);
+      this.lines.add(x, y, z, contactColor);
+      this.lines.add(x + length * c[k + 3]!, y + length * c[k + 4]!, z + length * c[k + 5]!, contactColor);
+    }
+    const j = floats(joints);
+    for (let k = 0; k + 8 < j.length; k += 9) {
+      const ax = j[k]!, ay = j[k + 1]!, az = j[k + 2]!, bx = j[k + 3]!, by = j[k + 4]!, bz = j[k + 5]!;
+      const ux = j[k + 6]!, uy = j[k + 7]!, uz = j[k + 8]!;
+      const color = jointColors[Math.min(jointKinds[k / 9] ?? 5, 5)]!;
+      this.dots.add(ax, ay, az, color);
+      this.dots.add(bx, by, bz, color);
+      this.lines.add(ax, ay, az, color);
+      this.lines.add(bx, by, bz, color);
+      if (ux === 0 && uy === 0 && uz === 0) continue;
+      const arm = 0.35 * size;
+      this.lines.add(ax - arm * ux, ay - arm * uy, az - arm * uz, color);
+      this.lines.add(ax + arm * ux, ay + arm * uy, az + arm * uz, color);
+    }
   }
 }

@@ -2,10 +2,12 @@
 // the size. A machine that cannot keep up gets fewer pixels first and no shadows second.
 import { Box3, Mesh, PerspectiveCamera, Scene, Sphere, Vector3, WebGLRenderer, type IUniform, type Object3D } from "three";
 import { OrbitControls } from "three/addons/controls/OrbitControls.js";
+import type { ViewerSettings } from "../client/rest";
 import type { DecodedFrame } from "../client/decode";
-import type { Marks, Shape, SystemTopology, Topology } from "../client/gen/truestep/v1/stream_pb";
+import type { Marks, Part, Shape, SystemTopology, Topology } from "../client/gen/truestep/v1/stream_pb";
 import { Ground } from "./ground";
 import { Handle } from "./handle";
+import { GridView, type Scale } from "./grid_view";
 import { MarkLines } from "./marks";
 import { backgroundColor } from "./shading";
 import { isGround, makeShape, placeShape } from "./shapes";
@@ -24,7 +26,7 @@ export interface CameraPose {
 export class Stage {
   readonly camera = new PerspectiveCamera(40, 1, 0.05, 400);
   readonly controls: OrbitControls;
-  readonly views = new Map<string, SystemView>();
+  readonly views = new Map<string, SystemView | GridView>();
   readonly handle = new Handle();
   readonly show: Visibility = { points: true, lines: true, surface: true, bySpeed: true, colorBy: "" };
 
@@ -32,6 +34,8 @@ export class Stage {
   private readonly scene = new Scene();
   private readonly ground = new Ground();
   private readonly marks = new MarkLines();
+  private parts = new Map<string, Part>();
+  private settings: ViewerSettings = {};
   private readonly viewHeight: IUniform<number> = { value: 1 };
   /** In the order of the topology; undefined where nothing is drawn, as for the ground. */
   private shapes: (Object3D | undefined)[] = [];
@@ -71,8 +75,10 @@ export class Stage {
     this.renderer.setAnimationLoop((now) => this.tick(now));
   }
 
-  /** Forgets the last session; `pose` is the next scene's camera, undefined frames what appears. */
-  clear(pose: CameraPose | undefined): void {
+  /** Forgets the last session; the next scene's camera is in `settings`, without one what appears is framed. */
+  clear(settings: ViewerSettings): void {
+    const pose = settings.camera;
+    this.settings = settings;
     for (const view of this.views.values()) view.dispose();
     this.views.clear();
     this.topology = undefined;
@@ -86,6 +92,11 @@ export class Stage {
     this.invalidate(true);
   }
 
+  /** Takes what there is to show; the topology comes after it. */
+  setParts(parts: Map<string, Part>): void {
+    this.parts = parts;
+  }
+
   /** Takes a new topology; systems that are connected as before keep their place on the screen. */
   setTopology(topology: Topology): void {
     const before = this.topology;
@@ -94,7 +105,10 @@ export class Stage {
       const old = before?.systems.find((other) => other.system === system.system);
       if (old && this.views.has(system.system) && sameTopology(old, system)) return;
       this.views.get(system.system)?.dispose();
-      const view = new SystemView(system.system, system, index, this.viewHeight, this.ground.shadowUniforms);
+      const part = this.parts.get(system.system);
+      const view = part?.lattice
+        ? new GridView(part, this.settings, index)
+        : new SystemView(system.system, system, index, this.viewHeight, this.ground.shadowUniforms, part);
       this.views.set(view.id, view);
       this.scene.add(view.group);
     });
@@ -121,6 +135,17 @@ export class Stage {
   setMarks(marks: Marks | undefined): void {
     this.marks.update(marks, 0.16 * this.bounds.radius);
     this.invalidate();
+  }
+
+  /** Views of parts whose rows can be taken hold of. */
+  pointViews(): SystemView[] {
+    return [...this.views.values()].filter((view) => view instanceof SystemView);
+  }
+
+  /** What the colours of the first grid mean. */
+  get colorScale(): Scale | undefined {
+    for (const view of this.views.values()) if (view instanceof GridView) return view.scale;
+    return undefined;
   }
 
   /** Draws `frame` with the next picture; the promise ends when that picture is out. */
@@ -326,7 +351,7 @@ function floorUnder(low: number, bodies: boolean, radius: number): number {
 const sameBytes = (a: Uint8Array, b: Uint8Array): boolean => a.length === b.length && a.every((byte, k) => byte === b[k]);
 
 function sameTopology(a: SystemTopology, b: SystemTopology): boolean {
-  return a.pointRadius === b.pointRadius && sameBytes(a.lines, b.lines) && sameBytes(a.triangles, b.triangles) && sameBytes(a.places, b.places) && a.forms.length === b.forms.length && a.color.join() === b.color.join();
+  return a.pointRadius === b.pointRadius && sameBytes(a.lines, b.lines) && sameBytes(a.triangles, b.triangles) && sameBytes(a.instances, b.instances) && a.visuals.length === b.visuals.length && a.color.join() === b.color.join();
 }
 
 /** WebGL 2, smoothed where a graphics processor draws; a processor that draws by itself is spared that. */

@@ -2,7 +2,8 @@
 import { BufferAttribute, Color, DynamicDrawUsage, Group, type IUniform, type LineSegments } from "three";
 import { uints, type FieldArray } from "../client/decode";
 import { Bodies, type FloorUniforms } from "./bodies";
-import type { SystemTopology } from "../client/gen/truestep/v1/stream_pb";
+import { meaning } from "../client/parts";
+import type { Part, SystemTopology } from "../client/gen/truestep/v1/stream_pb";
 import { makeLines } from "./lines";
 import { PointCloud } from "./points";
 import { palette } from "./shading";
@@ -40,6 +41,7 @@ export class SystemView {
   private readonly pairs: Uint32Array;
   private readonly triangles: Uint32Array;
   private readonly color: Color | undefined;
+  private readonly names: Names;
 
   constructor(
     readonly id: string,
@@ -47,12 +49,15 @@ export class SystemView {
     private readonly index: number,
     private readonly viewHeight: IUniform<number>,
     floor: FloorUniforms,
+    part: Part | undefined,
   ) {
+    this.names = { position: meaning(part, "position"), orientation: meaning(part, "orientation"), asleep: meaning(part, "asleep"), velocity: meaning(part, "velocity") };
+
     const [r, g, b] = topology.color;
     this.color = r !== undefined && g !== undefined && b !== undefined ? new Color().setRGB(r, g, b) : undefined;
     this.pairs = uints(topology.lines);
     this.triangles = uints(topology.triangles);
-    if (topology.forms.length > 0) {
+    if (topology.visuals.length > 0) {
       this.bodies = new Bodies(topology, floor);
       this.group.add(this.bodies.group);
     }
@@ -72,11 +77,11 @@ export class SystemView {
 
   /** Takes a frame's fields of this system. */
   update(fields: FieldArray[], show: Visibility): void {
-    const position = fields.find((field) => field.field === "position");
+    const position = fields.find((field) => field.field === this.names.position);
     if (position) this.take(position);
     this.mark();
     this.carry(fields, show);
-    this.points?.update(this.positions, this.count, show.bySpeed && (show.colorBy || !this.color) ? values(fields, show.colorBy) : undefined);
+    this.points?.update(this.positions, this.count, show.bySpeed && (show.colorBy || !this.color) ? values(fields, show.colorBy, this.names) : undefined);
     if (this.points?.object && !this.points.object.parent) {
       this.points.object.layers.enable(1);
       this.group.add(this.points.object);
@@ -106,10 +111,10 @@ export class SystemView {
 
   /** Moves the bodies with their rows. */
   private carry(fields: FieldArray[], show: Visibility): void {
-    const turn = fields.find((field) => field.field === "orientation");
+    const turn = fields.find((field) => field.field === this.names.orientation);
     if (!this.bodies || !turn || this.count < this.bodies.rows || turn.count < this.bodies.rows) return;
-    const speed = show.bySpeed && show.colorBy ? values(fields, show.colorBy) : undefined;
-    const asleep = fields.find((field) => field.field === "asleep")?.data;
+    const speed = show.bySpeed && show.colorBy ? values(fields, show.colorBy, this.names) : undefined;
+    const asleep = fields.find((field) => field.field === this.names.asleep)?.data;
     const top = speed?.reduce((most, v) => Math.max(most, v), 1e-6) ?? 1;
     this.bodies.update(this.positions, turn.data, speed ?? asleep, 1 / top, speed !== undefined);
   }
@@ -162,15 +167,23 @@ export class SystemView {
   }
 }
 
+/** Fields by what they mean. */
+interface Names {
+  position: string | undefined;
+  orientation: string | undefined;
+  asleep: string | undefined;
+  velocity: string | undefined;
+}
+
 let scratch = new Float32Array(0);
 
 /** A value per point: the named field, else speed, else the length of velocity; undefined without any. */
-function values(fields: FieldArray[], name: string): Float32Array | undefined {
+function values(fields: FieldArray[], name: string, names: Names): Float32Array | undefined {
   for (const wanted of [name, "speed"]) {
     const scalar = fields.find((field) => field.field === wanted && field.width === 1);
     if (scalar) return scalar.data instanceof Float32Array ? scalar.data : Float32Array.from(scalar.data);
   }
-  const velocity = fields.find((field) => field.field === "velocity" && field.width === 3);
+  const velocity = fields.find((field) => field.field === names.velocity && field.width === 3);
   if (!velocity) return undefined;
   const { count, data } = velocity;
   if (scratch.length < count) scratch = new Float32Array(count);

@@ -1,8 +1,10 @@
 // The viewer as a whole: which session is on the screen, and what the buttons do to it.
+import { showScale } from "./scale";
 import { connect, type Stream } from "../client/stream";
 import { ProblemError, problemOf } from "../client/problem";
 import { Service, type Instability, type Scene, type Session } from "../client/rest";
-import type { Hello, PlaybackState, SystemTopology, Topology } from "../client/gen/truestep/v1/stream_pb";
+import { meaning, partsOf } from "../client/parts";
+import type { Hello, PlaybackState, Topology } from "../client/gen/truestep/v1/stream_pb";
 import { Stage } from "../render/stage";
 import { accuracyWords, type Accuracy } from "../studies/accuracy";
 import { Compact } from "./compact";
@@ -120,7 +122,8 @@ export class App {
 
   private show(session: Session): void {
     this.id = session.id;
-    this.stage.clear(session.viewer?.camera);
+    this.stage.clear(session.viewer ?? {});
+    showScale(undefined);
     this.stage.show.colorBy = session.viewer?.color_by ?? "";
     this.plot.clear();
     this.readout.clear();
@@ -142,7 +145,11 @@ export class App {
     };
     this.connection("connecting");
     stream.on("state", mine((state) => this.connection(state)));
-    stream.on("hello", mine((hello) => this.compact.greet(hello)));
+    stream.on("hello", mine((hello) => {
+      const parts = partsOf(hello);
+      this.compact.greet(hello);
+      this.stage.setParts(parts);
+    }));
     stream.on("topology", mine((topology) => {
       this.compact.connect(topology);
       this.stage.setTopology(topology);
@@ -177,6 +184,7 @@ export class App {
         if (this.stream !== stream) break;
         stream.encode(this.compact.choose(frame));
         await this.stage.present(frame);
+        showScale(this.stage.colorScale);
         if (this.measured++ < kMarks) performance.mark(this.measured === 1 ? "first-picture" : "picture");
         this.interaction.follow();
         this.readout.shown(frame, stream.superseded);
@@ -365,13 +373,19 @@ export class App {
    */
   private fieldsOf(hello: Hello, topology: Topology | undefined): string[] {
     const { colorBy, bySpeed } = this.stage.show;
-    const systems = topology?.systems ?? [];
-    const namesOf = (chosen: SystemTopology[]): Set<string> =>
-      new Set(hello.systems.filter(({ id }) => chosen.some((system) => system.system === id)).flatMap((system) => system.fields.map((field) => field.name)));
-    const bodies = namesOf(systems.filter((system) => system.forms.length > 0));
-    const poses = ["orientation", "asleep"].filter((name) => bodies.has(name));
-    const colored = systems.filter((system) => (system.pointRadius > 0 && (colorBy || system.color.length === 0)) || (system.forms.length > 0 && colorBy));
-    const names = namesOf(bySpeed ? colored : []);
-    return ["position", ...poses, ...[colorBy, "speed", "velocity"].filter((name) => names.has(name)).slice(0, 1)];
+    const parts = partsOf(hello);
+    const wanted = new Set<string>();
+    const want = (name: string | undefined): void => void (name && wanted.add(name));
+    for (const drawn of topology?.systems ?? []) {
+      const part = parts.get(drawn.system);
+      const has = (name: string): string | undefined => (name && part?.fields.some((field) => field.name === name) ? name : undefined);
+      const bodies = drawn.visuals.length > 0;
+      want(meaning(part, "position"));
+      if (part?.lattice) want(has(colorBy) ?? part.fields[0]?.name);
+      if (bodies) for (const what of ["orientation", "asleep"]) want(meaning(part, what));
+      const colored = (drawn.pointRadius > 0 && (colorBy || drawn.color.length === 0)) || (bodies && colorBy);
+      if (bySpeed && colored) want(has(colorBy) ?? has("speed") ?? meaning(part, "velocity"));
+    }
+    return wanted.size > 0 ? [...wanted] : ["position"];
   }
 }

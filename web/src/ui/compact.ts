@@ -1,5 +1,6 @@
 // Which encoding a session's frames travel in: as floats while they are small, as 16-bit differences where points
 // are many, and as floats again where a quantum of those could be seen (one point far away makes the box large).
+import { meaning } from "../client/parts";
 import type { DecodedFrame } from "../client/decode";
 import { Encoding, type Hello, type Topology } from "../client/gen/truestep/v1/stream_pb";
 
@@ -9,11 +10,13 @@ const kSeen = 0.1; // quanta a point's radius
 export class Compact {
   private able = false;
   private radius = new Map<string, number>();
+  private position = new Map<string, string | undefined>();
   private encoding = Encoding.F32;
 
   greet(hello: Hello): void {
     this.able = hello.capabilities.includes("Q16_DELTA");
     this.encoding = Encoding.F32;
+    this.position = new Map(hello.parts.map((part) => [part.id, meaning(part, "position")]));
   }
 
   connect(topology: Topology): void {
@@ -22,7 +25,7 @@ export class Compact {
 
   /** What the frames after this one should travel in. */
   choose(frame: DecodedFrame): Encoding {
-    const positions = frame.fields.filter((field) => field.field === "position");
+    const positions = frame.fields.filter((field) => field.field === this.position.get(field.system));
     if (positions.some((field) => field.quantum > kSeen * (this.radius.get(field.system) ?? 0))) {
       this.able = false;
       this.encoding = Encoding.F32;

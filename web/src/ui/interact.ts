@@ -61,7 +61,7 @@ export class Interaction {
 
   private pick(event: MouseEvent, reach: number): Pick | undefined {
     const box = this.canvas.getBoundingClientRect();
-    return pickPoint(this.stage.views.values(), this.stage.camera, event.clientX - box.left, event.clientY - box.top, box.width, box.height, reach);
+    return pickPoint(this.stage.pointViews(), this.stage.camera, event.clientX - box.left, event.clientY - box.top, box.width, box.height, reach);
   }
 
   private down(event: PointerEvent): void {
@@ -136,7 +136,7 @@ export class Interaction {
     const { x, y } = this.pointer;
     const { clientWidth, clientHeight } = this.canvas;
     const before = this.hovered;
-    this.hovered = pickPoint(this.stage.views.values(), this.stage.camera, x, y, clientWidth, clientHeight, kReachMouse);
+    this.hovered = pickPoint(this.stage.pointViews(), this.stage.camera, x, y, clientWidth, clientHeight, kReachMouse);
     if (this.hovered) this.mark(this.hovered, undefined);
     else if (before) this.unmark();
   }

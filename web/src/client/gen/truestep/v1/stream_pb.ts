@@ -16,15 +16,17 @@ import type { Message } from "@bufbuild/protobuf";
  * Describes the file truestep/v1/stream.proto.
  */
 export const file_truestep_v1_stream: GenFile = /*@__PURE__*/
-  fileDesc("Chh0cnVlc3RlcC92MS9zdHJlYW0ucHJvdG8SC3RydWVzdGVwLnYxIpoBCgVCbG9jaxIOCgZzeXN0ZW0YASABKAkSDQoFZmllbGQYAiABKAkSJwoIZW5jb2RpbmcYAyABKA4yFS50cnVlc3RlcC52MS5FbmNvZGluZxIOCgZvZmZzZXQYBCADKAESDQoFc2NhbGUYBSADKAESDQoFY291bnQYBiABKA0SDQoFd2lkdGgYByABKA0SDAoEZGF0YRgIIAEoDCLGAQoFRnJhbWUSCwoDc2VxGAEgASgEEgwKBHN0ZXAYAiABKAQSDAoEdGltZRgDIAEoARISCgpzdGF0ZV9oYXNoGAQgASgGEg8KB2Ryb3BwZWQYBSABKAQSGAoQdG9wb2xvZ3lfdmVyc2lvbhgGIAEoDRIQCghrZXlmcmFtZRgHIAEoCBIQCghiYXNlX3NlcRgIIAEoBBIiCgZibG9ja3MYCSADKAsyEi50cnVlc3RlcC52MS5CbG9jaxINCgVhbHBoYRgKIAEoASJbCgVGaWVsZBIMCgRuYW1lGAEgASgJEgwKBHVuaXQYAiABKAkSDQoFd2lkdGgYAyABKA0SJwoIZW5jb2RpbmcYBCABKA4yFS50cnVlc3RlcC52MS5FbmNvZGluZyJfCgpTeXN0ZW1JbmZvEgoKAmlkGAEgASgJEgwKBHR5cGUYAiABKAkSIgoGZmllbGRzGAMgAygLMhIudHJ1ZXN0ZXAudjEuRmllbGQSEwoLb2JzZXJ2YWJsZXMYBCADKAkiowEKBUhlbGxvEgsKA2FwaRgBIAEoCRIPCgdzZXNzaW9uGAIgASgJEg4KBnNlcnZlchgDIAEoCRIKCgJkdBgEIAEoARIMCgRzdGVwGAUgASgEEigKB3N5c3RlbXMYBiADKAsyFy50cnVlc3RlcC52MS5TeXN0ZW1JbmZvEhQKDGNhcGFiaWxpdGllcxgHIAMoCRISCgpzY2VuZV9uYW1lGAggASgJIs8BCg5TeXN0ZW1Ub3BvbG9neRIOCgZzeXN0ZW0YASABKAkSDQoFbGluZXMYAiABKAwSEQoJdHJpYW5nbGVzGAMgASgMEhEKCWxpbmVfa2luZBgEIAEoDBIUCgxwb2ludF9yYWRpdXMYBSABKAESDQoFY29sb3IYBiADKAESIAoFZm9ybXMYByADKAsyES50cnVlc3RlcC52MS5Gb3JtEg4KBnBsYWNlcxgIIAEoDBIhCgZtZXNoZXMYCSADKAsyES50cnVlc3RlcC52MS5NZXNoIj0KBE1lc2gSEQoJcG9zaXRpb25zGAEgASgMEg8KB25vcm1hbHMYAiABKAwSEQoJdHJpYW5nbGVzGAMgASgMInoKBEZvcm0SIQoFc2hhcGUYASABKAsyEi50cnVlc3RlcC52MS5TaGFwZRIMCgRtZXNoGAIgASgNEg0KBWNvbG9yGAMgAygBEg0KBWdyb3VwGAQgASgNEiMKBm1vdGlvbhgFIAEoDjITLnRydWVzdGVwLnYxLk1vdGlvbiJpCgVTaGFwZRIMCgRraW5kGAEgASgJEhAKCHBvc2l0aW9uGAIgAygBEhMKC29yaWVudGF0aW9uGAMgAygBEgwKBHNpemUYBCADKAESCgoCaWQYBSABKAkSEQoJY29udGFpbmVyGAYgASgIIm0KCFRvcG9sb2d5Eg8KB3ZlcnNpb24YASABKA0SLAoHc3lzdGVtcxgCIAMoCzIbLnRydWVzdGVwLnYxLlN5c3RlbVRvcG9sb2d5EiIKBnNoYXBlcxgDIAMoCzISLnRydWVzdGVwLnYxLlNoYXBlIiwKBlNoYXBlcxIiCgZzaGFwZXMYASADKAsyEi50cnVlc3RlcC52MS5TaGFwZSJUCgtTeXN0ZW1NYXJrcxIOCgZzeXN0ZW0YASABKAkSEAoIY29udGFjdHMYAiABKAwSDgoGam9pbnRzGAMgASgMEhMKC2pvaW50X2tpbmRzGAQgASgMIkAKBU1hcmtzEgwKBHN0ZXAYASABKAQSKQoHc3lzdGVtcxgCIAMoCzIYLnRydWVzdGVwLnYxLlN5c3RlbU1hcmtzIjgKC09ic2VydmF0aW9uEgwKBG5hbWUYASABKAkSDQoFdmFsdWUYAiABKAESDAoEdW5pdBgDIAEoCSJTCgtPYnNlcnZhYmxlcxIMCgRzdGVwGAEgASgEEgwKBHRpbWUYAiABKAESKAoGdmFsdWVzGAMgAygLMhgudHJ1ZXN0ZXAudjEuT2JzZXJ2YXRpb24iQwoFRXZlbnQSDAoEa2luZBgBIAEoCRIMCgRzdGVwGAIgASgEEg4KBmRldGFpbBgDIAEoCRIOCgZzeXN0ZW0YBCABKAkiYgoNUGxheWJhY2tTdGF0ZRIPCgdwbGF5aW5nGAEgASgIEg0KBXNwZWVkGAIgASgBEgwKBHN0ZXAYAyABKAQSDAoEdGltZRgEIAEoARIVCg1za2lwcGVkX3N0ZXBzGAUgASgEIjkKBVJlcGx5EhIKCnJlcXVlc3RfaWQYASABKAkSDAoEc3RlcBgCIAEoBBIOCgZkZXRhaWwYAyABKAkiawoHUHJvYmxlbRIMCgRjb2RlGAEgASgJEg0KBXRpdGxlGAIgASgJEg4KBmRldGFpbBgDIAEoCRIOCgZzdGF0dXMYBCABKA0SEgoKcmVxdWVzdF9pZBgFIAEoCRIPCgdwb2ludGVyGAYgASgJIhUKA0J5ZRIOCgZyZWFzb24YASABKAkizQMKDVNlcnZlck1lc3NhZ2USIwoFaGVsbG8YASABKAsyEi50cnVlc3RlcC52MS5IZWxsb0gAEikKCHRvcG9sb2d5GAIgASgLMhUudHJ1ZXN0ZXAudjEuVG9wb2xvZ3lIABIjCgVmcmFtZRgDIAEoCzISLnRydWVzdGVwLnYxLkZyYW1lSAASLwoLb2JzZXJ2YWJsZXMYBCABKAsyGC50cnVlc3RlcC52MS5PYnNlcnZhYmxlc0gAEiMKBWV2ZW50GAUgASgLMhIudHJ1ZXN0ZXAudjEuRXZlbnRIABIuCghwbGF5YmFjaxgGIAEoCzIaLnRydWVzdGVwLnYxLlBsYXliYWNrU3RhdGVIABIjCgVyZXBseRgHIAEoCzISLnRydWVzdGVwLnYxLlJlcGx5SAASJwoHcHJvYmxlbRgIIAEoCzIULnRydWVzdGVwLnYxLlByb2JsZW1IABIfCgNieWUYCSABKAsyEC50cnVlc3RlcC52MS5CeWVIABIlCgZzaGFwZXMYCiABKAsyEy50cnVlc3RlcC52MS5TaGFwZXNIABIjCgVtYXJrcxgLIAEoCzISLnRydWVzdGVwLnYxLk1hcmtzSABCBgoEa2luZCLjAQoJU3Vic2NyaWJlEg4KBmZpZWxkcxgBIAMoCRIPCgdzeXN0ZW1zGAIgAygJEgwKBHJhdGUYAyABKAESJwoIZW5jb2RpbmcYBCABKA4yFS50cnVlc3RlcC52MS5FbmNvZGluZxIjCgZwb2xpY3kYBSABKA4yEy50cnVlc3RlcC52MS5Qb2xpY3kSDgoGY3JlZGl0GAYgASgNEhMKC29ic2VydmFibGVzGAcgASgIEhAKCGNvbnRhY3RzGAggASgIEg4KBmpvaW50cxgJIAEoCBISCgpzdGF0ZV9oYXNoGAogASgIIhgKBkNyZWRpdBIOCgZmcmFtZXMYASABKA0iKAoHQ29udHJvbBIOCgZhY3Rpb24YASABKAkSDQoFdmFsdWUYAiABKAEiFwoHQ29tbWFuZBIMCgRqc29uGAEgASgJIhEKD1JlcXVlc3RLZXlmcmFtZSKLAgoNQ2xpZW50TWVzc2FnZRISCgpyZXF1ZXN0X2lkGAEgASgJEisKCXN1YnNjcmliZRgCIAEoCzIWLnRydWVzdGVwLnYxLlN1YnNjcmliZUgAEiUKBmNyZWRpdBgDIAEoCzITLnRydWVzdGVwLnYxLkNyZWRpdEgAEicKB2NvbnRyb2wYBCABKAsyFC50cnVlc3RlcC52MS5Db250cm9sSAASJwoHY29tbWFuZBgFIAEoCzIULnRydWVzdGVwLnYxLkNvbW1hbmRIABI4ChByZXF1ZXN0X2tleWZyYW1lGAYgASgLMhwudHJ1ZXN0ZXAudjEuUmVxdWVzdEtleWZyYW1lSABCBgoEa2luZCpbCghFbmNvZGluZxIHCgNGMzIQABIHCgNGNjQQARIHCgNRMTYQAhINCglRMTZfREVMVEEQAxIKCgZRVUFUMzIQBBIHCgNVMzIQBRIHCgNVNjQQBhIHCgNJMzIQByo3CgZNb3Rpb24SCQoFRklYRUQQABIKCgZEUklWRU4QARIKCgZNT1ZJTkcQAhIKCgZTRU5TT1IQAyofCgZQb2xpY3kSCgoGTEFURVNUEAASCQoFRVZFUlkQAWIGcHJvdG8z");
+  fileDesc("Chh0cnVlc3RlcC92MS9zdHJlYW0ucHJvdG8SC3RydWVzdGVwLnYxIpoBCgVCbG9jaxIOCgZzeXN0ZW0YASABKAkSDQoFZmllbGQYAiABKAkSJwoIZW5jb2RpbmcYAyABKA4yFS50cnVlc3RlcC52MS5FbmNvZGluZxIOCgZvZmZzZXQYBCADKAESDQoFc2NhbGUYBSADKAESDQoFY291bnQYBiABKA0SDQoFd2lkdGgYByABKA0SDAoEZGF0YRgIIAEoDCLGAQoFRnJhbWUSCwoDc2VxGAEgASgEEgwKBHN0ZXAYAiABKAQSDAoEdGltZRgDIAEoARISCgpzdGF0ZV9oYXNoGAQgASgGEg8KB2Ryb3BwZWQYBSABKAQSGAoQdG9wb2xvZ3lfdmVyc2lvbhgGIAEoDRIQCghrZXlmcmFtZRgHIAEoCBIQCghiYXNlX3NlcRgIIAEoBBIiCgZibG9ja3MYCSADKAsyEi50cnVlc3RlcC52MS5CbG9jaxINCgVhbHBoYRgKIAEoASJsCgVGaWVsZBIMCgRuYW1lGAEgASgJEgwKBHVuaXQYAiABKAkSDQoFd2lkdGgYAyABKA0SJwoIZW5jb2RpbmcYBCABKA4yFS50cnVlc3RlcC52MS5FbmNvZGluZxIPCgdtZWFuaW5nGAUgASgJIkkKB0xhdHRpY2USDgoGY291bnRzGAEgAygNEg4KBm9yaWdpbhgCIAMoARIPCgdzcGFjaW5nGAMgAygBEg0KBWNlbGxzGAQgASgIIo0BCgRQYXJ0EgoKAmlkGAEgASgJEg4KBnN5c3RlbRgCIAEoCRIMCgRraW5kGAMgASgJEiIKBmZpZWxkcxgEIAMoCzISLnRydWVzdGVwLnYxLkZpZWxkEiUKB2xhdHRpY2UYBSABKAsyFC50cnVlc3RlcC52MS5MYXR0aWNlEhAKCGVsZW1lbnRzGAYgASgJIl8KClN5c3RlbUluZm8SCgoCaWQYASABKAkSDAoEdHlwZRgCIAEoCRIiCgZmaWVsZHMYAyADKAsyEi50cnVlc3RlcC52MS5GaWVsZBITCgtvYnNlcnZhYmxlcxgEIAMoCSLFAQoFSGVsbG8SCwoDYXBpGAEgASgJEg8KB3Nlc3Npb24YAiABKAkSDgoGc2VydmVyGAMgASgJEgoKAmR0GAQgASgBEgwKBHN0ZXAYBSABKAQSKAoHc3lzdGVtcxgGIAMoCzIXLnRydWVzdGVwLnYxLlN5c3RlbUluZm8SFAoMY2FwYWJpbGl0aWVzGAcgAygJEhIKCnNjZW5lX25hbWUYCCABKAkSIAoFcGFydHMYCSADKAsyES50cnVlc3RlcC52MS5QYXJ0ItYBCg5TeXN0ZW1Ub3BvbG9neRIOCgZzeXN0ZW0YASABKAkSDQoFbGluZXMYAiABKAwSEQoJdHJpYW5nbGVzGAMgASgMEhEKCWxpbmVfa2luZBgEIAEoDBIUCgxwb2ludF9yYWRpdXMYBSABKAESDQoFY29sb3IYBiADKAESJAoHdmlzdWFscxgHIAMoCzITLnRydWVzdGVwLnYxLlZpc3VhbBIRCglpbnN0YW5jZXMYCCABKAwSIQoGbWVzaGVzGAkgAygLMhEudHJ1ZXN0ZXAudjEuTWVzaCI9CgRNZXNoEhEKCXBvc2l0aW9ucxgBIAEoDBIPCgdub3JtYWxzGAIgASgMEhEKCXRyaWFuZ2xlcxgDIAEoDCJ8CgZWaXN1YWwSIQoFc2hhcGUYASABKAsyEi50cnVlc3RlcC52MS5TaGFwZRIMCgRtZXNoGAIgASgNEg0KBWNvbG9yGAMgAygBEg0KBWdyb3VwGAQgASgNEiMKBm1vdGlvbhgFIAEoDjITLnRydWVzdGVwLnYxLk1vdGlvbiJpCgVTaGFwZRIMCgRraW5kGAEgASgJEhAKCHBvc2l0aW9uGAIgAygBEhMKC29yaWVudGF0aW9uGAMgAygBEgwKBHNpemUYBCADKAESCgoCaWQYBSABKAkSEQoJY29udGFpbmVyGAYgASgIIm0KCFRvcG9sb2d5Eg8KB3ZlcnNpb24YASABKA0SLAoHc3lzdGVtcxgCIAMoCzIbLnRydWVzdGVwLnYxLlN5c3RlbVRvcG9sb2d5EiIKBnNoYXBlcxgDIAMoCzISLnRydWVzdGVwLnYxLlNoYXBlIiwKBlNoYXBlcxIiCgZzaGFwZXMYASADKAsyEi50cnVlc3RlcC52MS5TaGFwZSJSCgVNYXJrcxIMCgRzdGVwGAEgASgEEhAKCGNvbnRhY3RzGAMgASgMEg4KBmpvaW50cxgEIAEoDBITCgtqb2ludF9raW5kcxgFIAEoDEoECAIQAyI4CgtPYnNlcnZhdGlvbhIMCgRuYW1lGAEgASgJEg0KBXZhbHVlGAIgASgBEgwKBHVuaXQYAyABKAkiUwoLT2JzZXJ2YWJsZXMSDAoEc3RlcBgBIAEoBBIMCgR0aW1lGAIgASgBEigKBnZhbHVlcxgDIAMoCzIYLnRydWVzdGVwLnYxLk9ic2VydmF0aW9uIkMKBUV2ZW50EgwKBGtpbmQYASABKAkSDAoEc3RlcBgCIAEoBBIOCgZkZXRhaWwYAyABKAkSDgoGc3lzdGVtGAQgASgJImIKDVBsYXliYWNrU3RhdGUSDwoHcGxheWluZxgBIAEoCBINCgVzcGVlZBgCIAEoARIMCgRzdGVwGAMgASgEEgwKBHRpbWUYBCABKAESFQoNc2tpcHBlZF9zdGVwcxgFIAEoBCI5CgVSZXBseRISCgpyZXF1ZXN0X2lkGAEgASgJEgwKBHN0ZXAYAiABKAQSDgoGZGV0YWlsGAMgASgJImsKB1Byb2JsZW0SDAoEY29kZRgBIAEoCRINCgV0aXRsZRgCIAEoCRIOCgZkZXRhaWwYAyABKAkSDgoGc3RhdHVzGAQgASgNEhIKCnJlcXVlc3RfaWQYBSABKAkSDwoHcG9pbnRlchgGIAEoCSIVCgNCeWUSDgoGcmVhc29uGAEgASgJIs0DCg1TZXJ2ZXJNZXNzYWdlEiMKBWhlbGxvGAEgASgLMhIudHJ1ZXN0ZXAudjEuSGVsbG9IABIpCgh0b3BvbG9neRgCIAEoCzIVLnRydWVzdGVwLnYxLlRvcG9sb2d5SAASIwoFZnJhbWUYAyABKAsyEi50cnVlc3RlcC52MS5GcmFtZUgAEi8KC29ic2VydmFibGVzGAQgASgLMhgudHJ1ZXN0ZXAudjEuT2JzZXJ2YWJsZXNIABIjCgVldmVudBgFIAEoCzISLnRydWVzdGVwLnYxLkV2ZW50SAASLgoIcGxheWJhY2sYBiABKAsyGi50cnVlc3RlcC52MS5QbGF5YmFja1N0YXRlSAASIwoFcmVwbHkYByABKAsyEi50cnVlc3RlcC52MS5SZXBseUgAEicKB3Byb2JsZW0YCCABKAsyFC50cnVlc3RlcC52MS5Qcm9ibGVtSAASHwoDYnllGAkgASgLMhAudHJ1ZXN0ZXAudjEuQnllSAASJQoGc2hhcGVzGAogASgLMhMudHJ1ZXN0ZXAudjEuU2hhcGVzSAASIwoFbWFya3MYCyABKAsyEi50cnVlc3RlcC52MS5NYXJrc0gAQgYKBGtpbmQi4wEKCVN1YnNjcmliZRIOCgZmaWVsZHMYASADKAkSDwoHc3lzdGVtcxgCIAMoCRIMCgRyYXRlGAMgASgBEicKCGVuY29kaW5nGAQgASgOMhUudHJ1ZXN0ZXAudjEuRW5jb2RpbmcSIwoGcG9saWN5GAUgASgOMhMudHJ1ZXN0ZXAudjEuUG9saWN5Eg4KBmNyZWRpdBgGIAEoDRITCgtvYnNlcnZhYmxlcxgHIAEoCBIQCghjb250YWN0cxgIIAEoCBIOCgZqb2ludHMYCSABKAgSEgoKc3RhdGVfaGFzaBgKIAEoCCIYCgZDcmVkaXQSDgoGZnJhbWVzGAEgASgNIigKB0NvbnRyb2wSDgoGYWN0aW9uGAEgASgJEg0KBXZhbHVlGAIgASgBIhcKB0NvbW1hbmQSDAoEanNvbhgBIAEoCSIRCg9SZXF1ZXN0S2V5ZnJhbWUiiwIKDUNsaWVudE1lc3NhZ2USEgoKcmVxdWVzdF9pZBgBIAEoCRIrCglzdWJzY3JpYmUYAiABKAsyFi50cnVlc3RlcC52MS5TdWJzY3JpYmVIABIlCgZjcmVkaXQYAyABKAsyEy50cnVlc3RlcC52MS5DcmVkaXRIABInCgdjb250cm9sGAQgASgLMhQudHJ1ZXN0ZXAudjEuQ29udHJvbEgAEicKB2NvbW1hbmQYBSABKAsyFC50cnVlc3RlcC52MS5Db21tYW5kSAASOAoQcmVxdWVzdF9rZXlmcmFtZRgGIAEoCzIcLnRydWVzdGVwLnYxLlJlcXVlc3RLZXlmcmFtZUgAQgYKBGtpbmQqWwoIRW5jb2RpbmcSBwoDRjMyEAASBwoDRjY0EAESBwoDUTE2EAISDQoJUTE2X0RFTFRBEAMSCgoGUVVBVDMyEAQSBwoDVTMyEAUSBwoDVTY0EAYSBwoDSTMyEAcqOwoGTW90aW9uEgkKBUZJWEVEEAASDQoJS0lORU1BVElDEAESCwoHRFlOQU1JQxACEgoKBlNFTlNPUhADKh8KBlBvbGljeRIKCgZMQVRFU1QQABIJCgVFVkVSWRABYgZwcm90bzM");
 
 /**
- * One array of one system at one step. count rows of width elements each.
+ * One array of one part at one step. count rows of width elements each.
  *
  * @generated from message truestep.v1.Block
  */
 export type Block = Message<"truestep.v1.Block"> & {
   /**
+   * id of the part
+   *
    * @generated from field: string system = 1;
    */
   system: string;
@@ -173,6 +175,13 @@ export type Field = Message<"truestep.v1.Field"> & {
    * @generated from field: truestep.v1.Encoding encoding = 4;
    */
   encoding: Encoding;
+
+  /**
+   * value, position, velocity, orientation, angle or asleep
+   *
+   * @generated from field: string meaning = 5;
+   */
+  meaning: string;
 };
 
 /**
@@ -181,6 +190,101 @@ export type Field = Message<"truestep.v1.Field"> & {
  */
 export const FieldSchema: GenMessage<Field> = /*@__PURE__*/
   messageDesc(file_truestep_v1_stream, 2);
+
+/**
+ * Where the rows of a grid are: row x + counts[0] * (y + counts[1] * z) at origin + (x, y, z) * spacing.
+ *
+ * @generated from message truestep.v1.Lattice
+ */
+export type Lattice = Message<"truestep.v1.Lattice"> & {
+  /**
+   * 3
+   *
+   * @generated from field: repeated uint32 counts = 1;
+   */
+  counts: number[];
+
+  /**
+   * 3, m
+   *
+   * @generated from field: repeated double origin = 2;
+   */
+  origin: number[];
+
+  /**
+   * 3, m
+   *
+   * @generated from field: repeated double spacing = 3;
+   */
+  spacing: number[];
+
+  /**
+   * rows are cells and origin is the centre of the first; otherwise nodes
+   *
+   * @generated from field: bool cells = 4;
+   */
+  cells: boolean;
+};
+
+/**
+ * Describes the message truestep.v1.Lattice.
+ * Use `create(LatticeSchema)` to create a new message.
+ */
+export const LatticeSchema: GenMessage<Lattice> = /*@__PURE__*/
+  messageDesc(file_truestep_v1_stream, 3);
+
+/**
+ * Rows that belong together. What a block names as its system is the id of a part: a system's main part has the
+ * system's id, others are <system>.<name>.
+ *
+ * @generated from message truestep.v1.Part
+ */
+export type Part = Message<"truestep.v1.Part"> & {
+  /**
+   * @generated from field: string id = 1;
+   */
+  id: string;
+
+  /**
+   * @generated from field: string system = 2;
+   */
+  system: string;
+
+  /**
+   * points, grid or values
+   *
+   * @generated from field: string kind = 3;
+   */
+  kind: string;
+
+  /**
+   * all have the same rows
+   *
+   * @generated from field: repeated truestep.v1.Field fields = 4;
+   */
+  fields: Field[];
+
+  /**
+   * of a grid
+   *
+   * @generated from field: truestep.v1.Lattice lattice = 5;
+   */
+  lattice?: Lattice;
+
+  /**
+   * values: row k is the k-th of these of the system's main part: lines, triangles
+   *
+   * @generated from field: string elements = 6;
+   */
+  elements: string;
+};
+
+/**
+ * Describes the message truestep.v1.Part.
+ * Use `create(PartSchema)` to create a new message.
+ */
+export const PartSchema: GenMessage<Part> = /*@__PURE__*/
+  messageDesc(file_truestep_v1_stream, 4);
 
 /**
  * @generated from message truestep.v1.SystemInfo
@@ -197,6 +301,8 @@ export type SystemInfo = Message<"truestep.v1.SystemInfo"> & {
   type: string;
 
   /**
+   * of the main part
+   *
    * @generated from field: repeated truestep.v1.Field fields = 3;
    */
   fields: Field[];
@@ -212,7 +318,7 @@ export type SystemInfo = Message<"truestep.v1.SystemInfo"> & {
  * Use `create(SystemInfoSchema)` to create a new message.
  */
 export const SystemInfoSchema: GenMessage<SystemInfo> = /*@__PURE__*/
-  messageDesc(file_truestep_v1_stream, 3);
+  messageDesc(file_truestep_v1_stream, 5);
 
 /**
  * @generated from message truestep.v1.Hello
@@ -263,6 +369,11 @@ export type Hello = Message<"truestep.v1.Hello"> & {
    * @generated from field: string scene_name = 8;
    */
   sceneName: string;
+
+  /**
+   * @generated from field: repeated truestep.v1.Part parts = 9;
+   */
+  parts: Part[];
 };
 
 /**
@@ -270,15 +381,17 @@ export type Hello = Message<"truestep.v1.Hello"> & {
  * Use `create(HelloSchema)` to create a new message.
  */
 export const HelloSchema: GenMessage<Hello> = /*@__PURE__*/
-  messageDesc(file_truestep_v1_stream, 4);
+  messageDesc(file_truestep_v1_stream, 6);
 
 /**
- * How a system's points are connected; sent once, and again when its version changes.
+ * What is drawn with the rows of a part; sent once, and again when the version changes.
  *
  * @generated from message truestep.v1.SystemTopology
  */
 export type SystemTopology = Message<"truestep.v1.SystemTopology"> & {
   /**
+   * id of the part
+   *
    * @generated from field: string system = 1;
    */
   system: string;
@@ -319,16 +432,16 @@ export type SystemTopology = Message<"truestep.v1.SystemTopology"> & {
   color: number[];
 
   /**
-   * @generated from field: repeated truestep.v1.Form forms = 7;
+   * @generated from field: repeated truestep.v1.Visual visuals = 7;
    */
-  forms: Form[];
+  visuals: Visual[];
 
   /**
-   * uint32 pairs: row, form. The row's pose is the fields position and orientation.
+   * uint32 pairs: row, visual. The row's pose is its position and its orientation.
    *
-   * @generated from field: bytes places = 8;
+   * @generated from field: bytes instances = 8;
    */
-  places: Uint8Array;
+  instances: Uint8Array;
 
   /**
    * @generated from field: repeated truestep.v1.Mesh meshes = 9;
@@ -341,10 +454,10 @@ export type SystemTopology = Message<"truestep.v1.SystemTopology"> & {
  * Use `create(SystemTopologySchema)` to create a new message.
  */
 export const SystemTopologySchema: GenMessage<SystemTopology> = /*@__PURE__*/
-  messageDesc(file_truestep_v1_stream, 5);
+  messageDesc(file_truestep_v1_stream, 7);
 
 /**
- * Triangles that forms share.
+ * Triangles that visuals share.
  *
  * @generated from message truestep.v1.Mesh
  */
@@ -376,14 +489,14 @@ export type Mesh = Message<"truestep.v1.Mesh"> & {
  * Use `create(MeshSchema)` to create a new message.
  */
 export const MeshSchema: GenMessage<Mesh> = /*@__PURE__*/
-  messageDesc(file_truestep_v1_stream, 6);
+  messageDesc(file_truestep_v1_stream, 8);
 
 /**
- * A solid that rows carry. A row whose field asleep is not 0 sleeps.
+ * A solid that rows carry. A row that is asleep is dimmed.
  *
- * @generated from message truestep.v1.Form
+ * @generated from message truestep.v1.Visual
  */
-export type Form = Message<"truestep.v1.Form"> & {
+export type Visual = Message<"truestep.v1.Visual"> & {
   /**
    * position and orientation in the row's frame; kind also "mesh"
    *
@@ -417,11 +530,11 @@ export type Form = Message<"truestep.v1.Form"> & {
 };
 
 /**
- * Describes the message truestep.v1.Form.
- * Use `create(FormSchema)` to create a new message.
+ * Describes the message truestep.v1.Visual.
+ * Use `create(VisualSchema)` to create a new message.
  */
-export const FormSchema: GenMessage<Form> = /*@__PURE__*/
-  messageDesc(file_truestep_v1_stream, 7);
+export const VisualSchema: GenMessage<Visual> = /*@__PURE__*/
+  messageDesc(file_truestep_v1_stream, 9);
 
 /**
  * Solid shapes that no row carries: plane, box, sphere, capsule, cylinder. Sizes in m.
@@ -473,7 +586,7 @@ export type Shape = Message<"truestep.v1.Shape"> & {
  * Use `create(ShapeSchema)` to create a new message.
  */
 export const ShapeSchema: GenMessage<Shape> = /*@__PURE__*/
-  messageDesc(file_truestep_v1_stream, 8);
+  messageDesc(file_truestep_v1_stream, 10);
 
 /**
  * @generated from message truestep.v1.Topology
@@ -500,7 +613,7 @@ export type Topology = Message<"truestep.v1.Topology"> & {
  * Use `create(TopologySchema)` to create a new message.
  */
 export const TopologySchema: GenMessage<Topology> = /*@__PURE__*/
-  messageDesc(file_truestep_v1_stream, 9);
+  messageDesc(file_truestep_v1_stream, 11);
 
 /**
  * Where the shapes are now: all of them, in the order of Topology. Sent before a frame when one has moved.
@@ -519,49 +632,11 @@ export type Shapes = Message<"truestep.v1.Shapes"> & {
  * Use `create(ShapesSchema)` to create a new message.
  */
 export const ShapesSchema: GenMessage<Shapes> = /*@__PURE__*/
-  messageDesc(file_truestep_v1_stream, 10);
+  messageDesc(file_truestep_v1_stream, 12);
 
 /**
  * Where bodies touch and which joints hold them, before the frame of the same step; for who subscribed to marks.
  *
- * @generated from message truestep.v1.SystemMarks
- */
-export type SystemMarks = Message<"truestep.v1.SystemMarks"> & {
-  /**
-   * @generated from field: string system = 1;
-   */
-  system: string;
-
-  /**
-   * 7 float32 each: point (m), unit normal towards the second body, force along it (N)
-   *
-   * @generated from field: bytes contacts = 2;
-   */
-  contacts: Uint8Array;
-
-  /**
-   * 9 float32 each: both ends (m), unit axis or zero
-   *
-   * @generated from field: bytes joints = 3;
-   */
-  joints: Uint8Array;
-
-  /**
-   * uint8 per joint: 0 ball 1 hinge 2 slider 3 fixed 4 distance 5 other
-   *
-   * @generated from field: bytes joint_kinds = 4;
-   */
-  jointKinds: Uint8Array;
-};
-
-/**
- * Describes the message truestep.v1.SystemMarks.
- * Use `create(SystemMarksSchema)` to create a new message.
- */
-export const SystemMarksSchema: GenMessage<SystemMarks> = /*@__PURE__*/
-  messageDesc(file_truestep_v1_stream, 11);
-
-/**
  * @generated from message truestep.v1.Marks
  */
 export type Marks = Message<"truestep.v1.Marks"> & {
@@ -571,9 +646,25 @@ export type Marks = Message<"truestep.v1.Marks"> & {
   step: bigint;
 
   /**
-   * @generated from field: repeated truestep.v1.SystemMarks systems = 2;
+   * 7 float32 each: point (m), unit normal towards the second body, force along it (N)
+   *
+   * @generated from field: bytes contacts = 3;
    */
-  systems: SystemMarks[];
+  contacts: Uint8Array;
+
+  /**
+   * 9 float32 each: both ends (m), unit axis or zero
+   *
+   * @generated from field: bytes joints = 4;
+   */
+  joints: Uint8Array;
+
+  /**
+   * uint8 per joint: 0 spherical 1 revolute 2 prismatic 3 fixed 4 distance 5 other
+   *
+   * @generated from field: bytes joint_kinds = 5;
+   */
+  jointKinds: Uint8Array;
 };
 
 /**
@@ -581,7 +672,7 @@ export type Marks = Message<"truestep.v1.Marks"> & {
  * Use `create(MarksSchema)` to create a new message.
  */
 export const MarksSchema: GenMessage<Marks> = /*@__PURE__*/
-  messageDesc(file_truestep_v1_stream, 12);
+  messageDesc(file_truestep_v1_stream, 13);
 
 /**
  * @generated from message truestep.v1.Observation
@@ -608,7 +699,7 @@ export type Observation = Message<"truestep.v1.Observation"> & {
  * Use `create(ObservationSchema)` to create a new message.
  */
 export const ObservationSchema: GenMessage<Observation> = /*@__PURE__*/
-  messageDesc(file_truestep_v1_stream, 13);
+  messageDesc(file_truestep_v1_stream, 14);
 
 /**
  * @generated from message truestep.v1.Observables
@@ -635,7 +726,7 @@ export type Observables = Message<"truestep.v1.Observables"> & {
  * Use `create(ObservablesSchema)` to create a new message.
  */
 export const ObservablesSchema: GenMessage<Observables> = /*@__PURE__*/
-  messageDesc(file_truestep_v1_stream, 14);
+  messageDesc(file_truestep_v1_stream, 15);
 
 /**
  * @generated from message truestep.v1.Event
@@ -669,7 +760,7 @@ export type Event = Message<"truestep.v1.Event"> & {
  * Use `create(EventSchema)` to create a new message.
  */
 export const EventSchema: GenMessage<Event> = /*@__PURE__*/
-  messageDesc(file_truestep_v1_stream, 15);
+  messageDesc(file_truestep_v1_stream, 16);
 
 /**
  * @generated from message truestep.v1.PlaybackState
@@ -710,7 +801,7 @@ export type PlaybackState = Message<"truestep.v1.PlaybackState"> & {
  * Use `create(PlaybackStateSchema)` to create a new message.
  */
 export const PlaybackStateSchema: GenMessage<PlaybackState> = /*@__PURE__*/
-  messageDesc(file_truestep_v1_stream, 16);
+  messageDesc(file_truestep_v1_stream, 17);
 
 /**
  * @generated from message truestep.v1.Reply
@@ -737,7 +828,7 @@ export type Reply = Message<"truestep.v1.Reply"> & {
  * Use `create(ReplySchema)` to create a new message.
  */
 export const ReplySchema: GenMessage<Reply> = /*@__PURE__*/
-  messageDesc(file_truestep_v1_stream, 17);
+  messageDesc(file_truestep_v1_stream, 18);
 
 /**
  * @generated from message truestep.v1.Problem
@@ -779,7 +870,7 @@ export type Problem = Message<"truestep.v1.Problem"> & {
  * Use `create(ProblemSchema)` to create a new message.
  */
 export const ProblemSchema: GenMessage<Problem> = /*@__PURE__*/
-  messageDesc(file_truestep_v1_stream, 18);
+  messageDesc(file_truestep_v1_stream, 19);
 
 /**
  * @generated from message truestep.v1.Bye
@@ -796,7 +887,7 @@ export type Bye = Message<"truestep.v1.Bye"> & {
  * Use `create(ByeSchema)` to create a new message.
  */
 export const ByeSchema: GenMessage<Bye> = /*@__PURE__*/
-  messageDesc(file_truestep_v1_stream, 19);
+  messageDesc(file_truestep_v1_stream, 20);
 
 /**
  * @generated from message truestep.v1.ServerMessage
@@ -879,21 +970,21 @@ export type ServerMessage = Message<"truestep.v1.ServerMessage"> & {
  * Use `create(ServerMessageSchema)` to create a new message.
  */
 export const ServerMessageSchema: GenMessage<ServerMessage> = /*@__PURE__*/
-  messageDesc(file_truestep_v1_stream, 20);
+  messageDesc(file_truestep_v1_stream, 21);
 
 /**
  * @generated from message truestep.v1.Subscribe
  */
 export type Subscribe = Message<"truestep.v1.Subscribe"> & {
   /**
-   * empty = position
+   * empty = places of points and the first field of grids
    *
    * @generated from field: repeated string fields = 1;
    */
   fields: string[];
 
   /**
-   * empty = all
+   * ids of systems or of single parts; empty = all
    *
    * @generated from field: repeated string systems = 2;
    */
@@ -959,7 +1050,7 @@ export type Subscribe = Message<"truestep.v1.Subscribe"> & {
  * Use `create(SubscribeSchema)` to create a new message.
  */
 export const SubscribeSchema: GenMessage<Subscribe> = /*@__PURE__*/
-  messageDesc(file_truestep_v1_stream, 21);
+  messageDesc(file_truestep_v1_stream, 22);
 
 /**
  * @generated from message truestep.v1.Credit
@@ -976,7 +1067,7 @@ export type Credit = Message<"truestep.v1.Credit"> & {
  * Use `create(CreditSchema)` to create a new message.
  */
 export const CreditSchema: GenMessage<Credit> = /*@__PURE__*/
-  messageDesc(file_truestep_v1_stream, 22);
+  messageDesc(file_truestep_v1_stream, 23);
 
 /**
  * @generated from message truestep.v1.Control
@@ -1002,7 +1093,7 @@ export type Control = Message<"truestep.v1.Control"> & {
  * Use `create(ControlSchema)` to create a new message.
  */
 export const ControlSchema: GenMessage<Control> = /*@__PURE__*/
-  messageDesc(file_truestep_v1_stream, 23);
+  messageDesc(file_truestep_v1_stream, 24);
 
 /**
  * @generated from message truestep.v1.Command
@@ -1019,7 +1110,7 @@ export type Command = Message<"truestep.v1.Command"> & {
  * Use `create(CommandSchema)` to create a new message.
  */
 export const CommandSchema: GenMessage<Command> = /*@__PURE__*/
-  messageDesc(file_truestep_v1_stream, 24);
+  messageDesc(file_truestep_v1_stream, 25);
 
 /**
  * @generated from message truestep.v1.RequestKeyframe
@@ -1032,7 +1123,7 @@ export type RequestKeyframe = Message<"truestep.v1.RequestKeyframe"> & {
  * Use `create(RequestKeyframeSchema)` to create a new message.
  */
 export const RequestKeyframeSchema: GenMessage<RequestKeyframe> = /*@__PURE__*/
-  messageDesc(file_truestep_v1_stream, 25);
+  messageDesc(file_truestep_v1_stream, 26);
 
 /**
  * @generated from message truestep.v1.ClientMessage
@@ -1084,7 +1175,7 @@ export type ClientMessage = Message<"truestep.v1.ClientMessage"> & {
  * Use `create(ClientMessageSchema)` to create a new message.
  */
 export const ClientMessageSchema: GenMessage<ClientMessage> = /*@__PURE__*/
-  messageDesc(file_truestep_v1_stream, 26);
+  messageDesc(file_truestep_v1_stream, 27);
 
 /**
  * @generated from enum truestep.v1.Encoding
@@ -1126,7 +1217,7 @@ export enum Encoding {
   /**
    * Unit quaternion (w x y z, either sign) in a uint32: bits 30-31 tell which component is left out, the greatest,
    * sqrt(1 - the others' squares); bits 20-29, 10-19, 0-9 are the others in order, (k - 511) / (511 sqrt(2)). The
-   * rotation is within 4.8e-3 rad (0.275 degrees). Fields named orientation of width 4.
+   * rotation is within 4.8e-3 rad (0.275 degrees). Fields that mean an orientation.
    *
    * @generated from enum value: QUAT32 = 4;
    */
@@ -1170,14 +1261,14 @@ export enum Motion {
   FIXED = 0,
 
   /**
-   * @generated from enum value: DRIVEN = 1;
+   * @generated from enum value: KINEMATIC = 1;
    */
-  DRIVEN = 1,
+  KINEMATIC = 1,
 
   /**
-   * @generated from enum value: MOVING = 2;
+   * @generated from enum value: DYNAMIC = 2;
    */
-  MOVING = 2,
+  DYNAMIC = 2,
 
   /**
    * @generated from enum value: SENSOR = 3;

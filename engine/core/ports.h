@@ -1,6 +1,6 @@
-// What couplings see of a system that is made of points: which columns of its state hold them, and the solids
-// that it publishes for points of other systems. Both are views: what a coupling writes through them
-// (impulses into the velocity column, corrections into the position column) is the system's state itself.
+// Ports: where couplings reach into a state without knowing its system. Views all of them: what a coupling
+// writes through a port (impulses into the velocity column, corrections into the position column) is the
+// system's state itself.
 #pragma once
 #include <algorithm>
 #include <array>
@@ -15,7 +15,7 @@
 namespace truestep {
 
 /// Columns of a state that hold its points. Exactly one of `mass` and `inverse_mass` is given.
-struct PointColumns {
+struct PointPort {
   State::Column position = 0, velocity = 1;   ///< rows x 3, m and m/s
   std::optional<State::Column> mass;          ///< kg
   std::optional<State::Column> inverse_mass;  ///< 1/kg, 0: held
@@ -30,7 +30,7 @@ class PointsOf {
  public:
   using StateRef = std::conditional_t<std::is_const_v<Real>, const State&, State&>;
 
-  PointsOf(StateRef s, const PointColumns& c)
+  PointsOf(StateRef s, const PointPort& c)
       : x(s.f64(c.position).data()), v(s.f64(c.velocity).data()), count(s.rows(c.position)) {
     if (c.mass) mass_ = s.f64(*c.mass).data();
     if (c.inverse_mass) inverse_mass_ = s.f64(*c.inverse_mass).data();
@@ -64,6 +64,12 @@ struct PublishedSolids {
   enum class Balls : uint8_t { none, every_point } balls = Balls::none;
 
   bool empty() const { return triangles.empty() && segments.empty() && balls == Balls::none; }
+};
+
+/// Corners of `solids` are rows of `points`.
+struct Ports {
+  std::optional<PointPort> points;
+  PublishedSolids solids;  ///< with which points of other systems collide
 };
 
 }  // namespace truestep

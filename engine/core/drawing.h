@@ -1,0 +1,94 @@
+// What a person sees of a state besides its fields: lines and triangles between rows, solids that rows carry,
+// obstacles, and marks (contacts, joints) on request. Sizes in m, orientations are unit quaternions
+// (w, x, y, z), colours sRGB in [0, 1].
+#pragma once
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "engine/math/vec3.h"
+
+namespace truestep {
+
+/// What is asked for of a drawing; a set of bits.
+enum class Wish : uint8_t { none = 0, constant = 1, obstacles = 2, contacts = 4, joints = 8, marks = 12 };
+constexpr Wish operator|(Wish a, Wish b) {
+  return static_cast<Wish>(static_cast<uint8_t>(a) | static_cast<uint8_t>(b));
+}
+constexpr bool wants(Wish wishes, Wish one) {
+  return (static_cast<uint8_t>(wishes) & static_cast<uint8_t>(one)) != 0;
+}
+constexpr Wish without(Wish wishes, Wish one) {
+  return static_cast<Wish>(static_cast<uint8_t>(wishes) & ~static_cast<unsigned>(one));
+}
+
+/// How a scalar becomes a colour, from its smallest to its largest value.
+enum class ColorMap : uint8_t { viridis, water, ember };
+
+/// Triangles in a solid's own frame, shared by everything that looks like it; immutable once made.
+struct DrawnMesh {
+  std::vector<float> positions;     ///< n x 3, m
+  std::vector<float> normals;       ///< n x 3, unit, outward
+  std::vector<uint32_t> triangles;  ///< 3 each, anticlockwise seen from outside
+};
+
+/// A solid to draw.
+struct DrawnShape {
+  enum class Kind : uint8_t { plane, box, sphere, capsule, cylinder, mesh } kind = Kind::sphere;
+  Vec3 position;
+  std::array<double, 4> orientation{1, 0, 0, 0};
+  Vec3 size;  ///< plane: unit normal; box: half extents; sphere: (r, -, -); capsule and cylinder: (r, half
+              ///< length along y, -), a capsule's ends come on top; mesh: unused
+  std::string id;
+  bool container = false;  ///< points stay inside instead of outside
+  std::shared_ptr<const DrawnMesh> mesh = {};
+};
+
+/// How a solid looks that rows of a part carry.
+struct Visual {
+  enum class Motion : uint8_t { fixed, kinematic, dynamic, sensor };
+  DrawnShape shape;  ///< position and orientation in the row's frame
+  std::optional<std::array<double, 3>> color;
+  uint32_t group = 0;  ///< visuals of one group look alike where they have no colour
+  Motion motion = Motion::dynamic;
+};
+
+enum class LineKind : uint8_t { structural = 0, shear = 1, bending = 2, other = 3 };
+
+/// What is drawn with the rows of a part, until the drawing's version changes.
+struct PartDrawing {
+  std::vector<std::array<uint32_t, 2>> lines;
+  std::vector<LineKind> line_kinds;  ///< one per line, or empty
+  std::vector<std::array<uint32_t, 3>> triangles;
+  double point_radius = 0;                     ///< m; 0: points are not drawn as spheres
+  std::optional<std::array<double, 3>> color;  ///< linear r g b in [0, 1]
+  std::vector<Visual> visuals;
+  /// Row, visual. The row's pose is its position and its orientation; it is dimmed where it is asleep.
+  std::vector<std::array<uint32_t, 2>> instances;
+};
+
+/// A point where bodies touch.
+struct ContactMark {
+  Vec3 point, normal;  ///< m; unit, towards the second body
+  double force = 0;    ///< N along the normal, over the last step
+};
+
+/// A joint between bodies, or a body and the world.
+struct JointMark {
+  enum class Kind : uint8_t { spherical, revolute, prismatic, fixed, distance, other } kind = Kind::other;
+  Vec3 a, b;  ///< m, where the two ends are
+  Vec3 axis;  ///< unit; zero where the joint has none
+};
+
+/// What was wished for; the rest is empty.
+struct Drawing {
+  std::vector<PartDrawing> parts;     ///< one per part: the constant part of the drawing
+  std::vector<DrawnShape> obstacles;  ///< where they are at the time of the state
+  std::vector<ContactMark> contacts;
+  std::vector<JointMark> joints;
+};
+
+}  // namespace truestep

@@ -1,0 +1,12 @@
+// Parts as a stream's Hello names them: rows that belong together, and fields that say what they mean.
+import type { Hello, Part } from "./gen/truestep/v1/stream_pb";
+
+/** The field of `part` that means `what`. */
+export function meaning(part: Part | undefined, what: string): string | undefined {
+  return part?.fields.find((field) => field.meaning === what)?.name;
+}
+
+/** The parts of `hello` by id. */
+export function partsOf(hello: Hello): Map<string, Part> {
+  return new Map(hello.parts.map((part) => [part.id, part]));
+}

@@ -1,0 +1,249 @@
+// A grid on the screen: a curve in one dimension; in the plane colours, or a surface that stands out by the value;
+// in space a slice, or a few translucent ones.
+import { BufferAttribute, BufferGeometry, Color, DoubleSide, DynamicDrawUsage, Group, Line, LineBasicMaterial, Mesh, ShaderMaterial } from "three";
+import type { FieldArray } from "../client/decode";
+import type { Lattice, Part } from "../client/gen/truestep/v1/stream_pb";
+import type { ViewerSettings } from "../client/rest";
+import { colorTable, type ColorMap } from "./color_map";
+import { palette, shadeGlsl } from "./shading";
+import type { Has, Visibility } from "./system_view";
+
+const kColors = 256;
+const kSlices = 9;
+const kCurveShare = 0.3; // of a curve's length, its height
+
+/** What the colours of a grid mean. */
+export interface Scale {
+  label: string;
+  map: ColorMap;
+  low: number;
+  high: number;
+}
+
+const vertex = /* glsl */ `
+in vec3 tint;
+in float share;
+out vec3 vTint, vNormal, vWorld;
+out float vShare;
+void main() {
+  vTint = tint;
+  vShare = share;
+  vNormal = normal;
+  vWorld = position;
+  gl_Position = projectionMatrix * (viewMatrix * vec4(position, 1.0));
+}`;
+
+const fragment = /* glsl */ `
+uniform bool lit, translucent;
+in vec3 vTint, vNormal, vWorld;
+in float vShare;
+${shadeGlsl}
+void main() {
+  vec3 toEye = normalize(cameraPosition - vWorld);
+  vec3 n = normalize(vNormal);
+  vec3 c = lit ? shade(vTint, dot(n, toEye) < 0.0 ? -n : n, toEye) : vTint;
+  gl_FragColor = vec4(c, translucent ? mix(0.03, 0.5, vShare) : 1.0);
+  #include <colorspace_fragment>
+}`;
+
+interface Sheet {
+  mesh: Mesh;
+  /** The grid's row of each vertex. */
+  rows: Uint32Array;
+  positions: Float32Array;
+  tints: Float32Array;
+  shares: Float32Array;
+}
+
+const linear = (byte: number): number => {
+  const c = byte / 255;
+  return c <= 0.04045 ? c / 12.92 : ((c + 0.055) / 1.055) ** 2.4;
+};
+
+export class GridView {
+  readonly id: string;
+  readonly group = new Group();
+  readonly bodies = undefined;
+  readonly pointRadius = 0;
+  positions = new Float32Array(0);
+  count = 0;
+  scale: Scale | undefined;
+  private readonly sheets: Sheet[] = [];
+  private curve: Line | undefined;
+  private readonly colors: Float32Array;
+  private readonly map: ColorMap;
+  private values = new Float32Array(0);
+
+  constructor(
+    private readonly part: Part,
+    private readonly settings: ViewerSettings,
+    index: number,
+  ) {
+    this.id = part.id;
+    this.map = settings.color_map ?? "viridis";
+    this.colors = Float32Array.from(colorTable(this.map, kColors), linear);
+    const lattice = part.lattice!;
+    const axes = [0, 1, 2].filter((axis) => lattice.counts[axis]! > 1);
+    if (axes.length === 1) this.makeCurve(lattice, axes[0]!, palette[index % palette.length]!);
+    else if (axes.length === 2) this.makeSheet(lattice, axes[0]!, axes[1]!, 0, false);
+    else if (axes.length === 3) this.makeSlices(lattice);
+    this.count = this.positions.length / 3;
+  }
+
+  get has(): Has {
+    return { points: false, lines: this.curve !== undefined, surface: this.sheets.length > 0, bodies: false };
+  }
+
+  update(fields: FieldArray[], show: Visibility): void {
+    const field = fields.find((one) => one.field === show.colorBy) ?? fields.find((one) => one.field === this.part.fields[0]?.name);
+    if (!field) return;
+    this.take(field);
+    const [least, greatest] = this.settings.range?.length === 2 ? (this.settings.range as [number, number]) : extent(this.values);
+    const unit = this.part.fields.find((one) => one.name === field.field)?.unit ?? "";
+    this.scale = { label: `${field.field}${unit && unit !== "1" ? ` (${unit})` : ""}`, map: this.map, low: least, high: greatest };
+    for (const sheet of this.sheets) this.paint(sheet, least, greatest);
+    if (this.curve) this.bend(least, greatest);
+    this.apply(show);
+  }
+
+  apply(show: Visibility): void {
+    for (const { mesh } of this.sheets) mesh.visible = show.surface;
+    if (this.curve) this.curve.visible = show.lines;
+  }
+
+  dispose(): void {
+    for (const { mesh } of this.sheets) {
+      mesh.geometry.dispose();
+      (mesh.material as ShaderMaterial).dispose();
+    }
+    this.curve?.geometry.dispose();
+    this.group.removeFromParent();
+  }
+
+  /** One number per row: the value, or the length of a vector. */
+  private take({ count, width, data }: FieldArray): void {
+    if (this.values.length !== count) this.values = new Float32Array(count);
+    for (let r = 0; r < count; ++r) {
+      let sum = 0;
+      for (let c = 0; c < width; ++c) sum += data[r * width + c]! ** 2;
+      this.values[r] = width === 1 ? data[r]! : Math.sqrt(sum);
+    }
+  }
+
+  private paint(sheet: Sheet, low: number, high: number): void {
+    const { rows, tints, shares, positions, mesh } = sheet;
+    const height = this.settings.height ?? 0;
+    const up = mesh.userData.up as number;
+    const base = mesh.userData.base as Float32Array;
+    for (let k = 0; k < rows.length; ++k) {
+      const value = this.values[rows[k]!] ?? 0;
+      const share = high > low ? Math.min(Math.max((value - low) / (high - low), 0), 1) : 0;
+      const color = 3 * Math.round((Number.isFinite(share) ? share : 0) * (kColors - 1));
+      shares[k] = share;
+      for (let c = 0; c < 3; ++c) tints[3 * k + c] = this.colors[color + c]!;
+      if (height !== 0) positions[3 * k + up] = base[k]! + height * value;
+    }
+    const { geometry } = mesh;
+    geometry.getAttribute("tint").needsUpdate = true;
+    geometry.getAttribute("share").needsUpdate = true;
+    if (height === 0) return;
+    geometry.getAttribute("position").needsUpdate = true;
+    geometry.computeVertexNormals();
+  }
+
+  private bend(low: number, high: number): void {
+    const x = this.positions;
+    const up = this.curve!.userData.up as number;
+    const base = this.curve!.userData.base as number;
+    const reach = Math.max(Math.abs(low), Math.abs(high));
+    const height = this.settings.height ?? (reach > 0 ? (kCurveShare * (this.curve!.userData.length as number)) / reach : 1);
+    for (let k = 0; k < this.values.length; ++k) x[3 * k + up] = base + height * this.values[k]!;
+    this.curve!.geometry.getAttribute("position").needsUpdate = true;
+  }
+
+  private makeCurve(lattice: Lattice, axis: number, color: Color): void {
+    const n = lattice.counts[axis]!;
+    this.positions = new Float32Array(3 * n);
+    for (let k = 0; k < n; ++k) for (let c = 0; c < 3; ++c) this.positions[3 * k + c] = lattice.origin[c]! + (c === axis ? k * lattice.spacing[c]! : 0);
+    const geometry = new BufferGeometry();
+    geometry.setAttribute("position", new BufferAttribute(this.positions, 3).setUsage(DynamicDrawUsage));
+    this.curve = new Line(geometry, new LineBasicMaterial({ color, linewidth: 2 }));
+    this.curve.frustumCulled = false;
+    const up = axis === 1 ? 0 : 1;
+    Object.assign(this.curve.userData, { up, base: lattice.origin[up]!, length: (n - 1) * lattice.spacing[axis]! });
+    this.group.add(this.curve);
+  }
+
+  private makeSlices(lattice: Lattice): void {
+    const cut = this.settings.slice ? "xyz".indexOf(this.settings.slice.axis ?? "z") : 2;
+    const [u, v] = [0, 1, 2].filter((axis) => axis !== cut) as [number, number];
+    const last = lattice.counts[cut]! - 1;
+    if (this.settings.slice) {
+      const { at } = this.settings.slice;
+      const layer = at === undefined ? Math.floor(last / 2) : Math.round((at - lattice.origin[cut]!) / lattice.spacing[cut]!);
+      return this.makeSheet(lattice, u, v, Math.min(Math.max(layer, 0), last), false);
+    }
+    const slices = Math.min(kSlices, last + 1);
+    for (let k = 0; k < slices; ++k) this.makeSheet(lattice, u, v, Math.floor((k * last) / (slices - 1)), true);
+  }
+
+  private makeSheet(lattice: Lattice, u: number, v: number, layer: number, translucent: boolean): void {
+    const w = 3 - u - v;
+    const step = [1, lattice.counts[0]!, lattice.counts[0]! * lattice.counts[1]!];
+    const nu = lattice.counts[u]!;
+    const nv = lattice.counts[v]!;
+    const rows = new Uint32Array(nu * nv);
+    const positions = new Float32Array(3 * nu * nv);
+    for (let j = 0, k = 0; j < nv; ++j) {
+      for (let i = 0; i < nu; ++i, ++k) {
+        const place: number[] = [];
+        place[u] = i;
+        place[v] = j;
+        place[w] = layer;
+        rows[k] = place.reduce((sum, p, axis) => sum + p * step[axis]!, 0);
+        for (let c = 0; c < 3; ++c) positions[3 * k + c] = lattice.origin[c]! + place[c]! * lattice.spacing[c]!;
+      }
+    }
+    const triangles = new Uint32Array(6 * (nu - 1) * (nv - 1));
+    for (let j = 0, k = 0; j + 1 < nv; ++j) {
+      for (let i = 0; i + 1 < nu; ++i, k += 6) {
+        const a = i + nu * j;
+        triangles.set([a, a + 1, a + nu + 1, a, a + nu + 1, a + nu], k);
+      }
+    }
+    const tints = new Float32Array(3 * nu * nv);
+    const shares = new Float32Array(nu * nv);
+    const geometry = new BufferGeometry();
+    const dynamic = (data: Float32Array, width: number): BufferAttribute => new BufferAttribute(data, width).setUsage(DynamicDrawUsage);
+    geometry.setAttribute("position", dynamic(positions, 3));
+    geometry.setAttribute("tint", dynamic(tints, 3));
+    geometry.setAttribute("share", dynamic(shares, 1));
+    geometry.setAttribute("normal", new BufferAttribute(new Float32Array(3 * nu * nv).fill(1), 3));
+    geometry.setIndex(new BufferAttribute(triangles, 1));
+    const lit = (this.settings.height ?? 0) !== 0;
+    const material = new ShaderMaterial({
+      uniforms: { lit: { value: lit }, translucent: { value: translucent } }, vertexShader: vertex, fragmentShader: fragment, side: DoubleSide,
+      transparent: translucent, depthWrite: !translucent,
+    });
+    const mesh = new Mesh(geometry, material);
+    mesh.frustumCulled = false;
+    mesh.renderOrder = translucent ? layer : 0;
+    Object.assign(mesh.userData, { up: w, base: Float32Array.from(rows, (_, k) => positions[3 * k + w]!) });
+    this.group.add(mesh);
+    this.sheets.push({ mesh, rows, positions, tints, shares });
+    const all = new Float32Array(this.positions.length + positions.length);
+    all.set(this.positions);
+    all.set(positions, this.positions.length);
+    this.positions = all;
+  }
+}
+
+function extent(values: Float32Array): [number, number] {
+  let low = Infinity;
+  let high = -Infinity;
+  for (const v of values) {
+    if (v < low) low = v;
+    if (v > high) high = v;
+  }
+  return low <= high ? [low, high] : [0, 1];
+}
