@@ -5,6 +5,7 @@
 #pragma once
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <string>
 
@@ -63,6 +64,10 @@ class RightHandSide {
   virtual std::string name_of(size_t i) const { return "component " + std::to_string(i); }
   /// True: f does not depend on t. False: Rosenbrock methods difference df/dt.
   virtual bool autonomous() const { return false; }
+
+  /// A bound of the largest |eigenvalue| of df/dy at (t, y), 1/s, where that is cheap to know; nothing:
+  /// methods that need it find it by power iteration.
+  virtual std::optional<double> spectral_radius(double t, const double* y) const { return std::nullopt; }
 
   /// The equations of second order behind this, or null. Implicit methods then ask for their derivatives and
   /// never for df/dy.

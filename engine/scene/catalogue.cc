@@ -2,6 +2,7 @@
 
 #include "engine/reference/engines.h"
 #include "engine/systems/articulation/articulation_def.h"
+#include "engine/systems/heat/heat.h"
 #include "engine/systems/mass_spring/mass_spring.h"
 #include "engine/systems/ode/ode.h"
 #include "engine/systems/oscillator/oscillator.h"
@@ -46,6 +47,17 @@ std::span<const CatalogueRow> catalogue() {
        {"follows the published simple and double pendulum to 1e-8", "keeps its energy when undamped"},
        "dop853",
        &pendulum_outputs()},
+      {"heat",
+       "fields",
+       "heat conduction in a box of one to three dimensions, with sources and sides of four kinds",
+       &heat::heat_table(),
+       heat::build_heat,
+       heat::heat_cost,
+       {"order 2 or 4 in space and the method's own in time", "an insulated box keeps its heat to rounding",
+        "the same bits on any number of threads"},
+       "rk4",
+       &heat::heat_outputs(),
+       1e13},
       {"particles",
        "points",
        "points with emitters, lifetimes, forces and obstacles",

@@ -1,0 +1,14 @@
+// What heat conduction shows.
+#include "engine/systems/heat/heat.h"
+
+namespace truestep::heat {
+
+std::vector<FieldInfo> Heat::fields() const {
+  return {{"value", "K", Scalar::f64, 1}};
+}
+
+FieldView Heat::field(const State& s, size_t, std::vector<double>&) const {
+  return {s.f64(0).data(), Scalar::f64, s.rows(0), 1};
+}
+
+}  // namespace truestep::heat
