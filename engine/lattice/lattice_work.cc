@@ -11,6 +11,9 @@ void LatticeWork::bind(const LatticeModel& model, const Constants& constants, co
   diffusion_ = Diffusion(model.lattice(), model.order(), model.coefficient(model.lattice(), constants, 0));
   forcing_.bind(model, diffusion_, constants);
   radius_.reset(), matrix_.reset(), solver_.reset();
+  const Lattice& l = model.lattice();
+  fixed_.resize(l.nodes());
+  for (size_t i = 0; i < fixed_.size(); ++i) fixed_[i] = l.fixed(l.place(i));
 }
 
 void LatticeWork::move_to(double t) {
@@ -22,9 +25,17 @@ void LatticeWork::move_to(double t) {
 }
 
 void LatticeWork::rate(double t, const double* u, double* out) {
+  homogeneous(t, u, out);
+  force(t, out);
+}
+
+void LatticeWork::homogeneous(double t, const double* u, double* out) {
   interruption_point();
   move_to(t);
   diffusion_.apply(u, out, 0, 1, *arena_);
+}
+
+void LatticeWork::force(double t, double* out) {
   forcing_.add(t, out, *arena_);
 }
 

@@ -19,6 +19,16 @@ class LatticeWork {
   const Diffusion& diffusion() const { return diffusion_; }
   /// out = L u + b(t)
   void rate(double t, const double* u, double* out);
+  /// The two parts of `rate`, for what comes in between.
+  void homogeneous(double t, const double* u, double* out);
+  void force(double t, double* out);
+  /// 1 for nodes whose values are given.
+  std::span<const uint8_t> fixed() const { return fixed_; }
+  /// As many numbers as nodes.
+  std::span<double> scratch() {
+    scratch_.resize(model_->lattice().nodes());
+    return scratch_;
+  }
   double spectral_radius();
   const Diffusion::Matrix& matrix();
   /// Solver of (shift I - step L) x = b with the sides of L, x = b at Dirichlet nodes; null where there is
@@ -35,6 +45,8 @@ class LatticeWork {
   std::optional<double> radius_;
   std::optional<Diffusion::Matrix> matrix_;
   std::unique_ptr<ShiftedSolver> solver_;
+  std::vector<uint8_t> fixed_;
+  std::vector<double> scratch_;
 };
 
 }  // namespace truestep::lattice

@@ -11,6 +11,7 @@
 #include "engine/systems/rigid2d/rigid2d.h"
 #include "engine/systems/rigid3d/rigid3d_def.h"
 #include "engine/systems/rod_chain/rod_chain.h"
+#include "engine/systems/wave/wave.h"
 
 namespace truestep {
 
@@ -57,6 +58,17 @@ std::span<const CatalogueRow> catalogue() {
         "the same bits on any number of threads"},
        "rk4",
        &heat::heat_outputs(),
+       1e13},
+      {"wave",
+       "fields",
+       "waves in a box of one to three dimensions: strings, membranes, ponds, sound",
+       &wave::wave_table(),
+       wave::build_wave,
+       wave::wave_cost,
+       {"order 2 or 4 in space and the method's own in time",
+        "symplectic methods keep the energy without drift", "the same bits on any number of threads"},
+       "leapfrog",
+       &wave::wave_outputs(),
        1e13},
       {"particles",
        "points",

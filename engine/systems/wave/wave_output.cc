@@ -1,0 +1,15 @@
+// What waves show.
+#include "engine/systems/wave/wave.h"
+
+namespace truestep::wave {
+
+std::vector<FieldInfo> Wave::fields() const {
+  return {{"value", "m", Scalar::f64, 1}, {"rate", "m/s", Scalar::f64, 1}};
+}
+
+FieldView Wave::field(const State& s, size_t which, std::vector<double>&) const {
+  const auto c = static_cast<State::Column>(which);
+  return {s.f64(c).data(), Scalar::f64, s.rows(c), 1};
+}
+
+}  // namespace truestep::wave
