@@ -56,6 +56,10 @@ class RightHandSide {
   /// dydt = f(t, y). The arrays do not overlap.
   virtual void rate(double t, const double* y, double* dydt) const = 0;
 
+  /// y += h f(t, y) in one pass over y, where equations are limited by memory rather than arithmetic. False:
+  /// not offered, y is as it was.
+  virtual bool euler_in_place(double t, double h, double* y) const { return false; }
+
   virtual MatrixShape jacobian_shape() const { return {}; }
   virtual bool has_jacobian() const { return false; }
   /// Overwrites the values of df/dy in the order of `jacobian_shape`.

@@ -6,7 +6,9 @@
 // Coefficients of derivatives: Fornberg 1988, "Generation of finite difference formulas on arbitrarily spaced
 // grids", tables 1 and 2.
 #pragma once
+#include <array>
 #include <cstddef>
+#include <utility>
 
 namespace truestep::stencil {
 
@@ -27,17 +29,19 @@ struct RowWeights {
 template <int Reach, int Rows>
 inline void combine_row(const double* u, const RowWeights& w, double* out, size_t begin, size_t end) {
   const double centre = w.centre, near = w.near, far = w.far;
-  const double* rows[Rows > 0 ? Rows : 1];
-  double weights[Rows > 0 ? Rows : 1];
-  for (int m = 0; m < Rows; ++m) rows[m] = w.rows[m], weights[m] = w.weights[m];
+  // Written out, because gcc takes a loop over rows inside the loop over elements for one that it must keep.
+  [&]<size_t... M>(std::index_sequence<M...>) {
+    const std::array<const double*, Rows> rows = {w.rows[M]...};
+    const std::array<double, Rows> weights = {w.weights[M]...};
 #pragma GCC ivdep
-  for (size_t i = begin; i < end; ++i) {
-    double sum = centre * u[i] + near * (u[i - 1] + u[i + 1]);
-    if constexpr (Reach == 2) sum += far * (u[i - 2] + u[i + 2]);
-#pragma GCC unroll 8
-    for (int m = 0; m < Rows; ++m) sum += weights[m] * rows[m][i];
-    out[i] = sum;
+    for (size_t i = begin; i < end; ++i) {
+      double sum = centre * u[i] + near * (u[i - 1] + u[i + 1]);
+      if constexpr (Reach == 2) sum += far * (u[i - 2] + u[i + 2]);
+      ((sum += std::get<M>(weights) * std::get<M>(rows)[i]), ...);
+      out[i] = sum;
+    }
   }
+  (std::make_index_sequence<Rows>());
 }
 
 /// A neighbour along y or z of a row with variable coefficients: its row, and the coefficients of the faces
@@ -54,15 +58,17 @@ struct Neighbour {
 template <int Rows>
 inline void conserve_row(const double* u, const double* face, double scale, const Neighbour* neighbours,
                          double identity, double step, double* out, size_t begin, size_t end) {
-  Neighbour n[Rows > 0 ? Rows : 1];
-  for (int m = 0; m < Rows; ++m) n[m] = neighbours[m];
+  [&]<size_t... M>(std::index_sequence<M...>) {
+    const std::array<const double*, Rows> rows = {neighbours[M].row...}, faces = {neighbours[M].face...};
+    const std::array<double, Rows> scales = {neighbours[M].scale...};
 #pragma GCC ivdep
-  for (size_t i = begin; i < end; ++i) {
-    double sum = scale * (face[i] * (u[i + 1] - u[i]) + face[i - 1] * (u[i - 1] - u[i]));
-#pragma GCC unroll 4
-    for (int m = 0; m < Rows; ++m) sum += n[m].scale * (n[m].face[i] * (n[m].row[i] - u[i]));
-    out[i] = identity * u[i] + step * sum;
+    for (size_t i = begin; i < end; ++i) {
+      double sum = scale * (face[i] * (u[i + 1] - u[i]) + face[i - 1] * (u[i - 1] - u[i]));
+      ((sum += std::get<M>(scales) * (std::get<M>(faces)[i] * (std::get<M>(rows)[i] - u[i]))), ...);
+      out[i] = identity * u[i] + step * sum;
+    }
   }
+  (std::make_index_sequence<Rows>());
 }
 
 }  // namespace truestep::stencil

@@ -51,19 +51,36 @@ void Diffusion::apply(const double* u, double* out, double identity, double step
   const size_t nx = lattice_.count(0), ny = lattice_.count(1), rows = ny * lattice_.count(2);
   const size_t block = std::max<size_t>(1, 4 * kBlockRows / nx);
   arena.for_blocks(rows, block, [&](size_t begin, size_t end) {
-    for (size_t r = begin; r < end; ++r) apply_row(u, out, identity, step, r % ny, r / ny);
+    for (size_t r = begin; r < end; ++r) apply_row(u, out + r * nx, identity, step, r % ny, r / ny);
   });
 }
 
-void Diffusion::apply_end(const double* u, double* out, double identity, double step,
+void Diffusion::step_in_place(double* u, double step, std::vector<double>& waiting) const {
+  const size_t nx = lattice_.count(0), ny = lattice_.count(1), rows = ny * lattice_.count(2);
+  // A row is read by rows up to this far behind it; at periodic sides the first rows by the last ones.
+  const size_t far = (order_ == 4 ? 2 : 1) * (lattice_.dimensions == 3 ? ny : 1);
+  const size_t first = std::min(rows, far), ring = far + 1;
+  waiting.resize((first + ring) * nx);
+  const auto place = [&](size_t r) { return waiting.data() + (r < first ? r : first + r % ring) * nx; };
+  for (size_t r = 0; r < rows; ++r) {
+    apply_row(u, place(r), 1, step, r % ny, r / ny);
+    if (r >= far + first) std::copy_n(place(r - far), nx, u + (r - far) * nx);
+  }
+  for (size_t r = std::max(first, rows - std::min(rows, far)); r < rows; ++r) {
+    std::copy_n(place(r), nx, u + r * nx);
+  }
+  for (size_t r = 0; r < first; ++r) std::copy_n(place(r), nx, u + r * nx);
+}
+
+void Diffusion::apply_end(const double* u, double* row, double identity, double step,
                           const std::array<size_t, 3>& p) const {
   const size_t node = p[0] + lattice_.stride(1) * p[1] + lattice_.stride(2) * p[2];
   double sum = 0;
   entries(p, [&](size_t to, double w) { sum += w * u[to]; });
-  out[node] = identity * u[node] + step * sum;
+  row[p[0]] = identity * u[node] + step * sum;
 }
 
-void Diffusion::apply_row(const double* u, double* out, double identity, double step, size_t j,
+void Diffusion::apply_row(const double* u, double* out_row, double identity, double step, size_t j,
                           size_t k) const {
   const size_t nx = lattice_.count(0), d = lattice_.dimensions;
   const std::array<size_t, 3> strides = {1, lattice_.stride(1), lattice_.stride(2)};
@@ -71,14 +88,14 @@ void Diffusion::apply_row(const double* u, double* out, double identity, double 
   const std::array<size_t, 3> at = {0, j, k};
   for (size_t a = 1; a < d; ++a) {
     if (!lattice_.axes[a].fixed(at[a])) continue;
-    for (size_t i = 0; i < nx; ++i) out[start + i] = identity * u[start + i];
+    for (size_t i = 0; i < nx; ++i) out_row[i] = identity * u[start + i];
     return;
   }
   // Nodes near the ends of the row go through their entries one by one.
   const size_t reach = order_ == 4 ? 2 : 1;
   const size_t low = std::min(reach, nx), high = std::max(low, nx - std::min(reach, nx));
-  for (size_t i = 0; i < low; ++i) apply_end(u, out, identity, step, {i, j, k});
-  for (size_t i = high; i < nx; ++i) apply_end(u, out, identity, step, {i, j, k});
+  for (size_t i = 0; i < low; ++i) apply_end(u, out_row, identity, step, {i, j, k});
+  for (size_t i = high; i < nx; ++i) apply_end(u, out_row, identity, step, {i, j, k});
   if (c_.variable()) {
     stencil::Neighbour neighbours[4];
     size_t count = 0;
@@ -89,7 +106,7 @@ void Diffusion::apply_row(const double* u, double* out, double identity, double 
       const size_t i = at[a], line = start - i * strides[a];
       if ((i == 0 && axis.sides[0].kind == SideKind::robin) ||
           (i == axis.cells && axis.sides[1].kind == SideKind::robin)) {
-        for (size_t x = low; x < high; ++x) apply_end(u, out, identity, step, {x, j, k});
+        for (size_t x = low; x < high; ++x) apply_end(u, out_row, identity, step, {x, j, k});
         return;
       }
       neighbours[count++] = {u + line + axis.before(i) * strides[a],
@@ -100,8 +117,7 @@ void Diffusion::apply_row(const double* u, double* out, double identity, double 
     const double scale = 1 / (lattice_.axes[0].spacing * lattice_.axes[0].spacing);
     const double* face = c_.faces[0].data() + start;
     const auto run = [&]<int kRows>() {
-      stencil::conserve_row<kRows>(u + start, face, scale, neighbours, identity, step, out + start, low,
-                                   high);
+      stencil::conserve_row<kRows>(u + start, face, scale, neighbours, identity, step, out_row, low, high);
     };
     return d == 1 ? run.operator()<0>() : d == 2 ? run.operator()<2>() : run.operator()<4>();
   }
@@ -124,7 +140,7 @@ void Diffusion::apply_row(const double* u, double* out, double identity, double 
     }
   }
   const auto run = [&]<int kReach, int kRows>() {
-    stencil::combine_row<kReach, kRows>(u + start, row, out + start, low, high);
+    stencil::combine_row<kReach, kRows>(u + start, row, out_row, low, high);
   };
   if (order_ == 4) {
     return d == 1 ? run.operator()<2, 0>() : d == 2 ? run.operator()<2, 4>() : run.operator()<2, 8>();

@@ -36,6 +36,9 @@ class Diffusion {
 
   /// out = identity u + step L u; the arrays do not overlap.
   void apply(const double* u, double* out, double identity, double step, const ThreadArena& arena) const;
+  /// u += step L u with no second array: rows wait in `waiting` until no other row needs what they replace.
+  /// The bits are those of `apply`.
+  void step_in_place(double* u, double step, std::vector<double>& waiting) const;
   /// A bound of the largest |eigenvalue| (Gershgorin), exact to a few percent for constant coefficients.
   double spectral_radius() const;
   /// -1/2 u L u in the nodes' volumes, for homogeneous sides.
@@ -60,8 +63,10 @@ class Diffusion {
     std::array<uint32_t, 5> index;
     std::array<double, 5> weight;
   };
-  void apply_row(const double* u, double* out, double identity, double step, size_t j, size_t k) const;
-  void apply_end(const double* u, double* out, double identity, double step,
+  /// Row (j, k) of identity u + step L u.
+  void apply_row(const double* u, double* row, double identity, double step, size_t j, size_t k) const;
+  /// Its element i by the entries.
+  void apply_end(const double* u, double* row, double identity, double step,
                  const std::array<size_t, 3>& p) const;
 
   Lattice lattice_;

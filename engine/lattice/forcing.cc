@@ -118,7 +118,9 @@ LatticeModel::LatticeModel(const LatticeDef& def, SideKind usual, const Texts& t
           s = r.derivative(source, static_cast<int32_t>(kX + a));
           if (end == 0) s = graph.unary(O::negate, s);
         }
-        w = graph.binary(O::divide, graph.binary(O::subtract, w, s), graph.variable(kCoefficient));
+        w = graph.binary(O::subtract, w, s);
+        // 0 / c would count as a forcing.
+        if (graph.constant_value(w) != 0.0) w = graph.binary(O::divide, w, graph.variable(kCoefficient));
         for (size_t b = 0; b < lattice_.dimensions; ++b) {
           if (b == a) continue;
           const auto v = static_cast<int32_t>(kX + b);

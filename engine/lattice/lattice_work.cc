@@ -29,6 +29,14 @@ void LatticeWork::rate(double t, const double* u, double* out) {
   force(t, out);
 }
 
+bool LatticeWork::euler_in_place(double t, double h, double* u) {
+  if (model_->forced() || arena_->threads() > 1 || model_->lattice().dimensions == 1) return false;
+  interruption_point();
+  move_to(t);
+  diffusion_.step_in_place(u, h, waiting_);
+  return true;
+}
+
 void LatticeWork::homogeneous(double t, const double* u, double* out) {
   interruption_point();
   move_to(t);

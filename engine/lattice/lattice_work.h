@@ -19,6 +19,8 @@ class LatticeWork {
   const Diffusion& diffusion() const { return diffusion_; }
   /// out = L u + b(t)
   void rate(double t, const double* u, double* out);
+  /// u += h (L u + b(t)) in place; false where there is a forcing, or threads that would share the rows.
+  bool euler_in_place(double t, double h, double* u);
   /// The two parts of `rate`, for what comes in between.
   void homogeneous(double t, const double* u, double* out);
   void force(double t, double* out);
@@ -46,7 +48,7 @@ class LatticeWork {
   std::optional<Diffusion::Matrix> matrix_;
   std::unique_ptr<ShiftedSolver> solver_;
   std::vector<uint8_t> fixed_;
-  std::vector<double> scratch_;
+  std::vector<double> scratch_, waiting_;
 };
 
 }  // namespace truestep::lattice

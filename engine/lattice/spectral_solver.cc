@@ -42,11 +42,12 @@ SpectralSolver::SpectralSolver(const Diffusion& diffusion) : diffusion_(diffusio
 }
 
 bool SpectralSolver::factor(double shift, double step) {
-  return factor(Complex(shift), Complex(step));
+  shift_ = shift, step_ = step;
+  return std::isfinite(shift + step);
 }
 
 bool SpectralSolver::factor(Complex shift, Complex step) {
-  shift_ = shift, step_ = step;
+  complex_shift_ = shift, complex_step_ = step;
   return std::isfinite(shift.re + shift.im + step.re + step.im);
 }
 
@@ -105,10 +106,10 @@ void SpectralSolver::divide(const ThreadArena& arena, Divide&& divide) const {
 void SpectralSolver::solve(double* b, const ThreadArena& arena) {
   kept_.clear();
   for (const uint32_t node : fixed_) kept_.push_back(b[node]);
-  move_given(b, step_.re, b, arena);
+  move_given(b, step_, b, arena);
   for (const uint32_t node : fixed_) b[node] = 0;
   transform(b, Way::forward, arena);
-  const double shift = shift_.re, step = step_.re;
+  const double shift = shift_, step = step_;
   divide(arena, [=](size_t i, double eigenvalue) { b[i] /= shift - step * eigenvalue; });
   transform(b, Way::backward, arena);
   for (size_t k = 0; k < fixed_.size(); ++k) b[fixed_[k]] = kept_[k];
@@ -119,14 +120,14 @@ void SpectralSolver::solve(double* re, double* im, const ThreadArena& arena) {
   for (const uint32_t node : fixed_) kept_.push_back(re[node]), kept_.push_back(im[node]);
   // (step.re + i step.im) L (re + i im) of the given values.
   re_.assign(re, re + diffusion_.lattice().nodes()), im_.assign(im, im + re_.size());
-  move_given(re_.data(), step_.re, re, arena);
-  move_given(re_.data(), step_.im, im, arena);
-  move_given(im_.data(), -step_.im, re, arena);
-  move_given(im_.data(), step_.re, im, arena);
+  move_given(re_.data(), complex_step_.re, re, arena);
+  move_given(re_.data(), complex_step_.im, im, arena);
+  move_given(im_.data(), -complex_step_.im, re, arena);
+  move_given(im_.data(), complex_step_.re, im, arena);
   for (const uint32_t node : fixed_) re[node] = im[node] = 0;
   transform(re, Way::forward, arena);
   transform(im, Way::forward, arena);
-  const Complex shift = shift_, step = step_;
+  const Complex shift = complex_shift_, step = complex_step_;
   divide(arena, [=](size_t i, double eigenvalue) {
     const double dr = shift.re - step.re * eigenvalue, di = shift.im - step.im * eigenvalue;
     const double s = 1 / (dr * dr + di * di), r = re[i], m = im[i];

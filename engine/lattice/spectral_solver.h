@@ -31,7 +31,8 @@ class SpectralSolver final : public ShiftedSolver {
   std::vector<TrigTransform> transforms_;
   std::array<std::vector<double>, 3> eigenvalues_;
   std::vector<uint32_t> fixed_;
-  Complex shift_, step_;
+  double shift_ = 1, step_ = 0;
+  Complex complex_shift_, complex_step_;  ///< methods keep a real and a complex matrix at once
   std::vector<double, CacheLineAllocator<double>> given_, moved_, re_, im_;
   std::vector<double> kept_;
 };

@@ -120,6 +120,14 @@ void expect_complex(const Diffusion& d, Solver& solver, double tolerance) {
     worst = std::max({worst, std::abs(re[i] - xr[i]), std::abs(im[i] - xi[i])});
   }
   EXPECT_LT(worst, tolerance);
+  // A real matrix and a complex one stand side by side, whichever came last.
+  auto both = apply(d, 1, 0.3, xr);
+  ASSERT_TRUE(solver.factor(1, 0.3));
+  ASSERT_TRUE(solver.factor(Complex(1), Complex(a, b)));
+  solver.solve(both.data(), kSerial);
+  worst = 0;
+  for (size_t i = 0; i < xr.size(); ++i) worst = std::max(worst, std::abs(both[i] - xr[i]));
+  EXPECT_LT(worst, tolerance);
 }
 
 TEST(SpectralSolver, SolvesWithComplexSteps) {

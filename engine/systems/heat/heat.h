@@ -22,6 +22,7 @@ class HeatEquations final : public RightHandSide, public LinearSolver {
 
   size_t size() const override { return n_; }
   void rate(double t, const double* y, double* dydt) const override { work_.rate(t, y, dydt); }
+  bool euler_in_place(double t, double h, double* y) const override { return work_.euler_in_place(t, h, y); }
   MatrixShape jacobian_shape() const override { return work_.matrix().shape(); }
   bool has_jacobian() const override { return true; }
   void jacobian(double t, const double* y, double* values) const override;

@@ -54,7 +54,8 @@ class WaveEquations final : public RightHandSide, public SecondOrder, public Lin
   const ThreadArena& arena_;
   std::span<const uint8_t> fixed_;
   std::span<double> product_;
-  Complex z_;
+  double z_ = 0;
+  Complex complex_z_;
 };
 
 class Wave final : public StagedSystem {

@@ -51,13 +51,13 @@ bool WaveEquations::factor(double z) {
   return work_.solver()->factor(1 + z * damping_, z * z);
 }
 bool WaveEquations::factor(Complex z) {
-  z_ = z;
+  complex_z_ = z;
   return work_.solver()->factor(Complex(1) + damping_ * z, z * z);
 }
 void WaveEquations::solve(double* b) {
   double *r = b, *s = b + n_, *l = product_.data();
   work_.diffusion().apply(r, l, 0, 1, arena_);
-  const double z = z_.re;
+  const double z = z_;
   for (size_t i = 0; i < n_; ++i) s[i] += z * l[i];
   work_.solver()->solve(s, arena_);
   for (size_t i = 0; i < n_; ++i) r[i] += z * s[i];
@@ -66,13 +66,13 @@ void WaveEquations::solve(double* re, double* im) {
   double* l = product_.data();
   double *sr = re + n_, *si = im + n_;
   work_.diffusion().apply(re, l, 0, 1, arena_);
-  for (size_t i = 0; i < n_; ++i) sr[i] += z_.re * l[i], si[i] += z_.im * l[i];
+  for (size_t i = 0; i < n_; ++i) sr[i] += complex_z_.re * l[i], si[i] += complex_z_.im * l[i];
   work_.diffusion().apply(im, l, 0, 1, arena_);
-  for (size_t i = 0; i < n_; ++i) sr[i] -= z_.im * l[i], si[i] += z_.re * l[i];
+  for (size_t i = 0; i < n_; ++i) sr[i] -= complex_z_.im * l[i], si[i] += complex_z_.re * l[i];
   work_.solver()->solve(sr, si, arena_);
   for (size_t i = 0; i < n_; ++i) {
-    re[i] += z_.re * sr[i] - z_.im * si[i];
-    im[i] += z_.re * si[i] + z_.im * sr[i];
+    re[i] += complex_z_.re * sr[i] - complex_z_.im * si[i];
+    im[i] += complex_z_.re * si[i] + complex_z_.im * sr[i];
   }
 }
 bool WaveEquations::factor_second_order(double with_x, double with_v) {
