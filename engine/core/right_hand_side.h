@@ -5,6 +5,7 @@
 #pragma once
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <string>
 
@@ -55,6 +56,10 @@ class RightHandSide {
   /// dydt = f(t, y). The arrays do not overlap.
   virtual void rate(double t, const double* y, double* dydt) const = 0;
 
+  /// y += h f(t, y) in one pass over y, where equations are limited by memory rather than arithmetic. False:
+  /// not offered, y is as it was.
+  virtual bool euler_in_place(double t, double h, double* y) const { return false; }
+
   virtual MatrixShape jacobian_shape() const { return {}; }
   virtual bool has_jacobian() const { return false; }
   /// Overwrites the values of df/dy in the order of `jacobian_shape`.
@@ -63,6 +68,10 @@ class RightHandSide {
   virtual std::string name_of(size_t i) const { return "component " + std::to_string(i); }
   /// True: f does not depend on t. False: Rosenbrock methods difference df/dt.
   virtual bool autonomous() const { return false; }
+
+  /// A bound of the largest |eigenvalue| of df/dy at (t, y), 1/s, where that is cheap to know; nothing:
+  /// methods that need it find it by power iteration.
+  virtual std::optional<double> spectral_radius(double t, const double* y) const { return std::nullopt; }
 
   /// The equations of second order behind this, or null. Implicit methods then ask for their derivatives and
   /// never for df/dy.

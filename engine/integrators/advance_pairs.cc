@@ -7,7 +7,15 @@
 namespace truestep {
 
 void advance_euler(Advance& in) {
-  advance_fixed<kEulerTableau>(in);
+  // A second path: 1e6 nodes of a lattice at two to three times the speed (tests/bench/heat.cc).
+  const auto at = [&](uint64_t i) {
+    return in.t + static_cast<double>(i) * ((in.t_end - in.t) / static_cast<double>(in.fixed_steps));
+  };
+  const double h = (in.t_end - in.t) / static_cast<double>(in.fixed_steps);
+  if (in.watcher || !in.f.euler_in_place(in.t, h, in.y)) return advance_fixed<kEulerTableau>(in);
+  for (uint64_t i = 1; i < in.fixed_steps; ++i) in.f.euler_in_place(at(i), h, in.y);
+  if (in.statistics) in.statistics->steps += in.fixed_steps, in.statistics->rates += in.fixed_steps;
+  in.reached = in.t_end;
 }
 void advance_midpoint(Advance& in) {
   advance_fixed<kMidpointTableau>(in);

@@ -35,6 +35,7 @@ AdvanceFunction advance_yoshida4, advance_yoshida6, advance_yoshida8;           
 AdvanceFunction advance_kahan_li8, advance_pefrl;                                     // advance_splitting.cc
 AdvanceFunction advance_rkn86, advance_rkn1210;                                       // advance_nystrom.cc
 AdvanceFunction advance_ssprk104;                                                     // ssprk104.cc
+AdvanceFunction advance_rkc2;                                                         // rkc2.cc
 AdvanceFunction advance_ias15;                                                        // ias15.cc
 AdvanceFunction advance_dopri5, advance_tsit5, advance_dop853;                        // advance_NAME.cc
 

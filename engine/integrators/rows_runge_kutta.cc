@@ -1,6 +1,8 @@
 // Rows of the table: explicit Runge-Kutta methods from order 3 on.
 #include <array>
+#include <limits>
 
+#include "engine/integrators/field_equations.h"
 #include "engine/integrators/methods.h"
 #include "engine/integrators/rows.h"
 
@@ -97,6 +99,17 @@ std::span<const Integrator> runge_kutta_rows() {
           .prepare = prepare_adaptive,
           .step = step_ssprk104,
           .advance = advance_ssprk104},
+      Integrator{.name = "rkc2",
+                 .title = "Runge-Kutta-Chebyshev method, as many stages as the step needs, for diffusion",
+                 .order = 2,
+                 .imaginary_limit = 0,
+                 .real_limit = std::numeric_limits<double>::infinity(),
+                 .stepping = Stepping::adaptive,
+                 .order_with_velocity = 2,
+                 .source = "Sommeijer, Shampine, Verwer 1998, eqs. 2.1 to 2.9",
+                 .prepare = prepare_adaptive,
+                 .step = step_by<advance_rkc2>,
+                 .advance = advance_rkc2},
   };
   return kRows;
 }

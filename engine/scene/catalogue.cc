@@ -2,6 +2,7 @@
 
 #include "engine/reference/engines.h"
 #include "engine/systems/articulation/articulation_def.h"
+#include "engine/systems/heat/heat.h"
 #include "engine/systems/mass_spring/mass_spring.h"
 #include "engine/systems/ode/ode.h"
 #include "engine/systems/oscillator/oscillator.h"
@@ -10,6 +11,7 @@
 #include "engine/systems/rigid2d/rigid2d.h"
 #include "engine/systems/rigid3d/rigid3d_def.h"
 #include "engine/systems/rod_chain/rod_chain.h"
+#include "engine/systems/wave/wave.h"
 
 namespace truestep {
 
@@ -46,6 +48,28 @@ std::span<const CatalogueRow> catalogue() {
        {"follows the published simple and double pendulum to 1e-8", "keeps its energy when undamped"},
        "dop853",
        &pendulum_outputs()},
+      {"heat",
+       "fields",
+       "heat conduction in a box of one to three dimensions, with sources and sides of four kinds",
+       &heat::heat_table(),
+       heat::build_heat,
+       heat::heat_cost,
+       {"order 2 or 4 in space and the method's own in time", "an insulated box keeps its heat to rounding",
+        "the same bits on any number of threads"},
+       "rk4",
+       &heat::heat_outputs(),
+       1e13},
+      {"wave",
+       "fields",
+       "waves in a box of one to three dimensions: strings, membranes, ponds, sound",
+       &wave::wave_table(),
+       wave::build_wave,
+       wave::wave_cost,
+       {"order 2 or 4 in space and the method's own in time",
+        "symplectic methods keep the energy without drift", "the same bits on any number of threads"},
+       "leapfrog",
+       &wave::wave_outputs(),
+       1e13},
       {"particles",
        "points",
        "points with emitters, lifetimes, forces and obstacles",

@@ -142,6 +142,22 @@ test("a body follows the mouse", async () => {
   await page.mouse.up();
 });
 
+test("a grid shows its values in colours, and what they mean", async () => {
+  const plate = { type: "heat", id: "plate", cells: [16, 16], initial: "x" };
+  const view = { camera: { eye: [0.5, 0.5, 2.5], target: [0.5, 0.5, 0] }, range: [0, 1] };
+  const { id } = await ask("/v1/sessions", { time: { dt: 1e-6 }, gravity: [0, 0, 0], viewer: view, systems: [plate] });
+  await page.goto(`${url}/?session=${id}`);
+  await until(async () => (await page.textContent("#read-frame")) !== "0", "a frame is shown");
+  await until(() => page.locator("#scale").isVisible(), "the scale is shown");
+  assert.match(await page.textContent("#scale"), /value \(K\)\s*01/);
+  const box = await page.locator("#view").boundingBox();
+  const at = (share) => colorAt(Math.round(box.x + box.width / 2 + share * 0.16 * box.height), Math.round(box.y + 0.47 * box.height));
+  const [cold, hot] = [await at(-1), await at(1)];
+  // Viridis: violet below, yellow above. The control: the two sides differ, and neither is the background.
+  assert.ok(cold[2] > 1.3 * cold[1] && cold[2] > 60, `cold: ${cold}`);
+  assert.ok(hot[1] > 1.3 * hot[2] && hot[1] > 120, `hot: ${hot}`);
+});
+
 test("nothing was written to the console as an error so far", () => assert.deepEqual(bad, []));
 
 test("a body that cannot be is named in the editor", async () => {

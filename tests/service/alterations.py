@@ -113,6 +113,8 @@ ALTERED = {
     },
     "stream_test.Stream": {
         "test_hello_topology_playback_frame": [message("hello", put("session", "another"))],
+        "test_a_grid_is_a_part_with_its_lattice_and_streams_unasked": [message("hello", lambda m: m["parts"][0].update(kind="points"))],
+        "test_parts_beside_the_main_one_are_asked_for_by_their_names": [message("hello", lambda m: m["parts"].pop())],
         "test_credit_bounds_the_frames_in_flight_and_gaps_are_counted": [message("frame", put("dropped", "0"))],
         "test_every_policy_leaves_no_gap": [message("frame", lambda m: m["step"] == "150" and m.update(step="151"))],
         "test_differences_decode_to_the_positions_within_half_a_quantum": [message("frame", shift_scale)],

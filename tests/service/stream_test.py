@@ -46,6 +46,28 @@ class Stream(Case):
         frame = ws.message("frame")
         self.assertEqual((frame["step"], frame["state_hash"]), ("0", "0"), "the hash of a state is for those who ask")
 
+    def test_a_grid_is_a_part_with_its_lattice_and_streams_unasked(self):
+        ws = self.open({"time": {"dt": 1e-4}, "systems": [{"type": "heat", "id": "plate", "cells": [4, 2], "initial": "x + 10*y"}]})
+        (part,) = ws.message("hello")["parts"]
+        self.assertEqual((part["id"], part["system"], part["kind"]), ("plate", "plate", "grid"))
+        self.assertEqual(part["lattice"]["counts"], [5, 3, 1])
+        self.assertEqual([f["name"] for f in part["fields"]], ["value"])
+        (block,) = ws.message("frame")["blocks"]
+        self.assertEqual((block["system"], block["field"], block["count"]), ("plate", "value", 15))
+        values = struct.unpack("<15f", base64.b64decode(block["data"]))
+        self.assertAlmostEqual(values[5 * 2 + 1], 0.25 + 10, 5)
+
+    def test_parts_beside_the_main_one_are_asked_for_by_their_names(self):
+        rope = {"type": "mass_spring", "id": "r", "rope": {"from": [0, 0, 0], "to": [1, 0, 0], "links": 3}}
+        ws = self.open({"systems": [rope]})
+        self.assertEqual([p["id"] for p in ws.message("hello")["parts"]], ["r", "r.springs"])
+        self.assertEqual([b["system"] for b in ws.message("frame")["blocks"]], ["r"])
+        ws.send({"request_id": "s", "subscribe": {"systems": ["r.springs"], "fields": ["strain"]}})
+        frame = ws.message("frame")
+        self.assertEqual([(b["system"], b["count"]) for b in frame["blocks"]], [("r.springs", 3)])
+        ws.send({"request_id": "bad", "subscribe": {"systems": ["r.skin"]}})
+        self.assertEqual(ws.message("problem")["code"], "unknown_system")
+
     def test_credit_bounds_the_frames_in_flight_and_gaps_are_counted(self):
         ws = self.open()
         ws.send({"request_id": "s", "subscribe": {"credit": 2, "encoding": "F64", "state_hash": True}})

@@ -112,7 +112,7 @@ constexpr const char* kLight = R"("gravity": [0, -0.1, 0],)";
 
 double tip(const SceneRun& run) {
   std::vector<double> scratch;
-  const FieldView x = run.world.system(0).field(run.state.systems[0], 0, scratch);
+  const FieldView x = run.world.system(0).field(run.state.systems[0], 0, 0, scratch);
   return static_cast<const double*>(x.data)[3 * (kLinks - 1) + 1];
 }
 

@@ -119,7 +119,7 @@ TEST(Bending, TheStableStepIsOfTheRightSize) {
            R"(}, "systems": [{"type": "mass_spring", "id": "s", )" + rope + "}]}";
   };
   const World probe(parse_scene(scene(1e-4)));
-  const double stable = *probe.limit(Limit::stable_dt, probe.initial_state(), 0);
+  const double stable = *probe.stable_dt(probe.initial_state());
   const auto survives = [&](double dt) {
     const World world(parse_scene(scene(dt)));
     WorldState s = world.initial_state();

@@ -209,9 +209,9 @@ void add_curve(DrawList& list, const Lattice& l, size_t axis, const Shown& s, co
   for (size_t i = 0; i < l.counts[axis]; ++i) {
     const Vec3 at = l.origin + unit(axis) * (static_cast<double>(i) * component(l.spacing, axis));
     push(curve.positions, at + unit(up) * (height * s.size[i]));
-    curve.scalar.push_back(s.size[i]);
-    if (i > 0)
-      curve.lines.insert(curve.lines.end(), {static_cast<uint32_t>(i - 1), static_cast<uint32_t>(i)});
+    if (i == 0) continue;
+    curve.lines.insert(curve.lines.end(), {static_cast<uint32_t>(i - 1), static_cast<uint32_t>(i)});
+    curve.line_scalar.push_back(0.5f * (s.size[i - 1] + s.size[i]));
   }
   curve.line_radius = static_cast<float>(0.004 * length);
   add_stroke(base, l.origin, l.origin + unit(axis) * length);

@@ -1,0 +1,110 @@
+#include "engine/lattice/lattice_def.h"
+
+namespace truestep::lattice {
+
+namespace {
+constexpr const char* kSideNames[3][2] = {{"x_min", "x_max"}, {"y_min", "y_max"}, {"z_min", "z_max"}};
+constexpr double kMostNodes = 5e7;
+}  // namespace
+
+const std::optional<SideDef>& SidesDef::of(size_t axis, size_t end) const {
+  const std::optional<SideDef>* const all[] = {&x_min, &x_max, &y_min, &y_max, &z_min, &z_max};
+  return *all[2 * axis + end];
+}
+
+const DefTable& side_table() {
+  using D = SideDef;
+  static const DefTable kTable =
+      TableOf<D>("what holds on a side")
+          .choice(
+              "kind", &D::kind, {"dirichlet", "neumann", "robin", "periodic"},
+              "dirichlet: u = value; neumann: du/dn = value, n pointing outwards; robin: du/dn = transfer "
+              "(value - u); periodic: the box goes on at the other end")
+          .text("value", &D::value, "expression of x, y, z and t")
+          .number("transfer", &D::transfer, "1/m", at_least(0), "of a robin side")
+          .build();
+  return kTable;
+}
+
+const DefTable& sides_table() {
+  using D = SidesDef;
+  static const DefTable kTable = TableOf<D>("the sides of the box")
+                                     .object("x_min", &D::x_min, side_table(), "where x is smallest")
+                                     .object("x_max", &D::x_max, side_table(), "where x is largest")
+                                     .object("y_min", &D::y_min, side_table(), "where y is smallest")
+                                     .object("y_max", &D::y_max, side_table(), "where y is largest")
+                                     .object("z_min", &D::z_min, side_table(), "where z is smallest")
+                                     .object("z_max", &D::z_max, side_table(), "where z is largest")
+                                     .build();
+  return kTable;
+}
+
+namespace {
+const SideDef* side_of(const LatticeDef& d, size_t axis, size_t end) {
+  if (const auto& own = d.sides.of(axis, end)) return &*own;
+  // A periodic end makes the other one periodic.
+  if (const auto& other = d.sides.of(axis, 1 - end); other && other->kind == SideKind::periodic) {
+    return &*other;
+  }
+  return d.all ? &*d.all : nullptr;
+}
+}  // namespace
+
+std::string side_value(const LatticeDef& d, size_t axis, size_t end) {
+  const SideDef* s = side_of(d, axis, end);
+  return s ? s->value : "0";
+}
+
+Lattice make_lattice(const LatticeDef& d, SideKind usual) {
+  Lattice l;
+  l.dimensions = d.cells.size();
+  for (size_t a = 0; a < l.dimensions; ++a) {
+    Axis& axis = l.axes[a];
+    axis.cells = static_cast<size_t>(d.cells[a]);
+    const double length = d.size.empty() ? 1 : d.size[a];
+    axis.spacing = length / static_cast<double>(axis.cells);
+    if (d.origin) axis.origin = a == 0 ? d.origin->x : a == 1 ? d.origin->y : d.origin->z;
+    for (size_t end = 0; end < 2; ++end) {
+      const SideDef* s = side_of(d, a, end);
+      axis.sides[end] = {s ? s->kind : usual, s && s->kind == SideKind::robin ? s->transfer : 0};
+    }
+  }
+  return l;
+}
+
+double lattice_nodes(const LatticeDef& d) {
+  double n = 1;
+  for (const int64_t c : d.cells) n *= static_cast<double>(c) + 1;
+  return n;
+}
+
+void check_lattice(const LatticeDef& d, const DefTable::Report& report) {
+  if (!d.size.empty() && d.size.size() != d.cells.size()) {
+    report("/size", "as many lengths as cells has numbers");
+  }
+  if (lattice_nodes(d) > kMostNodes) report("/cells", "more than 5e7 nodes");
+  const bool fourth = d.order == LatticeDef::Order::fourth;
+  for (size_t a = 0; a < 3; ++a) {
+    for (size_t end = 0; end < 2; ++end) {
+      const std::string pointer = std::string("/sides/") + kSideNames[a][end];
+      if (a >= d.cells.size()) {
+        if (d.sides.of(a, end)) report(pointer, "the box has no such side");
+        continue;
+      }
+      const SideDef *mine = side_of(d, a, end), *other = side_of(d, a, 1 - end);
+      const bool periodic = mine && mine->kind == SideKind::periodic;
+      if (periodic && !(other && other->kind == SideKind::periodic)) {
+        report(pointer, "a periodic side needs the opposite one to be periodic too");
+      }
+      if (fourth && mine && mine->kind == SideKind::robin) {
+        report(d.sides.of(a, end) ? pointer : "/side", "robin sides have order 2 in space");
+      }
+      if (periodic && d.cells[a] < 3) report("/cells", "a periodic axis has at least 3 cells");
+    }
+    if (a < d.cells.size() && fourth && d.cells[a] < 5) {
+      report("/cells", "order 4 needs at least 5 cells along every axis");
+    }
+  }
+}
+
+}  // namespace truestep::lattice

@@ -1,0 +1,72 @@
+// What scenes say about equations on a box: cells, size, sides, order in space; the rows of their tables.
+#pragma once
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "engine/core/def.h"
+#include "engine/core/integrator_def.h"
+#include "engine/lattice/lattice.h"
+
+namespace truestep::lattice {
+
+struct SideDef {
+  SideKind kind = SideKind::dirichlet;
+  std::string value = "0";
+  double transfer = 1;  ///< 1/m
+};
+struct SidesDef {
+  std::optional<SideDef> x_min, x_max, y_min, y_max, z_min, z_max;
+  /// In the order x_min, x_max, y_min ...
+  const std::optional<SideDef>& of(size_t axis, size_t end) const;
+};
+
+struct LatticeDef : IntegratorParams {
+  std::vector<int64_t> cells = {64};
+  std::vector<double> size;    ///< m; empty: 1 along every axis
+  std::optional<Vec3> origin;  ///< m, lower corner
+  std::optional<SideDef> all;  ///< sides that are not given on their own
+  SidesDef sides;
+  enum class Order : uint8_t { second, fourth } order = Order::second;
+  std::string initial = "0", source = "0";
+};
+
+const DefTable& side_table();
+const DefTable& sides_table();
+/// Faults that only several members together can have.
+void check_lattice(const LatticeDef& d, const DefTable::Report& report);
+/// `usual`: sides that nothing was said about.
+Lattice make_lattice(const LatticeDef& d, SideKind usual);
+/// The text of a side's value; "0" where nothing was said.
+std::string side_value(const LatticeDef& d, size_t axis, size_t end);
+
+/// Nodes, without overflow.
+double lattice_nodes(const LatticeDef& d);
+
+/// Adds the rows of LatticeDef to the table of a struct D derived from it.
+template <class D>
+TableOf<D>& add_lattice_rows(TableOf<D>& t, const char* initial_sentence, const char* source_sentence) {
+  std::vector<int64_t> D::*cells = &LatticeDef::cells;
+  std::vector<double> D::*size = &LatticeDef::size;
+  std::optional<Vec3> D::*origin = &LatticeDef::origin;
+  std::optional<SideDef> D::*all = &LatticeDef::all;
+  SidesDef D::*sides = &LatticeDef::sides;
+  LatticeDef::Order D::*order = &LatticeDef::order;
+  std::string D::*initial = &LatticeDef::initial;
+  std::string D::*source = &LatticeDef::source;
+  return t
+      .integers("cells", cells, between(2, 1e7), {1, 3},
+                "cells along x, y and z, as many numbers as the box has dimensions; nodes lie between cells "
+                "and on the sides")
+      .required()
+      .numbers("size", size, "m", above(0), {0, 3}, "lengths of the box; 1 m each if absent")
+      .vector("origin", origin, "m", any(), "lower corner of the box")
+      .object("side", all, side_table(), "of all sides that are not given under sides")
+      .object("sides", sides, sides_table(), "x_min, x_max, y_min ... one by one")
+      .choice("order", order, {"2", "4"},
+              "of the error in space; 4 needs constant coefficients and no robin side")
+      .text("initial", initial, initial_sentence)
+      .text("source", source, source_sentence);
+}
+
+}  // namespace truestep::lattice

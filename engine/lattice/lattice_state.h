@@ -1,0 +1,27 @@
+// States on a lattice: columns with their first values, integrals over the box, what a command adds at a
+// place.
+#pragma once
+#include <span>
+#include <vector>
+
+#include "engine/core/command.h"
+#include "engine/core/part.h"
+#include "engine/core/state.h"
+#include "engine/lattice/lattice.h"
+
+namespace truestep::lattice {
+
+State::Column add_column(State& state, ColumnInfo info, const std::vector<double>& values);
+
+/// The nodes as a system's main part.
+PartInfo grid_part(const Lattice& lattice, std::vector<FieldInfo> fields);
+
+/// Sum of u times the nodes' volumes, in the order of the rows.
+double integral(const Lattice& lattice, std::span<const double> u);
+
+/// Adds `amount` (the integral of what is added) at the node of the command's index, or spread over the nodes
+/// around its place `at` so that its centre lies there. Error "bad_command" for nodes that do not exist, hold
+/// a side's value, or places outside the box.
+void add_at(const Lattice& lattice, const Command& command, double amount, std::span<double> u);
+
+}  // namespace truestep::lattice

@@ -1,0 +1,65 @@
+#include "engine/lattice/lattice_work.h"
+
+#include "engine/base/interrupt.h"
+
+namespace truestep::lattice {
+
+void LatticeWork::bind(const LatticeModel& model, const Constants& constants, const ThreadArena& arena) {
+  arena_ = &arena;
+  if (model_ == &model && constants_ == constants) return;
+  model_ = &model, constants_ = constants, t_ = 0;
+  diffusion_ = Diffusion(model.lattice(), model.order(), model.coefficient(model.lattice(), constants, 0));
+  forcing_.bind(model, diffusion_, constants);
+  radius_.reset(), matrix_.reset(), solver_.reset();
+  const Lattice& l = model.lattice();
+  fixed_.resize(l.nodes());
+  for (size_t i = 0; i < fixed_.size(); ++i) fixed_[i] = l.fixed(l.place(i));
+}
+
+void LatticeWork::move_to(double t) {
+  if (!model_->coefficient_moves() || t == t_) return;
+  t_ = t;
+  diffusion_.coefficient() = model_->coefficient(model_->lattice(), constants_, t);
+  forcing_.bind(*model_, diffusion_, constants_);
+  radius_.reset(), matrix_.reset(), solver_.reset();
+}
+
+void LatticeWork::rate(double t, const double* u, double* out) {
+  homogeneous(t, u, out);
+  force(t, out);
+}
+
+bool LatticeWork::euler_in_place(double t, double h, double* u) {
+  if (model_->forced() || arena_->threads() > 1 || model_->lattice().dimensions == 1) return false;
+  interruption_point();
+  move_to(t);
+  diffusion_.step_in_place(u, h, waiting_);
+  return true;
+}
+
+void LatticeWork::homogeneous(double t, const double* u, double* out) {
+  interruption_point();
+  move_to(t);
+  diffusion_.apply(u, out, 0, 1, *arena_);
+}
+
+void LatticeWork::force(double t, double* out) {
+  forcing_.add(t, out, *arena_);
+}
+
+double LatticeWork::spectral_radius() {
+  if (!radius_) radius_ = diffusion_.spectral_radius();
+  return *radius_;
+}
+
+const Diffusion::Matrix& LatticeWork::matrix() {
+  if (!matrix_) matrix_ = diffusion_.matrix();
+  return *matrix_;
+}
+
+ShiftedSolver* LatticeWork::solver() {
+  if (!solver_) solver_ = make_shifted_solver(*model_, constants_, t_, diffusion_);
+  return solver_.get();
+}
+
+}  // namespace truestep::lattice

@@ -1,0 +1,54 @@
+// What a step on a lattice computes with: the operator and the forcing for the present constants and time,
+// and means to solve (shift I - step L) x = b. Lives in the workspace: everything in it follows from the
+// model, the constants and the time.
+#pragma once
+#include <memory>
+
+#include "engine/lattice/forcing.h"
+#include "engine/lattice/shifted_solver.h"
+
+namespace truestep::lattice {
+
+class LatticeWork {
+ public:
+  /// Must come first in a step; costs nothing while model and constants stay the same.
+  void bind(const LatticeModel& model, const Constants& constants, const ThreadArena& arena);
+  /// Brings a coefficient that depends on time to t.
+  void move_to(double t);
+
+  const Diffusion& diffusion() const { return diffusion_; }
+  /// out = L u + b(t)
+  void rate(double t, const double* u, double* out);
+  /// u += h (L u + b(t)) in place; false where there is a forcing, or threads that would share the rows.
+  bool euler_in_place(double t, double h, double* u);
+  /// The two parts of `rate`, for what comes in between.
+  void homogeneous(double t, const double* u, double* out);
+  void force(double t, double* out);
+  /// 1 for nodes whose values are given.
+  std::span<const uint8_t> fixed() const { return fixed_; }
+  /// As many numbers as nodes.
+  std::span<double> scratch() {
+    scratch_.resize(model_->lattice().nodes());
+    return scratch_;
+  }
+  double spectral_radius();
+  const Diffusion::Matrix& matrix();
+  /// Solver of (shift I - step L) x = b with the sides of L, x = b at Dirichlet nodes; null where there is
+  /// none.
+  ShiftedSolver* solver();
+
+ private:
+  const LatticeModel* model_ = nullptr;
+  const ThreadArena* arena_ = nullptr;
+  Constants constants_;
+  double t_ = 0;
+  Diffusion diffusion_;
+  Forcing forcing_;
+  std::optional<double> radius_;
+  std::optional<Diffusion::Matrix> matrix_;
+  std::unique_ptr<ShiftedSolver> solver_;
+  std::vector<uint8_t> fixed_;
+  std::vector<double> scratch_, waiting_;
+};
+
+}  // namespace truestep::lattice

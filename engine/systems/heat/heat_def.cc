@@ -1,0 +1,48 @@
+#include "engine/systems/heat/heat_def.h"
+
+namespace truestep::heat {
+
+const DefTable& heat_table() {
+  using D = HeatDef;
+  static const DefTable kTable = [] {
+    TableOf<D> t("heat conduction in a box of one to three dimensions");
+    lattice::add_lattice_rows(t, "temperature at the start, an expression of x, y, z",
+                              "heating in K/s, an expression of x, y, z and t");
+    t.text("diffusivity", &D::diffusivity, "m^2/s, a positive number or an expression of x, y, z and t")
+        .number("heat_capacity", &D::heat_capacity, "1", above(0),
+                "energy per temperature and length, area or volume, J/(K m^d)");
+    add_integrator_rows(t);
+    return t.check([](const D& d, const DefTable::Report& report) { lattice::check_lattice(d, report); })
+        .build();
+  }();
+  return kTable;
+}
+
+const Outputs& heat_outputs() {
+  static const Outputs kOutputs{
+      .rows = "a node of the lattice, x running fastest",
+      .fields = {{"value", "K", 1, "temperature"}},
+      .observables = {{"energy.thermal", "J", "heat capacity times the integral of the temperature"},
+                      {"value.min", "K", "lowest temperature"},
+                      {"value.max", "K", "highest temperature"},
+                      {"integrator.steps", "1", "internal steps taken since the start"},
+                      {"integrator.rejected", "1", "internal steps tried again with a smaller one"},
+                      {"integrator.rates", "1", "evaluations of the right-hand side"},
+                      {"integrator.jacobians", "1", "evaluations of its derivatives"}}};
+  return kOutputs;
+}
+
+Cost heat_cost(const void* def) {
+  const auto& d = *static_cast<const HeatDef*>(def);
+  const double n = lattice::lattice_nodes(d);
+  // Explicit methods keep some ten arrays, implicit ones 26 and the solver's.
+  Cost c;
+  c.state_bytes = 8 * n + 2e3;
+  c.workspace_bytes = 8 * 40 * n;
+  c.elements = n;
+  // Some 20 evaluations and what lies between them.
+  c.seconds_per_step = 2e-6 + 20 * 2e-9 * n;
+  return c;
+}
+
+}  // namespace truestep::heat

@@ -1,0 +1,88 @@
+// Waves in a box:
+//   u_tt = div(c^2 grad u) - k u_t + s,   c speed, k damping, s acceleration,
+// on nodes (lattice/lattice.h) with Dirichlet, Neumann, Robin or periodic sides, by any method of the table
+// that serves equations of first or second order. Without a named one: leapfrog while the scene's step is
+// inside its interval (2 over the highest frequency, dx / (c sqrt(d))), the implicit midpoint rule beyond:
+// both keep the energy without drift. Per unit of density energy is 1/2 integral (u_t^2 + c^2 |grad u|^2).
+// Commands: set_parameter speed (where it is a number), damping (where there is some); impulse adds velocity.
+#pragma once
+#include "engine/core/linear_solver.h"
+#include "engine/core/system.h"
+#include "engine/integrators/equation_stepper.h"
+#include "engine/lattice/lattice_work.h"
+#include "engine/systems/wave/wave_def.h"
+
+namespace truestep::wave {
+
+/// u' = v, v' = L u - k v + b(t) as methods see it; y = (u, v).
+class WaveEquations final : public RightHandSide, public SecondOrder, public LinearSolver {
+ public:
+  /// All must outlive this.
+  WaveEquations(lattice::LatticeWork& work, const lattice::Lattice& l, double damping,
+                const ThreadArena& arena);
+
+  size_t size() const override { return 2 * n_; }
+  void rate(double t, const double* y, double* dydt) const override;
+  std::string name_of(size_t i) const override {
+    return (i < n_ ? "the value at node " : "the rate at node ") + std::to_string(i % n_);
+  }
+  const SecondOrder* second_order() const override { return this; }
+
+  void acceleration(double t, const double* x, const double* v, double* a) const override;
+  bool depends_on_velocity() const override { return damping_ != 0; }
+  MatrixShape shape() const override { return work_.matrix().shape(); }
+  bool has_jacobian() const override { return true; }
+  using RightHandSide::jacobian;
+  void jacobian(double t, const double* x, const double* v, double* dadx, double* dadv) const override;
+
+  LinearSolver* linear_solver() const override;
+  void linearise(double t, const double*) const override { work_.move_to(t); }
+  bool factor(double z) override;
+  bool factor(Complex z) override;
+  void solve(double* b) override;
+  void solve(double* re, double* im) override;
+  bool factor_second_order(double with_x, double with_v) override;
+  void solve_second_order(double* b) override;
+
+ private:
+  double damping_of(size_t node) const { return fixed_[node] ? 0 : damping_; }
+
+  lattice::LatticeWork& work_;
+  const lattice::Lattice& lattice_;
+  size_t n_;
+  double damping_;
+  const ThreadArena& arena_;
+  std::span<const uint8_t> fixed_;
+  std::span<double> product_;
+  double z_ = 0;
+  Complex complex_z_;
+};
+
+class Wave final : public StagedSystem {
+ public:
+  Wave(const WaveDef& def, const BuildContext& context);
+
+  State initial_state() const override;
+  void observe(const State& state, double t, Observables& out) const override;
+  FieldView field(const State& state, size_t part, size_t field, std::vector<double>& scratch) const override;
+  void apply(State& state, const Command& command) const override;
+  std::optional<double> limit(Limit which, const State& state, double h) const override;
+  std::optional<Energy> energy(const State& state, double t, Workspace& workspace,
+                               const ThreadArena& arena) const override;
+  std::vector<std::string> remedies() const override;
+  void check(StateCheck& check, double) const override { check.finish(); }
+
+  const lattice::LatticeModel& model() const { return model_; }
+  const Integrator& method() const { return stepper_->method(); }
+
+ private:
+  void integrate(State& state, const StepInput& in) const;
+
+  WaveDef def_;
+  lattice::LatticeModel model_;
+  std::optional<EquationStepper> stepper_;
+};
+
+std::unique_ptr<const System> build_wave(const void* def, const BuildContext& context);
+
+}  // namespace truestep::wave

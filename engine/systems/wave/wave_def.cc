@@ -1,0 +1,49 @@
+#include "engine/systems/wave/wave_def.h"
+
+namespace truestep::wave {
+
+const DefTable& wave_table() {
+  using D = WaveDef;
+  static const DefTable kTable = [] {
+    TableOf<D> t("waves in a box of one to three dimensions: strings, membranes, ponds, sound");
+    lattice::add_lattice_rows(t, "displacement at the start, an expression of x, y, z",
+                              "acceleration in m/s^2, an expression of x, y, z and t");
+    t.text("speed", &D::speed, "m/s, a positive number or an expression of x, y, z and t")
+        .text("initial_rate", &D::initial_rate, "velocity at the start, an expression of x, y, z")
+        .number("damping", &D::damping, "1/s", at_least(0), "deceleration per velocity");
+    add_integrator_rows(t);
+    return t.check([](const D& d, const DefTable::Report& report) { lattice::check_lattice(d, report); })
+        .build();
+  }();
+  return kTable;
+}
+
+const Outputs& wave_outputs() {
+  static const Outputs kOutputs{
+      .rows = "a node of the lattice, x running fastest",
+      .fields = {{"value", "m", 1, "displacement"}, {"rate", "m/s", 1, "its rate of change"}},
+      .observables = {{"energy.kinetic", "J", "half the integral of the squared rate"},
+                      {"energy.potential", "J", "half the integral of the squared speed times slope"},
+                      {"energy.total", "J", "their sum"},
+                      {"value.min", "m", "lowest displacement"},
+                      {"value.max", "m", "highest displacement"},
+                      {"integrator.steps", "1", "internal steps taken since the start"},
+                      {"integrator.rejected", "1", "internal steps tried again with a smaller one"},
+                      {"integrator.rates", "1", "evaluations of the right-hand side"},
+                      {"integrator.jacobians", "1", "evaluations of its derivatives"}}};
+  return kOutputs;
+}
+
+Cost wave_cost(const void* def) {
+  const auto& d = *static_cast<const WaveDef*>(def);
+  const double n = lattice::lattice_nodes(d);
+  Cost c;
+  c.state_bytes = 16 * n + 2e3;
+  c.workspace_bytes = 8 * 60 * n;
+  c.elements = n;
+  // One evaluation, a kick, two drifts and two copies.
+  c.seconds_per_step = 2e-6 + 8e-9 * n;
+  return c;
+}
+
+}  // namespace truestep::wave
