@@ -166,7 +166,8 @@ void ContactList::match_pair(const State& s, std::span<Contact* const> contacts,
   const auto ids = s.span<uint32_t>(columns::contact_ids);
   const double *impulse = s.f64(columns::contact_impulse).data(),
                *normal = s.f64(columns::contact_normal).data();
-  const double *friction = s.f64(columns::contact_friction).data(), *pad = s.f64(columns::contact_pad).data();
+  const double *friction = s.f64(columns::contact_friction).data(), *pad = s.f64(columns::contact_pad).data(),
+               *uneven = s.f64(columns::contact_uneven).data();
   const auto go_on = [&](Contact& c, size_t r) {
     c.slide = {friction[4 * r], friction[4 * r + 1], friction[4 * r + 2]};
     c.twist = friction[4 * r + 3], c.pad = pad[r];
@@ -176,7 +177,7 @@ void ContactList::match_pair(const State& s, std::span<Contact* const> contacts,
   for (Contact* c : contacts) {
     size_t whole = end;  // the row that goes on
     int found = 0;
-    double left = 0;
+    double left = 0, lifted = 0;
     bool known[Manifold::kMost] = {};
     for (int p = 0; p < c->manifold.count; ++p) {
       for (size_t r = first; r < end; ++r) {
@@ -184,8 +185,8 @@ void ContactList::match_pair(const State& s, std::span<Contact* const> contacts,
         uint32_t k = 0;
         while (k < old[0] && old[1 + k] != c->manifold.points[p].id) ++k;
         if (k == old[0]) continue;
-        c->impulse[p] = impulse[4 * r + k], known[p] = true, ++found;
-        left -= c->impulse[p];
+        c->impulse[p] = impulse[4 * r + k], c->uneven[p] = uneven[4 * r + k], known[p] = true, ++found;
+        left -= c->impulse[p], lifted -= c->impulse[p] * c->uneven[p];
         if (whole == end) whole = r;
         break;
       }
@@ -195,11 +196,14 @@ void ContactList::match_pair(const State& s, std::span<Contact* const> contacts,
       continue;
     }
     go_on(*c, whole);
-    // Points that came bear what those bore that went.
-    for (uint32_t k = 0; k < ids[5 * whole]; ++k) left += impulse[4 * whole + k];
+    // Points that came bear what those bore that went, where these bore it.
+    for (uint32_t k = 0; k < ids[5 * whole]; ++k) {
+      const double load = impulse[4 * whole + k];
+      left += load, lifted += load * uneven[4 * whole + k];
+    }
     const int came = c->manifold.count - found;
     for (int p = 0; p < c->manifold.count && came > 0 && left > 0; ++p) {
-      if (!known[p]) c->impulse[p] = left / came;
+      if (!known[p]) c->impulse[p] = left / came, c->uneven[p] = lifted / left;
     }
   }
   if (!strangers) return;
@@ -236,6 +240,7 @@ void ContactList::store(State& s) {
     std::copy_n(&s.span<uint32_t>(columns::contact_ids)[5 * old], 5, r.ids);
     std::copy_n(&s.f64(columns::contact_normal)[3 * old], 3, r.normal);
     std::copy_n(&s.f64(columns::contact_impulse)[4 * old], 4, r.impulse);
+    std::copy_n(&s.f64(columns::contact_uneven)[4 * old], 4, r.uneven);
     std::copy_n(&s.f64(columns::contact_friction)[4 * old], 4, r.friction);
     std::copy_n(&s.f64(columns::contact_roll)[3 * old], 3, r.roll);
     r.depth = s.f64(columns::contact_depth)[old], r.pad = s.f64(columns::contact_pad)[old];
@@ -247,11 +252,13 @@ void ContactList::store(State& s) {
   const auto normal = s.f64(columns::contact_normal), impulse = s.f64(columns::contact_impulse);
   const auto friction = s.f64(columns::contact_friction), roll = s.f64(columns::contact_roll);
   const auto depth = s.f64(columns::contact_depth), pad = s.f64(columns::contact_pad);
+  const auto uneven = s.f64(columns::contact_uneven);
   const auto put_resting = [&](size_t k, const Row& r) {
     std::copy_n(r.bodies, 2, &new_bodies[2 * k]);
     std::copy_n(r.ids, 5, &new_ids[5 * k]);
     std::copy_n(r.normal, 3, &normal[3 * k]);
     std::copy_n(r.impulse, 4, &impulse[4 * k]);
+    std::copy_n(r.uneven, 4, &uneven[4 * k]);
     std::copy_n(r.friction, 4, &friction[4 * k]);
     std::copy_n(r.roll, 3, &roll[3 * k]);
     depth[k] = r.depth, pad[k] = r.pad;
@@ -263,6 +270,7 @@ void ContactList::store(State& s) {
     for (int p = 0; p < Manifold::kMost; ++p) {
       new_ids[5 * k + 1 + p] = p < m.count ? m.points[p].id : 0;
       impulse[4 * k + p] = p < m.count ? c.impulse[p] : 0;
+      uneven[4 * k + p] = p < m.count ? c.uneven[p] : 0;
     }
     store3(normal.data(), k, m.normal), store3(roll.data(), k, c.roll);
     friction[4 * k] = c.slide.x, friction[4 * k + 1] = c.slide.y, friction[4 * k + 2] = c.slide.z;

@@ -17,6 +17,7 @@ struct Contact {
   Manifold manifold;
   double impulse[Manifold::kMost] = {};  ///< N s, of one substep
   double pad = 0;                        ///< m between the surfaces when nothing presses
+  double uneven[Manifold::kMost] = {};   ///< m by which a point's pad is thicker than that
   Vec3 slide;                            ///< N s, on b along the plane
   double twist = 0;                      ///< N m s, about the normal
   Vec3 roll;                             ///< N m s
@@ -58,7 +59,7 @@ class ContactList {
 
   struct Row {
     uint32_t bodies[2], ids[5];
-    double normal[3], impulse[4], friction[4], roll[3], depth, pad;
+    double normal[3], impulse[4], uneven[4], friction[4], roll[3], depth, pad;
   };
   BroadPhase broad_;
   std::vector<BodyNow> bodies_;

@@ -122,7 +122,9 @@ void Rigid3d::choose_substeps(State& s, const StepInput& in) const {
   }
   // Pads are what the contacts' springs give way.
   if (!settings_.contact_hertz) {
-    for (double& pad : s.f64(columns::contact_pad)) pad *= share * share;
+    for (const auto c : {columns::contact_pad, columns::contact_uneven}) {
+      for (double& pad : s.f64(c)) pad *= share * share;
+    }
   }
   substep = in.h / next;
 }

@@ -29,6 +29,7 @@ State rigid3d_at_start(const BodyList& bodies, const JointList& list, const Vec3
   s.add({"contact.normal", "1", S::f64, 3}, 0);
   s.add({"contact.impulse", "N s", S::f64, 4}, 0);
   s.add({"contact.pad", "m", S::f64, 1}, 0);
+  s.add({"contact.uneven", "m", S::f64, 4}, 0);
   s.add({"contact.friction", "SI", S::f64, 4}, 0);
   s.add({"contact.roll", "N m s", S::f64, 3}, 0);
   s.add({"contact.depth", "m", S::f64, 1}, 0);

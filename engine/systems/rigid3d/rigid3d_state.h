@@ -29,6 +29,7 @@ enum : State::Column {
   contact_normal,                 ///< f64 x 3
   contact_impulse,                ///< f64 x 4, N s of one substep along the normal
   contact_pad,                    ///< f64, m, by which the contact gives way under its load
+  contact_uneven,                 ///< f64 x 4, m, by which a point's pad is thicker than the contact's
   contact_friction,               ///< f64 x 4: N s in the world, N m s about the normal
   contact_roll,                   ///< f64 x 3, N m s in the world
   contact_depth,                  ///< f64, m, of the deepest point when it was found; negative: apart

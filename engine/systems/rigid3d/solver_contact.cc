@@ -60,7 +60,7 @@ void ContactSolver<T>::fill(size_t group, std::span<Contact* const> contacts, co
     for (int p = 0; p < c.manifold.count; ++p) {
       set3(in.arm[p], lane, c.manifold.points[p].position - xa);
       in.active[p].set(lane, 1);
-      in.separation[p].set(lane, T(c.manifold.points[p].separation - c.pad));
+      in.separation[p].set(lane, T(c.manifold.points[p].separation - c.pad - c.uneven[p]));
       in.impulse[p].set(lane, T(c.impulse[p]));
     }
     if (ka.turned_round || kb.turned_round) {
@@ -119,6 +119,8 @@ void ContactSolver<T>::store_impulses(std::span<Contact* const> contacts, const 
       }
       const double a = g.root_a[lane], b = g.root_b[lane];
       c.pad = sum > 0 ? next_pad(c.pad, depth / sum, sum * (a * a + b * b), padding) : 0;
+      // No more than the pad: a contact that lost its load keeps no point up.
+      for (double& u : c.uneven) u = std::clamp(u, -c.pad, c.pad);
       c.slide = get3(g.tangent[0], lane) * g.slide[0][lane] + get3(g.tangent[1], lane) * g.slide[1][lane];
       c.twist = g.twist[lane];
       if (g.flags & ContactGroup<T>::kRolls) {

@@ -162,9 +162,15 @@ void ContactSolver<T>::find_loads(const State& s, std::span<const BodyKind> kind
       for (const uint32_t i : {contacts[m]->a, contacts[m]->b}) {
         if (slot_[i] != kNoBody) smallest = std::min(smallest, kinds[kind[i]].reach);
       }
-      contacts[m]->pad = load > 0 ? std::min(gives_way * given / load, kMostStart * smallest) : 0;
+      Contact& c = *contacts[m];
+      const double mean = load > 0 ? gives_way * given / load : 0;
+      const double share = mean > kMostStart * smallest ? kMostStart * smallest / mean : 1;
+      c.pad = share * mean;
       for (int p = 0; p < g.points; ++p) {
-        const T separation = g.place[p].separation[lane] - T(contacts[m]->pad);
+        // What each gives way: one pad for all would lift the points that bear less.
+        const double point = g.place[p].impulse[lane], inverse = g.point_inverse[p][lane];
+        if (inverse > 0) c.uneven[p] = share * gives_way * point / inverse - c.pad;
+        const T separation = g.place[p].separation[lane] - T(c.pad + c.uneven[p]);
         g.place[p].separation.set(lane, separation), g.place[p].apart.set(lane, separation);
       }
     }
