@@ -203,7 +203,9 @@ void ContactList::match_pair(const State& s, std::span<Contact* const> contacts,
     }
     const int came = c->manifold.count - found;
     for (int p = 0; p < c->manifold.count && came > 0 && left > 0; ++p) {
-      if (!known[p]) c->impulse[p] = left / came, c->uneven[p] = lifted / left;
+      if (known[p]) continue;
+      c->impulse[p] = left / came;
+      c->uneven[p] = std::clamp(lifted / left, -c->pad, c->pad);
     }
   }
   if (!strangers) return;
