@@ -1,5 +1,7 @@
 #include "engine/lattice/lattice_work.h"
 
+#include <algorithm>
+
 #include "engine/base/interrupt.h"
 
 namespace truestep::lattice {
@@ -30,10 +32,20 @@ void LatticeWork::rate(double t, const double* u, double* out) {
 }
 
 bool LatticeWork::euler_in_place(double t, double h, double* u) {
-  if (model_->forced() || arena_->threads() > 1 || model_->lattice().dimensions == 1) return false;
+  if (model_->forced()) return false;
   interruption_point();
   move_to(t);
-  diffusion_.step_in_place(u, h, waiting_);
+  const size_t n = model_->lattice().nodes();
+  if (arena_->threads() <= 1 && model_->lattice().dimensions > 1) {
+    diffusion_.step_in_place(u, h, waiting_);
+    return true;
+  }
+  // Threads would write rows that others read; the same sums.
+  waiting_.resize(n);
+  diffusion_.apply(u, waiting_.data(), 1, h, *arena_);
+  arena_->for_blocks(n, 4 * kBlockRows, [&](size_t begin, size_t end) {
+    std::copy_n(&waiting_[begin], end - begin, u + begin);
+  });
   return true;
 }
 

@@ -19,7 +19,7 @@ class LatticeWork {
   const Diffusion& diffusion() const { return diffusion_; }
   /// out = L u + b(t)
   void rate(double t, const double* u, double* out);
-  /// u += h (L u + b(t)) in place; false where there is a forcing, or threads that would share the rows.
+  /// u += h (L u + b(t)) in place; false where there is a forcing.
   bool euler_in_place(double t, double h, double* u);
   /// The two parts of `rate`, for what comes in between.
   void homogeneous(double t, const double* u, double* out);
