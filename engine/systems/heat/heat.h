@@ -54,6 +54,9 @@ class Heat final : public StagedSystem {
   FieldView field(const State& state, size_t which, std::vector<double>& scratch) const override;
   void apply(State& state, const Command& command) const override;
   std::optional<double> stable_dt(const State& state) const override;
+  /// Half the integral of the squared temperature: no joules, but conduction alone can only lower it.
+  std::optional<Energy> energy(const State& state, double t, Workspace& workspace,
+                               const ThreadArena& arena) const override;
   std::vector<std::string> remedies() const override;
   void check(StateCheck& check, double) const override { check.finish(); }
   size_t max_rows() const override { return model_.lattice().nodes(); }
