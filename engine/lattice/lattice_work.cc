@@ -9,10 +9,12 @@ namespace truestep::lattice {
 void LatticeWork::bind(const LatticeModel& model, const Constants& constants, const ThreadArena& arena) {
   arena_ = &arena;
   if (model_ == &model && constants_ == constants) return;
+  if (model_ != &model) matrix_ = {};
   model_ = &model, constants_ = constants, t_ = 0;
   diffusion_ = Diffusion(model.lattice(), model.order(), model.coefficient(model.lattice(), constants, 0));
   forcing_.bind(model, diffusion_, constants);
-  radius_.reset(), matrix_.reset(), solver_.reset();
+  radius_.reset(), solver_.reset();
+  matrix_stands_ = false;
   const Lattice& l = model.lattice();
   fixed_.resize(l.nodes());
   for (size_t i = 0; i < fixed_.size(); ++i) fixed_[i] = l.fixed(l.place(i));
@@ -23,7 +25,13 @@ void LatticeWork::move_to(double t) {
   t_ = t;
   diffusion_.coefficient() = model_->coefficient(model_->lattice(), constants_, t);
   forcing_.bind(*model_, diffusion_, constants_);
-  radius_.reset(), matrix_.reset(), solver_.reset();
+  radius_.reset();
+  matrix_stands_ = false;
+}
+
+void LatticeWork::linearise(double t) {
+  move_to(t);
+  if (model_->coefficient_moves() && t != solver_time_) solver_.reset();
 }
 
 void LatticeWork::rate(double t, const double* u, double* out) {
@@ -65,12 +73,23 @@ double LatticeWork::spectral_radius() {
 }
 
 const Diffusion::Matrix& LatticeWork::matrix() {
-  if (!matrix_) matrix_ = diffusion_.matrix();
-  return *matrix_;
+  if (!matrix_stands_) {
+    Diffusion::Matrix now = diffusion_.matrix();
+    if (now.rows == matrix_.rows && now.column_start == matrix_.column_start) {
+      matrix_.values = std::move(now.values);
+    } else {
+      matrix_ = std::move(now);
+    }
+    matrix_stands_ = true;
+  }
+  return matrix_;
 }
 
 ShiftedSolver* LatticeWork::solver() {
-  if (!solver_) solver_ = make_shifted_solver(*model_, constants_, t_, diffusion_);
+  if (!solver_) {
+    solver_ = make_shifted_solver(*model_, constants_, t_, diffusion_);
+    solver_time_ = t_;
+  }
   return solver_.get();
 }
 

@@ -30,7 +30,7 @@ class HeatEquations final : public RightHandSide, public LinearSolver {
   std::optional<double> spectral_radius(double t, const double*) const override;
 
   LinearSolver* linear_solver() const override;
-  void linearise(double t, const double*) const override { work_.move_to(t); }
+  void linearise(double t, const double*) const override { work_.linearise(t); }
   bool factor(double z) override { return work_.solver()->factor(1, z); }
   bool factor(Complex z) override { return work_.solver()->factor(Complex(1), z); }
   void solve(double* b) override { work_.solver()->solve(b, arena_); }
