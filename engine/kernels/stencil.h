@@ -31,8 +31,8 @@ inline void combine_row(const double* u, const RowWeights& w, double* out, size_
   const double centre = w.centre, near = w.near, far = w.far;
   // Written out, because gcc takes a loop over rows inside the loop over elements for one that it must keep.
   [&]<size_t... M>(std::index_sequence<M...>) {
-    const std::array<const double*, Rows> rows = {w.rows[M]...};
-    const std::array<double, Rows> weights = {w.weights[M]...};
+    [[maybe_unused]] const std::array<const double*, Rows> rows = {w.rows[M]...};
+    [[maybe_unused]] const std::array<double, Rows> weights = {w.weights[M]...};
 #pragma GCC ivdep
     for (size_t i = begin; i < end; ++i) {
       double sum = centre * u[i] + near * (u[i - 1] + u[i + 1]);
@@ -59,8 +59,9 @@ template <int Rows>
 inline void conserve_row(const double* u, const double* face, double scale, const Neighbour* neighbours,
                          double identity, double step, double* out, size_t begin, size_t end) {
   [&]<size_t... M>(std::index_sequence<M...>) {
-    const std::array<const double*, Rows> rows = {neighbours[M].row...}, faces = {neighbours[M].face...};
-    const std::array<double, Rows> scales = {neighbours[M].scale...};
+    [[maybe_unused]] const std::array<const double*, Rows> rows = {neighbours[M].row...},
+                                                           faces = {neighbours[M].face...};
+    [[maybe_unused]] const std::array<double, Rows> scales = {neighbours[M].scale...};
 #pragma GCC ivdep
     for (size_t i = begin; i < end; ++i) {
       double sum = scale * (face[i] * (u[i + 1] - u[i]) + face[i - 1] * (u[i - 1] - u[i]));

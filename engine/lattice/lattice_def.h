@@ -2,6 +2,7 @@
 #pragma once
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "engine/core/def.h"
@@ -42,6 +43,10 @@ std::string side_value(const LatticeDef& d, size_t axis, size_t end);
 
 /// Nodes, without overflow.
 double lattice_nodes(const LatticeDef& d);
+
+/// A step's cost from counts alone: evaluations and solves by the method's own habits (20 of an adaptive
+/// method), each at what it takes per node. `usual` is the method where none is named.
+double lattice_step_seconds(const LatticeDef& d, std::string_view usual);
 
 /// Adds the rows of LatticeDef to the table of a struct D derived from it.
 template <class D>

@@ -15,11 +15,13 @@ class LatticeWork {
   void bind(const LatticeModel& model, const Constants& constants, const ThreadArena& arena);
   /// Brings a coefficient that depends on time to t.
   void move_to(double t);
+  /// The same for the solver, which stays there while evaluations go on to other times.
+  void linearise(double t);
 
   const Diffusion& diffusion() const { return diffusion_; }
   /// out = L u + b(t)
   void rate(double t, const double* u, double* out);
-  /// u += h (L u + b(t)) in place; false where there is a forcing, or threads that would share the rows.
+  /// u += h (L u + b(t)) in place; false where there is a forcing.
   bool euler_in_place(double t, double h, double* u);
   /// The two parts of `rate`, for what comes in between.
   void homogeneous(double t, const double* u, double* out);
@@ -32,6 +34,7 @@ class LatticeWork {
     return scratch_;
   }
   double spectral_radius();
+  /// Its pattern stays in place while the model stays the same; methods keep pointers into it.
   const Diffusion::Matrix& matrix();
   /// Solver of (shift I - step L) x = b with the sides of L, x = b at Dirichlet nodes; null where there is
   /// none.
@@ -41,11 +44,12 @@ class LatticeWork {
   const LatticeModel* model_ = nullptr;
   const ThreadArena* arena_ = nullptr;
   Constants constants_;
-  double t_ = 0;
+  double t_ = 0, solver_time_ = 0;
   Diffusion diffusion_;
   Forcing forcing_;
   std::optional<double> radius_;
-  std::optional<Diffusion::Matrix> matrix_;
+  Diffusion::Matrix matrix_;
+  bool matrix_stands_ = false;
   std::unique_ptr<ShiftedSolver> solver_;
   std::vector<uint8_t> fixed_;
   std::vector<double> scratch_, waiting_;

@@ -1,4 +1,4 @@
-// Heat conduction on a lattice of 257 x 257 nodes: CPU time against the largest error at the end for ten
+// Heat conduction on a lattice of 257 x 257 nodes: CPU time against the largest error at the end for nine
 // methods and for CVODE as its users run it (BDF with its Krylov solver, plain and with its own band
 // preconditioner, and our row of it with sparse factors), all on the same right-hand side and in one process.
 // The reference is the lattice's own solution, wave by wave, so that only errors in time are seen. Then 1e6
@@ -121,6 +121,13 @@ Point run_ours(Problem& p, const Integrator& method, double tolerance, uint64_t 
 
 enum class Preconditioner { none, band };
 
+/// A run that is not done by then counts as one that does not reach its error.
+constexpr double kMostSeconds = 20;
+struct User {
+  const heat::HeatEquations& f;
+  double until;
+};
+
 Point run_cvode(Problem& p, Preconditioner preconditioner, double tolerance) {
   const heat::HeatEquations f(p.work, p.model->lattice(), kSerial);
   const auto n = static_cast<sunindextype>(f.size());
@@ -132,14 +139,15 @@ Point run_cvode(Problem& p, Preconditioner preconditioner, double tolerance) {
   void* cvode = CVodeCreate(CV_BDF, context);
   CVodeInit(
       cvode,
-      [](realtype t, N_Vector at, N_Vector rate, void* user) {
-        static_cast<const heat::HeatEquations*>(user)->rate(t, N_VGetArrayPointer(at),
-                                                            N_VGetArrayPointer(rate));
-        return 0;
+      [](realtype t, N_Vector at, N_Vector rate, void* data) {
+        const User& u = *static_cast<const User*>(data);
+        u.f.rate(t, N_VGetArrayPointer(at), N_VGetArrayPointer(rate));
+        return thread_seconds() < u.until ? 0 : -1;
       },
       0, y);
   CVodeSStolerances(cvode, tolerance, tolerance);
-  CVodeSetUserData(cvode, const_cast<heat::HeatEquations*>(&f));
+  User user{f, t0 + kMostSeconds};
+  CVodeSetUserData(cvode, &user);
   CVodeSetMaxNumSteps(cvode, 1000000);
   const bool band = preconditioner == Preconditioner::band;
   SUNLinearSolver linear = SUNLinSol_SPGMR(y, band ? SUN_PREC_LEFT : SUN_PREC_NONE, 0, context);
@@ -207,14 +215,12 @@ void work_precision() {
     return row;
   };
   for (const char* name : {"rkc2", "tr_bdf2", "sdirk4", "rodas5p", "radau5"}) {
-    ours.push_back(adaptive(name, 1e-3, 1e-8));
+    ours.push_back(adaptive(name, 1e-3, 1e-7));
   }
-  ours.push_back(adaptive("ssprk104", 1e-4, 1e-4));
-  ours.push_back(adaptive("dop853", 1e-4, 1e-4));
-  for (const char* name : {"trapezoid", "implicit_midpoint", "bdf2"}) ours.push_back(fixed(name, 32, 1024));
+  for (const char* name : {"trapezoid", "implicit_midpoint", "bdf2"}) ours.push_back(fixed(name, 32, 512));
   const auto cvode = [&](const char* name, Preconditioner with) {
     Row row{name, {}};
-    for (double tolerance = 1e-3; tolerance >= 1e-9; tolerance *= 0.1) {
+    for (const double tolerance : {1e-4, 1e-5, 1e-6}) {
       row.sweep.push_back(run_cvode(p, with, tolerance));
     }
     print(name, row.sweep);
@@ -222,9 +228,11 @@ void work_precision() {
   };
   peers.push_back(cvode("CVODE Krylov", Preconditioner::none));
   peers.push_back(cvode("CVODE Krylov band", Preconditioner::band));
-  Row sparse = adaptive("cvode_bdf", 1e-4, 1e-8);
+  Row sparse = adaptive("cvode_bdf", 1e-4, 1e-7);
   sparse.name = "CVODE sparse";
   peers.push_back(sparse);
+  // Explicit Euler beside its limit, 2 over 8 / dx^2.
+  ours.push_back(fixed("euler", 53'000, 53'000));
   for (const double wanted : {1e-4, 1e-5, 1e-6}) {
     const Row *best = nullptr, *peer = nullptr;
     const auto better = [&](const Row& r, const Row*& known) {

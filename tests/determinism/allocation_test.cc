@@ -9,6 +9,7 @@
 #include "engine/systems/mass_spring/mass_spring.h"
 #include "engine/systems/mass_spring/mass_spring_def.h"
 #include "engine/systems/ode/ode.h"
+#include "tests/support/field_run.h"
 
 namespace {
 std::atomic<uint64_t> allocations{0};
@@ -119,6 +120,38 @@ TEST(Allocation, ImplicitStepsOfLinksAllocateNothingAfterTheFirst) {
     const uint64_t before = allocations;
     for (uint64_t n = 1; n < 20; ++n) step(n);
     EXPECT_EQ(allocations - before, 0u) << method;
+  }
+}
+
+TEST(Allocation, HeatAndWavesAllocateNothingAfterTheFirstSteps) {
+  const auto expect_none = [](const auto& def, const char* what) {
+    test::FieldRun run(def, 1e-3);
+    run.steps(2);
+    const uint64_t before = allocations;
+    run.steps(10);
+    EXPECT_EQ(allocations - before, 0u) << def.integrator << " " << what;
+  };
+  const auto fill = [](auto& d) {
+    d.cells = {24, 20};
+    d.initial = "x*y";
+    d.source = "sin(t)*x";
+    d.sides.x_min = test::side(lattice::SideKind::dirichlet, "sin(t)");
+    d.sides.x_max = test::side(lattice::SideKind::neumann, "y*t");
+    d.tolerance = 1e-4;
+  };
+  for (const char* method : {"euler", "rk4", "rkc2", "trapezoid", "bdf2", "sdirk4", "rodas5p", "radau5"}) {
+    heat::HeatDef d;
+    fill(d);
+    d.integrator = method;
+    expect_none(d, "by waves");
+    d.diffusivity = "1 + x";
+    expect_none(d, "by multigrid");
+  }
+  for (const char* method : {"leapfrog", "implicit_midpoint", "generalized_alpha"}) {
+    wave::WaveDef d;
+    fill(d);
+    d.integrator = method;
+    expect_none(d, "waves");
   }
 }
 

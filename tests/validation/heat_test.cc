@@ -214,6 +214,32 @@ TEST(Heat, TolerancesAreKept) {
   }
 }
 
+TEST(Heat, TheDiffusivityMayMoveInTime) {
+  // a = 1 + sin(20 t) / 2 has the integral t + (1 - cos(20 t)) / 40: one mode on its lattice, exactly.
+  const double h = 1.0 / 12, s = std::sin(0.5 * kPi * h), lambda = 8 / (h * h) * s * s, end = 0.1;
+  const double decay = std::exp(-lambda * (end + (1 - std::cos(20 * end)) / 40));
+  const auto error = [&](const char* method, const char* diffusivity) {
+    HeatDef d;
+    d.cells = {12, 12};
+    d.all = side(SideKind::dirichlet);
+    d.diffusivity = diffusivity;
+    d.initial = "sin(pi*x)*sin(pi*y)";
+    d.integrator = method;
+    d.tolerance = 1e-7;
+    FieldRun run(d, 0.05);
+    run.steps(2);
+    std::printf("%-10s %g evaluations, %g rejected\n", method, run.observed("integrator.rates"),
+                run.observed("integrator.rejected"));
+    return run.error(
+        [&](double x, double y, double) { return decay * std::sin(kPi * x) * std::sin(kPi * y); });
+  };
+  for (const char* method : {"rkc2", "dop853", "tr_bdf2", "sdirk4", "rodas5p", "radau5", "cvode_bdf"}) {
+    // Of second order with errors of h^3: tolerance^(2/3) times a few.
+    EXPECT_LT(error(method, "1 + sin(20*t)/2"), 5e-5) << method;
+  }
+  EXPECT_GT(error("sdirk4", "1"), 1e-2) << "control";
+}
+
 TEST(Heat, KernelSpreads) {
   // Gaussian of width sqrt(2 a t) from t0 = 0.01 to 0.04 on [-2, 2], where its tail is below e^-25.
   const auto kernel = [](double t, double x) { return std::exp(-x * x / (4 * t)) / std::sqrt(4 * kPi * t); };

@@ -99,6 +99,16 @@ std::optional<double> Heat::limit(Limit which, const State& s, double) const {
   return stepper_->stable_dt({.damping = work.spectral_radius()});
 }
 
+std::optional<Energy> Heat::energy(const State& s, double, Workspace& workspace, const ThreadArena&) const {
+  const auto u = s.f64(kValue);
+  const auto squares = workspace.doubles("heat.squares", u.size());
+  for (size_t i = 0; i < u.size(); ++i) squares[i] = 0.5 * u[i] * u[i];
+  Energy e;
+  e.potential = lattice::integral(model_.lattice(), squares);
+  e.exchange = model_.forced() ? Energy::Exchange::open : Energy::Exchange::closed;
+  return e;
+}
+
 std::vector<std::string> Heat::remedies() const {
   return {"a shorter dt", "the integrator rkc2, whose number of stages follows dt",
           "an implicit integrator such as sdirk4"};

@@ -30,7 +30,7 @@ class HeatEquations final : public RightHandSide, public LinearSolver {
   std::optional<double> spectral_radius(double t, const double*) const override;
 
   LinearSolver* linear_solver() const override;
-  void linearise(double t, const double*) const override { work_.move_to(t); }
+  void linearise(double t, const double*) const override { work_.linearise(t); }
   bool factor(double z) override { return work_.solver()->factor(1, z); }
   bool factor(Complex z) override { return work_.solver()->factor(Complex(1), z); }
   void solve(double* b) override { work_.solver()->solve(b, arena_); }
@@ -53,6 +53,9 @@ class Heat final : public StagedSystem {
   FieldView field(const State& state, size_t part, size_t field, std::vector<double>& scratch) const override;
   void apply(State& state, const Command& command) const override;
   std::optional<double> limit(Limit which, const State& state, double h) const override;
+  /// Half the integral of the squared temperature: no joules, but conduction alone can only lower it.
+  std::optional<Energy> energy(const State& state, double t, Workspace& workspace,
+                               const ThreadArena& arena) const override;
   std::vector<std::string> remedies() const override;
   void check(StateCheck& check, double) const override { check.finish(); }
 

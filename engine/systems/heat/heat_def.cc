@@ -40,8 +40,7 @@ Cost heat_cost(const void* def) {
   c.state_bytes = 8 * n + 2e3;
   c.workspace_bytes = 8 * 40 * n;
   c.elements = n;
-  // Some 20 evaluations and what lies between them.
-  c.seconds_per_step = 2e-6 + 20 * 2e-9 * n;
+  c.seconds_per_step = lattice::lattice_step_seconds(d, "rk4");
   return c;
 }
 

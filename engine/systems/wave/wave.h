@@ -36,7 +36,7 @@ class WaveEquations final : public RightHandSide, public SecondOrder, public Lin
   void jacobian(double t, const double* x, const double* v, double* dadx, double* dadv) const override;
 
   LinearSolver* linear_solver() const override;
-  void linearise(double t, const double*) const override { work_.move_to(t); }
+  void linearise(double t, const double*) const override { work_.linearise(t); }
   bool factor(double z) override;
   bool factor(Complex z) override;
   void solve(double* b) override;
