@@ -29,6 +29,7 @@ enum class ParamKind : uint8_t {
   integer,
   boolean,
   text,
+  expression,  // a text, which may also be given as a number
   choice,
   vector,  // one value
   numbers,
@@ -207,6 +208,10 @@ class TableOf : TableBuilder {
   template <class M>
   TableOf& text(const char* name, M D::*m, const char* sentence) {
     return plain<std::string>(ParamKind::text, {name, "", sentence}, m, any());
+  }
+  template <class M>
+  TableOf& expression(const char* name, M D::*m, const char* sentence) {
+    return plain<std::string>(ParamKind::expression, {name, "", sentence}, m, any());
   }
   template <class M>
   TableOf& vector(const char* name, M D::*m, const char* unit, Limits limits, const char* sentence) {

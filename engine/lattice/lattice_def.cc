@@ -20,7 +20,7 @@ const DefTable& side_table() {
               "kind", &D::kind, {"dirichlet", "neumann", "robin", "periodic"},
               "dirichlet: u = value; neumann: du/dn = value, n pointing outwards; robin: du/dn = transfer "
               "(value - u); periodic: the box goes on at the other end")
-          .text("value", &D::value, "expression of x, y, z and t")
+          .expression("value", &D::value, "expression of x, y, z and t")
           .number("transfer", &D::transfer, "1/m", at_least(0), "of a robin side")
           .build();
   return kTable;

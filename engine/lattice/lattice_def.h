@@ -70,8 +70,8 @@ TableOf<D>& add_lattice_rows(TableOf<D>& t, const char* initial_sentence, const 
       .object("sides", sides, sides_table(), "x_min, x_max, y_min ... one by one")
       .choice("order", order, {"2", "4"},
               "of the error in space; 4 needs constant coefficients and no robin side")
-      .text("initial", initial, initial_sentence)
-      .text("source", source, source_sentence);
+      .expression("initial", initial, initial_sentence)
+      .expression("source", source, source_sentence);
 }
 
 }  // namespace truestep::lattice

@@ -82,6 +82,7 @@ void ParamReader::row(const ParamRow& r, void* owner, const json::value& v, cons
       else
         fault(where, "wrong_type", "expected true or false", v, "true, false");
       return;
+    case ParamKind::expression:
     case ParamKind::text: {
       std::string s;
       if (text(r, v, where, s)) r.set(owner, std::move(s));

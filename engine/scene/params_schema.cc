@@ -46,6 +46,8 @@ json::object row_schema(const ParamRow& r) {
       return {{"type", "boolean"}};
     case ParamKind::text:
       return {{"type", "string"}, {"maxLength", 4096}};
+    case ParamKind::expression:
+      return {{"type", json::array{"string", "number"}}, {"maxLength", 4096}};
     case ParamKind::choice:
       return {{"enum", json::array(r.choices.begin(), r.choices.end())}};
     case ParamKind::vector:

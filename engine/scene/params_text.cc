@@ -55,6 +55,8 @@ std::string kind_text(const ParamRow& r) {
       return "true or false";
     case ParamKind::text:
       return "a string";
+    case ParamKind::expression:
+      return "a number or an expression in a string";
     case ParamKind::choice:
       return join_names(r.choices);
     case ParamKind::vector:

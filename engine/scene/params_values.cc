@@ -1,6 +1,7 @@
 // Single values: numbers with units, integers, vectors, texts, and the length of arrays.
 #include <cmath>
 
+#include "engine/scene/json_write.h"
 #include "engine/scene/params.h"
 #include "engine/scene/params_reader.h"
 #include "engine/scene/params_text.h"
@@ -84,8 +85,14 @@ bool ParamReader::vector(const ParamRow& r, const json::value& v, const std::str
 }
 
 bool ParamReader::text(const ParamRow& r, const json::value& v, const std::string& where, std::string& out) {
+  if (r.kind == ParamKind::expression && v.is_number()) {
+    out = write_json(v);
+    return true;
+  }
   if (!v.is_string()) {
-    fault(where, "wrong_type", "expected a string", v, kind_text(r));
+    const bool expression = r.kind == ParamKind::expression;
+    fault(where, "wrong_type", expression ? "expected a number or a string" : "expected a string", v,
+          kind_text(r));
     return false;
   }
   if (v.as_string().size() > 4096) {

@@ -1,6 +1,7 @@
 #include "server/api/session_answers.h"
 
 #include "engine/base/hash.h"
+#include "engine/scene/params.h"
 #include "engine/session/describe.h"
 #include "server/net/problem.h"
 #include "server/persistence/session_keeper.h"
@@ -64,14 +65,7 @@ json::object describe_session(SessionEntry& e) {
   const SceneHeader& header = s.world().scene().header;
   if (!header.title.empty()) o["title"] = header.title;
   if (!header.teaches.empty()) o["teaches"] = header.teaches;
-  json::object viewer;
-  if (!header.viewer.color_by.empty()) viewer["color_by"] = header.viewer.color_by;
-  if (const auto& c = header.viewer.camera) {
-    const auto vector = [](const Vec3& v) { return json::array{v.x, v.y, v.z}; };
-    viewer["camera"] = json::object{
-        {"eye", vector(c->eye)}, {"target", vector(c->target)}, {"up", vector(c->up)}, {"fov", c->fov}};
-  }
-  if (!viewer.empty()) o["viewer"] = std::move(viewer);
+  o["viewer"] = write_params(*scene_table().find("viewer")->nested, &header.viewer);
   if (const auto& f = s.failure()) o["instability"] = describe_failure(*f);
   if (!e.accuracy.empty()) o["accuracy"] = e.accuracy;
   if (e.keeper) {

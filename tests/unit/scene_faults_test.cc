@@ -65,6 +65,26 @@ TEST(SceneFaults, ObservablesAndQuantitiesAreOnesThatThereAre) {
               HasSubstr("min(...), max(...), drift(...)"));
 }
 
+TEST(SceneFaults, ExpressionsMayBeNumbersAndNothingElse) {
+  const auto rod = [](const char* diffusivity) {
+    return std::string(R"({"systems": [{"type": "heat", "id": "rod", "cells": [8], "diffusivity": )") +
+           diffusivity + "}]}";
+  };
+  const auto canonical = [&](const char* diffusivity) {
+    return parse_scene(rod(diffusivity))
+        .canonical()
+        .at("systems")
+        .as_array()[0]
+        .at("diffusivity")
+        .as_string();
+  };
+  EXPECT_EQ(canonical("0.25"), "0.25");
+  EXPECT_EQ(canonical(R"("0.25")"), "0.25");
+  EXPECT_TRUE(faults(rod(R"("1 + x")")).empty());
+  EXPECT_TRUE(faults(rod("true")).contains("/systems/0/diffusivity"));
+  EXPECT_TRUE(faults(rod(R"("1 + (")")).contains("/systems/0/diffusivity"));
+}
+
 TEST(SceneFaults, RecordingsNameFieldsThatThereAre) {
   const auto found = faults(rope(R"("recording": {"fields": ["position", "speeed"]})"));
   ASSERT_EQ(found.size(), 1u);

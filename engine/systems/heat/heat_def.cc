@@ -8,7 +8,7 @@ const DefTable& heat_table() {
     TableOf<D> t("heat conduction in a box of one to three dimensions");
     lattice::add_lattice_rows(t, "temperature at the start, an expression of x, y, z",
                               "heating in K/s, an expression of x, y, z and t");
-    t.text("diffusivity", &D::diffusivity, "m^2/s, a positive number or an expression of x, y, z and t")
+    t.expression("diffusivity", &D::diffusivity, "m^2/s, a positive number or an expression of x, y, z and t")
         .number("heat_capacity", &D::heat_capacity, "1", above(0),
                 "energy per temperature and length, area or volume, J/(K m^d)");
     add_integrator_rows(t);

@@ -8,8 +8,8 @@ const DefTable& wave_table() {
     TableOf<D> t("waves in a box of one to three dimensions: strings, membranes, ponds, sound");
     lattice::add_lattice_rows(t, "displacement at the start, an expression of x, y, z",
                               "acceleration in m/s^2, an expression of x, y, z and t");
-    t.text("speed", &D::speed, "m/s, a positive number or an expression of x, y, z and t")
-        .text("initial_rate", &D::initial_rate, "velocity at the start, an expression of x, y, z")
+    t.expression("speed", &D::speed, "m/s, a positive number or an expression of x, y, z and t")
+        .expression("initial_rate", &D::initial_rate, "velocity at the start, an expression of x, y, z")
         .number("damping", &D::damping, "1/s", at_least(0), "deceleration per velocity");
     add_integrator_rows(t);
     return t.check([](const D& d, const DefTable::Report& report) { lattice::check_lattice(d, report); })

@@ -386,6 +386,6 @@ export class App {
       const colored = (drawn.pointRadius > 0 && (colorBy || drawn.color.length === 0)) || (bodies && colorBy);
       if (bySpeed && colored) want(has(colorBy) ?? has("speed") ?? meaning(part, "velocity"));
     }
-    return wanted.size > 0 ? [...wanted] : ["position"];
+    return [...wanted];
   }
 }
