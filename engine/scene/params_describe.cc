@@ -1,4 +1,6 @@
 // A table as rows for a person: documentation, the command line, the web form.
+#include <iterator>
+
 #include "engine/scene/params.h"
 #include "engine/scene/params_text.h"
 
@@ -8,9 +10,10 @@ namespace json = boost::json;
 
 namespace {
 
-constexpr const char* kKindNames[] = {"number", "integer", "boolean",  "string",        "choice",
-                                      "vector", "numbers", "integers", "vectors",       "strings",
-                                      "object", "objects", "variants", "named numbers", "named strings"};
+constexpr const char* kKindNames[] = {
+    "number",   "integer", "boolean", "string", "expression", "choice",   "vector",        "numbers",
+    "integers", "vectors", "strings", "object", "objects",    "variants", "named numbers", "named strings"};
+static_assert(std::size(kKindNames) == static_cast<size_t>(ParamKind::named_texts) + 1);
 
 }  // namespace
 

@@ -151,7 +151,8 @@ test("a grid shows its values in colours, and what they mean", async () => {
   await until(() => page.locator("#scale").isVisible(), "the scale is shown");
   assert.match(await page.textContent("#scale"), /value \(K\)\s*01/);
   const box = await page.locator("#view").boundingBox();
-  const at = (share) => colorAt(Math.round(box.x + box.width / 2 + share * 0.16 * box.height), Math.round(box.y + 0.47 * box.height));
+  // The measurements on the right take 316 pixels.
+  const at = (share) => colorAt(Math.round(box.x + (box.width - 316) / 2 + share * 0.16 * box.height), Math.round(box.y + 0.47 * box.height));
   const [cold, hot] = [await at(-1), await at(1)];
   // Viridis: violet below, yellow above. The control: the two sides differ, and neither is the background.
   assert.ok(cold[2] > 1.3 * cold[1] && cold[2] > 60, `cold: ${cold}`);

@@ -75,7 +75,7 @@ test("the gallery shows its scenes, and picking one plays it", async () => {
   await until(async () => (await page.getAttribute("#connection", "data-state")) === "open", "connected");
   await until(async () => (await number("#read-frame")) >= 3, "frames arrive");
   assert.match(page.url(), /\?session=/);
-  assert.ok(await playing());
+  await until(playing, "it plays");
 });
 
 test("frame number, time and picture change while it plays, and stand still when paused", async () => {
