@@ -78,6 +78,13 @@ double lattice_nodes(const LatticeDef& d) {
   return n;
 }
 
+double lattice_workspace_bytes(const LatticeDef& d, std::string_view usual) {
+  // Measured: arrays of the nodes' numbers that explicit methods keep, and implicit ones with their solver.
+  constexpr double kExplicit = 9, kImplicit = 40;
+  const Integrator* m = find_integrator(d.integrator.empty() ? usual : std::string_view(d.integrator));
+  return 8 * lattice_nodes(d) * (m && m->kind == Integrator::Kind::implicit ? kImplicit : kExplicit);
+}
+
 double lattice_step_seconds(const LatticeDef& d, std::string_view usual) {
   // Measured on one core: an evaluation with the sums around it, a solve by transforms or multigrid.
   constexpr double kBase = 5e-6, kEvaluation = 6e-9, kSolve = 4e-8;

@@ -45,6 +45,8 @@ std::string side_value(const LatticeDef& d, size_t axis, size_t end);
 double lattice_nodes(const LatticeDef& d);
 
 /// A step's cost from counts alone: evaluations and solves by the method's own habits (20 of an adaptive
+/// Bytes of a method's memory; `usual` where the scene names none.
+double lattice_workspace_bytes(const LatticeDef& d, std::string_view usual);
 /// method), each at what it takes per node. `usual` is the method where none is named.
 double lattice_step_seconds(const LatticeDef& d, std::string_view usual);
 

@@ -120,6 +120,9 @@ def case_grids(loop, folder):
         reader.UpdateInformation()
         times = reader.GetOutputInformation(0).Get(vtk.vtkStreamingDemandDrivenPipeline.TIME_STEPS())
         assert list(times) == list(f["clock/time"][:])
+        # The first step of several images comes out empty when VTK 9.7 is asked for it first of all.
+        reader.SetStep(1)
+        reader.Update()
         for step in range(len(times)):
             reader.SetStep(step)
             reader.Update()

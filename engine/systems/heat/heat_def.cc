@@ -35,10 +35,9 @@ const Outputs& heat_outputs() {
 Cost heat_cost(const void* def) {
   const auto& d = *static_cast<const HeatDef*>(def);
   const double n = lattice::lattice_nodes(d);
-  // Explicit methods keep some ten arrays, implicit ones 26 and the solver's.
   Cost c;
   c.state_bytes = 8 * n + 2e3;
-  c.workspace_bytes = 8 * 40 * n;
+  c.workspace_bytes = lattice::lattice_workspace_bytes(d, "rk4");
   c.elements = n;
   c.seconds_per_step = lattice::lattice_step_seconds(d, "rk4");
   return c;

@@ -60,7 +60,7 @@ void Ode::observe(const State& s, double t, Observables& out) const {
   if (!model_.events.empty()) {
     const bool stopped = s.f64(C::kStopped)[0] != 0;
     out.add("stopped", stopped ? 1 : 0, "1");
-    out.add("stopped.time", stopped ? s.f64(C::kStopped)[1] : std::nan(""), "s");
+    out.add("stopped.time", stopped ? s.f64(C::kStopped)[1] : t, "s");
   }
   if (def_.tracers) {
     // One pass in the order of the points.

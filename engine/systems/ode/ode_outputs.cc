@@ -19,7 +19,7 @@ const Outputs& ode_outputs() {
                        "change since the start, relative to the start; absolute where that is 0"},
                       {"events.<name>", "1", "how often the event has happened"},
                       {"stopped", "1", "1 once an event has stopped the system"},
-                      {"stopped.time", "s", "when; absent before"},
+                      {"stopped.time", "s", "when; until then the present time"},
                       {"tracers.count", "1", "number of tracers"},
                       {"tracers.<axis>.min", "m", "smallest coordinate along x, y or z"},
                       {"tracers.<axis>.max", "m", "largest"},
