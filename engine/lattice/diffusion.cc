@@ -91,12 +91,12 @@ void Diffusion::apply_row(const double* u, double* out_row, double identity, dou
     for (size_t i = 0; i < nx; ++i) out_row[i] = identity * u[start + i];
     return;
   }
-  // Nodes near the ends of the row go through their entries one by one.
+  // Nodes near the ends of the row go one by one.
   const size_t reach = order_ == 4 ? 2 : 1;
   const size_t low = std::min(reach, nx), high = std::max(low, nx - std::min(reach, nx));
-  for (size_t i = 0; i < low; ++i) apply_end(u, out_row, identity, step, {i, j, k});
-  for (size_t i = high; i < nx; ++i) apply_end(u, out_row, identity, step, {i, j, k});
   if (c_.variable()) {
+    for (size_t i = 0; i < low; ++i) apply_end(u, out_row, identity, step, {i, j, k});
+    for (size_t i = high; i < nx; ++i) apply_end(u, out_row, identity, step, {i, j, k});
     stencil::Neighbour neighbours[4];
     size_t count = 0;
     // A Robin side along y or z adds to the diagonal: such rows go one by one as well.
@@ -139,6 +139,20 @@ void Diffusion::apply_row(const double* u, double* out_row, double identity, dou
       row.weights[count++] = scale(a) * t.weight[m];
     }
   }
+  const double around = row.centre - scale(0) * w.centre;  // of the node itself, without what x adds
+  const auto end = [&](size_t i) {
+    if (lattice_.axes[0].fixed(i)) {
+      out_row[i] = identity * u[start + i];
+      return;
+    }
+    const Taps& t = taps_[0][i];
+    double along = 0, across = around * u[start + i];
+    for (size_t m = 0; m < 5; ++m) along += t.weight[m] * u[start + t.index[m]];
+    for (size_t m = 0; m < count; ++m) across += row.weights[m] * row.rows[m][i];
+    out_row[i] = across + scale(0) * along;
+  };
+  for (size_t i = 0; i < low; ++i) end(i);
+  for (size_t i = high; i < nx; ++i) end(i);
   const auto run = [&]<int kReach, int kRows>() {
     stencil::combine_row<kReach, kRows>(u + start, row, out_row, low, high);
   };
@@ -169,35 +183,6 @@ double Diffusion::spectral_radius() const {
     most = std::max(most, sum);
   }
   return most;
-}
-
-double Diffusion::potential(const double* u) const {
-  double total = 0;
-  for (size_t node = 0; node < lattice_.nodes(); ++node) {
-    const auto p = lattice_.place(node);
-    for (size_t a = 0; a < lattice_.dimensions; ++a) {
-      const Axis& axis = lattice_.axes[a];
-      const size_t stride = lattice_.stride(a), line = node - p[a] * stride;
-      // Volumes across the axis; along it a face owns a whole spacing, a node its share.
-      const double across = lattice_.volume(p) / (axis.spacing * axis.share(p[a]));
-      const double c = c_.variable() ? c_.faces[a][node] : c_.constant;
-      if (axis.periodic() || p[a] < axis.cells) {
-        const double d = (u[line + axis.after(p[a]) * stride] - u[node]) / axis.spacing;
-        total += 0.5 * c * d * d * across * axis.spacing;
-      }
-      if (order_ == 4 && !axis.fixed(p[a])) {
-        const double d =
-            u[line + axis.after(p[a]) * stride] + u[line + axis.before(p[a]) * stride] - 2 * u[node];
-        total += c_.constant * d * d / (24 * axis.spacing * axis.spacing) * lattice_.volume(p);
-      }
-      for (size_t s = 0; s < 2; ++s) {
-        if (axis.sides[s].kind == SideKind::robin && p[a] == (s == 0 ? 0 : axis.cells)) {
-          total += 0.5 * c_.at(node) * axis.sides[s].transfer * u[node] * u[node] * across;
-        }
-      }
-    }
-  }
-  return total;
 }
 
 Diffusion::Matrix Diffusion::matrix() const {

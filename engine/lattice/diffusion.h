@@ -41,8 +41,8 @@ class Diffusion {
   void step_in_place(double* u, double step, std::vector<double>& waiting) const;
   /// A bound of the largest |eigenvalue| (Gershgorin), exact to a few percent for constant coefficients.
   double spectral_radius() const;
-  /// -1/2 u L u in the nodes' volumes, for homogeneous sides.
-  double potential(const double* u) const;
+  /// -1/2 u L u in the nodes' volumes, for homogeneous sides. `sums` is scratch that grows once.
+  double potential(const double* u, std::vector<double>& sums) const;
 
   /// Entry pattern and values of L in compressed columns.
   struct Matrix {

@@ -86,14 +86,17 @@ double lattice_workspace_bytes(const LatticeDef& d, std::string_view usual) {
 }
 
 double lattice_step_seconds(const LatticeDef& d, std::string_view usual) {
-  // Measured on one core: an evaluation with the sums around it, a solve by transforms or multigrid.
-  constexpr double kBase = 5e-6, kEvaluation = 6e-9, kSolve = 4e-8;
+  // Measured on one core: an evaluation's work for a row of the lattice and for a node with the sums around
+  // it, a solve by transforms or multigrid.
+  constexpr double kBase = 8e-6, kRow = 2e-7, kNode = 1.7e-9, kWideNode = 2.1e-9, kSolve = 4e-8;
   const Integrator* m = find_integrator(d.integrator.empty() ? usual : std::string_view(d.integrator));
   if (!m) return kBase;
   const bool adaptive = m->stepping == Integrator::Stepping::adaptive;
-  const double times = adaptive ? 20 : m->order < 4 ? 2 : m->order;
-  const bool solves = m->kind == Integrator::Kind::implicit;
-  return kBase + times * (kEvaluation + (solves ? kSolve : 0)) * lattice_nodes(d);
+  const double times = adaptive ? 12 : m->order < 4 ? 2 : 3;
+  const double node = (d.order == LatticeDef::Order::fourth ? kWideNode : kNode) +
+                      (m->kind == Integrator::Kind::implicit ? kSolve : 0);
+  const double nodes = lattice_nodes(d), rows = nodes / (static_cast<double>(d.cells[0]) + 1);
+  return kBase + times * (kRow * rows + node * nodes);
 }
 
 void check_lattice(const LatticeDef& d, const DefTable::Report& report) {

@@ -33,6 +33,7 @@ class LatticeWork {
     scratch_.resize(model_->lattice().nodes());
     return scratch_;
   }
+  double potential(const double* u) { return diffusion_.potential(u, sums_); }
   double spectral_radius();
   /// Its pattern stays in place while the model stays the same; methods keep pointers into it.
   const Diffusion::Matrix& matrix();
@@ -52,7 +53,7 @@ class LatticeWork {
   bool matrix_stands_ = false;
   std::unique_ptr<ShiftedSolver> solver_;
   std::vector<uint8_t> fixed_;
-  std::vector<double> scratch_, waiting_;
+  std::vector<double> scratch_, waiting_, sums_;
 };
 
 }  // namespace truestep::lattice

@@ -96,7 +96,7 @@ std::optional<Energy> Wave::energy(const State& s, double t, Workspace& workspac
   const auto squares = workspace.doubles("wave.squares", v.size());
   for (size_t i = 0; i < v.size(); ++i) squares[i] = 0.5 * v[i] * v[i];
   e.kinetic = lattice::integral(model_.lattice(), squares);
-  e.potential = work.diffusion().potential(s.f64(kValue).data());
+  e.potential = work.potential(s.f64(kValue).data());
   const bool open = model_.forced() || model_.coefficient_moves();
   e.exchange = open ? Energy::Exchange::open : Energy::Exchange::closed;
   const Integrator& m = stepper_->method();
