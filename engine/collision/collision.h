@@ -20,9 +20,9 @@
 // Everything uses + - * / and sqrt only and runs in the frame of one of the two bodies: the same bits on
 // every machine, and far from the origin as accurate as the poses are.
 #pragma once
-#include "engine/collision/broad_phase.h"
-#include "engine/collision/collide.h"
-#include "engine/collision/mass_properties.h"
-#include "engine/collision/queries.h"
-#include "engine/collision/solid.h"
-#include "engine/collision/time_of_impact.h"
+#include "engine/collision/broad/broad_phase.h"
+#include "engine/collision/pairs/collide.h"
+#include "engine/collision/queries/queries.h"
+#include "engine/collision/queries/time_of_impact.h"
+#include "engine/geometry/mass_properties.h"
+#include "engine/geometry/solid.h"

@@ -3,8 +3,8 @@
 #include <cmath>
 #include <map>
 
-#include "engine/collision/height_field.h"
-#include "engine/collision/triangle_mesh.h"
+#include "engine/geometry/height_field.h"
+#include "engine/geometry/triangle_mesh.h"
 
 namespace truestep {
 namespace {

@@ -6,8 +6,8 @@
 #include <memory>
 #include <span>
 
-#include "engine/collision/solid.h"
 #include "engine/core/drawing.h"
+#include "engine/geometry/solid.h"
 
 namespace truestep {
 

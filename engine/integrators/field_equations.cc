@@ -7,7 +7,7 @@
 #include "engine/base/byte_hash.h"
 #include "engine/base/errors.h"
 #include "engine/core/linear_solver.h"
-#include "engine/integrators/implicit_methods.h"
+#include "engine/integrators/implicit/implicit_methods.h"
 
 namespace truestep {
 

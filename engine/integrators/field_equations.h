@@ -3,7 +3,7 @@
 // order.
 #pragma once
 #include "engine/integrators/advance.h"
-#include "engine/integrators/field_jacobian.h"
+#include "engine/integrators/linear/field_jacobian.h"
 #include "engine/integrators/motion.h"
 
 namespace truestep {

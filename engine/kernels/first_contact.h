@@ -6,7 +6,7 @@
 #pragma once
 #include <optional>
 
-#include "engine/kernels/shape_distance.h"
+#include "engine/geometry/shape_distance.h"
 
 namespace truestep {
 

@@ -14,15 +14,15 @@ namespace {
 // The library counts and times itself in variables of the process: one world steps at a time.
 std::mutex g_library;
 
-class Bullet final : public reference::OwnFace<Rigid3d> {
+class Bullet final : public reference::OwnFace<rigid3d::Rigid3d> {
  public:
-  Bullet(const Rigid3dDef& def, const BuildContext& context, std::vector<Issue>& issues)
+  Bullet(const rigid3d::Rigid3dDef& def, const BuildContext& context, std::vector<Issue>& issues)
       : OwnFace(def, context),
         scene_(std::make_shared<const reference::BulletScene>(def, context, issues)),
         key_("bullet/" + context.id) {
     add_stage("forces", "gravity and pushes", [this](State& s, const StepInput& in) {
       auto& scratch = in.workspace.object<Scratch>(key_);
-      collect_forces(s, own_.kinds(), in.h, scratch.change, scratch.twist);
+      rigid3d::collect_forces(s, own_.kinds(), in.h, scratch.change, scratch.twist);
     });
     add_stage("bullet", "Bullet 3.24 in doubles: ten iterations of sequential impulses",
               [this](State& s, const StepInput& in) { step_world(s, in); });
@@ -53,7 +53,7 @@ class Bullet final : public reference::OwnFace<Rigid3d> {
 
 }  // namespace
 
-std::unique_ptr<const System> build_bullet(const Rigid3dDef& def, const BuildContext& context) {
+std::unique_ptr<const System> build_bullet(const rigid3d::Rigid3dDef& def, const BuildContext& context) {
   std::vector<Issue> issues;
   reference::check_bullet_joints(def, issues);
   std::unique_ptr<const Bullet> system;

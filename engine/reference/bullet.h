@@ -15,6 +15,6 @@
 namespace truestep {
 
 /// Error "scene_invalid" with pointers for what Bullet has no equivalent of.
-std::unique_ptr<const System> build_bullet(const Rigid3dDef& def, const BuildContext& context);
+std::unique_ptr<const System> build_bullet(const rigid3d::Rigid3dDef& def, const BuildContext& context);
 
 }  // namespace truestep

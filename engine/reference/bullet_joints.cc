@@ -8,6 +8,8 @@
 #include "engine/reference/bullet_shapes.h"
 
 namespace truestep::reference {
+
+using namespace rigid3d;
 namespace {
 
 /// What of a joint Bullet has no equivalent of, with its member; nothing when it has all.
@@ -209,7 +211,8 @@ std::unique_ptr<btTypedConstraint> bullet_joint(const AnyJointDef& def, const Jo
 
 std::vector<AnyJointDef> joint_defs(const Rigid3dDef& def) {
   std::vector<AnyJointDef> out;
-  for (const AnyJointDef& d : def.joints) out.insert(out.end(), static_cast<size_t>(joint_count(d)), d);
+  for (const AnyJointDef& d : def.joints)
+    out.insert(out.end(), static_cast<size_t>(rigid3d::joint_count(d)), d);
   return out;
 }
 

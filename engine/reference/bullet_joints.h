@@ -12,13 +12,13 @@
 namespace truestep::reference {
 
 /// Appends an issue for every joint of the scene that Bullet has no equivalent of.
-void check_bullet_joints(const Rigid3dDef& def, std::vector<Issue>& issues);
+void check_bullet_joints(const rigid3d::Rigid3dDef& def, std::vector<Issue>& issues);
 
 /// The constraint of one joint between a and b.
-std::unique_ptr<btTypedConstraint> bullet_joint(const AnyJointDef& def, const Joint& joint, btRigidBody& a,
-                                                btRigidBody& b);
+std::unique_ptr<btTypedConstraint> bullet_joint(const rigid3d::AnyJointDef& def, const rigid3d::Joint& joint,
+                                                btRigidBody& a, btRigidBody& b);
 
 /// What every built joint was made from, in their order.
-std::vector<AnyJointDef> joint_defs(const Rigid3dDef& def);
+std::vector<rigid3d::AnyJointDef> joint_defs(const rigid3d::Rigid3dDef& def);
 
 }  // namespace truestep::reference

@@ -1,10 +1,12 @@
 #include "engine/reference/bullet_shapes.h"
 
-#include "engine/collision/compound.h"
-#include "engine/collision/height_field.h"
-#include "engine/collision/triangle_mesh.h"
+#include "engine/geometry/compound.h"
+#include "engine/geometry/height_field.h"
+#include "engine/geometry/triangle_mesh.h"
 
 namespace truestep::reference {
+
+using namespace rigid3d;
 namespace {
 
 // Bullet rounds hulls outwards by their margin; small, so that they touch where they are.

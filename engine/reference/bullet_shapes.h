@@ -28,7 +28,7 @@ inline Vec3 from_bullet(const btVector3& v) {
 class BulletShapes {
  public:
   /// Appends an issue for every kind of body that Bullet cannot hold.
-  BulletShapes(std::span<const BodyKind> kinds, std::vector<Issue>& issues);
+  BulletShapes(std::span<const rigid3d::BodyKind> kinds, std::vector<Issue>& issues);
   btCollisionShape* of(uint32_t kind) const { return of_kind_[kind]; }
 
  private:

@@ -13,7 +13,9 @@
 
 namespace truestep::reference {
 
-namespace columns = rigid3d_columns;
+using namespace rigid3d;
+
+namespace columns = rigid3d::columns;
 
 namespace {
 
@@ -39,8 +41,8 @@ constexpr State::Column kPoses[] = {columns::position, columns::velocity, column
 }  // namespace
 
 BulletScene::BulletScene(const Rigid3dDef& def, const BuildContext& context, std::vector<Issue>& issues)
-    : bodies(build_bodies(def, context.seed)),
-      joints(build_joints(def, bodies).joints),
+    : bodies(rigid3d::build_bodies(def, context.seed)),
+      joints(rigid3d::build_joints(def, bodies).joints),
       joint_defs(reference::joint_defs(def)),
       shapes(bodies.kinds, issues),
       restitution_speed(def.restitution_speed.value_or(

@@ -13,11 +13,11 @@ namespace truestep::reference {
 
 /// What a world is made from and does not change.
 struct BulletScene {
-  BulletScene(const Rigid3dDef& def, const BuildContext& context, std::vector<Issue>& issues);
+  BulletScene(const rigid3d::Rigid3dDef& def, const BuildContext& context, std::vector<Issue>& issues);
 
-  BodyList bodies;
-  std::vector<Joint> joints;
-  std::vector<AnyJointDef> joint_defs;
+  rigid3d::BodyList bodies;
+  std::vector<rigid3d::Joint> joints;
+  std::vector<rigid3d::AnyJointDef> joint_defs;
   BulletShapes shapes;
   double restitution_speed, sleep_speed;
   bool sleeping;

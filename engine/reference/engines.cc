@@ -18,8 +18,8 @@ namespace {
 }  // namespace
 
 std::unique_ptr<const System> build_rigid3d_engine(const void* def, const BuildContext& context) {
-  const auto& d = *static_cast<const Rigid3dDef*>(def);
-  if (d.engine == Rigid3dDef::Engine::truestep) return build_rigid3d(def, context);
+  const auto& d = *static_cast<const rigid3d::Rigid3dDef*>(def);
+  if (d.engine == rigid3d::Rigid3dDef::Engine::truestep) return rigid3d::build_rigid3d(def, context);
 #ifdef TRUESTEP_BULLET
   return build_bullet(d, context);
 #else

@@ -1,7 +1,7 @@
 #include "engine/scene/coupling_catalogue.h"
 
-#include "engine/couplings/attachment.h"
-#include "engine/couplings/contact.h"
+#include "engine/couplings/attachment/attachment.h"
+#include "engine/couplings/contact/contact.h"
 
 namespace truestep {
 

@@ -1,8 +1,8 @@
 // What a step of a world is expected to cost, once its systems are built.
 #include "engine/core/force_system.h"
+#include "engine/integrators/control/step_work.h"
 #include "engine/integrators/field_equations.h"
 #include "engine/integrators/motion.h"
-#include "engine/integrators/step_work.h"
 #include "engine/scene/admission.h"
 #include "engine/session/world.h"
 

@@ -29,7 +29,7 @@ constexpr int64_t kMostSubsteps = 512;
 // The method that the scene has as it stands.
 const Integrator* method_of(const System& system) {
   if (const auto* forces = dynamic_cast<const ForceSystem*>(&system)) return &forces->integrator();
-  if (const auto* ode = dynamic_cast<const Ode*>(&system)) return ode->method();
+  if (const auto* ode = dynamic_cast<const ode::Ode*>(&system)) return ode->method();
   return nullptr;
 }
 

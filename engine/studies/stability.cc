@@ -8,7 +8,7 @@
 #include "engine/base/random.h"
 #include "engine/base/short_number.h"
 #include "engine/core/force_system.h"
-#include "engine/integrators/spectrum.h"
+#include "engine/integrators/control/spectrum.h"
 #include "engine/studies/scene_variant.h"
 #include "engine/studies/trajectory.h"
 

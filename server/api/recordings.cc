@@ -1,9 +1,9 @@
 #include "server/api/recordings.h"
 
 #include "engine/base/log.h"
+#include "engine/sinks/recording/log/salvage.h"
 #include "engine/sinks/recording/recording_reader.h"
 #include "engine/sinks/recording/recording_sink.h"
-#include "engine/sinks/recording/salvage.h"
 #include "server/persistence/session_keeper.h"
 
 namespace truestep {

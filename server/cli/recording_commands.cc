@@ -6,7 +6,7 @@
 
 #include "engine/scene/json_write.h"
 #include "engine/sinks/recording/diff.h"
-#include "engine/sinks/recording/export.h"
+#include "engine/sinks/recording/export/export.h"
 #include "server/cli/exit_codes.h"
 
 namespace truestep {

@@ -9,9 +9,9 @@
 #include "engine/base/short_number.h"
 #include "engine/scene/json.h"
 #include "engine/scene/json_write.h"
-#include "engine/sinks/recording/chunk_log.h"
+#include "engine/sinks/recording/log/chunk_log.h"
+#include "engine/sinks/recording/log/recover.h"
 #include "engine/sinks/recording/recording_reader.h"
-#include "engine/sinks/recording/recover.h"
 #include "server/persistence/files.h"
 #include "server/sessions/session_id.h"
 

@@ -8,8 +8,8 @@
 #include <numeric>
 
 #include "engine/base/random.h"
-#include "engine/collision/box_grid.h"
-#include "engine/collision/broad_phase.h"
+#include "engine/collision/broad/box_grid.h"
+#include "engine/collision/broad/broad_phase.h"
 #include "tests/bench/report.h"
 
 namespace {

@@ -11,6 +11,7 @@
 namespace {
 
 using namespace truestep;
+using namespace truestep::mass_spring;
 
 MassSpringDef cloth() {
   MassSpringDef d;

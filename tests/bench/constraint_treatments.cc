@@ -11,6 +11,7 @@
 namespace {
 
 using namespace truestep;
+using namespace truestep::rod_chain;
 using Treatment = RodChainDef::Treatment;
 
 constexpr int kLinks = 10;

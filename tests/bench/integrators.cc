@@ -15,6 +15,7 @@
 #include "tests/bench/report.h"
 
 namespace truestep::bench {
+using namespace mass_spring;
 namespace {
 
 using Values = std::vector<double, CacheLineAllocator<double>>;

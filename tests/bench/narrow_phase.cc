@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "engine/base/random.h"
-#include "engine/collision/collide.h"
+#include "engine/collision/pairs/collide.h"
 #include "tests/bench/report.h"
 
 namespace {

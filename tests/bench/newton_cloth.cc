@@ -6,13 +6,14 @@
 #include <cstdio>
 #include <vector>
 
-#include "engine/integrators/stage_newton.h"
+#include "engine/integrators/implicit/stage_newton.h"
 #include "engine/systems/mass_spring/mass_spring.h"
 #include "tests/bench/report.h"
 
 namespace {
 
 using namespace truestep;
+using namespace truestep::mass_spring;
 
 MassSpringDef cloth() {
   MassSpringDef d;

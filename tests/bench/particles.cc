@@ -11,6 +11,7 @@
 namespace {
 
 using namespace truestep;
+using namespace truestep::particles;
 
 constexpr size_t kCount = 100'000;
 constexpr double kStep = 1.0 / 60;
@@ -38,7 +39,7 @@ struct Ours {
     ++n;
   }
   double mean_height() const {
-    const auto x = state.f64(particle_columns::position);
+    const auto x = state.f64(particles::columns::position);
     double sum = 0;
     for (size_t i = 1; i < x.size(); i += 3) sum += x[i];
     return sum / static_cast<double>(x.size() / 3);
@@ -53,7 +54,7 @@ struct Ours {
 /// The plain side: symplectic Euler or leapfrog with linear drag c / m, and reflection at the plane y = 0.
 struct Plain {
   explicit Plain(const Ours& ours) {
-    const auto p = ours.state.f64(particle_columns::position);
+    const auto p = ours.state.f64(particles::columns::position);
     for (size_t i = 0; i < p.size(); i += 3) x.push_back(p[i]), y.push_back(p[i + 1]), z.push_back(p[i + 2]);
     vx.resize(x.size()), vy.resize(x.size()), vz.resize(x.size());
   }

@@ -4,7 +4,7 @@
 #include <cstdio>
 #include <vector>
 
-#include "engine/integrators/sparse_factors.h"
+#include "engine/integrators/linear/sparse_factors.h"
 #include "tests/bench/report.h"
 
 namespace {

@@ -8,9 +8,9 @@
 #include <string_view>
 #include <vector>
 
-#include "engine/integrators/splitting.h"
-#include "engine/integrators/tableau.h"
-#include "engine/integrators/tableau_nystrom.h"
+#include "engine/integrators/explicit/tableau.h"
+#include "engine/integrators/explicit/tableau_nystrom.h"
+#include "engine/integrators/symplectic/splitting.h"
 #include "tests/convergence/equations.h"
 #include "tests/convergence/problems.h"
 

@@ -5,8 +5,8 @@
 #include <cmath>
 #include <cstdio>
 
-#include "engine/integrators/ias15_nodes.h"
-#include "engine/integrators/tableau_dop853.h"
+#include "engine/integrators/explicit/ias15_nodes.h"
+#include "engine/integrators/explicit/tableau_dop853.h"
 #include "tests/convergence/extended.h"
 
 namespace truestep::test {

@@ -4,7 +4,7 @@
 #include <cstdio>
 #include <utility>
 
-#include "engine/integrators/runge_kutta.h"
+#include "engine/integrators/explicit/runge_kutta.h"
 #include "tests/convergence/problems.h"
 
 namespace truestep::test {

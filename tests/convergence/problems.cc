@@ -9,6 +9,7 @@
 #include "tests/convergence/equations.h"
 
 namespace truestep::test {
+using namespace oscillator;
 
 namespace {
 

@@ -6,6 +6,7 @@
 #include "tests/support/engine_run.h"
 
 namespace truestep::rigid2d {
+using namespace rigid3d;
 namespace {
 
 using truestep::testing::EngineRun;

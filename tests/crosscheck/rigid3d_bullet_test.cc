@@ -8,6 +8,7 @@
 #include "tests/support/rigid3d_run.h"
 
 namespace truestep::testing {
+using namespace rigid3d;
 namespace {
 
 constexpr double kG = 9.81;

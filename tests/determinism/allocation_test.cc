@@ -45,6 +45,9 @@ void operator delete(void* p, std::size_t, std::align_val_t) noexcept {
 }
 
 namespace truestep {
+using namespace articulation;
+using namespace ode;
+using namespace mass_spring;
 namespace {
 
 TEST(Allocation, NoStepAfterTheFirstAllocates) {

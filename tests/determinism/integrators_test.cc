@@ -8,6 +8,7 @@
 #include "engine/systems/mass_spring/mass_spring_def.h"
 
 namespace truestep {
+using namespace mass_spring;
 namespace {
 
 std::unique_ptr<const System> cloth(std::string_view integrator, double internal_damping = 1e-3,

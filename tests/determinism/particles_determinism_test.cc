@@ -6,6 +6,7 @@
 #include "tests/support/particles_run.h"
 
 namespace truestep {
+using namespace particles;
 namespace {
 
 using testing::ParticlesRun;
@@ -103,7 +104,7 @@ TEST(ParticlesCommands, ChangeWhatTheySay) {
   r.system->apply(r.state, c);
   c.name = "plane0.restitution", c.value = 0.25;
   r.system->apply(r.state, c);
-  EXPECT_EQ(r.state.f64(particle_columns::surfaces)[0], 0.25);
+  EXPECT_EQ(r.state.f64(particles::columns::surfaces)[0], 0.25);
   c.value = 2;
   EXPECT_THROW(r.system->apply(r.state, c), Error);
   c.name = "nonsense";
@@ -116,7 +117,7 @@ TEST(ParticlesCommands, ChangeWhatTheySay) {
   EXPECT_LT(norm(r.x(0) - Vec3{2, 2 - 0.01, 2}), 1e-6);  // gravity 1 against 100 m: sags by 1 cm
   c.kind = CommandKind::release, c.index = -1;
   r.system->apply(r.state, c);
-  EXPECT_EQ(r.state.rows(particle_columns::drag_id), 0u);
+  EXPECT_EQ(r.state.rows(particles::columns::drag_id), 0u);
   c.index = 77;
   EXPECT_THROW(r.system->apply(r.state, c), Error);
 }

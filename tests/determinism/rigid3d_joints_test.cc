@@ -5,6 +5,7 @@
 #include "tests/support/rigid3d_run.h"
 
 namespace truestep {
+using namespace rigid3d;
 namespace {
 
 using testing::RigidRun;
@@ -87,7 +88,7 @@ TEST_P(Rigid3dJointDeterminism, RestoredInMotionItGoesOnTheSame) {
   run.run(60), other.run(60);
   EXPECT_EQ(run.state, other.state);
   // The controls: without the impulses of drives, and without the turns, it would not.
-  for (const auto column : {rigid3d_columns::drive_impulse, rigid3d_columns::drive_coordinate}) {
+  for (const auto column : {rigid3d::columns::drive_impulse, rigid3d::columns::drive_coordinate}) {
     RigidRun cold(scene());
     cold.run(70);
     for (double& l : cold.state.f64(column)) l = 0;

@@ -4,6 +4,7 @@
 #include "tests/support/rigid3d_run.h"
 
 namespace truestep {
+using namespace rigid3d;
 namespace {
 
 using testing::RigidRun;
@@ -72,7 +73,7 @@ TEST_P(Rigid3dDeterminism, RestoredInTheMiddleOfACollapseItGoesOnTheSame) {
   // The control: without the contacts' impulses it would not.
   RigidRun cold(scene());
   cold.run(40);
-  for (double& l : cold.state.f64(rigid3d_columns::contact_impulse)) l = 0;
+  for (double& l : cold.state.f64(rigid3d::columns::contact_impulse)) l = 0;
   cold.run(60);
   EXPECT_FALSE(run.state == cold.state);
 }
@@ -84,7 +85,7 @@ TEST_P(Rigid3dDeterminism, ASleepingBodyElsewhereChangesNothing) {
   for (auto& j : d.joints) ++std::get<BallJointDef>(j).a, ++std::get<BallJointDef>(j).b;
   RigidRun alone(d), beside(d), awake(d);
   remove_body(alone.state, 1);
-  beside.state.span<uint32_t>(rigid3d_columns::asleep)[1] = 1;
+  beside.state.span<uint32_t>(rigid3d::columns::asleep)[1] = 1;
   alone.run(90), beside.run(90), awake.run(90);
   ASSERT_EQ(beside.count(), alone.count() + 1);
   for (size_t i = 1; i < alone.count(); ++i) {

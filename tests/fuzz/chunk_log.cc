@@ -9,9 +9,9 @@
 #include <string>
 #include <vector>
 
-#include "engine/sinks/recording/chunk_log.h"
-#include "engine/sinks/recording/layout_bytes.h"
-#include "engine/sinks/recording/superblock.h"
+#include "engine/sinks/recording/file/layout_bytes.h"
+#include "engine/sinks/recording/file/superblock.h"
+#include "engine/sinks/recording/log/chunk_log.h"
 #include "tests/fuzz/scratch_folder.h"
 
 namespace {

@@ -4,9 +4,9 @@
 #include <cstring>
 
 #include "engine/base/errors.h"
-#include "engine/collision/collide.h"
-#include "engine/collision/gjk.h"
-#include "engine/collision/time_of_impact.h"
+#include "engine/collision/pairs/collide.h"
+#include "engine/collision/pairs/gjk.h"
+#include "engine/collision/queries/time_of_impact.h"
 #include "engine/kernels/free_rotation.h"
 
 using namespace truestep;

@@ -9,6 +9,7 @@
 namespace {
 
 using namespace truestep;
+using namespace truestep::ode;
 
 OdeDef system_of(const uint8_t* data, size_t size) {
   std::string lines[8];

@@ -10,8 +10,8 @@
 #include "engine/base/errors.h"
 #include "engine/base/hash.h"
 #include "engine/sinks/recording/diff.h"
-#include "engine/sinks/recording/export.h"
-#include "engine/sinks/recording/recover.h"
+#include "engine/sinks/recording/export/export.h"
+#include "engine/sinks/recording/log/recover.h"
 #include "tests/fuzz/scratch_folder.h"
 
 namespace {

@@ -8,6 +8,7 @@
 #include "tests/validation/stepping.h"
 
 namespace truestep::test {
+using namespace pendulum;
 namespace {
 
 struct Drift {

@@ -4,11 +4,12 @@
 #include <cstdio>
 
 #include "engine/base/errors.h"
-#include "engine/integrators/stage_newton.h"
+#include "engine/integrators/implicit/stage_newton.h"
 #include "engine/math/block_sparse.h"
 #include "tests/unit/mass_spring_rig.h"
 
 namespace truestep {
+using namespace mass_spring;
 namespace {
 
 using testing_rig::SpringRun;

@@ -2,6 +2,7 @@
 #include "tests/unit/mass_spring_rig.h"
 
 namespace truestep {
+using namespace mass_spring;
 namespace {
 
 using testing_rig::SpringRun;

@@ -10,6 +10,7 @@
 #include "tests/support/rigid2d_run.h"
 
 namespace truestep {
+using namespace rigid3d;
 namespace {
 
 using Trial = testing::FlatTrial;

@@ -5,6 +5,7 @@
 #include "tests/support/rigid3d_run.h"
 
 namespace truestep {
+using namespace rigid3d;
 namespace {
 
 TEST(Rigid3dFastBodies, ThatAreInOneAnotherMayPart) {

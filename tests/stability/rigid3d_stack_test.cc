@@ -7,6 +7,7 @@
 #include "tests/support/rigid3d_run.h"
 
 namespace truestep {
+using namespace rigid3d;
 namespace {
 
 using testing::box;

@@ -9,6 +9,7 @@
 #include "tests/support/rigid3d_run.h"
 
 namespace truestep {
+using namespace rigid3d;
 namespace {
 
 using testing::ball;
@@ -76,7 +77,7 @@ TEST_P(Rigid3dStanding, AWallThatIsPushedComesToRest) {
     d.contact_hertz = hertz;
     RigidRun run = start(d);
     run.seconds(1);
-    const auto v = run.state.f64(rigid3d_columns::velocity);
+    const auto v = run.state.f64(rigid3d::columns::velocity);
     for (size_t i = 1; i < run.count(); ++i) v[3 * i + 2] += 1e-5 * run.x(i).y;
     run.seconds(1);
     const double soon = run.observed("energy.kinetic");
@@ -114,7 +115,7 @@ TEST_P(Rigid3dStanding, TallTowersTakeMoreSubsteps) {
   const auto substeps = [&](const Rigid3dDef& d) {
     RigidRun run = start(d);
     run.run(20);
-    return std::lround(run.h / run.state.f64(rigid3d_columns::substep)[0]);
+    return std::lround(run.h / run.state.f64(rigid3d::columns::substep)[0]);
   };
   EXPECT_GE(substeps(tower(50)), 10);
   // The control: what five hold is left at five, and a wall that narrows is no tower.

@@ -9,6 +9,7 @@
 #include "tests/support/rigid3d_run.h"
 
 namespace truestep {
+using namespace rigid3d;
 namespace {
 
 using testing::ball;
@@ -66,7 +67,7 @@ Energies run_room(const Trial& trial, uint64_t steps) {
   // Heights from the floor, so that energies are positive.
   double mass = 0;
   for (size_t i = 6; i < run.count(); ++i)
-    mass += run.system->kinds()[run.state.span<uint32_t>(rigid3d_columns::kind)[i]].mass;
+    mass += run.system->kinds()[run.state.span<uint32_t>(rigid3d::columns::kind)[i]].mass;
   const auto energy = [&] { return run.observed("energy.total") + mass * norm(trial.gravity) * 2; };
   Energies e;
   e.start = e.most = energy();

@@ -9,6 +9,7 @@
 #include "tests/support/rigid3d_run.h"
 
 namespace truestep::testing {
+using namespace rigid3d;
 namespace {
 
 constexpr double kTurn = 6.283185307179586;

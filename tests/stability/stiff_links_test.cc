@@ -10,6 +10,7 @@
 #include "engine/systems/articulation/articulation.h"
 
 namespace truestep {
+using namespace articulation;
 namespace {
 
 struct Links {

@@ -6,6 +6,7 @@
 #include "tests/validation/stepping.h"
 
 namespace truestep::test {
+using namespace oscillator;
 namespace {
 
 constexpr double kStiffness = 1e8, kStep = 1.0 / 60;

@@ -4,10 +4,11 @@
 
 #include <cmath>
 
-#include "engine/integrators/stage_newton.h"
+#include "engine/integrators/implicit/stage_newton.h"
 #include "engine/systems/mass_spring/mass_spring.h"
 
 namespace truestep {
+using namespace mass_spring;
 namespace {
 
 struct Rope {

@@ -41,11 +41,11 @@ inline BuildContext engine_context(double step) {
   c.id = "r", c.dt = step, c.seed = 7;
   return c;
 }
-inline EngineRun ours(Rigid3dDef def, double step = 1.0 / 60) {
+inline EngineRun ours(rigid3d::Rigid3dDef def, double step = 1.0 / 60) {
   return {build_rigid3d_engine(&def, engine_context(step)), step};
 }
-inline EngineRun theirs(Rigid3dDef def, double step = 1.0 / 60) {
-  def.engine = Rigid3dDef::Engine::bullet;
+inline EngineRun theirs(rigid3d::Rigid3dDef def, double step = 1.0 / 60) {
+  def.engine = rigid3d::Rigid3dDef::Engine::bullet;
   return {build_rigid3d_engine(&def, engine_context(step)), step};
 }
 inline EngineRun ours(rigid2d::Rigid2dDef def, double step = 1.0 / 60) {

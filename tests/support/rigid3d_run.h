@@ -5,7 +5,7 @@
 namespace truestep::testing {
 
 struct RigidRun {
-  explicit RigidRun(const Rigid3dDef& def, double step = 1.0 / 60, int threads = 1,
+  explicit RigidRun(const rigid3d::Rigid3dDef& def, double step = 1.0 / 60, int threads = 1,
                     Vec3 gravity = {0, -9.81, 0})
       : h(step), arena(threads) {
     BuildContext context;
@@ -13,7 +13,7 @@ struct RigidRun {
     context.gravity = gravity;
     context.dt = step;
     context.seed = 7;
-    system = std::make_unique<const Rigid3d>(def, context);
+    system = std::make_unique<const rigid3d::Rigid3d>(def, context);
     state = system->initial_state();
   }
   double t() const { return static_cast<double>(step) * h; }
@@ -21,11 +21,11 @@ struct RigidRun {
     for (uint64_t k = 0; k < steps; ++k, ++step) system->step(state, {t(), h, step, workspace, arena});
   }
   void seconds(double s) { run(static_cast<uint64_t>(s / h + 0.5)); }
-  size_t count() const { return state.rows(rigid3d_columns::position); }
-  Vec3 x(size_t i) const { return load3(state.f64(rigid3d_columns::position).data(), i); }
-  Vec3 v(size_t i) const { return load3(state.f64(rigid3d_columns::velocity).data(), i); }
-  Vec3 w(size_t i) const { return load3(state.f64(rigid3d_columns::angular_velocity).data(), i); }
-  Quat q(size_t i) const { return load_quat(state.f64(rigid3d_columns::orientation).data(), i); }
+  size_t count() const { return state.rows(rigid3d::columns::position); }
+  Vec3 x(size_t i) const { return load3(state.f64(rigid3d::columns::position).data(), i); }
+  Vec3 v(size_t i) const { return load3(state.f64(rigid3d::columns::velocity).data(), i); }
+  Vec3 w(size_t i) const { return load3(state.f64(rigid3d::columns::angular_velocity).data(), i); }
+  Quat q(size_t i) const { return load_quat(state.f64(rigid3d::columns::orientation).data(), i); }
   double observed(const char* name) const {
     Observables out;
     system->observe(state, t(), out);
@@ -35,24 +35,24 @@ struct RigidRun {
 
   double h;
   ThreadArena arena;
-  std::unique_ptr<const Rigid3d> system;
+  std::unique_ptr<const rigid3d::Rigid3d> system;
   State state;
   Workspace workspace;
   uint64_t step = 0;
 };
 
-inline PlaneBodyDef ground() {
-  PlaneBodyDef d;
-  d.motion = BodyDef::Motion::fixed;
+inline rigid3d::PlaneBodyDef ground() {
+  rigid3d::PlaneBodyDef d;
+  d.motion = rigid3d::BodyDef::Motion::fixed;
   return d;
 }
-inline BoxBodyDef box(Vec3 half, Vec3 at) {
-  BoxBodyDef d;
+inline rigid3d::BoxBodyDef box(Vec3 half, Vec3 at) {
+  rigid3d::BoxBodyDef d;
   d.half_extents = half, d.position = at;
   return d;
 }
-inline SphereBodyDef ball(double radius, Vec3 at) {
-  SphereBodyDef d;
+inline rigid3d::SphereBodyDef ball(double radius, Vec3 at) {
+  rigid3d::SphereBodyDef d;
   d.radius = radius, d.position = at;
   return d;
 }

@@ -13,6 +13,7 @@
 #include "tests/unit/random_tree.h"
 
 namespace truestep::articulation {
+using namespace articulation;
 namespace {
 
 using Function = std::function<void(const std::vector<double>&, std::vector<double>&)>;

@@ -1,9 +1,9 @@
-#include "engine/collision/collider_set.h"
+#include "engine/collision/points/collider_set.h"
 
 #include <gtest/gtest.h>
 
 #include "engine/base/random.h"
-#include "engine/collision/collider_def.h"
+#include "engine/collision/points/collider_def.h"
 
 namespace truestep {
 namespace {

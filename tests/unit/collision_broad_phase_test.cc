@@ -1,4 +1,4 @@
-#include "engine/collision/broad_phase.h"
+#include "engine/collision/broad/broad_phase.h"
 
 #include <gtest/gtest.h>
 

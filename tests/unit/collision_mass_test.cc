@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "engine/base/errors.h"
-#include "engine/collision/mass_properties.h"
+#include "engine/geometry/mass_properties.h"
 #include "tests/unit/collision_rig.h"
 
 namespace truestep {

@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "engine/collision/collide.h"
+#include "engine/collision/pairs/collide.h"
 #include "tests/unit/collision_rig.h"
 
 namespace truestep {

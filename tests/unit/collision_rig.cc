@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "engine/kernels/shape_distance.h"
+#include "engine/geometry/shape_distance.h"
 
 namespace truestep::collision_rig {
 namespace {

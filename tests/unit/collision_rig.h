@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "engine/base/random.h"
-#include "engine/collision/convex.h"
-#include "engine/collision/solid.h"
+#include "engine/collision/pairs/convex.h"
+#include "engine/geometry/solid.h"
 
 namespace truestep::collision_rig {
 

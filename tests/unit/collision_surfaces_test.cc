@@ -5,8 +5,8 @@
 #include <cmath>
 
 #include "engine/base/errors.h"
-#include "engine/collision/collide.h"
-#include "engine/collision/height_field.h"
+#include "engine/collision/pairs/collide.h"
+#include "engine/geometry/height_field.h"
 #include "tests/unit/collision_rig.h"
 
 namespace truestep {

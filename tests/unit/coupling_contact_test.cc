@@ -1,7 +1,7 @@
 #include <cmath>
 
 #include "engine/base/random.h"
-#include "engine/couplings/contact.h"
+#include "engine/couplings/contact/contact.h"
 #include "engine/kernels/point_hull.h"
 #include "tests/support/coupled.h"
 

@@ -7,6 +7,7 @@
 #include "tests/support/rigid3d_run.h"
 
 namespace truestep {
+using namespace rigid3d;
 namespace {
 
 using testing::ball;
@@ -101,7 +102,7 @@ TEST(DrawnBodies, SleepersAreDarker) {
     return draw_list_of(session.world(), *session.frame_of(state, picture_request(session.world())));
   };
   const DrawList awake = pictured();
-  state.systems[0].span<uint32_t>(rigid3d_columns::asleep)[0] = 1;
+  state.systems[0].span<uint32_t>(rigid3d::columns::asleep)[0] = 1;
   const DrawList asleep = pictured();
   ASSERT_EQ(awake.shapes.size(), 2u);
   EXPECT_FLOAT_EQ(awake.shapes[0].color->r, 0.9f);

@@ -8,7 +8,7 @@
 #include <cmath>
 
 #include "engine/collision/flat/outline_mesh.h"
-#include "engine/collision/mass_properties.h"
+#include "engine/geometry/mass_properties.h"
 #include "tests/unit/collision_rig.h"
 
 namespace truestep {

@@ -1,6 +1,6 @@
 // Events are found where they happen, to rounding, in order, with direction, and stop a run at their own
 // time.
-#include "engine/integrators/events.h"
+#include "engine/integrators/control/events.h"
 
 #include <gtest/gtest.h>
 

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 namespace truestep {
+using namespace rod_chain;
 namespace {
 
 WorldState state_of(uint64_t step, size_t rows) {

@@ -6,9 +6,9 @@
 #include <Eigen/Dense>
 #include <cmath>
 
-#include "engine/integrators/dirk_tableau.h"
-#include "engine/integrators/radau5_coefficients.h"
-#include "engine/integrators/rosenbrock_tableau.h"
+#include "engine/integrators/implicit/dirk_tableau.h"
+#include "engine/integrators/implicit/radau5_coefficients.h"
+#include "engine/integrators/implicit/rosenbrock_tableau.h"
 #include "tests/support/rooted_trees.h"
 
 namespace truestep::test {

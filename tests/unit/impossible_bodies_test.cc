@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-#include "engine/collision/mass_properties.h"
+#include "engine/geometry/mass_properties.h"
 #include "engine/scene/json.h"
 #include "engine/session/describe.h"
 

@@ -10,18 +10,18 @@
 namespace truestep::testing_rig {
 
 struct SpringRun {
-  explicit SpringRun(const MassSpringDef& def, Vec3 gravity = {0, -9.81, 0}, int threads = 1)
-      : system(MassSpring::make(with_integrator(def), {.id = "s", .gravity = gravity})),
+  explicit SpringRun(const mass_spring::MassSpringDef& def, Vec3 gravity = {0, -9.81, 0}, int threads = 1)
+      : system(mass_spring::MassSpring::make(with_integrator(def), {.id = "s", .gravity = gravity})),
         state(system->initial_state()),
         arena(threads) {}
 
   /// The simplest method unless the test names one.
-  static MassSpringDef with_integrator(MassSpringDef def) {
+  static mass_spring::MassSpringDef with_integrator(mass_spring::MassSpringDef def) {
     if (def.integrator.empty()) def.integrator = "symplectic_euler";
     return def;
   }
-  std::span<double> x() { return state.f64(MassSpringColumns::position); }
-  std::span<double> v() { return state.f64(MassSpringColumns::velocity); }
+  std::span<double> x() { return state.f64(mass_spring::MassSpringColumns::position); }
+  std::span<double> v() { return state.f64(mass_spring::MassSpringColumns::velocity); }
   Vec3 position(size_t i) { return load3<double>(x().data(), i); }
   Vec3 velocity(size_t i) { return load3<double>(v().data(), i); }
 
@@ -40,7 +40,7 @@ struct SpringRun {
     return out.find(name).value();
   }
 
-  std::unique_ptr<const MassSpring> system;
+  std::unique_ptr<const mass_spring::MassSpring> system;
   State state;
   Workspace workspace;
   ThreadArena arena;

@@ -1,6 +1,6 @@
 // (I - z J) x = b for every shape of the Jacobian, real and complex, first and second order, own derivatives
 // and differences: against Eigen's dense solution of the whole system.
-#include "engine/integrators/newton_matrix.h"
+#include "engine/integrators/implicit/newton_matrix.h"
 
 #include <gtest/gtest.h>
 

@@ -7,8 +7,8 @@
 
 #include "engine/core/integrator.h"
 #include "engine/integrators/advance.h"
-#include "engine/integrators/splitting.h"
-#include "engine/integrators/tableau_nystrom.h"
+#include "engine/integrators/explicit/tableau_nystrom.h"
+#include "engine/integrators/symplectic/splitting.h"
 #include "tests/support/ode_problems.h"
 #include "tests/support/rooted_trees.h"
 

@@ -11,6 +11,7 @@
 #include "tests/support/ode_run.h"
 
 namespace truestep::test {
+using namespace ode;
 namespace {
 
 const OdeModel& model_of(const OdeRun& run) {

@@ -6,6 +6,7 @@
 #include "engine/systems/rigid3d/rigid3d_def.h"
 
 namespace truestep {
+using namespace rigid3d;
 namespace {
 
 TEST(ParameterWords, AnotherWordIsReadAndEchoedAsTheName) {

@@ -9,7 +9,7 @@
 #include "engine/session/session.h"
 #include "engine/sinks/picture/draw_world.h"
 #include "engine/sinks/picture/picture.h"
-#include "engine/sinks/recording/export.h"
+#include "engine/sinks/recording/export/export.h"
 #include "engine/sinks/recording/recording_sink.h"
 #include "engine/sinks/stream/frame_encoding.h"
 #include "tests/support/part_systems.h"

@@ -14,8 +14,8 @@
 
 #include "engine/base/errors.h"
 #include "engine/sinks/picture/camera.h"
-#include "engine/sinks/picture/gl_context.h"
-#include "engine/sinks/picture/gl_objects.h"
+#include "engine/sinks/picture/gl/gl_context.h"
+#include "engine/sinks/picture/gl/gl_objects.h"
 #include "tests/unit/picture_lists.h"
 
 namespace truestep {

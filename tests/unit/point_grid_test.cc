@@ -1,4 +1,4 @@
-#include "engine/collision/point_grid.h"
+#include "engine/neighbours/point_grid.h"
 
 #include <gtest/gtest.h>
 

@@ -2,8 +2,8 @@
 
 #include <csignal>
 
-#include "engine/sinks/recording/fletcher32.h"
-#include "engine/sinks/recording/recover.h"
+#include "engine/sinks/recording/file/fletcher32.h"
+#include "engine/sinks/recording/log/recover.h"
 #include "tests/unit/recording_test.h"
 
 namespace truestep::fixture {

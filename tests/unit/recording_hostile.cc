@@ -2,7 +2,7 @@
 // attempts at a torn block of a live file waits twice as long each time and would never end.
 #include <chrono>
 
-#include "engine/sinks/recording/recover.h"
+#include "engine/sinks/recording/log/recover.h"
 #include "tests/support/patience.h"
 #include "tests/unit/recording_test.h"
 

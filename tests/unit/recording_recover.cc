@@ -1,6 +1,6 @@
-#include "engine/sinks/recording/recover.h"
+#include "engine/sinks/recording/log/recover.h"
 
-#include "engine/sinks/recording/superblock.h"
+#include "engine/sinks/recording/file/superblock.h"
 #include "tests/support/patience.h"
 #include "tests/unit/recording_test.h"
 

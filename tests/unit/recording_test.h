@@ -6,7 +6,7 @@
 #include <fstream>
 
 #include "engine/base/errors.h"
-#include "engine/sinks/recording/chunk_log.h"
+#include "engine/sinks/recording/log/chunk_log.h"
 #include "engine/sinks/recording/recording_reader.h"
 #include "engine/sinks/recording/recording_writer.h"
 #include "tests/service/fixtures/record_check.h"

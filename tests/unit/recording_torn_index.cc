@@ -1,7 +1,7 @@
 // A kill tears what HDF5 rewrites in place: the blocks of its index of chunks. With the chunk log beside the
 // file every acknowledged frame comes back; the control, the same file without it, loses frames.
-#include "engine/sinks/recording/layout_bytes.h"
-#include "engine/sinks/recording/recover.h"
+#include "engine/sinks/recording/file/layout_bytes.h"
+#include "engine/sinks/recording/log/recover.h"
 #include "tests/support/patience.h"
 #include "tests/unit/recording_test.h"
 

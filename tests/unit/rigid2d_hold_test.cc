@@ -10,6 +10,7 @@
 #include "tests/support/drawn.h"
 
 namespace truestep::rigid2d {
+using namespace rigid3d;
 namespace {
 
 struct Trial {

@@ -11,6 +11,7 @@
 #include "tests/support/rigid3d_run.h"
 
 namespace truestep {
+using namespace rigid3d;
 namespace {
 
 /// Two dynamic balls, rows 0 and 1, and a plane, row 2.

@@ -1,9 +1,9 @@
-#include "engine/kernels/shape_distance.h"
+#include "engine/geometry/shape_distance.h"
 
 #include <gtest/gtest.h>
 
 #include "engine/base/random.h"
-#include "engine/collision/shape.h"
+#include "engine/geometry/shape.h"
 #include "engine/kernels/first_contact.h"
 
 namespace truestep {

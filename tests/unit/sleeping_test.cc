@@ -6,6 +6,7 @@
 #include "engine/kernels/contact_pad.h"
 
 namespace truestep {
+using namespace rigid3d;
 namespace {
 
 TEST(Sleeping, RestNeedsToBeSlowAndToStay) {

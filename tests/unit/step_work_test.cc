@@ -1,13 +1,13 @@
 // The cost of an implicit step by the pattern of its matrix: the fill is that of a factorisation by Eigen,
 // and a large net is seen to cost what its factors cost.
-#include "engine/integrators/step_work.h"
+#include "engine/integrators/control/step_work.h"
 
 #include <gtest/gtest.h>
 
 #include <Eigen/SparseCholesky>
 #include <cmath>
 
-#include "engine/integrators/newton_matrix.h"
+#include "engine/integrators/implicit/newton_matrix.h"
 #include "engine/math/solvers/symbolic_fill.h"
 
 namespace truestep {

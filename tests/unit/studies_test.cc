@@ -8,7 +8,7 @@
 
 #include "engine/base/errors.h"
 #include "engine/core/force_system.h"
-#include "engine/integrators/spectrum.h"
+#include "engine/integrators/control/spectrum.h"
 #include "engine/scene/json.h"
 #include "engine/studies/accuracy.h"
 #include "engine/studies/convergence.h"

@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "engine/integrators/tableau_dop853.h"
+#include "engine/integrators/explicit/tableau_dop853.h"
 #include "tests/support/rooted_trees.h"
 
 namespace truestep::test {

@@ -8,6 +8,7 @@
 #include "tests/validation/articulation_trees.h"
 
 namespace truestep::test {
+using namespace articulation;
 namespace {
 
 /// Rods of 1 m and 1 kg, upright, with 1 m/s at their tips.

@@ -7,6 +7,7 @@
 #include "tests/validation/articulation_trees.h"
 
 namespace truestep::test {
+using namespace articulation;
 namespace {
 
 using articulation::ArticulationField;

@@ -8,6 +8,7 @@
 #include "tests/validation/articulation_trees.h"
 
 namespace truestep::test {
+using namespace articulation;
 namespace {
 
 using articulation::Work;

@@ -10,6 +10,7 @@
 #include "engine/systems/mass_spring/mass_spring_field.h"
 
 namespace truestep {
+using namespace mass_spring;
 namespace {
 
 struct Rest {

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <cstdio>
 
-#include "engine/integrators/cvode.h"
+#include "engine/integrators/cvode/cvode.h"
 #include "tests/support/stiff_problems.h"
 #include "tests/validation/stepping.h"
 

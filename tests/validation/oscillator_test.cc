@@ -5,6 +5,7 @@
 #include "tests/validation/stepping.h"
 
 namespace truestep::test {
+using namespace oscillator;
 namespace {
 
 constexpr double kDampedX1 = -0.3368516805904133628;  // m = 1, k = 100, c = 2, x0 = 1, v0 = 0, t = 1

@@ -7,6 +7,7 @@
 #include "tests/support/particles_run.h"
 
 namespace truestep {
+using namespace particles;
 namespace {
 
 using testing::ParticlesRun;

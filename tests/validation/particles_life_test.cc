@@ -6,10 +6,11 @@
 #include "tests/support/particles_run.h"
 
 namespace truestep {
+using namespace particles;
 namespace {
 
 using testing::ParticlesRun;
-namespace columns = particle_columns;
+namespace columns = particles::columns;
 
 EmitterDef stream(double rate) {
   EmitterDef e;

@@ -9,6 +9,7 @@
 #include "tests/validation/stepping.h"
 
 namespace truestep::test {
+using namespace pendulum;
 namespace {
 
 constexpr double kQuarter = std::numbers::pi / 2;

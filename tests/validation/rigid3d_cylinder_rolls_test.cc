@@ -6,6 +6,7 @@
 #include "tests/support/rigid3d_run.h"
 
 namespace truestep::testing {
+using namespace rigid3d;
 namespace {
 
 enum class Floor { plane, box };

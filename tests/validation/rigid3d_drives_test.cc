@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 namespace truestep::testing {
+using namespace rigid3d;
 namespace {
 
 using std::numbers::pi;

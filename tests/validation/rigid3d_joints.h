@@ -11,8 +11,8 @@ inline constexpr double kG = 9.81;
 inline constexpr Vec3 kNoGravity{};
 
 /// A rod of 1 m and 10 kg with one end at the origin, level along x.
-inline BoxBodyDef rod() {
-  BoxBodyDef b = box({0.5, 0.05, 0.05}, {0.5, 0, 0});
+inline rigid3d::BoxBodyDef rod() {
+  rigid3d::BoxBodyDef b = box({0.5, 0.05, 0.05}, {0.5, 0, 0});
   b.mass = 10;
   return b;
 }
@@ -28,15 +28,15 @@ J hung() {
   return j;
 }
 template <class J>
-Rigid3dDef pendulum(J j) {
-  Rigid3dDef d;
+rigid3d::Rigid3dDef pendulum(J j) {
+  rigid3d::Rigid3dDef d;
   d.bodies.push_back(rod());
   d.joints.push_back(j);
   return d;
 }
 /// A ball of 1 kg at x.
-inline SphereBodyDef bob(Vec3 x) {
-  SphereBodyDef b = ball(0.1, x);
+inline rigid3d::SphereBodyDef bob(Vec3 x) {
+  rigid3d::SphereBodyDef b = ball(0.1, x);
   b.mass = 1;
   return b;
 }

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 namespace truestep::testing {
+using namespace rigid3d;
 namespace {
 
 using std::numbers::pi;

@@ -5,6 +5,7 @@
 #include "tests/validation/rigid3d_joints.h"
 
 namespace truestep::testing {
+using namespace rigid3d;
 namespace {
 
 Rigid3dDef exact() {

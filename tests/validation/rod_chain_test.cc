@@ -6,6 +6,8 @@
 #include "engine/systems/rod_chain/rod_chain.h"
 
 namespace truestep {
+using namespace articulation;
+using namespace rod_chain;
 namespace {
 
 using Treatment = RodChainDef::Treatment;

@@ -51,9 +51,9 @@ class SteppedField {
 /// An oscillator of mass 1 from (x, v).
 inline std::unique_ptr<const ForceField> unit_oscillator(double stiffness, double damping, double x,
                                                          double v) {
-  OscillatorDef d;
+  oscillator::OscillatorDef d;
   d.stiffness = stiffness, d.damping = damping, d.position = x, d.velocity = v;
-  return make_oscillator_field(d);
+  return oscillator::make_oscillator_field(d);
 }
 
 /// The linear map (x, v) -> (x, v) of one step, {xx, xv, vx, vv}. Methods with a memory do their first step.

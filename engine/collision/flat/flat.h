@@ -2,7 +2,7 @@
 //
 //   once       Outline s = box(.5, .5);  area_of(s)            outline.h; values, cheap to copy
 //   each step  boxes[i] = bounds(s, pose).grown(margin);       flat boxes for the broad phase of
-//                                                              engine/collision/broad_phase.h
+//                                                              engine/collision/broad/broad_phase.h
 //              touch(a, b, pose_a.to(pose_b), margin, c)       contact.h; points and normal in a's frame
 //   fast ones  time_of_impact(a, sweep_a, b, sweep_b, gap)     distance.h
 //   asking     distance, overlap, ray_cast                     distance.h

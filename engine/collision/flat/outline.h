@@ -8,8 +8,8 @@
 #include <span>
 #include <vector>
 
-#include "engine/collision/box.h"
 #include "engine/collision/flat/plane.h"
+#include "engine/geometry/box.h"
 
 namespace truestep::flat {
 

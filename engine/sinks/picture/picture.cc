@@ -6,8 +6,8 @@
 
 #include "engine/base/errors.h"
 #include "engine/sinks/picture/geometry.h"
-#include "engine/sinks/picture/gl_context.h"
-#include "engine/sinks/picture/gl_objects.h"
+#include "engine/sinks/picture/gl/gl_context.h"
+#include "engine/sinks/picture/gl/gl_objects.h"
 #include "engine/sinks/picture/overlay.h"
 
 namespace truestep {

@@ -1,6 +1,6 @@
 // What reading a recording gives: its description, and frames as numbers.
 #pragma once
-#include "engine/sinks/recording/layout.h"
+#include "engine/sinks/recording/file/layout.h"
 
 namespace truestep {
 

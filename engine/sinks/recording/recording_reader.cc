@@ -1,6 +1,6 @@
 #include "engine/sinks/recording/recording_reader.h"
 
-#include "engine/sinks/recording/recorded_file.h"
+#include "engine/sinks/recording/file/recorded_file.h"
 
 namespace truestep {
 

@@ -5,7 +5,7 @@
 #include <future>
 
 #include "engine/base/errors.h"
-#include "engine/sinks/recording/h5.h"
+#include "engine/sinks/recording/file/h5.h"
 
 namespace truestep {
 namespace {

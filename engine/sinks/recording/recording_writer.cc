@@ -6,8 +6,8 @@
 #include <optional>
 
 #include "engine/base/errors.h"
-#include "engine/sinks/recording/chunk_plan.h"
-#include "engine/sinks/recording/recording_file.h"
+#include "engine/sinks/recording/file/recording_file.h"
+#include "engine/sinks/recording/log/chunk_plan.h"
 
 namespace truestep {
 namespace {

@@ -5,7 +5,7 @@
 #pragma once
 #include <memory>
 
-#include "engine/sinks/recording/layout.h"
+#include "engine/sinks/recording/file/layout.h"
 #include "engine/sinks/recording/recording_thread.h"
 
 namespace truestep {

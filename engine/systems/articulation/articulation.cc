@@ -204,7 +204,7 @@ void Articulation::apply(State& s, const Command& c) const {
 
 }  // namespace truestep::articulation
 
-namespace truestep {
+namespace truestep::articulation {
 
 std::unique_ptr<const System> build_articulation(const void* def, const BuildContext& context) {
   const auto& d = *static_cast<const ArticulationDef*>(def);
@@ -232,4 +232,4 @@ Cost articulation_cost(const void* def) {
           .seconds_per_step = 6e-6 + 5e-6 * n * (1 + rows) + 4e-9 * rows * rows * rows};
 }
 
-}  // namespace truestep
+}  // namespace truestep::articulation

@@ -2,7 +2,7 @@
 // Rows of position and velocity are the centres of mass of all links, then their joints.
 #pragma once
 #include "engine/core/force_system.h"
-#include "engine/integrators/default_method.h"
+#include "engine/integrators/table/default_method.h"
 #include "engine/systems/articulation/articulation_field.h"
 
 namespace truestep::articulation {

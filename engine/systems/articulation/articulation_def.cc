@@ -3,9 +3,9 @@
 #include <cmath>
 #include <set>
 
-#include "engine/collision/mass_properties.h"
+#include "engine/geometry/mass_properties.h"
 
-namespace truestep {
+namespace truestep::articulation {
 namespace {
 
 constexpr double kMostLinks = 100'000;
@@ -230,4 +230,4 @@ const DefTable& articulation_table() {
   return kTable;
 }
 
-}  // namespace truestep
+}  // namespace truestep::articulation

@@ -12,7 +12,7 @@
 #include "engine/core/outputs.h"
 #include "engine/core/system.h"
 
-namespace truestep {
+namespace truestep::articulation {
 
 /// What all shapes of a link have.
 struct LinkShapeDef {
@@ -98,4 +98,4 @@ const Outputs& articulation_outputs();
 std::unique_ptr<const System> build_articulation(const void* def, const BuildContext& context);
 Cost articulation_cost(const void* def);
 
-}  // namespace truestep
+}  // namespace truestep::articulation

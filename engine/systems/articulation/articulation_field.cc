@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "engine/base/errors.h"
-#include "engine/integrators/spectrum.h"
+#include "engine/integrators/control/spectrum.h"
 
 namespace truestep::articulation {
 

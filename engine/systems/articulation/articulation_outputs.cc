@@ -2,7 +2,7 @@
 #include "engine/core/outputs.h"
 #include "engine/systems/articulation/articulation_def.h"
 
-namespace truestep {
+namespace truestep::articulation {
 
 const Outputs& articulation_outputs() {
   static const Outputs kOutputs{
@@ -32,4 +32,4 @@ const Outputs& articulation_outputs() {
   return kOutputs;
 }
 
-}  // namespace truestep
+}  // namespace truestep::articulation

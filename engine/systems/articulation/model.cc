@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <map>
 
-#include "engine/collision/mass_properties.h"
+#include "engine/geometry/mass_properties.h"
 #include "engine/kernels/free_rotation.h"
 
 namespace truestep::articulation {

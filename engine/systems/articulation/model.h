@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "engine/collision/solid.h"
+#include "engine/geometry/solid.h"
 #include "engine/systems/articulation/articulation_def.h"
 #include "engine/systems/articulation/closures.h"
 

@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "engine/integrators/impulse_answer.h"
+#include "engine/integrators/implicit/impulse_answer.h"
 
-namespace truestep {
+namespace truestep::mass_spring {
 
 using Columns = MassSpringColumns;
 
@@ -263,4 +263,4 @@ std::unique_ptr<const System> build_mass_spring(const void* def, const BuildCont
   return MassSpring::make(*static_cast<const MassSpringDef*>(def), context);
 }
 
-}  // namespace truestep
+}  // namespace truestep::mass_spring

@@ -4,11 +4,11 @@
 #pragma once
 #include "engine/core/force_system.h"
 #include "engine/core/impulse_answer.h"
-#include "engine/integrators/default_method.h"
+#include "engine/integrators/table/default_method.h"
 #include "engine/systems/mass_spring/mass_spring_field.h"
 #include "engine/systems/mass_spring/surface_contacts.h"
 
-namespace truestep {
+namespace truestep::mass_spring {
 
 class MassSpring final : public ForceSystem, public AnswersImpulses {
  public:
@@ -64,4 +64,4 @@ class MassSpring final : public ForceSystem, public AnswersImpulses {
 std::unique_ptr<const System> build_mass_spring(const void* def, const BuildContext& context);
 Cost mass_spring_cost(const void* def);
 
-}  // namespace truestep
+}  // namespace truestep::mass_spring

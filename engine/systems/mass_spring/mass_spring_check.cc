@@ -1,7 +1,7 @@
 // What a state from outside may hold: hands on points that are there.
 #include "engine/systems/mass_spring/mass_spring.h"
 
-namespace truestep {
+namespace truestep::mass_spring {
 
 void MassSpring::check(StateCheck& check, double) const {
   using C = MassSpringColumns;
@@ -14,4 +14,4 @@ void MassSpring::check(StateCheck& check, double) const {
   }
 }
 
-}  // namespace truestep
+}  // namespace truestep::mass_spring

@@ -5,7 +5,7 @@
 #include "engine/core/command_checks.h"
 #include "engine/systems/mass_spring/mass_spring.h"
 
-namespace truestep {
+namespace truestep::mass_spring {
 
 using Columns = MassSpringColumns;
 
@@ -94,4 +94,4 @@ void MassSpring::set_parameter(State& s, const Command& c) const {
                  "stiffness, shear_stiffness, bending_stiffness, damping, internal_damping, gravity, wind");
 }
 
-}  // namespace truestep
+}  // namespace truestep::mass_spring

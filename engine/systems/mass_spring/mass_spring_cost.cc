@@ -4,7 +4,7 @@
 
 #include "engine/systems/mass_spring/mass_spring.h"
 
-namespace truestep {
+namespace truestep::mass_spring {
 
 namespace {
 
@@ -49,4 +49,4 @@ Cost mass_spring_cost(const void* def) {
                                      : 1.5e-8 * n.points + 3.5e-9 * evaluations * n.springs};
 }
 
-}  // namespace truestep
+}  // namespace truestep::mass_spring

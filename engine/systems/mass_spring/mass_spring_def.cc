@@ -4,7 +4,7 @@
 #include <cmath>
 #include <optional>
 
-namespace truestep {
+namespace truestep::mass_spring {
 
 namespace {
 
@@ -255,4 +255,4 @@ const DefTable& mass_spring_table() {
   return t;
 }
 
-}  // namespace truestep
+}  // namespace truestep::mass_spring

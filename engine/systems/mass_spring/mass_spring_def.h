@@ -5,11 +5,11 @@
 #include <string>
 #include <vector>
 
-#include "engine/collision/collider_def.h"
+#include "engine/collision/points/collider_def.h"
 #include "engine/core/integrator_def.h"
 #include "engine/core/outputs.h"
 
-namespace truestep {
+namespace truestep::mass_spring {
 
 struct RopeShape {
   Vec3 from{}, to{};               // m
@@ -92,4 +92,4 @@ MassSpringCounts mass_spring_counts(const MassSpringDef& def);
 /// Names that "pinned" understands for the def's shape.
 std::vector<std::string> pin_names(const MassSpringDef& def);
 
-}  // namespace truestep
+}  // namespace truestep::mass_spring

@@ -2,7 +2,7 @@
 #include "engine/kernels/air.h"
 #include "engine/systems/mass_spring/mass_spring_field.h"
 
-namespace truestep {
+namespace truestep::mass_spring {
 
 using Columns = MassSpringColumns;
 
@@ -86,4 +86,4 @@ std::optional<double> MassSpringField::dissipation(const Phase& at, Evaluation& 
   return r;
 }
 
-}  // namespace truestep
+}  // namespace truestep::mass_spring

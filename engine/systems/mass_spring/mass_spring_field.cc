@@ -6,7 +6,7 @@
 #include "engine/kernels/air.h"
 #include "engine/kernels/spring.h"
 
-namespace truestep {
+namespace truestep::mass_spring {
 
 using Columns = MassSpringColumns;
 
@@ -278,4 +278,4 @@ double MassSpringField::strain(std::span<const double> x, size_t s) const {
   return rest > 0 ? l / rest - 1 : l;
 }
 
-}  // namespace truestep
+}  // namespace truestep::mass_spring

@@ -17,7 +17,7 @@
 #include "engine/systems/mass_spring/network.h"
 #include "engine/systems/mass_spring/spring_schedule.h"
 
-namespace truestep {
+namespace truestep::mass_spring {
 
 /// Columns of the state, in the order in which initial_state adds them.
 struct MassSpringColumns {
@@ -158,4 +158,4 @@ class MassSpringField final : public ForceField, public LaggedDissipation, publi
   std::vector<PointTriangle> point_triangles_;  // triangles at every point
 };
 
-}  // namespace truestep
+}  // namespace truestep::mass_spring

@@ -11,7 +11,7 @@
 #include "engine/math/block_sparse.h"
 #include "engine/systems/mass_spring/mass_spring_field.h"
 
-namespace truestep {
+namespace truestep::mass_spring {
 
 using Columns = MassSpringColumns;
 
@@ -249,4 +249,4 @@ std::optional<ForceField::Stiffness> MassSpringField::stiffness(const State& sta
   return bound;
 }
 
-}  // namespace truestep
+}  // namespace truestep::mass_spring

@@ -2,7 +2,7 @@
 #include "engine/core/outputs.h"
 #include "engine/systems/mass_spring/mass_spring_def.h"
 
-namespace truestep {
+namespace truestep::mass_spring {
 
 const Outputs& mass_spring_outputs() {
   static const Outputs kOutputs{
@@ -32,4 +32,4 @@ const Outputs& mass_spring_outputs() {
   return kOutputs;
 }
 
-}  // namespace truestep
+}  // namespace truestep::mass_spring

@@ -4,7 +4,7 @@
 
 #include "engine/systems/mass_spring/mass_spring_field.h"
 
-namespace truestep {
+namespace truestep::mass_spring {
 
 using Columns = MassSpringColumns;
 
@@ -74,4 +74,4 @@ void MassSpringField::restore(State& state, Evaluation& e) const {
   soft.on = false;
 }
 
-}  // namespace truestep
+}  // namespace truestep::mass_spring

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-namespace truestep {
+namespace truestep::mass_spring {
 
 namespace {
 
@@ -68,4 +68,4 @@ std::vector<double> point_masses(const MassSpringDef& def, const Network& networ
   return m;
 }
 
-}  // namespace truestep
+}  // namespace truestep::mass_spring

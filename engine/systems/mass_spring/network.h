@@ -9,7 +9,7 @@
 #include "engine/core/drawing.h"
 #include "engine/systems/mass_spring/mass_spring_def.h"
 
-namespace truestep {
+namespace truestep::mass_spring {
 
 inline constexpr size_t kSpringFamilies = 4;
 /// `own`: the spring's stiffness is its own, in N/m.
@@ -51,4 +51,4 @@ void build_cloth_grid(const ClothGridShape& shape, const MassSpringDef& def, Net
 void build_mesh(const MeshShape& shape, const MassSpringDef& def, Network& out);
 void build_free(const FreeShape& shape, Network& out);
 
-}  // namespace truestep
+}  // namespace truestep::mass_spring

@@ -6,7 +6,7 @@
 
 #include "engine/systems/mass_spring/network.h"
 
-namespace truestep {
+namespace truestep::mass_spring {
 
 namespace {
 
@@ -136,4 +136,4 @@ void build_free(const FreeShape& shape, Network& out) {
   }
 }
 
-}  // namespace truestep
+}  // namespace truestep::mass_spring

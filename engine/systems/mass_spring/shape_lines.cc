@@ -4,7 +4,7 @@
 
 #include "engine/systems/mass_spring/network.h"
 
-namespace truestep {
+namespace truestep::mass_spring {
 
 namespace {
 
@@ -116,4 +116,4 @@ void build_hair(const HairShape& shape, const MassSpringDef& def, Network& out) 
   }
 }
 
-}  // namespace truestep
+}  // namespace truestep::mass_spring

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-namespace truestep {
+namespace truestep::mass_spring {
 
 namespace {
 
@@ -110,4 +110,4 @@ void SpringSchedule::add_lists(std::span<const uint32_t> loose, uint32_t begin, 
   }
 }
 
-}  // namespace truestep
+}  // namespace truestep::mass_spring

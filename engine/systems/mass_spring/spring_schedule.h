@@ -11,7 +11,7 @@
 #include "engine/base/parallel.h"
 #include "engine/systems/mass_spring/network.h"
 
-namespace truestep {
+namespace truestep::mass_spring {
 
 /// Whose points a segment's forces are added to.
 enum class SpringEnds : uint8_t { a, b, both };
@@ -63,4 +63,4 @@ class SpringSchedule {
   std::vector<std::array<uint32_t, 3>> triangles_;
 };
 
-}  // namespace truestep
+}  // namespace truestep::mass_spring

@@ -6,7 +6,7 @@
 #include "engine/base/errors.h"
 #include "engine/systems/mass_spring/mass_spring_field.h"
 
-namespace truestep {
+namespace truestep::mass_spring {
 
 using Columns = MassSpringColumns;
 
@@ -269,4 +269,4 @@ void SurfaceContacts::finish(State& s, const RowContacts& on, const Start& start
   }
 }
 
-}  // namespace truestep
+}  // namespace truestep::mass_spring

@@ -9,11 +9,11 @@
 #pragma once
 #include <vector>
 
-#include "engine/collision/collider_set.h"
+#include "engine/collision/points/collider_set.h"
 #include "engine/core/force_system.h"
-#include "engine/integrators/row_contacts.h"
+#include "engine/integrators/implicit/row_contacts.h"
 
-namespace truestep {
+namespace truestep::mass_spring {
 
 class SurfaceContacts {
  public:
@@ -55,4 +55,4 @@ class SurfaceContacts {
   double radius_;
 };
 
-}  // namespace truestep
+}  // namespace truestep::mass_spring

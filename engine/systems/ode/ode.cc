@@ -10,7 +10,7 @@
 #include "engine/systems/ode/ode_method.h"
 #include "engine/systems/ode/ode_tracers.h"
 
-namespace truestep {
+namespace truestep::ode {
 
 using C = OdeColumns;
 
@@ -367,4 +367,4 @@ std::unique_ptr<const System> make_ode(const void* def, const BuildContext& cont
   return std::make_unique<Ode>(*static_cast<const OdeDef*>(def), context);
 }
 
-}  // namespace truestep
+}  // namespace truestep::ode

@@ -14,7 +14,7 @@
 #include "engine/systems/ode/ode_columns.h"
 #include "engine/systems/ode/ode_equations.h"
 
-namespace truestep {
+namespace truestep::ode {
 
 class Ode final : public StagedSystem {
  public:
@@ -68,4 +68,4 @@ class Ode final : public StagedSystem {
 
 std::unique_ptr<const System> make_ode(const void* def, const BuildContext& context);
 
-}  // namespace truestep
+}  // namespace truestep::ode

@@ -2,7 +2,7 @@
 #pragma once
 #include "engine/core/state.h"
 
-namespace truestep {
+namespace truestep::ode {
 
 struct OdeColumns {
   enum Index : State::Column {
@@ -26,4 +26,4 @@ struct OdeColumns {
 /// Places in the column of work.
 enum OdeWork : size_t { kOdeSteps, kOdeRejected, kOdeRates, kOdeJacobians, kOdeWorkCounters };
 
-}  // namespace truestep
+}  // namespace truestep::ode

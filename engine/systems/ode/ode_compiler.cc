@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <charconv>
 
-namespace truestep {
+namespace truestep::ode {
 
 OdeModel OdeCompiler::compile() {
   declare();
@@ -77,4 +77,4 @@ void OdeCompiler::each_element(const std::string& pointer, const std::string& le
   use(n.places[k], ExpressionNames::Bindings{});
 }
 
-}  // namespace truestep
+}  // namespace truestep::ode

@@ -11,7 +11,7 @@
 #include "engine/math/expression/names.h"
 #include "engine/systems/ode/ode_model.h"
 
-namespace truestep {
+namespace truestep::ode {
 
 class OdeCompiler {
  public:
@@ -97,4 +97,4 @@ class OdeCompiler {
   std::vector<std::vector<Node>> event_values_;
 };
 
-}  // namespace truestep
+}  // namespace truestep::ode

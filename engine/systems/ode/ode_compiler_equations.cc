@@ -3,7 +3,7 @@
 
 #include "engine/base/nearest_name.h"
 
-namespace truestep {
+namespace truestep::ode {
 
 void OdeCompiler::equations() {
   roots_.assign(model_.size(), ExpressionGraph::kNone);
@@ -64,4 +64,4 @@ void OdeCompiler::equation(const std::string& list, const NamedText& e, const st
   }
 }
 
-}  // namespace truestep
+}  // namespace truestep::ode

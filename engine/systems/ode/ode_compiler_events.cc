@@ -5,7 +5,7 @@
 
 #include "engine/base/nearest_name.h"
 
-namespace truestep {
+namespace truestep::ode {
 
 using Target = OdeModel::Event::Target;
 
@@ -100,4 +100,4 @@ void OdeCompiler::tracers() {
   }
 }
 
-}  // namespace truestep
+}  // namespace truestep::ode

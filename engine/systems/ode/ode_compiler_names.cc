@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-namespace truestep {
+namespace truestep::ode {
 
 namespace {
 constexpr size_t kMaxStates = 20'000;
@@ -125,4 +125,4 @@ void OdeCompiler::definitions() {
   }
 }
 
-}  // namespace truestep
+}  // namespace truestep::ode

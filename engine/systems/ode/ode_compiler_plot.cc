@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-namespace truestep {
+namespace truestep::ode {
 
 void OdeCompiler::plot() {
   std::vector<std::string> axes = def_.plot;
@@ -81,4 +81,4 @@ OdeCompiler::Node OdeCompiler::graph_of_variable(uint32_t place) const {
   return ExpressionGraph::kNone;
 }
 
-}  // namespace truestep
+}  // namespace truestep::ode

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <numeric>
 
-namespace truestep {
+namespace truestep::ode {
 
 ExpressionProgram OdeCompiler::program(const std::vector<Node>& roots) const {
   return {graph_, roots, model_.variables()};
@@ -182,4 +182,4 @@ void OdeCompiler::differentiate(const std::vector<Node>& roots, int32_t n, int32
   out.program = program(nodes);
 }
 
-}  // namespace truestep
+}  // namespace truestep::ode

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace truestep {
+namespace truestep::ode {
 
 OdeContacts::OdeContacts(const OdeModel& model) : model_(model), y_(model.size()) {
   size_t most = 0;
@@ -76,4 +76,4 @@ void OdeContacts::support_accelerations(double t, const double* x, const double*
   support(t, y_.data(), half, a);
 }
 
-}  // namespace truestep
+}  // namespace truestep::ode

@@ -10,7 +10,7 @@
 #include "engine/integrators/advance.h"
 #include "engine/systems/ode/ode_equations.h"
 
-namespace truestep {
+namespace truestep::ode {
 
 class OdeContacts {
  public:
@@ -54,4 +54,4 @@ class OdeContacts {
   std::vector<double> values_, y_;
 };
 
-}  // namespace truestep
+}  // namespace truestep::ode

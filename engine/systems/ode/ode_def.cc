@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace truestep {
+namespace truestep::ode {
 
 namespace {
 
@@ -150,4 +150,4 @@ Cost ode_cost(const void* def) {
   return c;
 }
 
-}  // namespace truestep
+}  // namespace truestep::ode

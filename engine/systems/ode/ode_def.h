@@ -9,7 +9,7 @@
 #include "engine/core/integrator_def.h"
 #include "engine/core/outputs.h"
 
-namespace truestep {
+namespace truestep::ode {
 
 /// Points without mass carried by a velocity field v(x, y, z, t).
 struct TracersDef {
@@ -51,4 +51,4 @@ const DefTable& ode_table();
 const Outputs& ode_outputs();
 Cost ode_cost(const void* def);
 
-}  // namespace truestep
+}  // namespace truestep::ode

@@ -2,7 +2,7 @@
 
 #include "engine/systems/ode/ode_contacts.h"
 
-namespace truestep {
+namespace truestep::ode {
 
 OdeEquations::OdeEquations(const OdeModel& model)
     : model_(model),
@@ -31,4 +31,4 @@ void OdeEquations::jacobian(double t, const double* x, const double* v, double* 
   std::copy_n(both_.data() + half, half, dadv);
 }
 
-}  // namespace truestep
+}  // namespace truestep::ode

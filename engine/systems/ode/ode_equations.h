@@ -6,7 +6,7 @@
 #include "engine/base/interrupt.h"
 #include "engine/systems/ode/ode_model.h"
 
-namespace truestep {
+namespace truestep::ode {
 
 /// A program with its registers: variables t, parameters, states.
 class OdeEvaluation {
@@ -87,4 +87,4 @@ class OdeEquations final : public RightHandSide, public SecondOrder {
   mutable std::vector<double> both_;  ///< da/dx and da/dv together
 };
 
-}  // namespace truestep
+}  // namespace truestep::ode

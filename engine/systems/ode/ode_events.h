@@ -3,10 +3,10 @@
 #pragma once
 #include <vector>
 
-#include "engine/integrators/events.h"
+#include "engine/integrators/control/events.h"
 #include "engine/systems/ode/ode_contacts.h"
 
-namespace truestep {
+namespace truestep::ode {
 
 class OdeGuards final : public Guards {
  public:
@@ -42,4 +42,4 @@ class OdeGuards final : public Guards {
   std::vector<size_t> events_;
 };
 
-}  // namespace truestep
+}  // namespace truestep::ode

@@ -5,10 +5,10 @@
 #include "engine/base/errors.h"
 #include "engine/base/nearest_name.h"
 #include "engine/base/short_number.h"
-#include "engine/integrators/step_work.h"
+#include "engine/integrators/control/step_work.h"
 #include "engine/systems/ode/ode.h"
 
-namespace truestep {
+namespace truestep::ode {
 
 using C = OdeColumns;
 
@@ -215,4 +215,4 @@ void Ode::draw(const State& s, double, Wish wishes, Drawing& out) const {
   }
 }
 
-}  // namespace truestep
+}  // namespace truestep::ode

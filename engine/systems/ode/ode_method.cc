@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-namespace truestep {
+namespace truestep::ode {
 
 namespace {
 
@@ -92,4 +92,4 @@ OdeMethod choose_ode_method(const OdeDef& def, const OdeModel& model, double dt)
   return {row, "the default where the equations do not look stiff"};
 }
 
-}  // namespace truestep
+}  // namespace truestep::ode

@@ -5,7 +5,7 @@
 #include "engine/core/integrator.h"
 #include "engine/systems/ode/ode_equations.h"
 
-namespace truestep {
+namespace truestep::ode {
 
 struct OdeMethod {
   const Integrator* row;
@@ -16,4 +16,4 @@ struct OdeMethod {
 /// the methods that would do.
 OdeMethod choose_ode_method(const OdeDef& def, const OdeModel& model, double dt);
 
-}  // namespace truestep
+}  // namespace truestep::ode

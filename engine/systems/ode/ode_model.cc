@@ -4,7 +4,7 @@
 
 #include "engine/systems/ode/ode_compiler.h"
 
-namespace truestep {
+namespace truestep::ode {
 
 std::optional<OdeModel::Event::Target> OdeModel::find(std::string_view name) const {
   std::string base(name.substr(0, name.find('[')));
@@ -39,4 +39,4 @@ OdeModel compile_ode(const OdeDef& def) {
   }
 }
 
-}  // namespace truestep
+}  // namespace truestep::ode

@@ -13,7 +13,7 @@
 #include "engine/math/expression/rows.h"
 #include "engine/systems/ode/ode_def.h"
 
-namespace truestep {
+namespace truestep::ode {
 
 /// A matrix of derivatives: its shape and the program that computes its values in the shape's order.
 struct OdeMatrix {
@@ -81,4 +81,4 @@ struct OdeModel {
 /// Throws Error "scene_invalid" with every fault of the scene's texts, pointers below the system.
 OdeModel compile_ode(const OdeDef& def);
 
-}  // namespace truestep
+}  // namespace truestep::ode

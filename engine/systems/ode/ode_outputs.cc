@@ -2,7 +2,7 @@
 #include "engine/core/outputs.h"
 #include "engine/systems/ode/ode_def.h"
 
-namespace truestep {
+namespace truestep::ode {
 
 const Outputs& ode_outputs() {
   static const Outputs kOutputs{
@@ -31,4 +31,4 @@ const Outputs& ode_outputs() {
   return kOutputs;
 }
 
-}  // namespace truestep
+}  // namespace truestep::ode

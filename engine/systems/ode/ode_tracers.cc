@@ -2,7 +2,7 @@
 
 #include "engine/base/random.h"
 
-namespace truestep {
+namespace truestep::ode {
 
 namespace {
 
@@ -93,4 +93,4 @@ void move_tracers(const OdeModel& model, TracersDef::Method method, const OdeSur
   });
 }
 
-}  // namespace truestep
+}  // namespace truestep::ode

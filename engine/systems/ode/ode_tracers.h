@@ -8,7 +8,7 @@
 #include "engine/base/parallel.h"
 #include "engine/systems/ode/ode_model.h"
 
-namespace truestep {
+namespace truestep::ode {
 
 /// Where tracers start, 3 numbers each, m.
 std::vector<double> tracer_positions(const TracersDef& def, uint64_t seed);
@@ -24,4 +24,4 @@ struct OdeSurroundings {
 void move_tracers(const OdeModel& model, TracersDef::Method method, const OdeSurroundings& at,
                   std::span<double> positions, const ThreadArena& arena);
 
-}  // namespace truestep
+}  // namespace truestep::ode

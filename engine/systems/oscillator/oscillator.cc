@@ -6,9 +6,9 @@
 #include <utility>
 
 #include "engine/base/errors.h"
-#include "engine/integrators/default_method.h"
+#include "engine/integrators/table/default_method.h"
 
-namespace truestep {
+namespace truestep::oscillator {
 
 const DefTable& oscillator_table() {
   using D = OscillatorDef;
@@ -131,4 +131,4 @@ Cost cost_oscillator(const void*) {
   return {.state_bytes = 512, .workspace_bytes = 4096, .elements = 1, .seconds_per_step = 3e-7};
 }
 
-}  // namespace truestep
+}  // namespace truestep::oscillator

@@ -12,7 +12,7 @@
 #include "engine/core/integrator_def.h"
 #include "engine/core/outputs.h"
 
-namespace truestep {
+namespace truestep::oscillator {
 
 /// Parameters, SI.
 struct OscillatorDef : IntegratorParams {
@@ -56,4 +56,4 @@ struct OscillatorMotion {
 };
 OscillatorMotion oscillator_exact(const OscillatorDef& def, double t);
 
-}  // namespace truestep
+}  // namespace truestep::oscillator

@@ -8,7 +8,7 @@
 #include "engine/math/trig.h"
 #include "engine/systems/oscillator/oscillator.h"
 
-namespace truestep {
+namespace truestep::oscillator {
 
 namespace {
 
@@ -119,4 +119,4 @@ OscillatorMotion oscillator_exact(const OscillatorDef& d, double t) {
   return {x, decay * (b * c - w2 * x0 * s) - g * x};
 }
 
-}  // namespace truestep
+}  // namespace truestep::oscillator

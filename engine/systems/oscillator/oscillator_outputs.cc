@@ -2,7 +2,7 @@
 #include "engine/core/outputs.h"
 #include "engine/systems/oscillator/oscillator.h"
 
-namespace truestep {
+namespace truestep::oscillator {
 
 const Outputs& oscillator_outputs() {
   static const Outputs kOutputs{
@@ -18,4 +18,4 @@ const Outputs& oscillator_outputs() {
   return kOutputs;
 }
 
-}  // namespace truestep
+}  // namespace truestep::oscillator

@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-namespace truestep {
+namespace truestep::particles {
 namespace {
 
 enum class Drag : uint8_t { linear, with_quadratic };
@@ -87,4 +87,4 @@ double body_potential(const BodyForces& f, const ParticleArrays& p, size_t begin
   return sum;
 }
 
-}  // namespace truestep
+}  // namespace truestep::particles

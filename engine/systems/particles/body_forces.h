@@ -13,7 +13,7 @@
 
 #include "engine/math/vec3.h"
 
-namespace truestep {
+namespace truestep::particles {
 
 /// What acts, read off a state once per evaluation.
 struct BodyForces {
@@ -39,4 +39,4 @@ void body_accelerations(const BodyForces& f, const ParticleArrays& p, double* a,
 /// Potential energy (J) of gravity, attractors and the electric field over rows [begin, end).
 double body_potential(const BodyForces& f, const ParticleArrays& p, size_t begin, size_t end);
 
-}  // namespace truestep
+}  // namespace truestep::particles

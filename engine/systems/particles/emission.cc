@@ -3,7 +3,7 @@
 #include "engine/base/random.h"
 #include "engine/systems/particles/sampling.h"
 
-namespace truestep {
+namespace truestep::particles {
 namespace {
 
 constexpr double kNever = std::numeric_limits<double>::infinity();
@@ -46,4 +46,4 @@ Birth birth(const EmitterDef& e, uint64_t seed, uint64_t emitter, uint64_t n) {
   return b;
 }
 
-}  // namespace truestep
+}  // namespace truestep::particles

@@ -6,7 +6,7 @@
 
 #include "engine/systems/particles/particles_def.h"
 
-namespace truestep {
+namespace truestep::particles {
 
 /// Birth time (s) of particle n, infinity when the emitter has no such particle.
 double birth_time(const EmitterDef& e, uint64_t n);
@@ -18,4 +18,4 @@ struct Birth {
 /// Particle n of emitter number `emitter`.
 Birth birth(const EmitterDef& e, uint64_t seed, uint64_t emitter, uint64_t n);
 
-}  // namespace truestep
+}  // namespace truestep::particles

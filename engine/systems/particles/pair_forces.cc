@@ -2,9 +2,9 @@
 
 #include <algorithm>
 
-#include "engine/collision/point_grid.h"
+#include "engine/neighbours/point_grid.h"
 
-namespace truestep {
+namespace truestep::particles {
 namespace {
 
 /// Rows of a block: neighbour loops are long, so blocks are short.
@@ -90,4 +90,4 @@ double pair_potential_energy(std::span<const PairLaw> laws, const Phase& at, Eva
   });
 }
 
-}  // namespace truestep
+}  // namespace truestep::particles

@@ -9,7 +9,7 @@
 #include "engine/kernels/pair_force.h"
 #include "engine/systems/particles/particles_def.h"
 
-namespace truestep {
+namespace truestep::particles {
 
 std::vector<PairLaw> pair_laws(const std::vector<PairForceDef>& defs);
 
@@ -19,4 +19,4 @@ void add_pair_forces(std::span<const PairLaw> laws, const Phase& at, const doubl
 /// Sum of the potentials over all pairs, J.
 double pair_potential_energy(std::span<const PairLaw> laws, const Phase& at, Evaluation& e);
 
-}  // namespace truestep
+}  // namespace truestep::particles

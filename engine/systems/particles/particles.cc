@@ -5,9 +5,7 @@
 
 #include "engine/systems/particles/emission.h"
 
-namespace truestep {
-
-namespace columns = particle_columns;
+namespace truestep::particles {
 
 namespace {
 
@@ -321,4 +319,4 @@ Cost particles_cost(const void* def) {
   return c;
 }
 
-}  // namespace truestep
+}  // namespace truestep::particles

@@ -2,10 +2,10 @@
 // colliders, removals and births. Commands: push, impulse, drag, release, spawn, remove, set_parameter.
 #pragma once
 #include "engine/core/force_system.h"
-#include "engine/integrators/default_method.h"
+#include "engine/integrators/table/default_method.h"
 #include "engine/systems/particles/particles_field.h"
 
-namespace truestep {
+namespace truestep::particles {
 
 class Particles final : public ForceSystem {
  public:
@@ -45,4 +45,4 @@ class Particles final : public ForceSystem {
 std::unique_ptr<const System> build_particles(const void* def, const BuildContext& context);
 Cost particles_cost(const void* def);
 
-}  // namespace truestep
+}  // namespace truestep::particles

@@ -4,9 +4,7 @@
 #include "engine/systems/particles/particles.h"
 #include "engine/systems/particles/particles_state.h"
 
-namespace truestep {
-
-namespace columns = particle_columns;
+namespace truestep::particles {
 
 void Particles::check(StateCheck& check, double t) const {
   constexpr uint64_t kMostBehind = 1000;  // births; a run leaves none behind, but rounds
@@ -26,4 +24,4 @@ void Particles::check(StateCheck& check, double t) const {
   }
 }
 
-}  // namespace truestep
+}  // namespace truestep::particles

@@ -6,9 +6,7 @@
 #include "engine/core/command_checks.h"
 #include "engine/systems/particles/particles.h"
 
-namespace truestep {
-
-namespace columns = particle_columns;
+namespace truestep::particles {
 
 namespace {
 
@@ -123,4 +121,4 @@ void Particles::set_parameter(State& s, const Command& c) const {
   }
 }
 
-}  // namespace truestep
+}  // namespace truestep::particles

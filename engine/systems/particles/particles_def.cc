@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-namespace truestep {
+namespace truestep::particles {
 namespace {
 
 constexpr size_t kMostParticles = 10'000'000;
@@ -275,4 +275,4 @@ size_t largest_count(const ParticlesDef& d) {
   return std::max<size_t>(static_cast<size_t>(n), 1);
 }
 
-}  // namespace truestep
+}  // namespace truestep::particles

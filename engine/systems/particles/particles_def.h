@@ -5,11 +5,11 @@
 #include <variant>
 #include <vector>
 
-#include "engine/collision/collider_def.h"
+#include "engine/collision/points/collider_def.h"
 #include "engine/core/integrator_def.h"
 #include "engine/core/outputs.h"
 
-namespace truestep {
+namespace truestep::particles {
 
 /// Particles that are there at t = 0, spread over a box or a ball.
 struct FillDef {
@@ -119,4 +119,4 @@ size_t initial_count(const ParticlesDef& def);
 /// Most particles there may be at once: max_particles, or what the emitters can keep alive.
 size_t largest_count(const ParticlesDef& def);
 
-}  // namespace truestep
+}  // namespace truestep::particles

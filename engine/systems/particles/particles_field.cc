@@ -6,9 +6,7 @@
 #include "engine/kernels/spring.h"
 #include "engine/systems/particles/pair_forces.h"
 
-namespace truestep {
-
-namespace columns = particle_columns;
+namespace truestep::particles {
 
 namespace {
 
@@ -216,4 +214,4 @@ Vec3 ParticlesField::single_acceleration(const State& s, double t, const Vec3& x
   return load3(a, 0);
 }
 
-}  // namespace truestep
+}  // namespace truestep::particles

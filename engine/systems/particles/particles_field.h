@@ -8,7 +8,7 @@
 #include "engine/systems/particles/body_forces.h"
 #include "engine/systems/particles/particles_state.h"
 
-namespace truestep {
+namespace truestep::particles {
 
 class ParticlesField final : public ForceField {
  public:
@@ -45,4 +45,4 @@ class ParticlesField final : public ForceField {
   ExpressionRows expression_;  ///< no outputs, or fx, fy, fz
 };
 
-}  // namespace truestep
+}  // namespace truestep::particles

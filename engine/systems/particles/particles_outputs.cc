@@ -2,7 +2,7 @@
 #include "engine/core/outputs.h"
 #include "engine/systems/particles/particles_def.h"
 
-namespace truestep {
+namespace truestep::particles {
 
 const Outputs& particles_outputs() {
   static const Outputs kOutputs{
@@ -29,4 +29,4 @@ const Outputs& particles_outputs() {
   return kOutputs;
 }
 
-}  // namespace truestep
+}  // namespace truestep::particles

@@ -6,9 +6,7 @@
 #include "engine/base/random.h"
 #include "engine/systems/particles/sampling.h"
 
-namespace truestep {
-
-namespace columns = particle_columns;
+namespace truestep::particles {
 
 namespace {
 
@@ -138,4 +136,4 @@ std::optional<size_t> row_of(const State& s, uint64_t id) {
   return static_cast<size_t>(at - ids.begin());
 }
 
-}  // namespace truestep
+}  // namespace truestep::particles

@@ -2,14 +2,14 @@
 // ascend; dead particles are closed over without changing the order of the others. What a command may change
 // while the session runs (gravity, drag, surfaces ...) lives here too.
 #pragma once
-#include "engine/collision/collider_set.h"
+#include "engine/collision/points/collider_set.h"
 #include "engine/core/state.h"
 #include "engine/core/user_forces.h"
 #include "engine/systems/particles/particles_def.h"
 
-namespace truestep {
+namespace truestep::particles {
 
-namespace particle_columns {
+namespace columns {
 enum : State::Column {
   position,
   velocity,
@@ -35,7 +35,7 @@ enum : State::Column {
 };
 inline constexpr UserForces kHands{{push_id, push_force, push_remaining},
                                    {drag_id, drag_target, drag_stiffness}};
-}  // namespace particle_columns
+}  // namespace columns
 
 enum class Counter : uint8_t { next_id, emitted, killed, refused, count };
 /// Places in the column `parameters`; vectors take three.
@@ -51,10 +51,10 @@ enum class Parameter : uint8_t {
 };
 
 inline Vec3 vector_parameter(const State& s, Parameter p) {
-  return load3(s.f64(particle_columns::parameters).data() + static_cast<size_t>(p), 0);
+  return load3(s.f64(columns::parameters).data() + static_cast<size_t>(p), 0);
 }
 inline double parameter(const State& s, Parameter p) {
-  return s.f64(particle_columns::parameters)[static_cast<size_t>(p)];
+  return s.f64(columns::parameters)[static_cast<size_t>(p)];
 }
 
 /// The state at t = 0, with memory set aside for `capacity` particles.
@@ -75,4 +75,4 @@ std::optional<size_t> row_of(const State& s, uint64_t id);
 /// the integrator's columns of the same length, springs with a removed end.
 void remove_rows(State& s, std::span<const uint8_t> dead, size_t dead_count, Workspace& workspace);
 
-}  // namespace truestep
+}  // namespace truestep::particles

@@ -4,9 +4,7 @@
 
 #include "engine/systems/particles/particles_state.h"
 
-namespace truestep {
-
-namespace columns = particle_columns;
+namespace truestep::particles {
 
 namespace {
 
@@ -84,4 +82,4 @@ void remove_rows(State& s, std::span<const uint8_t> dead, size_t dead_count, Wor
   if (s.rows(columns::spring_rows) > 0) remap_springs(s, runs, before);
 }
 
-}  // namespace truestep
+}  // namespace truestep::particles

@@ -7,7 +7,7 @@
 #include "engine/math/trig.h"
 #include "engine/math/vec3.h"
 
-namespace truestep {
+namespace truestep::particles {
 
 inline constexpr double kTurn = 6.283185307179586;
 
@@ -87,4 +87,4 @@ inline Vec3 ball_spiral_point(size_t i, size_t count) {
   return Vec3{s * phi.cos, c, s * phi.sin} * trig::pow(u, 1.0 / 3);
 }
 
-}  // namespace truestep
+}  // namespace truestep::particles

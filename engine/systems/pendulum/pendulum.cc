@@ -5,9 +5,9 @@
 #include <cmath>
 
 #include "engine/base/errors.h"
-#include "engine/integrators/default_method.h"
+#include "engine/integrators/table/default_method.h"
 
-namespace truestep {
+namespace truestep::pendulum {
 
 using C = PendulumColumns;
 
@@ -173,4 +173,4 @@ Cost cost_pendulum(const void* def) {
           .seconds_per_step = 2e-6 + 3e-7 * n};
 }
 
-}  // namespace truestep
+}  // namespace truestep::pendulum

@@ -16,7 +16,7 @@
 #include "engine/core/integrator_def.h"
 #include "engine/core/outputs.h"
 
-namespace truestep {
+namespace truestep::pendulum {
 
 /// Parameters, SI. The arrays are empty or hold one value per link.
 struct PendulumDef : IntegratorParams {
@@ -83,4 +83,4 @@ const Outputs& pendulum_outputs();
 std::unique_ptr<const System> make_pendulum(const void* def, const BuildContext& context);
 Cost cost_pendulum(const void* def);
 
-}  // namespace truestep
+}  // namespace truestep::pendulum

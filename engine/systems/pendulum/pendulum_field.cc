@@ -6,7 +6,7 @@
 #include "engine/math/trig.h"
 #include "engine/systems/pendulum/pendulum.h"
 
-namespace truestep {
+namespace truestep::pendulum {
 
 using C = PendulumColumns;
 
@@ -172,4 +172,4 @@ std::optional<ForceField::Stiffness> PendulumField::stiffness(const State& state
   return Stiffness{std::sqrt(state.f64(C::kGravity)[0] / length_[0]), state.f64(C::kDamping)[0] / mass_[0]};
 }
 
-}  // namespace truestep
+}  // namespace truestep::pendulum

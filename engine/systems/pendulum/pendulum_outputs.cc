@@ -2,7 +2,7 @@
 #include "engine/core/outputs.h"
 #include "engine/systems/pendulum/pendulum.h"
 
-namespace truestep {
+namespace truestep::pendulum {
 
 const Outputs& pendulum_outputs() {
   static const Outputs kOutputs{
@@ -19,4 +19,4 @@ const Outputs& pendulum_outputs() {
   return kOutputs;
 }
 
-}  // namespace truestep
+}  // namespace truestep::pendulum

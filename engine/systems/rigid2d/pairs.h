@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "engine/base/parallel.h"
-#include "engine/collision/broad_phase.h"
+#include "engine/collision/broad/broad_phase.h"
 #include "engine/collision/flat/contact.h"
 #include "engine/systems/rigid2d/columns.h"
 

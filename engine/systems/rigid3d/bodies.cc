@@ -4,10 +4,10 @@
 
 #include "engine/base/errors.h"
 #include "engine/base/random.h"
-#include "engine/collision/compound.h"
+#include "engine/geometry/compound.h"
 #include "engine/math/trig.h"
 
-namespace truestep {
+namespace truestep::rigid3d {
 namespace {
 
 Quat conjugate(const Quat& q) {
@@ -224,4 +224,4 @@ BodyList build_bodies(const Rigid3dDef& def, uint64_t seed) {
   return list;
 }
 
-}  // namespace truestep
+}  // namespace truestep::rigid3d

@@ -7,7 +7,7 @@
 #include "engine/collision/collision.h"
 #include "engine/systems/rigid3d/rigid3d_def.h"
 
-namespace truestep {
+namespace truestep::rigid3d {
 
 struct BodyKind {
   std::string id;
@@ -58,4 +58,4 @@ struct BodyList {
 /// All bodies of the scene. Error "scene_invalid" with the pointer of a body whose shape makes no solid.
 BodyList build_bodies(const Rigid3dDef& def, uint64_t seed);
 
-}  // namespace truestep
+}  // namespace truestep::rigid3d

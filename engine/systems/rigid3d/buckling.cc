@@ -6,9 +6,7 @@
 
 #include "engine/kernels/islands.h"
 
-namespace truestep {
-
-namespace columns = rigid3d_columns;
+namespace truestep::rigid3d {
 
 namespace {
 
@@ -117,4 +115,4 @@ int BucklingWatch::substeps(const State& s, std::span<const BodyKind> kinds, con
                     kMostTimes * settings.substeps);
 }
 
-}  // namespace truestep
+}  // namespace truestep::rigid3d

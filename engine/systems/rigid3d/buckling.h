@@ -12,7 +12,7 @@
 #include "engine/systems/rigid3d/contact_softness.h"
 #include "engine/systems/rigid3d/rigid3d_state.h"
 
-namespace truestep {
+namespace truestep::rigid3d {
 
 /// Chooses the substeps of a step from the loads of the last one.
 class BucklingWatch {
@@ -31,4 +31,4 @@ class BucklingWatch {
   std::vector<Island> island_;
 };
 
-}  // namespace truestep
+}  // namespace truestep::rigid3d

@@ -2,7 +2,7 @@
 
 #include <numbers>
 
-namespace truestep {
+namespace truestep::rigid3d {
 
 namespace {
 
@@ -28,7 +28,7 @@ SoftConstraint<double> contact_softness(const SolverSettings& settings, double h
 
 ContactPadding contact_padding(const SolverSettings& settings, double h) {
   const double rate = settings.substeps / h;
-  return contact_padding(hertz_at(settings, rate), rate, h, kPadSlack);
+  return truestep::contact_padding(hertz_at(settings, rate), rate, h, kPadSlack);
 }
 
-}  // namespace truestep
+}  // namespace truestep::rigid3d

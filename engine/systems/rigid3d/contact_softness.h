@@ -5,7 +5,7 @@
 #include "engine/kernels/contact_pad.h"
 #include "engine/kernels/soft_constraint.h"
 
-namespace truestep {
+namespace truestep::rigid3d {
 
 struct SolverSettings {
   int substeps = 5;
@@ -24,4 +24,4 @@ SoftConstraint<double> contact_softness(const SolverSettings& settings, double h
 /// For steps of h (s).
 ContactPadding contact_padding(const SolverSettings& settings, double h);
 
-}  // namespace truestep
+}  // namespace truestep::rigid3d

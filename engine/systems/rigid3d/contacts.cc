@@ -3,9 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace truestep {
-
-namespace columns = rigid3d_columns;
+namespace truestep::rigid3d {
 
 namespace {
 
@@ -290,4 +288,4 @@ void ContactList::store(State& s) {
   while (resting_row < rows_.size()) put_resting(k++, rows_[resting_row++]);
 }
 
-}  // namespace truestep
+}  // namespace truestep::rigid3d

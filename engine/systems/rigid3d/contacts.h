@@ -10,7 +10,7 @@
 #include "engine/core/system.h"
 #include "engine/systems/rigid3d/rigid3d_state.h"
 
-namespace truestep {
+namespace truestep::rigid3d {
 
 struct Contact {
   uint32_t a = 0, b = 0;  ///< rows, a < b
@@ -74,4 +74,4 @@ class ContactList {
   std::vector<uint8_t> claimed_;  // rows of the step before that a contact goes on from
 };
 
-}  // namespace truestep
+}  // namespace truestep::rigid3d

@@ -7,9 +7,7 @@
 #include "engine/kernels/free_rotation.h"
 #include "engine/math/solvers/small_lu.h"
 
-namespace truestep {
-
-namespace columns = rigid3d_columns;
+namespace truestep::rigid3d {
 
 namespace {
 
@@ -103,4 +101,4 @@ void collect_forces(State& s, std::span<const BodyKind> kinds, double h, std::ve
   }
 }
 
-}  // namespace truestep
+}  // namespace truestep::rigid3d

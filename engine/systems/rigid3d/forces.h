@@ -5,7 +5,7 @@
 
 #include "engine/systems/rigid3d/rigid3d_state.h"
 
-namespace truestep {
+namespace truestep::rigid3d {
 
 /// Change of velocity (m/s) in h (s), one per row. Wakes what is pushed or dragged and uses up the pushes'
 /// time. `twist` is the change of angular momentum (N m s, in the world) of every row by constant torques,
@@ -13,4 +13,4 @@ namespace truestep {
 void collect_forces(State& s, std::span<const BodyKind> kinds, double h, std::vector<Vec3>& change,
                     std::vector<Vec3>& twist);
 
-}  // namespace truestep
+}  // namespace truestep::rigid3d

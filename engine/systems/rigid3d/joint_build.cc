@@ -8,7 +8,7 @@
 #include "engine/kernels/free_rotation.h"
 #include "engine/systems/rigid3d/joints.h"
 
-namespace truestep {
+namespace truestep::rigid3d {
 namespace {
 
 constexpr double kTurn = 6.283185307179586;
@@ -341,4 +341,4 @@ JointList build_joints(const Rigid3dDef& def, const BodyList& bodies) {
   return joints;
 }
 
-}  // namespace truestep
+}  // namespace truestep::rigid3d

@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-namespace truestep {
+namespace truestep::rigid3d {
 namespace {
 
 constexpr double kMostBodies = 200'000, kHalfTurn = 3.141592653589793;
@@ -356,4 +356,4 @@ const std::string& joint_id(const AnyJointDef& d) {
   return std::visit([](const auto& j) -> const std::string& { return j.id; }, d);
 }
 
-}  // namespace truestep
+}  // namespace truestep::rigid3d

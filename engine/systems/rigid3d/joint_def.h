@@ -7,7 +7,7 @@
 
 #include "engine/core/def.h"
 
-namespace truestep {
+namespace truestep::rigid3d {
 
 /// What every joint has. Body -1 is the world.
 struct JointDef {
@@ -98,4 +98,4 @@ int64_t joint_count(const AnyJointDef& d);
 /// Its id; empty when it has none.
 const std::string& joint_id(const AnyJointDef& d);
 
-}  // namespace truestep
+}  // namespace truestep::rigid3d

@@ -8,7 +8,7 @@
 #include "engine/systems/rigid3d/joints.h"
 #include "engine/systems/rigid3d/solver_lanes.h"
 
-namespace truestep {
+namespace truestep::rigid3d {
 namespace {
 
 /// 1/kg or 1/(kg m^2): what a unit impulse on each driven row of the joint adds to its speed.
@@ -59,4 +59,4 @@ void stiffen_by_frequency(JointList& joints, const BodyList& bodies) {
   }
 }
 
-}  // namespace truestep
+}  // namespace truestep::rigid3d

@@ -7,7 +7,7 @@
 #include "engine/kernels/free_rotation.h"
 #include "engine/math/trig.h"
 
-namespace truestep {
+namespace truestep::rigid3d {
 namespace {
 
 constexpr double kTurn = 6.283185307179586;
@@ -102,4 +102,4 @@ JointPlace joint_place(const Joint& joint, const Pose& a, const Pose& b) {
   return p;
 }
 
-}  // namespace truestep
+}  // namespace truestep::rigid3d

@@ -9,7 +9,7 @@
 
 #include "engine/systems/rigid3d/bodies.h"
 
-namespace truestep {
+namespace truestep::rigid3d {
 
 inline constexpr double kUnbounded = std::numeric_limits<double>::infinity();
 
@@ -77,4 +77,4 @@ JointPlace joint_place(const Joint& joint, const Pose& a, const Pose& b);
 /// The turn that is `angle` but for whole turns, nearest to `near` (rad).
 double unwrapped(double angle, double near);
 
-}  // namespace truestep
+}  // namespace truestep::rigid3d

@@ -11,9 +11,8 @@
 #include "engine/math/trig.h"
 #include "engine/systems/rigid3d/forces.h"
 
-namespace truestep {
+namespace truestep::rigid3d {
 
-namespace columns = rigid3d_columns;
 using Part = BodyNow::Part;
 
 namespace {
@@ -361,4 +360,4 @@ std::unique_ptr<const System> build_rigid3d(const void* def, const BuildContext&
   return std::make_unique<Rigid3d>(*static_cast<const Rigid3dDef*>(def), context);
 }
 
-}  // namespace truestep
+}  // namespace truestep::rigid3d

@@ -12,7 +12,7 @@
 #include "engine/systems/rigid3d/contacts.h"
 #include "engine/systems/rigid3d/solver.h"
 
-namespace truestep {
+namespace truestep::rigid3d {
 
 class Rigid3d final : public StagedSystem {
  public:
@@ -102,4 +102,4 @@ class Rigid3d final : public StagedSystem {
   size_t most_bodies_;
 };
 
-}  // namespace truestep
+}  // namespace truestep::rigid3d

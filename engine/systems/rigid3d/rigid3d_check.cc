@@ -2,9 +2,7 @@
 #include "engine/systems/rigid3d/rigid3d.h"
 #include "engine/systems/rigid3d/rigid3d_state.h"
 
-namespace truestep {
-
-namespace columns = rigid3d_columns;
+namespace truestep::rigid3d {
 
 void Rigid3d::check(StateCheck& check, double) const {
   const State& s = check.state();
@@ -25,4 +23,4 @@ void Rigid3d::check(StateCheck& check, double) const {
   for (size_t i = 1; i < ids.size(); ++i) check.require(ids[i - 1] < ids[i], "id");
 }
 
-}  // namespace truestep
+}  // namespace truestep::rigid3d

@@ -3,9 +3,7 @@
 #include "engine/kernels/free_rotation.h"
 #include "engine/systems/rigid3d/rigid3d.h"
 
-namespace truestep {
-
-namespace columns = rigid3d_columns;
+namespace truestep::rigid3d {
 
 namespace {
 
@@ -121,4 +119,4 @@ void Rigid3d::set_parameter(State& s, const Command& c) const {
   if (b.moved_by_forces()) wake_body(s, i, bodies_.kinds);
 }
 
-}  // namespace truestep
+}  // namespace truestep::rigid3d

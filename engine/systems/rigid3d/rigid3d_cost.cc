@@ -5,7 +5,7 @@
 
 #include "engine/systems/rigid3d/rigid3d.h"
 
-namespace truestep {
+namespace truestep::rigid3d {
 
 namespace {
 
@@ -85,4 +85,4 @@ Cost rigid3d_cost(const void* def) {
           .seconds_per_step = seconds(d, n)};
 }
 
-}  // namespace truestep
+}  // namespace truestep::rigid3d

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace truestep {
+namespace truestep::rigid3d {
 namespace {
 
 constexpr double kMostBodies = 200'000;
@@ -339,4 +339,4 @@ const DefTable& rigid3d_table() {
   return kTable;
 }
 
-}  // namespace truestep
+}  // namespace truestep::rigid3d

@@ -5,14 +5,14 @@
 #include <variant>
 #include <vector>
 
-#include "engine/collision/mass_properties.h"
 #include "engine/core/build.h"
 #include "engine/core/def.h"
 #include "engine/core/outputs.h"
 #include "engine/core/system.h"
+#include "engine/geometry/mass_properties.h"
 #include "engine/systems/rigid3d/joint_def.h"
 
-namespace truestep {
+namespace truestep::rigid3d {
 
 /// Many bodies from one: places on a lattice, in rows that get shorter, on a circle.
 struct CopiesDef {
@@ -134,4 +134,4 @@ inline Symmetric3 inertia_of(const std::vector<double>& I) {
 /// Bodies that a def stands for, in double so that nothing overflows.
 double body_count(const BodyDef& d);
 
-}  // namespace truestep
+}  // namespace truestep::rigid3d

@@ -3,12 +3,10 @@
 #include <map>
 
 #include "engine/collision/drawn_mesh.h"
-#include "engine/collision/triangle_mesh.h"
+#include "engine/geometry/triangle_mesh.h"
 #include "engine/systems/rigid3d/rigid3d.h"
 
-namespace truestep {
-
-namespace columns = rigid3d_columns;
+namespace truestep::rigid3d {
 
 namespace {
 
@@ -181,4 +179,4 @@ std::vector<JointMark> Rigid3d::joint_marks(const State& s) const {
   return out;
 }
 
-}  // namespace truestep
+}  // namespace truestep::rigid3d

@@ -5,9 +5,7 @@
 #include "engine/core/command_checks.h"
 #include "engine/systems/rigid3d/rigid3d.h"
 
-namespace truestep {
-
-namespace columns = rigid3d_columns;
+namespace truestep::rigid3d {
 
 void Rigid3d::observe_joints(const State& s, Observables& out) const {
   const double *x = s.f64(columns::position).data(), *q = s.f64(columns::orientation).data();
@@ -148,4 +146,4 @@ void Rigid3d::set_motor(State& s, const Command& c) const {
   }
 }
 
-}  // namespace truestep
+}  // namespace truestep::rigid3d

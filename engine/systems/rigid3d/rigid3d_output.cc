@@ -5,9 +5,7 @@
 #include "engine/kernels/free_rotation.h"
 #include "engine/systems/rigid3d/rigid3d.h"
 
-namespace truestep {
-
-namespace columns = rigid3d_columns;
+namespace truestep::rigid3d {
 
 namespace {
 enum Field : size_t {
@@ -190,4 +188,4 @@ FieldView Rigid3d::field(const State& s, size_t part, size_t which, std::vector<
   return {scratch.data(), Scalar::f64, n, 3};
 }
 
-}  // namespace truestep
+}  // namespace truestep::rigid3d

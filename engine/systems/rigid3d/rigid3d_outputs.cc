@@ -2,7 +2,7 @@
 #include "engine/core/outputs.h"
 #include "engine/systems/rigid3d/rigid3d_def.h"
 
-namespace truestep {
+namespace truestep::rigid3d {
 
 const Outputs& rigid3d_outputs() {
   static const Outputs kOutputs{
@@ -53,4 +53,4 @@ const Outputs& rigid3d_outputs() {
   return kOutputs;
 }
 
-}  // namespace truestep
+}  // namespace truestep::rigid3d

@@ -5,9 +5,7 @@
 #include "engine/kernels/constraint_colouring.h"
 #include "engine/kernels/islands.h"
 
-namespace truestep {
-
-namespace columns = rigid3d_columns;
+namespace truestep::rigid3d {
 
 State rigid3d_at_start(const BodyList& bodies, const JointList& list, const Vec3& gravity) {
   using S = Scalar;
@@ -162,4 +160,4 @@ void remove_body(State& s, size_t row) {
   columns::kHands.forget(s, id);
 }
 
-}  // namespace truestep
+}  // namespace truestep::rigid3d

@@ -8,9 +8,9 @@
 #include "engine/systems/rigid3d/bodies.h"
 #include "engine/systems/rigid3d/joints.h"
 
-namespace truestep {
+namespace truestep::rigid3d {
 
-namespace rigid3d_columns {
+namespace columns {
 enum : State::Column {
   position,          ///< f64 x 3, of the centre of mass
   velocity,          ///< f64 x 3
@@ -55,7 +55,7 @@ enum : State::Column {
 };
 inline constexpr UserForces kHands{{push_id, push_force, push_remaining, push_at},
                                    {drag_id, drag_target, drag_stiffness, drag_at}};
-}  // namespace rigid3d_columns
+}  // namespace columns
 
 /// The state at t = 0.
 State rigid3d_at_start(const BodyList& bodies, const JointList& joints, const Vec3& gravity);
@@ -79,4 +79,4 @@ inline void store_quat(double* p, size_t i, const Quat& q) {
   p[4 * i] = q.w, p[4 * i + 1] = q.x, p[4 * i + 2] = q.y, p[4 * i + 3] = q.z;
 }
 
-}  // namespace truestep
+}  // namespace truestep::rigid3d

@@ -6,9 +6,7 @@
 
 #include "engine/systems/rigid3d/rigid3d.h"
 
-namespace truestep {
-
-namespace columns = rigid3d_columns;
+namespace truestep::rigid3d {
 
 namespace {
 /// rad in a step; contacts of bodies that turn as far, for every body awake.
@@ -45,4 +43,4 @@ void Rigid3d::step(State& s, const StepInput& in) const {
   }
 }
 
-}  // namespace truestep
+}  // namespace truestep::rigid3d

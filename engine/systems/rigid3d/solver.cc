@@ -7,9 +7,7 @@
 #include "engine/kernels/free_rotation.h"
 #include "engine/kernels/islands.h"
 
-namespace truestep {
-
-namespace columns = rigid3d_columns;
+namespace truestep::rigid3d {
 
 namespace {
 
@@ -358,4 +356,4 @@ void ContactSolver<T>::solve(State& s, std::span<const BodyKind> kinds, const Jo
 template class ContactSolver<float>;
 template class ContactSolver<double>;
 
-}  // namespace truestep
+}  // namespace truestep::rigid3d

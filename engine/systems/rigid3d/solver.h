@@ -13,7 +13,7 @@
 #include "engine/systems/rigid3d/solver_ball.h"
 #include "engine/systems/rigid3d/solver_joint.h"
 
-namespace truestep {
+namespace truestep::rigid3d {
 
 /// What forces do to every body in a step.
 struct ForceChange {
@@ -107,4 +107,4 @@ class ContactSolver {
   bool damped_ = false, springs_ = false, jointed_ = false;
 };
 
-}  // namespace truestep
+}  // namespace truestep::rigid3d

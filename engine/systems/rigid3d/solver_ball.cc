@@ -2,9 +2,7 @@
 
 #include <algorithm>
 
-namespace truestep {
-
-namespace columns = rigid3d_columns;
+namespace truestep::rigid3d {
 
 namespace {
 
@@ -164,4 +162,4 @@ void BallSolver<T>::store(State& s, std::span<const Joint> joints, double h) con
 template class BallSolver<float>;
 template class BallSolver<double>;
 
-}  // namespace truestep
+}  // namespace truestep::rigid3d

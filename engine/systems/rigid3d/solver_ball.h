@@ -9,7 +9,7 @@
 #include "engine/kernels/soft_constraint.h"
 #include "engine/systems/rigid3d/solver_joint.h"
 
-namespace truestep {
+namespace truestep::rigid3d {
 
 template <class T>
 class BallSolver {
@@ -53,4 +53,4 @@ class BallSolver {
   uint32_t end_ = 0;
 };
 
-}  // namespace truestep
+}  // namespace truestep::rigid3d

@@ -2,12 +2,10 @@
 #include <algorithm>
 #include <cmath>
 
-#include "engine/collision/compound.h"
+#include "engine/geometry/compound.h"
 #include "engine/systems/rigid3d/solver.h"
 
-namespace truestep {
-
-namespace columns = rigid3d_columns;
+namespace truestep::rigid3d {
 
 namespace {
 
@@ -140,4 +138,4 @@ template void ContactSolver<double>::fill(size_t, std::span<Contact* const>, con
 template void ContactSolver<float>::store_impulses(std::span<Contact* const>, const ContactPadding&);
 template void ContactSolver<double>::store_impulses(std::span<Contact* const>, const ContactPadding&);
 
-}  // namespace truestep
+}  // namespace truestep::rigid3d

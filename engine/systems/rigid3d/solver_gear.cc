@@ -1,6 +1,6 @@
 #include "engine/systems/rigid3d/solver_gear.h"
 
-namespace truestep {
+namespace truestep::rigid3d {
 namespace {
 
 /// J and p of one end of a joint in a lane: sign -1 for a, 1 for b.
@@ -91,4 +91,4 @@ TRUESTEP_GEARS(float)
 TRUESTEP_GEARS(double)
 #undef TRUESTEP_GEARS
 
-}  // namespace truestep
+}  // namespace truestep::rigid3d

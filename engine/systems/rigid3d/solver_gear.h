@@ -5,7 +5,7 @@
 
 #include "engine/kernels/joint_drives3.h"
 
-namespace truestep {
+namespace truestep::rigid3d {
 
 template <class T>
 struct GearRow {
@@ -33,4 +33,4 @@ void apply_gear(const GearRow<T>& gear, Record8<T>* records, uint32_t end, T tim
 template <ContactSolve kind, class T>
 void solve_gear(GearRow<T>& gear, Record8<T>* v, uint32_t end, const JointPass<T>& pass);
 
-}  // namespace truestep
+}  // namespace truestep::rigid3d

@@ -5,9 +5,7 @@
 
 #include "engine/kernels/soft_constraint.h"
 
-namespace truestep {
-
-namespace columns = rigid3d_columns;
+namespace truestep::rigid3d {
 
 namespace {
 /// Joints are springs of this share of the substeps' rate, damped that many times the critical.
@@ -348,4 +346,4 @@ void JointSolver<T>::store(State& s, const JointList& joints, double h) {
 template class JointSolver<float>;
 template class JointSolver<double>;
 
-}  // namespace truestep
+}  // namespace truestep::rigid3d

@@ -11,7 +11,7 @@
 #include "engine/systems/rigid3d/solver_gear.h"
 #include "engine/systems/rigid3d/solver_lanes.h"
 
-namespace truestep {
+namespace truestep::rigid3d {
 
 /// Impulse of a motor without a bound, N s.
 inline constexpr double kAnyImpulse = 1e20;
@@ -90,4 +90,4 @@ class JointSolver {
   uint32_t end_ = 0;
 };
 
-}  // namespace truestep
+}  // namespace truestep::rigid3d

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <iterator>
 
-namespace truestep {
+namespace truestep::rigid3d {
 
 void make_lanes(std::span<const uint32_t> items, std::span<const ConstraintEnds> ends,
                 std::span<const uint8_t> last, size_t bodies, uint32_t lanes, LaneColouring& memory,
@@ -45,4 +45,4 @@ void make_lanes(std::span<const uint32_t> items, std::span<const ConstraintEnds>
   out.count = out.member.size() / lanes;
 }
 
-}  // namespace truestep
+}  // namespace truestep::rigid3d

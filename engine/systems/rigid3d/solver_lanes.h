@@ -9,7 +9,7 @@
 #include "engine/math/vec3.h"
 #include "engine/math/wide.h"
 
-namespace truestep {
+namespace truestep::rigid3d {
 
 /// Groups that a thread takes at once.
 inline constexpr size_t kGroupsPerBlock = 8;
@@ -61,4 +61,4 @@ void set3(Wide<T> out[3], int lane, const Vec3& v) {
   out[0].set(lane, T(v.x)), out[1].set(lane, T(v.y)), out[2].set(lane, T(v.z));
 }
 
-}  // namespace truestep
+}  // namespace truestep::rigid3d

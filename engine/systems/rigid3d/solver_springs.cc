@@ -5,9 +5,7 @@
 #include "engine/math/trig.h"
 #include "engine/systems/rigid3d/solver_joint.h"
 
-namespace truestep {
-
-namespace columns = rigid3d_columns;
+namespace truestep::rigid3d {
 
 /// Coefficients of springs and motors for substeps of h, by the masses that they move now.
 template <class T>
@@ -108,4 +106,4 @@ template void JointSolver<double>::loosen(const State&, const JointList&, std::s
                                           std::span<uint8_t>, double);
 template void JointSolver<double>::kick(Record8<double>*, double, const ThreadTeam&);
 
-}  // namespace truestep
+}  // namespace truestep::rigid3d

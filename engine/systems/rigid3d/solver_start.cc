@@ -10,7 +10,7 @@
 #include "engine/kernels/islands.h"
 #include "engine/systems/rigid3d/solver.h"
 
-namespace truestep {
+namespace truestep::rigid3d {
 
 namespace {
 
@@ -143,7 +143,7 @@ void ContactSolver<T>::find_loads(const State& s, std::span<const BodyKind> kind
                 });
   }
   find_resting();
-  const auto kind = s.span<uint32_t>(rigid3d_columns::kind);
+  const auto kind = s.span<uint32_t>(columns::kind);
   const double gives_way = pad_at_rest(contact_padding(settings, step));
   for (size_t k = 0; k < contact_lanes_.count; ++k) {
     ContactGroup<T>& g = groups_[k];
@@ -184,4 +184,4 @@ template void ContactSolver<double>::find_loads(const State&, std::span<const Bo
                                                 std::span<Contact* const>, std::span<const BodyNow>,
                                                 const SolverSettings&, double);
 
-}  // namespace truestep
+}  // namespace truestep::rigid3d

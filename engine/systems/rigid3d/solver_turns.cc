@@ -8,7 +8,7 @@
 #include "engine/kernels/free_rotation.h"
 #include "engine/systems/rigid3d/solver.h"
 
-namespace truestep {
+namespace truestep::rigid3d {
 template <class T>
 void ContactSolver<T>::move_jointed(T h) {
   const size_t n = body_.size();
@@ -57,4 +57,4 @@ void ContactSolver<T>::move_jointed(T h) {
 template void ContactSolver<float>::move_jointed(float);
 template void ContactSolver<double>::move_jointed(double);
 
-}  // namespace truestep
+}  // namespace truestep::rigid3d

@@ -8,10 +8,10 @@
 #include "engine/integrators/advance.h"
 #include "engine/systems/rod_chain/treatments.h"
 
-namespace truestep {
+namespace truestep::rod_chain {
 
-using rods::Chain;
-using rods::Rod;
+using rod_chain::Chain;
+using rod_chain::Rod;
 
 namespace {
 
@@ -77,12 +77,12 @@ class RodChain final : public StagedSystem {
     out.add("energy.kinetic", e.kinetic, "J");
     out.add("energy.potential", e.potential, "J");
     out.add("energy.total", e.kinetic + e.potential, "J");
-    out.add("joints.gap", rods::largest_gap(c, all), "m");
+    out.add("joints.gap", rod_chain::largest_gap(c, all), "m");
   }
 
   std::optional<Energy> energy(const State& s, double, Workspace& workspace,
                                const ThreadArena&) const override {
-    auto& scratch = workspace.object<rods::Scratch>(kScratch);
+    auto& scratch = workspace.object<rod_chain::Scratch>(kScratch);
     load(s, scratch.rods);
     return energy_of(chain(s), scratch.rods);
   }
@@ -132,15 +132,16 @@ class RodChain final : public StagedSystem {
   bool adaptive() const { return def_.constraints == RodChainDef::Treatment::lagrange && !def_.substeps; }
   Energy energy_of(const Chain& c, std::span<const Rod> all) const {
     const bool springs = def_.constraints == RodChainDef::Treatment::penalty;
-    Energy e{.kinetic = rods::kinetic(c, all), .potential = rods::potential(c, all)};
+    Energy e{.kinetic = rod_chain::kinetic(c, all), .potential = rod_chain::potential(c, all)};
     e.exchange = Energy::Exchange::closed;
     e.swing = 2;
-    if (springs) e.potential += rods::stored(c, all, def_.stiffness), e.swing = Energy::kSwingNearLimit;
+    if (springs) e.potential += rod_chain::stored(c, all, def_.stiffness), e.swing = Energy::kSwingNearLimit;
     return e;
   }
   double stable_substep() const {
     // Semi-implicit Euler on x'' = -w2 x - d x': h^2 w2 + 2 h d < 4 suffices.
-    const double most = rods::largest_eigenvalue(chain_), w2 = def_.stiffness * most, d = def_.damping * most;
+    const double most = rod_chain::largest_eigenvalue(chain_), w2 = def_.stiffness * most,
+                 d = def_.damping * most;
     return 4 / (d + std::sqrt(d * d + 4 * w2));
   }
   Chain chain(const State& s) const {
@@ -161,7 +162,7 @@ class RodChain final : public StagedSystem {
   }
 
   void advance(State& s, const StepInput& in) const {
-    auto& scratch = in.workspace.object<rods::Scratch>(kScratch);
+    auto& scratch = in.workspace.object<rod_chain::Scratch>(kScratch);
     load(s, scratch.rods);
     const Chain c = chain(s);
     const double h = in.h / static_cast<double>(substeps_);
@@ -169,13 +170,13 @@ class RodChain final : public StagedSystem {
     for (int64_t k = 0; k < substeps_ && !adaptive(); ++k) {
       switch (def_.constraints) {
         case RodChainDef::Treatment::lagrange:
-          rods::step_lagrange(c, scratch.rods, h, def_.tolerance * def_.length, scratch);
+          rod_chain::step_lagrange(c, scratch.rods, h, def_.tolerance * def_.length, scratch);
           break;
         case RodChainDef::Treatment::projection:
           project(c, h, kMostHalvings, scratch);
           break;
         case RodChainDef::Treatment::penalty:
-          rods::step_penalty(c, scratch.rods, h, def_.stiffness, def_.damping, scratch);
+          rod_chain::step_penalty(c, scratch.rods, h, def_.stiffness, def_.damping, scratch);
           break;
       }
     }
@@ -187,16 +188,16 @@ class RodChain final : public StagedSystem {
   }
 
   // A step from which no way leads back to a closed chain is taken as two.
-  void project(const Chain& c, double h, int halvings, rods::Scratch& scratch) const {
-    if (rods::step_projection(c, scratch.rods, h, def_.tolerance * def_.length, scratch)) return;
+  void project(const Chain& c, double h, int halvings, rod_chain::Scratch& scratch) const {
+    if (rod_chain::step_projection(c, scratch.rods, h, def_.tolerance * def_.length, scratch)) return;
     if (halvings == 0) throw Instability("", "joints.gap", 0, "no places without gaps were found");
     for (int half = 0; half < 2; ++half) project(c, 0.5 * h, halvings - 1, scratch);
   }
-  void choose_steps(State& s, const Chain& c, const StepInput& in, rods::Scratch& scratch) const {
+  void choose_steps(State& s, const Chain& c, const StepInput& in, rod_chain::Scratch& scratch) const {
     static const Integrator& method = *find_integrator("dop853");
-    const rods::RodEquations equations(c, scratch, scratch.rods.size());
+    const rod_chain::RodEquations equations(c, scratch, scratch.rods.size());
     const auto y = in.workspace.doubles("rod_chain.y", equations.size());
-    rods::RodEquations::write(scratch.rods, y.data());
+    rod_chain::RodEquations::write(scratch.rods, y.data());
     const auto carried = s.f64(kCarry);
     Carry carry{carried[0], carried[1]};
     Advance run{
@@ -208,12 +209,12 @@ class RodChain final : public StagedSystem {
     } catch (Instability& e) {
       constexpr const char* kParts[] = {"position", "direction", "velocity", "angular_velocity"};
       e.quantity = kParts[static_cast<size_t>(e.index) / 3 % 4];
-      e.index /= static_cast<long long>(rods::RodEquations::kNumbers);
+      e.index /= static_cast<long long>(rod_chain::RodEquations::kNumbers);
       throw;
     }
     carried[0] = carry.step, carried[1] = carry.last_error;
-    rods::RodEquations::read(y.data(), scratch.rods);
-    rods::close_gaps(c, scratch.rods, def_.tolerance * def_.length, scratch);
+    rod_chain::RodEquations::read(y.data(), scratch.rods);
+    rod_chain::close_gaps(c, scratch.rods, def_.tolerance * def_.length, scratch);
   }
 
   RodChainDef def_;
@@ -269,4 +270,4 @@ Cost rod_chain_cost(const void* def) {
       .state_bytes = 96 * n, .workspace_bytes = 800 * n, .elements = n, .seconds_per_step = n * steps * each};
 }
 
-}  // namespace truestep
+}  // namespace truestep::rod_chain

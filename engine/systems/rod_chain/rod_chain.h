@@ -21,7 +21,7 @@
 #include "engine/core/outputs.h"
 #include "engine/core/system.h"
 
-namespace truestep {
+namespace truestep::rod_chain {
 
 struct RodChainDef {
   enum class Treatment : uint8_t { lagrange, projection, penalty } constraints = Treatment::lagrange;
@@ -38,4 +38,4 @@ const Outputs& rod_chain_outputs();
 std::unique_ptr<const System> build_rod_chain(const void* def, const BuildContext& context);
 Cost rod_chain_cost(const void* def);
 
-}  // namespace truestep
+}  // namespace truestep::rod_chain

@@ -2,7 +2,7 @@
 #include "engine/core/outputs.h"
 #include "engine/systems/rod_chain/rod_chain.h"
 
-namespace truestep {
+namespace truestep::rod_chain {
 
 const Outputs& rod_chain_outputs() {
   static const Outputs kOutputs{
@@ -18,4 +18,4 @@ const Outputs& rod_chain_outputs() {
   return kOutputs;
 }
 
-}  // namespace truestep
+}  // namespace truestep::rod_chain

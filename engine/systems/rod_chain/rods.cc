@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-namespace truestep::rods {
+namespace truestep::rod_chain {
 
 namespace {
 
@@ -87,4 +87,4 @@ double largest_gap(const Chain& c, std::span<const Rod> rods) {
   return most;
 }
 
-}  // namespace truestep::rods
+}  // namespace truestep::rod_chain

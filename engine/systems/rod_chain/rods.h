@@ -7,7 +7,7 @@
 #include "engine/kernels/block_tridiagonal.h"
 #include "engine/kernels/free_rotation.h"
 
-namespace truestep::rods {
+namespace truestep::rod_chain {
 
 struct Rod {
   Vec3 x, u;  ///< m; unit, towards the rod's end
@@ -44,4 +44,4 @@ double potential(const Chain& c, std::span<const Rod> rods);
 double stored(const Chain& c, std::span<const Rod> rods, double k);
 double largest_gap(const Chain& c, std::span<const Rod> rods);
 
-}  // namespace truestep::rods
+}  // namespace truestep::rod_chain

@@ -5,7 +5,7 @@
 #include "engine/base/interrupt.h"
 #include "engine/math/trig.h"
 
-namespace truestep::rods {
+namespace truestep::rod_chain {
 namespace {
 
 constexpr int kMostIterations = 20;
@@ -159,4 +159,4 @@ void close_gaps(const Chain& chain, std::span<Rod> rods, double tolerance, Scrat
   project_velocities(chain, rods, s);
 }
 
-}  // namespace truestep::rods
+}  // namespace truestep::rod_chain

@@ -3,7 +3,7 @@
 #include "engine/core/right_hand_side.h"
 #include "engine/systems/rod_chain/rods.h"
 
-namespace truestep::rods {
+namespace truestep::rod_chain {
 
 /// Memory of a step; nothing in it outlives one.
 struct Scratch {
@@ -43,4 +43,4 @@ void step_lagrange(const Chain& chain, std::span<Rod> rods, double h, double tol
 /// What ends a step of multipliers: unit directions, spins across them, then gaps and their rates are closed.
 void close_gaps(const Chain& chain, std::span<Rod> rods, double tolerance, Scratch& s);
 
-}  // namespace truestep::rods
+}  // namespace truestep::rod_chain

@@ -9,6 +9,7 @@
 #include "engine/systems/rigid3d/rigid3d.h"
 
 namespace truestep::bench {
+using namespace rigid3d;
 namespace {
 
 using Shape = SpaceBody::Shape;
@@ -71,12 +72,12 @@ class Ours final : public SpaceEngine {
     ++count_;
   }
   SpaceState state(size_t i) const override {
-    namespace c = rigid3d_columns;
+    namespace c = rigid3d::columns;
     return {{load3(state_.f64(c::position).data(), i), load_quat(state_.f64(c::orientation).data(), i)},
             load3(state_.f64(c::velocity).data(), i),
             load3(state_.f64(c::angular_velocity).data(), i)};
   }
-  bool asleep(size_t i) const override { return state_.span<uint32_t>(rigid3d_columns::asleep)[i] != 0; }
+  bool asleep(size_t i) const override { return state_.span<uint32_t>(rigid3d::columns::asleep)[i] != 0; }
 
  private:
   Rigid3d system_;

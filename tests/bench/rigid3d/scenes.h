@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "engine/collision/solid.h"
+#include "engine/geometry/solid.h"
 
 namespace truestep::bench {
 

@@ -13,6 +13,8 @@
 #include "tests/bench/report.h"
 
 namespace truestep::bench {
+using namespace articulation;
+using namespace rigid3d;
 namespace {
 
 namespace json = boost::json;

@@ -1,0 +1,130 @@
+#include "engine/collision/broad/broad_phase.h"
+
+#include <algorithm>
+
+namespace truestep {
+namespace {
+
+uint64_t key(uint32_t a, uint32_t b) {
+  return a < b ? uint64_t{a} << 32 | b : uint64_t{b} << 32 | a;
+}
+BodyPair pair_of(uint64_t k) {
+  return {static_cast<uint32_t>(k >> 32), static_cast<uint32_t>(k)};
+}
+
+}  // namespace
+
+std::span<const BodyPair> BroadPhase::update(std::span<const Box> boxes, std::span<const Mobility> mobility,
+                                             double margin) {
+  sort_in(boxes, mobility, margin);
+  renew_candidates(mobility);
+  test_candidates(mobility);
+  return pairs_;
+}
+
+/// Puts bodies that left their grown boxes, came, went or changed mobility where they belong.
+void BroadPhase::sort_in(std::span<const Box> boxes, std::span<const Mobility> mobility, double margin) {
+  const size_t n = boxes.size(), before = tight_.size();
+  moved_list_.clear();
+  unbounded_.clear();
+  moved_.assign(std::max(n, before), 0);
+  tight_.resize(n);
+  const auto move = [&](uint32_t i) {
+    if (!moved_[i]) moved_list_.push_back(i);
+    moved_[i] = 1;
+  };
+  for (auto i = static_cast<uint32_t>(n); i < before; ++i) {
+    for (DynamicTree& t : trees_) {
+      if (t.holds(i)) t.remove(i), move(i);
+    }
+  }
+  // Many at once are cheaper built anew than inserted one by one.
+  size_t entering = 0;
+  for (uint32_t i = 0; i < n; ++i) {
+    const Box& b = boxes[i];
+    tight_[i] = FloatBox::around(b);
+    DynamicTree &own = tree(mobility[i]),
+                &other = tree(mobility[i] == Mobility::fixed ? Mobility::moving : Mobility::fixed);
+    if (other.holds(i)) other.remove(i), move(i);
+    const bool there = b.low.x <= b.high.x && b.low.y <= b.high.y && b.low.z <= b.high.z;
+    const bool bounded = there && b.finite();
+    if (own.holds(i)) {
+      if (bounded && own.box(i).contains(tight_[i])) continue;
+      move(i);
+      if (!bounded) own.remove(i);
+    }
+    if (there && !bounded) unbounded_.push_back(i);
+    if (bounded) move(i), ++entering;
+  }
+  size_t held = trees_[0].size() + trees_[1].size();
+  const bool anew = entering > 256 && 4 * entering > held;
+  for (const uint32_t i : moved_list_) {
+    if (i >= n || !(tight_[i].low[0] <= tight_[i].high[0]) || !boxes[i].finite()) continue;
+    const FloatBox grown = FloatBox::around(boxes[i].grown(margin));
+    DynamicTree& t = tree(mobility[i]);
+    if (anew) {
+      t.set(i, grown);
+    } else {
+      if (t.holds(i)) t.remove(i);
+      t.insert(i, grown);
+    }
+  }
+  if (anew) {
+    for (DynamicTree& t : trees_) t.rebuild();
+  }
+}
+
+/// Pairs of grown boxes: those of bodies that stayed are still right, those of bodies that moved are asked
+/// for.
+void BroadPhase::renew_candidates(std::span<const Mobility> mobility) {
+  if (moved_list_.empty()) return;
+  const auto stale = [&](uint64_t k) { return moved_[k >> 32] || moved_[static_cast<uint32_t>(k)]; };
+  candidates_.erase(std::remove_if(candidates_.begin(), candidates_.end(), stale), candidates_.end());
+  fresh_.clear();
+  for (const uint32_t i : moved_list_) {
+    if (i >= mobility.size()) continue;
+    const DynamicTree& own = tree(mobility[i]);
+    if (!own.holds(i)) continue;
+    const FloatBox box = own.box(i);
+    const auto found = [&](uint32_t j) {
+      // Two moved bodies find each other twice.
+      if (j != i && !(moved_[j] && j < i)) fresh_.push_back(key(i, j));
+    };
+    tree(Mobility::moving).overlapping(box, found);
+    if (mobility[i] == Mobility::moving) tree(Mobility::fixed).overlapping(box, found);
+  }
+  std::sort(fresh_.begin(), fresh_.end());
+  merged_.resize(candidates_.size() + fresh_.size());
+  std::merge(candidates_.begin(), candidates_.end(), fresh_.begin(), fresh_.end(), merged_.begin());
+  candidates_.swap(merged_);
+}
+
+void BroadPhase::test_candidates(std::span<const Mobility> mobility) {
+  pairs_.resize(candidates_.size());
+  size_t count = 0;
+  for (const uint64_t k : candidates_) {
+    const BodyPair p = pair_of(k);
+    pairs_[count] = p;
+    count += tight_[p.a].overlaps(tight_[p.b]) ? 1 : 0;
+  }
+  pairs_.resize(count);
+  if (unbounded_.empty()) return;
+  fresh_.clear();
+  for (const uint32_t u : unbounded_) {
+    for (uint32_t i = 0; i < tight_.size(); ++i) {
+      const bool both_fixed = mobility[u] == Mobility::fixed && mobility[i] == Mobility::fixed;
+      const bool twice = i < u && std::binary_search(unbounded_.begin(), unbounded_.end(), i);
+      if (i != u && !both_fixed && !twice && tight_[i].low[0] <= tight_[i].high[0] &&
+          tight_[u].overlaps(tight_[i])) {
+        fresh_.push_back(key(u, i));
+      }
+    }
+  }
+  std::sort(fresh_.begin(), fresh_.end());
+  const auto middle = static_cast<std::ptrdiff_t>(pairs_.size());
+  for (const uint64_t k : fresh_) pairs_.push_back(pair_of(k));
+  std::inplace_merge(pairs_.begin(), pairs_.begin() + middle, pairs_.end(),
+                     [](const BodyPair& p, const BodyPair& q) { return key(p.a, p.b) < key(q.a, q.b); });
+}
+
+}  // namespace truestep

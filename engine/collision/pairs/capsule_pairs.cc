@@ -1,0 +1,84 @@
+#include "engine/collision/pairs/capsule_pairs.h"
+
+#include <cmath>
+
+#include "engine/collision/pairs/gjk.h"
+#include "engine/collision/pairs/polyhedron.h"
+#include "engine/collision/pairs/round_pairs.h"
+
+namespace truestep {
+namespace {
+
+struct Axis {
+  double separation = -std::numeric_limits<double>::infinity();
+  Vec3 normal, on_a, on_b;
+};
+
+/// Axis of least overlap of a segment that enters the polyhedron.
+Axis separating_axis(const Polyhedron& a, const Vec3& p, const Vec3& q) {
+  Axis best;
+  for (int f = 0; f < a.face_count; ++f) {
+    const Vec3& n = a.faces[f].normal;
+    const double sp = dot(n, p), sq = dot(n, q), s = (sp < sq ? sp : sq) - a.faces[f].offset;
+    if (s > best.separation) best = {s, n, (sp < sq ? p : q) - n * s, sp < sq ? p : q};
+  }
+  const Vec3 d = q - p;
+  for (int i = 0; i < a.edge_count; ++i) {
+    const HullEdge& e = a.edges[i];
+    const Vec3 &l = a.faces[e.left].normal, &r = a.faces[e.right].normal;
+    if (dot(l, d) * dot(r, d) >= 0) continue;
+    const Vec3 &from = a.vertices[e.from], along = a.vertices[e.to] - from, n = cross(along, d);
+    const double n2 = norm2(n);
+    if (!(n2 > 1e-14 * norm2(along) * norm2(d))) continue;
+    const Vec3 unit = n / (dot(n, l + r) < 0 ? -std::sqrt(n2) : std::sqrt(n2));
+    const double s = dot(unit, p - from);
+    if (s > best.separation) {
+      const SegmentPair at = nearest_on_segments(from, along, p, d);
+      best = {s, unit, from + along * at.s, p + d * at.t};
+    }
+  }
+  return best;
+}
+
+}  // namespace
+
+void collide_capsule(const Convex& a, const Convex& b, const Transform& place, double margin, Manifold& out) {
+  out.count = 0;
+  const double r = b.size.x;
+  const Vec3 h = axis(place.rotation, 1) * b.size.y, p = place.position - h, q = place.position + h;
+  PolyhedronStorage storage;
+  const Polyhedron poly = polyhedron(a, storage);
+  if (poly.triangle && dot(poly.faces[0].normal, place.position) < poly.faces[0].offset) return;
+  const CoreDistance d = core_distance(a, b, place, place.position - poly.center, margin + r);
+  if (d.distance > margin + r) return;
+  Axis at;
+  if (d.verdict == CoreDistance::Verdict::apart && d.distance > 1e-9 * (r + b.size.y)) {
+    at = {d.distance, d.normal, d.point_a, d.point_b};
+  } else {
+    at = separating_axis(poly, p, q);
+  }
+  // A direction that is a neighbour's: only what lies over the triangle itself counts.
+  const bool own = !poly.triangle || poly.triangle->allows(at.normal);
+  if (!own) {
+    const Vec3& n = poly.faces[0].normal;
+    const double sp = dot(n, p), sq = dot(n, q), s = (sp < sq ? sp : sq) - poly.faces[0].offset;
+    at = {s, n, (sp < sq ? p : q) - n * s, sp < sq ? p : q};
+  }
+
+  const int face = face_towards(poly, at.normal);
+  const Vec3& n = poly.faces[face].normal;
+  if (dot(n, at.normal) > 1 - 1e-6) {
+    FacePolygon reference, segment;
+    face_polygon(poly, face, {}, reference);
+    segment.add(p - n * r, 1);
+    segment.add(q - n * r, 2);
+    clip_faces(reference, n, segment, margin, FaceOwner::first, static_cast<uint32_t>(face & 0xfff) + 1, out);
+    if (!own || (out.count > 0 && -out.deepest() <= at.separation - r + 1e-3 * r)) return;
+    out.count = 0;
+  }
+  if (at.separation - r > margin) return;
+  out.normal = at.normal;
+  out.add((at.on_a + at.on_b - at.normal * r) * 0.5, at.separation - r, 0xc0000001u);
+}
+
+}  // namespace truestep

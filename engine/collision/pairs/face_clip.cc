@@ -1,0 +1,90 @@
+#include "engine/collision/pairs/face_clip.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace truestep {
+
+namespace {
+
+/// Of the corner that `plane` cuts off the edge that begins at `corner`: 16 bits, unlike those of corners and
+/// of other cuts but for chance.
+constexpr uint32_t name_of_cut(uint32_t corner, uint32_t plane) {
+  return (corner * 40503u + (plane + 1) * 25717u) & 0xffff;
+}
+
+}  // namespace
+
+void FacePolygon::cut(const Vec3& outward, double offset, uint32_t plane) {
+  FacePolygon kept;
+  for (int i = 0; i < count; ++i) {
+    const int j = i + 1 < count ? i + 1 : 0;
+    if (count == 2 && i == 1) {  // an edge has one side only
+      if (dot(outward, corner[1]) - offset <= 0) kept.add(corner[1], id[1]);
+      break;
+    }
+    const double si = dot(outward, corner[i]) - offset, sj = dot(outward, corner[j]) - offset;
+    if (si <= 0) kept.add(corner[i], id[i]);
+    if ((si < 0 && sj > 0) || (si > 0 && sj < 0)) {
+      kept.add(corner[i] + (corner[j] - corner[i]) * (si / (si - sj)), name_of_cut(id[i], plane));
+    }
+  }
+  count = kept.count;
+  for (int i = 0; i < count; ++i) corner[i] = kept.corner[i], id[i] = kept.id[i];
+}
+
+void clip_faces(const FacePolygon& reference, const Vec3& normal, FacePolygon incident, double margin,
+                FaceOwner owner, uint32_t tag, Manifold& out) {
+  for (int i = 0; i < reference.count && incident.count > 0; ++i) {
+    const Vec3 &p = reference.corner[i], &q = reference.corner[i + 1 < reference.count ? i + 1 : 0];
+    const Vec3 side = cross(q - p, normal);
+    incident.cut(side, dot(side, p), static_cast<uint32_t>(i));
+  }
+  const double level = dot(normal, reference.corner[0]);
+  PointList all;
+  for (int i = 0; i < incident.count; ++i) {
+    const double s = dot(normal, incident.corner[i]) - level;
+    if (s > margin) continue;
+    all.point[all.count++] = {incident.corner[i] - normal * (0.5 * s), s, tag << 16 | incident.id[i]};
+  }
+  out.normal = owner == FaceOwner::first ? normal : -normal;
+  keep_best(all.all(), normal, out);
+}
+
+void keep_best(std::span<const ContactPoint> list, const Vec3& normal, Manifold& out) {
+  const ContactPoint* all = list.data();
+  const auto count = static_cast<int>(list.size());
+  out.count = 0;
+  if (count <= Manifold::kMost) {
+    for (int i = 0; i < count; ++i) out.points[out.count++] = all[i];
+    return;
+  }
+  // The deepest first: it alone decides whether the bodies part. Differences below a thousandth of the
+  // manifold's width are noise that must not make the choice jump, so a fixed direction tips the scale.
+  const Vec3 u =
+      normalized(std::fabs(normal.x) < 0.6 ? Vec3{0, -normal.z, normal.y} : Vec3{normal.z, 0, -normal.x});
+  double width = 0;
+  for (int i = 1; i < count; ++i) width = std::max(width, norm(all[i].position - all[0].position));
+  const auto pick = [&](auto&& score) {
+    int best = 0;
+    double most = score(all[0]);
+    for (int i = 1; i < count; ++i) {
+      const double s = score(all[i]);
+      if (s > most + 1e-12 * width * width) most = s, best = i;
+    }
+    return std::pair(best, most);
+  };
+  const int a = pick([&](const ContactPoint& p) { return dot(u, p.position) * 1e-3 - p.separation; }).first;
+  const Vec3 pa = all[a].position;
+  const int b = pick([&](const ContactPoint& p) { return norm2(p.position - pa); }).first;
+  const Vec3 side = cross(normal, all[b].position - pa);
+  const auto [c, left] = pick([&](const ContactPoint& p) { return dot(side, p.position - pa); });
+  const auto [d, right] = pick([&](const ContactPoint& p) { return -dot(side, p.position - pa); });
+  const double thin = 1e-9 * norm2(side);
+  out.points[out.count++] = all[a];
+  if (b != a) out.points[out.count++] = all[b];
+  if (left > thin && c != a && c != b) out.points[out.count++] = all[c];
+  if (right > thin && d != a && d != b) out.points[out.count++] = all[d];
+}
+
+}  // namespace truestep

@@ -1,0 +1,162 @@
+#include "engine/collision/points/collider_def.h"
+
+#include "engine/math/trig.h"
+
+namespace truestep {
+namespace {
+
+const DefTable& motion_table() {
+  static const DefTable t =
+      TableOf<MotionDef>(
+          "prescribed motion: position = start + velocity t + amplitude (sin(2 pi frequency t + "
+          "phase) - sin(phase)), turned by spin t")
+          .vector("velocity", &MotionDef::velocity, "m/s", any(), "steady velocity")
+          .vector("amplitude", &MotionDef::amplitude, "m", any(), "swing to either side of the start")
+          .number("frequency", &MotionDef::frequency, "Hz", at_least(0), "swings per second")
+          .number("phase", &MotionDef::phase, "rad", any(), "phase of the swing at t = 0")
+          .vector("spin", &MotionDef::spin, "rad/s", any(), "angular velocity about the shape's origin")
+          .build();
+  return t;
+}
+
+/// Rows that all types share; D derives from ColliderCommonDef.
+template <class D>
+TableOf<D>& add_common(TableOf<D>& t) {
+  std::string D::*id = &ColliderCommonDef::id;
+  double D::*friction = &ColliderCommonDef::friction;
+  double D::*restitution = &ColliderCommonDef::restitution;
+  double D::*rest_speed = &ColliderCommonDef::rest_speed;
+  std::optional<MotionDef> D::*motion = &ColliderCommonDef::motion;
+  return t.text("id", id, "name for set_parameter (<id>.restitution, <id>.friction) and pictures")
+      .number("friction", friction, "1", at_least(0), "Coulomb's coefficient")
+      .number("restitution", restitution, "1", between(0, 1), "share of the normal speed kept by a bounce")
+      .number("rest_speed", rest_speed, "m/s", at_least(0), "slower approaches do not bounce")
+      .object("motion", motion, motion_table(), "how it moves; absent: at rest");
+}
+
+template <class D>
+TableOf<D>& add_container(TableOf<D>& t) {
+  return t.boolean("container", &D::container, "points stay inside instead of outside");
+}
+
+const DefTable& plane_table() {
+  static const DefTable t = [] {
+    using D = PlaneColliderDef;
+    TableOf<D> table("half space that points stay above");
+    add_common(table.vector("point", &D::point, "m", any(), "a point of the plane")
+                   .vector("normal", &D::normal, "1", any(), "towards where points may be; any length"));
+    return table
+        .check([](const D& d, const DefTable::Report& report) {
+          if (!(norm(d.normal) > 0)) report("/normal", "the normal must not be zero");
+        })
+        .build();
+  }();
+  return t;
+}
+
+const DefTable& box_table() {
+  static const DefTable t = [] {
+    using D = BoxColliderDef;
+    TableOf<D> table("box, turned by an angle about an axis");
+    table.vector("center", &D::center, "m", any(), "centre at t = 0")
+        .vector("half_extents", &D::half_extents, "m", above(0), "half of each edge")
+        .vector("axis", &D::axis, "1", any(), "axis of its rotation; any length")
+        .number("angle", &D::angle, "rad", any(), "angle of its rotation");
+    return add_common(add_container(table)).build();
+  }();
+  return t;
+}
+
+const DefTable& sphere_table() {
+  static const DefTable t = [] {
+    using D = SphereColliderDef;
+    TableOf<D> table("ball");
+    table.vector("center", &D::center, "m", any(), "centre at t = 0")
+        .number("radius", &D::radius, "m", above(0), "radius");
+    return add_common(add_container(table)).build();
+  }();
+  return t;
+}
+
+const DefTable& capsule_table() {
+  static const DefTable t = [] {
+    using D = CapsuleColliderDef;
+    TableOf<D> table("cylinder with round ends");
+    table.vector("from", &D::from, "m", any(), "one end of its axis at t = 0")
+        .vector("to", &D::to, "m", any(), "the other end")
+        .number("radius", &D::radius, "m", above(0), "radius of the cylinder and of its ends");
+    return add_common(add_container(table)).build();
+  }();
+  return t;
+}
+
+Collider common(const ColliderCommonDef& d) {
+  Collider c;
+  c.id = d.id;
+  c.surface = {d.restitution, d.friction, d.rest_speed};
+  if (d.motion) {
+    c.motion = {d.motion->velocity, d.motion->amplitude, d.motion->frequency, d.motion->phase,
+                d.motion->spin};
+  }
+  return c;
+}
+
+PointSide side(bool container) {
+  return container ? PointSide::inside : PointSide::outside;
+}
+
+Collider build(const PlaneColliderDef& d) {
+  Collider c = common(d);
+  c.shape = {ShapeKind::plane, PointSide::outside, normalized(d.normal, {0, 1, 0})};
+  c.start.position = d.point;
+  return c;
+}
+
+Collider build(const BoxColliderDef& d) {
+  Collider c = common(d);
+  c.shape = {ShapeKind::box, side(d.container), d.half_extents};
+  c.start.position = d.center;
+  if (d.angle != 0) {
+    const Vec3 axis = normalized(d.axis, {0, 1, 0}) * trig::sin(0.5 * d.angle);
+    c.start.orientation = normalized(Quat{trig::cos(0.5 * d.angle), axis.x, axis.y, axis.z});
+  }
+  return c;
+}
+
+Collider build(const SphereColliderDef& d) {
+  Collider c = common(d);
+  c.shape = {ShapeKind::sphere, side(d.container), {d.radius, 0, 0}};
+  c.start.position = d.center;
+  return c;
+}
+
+Collider build(const CapsuleColliderDef& d) {
+  Collider c = common(d);
+  const Vec3 axis = d.to - d.from;
+  c.shape = {ShapeKind::capsule, side(d.container), {d.radius, 0.5 * norm(axis), 0}};
+  c.start.position = (d.from + d.to) * 0.5;
+  c.start.orientation = rotation_between({0, 1, 0}, normalized(axis, {0, 1, 0}));
+  return c;
+}
+
+}  // namespace
+
+std::vector<std::pair<std::string, const DefTable*>> collider_variants() {
+  return {{"plane", &plane_table()},
+          {"box", &box_table()},
+          {"sphere", &sphere_table()},
+          {"capsule", &capsule_table()}};
+}
+
+ColliderSet build_colliders(const ColliderDefs& defs) {
+  static constexpr const char* kNames[] = {"plane", "box", "sphere", "capsule"};
+  ColliderSet set;
+  for (size_t i = 0; i < defs.size(); ++i) {
+    Collider c = std::visit([](const auto& d) { return build(d); }, defs[i]);
+    if (c.id.empty()) c.id = std::string(kNames[defs[i].index()]) + std::to_string(i);
+    set.add(std::move(c));
+  }
+  return set;
+}
+
+}  // namespace truestep

@@ -1,0 +1,377 @@
+#include "engine/couplings/attachment/attachment.h"
+
+#include <cmath>
+#include <map>
+
+#include "engine/couplings/sides.h"
+
+namespace truestep {
+
+namespace {
+
+constexpr const char* kStart = "attachment.start";
+/// Column of the impulses on b in the last two substeps, where a side answers as a whole.
+constexpr const char* kPairImpulse = "pair_impulse";
+/// Links are swept until each is within this part of its length (or of a metre); rounding itself is 1e-16.
+constexpr double kLengthTolerance = 1e-13;
+constexpr int kMostSweeps = 200;
+/// Newton steps towards the lengths and directions at the end at most, and rad by which directions may be
+/// off.
+constexpr int kMostSolutions = 30;
+constexpr double kSameDirection = 1e-6;
+/// (h omega)^2 of a spring on its two points from which it is solved for: half of what its kicks are stable
+/// at.
+constexpr double kMostKicked = 1;
+
+Vec3 separation(const double* a, size_t i, const double* b, size_t j) {
+  return load3(b, j) - load3(a, i);
+}
+
+/// The column; null in states of the same scene by other methods, which remedies are tried on.
+double* pair_impulses(State& own) {
+  const auto c = own.find(kPairImpulse);
+  return c ? own.f64(*c).data() : nullptr;
+}
+
+/// What the last two impulses have in common: forces last, blows do not.
+Vec3 lasting(const double* last, size_t pair) {
+  const Vec3 j = load3(last, 2 * pair), before = load3(last, 2 * pair + 1);
+  const double d = dot(j, before), jj = norm2(j);
+  return d > 0 ? j * std::min(1.0, d / jj) : Vec3{};
+}
+
+/// Id of the point that an index of the scene names.
+uint64_t named_point(int64_t index, const CouplingSide& side, const PointPort& columns,
+                     const std::string& pointer) {
+  const ConstPoints points(side.state, columns);
+  const auto n = static_cast<int64_t>(points.count);
+  const int64_t row = index < 0 ? n + index : index;
+  if (row < 0 || row >= n) {
+    const std::string why = "\"" + side.id + "\" has " + std::to_string(n) + " points at t = 0";
+    throw Error(
+        "scene_invalid", why,
+        {{pointer, "out_of_range", why, std::to_string(index),
+          n > 0 ? std::to_string(-n) + " to " + std::to_string(n - 1) : "no point is there", "", ""}});
+  }
+  return points.ids.empty() ? static_cast<uint64_t>(row) : points.ids[static_cast<size_t>(row)];
+}
+
+/// Correction of r that restores |r| = L along the direction d of the substep's start (the root near zero of
+/// a quadratic); along r itself where the link has turned too far for that.
+Vec3 length_correction(const Vec3& r, const Vec3& d, double rest) {
+  if (rest == 0) return -r;
+  const double rd = dot(r, d), dd = norm2(d), excess = norm2(r) - rest * rest;
+  const double discriminant = rd * rd - dd * excess;
+  if (rd > 0 && discriminant > 0) return d * (-excess / (rd + std::sqrt(discriminant)));
+  return normalized(r) * rest - r;
+}
+
+}  // namespace
+
+std::unique_ptr<const Attachment> Attachment::make(const AttachmentDef& def, const CouplingContext& context) {
+  const PointPort a = require_points(context.a, "a"), b = require_points(context.b, "b");
+  std::unique_ptr<Attachment> out(new Attachment(def, context, a, b));
+  const ConstPoints pa(context.a.state, a), pb(context.b.state, b);
+  std::map<uint64_t, double> a_pairs, b_pairs;
+  const bool same = &context.a.system == &context.b.system;
+  for (size_t k = 0; k < def.a_points.size(); ++k) {
+    const std::string at = "/" + std::to_string(k);
+    Pair p{};
+    p.a = named_point(def.a_points[k], context.a, a, "/a_points" + at);
+    p.b = named_point(def.b_points[k], context.b, b, "/b_points" + at);
+    if (same && p.a == p.b) {
+      const std::string why = "a pair needs two different points";
+      throw Error("scene_invalid", why, {{"/b_points" + at, "inconsistent", why, "", "", "", ""}});
+    }
+    const Vec3 r = separation(pa.x, *pa.row_of(p.a), pb.x, *pb.row_of(p.b));
+    p.rest = def.rest_length.value_or(norm(r));
+    ++a_pairs[p.a];
+    ++(same ? a_pairs : b_pairs)[p.b];
+    out->pairs_.push_back(p);
+  }
+  for (Pair& p : out->pairs_) p.a_share = a_pairs[p.a], p.b_share = (same ? a_pairs : b_pairs)[p.b];
+  return out;
+}
+
+template <class Real>
+void Attachment::collect(const PointsOf<Real>& a, const PointsOf<Real>& b, std::vector<Live>& out) const {
+  out.clear();
+  for (size_t k = 0; k < pairs_.size(); ++k) {
+    const auto i = a.row_of(pairs_[k].a), j = b.row_of(pairs_[k].b);
+    if (!i || !j) continue;
+    const double wa = a.inverse_mass(*i), wb = b.inverse_mass(*j);
+    if (wa + wb > 0) out.push_back({k, *i, *j, wa, wb, pairs_[k].rest});
+  }
+}
+
+std::vector<Attachment::Live>& Attachment::live_pairs(const Points& a, const Points& b, const StepInput& in,
+                                                      Wanted wanted) const {
+  auto& live = in.workspace.object<std::vector<Live>>(wanted == Wanted::solved ? "attachment.stiff"
+                                                                               : "attachment.live");
+  collect(a, b, live);
+  if (wanted == Wanted::links) return live;
+  std::erase_if(live, [&](const Live& p) {
+    const Pair& pair = pairs_[p.pair];
+    const double pull = def_.stiffness * (pair.a_share * p.wa + pair.b_share * p.wb);
+    return (in.h * in.h * pull > kMostKicked) != (wanted == Wanted::solved);
+  });
+  return live;
+}
+
+void Attachment::begin(const CoupledStates& s, const StepInput& in) const {
+  const ProfileScope scope(in.profile, pass());
+  Points a(s.a, a_), b(s.b, b_);
+  if (def_.link == AttachmentDef::Link::rigid) {
+    const auto& live = live_pairs(a, b, in, Wanted::links);
+    if (answered_.any()) return give_last(s, a, b, live);
+    double* start = in.workspace.doubles(kStart, 3 * pairs_.size()).data();
+    for (const Live& p : live) store3(start, p.pair, separation(a.x, p.a, b.x, p.b));
+    return;
+  }
+  give_last(s, a, b, live_pairs(a, b, in, Wanted::solved));
+  const auto& live = live_pairs(a, b, in, Wanted::kicked);
+  Exchange sum;
+  pull(a, b, live, 0.5 * in.h, sum);
+  damp(a, b, live, 0.5 * in.h, sum);
+  book(s.own, sum);
+}
+
+void Attachment::end(const CoupledStates& s, const StepInput& in) const {
+  const ProfileScope scope(in.profile, pass());
+  Points a(s.a, a_), b(s.b, b_);
+  Exchange sum;
+  if (def_.link == AttachmentDef::Link::rigid) {
+    const auto& live = live_pairs(a, b, in, Wanted::links);
+    if (answered_.any()) {
+      solve_pairs(s, in, live, sum);
+    } else {
+      const double* start = in.workspace.doubles(kStart, 3 * pairs_.size()).data();
+      restore_lengths(a, b, live, start, in.h, sum);
+    }
+    match_velocities(a, b, live, sum);
+  } else {
+    solve_pairs(s, in, live_pairs(a, b, in, Wanted::solved), sum);
+    const auto& live = live_pairs(a, b, in, Wanted::kicked);
+    damp(a, b, live, 0.5 * in.h, sum);
+    pull(a, b, live, 0.5 * in.h, sum);
+  }
+  book(s.own, sum);
+}
+
+// Forces last about as long as many steps do: both sides take the last step's into their own, curved answer,
+// and the straight one (answered_pairs.h) is left with what has changed since.
+void Attachment::give_last(const CoupledStates& s, Points& a, Points& b,
+                           const std::vector<Live>& live) const {
+  const double* last = pair_impulses(s.own);
+  if (!last) return;
+  for (const Live& p : live) exchange_impulse(a.v, p.a, p.wa, b.v, p.b, p.wb, lasting(last, p.pair));
+}
+
+// What is asked of a pair that has come to r and u without its impulse J, in the direction n that it ends in;
+// r' = r + h W J and u' = u + W J.
+//   link    |r'| = L: n.(W J) = (L - n.r) / h, J along n
+//   spring  J = -h f(r', u') with f = K r' - k L n + c (u'.n) n, K = k n n^T + k (1 - L / |r'|) (1 - n n^T),
+//   the
+//           second part where it is stretched. With B = h (h K + c n n^T) and J = sqrt(B) y
+//           (1 + sqrt(B) W sqrt(B)) y = -h sqrt(B)^-1 f(r, u)
+void Attachment::ask(AnsweredPair& q, double rest, const Vec3& r, const Vec3& u, double h) const {
+  const Vec3 ends = r + q.change * h;
+  q.n = rest == 0 ? Vec3{} : normalized(ends);
+  if (def_.link == AttachmentDef::Link::rigid) {
+    q.along = 1, q.across = rest == 0 ? 1 : 0;
+    q.right = (rest == 0 ? -r : q.n * (rest - dot(r, q.n))) / h;
+    return;
+  }
+  const double k = def_.stiffness, c = def_.damping;
+  q.give = 1, q.along = std::sqrt(h * (h * k + c));
+  if (rest == 0) {
+    q.across = q.along;
+    q.right = (r * k + u * c) * (-h / q.along);
+    return;
+  }
+  const double across = std::sqrt(k * std::max(0.0, 1 - rest / std::max(norm(ends), rest)));
+  q.across = h * across;
+  q.right =
+      q.n * (-h / q.along * (k * (dot(r, q.n) - rest) + c * dot(u, q.n))) - (r - q.n * dot(r, q.n)) * across;
+}
+
+// Newton's method for the directions at the end: with both sides' answers the step of implicit Euler on the
+// two systems as one.
+void Attachment::solve_pairs(const CoupledStates& s, const StepInput& in, const std::vector<Live>& live,
+                             Exchange& sum) const {
+  if (live.empty()) return;
+  Points a(s.a, a_), b(s.b, b_);
+  double* last = pair_impulses(s.own);
+  auto& pairs = in.workspace.object<std::vector<AnsweredPair>>("attachment.answered");
+  auto& free = in.workspace.object<std::vector<FreePair>>("attachment.free");
+  pairs.clear(), free.clear();
+  for (const Live& p : live) {
+    pairs.push_back({.a = p.a, .b = p.b, .wa = p.wa, .wb = p.wb});
+    if (last) pairs.back().given = lasting(last, p.pair);
+  }
+  answered_.answer_given(s, in, pairs);
+  for (const AnsweredPair& p : pairs) {
+    free.push_back(
+        {separation(a.x, p.a, b.x, p.b) - p.change * in.h, separation(a.v, p.a, b.v, p.b) - p.change});
+  }
+  for (int solution = 0; solution < kMostSolutions; ++solution) {
+    double turn = 0;
+    for (size_t i = 0; i < pairs.size(); ++i) {
+      const Vec3 n = pairs[i].n;
+      ask(pairs[i], live[i].rest, free[i].r, free[i].u, in.h);
+      turn = std::max(turn, norm(pairs[i].n - n));
+    }
+    if (solution > 0 && turn <= kSameDirection) break;
+    answered_.solve(s, in, pairs);
+  }
+  answered_.move(s, in, pairs);
+  for (size_t i = 0; i < pairs.size(); ++i) {
+    const AnsweredPair& p = pairs[i];
+    const Vec3 u = separation(a.v, p.a, b.v, p.b);
+    const double u2 = live[i].rest == 0 ? norm2(u) : dot(u, p.n) * dot(u, p.n);
+    sum.add(p.impulse, def_.link == AttachmentDef::Link::spring ? in.h * def_.damping * u2 : 0);
+    if (!last) continue;
+    store3(last, 2 * live[i].pair + 1, load3(last, 2 * live[i].pair));
+    store3(last, 2 * live[i].pair, p.impulse);
+  }
+  if (def_.link == AttachmentDef::Link::rigid) close_lengths(s, in, live, pairs, sum);
+}
+
+// What rounding and the last turn of the links have left of their lengths.
+void Attachment::close_lengths(const CoupledStates& s, const StepInput& in, const std::vector<Live>& live,
+                               std::vector<AnsweredPair>& pairs, Exchange& sum) const {
+  Points a(s.a, a_), b(s.b, b_);
+  for (int solution = 0; solution < kMostSolutions; ++solution) {
+    double worst = 0;
+    for (size_t i = 0; i < pairs.size(); ++i) {
+      AnsweredPair& p = pairs[i];
+      const Vec3 r = separation(a.x, p.a, b.x, p.b);
+      p.given = {}, p.change = {};
+      ask(p, live[i].rest, r, {}, in.h);
+      worst = std::max(worst, norm(p.right) * in.h / std::max(live[i].rest, 1.0));
+    }
+    if (worst <= kLengthTolerance) break;
+    answered_.solve(s, in, pairs);
+    answered_.move(s, in, pairs);
+    for (const AnsweredPair& p : pairs) sum.add(p.impulse, 0);
+  }
+}
+
+// J = -half k (|r| - L) n; with L = 0 it needs no direction.
+void Attachment::pull(Points& a, Points& b, const std::vector<Live>& live, double half, Exchange& sum) const {
+  for (const Live& p : live) {
+    const Vec3 r = separation(a.x, p.a, b.x, p.b);
+    const Vec3 stretch = p.rest == 0 ? r : r - normalized(r) * p.rest;
+    const Vec3 impulse = stretch * (-half * def_.stiffness);
+    exchange_impulse(a.v, p.a, p.wa, b.v, p.b, p.wb, impulse);
+    sum.add(impulse, 0);
+  }
+}
+
+// du/dt = -c K u along n (coinciding points: in every direction) by the trapezoid rule: u' = u (1 - q) / (1 +
+// q), q = c K half / 2.
+void Attachment::damp(Points& a, Points& b, const std::vector<Live>& live, double half, Exchange& sum) const {
+  if (def_.damping == 0) return;
+  for (const Live& p : live) {
+    const Vec3 r = separation(a.x, p.a, b.x, p.b), u = separation(a.v, p.a, b.v, p.b);
+    const Vec3 along = norm2(r) > 0 ? r * (dot(u, r) / norm2(r)) : u;
+    const double k = p.wa + p.wb, q = 0.5 * def_.damping * k * half;
+    const Vec3 impulse = along * (-2 * q / ((1 + q) * k));
+    exchange_impulse(a.v, p.a, p.wa, b.v, p.b, p.wb, impulse);
+    sum.add(impulse, -dot(impulse, along + impulse * (0.5 * k)));
+  }
+}
+
+// SHAKE's part: every correction of place is one of velocity, 1/h times it, too.
+void Attachment::restore_lengths(Points& a, Points& b, const std::vector<Live>& live, const double* start,
+                                 double h, Exchange& sum) {
+  for (int sweep = 0; sweep < kMostSweeps; ++sweep) {
+    double worst = 0;
+    for (const Live& p : live) {
+      const Vec3 r = separation(a.x, p.a, b.x, p.b);
+      const Vec3 dr = length_correction(r, load3(start, p.pair), p.rest);
+      worst = std::max(worst, norm(dr) / std::max(p.rest, 1.0));
+      const Vec3 share = dr / (p.wa + p.wb);
+      exchange_impulse(a.x, p.a, p.wa, b.x, p.b, p.wb, share);
+      exchange_impulse(a.v, p.a, p.wa, b.v, p.b, p.wb, share / h);
+      sum.add(share / h, 0);
+    }
+    if (worst <= kLengthTolerance) break;
+  }
+}
+
+// RATTLE's part: u.n = 0.
+void Attachment::match_velocities(Points& a, Points& b, const std::vector<Live>& live, Exchange& sum) {
+  for (int sweep = 0; sweep < kMostSweeps; ++sweep) {
+    double worst = 0, fastest = 0;
+    for (const Live& p : live) {
+      const Vec3 n = normalized(separation(a.x, p.a, b.x, p.b)), u = separation(a.v, p.a, b.v, p.b);
+      const Vec3 along = p.rest == 0 ? u : n * dot(u, n), impulse = along / -(p.wa + p.wb);
+      worst = std::max(worst, norm(along));
+      fastest = std::max(fastest, norm(u));
+      exchange_impulse(a.v, p.a, p.wa, b.v, p.b, p.wb, impulse);
+      sum.add(impulse, -0.5 * dot(impulse, along));
+    }
+    if (worst <= kLengthTolerance * fastest) break;
+  }
+}
+
+State Attachment::initial_state() const {
+  State s = exchange_state();
+  if (answered_.any()) s.add({kPairImpulse, "N s", Scalar::f64, 6}, pairs_.size());
+  return s;
+}
+
+void Attachment::observe(const ConstCoupledStates& s, Observables& out) const {
+  const ConstPoints a(s.a, a_), b(s.b, b_);
+  std::vector<Live> live;
+  collect(a, b, live);
+  double error = 0;
+  for (const Live& p : live) error = std::max(error, std::abs(norm(separation(a.x, p.a, b.x, p.b)) - p.rest));
+  observe_exchange(s.own, out);
+  if (def_.link == AttachmentDef::Link::spring) {
+    out.add("energy.potential", stored_energy(s), "J");
+  } else {
+    out.add("length.error", error, "m");
+  }
+  out.add("pairs", static_cast<double>(live.size()), "1");
+}
+
+double Attachment::stored_energy(const ConstCoupledStates& s) const {
+  if (def_.link != AttachmentDef::Link::spring) return 0;
+  const ConstPoints a(s.a, a_), b(s.b, b_);
+  double stored = 0;
+  for (const Pair& p : pairs_) {
+    const auto i = a.row_of(p.a), j = b.row_of(p.b);
+    if (!i || !j || !(a.inverse_mass(*i) + b.inverse_mass(*j) > 0)) continue;
+    const double stretch = norm(separation(a.x, *i, b.x, *j)) - p.rest;
+    stored += 0.5 * def_.stiffness * stretch * stretch;
+  }
+  return stored;
+}
+
+std::vector<PlanRow> Attachment::plan() const {
+  using enum PlanRow::Status;
+  const std::string count = std::to_string(pairs_.size()) + (pairs_.size() == 1 ? " pair" : " pairs");
+  if (def_.link == AttachmentDef::Link::rigid) {
+    const char* together = answered_.any() ? ", solved for with all that is tied to them" : "";
+    return {{runs, pass(), count + " of points at a fixed distance" + together},
+            {skipped, "damping", "rigid links have none"}};
+  }
+  std::vector<PlanRow> rows{{runs, pass(),
+                             count +
+                                 " of points, a kick at both ends of the substep; stiff ones solved for with "
+                                 "all that is tied to them"}};
+  if (def_.damping > 0) {
+    rows.push_back({runs, "damping", "along the pairs"});
+  } else {
+    rows.push_back({skipped, "damping", "damping is 0"});
+  }
+  return rows;
+}
+
+std::unique_ptr<const Coupling> build_attachment(const void* def, const CouplingContext& context) {
+  return Attachment::make(*static_cast<const AttachmentDef*>(def), context);
+}
+
+}  // namespace truestep

@@ -1,0 +1,85 @@
+// The coupling type "attachment": pairs (i of a, j of b), r = x_j - x_i, u = v_j - v_i, K = w_i + w_j
+// (inverse masses).
+//   spring  J = -h/2 (k (|r| - L) + c u.n) n on j at both ends of the substep, -J on i; the damping part by
+//   the
+//           trapezoid rule, which is stable for every c. Impulse method of Tuckerman, Berne, Martyna 1992,
+//           "Reversible multiple time scale molecular dynamics": order 2, stable for h sqrt(k K) < 2.
+//           Stiffer ones, h sqrt(k K) > 1, are solved for together with both sides: J = -h (k (|r'| - L) + c
+//           u'.n) n with r' and u' at the substep's end, implicit Euler's force of a spring.
+//   rigid   |r| = L: RATTLE (Andersen 1983) across the two systems. After both have moved, places go back to
+//           the link's length along its direction at the substep's start, velocities along with them, and
+//           then u.n = 0. Links that share points are swept until all hold. Where a side is solved
+//           implicitly, the link's impulse is that of the two systems solved as one: points answer with all
+//           that is tied to them (core/impulse_answer.h), because a point that is put in place alone
+//           stretches stiff springs.
+// A particle that dies lets go.
+#pragma once
+#include <memory>
+
+#include "engine/core/coupling.h"
+#include "engine/couplings/answered_pairs.h"
+#include "engine/couplings/attachment/attachment_def.h"
+#include "engine/couplings/exchange.h"
+
+namespace truestep {
+
+class Attachment final : public Coupling {
+ public:
+  /// Error "scene_invalid" when a system has no points to attach or a pair names one that is not there.
+  static std::unique_ptr<const Attachment> make(const AttachmentDef& def, const CouplingContext& context);
+
+  State initial_state() const override;
+  void begin(const CoupledStates& s, const StepInput& input) const override;
+  void end(const CoupledStates& s, const StepInput& input) const override;
+  /// The exchange; energy.potential (J) of springs; length.error (m), largest ||r| - L| of rigid links;
+  /// pairs.
+  void observe(const ConstCoupledStates& s, Observables& out) const override;
+  double stored_energy(const ConstCoupledStates& s) const override;
+  std::vector<PlanRow> plan() const override;
+
+ private:
+  /// Ids of the two points, and how many pairs hold on to each of them.
+  struct Pair {
+    uint64_t a, b;
+    double rest;  ///< m
+    double a_share, b_share;
+  };
+  /// A pair whose points are both there and not both held.
+  struct Live {
+    size_t pair, a, b;  ///< index of the pair, rows
+    double wa, wb, rest;
+  };
+  Attachment(const AttachmentDef& def, const CouplingContext& context, PointPort a, PointPort b)
+      : def_(def), a_(a), b_(b), answered_(context.a.system, context.b.system, a, b) {}
+  /// Name of the pass.
+  const char* pass() const { return def_.link == AttachmentDef::Link::rigid ? "links" : "springs"; }
+  template <class Real>
+  void collect(const PointsOf<Real>& a, const PointsOf<Real>& b, std::vector<Live>& out) const;
+  void pull(Points& a, Points& b, const std::vector<Live>& live, double half, Exchange& sum) const;
+  void damp(Points& a, Points& b, const std::vector<Live>& live, double half, Exchange& sum) const;
+  static void restore_lengths(Points& a, Points& b, const std::vector<Live>& live, const double* start,
+                              double h, Exchange& sum);
+  static void match_velocities(Points& a, Points& b, const std::vector<Live>& live, Exchange& sum);
+  /// Springs by their impulses at both ends of a substep, and those that are too stiff for that; all links.
+  enum class Wanted : uint8_t { kicked, solved, links };
+  std::vector<Live>& live_pairs(const Points& a, const Points& b, const StepInput& in, Wanted wanted) const;
+  /// Where a pair would be without its impulse.
+  struct FreePair {
+    Vec3 r, u;
+  };
+  void give_last(const CoupledStates& s, Points& a, Points& b, const std::vector<Live>& live) const;
+  void ask(AnsweredPair& q, double rest, const Vec3& r, const Vec3& u, double h) const;
+  void solve_pairs(const CoupledStates& s, const StepInput& in, const std::vector<Live>& live,
+                   Exchange& sum) const;
+  void close_lengths(const CoupledStates& s, const StepInput& in, const std::vector<Live>& live,
+                     std::vector<AnsweredPair>& pairs, Exchange& sum) const;
+
+  AttachmentDef def_;
+  PointPort a_, b_;
+  AnsweredPairs answered_;
+  std::vector<Pair> pairs_;
+};
+
+std::unique_ptr<const Coupling> build_attachment(const void* def, const CouplingContext& context);
+
+}  // namespace truestep

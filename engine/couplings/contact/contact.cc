@@ -1,0 +1,181 @@
+#include "engine/couplings/contact/contact.h"
+
+#include "engine/collision/points/collider_set.h"
+#include "engine/couplings/contact/contact_guard.h"
+#include "engine/couplings/contact/contact_solver.h"
+#include "engine/couplings/sides.h"
+
+namespace truestep {
+
+namespace {
+
+constexpr State::Column kContacts = exchange_columns::end;
+/// Searches per substep at most; what touches after the last is found in the next substep, or by the guard.
+constexpr uint32_t kMostRounds = 4;
+
+/// Memory of both sides between the two halves of a substep, and what the
+/// search and the solver keep.
+struct ContactScratch {
+  PointMemory points, other;
+  RowTraces point_traces, other_traces;
+  ContactSearch search;
+  ContactSolverScratch solver;
+  PassGuard guard;
+};
+
+bool more_than_balls(const PublishedSolids& s) {
+  return !s.triangles.empty() || !s.segments.empty();
+}
+
+[[noreturn]] void refuse(const std::string& pointer, const std::string& why, const std::string& allowed) {
+  throw Error("scene_invalid", why, {{pointer, "unsuitable_system", why, "", allowed, "", ""}});
+}
+
+}  // namespace
+
+std::unique_ptr<const ContactCoupling> ContactCoupling::make(const ContactDef& def,
+                                                             const CouplingContext& context) {
+  const PointPort a = require_points(context.a, "a"), b = require_points(context.b, "b");
+  const PublishedSolids of_a = context.a.system.ports().solids, of_b = context.b.system.ports().solids;
+  std::unique_ptr<ContactCoupling> out(new ContactCoupling(def));
+  if (&context.a.system == &context.b.system) {
+    if (of_a.balls == PublishedSolids::Balls::none) {
+      refuse("/b", '"' + context.a.id + "\" cannot touch itself: only systems of balls can",
+             "another system");
+    }
+    out->roles_ = Roles::on_itself;
+  } else if (of_a.empty() && of_b.empty()) {
+    refuse("", "neither system has solids", "a system with triangles, springs or balls");
+  } else if (of_b.empty() || (!more_than_balls(of_b) && more_than_balls(of_a))) {
+    out->roles_ = Roles::b_on_a;
+  }
+  const bool swapped = out->roles_ == Roles::b_on_a;
+  out->points_ = swapped ? b : a;
+  out->other_ = swapped ? a : b;
+  out->points_id_ = swapped ? context.b.id : context.a.id;
+  out->solids_id_ = swapped ? context.a.id : context.b.id;
+  out->published_ = swapped ? of_a : of_b;
+  out->reach_ = a.radius + b.radius + kContactSlop;
+  if (a.radius + b.radius == 0 && out->published_.triangles.empty()) {
+    refuse("/b", "points without radius never meet lines or points without radius",
+           "a radius (particles) or a thickness (mass_spring) on either side");
+  }
+  return out;
+}
+
+State ContactCoupling::initial_state() const {
+  State s = exchange_state();
+  s.add({"contacts", "1", Scalar::u64}, 1);
+  return s;
+}
+
+SolidList ContactCoupling::solids(const Points& of) const {
+  return {published_, published_.balls == PublishedSolids::Balls::every_point ? of.count : 0};
+}
+
+void ContactCoupling::begin(const CoupledStates& s, const StepInput& in) const {
+  auto& scratch = in.workspace.object<ContactScratch>("contact");
+  const ProfileScope scope(in.profile, "remember");
+  const bool swapped = roles_ == Roles::b_on_a;
+  scratch.points.store(ConstPoints(swapped ? s.b : s.a, points_));
+  if (roles_ != Roles::on_itself) scratch.other.store(ConstPoints(swapped ? s.a : s.b, other_));
+}
+
+void ContactCoupling::midway(const CoupledStates& s, const StepInput& in) const {
+  auto& scratch = in.workspace.object<ContactScratch>("contact");
+  const ProfileScope scope(in.profile, "remember");
+  const bool swapped = roles_ == Roles::b_on_a;
+  scratch.points.follow(ConstPoints(swapped ? s.b : s.a, points_));
+  if (roles_ != Roles::on_itself) scratch.other.follow(ConstPoints(swapped ? s.a : s.b, other_));
+}
+
+void ContactCoupling::end(const CoupledStates& s, const StepInput& in) const {
+  auto& scratch = in.workspace.object<ContactScratch>("contact");
+  const bool swapped = roles_ == Roles::b_on_a, itself = roles_ == Roles::on_itself;
+  Points points(swapped ? s.b : s.a, points_), other(swapped ? s.a : s.b, other_);
+  const PointMemory& other_memory = itself ? scratch.points : scratch.other;
+  RowTraces& other_traces = itself ? scratch.point_traces : scratch.other_traces;
+  scratch.point_traces.prepare(points.count);
+  other_traces.prepare(other.count);
+  const ContactQuery query{{points.x, points.v, scratch.points, scratch.point_traces},
+                           points.count,
+                           {other.x, other.v, other_memory, other_traces},
+                           other.count,
+                           solids(other),
+                           itself ? OwnSolids::yes : OwnSolids::no,
+                           reach_,
+                           in.h};
+  const auto search = [&](uint32_t round) -> const std::vector<Touch>& {
+    const ProfileScope scope(in.profile, "search");
+    return scratch.search.run(query, round, in.arena);
+  };
+  const std::vector<Touch>* touches = &search(0);
+  PointContactSolver solver(def_, query, points, other, scratch.solver);
+  size_t acted = 0;
+  for (uint32_t round = 0; round < kMostRounds && !touches->empty(); ++round) {
+    // Answers bend ways, which may lead to touches that nobody looked for.
+    if (round > 0) touches = &search(round);
+    const ProfileScope scope(in.profile, "contacts");
+    const size_t more = solver.answer_all(*touches, round);
+    if (more == 0) break;
+    acted += more;
+  }
+  {
+    const ProfileScope scope(in.profile, "contacts");
+    solver.finish();
+  }
+  s.own.span<uint64_t>(kContacts)[0] = acted;
+  Exchange sum = solver.exchange();
+  if (swapped) sum.impulse = -sum.impulse;
+  book(s.own, sum);
+}
+
+bool ContactCoupling::guard(const CoupledStates& s, const StepInput& in) const {
+  if (published_.triangles.empty()) return false;
+  auto& scratch = in.workspace.object<ContactScratch>("contact");
+  const ProfileScope scope(in.profile, "guard");
+  const bool swapped = roles_ == Roles::b_on_a;
+  Points points(swapped ? s.b : s.a, points_), other(swapped ? s.a : s.b, other_);
+  const SolidList list = solids(other);
+  const GuardedPoints guarded{scratch.points.x(), scratch.other.x(), points, other, list, reach_, in.h};
+  Exchange sum;
+  const bool acted = scratch.guard.run(guarded, def_, scratch.search.near(), sum, in.arena);
+  if (swapped) sum.impulse = -sum.impulse;
+  book(s.own, sum);
+  return acted;
+}
+
+void ContactCoupling::observe(const ConstCoupledStates& s, Observables& out) const {
+  observe_exchange(s.own, out);
+  out.add("contacts", static_cast<double>(s.own.span<uint64_t>(kContacts)[0]), "1");
+}
+
+std::vector<PlanRow> ContactCoupling::plan() const {
+  using enum PlanRow::Status;
+  std::string what;
+  const auto add = [&](size_t n, const char* noun) {
+    if (n > 0) what += (what.empty() ? "" : ", ") + std::to_string(n) + noun;
+  };
+  add(published_.triangles.size(), " triangles");
+  add(published_.segments.size(), " capsules");
+  if (published_.balls == PublishedSolids::Balls::every_point) {
+    what += std::string(what.empty() ? "" : ", ") + "a ball around every point";
+  }
+  std::vector<PlanRow> rows{
+      {runs, "remember", "a touch needs the substep's start, and where the systems alone lead"},
+      {runs, "search", "points of " + points_id_ + " near the solids of " + solids_id_ + ": " + what},
+      {runs, "contacts", "impulses on both sides, in the order of the touches"}};
+  if (published_.triangles.empty()) {
+    rows.push_back({skipped, "guard", "only triangles can be passed"});
+  } else {
+    rows.push_back({runs, "guard", "no point passes a triangle, whatever the impulses did"});
+  }
+  if (def_.friction == 0) rows.push_back({skipped, "friction", "friction is 0"});
+  return rows;
+}
+
+std::unique_ptr<const Coupling> build_contact(const void* def, const CouplingContext& context) {
+  return ContactCoupling::make(*static_cast<const ContactDef*>(def), context);
+}
+
+}  // namespace truestep

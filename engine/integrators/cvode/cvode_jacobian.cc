@@ -1,0 +1,195 @@
+#include "engine/integrators/cvode/cvode_jacobian.h"
+
+#include <sunmatrix/sunmatrix_band.h>
+#include <sunmatrix/sunmatrix_dense.h>
+#include <sunmatrix/sunmatrix_sparse.h>
+
+#include <algorithm>
+
+#include "engine/base/errors.h"
+#include "engine/integrators/linear/sparse_lu.h"
+
+namespace truestep {
+
+CvodeJacobian::CvodeJacobian(const RightHandSide& f) : n_(f.size()) {
+  bind(f);
+  analytic_ = second_ ? second_->has_jacobian() : f.has_jacobian();
+  const size_t m = second_ ? n_ / 2 : n_;
+  if (shape_.kind == MatrixShape::Kind::banded && 2 * (shape_.lower + shape_.upper) < m) {
+    kind_ = Kind::band, interleaved_ = second_ != nullptr;
+    lower_ = interleaved_ ? 2 * shape_.lower + 1 : shape_.lower;
+    upper_ = interleaved_ ? 2 * shape_.upper + 1 : shape_.upper;
+  } else if (shape_.kind == MatrixShape::Kind::sparse && m > 100 && analytic_) {
+    kind_ = Kind::sparse;
+  }
+  if (second_ && !analytic_) {
+    // Differences are of df/dy as a whole, whose two halves make no band.
+    kind_ = Kind::dense, interleaved_ = false;
+  }
+  if (kind_ == Kind::dense && n_ > 5000) {
+    throw Error("too_many_unknowns",
+                "CVODE needs the derivatives of the right-hand side for more than 5000 "
+                "equations without a band");
+  }
+  if (analytic_) {
+    first_.resize(shape_.values(m));
+    if (second_) second_values_.resize(first_.size());
+  }
+  if (interleaved_) y_.resize(n_);
+}
+
+void CvodeJacobian::bind(const RightHandSide& f) {
+  f_ = &f, second_ = f.second_order();
+  shape_ = second_ ? second_->shape() : f.jacobian_shape();
+}
+
+void CvodeJacobian::to_cvode(const double* ours, double* theirs) const {
+  if (!interleaved_) {
+    std::copy_n(ours, n_, theirs);
+    return;
+  }
+  for (size_t i = 0; i < n_ / 2; ++i) theirs[2 * i] = ours[i], theirs[2 * i + 1] = ours[n_ / 2 + i];
+}
+void CvodeJacobian::from_cvode(const double* theirs, double* ours) const {
+  if (!interleaved_) {
+    std::copy_n(theirs, n_, ours);
+    return;
+  }
+  for (size_t i = 0; i < n_ / 2; ++i) ours[i] = theirs[2 * i], ours[n_ / 2 + i] = theirs[2 * i + 1];
+}
+
+template <class F>
+void CvodeJacobian::for_entries(const MatrixShape& shape, size_t n, F&& f) const {
+  for (size_t j = 0; j < n; ++j) {
+    if (shape.kind == MatrixShape::Kind::dense) {
+      for (size_t i = 0; i < n; ++i) f(i, j, j * n + i);
+    } else if (shape.kind == MatrixShape::Kind::banded) {
+      const size_t end = std::min(n, j + shape.lower + 1), width = shape.lower + shape.upper + 1;
+      for (size_t i = j > shape.upper ? j - shape.upper : 0; i < end; ++i) {
+        f(i, j, j * width + shape.upper + i - j);
+      }
+    } else {
+      for (int32_t k = shape.column_start[j]; k < shape.column_start[j + 1]; ++k) {
+        f(size_t(shape.rows[size_t(k)]), j, size_t(k));
+      }
+    }
+  }
+}
+
+void CvodeJacobian::put(SUNMatrix j, size_t row, size_t column, double value) const {
+  const auto r = sunindextype(row), c = sunindextype(column);
+  if (kind_ == Kind::band) {
+    SM_ELEMENT_B(j, r, c) = value;
+  } else {
+    SM_ELEMENT_D(j, r, c) = value;
+  }
+}
+
+void CvodeJacobian::evaluate(double t, const double* y, SUNMatrix j) {
+  const size_t m = second_ ? n_ / 2 : n_;
+  if (interleaved_) {
+    from_cvode(y, y_.data());
+    y = y_.data();
+  }
+  if (second_) {
+    second_->jacobian(t, y, y + m, first_.data(), second_values_.data());
+  } else {
+    f_->jacobian(t, y, first_.data());
+  }
+  SUNMatZero(j);
+  if (kind_ == Kind::sparse) {
+    // Columns in order: those of x hold da/dx below, those of v the identity above and da/dv below.
+    auto* start = SUNSparseMatrix_IndexPointers(j);
+    auto* rows = SUNSparseMatrix_IndexValues(j);
+    double* values = SUNSparseMatrix_Data(j);
+    sunindextype k = 0;
+    const auto column = [&](size_t c, const std::vector<double>& from, size_t offset) {
+      for (int32_t e = shape_.column_start[c]; e < shape_.column_start[c + 1]; ++e, ++k) {
+        rows[k] = sunindextype(offset) + shape_.rows[size_t(e)], values[k] = from[size_t(e)];
+      }
+    };
+    for (size_t c = 0; c < m; ++c) start[c] = k, column(c, first_, second_ ? m : 0);
+    for (size_t c = 0; second_ && c < m; ++c) {
+      start[m + c] = k;
+      rows[k] = sunindextype(c), values[k] = 1, ++k;
+      column(c, second_values_, m);
+    }
+    start[n_] = k;
+    return;
+  }
+  const auto place = [&](size_t i, size_t half) { return interleaved_ ? 2 * i + half : i + half * m; };
+  if (!second_) {
+    for_entries(shape_, n_, [&](size_t i, size_t c, size_t k) { put(j, i, c, first_[k]); });
+    return;
+  }
+  for (size_t i = 0; i < m; ++i) put(j, place(i, 0), place(i, 1), 1);
+  for_entries(shape_, m, [&](size_t i, size_t c, size_t k) {
+    put(j, place(i, 1), place(c, 0), first_[k]);
+    put(j, place(i, 1), place(c, 1), second_values_[k]);
+  });
+}
+
+SUNMatrix CvodeJacobian::sparse_matrix(SUNContext context) const {
+  const size_t entries = second_ ? 2 * shape_.rows.size() + n_ / 2 : shape_.rows.size();
+  return SUNSparseMatrix(sunindextype(n_), sunindextype(n_), sunindextype(entries + n_), CSC_MAT, context);
+}
+
+namespace {
+
+// A linear solver of CVODE's on our sparse factors.
+struct Content {
+  std::unique_ptr<SparseLu<double>> lu = make_sparse_lu<double>();
+  std::vector<int> start, rows;  // of the pattern that was analysed
+};
+Content& content(SUNLinearSolver s) {
+  return *static_cast<Content*>(s->content);
+}
+
+int setup(SUNLinearSolver s, SUNMatrix a) {
+  try {
+    Content& c = content(s);
+    const auto n = SUNSparseMatrix_Columns(a);
+    const auto* start = SUNSparseMatrix_IndexPointers(a);
+    const auto* rows = SUNSparseMatrix_IndexValues(a);
+    const std::vector<int> new_start(start, start + n + 1), new_rows(rows, rows + start[n]);
+    if (new_start != c.start || new_rows != c.rows) {
+      c.lu->analyse(int(n), new_start.data(), new_rows.data());
+      c.start = new_start, c.rows = new_rows;
+    }
+    return c.lu->factor(SUNSparseMatrix_Data(a)) ? 0 : 1;
+  } catch (...) {
+    return -1;
+  }
+}
+
+int solve(SUNLinearSolver s, SUNMatrix, N_Vector x, N_Vector b, realtype) {
+  try {
+    double* out = N_VGetArrayPointer(x);
+    std::copy_n(N_VGetArrayPointer(b), N_VGetLength(b), out);
+    content(s).lu->solve(out);
+    return 0;
+  } catch (...) {
+    return -1;
+  }
+}
+
+}  // namespace
+
+SUNLinearSolver CvodeJacobian::sparse_solver(SUNContext context) const {
+  SUNLinearSolver s = SUNLinSolNewEmpty(context);
+  if (!s) return nullptr;
+  s->content = new Content;
+  s->ops->gettype = [](SUNLinearSolver) { return SUNLINEARSOLVER_DIRECT; };
+  s->ops->initialize = [](SUNLinearSolver) { return 0; };
+  s->ops->setup = setup;
+  s->ops->solve = solve;
+  s->ops->free = [](SUNLinearSolver solver) {
+    delete &content(solver);
+    solver->content = nullptr;
+    SUNLinSolFreeEmpty(solver);
+    return 0;
+  };
+  return s;
+}
+
+}  // namespace truestep

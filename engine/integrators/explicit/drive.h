@@ -1,0 +1,59 @@
+// The loop of an adaptive method over [t, t_end]: attempt, judge, accept or try again shorter. `Method` has
+//   void begin(double t)                     evaluates what the first step needs
+//   double first_step()                      a length when nothing is known
+//   double attempt(double t, double h)       leaves a candidate, returns the squared error (1 = tolerance)
+//   const Interpolant& between(double t, double h)   from the present solution to the candidate
+//   double* candidate()                      as long as the right-hand side
+//   void accept(double t1)                   the candidate becomes the solution
+//   const double* solution(), long long worst(double h)
+// Time is a sum of two doubles, so that 1e5 steps lose no digit of it.
+#pragma once
+#include "engine/integrators/control/step_control.h"
+
+namespace truestep {
+
+template <class Method>
+void drive(Advance& in, Method& method, const step_control::Law& law) {
+  step_control::Controller controller(law, in.carry.last_error);
+  method.begin(in.t);
+  double h = in.carry.step > 0 ? in.carry.step : method.first_step();
+  double t = in.t, t_low = 0;
+  uint64_t steps = 0, rejected = 0;
+  for (;;) {
+    const double left = (in.t_end - t) - t_low;
+    const bool last = h >= left * (1 - 1e-12);
+    // Less than two steps left: two equal ones, so that no sliver remains.
+    const double now = last ? left : 2 * h > left ? 0.5 * left : h;
+    if (steps + rejected >= in.max_steps) step_control::too_many_steps(in, t, h);
+    const double error = method.attempt(t, now);
+    if (!(error <= 1)) {
+      h = now * controller.rejected(error);
+      ++rejected;
+      if (h <= step_control::smallest_step(in, t)) {
+        step_control::give_up(in, t, h, method.solution(), method.candidate(), method.worst(now));
+      }
+      continue;
+    }
+    ++steps;
+    const double factor = controller.accepted(error, now);
+    h = now < h ? std::max(h, now * factor) : now * factor;
+    const double forward = now + t_low, sum = t + forward, part = sum - t;
+    t_low = (t - (sum - part)) + (forward - part);
+    double t1 = last ? in.t_end : sum;
+    auto verdict = StepWatcher::Verdict::go_on;
+    if (in.watcher) verdict = in.watcher->accepted(t, t1, method.candidate(), method.between(t, now));
+    const bool stop = verdict == StepWatcher::Verdict::stop;
+    t = t1;
+    if (last || stop) {
+      std::copy_n(method.candidate(), in.f.size(), in.y);
+      break;
+    }
+    method.accept(t1);
+  }
+  in.reached = t;
+  in.carry.step = h;
+  in.carry.last_error = controller.last_error();
+  if (in.statistics) in.statistics->steps += steps, in.statistics->rejected += rejected;
+}
+
+}  // namespace truestep

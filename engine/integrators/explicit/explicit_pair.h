@@ -1,0 +1,292 @@
+// Steps of an explicit Runge-Kutta method (tableau.h) on y' = f(t, y): stages unrolled at compile time with
+// the tableau's numbers as constants, one pass per stage over all terms, oldest first (the newest stage's
+// evaluation is still under way while the older ones are summed). N equations known at compile time or, with
+// N = 0, any number. One virtual call per stage evaluates f.
+// With Sums::compensated the solution carries the rounding error of its additions (compensated.h).
+#pragma once
+#include "engine/integrators/explicit/arrays.h"
+#include "engine/integrators/explicit/compensated.h"
+#include "engine/integrators/explicit/drive.h"
+#include "engine/integrators/explicit/tableau_dop853.h"
+
+namespace truestep {
+
+enum class Sums : uint8_t { plain, compensated };
+
+namespace detail {
+
+/// sum_j Weights(j) k(j) over the j < Count whose weight is not 0.
+template <auto Weights, size_t Count, class K>
+inline double weighted(K k) {
+  constexpr size_t kFirst = [] {
+    size_t j = 0;
+    while (j < Count && Weights(j) == 0) ++j;
+    return j;
+  }();
+  if constexpr (kFirst == Count) {
+    return 0;
+  } else {
+    double sum = Weights(kFirst) * k(kFirst);
+    [&]<size_t... J>(std::index_sequence<J...>) {
+      const auto add = [&]<size_t j>() {
+        if constexpr (j > kFirst && Weights(j) != 0) sum = std::fma(Weights(j), k(j), sum);
+      };
+      (add.template operator()<J>(), ...);
+    }
+    (std::make_index_sequence<Count>());
+    return sum;
+  }
+}
+
+}  // namespace detail
+
+template <const Tableau& T, size_t N, Sums sums>
+class ExplicitPair final : public Interpolant {
+ public:
+  static constexpr size_t kStages = T.stages;
+  static constexpr bool kFsal = T.first_same_as_last();
+
+  explicit ExplicitPair(Advance& in)
+      : in_(in),
+        n_(N ? N : in.f.size()),
+        a_(in.workspace, "integrator.pair", n_),
+        low_(in.workspace, "integrator.pair_low", sums == Sums::compensated ? n_ : 0) {
+    std::copy_n(in.y, n_, a_[kY]);
+    if (sums == Sums::compensated) recall_sums(in, low_[0]);
+  }
+  ~ExplicitPair() override {
+    if (in_.statistics) in_.statistics->rates += rates_;
+  }
+
+  /// The candidate as the end of the call.
+  void remember() {
+    if (sums == Sums::compensated) remember_sums(in_, low_[1]);
+  }
+
+  // --- drive.h
+
+  void begin(double t) { rate(t, a_[kY], a_[kK]); }
+  double first_step() {
+    ++rates_;
+    return step_control::first_step(in_, a_[kY], a_[kK], T.order, a_[kStage], a_[kNew]);
+  }
+  double attempt(double t, double h) {
+    step(t, h);
+    return squared_error(h);
+  }
+  double* candidate() { return a_[kNew]; }
+  const double* solution() const { return a_[kY]; }
+  const Interpolant& between(double t, double h) {
+    t_ = t, h_ = h, dense_stands_ = false;
+    // Hermite interpolation needs the rate at the end, which the next step does too.
+    if constexpr (!kFsal) rate(t + h, a_[kNew], a_[kLast]), last_stands_ = true;
+    return *this;
+  }
+  void accept(double t1) {
+    if constexpr (kFsal) {
+      a_.take(kK, kK + kStages - 1);
+    } else {
+      if (!last_stands_) rate(t1, a_[kNew], a_[kLast]);
+      last_stands_ = false;
+      a_.take(kK, kLast);
+    }
+    a_.take(kY, kNew);
+    if constexpr (sums == Sums::compensated) low_.take(0, 1);
+  }
+  long long worst(double h) const {
+    return step_control::worst_component(in_, n_, a_[kY], [&](size_t i) { return h * error<kError>(i); });
+  }
+
+  /// Candidate = one step of length h from the solution; the first stage must stand.
+  void step(double t, double h) {
+    [&]<size_t... I>(std::index_sequence<I...>) {
+      (stage<I + 1>(t, h), ...);
+    }
+    (std::make_index_sequence<kStages - 1>());
+    if constexpr (!kFsal) advance_to_candidate(h);
+  }
+
+  // --- Interpolant
+
+  void at(double theta, double* y) const override {
+    if constexpr (T.dense_order == 7) {
+      at_order_7(theta, y);
+    } else if constexpr (T.dense_order == 4) {
+      std::array<double, kStages> b;
+      for (size_t j = 0; j < kStages; ++j) {
+        const auto& p = T.dense[j];
+        b[j] = h_ * (theta * (p[0] + theta * (p[1] + theta * (p[2] + theta * p[3]))));
+      }
+      for (size_t i = 0; i < n_; ++i) {
+        double sum = 0;
+        for (size_t j = 0; j < kStages; ++j) sum += b[j] * a_[kK + j][i];
+        y[i] = a_[kY][i] + sum;
+      }
+    } else {
+      const double *k0 = a_[kK], *k1 = a_[kFsal ? kK + kStages - 1 : size_t{kLast}];
+      const double rest = 1 - theta, w = theta * theta * (3 - 2 * theta);
+      const double w0 = h_ * theta * rest * rest, w1 = -h_ * theta * theta * rest;
+      for (size_t i = 0; i < n_; ++i) {
+        y[i] = a_[kY][i] + (w * (a_[kNew][i] - a_[kY][i]) + (w0 * k0[i] + w1 * k1[i]));
+      }
+    }
+  }
+
+ private:
+  static constexpr size_t kExtra = T.dense_order == 7 ? 3 : 0;
+  enum : size_t { kY, kNew, kStage, kLast, kK, kCount = kK + kStages + kExtra };
+  static constexpr auto kError = [](size_t j) { return T.error[j]; };
+  static constexpr auto kSecondError = [](size_t j) { return T.second_error[j]; };
+
+  void rate(double t, const double* y, double* k) {
+    in_.f.rate(t, y, k);
+    ++rates_;
+  }
+
+  template <size_t I>
+  void stage(double t, double h) {
+    if constexpr (kFsal && I == kStages - 1) {
+      advance_to_candidate(h);
+      rate(t + h, a_[kNew], a_[kK + I]);
+    } else {
+      const double* y = a_[kY];
+      double* out = a_[kStage];
+      a_.loop([&](size_t i) {
+        constexpr auto kRow = [](size_t j) { return T.a[I][j]; };
+        out[i] = std::fma(h, detail::weighted<kRow, I>([&](size_t j) { return a_[kK + j][i]; }), y[i]);
+      });
+      rate(t + T.c[I] * h, out, a_[kK + I]);
+    }
+  }
+
+  void advance_to_candidate(double h) {
+    constexpr auto kB = [](size_t j) { return T.b[j]; };
+    const double* y = a_[kY];
+    double* out = a_[kNew];
+    const auto increment = [&](size_t i) {
+      return detail::weighted<kB, kStages>([&](size_t j) { return a_[kK + j][i]; });
+    };
+    if constexpr (sums == Sums::compensated) {
+      const double* low = low_[0];
+      double* low_out = low_[1];
+      a_.loop([&](size_t i) {
+        const TwoSum s = two_sum(y[i], std::fma(h, increment(i), low[i]));
+        out[i] = s.sum, low_out[i] = s.low;
+      });
+    } else {
+      a_.loop([&](size_t i) { out[i] = std::fma(h, increment(i), y[i]); });
+    }
+  }
+
+  template <auto Weights>
+  double error(size_t i) const {
+    return detail::weighted<Weights, kStages>([&](size_t j) { return a_[kK + j][i]; });
+  }
+
+  double squared_error(double h) const {
+    const double *y = a_[kY], *y_new = a_[kNew];
+    const double relative = in_.tolerance.relative, absolute = in_.tolerance.absolute;
+    const auto norm = [&]<auto Weights>() {
+      if (!in_.tolerance.absolute_each.empty()) {
+        const double* each = in_.tolerance.absolute_each.data();
+        return a_.sum([&](size_t i) {
+          const double p = std::abs(y[i]), r = std::abs(y_new[i]), size = p > r ? p : r;
+          const double q = error<Weights>(i) / std::fma(relative, size, each[i]);
+          return q * q;
+        });
+      }
+      return a_.sum([&](size_t i) {
+        const double p = std::abs(y[i]), r = std::abs(y_new[i]), size = p > r ? p : r;
+        const double q = error<Weights>(i) / std::fma(relative, size, absolute);
+        return q * q;
+      });
+    };
+    const double first = norm.template operator()<kError>(), scale = h * h / static_cast<double>(n_);
+    if constexpr (T.two_errors()) {
+      const double second = norm.template operator()<kSecondError>();
+      const double both = first + 0.01 * second;
+      return both > 0 ? scale * first * (first / both) : both;
+    } else {
+      return scale * first;
+    }
+  }
+
+  // Hairer's CONTD8: y + s(r0 + r(r1 + s(r2 + r(r3 + s(r4 + r(r5 + s r6)))))), s = theta, r = 1 - theta.
+  void at_order_7(double theta, double* y) const {
+    if (!dense_stands_) evaluate_dense_stages();
+    const double *y0 = a_[kY], *y1 = a_[kNew], *k0 = a_[kK], *k1 = a_[kK + kStages - 1];
+    const double s = theta, r = 1 - theta;
+    for (size_t i = 0; i < n_; ++i) {
+      double q[4] = {};
+      for (size_t p = 0; p < 4; ++p) {
+        for (size_t j = 0; j < 16; ++j) q[p] += kDop853Dense.dense[p][j] * a_[kK + j][i];
+        q[p] *= h_;
+      }
+      const double rise = y1[i] - y0[i], bend = h_ * k0[i] - rise;
+      const double skew = 2 * rise - h_ * (k1[i] + k0[i]);
+      y[i] = y0[i] + s * (rise + r * (bend + s * (skew + r * (q[0] + s * (q[1] + r * (q[2] + s * q[3]))))));
+    }
+  }
+  void evaluate_dense_stages() const {
+    for (size_t e = 0; e < kExtra; ++e) {
+      double* out = a_[kStage];
+      for (size_t i = 0; i < n_; ++i) {
+        double sum = 0;
+        for (size_t j = 0; j < kStages + e; ++j) sum += kDop853Dense.a[e][j] * a_[kK + j][i];
+        out[i] = a_[kY][i] + h_ * sum;
+      }
+      in_.f.rate(t_ + kDop853Dense.c[e] * h_, out, a_[kK + kStages + e]);
+      ++rates_;
+    }
+    dense_stands_ = true;
+  }
+
+  Advance& in_;
+  size_t n_;
+  mutable Arrays<N, kCount> a_;
+  Arrays<N, 2> low_;
+  mutable uint64_t rates_ = 0;
+  double t_ = 0, h_ = 0;
+  mutable bool dense_stands_ = false;
+  bool last_stands_ = false;
+};
+
+/// One integration with the pair, its size chosen at run time.
+template <const Tableau& T, Sums sums = Sums::plain>
+void advance_pair(Advance& in, const step_control::Law& law) {
+  const auto run = [&]<size_t N>() {
+    ExplicitPair<T, N, sums> pair(in);
+    drive(in, pair, law);
+    pair.remember();
+  };
+  with_size<1, 2, 3, 4, 6, 8, 12>(in.f.size(), run);
+}
+
+/// The same in in.fixed_steps equal steps.
+template <const Tableau& T>
+void advance_fixed(Advance& in) {
+  const auto run = [&]<size_t N>() {
+    ExplicitPair<T, N, Sums::plain> method(in);
+    const double h = (in.t_end - in.t) / static_cast<double>(in.fixed_steps);
+    const auto at = [&](uint64_t i) {
+      return i == in.fixed_steps ? in.t_end : in.t + static_cast<double>(i) * h;
+    };
+    method.begin(in.t);
+    for (uint64_t i = 0;; ++i) {
+      method.step(at(i), h);
+      double t1 = at(i + 1);
+      auto verdict = StepWatcher::Verdict::go_on;
+      if (in.watcher) verdict = in.watcher->accepted(at(i), t1, method.candidate(), method.between(at(i), h));
+      if (in.statistics) ++in.statistics->steps;
+      if (i + 1 == in.fixed_steps || verdict == StepWatcher::Verdict::stop) {
+        std::copy_n(method.candidate(), in.f.size(), in.y);
+        in.reached = t1;
+        return;
+      }
+      method.accept(t1);
+    }
+  };
+  with_size<1, 2, 3, 4, 6>(in.f.size(), run);
+}
+
+}  // namespace truestep

@@ -1,0 +1,100 @@
+// Small systems: y = (x, v), F(y) = (G(x) v, a(x, v, t + h)), Newton's method on y' = y + h F(y') with the
+// matrix I - h dF/dy by central differences and dense LU. The residual is exact, so the differences (relative
+// error some 1e-10) cost at most an iteration, not accuracy.
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+
+#include "engine/base/errors.h"
+#include "engine/integrators/implicit/implicit.h"
+
+namespace truestep {
+
+namespace {
+
+// At most kDenseUnknowns rows, without allocation.
+using Matrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, kDenseUnknowns, kDenseUnknowns>;
+using Vector = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, kDenseUnknowns, 1>;
+
+class Equations {
+ public:
+  Equations(Motion& m)
+      : m_(m), nx_(static_cast<Eigen::Index>(m.x.size())), n_(nx_ + static_cast<Eigen::Index>(m.v.size())) {}
+
+  Eigen::Index size() const { return n_; }
+  Vector start() const {
+    Vector y(n_);
+    std::copy(m_.x.begin(), m_.x.end(), y.data());
+    std::copy(m_.v.begin(), m_.v.end(), y.data() + nx_);
+    return y;
+  }
+  void finish(const Vector& y) {
+    std::copy(y.data(), y.data() + nx_, m_.x.begin());
+    std::copy(y.data() + nx_, y.data() + n_, m_.v.begin());
+  }
+  Vector rates(const Vector& y) {
+    Vector f(n_);
+    const std::span<const double> x{y.data(), m_.x.size()}, v{y.data() + nx_, m_.v.size()};
+    const double t = m_.input.t + m_.input.h;
+    const auto rate = m_.rate(t, x, v, {f.data(), m_.x.size()});
+    if (rate.data() != f.data()) std::copy(rate.begin(), rate.end(), f.data());
+    m_.acceleration(t, x, v, {f.data() + nx_, m_.v.size()});
+    return f;
+  }
+  // I - h dF/dy
+  Matrix matrix(const Vector& y) {
+    Matrix a = Matrix::Identity(n_, n_);
+    for (Eigen::Index j = 0; j < n_; ++j) {
+      const double e = 6e-6 * std::max(1.0, std::abs(y[j]));  // cube root of the rounding unit
+      Vector up = y, down = y;
+      up[j] += e, down[j] -= e;
+      a.col(j) -= m_.input.h / (up[j] - down[j]) * (rates(up) - rates(down));
+    }
+    return a;
+  }
+
+ private:
+  Motion& m_;
+  Eigen::Index nx_, n_;
+};
+
+}  // namespace
+
+void implicit_euler_dense(Motion& m, const IntegratorOptions& options, NewtonSteps steps) {
+  const double h = m.input.h;
+  Equations eq(m);
+  const Vector y0 = eq.start();
+  if (steps == NewtonSteps::one) {
+    eq.finish(y0 + eq.matrix(y0).partialPivLu().solve(h * eq.rates(y0)));
+    return;
+  }
+  Vector y = y0, residual = -h * eq.rates(y0);
+  const double scale = std::max(residual.norm(), y0.norm());
+  // What has decayed so far that squares underflow is nothing: a norm can no longer tell better from worse.
+  constexpr double kNothing = 1e-150;
+  for (int it = 0; residual.norm() > options.newton_tolerance * scale + kNothing; ++it) {
+    const Vector direction = eq.matrix(y).partialPivLu().solve(-residual);
+    double share = 1;
+    Vector next = y + direction, next_residual = next - y0 - h * eq.rates(next);
+    while (!(next_residual.norm() < residual.norm()) && share > 1e-3) {
+      share *= 0.5;
+      next = y + share * direction;
+      next_residual = next - y0 - h * eq.rates(next);
+    }
+    const bool at_rounding = direction.norm() <= 1e-13 * y.norm();
+    if (next_residual.norm() < residual.norm()) {
+      y = next, residual = next_residual;
+    } else if (!at_rounding) {
+      throw Instability("", "velocity", -1, "Newton's method found no better point; a smaller dt would help");
+    }
+    if (at_rounding) break;
+    if (it >= options.max_newton_iterations) {
+      throw Instability("", "velocity", -1,
+                        "Newton's method did not converge in " +
+                            std::to_string(options.max_newton_iterations) + " iterations");
+    }
+  }
+  eq.finish(y);
+}
+
+}  // namespace truestep

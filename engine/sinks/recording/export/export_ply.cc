@@ -1,0 +1,79 @@
+// Polygon files, binary little-endian: vertices with every field as properties (position is x y z, other
+// fields of several components are field_0, field_1 ...), triangles as faces, lines as edges. Source: G.
+// Turk, The PLY polygon file format, 1994.
+#include "engine/sinks/recording/export/export_parts.h"
+
+namespace truestep::exporting {
+namespace {
+
+const char* type_name(Precision p) {
+  return p == Precision::kF32 ? "float" : p == Precision::kF64 ? "double" : "uint";
+}
+
+std::string header(const RecordedPart& system, const RecordedFrame& frame, size_t rows) {
+  std::string h =
+      "ply\nformat binary_little_endian 1.0\ncomment step " + std::to_string(frame.step) + "\ncomment time ";
+  print(Precision::kF64, frame.time, h);
+  h += "\nelement vertex " + std::to_string(rows) + "\n";
+  for (const RecordedField& f : system.fields) {
+    for (uint32_t c = 0; c < f.width; ++c) {
+      std::string name = f.width == 1 ? f.name : f.name + "_" + std::to_string(c);
+      if (f.meaning == Meaning::position) name = std::string(1, static_cast<char>('x' + c));
+      h += std::string("property ") + type_name(f.precision) + " " + name + "\n";
+    }
+  }
+  if (!system.triangles.empty()) {
+    h += "element face " + std::to_string(system.triangles.size() / 3) +
+         "\nproperty list uchar uint vertex_indices\n";
+  }
+  if (!system.lines.empty()) {
+    h += "element edge " + std::to_string(system.lines.size() / 2) +
+         "\nproperty uint vertex1\nproperty uint vertex2\n";
+  }
+  return h + "end_header\n";
+}
+
+void body(const RecordedPart& system, const RecordedRows& rows, OutputFile& out) {
+  std::vector<std::vector<char>> columns(system.fields.size());
+  std::vector<size_t> sizes;
+  for (size_t f = 0; f < columns.size(); ++f) {
+    pack(system.fields[f].precision, rows.fields[f], columns[f]);
+    sizes.push_back(system.fields[f].width * (system.fields[f].precision == Precision::kF64 ? 8 : 4));
+  }
+  std::vector<char> text;
+  for (size_t r = 0; r < rows.rows; ++r) {
+    for (size_t f = 0; f < columns.size(); ++f) {
+      const char* from = columns[f].data() + r * sizes[f];
+      text.insert(text.end(), from, from + sizes[f]);
+    }
+  }
+  out.bytes(text.data(), text.size());
+  for (size_t t = 0; t + 3 <= system.triangles.size(); t += 3) {
+    out.number<uint8_t>(3);
+    out.bytes(&system.triangles[t], 3 * sizeof(uint32_t));
+  }
+  out.bytes(system.lines.data(), system.lines.size() * sizeof(uint32_t));
+}
+
+}  // namespace
+
+Paths write_ply(RecordingReader& reader, const ExportOptions& options, const std::string& stem) {
+  const RecordingInfo& info = reader.info();
+  Paths paths;
+  RecordedFrame frame;
+  for (uint64_t i : chosen_frames(info, options)) {
+    reader.read(i, frame);
+    for (size_t s : chosen_systems(info, options)) {
+      const RecordedPart& system = info.layout.parts[s];
+      if (position_field(system) < 0) continue;
+      paths.push_back(stem + "." + system.id + "." + digits(i) + ".ply");
+      OutputFile out(paths.back());
+      out.text(header(system, frame, frame.systems[s].rows));
+      body(system, frame.systems[s], out);
+      out.close();
+    }
+  }
+  return paths;
+}
+
+}  // namespace truestep::exporting

@@ -1,0 +1,18 @@
+// A layout as bytes and back, for the chunk log: what a file needs to be made again without a line of the
+// damaged one. Little-endian; texts and lists carry their length. The path is left out.
+#pragma once
+#include <cstddef>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "engine/sinks/recording/file/layout.h"
+
+namespace truestep {
+
+std::vector<std::byte> layout_bytes(const RecordingLayout& layout);
+
+/// Nothing when the bytes are no layout that may be recorded.
+std::optional<RecordingLayout> layout_from_bytes(std::span<const std::byte> bytes);
+
+}  // namespace truestep

@@ -1,0 +1,62 @@
+// The HDF5 file of one recording, for a single thread. While frames come it is an H5MD file that SWMR readers
+// may follow:
+//   /h5md, /particles/<system>/{box, <field>/{value,step,time}, rows}, /observables/<name>/{value,step,time},
+//   /connectivity/<system>/{lines,triangles}, /parameters, /clock/{step,time} (the others are hard links to
+//   these)
+// and when it is finalised it becomes a VTKHDF file as well. Sources: H5MD 1.1; VTKHDF 2.1; HDF5 SWMR guide.
+// Order of writing: the chunks of a batch, a flush, the chunk log, then rows, time and step, each flushed:
+// the length of /clock/step is the number of frames that can be read whatever happens to the process, and the
+// chunk log (chunk_log.h) finds them even where the structures of the file are torn.
+#pragma once
+#include <string_view>
+
+#include "engine/sinks/recording/file/h5.h"
+#include "engine/sinks/recording/log/chunk_log.h"
+#include "engine/sinks/recording/log/chunk_plan.h"
+
+namespace truestep {
+
+/// Every member throws Error (disk_full, recording_io); after that only destruction is allowed.
+class RecordingFile {
+ public:
+  /// Creates the file of `layout` (replacing one of that name) and begins SWMR writing.
+  RecordingFile(const RecordingLayout& layout, const ChunkPlan& plan);
+  ~RecordingFile();
+
+  /// Writes the first `frames` frames of a sealed batch's image.
+  void write(const std::byte* image, size_t frames);
+
+  /// Makes all frames written so far readable after the death of the process.
+  void flush();
+
+  /// Flushes, ends SWMR, adds the journal and the /VTKHDF group, closes the file and removes its chunk log.
+  void finalize(std::string_view journal);
+
+  uint64_t written_frames() const { return written_; }
+  uint64_t durable_frames() const { return durable_; }
+
+ private:
+  struct PendingClock {
+    uint64_t first_frame;
+    size_t frames;
+    std::vector<std::byte> bytes;  // the clock's part of a batch's image
+  };
+
+  void create_groups();
+  void create_arrays();
+  void write_chunks(const PlannedArray& a, hid_t set, const std::byte* chunks, uint64_t first, size_t frames,
+                    size_t chunks_used);
+  void close();
+
+  const RecordingLayout& layout_;
+  const ChunkPlan& plan_;
+  ChunkLog log_;
+  H5 file_;
+  std::vector<H5> sets_;  // one per planned array
+  std::vector<PendingClock> pending_;
+  size_t pending_count_ = 0;
+  uint64_t written_ = 0;
+  uint64_t durable_ = 0;
+};
+
+}  // namespace truestep
