@@ -50,4 +50,18 @@ ParamRow& TableBuilder::nested(ParamKind kind, const Words& words, size_t offset
   return r;
 }
 
+std::string first_word(const std::string& words) {
+  return words.substr(0, words.find('|'));
+}
+
+std::vector<std::string> other_words(const std::string& words) {
+  std::vector<std::string> others;
+  for (size_t bar = words.find('|'); bar != std::string::npos;) {
+    const size_t next = words.find('|', bar + 1);
+    others.push_back(words.substr(bar + 1, next - bar - 1));
+    bar = next;
+  }
+  return others;
+}
+
 }  // namespace truestep

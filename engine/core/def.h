@@ -91,10 +91,15 @@ struct DefTable;
 /// One alternative of a `variants` parameter.
 struct ParamVariant {
   std::string type;
+  std::vector<std::string> also;  ///< other words for it, which are read but not written
   const DefTable* table = nullptr;
   std::function<void*(void* owner)> append;                    ///< new element's struct
   std::function<const void*(const void* owner, size_t i)> at;  ///< null when element i is another type
 };
+
+/// Of "revolute|hinge|pin": "revolute", and {"hinge", "pin"}.
+std::string first_word(const std::string& words);
+std::vector<std::string> other_words(const std::string& words);
 
 enum class Presence : uint8_t { optional, required };
 
@@ -284,7 +289,8 @@ class TableOf : TableBuilder {
     nested(ParamKind::objects, {name, "", sentence}, offset(m), access, &table).count = count;
     return *this;
   }
-  /// An array of structs told apart by "type"; types and tables in the order of the std::variant.
+  /// An array of structs told apart by "type"; types and tables in the order of the std::variant. Other words
+  /// for a type follow it behind bars: "revolute|hinge|pin".
   template <class... N>
   TableOf& variants(const char* name, std::vector<std::variant<N...>> D::*m,
                     std::vector<std::pair<std::string, const DefTable*>> alternatives, Count count,
@@ -339,7 +345,7 @@ class TableOf : TableBuilder {
   template <class... N, size_t... I, class Members>
   void add_variants(ParamRow& r, Members m, const std::vector<std::pair<std::string, const DefTable*>>& names,
                     std::index_sequence<I...>) {
-    (r.variants.push_back({names[I].first, names[I].second,
+    (r.variants.push_back({first_word(names[I].first), other_words(names[I].first), names[I].second,
                            [m](void* o) -> void* {
                              auto& list = static_cast<D*>(o)->*m;
                              list.emplace_back(std::in_place_index<I>);

@@ -107,7 +107,7 @@ void solve_balls(BallGroup<T>& g, Record8<T>* v, uint32_t end, const JointPass<T
   gather6(v, g.a, a), gather6(v, g.b, b);
   for (int k = 0; k < 3; ++k) {
     slip[k] = nmadd(g.root_a, a[k], g.root_b * b[k]);
-    if constexpr (kind == ContactSolve::push) {
+    if constexpr (kind == ContactSolve::bias) {
       slip[k] = madd(W(pass.inverse_h), g.bend[k], madd(W(pass.bias_rate), g.gap[k], slip[k]));
     }
   }
@@ -117,7 +117,7 @@ void solve_balls(BallGroup<T>& g, Record8<T>* v, uint32_t end, const JointPass<T
   f[1] = -madd(k[4], slip[2], madd(k[2], slip[1], k[1] * slip[0]));
   f[2] = -madd(k[5], slip[2], madd(k[4], slip[1], k[3] * slip[0]));
   for (int e = 0; e < 3; ++e) {
-    if constexpr (kind == ContactSolve::push) {
+    if constexpr (kind == ContactSolve::bias) {
       f[e] = nmadd(W(pass.impulse_scale), g.impulse[e], W(pass.mass_scale) * f[e]);
     }
     g.impulse[e] += f[e];

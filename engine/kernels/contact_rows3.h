@@ -50,8 +50,8 @@ struct alignas(64) ContactGroup {
     W arm[3];      ///< m, from the centre to c along n, t0, t1
   } body_a, body_b;
   struct Place {
-    W x, y;               ///< m from c along the tangents
-    W separation, apart;  ///< m, at the step's start and now
+    W x, y;                             ///< m from c along the tangents
+    W separation_at_start, separation;  ///< m, at the step's start and now
     W impulse, drift;
   } place[kPoints];
   W friction, slide[2], slide_drift[2];  ///< coefficient, impulses, velocity of the surfaces themselves
@@ -74,7 +74,7 @@ struct alignas(64) ContactGroup {
 template <class T>
 struct ContactLanes {
   using W = Wide<T>;
-  W normal[3], arm[4][3], apart[3];  ///< points from a's centre; b's centre from a's
+  W normal[3], arm[4][3], offset[3];  ///< points from a's centre; b's centre from a's
   W active[4], separation[4], impulse[4];
   W kept[4];  ///< m/s along n by which b's surface moves otherwise than what it is made of, a's the other way
   W root_a, root_b, turn_a[9], turn_b[9];  ///< 1/sqrt(m); S by rows
@@ -119,7 +119,7 @@ void prepare_contacts(ContactGroup<T>& g, const ContactLanes<T>& in) {
   W weight(0), center[3] = {}, half(0), nearest(T(1e30));
   for (int p = 0; p < g.points; ++p) {
     auto& at = g.place[p];
-    at.separation = at.apart = in.separation[p], at.impulse = in.impulse[p];
+    at.separation_at_start = at.separation = in.separation[p], at.impulse = in.impulse[p];
     at.drift = drifts ? drift(in.arm[p], in.normal) + in.kept[p] : in.kept[p];
     // Points share the pressure of the last step; all alike where there was none.
     const W w = madd(in.active[p], W(1e-12), in.impulse[p]);
@@ -138,7 +138,7 @@ void prepare_contacts(ContactGroup<T>& g, const ContactLanes<T>& in) {
   half *= share;
   const W* axes[3] = {g.normal, g.tangent[0], g.tangent[1]};
   W from_b[3];
-  for (int k = 0; k < 3; ++k) from_b[k] = center[k] - in.apart[k];
+  for (int k = 0; k < 3; ++k) from_b[k] = center[k] - in.offset[k];
   for (int k = 0; k < 3; ++k) {
     r::apply(in.turn_a, axes[k], g.body_a.axis[k]), r::apply(in.turn_b, axes[k], g.body_b.axis[k]);
     g.body_a.arm[k] = r::dot(center, axes[k]), g.body_b.arm[k] = r::dot(from_b, axes[k]);

@@ -100,7 +100,7 @@ void solve_friction(ContactGroup<T>& g, Wide<T> v[6], Wide<T> f[6]) {
 template <ContactSolve kind, class T>
 Wide<T> wanted(const Wide<T>& s, const ContactPass<T>& pass, const Wide<T>& push_out) {
   using W = Wide<T>;
-  if constexpr (kind == ContactSolve::push) {
+  if constexpr (kind == ContactSolve::bias) {
     return where_positive(s, s * W(pass.inverse_h), max(s * W(pass.bias_rate), -push_out));
   }
   return max(s, W(0)) * W(pass.inverse_h);
@@ -126,7 +126,8 @@ Wide<T> push_left(const ContactGroup<T>& g, const Wide<T> a[6], const Wide<T> b[
 template <class T>
 Wide<T> held_back(const ContactGroup<T>& g, int p) {
   const Wide<T> zero(0), one(1);
-  const Wide<T> waits = where_positive(g.place[p].apart, where_positive(g.place[p].impulse, one, zero), one);
+  const Wide<T> waits =
+      where_positive(g.place[p].separation, where_positive(g.place[p].impulse, one, zero), one);
   return where_positive(g.restitution, waits, one);
 }
 
@@ -148,8 +149,8 @@ void share_blow(ContactGroup<T>& g, Wide<T> v[6], Wide<T> f[6], const ContactPas
   for (int p = 0; p < g.points; ++p) {
     const auto& place = g.place[p];
     const W speed = nmadd(place.x, v[5], madd(place.y, v[4], v[0])) + place.drift;
-    const W closing = -(speed + wanted<kind>(place.apart, pass, push_out));
-    W share = where_positive(place.apart, one, W(pass.mass_scale));
+    const W closing = -(speed + wanted<kind>(place.separation, pass, push_out));
+    W share = where_positive(place.separation, one, W(pass.mass_scale));
     if constexpr (kind == ContactSolve::relax) share = held_back(g, p);
     least = min(least, where_positive(g.point_inverse[p], share * closing, far));
     most = max(most, where_positive(g.point_inverse[p], share * closing, -far));
@@ -181,10 +182,10 @@ void solve_points(ContactGroup<T>& g, Wide<T> v[6], Wide<T> f[6], const ContactP
   W sum[3] = {};
   for (int p = 0; p < g.points; ++p) {
     auto& place = g.place[p];
-    const W &x = place.x, &y = place.y, &s = place.apart;
+    const W &x = place.x, &y = place.y, &s = place.separation;
     const W speed = nmadd(x, v[5], madd(y, v[4], v[0])) + place.drift;
     W total;
-    if constexpr (kind == ContactSolve::push) {
+    if constexpr (kind == ContactSolve::bias) {
       const W mass = where_positive(s, one, W(pass.mass_scale));
       const W leak = where_positive(s, zero, W(pass.impulse_scale));
       total = place.impulse - g.point_inverse[p] * mass * (speed + wanted<kind>(s, pass, push_out)) -
@@ -218,7 +219,8 @@ template <class T>
   detail::relative_motion(g, da, db, v);
   for (int p = 0; p < g.points; ++p) {
     auto& at = g.place[p];
-    at.apart = madd(at.drift, W(elapsed), at.separation) + nmadd(at.x, v[5], madd(at.y, v[4], v[0]));
+    at.separation =
+        madd(at.drift, W(elapsed), at.separation_at_start) + nmadd(at.x, v[5], madd(at.y, v[4], v[0]));
   }
 }
 
@@ -234,9 +236,9 @@ void solve_contacts(ContactGroup<T>& g, Record8<T>* records, const Record8<T>* d
   gather6(records, g.a, a), gather6(records, g.b, b);
   detail::relative_motion(g, a, b, v);
   W push_out(pass.push_out);
-  if (kind == ContactSolve::push && pass.start) push_out = detail::push_left(g, a, b, pass);
+  if (kind == ContactSolve::bias && pass.start) push_out = detail::push_left(g, a, b, pass);
   // Friction is bounded by the normal impulses of the last relaxation, never by what a push leaves.
-  if constexpr (kind == ContactSolve::push) detail::solve_friction(g, v, f);
+  if constexpr (kind == ContactSolve::bias) detail::solve_friction(g, v, f);
   detail::share_blow<kind>(g, v, f, pass, push_out);
   detail::solve_points<kind>(g, v, f, pass, push_out);
   if constexpr (kind == ContactSolve::relax) detail::solve_friction(g, v, f);
@@ -251,7 +253,7 @@ Wide<T> depth_left(const ContactGroup<T>& g, const ContactPass<T>& pass) {
   using W = Wide<T>;
   W least(T(1e30)), load(0);
   for (int p = 0; p < g.points; ++p) {
-    const W left = madd(g.place[p].apart, W(pass.bias_rate), W(pass.gentle));
+    const W left = madd(g.place[p].separation, W(pass.bias_rate), W(pass.gentle));
     least = min(least, left * g.point_inverse[p]);
     load += g.place[p].impulse;
   }

@@ -6,8 +6,8 @@
 //   -(1 - e^2) (v . P)^2 / (2 P . P)
 // whatever the passes left over: never up, and not at all for e = 1 (Poisson's hypothesis; Smith et al. 2012,
 // "Reflections on simultaneous impact"). Friction follows Coulomb with the impact's own impulse. A body that
-// hits after the time tau moves at its old velocity until then, `late` gets tau (v - v'), and forces have
-// acted on what it hits with until then.
+// hits after the time tau moves at its old velocity until then, `toi_correction` gets tau (v - v'), and
+// forces have acted on what it hits with until then.
 #pragma once
 #include "engine/kernels/contact_solve3.h"
 #include "engine/kernels/impact_limits.h"
@@ -24,8 +24,8 @@ struct ImpactPass {
 template <class T>
 struct ImpactRecords {
   Record8<T>* velocity;
-  const Record8<T>* change;  ///< of velocity by forces, in a substep; already in `velocity`
-  Record8<T>* late;          ///< to be added to the displacements at the end of the substep
+  const Record8<T>* change;    ///< of velocity by forces, in a substep; already in `velocity`
+  Record8<T>* toi_correction;  ///< to be added to the displacements at the end of the substep
 };
 
 /// Which contacts of a group an impact may act at.
@@ -52,12 +52,12 @@ bool hit_contacts(ContactGroup<T>& g, const ImpactRecords<T>& bodies, uint32_t e
   for (int p = 0; p < g.points; ++p) {
     const auto& at = g.place[p];
     speed[p] = nmadd(at.x, v[5], madd(at.y, v[4], v[0])) + at.drift;
-    const W reached = rounding - madd(speed[p], W(pass.h), g.place[p].apart);
+    const W reached = rounding - madd(speed[p], W(pass.h), g.place[p].separation_at_start);
     // In lanes without a point the inverse is zero.
     closes[p] = where_positive(g.point_inverse[p],
                                where_positive(reached, where_positive(-speed[p], one, zero), zero), zero);
     due = where_positive(-speed[p] - W(pass.threshold), max(due, closes[p]), due);
-    const W reaches = max(g.place[p].apart, zero) / where_positive(-speed[p], -speed[p], one);
+    const W reaches = max(g.place[p].separation_at_start, zero) / where_positive(-speed[p], -speed[p], one);
     wait = where_positive(closes[p], min(wait, reaches), wait);
   }
   if constexpr (kHits == Hits::bouncing) due = where_positive(g.restitution, due, zero);
@@ -122,13 +122,13 @@ bool hit_contacts(ContactGroup<T>& g, const ImpactRecords<T>& bodies, uint32_t e
   detail::push_apart(g, f, da, db);
   W wa[6], wb[6];
   gather6(bodies.velocity, g.a, a), gather6(bodies.velocity, g.b, b);
-  gather6(bodies.late, g.a, wa), gather6(bodies.late, g.b, wb);
+  gather6(bodies.toi_correction, g.a, wa), gather6(bodies.toi_correction, g.b, wb);
   for (int e = 0; e < 6; ++e) {
     a[e] += da[e], b[e] += db[e];
     wa[e] = nmadd(wait, da[e], wa[e]), wb[e] = nmadd(wait, db[e], wb[e]);
   }
   scatter6(bodies.velocity, g.a, end, a), scatter6(bodies.velocity, g.b, end, b);
-  scatter6(bodies.late, g.a, end, wa), scatter6(bodies.late, g.b, end, wb);
+  scatter6(bodies.toi_correction, g.a, end, wa), scatter6(bodies.toi_correction, g.b, end, wb);
   return true;
 }
 

@@ -86,7 +86,7 @@ Wide<T> one_sided(typename JointDrive<T>::OneSided& s, const Wide<T>& gap, const
   using W = Wide<T>;
   const W zero(0), one(1);
   W rate(0), scale(1), back(0);
-  if constexpr (kind == ContactSolve::push) {
+  if constexpr (kind == ContactSolve::bias) {
     rate = W(pass.bias_rate), scale = W(pass.mass_scale), back = W(pass.impulse_scale);
   }
   const W bias = where_positive(gap, gap * W(pass.inverse_h), gap * rate);
@@ -117,7 +117,7 @@ void solve_drive(const JointGroup<T>& g, JointDrive<T>& d, Wide<T> a[6], Wide<T>
   const W moved = g.gap[d.row] - d.start;
   // A spring pulls in a substep as it does at its start. By where the push takes it the relaxation would pull
   // otherwise than the positions have felt, and feed what swings.
-  if constexpr (kind == ContactSolve::push) d.moved = moved;
+  if constexpr (kind == ContactSolve::bias) d.moved = moved;
   if (d.laws & D::kSpring) sum += two_sided<T>(d.spring, W(0), d.moved, d, v);
   if (d.laws & D::kMotor) {
     // A motor does not strive beyond its limits, where two that yield to nothing would fight.

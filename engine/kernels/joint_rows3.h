@@ -184,10 +184,10 @@ template <ContactSolve kind, int rows, class T>
   using W = Wide<T>;
   W slip[rows], f[6] = {};
   W bend[3];
-  if constexpr (kind == ContactSolve::push) bend_ahead(g, a, b, W(1) / W(pass.inverse_h), bend);
+  if constexpr (kind == ContactSolve::bias) bend_ahead(g, a, b, W(1) / W(pass.inverse_h), bend);
   for (int k = 0; k < rows; ++k) {
     slip[k] = joint_speed(g, k, a, b);
-    if constexpr (kind == ContactSolve::push) {
+    if constexpr (kind == ContactSolve::bias) {
       slip[k] = madd(W(pass.bias_rate), g.gap[k], slip[k]);
       if (k < 3) slip[k] = madd(W(pass.inverse_h), contact_rows::dot(g.now[k], bend), slip[k]);
     }
@@ -201,7 +201,7 @@ template <ContactSolve kind, int rows, class T>
     f[p] = nmadd(g.inverse[at], slip[p], f[p]), ++at;
   }
   for (int k = 0; k < rows; ++k) {
-    if constexpr (kind == ContactSolve::push) {
+    if constexpr (kind == ContactSolve::bias) {
       f[k] = W(pass.mass_scale) * f[k] - W(pass.impulse_scale) * g.impulse[k];
     }
     g.impulse[k] += f[k];

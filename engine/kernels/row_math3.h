@@ -9,8 +9,8 @@ namespace truestep {
 enum class Renewal : uint8_t { goes_on, last };
 
 enum class ContactSolve : uint8_t {
-  push,  ///< depths are taken back
-  relax  ///< velocities only: takes out what `push` put in
+  bias,  ///< depths are taken back
+  relax  ///< velocities only: takes out what `bias` put in
 };
 
 namespace contact_rows {

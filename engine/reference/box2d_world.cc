@@ -56,7 +56,7 @@ Box2dScene::Box2dScene(const rigid2d::Rigid2dDef& def, const BuildContext& conte
     : model(rigid2d::build_model(def)),
       restitution_speed(def.restitution_speed.value_or(
           slowest_bounce(norm(def.gravity.value_or(context.gravity)), context.dt))),
-      parts(static_cast<double>(def.solver_steps)),
+      parts(static_cast<double>(def.substeps)),
       sleeping(def.sleeping) {}
 
 Box2dWorld::Box2dWorld(std::shared_ptr<const Box2dScene> scene, const State& s) : scene_(std::move(scene)) {
@@ -264,7 +264,7 @@ void Box2dWorld::read_contacts(State& s) {
   }
   contacts_.resize(kept);
   for (const auto c :
-       {columns::contact_key, columns::contact_id, columns::contact_impulse, columns::contact_pad})
+       {columns::contact_key, columns::contact_id, columns::contact_impulse, columns::contact_offset})
     s.resize(c, kept);
   for (size_t i = 0; i < kept; ++i) {
     s.span<uint64_t>(columns::contact_key)[i] = contacts_[i].key;

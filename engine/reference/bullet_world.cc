@@ -4,11 +4,11 @@
 #include <cmath>
 #include <cstring>
 
-#include "engine/kernels/constraint_colouring.h"
 #include "engine/kernels/free_rotation.h"
 #include "engine/kernels/impact_limits.h"
 #include "engine/math/trig.h"
 #include "engine/reference/bullet_joints.h"
+#include "engine/rigid/constraint_colouring.h"
 #include "engine/systems/rigid3d/rigid3d_state.h"
 
 namespace truestep::reference {
@@ -102,7 +102,7 @@ void BulletWorld::add_body(const State& s, size_t i) {
   } else if (s.span<uint32_t>(columns::asleep)[i]) {
     b->setActivationState(ISLAND_SLEEPING);
   }
-  world_.addRigidBody(b.get(), static_cast<int>(k.group), static_cast<int>(k.mask));
+  world_.addRigidBody(b.get(), static_cast<int>(k.category), static_cast<int>(k.mask));
   bodies_.push_back(std::move(b));
 }
 
@@ -187,7 +187,7 @@ void BulletWorld::read_bodies(State& s) {
   double *x = s.f64(columns::position).data(), *q = s.f64(columns::orientation).data();
   double *v = s.f64(columns::velocity).data(), *w = s.f64(columns::angular_velocity).data();
   const auto asleep = s.span<uint32_t>(columns::asleep);
-  const auto calm = s.f64(columns::calm_time);
+  const auto calm = s.f64(columns::sleep_timer);
   for (size_t i = 0; i < bodies_.size(); ++i) {
     const btRigidBody& b = *bodies_[i];
     const BodyKind& k = kind_of(&b);

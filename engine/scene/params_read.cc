@@ -159,7 +159,8 @@ void ParamReader::variant(const ParamRow& r, void* owner, const json::value& e, 
   if (!type) return fault(where + "/type", "missing", "\"type\" is required", {}, join_names(types));
   if (type->is_string()) {
     for (const ParamVariant& alternative : r.variants) {
-      if (json::string_view(alternative.type) == type->as_string()) {
+      const std::string_view word(type->as_string().data(), type->as_string().size());
+      if (alternative.type == word || std::ranges::find(alternative.also, word) != alternative.also.end()) {
         constexpr std::string_view kType[] = {"type"};
         return object(*alternative.table, alternative.append(owner), e.as_object(), where, kType);
       }

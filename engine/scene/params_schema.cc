@@ -68,7 +68,10 @@ json::object row_schema(const ParamRow& r) {
       json::array alternatives;
       for (const ParamVariant& v : r.variants) {
         json::object s = schema_of(*v.table);
-        s["properties"].as_object()["type"] = json::object{{"const", v.type}};
+        json::array words{json::value(v.type)};
+        for (const std::string& word : v.also) words.push_back(json::value(word));
+        s["properties"].as_object()["type"] =
+            v.also.empty() ? json::object{{"const", v.type}} : json::object{{"enum", std::move(words)}};
         if (!s.contains("required")) s["required"] = json::array{};
         s["required"].as_array().insert(s["required"].as_array().begin(), json::value("type"));
         alternatives.push_back(std::move(s));

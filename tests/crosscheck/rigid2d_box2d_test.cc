@@ -6,7 +6,6 @@
 #include "tests/support/engine_run.h"
 
 namespace truestep::rigid2d {
-using namespace rigid3d;
 namespace {
 
 using truestep::testing::EngineRun;
@@ -76,7 +75,7 @@ std::vector<std::pair<std::string, Rigid2dDef>> swinging() {
   const auto add = [&](const char* name, AnyJointDef joint) {
     Rigid2dDef d;
     d.bodies = {box({0.5, 0.1, 0}, {0.6, 0, 0})};
-    d.sleeping = false, d.solver_steps = 16, d.precision = Precision::f64;
+    d.sleeping = false, d.substeps = 16, d.precision = Precision::f64;
     std::visit([](auto& j) { j.a = -1, j.b = 0; }, joint);
     d.joints = {joint};
     out.emplace_back(name, d);

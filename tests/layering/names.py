@@ -1,5 +1,6 @@
 """One type, one name: no two headers define a type of the same qualified name, and none that a source file defines for itself
-outside an anonymous namespace. Two definitions of one name are undefined behaviour that no linker reports.
+outside an anonymous namespace. Two definitions of one name are undefined behaviour that no linker reports. A system and a
+coupling have a namespace of their own, named as their folder.
 """
 import collections
 import re
@@ -38,7 +39,27 @@ def types(text):
             around.pop()
 
 
+OWN = re.compile(r"^engine/(?:systems|couplings)/(\w+)/")
+
+
+def foreign(path, text):
+    """(name, line) of the namespaces that a file of a system or coupling opens beside its own."""
+    folder = OWN.match(path)
+    if not folder:
+        return
+    depth = 0
+    for match in TOKEN.finditer(SILENT.sub(blank, text)):
+        if match["space"]:
+            path = match["path"]
+            if depth == 0 and path and path != "truestep::" + folder[1] and not path.startswith(f"truestep::{folder[1]}::"):
+                yield path, text.count("\n", 0, match.start()) + 1
+        depth += -1 if match["close"] else 1
+
+
 def check(tree):
+    for path, lines in tree.code("engine"):
+        for name, line in foreign(path, "\n".join(lines)):
+            yield Finding(path, line, "names", f"{name}: what a system or coupling defines is in truestep::{OWN.match(path)[1]}")
     places = collections.defaultdict(list)
     for path, lines in tree.code("engine", "server"):
         for name, line in types("\n".join(lines)):

@@ -20,7 +20,7 @@ CLEAN = {
     "engine/base/errors.h": HEAD + "#pragma once\n",
     "engine/kernels/drag.h": HEAD + '#pragma once\n#include "engine/base/errors.h"\n',
     "engine/systems/sph/step.cc": HEAD + '#include "engine/kernels/drag.h"\n#include <vector>\n'
-                                  "namespace truestep {\nstruct Drag {\n  struct Inner {};\n};\nnamespace {\nstruct Own {};\n}\n}\n",
+                                  "namespace truestep::sph {\nstruct Drag {\n  struct Inner {};\n};\nnamespace {\nstruct Own {};\n}\n}\n",
     "engine/sinks/picture/gl.cc": HEAD + "#include <GL/osmesa.h>\n",
     "server/main.cc": HEAD + '#include <boost/asio.hpp>\n#include "engine/sinks/picture.h"\n',
 }
@@ -36,7 +36,8 @@ FAULTS = [
     ("includes", "engine/systems/sph/step.cc", "#include <GL/gl.h>\n", "GL outside the picture sink"),
     ("includes", "server/main.cc", '#include "engine/systems/sph/step.h"\n', "physics in the server"),
     ("includes", "server/main.cc", '#  include "engine/kernels/drag.h"\n', "physics, spaces before include"),
-    ("names", "engine/kernels/drag.h", "namespace truestep {\nstruct Drag {};\n}\n", "a type that another file defines"),
+    ("names", "engine/kernels/drag.h", "namespace truestep::sph {\nstruct Drag {};\n}\n", "a type that another file defines"),
+    ("names", "engine/systems/sph/step.cc", "namespace truestep {\nvoid step();\n}\n", "a system outside its namespace"),
     ("layers", "engine/misc/junk.h", HEAD, "a folder that is no layer"),
     ("length", "engine/base/errors.h", "\n" * 801, "more than 800 lines"),
     ("head", "server/run.cc", "int x;\n", "no head comment"),

@@ -7,7 +7,7 @@ import subprocess
 
 from source import Finding
 
-STEP_LAYERS = ["base", "math", "geometry", "kernels", "neighbours", "core", "integrators", "collision", "systems", "couplings", "session"]
+STEP_LAYERS = ["base", "math", "geometry", "kernels", "neighbours", "core", "integrators", "collision", "lattice", "rigid", "systems", "couplings", "session"]
 NAMES = ["sin", "cos", "tan", "asin", "acos", "atan", "atan2", "sincos", "sinh", "cosh", "tanh", "asinh", "acosh",
          "atanh", "exp", "exp2", "exp10", "expm1", "log", "log2", "log10", "log1p", "pow", "cbrt", "hypot", "erf",
          "erfc", "tgamma", "lgamma"]

@@ -49,7 +49,7 @@ TEST(Rigid2dBurden, WhatIsHeavyRestsOnWhatIsLight) {
     EXPECT_GT(t.position(3).y, 1.38) << precision << ": a hundredth of a box's width deep at most";
   }
   // The control: six small steps, the most that one may become, are too few.
-  FlatTrial few(pressed(R"("solver_steps": 1, )"));
+  FlatTrial few(pressed(R"("substeps": 1, )"));
   few.steps(60);
   EXPECT_GT(few.observed("penetration.max"), 0.02);
 }

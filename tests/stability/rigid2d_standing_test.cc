@@ -5,12 +5,11 @@
 #include <cmath>
 #include <numbers>
 
-#include "engine/kernels/contact_pad.h"
+#include "engine/kernels/penetration_offset.h"
 #include "engine/kernels/soft_constraint.h"
 #include "tests/support/rigid2d_run.h"
 
 namespace truestep {
-using namespace rigid3d;
 namespace {
 
 using Trial = testing::FlatTrial;
@@ -89,7 +88,7 @@ double growth(double eps, double hertz_share, double damping_ratio, double learn
 
 TEST(Rigid2dStanding, TheSlowestModeOfAHundredRowsIsDamped) {
   const double h = 1.0 / 240, dt = 1.0 / 60, eps = std::pow(std::numbers::pi / 200, 2);
-  const double learnt = contact_padding(0.21 / h, 1 / h, dt, 0.5).learnt;
+  const double learnt = penetration_offset_rule(0.21 / h, 1 / h, dt, 0.5).learnt;
   for (const double crowd : {2.0, 4.0, 6.0}) {
     EXPECT_LT(growth(eps, 0.21 * std::sqrt(2 / crowd), 20, learnt, h), 0.5) << crowd;
   }

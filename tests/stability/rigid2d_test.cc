@@ -56,7 +56,7 @@ TEST(Rigid2dStability, TenBoxesAtRestAreAsHighAsTheyAre) {
 }
 
 TEST(Rigid2dStability, AHeavyBoxStandsOnALightOne) {
-  Trial t(std::string(R"("solver_steps": 8, "bodies": [)") + kGround +
+  Trial t(std::string(R"("substeps": 8, "bodies": [)") + kGround +
           R"(, {"position": [0, 0.5, 0], "density": 10, "can_sleep": false, "shapes": [{"type": "box"}]},
       {"position": [0, 1.5, 0], "density": 10000, "can_sleep": false, "shapes": [{"type": "box"}]}])");
   t.steps(1200);

@@ -25,7 +25,7 @@ struct RigidRun {
   Vec3 x(size_t i) const { return load3(state.f64(rigid3d::columns::position).data(), i); }
   Vec3 v(size_t i) const { return load3(state.f64(rigid3d::columns::velocity).data(), i); }
   Vec3 w(size_t i) const { return load3(state.f64(rigid3d::columns::angular_velocity).data(), i); }
-  Quat q(size_t i) const { return load_quat(state.f64(rigid3d::columns::orientation).data(), i); }
+  Quat q(size_t i) const { return rigid3d::load_quat(state.f64(rigid3d::columns::orientation).data(), i); }
   double observed(const char* name) const {
     Observables out;
     system->observe(state, t(), out);

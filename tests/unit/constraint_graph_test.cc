@@ -6,9 +6,9 @@
 #include <vector>
 
 #include "engine/base/random.h"
-#include "engine/kernels/constraint_colouring.h"
-#include "engine/kernels/islands.h"
 #include "engine/kernels/soft_constraint.h"
+#include "engine/rigid/constraint_colouring.h"
+#include "engine/rigid/islands.h"
 
 namespace truestep {
 namespace {

@@ -6,6 +6,7 @@
 #include "tests/support/coupled.h"
 
 namespace truestep {
+using namespace contact;
 namespace {
 
 using namespace testing_coupled;

@@ -4,7 +4,6 @@
 #include <gtest/gtest.h>
 
 namespace truestep {
-using namespace rod_chain;
 namespace {
 
 WorldState state_of(uint64_t step, size_t rows) {

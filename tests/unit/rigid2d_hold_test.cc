@@ -10,7 +10,6 @@
 #include "tests/support/drawn.h"
 
 namespace truestep::rigid2d {
-using namespace rigid3d;
 namespace {
 
 struct Trial {

@@ -1,12 +1,11 @@
 // The rule of rest, and pads that stop learning.
-#include "engine/kernels/sleeping.h"
+#include "engine/rigid/sleeping.h"
 
 #include <gtest/gtest.h>
 
-#include "engine/kernels/contact_pad.h"
+#include "engine/kernels/penetration_offset.h"
 
 namespace truestep {
-using namespace rigid3d;
 namespace {
 
 TEST(Sleeping, RestNeedsToBeSlowAndToStay) {
@@ -35,17 +34,17 @@ TEST(Sleeping, WhatAConstantForcePushesDoesNotRest) {
 
 TEST(ContactPad, LearnsItsLoadAndThenRests) {
   const double hertz = 48, rate = 240, h = 1.0 / 60, load = 0.04;
-  const ContactPadding padding = contact_padding(hertz, rate, h, 0.5);
-  const double gives = padding.per_load / kMostPad * load;
+  const PenetrationOffsetRule padding = penetration_offset_rule(hertz, rate, h, 0.5);
+  const double gives = padding.per_load / kMostOffset * load;
   double pad = 0;
-  for (int i = 0; i < 3000; ++i) pad = next_pad(pad, gives - pad, load, padding);
+  for (int i = 0; i < 3000; ++i) pad = next_penetration_offset(pad, gives - pad, load, padding);
   EXPECT_GT(pad, 0.5 * gives);
   EXPECT_LT(pad, gives);
   // Small depths leave it, larger ones do not.
-  EXPECT_EQ(next_pad(pad, 0.3 * pad, load, padding), pad);
-  EXPECT_GT(next_pad(pad, 0.9 * pad, load, padding), pad);
+  EXPECT_EQ(next_penetration_offset(pad, 0.3 * pad, load, padding), pad);
+  EXPECT_GT(next_penetration_offset(pad, 0.9 * pad, load, padding), pad);
   // What a load that has gone would leave would lift what is still there.
-  EXPECT_LE(next_pad(pad, -pad, load / 100, padding), padding.per_load * load / 100);
+  EXPECT_LE(next_penetration_offset(pad, -pad, load / 100, padding), padding.per_load * load / 100);
 }
 
 }  // namespace

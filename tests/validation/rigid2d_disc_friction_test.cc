@@ -11,14 +11,14 @@ constexpr double kG = 9.81, kMu = 0.5, kRadius = 0.5;
 struct Case {
   const char* precision = "f32";
   double dt = 1.0 / 60;
-  int solver_steps = 4;
+  int substeps = 4;
   const char* shape = R"({"type": "circle", "radius": 0.5})";
 };
 
 FlatTrial disc(const Case& c, double speed, double spin) {
   return FlatTrial(std::string(R"("precision": ")") + c.precision +
-                       R"(", "sleeping": false, "gravity": [0, -9.81, 0], "solver_steps": )" +
-                       std::to_string(c.solver_steps) +
+                       R"(", "sleeping": false, "gravity": [0, -9.81, 0], "substeps": )" +
+                       std::to_string(c.substeps) +
                        R"(, "bodies": [{"motion": "fixed", "friction": 0.5, "shapes":
       [{"type": "box", "half_extents": [500, 1, 0], "center": [0, -1, 0]}]},
     {"position": [0, 0.5, 0], "friction": 0.5, "velocity": [)" +
@@ -38,8 +38,7 @@ std::vector<Case> cases() {
 }
 
 std::string said(const Case& c) {
-  return std::string(c.precision) + " dt " + std::to_string(c.dt) + " steps " +
-         std::to_string(c.solver_steps);
+  return std::string(c.precision) + " dt " + std::to_string(c.dt) + " steps " + std::to_string(c.substeps);
 }
 
 TEST(Rigid2dDisc, SpunInPlaceFeelsFrictionOfMuN) {
@@ -52,9 +51,9 @@ TEST(Rigid2dDisc, SpunInPlaceFeelsFrictionOfMuN) {
       for (int k = 0; k < steps; ++k) t.steps(1), sunk = std::max(sunk, std::abs(t.position(1).y - kRadius));
       const double direction = spin > 0 ? -1 : 1, time = steps * c.dt;
       // In the first small step nothing presses yet when friction begins.
-      const double late = 0.5 * c.dt / c.solver_steps / time;
+      const double late = 0.5 * c.dt / c.substeps / time;
       EXPECT_NEAR(direction * t.velocity(1).x / (kMu * kG * time), 1, 2e-3 + late) << said(c) << " " << spin;
-      EXPECT_LT(sunk, c.solver_steps > 1 ? 1e-3 : 5e-3) << said(c) << " " << spin;
+      EXPECT_LT(sunk, c.substeps > 1 ? 1e-3 : 5e-3) << said(c) << " " << spin;
     }
   }
 }
@@ -74,7 +73,7 @@ TEST(Rigid2dDisc, SlidingTurnsToRollingWhereItShould) {
     // x = v0 t - mu g t^2 / 2 while it slides.
     const double x = kSpeed * kRolls - 0.5 * kMu * kG * kRolls * kRolls + 2.0 / 3 * kSpeed * (1 - kRolls);
     // Friction that begins half a small step late leaves a third of mu g h.
-    EXPECT_NEAR(t.position(1).x, x, 3e-3 + kMu * kG * c.dt / c.solver_steps / 3) << said(c);
+    EXPECT_NEAR(t.position(1).x, x, 3e-3 + kMu * kG * c.dt / c.substeps / 3) << said(c);
   }
 }
 

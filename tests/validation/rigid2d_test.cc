@@ -12,7 +12,7 @@ namespace {
 using Trial = testing::FlatTrial;
 
 std::string pendulum(int steps) {
-  return R"("precision": "f64", "joint_damping_ratio": 5, "sleeping": false, "solver_steps": )" +
+  return R"("precision": "f64", "joint_damping_ratio": 5, "sleeping": false, "substeps": )" +
          std::to_string(steps) +
          R"(, "bodies": [{"position": [1, 0, 0], "mass": 1, "shapes": [{"type": "circle", "radius": 0.05}]}],
     "joints": [{"type": "distance", "a": -1, "b": 0, "anchor": [0, 0, 0], "anchor_b": [1, 0, 0]}])";
@@ -38,7 +38,7 @@ TEST(Rigid2dValidation, DoublePendulumFollowsTheReference) {
   // step.
   const auto run = [](int steps) {
     Trial t(
-        R"("precision": "f64", "joint_damping_ratio": 5, "sleeping": false, "solver_steps": )" +
+        R"("precision": "f64", "joint_damping_ratio": 5, "sleeping": false, "substeps": )" +
             std::to_string(steps) +
             R"(, "bodies": [{"position": [1, 0, 0], "mass": 1, "shapes": [{"type": "circle", "radius": 0.05}]},
                {"position": [2, 0, 0], "mass": 1, "shapes": [{"type": "circle", "radius": 0.05}]}],
@@ -56,7 +56,7 @@ TEST(Rigid2dValidation, DoublePendulumFollowsTheReference) {
 }
 
 std::string slope(double mu, const char* more = "") {
-  return R"("sleeping": false, "solver_steps": 16, "bodies": [{"motion": "fixed", "angle": )" +
+  return R"("sleeping": false, "substeps": 16, "bodies": [{"motion": "fixed", "angle": )" +
          Trial::number(-std::numbers::pi / 6) + R"(, "friction": )" + Trial::number(mu) +
          R"(, "shapes": [{"type": "box", "half_extents": [50, 1, 0], "center": [0, -1, 0]}]},
     {"position": [0.25, 0.43301270189221935, 0], "angle": )" +

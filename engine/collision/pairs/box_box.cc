@@ -203,8 +203,8 @@ void collide_boxes(const Vec3& ha, const Vec3& hb, const Transform& place, doubl
   }
 
   // Apart, separating axes know a lower bound only; unless a point proves it right, ask for the distance.
-  const double apart = std::max(best_face, edge[e]);
-  if (out.count > 0 && (apart <= 0 || -out.deepest() <= apart + bias)) return;
+  const double separation = std::max(best_face, edge[e]);
+  if (out.count > 0 && (separation <= 0 || -out.deepest() <= separation + bias)) return;
   const Convex a{SolidKind::box, ha}, b{SolidKind::box, hb};
   const CoreDistance d = core_distance(a, b, place, place.position, margin);
   out.count = 0;

@@ -52,7 +52,7 @@ void collide_capsule(const Convex& a, const Convex& b, const Transform& place, d
   const CoreDistance d = core_distance(a, b, place, place.position - poly.center, margin + r);
   if (d.distance > margin + r) return;
   Axis at;
-  if (d.verdict == CoreDistance::Verdict::apart && d.distance > 1e-9 * (r + b.size.y)) {
+  if (d.verdict == CoreDistance::Verdict::separate && d.distance > 1e-9 * (r + b.size.y)) {
     at = {d.distance, d.normal, d.point_a, d.point_b};
   } else {
     at = separating_axis(poly, p, q);

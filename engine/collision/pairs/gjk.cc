@@ -100,7 +100,7 @@ CoreDistance core_distance(const Convex& a, const Convex& b, const Transform& b_
     for (int k = 0; k < s.count; ++k)
       out.point_a += s.a[k] * s.weight[k], out.point_b += s.b[k] * s.weight[k];
     out.verdict = verdict;
-    out.distance = verdict == CoreDistance::Verdict::apart ? norm(v) : 0;
+    out.distance = verdict == CoreDistance::Verdict::separate ? norm(v) : 0;
     out.normal = normalized(-v);
     return out;
   };
@@ -111,11 +111,11 @@ CoreDistance core_distance(const Convex& a, const Convex& b, const Transform& b_
     // All of the difference set lies beyond the plane through w.
     if (round > 0) {
       if (enough >= 0 && along > 0 && along * along > enough * enough * length2) {
-        return finish(CoreDistance::Verdict::apart);
+        return finish(CoreDistance::Verdict::separate);
       }
-      if (length2 - along <= 1e-12 * length2) return finish(CoreDistance::Verdict::apart);
+      if (length2 - along <= 1e-12 * length2) return finish(CoreDistance::Verdict::separate);
       for (int k = 0; k < s.count; ++k) {
-        if (s.w[k] == w) return finish(CoreDistance::Verdict::apart);
+        if (s.w[k] == w) return finish(CoreDistance::Verdict::separate);
       }
     }
     const Simplex before = s;
@@ -131,13 +131,13 @@ CoreDistance core_distance(const Convex& a, const Convex& b, const Transform& b_
     }
     if (!(better2 < length2)) {
       s = before;
-      return finish(CoreDistance::Verdict::apart);
+      return finish(CoreDistance::Verdict::separate);
     }
     reduce(s, n);
     v = n.point;
     length2 = better2;
   }
-  return finish(CoreDistance::Verdict::apart);
+  return finish(CoreDistance::Verdict::separate);
 }
 
 }  // namespace truestep

@@ -17,7 +17,7 @@ struct CoreDistance {
   Vec3 point_a, point_b;
   Vec3 normal;  ///< unit, from a to b; meaningless at distance 0
   Simplex simplex;
-  enum class Verdict : uint8_t { apart, overlap } verdict = Verdict::apart;
+  enum class Verdict : uint8_t { separate, overlap } verdict = Verdict::separate;
 };
 
 /// `b_in_a`: where b is, as seen from a. `seed`: roughly from a to b, need not be good. Ends when the

@@ -31,13 +31,13 @@ double lowest_along(const Polyhedron& p, const Vec3& d) {
 /// The face of p from which q, placed as seen from p, is furthest away; ends early beyond `enough`.
 template <class Allowed>
 FaceAxis face_axis(const Polyhedron& p, const Polyhedron& q, const Transform& q_in_p, double enough,
-                   Allowed&& allowed, double& apart) {
+                   Allowed&& allowed, double& separation) {
   FaceAxis best;
   for (int f = 0; f < p.face_count; ++f) {
     const Vec3& n = p.faces[f].normal;
     const double s =
         lowest_along(q, q_in_p.inverse_direction(n)) + dot(n, q_in_p.position) - p.faces[f].offset;
-    if (s > apart) apart = s;
+    if (s > separation) separation = s;
     if (s > enough) return {s, f};
     if (s > best.separation && allowed(n)) best = {s, f};
   }
@@ -52,7 +52,7 @@ bool arcs_cross(const Vec3& a, const Vec3& b, const Vec3& ba, const Vec3& c, con
 
 template <class Allowed>
 EdgeAxis edge_axis(const Polyhedron& a, const Polyhedron& b, const Transform& place, double enough,
-                   Allowed&& allowed, double& apart) {
+                   Allowed&& allowed, double& separation) {
   EdgeAxis best;
   for (int j = 0; j < b.edge_count; ++j) {
     const HullEdge& eb = b.edges[j];
@@ -71,7 +71,7 @@ EdgeAxis edge_axis(const Polyhedron& a, const Polyhedron& b, const Transform& pl
       const double l = std::sqrt(l2);
       const Vec3 unit = dot(n, na + nb) < 0 ? n / -l : n / l;
       const double s = dot(unit, pb - a.vertices[ea.from]);
-      if (s > apart) apart = s;
+      if (s > separation) separation = s;
       if (s > enough) return {s, unit, i, j};
       if (s > best.separation && allowed(unit)) best = {s, unit, i, j};
     }
@@ -116,14 +116,14 @@ void collide_polyhedra(const Convex& ca, const Convex& cb, const Transform& plac
   // A triangle does not push what is behind it.
   if (a.triangle && dot(a.faces[0].normal, place.point(b.center)) < a.faces[0].offset) return;
 
-  double apart = kLowest;
-  const FaceAxis fa = face_axis(a, b, place, margin, any, apart);
-  if (apart > margin) return;
+  double separation = kLowest;
+  const FaceAxis fa = face_axis(a, b, place, margin, any, separation);
+  if (separation > margin) return;
   const FaceAxis fb = face_axis(
-      b, a, back, margin, [&](const Vec3& n) { return towards_b(-place.direction(n)); }, apart);
-  if (apart > margin) return;
-  const EdgeAxis edge = edge_axis(a, b, place, margin, towards_b, apart);
-  if (apart > margin) return;
+      b, a, back, margin, [&](const Vec3& n) { return towards_b(-place.direction(n)); }, separation);
+  if (separation > margin) return;
+  const EdgeAxis edge = edge_axis(a, b, place, margin, towards_b, separation);
+  if (separation > margin) return;
 
   // Faces make better manifolds than edges, and a's should not alternate with b's.
   const double bias = 1e-3 * std::min(a.thickness, b.thickness);
@@ -158,11 +158,11 @@ void collide_polyhedra(const Convex& ca, const Convex& cb, const Transform& plac
   } else {
     from_faces(fa, FaceOwner::first);
   }
-  if (apart <= 0 ? out.count > 0 : tight(out, apart, bias)) return;
+  if (separation <= 0 ? out.count > 0 : tight(out, separation, bias)) return;
 
   // Corner against corner and the like: the exact nearest points, one contact.
   const CoreDistance d = core_distance(ca, cb, place, place.point(b.center) - a.center);
-  if (d.verdict == CoreDistance::Verdict::apart && d.distance > 0) {
+  if (d.verdict == CoreDistance::Verdict::separate && d.distance > 0) {
     out.count = 0;
     if (d.distance > margin || !towards_b(d.normal)) return;
     out.normal = d.normal;

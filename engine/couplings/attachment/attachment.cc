@@ -5,7 +5,7 @@
 
 #include "engine/couplings/sides.h"
 
-namespace truestep {
+namespace truestep::attachment {
 
 namespace {
 
@@ -374,4 +374,4 @@ std::unique_ptr<const Coupling> build_attachment(const void* def, const Coupling
   return Attachment::make(*static_cast<const AttachmentDef*>(def), context);
 }
 
-}  // namespace truestep
+}  // namespace truestep::attachment

@@ -21,7 +21,7 @@
 #include "engine/couplings/attachment/attachment_def.h"
 #include "engine/couplings/exchange.h"
 
-namespace truestep {
+namespace truestep::attachment {
 
 class Attachment final : public Coupling {
  public:
@@ -82,4 +82,4 @@ class Attachment final : public Coupling {
 
 std::unique_ptr<const Coupling> build_attachment(const void* def, const CouplingContext& context);
 
-}  // namespace truestep
+}  // namespace truestep::attachment

@@ -1,6 +1,6 @@
 #include "engine/couplings/attachment/attachment_def.h"
 
-namespace truestep {
+namespace truestep::attachment {
 
 const DefTable& attachment_table() {
   using D = AttachmentDef;
@@ -35,4 +35,4 @@ Cost attachment_cost(const void* def, const Cost&, const Cost&) {
           .seconds_per_step = pairs * (d.link == AttachmentDef::Link::rigid ? 1.5e-6 : 1e-7)};
 }
 
-}  // namespace truestep
+}  // namespace truestep::attachment

@@ -6,7 +6,7 @@
 #include "engine/core/build.h"
 #include "engine/core/def.h"
 
-namespace truestep {
+namespace truestep::attachment {
 
 struct AttachmentDef {
   enum class Link { spring, rigid } link = Link::spring;
@@ -19,4 +19,4 @@ const DefTable& attachment_table();
 /// `a` and `b` are what the two systems cost by themselves.
 Cost attachment_cost(const void* def, const Cost& a, const Cost& b);
 
-}  // namespace truestep
+}  // namespace truestep::attachment

@@ -5,7 +5,7 @@
 #include "engine/couplings/contact/contact_solver.h"
 #include "engine/couplings/sides.h"
 
-namespace truestep {
+namespace truestep::contact {
 
 namespace {
 
@@ -178,4 +178,4 @@ std::unique_ptr<const Coupling> build_contact(const void* def, const CouplingCon
   return ContactCoupling::make(*static_cast<const ContactDef*>(def), context);
 }
 
-}  // namespace truestep
+}  // namespace truestep::contact

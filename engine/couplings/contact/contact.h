@@ -23,7 +23,7 @@
 #include "engine/couplings/contact/contact_search.h"
 #include "engine/couplings/exchange.h"
 
-namespace truestep {
+namespace truestep::contact {
 
 class ContactCoupling final : public Coupling {
  public:
@@ -56,4 +56,4 @@ class ContactCoupling final : public Coupling {
 
 std::unique_ptr<const Coupling> build_contact(const void* def, const CouplingContext& context);
 
-}  // namespace truestep
+}  // namespace truestep::contact

@@ -1,6 +1,6 @@
 #include "engine/couplings/contact/contact_def.h"
 
-namespace truestep {
+namespace truestep::contact {
 
 const DefTable& contact_table() {
   using D = ContactDef;
@@ -25,4 +25,4 @@ Cost contact_cost(const void*, const Cost& a, const Cost& b) {
   return {.state_bytes = 128, .workspace_bytes = 30 * n, .elements = 0, .seconds_per_step = 8e-8 * n};
 }
 
-}  // namespace truestep
+}  // namespace truestep::contact

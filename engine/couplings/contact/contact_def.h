@@ -3,7 +3,7 @@
 #include "engine/core/build.h"
 #include "engine/core/def.h"
 
-namespace truestep {
+namespace truestep::contact {
 
 struct ContactDef {
   double restitution = 0.5;  ///< Newton's e
@@ -15,4 +15,4 @@ const DefTable& contact_table();
 /// `a` and `b` are what the two systems cost by themselves.
 Cost contact_cost(const void* def, const Cost& a, const Cost& b);
 
-}  // namespace truestep
+}  // namespace truestep::contact

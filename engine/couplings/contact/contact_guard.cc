@@ -5,7 +5,7 @@
 #include "engine/kernels/contact_response.h"
 #include "engine/kernels/straight_contact.h"
 
-namespace truestep {
+namespace truestep::contact {
 
 namespace {
 
@@ -201,4 +201,4 @@ bool PassGuard::join(const GuardedPoints& g, Exchange& exchange) {
   return joined;
 }
 
-}  // namespace truestep
+}  // namespace truestep::contact

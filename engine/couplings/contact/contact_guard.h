@@ -18,7 +18,7 @@
 #include "engine/couplings/contact/near_pairs.h"
 #include "engine/couplings/exchange.h"
 
-namespace truestep {
+namespace truestep::contact {
 
 /// Both sides of a contact at the substep's start and end.
 struct GuardedPoints {
@@ -56,4 +56,4 @@ class PassGuard {
   std::vector<Zone> zones_;
 };
 
-}  // namespace truestep
+}  // namespace truestep::contact

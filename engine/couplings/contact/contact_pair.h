@@ -3,7 +3,7 @@
 #pragma once
 #include "engine/couplings/contact/contact_search.h"
 
-namespace truestep {
+namespace truestep::contact {
 
 struct ContactPair {
   size_t point;
@@ -38,4 +38,4 @@ struct ContactPair {
   }
 };
 
-}  // namespace truestep
+}  // namespace truestep::contact

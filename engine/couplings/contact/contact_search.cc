@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace truestep {
+namespace truestep::contact {
 
 namespace {
 
@@ -160,4 +160,4 @@ std::optional<HullContact> touch_of(const ContactQuery& q, const Touch& t) {
   return first_hull_contact(q.points.path(t.point, q.h), corners, c.count, q.reach, start);
 }
 
-}  // namespace truestep
+}  // namespace truestep::contact

@@ -11,7 +11,7 @@
 #include "engine/couplings/contact/near_pairs.h"
 #include "engine/kernels/point_hull.h"
 
-namespace truestep {
+namespace truestep::contact {
 
 /// Where points were at the substep's start, and how fast the systems alone have made them by its end.
 class PointMemory {
@@ -158,4 +158,4 @@ class ContactSearch {
   std::vector<Touch> touches_;
 };
 
-}  // namespace truestep
+}  // namespace truestep::contact

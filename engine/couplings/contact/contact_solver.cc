@@ -4,7 +4,7 @@
 
 #include "engine/kernels/contact_response.h"
 
-namespace truestep {
+namespace truestep::contact {
 
 namespace {
 
@@ -139,4 +139,4 @@ void PointContactSolver::finish() {
   }
 }
 
-}  // namespace truestep
+}  // namespace truestep::contact

@@ -8,7 +8,7 @@
 #include "engine/couplings/contact/contact_pair.h"
 #include "engine/couplings/exchange.h"
 
-namespace truestep {
+namespace truestep::contact {
 
 /// Kept from step to step for its memory alone.
 struct ContactSolverScratch {
@@ -43,4 +43,4 @@ class PointContactSolver {
   uint32_t round_ = 0;
 };
 
-}  // namespace truestep
+}  // namespace truestep::contact

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace truestep {
+namespace truestep::contact {
 
 namespace {
 
@@ -26,4 +26,4 @@ void NearPairs::widen() {
   }
 }
 
-}  // namespace truestep
+}  // namespace truestep::contact

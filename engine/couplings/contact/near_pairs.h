@@ -8,7 +8,7 @@
 #include "engine/base/parallel.h"
 #include "engine/collision/broad/box_grid.h"
 
-namespace truestep {
+namespace truestep::contact {
 
 struct NearPair {
   uint32_t point, solid;
@@ -63,4 +63,4 @@ class NearPairs {
   std::vector<std::vector<NearPair>> blocks_;
 };
 
-}  // namespace truestep
+}  // namespace truestep::contact

@@ -31,9 +31,9 @@ class Straight final : public Interpolant {
 };
 
 template <size_t N>
-class Mover {
+class SplittingStepper {
  public:
-  explicit Mover(Advance& in)
+  explicit SplittingStepper(Advance& in)
       : in_(in),
         second_(*in.f.second_order()),
         n_(in.f.size() / 2),
@@ -108,7 +108,7 @@ void for_size(const Advance& in, Run run) {
 template <const Splitting& S>
 void advance_splitting(Advance& in) {
   for_size(in, [&]<size_t N>() {
-    Mover<N> m(in);
+    SplittingStepper<N> m(in);
     m.run([&](double t, double h, bool first, bool last) {
       if (first) m.drift(S.drift[0] * h);
       double place = S.drift[0];
@@ -146,7 +146,7 @@ void advance_pefrl(Advance& in) {
 
 void advance_symplectic_euler(Advance& in) {
   for_size(in, [&]<size_t N>() {
-    Mover<N> m(in);
+    SplittingStepper<N> m(in);
     m.run([&](double t, double h, bool, bool) {
       m.accelerate(t, 0);
       m.kick(h);
@@ -158,7 +158,7 @@ void advance_symplectic_euler(Advance& in) {
 void advance_velocity_verlet(Advance& in) {
   const bool moving = in.f.second_order() && in.f.second_order()->depends_on_velocity();
   for_size(in, [&]<size_t N>() {
-    Mover<N> m(in);
+    SplittingStepper<N> m(in);
     bool stands = false;
     m.run([&](double t, double h, bool, bool) {
       if (!stands) m.accelerate(t, 0);

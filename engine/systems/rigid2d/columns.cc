@@ -1,6 +1,6 @@
 #include "engine/systems/rigid2d/columns.h"
 
-#include "engine/kernels/islands.h"
+#include "engine/rigid/islands.h"
 
 namespace truestep::rigid2d {
 
@@ -12,13 +12,13 @@ State state_at_start(const Model& model, const Vec3& gravity) {
   s.add({"velocity", "m/s", S::f64, 3, Role::velocity}, n);
   s.add({"angle", "rad", S::f64, 1, Role::position}, n);
   s.add({"angular_velocity", "rad/s", S::f64, 1, Role::velocity}, n);
-  s.add({"rest", "s", S::f64, 1}, n);
-  s.add({"rest.place", "m", S::f64, 6}, n);
+  s.add({"sleep_timer", "s", S::f64, 1}, n);
+  s.add({"sleep_timer.place", "m", S::f64, 6}, n);
   s.add({"status", "1", S::u32, 1}, n);
   s.add({"contact.key", "1", S::u64, 1}, 0);
   s.add({"contact.id", "1", S::u32, 2}, 0);
   s.add({"contact.impulse", "N s", S::f32, 5}, 0);
-  s.add({"contact.pad", "m", S::f32, 1}, 0);
+  s.add({"contact.penetration_offset", "m", S::f32, 1}, 0);
   s.add({"joint.impulse", "N s", S::f64, 6}, model.joints.size());
   s.add({"joint.broken", "1", S::u32, 1}, model.joints.size());
   s.add({"small_steps", "1", S::u32, 1}, 1);
@@ -65,7 +65,7 @@ bool wake_islands(const Model& model, State& s, std::span<const uint8_t> seeds) 
     if (seeds[i] && sleeps(i)) wakes[island_of(parent, i)] = 1, any = true;
   }
   if (!any) return false;
-  const auto rest = s.f64(columns::rest);
+  const auto rest = s.f64(columns::sleep_timer);
   for (uint32_t i = 0; i < n; ++i) {
     if (!sleeps(i) || !wakes[island_of(parent, i)]) continue;
     status[i] = kAwake, rest[i] = 0;

@@ -15,13 +15,13 @@ enum : State::Column {
   velocity,          // f64 x 3, m/s
   angle,             // f64, rad, never wrapped
   angular_velocity,  // f64, rad/s
-  rest,              // f64, s that a body has been slow
-  rest_place,        // f64 x 6, m m rad: where that began, and where it was after half of sleep_time
+  sleep_timer,       // f64, s that a body has been slow
+  sleep_place,       // f64 x 6, m m rad: where that began, and where it was after half of sleep_time
   status,            // u32, bits of Status
   contact_key,       // u64, shape a << 32 | shape b, ascending
   contact_id,        // u32 x 2, features; kNoPoint for a missing second point
   contact_impulse,   // f32 x 5, N s: normal and normal, tangential and tangential, rolling (N m s)
-  contact_pad,       // f32, m, by which the contact gives way under its load
+  contact_offset,    // f32, m, by which the contact gives way under its load
   joint_impulse,     // f64 x 6, see solver_joint.h
   joint_broken,      // u32
   small_steps,       // u32 x 1, that the last step was divided into; 0 before the first

@@ -4,16 +4,15 @@
 #include <cmath>
 
 #include "engine/collision/flat/distance.h"
-#include "engine/kernels/islands.h"
+#include "engine/rigid/islands.h"
+#include "engine/rigid/toi_clamp.h"
 
 namespace truestep::rigid2d {
 namespace {
 
 using flat::Sweep;
 
-/// Radius of the circle within a fast shape that passes nothing, as a share of the shape's inner radius.
-constexpr double kCore = 0.25;
-/// It stops that share of its radius before it touches.
+/// The core of a fast shape stops that share of its radius before it touches.
 constexpr double kCoreGap = 0.25;
 
 Sweep sweep_of(const Pairs& pairs, const Travel& t) {
@@ -42,7 +41,7 @@ double first_stop(const Model& model, const State& s, const Pairs& pairs, const 
   double stop = 1;
   for (uint32_t i = body.first_shape; i < body.first_shape + body.shapes; ++i) {
     const Outline& shape = model.shapes[i].outline;
-    const Outline core = flat::circle(kCore * flat::inner_radius(shape), shape.center);
+    const Outline core = flat::circle(kToiCore * flat::inner_radius(shape), shape.center);
     const auto visit = [&](uint32_t other) {
       const uint32_t at = model.shapes[other].body;
       const Body& obstacle = model.bodies[at];
@@ -60,9 +59,9 @@ double first_stop(const Model& model, const State& s, const Pairs& pairs, const 
       }
       // What touches from the start may move on, but never so far that its core goes through.
       const Pose seen = theirs.from.to(mine.from);
-      const bool apart = flat::distance(wall, shape, seen).distance > 2 * gap;
-      const auto hit = flat::time_of_impact(wall, theirs, apart ? shape : core, mine,
-                                            apart ? gap : kCoreGap * core.radius);
+      const bool separate = flat::distance(wall, shape, seen).distance > 2 * gap;
+      const auto hit = flat::time_of_impact(wall, theirs, separate ? shape : core, mine,
+                                            separate ? gap : kCoreGap * core.radius);
       // What is in a wall may leave it.
       if (hit && hit->fraction == 0 && flat::dot(hit->normal, mine.shift - theirs.shift) > 0) return;
       if (hit) stop = std::min(stop, hit->fraction);
@@ -87,8 +86,7 @@ void stop_fast_bodies(const Model& model, State& s, const Pairs& pairs, std::spa
       const Travel& t = travels[i];
       const Light& b = model.light[t.body];
       if (!is_moved(b, status[t.body])) continue;
-      // Slower ones cannot lose touch with what they overlap at the end.
-      if (flat::norm(t.shift) + std::abs(t.angle) * b.reach < 0.5 * b.inner) continue;
+      if (!may_pass_through(flat::norm(t.shift) + std::abs(t.angle) * b.reach, b.inner)) continue;
       const double f = first_stop(model, s, pairs, t, travels);
       if (f >= 1) continue;
       const Vec2 p = pairs.pose[t.body].p + f * t.shift;
@@ -107,10 +105,11 @@ namespace {
 /// Counts how long bodies have rested; the longest.
 double count_rest(const Model& model, State& s, const SleepRule& rule, double h) {
   const auto status = s.span<uint32_t>(columns::status);
-  const auto rest = s.f64(columns::rest), w = s.f64(columns::angular_velocity), angle = s.f64(columns::angle);
+  const auto rest = s.f64(columns::sleep_timer), w = s.f64(columns::angular_velocity),
+             angle = s.f64(columns::angle);
   const double* v = s.f64(columns::velocity).data();
   const double* x = s.f64(columns::position).data();
-  double* place = s.f64(columns::rest_place).data();
+  double* place = s.f64(columns::sleep_place).data();
   double longest = 0;
   for (size_t i = 0; i < model.count(); ++i) {
     const Light& b = model.light[i];
@@ -141,7 +140,7 @@ void fall_asleep(const Model& model, State& s, const Pairs& pairs, const SleepRu
   if (count_rest(model, s, rule, h) < rule.time) return;
   const size_t n = model.count();
   const auto status = s.span<uint32_t>(columns::status);
-  const auto rest = s.f64(columns::rest), w = s.f64(columns::angular_velocity);
+  const auto rest = s.f64(columns::sleep_timer), w = s.f64(columns::angular_velocity);
   const auto impulse = s.span<float>(columns::contact_impulse);
   double* v = s.f64(columns::velocity).data();
   auto& [parent, rested, unborne, still] = scratch;

@@ -1,7 +1,7 @@
 // What ends a step: bodies too fast for the solver's contacts stop at what they would have passed, and what
 // has come to rest falls asleep, island by island.
 #pragma once
-#include "engine/kernels/sleeping.h"
+#include "engine/rigid/sleeping.h"
 #include "engine/systems/rigid2d/columns.h"
 #include "engine/systems/rigid2d/pairs.h"
 

@@ -319,10 +319,10 @@ Model build_model(const Rigid2dDef& def) {
   }
   for (Joint& j : m.joints) stiffen_by_frequency(j, m.bodies[j.a], m.bodies[j.b]);
   for (const Joint& j : m.joints) {
-    if (!j.collide) m.apart.push_back(uint64_t{std::min(j.a, j.b)} << 32 | std::max(j.a, j.b));
+    if (!j.collide) m.not_touching.push_back(uint64_t{std::min(j.a, j.b)} << 32 | std::max(j.a, j.b));
   }
-  std::sort(m.apart.begin(), m.apart.end());
-  m.apart.erase(std::unique(m.apart.begin(), m.apart.end()), m.apart.end());
+  std::sort(m.not_touching.begin(), m.not_touching.end());
+  m.not_touching.erase(std::unique(m.not_touching.begin(), m.not_touching.end()), m.not_touching.end());
   m.size = typical_size(m);
   m.margin = def.contact_margin.value_or(0.02 * m.size);
   gather_hot_parts(m);

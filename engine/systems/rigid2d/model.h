@@ -103,7 +103,7 @@ struct Model {
   std::vector<Shape> shapes;
   std::vector<Joint> joints;
   std::vector<uint64_t>
-      apart;             ///< (a << 32 | b), a < b, ascending: bodies that do not touch as they are joined
+      not_touching;      ///< (a << 32 | b), a < b, ascending: bodies that do not touch as they are joined
   double margin = 0.02;  ///< m, at which contacts are foreseen
   double size = 1;       ///< m, of a typical body
 

@@ -111,9 +111,9 @@ bool may_touch(const Model& model, uint32_t body_a, uint32_t body_b) {
   } else if (!(a.mask & b.category) || !(b.mask & a.category)) {
     return false;
   }
-  if (model.apart.empty()) return true;
+  if (model.not_touching.empty()) return true;
   const uint64_t key = uint64_t{std::min(body_a, body_b)} << 32 | std::max(body_a, body_b);
-  return !std::binary_search(model.apart.begin(), model.apart.end(), key);
+  return !std::binary_search(model.not_touching.begin(), model.not_touching.end(), key);
 }
 
 void find_contacts(const Model& model, State& s, double h, Pairs& p, const ThreadArena& arena) {

@@ -61,7 +61,7 @@ void Rigid2d::add_stages() {
               if (!scratch(in).idle) choose_small_steps(s, in);
             });
   add_stage("solve",
-            std::to_string(settings_.solver_steps) + " small steps of " +
+            std::to_string(settings_.substeps) + " small steps of " +
                 (settings_.precision == Precision::f32 ? "f32" : "f64") + " constraints; " +
                 says_slowest_bounce(restitution_speed(flat::norm(flat::flatten(gravity_)), dt_)),
             [this, scratch](State& s, const StepInput& in) {
@@ -91,11 +91,11 @@ double Rigid2d::restitution_speed(double gravity, double dt) const {
 
 int Rigid2d::small_steps(const State& s) const {
   const uint32_t now = s.span<uint32_t>(columns::small_steps)[0];
-  return now > 0 ? static_cast<int>(now) : static_cast<int>(settings_.solver_steps);
+  return now > 0 ? static_cast<int>(now) : static_cast<int>(settings_.substeps);
 }
 
 void Rigid2d::choose_small_steps(State& s, const StepInput& in) const {
-  const int least = static_cast<int>(settings_.solver_steps), now = small_steps(s);
+  const int least = static_cast<int>(settings_.substeps), now = small_steps(s);
   const double h = in.h / now;
   // Contacts of a frequency of their own get no stiffer.
   const double rate = settings_.contact_hertz ? 0 : 2 * std::numbers::pi * kContactHertz / h;
@@ -113,7 +113,7 @@ void Rigid2d::choose_small_steps(State& s, const StepInput& in) const {
   }
   // Pads are what the contacts' springs give way.
   if (!settings_.contact_hertz) {
-    for (float& pad : s.span<float>(columns::contact_pad)) pad *= static_cast<float>(share * share);
+    for (float& offset : s.span<float>(columns::contact_offset)) offset *= static_cast<float>(share * share);
   }
 }
 
@@ -129,16 +129,16 @@ SolverSettings Rigid2d::settings_for(double dt, int steps) const {
     s.contact[n] = soft_constraint(hertz, settings_.contact_damping_ratio, s.h);
     s.contact_fixed[n] = soft_constraint(2 * hertz, settings_.contact_damping_ratio, s.h);
   }
-  s.padding = contact_padding(contact, rate, dt, 0.5);
+  s.padding = penetration_offset_rule(contact, rate, dt, 0.5);
   s.joint = soft_constraint(settings_.joint_hertz.value_or(0.25 * rate), settings_.joint_damping_ratio, s.h);
-  s.push_speed = settings_.push_speed;
+  s.push_out_speed = settings_.push_out_speed;
   return s;
 }
 
 void Rigid2d::take_hands(State& s, const StepInput& in) const {
   Scratch& w = in.workspace.object<Scratch>(kScratch);
   w.hands.forces.clear(), w.hands.drags.clear();
-  const auto rest = s.f64(columns::rest);
+  const auto rest = s.f64(columns::sleep_timer);
   for (size_t k = 0; k < columns::kHands.pushes(s); ++k) {
     const UserForces::Push p = columns::kHands.push(s, k);
     const auto body = static_cast<uint32_t>(p.who);
@@ -235,7 +235,7 @@ Cost rigid2d_cost(const void* def) {
   const auto& d = *static_cast<const Rigid2dDef*>(def);
   const Counts n = counts(d);
   // Measured on a pyramid of 5,050 boxes and a grid of 19,800 joints at four small steps.
-  const double steps = static_cast<double>(d.solver_steps) / 4;
+  const double steps = static_cast<double>(d.substeps) / 4;
   const double wide = d.precision == Precision::f64 ? 1.5 : 1;
   // What turns by itself keeps a heap from resting: other pairs in every step, and fast ones.
   const bool stirred = std::ranges::any_of(

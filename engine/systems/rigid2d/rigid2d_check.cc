@@ -7,7 +7,9 @@ namespace truestep::rigid2d {
 
 void Rigid2d::check(StateCheck& check, double) const {
   const State& s = check.state();
-  check.together({columns::contact_key, columns::contact_id, columns::contact_impulse, columns::contact_pad})
+  check
+      .together(
+          {columns::contact_key, columns::contact_id, columns::contact_impulse, columns::contact_offset})
       .together({columns::push_body, columns::push_force, columns::push_local, columns::push_remaining})
       .together({columns::drag_body, columns::drag_local, columns::drag_target, columns::drag_stiffness,
                  columns::drag_impulse});
@@ -22,7 +24,7 @@ void Rigid2d::check(StateCheck& check, double) const {
     for (const uint32_t body : s.span<uint32_t>(column))
       check.require(body < model_.count(), "a hand's body");
   }
-  const auto most = static_cast<uint32_t>(SmallSteps::kMostTimes * settings_.solver_steps);
+  const auto most = static_cast<uint32_t>(SmallSteps::kMostTimes * settings_.substeps);
   check.require(s.span<uint32_t>(columns::small_steps)[0] <= most, "small_steps");
   for (const uint32_t status : s.span<uint32_t>(columns::status))
     check.require(status <= (kAwake | kPinned | kRemoved), "status");

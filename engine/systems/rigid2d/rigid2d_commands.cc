@@ -70,7 +70,7 @@ void Rigid2d::apply(State& s, const Command& c) const {
     case CommandKind::unpin: {
       const uint32_t body = dynamic();
       status[body] = (status[body] & ~uint32_t{kPinned}) | kAwake;
-      s.f64(columns::rest)[body] = 0;
+      s.f64(columns::sleep_timer)[body] = 0;
       return wake_neighbours(body);
     }
     case CommandKind::remove: {

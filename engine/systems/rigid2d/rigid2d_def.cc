@@ -288,10 +288,10 @@ const DefTable& rigid2d_table() {
                      {"chain", &body_chain_table()}},
                     {0, 10'000}, "many bodies at once, numbered after the listed ones")
           .variants("joints", &D::joints,
-                    {{"revolute", &revolute_table()},
-                     {"prismatic", &prismatic_table()},
+                    {{"revolute|hinge|pin", &revolute_table()},
+                     {"prismatic|slider", &prismatic_table()},
                      {"distance", &distance_table()},
-                     {"weld", &weld_table()},
+                     {"fixed|weld", &weld_table()},
                      {"wheel", &wheel_table()},
                      {"motor", &motor_table()},
                      {"mouse", &mouse_table()},
@@ -301,8 +301,9 @@ const DefTable& rigid2d_table() {
           .choice("engine", &D::engine, {"truestep", "box2d"},
                   "who steps: this product, or Box2D 2.4.1 to compare with")
           .vector("gravity", &D::gravity, "m/s^2", any(), "absent: the scene's")
-          .integer("solver_steps", &D::solver_steps, between(1, 1000),
+          .integer("substeps", &D::substeps, between(1, 1000),
                    "small steps of the constraint solver per step of the scene")
+          .also("solver_steps")
           .choice("precision", &D::precision, {"f32", "f64"},
                   "numbers of the constraint solver; poses are always f64")
           .number("contact_hertz", &D::contact_hertz, "Hz", above(0),
@@ -313,7 +314,8 @@ const DefTable& rigid2d_table() {
           .number("joint_hertz", &D::joint_hertz, "Hz", above(0),
                   "stiffness of joints; absent: a quarter of the rate of small steps")
           .number("joint_damping_ratio", &D::joint_damping_ratio, "1", at_least(0), "of joints")
-          .number("push_speed", &D::push_speed, "m/s", above(0), "fastest that an overlap is undone")
+          .number("push_out_speed", &D::push_out_speed, "m/s", above(0), "fastest that an overlap is undone")
+          .also("push_speed")
           .number("contact_margin", &D::contact_margin, "m", above(0),
                   "contacts are foreseen at this distance; absent: by the bodies' size")
           .number(

@@ -133,10 +133,10 @@ struct Rigid2dDef {
   std::vector<AnyJointDef> joints;
   enum class Engine : uint8_t { truestep, box2d } engine = Engine::truestep;
   std::optional<Vec3> gravity;
-  int64_t solver_steps = 4;
+  int64_t substeps = 4;
   Precision precision = Precision::f32;
   std::optional<double> contact_hertz, joint_hertz, contact_margin;
-  double contact_damping_ratio = 20, joint_damping_ratio = 2, push_speed = 3;
+  double contact_damping_ratio = 20, joint_damping_ratio = 2, push_out_speed = 3;
   std::optional<double> restitution_speed;
   bool sleeping = true;
   double sleep_speed = 0.05, sleep_time = 0.5;

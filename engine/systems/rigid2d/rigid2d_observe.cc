@@ -27,7 +27,7 @@ std::optional<Energy> Rigid2d::energy(const State& s, double, Workspace&, const 
   const double *x = s.f64(columns::position).data(), *v = s.f64(columns::velocity).data();
   const auto w = s.f64(columns::angular_velocity), g = s.f64(columns::parameters);
   const auto status = s.span<uint32_t>(columns::status);
-  const double down = std::sqrt(g[0] * g[0] + g[1] * g[1]), pushed = settings_.push_speed;
+  const double down = std::sqrt(g[0] * g[0] + g[1] * g[1]), pushed = settings_.push_out_speed;
   Energy e;
   bool driven = joints_drive(model_, s) || columns::kHands.any(s);
   for (size_t i = 0; i < model_.count(); ++i) {

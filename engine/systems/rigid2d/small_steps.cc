@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "engine/kernels/islands.h"
+#include "engine/rigid/islands.h"
 
 namespace truestep::rigid2d {
 namespace {

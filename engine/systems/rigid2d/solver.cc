@@ -4,7 +4,7 @@
 #include <atomic>
 #include <cmath>
 
-#include "engine/kernels/islands.h"
+#include "engine/rigid/islands.h"
 #include "engine/systems/rigid2d/solver_impact.h"
 
 namespace truestep::rigid2d {
@@ -17,27 +17,15 @@ constexpr int kImpactRounds = 64;
 
 /// body(pack) for all packs, colour after colour; those of a colour side by side.
 template <class Packs, class Body>
-void each_colour(const ThreadArena& arena, Packs& packs, const std::vector<uint32_t>& ends, Body&& body) {
-  uint32_t begin = 0;
-  for (const uint32_t end : ends) {
-    arena.for_blocks(end - begin, kPackBlock, [&](size_t from, size_t to) {
-      for (size_t i = begin + from; i < begin + to; ++i) body(packs[i]);
-    });
-    begin = end;
-  }
+void each_colour(const ThreadArena& arena, Packs& packs, const std::vector<uint32_t>& colours, Body&& body,
+                 ColourOrder order = ColourOrder::forth) {
+  truestep::each_colour(colours, order, arena, kPackBlock, [&](size_t p) { body(packs[p]); });
 }
 
-/// The same from the last colour to the first: contacts with what does not move tend to have the first
-/// colours, and shall have the last word.
 template <class Packs, class Body>
-void each_colour_back(const ThreadArena& arena, Packs& packs, const std::vector<uint32_t>& ends,
+void each_colour_back(const ThreadArena& arena, Packs& packs, const std::vector<uint32_t>& colours,
                       Body&& body) {
-  for (size_t c = ends.size(); c-- > 0;) {
-    const uint32_t begin = c > 0 ? ends[c - 1] : 0;
-    arena.for_blocks(ends[c] - begin, kPackBlock, [&](size_t from, size_t to) {
-      for (size_t i = begin + from; i < begin + to; ++i) body(packs[i]);
-    });
-  }
+  each_colour(arena, packs, colours, body, ColourOrder::back);
 }
 
 }  // namespace
@@ -96,17 +84,17 @@ void Solver<T>::place_bodies(const Model& model, const State& state, const Pairs
 
 template <class T>
 void Solver<T>::hit_contacts(const SolverSettings& settings, const ThreadArena& arena) {
-  late_.assign(rows_.size(), 0);
-  const ImpactRows<T> bodies{rows_.data(), push_.data(), late_.data(), moved_};
+  toi_correction_.assign(rows_.size(), 0);
+  const ImpactRows<T> bodies{rows_.data(), push_.data(), toi_correction_.data(), moved_};
   const T h = static_cast<T>(settings.h), threshold = static_cast<T>(settings.restitution_speed);
   std::atomic<bool> any = false;
-  each_colour(arena, contacts_, contact_end_, [&](const ContactPack<T>& p) {
+  each_colour(arena, contacts_, contact_colours_, [&](const ContactPack<T>& p) {
     if (p.bounces && hit<Hits::bouncing>(p, bodies, h, threshold)) any = true;
   });
   // A blow goes on through what does not bounce.
   for (int round = 1; round < kImpactRounds && any; ++round) {
     any = false;
-    each_colour(arena, contacts_, contact_end_, [&](const ContactPack<T>& p) {
+    each_colour(arena, contacts_, contact_colours_, [&](const ContactPack<T>& p) {
       if (hit<Hits::all>(p, bodies, h, threshold)) any = true;
     });
   }
@@ -155,11 +143,11 @@ void Solver<T>::kick(JointPass pass, T h) {
 }
 
 template <class T>
-void Solver<T>::start_parting(T push_speed) {
+void Solver<T>::start_parting(T push_out_speed) {
   std::copy(rows_.begin(), rows_.end(), start_.begin());
   std::fill(parts_.begin(), parts_.end(), uint8_t{0});
   start_islands(island_);
-  const uint32_t packs = contact_end_.empty() ? 0 : contact_end_.back();
+  const uint32_t packs = contact_colours_.empty() ? 0 : contact_colours_.back();
   const auto lanes = [&](auto&& visit) {
     for (uint32_t p = 0; p < packs; ++p) {
       for (int k = 0; k < Wide<T>::kLanes; ++k) visit(contacts_[p], k);
@@ -177,7 +165,7 @@ void Solver<T>::start_parting(T push_speed) {
     remember_impulses(c);
     Wide<T> separation[2];
     separations(c, Ends<T>(rows_.data(), c.a, c.b), separation);
-    const Wide<T> left = depth_left(c, separation, push_speed);
+    const Wide<T> left = depth_left(c, separation, push_out_speed);
     for (int k = 0; k < Wide<T>::kLanes; ++k) {
       const uint32_t i = island(c, k);
       if (i != kNoPoint && left[k] < 0) parts_[i] = 1;
@@ -192,7 +180,7 @@ void Solver<T>::start_parting(T push_speed) {
 template <class T>
 void Solver<T>::small_step(const SolverSettings& settings, const ThreadArena& arena) {
   const T h = static_cast<T>(settings.h), inverse_h = static_cast<T>(1 / settings.h);
-  const T push_speed = static_cast<T>(settings.push_speed);
+  const T push_out_speed = static_cast<T>(settings.push_out_speed);
   const SoftConstraint<T> soft{static_cast<T>(settings.joint.bias_rate),
                                static_cast<T>(settings.joint.mass_scale),
                                static_cast<T>(settings.joint.impulse_scale)};
@@ -208,17 +196,17 @@ void Solver<T>::small_step(const SolverSettings& settings, const ThreadArena& ar
   // Before the impulses of the last small step act again: bodies meet with the velocities that they have.
   if (bounces_) hit_contacts(settings, arena);
   for (JointRow<T>& j : joints_) solve_joint(j, rows, moved, JointPass::warm, h);
-  each_colour(arena, hinges_, hinge_end_, [&](HingePack<T>& p) { warm_start(p, rows, moved); });
-  each_colour(arena, contacts_, contact_end_, [&](ContactPack<T>& p) { warm_start(p, rows, moved); });
+  each_colour(arena, hinges_, hinge_colours_, [&](HingePack<T>& p) { warm_start(p, rows, moved); });
+  each_colour(arena, contacts_, contact_colours_, [&](ContactPack<T>& p) { warm_start(p, rows, moved); });
 
   const bool parts = deep_.exchange(false);
-  if (parts) start_parting(push_speed);
+  if (parts) start_parting(push_out_speed);
   const T* start = parts ? start_.data() : nullptr;
   for (JointRow<T>& j : joints_) solve_joint(j, rows, moved, JointPass::bias, h);
-  each_colour(arena, hinges_, hinge_end_,
+  each_colour(arena, hinges_, hinge_colours_,
               [&](HingePack<T>& p) { solve_hinges<Pass::bias>(p, rows, moved, soft, h); });
-  each_colour_back(arena, contacts_, contact_end_, [&](ContactPack<T>& p) {
-    solve_contacts<Pass::bias>(p, rows, moved, inverse_h, push_speed, start);
+  each_colour_back(arena, contacts_, contact_colours_, [&](ContactPack<T>& p) {
+    solve_contacts<Pass::bias>(p, rows, moved, inverse_h, push_out_speed, start);
   });
 
   arena.for_blocks(movers_.size(), kBlock, [&](size_t begin, size_t end) {
@@ -226,19 +214,20 @@ void Solver<T>::small_step(const SolverSettings& settings, const ThreadArena& ar
       T* r = rows + 8 * i;
       r[4] += h * r[0], r[5] += h * r[1], r[6] += h * r[2];
       if (bounces_) {
-        for (int k = 0; k < 3; ++k) r[4 + k] += late_[8 * i + static_cast<size_t>(k)];
+        for (int k = 0; k < 3; ++k) r[4 + k] += toi_correction_[8 * i + static_cast<size_t>(k)];
       }
     }
   });
 
   if (parts) {
-    each_colour(arena, contacts_, contact_end_, [&](ContactPack<T>& p) { take_push_back(p, rows, moved); });
+    each_colour(arena, contacts_, contact_colours_,
+                [&](ContactPack<T>& p) { take_push_back(p, rows, moved); });
   }
   for (JointRow<T>& j : joints_) solve_joint(j, rows, moved, JointPass::relax, h);
-  each_colour(arena, hinges_, hinge_end_,
+  each_colour(arena, hinges_, hinge_colours_,
               [&](HingePack<T>& p) { solve_hinges<Pass::relax>(p, rows, moved, soft, h); });
-  each_colour_back(arena, contacts_, contact_end_, [&](ContactPack<T>& p) {
-    if (solve_contacts<Pass::relax>(p, rows, moved, inverse_h, push_speed, start)) deep_ = true;
+  each_colour_back(arena, contacts_, contact_colours_, [&](ContactPack<T>& p) {
+    if (solve_contacts<Pass::relax>(p, rows, moved, inverse_h, push_out_speed, start)) deep_ = true;
   });
 }
 
@@ -305,7 +294,7 @@ void Solver<T>::solve(const Model& model, State& state, const Pairs& pairs, Hand
   place_bodies(model, state, pairs, hands, settings);
   pack_joints(model, state, pairs, hands, settings);
   pack_contacts(model, state, pairs, settings, arena);
-  const uint32_t packs = contact_end_.empty() ? 0 : contact_end_.back();
+  const uint32_t packs = contact_colours_.empty() ? 0 : contact_colours_.back();
   bounces_ =
       std::any_of(contacts_.begin(), contacts_.begin() + packs, [](const auto& p) { return p.bounces != 0; });
   // Loads that joints carry are not known.
@@ -320,7 +309,7 @@ void Solver<T>::solve(const Model& model, State& state, const Pairs& pairs, Hand
   deep_ = false;
   for (uint32_t p = 0; p < packs; ++p) {
     const Wide<T> separation[2] = {contacts_[p].point[0].separation, contacts_[p].point[1].separation};
-    const Wide<T> left = depth_left(contacts_[p], separation, static_cast<T>(settings.push_speed));
+    const Wide<T> left = depth_left(contacts_[p], separation, static_cast<T>(settings.push_out_speed));
     if (any_below(left, Wide<T>::zero())) deep_ = true;
   }
   for (int i = 0; i < settings.steps; ++i) small_step(settings, arena);
@@ -330,23 +319,23 @@ void Solver<T>::solve(const Model& model, State& state, const Pairs& pairs, Hand
 }
 
 template <class T>
-void Solver<T>::store_contacts(const Pairs& pairs, const ContactPadding& padding, State& state) {
+void Solver<T>::store_contacts(const Pairs& pairs, const PenetrationOffsetRule& rule, State& state) {
   const auto ids = state.span<uint32_t>(columns::contact_id);
   const auto impulses = state.span<float>(columns::contact_impulse);
   old_id_.assign(ids.begin(), ids.end());
   old_impulse_.assign(impulses.begin(), impulses.end());
-  const auto pads = state.span<float>(columns::contact_pad);
-  old_pad_.assign(pads.begin(), pads.end());
+  const auto offsets = state.span<float>(columns::contact_offset);
+  old_offset_.assign(offsets.begin(), offsets.end());
   size_t count = 0;
   for (const Hit& h : pairs.hits) count += h.what >= Hit::What::touching;
   for (const auto c :
-       {columns::contact_key, columns::contact_id, columns::contact_impulse, columns::contact_pad}) {
+       {columns::contact_key, columns::contact_id, columns::contact_impulse, columns::contact_offset}) {
     state.resize(c, count);
   }
   uint64_t* key = state.span<uint64_t>(columns::contact_key).data();
   uint32_t* id = state.span<uint32_t>(columns::contact_id).data();
   float* impulse = state.span<float>(columns::contact_impulse).data();
-  float* pad = state.span<float>(columns::contact_pad).data();
+  float* offset = state.span<float>(columns::contact_offset).data();
   size_t next = 0;
   for (const Hit& h : pairs.hits) {
     if (h.what < Hit::What::touching) continue;
@@ -354,7 +343,7 @@ void Solver<T>::store_contacts(const Pairs& pairs, const ContactPadding& padding
     if (h.what == Hit::What::carried) {
       std::copy_n(old_id_.data() + 2 * h.old, 2, id);
       std::copy_n(old_impulse_.data() + 5 * static_cast<size_t>(h.old), 5, impulse);
-      *pad = old_pad_[h.old];
+      *offset = old_offset_[h.old];
     } else {
       const uint32_t place = place_[next++];
       const ContactPack<T>& c = contacts_[place / Wide<T>::kLanes];
@@ -374,10 +363,12 @@ void Solver<T>::store_contacts(const Pairs& pairs, const ContactPadding& padding
           rows_[8 * static_cast<size_t>(c.a[k]) + 3] + rows_[8 * static_cast<size_t>(c.b[k]) + 3];
       const double before = contact.point[0].separation - static_cast<double>(c.point[0].separation[k]);
       const double yields = (1 - c.mass_scale[k]) / (c.mass_scale[k] * c.bias_rate[k]);  // m per m/s of load
-      const ContactPadding own{padding.learnt, kMostPad * yields};
-      *pad = load > 0 ? static_cast<float>(next_pad(before, depth / load, load * mobility, own)) : 0;
+      const PenetrationOffsetRule own{rule.learnt, kMostOffset * yields};
+      *offset = load > 0
+                    ? static_cast<float>(next_penetration_offset(before, depth / load, load * mobility, own))
+                    : 0;
     }
-    id += 2, impulse += 5, ++pad;
+    id += 2, impulse += 5, ++offset;
   }
 }
 

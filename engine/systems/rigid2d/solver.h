@@ -12,10 +12,11 @@
 #include "engine/base/cache_line.h"
 #include "engine/base/parallel.h"
 #include "engine/core/system.h"
-#include "engine/kernels/constraint_colouring.h"
-#include "engine/kernels/contact_pad.h"
+#include "engine/kernels/penetration_offset.h"
 #include "engine/kernels/soft_constraint.h"
 #include "engine/math/wide.h"
+#include "engine/rigid/colours.h"
+#include "engine/rigid/constraint_colouring.h"
 #include "engine/systems/rigid2d/pairs.h"
 #include "engine/systems/rigid2d/solver_joint.h"
 
@@ -30,8 +31,8 @@ struct SolverSettings {
   /// By the number of contacts of the busier body.
   std::array<SoftConstraint<double>, kCrowd + 1> contact, contact_fixed;
   SoftConstraint<double> joint;
-  ContactPadding padding;
-  double push_speed = 3, restitution_speed = 0;
+  PenetrationOffsetRule padding;
+  double push_out_speed = 3, restitution_speed = 0;
 };
 
 /// What users' hands do in a step: forces on bodies, and springs from points to targets.
@@ -97,7 +98,7 @@ class Solver {
   void solve(const Model& model, State& state, const Pairs& pairs, Hands& hands,
              const SolverSettings& settings, const ThreadArena& arena);
   /// Rows of `contact` for the pairs that touch, and those carried along.
-  void store_contacts(const Pairs& pairs, const ContactPadding& padding, State& state);
+  void store_contacts(const Pairs& pairs, const PenetrationOffsetRule& rule, State& state);
 
   /// Motion of a body in this step (m, rad).
   struct Moved {
@@ -122,7 +123,7 @@ class Solver {
                    const SolverSettings& settings);
   JointRow<T> row_of(const Joint& joint, const Pairs& pairs, const SolverSettings& settings,
                      const State& state) const;
-  /// Impulses and pads for contacts of which none continues another.
+  /// Impulses and offsets for contacts of which none continues another.
   void start_contacts(const Pairs& pairs, double h);
   /// The contacts through which bodies at rest carry others, the highest first.
   void list_bearings(const Pairs& pairs, double h);
@@ -135,7 +136,7 @@ class Solver {
   void choose_sprung(const Pairs& pairs);
   void kick(JointPass pass, T h);
   /// Marks the lanes of islands in which a contact is deep, and remembers impulses and velocities.
-  void start_parting(T push_speed);
+  void start_parting(T push_out_speed);
   void small_step(const SolverSettings& settings, const ThreadArena& arena);
   void store_bodies(State& state, double dt, const ThreadArena& arena) const;
   void store_joints(const Model& model, State& state, Hands& hands, const SolverSettings& settings) const;
@@ -144,8 +145,8 @@ class Solver {
   std::vector<uint32_t> movers_;  // body of row i, the moved ones first, then kinematic ones
   uint32_t moved_ = 0;            // rows below take impulses
   Aligned<T> rows_;
-  Aligned<T> push_;  // per row: change of vx vy w per small step, factors of damping
-  Aligned<T> late_;  // per row: shift and angle of bodies that hit within the small step
+  Aligned<T> push_;            // per row: change of vx vy w per small step, factors of damping
+  Aligned<T> toi_correction_;  // per row: shift and angle of bodies that hit within the small step
   bool bounces_ = false;
   std::atomic<bool> deep_ = false;  // some overlap deeply
   Aligned<T> start_;                // rows before the pushes, where some overlap deeply
@@ -153,8 +154,8 @@ class Solver {
   std::vector<uint8_t> parts_;
   Aligned<ContactPack<T>> contacts_;
   Aligned<HingePack<T>> hinges_;
-  std::vector<uint32_t> contact_end_, hinge_end_;  // packs of every colour end here
-  std::vector<JointRow<T>> joints_;                // the drags last
+  std::vector<uint32_t> contact_colours_, hinge_colours_;  // first pack of every colour, and the end
+  std::vector<JointRow<T>> joints_;                        // the drags last
   size_t drags_ = 0;
   std::vector<uint8_t> held_, sprung_;  // rows: something else acts on them; springs alone do
   bool springs_ = false;
@@ -164,7 +165,7 @@ class Solver {
   std::vector<uint8_t> colour_;
   std::vector<uint32_t> order_, place_, hinge_list_;
   std::vector<uint32_t> old_id_, crowd_;  // crowd_: contacts of every row
-  std::vector<float> old_impulse_, old_pad_;
+  std::vector<float> old_impulse_, old_offset_;
   struct Bearing {
     uint32_t upper = 0, lower = 0, pack = 0;  // rows
     int lane = 0;

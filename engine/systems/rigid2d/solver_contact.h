@@ -76,16 +76,16 @@ void separations(const ContactPack<T>& c, const Ends<T>& e, Wide<T> out[2]) {
   }
 }
 
-/// Share of push_speed up to which pushes may leave their speed to the relaxation, which takes back most of
-/// it: walls and towers lean where positions are corrected apart from velocities.
+/// Share of push_out_speed up to which pushes may leave their speed to the relaxation, which takes back most
+/// of it: walls and towers lean where positions are corrected apart from velocities.
 inline constexpr double kGentlePush = 1.0 / 32;
 
 /// Below 0 in lanes that overlap so deeply that a push would be faster than that, and not because of their
 /// load: what a load presses in by itself is held there by as fast a push.
 template <class T>
-Wide<T> depth_left(const ContactPack<T>& c, const Wide<T> separation[2], T push_speed) {
+Wide<T> depth_left(const ContactPack<T>& c, const Wide<T> separation[2], T push_out_speed) {
   using W = Wide<T>;
-  const W gentle = W::all(T(kGentlePush) * push_speed);
+  const W gentle = W::all(T(kGentlePush) * push_out_speed);
   const auto left = [&](int i) { return c.point[i].normal_mass * madd(c.bias_rate, separation[i], gentle); };
   const W load = c.point[0].normal + c.point[1].normal;
   return madd(W::all(2) * c.impulse_scale, load, c.mass_scale * min(left(0), left(1)));
@@ -125,7 +125,7 @@ void take_push_back(ContactPack<T>& c, T* rows, uint32_t moved) {
 /// What a pair may still be pushed apart with (m/s): bodies in many others are not to add up all their
 /// pushes.
 template <class T>
-Wide<T> push_left(const ContactPack<T>& c, const Ends<T>& e, const T* start, T push_speed) {
+Wide<T> push_left(const ContactPack<T>& c, const Ends<T>& e, const T* start, T push_out_speed) {
   using W = Wide<T>;
   const Ends<T> before(start, c.a, c.b);
   const auto gained = [](const W now[8], const W then[8]) {
@@ -135,18 +135,19 @@ Wide<T> push_left(const ContactPack<T>& c, const Ends<T>& e, const T* start, T p
     return sqrt(madd(w * w, now[3] * inertia, madd(x, x, y * y)));
   };
   const W all = gained(e.a, before.a) + gained(e.b, before.b);
-  return max(nmadd(W::all(T(1.2)), all, W::all(push_speed)), W::zero());
+  return max(nmadd(W::all(T(1.2)), all, W::all(push_out_speed)), W::zero());
 }
 
 /// `start`: rows before the pushes of this small step where some overlap deeply, else null. True (in a
 /// relaxation) where a contact is deep.
 template <Pass kPass, class T>
-bool solve_contacts(ContactPack<T>& c, T* rows, uint32_t moved, T inverse_h, T push_speed, const T* start) {
+bool solve_contacts(ContactPack<T>& c, T* rows, uint32_t moved, T inverse_h, T push_out_speed,
+                    const T* start) {
   using W = Wide<T>;
   const W zero = W::zero(), one = W::all(1);
   Ends<T> e(rows, c.a, c.b);
-  W vx, vy, most_push = W::all(push_speed);
-  if (kPass == Pass::bias && start) most_push = push_left(c, e, start, push_speed);
+  W vx, vy, most_push = W::all(push_out_speed);
+  if (kPass == Pass::bias && start) most_push = push_left(c, e, start, push_out_speed);
 
   // Friction first: what keeps bodies apart has the last word. The tangent is the normal turned left.
   W load = zero;
@@ -215,7 +216,7 @@ bool solve_contacts(ContactPack<T>& c, T* rows, uint32_t moved, T inverse_h, T p
     e.push(d * c.nx, d * c.ny, p.ax, p.ay, p.bx, p.by);
   }
   e.store(rows, moved);
-  return kPass == Pass::relax && any_below(depth_left(c, separation, push_speed), zero);
+  return kPass == Pass::relax && any_below(depth_left(c, separation, push_out_speed), zero);
 }
 
 template <class T>

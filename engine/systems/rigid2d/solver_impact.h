@@ -13,8 +13,8 @@ namespace truestep::rigid2d {
 template <class T>
 struct ImpactRows {
   T* rows;
-  const T* push;  ///< vx vy that forces added in the small step, already in `rows`
-  T* late;        ///< shift and angle, to be added at the small step's end
+  const T* push;      ///< vx vy that forces added in the small step, already in `rows`
+  T* toi_correction;  ///< shift and angle, to be added at the small step's end
   uint32_t moved;
 };
 
@@ -85,12 +85,12 @@ bool hit(const ContactPack<T>& c, const ImpactRows<T>& bodies, T h, T threshold)
   e.push(-(drag * c.ny), drag * c.nx, ax, ay, bx, by);
   e.store(bodies.rows, bodies.moved);
 
-  Ends<T> late(bodies.late, c.a, c.b);
+  Ends<T> correction(bodies.toi_correction, c.a, c.b);
   for (int i = 0; i < 3; ++i) {
-    late.a[i] = nmadd(wait, e.a[i] - before.a[i], late.a[i]);
-    late.b[i] = nmadd(wait, e.b[i] - before.b[i], late.b[i]);
+    correction.a[i] = nmadd(wait, e.a[i] - before.a[i], correction.a[i]);
+    correction.b[i] = nmadd(wait, e.b[i] - before.b[i], correction.b[i]);
   }
-  late.store(bodies.late, bodies.moved);
+  correction.store(bodies.toi_correction, bodies.moved);
   return true;
 }
 

@@ -10,15 +10,16 @@ namespace {
 
 constexpr size_t kPackBlock = 64;  // packs a task
 
-/// Where each colour's packs of `lanes` end; what was left over makes packs of one.
-void pack_ends(std::span<const uint32_t, kColours + 1> count, uint32_t lanes, std::vector<uint32_t>& ends) {
-  ends.clear();
+/// First pack of `lanes` of each colour, and the end; what was left over makes packs of one.
+void pack_colours(std::span<const uint32_t, kColours + 1> count, uint32_t lanes,
+                  std::vector<uint32_t>& colours) {
+  colours.assign(1, 0);
   uint32_t packs = 0;
   for (uint32_t c = 0; c < kColours && count[c] > 0; ++c) {
     packs += (count[c] + lanes - 1) / lanes;
-    ends.push_back(packs);
+    colours.push_back(packs);
   }
-  for (uint32_t k = 0; k < count[kColours]; ++k) ends.push_back(++packs);
+  for (uint32_t k = 0; k < count[kColours]; ++k) colours.push_back(++packs);
 }
 
 }  // namespace
@@ -32,7 +33,7 @@ void Solver<T>::fill(ContactPack<T>& c, const uint32_t* hits, int count, const M
   for (int k = 0; k < W::kLanes; ++k) c.a[k] = c.b[k] = still;
   const auto ids = state.span<uint32_t>(columns::contact_id);
   const auto impulses = state.span<float>(columns::contact_impulse),
-             pads = state.span<float>(columns::contact_pad);
+             offsets = state.span<float>(columns::contact_offset);
   const auto t = [](double x) { return static_cast<T>(x); };
   W there[2] = {W::zero(), W::zero()};  // 1 where a lane has that point
   for (int k = 0; k < count; ++k) {
@@ -55,7 +56,7 @@ void Solver<T>::fill(ContactPack<T>& c, const uint32_t* hits, int count, const M
         (c.a[k] < moved_ && c.b[k] < moved_ ? settings.contact : settings.contact_fixed)[crowd];
     c.bias_rate.set(k, t(soft.bias_rate)), c.mass_scale.set(k, t(soft.mass_scale));
     c.impulse_scale.set(k, t(soft.impulse_scale));
-    const double pad = hit.old == kNoPoint ? 0 : pads[hit.old];
+    const double offset = hit.old == kNoPoint ? 0 : offsets[hit.old];
     const double rolling = std::max(a.rolling_resistance, b.rolling_resistance);
     const uint32_t* id = hit.old == kNoPoint ? nullptr : ids.data() + 2 * hit.old;
     const float* old = hit.old == kNoPoint ? nullptr : impulses.data() + 5 * static_cast<size_t>(hit.old);
@@ -69,7 +70,7 @@ void Solver<T>::fill(ContactPack<T>& c, const uint32_t* hits, int count, const M
       auto& p = c.point[i];
       const Vec2 rb = at.at - apart;
       p.ax.set(k, t(at.at.x)), p.ay.set(k, t(at.at.y)), p.bx.set(k, t(rb.x)), p.by.set(k, t(rb.y));
-      p.separation.set(k, t(at.separation - pad));
+      p.separation.set(k, t(at.separation - offset));
       there[i].set(k, 1);
       for (uint32_t m = 0; m < 2 && id; ++m) {
         if (id[m] == at.id) p.normal.set(k, old[m]), p.tangent.set(k, old[2 + m]);
@@ -120,8 +121,8 @@ void Solver<T>::pack_contacts(const Model& model, const State& state, const Pair
   std::array<uint32_t, kColours + 1> count;
   colour_constraints(ends_, used_, colour_, count);
   sort_by_colour(colour_, count, order_);
-  pack_ends(count, kLanes, contact_end_);
-  const uint32_t packs = contact_end_.empty() ? 0 : contact_end_.back();
+  pack_colours(count, kLanes, contact_colours_);
+  const uint32_t packs = contact_colours_.empty() ? 0 : contact_colours_.back();
   if (contacts_.size() < packs) contacts_.resize(packs);
   // Every colour starts a new pack: where a pack's hits begin in the order.
   std::vector<uint32_t>& first = hinge_list_;
@@ -207,8 +208,8 @@ void Solver<T>::pack_joints(const Model& model, const State& state, const Pairs&
   std::array<uint32_t, kColours + 1> count;
   colour_constraints(ends_, used_, colour_, count);
   sort_by_colour(colour_, count, order_);
-  pack_ends(count, kLanes, hinge_end_);
-  hinges_.resize(hinge_end_.empty() ? 0 : hinge_end_.back());
+  pack_colours(count, kLanes, hinge_colours_);
+  hinges_.resize(hinge_colours_.empty() ? 0 : hinge_colours_.back());
   const auto still = static_cast<uint32_t>(movers_.size());
   const auto t = [](double x) { return static_cast<T>(x); };
   size_t at = 0, pack = 0;

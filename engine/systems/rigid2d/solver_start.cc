@@ -2,14 +2,14 @@
 // and a sweep passes a load on by a row or two, so that a tall pile would plunge before its lowest contacts
 // knew of its top. Where no contact continues another, loads are handed down once, from the highest body to
 // the lowest: what a body carries and weighs is shared by the contacts below it as  N_c = load cos_c / sum
-// cos^2  (cos between normal and vertical), and the pads of these contacts start as thick as they give way
+// cos^2  (cos between normal and vertical), and the offsets of these contacts start as thick as they give way
 // under N_c. Exact for stacks, near it for piles of boxes; the sweeps correct the rest. Islands with a body
 // whose load lies beside what it rests on start without: they topple, and springs under load would throw them
 // up. It knows nothing of thrust along the horizontal (arches).
 #include <algorithm>
 #include <cmath>
 
-#include "engine/kernels/islands.h"
+#include "engine/rigid/islands.h"
 #include "engine/systems/rigid2d/solver_contact.h"
 
 namespace truestep::rigid2d {
@@ -27,7 +27,7 @@ void Solver<T>::list_bearings(const Pairs& pairs, double h) {
   const double speed = flat::norm(pull);
   if (!(speed > 0)) return;
   const Vec2 up = (-1 / speed) * pull;
-  for (uint32_t p = 0; p < contact_end_.back(); ++p) {
+  for (uint32_t p = 0; p < contact_colours_.back(); ++p) {
     const ContactPack<T>& c = contacts_[p];
     for (int k = 0; k < Wide<T>::kLanes; ++k) {
       // Held apart by more than it falls in a small step, or about to hit: not a bearing.
@@ -66,17 +66,18 @@ void Solver<T>::start_contacts(const Pairs& pairs, double h) {
     if (!parts_[b.upper]) continue;
     ContactPack<T>& c = contacts_[b.pack];
     const int points = c.point[1].normal_mass[b.lane] > 0 ? 2 : 1;
-    double pad = 0;
+    double offset = 0;
     for (int i = 0; i < points; ++i) {
       auto& p = c.point[i];
       p.normal.set(b.lane, static_cast<T>(normal / points));
       // Rest of the soft constraint:  x (1 - scale) = -mass scale bias_rate C.
-      pad += normal / points * (1 - static_cast<double>(c.mass_scale[b.lane])) /
-             static_cast<double>(c.mass_scale[b.lane] * c.bias_rate[b.lane] * p.normal_mass[b.lane]) / points;
+      offset += normal / points * (1 - static_cast<double>(c.mass_scale[b.lane])) /
+                static_cast<double>(c.mass_scale[b.lane] * c.bias_rate[b.lane] * p.normal_mass[b.lane]) /
+                points;
     }
     for (int i = 0; i < points; ++i) {
       auto& p = c.point[i];
-      p.separation.set(b.lane, p.separation[b.lane] - static_cast<T>(pad));
+      p.separation.set(b.lane, p.separation[b.lane] - static_cast<T>(offset));
     }
   }
 }

@@ -97,7 +97,7 @@ BodyKind build_kind(const AnyBodyDef& any, const Rigid3dDef& def) {
   k.spinning = d.spinning_resistance.value_or(def.spinning_resistance);
   k.linear_damping = d.linear_damping, k.angular_damping = d.angular_damping;
   k.gravity_scale = d.gravity_scale;
-  k.group = static_cast<uint32_t>(d.group), k.mask = static_cast<uint32_t>(d.mask);
+  k.category = static_cast<uint32_t>(d.category), k.mask = static_cast<uint32_t>(d.mask);
   const auto place = [&](const MakeSolid& make) {
     k.solid = std::visit(make, any);
     if (const auto* compound = std::get_if<CompoundBodyDef>(&any)) k.parts = make.parts(*compound);

@@ -23,7 +23,7 @@ struct BodyKind {
   double linear_damping = 0, angular_damping = 0, gravity_scale = 1;
   Vec3 force, torque;        ///< N, N m, constant, in the world or in the body's axes
   bool force_turns = false;  ///< with the body
-  uint32_t group = 1, mask = ~0u;
+  uint32_t category = 1, mask = ~0u;
   bool sensor = false;
   bool turned_round = false;  ///< is a cylinder or has one
   std::optional<Vec3> color;

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-#include "engine/kernels/islands.h"
+#include "engine/rigid/islands.h"
 
 namespace truestep::rigid3d {
 
@@ -45,7 +45,7 @@ int BucklingWatch::substeps(const State& s, std::span<const BodyKind> kinds, con
   const auto load = [&](size_t k) {
     return (impulse[4 * k] + impulse[4 * k + 1] + impulse[4 * k + 2] + impulse[4 * k + 3]) / substep;
   };
-  const auto pad = s.f64(columns::contact_pad);
+  const auto offset = s.f64(columns::contact_offset);
   bool tall = false;
   double gives_way = 0;  // of what it may
   for (size_t k = 0; k < contacts; ++k) {
@@ -58,7 +58,7 @@ int BucklingWatch::substeps(const State& s, std::span<const BodyKind> kinds, con
     }
     if (!(load(k) > kTallLoad * lightest * g)) continue;
     tall = true;
-    if (stands) gives_way = std::max(gives_way, pad[k] / (kMostGive * smallest));
+    if (stands) gives_way = std::max(gives_way, offset[k] / (kMostGive * smallest));
   }
   if (!tall) return settings.substeps;
 

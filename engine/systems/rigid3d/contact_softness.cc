@@ -7,7 +7,7 @@ namespace truestep::rigid3d {
 namespace {
 
 /// Pads rest while depths are below this share of them.
-constexpr double kPadSlack = 0.5;
+constexpr double kOffsetSlack = 0.5;
 /// Contacts are springs of this share of the substeps' rate; from 0.14 on slow modes of walls grow
 /// (docs/standing.md).
 constexpr double kContactHertzShare = 0.13;
@@ -23,12 +23,12 @@ double contact_rate(const SolverSettings& settings, double h) {
 }
 
 SoftConstraint<double> contact_softness(const SolverSettings& settings, double h) {
-  return soft_constraint<double>(hertz_at(settings, 1 / h), settings.contact_damping, h);
+  return soft_constraint<double>(hertz_at(settings, 1 / h), settings.contact_damping_ratio, h);
 }
 
-ContactPadding contact_padding(const SolverSettings& settings, double h) {
+PenetrationOffsetRule penetration_offset_rule(const SolverSettings& settings, double h) {
   const double rate = settings.substeps / h;
-  return truestep::contact_padding(hertz_at(settings, rate), rate, h, kPadSlack);
+  return truestep::penetration_offset_rule(hertz_at(settings, rate), rate, h, kOffsetSlack);
 }
 
 }  // namespace truestep::rigid3d

@@ -1,8 +1,8 @@
-// How stiff the contacts of a scene are, and how their pads follow their loads (contact_pad.h).
+// How stiff the contacts of a scene are, and how their offsets follow their loads (penetration_offset.h).
 #pragma once
 #include <optional>
 
-#include "engine/kernels/contact_pad.h"
+#include "engine/kernels/penetration_offset.h"
 #include "engine/kernels/soft_constraint.h"
 
 namespace truestep::rigid3d {
@@ -12,7 +12,7 @@ struct SolverSettings {
   double restitution_speed = 0;  ///< m/s
   double push_out_speed = 3;
   std::optional<double> contact_hertz;  ///< absent: a fixed share of the substeps' rate
-  double contact_damping = 10;
+  double contact_damping_ratio = 10;
 };
 
 /// rad/s of contacts as springs, for substeps of h (s).
@@ -22,6 +22,6 @@ double contact_rate(const SolverSettings& settings, double h);
 SoftConstraint<double> contact_softness(const SolverSettings& settings, double h);
 
 /// For steps of h (s).
-ContactPadding contact_padding(const SolverSettings& settings, double h);
+PenetrationOffsetRule penetration_offset_rule(const SolverSettings& settings, double h);
 
 }  // namespace truestep::rigid3d

@@ -16,12 +16,12 @@ constexpr double kSameNormal = 0.98;
 using Part = BodyNow::Part;
 
 bool touch_allowed(const BodyKind& a, const BodyKind& b) {
-  return (a.group & b.mask) && (b.group & a.mask) && (a.moved_by_forces() || b.moved_by_forces());
+  return (a.category & b.mask) && (b.category & a.mask) && (a.moved_by_forces() || b.moved_by_forces());
 }
 
 }  // namespace
 
-void ContactList::look_at_bodies(const State& s, std::span<const BodyKind> kinds, const StepInput& in) {
+void ContactList::update_bounds(const State& s, std::span<const BodyKind> kinds, const StepInput& in) {
   const double h = in.h;
   const size_t n = s.rows(columns::position);
   const double *x = s.f64(columns::position).data(), *q = s.f64(columns::orientation).data();
@@ -38,13 +38,13 @@ void ContactList::look_at_bodies(const State& s, std::span<const BodyKind> kinds
     const bool moves = velocity != Vec3{} || turn != Vec3{};
     b.part = k.motion == BodyDef::Motion::fixed ? Part::fixed
              : k.moved_by_forces()              ? (asleep[i] ? Part::resting : Part::active)
-             : moves                            ? Part::driven
+             : moves                            ? Part::kinematic
                                                 : Part::fixed;
     b.margin = std::min(kMarginShare * k.reach, kMostMargin) + std::abs(k.gravity_scale) * fall;
     // A plane reaches for ever.
     b.turn_speed = turn == Vec3{} ? 0 : std::min(norm(turn) * k.reach, k.reach / h);
     mobility_[i] = k.motion == BodyDef::Motion::fixed ? Mobility::fixed : Mobility::moving;
-    if (k.mask == 0 || k.group == 0) {
+    if (k.mask == 0 || k.category == 0) {
       boxes_[i] = Box::nothing();
       continue;
     }
@@ -67,7 +67,7 @@ void ContactList::narrow_phase(const State& s, std::span<const BodyKind> kinds, 
   const double fat = 0.05;
   for (const BodyPair& p : broad_.update(boxes_, mobility_, fat)) {
     const bool active = bodies_[p.a].part == Part::active || bodies_[p.b].part == Part::active ||
-                        bodies_[p.a].part == Part::driven || bodies_[p.b].part == Part::driven;
+                        bodies_[p.a].part == Part::kinematic || bodies_[p.b].part == Part::kinematic;
     if (!active || !touch_allowed(kinds[kind[p.a]], kinds[kind[p.b]])) continue;
     if (joined(p.a, p.b)) continue;
     pairs_.push_back(p);
@@ -132,10 +132,10 @@ void ContactList::find(State& s, std::span<const BodyKind> kinds, std::span<cons
     joined_.push_back(uint64_t{low} << 32 | high);
   }
   std::sort(joined_.begin(), joined_.end());
-  look_at_bodies(s, kinds, in);
+  update_bounds(s, kinds, in);
   narrow_phase(s, kinds, in);
   if (wake(s, kinds)) {
-    look_at_bodies(s, kinds, in);
+    update_bounds(s, kinds, in);
     narrow_phase(s, kinds, in);
   }
   match(s);
@@ -164,11 +164,12 @@ void ContactList::match_pair(const State& s, std::span<Contact* const> contacts,
   const auto ids = s.span<uint32_t>(columns::contact_ids);
   const double *impulse = s.f64(columns::contact_impulse).data(),
                *normal = s.f64(columns::contact_normal).data();
-  const double *friction = s.f64(columns::contact_friction).data(), *pad = s.f64(columns::contact_pad).data(),
+  const double *friction = s.f64(columns::contact_friction).data(),
+               *offset = s.f64(columns::contact_offset).data(),
                *uneven = s.f64(columns::contact_uneven).data();
   const auto go_on = [&](Contact& c, size_t r) {
     c.slide = {friction[4 * r], friction[4 * r + 1], friction[4 * r + 2]};
-    c.twist = friction[4 * r + 3], c.pad = pad[r];
+    c.twist = friction[4 * r + 3], c.penetration_offset = offset[r];
     c.roll = load3(s.f64(columns::contact_roll).data(), r), claimed_[r] = 1;
   };
   bool strangers = false;
@@ -203,7 +204,7 @@ void ContactList::match_pair(const State& s, std::span<Contact* const> contacts,
     for (int p = 0; p < c->manifold.count && came > 0 && left > 0; ++p) {
       if (known[p]) continue;
       c->impulse[p] = left / came;
-      c->uneven[p] = std::clamp(lifted / left, -c->pad, c->pad);
+      c->uneven[p] = std::clamp(lifted / left, -c->penetration_offset, c->penetration_offset);
     }
   }
   if (!strangers) return;
@@ -243,7 +244,7 @@ void ContactList::store(State& s) {
     std::copy_n(&s.f64(columns::contact_uneven)[4 * old], 4, r.uneven);
     std::copy_n(&s.f64(columns::contact_friction)[4 * old], 4, r.friction);
     std::copy_n(&s.f64(columns::contact_roll)[3 * old], 3, r.roll);
-    r.depth = s.f64(columns::contact_depth)[old], r.pad = s.f64(columns::contact_pad)[old];
+    r.depth = s.f64(columns::contact_depth)[old], r.penetration_offset = s.f64(columns::contact_offset)[old];
   }
   const size_t n = contacts_.size() + rows_.size();
   for (State::Column c = columns::contact_bodies; c < columns::contacts_end; ++c) s.resize(c, n);
@@ -251,7 +252,7 @@ void ContactList::store(State& s) {
   const auto new_ids = s.span<uint32_t>(columns::contact_ids);
   const auto normal = s.f64(columns::contact_normal), impulse = s.f64(columns::contact_impulse);
   const auto friction = s.f64(columns::contact_friction), roll = s.f64(columns::contact_roll);
-  const auto depth = s.f64(columns::contact_depth), pad = s.f64(columns::contact_pad);
+  const auto depth = s.f64(columns::contact_depth), offset = s.f64(columns::contact_offset);
   const auto uneven = s.f64(columns::contact_uneven);
   const auto put_resting = [&](size_t k, const Row& r) {
     std::copy_n(r.bodies, 2, &new_bodies[2 * k]);
@@ -261,7 +262,7 @@ void ContactList::store(State& s) {
     std::copy_n(r.uneven, 4, &uneven[4 * k]);
     std::copy_n(r.friction, 4, &friction[4 * k]);
     std::copy_n(r.roll, 3, &roll[3 * k]);
-    depth[k] = r.depth, pad[k] = r.pad;
+    depth[k] = r.depth, offset[k] = r.penetration_offset;
   };
   const auto put = [&](size_t k, const Contact& c) {
     const Manifold& m = c.manifold;
@@ -275,7 +276,7 @@ void ContactList::store(State& s) {
     store3(normal.data(), k, m.normal), store3(roll.data(), k, c.roll);
     friction[4 * k] = c.slide.x, friction[4 * k + 1] = c.slide.y, friction[4 * k + 2] = c.slide.z;
     friction[4 * k + 3] = c.twist;
-    depth[k] = m.deepest(), pad[k] = c.pad;
+    depth[k] = m.deepest(), offset[k] = c.penetration_offset;
   };
   const auto key = [](uint32_t a, uint32_t b) { return uint64_t{a} << 32 | b; };
   size_t resting_row = 0, k = 0;

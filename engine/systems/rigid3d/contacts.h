@@ -16,8 +16,8 @@ struct Contact {
   uint32_t a = 0, b = 0;  ///< rows, a < b
   Manifold manifold;
   double impulse[Manifold::kMost] = {};  ///< N s, of one substep
-  double pad = 0;                        ///< m between the surfaces when nothing presses
-  double uneven[Manifold::kMost] = {};   ///< m by which a point's pad is thicker than that
+  double penetration_offset = 0;         ///< m between the surfaces when nothing presses
+  double uneven[Manifold::kMost] = {};   ///< m by which a point's offset is thicker than that
   Vec3 slide;                            ///< N s, on b along the plane
   double twist = 0;                      ///< N m s, about the normal
   Vec3 roll;                             ///< N m s
@@ -28,7 +28,7 @@ struct BodyNow {
   Transform at;
   double margin = 0;      ///< m, distance at which contacts of a slow body begin
   double turn_speed = 0;  ///< m/s of its outermost point by turning
-  enum class Part : uint8_t { fixed, driven, resting, active } part = Part::fixed;
+  enum class Part : uint8_t { fixed, kinematic, resting, active } part = Part::fixed;
 };
 
 class ContactList {
@@ -51,7 +51,7 @@ class ContactList {
   }
 
  private:
-  void look_at_bodies(const State& s, std::span<const BodyKind> kinds, const StepInput& in);
+  void update_bounds(const State& s, std::span<const BodyKind> kinds, const StepInput& in);
   void narrow_phase(const State& s, std::span<const BodyKind> kinds, const StepInput& in);
   bool wake(State& s, std::span<const BodyKind> kinds);
   void match(const State& s);
@@ -59,7 +59,7 @@ class ContactList {
 
   struct Row {
     uint32_t bodies[2], ids[5];
-    double normal[3], impulse[4], uneven[4], friction[4], roll[3], depth, pad;
+    double normal[3], impulse[4], uneven[4], friction[4], roll[3], depth, penetration_offset;
   };
   BroadPhase broad_;
   std::vector<BodyNow> bodies_;

@@ -4,8 +4,8 @@
 #include <set>
 
 #include "engine/base/errors.h"
-#include "engine/kernels/constraint_colouring.h"
 #include "engine/kernels/free_rotation.h"
+#include "engine/rigid/constraint_colouring.h"
 #include "engine/systems/rigid3d/joints.h"
 
 namespace truestep::rigid3d {

@@ -308,11 +308,12 @@ const DefTable& gear_table() {
   static const DefTable t = [] {
     using D = GearJointDef;
     TableOf<D> table(
-        "coordinate of one joint + ratio * coordinate of another stays: angles of hinges, lengths of "
-        "sliders");
+        "coordinate of one joint + ratio * coordinate of another stays: angles of revolute joints, lengths "
+        "of "
+        "prismatic ones");
     table.text("id", &D::id, "its torque is then observed as joint.ID.torque")
         .integer("first", &D::first, between(0, kMostJoints),
-                 "row of a hinge or slider; entries count repeat times")
+                 "row of a revolute or prismatic joint; entries count repeat times")
         .integer("second", &D::second, between(0, kMostJoints), "row of the other")
         .number("ratio", &D::ratio, "1", any(),
                 "turns of first per turn of second backwards; for a rack m/rad or rad/m")
@@ -328,10 +329,10 @@ const DefTable& gear_table() {
 }  // namespace
 
 std::vector<std::pair<std::string, const DefTable*>> joint_tables() {
-  return {{"ball", &ball_table()},
-          {"fixed", &fixed_table()},
-          {"hinge", &hinge_table()},
-          {"slider", &slider_table()},
+  return {{"spherical|ball", &ball_table()},
+          {"fixed|weld", &fixed_table()},
+          {"revolute|hinge|pin", &hinge_table()},
+          {"prismatic|slider", &slider_table()},
           {"cylindrical", &cylindrical_table()},
           {"plane", &plane_table()},
           {"distance", &distance_table()},

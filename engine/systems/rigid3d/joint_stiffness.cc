@@ -5,8 +5,8 @@
 #include <cmath>
 
 #include "engine/kernels/joint_drives3.h"
+#include "engine/rigid/lanes.h"
 #include "engine/systems/rigid3d/joints.h"
-#include "engine/systems/rigid3d/solver_lanes.h"
 
 namespace truestep::rigid3d {
 namespace {

@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "engine/kernels/constraint_colouring.h"
 #include "engine/kernels/free_rotation.h"
 #include "engine/math/trig.h"
+#include "engine/rigid/constraint_colouring.h"
 
 namespace truestep::rigid3d {
 namespace {

@@ -6,9 +6,10 @@
 #include "engine/base/errors.h"
 #include "engine/kernels/free_rotation.h"
 #include "engine/kernels/impact_limits.h"
-#include "engine/kernels/islands.h"
-#include "engine/kernels/sleeping.h"
 #include "engine/math/trig.h"
+#include "engine/rigid/islands.h"
+#include "engine/rigid/sleeping.h"
+#include "engine/rigid/toi_clamp.h"
 #include "engine/systems/rigid3d/forces.h"
 
 namespace truestep::rigid3d {
@@ -28,8 +29,6 @@ Vec3 turned(const Quat& from, const Quat& to) {
   const Quat d = to * Quat{from.w, -from.x, -from.y, -from.z};
   return Vec3{d.x, d.y, d.z} * (d.w < 0 ? -2.0 : 2.0);
 }
-/// Radius of the ball within a fast body that passes nothing, as a share of the body's inner radius.
-constexpr double kCore = 0.25;
 
 }  // namespace
 
@@ -42,7 +41,8 @@ Rigid3d::Rigid3d(const Rigid3dDef& def, const BuildContext& context)
       sleep_speed_(def.sleep_speed),
       sleep_time_(def.sleep_time),
       most_bodies_(bodies_.starts.size() + kSpare) {
-  settings_ = {static_cast<int>(def.substeps), 0, def.push_out_speed, def.contact_hertz, def.contact_damping};
+  settings_ = {static_cast<int>(def.substeps), 0, def.push_out_speed, def.contact_hertz,
+               def.contact_damping_ratio};
   double fastest = 0;
   for (const BodyStart& b : bodies_.starts)
     fastest = std::max({fastest, norm(b.velocity), norm(b.angular_velocity),
@@ -55,16 +55,16 @@ Rigid3d::Rigid3d(const Rigid3dDef& def, const BuildContext& context)
       if (!all_asleep(s)) (this->*run)(s, in);
     };
   };
-  add_stage("forces", "gravity and pushes", awake(&Rigid3d::push));
+  add_stage("forces", "gravity and pushes", awake(&Rigid3d::apply_forces));
   add_stage("substeps", "more for tall columns", awake(&Rigid3d::choose_substeps));
   add_stage("contacts", "which bodies touch, and where", awake(&Rigid3d::find_contacts));
   add_stage("solve",
             "bodies that touch, in substeps; " + says_slowest_bounce(restitution_speed(gravity_, context.dt)),
             awake(&Rigid3d::solve));
-  add_stage("fly", "bodies that touch nothing", awake(&Rigid3d::fly));
+  add_stage("integrate_free", "bodies that touch nothing", awake(&Rigid3d::integrate_free));
   add_stage("fast bodies", "none passes another within a step", awake(&Rigid3d::stop_fast_bodies));
   if (def.sleeping) {
-    add_stage("sleep", "groups that rest are left alone", awake(&Rigid3d::rest));
+    add_stage("sleep", "groups that rest are left alone", awake(&Rigid3d::update_sleeping));
   } else {
     skip_stage("sleep", "switched off");
   }
@@ -91,7 +91,7 @@ bool Rigid3d::all_asleep(const State& s) const {
   return true;
 }
 
-void Rigid3d::push(State& s, const StepInput& in) const {
+void Rigid3d::apply_forces(State& s, const StepInput& in) const {
   collect_forces(s, bodies_.kinds, in.h, scratch(in).change, scratch(in).twist);
 }
 
@@ -121,8 +121,8 @@ void Rigid3d::choose_substeps(State& s, const StepInput& in) const {
   }
   // Pads are what the contacts' springs give way.
   if (!settings_.contact_hertz) {
-    for (const auto c : {columns::contact_pad, columns::contact_uneven}) {
-      for (double& pad : s.f64(c)) pad *= share * share;
+    for (const auto c : {columns::contact_offset, columns::contact_uneven}) {
+      for (double& offset : s.f64(c)) offset *= share * share;
     }
   }
   substep = in.h / next;
@@ -174,7 +174,7 @@ void Rigid3d::solve(State& s, const StepInput& in) const {
   scratch.contacts.store(s);
 }
 
-void Rigid3d::fly(State& s, const StepInput& in) const {
+void Rigid3d::integrate_free(State& s, const StepInput& in) const {
   Scratch& scratch = Rigid3d::scratch(in);
   const auto slot =
       precision_ == Rigid3dDef::Precision::f32 ? scratch.solver32.slots() : scratch.solver64.slots();
@@ -185,7 +185,7 @@ void Rigid3d::fly(State& s, const StepInput& in) const {
   const double h = in.h;
   in.arena.for_blocks(kind.size(), kBlockRows, [&](size_t begin, size_t end) {
     for (size_t i = begin; i < end; ++i) {
-      if (now[i].part == Part::driven) {
+      if (now[i].part == Part::kinematic) {
         store3(x, i, load3(x, i) + load3(v, i) * h);
         store_quat(q, i, normalized(free_rotation::turn(load3(w, i) * h) * load_quat(q, i)));
         continue;
@@ -224,7 +224,7 @@ void Rigid3d::stop_fast_bodies(State& s, const StepInput& in) const {
   double* v = s.f64(columns::velocity).data();
   const auto pose = [&](size_t i) { return Pose{load3(x, i), load_quat(q, i)}; };
   const auto sweep = [&](size_t i) {
-    return now[i].part == Part::active || now[i].part == Part::driven
+    return now[i].part == Part::active || now[i].part == Part::kinematic
                ? sweep_between(scratch.before[i], pose(i))
                : resting(scratch.before[i]);
   };
@@ -241,17 +241,18 @@ void Rigid3d::stop_fast_bodies(State& s, const StepInput& in) const {
     if (now[i].part != Part::active) continue;
     const BodyKind& k = bodies_.kinds[kind[i]];
     const double move = norm(load3(x, i) - scratch.before[i].position);
-    if (k.sensor || move + in.h * now[i].turn_speed < 0.5 * k.inner) continue;
+    if (k.sensor || !may_pass_through(move + in.h * now[i].turn_speed, k.inner)) continue;
     Box box = bounds(k.solid, now[i].at);
     box.cover(bounds(k.solid, transform_of(pose(i))));
     scratch.near.clear();
     scratch.contacts.broad_phase().overlapping(box, [&](uint32_t j) { scratch.near.push_back(j); });
     const Sweep own = sweep(i);
-    const Solid core = sphere_solid(kCore * k.inner);
+    const Solid core = sphere_solid(kToiCore * k.inner);
     double first = 1;
     for (const uint32_t j : scratch.near) {
       const BodyKind& o = bodies_.kinds[kind[j]];
-      if (j == i || o.sensor || !(k.group & o.mask) || !(o.group & k.mask) || scratch.contacts.joined(i, j)) {
+      if (j == i || o.sensor || !(k.category & o.mask) || !(o.category & k.mask) ||
+          scratch.contacts.joined(i, j)) {
         continue;
       }
       // What touches from the start may move on, but never so far that its core goes through.
@@ -279,22 +280,22 @@ void Rigid3d::stop_fast_bodies(State& s, const StepInput& in) const {
   }
 }
 
-void Rigid3d::rest(State& s, const StepInput& in) const {
+void Rigid3d::update_sleeping(State& s, const StepInput& in) const {
   Scratch& scratch = Rigid3d::scratch(in);
   const auto now = scratch.contacts.bodies();
   const size_t n = now.size();
   const auto kind = s.span<uint32_t>(columns::kind);
-  const auto calm = s.f64(columns::calm_time);
+  const auto calm = s.f64(columns::sleep_timer);
   double *v = s.f64(columns::velocity).data(), *w = s.f64(columns::angular_velocity).data();
   // What rests presses on something, and all that it leans on ends at something that does not move. Bodies
   // that touch in space go on for ever.
-  scratch.parent.resize(n), scratch.calm.assign(n, 0), scratch.adrift.assign(n, 1);
+  scratch.parent.resize(n), scratch.rested.assign(n, 0), scratch.adrift.assign(n, 1);
   start_islands(scratch.parent);
   const auto holds = [&](uint32_t i) { return i == kNoBody || now[i].part == Part::fixed; };
   for (const Contact* c : scratch.contacts.all()) {
     const bool a = now[c->a].part == Part::active, b = now[c->b].part == Part::active;
-    if (a) scratch.calm[c->a] = 1;
-    if (b) scratch.calm[c->b] = 1;
+    if (a) scratch.rested[c->a] = 1;
+    if (b) scratch.rested[c->b] = 1;
     if (a && b) link_islands(scratch.parent, c->a, c->b);
     if (a == b || !holds(a ? c->b : c->a)) continue;
     if (std::any_of(c->impulse, c->impulse + c->manifold.count, [](double l) { return l > 0; })) {
@@ -306,7 +307,7 @@ void Rigid3d::rest(State& s, const StepInput& in) const {
     if (s.span<uint32_t>(columns::joint_broken)[k / 2]) continue;
     const uint32_t a = held[k], b = held[k + 1];
     for (const uint32_t i : {a, b}) {
-      if (i != kNoBody && now[i].part == Part::active) scratch.calm[i] = 1;
+      if (i != kNoBody && now[i].part == Part::active) scratch.rested[i] = 1;
     }
     if (a != kNoBody && b != kNoBody && now[a].part == Part::active && now[b].part == Part::active) {
       link_islands(scratch.parent, a, b);
@@ -324,21 +325,21 @@ void Rigid3d::rest(State& s, const StepInput& in) const {
     const double speed = d.wants == Drive::Wants::speed ? motor[0] : off * d.servo_rate;
     if (!(std::abs(speed) > kMotorAtRest * sleep_speed_) || motor[1] == 0) continue;
     for (const uint32_t i : {held[2 * d.joint], held[2 * d.joint + 1]}) {
-      if (i != kNoBody) scratch.calm[i] = 0;
+      if (i != kNoBody) scratch.rested[i] = 0;
     }
   }
   const SleepRule rule{sleep_speed_, sleep_time_};
   const double *x = s.f64(columns::position).data(), *q = s.f64(columns::orientation).data();
-  double *x0 = s.f64(columns::calm_position).data(), *q0 = s.f64(columns::calm_orientation).data();
-  double* middle = s.f64(columns::calm_middle).data();
+  double *x0 = s.f64(columns::sleep_position).data(), *q0 = s.f64(columns::sleep_orientation).data();
+  double* middle = s.f64(columns::sleep_middle).data();
   for (size_t i = 0; i < n; ++i) {
     if (now[i].part != Part::active) continue;
     const double reach = bodies_.kinds[kind[i]].reach;
-    if (bodies_.kinds[kind[i]].forced()) scratch.calm[i] = 0;
+    if (bodies_.kinds[kind[i]].forced()) scratch.rested[i] = 0;
     if (calm[i] == 0) store3(x0, i, load3(x, i)), store_quat(q0, i, load_quat(q, i));
     const double speed = std::sqrt(norm2(load3(v, i)) + norm2(load3(w, i)) * (reach * reach));
     const Vec3 shift = load3(x, i) - load3(x0, i), turn = turned(load_quat(q0, i), load_quat(q, i));
-    const bool may_rest = scratch.calm[i] > 0 && (!scratch.adrift[i] || speed == 0);
+    const bool may_rest = scratch.rested[i] > 0 && (!scratch.adrift[i] || speed == 0);
     const double before = calm[i];
     calm[i] = may_rest ? rest_after(before, in.h, speed, norm(shift) + reach * norm(turn), rule) : 0;
     if (before <= 0.5 * rule.time) store3(middle, 2 * i, shift), store3(middle, 2 * i + 1, turn);
@@ -346,11 +347,11 @@ void Rigid3d::rest(State& s, const StepInput& in) const {
       const Vec3 aside = load3(middle, 2 * i) - 0.5 * shift, twist = load3(middle, 2 * i + 1) - 0.5 * turn;
       if (norm(aside) + reach * norm(twist) > rule.bend()) calm[i] = 0;
     }
-    scratch.calm[i] = calm[i];
+    scratch.rested[i] = calm[i];
   }
-  spread_minimum<double>(scratch.parent, scratch.calm);
+  spread_minimum<double>(scratch.parent, scratch.rested);
   for (size_t i = 0; i < n; ++i) {
-    if (now[i].part != Part::active || scratch.calm[i] == 0 || scratch.calm[i] < sleep_time_) continue;
+    if (now[i].part != Part::active || scratch.rested[i] == 0 || scratch.rested[i] < sleep_time_) continue;
     s.span<uint32_t>(columns::asleep)[i] = 1;
     store3(v, i, Vec3{}), store3(w, i, Vec3{});
   }

@@ -47,7 +47,7 @@ class Rigid3d final : public StagedSystem {
     std::vector<Vec3> change, twist;
     std::vector<Pose> before;
     std::vector<uint32_t> parent;
-    std::vector<double> calm;
+    std::vector<double> rested;
     std::vector<uint8_t> adrift;  ///< 1: nothing that does not move holds the body's island
     std::vector<uint32_t> near;
     std::vector<std::pair<uint32_t, double>> stopped;
@@ -56,16 +56,16 @@ class Rigid3d final : public StagedSystem {
   static Scratch& scratch(const StepInput& in);
   /// Whether contacts of the last step are mostly of bodies that turn far in a step of h.
   bool contacts_turn_fast(const State& s, double h) const;
-  void push(State& s, const StepInput& in) const;
+  void apply_forces(State& s, const StepInput& in) const;
   int substeps(const State& s, double h) const;
   void choose_substeps(State& s, const StepInput& in) const;
   void find_contacts(State& s, const StepInput& in) const;
   void solve(State& s, const StepInput& in) const;
   /// m/s, as given or by gravity.
   double restitution_speed(const Vec3& gravity, double dt) const;
-  void fly(State& s, const StepInput& in) const;
+  void integrate_free(State& s, const StepInput& in) const;
   void stop_fast_bodies(State& s, const StepInput& in) const;
-  void rest(State& s, const StepInput& in) const;
+  void update_sleeping(State& s, const StepInput& in) const;
   bool all_asleep(const State& s) const;
   void set_parameter(State& s, const Command& c) const;
   size_t checked_body(const State& s, const Command& c) const;

@@ -96,7 +96,7 @@ void Rigid3d::apply(State& s, const Command& c) const {
 void Rigid3d::set_parameter(State& s, const Command& c) const {
   const auto wake_all = [&] {
     for (size_t i = 0; i < s.rows(columns::asleep); ++i) {
-      s.span<uint32_t>(columns::asleep)[i] = 0, s.f64(columns::calm_time)[i] = 0;
+      s.span<uint32_t>(columns::asleep)[i] = 0, s.f64(columns::sleep_timer)[i] = 0;
     }
   };
   if (c.name == "gravity") {

@@ -48,7 +48,7 @@ TableOf<D>& add_common(TableOf<D>& t) {
   std::optional<double> D::*restitution = &BodyDef::restitution;
   std::optional<double> D::*rolling = &BodyDef::rolling_resistance;
   std::optional<double> D::*spinning = &BodyDef::spinning_resistance;
-  int64_t D::*group = &BodyDef::group;
+  int64_t D::*category = &BodyDef::category;
   int64_t D::*mask = &BodyDef::mask;
   bool D::*sensor = &BodyDef::sensor;
   std::optional<Vec3> D::*color = &BodyDef::color;
@@ -84,8 +84,9 @@ TableOf<D>& add_common(TableOf<D>& t) {
               "torque against rolling per normal force; the larger counts")
       .number("spinning_resistance", spinning, "m", at_least(0),
               "torque against spinning on the spot per normal force")
-      .integer("group", group, between(0, 0xffffffff), "bits of the groups that it is in")
-      .integer("mask", mask, between(0, 0xffffffff), "bits of the groups that it meets")
+      .integer("category", category, between(0, 0xffffffff), "bits of what it is")
+      .also("group")
+      .integer("mask", mask, between(0, 0xffffffff), "bits of what it touches")
       .boolean("sensor", sensor, "is touched without touching back")
       .vector("color", color, "1", between(0, 1), "red, green, blue")
       .object("copies", copies, copies_table(), "many bodies like this one");
@@ -322,7 +323,9 @@ const DefTable& rigid3d_table() {
                   "of bodies that do not say otherwise")
           .number("contact_hertz", &D::contact_hertz, "Hz", above(0),
                   "of contacts as springs; 0.13 of the substeps' rate unless given")
-          .number("contact_damping", &D::contact_damping, "1", above(0), "damping ratio of soft contacts")
+          .number("contact_damping_ratio", &D::contact_damping_ratio, "1", above(0),
+                  "damping ratio of soft contacts")
+          .also("contact_damping")
           .number("push_out_speed", &D::push_out_speed, "m/s", above(0), "fastest way out of one another")
           .boolean("sleeping", &D::sleeping, "groups of bodies that rest are not computed")
           .number("sleep_speed", &D::sleep_speed, "m/s", above(0), "bodies whose points are slower may rest")

@@ -39,7 +39,7 @@ struct BodyDef {
   enum class Axes : uint8_t { world, body } force_frame = Axes::world;
   double linear_damping = 0, angular_damping = 0, gravity_scale = 1;
   std::optional<double> friction, restitution, rolling_resistance, spinning_resistance;
-  int64_t group = 1, mask = 0xffffffff;
+  int64_t category = 1, mask = 0xffffffff;
   bool sensor = false;
   std::optional<Vec3> color;
   std::optional<CopiesDef> copies;
@@ -112,7 +112,7 @@ struct Rigid3dDef {
   std::optional<double> restitution_speed;
   double rolling_resistance = 0, spinning_resistance = 0;
   std::optional<double> contact_hertz;
-  double contact_damping = 10, push_out_speed = 3;
+  double contact_damping_ratio = 10, push_out_speed = 3;
   bool sleeping = true;
   double sleep_speed = 0.05, sleep_time = 0.5;
 };

@@ -2,8 +2,8 @@
 
 #include <algorithm>
 
-#include "engine/kernels/constraint_colouring.h"
-#include "engine/kernels/islands.h"
+#include "engine/rigid/constraint_colouring.h"
+#include "engine/rigid/islands.h"
 
 namespace truestep::rigid3d {
 
@@ -17,17 +17,17 @@ State rigid3d_at_start(const BodyList& bodies, const JointList& list, const Vec3
   s.add({"angular_velocity", "rad/s", S::f64, 3, Role::velocity}, 0);
   s.add({"kind", "1", S::u32, 1}, 0);
   s.add({"id", "1", S::u64, 1}, 0);
-  s.add({"calm_time", "s", S::f64, 1}, 0);
-  s.add({"calm_position", "m", S::f64, 3}, 0);
-  s.add({"calm_orientation", "1", S::f64, 4}, 0);
-  s.add({"calm_middle", "m", S::f64, 6}, 0);
+  s.add({"sleep_timer", "s", S::f64, 1}, 0);
+  s.add({"sleep_position", "m", S::f64, 3}, 0);
+  s.add({"sleep_orientation", "1", S::f64, 4}, 0);
+  s.add({"sleep_middle", "m", S::f64, 6}, 0);
   s.add({"asleep", "1", S::u32, 1}, 0);
   s.add({"contact.bodies", "1", S::u32, 2}, 0);
   s.add({"contact.ids", "1", S::u32, 5}, 0);
   s.add({"contact.normal", "1", S::f64, 3}, 0);
   s.add({"contact.impulse", "N s", S::f64, 4}, 0);
-  s.add({"contact.pad", "m", S::f64, 1}, 0);
-  s.add({"contact.uneven", "m", S::f64, 4}, 0);
+  s.add({"contact.penetration_offset", "m", S::f64, 1}, 0);
+  s.add({"contact.uneven_offset", "m", S::f64, 4}, 0);
   s.add({"contact.friction", "SI", S::f64, 4}, 0);
   s.add({"contact.roll", "N m s", S::f64, 3}, 0);
   s.add({"contact.depth", "m", S::f64, 1}, 0);
@@ -92,7 +92,7 @@ std::optional<size_t> row_of_body(const State& s, uint64_t id) {
 void wake_body(State& s, size_t row, std::span<const BodyKind> kinds) {
   const auto asleep = s.span<uint32_t>(columns::asleep);
   const auto kind = s.span<uint32_t>(columns::kind);
-  s.f64(columns::calm_time)[row] = 0;
+  s.f64(columns::sleep_timer)[row] = 0;
   if (!asleep[row]) return;
   std::vector<uint32_t> parent(asleep.size());
   start_islands(parent);
@@ -108,7 +108,7 @@ void wake_body(State& s, size_t row, std::span<const BodyKind> kinds) {
   }
   const uint32_t island = island_of(parent, static_cast<uint32_t>(row));
   for (uint32_t i = 0; i < asleep.size(); ++i) {
-    if (asleep[i] && island_of(parent, i) == island) asleep[i] = 0, s.f64(columns::calm_time)[i] = 0;
+    if (asleep[i] && island_of(parent, i) == island) asleep[i] = 0, s.f64(columns::sleep_timer)[i] = 0;
   }
 }
 

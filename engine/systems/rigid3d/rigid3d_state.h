@@ -12,24 +12,24 @@ namespace truestep::rigid3d {
 
 namespace columns {
 enum : State::Column {
-  position,          ///< f64 x 3, of the centre of mass
-  velocity,          ///< f64 x 3
-  orientation,       ///< f64 x 4, of the principal axes
-  angular_velocity,  ///< f64 x 3, in the world
-  kind,              ///< u32, which BodyKind
-  id,                ///< u64, ascending, never used twice
-  calm_time,         ///< f64, s for which the body has rested
-  calm_position,     ///< f64 x 3, where that began
-  calm_orientation,  ///< f64 x 4
-  calm_middle,       ///< f64 x 6, m rad: shift and rotation vector from there after half of sleep_time
-  asleep,            ///< u32
+  position,           ///< f64 x 3, of the centre of mass
+  velocity,           ///< f64 x 3
+  orientation,        ///< f64 x 4, of the principal axes
+  angular_velocity,   ///< f64 x 3, in the world
+  kind,               ///< u32, which BodyKind
+  id,                 ///< u64, ascending, never used twice
+  sleep_timer,        ///< f64, s for which the body has rested
+  sleep_position,     ///< f64 x 3, where that began
+  sleep_orientation,  ///< f64 x 4
+  sleep_middle,       ///< f64 x 6, m rad: shift and rotation vector from there after half of sleep_time
+  asleep,             ///< u32
   per_body_end,
   contact_bodies = per_body_end,  ///< u32 x 2
   contact_ids,                    ///< u32 x 5: points, then features of up to four
   contact_normal,                 ///< f64 x 3
   contact_impulse,                ///< f64 x 4, N s of one substep along the normal
-  contact_pad,                    ///< f64, m, by which the contact gives way under its load
-  contact_uneven,                 ///< f64 x 4, m, by which a point's pad is thicker than the contact's
+  contact_offset,                 ///< f64, m, by which the contact gives way under its load
+  contact_uneven,                 ///< f64 x 4, m, by which a point's offset is thicker than the contact's
   contact_friction,               ///< f64 x 4: N s in the world, N m s about the normal
   contact_roll,                   ///< f64 x 3, N m s in the world
   contact_depth,                  ///< f64, m, of the deepest point when it was found; negative: apart

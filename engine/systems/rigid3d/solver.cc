@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "engine/kernels/free_rotation.h"
-#include "engine/kernels/islands.h"
+#include "engine/rigid/islands.h"
 
 namespace truestep::rigid3d {
 
@@ -169,16 +169,16 @@ void ContactSolver<T>::substeps(const State& s, const JointList& joints, const S
     pass.start = parts ? start_.data() : nullptr;
     if (parts) start_parting(pass);
     joints_.pull(v, team_);
-    joints_.push(v, team_);
-    balls_.push(v, team_);
+    joints_.bias(v, team_);
+    balls_.bias(v, team_);
     each_colour(contact_lanes_, groups_, team_, order,
-                [&](ContactGroup<T>& g) { solve_contacts<ContactSolve::push>(g, v, d, end, pass); });
+                [&](ContactGroup<T>& g) { solve_contacts<ContactSolve::bias>(g, v, d, end, pass); });
     if (jointed_) move_jointed(T(h));
     each_body([&](size_t i) {
       for (int e = 0; e < 8 && !jointed_; ++e) d[i].x[e] += T(h) * v[i].x[e];
       if (bounces) {
-        for (int e = 0; e < 8; ++e) d[i].x[e] += late_[i].x[e];
-        for (int e = 0; e < 8 && jointed_; ++e) moved_[i].x[e] += late_[i].x[e];
+        for (int e = 0; e < 8; ++e) d[i].x[e] += toi_correction_[i].x[e];
+        for (int e = 0; e < 8 && jointed_; ++e) moved_[i].x[e] += toi_correction_[i].x[e];
       }
     });
     pass.elapsed = T((k + 1) * h);
@@ -270,9 +270,9 @@ template <class T>
 void ContactSolver<T>::hit(const ImpactPass<T>& pass, int substeps_left) {
   const size_t n = body_.size();
   const auto end = static_cast<uint32_t>(n);
-  late_.assign(n + 1, {});
+  toi_correction_.assign(n + 1, {});
   std::copy_n(velocity_.begin(), n, start_.begin());
-  const ImpactRecords<T> bodies{velocity_.data(), change_.data(), late_.data()};
+  const ImpactRecords<T> bodies{velocity_.data(), change_.data(), toi_correction_.data()};
   std::atomic<bool> any = false;
   each_colour(contact_lanes_, groups_, team_, [&](ContactGroup<T>& g) {
     if (!(g.flags & ContactGroup<T>::kBounces)) return;
@@ -347,7 +347,7 @@ void ContactSolver<T>::solve(State& s, std::span<const BodyKind> kinds, const Jo
     find_loads(s, kinds, contacts, now, settings, in.h);
   }
   substeps(s, joints, settings, in);
-  store_impulses(contacts, contact_padding(settings, in.h));
+  store_impulses(contacts, penetration_offset_rule(settings, in.h));
   store_bodies(s);
   joints_.store(s, joints, h);
   balls_.store(s, joints.joints, h);

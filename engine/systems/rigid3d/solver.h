@@ -1,4 +1,4 @@
-// Contacts of a step solved in substeps: velocities, push, positions, relax (Catto, "Solver2D", 2024), the
+// Contacts of a step solved in substeps: velocities, bias, positions, relax (Catto, "Solver2D", 2024), the
 // contacts of one colour side by side. Bodies are moved by what comes out. The impulses of all contacts act
 // on from substep to substep; their sum is kept per body, so that starting warm is one addition.
 #pragma once
@@ -51,7 +51,7 @@ class ContactSolver {
   /// Marks in parts_ the bodies of islands in which all rest on one another under the impulses that were
   /// found: only their springs may start under load, because what topples would be thrown up by them.
   void find_resting();
-  /// Lets the first step start from the impulses and pads that gravity's loads ask for.
+  /// Lets the first step start from the impulses and offsets that gravity's loads ask for.
   void find_loads(const State& s, std::span<const BodyKind> kinds, std::span<Contact* const> contacts,
                   std::span<const BodyNow> now, const SolverSettings& settings, double h);
   /// The contacts that bear something, from the highest body down, and the loads that gravity puts on them.
@@ -61,7 +61,7 @@ class ContactSolver {
   void hit(const ImpactPass<T>& pass, int substeps_left);
   /// Marks the lanes of islands in which a contact is deep, and remembers their impulses.
   void start_parting(const ContactPass<T>& pass);
-  void store_impulses(std::span<Contact* const> contacts, const ContactPadding& padding);
+  void store_impulses(std::span<Contact* const> contacts, const PenetrationOffsetRule& rule);
   void store_bodies(State& s);
   template <class Body>
   void each_body(Body&& body) {
@@ -91,7 +91,8 @@ class ContactSolver {
   };
   std::vector<Turning> turning_;
   std::vector<Vec3> twist_;  ///< change of spin per substep by torques, about principal axes; empty: none
-  Aligned<Record8<T>> velocity_, displacement_, moved_, cross_, change_, warm_, start_, late_, damping_;
+  Aligned<Record8<T>> velocity_, displacement_, moved_, cross_, change_, warm_, start_, toi_correction_,
+      damping_;
   Aligned<ContactGroup<T>> groups_;
   JointSolver<T> joints_;
   BallSolver<T> balls_;

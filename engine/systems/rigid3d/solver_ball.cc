@@ -24,7 +24,7 @@ template <class T>
 void BallSolver<T>::take(std::vector<uint32_t>& listed, const State& s, std::span<const Joint> joints,
                          std::span<const BodyNow> now) {
   const auto held = s.span<uint32_t>(columns::joint_bodies);
-  const auto driven = [&](uint32_t i) { return i != kNoBody && now[i].part == BodyNow::Part::driven; };
+  const auto driven = [&](uint32_t i) { return i != kNoBody && now[i].part == BodyNow::Part::kinematic; };
   listed_.clear();
   std::erase_if(listed, [&](uint32_t k) {
     if (!only_a_ball(joints[k]) || driven(held[2 * k]) || driven(held[2 * k + 1])) return false;
@@ -126,9 +126,9 @@ void BallSolver<T>::renew(const Record8<T>* moved, Record8<T>* warm, Renewal ren
 }
 
 template <class T>
-void BallSolver<T>::push(Record8<T>* v, const ThreadTeam& team) {
+void BallSolver<T>::bias(Record8<T>* v, const ThreadTeam& team) {
   each_colour(lanes_, groups_, team,
-              [&](BallGroup<T>& g) { solve_balls<ContactSolve::push>(g, v, end_, pass_); });
+              [&](BallGroup<T>& g) { solve_balls<ContactSolve::bias>(g, v, end_, pass_); });
 }
 
 template <class T>

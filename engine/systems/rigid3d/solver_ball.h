@@ -27,7 +27,7 @@ class BallSolver {
   /// When the bodies have moved: what joints carry turns with them; `moved` (scaled, in the frames of the
   /// step's start) is what they did in the substep.
   void renew(const Record8<T>* moved, Record8<T>* warm, Renewal renewal, const ThreadTeam& team);
-  void push(Record8<T>* v, const ThreadTeam& team);
+  void bias(Record8<T>* v, const ThreadTeam& team);
   void relax(Record8<T>* v, const ThreadTeam& team);
   /// What the next step starts from, once the bodies of `s` are where they go; h: a substep. Joints that
   /// carried too much break.

@@ -53,12 +53,12 @@ void ContactSolver<T>::fill(size_t group, std::span<Contact* const> contacts, co
     const BodyKind &ka = kinds[kind[c.a]], &kb = kinds[kind[c.b]];
     const Vec3 xa = now[c.a].at.position, xb = now[c.b].at.position;
     set3(in.normal, lane, c.manifold.normal);
-    set3(in.apart, lane, xb - xa);
+    set3(in.offset, lane, xb - xa);
     if (c.manifold.count > g.points) g.points = c.manifold.count;
     for (int p = 0; p < c.manifold.count; ++p) {
       set3(in.arm[p], lane, c.manifold.points[p].position - xa);
       in.active[p].set(lane, 1);
-      in.separation[p].set(lane, T(c.manifold.points[p].separation - c.pad - c.uneven[p]));
+      in.separation[p].set(lane, T(c.manifold.points[p].separation - c.penetration_offset - c.uneven[p]));
       in.impulse[p].set(lane, T(c.impulse[p]));
     }
     if (ka.turned_round || kb.turned_round) {
@@ -90,10 +90,10 @@ void ContactSolver<T>::fill(size_t group, std::span<Contact* const> contacts, co
     if (rolling > 0) g.flags |= ContactGroup<T>::kRolls;
     if (ka.restitution > 0 || kb.restitution > 0) g.flags |= ContactGroup<T>::kBounces;
     Vec3 surface, turn;
-    if (now[c.b].part == BodyNow::Part::driven) {
+    if (now[c.b].part == BodyNow::Part::kinematic) {
       turn = load3(w, c.b), surface = load3(v, c.b) - cross(turn, xb - xa);
     }
-    if (now[c.a].part == BodyNow::Part::driven) turn -= load3(w, c.a), surface -= load3(v, c.a);
+    if (now[c.a].part == BodyNow::Part::kinematic) turn -= load3(w, c.a), surface -= load3(v, c.a);
     if (surface != Vec3{} || turn != Vec3{}) {
       g.flags |= ContactGroup<T>::kDrifts;
       set3(in.surface, lane, surface), set3(in.surface_turn, lane, turn);
@@ -103,7 +103,7 @@ void ContactSolver<T>::fill(size_t group, std::span<Contact* const> contacts, co
 }
 
 template <class T>
-void ContactSolver<T>::store_impulses(std::span<Contact* const> contacts, const ContactPadding& padding) {
+void ContactSolver<T>::store_impulses(std::span<Contact* const> contacts, const PenetrationOffsetRule& rule) {
   const auto store = [&](size_t k) {
     const ContactGroup<T>& g = groups_[k];
     for (int lane = 0; lane < W::kLanes; ++lane) {
@@ -116,9 +116,11 @@ void ContactSolver<T>::store_impulses(std::span<Contact* const> contacts, const 
         sum += c.impulse[p], depth -= c.impulse[p] * c.manifold.points[p].separation;
       }
       const double a = g.root_a[lane], b = g.root_b[lane];
-      c.pad = sum > 0 ? next_pad(c.pad, depth / sum, sum * (a * a + b * b), padding) : 0;
-      // No more than the pad: a contact that lost its load keeps no point up.
-      for (double& u : c.uneven) u = std::clamp(u, -c.pad, c.pad);
+      c.penetration_offset =
+          sum > 0 ? next_penetration_offset(c.penetration_offset, depth / sum, sum * (a * a + b * b), rule)
+                  : 0;
+      // No more than the offset: a contact that lost its load keeps no point up.
+      for (double& u : c.uneven) u = std::clamp(u, -c.penetration_offset, c.penetration_offset);
       c.slide = get3(g.tangent[0], lane) * g.slide[0][lane] + get3(g.tangent[1], lane) * g.slide[1][lane];
       c.twist = g.twist[lane];
       if (g.flags & ContactGroup<T>::kRolls) {
@@ -135,7 +137,7 @@ template void ContactSolver<float>::fill(size_t, std::span<Contact* const>, cons
                                          std::span<const BodyKind>, std::span<const BodyNow>);
 template void ContactSolver<double>::fill(size_t, std::span<Contact* const>, const State&,
                                           std::span<const BodyKind>, std::span<const BodyNow>);
-template void ContactSolver<float>::store_impulses(std::span<Contact* const>, const ContactPadding&);
-template void ContactSolver<double>::store_impulses(std::span<Contact* const>, const ContactPadding&);
+template void ContactSolver<float>::store_impulses(std::span<Contact* const>, const PenetrationOffsetRule&);
+template void ContactSolver<double>::store_impulses(std::span<Contact* const>, const PenetrationOffsetRule&);
 
 }  // namespace truestep::rigid3d

@@ -70,7 +70,7 @@ void solve_gear(GearRow<T>& gear, Record8<T>* v, uint32_t end, const JointPass<T
     if (i.slot != end) speed += product(i.j, v[i.slot].x);
   }
   T change = -gear.inverse_k * speed;
-  if constexpr (kind == ContactSolve::push) {
+  if constexpr (kind == ContactSolve::bias) {
     change = -gear.inverse_k * pass.mass_scale * (speed + pass.bias_rate * gear.gap) -
              pass.impulse_scale * gear.impulse;
   }
@@ -85,7 +85,7 @@ void solve_gear(GearRow<T>& gear, Record8<T>* v, uint32_t end, const JointPass<T
   template void prepare_gear<T>(GearRow<T>&, std::span<const JointGroup<T>>, std::span<const JointDrive<T>>, \
                                 uint32_t);                                                                   \
   template void apply_gear<T>(const GearRow<T>&, Record8<T>*, uint32_t, T);                                  \
-  template void solve_gear<ContactSolve::push, T>(GearRow<T>&, Record8<T>*, uint32_t, const JointPass<T>&);  \
+  template void solve_gear<ContactSolve::bias, T>(GearRow<T>&, Record8<T>*, uint32_t, const JointPass<T>&);  \
   template void solve_gear<ContactSolve::relax, T>(GearRow<T>&, Record8<T>*, uint32_t, const JointPass<T>&);
 TRUESTEP_GEARS(float)
 TRUESTEP_GEARS(double)

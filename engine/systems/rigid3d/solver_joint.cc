@@ -132,7 +132,7 @@ void JointSolver<T>::set_drift(JointGroup<T>& g, int lane, const State& s,
                                const JointPlace& at) {
   for (size_t end = 0; end < 2; ++end) {
     const uint32_t i = held[end];
-    if (i == kNoBody || bodies.now[i].part != BodyNow::Part::driven) continue;
+    if (i == kNoBody || bodies.now[i].part != BodyNow::Part::kinematic) continue;
     const double sign = end == 0 ? -1 : 1;
     const Vec3 w = load3(s.f64(columns::angular_velocity).data(), i);
     const Vec3 arm = end == 0 ? at.arm_a + at.gap : at.arm_b;
@@ -270,11 +270,11 @@ void JointSolver<T>::pull(Record8<T>* v, const ThreadTeam& team) {
 }
 
 template <class T>
-void JointSolver<T>::push(Record8<T>* v, const ThreadTeam& team) {
+void JointSolver<T>::bias(Record8<T>* v, const ThreadTeam& team) {
   each_colour(lanes_, groups_, team, [&](JointGroup<T>& g) {
-    solve_joints<ContactSolve::push>(g, drives_.data() + g.first_drive, v, end_, pass_);
+    solve_joints<ContactSolve::bias>(g, drives_.data() + g.first_drive, v, end_, pass_);
   });
-  for (GearRow<T>& gear : gears_) solve_gear<ContactSolve::push>(gear, v, end_, pass_);
+  for (GearRow<T>& gear : gears_) solve_gear<ContactSolve::bias>(gear, v, end_, pass_);
 }
 
 template <class T>

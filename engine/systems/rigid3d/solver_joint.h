@@ -7,9 +7,9 @@
 #include "engine/base/cache_line.h"
 #include "engine/kernels/joint_drives3.h"
 #include "engine/kernels/soft_constraint.h"
+#include "engine/rigid/lanes.h"
 #include "engine/systems/rigid3d/contacts.h"
 #include "engine/systems/rigid3d/solver_gear.h"
-#include "engine/systems/rigid3d/solver_lanes.h"
 
 namespace truestep::rigid3d {
 
@@ -52,9 +52,9 @@ class JointSolver {
              const ThreadTeam& team);
   /// Softness of joints, for substeps of h.
   static SoftConstraint<double> softness(double h);
-  /// Springs pull, before what is locked answers in `push`.
+  /// Springs pull, before what is locked answers in `bias`.
   void pull(Record8<T>* v, const ThreadTeam& team);
-  void push(Record8<T>* v, const ThreadTeam& team);
+  void bias(Record8<T>* v, const ThreadTeam& team);
   void relax(Record8<T>* v, const ThreadTeam& team);
   /// What the next step starts from, once the bodies of `s` are where they go; h: a substep. Joints that
   /// carried too much break.

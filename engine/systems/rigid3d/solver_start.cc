@@ -2,12 +2,12 @@
 // a sweep passes a load on by a course or two, so that what is tall would plunge before its lowest contacts
 // knew of its top. So gravity's loads are handed down once, from the highest body to the lowest (bearing.h):
 // exact for boxes on one another. Sweeps as if all were at rest add what leans, wedges and arches need. Where
-// all is held then, contacts start with pads as thick as they give way under their loads.
+// all is held then, contacts start with offsets as thick as they give way under their loads.
 #include <algorithm>
 #include <cmath>
 
 #include "engine/kernels/bearing.h"
-#include "engine/kernels/islands.h"
+#include "engine/rigid/islands.h"
 #include "engine/systems/rigid3d/solver.h"
 
 namespace truestep::rigid3d {
@@ -18,7 +18,7 @@ namespace {
 constexpr size_t kLoadSweeps = 2000, kLoadGroups = 200'000;
 /// Contacts steeper than that (cosine between normal and vertical) are handed nothing.
 constexpr double kBears = 0.3;
-/// Share of the smaller body's reach that a pad may have at the start: springs under load store energy.
+/// Share of the smaller body's reach that an offset may have at the start: springs under load store energy.
 constexpr double kMostStart = 0.02;
 
 }  // namespace
@@ -144,7 +144,7 @@ void ContactSolver<T>::find_loads(const State& s, std::span<const BodyKind> kind
   }
   find_resting();
   const auto kind = s.span<uint32_t>(columns::kind);
-  const double gives_way = pad_at_rest(contact_padding(settings, step));
+  const double gives_way = penetration_offset_at_rest(penetration_offset_rule(settings, step));
   for (size_t k = 0; k < contact_lanes_.count; ++k) {
     ContactGroup<T>& g = groups_[k];
     for (int lane = 0; lane < W::kLanes; ++lane) {
@@ -165,13 +165,13 @@ void ContactSolver<T>::find_loads(const State& s, std::span<const BodyKind> kind
       Contact& c = *contacts[m];
       const double mean = load > 0 ? gives_way * given / load : 0;
       const double share = mean > kMostStart * smallest ? kMostStart * smallest / mean : 1;
-      c.pad = share * mean;
+      c.penetration_offset = share * mean;
       for (int p = 0; p < g.points; ++p) {
-        // What each gives way: one pad for all would lift the points that bear less.
+        // What each gives way: one offset for all would lift the points that bear less.
         const double point = g.place[p].impulse[lane], inverse = g.point_inverse[p][lane];
-        if (inverse > 0) c.uneven[p] = share * gives_way * point / inverse - c.pad;
-        const T separation = g.place[p].separation[lane] - T(c.pad + c.uneven[p]);
-        g.place[p].separation.set(lane, separation), g.place[p].apart.set(lane, separation);
+        if (inverse > 0) c.uneven[p] = share * gives_way * point / inverse - c.penetration_offset;
+        const T separation = g.place[p].separation_at_start[lane] - T(c.penetration_offset + c.uneven[p]);
+        g.place[p].separation_at_start.set(lane, separation), g.place[p].separation.set(lane, separation);
       }
     }
   }

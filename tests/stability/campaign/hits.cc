@@ -115,7 +115,7 @@ void overlap_2d(Dice& d, Trial& t) {
                                   {"mass", 1},
                                   {"shapes", json::array{{{"type", "circle"}, {"radius", r}}}}});
   }
-  set_scene(t, dt, 0.5, {}, {{{"type", "rigid2d"}, {"push_speed", kPushOut}, {"bodies", bodies}}});
+  set_scene(t, dt, 0.5, {}, {{{"type", "rigid2d"}, {"push_out_speed", kPushOut}, {"bodies", bodies}}});
   judge_parting(t, n, 1);
 }
 

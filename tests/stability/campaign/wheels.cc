@@ -66,7 +66,7 @@ void wheel_2d(Dice& d, Trial& t) {
                             {"shapes", json::array{{{"type", "circle"}, {"radius", w.radius}}}}}};
   set_scene(t, w.dt, w.duration, {0, -kG, 0}, {{{"type", "rigid2d"}, {"bodies", bodies}}});
   if (d.chance(0.2)) system_of(t)["precision"] = "f64";
-  if (d.chance(0.2)) system_of(t)["solver_steps"] = d.of({8, 16});
+  if (d.chance(0.2)) system_of(t)["substeps"] = d.of({8, 16});
   expect_rolling(t, w, 0.5, w.radius);
 }
 

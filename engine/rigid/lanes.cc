@@ -1,9 +1,9 @@
-#include "engine/systems/rigid3d/solver_lanes.h"
+#include "engine/rigid/lanes.h"
 
 #include <algorithm>
 #include <iterator>
 
-namespace truestep::rigid3d {
+namespace truestep {
 
 void make_lanes(std::span<const uint32_t> items, std::span<const ConstraintEnds> ends,
                 std::span<const uint8_t> last, size_t bodies, uint32_t lanes, LaneColouring& memory,
@@ -45,4 +45,4 @@ void make_lanes(std::span<const uint32_t> items, std::span<const ConstraintEnds>
   out.count = out.member.size() / lanes;
 }
 
-}  // namespace truestep::rigid3d
+}  // namespace truestep

@@ -5,11 +5,12 @@
 #include <vector>
 
 #include "engine/base/thread_team.h"
-#include "engine/kernels/constraint_colouring.h"
 #include "engine/math/vec3.h"
 #include "engine/math/wide.h"
+#include "engine/rigid/colours.h"
+#include "engine/rigid/constraint_colouring.h"
 
-namespace truestep::rigid3d {
+namespace truestep {
 
 /// Groups that a thread takes at once.
 inline constexpr size_t kGroupsPerBlock = 8;
@@ -34,21 +35,11 @@ void make_lanes(std::span<const uint32_t> items, std::span<const ConstraintEnds>
                 std::span<const uint8_t> last, size_t bodies, uint32_t lanes, LaneColouring& memory,
                 LaneGroups& out);
 
-/// Order of the colours.
-enum class ColourOrder : uint8_t { forth, back };
-
 /// body(group) for all groups, those of a colour in parallel.
 template <class Groups, class Body>
 void each_colour(const LaneGroups& lanes, Groups& all, const ThreadTeam& team, ColourOrder order,
                  Body&& body) {
-  const size_t colours = lanes.colour_begin.size() - 1;
-  for (size_t k = 0; k < colours; ++k) {
-    const size_t c = order == ColourOrder::forth ? k : colours - 1 - k;
-    const uint32_t first = lanes.colour_begin[c];
-    team.for_blocks(lanes.colour_begin[c + 1] - first, kGroupsPerBlock, [&](size_t begin, size_t end) {
-      for (size_t g = begin; g < end; ++g) body(all[first + g]);
-    });
-  }
+  each_colour(lanes.colour_begin, order, team, kGroupsPerBlock, [&](size_t g) { body(all[g]); });
 }
 
 template <class Groups, class Body>
@@ -61,4 +52,4 @@ void set3(Wide<T> out[3], int lane, const Vec3& v) {
   out[0].set(lane, T(v.x)), out[1].set(lane, T(v.y)), out[2].set(lane, T(v.z));
 }
 
-}  // namespace truestep::rigid3d
+}  // namespace truestep
