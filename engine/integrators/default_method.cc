@@ -3,6 +3,7 @@
 #include <charconv>
 #include <cmath>
 
+#include "engine/integrators/integrators.h"
 #include "engine/integrators/spectrum.h"
 
 namespace truestep {

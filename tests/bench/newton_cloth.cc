@@ -6,6 +6,7 @@
 #include <cstdio>
 #include <vector>
 
+#include "engine/integrators/integrators.h"
 #include "engine/integrators/stage_newton.h"
 #include "engine/systems/mass_spring/mass_spring.h"
 #include "tests/bench/report.h"

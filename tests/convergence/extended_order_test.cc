@@ -6,6 +6,7 @@
 #include <cstdio>
 
 #include "engine/integrators/ias15_nodes.h"
+#include "engine/integrators/integrators.h"
 #include "engine/integrators/tableau_dop853.h"
 #include "tests/convergence/extended.h"
 

@@ -4,6 +4,7 @@
 #include <cstdio>
 #include <utility>
 
+#include "engine/integrators/integrators.h"
 #include "engine/integrators/runge_kutta.h"
 #include "tests/convergence/problems.h"
 

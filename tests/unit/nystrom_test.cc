@@ -7,6 +7,7 @@
 
 #include "engine/core/integrator.h"
 #include "engine/integrators/advance.h"
+#include "engine/integrators/integrators.h"
 #include "engine/integrators/splitting.h"
 #include "engine/integrators/tableau_nystrom.h"
 #include "tests/support/ode_problems.h"
