@@ -31,9 +31,4 @@ struct IntegratorChoice {
   IntegratorOptions options;
 };
 
-/// The method of that name for this field. Error "scene_invalid" with pointer "/integrator" and the methods
-/// that would do when it is unknown or cannot serve the field.
-const Integrator& choose_integrator(const IntegratorChoice& choice, std::string_view fallback,
-                                    const ForceField& field);
-
 }  // namespace truestep

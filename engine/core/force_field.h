@@ -15,6 +15,8 @@ namespace truestep {
 
 class BlockSparse;        // math/: matrix of small dense blocks
 class FieldLinearSolver;  // core/linear_solver.h
+class LaggedDissipation;  // core/lagged_dissipation.h
+class SofteningForces;    // core/softening_forces.h
 
 /// Where a right-hand side is evaluated. x and v are an integrator's stage values; the rest of the state
 /// (masses, rest lengths, drag targets ...) is the one at the step's start.
@@ -81,6 +83,10 @@ class ForceField {
   /// Means of its own to solve the linear systems of implicit methods, for one user; null: none. It refers to
   /// this field.
   virtual std::unique_ptr<FieldLinearSolver> linear_solver() const;
+
+  /// What else implicit methods may ask of this field, or null.
+  virtual const LaggedDissipation* lagged_dissipation() const { return nullptr; }
+  virtual const SofteningForces* softening_forces() const { return nullptr; }
 
   /// Largest angular frequency (1/s) and damping rate (1/s) of the linearised field, for step suggestions.
   struct Stiffness {

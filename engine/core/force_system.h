@@ -23,6 +23,8 @@ class ForceSystem : public StagedSystem {
   std::optional<Energy> energy(const State& state, double t, Workspace& workspace,
                                const ThreadArena& arena) const override;
 
+  Integration integration() const override { return {&method_, &options_, field_.get()}; }
+
   const ForceField& force_field() const { return *field_; }
   const Integrator& integrator() const { return method_; }
   const IntegratorOptions& options() const { return options_; }

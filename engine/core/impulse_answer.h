@@ -1,4 +1,4 @@
-// What a system of points may offer beside its points: how all of them answer to impulses on some, where its
+// What a system of points may offer in its ports: how all of them answer to impulses on some, where its
 // method solves for them together. Points of other systems answer each by its own mass.
 #pragma once
 #include <span>
@@ -10,8 +10,6 @@ namespace truestep {
 class AnswersImpulses {
  public:
   virtual ~AnswersImpulses() = default;
-  /// Whether the method at work solves for the points together.
-  virtual bool answers_together() const = 0;
   /// What impulses (N s, 3 per point), had forces given them in the step input.h that ends in `state`, would
   /// have changed there: velocities by `dv` (m/s, 3 per point), places by h dv. Linear, symmetric and never
   /// negative in the impulses. `again`: with the matrix of the first call in this workspace.
@@ -22,8 +20,7 @@ class AnswersImpulses {
 
 /// The system's answers; null where its points answer each for itself.
 inline const AnswersImpulses* answers_together(const System& system) {
-  const auto* answers = dynamic_cast<const AnswersImpulses*>(&system);
-  return answers && answers->answers_together() ? answers : nullptr;
+  return system.ports().answers;
 }
 
 }  // namespace truestep

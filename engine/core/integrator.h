@@ -1,5 +1,5 @@
-// Time integration methods as table rows. A row promises an order, a stability interval and a structure, and
-// tests hold it to each of them.
+// Time integration methods as table rows (the table: integrators/integrators.h). A row promises an order, a
+// stability interval and a structure, and tests hold it to each of them.
 #pragma once
 #include <optional>
 #include <span>
@@ -78,10 +78,6 @@ struct Integrator {
   void (*observe)(const State&, Observables&) = nullptr;
 };
 
-/// All methods, in the order in which they are listed to users.
-std::span<const Integrator> integrators();
-/// The row of that name, or null.
-const Integrator* find_integrator(std::string_view name);
 /// Where the method with these options is stable.
 StabilityInterval stability_interval(const Integrator& method, const IntegratorOptions& options);
 /// Nothing when the method can serve the field, else one sentence why not.

@@ -41,7 +41,8 @@ TableOf<D>& add_integrator_rows(TableOf<D>& table) {
   std::optional<int> D::*most = &IntegratorParams::max_internal_steps;
   return table
       .text("integrator", integrator, "time integration method; GET /v1/systems/{type} lists those that fit")
-      .number("tolerance", tolerance, "1", above(0), "adaptive methods: bound on the local error of a step")
+      .number("tolerance", tolerance, "1", above(0),
+              "adaptive methods: bound on the local error of a step, root mean square over all unknowns")
       .number("newton_tolerance", newton_tolerance, "1", above(0),
               "implicit methods: relative residual at which Newton's method stops")
       .number("relative_tolerance", relative, "1", at_least(0),

@@ -66,10 +66,14 @@ struct PublishedSolids {
   bool empty() const { return triangles.empty() && segments.empty() && balls == Balls::none; }
 };
 
+class AnswersImpulses;  // core/impulse_answer.h
+
 /// Corners of `solids` are rows of `points`.
 struct Ports {
   std::optional<PointPort> points;
   PublishedSolids solids;  ///< with which points of other systems collide
+  /// How all points answer impulses on some; null: each by its own mass.
+  const AnswersImpulses* answers = nullptr;
 };
 
 }  // namespace truestep

@@ -23,6 +23,17 @@
 
 namespace truestep {
 
+class ForceField;          // core/force_field.h
+struct Integrator;         // core/integrator.h
+struct IntegratorOptions;  // the same
+
+/// How a system moves on in time, as far as the table of methods knows; see System::integration.
+struct Integration {
+  const Integrator* method = nullptr;          ///< null: the system has a step of its own
+  const IntegratorOptions* options = nullptr;  ///< where there is a method
+  const ForceField* field = nullptr;           ///< what it advances, where that is made of forces
+};
+
 /// What a step is given. Time is step * h exactly, never an accumulated sum.
 struct StepInput {
   double t = 0;       ///< s, at the step's start
@@ -76,6 +87,8 @@ class System {
   /// Changes when the constant part of the drawing does.
   virtual uint32_t drawing_version(const State& state) const { return 1; }
 
+  /// The row of the table that advances this system, and what it advances. Valid while the system lives.
+  virtual Integration integration() const { return {}; }
   /// Where couplings reach into this system's states. Valid while the system lives.
   virtual Ports ports() const { return {}; }
   /// Nothing where it is unknown or there is none. `h` (s) is looked at for `step_seconds` alone.

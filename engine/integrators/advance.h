@@ -73,6 +73,8 @@ struct Advance {
   double* y = nullptr;      ///< the solution at t, then at `reached`; f.size() values
   Workspace& workspace;
   Carry& carry;
+  /// Loops over many unknowns are shared by these threads; null: the calling one does them.
+  const ThreadArena* arena = nullptr;
   Tolerance tolerance = {};
   uint64_t fixed_steps = 1;
   uint64_t max_steps = 10'000'000;  ///< accepted + rejected, then Instability

@@ -5,6 +5,7 @@
 
 #include "engine/base/errors.h"
 #include "engine/base/short_number.h"
+#include "engine/integrators/table/integrators.h"
 
 namespace truestep {
 

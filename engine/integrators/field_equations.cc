@@ -69,6 +69,9 @@ void add_memory(State& state, size_t n) {
 }
 
 namespace {
+constexpr std::string_view kInternalStep = "integrator.internal_step";
+constexpr std::string_view kLastError = "integrator.last_error";
+
 // A hash of all columns but those that an integration itself changes, and the time.
 uint64_t surroundings_of(const State& state) {
   uint64_t hash = 0;
@@ -82,6 +85,11 @@ uint64_t surroundings_of(const State& state) {
 }
 }  // namespace
 
+void prepare_adaptive(const ForceField&, State& s) {
+  s.add({std::string(kInternalStep), "s", Scalar::f64, 1, Role::internal}, 1);
+  s.add({std::string(kLastError), "1", Scalar::f64, 1, Role::internal}, 1);
+}
+
 void step_equations(AdvanceFunction* method, const ForceField& field, State& state, const StepInput& in,
                     const IntegratorOptions& options, MethodHistory history) {
   Motion m(field, state, in);
@@ -90,7 +98,7 @@ void step_equations(AdvanceFunction* method, const ForceField& field, State& sta
   const auto y = m.scratch("integrator.y", nx + nv);
   std::copy(m.x.begin(), m.x.end(), y.begin());
   std::copy(m.v.begin(), m.v.end(), y.begin() + static_cast<std::ptrdiff_t>(nx));
-  const auto step = state.find("integrator.internal_step"), error = state.find("integrator.last_error");
+  const auto step = state.find(kInternalStep), error = state.find(kLastError);
   Carry carry;
   if (step) carry.step = state.f64(*step)[0];
   if (error) carry.last_error = state.f64(*error)[0];
@@ -103,6 +111,7 @@ void step_equations(AdvanceFunction* method, const ForceField& field, State& sta
                   .y = y.data(),
                   .workspace = in.workspace,
                   .carry = carry,
+                  .arena = &in.arena,
                   .tolerance = tolerance_of(options),
                   .max_steps = static_cast<uint64_t>(options.max_internal_steps),
                   .damping = options.damping,

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "engine/base/errors.h"
+#include "engine/lattice/lattice_state.h"
 #include "engine/math/expression/names.h"
 
 namespace truestep::lattice {
@@ -69,6 +70,8 @@ LatticeModel::LatticeModel(const LatticeDef& def, SideKind usual, const Texts& t
   for (const auto& [pointer, text] : texts.initial) initial.push_back(r.read(pointer, text));
   Node c = r.read(texts.coefficient.first, texts.coefficient.second);
   const Node source = r.read(texts.source.first, texts.source.second);
+  const std::optional<Node> exact =
+      def.exact.empty() ? std::nullopt : std::optional(r.read("/exact", def.exact));
   std::array<std::array<Node, 2>, 3> given{};
   for (size_t a = 0; a < lattice_.dimensions; ++a) {
     for (size_t end = 0; end < 2; ++end) {
@@ -91,6 +94,7 @@ LatticeModel::LatticeModel(const LatticeDef& def, SideKind usual, const Texts& t
   }
   for (const Node n : initial) initial_.push_back(program({n}));
   coefficient_ = program({c}), source_ = program({source});
+  if (exact) exact_ = program({*exact});
   forced_ = !source_.zero;
 
   for (size_t a = 0; a < 3; ++a) {
@@ -199,6 +203,19 @@ std::vector<double> LatticeModel::initial(size_t which) const {
     for (size_t k = 0; k < f.nodes.size(); ++k) u[f.nodes[k]] = values[which * f.nodes.size() + k];
   }
   return u;
+}
+
+std::optional<double> LatticeModel::distance_from_exact(std::span<const double> u, double t) const {
+  if (!exact_) return std::nullopt;
+  std::vector<double> squares(lattice_.nodes());
+  sample(exact_->rows, lattice_, kNodes, coordinates_[0], t, squares.data(), 0,
+         lattice_.count(1) * lattice_.count(2));
+  double volume = 1;
+  for (size_t a = 0; a < lattice_.dimensions; ++a) {
+    volume *= lattice_.axes[a].spacing * static_cast<double>(lattice_.axes[a].cells);
+  }
+  for (size_t i = 0; i < squares.size(); ++i) squares[i] = (u[i] - squares[i]) * (u[i] - squares[i]);
+  return std::sqrt(integral(lattice_, squares) / volume);
 }
 
 Coefficient LatticeModel::coefficient(const Lattice& on, const Constants& constants, double t) const {

@@ -7,6 +7,7 @@
 // says about the next derivative there: u_nn = (D g - s) / c - g_yy - g_zz at Dirichlet sides, u_nnn = (D g -
 // s_n) / c - g_yy - g_zz at Neumann sides, D being d/dt or d^2/dt^2 + k d/dt.
 #pragma once
+#include <span>
 #include <string>
 #include <vector>
 
@@ -46,6 +47,9 @@ class LatticeModel {
 
   /// Initial values of field `which`; Dirichlet nodes hold their sides' values (or rates of change).
   std::vector<double> initial(size_t which) const;
+  /// Root mean square over the box of how far u is from the exact solution at t; nothing where the scene
+  /// gives none.
+  std::optional<double> distance_from_exact(std::span<const double> u, double t) const;
   /// Sampled for any lattice on the same box.
   Coefficient coefficient(const Lattice& on, const Constants& constants, double t) const;
 
@@ -71,6 +75,7 @@ class LatticeModel {
   int order_ = 2, time_order_ = 1;
   std::vector<Program> initial_;
   Program coefficient_, source_;
+  std::optional<Program> exact_;
   std::vector<Face> faces_;
   std::optional<double> constant_coefficient_;
   bool forced_ = false;

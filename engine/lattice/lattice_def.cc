@@ -1,5 +1,9 @@
 #include "engine/lattice/lattice_def.h"
 
+#include "engine/integrators/table/integrators.h"
+
+#include <cmath>
+
 namespace truestep::lattice {
 
 namespace {
@@ -97,6 +101,16 @@ double lattice_step_seconds(const LatticeDef& d, std::string_view usual) {
                       (m->kind == Integrator::Kind::implicit ? kSolve : 0);
   const double nodes = lattice_nodes(d), rows = nodes / (static_cast<double>(d.cells[0]) + 1);
   return kBase + times * (kRow * rows + node * nodes);
+}
+
+std::optional<std::string> divide_cells(LatticeDef& d, double factor) {
+  for (int64_t& cells : d.cells) {
+    const double wanted = factor * static_cast<double>(cells);
+    if (wanted != std::floor(wanted) || wanted < 2) return "cells are whole numbers of at least 2";
+    if (wanted > kMostNodes) return "more than 5e7 nodes";
+    cells = static_cast<int64_t>(wanted);
+  }
+  return std::nullopt;
 }
 
 void check_lattice(const LatticeDef& d, const DefTable::Report& report) {

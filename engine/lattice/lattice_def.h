@@ -7,6 +7,7 @@
 
 #include "engine/core/def.h"
 #include "engine/core/integrator_def.h"
+#include "engine/core/resolution.h"
 #include "engine/lattice/lattice.h"
 
 namespace truestep::lattice {
@@ -30,6 +31,7 @@ struct LatticeDef : IntegratorParams {
   SidesDef sides;
   enum class Order : uint8_t { second, fourth } order = Order::second;
   std::string initial = "0", source = "0";
+  std::string exact;  ///< empty: not known
 };
 
 const DefTable& side_table();
@@ -44,11 +46,25 @@ std::string side_value(const LatticeDef& d, size_t axis, size_t end);
 /// Nodes, without overflow.
 double lattice_nodes(const LatticeDef& d);
 
-/// A step's cost from counts alone: evaluations and solves by the method's own habits (20 of an adaptive
 /// Bytes of a method's memory; `usual` where the scene names none.
 double lattice_workspace_bytes(const LatticeDef& d, std::string_view usual);
+/// A step's cost from counts alone: evaluations and solves by the method's own habits (20 of an adaptive
 /// method), each at what it takes per node. `usual` is the method where none is named.
 double lattice_step_seconds(const LatticeDef& d, std::string_view usual);
+
+/// Multiplies the cells; says why not where they would not be whole.
+std::optional<std::string> divide_cells(LatticeDef& d, double factor);
+
+/// Of a struct D derived from LatticeDef.
+template <class D>
+const Resolution& resolution() {
+  static const Resolution kCells{
+      .parameter = "cells",
+      .divide = [](void* d, double factor) { return divide_cells(*static_cast<D*>(d), factor); },
+      .order =
+          [](const void* d) { return static_cast<const D*>(d)->order == LatticeDef::Order::fourth ? 4 : 2; }};
+  return kCells;
+}
 
 /// Adds the rows of LatticeDef to the table of a struct D derived from it.
 template <class D>
@@ -61,6 +77,7 @@ TableOf<D>& add_lattice_rows(TableOf<D>& t, const char* initial_sentence, const 
   LatticeDef::Order D::*order = &LatticeDef::order;
   std::string D::*initial = &LatticeDef::initial;
   std::string D::*source = &LatticeDef::source;
+  std::string D::*exact = &LatticeDef::exact;
   return t
       .integers("cells", cells, between(2, 1e7), {1, 3},
                 "cells along x, y and z, as many numbers as the box has dimensions; nodes lie between cells "
@@ -73,7 +90,11 @@ TableOf<D>& add_lattice_rows(TableOf<D>& t, const char* initial_sentence, const 
       .choice("order", order, {"2", "4"},
               "of the error in space; 4 needs constant coefficients and no robin side")
       .expression("initial", initial, initial_sentence)
-      .expression("source", source, source_sentence);
+      .expression("source", source, source_sentence)
+      .expression(
+          "exact", exact,
+          "the solution where it is known, an expression of x, y, z and t: error.exact then tells the "
+          "distance from it");
 }
 
 }  // namespace truestep::lattice

@@ -11,6 +11,7 @@
 #include "engine/core/build.h"
 #include "engine/core/def.h"
 #include "engine/core/outputs.h"
+#include "engine/core/resolution.h"
 #include "engine/core/system.h"
 
 namespace truestep {
@@ -28,6 +29,7 @@ struct CatalogueRow {
   std::string_view default_integrator;       ///< empty: the system has its own method
   const Outputs* outputs;                    ///< what can be recorded, probed and observed
   double longest_substep = 10;               ///< s, beyond which nothing that it describes is resolved
+  const Resolution* resolution = nullptr;    ///< null: no parameter divides anything
 };
 
 std::span<const CatalogueRow> catalogue();

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "engine/core/integrator.h"
+#include "engine/integrators/table/integrators.h"
 #include "engine/scene/gallery.h"
 #include "engine/scene/json.h"
 #include "engine/scene/json_write.h"
@@ -60,6 +61,7 @@ json::object describe_system(const CatalogueRow& row) {
           {"group", row.group},
           {"description", row.sentence},
           {"parameters", describe_params(*row.table)},
+          {"resolution", row.resolution ? json::value(row.resolution->parameter) : json::value(nullptr)},
           {"default_integrator", row.default_integrator},
           {"integrators", std::move(methods)},
           {"guarantees", std::move(guarantees)},

@@ -6,7 +6,7 @@
 #include "engine/base/errors.h"
 #include "engine/base/interrupt.h"
 #include "engine/base/short_number.h"
-#include "engine/core/force_system.h"
+#include "engine/integrators/table/integrators.h"
 #include "engine/scene/admission.h"
 
 namespace truestep {
@@ -20,22 +20,22 @@ constexpr double kTrialSeconds = 0.5;
 constexpr int64_t kMostParts = 4096;  // substeps that are worth a trial
 constexpr size_t kMostMethods = 3;    // that are tried, of each kind
 
-bool unlimited(const Integrator& row, const ForceSystem& s) {
-  return std::isinf(stability_interval(row, s.options()).imaginary);
+bool unlimited(const Integrator& row, const Integration& s) {
+  return std::isinf(stability_interval(row, *s.options).imaginary);
 }
 
 // Methods that hold at any step or choose their own, in the order in which they are worth a trial.
-std::vector<const Integrator*> other_methods(const ForceSystem& s) {
+std::vector<const Integrator*> other_methods(const Integration& s) {
   using Kind = Integrator::Kind;
   using Stepping = Integrator::Stepping;
   std::vector<const Integrator*> out;
   const auto add = [&](Kind kind, Stepping stepping) {
     size_t found = 0;
     for (const Integrator& row : integrators()) {
-      if (&row == &s.integrator() || row.kind != kind || row.stepping != stepping || !row.step) continue;
+      if (&row == s.method || row.kind != kind || row.stepping != stepping || !row.step) continue;
       if (found == kMostMethods || row.name.starts_with("cvode")) continue;
       if (kind == Kind::implicit && stepping == Stepping::fixed && !unlimited(row, s)) continue;
-      if (refusal(row, s.force_field())) continue;
+      if (refusal(row, *s.field)) continue;
       out.push_back(&row), ++found;
     }
   };
@@ -144,8 +144,8 @@ Remedies try_remedies(const World& world, const WorldState& before, uint64_t fai
     break;
   }
   const size_t index = world.index_of(system);
-  if (const auto* forces = dynamic_cast<const ForceSystem*>(&world.system(index))) {
-    for (const Integrator* method : other_methods(*forces)) {
+  if (const Integration own = world.system(index).integration(); own.field) {
+    for (const Integrator* method : other_methods(own)) {
       if (!trials.holds(substeps, index, method)) continue;
       out.sentences.push_back("the integrator " + std::string(method->name) + " (" +
                               std::string(method->title) + ")" + tried);

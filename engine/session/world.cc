@@ -10,8 +10,8 @@
 #include "engine/base/errors.h"
 #include "engine/base/interrupt.h"
 #include "engine/core/configuration.h"
-#include "engine/core/force_system.h"
 #include "engine/core/lattice.h"
+#include "engine/integrators/table/integrators.h"
 #include "engine/scene/json_write.h"
 
 namespace truestep {
@@ -370,9 +370,9 @@ double World::error_estimate(const WorldState& state) const {
     scale += y[k] * y[k];
   }
   double factor = 10.0 / 9;
-  if (const auto* forces = dynamic_cast<const ForceSystem*>(systems_[i].get());
-      forces && forces->integrator().stepping == Integrator::Stepping::fixed) {
-    factor = 1 / (1 - std::ldexp(1.0, -forces->integrator().order));
+  if (const Integrator* method = systems_[i]->integration().method;
+      method && method->stepping == Integrator::Stepping::fixed) {
+    factor = 1 / (1 - std::ldexp(1.0, -method->order));
   }
   return factor * std::sqrt(difference / std::max(scale, 1e-300));
 }

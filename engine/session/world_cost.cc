@@ -1,5 +1,5 @@
 // What a step of a world is expected to cost, once its systems are built.
-#include "engine/core/force_system.h"
+#include "engine/core/integrator.h"
 #include "engine/integrators/control/step_work.h"
 #include "engine/integrators/field_equations.h"
 #include "engine/integrators/motion.h"
@@ -11,22 +11,22 @@ namespace truestep {
 namespace {
 
 // Of an implicit method that factorises the field's derivatives.
-std::optional<double> force_step_seconds(const ForceSystem& s, const State& state, double h) {
-  if (s.integrator().kind != Integrator::Kind::implicit || !s.integrator().advance) return std::nullopt;
+std::optional<double> force_step_seconds(const Integration& s, const State& state, double h) {
+  if (s.method->kind != Integrator::Kind::implicit || !s.method->advance) return std::nullopt;
   static const ThreadArena kSerial(1);
   Workspace workspace;
   State copy = state;
   const StepInput in{0, h, 0, workspace, kSerial};
-  Motion motion(s.force_field(), copy, in);
+  Motion motion(*s.field, copy, in);
   const FieldEquations f(motion);
   std::vector<double> y(motion.x.begin(), motion.x.end());
   y.insert(y.end(), motion.v.begin(), motion.v.end());
-  const IntegratorOptions& o = s.options();
+  const IntegratorOptions& o = *s.options;
   const Tolerance tolerance{o.relative_tolerance.value_or(0), o.absolute_tolerance.value_or(o.tolerance)};
   // Some 20 operations per number of a point, as in a cloth.
   constexpr double kPerUnknown = 20;
   const double rate = kPerUnknown * static_cast<double>(y.size());
-  const auto work = implicit_step_work(s.integrator(), f, rate, h, y.data(), tolerance);
+  const auto work = implicit_step_work(*s.method, f, rate, h, y.data(), tolerance);
   return work ? std::optional(work->seconds()) : std::nullopt;
 }
 
@@ -37,9 +37,9 @@ Cost World::cost(const WorldState& state) const {
   const double h = scene_.substep(), substeps = static_cast<double>(scene_.header.time.substeps);
   for (size_t i = 0; i < size(); ++i) {
     const SceneSystem& s = scene_.systems[i];
-    const auto* forces = dynamic_cast<const ForceSystem*>(systems_[i].get());
-    const auto seconds = forces ? force_step_seconds(*forces, state.systems[i], h)
-                                : systems_[i]->limit(Limit::step_seconds, state.systems[i], h);
+    const Integration own = systems_[i]->integration();
+    const auto seconds = own.field ? force_step_seconds(own, state.systems[i], h)
+                                   : systems_[i]->limit(Limit::step_seconds, state.systems[i], h);
     if (seconds) sum.seconds_per_step += substeps * (*seconds - s.row->cost(s.def.get()).seconds_per_step);
   }
   return sum;

@@ -6,6 +6,7 @@
 
 #include "engine/base/errors.h"
 #include "engine/core/integrator.h"
+#include "engine/integrators/table/integrators.h"
 #include "engine/scene/json_write.h"
 #include "engine/studies/method_search.h"
 #include "engine/studies/scene_variant.h"

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "engine/core/integrator.h"
+#include "engine/integrators/table/integrators.h"
 #include "engine/studies/scene_variant.h"
 #include "engine/studies/work_precision.h"
 
@@ -42,7 +43,7 @@ ObservedOrder observed_order(const std::vector<double>& errors, double floor) {
 const DefTable& convergence_table() {
   using P = ConvergenceParams;
   static const DefTable t =
-      TableOf<P>("observed order of a method on this scene")
+      TableOf<P>("observed order of a method on this scene, or of a system in space")
           .text("system", &P::system, "system whose method is studied")
           .text("quantity", &P::quantity,
                 "field whose error is measured; state: all that says where the system is")
@@ -50,7 +51,9 @@ const DefTable& convergence_table() {
           .number("step", &P::step, "s", above(0), "largest step; 8 times the scene's when left out")
           .number("horizon", &P::horizon, "s", above(0),
                   "simulated time; else as much of the duration as the budget allows")
-          .integer("halvings", &P::halvings, between(3, 20), "how often the step is halved")
+          .integer("halvings", &P::halvings, between(3, 20),
+                   "how often the step or the spacing is halved, at most; 7 in time, 4 in space and both")
+          .choice("refine", &P::refine, refine_names(), kRefineSentence)
           .number("budget", &P::budget, "s", between(0.1, 1e5), "CPU time for the whole study")
           .build();
   return t;
@@ -58,6 +61,7 @@ const DefTable& convergence_table() {
 
 StudyResult run_convergence(const json::value& scene, const void* def, StudyContext& context) {
   const auto& p = *static_cast<const ConvergenceParams*>(def);
+  if (p.refine != Refine::time) return run_refinement(scene, p, context);
   const Scene read = require_scene(read_scene(scene));
   const size_t system = studied_system(read, p.system);
   WorkPrecisionParams w;
@@ -68,7 +72,8 @@ StudyResult run_convergence(const json::value& scene, const void* def, StudyCont
   w.samples = static_cast<int64_t>(std::clamp(std::floor(horizon / largest + 1e-9), 1.0, 1000.0));
   const double interval = horizon / static_cast<double>(w.samples);
   const double first = interval / std::max(1.0, std::round(interval / largest));
-  for (int64_t k = 0; k <= p.halvings; ++k) w.steps.push_back(std::ldexp(first, static_cast<int>(-k)));
+  for (int64_t k = 0; k <= p.halvings.value_or(7); ++k)
+    w.steps.push_back(std::ldexp(first, static_cast<int>(-k)));
   w.integrators = {p.integrator};
   if (p.integrator.empty()) {
     const json::object canonical = read.canonical();

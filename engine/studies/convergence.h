@@ -1,4 +1,5 @@
-// Observed order of a method on a scene: errors against a reference at steps halved again and again, and
+// Observed order of a method on a scene, or of a system in space (refinement.h): errors against a reference
+// at steps or spacings halved again and again, and
 //   p_j = log2(e_j / e_{j+1}).
 // An order is quoted only when it has settled: the last three p_j that lie above the reference's floor differ
 // by less than a tenth (Roache 1998, "Verification and validation in computational science and engineering",
@@ -8,16 +9,18 @@
 #include <string>
 #include <vector>
 
+#include "engine/studies/refinement.h"
 #include "engine/studies/study.h"
 
 namespace truestep {
 
 struct ConvergenceParams {
   std::string system, quantity = "state";
-  std::string integrator;         ///< empty: the scene's own
-  std::optional<double> step;     ///< s, the largest; 8 times the scene's when left out
-  std::optional<double> horizon;  ///< s
-  int64_t halvings = 7;
+  std::string integrator;           ///< empty: the scene's own
+  std::optional<double> step;       ///< s, the largest; 8 times the scene's when left out
+  std::optional<double> horizon;    ///< s
+  std::optional<int64_t> halvings;  ///< 7 in time, 4 in space and both
+  Refine refine = Refine::time;
   double budget = 40;  ///< s
 };
 

@@ -5,10 +5,9 @@
 #include <cmath>
 
 #include "engine/base/errors.h"
-#include "engine/core/force_system.h"
+#include "engine/integrators/table/integrators.h"
 #include "engine/session/expectation.h"
 #include "engine/studies/scene_variant.h"
-#include "engine/systems/ode/ode.h"
 
 namespace truestep {
 
@@ -25,13 +24,6 @@ constexpr double kPatience = 100;            // steps of slower ones
 constexpr double kWholeSearch = 24;          // runs that a search over the whole horizon takes
 constexpr double kAim = 0.3, kEnough = 0.5;  // of the tolerance: what settings aim at, what is good enough
 constexpr int64_t kMostSubsteps = 512;
-
-// The method that the scene has as it stands.
-const Integrator* method_of(const System& system) {
-  if (const auto* forces = dynamic_cast<const ForceSystem*>(&system)) return &forces->integrator();
-  if (const auto* ode = dynamic_cast<const ode::Ode*>(&system)) return ode->method();
-  return nullptr;
-}
 
 // What pays at an error, by the work-precision diagrams of docs/work_precision.md.
 std::vector<std::string_view> worth_trying(double tolerance, bool stiff) {
@@ -77,7 +69,8 @@ class Search {
     const double built = thread_cpu_seconds() - started_;
     const Scene& scene = own.scene();
     dt_ = scene.header.time.dt;
-    const Integrator* method = method_of(own.system(question_.system));
+    // The one that the scene has as it stands.
+    const Integrator* method = own.system(question_.system).integration().method;
     stiff_ = method && method->kind == Integrator::Kind::implicit;
     const double steps = std::max(1.0, std::round(question_.horizon / dt_));
     TraceRequest probe{.field = field(), .samples = static_cast<size_t>(std::min(steps, 64.0))};

@@ -7,6 +7,7 @@
 #include "engine/base/errors.h"
 #include "engine/base/short_number.h"
 #include "engine/core/integrator.h"
+#include "engine/integrators/table/integrators.h"
 #include "engine/studies/scene_variant.h"
 
 namespace truestep {

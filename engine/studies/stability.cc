@@ -7,8 +7,8 @@
 #include "engine/base/errors.h"
 #include "engine/base/random.h"
 #include "engine/base/short_number.h"
-#include "engine/core/force_system.h"
 #include "engine/integrators/control/spectrum.h"
+#include "engine/integrators/table/integrators.h"
 #include "engine/studies/scene_variant.h"
 #include "engine/studies/trajectory.h"
 
@@ -301,14 +301,14 @@ StudyResult run_stability(const json::value& scene, const void* def, StudyContex
   const Scene read = require_scene(read_scene(scene));
   const size_t system = studied_system(read, p.system);
   const World world = build_world(scene, context);
-  const auto* forces = dynamic_cast<const ForceSystem*>(&world.system(system));
-  if (!forces) {
+  const Integration own = world.system(system).integration();
+  if (!own.field) {
     throw Error("scene_invalid", "the system has no force field",
                 {{"/system", "wrong_system", "stability needs a system of forces", '"' + p.system + '"', "",
                   "", ""}});
   }
   const WorldState start = world.initial_state();
-  const Spectrum spectrum = estimate_spectrum(forces->force_field(), start.systems[system], 0);
+  const Spectrum spectrum = estimate_spectrum(*own.field, start.systems[system], 0);
 
   if (spectrum.omega == 0 && spectrum.damping == 0) {
     throw Error("study_failed", "the system's forces neither oscillate nor decay: no step is unstable",
@@ -319,7 +319,7 @@ StudyResult run_stability(const json::value& scene, const void* def, StudyContex
   StudyResult r;
   r.table.columns = {{"integrator", ""}, {"largest_stable_dt", "s"}, {"theory_dt", "s"}, {"ratio", "1"},
                      {"status", ""},     {"stable_again", ""}};
-  const auto rows = methods(p, forces->force_field());
+  const auto rows = methods(p, *own.field);
   using Style = StudyPlot::Series::Style;
   StudyPlot::Series measured{.name = "measured", .style = Style::markers},
       theory{.name = "linear theory", .style = Style::rings},
@@ -332,8 +332,7 @@ StudyResult run_stability(const json::value& scene, const void* def, StudyContex
     const Integrator& row = *rows[i];
     context.progress(static_cast<double>(i) / static_cast<double>(rows.size()), std::string(row.name));
     // The scene's options stay while its method changes.
-    const double limit =
-        stability_interval(row, forces->options()).largest_step(spectrum.omega, spectrum.damping);
+    const double limit = stability_interval(row, *own.options).largest_step(spectrum.omega, spectrum.damping);
     const double guess = std::isfinite(limit) && limit > 0 ? limit
                          : spectrum.omega > 0              ? 1 / spectrum.omega
                                                            : world.scene().substep();
@@ -385,10 +384,10 @@ StudyResult run_stability(const json::value& scene, const void* def, StudyContex
     r.summary["note"] = "the budget reaches runs of " + std::to_string(fewest) + " of the " +
                         std::to_string(p.steps) + " steps; give a larger budget or fewer integrators";
   }
-  if (const auto dt = forces->limit(Limit::stable_dt, start.systems[system], 0))
+  if (const auto dt = world.system(system).limit(Limit::stable_dt, start.systems[system], 0))
     r.summary["suggested_dt_bound"] = *dt;
-  const double suggested = stability_interval(forces->integrator(), forces->options())
-                               .largest_step(spectrum.omega, spectrum.damping);
+  const double suggested =
+      stability_interval(*own.method, *own.options).largest_step(spectrum.omega, spectrum.damping);
   // A tenth below the border: the spectrum is that of the start.
   if (std::isfinite(suggested) && suggested > 0) r.summary["suggested_dt"] = 0.9 * suggested;
   r.plot = {.title = "Largest stable step",

@@ -7,6 +7,7 @@
 #include "engine/base/errors.h"
 #include "engine/base/short_number.h"
 #include "engine/core/integrator.h"
+#include "engine/integrators/table/integrators.h"
 #include "engine/studies/scene_variant.h"
 
 namespace truestep {
@@ -292,6 +293,11 @@ const DefTable& work_precision_table() {
           .integer("samples", &P::samples, between(1, 1000), "instants at which paths are compared")
           .integer("repeats", &P::repeats, between(1, 100), "runs whose median time counts")
           .number("budget", &P::budget, "s", between(0.1, 1e5), "CPU time for the whole study")
+          .choice("refine", &P::refine, refine_names(),
+                  "what gets finer from point to point of a curve; time: steps and tolerances; space: the "
+                  "system's resolution at the scene's own steps; both: the steps follow the spacing")
+          .integer("halvings", &P::halvings, between(3, 20),
+                   "how often the spacing is halved at most, where it is refined")
           .build();
   return t;
 }
@@ -316,18 +322,27 @@ void describe_reach(const WorkMeasurement& m, json::object& summary) {
 
 StudyResult run_work_precision(const json::value& scene, const void* def, StudyContext& context) {
   const auto& params = *static_cast<const WorkPrecisionParams*>(def);
-  const WorkMeasurement m = measure_work(scene, params, context);
+  const bool in_time = params.refine == Refine::time;
+  const WorkMeasurement m =
+      in_time ? measure_work(scene, params, context) : measure_refined_work(scene, params, context);
   StudyResult r;
   r.table.columns = {{"integrator", ""},  {"setting", ""}, {"cpu_seconds", "s"}, {"error_end", "1"},
                      {"error_path", "1"}, {"steps", "1"},  {"status", ""}};
+  if (!in_time)
+    r.table.columns = {{"integrator", ""},   {"refined", "1"},   {"setting", ""},
+                       {"cpu_seconds", "s"}, {"error_end", "1"}, {"status", ""}};
   const json::value* name = scene.as_object().if_contains("name");
   const std::string of = name && name->is_string() ? ": " + std::string(name->as_string()) : "";
   r.plot = {.title = "Run time against error" + of,
             .x_label = "relative error of " + params.quantity + " at the end",
             .y_label = "CPU time in s"};
   for (const WorkPoint& p : m.points) {
-    r.table.rows.push_back({p.integrator, p.setting, p.cpu_seconds, p.error_end, p.error_path,
-                            static_cast<double>(p.steps), p.status});
+    if (in_time) {
+      r.table.rows.push_back({p.integrator, p.setting, p.cpu_seconds, p.error_end, p.error_path,
+                              static_cast<double>(p.steps), p.status});
+    } else {
+      r.table.rows.push_back({p.integrator, p.refined, p.setting, p.cpu_seconds, p.error_end, p.status});
+    }
     if (!(p.error_end > 0) || !std::isfinite(p.error_end) || p.error_end > 10) continue;
     if (r.plot.series.empty() || r.plot.series.back().name != p.integrator)
       r.plot.series.push_back({.name = p.integrator});
@@ -338,7 +353,9 @@ StudyResult run_work_precision(const json::value& scene, const void* def, StudyC
   for (const auto& f : m.refused)
     refused.push_back(json::object{{"integrator", f.integrator}, {"reason", f.reason}});
   r.summary = {{"horizon", m.horizon},
-               {"reference", describe_reference(m.reference)},
+               {"refine", refine_names()[static_cast<size_t>(params.refine)]},
+               {in_time ? "reference" : "measured_against",
+                in_time ? json::value(describe_reference(m.reference)) : json::value(m.reference.method)},
                {"cheapest", cheapest(m)},
                {"refused", std::move(refused)}};
   describe_reach(m, r.summary);

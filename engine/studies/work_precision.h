@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "engine/studies/reference.h"
+#include "engine/studies/refinement.h"
 #include "engine/studies/study.h"
 
 namespace truestep {
@@ -18,6 +19,8 @@ struct WorkPrecisionParams {
   std::optional<double> horizon;         ///< s
   int64_t samples = 16, repeats = 3;
   double budget = 30;  ///< s of CPU for everything
+  Refine refine = Refine::time;
+  int64_t halvings = 4;  ///< of the spacing, where that is refined
   /// Not asked for by users: s, the steps in which adaptive methods run; left out: as long as the scene
   /// allows.
   std::optional<double> adaptive_step = {};
@@ -33,6 +36,7 @@ struct WorkPoint {
   double cpu_seconds = 0, error_end = 0, error_path = 0;
   uint64_t steps = 0;
   std::string status = {};  ///< ok, at the floor, unstable, over budget
+  double refined = 1;       ///< resolution, times the scene's own
 };
 
 struct WorkMeasurement {
@@ -51,6 +55,11 @@ struct WorkMeasurement {
 /// the budget allows; Error "study_failed" at "/horizon" when a given one is too long for any reference.
 WorkMeasurement measure_work(const boost::json::value& scene, const WorkPrecisionParams& params,
                              StudyContext& context);
+
+/// The same where the system is divided more finely from point to point (refinement.h): errors at the end
+/// alone, against the scene's exact solution or the limit of ever finer ones.
+WorkMeasurement measure_refined_work(const boost::json::value& scene, const WorkPrecisionParams& params,
+                                     StudyContext& context);
 
 /// Adds "note" when the horizon is shorter than was wanted, and "warning" when paths mean nothing over it.
 void describe_reach(const WorkMeasurement& measurement, boost::json::object& summary);

@@ -12,6 +12,7 @@
 #include "engine/base/errors.h"
 #include "engine/scene/json.h"
 #include "engine/scene/json_write.h"
+#include "engine/studies/refinement.h"
 #include "engine/studies/study.h"
 #include "server/cli/exit_codes.h"
 #include "server/cli/input.h"
@@ -25,7 +26,7 @@ namespace fs = std::filesystem;
 namespace {
 
 struct Options {
-  std::string kind, scene, output, progress = "auto";
+  std::string kind, scene, output, refine, progress = "auto";
   std::vector<std::string> set;
   int threads = 0;
   bool json = false;
@@ -107,6 +108,7 @@ int study(const Options& o) {
   std::replace(kind.begin(), kind.end(), '-', '_');
   json::object document{{"kind", kind}, {"scene", load_scene_document(o.scene)}};
   apply_settings(o.set, document);
+  if (!o.refine.empty()) document["refine"] = o.refine;
   const StudyRequest request = read_study_request(document);
 
   const fs::path folder = o.output;
@@ -169,6 +171,9 @@ void add_study_command(CLI::App& app, int& exit_code) {
   c->add_option("-o,--output", options->output, "folder for result.json, result.csv and result.svg");
   c->add_option("--set", options->set,
                 "a parameter of the study, e.g. --set integrators='[\"rk4\"]' --set horizon=2");
+  c->add_option("--refine", options->refine,
+                "convergence and work-precision: what is made finer, time, space or both")
+      ->check(CLI::IsMember(refine_names()));
   c->add_option("--threads", options->threads, "threads of a sweep (default: all)")
       ->check(CLI::Range(1, 1024));
   c->add_flag("--json", options->json, "the result as one JSON object on standard output");

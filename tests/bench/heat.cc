@@ -15,6 +15,7 @@
 #include <numbers>
 
 #include "engine/integrators/advance.h"
+#include "engine/integrators/table/integrators.h"
 #include "engine/math/solvers/trig_transform.h"
 #include "engine/systems/heat/heat.h"
 #include "engine/systems/wave/wave.h"

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "engine/core/integrator.h"
+#include "engine/integrators/table/integrators.h"
 #include "engine/math/block_sparse.h"
 #include "engine/math/trig.h"
 #include "engine/systems/mass_spring/mass_spring_def.h"

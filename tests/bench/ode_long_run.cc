@@ -15,6 +15,7 @@
 
 #include "engine/core/integrator.h"
 #include "engine/integrators/advance.h"
+#include "engine/integrators/table/integrators.h"
 #include "tests/bench/report.h"
 #include "tests/support/ode_problems.h"
 

@@ -7,6 +7,7 @@
 
 #include "engine/integrators/explicit/ias15_nodes.h"
 #include "engine/integrators/explicit/tableau_dop853.h"
+#include "engine/integrators/table/integrators.h"
 #include "tests/convergence/extended.h"
 
 namespace truestep::test {

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "engine/integrators/explicit/runge_kutta.h"
+#include "engine/integrators/table/integrators.h"
 #include "tests/convergence/problems.h"
 
 namespace truestep::test {

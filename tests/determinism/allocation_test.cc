@@ -5,6 +5,7 @@
 #include <cstdlib>
 #include <new>
 
+#include "engine/integrators/table/integrators.h"
 #include "engine/systems/articulation/articulation_def.h"
 #include "engine/systems/mass_spring/mass_spring.h"
 #include "engine/systems/mass_spring/mass_spring_def.h"

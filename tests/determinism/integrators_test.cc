@@ -4,6 +4,7 @@
 
 #include <cstring>
 
+#include "engine/integrators/table/integrators.h"
 #include "engine/systems/mass_spring/mass_spring.h"
 #include "engine/systems/mass_spring/mass_spring_def.h"
 

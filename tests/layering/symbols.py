@@ -1,10 +1,14 @@
-"""The step path imports no transcendental of libm: those differ between processors, so hashes would too.
+"""What the engine's object files import, read with nm.
 
-Reads the undefined symbols of the engine's object files with nm. Exact functions (sqrt, fma, floor, fmod ...)
-are free. Setup code that may differ in the last bit is listed in libm_exceptions.txt with its reason.
+The step path imports no transcendental of libm: those differ between processors, so hashes would too. Exact
+functions (sqrt, fma, floor, fmod ...) are free. Setup code that may differ in the last bit is listed in
+libm_exceptions.txt with its reason.
+
+No layer calls what is defined in a layer below it, even where the declaration stands in a layer above.
 """
 import subprocess
 
+from includes import LAYERS, layer_of
 from source import Finding
 
 STEP_LAYERS = ["base", "math", "geometry", "kernels", "neighbours", "core", "integrators", "collision", "lattice", "rigid", "systems", "couplings", "session"]
@@ -58,3 +62,30 @@ def check(tree):
 
 def source_of(path, top):
     return "engine/" + path.relative_to(top).as_posix().removesuffix(".o")
+
+
+def check_calls(tree):
+    """Symbols that a file imports and that only a layer below its own defines."""
+    if tree.build is None:
+        return
+    top = tree.build / "engine/CMakeFiles/truestep_engine.dir"
+    objects = [o for layer in LAYERS for o in sorted(top.glob(f"{layer}/**/*.o")) if source_of(o, top) in tree.paths]
+    if not objects:
+        yield Finding("engine", 1, "calls", f"no object files below {top}: build first")
+        return
+    listing = subprocess.run(["nm", "-A", "--format=posix", *objects], capture_output=True, text=True, check=True)
+    defined, imported = {}, []
+    for line in listing.stdout.splitlines():
+        name, rest = line.split(": ", 1)
+        symbol, kind = rest.split()[:2]
+        path = "engine/" + name.removeprefix(str(top) + "/").removesuffix(".o")
+        # Weak symbols (inline functions, templates) have a copy in every file that uses them.
+        if kind in "TDBR":
+            defined[symbol] = path
+        elif kind == "U":
+            imported.append((path, symbol))
+    for path, symbol in sorted(imported):
+        there = defined.get(symbol)
+        if there and LAYERS.index(layer_of(there)) > LAYERS.index(layer_of(path)):
+            plain = subprocess.run(["c++filt", symbol], capture_output=True, text=True, check=True).stdout.strip()
+            yield Finding(path, 1, "calls", f"{layer_of(path)} calls {plain} of {there}, which is below it")

@@ -54,6 +54,24 @@ class Studies(unittest.TestCase):
         svg = xml.etree.ElementTree.fromstring(self.service.get(operation + "/result.svg").body)
         self.assertIn("heun", "".join(svg.itertext()))
 
+    def test_convergence_in_space_over_http(self):
+        rod = {"schema_version": "1.0", "name": "rod", "time": {"dt": 0.001, "duration": 0.05},
+               "systems": [{"type": "heat", "id": "rod", "cells": [16], "side": {"kind": "dirichlet"},
+                            "initial": "sin(pi*x)", "exact": "exp(-pi^2*t)*sin(pi*x)"}]}
+        self.assertEqual(self.service.get("/v1/systems/heat").json()["resolution"], "cells")
+        operation = self.start({"kind": "convergence", "scene": rod, "refine": "space", "budget": 20})
+        state = self.wait(operation)
+        self.assertEqual(state["status"], "done", state)
+        summary = self.service.get(operation + "/result").json()["summary"]
+        self.assertAlmostEqual(summary["observed_order"], 2, delta=0.05)
+        self.assertEqual(summary["subject"], "rod.cells")
+        # A scene that nothing can refine says what could be.
+        state = self.wait(self.start({"kind": "convergence", "scene": OSCILLATOR, "refine": "both"}))
+        self.assertEqual(state["status"], "failed")
+        fault = state["error"]["errors"][0]
+        self.assertEqual(fault["pointer"], "/refine")
+        self.assertIn("heat (cells)", fault["allowed"])
+
     def test_cancelled_sweep_goes_on_where_it_was(self):
         first = self.start(SLOW_SWEEP)
         self.assertEqual(self.service.get(first + "/result").status, 409)
@@ -123,6 +141,15 @@ class StudyCommand(unittest.TestCase):
             self.assertEqual(done.returncode, 0, done.stderr)
             self.assertAlmostEqual(json.loads(done.stdout)["summary"]["observed_order"], 2, delta=0.1)
             self.assertEqual(sorted(os.listdir(out)), ["request.json", "result.csv", "result.json", "result.svg"])
+
+    def test_convergence_in_space(self):
+        done = self.run_study("convergence", "wave_drum", "--refine", "space", "--set", "horizon=0.2", "--set", "budget=20", "--json")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        # Two standing waves at order 4 in space.
+        self.assertAlmostEqual(json.loads(done.stdout)["summary"]["observed_order"], 4, delta=0.1)
+        bad = self.run_study("convergence", "fountain", "--refine", "space")
+        self.assertEqual(bad.returncode, 3)
+        self.assertIn("wave (cells)", bad.stderr)
 
     def test_refuses_what_it_does_not_know(self):
         self.assertEqual(self.run_study("guess", "fountain").returncode, 2)

@@ -4,6 +4,7 @@
 
 #include <cstdio>
 
+#include "engine/integrators/table/integrators.h"
 #include "engine/systems/pendulum/pendulum.h"
 #include "tests/validation/stepping.h"
 

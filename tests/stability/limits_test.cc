@@ -4,6 +4,7 @@
 
 #include <cstdio>
 
+#include "engine/integrators/table/integrators.h"
 #include "tests/validation/stepping.h"
 
 namespace truestep::test {

@@ -6,6 +6,7 @@
 
 #include <cmath>
 
+#include "engine/integrators/table/integrators.h"
 #include "engine/scene/json.h"
 #include "engine/session/session.h"
 #include "engine/studies/study.h"

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "engine/base/errors.h"
+#include "engine/integrators/table/integrators.h"
 #include "tests/validation/stepping.h"
 
 namespace truestep::test {

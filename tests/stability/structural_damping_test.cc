@@ -6,6 +6,7 @@
 
 #include "engine/core/integrator.h"
 #include "engine/integrators/advance.h"
+#include "engine/integrators/table/integrators.h"
 #include "tests/convergence/problems.h"
 #include "tests/support/ode_run.h"
 

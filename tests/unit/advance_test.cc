@@ -11,6 +11,7 @@
 #include "engine/base/errors.h"
 #include "engine/core/integrator.h"
 #include "engine/integrators/explicit/explicit_pair.h"
+#include "engine/integrators/table/integrators.h"
 #include "tests/support/ode_problems.h"
 
 namespace truestep::test {

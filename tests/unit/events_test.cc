@@ -8,6 +8,7 @@
 #include <functional>
 
 #include "engine/core/integrator.h"
+#include "engine/integrators/table/integrators.h"
 #include "tests/support/ode_problems.h"
 
 namespace truestep::test {

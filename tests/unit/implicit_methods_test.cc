@@ -8,6 +8,7 @@
 #include "engine/base/errors.h"
 #include "engine/core/integrator.h"
 #include "engine/integrators/advance.h"
+#include "engine/integrators/table/integrators.h"
 #include "tests/support/stiff_problems.h"
 
 namespace truestep::test {

@@ -9,6 +9,7 @@
 #include "engine/integrators/advance.h"
 #include "engine/integrators/explicit/tableau_nystrom.h"
 #include "engine/integrators/symplectic/splitting.h"
+#include "engine/integrators/table/integrators.h"
 #include "tests/support/ode_problems.h"
 #include "tests/support/rooted_trees.h"
 

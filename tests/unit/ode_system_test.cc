@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <random>
 
+#include "engine/integrators/table/integrators.h"
 #include "engine/systems/ode/ode.h"
 #include "engine/systems/ode/ode_equations.h"
 #include "tests/support/drawn.h"

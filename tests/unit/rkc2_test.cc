@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "engine/integrators/advance.h"
+#include "engine/integrators/table/integrators.h"
 
 namespace truestep {
 namespace {

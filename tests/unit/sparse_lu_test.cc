@@ -1,6 +1,7 @@
 // Both libraries solve what dense elimination solves, say when a matrix is singular and forget every matrix
 // but the last; CVODE's BDF runs on them.
 #include "engine/integrators/linear/sparse_lu.h"
+#include "engine/integrators/table/integrators.h"
 
 #include <gtest/gtest.h>
 

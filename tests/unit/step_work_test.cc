@@ -1,6 +1,7 @@
 // The cost of an implicit step by the pattern of its matrix: the fill is that of a factorisation by Eigen,
 // and a large net is seen to cost what its factors cost.
 #include "engine/integrators/control/step_work.h"
+#include "engine/integrators/table/integrators.h"
 
 #include <gtest/gtest.h>
 

@@ -4,6 +4,7 @@
 
 #include <numbers>
 
+#include "engine/integrators/table/integrators.h"
 #include "tests/validation/articulation_trees.h"
 
 namespace truestep::test {

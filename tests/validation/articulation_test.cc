@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "engine/base/errors.h"
+#include "engine/integrators/table/integrators.h"
 #include "tests/validation/articulation_trees.h"
 
 namespace truestep::test {

@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "engine/base/errors.h"
+#include "engine/integrators/table/integrators.h"
 #include "engine/math/trig.h"
 #include "tests/support/field_run.h"
 

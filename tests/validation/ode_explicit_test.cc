@@ -9,6 +9,7 @@
 #include "engine/base/errors.h"
 #include "engine/core/integrator.h"
 #include "engine/integrators/advance.h"
+#include "engine/integrators/table/integrators.h"
 #include "tests/support/ode_problems.h"
 
 namespace truestep::test {

@@ -6,6 +6,7 @@
 #include <cstdio>
 
 #include "engine/integrators/cvode/cvode.h"
+#include "engine/integrators/table/integrators.h"
 #include "tests/support/stiff_problems.h"
 #include "tests/validation/stepping.h"
 

@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "engine/core/integrator.h"
+#include "engine/integrators/table/integrators.h"
 #include "tests/support/ode_run.h"
 
 namespace truestep::test {

@@ -2,6 +2,7 @@
 // to 30 digits.
 #include <gtest/gtest.h>
 
+#include "engine/integrators/table/integrators.h"
 #include "tests/validation/stepping.h"
 
 namespace truestep::test {

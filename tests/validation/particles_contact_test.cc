@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "engine/base/random.h"
+#include "engine/integrators/table/integrators.h"
 #include "tests/support/particles_run.h"
 
 namespace truestep {

@@ -3,6 +3,7 @@
 
 #include <cmath>
 
+#include "engine/integrators/table/integrators.h"
 #include "tests/support/particles_run.h"
 
 namespace truestep {

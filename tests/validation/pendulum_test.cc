@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "engine/base/errors.h"
+#include "engine/integrators/table/integrators.h"
 #include "engine/systems/pendulum/pendulum.h"
 #include "tests/validation/stepping.h"
 

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "engine/integrators/table/integrators.h"
 #include "tests/support/ode_run.h"
 
 namespace truestep::test {

@@ -17,7 +17,7 @@ class Arrays {
  public:
   /// Elements that loops run over.
   static constexpr size_t kWidth = N <= 2 ? N : (N + 3) / 4 * 4;
-  Arrays(Workspace&, std::string_view, size_t) {}
+  Arrays(const Advance&, std::string_view, size_t) {}
   double* operator[](size_t i) { return data_[i].data(); }
   const double* operator[](size_t i) const { return data_[i].data(); }
   void exchange(size_t i, size_t j) { std::swap(data_[i], data_[j]); }
@@ -48,10 +48,11 @@ class Arrays {
 template <size_t Count>
 class Arrays<0, Count> {
  public:
-  Arrays(Workspace& workspace, std::string_view key, size_t n) : n_(n) {
+  Arrays(const Advance& in, std::string_view key, size_t n)
+      : n_(n), arena_(n > kBlock ? in.arena : nullptr), workspace_(in.workspace) {
     // Whole cache lines each, so that loops over different arrays are aligned alike.
     const size_t stride = (n + 7) / 8 * 8;
-    double* data = workspace.doubles(key, stride * Count).data();
+    double* data = in.workspace.doubles(key, stride * Count).data();
     for (size_t i = 0; i < Count; ++i) data_[i] = data + i * stride;
   }
   double* operator[](size_t i) { return data_[i]; }
@@ -61,24 +62,48 @@ class Arrays<0, Count> {
 
   template <class Body>
   void loop(Body body) const {
-    const size_t n = n_;
-#pragma GCC ivdep
-    for (size_t i = 0; i < n; ++i) body(i);
+    if (arena_) {
+      arena_->for_blocks(n_, kBlock, [&body](size_t begin, size_t end) { run(begin, end, body); });
+    } else {
+      run(0, n_, body);
+    }
   }
-  /// Eight interleaved partial sums: the same on every machine.
+  /// Eight interleaved partial sums, with an arena those of each block: the same on every machine and for any
+  /// number of threads.
   template <class Term>
   double sum(Term term) const {
-    alignas(32) std::array<double, 8> lanes{};
-    size_t i = 0;
-    for (; i + 8 <= n_; i += 8) {
-      for (size_t l = 0; l < 8; ++l) lanes[l] += term(i + l);
-    }
-    for (size_t l = 0; i < n_; ++i, ++l) lanes[l] += term(i);
-    return ((lanes[0] + lanes[4]) + (lanes[1] + lanes[5])) + ((lanes[2] + lanes[6]) + (lanes[3] + lanes[7]));
+    if (!arena_) return sum_of(0, n_, term);
+    const auto partial = workspace_.doubles("integrator.partial", (n_ + kBlock - 1) / kBlock);
+    arena_->for_blocks(n_, kBlock,
+                       [&](size_t begin, size_t end) { partial[begin / kBlock] = sum_of(begin, end, term); });
+    double all = 0;
+    for (const double p : partial) all += p;
+    return all;
   }
 
  private:
+  /// 16 KiB per array, so that a few of them stay in the first cache.
+  static constexpr size_t kBlock = 2048;
+
+  template <class Body>
+  static void run(size_t begin, size_t end, Body& body) {
+#pragma GCC ivdep
+    for (size_t i = begin; i < end; ++i) body(i);
+  }
+  template <class Term>
+  static double sum_of(size_t begin, size_t end, Term& term) {
+    alignas(32) std::array<double, 8> lanes{};
+    size_t i = begin;
+    for (; i + 8 <= end; i += 8) {
+      for (size_t l = 0; l < 8; ++l) lanes[l] += term(i + l);
+    }
+    for (size_t l = 0; i < end; ++i, ++l) lanes[l] += term(i);
+    return ((lanes[0] + lanes[4]) + (lanes[1] + lanes[5])) + ((lanes[2] + lanes[6]) + (lanes[3] + lanes[7]));
+  }
+
   size_t n_;
+  const ThreadArena* arena_;
+  Workspace& workspace_;
   std::array<double*, Count> data_{};
 };
 

@@ -43,12 +43,4 @@ inline void combine(const Motion& m, size_t size, double* out, const double* y, 
   kKernels[t.n](m, size, out, y, t);
 }
 
-/// What errors are measured against: absolute + relative |y[i]|.
-struct ErrorScale {
-  double absolute = 1, relative = 0;
-};
-/// Largest |sum_j c_j k_j[i]| / scale at y[i] over all i; NaN as soon as any is NaN. The same for any number
-/// of threads.
-double largest(const Motion& m, size_t size, const Combination& t, const double* y, ErrorScale scale);
-
 }  // namespace truestep

@@ -49,8 +49,8 @@ class ExplicitPair final : public Interpolant {
   explicit ExplicitPair(Advance& in)
       : in_(in),
         n_(N ? N : in.f.size()),
-        a_(in.workspace, "integrator.pair", n_),
-        low_(in.workspace, "integrator.pair_low", sums == Sums::compensated ? n_ : 0) {
+        a_(in, "integrator.pair", n_),
+        low_(in, "integrator.pair_low", sums == Sums::compensated ? n_ : 0) {
     std::copy_n(in.y, n_, a_[kY]);
     if (sums == Sums::compensated) recall_sums(in, low_[0]);
   }

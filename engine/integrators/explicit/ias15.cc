@@ -55,8 +55,8 @@ class Radau15 final : public Interpolant {
         second_(*in.f.second_order()),
         m_(M ? M : in.f.size() / 2),
         moving_(second_.depends_on_velocity()),
-        a_(in.workspace, "integrator.ias15", m_),
-        y_(in.workspace, "integrator.ias15_y", 2 * m_) {
+        a_(in, "integrator.ias15", m_),
+        y_(in, "integrator.ias15_y", 2 * m_) {
     std::copy_n(in.y, 2 * m_, y_[kNow]);
     recall();
   }

@@ -18,8 +18,8 @@ class NystromPair final : public Interpolant {
       : in_(in),
         second_(*in.f.second_order()),
         m_(M ? M : in.f.size() / 2),
-        y_(in.workspace, "integrator.nystrom_y", 2 * m_),
-        k_(in.workspace, "integrator.nystrom_k", m_) {
+        y_(in, "integrator.nystrom_y", 2 * m_),
+        k_(in, "integrator.nystrom_k", m_) {
     std::copy_n(in.y, 2 * m_, y_[kNow]);
     recall_sums(in, y_[kLow]);
   }

@@ -34,7 +34,7 @@ struct Chebyshev {
 
 class Rkc2 final : public Interpolant {
  public:
-  explicit Rkc2(Advance& in) : in_(in), n_(in.f.size()), a_(in.workspace, "integrator.rkc2", n_) {
+  explicit Rkc2(Advance& in) : in_(in), n_(in.f.size()), a_(in, "integrator.rkc2", n_) {
     std::copy_n(in.y, n_, a_[kY]);
     // More stages would let their rounding errors into the tolerance (RKC's own bound).
     const double tolerance = std::max(in.tolerance.relative, in.tolerance.absolute);

@@ -71,15 +71,10 @@ void RungeKutta::stage(size_t i, double t, double h, std::span<const double> x, 
 }
 
 void RungeKutta::step(double t, double h, std::span<const double> x, std::span<const double> v,
-                      std::span<double> x_out, std::span<double> v_out, size_t first) {
-  for (size_t i = first; i < tableau_.stages; ++i) stage(i, t, h, x, v);
+                      std::span<double> x_out, std::span<double> v_out) {
+  for (size_t i = 0; i < tableau_.stages; ++i) stage(i, t, h, x, v);
   combine(motion_, x.size(), x_out.data(), x.data(), position_terms(h, tableau_.b, v));
   combine(motion_, v.size(), v_out.data(), v.data(), velocity_terms(h, tableau_.b));
-}
-
-void RungeKutta::last_stage_becomes_first() {
-  std::swap(k_[0], k_[tableau_.stages - 1]);
-  std::swap(rate_[0], rate_[tableau_.stages - 1]);
 }
 
 namespace {

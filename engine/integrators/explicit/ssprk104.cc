@@ -12,7 +12,7 @@ namespace {
 
 class LowStorage final : public Interpolant {
  public:
-  explicit LowStorage(Advance& in) : in_(in), n_(in.f.size()), a_(in.workspace, "integrator.ssprk104", n_) {
+  explicit LowStorage(Advance& in) : in_(in), n_(in.f.size()), a_(in, "integrator.ssprk104", n_) {
     std::copy_n(in.y, n_, a_[kY]);
   }
   ~LowStorage() override {

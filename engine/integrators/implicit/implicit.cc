@@ -58,8 +58,7 @@ std::optional<std::string> refuses_without_jacobian(const ForceField& field) {
 }
 
 void prepare_implicit_euler(const ForceField& field, State& state) {
-  const bool may_hold = dynamic_cast<const LaggedDissipation*>(&field) &&
-                        field.dependence() == Dependence::position_and_velocity;
+  const bool may_hold = field.lagged_dissipation() && field.dependence() == Dependence::position_and_velocity;
   if (may_hold) state.add({std::string(kHeldSteps), "1", Scalar::u64}, 1);
 }
 

@@ -38,8 +38,8 @@ class SplittingStepper {
         second_(*in.f.second_order()),
         n_(in.f.size() / 2),
         moving_(second_.depends_on_velocity()),
-        a_(in.workspace, "integrator.splitting", n_),
-        old_(in.workspace, "integrator.splitting_old", 2 * n_) {
+        a_(in, "integrator.splitting", n_),
+        old_(in, "integrator.splitting_old", 2 * n_) {
     std::copy_n(in.y, n_, a_[kX]);
     std::copy_n(in.y + n_, n_, a_[kV]);
   }

@@ -7,6 +7,8 @@
 // own adjoints, not the h^4 error: order 3.
 // The last evaluation of velocity_verlet is the next step's first, unless a command or a collision changed
 // anything in between: last_force.h keeps it as long as every bit that it depends on stays the same.
+// A second path beside advance_splitting.cc, which takes 1.1 to 2.2 times the instructions on a cloth of
+// 9,702 springs and knows points alone (tests/bench/method_paths.cc).
 #include "engine/integrators/symplectic/splitting.h"
 #include "engine/integrators/control/last_force.h"
 #include "engine/integrators/motion.h"

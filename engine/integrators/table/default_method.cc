@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "engine/integrators/control/spectrum.h"
+#include "engine/integrators/table/integrators.h"
 
 namespace truestep {
 

@@ -5,6 +5,7 @@
 #include <string_view>
 
 #include "engine/core/build.h"
+#include "engine/integrators/table/integrators.h"
 
 namespace truestep {
 

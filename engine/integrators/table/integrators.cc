@@ -1,11 +1,8 @@
-// The table of methods: its families one after the other, and who serves what.
-#include "engine/core/integrator.h"
+#include "engine/integrators/table/integrators.h"
 
-#include <algorithm>
-#include <limits>
 #include <vector>
 
-#include "engine/core/right_hand_side.h"
+#include "engine/base/errors.h"
 #include "engine/integrators/table/rows.h"
 
 namespace truestep {
@@ -29,34 +26,21 @@ const Integrator* find_integrator(std::string_view name) {
   return nullptr;
 }
 
-double StabilityInterval::largest_step(double omega, double damping) const {
-  double step = std::numeric_limits<double>::infinity();
-  if (omega > 0) step = imaginary / omega;
-  if (damping > 0) step = std::min(step, real / damping);
-  return step;
-}
-
-StabilityInterval stability_interval(const Integrator& method, const IntegratorOptions& options) {
-  return method.interval ? method.interval(options)
-                         : StabilityInterval{method.imaginary_limit, method.real_limit};
-}
-
-std::optional<std::string> refusal(const Integrator& method, const ForceField& field) {
-  if (method.order_with_velocity == 0 && field.dependence() == Dependence::position_and_velocity) {
-    return "the acceleration depends on velocity, which this method cannot treat";
+const Integrator& choose_integrator(const IntegratorChoice& choice, std::string_view fallback,
+                                    const ForceField& field) {
+  const std::string_view name = choice.name.empty() ? fallback : std::string_view(choice.name);
+  std::string allowed;
+  for (const Integrator& m : integrators()) {
+    if (!refusal(m, field)) allowed += (allowed.empty() ? "" : ", ") + std::string(m.name);
   }
-  return method.refuses ? method.refuses(field) : std::nullopt;
-}
-
-std::optional<std::string> refusal(const Integrator& method, const RightHandSide& f) {
-  if (!method.advance) return "the method needs a system that is made of forces";
-  if (method.equations == Integrator::Equations::any) return std::nullopt;
-  const SecondOrder* second = f.second_order();
-  if (!second) return "the method needs equations of second order, x'' = a(t, x, v)";
-  if (method.equations == Integrator::Equations::without_velocity && second->depends_on_velocity()) {
-    return "the acceleration depends on velocity, which this method cannot treat";
+  const Integrator* method = find_integrator(name);
+  const std::string why = method ? refusal(*method, field).value_or("") : "no integrator has this name";
+  if (!why.empty()) {
+    throw Error("scene_invalid", "integrator " + std::string(name) + ": " + why,
+                {{"/integrator", method ? "unsuitable_integrator" : "unknown_integrator", why,
+                  '"' + std::string(name) + '"', allowed, "", ""}});
   }
-  return std::nullopt;
+  return *method;
 }
 
 }  // namespace truestep

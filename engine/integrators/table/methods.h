@@ -20,13 +20,11 @@ RefusalFunction refuses_general_rates;                                  // verle
 StepFunction step_velocity_verlet, step_leapfrog, step_yoshida4;        // splitting.cc
 StepFunction step_yoshida6, step_yoshida8, step_kahan_li8, step_pefrl;  // splitting.cc
 
-StepFunction step_step_doubling, step_bs32, step_rkf45, step_dopri5;  // adaptive.cc
-StepFunction step_tsit5, step_dop853, step_ssprk104;                  // adaptive.cc
-PrepareFunction prepare_adaptive;                                     // adaptive.cc
-MemoryFunction compensated_memory;                                    // compensated.cc
-PrepareFunction prepare_compensated;                                  // compensated.cc
-MemoryFunction ias15_memory;                                          // ias15.cc
-PrepareFunction prepare_ias15;                                        // ias15.cc
+PrepareFunction prepare_adaptive;     // field_equations.cc
+MemoryFunction compensated_memory;    // compensated.cc
+PrepareFunction prepare_compensated;  // compensated.cc
+MemoryFunction ias15_memory;          // ias15.cc
+PrepareFunction prepare_ias15;        // ias15.cc
 
 AdvanceFunction advance_euler, advance_midpoint, advance_heun, advance_rk4;           // advance_pairs.cc
 AdvanceFunction advance_step_doubling, advance_bs32, advance_rkf45;                   // advance_pairs.cc

@@ -82,12 +82,13 @@ void Heat::integrate(State& s, const StepInput& in) const {
   }
 }
 
-void Heat::observe(const State& s, double, Observables& out) const {
+void Heat::observe(const State& s, double t, Observables& out) const {
   const auto u = s.f64(kValue);
   out.add("energy.thermal", def_.heat_capacity * lattice::integral(model_.lattice(), u), "J");
   const auto [low, high] = std::ranges::minmax_element(u);
   out.add("value.min", *low, "K");
   out.add("value.max", *high, "K");
+  if (const auto off = model_.distance_from_exact(u, t)) out.add("error.exact", *off, "K");
   EquationStepper::observe(s, out);
 }
 

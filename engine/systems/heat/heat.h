@@ -61,6 +61,7 @@ class Heat final : public StagedSystem {
 
   const lattice::LatticeModel& model() const { return model_; }
   const Integrator& method() const { return stepper_->method(); }
+  Integration integration() const override { return {&method(), &stepper_->options(), nullptr}; }
 
  private:
   void integrate(State& state, const StepInput& in) const;

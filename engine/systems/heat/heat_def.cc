@@ -22,13 +22,15 @@ const Outputs& heat_outputs() {
   static const Outputs kOutputs{
       .rows = "a node of the lattice, x running fastest",
       .fields = {{"value", "K", 1, "temperature"}},
-      .observables = {{"energy.thermal", "J", "heat capacity times the integral of the temperature"},
-                      {"value.min", "K", "lowest temperature"},
-                      {"value.max", "K", "highest temperature"},
-                      {"integrator.steps", "1", "internal steps taken since the start"},
-                      {"integrator.rejected", "1", "internal steps tried again with a smaller one"},
-                      {"integrator.rates", "1", "evaluations of the right-hand side"},
-                      {"integrator.jacobians", "1", "evaluations of its derivatives"}}};
+      .observables = {
+          {"energy.thermal", "J", "heat capacity times the integral of the temperature"},
+          {"value.min", "K", "lowest temperature"},
+          {"value.max", "K", "highest temperature"},
+          {"error.exact", "K", "distance from the scene's exact solution, root mean square over the box"},
+          {"integrator.steps", "1", "internal steps taken since the start"},
+          {"integrator.rejected", "1", "internal steps tried again with a smaller one"},
+          {"integrator.rates", "1", "evaluations of the right-hand side"},
+          {"integrator.jacobians", "1", "evaluations of its derivatives"}}};
   return kOutputs;
 }
 

@@ -27,12 +27,9 @@ class MassSpring final : public ForceSystem, public AnswersImpulses {
   void apply(State& state, const Command& command) const override;
   void draw(const State& state, double t, Wish wishes, Drawing& out) const override;
   /// The solids: the triangles of a cloth; otherwise a capsule along every structural spring and a ball at
-  /// every point without one.
+  /// every point without one. Points that an implicit method solves for together answer together; loose
+  /// points are never solved for together.
   Ports ports() const override;
-  /// Loose points are never solved for together.
-  bool answers_together() const override {
-    return integrator().kind == Integrator::Kind::implicit && !springs_.schedule().a.empty();
-  }
   void answer(State& state, const StepInput& input, Answer which, std::span<const double> impulses,
               std::span<double> dv) const override;
   /// Open in the wind, while something is pushed, and where obstacles put points back.

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "engine/integrators/table/integrators.h"
 #include "engine/systems/mass_spring/mass_spring.h"
 
 namespace truestep::mass_spring {

@@ -8,6 +8,7 @@
 #include "engine/collision/points/collider_def.h"
 #include "engine/core/integrator_def.h"
 #include "engine/core/outputs.h"
+#include "engine/core/resolution.h"
 
 namespace truestep::mass_spring {
 
@@ -84,6 +85,8 @@ struct MassSpringDef : IntegratorParams {
 const DefTable& mass_spring_table();
 /// What it gives out.
 const Outputs& mass_spring_outputs();
+/// Counts of links and points, as long as the object stays the same.
+const Resolution& mass_spring_resolution();
 /// Numbers of points and springs of the def's shape, from counts alone (an upper bound for meshes).
 struct MassSpringCounts {
   double points = 0, springs = 0, triangles = 0;

@@ -60,6 +60,8 @@ class MassSpringField final : public ForceField, public LaggedDissipation, publi
   std::optional<double> dissipation(const Phase& at, Evaluation& e) const override;
   double kinetic(const Phase& at, Evaluation& e) const override;
 
+  const LaggedDissipation* lagged_dissipation() const override { return this; }
+  const SofteningForces* softening_forces() const override { return this; }
   bool has_jacobian() const override { return true; }
   bool symmetric_jacobian() const override { return true; }
   std::span<const double> inverse_mass(const State& state) const override;

@@ -35,6 +35,7 @@ class Ode final : public StagedSystem {
 
   const OdeModel& model() const { return model_; }
   const Integrator* method() const { return method_; }
+  Integration integration() const override { return {method_, method_ ? &options_ : nullptr, nullptr}; }
 
  private:
   struct Scratch;

@@ -1,5 +1,7 @@
 #include "engine/systems/ode/ode_method.h"
 
+#include "engine/integrators/table/integrators.h"
+
 #include <cmath>
 
 namespace truestep::ode {

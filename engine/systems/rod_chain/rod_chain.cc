@@ -6,6 +6,7 @@
 #include "engine/base/errors.h"
 #include "engine/core/command_checks.h"
 #include "engine/integrators/advance.h"
+#include "engine/integrators/table/integrators.h"
 #include "engine/systems/rod_chain/treatments.h"
 
 namespace truestep::rod_chain {

@@ -115,6 +115,7 @@ void Wave::observe(const State& s, double t, Observables& out) const {
   const auto [low, high] = std::ranges::minmax_element(s.f64(kValue));
   out.add("value.min", *low, "m");
   out.add("value.max", *high, "m");
+  if (const auto off = model_.distance_from_exact(s.f64(kValue), t)) out.add("error.exact", *off, "m");
   EquationStepper::observe(s, out);
 }
 

@@ -74,6 +74,7 @@ class Wave final : public StagedSystem {
 
   const lattice::LatticeModel& model() const { return model_; }
   const Integrator& method() const { return stepper_->method(); }
+  Integration integration() const override { return {&method(), &stepper_->options(), nullptr}; }
 
  private:
   void integrate(State& state, const StepInput& in) const;

@@ -5,6 +5,7 @@
 #include "engine/base/errors.h"
 #include "engine/core/integrator.h"
 #include "engine/integrators/advance.h"
+#include "engine/integrators/table/integrators.h"
 #include "tests/bench/ode/problems.h"
 
 namespace truestep::bench {

@@ -87,7 +87,8 @@ function workPrecision(result: StudyResult, words: Words): void {
 
 function convergence(result: StudyResult, words: Words): void {
   const { summary } = result;
-  const method = text(summary.integrator);
+  // What was refined is a system's resolution, or else a method's step.
+  const method = text(summary.subject) || text(summary.integrator);
   const observed = number(summary.observed_order);
   const promised = number(summary.promised_order);
   const claim = promised === undefined ? "" : ` It promises ${promised}.`;
@@ -98,6 +99,7 @@ function convergence(result: StudyResult, words: Words): void {
     words.findings.push(`The order of ${method} did not settle, so none is quoted.${claim}`);
     if (text(summary.reason)) words.warnings.push(text(summary.reason));
   }
+  if (text(summary.measured_against)) words.basis.push(`Errors are relative to ${text(summary.measured_against)}.`);
   reach(result, words);
   cutOff(result, words);
 }

@@ -1,0 +1,25 @@
+// How finely the parameters of a system divide its object, and how they change when the same object is
+// divided more finely. Convergence in space and run time against error over resolution follow from it.
+#pragma once
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "engine/math/vec3.h"
+
+namespace truestep {
+
+struct Resolution {
+  std::string_view parameter;  ///< as scenes name it: "cells"
+  /// Changes the system's def to the same object divided `factor` times as finely along each of its
+  /// directions (a power of two, below 1 too), or says why that is not possible: counts that would not be
+  /// whole, or parameters that belong to points instead of the object.
+  std::optional<std::string> (*divide)(void* def, double factor);
+  /// Order of the error in space that this def promises; 0: none.
+  int (*order)(const void* def);
+  /// Where row i of the main part lies in the undeformed object: the same place at every resolution. Null:
+  /// the main part is a grid.
+  Vec3 (*place)(const void* def, size_t row) = nullptr;
+};
+
+}  // namespace truestep

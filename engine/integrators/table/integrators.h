@@ -1,0 +1,20 @@
+// The table of methods: its families (rows.h) one after the other.
+#pragma once
+#include <span>
+#include <string_view>
+
+#include "engine/core/build.h"
+#include "engine/core/integrator.h"
+
+namespace truestep {
+
+/// All methods, in the order in which they are listed to users.
+std::span<const Integrator> integrators();
+/// The row of that name, or null.
+const Integrator* find_integrator(std::string_view name);
+/// The method of that name for this field. Error "scene_invalid" with pointer "/integrator" and the methods
+/// that would do when it is unknown or cannot serve the field.
+const Integrator& choose_integrator(const IntegratorChoice& choice, std::string_view fallback,
+                                    const ForceField& field);
+
+}  // namespace truestep

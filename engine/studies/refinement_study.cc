@@ -1,0 +1,394 @@
+// Convergence over resolution. Space: at every resolution the equations that the system makes of its object
+// are integrated like a reference (two methods at tight tolerances), so that what is left is the error in
+// space. Both: one method with a step that shrinks with the spacing, dt ~ dx^r, r the least whole number with
+// r (order in time) >= (order in space), and 2 where an explicit method's border moves like dx^2.
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "engine/base/errors.h"
+#include "engine/base/short_number.h"
+#include "engine/integrators/table/integrators.h"
+#include "engine/studies/convergence.h"
+#include "engine/studies/reference.h"
+#include "engine/studies/refinement.h"
+#include "engine/studies/scene_variant.h"
+#include "engine/studies/work_precision.h"
+
+namespace truestep {
+
+namespace json = boost::json;
+
+namespace {
+
+constexpr int kUsualHalvings = 4;
+constexpr double kStiffSteps = 5000;  // of an explicit method over the horizon: implicit ones come first
+constexpr double kTimeShare = 0.02;   // of the error in space that is expected, which time may add
+constexpr double kRounding = 1.001, kWithin = 0.9;  // of a method's largest stable step
+constexpr double kFallsFaster = 2.5;                // at half the spacing
+constexpr double kTimeAtFirst = 1e-7;               // where none is expected yet
+
+double root_mean_square(const std::vector<double>& v) {
+  double sum = 0;
+  for (const double x : v) sum += x * x;
+  return std::sqrt(sum / static_cast<double>(std::max<size_t>(1, v.size())));
+}
+
+bool is_stiff(const World& world, size_t system, double horizon) {
+  const Integrator* method = world.system(system).integration().method;
+  if (!method) return false;
+  if (method->kind == Integrator::Kind::implicit || method->real_limit > 50) return true;
+  const auto limit =
+      world.system(system).limit(Limit::stable_dt, world.initial_state().systems[system], world.dt());
+  return limit && horizon / *limit > kStiffSteps;
+}
+
+/// Whether steps (and tolerances) follow the spacing or stay the scene's own.
+enum class Steps : uint8_t { follow, keep };
+
+class Study {
+ public:
+  struct Level {
+    double refined = 1;  ///< times the scene's own
+    size_t rows = 0;
+    double setting = 0, cpu_seconds = 0;
+    std::string status = {};
+  };
+
+  Study(const json::value& scene, const ConvergenceParams& p, StudyContext& context,
+        Steps steps = Steps::follow)
+      : p_(p),
+        context_(context),
+        steps_(steps),
+        ladder_(scene, p.system, context),
+        coarsest_(build_world(ladder_.document(0), context)),
+        request_(ladder_.request(p.quantity, coarsest_)) {
+    const Scene& s = coarsest_.scene();
+    horizon_ = p.horizon.value_or(s.header.time.duration);
+    substep_ = s.substep();
+    order_ = ladder_.promised_order();
+    if (p.refine == Refine::both) choose_steps();
+  }
+
+  void run() {
+    const int64_t halvings = p_.halvings.value_or(kUsualHalvings);
+    const double started = thread_cpu_seconds();
+    double last = 0;
+    for (int k = 0; k <= halvings; ++k) {
+      context_.progress(static_cast<double>(k) / static_cast<double>(halvings + 1), name(k));
+      const double before = thread_cpu_seconds(), left = p_.budget - (before - started);
+      // Twice as fine costs at least twice as much; what the last one cost more than its own predecessor.
+      if (k > 0 && left < last * growth_) {
+        note_ = "the budget reaches " + std::to_string(k) + " resolutions; a larger one reaches finer ones";
+        break;
+      }
+      if (!add_level(k, left)) break;
+      const double took = thread_cpu_seconds() - before;
+      growth_ = last > 0 ? std::clamp(took / last, 2.0, 32.0) : 4;
+      last = took;
+    }
+    if (levels_.empty()) {
+      throw Error("study_failed", "not even the coarsest resolution gets through within the time budget",
+                  {{"/horizon", "too_long", "not even the coarsest resolution gets so far within the budget",
+                    short_number(horizon_, 3), "a larger budget or a shorter horizon", "", "s"}});
+    }
+  }
+  StudyResult result() const {
+    const bool both = p_.refine == Refine::both;
+    const LevelErrors found = judge_levels(common_, exact_, 10 * uncertainty_);
+    const int promised = both ? promised_ : order_;
+    StudyResult r;
+    r.table.columns = {
+        {"refined", "1"},     {"rows", "1"},      {adaptive_ ? "tolerance" : "step", adaptive_ ? "1" : "s"},
+        {"cpu_seconds", "s"}, {"error_end", "1"}, {"observed_order", "1"},
+        {"status", ""}};
+    r.plot = {.title = "Convergence of " + ladder_.subject(),
+              .x_label = "spacing, 1 = the scene's own",
+              .y_label = "relative error of " + request_.field.name};
+    r.plot.series.push_back({.name = both && method_ ? std::string(method_->name) : ladder_.subject()});
+    auto& measured = r.plot.series[0];
+    for (size_t k = 0; k < levels_.size(); ++k) {
+      const Level& l = levels_[k];
+      StudyTable::Cell observed, setting;
+      if (k > 0 && std::isfinite(found.per_level[k - 1])) observed = found.per_level[k - 1];
+      if (both) setting = l.setting;
+      r.table.rows.push_back({l.refined, static_cast<double>(l.rows), setting, l.cpu_seconds, found.errors[k],
+                              observed, l.status});
+      if (!(found.errors[k] > 0 && found.errors[k] < 10)) continue;
+      measured.x.push_back(1 / l.refined), measured.y.push_back(found.errors[k]);
+    }
+    if (promised > 0 && !measured.x.empty()) {
+      StudyPlot::Series slope{.name = "order " + std::to_string(promised),
+                              .style = StudyPlot::Series::Style::dashed};
+      for (const double x : {measured.x.front(), measured.x.back()}) {
+        slope.x.push_back(x);
+        slope.y.push_back(measured.y.back() * std::pow(x / measured.x.back(), promised));
+      }
+      r.plot.series.push_back(std::move(slope));
+    }
+    const auto known = [](bool is, auto v) { return is ? json::value(v) : json::value(nullptr); };
+    r.summary = {{"refine", refine_names()[static_cast<size_t>(p_.refine)]},
+                 {"subject", ladder_.subject()},
+                 {"integrator", both && method_ ? json::value(method_->name) : json::value(nullptr)},
+                 {"promised_order", known(promised > 0, promised)},
+                 {"observed_order", known(found.settled.has_value(), found.settled.value_or(0))},
+                 {"measured_against", found.against},
+                 {"horizon", horizon_}};
+    if (both && !adaptive_) r.summary["step_follows"] = power_ == 1 ? "dx" : "dx^" + std::to_string(power_);
+    if (!both) r.summary["in_time"] = json::object{{"method", methods_}, {"uncertainty", uncertainty_}};
+    if (!found.settled) r.summary["reason"] = found.reason;
+    if (!note_.empty()) r.summary["note"] = note_;
+    return r;
+  }
+  const std::vector<Level>& levels() const { return levels_; }
+  const std::vector<std::vector<double>>& common() const { return common_; }
+  /// Relative errors against the exact solution; empty where there is none.
+  const std::vector<double>& exact() const { return exact_; }
+  double time_uncertainty() const { return uncertainty_; }
+  double horizon() const { return horizon_; }
+  bool says_exact() const { return !request_.observables.empty(); }
+
+  std::string name(int level) const {
+    return "resolution " + short_number(std::ldexp(1 / ladder_.coarsening(), level), 3);
+  }
+
+  // Of `both`: the method, and how its step follows the spacing.
+  void choose_steps() {
+    const int own = static_cast<int>(std::log2(ladder_.coarsening()));
+    const json::value document = ladder_.document(own);
+    const World world = build_world(document, context_);
+    const Integration at_work = world.system(ladder_.system()).integration();
+    method_ = p_.integrator.empty() ? at_work.method : find_integrator(p_.integrator);
+    if (!p_.integrator.empty() && !method_) {
+      throw Error("scene_invalid", "there is no integrator \"" + p_.integrator + '"',
+                  {{"/integrator", "unknown_choice", "there is no such integrator", '"' + p_.integrator + '"',
+                    "", "", ""}});
+    }
+    const int in_space = order_ > 0 ? order_ : 2, in_time = method_ ? method_->order : in_space;
+    adaptive_ = method_ && method_->stepping == Integrator::Stepping::adaptive;
+    if (steps_ == Steps::keep) {
+      power_ = 0;
+      first_ = adaptive_ && at_work.options ? at_work.options->tolerance : p_.step.value_or(substep_);
+      return;
+    }
+    if (adaptive_) {
+      const double own_tolerance = at_work.options ? at_work.options->tolerance : 1e-6;
+      first_ = std::ldexp(own_tolerance, in_space * own);
+      power_ = in_space, promised_ = order_;
+      return;
+    }
+    power_ = (in_space + in_time - 1) / in_time;
+    double largest = p_.step.value_or(std::ldexp(substep_, power_ * own));
+    // An explicit method's border may fall like dx^2, and nothing is gained beyond it.
+    const double held = limit(own), finer = limit(own + 1), coarsest = limit(0);
+    if (power_ == 1 && held > kFallsFaster * finer) {
+      power_ = 2;
+      largest = p_.step.value_or(std::ldexp(substep_, power_ * own));
+    }
+    if (!p_.step && largest > kRounding * coarsest) largest = kWithin * coarsest;
+    promised_ = order_ > 0 ? std::min(order_, power_ * in_time) : 0;
+    first_ = horizon_ / std::max(1.0, std::ceil(horizon_ / largest - 1e-9));
+  }
+
+  // s, that the method holds; infinity: any.
+  double limit(int level) const {
+    json::value d = ladder_.document(level);
+    if (method_) set_integrator(d, ladder_.system(), method_->name);
+    const World w = build_world(d, context_);
+    return w.system(ladder_.system())
+        .limit(Limit::stable_dt, w.initial_state().systems[ladder_.system()], substep_)
+        .value_or(INFINITY);
+  }
+
+  /// False: it did not get through in time.
+  bool add_level(int k, double left) {
+    const json::value document = ladder_.document(k);
+    const World world = build_world(document, context_);
+    Level level{.refined = std::ldexp(1 / ladder_.coarsening(), k)};
+    level.rows = world.system(ladder_.system()).parts().at(0).max_rows;
+    Trace t;
+    if (p_.refine == Refine::space) {
+      auto found = in_time(document, world, left);
+      if (!found) {
+        note_ = "the budget reaches " + std::to_string(k) + " resolutions; a larger one reaches finer ones";
+        return false;
+      }
+      uncertainty_ = std::max(uncertainty_, found->uncertainty);
+      methods_ = found->method + ", checked by " + found->checked_by;
+      t = std::move(found->trace);
+    } else {
+      t = with_method(document, k, left, level);
+    }
+    level.cpu_seconds = t.cpu_seconds;
+    level.status = t.end == Trace::End::complete   ? "ok"
+                   : t.end == Trace::End::unstable ? "unstable"
+                                                   : "over budget";
+    const bool complete = t.end == Trace::End::complete;
+    if (complete) {
+      common_.push_back(ladder_.at_common(coarsest_, world, request_.field, t.values.back()));
+    } else {
+      common_.emplace_back(common_.empty() ? 1 : common_[0].size(), NAN);
+    }
+    if (!request_.observables.empty()) {
+      exact_.push_back(complete ? t.observed.back()[0] / root_mean_square(t.values.back()) : NAN);
+    }
+    levels_.push_back(std::move(level));
+    return t.end != Trace::End::over_budget;
+  }
+
+  // Of the next level in space, from those that stand.
+  double expected_error() const {
+    const double falls = std::exp2(order_ > 0 ? order_ : 2);
+    const size_t n = common_.size();
+    if (!exact_.empty()) return exact_.back() / falls;
+    if (n > 1) return relative_error(common_[n - 2], common_[n - 1]) / (falls * falls);
+    return kTimeAtFirst / kTimeShare;
+  }
+
+  // The system's equations at this resolution, solved until time adds little: by one method at tighter and
+  // tighter tolerances, or, where steps do more than integrate, as any reference.
+  std::optional<Reference> in_time(const json::value& document, const World& world, double left) {
+    const double steps = std::max(1.0, std::round(horizon_ / substep_));
+    const bool split = steps_matter(world) || !world.system(ladder_.system()).integration().method;
+    request_.steps_per_sample = static_cast<uint64_t>(split ? steps : std::min(steps, 8.0));
+    if (split) return find_reference(document, request_, horizon_, left, context_).reference;
+    const double enough = std::clamp(kTimeShare * expected_error(), 1e-12, kTimeAtFirst);
+    const bool stiff = is_stiff(world, ladder_.system(), horizon_);
+    constexpr std::array<const char*, 3> kStiff = {"radau5", "sdirk4", "cvode_bdf"};
+    constexpr std::array<const char*, 3> kUsual = {"dop853", "tsit5", "radau5"};
+    for (const char* name : stiff ? kStiff : kUsual) {
+      double spent = 0;
+      std::optional<Trace> before;
+      for (double tolerance = enough; tolerance > 0.9e-13; tolerance *= 0.1) {
+        auto now = with_tolerance(document, name, tolerance, left - spent);
+        if (!now) break;
+        spent += now->cpu_seconds;
+        if (now->end != Trace::End::complete) return std::nullopt;
+        if (before) {
+          Reference r;
+          r.uncertainty = relative_error(before->values.back(), now->values.back());
+          if (r.uncertainty <= enough || tolerance < 9e-13) {
+            r.method = std::string(name) + " at tolerance " + short_number(tolerance, 3);
+            r.checked_by = "itself at ten times that";
+            r.trace = std::move(*now);
+            return r;
+          }
+        }
+        before = std::move(now);
+      }
+    }
+    return std::nullopt;
+  }
+  // Nothing when the method does not serve the system.
+  std::optional<Trace> with_tolerance(json::value document, const char* name, double tolerance,
+                                      double cpu_limit) {
+    request_.cpu_limit = cpu_limit;
+    set_dt(document, horizon_ / static_cast<double>(request_.steps_per_sample));
+    set_integrator(document, ladder_.system(), name);
+    set_tolerance(document, ladder_.system(), tolerance);
+    try {
+      return trace(build_world(document, context_), request_, context_);
+    } catch (const Error& e) {
+      if (e.code() == "cancelled") throw;
+      return std::nullopt;
+    }
+  }
+
+  Trace with_method(json::value document, int k, double left, Level& level) {
+    level.setting = std::ldexp(first_, -power_ * k);
+    const double step = adaptive_ ? substep_ : level.setting;
+    request_.steps_per_sample = static_cast<uint64_t>(std::max(1.0, std::round(horizon_ / step)));
+    request_.cpu_limit = left;
+    set_dt(document, horizon_ / static_cast<double>(request_.steps_per_sample));
+    if (method_) set_integrator(document, ladder_.system(), method_->name);
+    if (adaptive_) set_tolerance(document, ladder_.system(), level.setting);
+    return trace(build_world(document, context_), request_, context_);
+  }
+
+  const ConvergenceParams& p_;
+  StudyContext& context_;
+  Steps steps_;
+  Refinement ladder_;
+  World coarsest_;
+  TraceRequest request_;
+  double horizon_ = 0, substep_ = 0, growth_ = 4, uncertainty_ = 0;
+  int order_ = 0, promised_ = 0;
+  const Integrator* method_ = nullptr;  ///< of `both`; null: the system's own step
+  bool adaptive_ = false;
+  double first_ = 0;  ///< step or tolerance at the coarsest level
+  int power_ = 1;     ///< of the spacing, that they follow
+  std::vector<Level> levels_;
+  std::vector<std::vector<double>> common_;
+  std::vector<double> exact_;
+  std::string methods_, note_;
+};
+
+}  // namespace
+
+StudyResult run_refinement(const json::value& scene, const ConvergenceParams& p, StudyContext& context) {
+  for (const auto& [given, pointer] :
+       {std::pair{!p.integrator.empty(), "/integrator"}, {p.step.has_value(), "/step"}}) {
+    if (p.refine != Refine::space || !given) continue;
+    const char* why = "refining space alone takes methods and steps whose errors do not count";
+    throw Error("scene_invalid", why, {{pointer, "inconsistent", why, "", "\"refine\": \"both\"", "", ""}});
+  }
+  Study study(scene, p, context);
+  study.run();
+  return study.result();
+}
+
+WorkMeasurement measure_refined_work(const json::value& scene, const WorkPrecisionParams& p,
+                                     StudyContext& context) {
+  WorkMeasurement out;
+  StudyContext quiet = context;  // progress is told by method
+  quiet.progress = [](double, const std::string&) {};
+  ConvergenceParams c;
+  c.system = p.system, c.quantity = p.quantity, c.horizon = p.horizon, c.halvings = p.halvings;
+  c.refine = Refine::space, c.budget = 0.4 * p.budget;
+  // What everything is measured against, from semi-discrete solutions, unless the scene says it.
+  Study in_space(scene, c, quiet);
+  std::vector<double> limit;
+  if (!in_space.says_exact()) {
+    in_space.run();
+    LevelErrors found = judge_levels(in_space.common(), {}, 10 * in_space.time_uncertainty());
+    out.reference.method = found.against;
+    out.reference.uncertainty = in_space.time_uncertainty();
+    limit = std::move(found.limit);
+  } else {
+    out.reference.method = "the scene's exact solution";
+  }
+  out.horizon = out.duration = in_space.horizon();
+  std::vector<std::string> names = p.integrators;
+  if (names.empty()) {
+    for (const Integrator& row : integrators()) names.emplace_back(row.name);
+  }
+  const double started = thread_cpu_seconds(), whole = p.budget * (limit.empty() ? 1 : 0.6);
+  c.refine = Refine::both;
+  for (size_t i = 0; i < names.size(); ++i) {
+    context.progress(static_cast<double>(i) / static_cast<double>(names.size()), names[i]);
+    c.integrator = names[i];
+    c.budget = (whole - (thread_cpu_seconds() - started)) / static_cast<double>(names.size() - i);
+    if (c.budget <= 0) {
+      out.refused.push_back({names[i], "the budget was used up before its turn"});
+      continue;
+    }
+    try {
+      Study study(scene, c, quiet, p.refine == Refine::space ? Steps::keep : Steps::follow);
+      study.run();
+      for (size_t k = 0; k < study.levels().size(); ++k) {
+        const Study::Level& l = study.levels()[k];
+        WorkPoint point{.integrator = names[i], .setting = l.setting, .cpu_seconds = l.cpu_seconds};
+        point.refined = l.refined, point.status = l.status;
+        const double e = limit.empty() ? study.exact()[k] : relative_error(study.common()[k], limit);
+        point.error_end = point.error_path = l.status == "ok" ? e : INFINITY;
+        out.points.push_back(std::move(point));
+      }
+    } catch (const Error& e) {
+      if (e.code() == "cancelled") throw;
+      out.refused.push_back({names[i], e.issues().empty() ? e.what() : e.issues().front().message});
+    }
+  }
+  return out;
+}
+
+}  // namespace truestep

@@ -1,0 +1,67 @@
+// Ropes, hair and cloth divided more finely. A chain of n springs of stiffness k is as stiff as one of 2 n
+// with 2 k; a sheet keeps the stiffness of its springs, whatever their number. Mass comes from a density. At
+// ends and borders the lumped values are off by half a link, which leaves first order where they count.
+#include <cmath>
+
+#include "engine/core/resolution.h"
+#include "engine/systems/mass_spring/mass_spring_def.h"
+
+namespace truestep::mass_spring {
+
+namespace {
+
+using Why = std::optional<std::string>;
+
+bool divided(int& count, double factor, int least) {
+  const double wanted = factor * count;
+  if (wanted != std::floor(wanted) || wanted < least || wanted > 1e6) return false;
+  count = static_cast<int>(wanted);
+  return true;
+}
+
+Why divide(void* def, double factor) {
+  auto& d = *static_cast<MassSpringDef*>(def);
+  if (d.mesh || d.free) return "a mesh and a free network have no count that divides them";
+  if (!d.density) return "points of a given mass are another object when there are more: give a density";
+  if (d.bending_stiffness > 0) {
+    return "springs that skip a point resist bending by their number: give bending_rigidity or "
+           "flexural_rigidity";
+  }
+  if (!d.pins.empty()) return "pins by number are other points when there are more: name them (pinned)";
+  if (d.rope || d.hair) {
+    if (!divided(d.rope ? d.rope->links : d.hair->links, factor, 2)) return "links are whole numbers";
+    d.stiffness *= factor, d.internal_damping *= factor, d.damping /= factor;
+    return std::nullopt;
+  }
+  // Points along a side; the links between them are what is divided.
+  auto& g = *d.cloth_grid;
+  int u = g.nx - 1, v = g.ny - 1;
+  if (!divided(u, factor, 2) || !divided(v, factor, 2)) return "nx - 1 and ny - 1 are whole numbers";
+  g.nx = u + 1, g.ny = v + 1;
+  d.damping /= factor * factor;
+  return std::nullopt;
+}
+
+Vec3 place(const void* def, size_t row) {
+  const auto& d = *static_cast<const MassSpringDef*>(def);
+  const auto share = [](size_t i, int links) { return static_cast<double>(i) / links; };
+  if (d.cloth_grid) {
+    const auto nx = static_cast<size_t>(d.cloth_grid->nx);
+    return {share(row % nx, d.cloth_grid->nx - 1), share(row / nx, d.cloth_grid->ny - 1), 0};
+  }
+  const int links = d.rope ? d.rope->links : d.hair->links;
+  const auto points = static_cast<size_t>(links) + 1;
+  return {share(row % points, links), static_cast<double>(row / points), 0};
+}
+
+}  // namespace
+
+const Resolution& mass_spring_resolution() {
+  static const Resolution kCounts{.parameter = "rope.links, hair.links, cloth_grid.nx and ny",
+                                  .divide = divide,
+                                  .order = [](const void*) { return 0; },
+                                  .place = place};
+  return kCounts;
+}
+
+}  // namespace truestep::mass_spring

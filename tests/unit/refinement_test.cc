@@ -1,0 +1,153 @@
+// Convergence in space: orders that are known come out, at common places, with and without an exact solution.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "engine/base/errors.h"
+#include "engine/scene/catalogue.h"
+#include "engine/scene/json.h"
+#include "engine/studies/refinement.h"
+#include "engine/studies/study.h"
+
+namespace truestep {
+namespace {
+
+namespace json = boost::json;
+
+class Refining : public testing::Test {
+ protected:
+  StudyResult run(const std::string& request) {
+    return run_study(read_study_request(parse_json(request)), context);
+  }
+  /// A decaying mode of a rod, its exact solution told or not.
+  static std::string rod(const std::string& more, bool told) {
+    const std::string exact = told ? R"j("exact":"exp(-pi^2*t)*sin(pi*x)",)j" : "";
+    return R"j({"schema_version":"1.0","name":"rod","time":{"dt":0.001,"duration":0.05},"systems":[
+      {"type":"heat","id":"rod","cells":[16],"side":{"kind":"dirichlet"},"initial":"sin(pi*x)",)j" +
+           exact + more + "}]}";
+  }
+  static std::string convergence(const std::string& scene, const std::string& rest) {
+    return R"({"kind":"convergence","scene":)" + scene + "," + rest + "}";
+  }
+  Error refused(const std::string& request) {
+    try {
+      run(request);
+    } catch (const Error& e) {
+      return e;
+    }
+    ADD_FAILURE() << "accepted: " << request;
+    return Error("none", "");
+  }
+  ThreadArena arena{1};
+  std::atomic<bool> cancelled{false};
+  StudyContext context{.arena = arena, .cancelled = cancelled, .progress = [](double, const std::string&) {}};
+};
+
+TEST_F(Refining, FindsTheOrderInSpaceWithAndWithoutAnExactSolution) {
+  for (const bool told : {true, false}) {
+    for (const int order : {2, 4}) {
+      const auto r = run(convergence(rod("\"order\":\"" + std::to_string(order) + '"', told),
+                                     R"("refine":"space","budget":20)"));
+      ASSERT_TRUE(r.summary.at("observed_order").is_double()) << json::serialize(r.summary);
+      // The next term of the error is (pi dx)^2 of it: below 0.04 from 16 cells on.
+      EXPECT_NEAR(r.summary.at("observed_order").as_double(), order, 0.05) << told;
+      EXPECT_EQ(r.summary.at("promised_order").as_int64(), order);
+      EXPECT_EQ(r.summary.at("subject").as_string(), "rod.cells");
+    }
+  }
+}
+
+TEST_F(Refining, GalleryScenesHaveTheOrderOfTheirSystem) {
+  const auto order = [&](const std::string& rest) {
+    const auto r = run(R"({"kind":"convergence","refine":"space",)" + rest + "}");
+    EXPECT_TRUE(r.summary.at("observed_order").is_double()) << json::serialize(r.summary);
+    const json::value& observed = r.summary.at("observed_order");
+    return observed.is_double() ? observed.as_double() : NAN;
+  };
+  // Measured 4.01 and 2.00. The string's halves are on their way: after a whole crossing every mode has
+  // turned by a multiple of pi, so that errors of the phase enter by their squares, which is order 4.
+  EXPECT_NEAR(order(R"("gallery":"heat_plate","horizon":0.005,"halvings":3)"), 4, 0.1);
+  EXPECT_NEAR(order(R"("gallery":"wave_string","horizon":0.7,"halvings":5)"), 2, 0.1);
+}
+
+TEST_F(Refining, TheLimitOfEverFinerOnesIsTheExactSolution) {
+  // Errors against what the finest resolutions tend to are those against the exact solution.
+  const auto told = run(convergence(rod(R"("order":"2")", true), R"("refine":"space","budget":20)"));
+  const auto found = run(convergence(rod(R"("order":"2")", false), R"("refine":"space","budget":20)"));
+  // Norms over the nodes of four and eight cells are not those over the rod.
+  for (size_t k = 2; k < told.table.rows.size(); ++k) {
+    const double a = std::get<double>(told.table.rows[k][4]), b = std::get<double>(found.table.rows[k][4]);
+    EXPECT_NEAR(b / a, 1, 0.05) << k;
+  }
+}
+
+TEST_F(Refining, BothFollowsTheSpacingAsTheMethodNeedsIt) {
+  // Order 1 in time with dt ~ dx^2, order 2 with dt ~ dx, and rk4, whose border falls like dx^2.
+  for (const auto& [name, follows, order] :
+       {std::tuple{"euler", "dx^2", 2}, {"trapezoid", "dx", 2}, {"rk4", "dx^2", 2}}) {
+    const auto r =
+        run(convergence(rod(R"("order":"2")", true),
+                        R"("refine":"both","budget":20,"integrator":")" + std::string(name) + '"'));
+    EXPECT_EQ(r.summary.at("step_follows").as_string(), follows) << name;
+    ASSERT_TRUE(r.summary.at("observed_order").is_double()) << json::serialize(r.summary);
+    EXPECT_NEAR(r.summary.at("observed_order").as_double(), order, 0.1) << name;
+  }
+}
+
+TEST_F(Refining, ASceneThatHasNoResolutionSaysWhatHas) {
+  const std::string oscillator = R"({"schema_version":"1.0","name":"o","time":{"dt":0.01,"duration":1},
+    "systems":[{"type":"oscillator","id":"o","mass":1,"stiffness":100,"position":1}]})";
+  const Error e = refused(convergence(oscillator, R"("refine":"space")"));
+  EXPECT_EQ(e.code(), "scene_invalid");
+  EXPECT_EQ(e.issues().at(0).pointer, "/refine");
+  for (const char* has : {"heat (cells)", "wave (cells)", "mass_spring ("})
+    EXPECT_THAT(e.issues().at(0).allowed, testing::HasSubstr(has));
+  const Error method =
+      refused(convergence(rod(R"("order":"2")", true), R"("refine":"space","integrator":"rk4")"));
+  EXPECT_EQ(method.issues().at(0).pointer, "/integrator");
+}
+
+TEST_F(Refining, WorkPrecisionRunsOverResolution) {
+  const auto r = run(R"({"kind":"work_precision","scene":)" + rod(R"("order":"2")", false) +
+                     R"(,"refine":"both","integrators":["trapezoid","rkc2","velocity_verlet"],"budget":20})");
+  std::map<std::string, std::vector<double>> errors;
+  for (const auto& row : r.table.rows)
+    errors[std::get<std::string>(row[0])].push_back(std::get<double>(row[4]));
+  // A heat equation has no velocities.
+  EXPECT_EQ(r.summary.at("refused").as_array().size(), 1u);
+  ASSERT_EQ(errors.size(), 2u);
+  for (const auto& [name, e] : errors) {
+    ASSERT_GE(e.size(), 4u) << name;
+    EXPECT_NEAR(e[e.size() - 2] / e.back(), 4, 1) << name;
+  }
+}
+
+// The same object at twice the resolution: mass, stiffness and damping of the whole stay.
+TEST_F(Refining, ARopeStaysTheSameRope) {
+  const std::string rope = R"({"schema_version":"1.0","name":"rope","gravity":[0,-10,0],
+    "time":{"dt":0.01,"duration":0.2},"systems":[{"type":"mass_spring","id":"r","density":0.5,"stiffness":4000,
+    "internal_damping":2,"pinned":["first"],"rope":{"from":[0,0,0],"to":[0,-1,0],"links":8}}]})";
+  const Refinement ladder(parse_json(rope), "", context);
+  EXPECT_EQ(ladder.coarsening(), 4);
+  const json::value coarse = ladder.document(0), fine = ladder.document(3);
+  const auto at = [](const json::value& d, const char* key) {
+    return d.at("systems").at(0).at(key).as_double();
+  };
+  EXPECT_EQ(coarse.at("systems").at(0).at("rope").at("links").to_number<int>(), 2);
+  EXPECT_EQ(fine.at("systems").at(0).at("rope").at("links").to_number<int>(), 16);
+  // One over the sum of 1 / k over the links.
+  EXPECT_EQ(at(coarse, "stiffness") / 2, at(fine, "stiffness") / 16);
+  EXPECT_EQ(at(coarse, "internal_damping") / 2, at(fine, "internal_damping") / 16);
+  const auto r = run(convergence(rope, R"("refine":"space","budget":20)"));
+  ASSERT_GE(r.table.rows.size(), 4u);
+  // It hangs lower by rho g L^2 / (2 E A) at any resolution: errors fall.
+  EXPECT_LT(std::get<double>(r.table.rows[3][4]), 0.5 * std::get<double>(r.table.rows[1][4]));
+  // Points of a given mass are more rope when there are more of them.
+  std::string heavier = rope;
+  heavier.replace(heavier.find("\"density\":0.5"), 13, "\"mass\":0.01");
+  EXPECT_THAT(refused(convergence(heavier, R"("refine":"space")")).what(), testing::HasSubstr("density"));
+}
+
+}  // namespace
+}  // namespace truestep
