@@ -8,13 +8,15 @@
 #include <span>
 #include <type_traits>
 #include <utility>
+#include <vector>
 
-#include "engine/core/state.h"
-#include "engine/math/vec3.h"
+#include "engine/core/body_port.h"
+#include "engine/core/real_column.h"
 
 namespace truestep {
 
-/// Columns of a state that hold its points. Exactly one of `mass` and `inverse_mass` is given.
+/// Columns of a state that hold its points, all f64 or f32. Exactly one of `mass` and `inverse_mass` is
+/// given.
 struct PointPort {
   State::Column position = 0, velocity = 1;   ///< rows x 3, m and m/s
   std::optional<State::Column> mass;          ///< kg
@@ -28,16 +30,23 @@ struct PointPort {
 template <class Real>
 class PointsOf {
  public:
-  using StateRef = std::conditional_t<std::is_const_v<Real>, const State&, State&>;
+  using StateRef = typename RealColumn<Real>::StateRef;
 
   PointsOf(StateRef s, const PointPort& c)
-      : x(s.f64(c.position).data()), v(s.f64(c.velocity).data()), count(s.rows(c.position)) {
-    if (c.mass) mass_ = s.f64(*c.mass).data();
-    if (c.inverse_mass) inverse_mass_ = s.f64(*c.inverse_mass).data();
+      : places_(s, c.position), velocities_(s, c.velocity), count(s.rows(c.position)) {
+    x = places_.doubles(), v = velocities_.doubles();
+    if (c.mass) mass_ = RealColumn<const double>(s, *c.mass);
+    if (c.inverse_mass) inverse_mass_ = RealColumn<const double>(s, *c.inverse_mass);
     if (c.id) ids = std::as_const(s).template span<uint64_t>(*c.id);
   }
+  Vec3 place(size_t row) const { return places_.vector(row); }
+  Vec3 velocity(size_t row) const { return velocities_.vector(row); }
+  void set_place(size_t row, const Vec3& to) { places_.set_vector(row, to); }
+  void set_velocity(size_t row, const Vec3& to) { velocities_.set_vector(row, to); }
+  void shift(size_t row, const Vec3& by) { set_place(row, place(row) + by); }
+  void accelerate(size_t row, const Vec3& by) { set_velocity(row, velocity(row) + by); }
   /// 1/kg; 0: held.
-  double inverse_mass(size_t row) const { return inverse_mass_ ? inverse_mass_[row] : 1 / mass_[row]; }
+  double inverse_mass(size_t row) const { return inverse_mass_ ? inverse_mass_.at(row) : 1 / mass_.at(row); }
   /// The row of a point, or nothing when it is gone.
   std::optional<size_t> row_of(uint64_t id) const {
     if (ids.empty()) return id < count ? std::optional<size_t>(id) : std::nullopt;
@@ -45,13 +54,30 @@ class PointsOf {
     if (at == ids.end() || *at != id) return std::nullopt;
     return static_cast<size_t>(at - ids.begin());
   }
+  uint64_t id_of(size_t row) const { return ids.empty() ? row : ids[row]; }
 
-  Real *x, *v;
-  size_t count;
-  std::span<const uint64_t> ids;  ///< empty where a row is its own id
+  /// Makes `x` and `v` of f32 columns good for reading: copies, kept in `memory`.
+  void copy_singles(std::vector<double>& memory) {
+    if (x) return;
+    memory.resize(6 * count);
+    for (size_t k = 0; k < 3 * count; ++k)
+      memory[k] = places_.at(k), memory[3 * count + k] = velocities_.at(k);
+    x = memory.data(), v = memory.data() + 3 * count;
+  }
+  /// What was written to the copies, back into the columns.
+  void write_back() {
+    if (places_.doubles()) return;
+    for (size_t k = 0; k < 3 * count; ++k) places_.set(k, x[k]), velocities_.set(k, v[k]);
+  }
 
  private:
-  const double *mass_ = nullptr, *inverse_mass_ = nullptr;
+  RealColumn<Real> places_, velocities_;
+  RealColumn<const double> mass_, inverse_mass_;
+
+ public:
+  Real *x, *v;  ///< rows x 3; null where the columns are f32 and were not copied
+  size_t count;
+  std::span<const uint64_t> ids;  ///< empty where a row is its own id
 };
 using Points = PointsOf<double>;
 using ConstPoints = PointsOf<const double>;
@@ -72,6 +98,7 @@ class AnswersImpulses;  // core/impulse_answer.h
 struct Ports {
   std::optional<PointPort> points;
   PublishedSolids solids;  ///< with which points of other systems collide
+  std::optional<BodyPort> bodies;
   /// How all points answer impulses on some; null: each by its own mass.
   const AnswersImpulses* answers = nullptr;
 };

@@ -32,8 +32,8 @@ struct AnsweredPairs::Side {
   }
   void move(size_t i, double h) {
     const Vec3 d = load3(dv.data(), i);
-    store3(points.v, i, load3(points.v, i) + d);
-    store3(points.x, i, load3(points.x, i) + d * h);
+    points.accelerate(i, d);
+    points.shift(i, d * h);
   }
 
   const AnswersImpulses* system;

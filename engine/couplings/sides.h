@@ -10,14 +10,21 @@ inline PointPort require_points(const CouplingSide& side, const std::string& mem
   if (const auto points = side.system.ports().points) return *points;
   const std::string why = "\"" + side.id + "\" has no points that a coupling could reach";
   throw Error("scene_invalid", why,
-              {{"/" + member, "unsuitable_system", why, '"' + side.id + '"', "a system of points", "", ""}});
+              {{"/" + member, "unsuitable_system", why, '"' + side.id + '"',
+                "a system of points (mass_spring, particles) or, on one side, of bodies (rigid3d)", "", ""}});
 }
 
 /// Gives `impulse` (N s) to a row and the opposite to another.
-inline void exchange_impulse(double* va, size_t a, double wa, double* vb, size_t b, double wb,
+inline void exchange_impulse(Points& a, size_t row_a, double wa, Points& b, size_t row_b, double wb,
                              const Vec3& on_b) {
-  store3(va, a, load3(va, a) - on_b * wa);
-  store3(vb, b, load3(vb, b) + on_b * wb);
+  a.accelerate(row_a, -on_b * wa);
+  b.accelerate(row_b, on_b * wb);
+}
+/// Moves a row by `on_b` (kg m) over its mass and another the opposite way.
+inline void exchange_shift(Points& a, size_t row_a, double wa, Points& b, size_t row_b, double wb,
+                           const Vec3& on_b) {
+  a.shift(row_a, -on_b * wa);
+  b.shift(row_b, on_b * wb);
 }
 
 }  // namespace truestep

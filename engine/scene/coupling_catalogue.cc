@@ -8,7 +8,7 @@ namespace truestep {
 std::span<const CouplingRow> coupling_catalogue() {
   static const std::vector<CouplingRow> kRows = {
       {"contact",
-       "points of one system against the solids of the other, which recoil",
+       "points of one system against the solids or rigid bodies of the other, which recoil",
        &contact::contact_table(),
        contact::build_contact,
        contact::contact_cost,
@@ -16,7 +16,7 @@ std::span<const CouplingRow> coupling_catalogue() {
         "a point that crosses a solid within one step is stopped, however thin the solid",
         "restitution and Coulomb's friction as on a wall, with the masses of both sides"}},
       {"attachment",
-       "joins points of two systems, pair by pair, with springs or rigid links",
+       "joins points of two systems, or points and rigid bodies, pair by pair, with springs or rigid links",
        &attachment::attachment_table(),
        attachment::build_attachment,
        attachment::attachment_cost,

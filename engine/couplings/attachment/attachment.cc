@@ -3,6 +3,7 @@
 #include <cmath>
 #include <map>
 
+#include "engine/couplings/body_attachment.h"
 #include "engine/couplings/sides.h"
 
 namespace truestep::attachment {
@@ -23,8 +24,13 @@ constexpr double kSameDirection = 1e-6;
 /// at.
 constexpr double kMostKicked = 1;
 
-Vec3 separation(const double* a, size_t i, const double* b, size_t j) {
-  return load3(b, j) - load3(a, i);
+template <class Real>
+Vec3 separation(const PointsOf<Real>& a, size_t i, const PointsOf<Real>& b, size_t j) {
+  return b.place(j) - a.place(i);
+}
+template <class Real>
+Vec3 approach(const PointsOf<Real>& a, size_t i, const PointsOf<Real>& b, size_t j) {
+  return b.velocity(j) - a.velocity(i);
 }
 
 /// The column; null in states of the same scene by other methods, which remedies are tried on.
@@ -83,7 +89,7 @@ std::unique_ptr<const Attachment> Attachment::make(const AttachmentDef& def, con
       const std::string why = "a pair needs two different points";
       throw Error("scene_invalid", why, {{"/b_points" + at, "inconsistent", why, "", "", "", ""}});
     }
-    const Vec3 r = separation(pa.x, *pa.row_of(p.a), pb.x, *pb.row_of(p.b));
+    const Vec3 r = separation(pa, *pa.row_of(p.a), pb, *pb.row_of(p.b));
     p.rest = def.rest_length.value_or(norm(r));
     ++a_pairs[p.a];
     ++(same ? a_pairs : b_pairs)[p.b];
@@ -125,7 +131,7 @@ void Attachment::begin(const CoupledStates& s, const StepInput& in) const {
     const auto& live = live_pairs(a, b, in, Wanted::links);
     if (answered_.any()) return give_last(s, a, b, live);
     double* start = in.workspace.doubles(kStart, 3 * pairs_.size()).data();
-    for (const Live& p : live) store3(start, p.pair, separation(a.x, p.a, b.x, p.b));
+    for (const Live& p : live) store3(start, p.pair, separation(a, p.a, b, p.b));
     return;
   }
   give_last(s, a, b, live_pairs(a, b, in, Wanted::solved));
@@ -164,7 +170,7 @@ void Attachment::give_last(const CoupledStates& s, Points& a, Points& b,
                            const std::vector<Live>& live) const {
   const double* last = pair_impulses(s.own);
   if (!last) return;
-  for (const Live& p : live) exchange_impulse(a.v, p.a, p.wa, b.v, p.b, p.wb, lasting(last, p.pair));
+  for (const Live& p : live) exchange_impulse(a, p.a, p.wa, b, p.b, p.wb, lasting(last, p.pair));
 }
 
 // What is asked of a pair that has come to r and u without its impulse J, in the direction n that it ends in;
@@ -211,8 +217,7 @@ void Attachment::solve_pairs(const CoupledStates& s, const StepInput& in, const 
   }
   answered_.answer_given(s, in, pairs);
   for (const AnsweredPair& p : pairs) {
-    free.push_back(
-        {separation(a.x, p.a, b.x, p.b) - p.change * in.h, separation(a.v, p.a, b.v, p.b) - p.change});
+    free.push_back({separation(a, p.a, b, p.b) - p.change * in.h, approach(a, p.a, b, p.b) - p.change});
   }
   for (int solution = 0; solution < kMostSolutions; ++solution) {
     double turn = 0;
@@ -227,7 +232,7 @@ void Attachment::solve_pairs(const CoupledStates& s, const StepInput& in, const 
   answered_.move(s, in, pairs);
   for (size_t i = 0; i < pairs.size(); ++i) {
     const AnsweredPair& p = pairs[i];
-    const Vec3 u = separation(a.v, p.a, b.v, p.b);
+    const Vec3 u = approach(a, p.a, b, p.b);
     const double u2 = live[i].rest == 0 ? norm2(u) : dot(u, p.n) * dot(u, p.n);
     sum.add(p.impulse, def_.link == AttachmentDef::Link::spring ? in.h * def_.damping * u2 : 0);
     if (!last) continue;
@@ -245,7 +250,7 @@ void Attachment::close_lengths(const CoupledStates& s, const StepInput& in, cons
     double worst = 0;
     for (size_t i = 0; i < pairs.size(); ++i) {
       AnsweredPair& p = pairs[i];
-      const Vec3 r = separation(a.x, p.a, b.x, p.b);
+      const Vec3 r = separation(a, p.a, b, p.b);
       p.given = {}, p.change = {};
       ask(p, live[i].rest, r, {}, in.h);
       worst = std::max(worst, norm(p.right) * in.h / std::max(live[i].rest, 1.0));
@@ -260,10 +265,10 @@ void Attachment::close_lengths(const CoupledStates& s, const StepInput& in, cons
 // J = -half k (|r| - L) n; with L = 0 it needs no direction.
 void Attachment::pull(Points& a, Points& b, const std::vector<Live>& live, double half, Exchange& sum) const {
   for (const Live& p : live) {
-    const Vec3 r = separation(a.x, p.a, b.x, p.b);
+    const Vec3 r = separation(a, p.a, b, p.b);
     const Vec3 stretch = p.rest == 0 ? r : r - normalized(r) * p.rest;
     const Vec3 impulse = stretch * (-half * def_.stiffness);
-    exchange_impulse(a.v, p.a, p.wa, b.v, p.b, p.wb, impulse);
+    exchange_impulse(a, p.a, p.wa, b, p.b, p.wb, impulse);
     sum.add(impulse, 0);
   }
 }
@@ -273,11 +278,11 @@ void Attachment::pull(Points& a, Points& b, const std::vector<Live>& live, doubl
 void Attachment::damp(Points& a, Points& b, const std::vector<Live>& live, double half, Exchange& sum) const {
   if (def_.damping == 0) return;
   for (const Live& p : live) {
-    const Vec3 r = separation(a.x, p.a, b.x, p.b), u = separation(a.v, p.a, b.v, p.b);
+    const Vec3 r = separation(a, p.a, b, p.b), u = approach(a, p.a, b, p.b);
     const Vec3 along = norm2(r) > 0 ? r * (dot(u, r) / norm2(r)) : u;
     const double k = p.wa + p.wb, q = 0.5 * def_.damping * k * half;
     const Vec3 impulse = along * (-2 * q / ((1 + q) * k));
-    exchange_impulse(a.v, p.a, p.wa, b.v, p.b, p.wb, impulse);
+    exchange_impulse(a, p.a, p.wa, b, p.b, p.wb, impulse);
     sum.add(impulse, -dot(impulse, along + impulse * (0.5 * k)));
   }
 }
@@ -288,12 +293,12 @@ void Attachment::restore_lengths(Points& a, Points& b, const std::vector<Live>& 
   for (int sweep = 0; sweep < kMostSweeps; ++sweep) {
     double worst = 0;
     for (const Live& p : live) {
-      const Vec3 r = separation(a.x, p.a, b.x, p.b);
+      const Vec3 r = separation(a, p.a, b, p.b);
       const Vec3 dr = length_correction(r, load3(start, p.pair), p.rest);
       worst = std::max(worst, norm(dr) / std::max(p.rest, 1.0));
       const Vec3 share = dr / (p.wa + p.wb);
-      exchange_impulse(a.x, p.a, p.wa, b.x, p.b, p.wb, share);
-      exchange_impulse(a.v, p.a, p.wa, b.v, p.b, p.wb, share / h);
+      exchange_shift(a, p.a, p.wa, b, p.b, p.wb, share);
+      exchange_impulse(a, p.a, p.wa, b, p.b, p.wb, share / h);
       sum.add(share / h, 0);
     }
     if (worst <= kLengthTolerance) break;
@@ -305,11 +310,11 @@ void Attachment::match_velocities(Points& a, Points& b, const std::vector<Live>&
   for (int sweep = 0; sweep < kMostSweeps; ++sweep) {
     double worst = 0, fastest = 0;
     for (const Live& p : live) {
-      const Vec3 n = normalized(separation(a.x, p.a, b.x, p.b)), u = separation(a.v, p.a, b.v, p.b);
+      const Vec3 n = normalized(separation(a, p.a, b, p.b)), u = approach(a, p.a, b, p.b);
       const Vec3 along = p.rest == 0 ? u : n * dot(u, n), impulse = along / -(p.wa + p.wb);
       worst = std::max(worst, norm(along));
       fastest = std::max(fastest, norm(u));
-      exchange_impulse(a.v, p.a, p.wa, b.v, p.b, p.wb, impulse);
+      exchange_impulse(a, p.a, p.wa, b, p.b, p.wb, impulse);
       sum.add(impulse, -0.5 * dot(impulse, along));
     }
     if (worst <= kLengthTolerance * fastest) break;
@@ -327,7 +332,7 @@ void Attachment::observe(const ConstCoupledStates& s, Observables& out) const {
   std::vector<Live> live;
   collect(a, b, live);
   double error = 0;
-  for (const Live& p : live) error = std::max(error, std::abs(norm(separation(a.x, p.a, b.x, p.b)) - p.rest));
+  for (const Live& p : live) error = std::max(error, std::abs(norm(separation(a, p.a, b, p.b)) - p.rest));
   observe_exchange(s.own, out);
   if (def_.link == AttachmentDef::Link::spring) {
     out.add("energy.potential", stored_energy(s), "J");
@@ -344,7 +349,7 @@ double Attachment::stored_energy(const ConstCoupledStates& s) const {
   for (const Pair& p : pairs_) {
     const auto i = a.row_of(p.a), j = b.row_of(p.b);
     if (!i || !j || !(a.inverse_mass(*i) + b.inverse_mass(*j) > 0)) continue;
-    const double stretch = norm(separation(a.x, *i, b.x, *j)) - p.rest;
+    const double stretch = norm(separation(a, *i, b, *j)) - p.rest;
     stored += 0.5 * def_.stiffness * stretch * stretch;
   }
   return stored;
@@ -371,7 +376,22 @@ std::vector<PlanRow> Attachment::plan() const {
 }
 
 std::unique_ptr<const Coupling> build_attachment(const void* def, const CouplingContext& context) {
-  return Attachment::make(*static_cast<const AttachmentDef*>(def), context);
+  const auto& d = *static_cast<const AttachmentDef*>(def);
+  const bool a = context.a.system.ports().bodies.has_value(), b = context.b.system.ports().bodies.has_value();
+  if (a != b) return BodyAttachment::make(d, context);
+  if (a) {
+    const std::string why = "bodies of two systems are not attached to each other";
+    throw Error("scene_invalid", why,
+                {{"/b", "unsuitable_system", why, '"' + context.b.id + '"',
+                  "a system of points (mass_spring, particles) on one side; joints hold bodies of one system",
+                  "", ""}});
+  }
+  if (!d.places.empty()) {
+    const std::string why = "neither system has bodies that could have places";
+    throw Error("scene_invalid", why,
+                {{"/places", "unsuitable_system", why, "", "places on bodies of rigid3d", "", ""}});
+  }
+  return Attachment::make(d, context);
 }
 
 }  // namespace truestep::attachment

@@ -5,6 +5,7 @@
 
 #include "engine/core/build.h"
 #include "engine/core/def.h"
+#include "engine/math/vec3.h"
 
 namespace truestep::attachment {
 
@@ -13,6 +14,7 @@ struct AttachmentDef {
   std::vector<int64_t> a_points{0}, b_points{0};
   double stiffness = 1000, damping = 0;
   std::optional<double> rest_length;
+  std::vector<Vec3> places;
 };
 
 const DefTable& attachment_table();

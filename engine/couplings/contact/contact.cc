@@ -1,6 +1,7 @@
 #include "engine/couplings/contact/contact.h"
 
 #include "engine/collision/points/collider_set.h"
+#include "engine/couplings/body_contact.h"
 #include "engine/couplings/contact/contact_guard.h"
 #include "engine/couplings/contact/contact_solver.h"
 #include "engine/couplings/sides.h"
@@ -21,6 +22,11 @@ struct ContactScratch {
   ContactSearch search;
   ContactSolverScratch solver;
   PassGuard guard;
+  std::vector<double> point_singles, other_singles;  ///< copies of f32 columns
+
+  void copy_singles(auto& points, auto& other) {
+    points.copy_singles(point_singles), other.copy_singles(other_singles);
+  }
 };
 
 bool more_than_balls(const PublishedSolids& s) {
@@ -77,22 +83,29 @@ void ContactCoupling::begin(const CoupledStates& s, const StepInput& in) const {
   auto& scratch = in.workspace.object<ContactScratch>("contact");
   const ProfileScope scope(in.profile, "remember");
   const bool swapped = roles_ == Roles::b_on_a;
-  scratch.points.store(ConstPoints(swapped ? s.b : s.a, points_));
-  if (roles_ != Roles::on_itself) scratch.other.store(ConstPoints(swapped ? s.a : s.b, other_));
+  ConstPoints points(swapped ? s.b : s.a, points_), other(swapped ? s.a : s.b, other_);
+  scratch.copy_singles(points, other);
+  scratch.points.store(points);
+  if (roles_ != Roles::on_itself) scratch.other.store(other);
 }
 
 void ContactCoupling::midway(const CoupledStates& s, const StepInput& in) const {
   auto& scratch = in.workspace.object<ContactScratch>("contact");
   const ProfileScope scope(in.profile, "remember");
   const bool swapped = roles_ == Roles::b_on_a;
-  scratch.points.follow(ConstPoints(swapped ? s.b : s.a, points_));
-  if (roles_ != Roles::on_itself) scratch.other.follow(ConstPoints(swapped ? s.a : s.b, other_));
+  ConstPoints points(swapped ? s.b : s.a, points_), other(swapped ? s.a : s.b, other_);
+  scratch.copy_singles(points, other);
+  scratch.points.follow(points);
+  if (roles_ != Roles::on_itself) scratch.other.follow(other);
 }
 
 void ContactCoupling::end(const CoupledStates& s, const StepInput& in) const {
   auto& scratch = in.workspace.object<ContactScratch>("contact");
   const bool swapped = roles_ == Roles::b_on_a, itself = roles_ == Roles::on_itself;
   Points points(swapped ? s.b : s.a, points_), other(swapped ? s.a : s.b, other_);
+  scratch.copy_singles(points, other);
+  // One that is on itself has both names for the same points.
+  if (itself) other.x = points.x, other.v = points.v;
   const PointMemory& other_memory = itself ? scratch.points : scratch.other;
   RowTraces& other_traces = itself ? scratch.point_traces : scratch.other_traces;
   scratch.point_traces.prepare(points.count);
@@ -124,6 +137,8 @@ void ContactCoupling::end(const CoupledStates& s, const StepInput& in) const {
     const ProfileScope scope(in.profile, "contacts");
     solver.finish();
   }
+  points.write_back();
+  if (!itself) other.write_back();
   s.own.span<uint64_t>(kContacts)[0] = acted;
   Exchange sum = solver.exchange();
   if (swapped) sum.impulse = -sum.impulse;
@@ -136,10 +151,12 @@ bool ContactCoupling::guard(const CoupledStates& s, const StepInput& in) const {
   const ProfileScope scope(in.profile, "guard");
   const bool swapped = roles_ == Roles::b_on_a;
   Points points(swapped ? s.b : s.a, points_), other(swapped ? s.a : s.b, other_);
+  scratch.copy_singles(points, other);
   const SolidList list = solids(other);
   const GuardedPoints guarded{scratch.points.x(), scratch.other.x(), points, other, list, reach_, in.h};
   Exchange sum;
   const bool acted = scratch.guard.run(guarded, def_, scratch.search.near(), sum, in.arena);
+  if (acted) points.write_back(), other.write_back();
   if (swapped) sum.impulse = -sum.impulse;
   book(s.own, sum);
   return acted;
@@ -175,6 +192,15 @@ std::vector<PlanRow> ContactCoupling::plan() const {
 }
 
 std::unique_ptr<const Coupling> build_contact(const void* def, const CouplingContext& context) {
+  const bool a = context.a.system.ports().bodies.has_value(), b = context.b.system.ports().bodies.has_value();
+  if (a && b) {
+    refuse("/b",
+           "\"" + context.b.id + "\" is a system of bodies as \"" + context.a.id +
+               "\" is, and bodies of two systems do not meet",
+           "a system of points (mass_spring, particles) beside a system of bodies; bodies that shall meet "
+           "belong into one system");
+  }
+  if (a || b) return BodyContact::make(*static_cast<const ContactDef*>(def), context);
   return ContactCoupling::make(*static_cast<const ContactDef*>(def), context);
 }
 

@@ -8,7 +8,7 @@ const DefTable& contact_table() {
       TableOf<D>(
           "points of one system against the solids of the other "
           "(triangles of a cloth, springs as capsules, "
-          "balls), which recoil; with itself, a system of particles "
+          "balls) or its rigid bodies, which recoil; with itself, a system of particles "
           "collides ball against ball")
           .number("restitution", &D::restitution, "1", between(0, 1),
                   "share of the normal speed kept by a bounce")

@@ -48,6 +48,8 @@ Rigid3d::Rigid3d(const Rigid3dDef& def, const BuildContext& context)
     fastest = std::max({fastest, norm(b.velocity), norm(b.angular_velocity),
                         std::sqrt(2 * norm(gravity_) * norm(b.pose.position))});
   speed_limit_ = unexplained_speed(fastest);
+  for (const BodyKind& k : bodies_.kinds)
+    forms_.push_back({k.sensor ? nullptr : &k.solid, k.moved_by_forces() ? k.mass : 0, k.moments});
   name_parts();
   // A scene that sleeps skips the stages' work, not the stages: a command may wake it.
   const auto awake = [this](void (Rigid3d::*run)(State&, const StepInput&) const) {
@@ -72,6 +74,23 @@ Rigid3d::Rigid3d(const Rigid3dDef& def, const BuildContext& context)
 
 State Rigid3d::initial_state() const {
   return rigid3d_at_start(bodies_, joints_, gravity_);
+}
+
+Ports Rigid3d::ports() const {
+  Ports out;
+  out.bodies = BodyPort{.position = columns::position,
+                        .velocity = columns::velocity,
+                        .orientation = columns::orientation,
+                        .angular_velocity = columns::angular_velocity,
+                        .form = columns::kind,
+                        .id = columns::id,
+                        .forms = forms_,
+                        .sleepers = this};
+  return out;
+}
+
+void Rigid3d::wake(State& s, size_t row) const {
+  wake_body(s, row, bodies_.kinds);
 }
 
 Rigid3d::Scratch& Rigid3d::scratch(const StepInput& in) {

@@ -14,7 +14,7 @@
 
 namespace truestep::rigid3d {
 
-class Rigid3d final : public StagedSystem {
+class Rigid3d final : public StagedSystem, public WakesBodies {
  public:
   Rigid3d(const Rigid3dDef& def, const BuildContext& context);
 
@@ -34,6 +34,10 @@ class Rigid3d final : public StagedSystem {
   uint32_t drawing_version(const State& s) const override;
   /// Bodies are visuals of the main part, planes obstacles.
   void draw(const State& s, double t, Wish wishes, Drawing& out) const override;
+
+  /// The bodies; sensors touch nothing.
+  Ports ports() const override;
+  void wake(State& s, size_t row) const override;
 
   const std::vector<BodyKind>& kinds() const { return bodies_.kinds; }
 
@@ -91,6 +95,7 @@ class Rigid3d final : public StagedSystem {
 
   BodyList bodies_;
   JointList joints_;
+  std::vector<BodyForm> forms_;          ///< one per kind
   mutable std::once_flag visuals_made_;  ///< meshes are made when somebody looks for the first time
   mutable std::vector<Visual> visuals_;
   SolverSettings settings_;  ///< restitution_speed only in a step

@@ -1,0 +1,131 @@
+// BodyPort: where couplings reach rigid bodies in space without knowing their system. A body answers an
+// impulse J at the arm r from its centre of mass by
+//   dv = J / m,   dw = I^-1 (r x J),   K J = dv + dw x r   (what the place there gets);
+// a correction of place P there moves and turns it as far. P alone would change the angular momentum of what
+// it acts between by P x (v_q - v) (q: the other's place); the spin takes that back, so that corrections keep
+// it.
+#pragma once
+#include <algorithm>
+#include <optional>
+#include <span>
+#include <utility>
+
+#include "engine/core/real_column.h"
+#include "engine/kernels/free_rotation.h"
+
+namespace truestep {
+
+struct Solid;
+
+/// What bodies of a kind have in common.
+struct BodyForm {
+  const Solid* solid = nullptr;  ///< in the frame of centre and principal axes; null: touches nothing
+  double mass = 0;               ///< kg; 0: no impulse moves it
+  Vec3 moments;                  ///< kg m^2
+};
+
+/// A system whose bodies may sleep.
+class WakesBodies {
+ public:
+  virtual ~WakesBodies() = default;
+  /// Wakes the body in that row and all that it rests on, carries or is joined to. Cheap when it is awake.
+  virtual void wake(State& state, size_t row) const = 0;
+};
+
+/// Columns of a state that hold its bodies, f64 or f32, and the table of their forms.
+struct BodyPort {
+  State::Column position = 0, velocity = 0;             ///< rows x 3, of the centre of mass
+  State::Column orientation = 0, angular_velocity = 0;  ///< rows x 4, of the principal axes; rows x 3, world
+  State::Column form = 0;                               ///< u32, index into `forms`
+  State::Column id = 0;                                 ///< u64, ascending and never used twice
+  std::span<const BodyForm> forms;
+  const WakesBodies* sleepers = nullptr;  ///< null: bodies never sleep
+};
+
+/// The bodies of one state; Real is double or const double. Valid until rows are added or removed.
+template <class Real>
+class BodiesOf {
+ public:
+  using StateRef = typename RealColumn<Real>::StateRef;
+
+  BodiesOf(StateRef s, const BodyPort& port)
+      : state_(s),
+        port_(port),
+        place_(s, port.position),
+        velocity_(s, port.velocity),
+        spin_(s, port.angular_velocity),
+        orientation_(s, port.orientation),
+        form_(std::as_const(s).template span<uint32_t>(port.form)),
+        ids_(std::as_const(s).template span<uint64_t>(port.id)) {}
+
+  size_t count() const { return form_.size(); }
+  const BodyForm& form(size_t row) const { return port_.forms[form_[row]]; }
+  bool dynamic(size_t row) const { return form(row).mass > 0; }
+  uint64_t id_of(size_t row) const { return ids_[row]; }
+  std::optional<size_t> row_of(uint64_t id) const {
+    const auto at = std::lower_bound(ids_.begin(), ids_.end(), id);
+    if (at == ids_.end() || *at != id) return std::nullopt;
+    return static_cast<size_t>(at - ids_.begin());
+  }
+  Vec3 place(size_t row) const { return place_.vector(row); }
+  Quat orientation(size_t row) const { return orientation_.quaternion(row); }
+  Vec3 velocity(size_t row) const { return velocity_.vector(row); }
+  Vec3 spin(size_t row) const { return spin_.vector(row); }
+  /// m/s, of the body's place at this arm from its centre.
+  Vec3 velocity_at(size_t row, const Vec3& arm) const { return velocity(row) + cross(spin(row), arm); }
+  /// K J; zero for what no impulse moves.
+  Vec3 answer(size_t row, const Vec3& arm, const Vec3& impulse) const {
+    const BodyForm& f = form(row);
+    if (!(f.mass > 0)) return {};
+    return impulse / f.mass +
+           cross(free_rotation::spin_of(orientation(row), cross(arm, impulse), f.moments), arm);
+  }
+  /// n . K n, 1/kg.
+  double inverse_mass(size_t row, const Vec3& arm, const Vec3& n) const {
+    return dot(n, answer(row, arm, n));
+  }
+
+  /// N s at an arm; wakes the body.
+  void push(size_t row, const Vec3& arm, const Vec3& impulse) {
+    push_and_turn(row, impulse, cross(arm, impulse));
+  }
+  /// N s and N m s about the centre; wakes the body.
+  void push_and_turn(size_t row, const Vec3& impulse, const Vec3& twist) {
+    const BodyForm& f = form(row);
+    if (!(f.mass > 0)) return;
+    wake(row);
+    velocity_.set_vector(row, velocity(row) + impulse / f.mass);
+    spin_.set_vector(row, spin(row) + free_rotation::spin_of(orientation(row), twist, f.moments));
+  }
+  /// Moves by `by` (m) and turns by a rotation vector (rad), with the angular momentum kept less `gained`
+  /// (kg m^2/s).
+  void move(size_t row, const Vec3& by, const Vec3& turn, const Vec3& gained = {}) {
+    const BodyForm& f = form(row);
+    if (!(f.mass > 0)) return;
+    const Quat q = orientation(row), turned = normalized(free_rotation::turn(turn) * q);
+    const Vec3 momentum = free_rotation::momentum({q, spin(row)}, f.moments) - gained;
+    place_.set_vector(row, place(row) + by);
+    orientation_.set_quaternion(row, turned);
+    spin_.set_vector(row, free_rotation::spin_of(turned, momentum, f.moments));
+  }
+  /// Correction P (kg m) at an arm; `gained`: angular momentum that it gives to all that it acts between.
+  void shift(size_t row, const Vec3& arm, const Vec3& p, const Vec3& gained) {
+    const BodyForm& f = form(row);
+    if (!(f.mass > 0)) return;
+    move(row, p / f.mass, free_rotation::spin_of(orientation(row), cross(arm, p), f.moments), gained);
+  }
+  void wake(size_t row) {
+    if (port_.sleepers) port_.sleepers->wake(state_, row);
+  }
+
+ private:
+  StateRef state_;
+  const BodyPort& port_;
+  RealColumn<Real> place_, velocity_, spin_, orientation_;
+  std::span<const uint32_t> form_;
+  std::span<const uint64_t> ids_;
+};
+using Bodies = BodiesOf<double>;
+using ConstBodies = BodiesOf<const double>;
+
+}  // namespace truestep

@@ -1,0 +1,76 @@
+// The coupling type "attachment" between points and rigid bodies: pairs (point i, place p on body k),
+// r = x_i - p, u its velocity as seen from there, K = w_i + n . K_k n.
+//   spring  J = -h/2 (k (|r| - L) + c u.n) n on the point at both ends of the substep, -J on the body at p;
+//   stiffer
+//           ones, h sqrt(k K) > 1, are solved for together with both sides as in couplings/attachment.h
+//   rigid   |r| = L: RATTLE (Andersen 1983) between point and body, along the link's direction at the
+//   substep's
+//           start; with L = 0 the two places are one and J has any direction. Where the points are solved
+//           implicitly, the impulse of the link is that of both solved as one (points_on_bodies.h), and what
+//           lasts of it is given to both before their own steps.
+// What a correction of places would change of the angular momentum goes to the body's spin
+// (core/body_port.h).
+#pragma once
+#include <memory>
+
+#include "engine/couplings/attachment/attachment_def.h"
+#include "engine/couplings/exchange.h"
+#include "engine/couplings/points_on_bodies.h"
+
+namespace truestep {
+
+class BodyAttachment final : public Coupling {
+ public:
+  /// Exactly one of the sides has bodies, the other one points. Error "scene_invalid" when a pair names what
+  /// is not there.
+  static std::unique_ptr<const BodyAttachment> make(const AttachmentDef& def, const CouplingContext& context);
+
+  State initial_state() const override;
+  void begin(const CoupledStates& s, const StepInput& input) const override;
+  void end(const CoupledStates& s, const StepInput& input) const override;
+  /// The exchange; energy.potential (J) of springs; length.error (m) of rigid links; pairs.
+  void observe(const ConstCoupledStates& s, Observables& out) const override;
+  double stored_energy(const ConstCoupledStates& s) const override;
+  std::vector<PlanRow> plan() const override;
+
+ private:
+  struct Pair {
+    uint64_t point, body;  ///< ids
+    Vec3 place;            ///< m, in the body's frame
+    double rest;           ///< m
+  };
+  /// A pair that is there and can move.
+  struct Live {
+    size_t pair;
+    BodyLink link;
+    Vec3 place;
+    double rest;
+    Vec3 start;  ///< m, r at the substep's start
+  };
+  BodyAttachment(const AttachmentDef& def, const PointsOnBodies& sides) : def_(def), sides_(sides) {}
+  State& points(const CoupledStates& s) const { return bodies_first_ ? s.b : s.a; }
+  State& bodies(const CoupledStates& s) const { return bodies_first_ ? s.a : s.b; }
+  bool rigid() const { return def_.link == AttachmentDef::Link::rigid; }
+  const char* pass() const { return rigid() ? "links" : "springs"; }
+  /// Visits every pair that is there: visit(index, point row, body row).
+  void each(const auto& points, const auto& bodies, auto&& visit) const;
+  std::vector<Live>& live(const Points& points, const Bodies& bodies, const StepInput& in) const;
+  bool kicked(const Live& l, const Points& points, const Bodies& bodies, double h) const;
+  void pull(const std::vector<Live>& live, Points& points, Bodies& bodies, double h, Exchange& sum) const;
+  void damp(const std::vector<Live>& live, Points& points, Bodies& bodies, double h, Exchange& sum) const;
+  void give_last(const CoupledStates& s, const StepInput& in, Exchange& sum) const;
+  void solve_springs(const CoupledStates& s, const StepInput& in, std::vector<Live>& live,
+                     Exchange& sum) const;
+  void solve_links(const CoupledStates& s, const StepInput& in, std::vector<Live>& live, Exchange& sum) const;
+  void restore_lengths(const std::vector<Live>& live, Points& points, Bodies& bodies, double h,
+                       Exchange& sum) const;
+  void match_velocities(const std::vector<Live>& live, Points& points, Bodies& bodies, Exchange& sum) const;
+  void book_sum(State& own, Exchange sum) const;
+
+  AttachmentDef def_;
+  PointsOnBodies sides_;
+  bool bodies_first_ = false;
+  std::vector<Pair> pairs_;
+};
+
+}  // namespace truestep

@@ -1,0 +1,199 @@
+#include "engine/couplings/body_contact.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "engine/collision/points/collider_set.h"
+#include "engine/core/impulse_answer.h"
+#include "engine/couplings/sides.h"
+
+namespace truestep {
+
+namespace {
+
+/// Columns of the coupling's own state, of the last substep.
+enum : State::Column {
+  kContacts = exchange_columns::end,  ///< u64
+  kDeepest                            ///< f64, m
+};
+/// Searches per substep at most; what is passed after the last one is found by the guard.
+constexpr int kMostRounds = 3;
+/// m; touches that are deeper at the end are answered again.
+constexpr double kPassed = 1e-9;
+}  // namespace
+
+struct BodyContact::Scratch {
+  PointMemory start;
+  BodyMemory body_start;
+  std::vector<uint32_t> form_of;
+  BodyTouchSearch search;
+  std::vector<SolvedTouch> solved;
+  std::vector<double> singles, left;  ///< places as this coupling left them
+  double deepest = 0;
+
+  BodyTouchQuery query(const BodyContact& c, const Points& points, const Bodies& bodies) {
+    return {points, start, bodies, body_start, {c.hulls_, 0}, c.reach_, c.forms_, form_of};
+  }
+  /// Calls `visit` with every number that touches depend on, in order.
+  static void each_place(const Points& points, const Bodies& bodies, auto&& visit) {
+    const auto all = [&](const Vec3& a) { visit(a.x), visit(a.y), visit(a.z); };
+    for (size_t i = 0; i < points.count; ++i) all(points.place(i));
+    for (size_t i = 0; i < bodies.count(); ++i) {
+      const Quat q = bodies.orientation(i);
+      all(bodies.place(i)), all({q.x, q.y, q.z}), visit(q.w);
+    }
+  }
+  void leave(const Points& points, const Bodies& bodies) {
+    left.clear();
+    each_place(points, bodies, [&](double x) { left.push_back(x); });
+    deepest = 0;
+    for (const SolvedTouch& t : solved)
+      deepest = std::max(deepest, -BodyTouchSolver::gap(t.touch, points, bodies));
+  }
+  bool as_left(const Points& points, const Bodies& bodies) const {
+    size_t k = 0;
+    bool same = true;
+    each_place(points, bodies, [&](double x) { same = same && k < left.size() && left[k++] == x; });
+    return same;
+  }
+  /// Whether anything that can be moved is where it must not be.
+  static bool passed(const std::vector<BodyTouch>& touches, const Points& points, const Bodies& bodies) {
+    return std::any_of(touches.begin(), touches.end(), [&](const BodyTouch& t) {
+      return BodyTouchSolver::gap(t, points, bodies) < -kPassed &&
+             (t.link.inverse_mass(points) > 0 || bodies.dynamic(t.link.body));
+    });
+  }
+};
+
+std::unique_ptr<const BodyContact> BodyContact::make(const ContactDef& def, const CouplingContext& context) {
+  const bool bodies_first = context.a.system.ports().bodies.has_value();
+  const CouplingSide &bodies = bodies_first ? context.a : context.b,
+                     &points = bodies_first ? context.b : context.a;
+  const Ports on_bodies = bodies.system.ports(), on_points = points.system.ports();
+  const std::string member = bodies_first ? "b" : "a";
+  const PointPort columns = require_points(points, member);
+  if (answers_together(points.system)) {
+    const std::string why = "the method of \"" + points.id +
+                            "\" solves for all its points together, and single points then carry no body";
+    throw Error(
+        "scene_invalid", why,
+        {{"/" + member, "unsuitable_system", why, '"' + points.id + '"',
+          "an explicit integrator, velocity_verlet, with time.substeps that hold its springs", "", ""}});
+  }
+  std::unique_ptr<BodyContact> out(new BodyContact(def, columns, *on_bodies.bodies));
+  out->bodies_first_ = bodies_first;
+  out->points_id_ = points.id, out->bodies_id_ = bodies.id;
+  out->hulls_ = on_points.solids;
+  out->reach_ = columns.radius + kContactSlop;
+  for (const BodyForm& f : on_bodies.bodies->forms) out->forms_.push_back(touch_form(f));
+  return out;
+}
+
+State BodyContact::initial_state() const {
+  State s = exchange_state();
+  s.add({"contacts", "1", Scalar::u64}, 1);
+  s.add({"deepest", "m"}, 1);
+  return s;
+}
+
+void BodyContact::book_sum(State& own, Exchange sum) const {
+  if (bodies_first_) sum.impulse = -sum.impulse;
+  book(own, sum);
+}
+
+void BodyContact::begin(const CoupledStates& s, const StepInput& in) const {
+  auto& scratch = in.workspace.object<Scratch>("body_contact");
+  const ProfileScope scope(in.profile, "remember");
+  ConstPoints points(this->points(s), point_columns_);
+  points.copy_singles(scratch.singles);
+  scratch.start.store(points);
+  scratch.body_start.store(ConstBodies(bodies(s), body_columns_));
+}
+
+void BodyContact::midway(const CoupledStates& s, const StepInput& in) const {
+  auto& scratch = in.workspace.object<Scratch>("body_contact");
+  const ProfileScope scope(in.profile, "remember");
+  ConstPoints points(this->points(s), point_columns_);
+  points.copy_singles(scratch.singles);
+  scratch.start.follow(points);
+  scratch.body_start.follow(ConstBodies(bodies(s), body_columns_));
+}
+
+void BodyContact::end(const CoupledStates& s, const StepInput& in) const {
+  auto& scratch = in.workspace.object<Scratch>("body_contact");
+  Exchange sum;
+  Points points(this->points(s), point_columns_);
+  Bodies bodies(this->bodies(s), body_columns_);
+  const auto forms = std::as_const(this->bodies(s)).span<uint32_t>(body_columns_.form);
+  scratch.form_of.assign(forms.begin(), forms.end());
+  s.own.span<uint64_t>(kContacts)[0] = answer(s, in, scratch, BodyTouchSolver::Bounces::yes, sum);
+  s.own.f64(kDeepest)[0] = scratch.deepest;
+  book_sum(s.own, sum);
+}
+
+// Answers bend ways, which may lead to touches that nobody looked for.
+size_t BodyContact::answer(const CoupledStates& s, const StepInput& in, Scratch& scratch,
+                           BodyTouchSolver::Bounces bounces, Exchange& sum) const {
+  Points points(this->points(s), point_columns_);
+  Bodies bodies(this->bodies(s), body_columns_);
+  const BodyTouchQuery query = scratch.query(*this, points, bodies);
+  BodyTouchSolver solver(def_, points, bodies, in.h);
+  size_t acted = 0;
+  for (int round = 0; round < kMostRounds; ++round) {
+    const std::vector<BodyTouch>* touches;
+    {
+      const ProfileScope scope(in.profile, "search");
+      touches = &scratch.search.run(query, in.arena);
+    }
+    const ProfileScope scope(in.profile, "contacts");
+    if (round > 0 && !Scratch::passed(*touches, points, bodies)) break;
+    const size_t more = solver.run(*touches, query, bounces, scratch.solved, sum);
+    if (more == 0) break;
+    acted += more;
+    bounces = BodyTouchSolver::Bounces::no;
+  }
+  scratch.leave(points, bodies);
+  return acted;
+}
+
+bool BodyContact::guard(const CoupledStates& s, const StepInput& in) const {
+  auto& scratch = in.workspace.object<Scratch>("body_contact");
+  const ProfileScope scope(in.profile, "guard");
+  {
+    Points points(this->points(s), point_columns_);
+    Bodies bodies(this->bodies(s), body_columns_);
+    if (scratch.as_left(points, bodies)) return false;
+    if (!Scratch::passed(scratch.search.run(scratch.query(*this, points, bodies), in.arena), points,
+                         bodies)) {
+      return false;
+    }
+  }
+  Exchange sum;
+  const bool acted = answer(s, in, scratch, BodyTouchSolver::Bounces::no, sum) > 0;
+  s.own.f64(kDeepest)[0] = scratch.deepest;
+  book_sum(s.own, sum);
+  return acted;
+}
+
+void BodyContact::observe(const ConstCoupledStates& s, Observables& out) const {
+  observe_exchange(s.own, out);
+  out.add("contacts", static_cast<double>(s.own.span<uint64_t>(kContacts)[0]), "1");
+  out.add("penetration", s.own.f64(kDeepest)[0], "m");
+}
+
+std::vector<PlanRow> BodyContact::plan() const {
+  using enum PlanRow::Status;
+  const size_t hulls = hulls_.triangles.size() + hulls_.segments.size();
+  std::vector<PlanRow> rows{
+      {runs, "remember", "a touch needs the substep's start, and where the systems alone lead"},
+      {runs, "search", "points of " + points_id_ + " near bodies of " + bodies_id_}};
+  if (hulls > 0) {
+    rows.back().reason += ", and bodies' corners near " + std::to_string(hulls) + " triangles and capsules";
+  }
+  rows.push_back({runs, "contacts", "impulses on both sides until all touches hold"});
+  rows.push_back({runs, "guard", "no point passes a face, whatever other couplings did"});
+  if (def_.friction == 0) rows.push_back({skipped, "friction", "friction is 0"});
+  return rows;
+}
+
+}  // namespace truestep

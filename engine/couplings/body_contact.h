@@ -1,0 +1,51 @@
+// The coupling type "contact" between points and rigid bodies: no point comes nearer to a body's surface than
+// its own radius (a cloth's half thickness), and no corner or ball of a body passes a triangle between the
+// points. Touches are found on the ways of both sides (body_touch_search.h) and answered by impulses with
+// Newton's restitution and Coulomb's friction (body_touch_solver.h), equal and opposite in one line.
+// Every point answers by its own mass, so that the step has to follow the springs between the points: a
+// system whose method solves for its points together (linear_implicit_euler, implicit_euler) is refused,
+// because what a single point gives there, m d / h^2, is less than what its springs do, and the difference
+// would be energy from nothing. Has the last word after all couplings, as contact_guard.h.
+#pragma once
+#include <memory>
+
+#include "engine/couplings/body_touch_solver.h"
+
+namespace truestep {
+
+class BodyContact final : public Coupling {
+ public:
+  /// Exactly one of the sides has bodies, the other one points. Error "scene_invalid" when the points' method
+  /// solves for them together.
+  static std::unique_ptr<const BodyContact> make(const ContactDef& def, const CouplingContext& context);
+
+  State initial_state() const override;
+  void begin(const CoupledStates& s, const StepInput& input) const override;
+  void midway(const CoupledStates& s, const StepInput& input) const override;
+  void end(const CoupledStates& s, const StepInput& input) const override;
+  bool guard(const CoupledStates& s, const StepInput& input) const override;
+  /// The exchange, contacts (1) and penetration (m, the deepest): those of the last substep.
+  void observe(const ConstCoupledStates& s, Observables& out) const override;
+  std::vector<PlanRow> plan() const override;
+
+ private:
+  struct Scratch;
+  BodyContact(const ContactDef& def, const PointPort& points, const BodyPort& bodies)
+      : def_(def), point_columns_(points), body_columns_(bodies) {}
+  State& points(const CoupledStates& s) const { return bodies_first_ ? s.b : s.a; }
+  State& bodies(const CoupledStates& s) const { return bodies_first_ ? s.a : s.b; }
+  size_t answer(const CoupledStates& s, const StepInput& in, Scratch& scratch,
+                BodyTouchSolver::Bounces bounces, Exchange& sum) const;
+  void book_sum(State& own, Exchange sum) const;
+
+  ContactDef def_;
+  PointPort point_columns_;
+  BodyPort body_columns_;
+  bool bodies_first_ = false;
+  std::string points_id_, bodies_id_;
+  PublishedSolids hulls_;
+  std::vector<TouchForm> forms_;
+  double reach_ = 0;  ///< m
+};
+
+}  // namespace truestep

@@ -1,0 +1,236 @@
+#include "engine/couplings/body_touch_search.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "engine/collision/point_distance.h"
+#include "engine/collision/queries/time_of_impact.h"
+#include "engine/geometry/compound.h"
+#include "engine/math/trig.h"
+
+namespace truestep {
+
+namespace {
+
+/// Share of a body's inner radius beyond which a point that moves so far is looked for on its way.
+constexpr double kFar = 0.5;
+/// m; what comes as near as this, or as the distance of a touch, is listed too.
+constexpr double kNear = 1e-3;
+/// m; conservative advancement stops here at the latest.
+constexpr double kTouch = 1e-6;
+constexpr size_t kBlock = 512;
+/// Corners on each rim of a cylinder.
+constexpr int kRim = 8;
+
+bool is_surface(SolidKind k) {
+  return k == SolidKind::mesh || k == SolidKind::height_field;
+}
+
+void add_corners(const Solid& s, const Transform& at, std::vector<BodyCorner>& out) {
+  const auto add = [&](const Vec3& p, double radius) { out.push_back({at.point(p), radius}); };
+  switch (s.kind) {
+    case SolidKind::sphere:
+      return add({}, s.size.x);
+    case SolidKind::capsule:
+      for (const double y : {-1.0, 0.0, 1.0}) add({0, y * s.size.y, 0}, s.size.x);
+      return;
+    case SolidKind::box:
+      for (int k = 0; k < 8; ++k) {
+        add({k & 1 ? s.size.x : -s.size.x, k & 2 ? s.size.y : -s.size.y, k & 4 ? s.size.z : -s.size.z}, 0);
+      }
+      return;
+    case SolidKind::cylinder:
+      for (int k = 0; k < 2 * kRim; ++k) {
+        const auto [sin, cos] = trig::sincos(6.283185307179586 * (k / 2) / kRim);
+        add({s.size.x * cos, k % 2 ? s.size.y : -s.size.y, s.size.x * sin}, 0);
+      }
+      return;
+    case SolidKind::hull:
+      for (const Vec3& v : s.hull->vertices) add(v, 0);
+      return;
+    case SolidKind::compound:
+      for (const Compound::Part& part : s.compound->parts()) add_corners(part.solid, at * part.place, out);
+      return;
+    case SolidKind::triangle:
+    case SolidKind::plane:
+    case SolidKind::mesh:
+    case SolidKind::height_field:
+      return;
+  }
+}
+
+/// Fraction of the way at which a gap that changes from `before` to `after` closes.
+double closes_at(double before, double after) {
+  if (before <= 0) return 0;
+  return after < 0 ? before / (before - after) : 1;
+}
+
+}  // namespace
+
+TouchForm touch_form(const BodyForm& form) {
+  TouchForm out;
+  if (!form.solid) return out;
+  add_corners(*form.solid, {}, out.corners);
+  out.inner = inner_radius(*form.solid), out.reach = bounding_radius(*form.solid);
+  return out;
+}
+
+void BodyMemory::store(const ConstBodies& b) {
+  poses_.resize(b.count()), start_.resize(b.count());
+  for (size_t i = 0; i < b.count(); ++i) {
+    poses_[i] = {b.place(i), b.orientation(i)}, start_[i] = {b.velocity(i), b.spin(i)};
+  }
+}
+
+void BodyMemory::follow(const ConstBodies& b) {
+  free_.resize(b.count());
+  for (size_t i = 0; i < b.count(); ++i) free_[i] = {b.velocity(i), b.spin(i)};
+}
+
+void BodyTouchSearch::place_bodies(const BodyTouchQuery& q) {
+  const size_t n = q.bodies.count();
+  bodies_.resize(n), boxes_.resize(n);
+  unbounded_.clear();
+  for (uint32_t i = 0; i < n; ++i) {
+    const Solid* solid = q.bodies.form(i).solid;
+    boxes_[i] = Box::nothing();
+    if (!solid) continue;
+    Moving& m = bodies_[i];
+    const Pose end{q.bodies.place(i), q.bodies.orientation(i)};
+    m.sweep = sweep_between(q.body_start.pose(i), end);
+    m.begin = transform_of(q.body_start.pose(i)), m.end = transform_of(end);
+    if (solid->kind == SolidKind::plane) {
+      unbounded_.push_back(i);
+      continue;
+    }
+    // An arc leaves its chord by an eighth of the square of the angle, and never by more than the radius.
+    const double angle2 = norm2(m.sweep.turn), reach = q.forms[q.form_of[i]].reach;
+    m.slack = std::min(0.125 * angle2, 1.0) * reach;
+    Box box = bounds(*solid, m.begin);
+    box.cover(bounds(*solid, m.end));
+    boxes_[i] = box.grown(m.slack + q.reach + std::max(q.reach, kNear));
+  }
+  grid_.build(boxes_);
+}
+
+template <class Visit>
+void BodyTouchSearch::near(const Box& box, Visit&& visit) const {
+  for (const uint32_t body : unbounded_) visit(body);
+  grid_.overlapping(box, visit);
+}
+
+std::optional<BodyTouch> BodyTouchSearch::touch(const BodyTouchQuery& q, uint32_t point,
+                                                uint32_t body) const {
+  const Moving& m = bodies_[body];
+  const Solid& solid = *q.bodies.form(body).solid;
+  const Vec3 x0 = load3(q.start.x(), point), x1 = q.points.place(point);
+  const Vec3 p0 = m.begin.inverse_point(x0), p1 = m.end.inverse_point(x1);
+  const double within = q.reach + std::max(q.reach, kNear);
+  BodyTouch t;
+  t.link.rows[0] = point, t.link.body = body, t.reach = q.reach;
+  Vec3 n;  // in the body's frame
+  const auto found = [&](const Vec3& normal, const Vec3& place, std::optional<double> s) {
+    n = normal, t.place = place;
+    t.s = s.value_or(closes_at(dot(n, p0 - place) - q.reach, dot(n, p1 - place) - q.reach));
+    t.n = m.end.direction(n);
+    t.from = p0 + (p1 - p0) * t.s;
+    return t;
+  };
+  const auto at_end = [&](const PointDistance& d) {
+    return found(d.normal, p1 - d.normal * d.distance, std::nullopt);
+  };
+  const auto end = point_distance(solid, p1, within);
+  const bool surface = is_surface(solid.kind);
+  const double moved = norm(p1 - p0);
+  if (solid.kind == SolidKind::plane || (!surface && moved <= kFar * q.forms[q.form_of[body]].inner)) {
+    return end ? std::optional(at_end(*end)) : std::nullopt;
+  }
+  if (const auto start = point_distance(solid, p0, within)) {
+    // What touches from the start stays on its side; what only comes near is looked for on its way.
+    const Vec3 place = p0 - start->normal * start->distance;
+    const double ends = dot(start->normal, p1 - place) - q.reach;
+    if ((surface || start->distance <= q.reach) && ends < 0) return found(start->normal, place, std::nullopt);
+    if (surface || start->distance <= q.reach) return end ? std::optional(at_end(*end)) : std::nullopt;
+  }
+  Solid dot_solid;
+  dot_solid.size = {};
+  const Sweep way{{x0, {}}, x1 - x0, {}};
+  if (const auto hit = time_of_impact(solid, m.sweep, dot_solid, way, std::max(q.reach, kTouch))) {
+    const Transform then = m.sweep.at(hit->t);
+    const Vec3 normal = then.inverse_direction(hit->normal);
+    const Vec3 at = then.inverse_point(x0 + way.move * hit->t);
+    return found(normal, at - normal * hit->gap, hit->t);
+  }
+  return end ? std::optional(at_end(*end)) : std::nullopt;
+}
+
+void BodyTouchSearch::look_at_point(const BodyTouchQuery& q, uint32_t point,
+                                    std::vector<BodyTouch>& out) const {
+  Box box{load3(q.start.x(), point), load3(q.start.x(), point)};
+  box.cover(q.points.place(point));
+  near(box, [&](uint32_t body) {
+    if (const auto t = touch(q, point, body)) out.push_back(*t);
+  });
+}
+
+void BodyTouchSearch::look_at_hull(const BodyTouchQuery& q, uint32_t hull,
+                                   std::vector<BodyTouch>& out) const {
+  const SolidList::Corners c = q.hulls.corners(hull);
+  std::array<HullPath, 3> paths;
+  std::array<Vec3, 3> end;
+  Box box = Box::nothing();
+  for (size_t k = 0; k < c.count; ++k) {
+    const Vec3 x = load3(q.start.x(), c.rows[k]);
+    end[k] = q.points.place(c.rows[k]);
+    paths[k] = {x, end[k] - x, {}};
+    box.cover(x), box.cover(end[k]);
+  }
+  near(box, [&](uint32_t body) {
+    const Moving& m = bodies_[body];
+    for (const BodyCorner& corner : q.forms[q.form_of[body]].corners) {
+      // A line has no face that a corner could pass; a ball is wider than it.
+      if (c.count < 3 && corner.radius == 0) continue;
+      const Vec3 y0 = m.begin.point(corner.at), y1 = m.end.point(corner.at);
+      const HullPath way{y0, y1 - y0, {}};
+      const double reach = q.reach + corner.radius;
+      if (c.count == 3 && stays_clear(way, paths, 1.01 * reach)) continue;
+      const auto hit = first_hull_contact(way, paths, c.count, reach);
+      if (!hit) continue;
+      // Where it ends, if that is on the same side.
+      HullContact now = hull_distance(y1, end, c.count, -hit->n);
+      if (!(now.apart > 0) || dot(now.n, hit->n) < 0.5) now = *hit;
+      BodyTouch t;
+      t.link = {c.rows, now.w, static_cast<uint32_t>(c.count), body};
+      t.n = -now.n, t.reach = q.reach, t.s = hit->s;
+      t.place = corner.at - m.end.inverse_direction(now.n) * corner.radius;
+      const Vec3 touching = t.link.blend([&](size_t row) {
+        const Vec3 x = load3(q.start.x(), row);
+        return x + (q.points.place(row) - x) * hit->s;
+      });
+      t.from = m.sweep.at(hit->s).inverse_point(touching);
+      out.push_back(t);
+    }
+  });
+}
+
+const std::vector<BodyTouch>& BodyTouchSearch::run(const BodyTouchQuery& q, const ThreadArena& arena) {
+  place_bodies(q);
+  const size_t points = q.points.count, all = points + q.hulls.size();
+  found_.resize((all + kBlock - 1) / kBlock);
+  arena.for_blocks(all, kBlock, [&](size_t begin, size_t end) {
+    std::vector<BodyTouch>& found = found_[begin / kBlock];
+    found.clear();
+    for (size_t i = begin; i < end; ++i) {
+      if (i < points) {
+        look_at_point(q, static_cast<uint32_t>(i), found);
+      } else {
+        look_at_hull(q, static_cast<uint32_t>(i - points), found);
+      }
+    }
+  });
+  touches_.clear();
+  for (const auto& found : found_) touches_.insert(touches_.end(), found.begin(), found.end());
+  return touches_;
+}
+
+}  // namespace truestep

@@ -1,0 +1,100 @@
+// Which points touch which bodies during a substep, and which places of bodies (corners, centres of balls)
+// touch the triangles and capsules between the points. Slow pairs are looked at where they end; a point that
+// moves further than half of what a body is thick by conservative advancement (collision/time_of_impact.h),
+// and the places of bodies on their straight ways (kernels/point_hull.h), so that nothing is passed within a
+// substep. What is found is in an order that depends on the rows alone. Not covered: edges of bodies against
+// edges of triangles, meshes and height fields against the inside of triangles.
+#pragma once
+#include <vector>
+
+#include "engine/collision/broad/box_grid.h"
+#include "engine/collision/queries/sweep.h"
+#include "engine/couplings/contact/contact_search.h"
+#include "engine/couplings/points_on_bodies.h"
+#include "engine/geometry/solid.h"
+
+namespace truestep {
+
+/// A place of a body that triangles may meet: a ball about it.
+struct BodyCorner {
+  Vec3 at;            ///< m, in the body's frame
+  double radius = 0;  ///< m
+};
+
+/// What the search knows of a form.
+struct TouchForm {
+  std::vector<BodyCorner> corners;
+  double inner = 0, reach = 0;  ///< m, of the balls that it holds and that hold it
+};
+TouchForm touch_form(const BodyForm& form);
+
+/// Poses and velocities of all bodies at the substep's start, and velocities after the systems' own step.
+class BodyMemory {
+ public:
+  void store(const ConstBodies& start);
+  void follow(const ConstBodies& end);
+  const Pose& pose(size_t row) const { return poses_[row]; }
+  const Vec3& velocity(size_t row) const { return start_[row].v; }
+  const Vec3& spin(size_t row) const { return start_[row].w; }
+  /// m/s^2, of the place at `arm`, mean over the substep.
+  Vec3 acceleration(size_t row, const Vec3& arm, double h) const {
+    const Twist a = start_[row], b = free_[row];
+    return (b.v + cross(b.w, arm) - a.v - cross(a.w, arm)) / h;
+  }
+
+ private:
+  struct Twist {
+    Vec3 v, w;
+  };
+  std::vector<Pose> poses_;
+  std::vector<Twist> start_, free_;
+};
+
+/// A blend of points that meets a body in a plane: n from the body to the points, `place` of the body in it.
+struct BodyTouch {
+  BodyLink link;
+  Vec3 n, place;     ///< world, unit; m, in the body's frame
+  Vec3 from;         ///< m, in the body's frame: where the points were when they first touched
+  double reach = 0;  ///< m, from the plane, at which they touch
+  double s = 0;      ///< fraction of the substep at which they do; 1: they come near only
+};
+
+struct BodyTouchQuery {
+  const Points& points;
+  const PointMemory& start;
+  const Bodies& bodies;
+  const BodyMemory& body_start;
+  SolidList hulls;  ///< of the points
+  double reach;     ///< m
+  const std::vector<TouchForm>& forms;
+  const std::vector<uint32_t>& form_of;  ///< row -> form
+};
+
+class BodyTouchSearch {
+ public:
+  const std::vector<BodyTouch>& run(const BodyTouchQuery& q, const ThreadArena& arena);
+  /// Where the body was, and is.
+  const Sweep& sweep(size_t body) const { return bodies_[body].sweep; }
+
+ private:
+  struct Moving {
+    Sweep sweep;
+    Transform begin, end;
+    double slack;  ///< m, by which its places leave their chords
+  };
+  void place_bodies(const BodyTouchQuery& q);
+  template <class Visit>
+  void near(const Box& box, Visit&& visit) const;
+  void look_at_point(const BodyTouchQuery& q, uint32_t point, std::vector<BodyTouch>& out) const;
+  void look_at_hull(const BodyTouchQuery& q, uint32_t hull, std::vector<BodyTouch>& out) const;
+  std::optional<BodyTouch> touch(const BodyTouchQuery& q, uint32_t point, uint32_t body) const;
+
+  std::vector<Moving> bodies_;
+  std::vector<Box> boxes_;
+  std::vector<uint32_t> unbounded_;
+  BoxGrid grid_;
+  std::vector<std::vector<BodyTouch>> found_;
+  std::vector<BodyTouch> touches_;
+};
+
+}  // namespace truestep

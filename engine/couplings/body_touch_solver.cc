@@ -1,0 +1,128 @@
+#include "engine/couplings/body_touch_solver.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace truestep {
+
+namespace {
+
+/// Sweeps at most: points that lie on one another through a light body take some.
+constexpr int kSweeps = 40;
+/// m and m/s by which a sweep may change a touch when it is the last one.
+constexpr double kSettledGap = 1e-10, kSettledSpeed = 1e-9;
+
+Vec3 times(const double* m, const Vec3& a) {
+  return {m[0] * a.x + m[1] * a.y + m[2] * a.z, m[3] * a.x + m[4] * a.y + m[5] * a.z,
+          m[6] * a.x + m[7] * a.y + m[8] * a.z};
+}
+
+/// The change across n that takes `slip` away, within Coulomb's cone; returns the new sum.
+Vec3 rubbed(const SolvedTouch& s, const Vec3& sum, const Vec3& slip, double most) {
+  const double l = norm(slip);
+  if (!(l > 0)) return sum;
+  const Vec3 t = slip / l, wanted = sum - t * (l / dot(t, times(s.mass, t)));
+  const double size = norm(wanted);
+  return size > most ? wanted * (most / size) : wanted;
+}
+
+}  // namespace
+
+double BodyTouchSolver::gap(const BodyTouch& t, const Points& points, const Bodies& bodies) {
+  const uint32_t b = t.link.body;
+  const Vec3 place = bodies.place(b) + rotation(bodies.orientation(b)).apply(t.place);
+  return dot(t.n, t.link.place(points) - place) - t.reach;
+}
+
+void BodyTouchSolver::prepare(const BodyTouch& t, const BodyTouchQuery& q, Bounces bounces,
+                              SolvedTouch& s) const {
+  s = {};
+  s.touch = t;
+  const BodyLink& l = t.link;
+  const Vec3 arm = l.arm(points_, bodies_);
+  const double w = l.inverse_mass(points_);
+  const Vec3 axes[3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+  for (int j = 0; j < 3; ++j) {
+    const Vec3 column = axes[j] * w + bodies_.answer(l.body, arm, axes[j]);
+    s.mass[j] = column.x, s.mass[3 + j] = column.y, s.mass[6 + j] = column.z;
+  }
+  s.normal = dot(t.n, times(s.mass, t.n));
+  const double now = gap(t, points_, bodies_);
+  s.pull = l.blend([&](size_t i) { return (load3(q.start.free_v(), i) - load3(q.start.v(), i)) / h_; }) -
+           q.body_start.acceleration(l.body, arm, h_);
+  if (now <= 0) s.kind = SolvedTouch::Kind::touches;
+  if (bounces == Bounces::no || !(t.s < 1) || now > 0) return;
+  const double left = (1 - t.s) * h_;
+  const double along = dot(t.n, s.pull), speed = dot(t.n, l.relative(points_, bodies_));
+  const double approach = along * left - speed;
+  // A bounce whose flight 2 e u / a ends within the substep counts as rest.
+  if (!(approach > law_.rest_speed) || law_.restitution * approach <= 0.51 * -along * h_) return;
+  const double jump = (1 + law_.restitution) * approach;
+  s.kind = SolvedTouch::Kind::bounces;
+  s.speed = speed + jump;
+  s.gap = now + jump * left;
+}
+
+double BodyTouchSolver::place(SolvedTouch& s, Exchange& out) {
+  const BodyTouch& t = s.touch;
+  const double missing = s.gap - gap(t, points_, bodies_);
+  const double push = std::max(0.0, s.push + missing / s.normal);
+  Vec3 by = t.n * (push - s.push);
+  s.push = push;
+  if (push > 0 && s.kind == SolvedTouch::Kind::near) s.kind = SolvedTouch::Kind::touches;
+  if (law_.friction > 0 && s.kind == SolvedTouch::Kind::touches) {
+    const uint32_t b = t.link.body;
+    const Vec3 from = bodies_.place(b) + rotation(bodies_.orientation(b)).apply(t.from);
+    const Vec3 slid = t.link.place(points_) - from;
+    const Vec3 drag = rubbed(s, s.drag, slid - t.n * dot(t.n, slid), law_.friction * push);
+    by += drag - s.drag;
+    s.drag = drag;
+  }
+  if (by == Vec3{}) return 0;
+  t.link.shift(points_, bodies_, by);
+  // What a correction does against the forces of the substep is given back by the velocities it stops.
+  out.energy_lost += dot(by, s.pull);
+  return norm(by) * s.normal;
+}
+
+double BodyTouchSolver::stop(SolvedTouch& s, Exchange& out) {
+  const BodyTouch& t = s.touch;
+  const Vec3 u = t.link.relative(points_, bodies_);
+  const double un = dot(t.n, u), impulse = std::max(0.0, s.impulse + (s.speed - un) / s.normal);
+  Vec3 by = t.n * (impulse - s.impulse);
+  s.impulse = impulse;
+  if (law_.friction > 0) {
+    const Vec3 rub = rubbed(s, s.rub, u - t.n * un, law_.friction * impulse);
+    by += rub - s.rub;
+    s.rub = rub;
+  }
+  if (by == Vec3{}) return 0;
+  t.link.push(points_, bodies_, by);
+  out.add(-by, -dot(by, u + times(s.mass, by) * 0.5));
+  return norm(by) * s.normal;
+}
+
+size_t BodyTouchSolver::run(const std::vector<BodyTouch>& touches, const BodyTouchQuery& q, Bounces bounces,
+                            std::vector<SolvedTouch>& solved, Exchange& out) {
+  solved.clear();
+  for (const BodyTouch& t : touches) {
+    SolvedTouch s;
+    prepare(t, q, bounces, s);
+    if (s.normal > 0) solved.push_back(s);
+  }
+  for (int sweep = 0; sweep < kSweeps; ++sweep) {
+    double worst = 0;
+    for (SolvedTouch& s : solved) worst = std::max(worst, place(s, out));
+    if (worst <= kSettledGap) break;
+  }
+  std::erase_if(solved, [](const SolvedTouch& s) { return s.kind == SolvedTouch::Kind::near; });
+  for (int sweep = 0; sweep < kSweeps; ++sweep) {
+    double worst = 0;
+    for (SolvedTouch& s : solved) worst = std::max(worst, stop(s, out));
+    if (worst <= kSettledSpeed) break;
+  }
+  return static_cast<size_t>(std::count_if(solved.begin(), solved.end(),
+                                           [](const SolvedTouch& s) { return s.push > 0 || s.impulse > 0; }));
+}
+
+}  // namespace truestep

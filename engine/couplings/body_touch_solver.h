@@ -1,0 +1,51 @@
+// Answers the touches of points and bodies in one substep. At its end, with gap = n . (q - place) - reach and
+// u the velocity of the points as seen from the body at q, sweep after sweep over all touches (Gauss-Seidel):
+//   places      gap >= wanted,  P_n >= 0,  |P_t| <= mu P_n  against sliding from where the touch began
+//   velocities  u_n >= wanted,  J_n >= 0,  |J_t| <= mu J_n
+// Wanted is 0, and for a touch that bounces what its flight from the moment of the touch on brings. A point
+// does not spin, so that impulses act on the body where the point's centre is: linear and angular momentum
+// are exchanged to rounding, with friction too.
+#pragma once
+#include <vector>
+
+#include "engine/couplings/body_touch_search.h"
+#include "engine/couplings/contact/contact_def.h"
+#include "engine/couplings/exchange.h"
+
+namespace truestep {
+
+struct SolvedTouch {
+  BodyTouch touch;
+  double mass[9];                ///< rows of W, 1/kg: u' = u + W J
+  double normal = 0;             ///< n . W n
+  double gap = 0, speed = 0;     ///< wanted
+  double push = 0, impulse = 0;  ///< along n: kg m, N s
+  Vec3 drag, rub;                ///< across n
+  Vec3 pull;                     ///< m/s^2, mean of the substep, of the points as seen from the body
+  enum class Kind : uint8_t { near, touches, bounces } kind = Kind::near;
+};
+
+class BodyTouchSolver {
+ public:
+  BodyTouchSolver(const ContactDef& law, Points& points, Bodies& bodies, double h)
+      : law_(law), points_(points), bodies_(bodies), h_(h) {}
+
+  enum class Bounces : uint8_t { no, yes };
+  /// Answers all touches; returns how many acted. `out` is what the points gave to the bodies.
+  size_t run(const std::vector<BodyTouch>& touches, const BodyTouchQuery& q, Bounces bounces,
+             std::vector<SolvedTouch>& solved, Exchange& out);
+  /// m, of a touch now.
+  static double gap(const BodyTouch& t, const Points& points, const Bodies& bodies);
+
+ private:
+  void prepare(const BodyTouch& t, const BodyTouchQuery& q, Bounces bounces, SolvedTouch& s) const;
+  double place(SolvedTouch& s, Exchange& out);
+  double stop(SolvedTouch& s, Exchange& out);
+
+  const ContactDef& law_;
+  Points& points_;
+  Bodies& bodies_;
+  double h_;
+};
+
+}  // namespace truestep
