@@ -15,7 +15,7 @@ export async function until(page, condition, what) {
 export async function pixels(page, clip) {
   await page.evaluate(() => new Promise((resolve) => requestAnimationFrame(() => requestAnimationFrame(resolve))));
   const png = (await page.screenshot({ clip })).toString("base64");
-  const { width, height, data } = await page.evaluate(async (text) => {
+  const { width, height, coded } = await page.evaluate(async (text) => {
     const image = new Image();
     image.src = `data:image/png;base64,${text}`;
     await image.decode();
@@ -23,8 +23,14 @@ export async function pixels(page, clip) {
     const context = canvas.getContext("2d");
     context.drawImage(image, 0, 0);
     const all = context.getImageData(0, 0, image.width, image.height).data;
-    return { width: image.width, height: image.height, data: Array.from(all) };
+    const coded = await new Promise((resolve) => {
+      const reader = new FileReader();
+      reader.onload = () => resolve(reader.result.split(",")[1]);
+      reader.readAsDataURL(new Blob([all]));
+    });
+    return { width: image.width, height: image.height, coded };
   }, png);
+  const data = Buffer.from(coded, "base64");
   const at = (x, y) => [0, 1, 2].map((c) => data[4 * (Math.round(y - clip.y) * width + Math.round(x - clip.x)) + c]);
   /** Places whose colour `wanted` accepts. */
   const where = (wanted) => {
