@@ -6,6 +6,7 @@ import { OrbitControls } from "three/addons/controls/OrbitControls.js";
 import { Extent, type Frustum } from "./extent";
 
 const kFill = 0.9; // share of the free part that the scene may take
+const kLabelled = 0.82; // with ticks and names around it
 const kGrow = 1.22; // room for more when it outgrew its frame
 const kMove = 550; // ms of a move of the camera
 const kLargest = 12; // times the first extent: what is farther has left the scene
@@ -41,6 +42,7 @@ export class Framing {
   private facing: Vector3 | undefined;
   private readonly authored = new Extent();
   private first = 0;
+  private fill = kFill;
   private inset: Inset = { left: 0, right: 0, top: 0, bottom: 0 };
   private readonly center = new Vector3();
   private centered = false;
@@ -62,7 +64,8 @@ export class Framing {
   }
 
   /** Forgets the last scene. `pose` is what the scene asks for; `facing` the side from which a flat one is seen. */
-  clear(pose: CameraPose | undefined): void {
+  clear(pose: CameraPose | undefined, labelled = false): void {
+    this.fill = labelled ? kLabelled : kFill;
     this.pose = pose;
     this.facing = undefined;
     this.side = "scene";
@@ -121,11 +124,7 @@ export class Framing {
 
   /** Takes what is there now; true when the frame had to grow. */
   grow(now: Extent): boolean {
-    const { center, radius } = now.ball();
-    const home = this.seen.ball();
-    const away = Math.hypot(...center.map((c, k) => c - home.center[k]!)) + radius;
-    // An emitter starts with nothing; else what is this far has left.
-    if (this.first > 0 && away > kLargest * this.first && home.radius > 0.3 * this.first) return false;
+    if (this.gone(now) > 0) return false;
     this.seen.merge(now);
     if (this.held || this.following || this.motion) return false;
     const { back, right, above } = this.cameraAxes();
@@ -134,6 +133,19 @@ export class Framing {
     this.aim(kGrow, true);
     this.ranges();
     return true;
+  }
+
+  /** True when all of what is there now has left the scene. */
+  lost(now: Extent): boolean {
+    return this.gone(now) > 2 * now.ball().radius;
+  }
+
+  /** How far (m) what is there reaches beyond what still counts as the scene. An emitter starts with nothing. */
+  private gone(now: Extent): number {
+    const { center, radius } = now.ball();
+    const home = this.seen.ball();
+    if (!(this.first > 0) || home.radius <= 0.3 * this.first) return 0;
+    return Math.hypot(...center.map((c, k) => c - home.center[k]!)) + radius - kLargest * this.first;
   }
 
   /** Everything seen so far, from the scene's own side or another. */
@@ -205,7 +217,7 @@ export class Framing {
     const own = eye && target ? new Vector3().fromArray(eye).sub(new Vector3().fromArray(target)) : (this.facing?.clone() ?? new Vector3(0.55, 0.38, 0.75));
     const direction = this.side === "scene" ? own : sides[this.side].clone();
     const { right, above, back } = this.axes(direction);
-    const [kx, ky] = this.tangents(kFill / room);
+    const [kx, ky] = this.tangents(this.fill / room);
     const all = new Extent();
     all.merge(this.seen);
     if (this.side === "scene") all.merge(this.authored);

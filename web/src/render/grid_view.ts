@@ -237,7 +237,7 @@ export class GridView {
       place(pieces, 0);
     }
     if (!sheet.over) {
-      sheet.over = new WideLines(this.viewHeight, { pixels: 1, radius: 0, opacity: 1, tube: false, above: height === 0 });
+      sheet.over = new WideLines(this.viewHeight, { pixels: 1.5, radius: 0, opacity: 1, tube: false, above: height === 0 });
       this.group.add(sheet.over.object);
     }
     sheet.over.set(ends);
@@ -266,9 +266,9 @@ export class GridView {
     for (let k = 0; k < n; ++k) for (let c = 0; c < 3; ++c) this.positions[3 * k + c] = lattice.origin[c]! + (c === axis ? k * lattice.spacing[c]! : 0);
     const up = axis === 1 ? 0 : 1;
     const length = (n - 1) * lattice.spacing[axis]!;
-    const lines = new WideLines(this.viewHeight, { pixels: 2, radius: 0.004 * length, opacity: 1, tube: true });
+    const lines = new WideLines(this.viewHeight, { pixels: 3, radius: 0.004 * length, opacity: 1, tube: true });
     lines.reserve(n - 1);
-    const base = new WideLines(this.viewHeight, { pixels: 0.75, radius: 0, opacity: 0.7, tube: false });
+    const base = new WideLines(this.viewHeight, { pixels: 1.2, radius: 0, opacity: 0.7, tube: false });
     base.set([...this.positions.slice(0, 3), ...this.positions.slice(-3)]);
     const pairs = Uint32Array.from({ length: 2 * (n - 1) }, (_, k) => (k + 1) >> 1);
     this.curve = { lines, base, up, at: lattice.origin[up]!, length, pairs };

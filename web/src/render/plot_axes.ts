@@ -20,25 +20,27 @@ export class PlotAxes {
     private readonly plot: PlotInfo,
     viewHeight: IUniform<number>,
   ) {
-    this.frame = new WideLines(viewHeight, { pixels: 0.75, radius: 0, opacity: 0.8, tube: false });
-    this.grid = new WideLines(viewHeight, { pixels: 0.75, radius: 0, opacity: 0.25, tube: false });
+    this.frame = new WideLines(viewHeight, { pixels: 1.3, radius: 0, opacity: 0.8, tube: false });
+    this.grid = new WideLines(viewHeight, { pixels: 1.2, radius: 0, opacity: 0.22, tube: false });
     this.object.add(this.grid.object, this.frame.object);
   }
 
-  /** Adds where an axis of time begins and ends: the run's length is known before it runs. */
-  reachOf(out: Extent, count: number): void {
+  /** Adds where an axis of time begins and ends, for the run's length is known before it runs, and the frame's corners. */
+  reachOf(out: Extent): void {
     const { axes, constants, duration } = this.plot;
-    if (duration === undefined || count === 0) return;
+    if (out.empty) return;
     const [low, high] = [out.ball().center, out.ball().center];
     axes.forEach((text, axis) => {
       const one = readOne(text, constants);
-      if (one?.name !== "t") return;
+      if (one?.name !== "t" || duration === undefined) return;
       low[axis] = one.of(0);
       high[axis] = one.of(duration);
       if (!Number.isFinite(low[axis]! + high[axis]!)) return;
       out.add(...low);
       out.add(...high);
     });
+    const [x, y, z] = [0, 1, 2].map((axis) => out.along(axis)) as [[number, number], [number, number], [number, number]];
+    for (let corner = 0; corner < 8; ++corner) out.add(x[corner & 1]!, y[(corner >> 1) & 1]!, z[corner >> 2]!);
   }
 
   /** Draws the axes of what was seen. */

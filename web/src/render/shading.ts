@@ -47,7 +47,9 @@ export function setRamp(map: ColorMap): void {
   const color = new Color();
   rampUniform.value = Array.from({ length: kStops }, (_, k) => {
     color.setRGB(table[3 * k]! / 255, table[3 * k + 1]! / 255, table[3 * k + 2]! / 255, "srgb");
-    return new Vector3(color.r, color.g, color.b);
+    // The dark end of a map would be lost on a dark ground.
+    const lift = 0.045 * (1 - k / (kStops - 1));
+    return new Vector3(color.r + lift, color.g + lift, color.b + lift);
   });
 }
 setRamp("viridis");

@@ -91,7 +91,7 @@ export class Stage {
     this.topology = undefined;
     this.setShapes([]);
     this.setMarks(undefined);
-    this.framing.clear(settings.camera);
+    this.framing.clear(settings.camera, info.plots.length > 0);
     setRamp(settings.color_map ?? "viridis");
     this.show.range = settings.range;
     if (info.flat) this.camera.fov = kFlatFov;
@@ -247,7 +247,8 @@ export class Stage {
   private reach(): Extent {
     const now = new Extent();
     for (const view of this.views.values()) view.reachOf(now);
-    this.axes.forEach((axes) => axes.reachOf(now, 1));
+    for (const shape of this.topology?.shapes ?? []) this.addShape(now, shape);
+    this.axes.forEach((axes) => axes.reachOf(now));
     return now;
   }
 
@@ -259,7 +260,6 @@ export class Stage {
     this.extent = Math.max(now.ball().radius, 0.2);
     this.drawShapes();
     this.strings.reachOf((x, y, z) => now.add(x, y, z));
-    for (const shape of this.topology?.shapes ?? []) this.addShape(now, shape);
     let lowest = Infinity;
     for (const view of this.views.values()) if (view.bodies) lowest = Math.min(lowest, view.bodies.frame(now));
     if (now.empty) for (const x of [-1, 1]) now.add(x, 0.5, x);
@@ -323,7 +323,10 @@ export class Stage {
   private followGrowth(): void {
     this.sinceCheck = performance.now();
     const before = this.framing.seen.ball().radius;
-    if (this.framing.grow(this.reach()) || this.framing.seen.ball().radius > 1.1 * before) {
+    const now = this.reach();
+    // What has left for good is followed: an empty picture shows nothing.
+    if (this.framing.lost(now) && !this.framing.held && !this.framing.following) this.framing.follow(true);
+    if (this.framing.grow(now) || this.framing.seen.ball().radius > 1.1 * before) {
       this.fitGround();
       this.fitAxes();
     } else {

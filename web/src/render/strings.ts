@@ -17,7 +17,7 @@ export class Strings {
     this.lines?.dispose();
     this.lines = undefined;
     if (strings.length === 0) return;
-    this.lines = new WideLines(this.viewHeight, { pixels: 1.2, radius: 0, opacity: 1, tube: true });
+    this.lines = new WideLines(this.viewHeight, { pixels: 2, radius: 0, opacity: 1, tube: true });
     this.lines.object.layers.enable(1);
     this.object.add(this.lines.object);
   }

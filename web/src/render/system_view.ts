@@ -191,7 +191,7 @@ export class SystemView {
     this.kept = kept;
     this.drawn = Uint32Array.from(kept.flatMap((k) => [this.pairs[2 * k]!, this.pairs[2 * k + 1]!]));
     // Many lines at many points are a net or a lock of hair: as wide as a rope they would be a lump.
-    const many = kept.length > kNet;
+    const many = kept.length > kNet && !this.trails;
     this.lines = new WideLines(this.viewHeight, { pixels: faint ? 1 : many ? 1.6 : 3, radius: faint || many ? 0 : this.topology.pointRadius / 4, opacity: faint ? 0.16 : 1, tube: !faint });
     this.lines.reserve(kept.length);
     const colors = kindColors(this.fill());
