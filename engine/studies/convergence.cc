@@ -59,6 +59,41 @@ const DefTable& convergence_table() {
   return t;
 }
 
+namespace {
+
+bool drawable(const WorkPoint& point) {
+  return std::isfinite(point.error_end) && point.error_end > 0 && point.error_end < 10;
+}
+
+// An adaptive method chooses its steps: its errors are those of its tolerances, and there is no order to
+// observe.
+StudyResult by_tolerance(const Integrator& method, const ConvergenceParams& p, const WorkMeasurement& m) {
+  StudyResult r;
+  r.table.columns = {
+      {"tolerance", "1"}, {"steps", "1"}, {"error_end", "1"}, {"error_path", "1"}, {"status", ""}};
+  r.plot = {.title = "Error of " + std::string(method.name) + " by its tolerance",
+            .x_label = "tolerance",
+            .y_label = "relative error of " + p.quantity};
+  r.plot.series.push_back({.name = std::string(method.name)});
+  for (const WorkPoint& point : m.points) {
+    r.table.rows.push_back(
+        {point.setting, static_cast<double>(point.steps), point.error_end, point.error_path, point.status});
+    if (!drawable(point)) continue;
+    r.plot.series[0].x.push_back(point.setting);
+    r.plot.series[0].y.push_back(point.error_end);
+  }
+  r.summary = {{"integrator", std::string(method.name)},
+               {"adaptive", true},
+               {"promised_order", method.order},
+               {"observed_order", nullptr},
+               {"reason", "the method chooses its steps by its tolerance"},
+               {"reference", describe_reference(m.reference)}};
+  describe_reach(m, r.summary);
+  return r;
+}
+
+}  // namespace
+
 StudyResult run_convergence(const json::value& scene, const void* def, StudyContext& context) {
   const auto& p = *static_cast<const ConvergenceParams*>(def);
   if (p.refine != Refine::time) return run_refinement(scene, p, context);
@@ -83,6 +118,8 @@ StudyResult run_convergence(const json::value& scene, const void* def, StudyCont
                          : std::string(read.systems[system].row->default_integrator)};
   }
   const WorkMeasurement m = measure_work(scene, w, context);
+  const Integrator* row = find_integrator(w.integrators.front());
+  if (row && row->stepping == Integrator::Stepping::adaptive) return by_tolerance(*row, p, m);
   std::vector<double> errors;
   for (const WorkPoint& point : m.points) errors.push_back(point.error_end);
   const ObservedOrder order = observed_order(errors, m.reference.floor());
@@ -99,12 +136,11 @@ StudyResult run_convergence(const json::value& scene, const void* def, StudyCont
     StudyTable::Cell observed;
     if (i > 0 && std::isfinite(order.per_halving[i - 1])) observed = order.per_halving[i - 1];
     r.table.rows.push_back({point.setting, point.error_end, point.error_path, observed, point.status});
-    if (std::isfinite(point.error_end) && point.error_end > 0 && point.error_end < 10) {
+    if (drawable(point)) {
       r.plot.series[0].x.push_back(point.setting);
       r.plot.series[0].y.push_back(point.error_end);
     }
   }
-  const Integrator* row = find_integrator(w.integrators.front());
   const auto& measured = r.plot.series[0];
   if (row && !measured.x.empty()) {
     // The promised slope through the finest point.

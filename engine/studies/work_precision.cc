@@ -62,6 +62,7 @@ class Measurer {
       : scene_(scene), params_(p), context_(context) {
     const Scene s = require_scene(read_scene(scene));
     request_.field = {studied_system(s, p.system), p.quantity};
+    request_.observables = {"integrator.steps"};
     scene_dt_ = s.substep();
     session_dt_ = s.header.time.dt;
     out_.duration = p.horizon.value_or(s.header.time.duration);
@@ -203,7 +204,9 @@ class Measurer {
         times.push_back(t.cpu_seconds);
         if (t.end != Trace::End::complete || spent + t.cpu_seconds > share) break;
       }
-      p.steps = t.steps;
+      // Adaptive methods take steps of their own inside those of the session.
+      const double own = t.observed.empty() ? NAN : t.observed.back().front();
+      p.steps = adaptive && own > 0 ? static_cast<uint64_t>(own) : t.steps;
       p.cpu_seconds = last = median(times);
       judge(t, p);
     } catch (const Error& e) {

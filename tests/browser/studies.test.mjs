@@ -129,6 +129,40 @@ test("a running study can be cancelled", async () => {
   assert.equal(await page.locator("#start").isEnabled(), true);
 });
 
+test("an adaptive method's error is shown over its tolerance, with its own steps", async () => {
+  await page.goto(`${url}/studies.html?gallery=lotka_volterra&kind=convergence`);
+  await page.waitForSelector("#fields [data-pointer='/budget'] input");
+  await page.fill("[data-pointer='/budget'] input", "2");
+  await page.click("#start");
+  await page.waitForSelector("#rows tbody tr", { timeout: measured });
+  const heads = await page.$$eval("#rows th", (cells) => cells.map((cell) => cell.textContent.trim()));
+  assert.equal(heads[0], "tolerance");
+  assert.ok(heads.includes("steps"), heads.join());
+  // More steps than the session has are the method's own; no step of a nanosecond is anywhere.
+  assert.doesNotMatch(await page.textContent("#result"), /\d ns/);
+  const errors = await page.$$eval(".chart .grid text", (texts) => texts.map((text) => text.textContent));
+  assert.ok(!errors.some((text) => /10[²³⁴-⁹]/.test(text)), errors.join());
+  assert.equal((await page.$$(".chart .dashed")).length, 0);
+});
+
+test("a scene that cannot be studied says why, and the button covers nothing", async () => {
+  await page.goto(`${url}/studies.html?gallery=pyramid_2d`);
+  await page.waitForSelector("#not-offered:not([hidden])");
+  assert.match(await page.textContent("#not-offered"), /rigid2d has a solver of its own/);
+  assert.equal(await page.locator("#start").isEnabled(), false);
+  await page.click('.kind:has(input[value="sweep"])');
+  await page.waitForSelector("#not-offered", { state: "hidden" });
+  assert.equal(await page.locator("#start").isEnabled(), true);
+  await page.selectOption("#scene", "lotka_volterra");
+  await page.click('.kind:has(input[value="work_precision"])');
+  await page.waitForSelector("#fields [data-pointer='/budget'] input");
+  const boxes = await page.evaluate(() => {
+    const box = (selector) => document.querySelector(selector).getBoundingClientRect();
+    return { body: box(".form-body").bottom, actions: box(".studies .actions").top, bottom: box(".studies .actions").bottom, window: innerHeight };
+  });
+  assert.ok(boxes.body <= boxes.actions + 0.5 && boxes.bottom <= boxes.window, JSON.stringify(boxes));
+});
+
 test("a narrow window has no sideways scrolling", async () => {
   await page.setViewportSize({ width: 390, height: 800 });
   await page.waitForSelector("#start");

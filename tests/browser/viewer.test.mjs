@@ -220,15 +220,21 @@ test("what the service refuses becomes a card that can be read and closed", asyn
 });
 
 test("a narrow window keeps its buttons inside", async () => {
-  await page.setViewportSize({ width: 400, height: 800 });
+  await page.setViewportSize({ width: 390, height: 844 });
   await page.goto(url);
   await page.waitForSelector("#gallery [data-scene]");
   await page.click("#gallery .run");
   await until(async () => (await number("#read-frame")) >= 1, "frames arrive");
-  for (const id of ["#play", "#reset", "#step", "#camera", "#toggle-panel"]) {
+  const buttons = ["#play", "#reset", "#step", "#camera", "#views", "#toggle-panel", "#show-help", "#theme"];
+  const boxes = [];
+  for (const id of buttons) {
     const box = await page.locator(id).boundingBox();
-    assert.ok(box && box.x >= 0 && box.x + box.width <= 400 && box.y + box.height <= 800, `${id} ${JSON.stringify(box)}`);
+    assert.ok(box && box.x >= 0 && box.x + box.width <= 390 && box.y + box.height <= 844, `${id} ${JSON.stringify(box)}`);
+    boxes.push(box);
   }
+  // The title is beside the buttons of the top line, not under them.
+  const title = await page.locator("#title").boundingBox();
+  for (const box of boxes.filter(({ y }) => y < 60)) assert.ok(box.x + box.width <= title.x + 1 || title.x + title.width <= box.x + 1, JSON.stringify([title, box]));
 });
 
 test("only refused requests were written to the console as errors", () => {

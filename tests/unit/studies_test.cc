@@ -100,6 +100,20 @@ TEST_F(Study, ConvergenceFindsTheOrderOfEachMethod) {
   }
 }
 
+TEST_F(Study, ConvergenceOfAdaptiveMethodsIsByToleranceAndSaysTheirOwnSteps) {
+  const auto r = run(with("convergence", R"("integrator":"dopri5","budget":3)"));
+  ASSERT_GE(r.table.rows.size(), 4u);
+  EXPECT_EQ(r.table.columns[0].name, "tolerance");
+  EXPECT_EQ(r.plot.x_label, "tolerance");
+  EXPECT_EQ(r.plot.series.size(), 1u);  // no line of an order that nothing promises
+  const auto value = [&](size_t row, size_t column) { return std::get<double>(r.table.rows[row][column]); };
+  // From one tolerance to one a thousand times smaller a method of order 5 takes 1000^(1/5) = 4 times the
+  // steps.
+  EXPECT_NEAR(value(3, 0) / value(0, 0), 1e-3, 1e-9);
+  EXPECT_GT(value(3, 1), 2 * value(0, 1));
+  EXPECT_LT(value(3, 2), value(0, 2));
+}
+
 TEST_F(Study, WorkPrecisionRanksHigherOrderFirstAtSmallErrors) {
   const auto r =
       run(with("work_precision", R"("integrators":["symplectic_euler","rk4","dopri5"],"budget":5)"));

@@ -1,27 +1,31 @@
 #include "engine/sinks/picture/color_map.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <span>
+
+#include "engine/sinks/picture/color_stops.h"
 
 namespace truestep::picture {
 namespace {
 
-constexpr Color rgb(int hex) {
+constexpr Color rgb(uint32_t hex) {
   return {static_cast<float>((hex >> 16) & 255) / 255.0f, static_cast<float>((hex >> 8) & 255) / 255.0f,
           static_cast<float>(hex & 255) / 255.0f};
 }
 
-constexpr Color kPalette[] = {rgb(0x2f6fb7), rgb(0xe0803a), rgb(0x3a9d74), rgb(0xc84b4b),
-                              rgb(0x8061b5), rgb(0xd1a52b), rgb(0x2ea3b0), rgb(0xb9588f)};
+template <size_t N>
+constexpr std::array<Color, N> colors_of(const uint32_t (&hex)[N]) {
+  std::array<Color, N> out{};
+  for (size_t i = 0; i < N; ++i) out[i] = rgb(hex[i]);
+  return out;
+}
 
-// Stops at equal distances; lightness grows monotonically in all of them, so they survive a grey print.
-constexpr Color kViridis[] = {rgb(0x440154), rgb(0x482878), rgb(0x3e4a89), rgb(0x31688e), rgb(0x26828e),
-                              rgb(0x1f9e89), rgb(0x35b779), rgb(0x6dcd59), rgb(0xb4de2c), rgb(0xfde725)};
-constexpr Color kWater[] = {rgb(0x0b3c7d), rgb(0x14599f), rgb(0x1f78bd), rgb(0x3c9ad2),
-                            rgb(0x6dbbe3), rgb(0xa6d9f0), rgb(0xe4f5fc)};
-constexpr Color kEmber[] = {rgb(0x3b0f2e), rgb(0x6f1a3a), rgb(0xa52c3a), rgb(0xd54a2f),
-                            rgb(0xf07c2a), rgb(0xf9b04a), rgb(0xfde6a0)};
+constexpr auto kPalette = colors_of(kPaletteHex);
+constexpr auto kViridis = colors_of(kViridisHex);
+constexpr auto kWater = colors_of(kWaterHex);
+constexpr auto kEmber = colors_of(kEmberHex);
 
 std::span<const Color> stops(ColorMap map) {
   switch (map) {
@@ -38,7 +42,7 @@ std::span<const Color> stops(ColorMap map) {
 }  // namespace
 
 Color palette(size_t i) {
-  return kPalette[i % std::size(kPalette)];
+  return kPalette[i % kPalette.size()];
 }
 
 Color map_color(ColorMap map, float t) {

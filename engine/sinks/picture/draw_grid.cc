@@ -76,7 +76,7 @@ Shown shown_of(const PartInfo& part, size_t field, const FrameValues& values, co
   s.style.scalar_min = viewer.range.empty() ? low : static_cast<float>(viewer.range[0]);
   s.style.scalar_max = viewer.range.empty() ? high : static_cast<float>(viewer.range[1]);
   s.style.color_map = viewer.color_map;
-  s.style.scalar_label = part.fields[field].name + " (" + part.fields[field].unit + ")";
+  s.style.scalar_label = label_of(part.fields[field].name, part.fields[field].unit);
   return s;
 }
 
@@ -237,6 +237,10 @@ void add_plane(DrawList& list, const Plane& p, const Shown& s, const ViewerParam
 }
 
 }  // namespace
+
+std::string label_of(const std::string& name, const std::string& unit) {
+  return unit.empty() || unit == "1" ? name : name + " (" + unit + ")";
+}
 
 void add_grid(DrawList& list, const PartInfo& part, size_t field, const FrameValues& values,
               const ViewerParams& viewer) {

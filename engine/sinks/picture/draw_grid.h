@@ -2,6 +2,8 @@
 // by the value; in space a slice, or a few translucent ones. Level lines, arrows and streamlines over them on
 // request.
 #pragma once
+#include <string>
+
 #include "engine/scene/scene.h"
 #include "engine/session/frame_values.h"
 #include "engine/sinks/picture/draw_list.h"
@@ -12,6 +14,9 @@ namespace truestep {
 /// length.
 void add_grid(DrawList& list, const PartInfo& part, size_t field, const FrameValues& values,
               const ViewerParams& viewer);
+
+/// Name and unit beside a colour bar; pure numbers have no unit.
+std::string label_of(const std::string& name, const std::string& unit);
 
 /// The side to look from at a grid of this part; nothing where obliquely from above is best.
 std::optional<Vec3> facing_side(const PartInfo& part, const ViewerParams& viewer);

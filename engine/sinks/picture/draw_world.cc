@@ -54,7 +54,7 @@ DrawPoints points_of(const World& world, const Frame& frame, size_t p, const std
       points.scalar_min = static_cast<float>(range[0]), points.scalar_max = static_cast<float>(range[1]);
     }
     if (points.scalar.size() * 3 == points.positions.size()) {
-      points.scalar_label = color_by + " (" + info.fields[*f].unit + ")";
+      points.scalar_label = label_of(color_by, info.fields[*f].unit);
     } else {
       points.scalar.clear();
     }
@@ -77,7 +77,7 @@ DrawPoints points_of(const World& world, const Frame& frame, size_t p, const std
     points.line_scalar = FrameValues(frame, at->part, at->field).floats();
     points.line_scalar.resize(points.lines.size() / 2);
     const FieldInfo& field = world.parts()[at->part].info().fields[at->field];
-    points.scalar_label = color_by + " (" + field.unit + ")";
+    points.scalar_label = label_of(color_by, field.unit);
   }
   // Under a surface its springs would only be noise.
   if (!points.triangles.empty()) points.lines.clear(), points.line_kinds.clear();

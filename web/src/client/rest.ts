@@ -28,6 +28,12 @@ export interface ViewerSettings {
   slice?: { axis?: "x" | "y" | "z"; at?: number };
   /** m per unit of a grid's value. */
   height?: number;
+  /** Lines of equal value over a plane of a grid. */
+  contours?: number;
+  /** Lines along a vector field; without them it is drawn as arrows. */
+  streamlines?: number;
+  /** Names beside systems. */
+  labels?: boolean;
 }
 
 /** A scene as the service takes it; the viewer only looks at the parts named here. */
@@ -55,6 +61,12 @@ export interface Session {
   /** Present when the session stopped because its numbers left what makes sense. */
   instability?: Instability;
   [key: string]: unknown;
+}
+
+/** The series that a session keeps of its observables; only those that its scene names. */
+export interface History {
+  units: Record<string, string>;
+  series: { time: number[]; values: Record<string, (number | null)[]> };
 }
 
 /** Why a session stopped, and what would have helped. */
@@ -110,6 +122,15 @@ export class Service {
   /** The scene as the session runs it, with every default. */
   async sessionScene(id: string): Promise<Scene> {
     return (await this.call("GET", this.path(id, "/scene"))) as Scene;
+  }
+
+  async history(id: string, maxPoints: number): Promise<History> {
+    return (await this.call("GET", this.path(id, `/observables?max_points=${maxPoints}`))) as History;
+  }
+
+  /** Steps until `time` (s), however long that takes. */
+  async until(id: string, time: number): Promise<void> {
+    await this.call("POST", this.path(id, "/step"), { until: time });
   }
 
   async deleteSession(id: string): Promise<void> {

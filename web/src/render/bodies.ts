@@ -7,9 +7,11 @@ import {
 } from "three";
 import { floats, uints } from "../client/decode";
 import { Motion, type Visual, type SystemTopology } from "../client/gen/truestep/v1/stream_pb";
-import { bodyFragment, bodyVertex, palette } from "./shading";
+import type { Extent } from "./extent";
+import { bodyFragment, bodyVertex, paletteColor, rampUniform } from "./shading";
 
 const kMany = 400; // instances of a round shape, drawn with fewer triangles beyond
+const kDarkest = 0.055; // linear
 const kWide = 2.5; // a fixed body this many times wider than all that moves is a floor
 
 const motionColor = new Map([
@@ -112,27 +114,40 @@ export class Bodies {
     }
   }
 
-  /** Adds what moves to `box`, then fixed bodies that are not much wider; those become floors. Returns the lowest height. */
-  frame(box: Box3): number {
+  /** Adds the corners of what moves. */
+  reachOf(out: Extent): void {
+    const one = new Box3();
+    for (const batch of this.batches) {
+      if (batch.fixed) continue;
+      for (let k = 0; k < batch.rows.length; ++k) addBox(out, boundsOf(batch, k, one));
+    }
+  }
+
+  /** Middle of what moves; undefined where nothing does. */
+  middle(): Vector3 | undefined {
+    const sum = new Vector3();
+    let count = 0;
+    for (const { fixed, center, rows } of this.batches) {
+      for (let k = 0; !fixed && k < rows.length; ++k, ++count) sum.add(new Vector3().fromBufferAttribute(center, k));
+    }
+    return count > 0 ? sum.divideScalar(count) : undefined;
+  }
+
+  /** Adds fixed bodies that are not much wider than `out`; wide ones become floors. Returns the lowest height. */
+  frame(out: Extent): number {
     const one = new Box3();
     let lowest = Infinity;
-    for (const batch of this.batches) {
-      for (let k = 0; k < batch.rows.length; ++k) {
-        boundsOf(batch, k, one);
-        lowest = Math.min(lowest, one.min.y);
-        if (!batch.fixed) box.union(one);
-      }
-    }
-    const moving = box.clone();
-    const size = moving.isEmpty() ? Infinity : 0.5 * moving.getSize(new Vector3()).length();
-    const middle = moving.getCenter(new Vector3());
+    for (const batch of this.batches) for (let k = 0; k < batch.rows.length; ++k) lowest = Math.min(lowest, boundsOf(batch, k, one).min.y);
+    const moving = out.ball();
+    const size = out.empty ? Infinity : moving.radius;
+    const middle = new Vector3().fromArray(moving.center);
     for (const batch of this.batches) {
       if (!batch.fixed) continue;
       let wide = false;
       for (let k = 0; k < batch.rows.length; ++k) {
         boundsOf(batch, k, one);
         const far = middle.distanceTo(one.getCenter(new Vector3())) + 0.5 * one.getSize(new Vector3()).length();
-        if (size === Infinity || far < kWide * size) box.union(one);
+        if (size === Infinity || far < kWide * size) addBox(out, one);
         wide ||= one.max.x - one.min.x > size && one.max.z - one.min.z > size;
       }
       batch.mesh.material.uniforms.receives!.value = wide;
@@ -178,8 +193,12 @@ function partOf(visual: Visual, topology: SystemTopology): Part {
   return { visual, kind, at: [x, y, z], turn: [qx, qy, qz, qw], size, low, high, radius: radius + Math.hypot(x, y, z) };
 }
 
+function addBox(out: Extent, { min, max }: Box3): void {
+  for (let corner = 0; corner < 8; ++corner) out.add(corner & 1 ? max.x : min.x, corner & 2 ? max.y : min.y, corner & 4 ? max.z : min.z);
+}
+
 /** Box around instance k as it is placed now. */
-function boundsOf(batch: Batch, k: number, out: Box3): void {
+function boundsOf(batch: Batch, k: number, out: Box3): Box3 {
   const { low, high } = batch.parts[k]!;
   const t = batch.turn.array as Float32Array;
   const x = t[4 * k]!, y = t[4 * k + 1]!, z = t[4 * k + 2]!, w = t[4 * k + 3]!;
@@ -194,6 +213,7 @@ function boundsOf(batch: Batch, k: number, out: Box3): void {
   const h = rows.map((row) => row.reduce((sum, r, j) => sum + Math.abs(r) * half[j]!, 0));
   out.min.set(c[0]! - h[0]!, c[1]! - h[1]!, c[2]! - h[2]!);
   out.max.set(c[0]! + h[0]!, c[1]! + h[1]!, c[2]! + h[2]!);
+  return out;
 }
 
 function baseGeometry(kind: string, count: number, topology: SystemTopology): BufferGeometry {
@@ -229,10 +249,16 @@ function baseGeometry(kind: string, count: number, topology: SystemTopology): Bu
 /** A number in [-1, 1] that neighbouring rows do not share. */
 const shade = (row: number): number => (Math.imul(row + 1, 2654435761) >>> 8) / 8388608 - 1;
 
+/** Black things are dark grey, or nothing of their shape would be seen. */
+function lifted(color: Color): Color {
+  const lack = kDarkest - Math.max(color.r, color.g, color.b);
+  return lack > 0 ? color.addScalar(lack) : color;
+}
+
 function colorOf({ visual }: Part, row: number): Color {
   const [r, g, b] = visual.color;
-  if (r !== undefined && g !== undefined && b !== undefined) return new Color().setRGB(r, g, b, SRGBColorSpace);
-  const color = (motionColor.get(visual.motion) ?? palette[visual.group % palette.length]!).clone();
+  if (r !== undefined && g !== undefined && b !== undefined) return lifted(new Color().setRGB(r, g, b, SRGBColorSpace));
+  const color = (motionColor.get(visual.motion) ?? paletteColor(visual.group)).clone();
   return visual.motion === Motion.DYNAMIC ? color.multiplyScalar(1 + 0.16 * shade(row)) : color;
 }
 
@@ -256,7 +282,7 @@ function makeBatch(key: string, rows: Uint32Array, parts: Part[], topology: Syst
   geometry.setAttribute("center", center).setAttribute("turn", turn).setAttribute("value", value);
   const glass = role === "sensor";
   const material = new ShaderMaterial({
-    uniforms: { ...floor, byValue: { value: false }, receives: { value: false }, opacity: { value: glass ? 0.25 : 1 }, stripes: { value: kind === "sphere" } },
+    uniforms: { ...floor, stops: rampUniform, byValue: { value: false }, receives: { value: false }, opacity: { value: glass ? 0.25 : 1 }, stripes: { value: kind === "sphere" } },
     vertexShader: bodyVertex,
     fragmentShader: bodyFragment,
     defines: kind === "capsule" ? { CAPSULE: "" } : {},

@@ -1,14 +1,18 @@
 // A grid on the screen: a curve in one dimension; in the plane colours, or a surface that stands out by the value;
 // in space a slice, or a few translucent ones.
-import { BufferAttribute, BufferGeometry, Color, DoubleSide, DynamicDrawUsage, Group, Line, LineBasicMaterial, Mesh, ShaderMaterial } from "three";
+import { BufferAttribute, BufferGeometry, Color, DoubleSide, DynamicDrawUsage, Group, Mesh, ShaderMaterial, type IUniform } from "three";
 import type { FieldArray } from "../client/decode";
 import type { Lattice, Part } from "../client/gen/truestep/v1/stream_pb";
 import type { ViewerSettings } from "../client/rest";
 import { colorTable, type ColorMap } from "./color_map";
-import { palette, shadeGlsl } from "./shading";
+import type { Extent } from "./extent";
+import { WideLines } from "./lines";
+import { arrows, levelLine, streamlines } from "./plane_lines";
+import { scenery, shadeGlsl } from "./shading";
 import type { Has, Visibility } from "./system_view";
 
 const kColors = 256;
+const ink = new Color("#14171f");
 const kSlices = 9;
 const kCurveShare = 0.3; // of a curve's length, its height
 
@@ -48,6 +52,11 @@ void main() {
 
 interface Sheet {
   mesh: Mesh;
+  /** Counts along both sides, the axes of those, and what is drawn over it. */
+  nu: number;
+  nv: number;
+  axes: [number, number];
+  over: WideLines | undefined;
   /** The grid's row of each vertex. */
   rows: Uint32Array;
   positions: Float32Array;
@@ -69,7 +78,8 @@ export class GridView {
   count = 0;
   scale: Scale | undefined;
   private readonly sheets: Sheet[] = [];
-  private curve: Line | undefined;
+  private curve: { lines: WideLines; base: WideLines; up: number; at: number; length: number; pairs: Uint32Array } | undefined;
+  private field: FieldArray | undefined;
   private readonly colors: Float32Array;
   private readonly map: ColorMap;
   private values = new Float32Array(0);
@@ -77,46 +87,76 @@ export class GridView {
   constructor(
     private readonly part: Part,
     private readonly settings: ViewerSettings,
-    index: number,
+    private readonly viewHeight: IUniform<number>,
   ) {
     this.id = part.id;
     this.map = settings.color_map ?? "viridis";
     this.colors = Float32Array.from(colorTable(this.map, kColors), linear);
     const lattice = part.lattice!;
     const axes = [0, 1, 2].filter((axis) => lattice.counts[axis]! > 1);
-    if (axes.length === 1) this.makeCurve(lattice, axes[0]!, palette[index % palette.length]!);
+    if (axes.length === 1) this.makeCurve(lattice, axes[0]!);
     else if (axes.length === 2) this.makeSheet(lattice, axes[0]!, axes[1]!, 0, false);
     else if (axes.length === 3) this.makeSlices(lattice);
     this.count = this.positions.length / 3;
   }
 
+  /** The side that a flat grid shows; undefined for one that stands out of its plane, or fills space. */
+  get facing(): [number, number, number] | undefined {
+    const { counts } = this.part.lattice!;
+    const axes = [0, 1, 2].filter((axis) => counts[axis]! > 1);
+    const unit = (axis: number): [number, number, number] => [axis === 0 ? 1 : 0, axis === 1 ? 1 : 0, axis === 2 ? 1 : 0];
+    if (axes.length === 1) return axes[0] === 2 ? [1, 0, 0] : [0, 0, 1];
+    if ((this.settings.height ?? 0) !== 0) return undefined;
+    if (axes.length === 2) return unit(3 - axes[0]! - axes[1]!);
+    return this.settings.slice ? unit("xyz".indexOf(this.settings.slice.axis ?? "z")) : undefined;
+  }
+
+  get range(): undefined {
+    return undefined;
+  }
+
+  /** Adds where the grid is now. */
+  reachOf(out: Extent): void {
+    out.addCloud(this.positions, this.count, 0, false);
+    for (const { positions } of this.sheets) out.addCloud(positions, positions.length / 3, 0, false);
+  }
+
   get has(): Has {
-    return { points: false, lines: this.curve !== undefined, surface: this.sheets.length > 0, bodies: false };
+    return { points: false, lines: this.curve !== undefined || this.sheets.some((sheet) => sheet.over), surface: this.sheets.length > 0, bodies: false };
   }
 
   update(fields: FieldArray[], show: Visibility): void {
     const field = fields.find((one) => one.field === show.colorBy) ?? fields.find((one) => one.field === this.part.fields[0]?.name);
     if (!field) return;
+    this.field = field;
     this.take(field);
     const [least, greatest] = this.settings.range?.length === 2 ? (this.settings.range as [number, number]) : extent(this.values);
     const unit = this.part.fields.find((one) => one.name === field.field)?.unit ?? "";
-    this.scale = { label: `${field.field}${unit && unit !== "1" ? ` (${unit})` : ""}`, map: this.map, low: least, high: greatest };
-    for (const sheet of this.sheets) this.paint(sheet, least, greatest);
+    this.scale = { label: `${field.field}${field.width > 1 ? ", length" : ""}${unit && unit !== "1" ? ` (${unit})` : ""}`, map: this.map, low: least, high: greatest };
+    for (const sheet of this.sheets) {
+      this.paint(sheet, least, greatest);
+      if (!(sheet.mesh.material as ShaderMaterial).transparent) this.over(sheet, least, greatest);
+    }
     if (this.curve) this.bend(least, greatest);
     this.apply(show);
   }
 
   apply(show: Visibility): void {
-    for (const { mesh } of this.sheets) mesh.visible = show.surface;
-    if (this.curve) this.curve.visible = show.lines;
+    for (const { mesh, over } of this.sheets) {
+      mesh.visible = show.surface;
+      if (over) over.object.visible = show.lines;
+    }
+    if (this.curve) this.curve.lines.object.visible = this.curve.base.object.visible = show.lines;
   }
 
   dispose(): void {
-    for (const { mesh } of this.sheets) {
+    for (const { mesh, over } of this.sheets) {
+      over?.dispose();
       mesh.geometry.dispose();
       (mesh.material as ShaderMaterial).dispose();
     }
-    this.curve?.geometry.dispose();
+    this.curve?.lines.dispose();
+    this.curve?.base.dispose();
     this.group.removeFromParent();
   }
 
@@ -151,27 +191,88 @@ export class GridView {
     geometry.computeVertexNormals();
   }
 
-  private bend(low: number, high: number): void {
-    const x = this.positions;
-    const up = this.curve!.userData.up as number;
-    const base = this.curve!.userData.base as number;
-    const reach = Math.max(Math.abs(low), Math.abs(high));
-    const height = this.settings.height ?? (reach > 0 ? (kCurveShare * (this.curve!.userData.length as number)) / reach : 1);
-    for (let k = 0; k < this.values.length; ++k) x[3 * k + up] = base + height * this.values[k]!;
-    this.curve!.geometry.getAttribute("position").needsUpdate = true;
+  /** Contours, streamlines or arrows over a sheet, as the scene asks. */
+  private over(sheet: Sheet, low: number, high: number): void {
+    const { nu, nv, axes, rows } = sheet;
+    const { contours = 0, streamlines: lines = 0, height = 0 } = this.settings;
+    const width = this.field!.width;
+    if (contours <= 0 && width < 2) return;
+    const plane = { nx: nu, ny: nv };
+    const ends: number[] = [];
+    const lift = 1e-3 * Math.hypot(nu * this.spacing(axes[0]), nv * this.spacing(axes[1]));
+    const place = (pieces: number[], up: number): void => {
+      const { origin } = this.part.lattice!;
+      const base = sheet.mesh.userData.base as Float32Array;
+      const w = sheet.mesh.userData.up as number;
+      for (let k = 0; k < pieces.length; k += 2) {
+        const p = [0, 0, 0];
+        p[w] = base[0]! + up;
+        p[axes[0]] = origin[axes[0]]! + pieces[k]! * this.spacing(axes[0]);
+        p[axes[1]] = origin[axes[1]]! + pieces[k + 1]! * this.spacing(axes[1]);
+        ends.push(...p);
+      }
+    };
+    if (contours > 0) {
+      const flat = Float32Array.from(rows, (row) => this.values[row]!);
+      for (let k = 1; k <= contours; ++k) {
+        const level = low + ((high - low) * k) / (contours + 1);
+        const pieces: number[] = [];
+        levelLine(flat, plane, level, pieces);
+        place(pieces, height * level + (height !== 0 ? lift : 0));
+      }
+    }
+    if (width > 1) {
+      const along = (axis: number, which: number): Float32Array => {
+        const component = width === 2 ? which : axis;
+        return Float32Array.from(rows, (row) => this.field!.data[row * width + component]!);
+      };
+      const [u, v] = [along(axes[0], 0), along(axes[1], 1)];
+      const pieces: number[] = [];
+      if (lines > 0) {
+        const [du, dv] = axes.map((axis) => this.spacing(axis)) as [number, number];
+        streamlines({ ...plane, u: u.map((x) => x / du), v: v.map((x) => x / dv) }, lines, pieces);
+      } else {
+        arrows({ ...plane, u, v }, high, pieces);
+      }
+      place(pieces, 0);
+    }
+    if (!sheet.over) {
+      sheet.over = new WideLines(this.viewHeight, { pixels: 1.5, radius: 0, opacity: 1, tube: false, above: height === 0 });
+      this.group.add(sheet.over.object);
+    }
+    sheet.over.set(ends);
+    sheet.over.colorAll(ink);
   }
 
-  private makeCurve(lattice: Lattice, axis: number, color: Color): void {
+  private spacing(axis: number): number {
+    return this.part.lattice!.spacing[axis]!;
+  }
+
+  private bend(low: number, high: number): void {
+    const { lines, base, up, at, length, pairs } = this.curve!;
+    const x = this.positions;
+    const reach = Math.max(Math.abs(low), Math.abs(high));
+    const height = this.settings.height ?? (reach > 0 ? (kCurveShare * length) / reach : 1);
+    for (let k = 0; k < this.values.length; ++k) x[3 * k + up] = at + height * this.values[k]!;
+    lines.connect(x, pairs);
+    const share = (k: number): number => (high > low ? (this.values[k]! - low) / (high - low) : 0);
+    lines.values(Array.from({ length: pairs.length / 2 }, (_, k) => 0.5 * (share(k) + share(k + 1))));
+    base.colorAll(scenery.ink);
+  }
+
+  private makeCurve(lattice: Lattice, axis: number): void {
     const n = lattice.counts[axis]!;
     this.positions = new Float32Array(3 * n);
     for (let k = 0; k < n; ++k) for (let c = 0; c < 3; ++c) this.positions[3 * k + c] = lattice.origin[c]! + (c === axis ? k * lattice.spacing[c]! : 0);
-    const geometry = new BufferGeometry();
-    geometry.setAttribute("position", new BufferAttribute(this.positions, 3).setUsage(DynamicDrawUsage));
-    this.curve = new Line(geometry, new LineBasicMaterial({ color, linewidth: 2 }));
-    this.curve.frustumCulled = false;
     const up = axis === 1 ? 0 : 1;
-    Object.assign(this.curve.userData, { up, base: lattice.origin[up]!, length: (n - 1) * lattice.spacing[axis]! });
-    this.group.add(this.curve);
+    const length = (n - 1) * lattice.spacing[axis]!;
+    const lines = new WideLines(this.viewHeight, { pixels: 3, radius: 0.004 * length, opacity: 1, tube: true });
+    lines.reserve(n - 1);
+    const base = new WideLines(this.viewHeight, { pixels: 1.2, radius: 0, opacity: 0.7, tube: false });
+    base.set([...this.positions.slice(0, 3), ...this.positions.slice(-3)]);
+    const pairs = Uint32Array.from({ length: 2 * (n - 1) }, (_, k) => (k + 1) >> 1);
+    this.curve = { lines, base, up, at: lattice.origin[up]!, length, pairs };
+    this.group.add(base.object, lines.object);
   }
 
   private makeSlices(lattice: Lattice): void {
@@ -230,7 +331,7 @@ export class GridView {
     mesh.renderOrder = translucent ? layer : 0;
     Object.assign(mesh.userData, { up: w, base: Float32Array.from(rows, (_, k) => positions[3 * k + w]!) });
     this.group.add(mesh);
-    this.sheets.push({ mesh, rows, positions, tints, shares });
+    this.sheets.push({ mesh, nu, nv, axes: [u, v], over: undefined, rows, positions, tints, shares });
     const all = new Float32Array(this.positions.length + positions.length);
     all.set(this.positions);
     all.set(positions, this.positions.length);

@@ -3,10 +3,10 @@
 // where something covers it as seen from the light. Coverage is the alpha of one small orthographic picture
 // (layer 1), softened by its mipmaps and a few taps.
 import {
-  CircleGeometry, LinearFilter, LinearMipmapLinearFilter, Matrix4, Mesh, OrthographicCamera, ShaderMaterial,
-  WebGLRenderTarget, type IUniform, type Scene, type Sphere, type WebGLRenderer,
+  CircleGeometry, DataTexture, LinearFilter, LinearMipmapLinearFilter, Matrix4, Mesh, OrthographicCamera, ShaderMaterial,
+  Vector3, WebGLRenderTarget, type IUniform, type Scene, type Sphere, type WebGLRenderer,
 } from "three";
-import { backgroundColor, keyDirection } from "./shading";
+import { keyDirection, scenery } from "./shading";
 
 const kMapSize = 512;
 
@@ -23,7 +23,7 @@ void main() {
 
 const fragment = /* glsl */ `
 uniform sampler2D coverage;
-uniform vec3 background, middle;
+uniform vec3 background, floorColor, lineColor, middle;
 uniform float fade, cell, shadow;
 in vec3 vWorld;
 in vec2 vLight;
@@ -36,9 +36,9 @@ float grid(vec2 p, float size) {
 void main() {
   vec2 p = vWorld.xz - middle.xz;
   float near = exp(-dot(p, p) / (fade * fade));
-  vec3 c = mix(background, vec3(0.024, 0.030, 0.039), near);
+  vec3 c = mix(background, floorColor, near);
   float lines = max(0.35 * grid(vWorld.xz, cell), grid(vWorld.xz, cell * 5.0));
-  c += vec3(0.030, 0.036, 0.046) * lines * near;
+  c = mix(c, lineColor, 0.75 * lines * near);
   if (shadow > 0.0 && all(greaterThan(vLight, vec2(0.0))) && all(lessThan(vLight, vec2(1.0)))) {
     float covered = 0.0;
     for (int k = 0; k < 8; ++k) {
@@ -56,6 +56,10 @@ export class Ground {
   readonly object: Mesh;
   /** False where the machine is too slow for the second picture. */
   shadows = true;
+  /** True for one picture that may take its time. */
+  full = false;
+  /** What samplers hold while the coverage picture is drawn: a texture cannot be read and drawn at once. */
+  private readonly nothing = Object.assign(new DataTexture(new Uint8Array(4), 1, 1), { needsUpdate: true });
   private readonly target = new WebGLRenderTarget(kMapSize, kMapSize, {
     generateMipmaps: true, minFilter: LinearMipmapLinearFilter, magFilter: LinearFilter,
   });
@@ -71,8 +75,9 @@ export class Ground {
   constructor() {
     this.light.layers.set(1);
     this.uniforms = {
-      coverage: { value: this.target.texture }, toLight: { value: new Matrix4() }, background: { value: backgroundColor },
-      middle: { value: this.light.position.clone() }, fade: { value: 6 }, cell: { value: 0.2 }, shadow: { value: 0 },
+      coverage: { value: this.target.texture }, toLight: { value: new Matrix4() }, background: { value: scenery.background },
+      floorColor: { value: scenery.ground }, lineColor: { value: scenery.lines },
+      middle: { value: new Vector3() }, fade: { value: 6 }, cell: { value: 0.2 }, shadow: { value: 0 },
     };
     const geometry = new CircleGeometry(1, 64).rotateX(-Math.PI / 2);
     this.object = new Mesh(geometry, new ShaderMaterial({ uniforms: this.uniforms, vertexShader: vertex, fragmentShader: fragment }));
@@ -100,16 +105,19 @@ export class Ground {
 
   /** Draws the coverage picture; `viewHeight` tells point sprites how many pixels high it is. */
   castShadows(renderer: WebGLRenderer, scene: Scene, viewHeight: IUniform<number>): void {
-    this.uniforms.shadow!.value = this.shadows ? 0.62 : 0;
-    if (!this.shadows) return;
+    this.uniforms.shadow!.value = this.shadows || this.full ? scenery.shadow.value : 0;
+    if (!this.shadows && !this.full) return;
     const height = viewHeight.value;
     viewHeight.value = kMapSize;
+    const { coverage } = this.uniforms;
+    coverage!.value = this.nothing;
     renderer.setRenderTarget(this.target);
     renderer.setClearColor(0x000000, 0);
     renderer.clear();
     renderer.render(scene, this.light);
     renderer.setRenderTarget(null);
-    renderer.setClearColor(backgroundColor, 1);
+    renderer.setClearColor(scenery.background, 1);
+    coverage!.value = this.target.texture;
     viewHeight.value = height;
   }
 }

@@ -5,12 +5,12 @@ import {
   BufferAttribute, BufferGeometry, Color, DynamicDrawUsage, InstancedBufferAttribute, InstancedBufferGeometry,
   Mesh, Points, ShaderMaterial, type IUniform, type Object3D,
 } from "three";
-import { rampGlsl, shadeGlsl } from "./shading";
+import { rampGlsl, rampUniform, shadeGlsl } from "./shading";
 
 const kQuadLimit = 12000;
 
 const vertexHead = /* glsl */ `
-uniform float radius, valueScale;
+uniform float radius, valueScale, valueStart;
 in float value;
 out float vValue;
 out vec3 vCenter;
@@ -20,7 +20,7 @@ const quadVertex = /* glsl */ `${vertexHead}
 in vec3 center;
 out vec2 vCorner;
 void main() {
-  vValue = value * valueScale;
+  vValue = (value - valueStart) * valueScale;
   vec4 c = modelViewMatrix * vec4(center, 1.0);
   vCenter = c.xyz;
   vCorner = position.xy;
@@ -30,7 +30,7 @@ void main() {
 const pointVertex = /* glsl */ `${vertexHead}
 uniform float viewHeight;
 void main() {
-  vValue = value * valueScale;
+  vValue = (value - valueStart) * valueScale;
   vec4 c = modelViewMatrix * vec4(position, 1.0);
   vCenter = c.xyz;
   gl_Position = projectionMatrix * c;
@@ -78,16 +78,17 @@ export class PointCloud {
   private center: BufferAttribute = new BufferAttribute(new Float32Array(0), 3);
   private value: BufferAttribute = new BufferAttribute(new Float32Array(0), 1);
   private top = 1e-6;
+  private shown: [number, number] | undefined;
 
   constructor(radius: number, color: Color, viewHeight: IUniform<number>) {
     this.uniforms = {
       radius: { value: radius }, color: { value: color }, viewHeight,
-      valueScale: { value: 1 }, byValue: { value: false },
+      valueScale: { value: 1 }, valueStart: { value: 0 }, byValue: { value: false }, stops: rampUniform,
     };
   }
 
   /** Takes `count` positions and, where the server sends it, a value per point to colour by. */
-  update(positions: Float32Array, count: number, values: Float32Array | undefined): void {
+  update(positions: Float32Array, count: number, values: Float32Array | undefined, range?: number[]): void {
     if (count > this.capacity || !this.object) this.allocate(Math.max(16, Math.ceil(count * 1.25)));
     (this.center.array as Float32Array).set(positions.subarray(0, 3 * count));
     upload(this.center, 3 * count);
@@ -99,11 +100,21 @@ export class PointCloud {
       for (let k = 0; k < count; ++k) if (values[k]! > top) top = values[k]!;
       // Follow the fastest point up at once and down slowly, so that colours do not flicker.
       this.top = Number.isFinite(top) ? Math.max(top, this.top * 0.99) : this.top;
-      this.uniforms.valueScale!.value = 1 / this.top;
+      const [low = 0, high = this.top] = range ?? [];
+      this.uniforms.valueScale!.value = high > low ? 1 / (high - low) : 0;
+      this.uniforms.valueStart!.value = low;
+      this.shown = [low, high];
+    } else {
+      this.shown = undefined;
     }
     const geometry = (this.object as Mesh).geometry as InstancedBufferGeometry;
     if (this.quads) geometry.instanceCount = count;
     else geometry.setDrawRange(0, count);
+  }
+
+  /** Lowest and highest value of the colours. */
+  get range(): [number, number] | undefined {
+    return this.shown;
   }
 
   dispose(): void {

@@ -1,9 +1,30 @@
 // The one light of the viewer as GLSL, so that points, surfaces and shapes look alike: a sky and a floor
 // colour by the normal's height (hemisphere), one key light with a Blinn-Phong highlight, and a soft rim.
-import { Color, Vector3 } from "three";
+import { Color, Vector3, type IUniform } from "three";
+import { colorTable, type ColorMap } from "./color_map";
+import { paletteHex } from "./color_stops";
 
 export const keyDirection = new Vector3(0.42, 0.8, 0.43).normalize();
-export const backgroundColor = new Color("#0f1319");
+
+export type Theme = "dark" | "light";
+
+/** Colours that everything around the scene has; all of them change in place with the theme. */
+export const scenery = { background: new Color(), ground: new Color(), lines: new Color(), ink: new Color(), shadow: { value: 0.62 } };
+
+const themes: Record<Theme, { background: string; ground: string; lines: string; ink: string; shadow: number }> = {
+  dark: { background: "#0f1319", ground: "#2c3340", lines: "#566072", ink: "#a3aebd", shadow: 0.68 },
+  light: { background: "#eef1f5", ground: "#dbe0e8", lines: "#b6bfcc", ink: "#4a5564", shadow: 0.34 },
+};
+
+export function setTheme(theme: Theme): void {
+  const { background, ground, lines, ink, shadow } = themes[theme];
+  scenery.background.set(background);
+  scenery.ground.set(ground);
+  scenery.lines.set(lines);
+  scenery.ink.set(ink);
+  scenery.shadow.value = shadow;
+}
+setTheme("dark");
 
 export const shadeGlsl = /* glsl */ `
 const vec3 kKey = vec3(${keyDirection.toArray().map((c) => c.toFixed(4)).join(",")});
@@ -16,19 +37,36 @@ vec3 shade(vec3 albedo, vec3 n, vec3 toEye) {
 }
 `;
 
-/** Five stops from still to fast: blue, teal, green, amber, coral. */
+const kStops = 16;
+
+/** The map that colours stand for, in linear light; all that colours by a value shares it. */
+export const rampUniform: IUniform<Vector3[]> = { value: [] };
+
+export function setRamp(map: ColorMap): void {
+  const table = colorTable(map, kStops);
+  const color = new Color();
+  rampUniform.value = Array.from({ length: kStops }, (_, k) => {
+    color.setRGB(table[3 * k]! / 255, table[3 * k + 1]! / 255, table[3 * k + 2]! / 255, "srgb");
+    // The dark end of a map would be lost on a dark ground.
+    const lift = 0.045 * (1 - k / (kStops - 1));
+    return new Vector3(color.r + lift, color.g + lift, color.b + lift);
+  });
+}
+setRamp("viridis");
+
 export const rampGlsl = /* glsl */ `
+uniform vec3 stops[${kStops}];
 vec3 ramp(float t) {
-  t = clamp(t, 0.0, 1.0) * 4.0;
-  vec3 c = mix(vec3(0.06, 0.14, 0.48), vec3(0.03, 0.37, 0.62), clamp(t, 0.0, 1.0));
-  c = mix(c, vec3(0.06, 0.56, 0.46), clamp(t - 1.0, 0.0, 1.0));
-  c = mix(c, vec3(0.92, 0.56, 0.12), clamp(t - 2.0, 0.0, 1.0));
-  return mix(c, vec3(0.90, 0.20, 0.13), clamp(t - 3.0, 0.0, 1.0));
+  t = clamp(t, 0.0, 1.0) * ${kStops - 1}.0;
+  int k = min(int(t), ${kStops - 2});
+  return mix(stops[k], stops[k + 1], t - float(k));
 }
 `;
 
-/** Colours for systems that bring none, in the order of the scene: those of the service's pictures, for a dark ground. */
-export const palette = ["#3f86d6", "#e8873f", "#45b085", "#dc5f5f", "#9a7ad0", "#dcb23c", "#3fb4c2", "#cf6fa4"].map((hex) => new Color(hex));
+const palette = paletteHex.map((hex) => new Color(hex));
+
+/** Colours for systems that bring none, in the order of the scene: those of the service's pictures. */
+export const paletteColor = (k: number): Color => palette[k % palette.length]!;
 
 export const bodyVertex = /* glsl */ `
 in vec3 center, size, tint;

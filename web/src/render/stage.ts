@@ -1,53 +1,58 @@
 // The picture: camera, ground, shapes and systems. Draws only when something changed: a frame, the camera,
 // the size. A machine that cannot keep up gets fewer pixels first and no shadows second.
-import { Box3, Mesh, PerspectiveCamera, Scene, Sphere, Vector3, WebGLRenderer, type IUniform, type Object3D } from "three";
-import { OrbitControls } from "three/addons/controls/OrbitControls.js";
+import { Mesh, PerspectiveCamera, Scene, Sphere, Vector3, WebGLRenderer, type IUniform, type Object3D } from "three";
 import type { ViewerSettings } from "../client/rest";
 import type { DecodedFrame } from "../client/decode";
 import type { Marks, Part, Shape, SystemTopology, Topology } from "../client/gen/truestep/v1/stream_pb";
+import { Extent } from "./extent";
+import { Framing, type Inset, type Side } from "./framing";
 import { Ground } from "./ground";
 import { Handle } from "./handle";
 import { GridView, type Scale } from "./grid_view";
+import { Labels, type Label } from "./labels";
 import { MarkLines } from "./marks";
-import { backgroundColor } from "./shading";
+import { PlotAxes } from "./plot_axes";
+import { infoOf, type SceneInfo } from "./scene_info";
+import { scenery, setRamp, setTheme, type Theme } from "./shading";
 import { isGround, makeShape, placeShape } from "./shapes";
+import { Strings } from "./strings";
 import { SystemView, type Has, type Visibility } from "./system_view";
 
 const kMany = 20000; // points
-const kCheckEvery = 20; // frames between two looks at whether the scene outgrew its frame
-
-export interface CameraPose {
-  eye?: number[];
-  target?: number[];
-  /** Vertical, rad. */
-  fov?: number;
-}
+const kCheckEvery = 200; // ms between two looks at whether the scene outgrew its frame
+const kSmall = 4000; // rows whose names follow them with every frame
+const kRest = 350; // ms without a new picture, after which one is drawn at its best
+const kFlatFov = 12; // degrees: a plane scene shows its faces, not its sides
+const kNames = 8; // systems that are named on the picture
 
 export class Stage {
   readonly camera = new PerspectiveCamera(40, 1, 0.05, 400);
-  readonly controls: OrbitControls;
+  readonly framing: Framing;
   readonly views = new Map<string, SystemView | GridView>();
   readonly handle = new Handle();
   readonly show: Visibility = { points: true, lines: true, surface: true, bySpeed: true, colorBy: "" };
 
+  private readonly viewHeight: IUniform<number> = { value: 1 };
   private readonly renderer: WebGLRenderer;
   private readonly scene = new Scene();
   private readonly ground = new Ground();
   private readonly marks = new MarkLines();
   private parts = new Map<string, Part>();
   private settings: ViewerSettings = {};
-  private readonly viewHeight: IUniform<number> = { value: 1 };
   /** In the order of the topology; undefined where nothing is drawn, as for the ground. */
   private shapes: (Object3D | undefined)[] = [];
   private topology: Topology | undefined;
-  private pose: CameraPose | undefined;
   private framed = false;
-  /** The person has turned the camera: it is theirs until they ask for the scene's again. */
-  private moved = false;
-  private growths = 4;
   private sinceCheck = 0;
   private extent = 1;
   private bounds = new Sphere(new Vector3(), 1);
+  private info: SceneInfo = infoOf(undefined);
+  private readonly labels: Labels;
+  private labelled = false;
+  private readonly strings = new Strings(this.viewHeight);
+  private axes: PlotAxes[] = [];
+  /** Bodies' and points' floors are found once; a plane says itself where it is. */
+  private floor = 0;
   private dirty = true;
   private shadowsDirty = true;
   private scale = 1;
@@ -55,40 +60,55 @@ export class Stage {
   private restores = 3;
   private last = 0;
   private drew = false;
+  /** When the last picture was asked for, and whether it was drawn as well as can be. */
+  private asked = 0;
+  private best = false;
   private presented: (() => void)[] = [];
-  private inset = { left: 0, right: 0, top: 0, bottom: 0 };
 
   constructor(private readonly canvas: HTMLCanvasElement) {
     this.renderer = new WebGLRenderer({ canvas, context: contextOf(canvas) });
-    this.renderer.setClearColor(backgroundColor, 1);
+    this.renderer.setClearColor(scenery.background, 1);
     this.scene.background = null;
-    this.scene.add(this.ground.object, this.marks.object, this.handle.object);
-    this.controls = new OrbitControls(this.camera, canvas);
-    Object.assign(this.controls, { enableDamping: true, dampingFactor: 0.12, zoomToCursor: true, maxPolarAngle: Math.PI * 0.55 });
-    this.controls.listenToKeyEvents(canvas);
-    this.controls.addEventListener("change", () => this.invalidate());
-    this.controls.addEventListener("start", () => (this.moved = true));
-    this.lookAt([3, 2, 4], [0, 0.8, 0]);
+    this.scene.add(this.ground.object, this.marks.object, this.handle.object, this.strings.object);
+    this.framing = new Framing(this.camera, canvas, () => this.invalidate());
+    this.labels = new Labels(canvas);
     this.ground.fit(new Sphere(new Vector3(0, 0.8, 0), 2.5), 0);
     new ResizeObserver(() => this.resize()).observe(canvas);
     this.resize();
     this.renderer.setAnimationLoop((now) => this.tick(now));
   }
 
+  get controls(): Framing["controls"] {
+    return this.framing.controls;
+  }
+
   /** Forgets the last session; the next scene's camera is in `settings`, without one what appears is framed. */
-  clear(settings: ViewerSettings): void {
-    const pose = settings.camera;
+  clear(settings: ViewerSettings, info: SceneInfo): void {
     this.settings = settings;
+    this.info = info;
     for (const view of this.views.values()) view.dispose();
     this.views.clear();
     this.topology = undefined;
     this.setShapes([]);
     this.setMarks(undefined);
-    this.pose = pose;
+    this.framing.clear(settings.camera, info.plots.length > 0);
+    setRamp(settings.color_map ?? "viridis");
+    this.show.range = settings.range;
+    if (info.flat) this.camera.fov = kFlatFov;
+    for (const axes of this.axes) axes.dispose();
+    this.axes = info.plots.map((plot) => new PlotAxes(plot, this.viewHeight));
+    for (const axes of this.axes) this.scene.add(axes.object);
+    this.strings.set(info.strings);
+    this.labels.set([]);
     this.framed = false;
-    this.moved = false;
-    this.growths = 4;
     this.handle.hide();
+    this.invalidate(true);
+  }
+
+  setTheme(theme: Theme): void {
+    setTheme(theme);
+    this.renderer.setClearColor(scenery.background, 1);
+    if (this.framed) this.fitAxes();
     this.invalidate(true);
   }
 
@@ -107,8 +127,8 @@ export class Stage {
       this.views.get(system.system)?.dispose();
       const part = this.parts.get(system.system);
       const view = part?.lattice
-        ? new GridView(part, this.settings, index)
-        : new SystemView(system.system, system, index, this.viewHeight, this.ground.shadowUniforms, part);
+        ? new GridView(part, this.settings, this.viewHeight)
+        : new SystemView(system.system, system, index, this.viewHeight, this.ground.shadowUniforms, part, this.info.plots.some((plot) => plot.system === system.system));
       this.views.set(view.id, view);
       this.scene.add(view.group);
     });
@@ -142,20 +162,48 @@ export class Stage {
     return [...this.views.values()].filter((view) => view instanceof SystemView);
   }
 
-  /** What the colours of the first grid mean. */
+  /** What the colours mean: of a grid, or else of points, bodies and lines that are coloured by a value. */
   get colorScale(): Scale | undefined {
     for (const view of this.views.values()) if (view instanceof GridView) return view.scale;
-    return undefined;
+    let low = Infinity;
+    let high = -Infinity;
+    for (const view of this.views.values()) {
+      if (!view.range) continue;
+      low = Math.min(low, view.range[0]);
+      high = Math.max(high, view.range[1]);
+    }
+    if (low > high) return undefined;
+    const name = this.show.colorBy || "speed";
+    const field = [...this.parts.values()].flatMap((part) => part.fields).find((one) => one.name === name);
+    const unit = field?.unit ?? (name === "speed" ? "m/s" : "");
+    return { label: unit && unit !== "1" ? `${name} (${unit})` : name, map: this.settings.color_map ?? "viridis", low, high };
+  }
+
+  /** Systems that are told apart by their colour, for a legend. */
+  get systemColors(): { id: string; color: string }[] {
+    const out = new Map<string, string>();
+    for (const view of this.views.values()) {
+      if (view instanceof GridView || view.bodies || view.range || view.id.includes(".")) continue;
+      out.set(view.id, `#${view.tint.getHexString()}`);
+    }
+    return out.size > 1 ? [...out].map(([id, color]) => ({ id, color })) : [];
   }
 
   /** Draws `frame` with the next picture; the promise ends when that picture is out. */
   present(frame: DecodedFrame): Promise<void> {
     for (const view of this.views.values()) {
-      const fields = frame.fields.filter((field) => field.system === view.id);
+      // Values of a system's lines travel as a part of their own.
+      const fields = frame.fields.filter((field) => field.system === view.id || (this.parts.get(field.system)?.elements === "lines" && this.parts.get(field.system)?.system === view.id));
       if (fields.length > 0) view.update(fields, this.show);
     }
+    this.strings.update((id) => {
+      const view = this.views.get(id);
+      return view instanceof SystemView ? view : undefined;
+    });
     if (!this.framed && this.views.size > 0) this.frameScene();
-    else if (++this.sinceCheck >= kCheckEvery) this.followGrowth();
+    else if (performance.now() - this.sinceCheck >= kCheckEvery) this.followGrowth();
+    else if (this.labelled && [...this.views.values()].reduce((sum, view) => sum + view.count, 0) < kSmall) this.nameSystems();
+    if (this.framing.following) this.track();
     this.invalidate(true);
     return new Promise((resolve) => this.presented.push(resolve));
   }
@@ -166,102 +214,136 @@ export class Stage {
     this.invalidate(true);
   }
 
+  /** Nothing but grids is on the screen. */
+  get onlyGrids(): boolean {
+    return this.views.size > 0 && [...this.views.values()].every((view) => view instanceof GridView);
+  }
+
   get has(): Has {
     const all = [...this.views.values()].map((view) => view.has);
     const some = (key: keyof Has): boolean => all.some((h) => h[key]);
     return { points: some("points"), lines: some("lines"), surface: some("surface"), bodies: some("bodies") };
   }
 
-  /** Puts the camera back to where the scene wants it. */
-  resetCamera(): void {
-    this.moved = false;
-    this.frameScene();
+  /** Everything seen so far in the free part of the picture, from the scene's own side or another. */
+  frameAll(side: Side = "scene"): void {
+    this.framing.frameAll(side);
     this.invalidate(true);
   }
 
-  /** Tells how much of the picture other things cover (CSS pixels); its middle moves to the middle of the rest. */
-  setInset(inset: { left: number; right: number; top: number; bottom: number }): void {
-    this.inset = inset;
-    this.project();
+  /** Tells how much of the picture other things cover (CSS pixels); the scene is framed in the rest. */
+  setInset(inset: Inset): void {
+    this.framing.setInset(inset);
   }
 
   invalidate(shadows = false): void {
     this.dirty = true;
+    this.best = false;
+    this.asked = performance.now();
     this.shadowsDirty ||= shadows;
+  }
+
+  /** What is there now. */
+  private reach(): Extent {
+    const now = new Extent();
+    for (const view of this.views.values()) view.reachOf(now);
+    for (const shape of this.topology?.shapes ?? []) this.addShape(now, shape);
+    this.axes.forEach((axes) => axes.reachOf(now));
+    return now;
   }
 
   /** Sizes ground, light and camera for what is on the screen. */
   private frameScene(): void {
     this.framed = true;
-    this.sinceCheck = 0;
-    const points = this.pointBounds();
-    this.extent = Math.max(points.getBoundingSphere(new Sphere()).radius, 0.2);
+    this.sinceCheck = performance.now();
+    const now = this.reach();
+    this.extent = Math.max(now.ball().radius, 0.2);
     this.drawShapes();
-    for (const object of this.shapes) if (object?.userData.solid) points.expandByObject(object);
+    this.strings.reachOf((x, y, z) => now.add(x, y, z));
     let lowest = Infinity;
-    for (const view of this.views.values()) if (view.bodies) lowest = Math.min(lowest, view.bodies.frame(points));
-    if (points.isEmpty()) points.set(new Vector3(-1, 0, -1), new Vector3(1, 1, 1));
-    const bounds = points.getBoundingSphere(new Sphere());
-    bounds.radius = Math.max(bounds.radius, 0.2);
-    this.bounds = bounds;
+    for (const view of this.views.values()) if (view.bodies) lowest = Math.min(lowest, view.bodies.frame(now));
+    if (now.empty) for (const x of [-1, 1]) now.add(x, 0.5, x);
+    this.framing.setFacing(this.facing());
+    this.framing.begin(now);
     const plane = this.topology?.shapes.find(isGround);
-    const floor = plane ? (plane.position[1] ?? 0) : floorUnder(Math.min(points.min.y, lowest), lowest < Infinity, bounds.radius);
+    const radius = now.ball().radius;
+    this.floor = plane ? (plane.position[1] ?? 0) : floorUnder(Math.min(now.along(1)[0], lowest), lowest < Infinity, radius);
+    this.ground.object.visible = (this.info.standing || plane !== undefined) && !this.facing();
+    this.fitGround();
+    this.fitAxes();
+  }
+
+  /** The side of a flat scene that a person looks at. */
+  private facing(): Vector3 | undefined {
+    if (this.info.flat) return new Vector3(0, 0, 1);
+    const sides = [...this.views.values()].map((view) => (view instanceof GridView ? view.facing : undefined));
+    return sides.length > 0 && sides.every((side) => side !== undefined) ? new Vector3().fromArray(sides[0]!) : undefined;
+  }
+
+  private fitGround(): void {
+    const { center, radius } = this.framing.seen.ball();
+    this.bounds = new Sphere(new Vector3().fromArray(center), Math.max(radius, 0.05));
+    const plane = this.topology?.shapes.some(isGround);
+    // What swings below the floor that was guessed takes it along.
+    const [low] = this.framing.seen.along(1);
+    if (!plane && low < this.floor) this.floor = low - 0.02 * radius;
     // What hangs far above the ground throws its shadow outside the light's view; include the floor below it.
-    this.ground.fit(bounds.clone().expandByPoint(new Vector3(bounds.center.x, floor, bounds.center.z)), floor);
-    this.camera.near = bounds.radius / 200;
-    this.camera.far = bounds.radius * 80;
-    Object.assign(this.controls, { minDistance: bounds.radius * 0.05, maxDistance: bounds.radius * 30 });
-    this.camera.updateProjectionMatrix();
-    if (!this.moved) this.aim(bounds);
+    this.ground.fit(this.bounds.clone().expandByPoint(new Vector3(center[0], this.floor, center[2])), this.floor);
   }
 
-  /** Points the camera as the scene says, or so that `bounds` fills what is free of the picture. */
-  private aim(bounds: Sphere): void {
-    const { eye, target, fov } = this.pose ?? {};
-    this.camera.fov = fov ? (fov * 180) / Math.PI : 40;
-    const at = target ?? bounds.center.toArray();
-    const centre = new Vector3().fromArray(at);
-    const narrow = this.free();
-    const away = (0.95 * bounds.radius) / Math.sin((this.camera.fov * Math.PI) / 360) / narrow;
-    const from = eye ? new Vector3().fromArray(eye) : new Vector3(0.55, 0.38, 0.75).normalize().multiplyScalar(away).add(centre);
-    // A camera made for a whole picture steps back where less of it is free.
-    if (eye) from.sub(centre).multiplyScalar(1 / Math.min(1, 1.25 * narrow)).add(centre);
-    this.lookAt(from.toArray(), at);
+  private fitAxes(): void {
+    for (const axes of this.axes) axes.fit(this.framing.seen);
+    this.nameSystems();
   }
 
-  /** A scene that outgrows its frame (an emitter starts with nothing) gets a larger one, a few times at most. */
-  private followGrowth(): void {
-    this.sinceCheck = 0;
-    if (this.growths <= 0) return;
-    const radius = this.pointBounds().getBoundingSphere(new Sphere()).radius;
-    if (radius < 1.5 * this.bounds.radius) return;
-    --this.growths;
-    this.frameScene();
-  }
-
-  private pointBounds(): Box3 {
-    const box = new Box3();
-    const point = new Vector3();
-    for (const view of this.views.values()) {
-      const reach = view.bodies?.reach;
-      for (let k = 0; k < view.count; ++k) {
-        if (reach && !((reach[k] ?? -1) >= 0)) continue;
-        point.fromArray(view.positions, 3 * k);
-        if (Number.isFinite(point.x + point.y + point.z)) box.expandByPoint(point);
+  /** Ticks and names of axes, and names beside systems where there are a few. */
+  private nameSystems(): void {
+    const labels: Label[] = this.axes.flatMap((axes) => axes.labels);
+    const drawn = [...this.views.values()].filter((view) => view instanceof SystemView && !view.id.includes(".") && view.count > 0) as SystemView[];
+    if (this.axes.length === 0 && drawn.length > 1 && drawn.length <= kNames) {
+      for (const view of drawn) {
+        const mine = new Extent();
+        view.reachOf(mine);
+        if (mine.empty) continue;
+        labels.push({ text: view.id.replaceAll("_", " "), at: mine.top(), kind: "name", color: `#${view.tint.getHexString()}` });
       }
     }
-    return box;
+    this.labelled = labels.some((label) => label.kind === "name");
+    this.labels.set(labels);
+  }
+
+  private addShape(out: Extent, shape: Shape): void {
+    const { kind, position: [x = 0, y = 0, z = 0] = [], size: [a = 1, b = a, c = a] = [] } = shape;
+    if (kind === "sphere") out.add(x, y, z, a);
+    else if (kind === "box") out.add(x, y, z, 0.9 * Math.hypot(a, b, c));
+    else if (kind === "capsule" || kind === "cylinder") out.add(x, y, z, a + b);
+  }
+
+  /** A scene that outgrows its frame gets a larger one. */
+  private followGrowth(): void {
+    this.sinceCheck = performance.now();
+    const before = this.framing.seen.ball().radius;
+    const now = this.reach();
+    // What has left for good is followed: an empty picture shows nothing.
+    if (this.framing.lost(now) && !this.framing.held && !this.framing.following) this.framing.follow(true);
+    if (this.framing.grow(now) || this.framing.seen.ball().radius > 1.1 * before) {
+      this.fitGround();
+      this.fitAxes();
+    } else {
+      if (this.framing.seen.ball().radius > before) for (const axes of this.axes) axes.fit(this.framing.seen);
+      this.nameSystems();
+    }
+  }
+
+  /** Keeps the middle of what moves where it is on the screen. */
+  private track(): void {
+    const middles = [...this.views.values()].flatMap((view) => (view instanceof SystemView ? [view.middle()] : [])).filter((middle) => middle !== undefined);
+    if (middles.length === 0) return;
+    this.framing.track(middles.reduce((sum, middle) => sum.add(middle), new Vector3()).divideScalar(middles.length));
   }
 
   private drawShapes(): void {
     this.setShapes((this.topology?.shapes ?? []).map((shape) => makeShape(shape, 1.5 * this.extent)));
-  }
-
-  private lookAt(eye: number[], target: number[]): void {
-    this.camera.position.fromArray(eye);
-    this.controls.target.fromArray(target);
-    this.camera.updateProjectionMatrix();
-    this.controls.update();
   }
 
   private setShapes(shapes: (Object3D | undefined)[]): void {
@@ -279,40 +361,55 @@ export class Stage {
     this.renderer.setPixelRatio(Math.min(window.devicePixelRatio, 2) * this.scale);
     this.renderer.setSize(width, height, false);
     this.viewHeight.value = this.canvas.height;
-    this.project();
-  }
-
-  private project(): void {
-    const { clientWidth: width, clientHeight: height } = this.canvas;
-    if (width === 0 || height === 0) return;
-    const { left, right, top, bottom } = this.inset;
-    this.camera.aspect = width / height;
-    this.camera.setViewOffset(width, height, (right - left) / 2, (bottom - top) / 2, width, height);
+    this.framing.resized();
     this.invalidate();
-  }
-
-  /** The side of the largest square in the uncovered part, as a share of the picture's height. */
-  private free(): number {
-    const { clientWidth: width, clientHeight: height } = this.canvas;
-    const { left, right, top, bottom } = this.inset;
-    return Math.max(0.3, Math.min(1, Math.min(width - left - right, height - top - bottom) / (height || 1)));
   }
 
   private tick(now: number): void {
     // Time since the last turn counts as the cost of a picture only if that turn drew one.
     if (this.drew) this.adapt(now - this.last);
     this.last = now;
-    this.controls.update();
+    this.framing.update(now);
     this.drew = this.dirty;
-    if (!this.dirty) return this.release();
+    if (!this.dirty) {
+      this.finish();
+      return this.release();
+    }
+    if (this.full) this.sharpen(false);
     this.dirty = false;
+    this.draw();
+    this.release();
+  }
+
+  private draw(): void {
     if (this.shadowsDirty) {
       this.shadowsDirty = false;
       this.ground.castShadows(this.renderer, this.scene, this.viewHeight);
     }
-    this.handle.face(this.camera, this.canvas.clientHeight);
+    const { clientWidth, clientHeight } = this.canvas;
+    this.handle.face(this.camera, clientHeight);
     this.renderer.render(this.scene, this.camera);
-    this.release();
+    this.labels.place(this.camera, clientWidth, clientHeight);
+  }
+
+  /** A slow machine's last picture, once nothing moves any more: all pixels, and shadows. */
+  private finish(): void {
+    if (this.best || performance.now() - this.asked < kRest) return;
+    this.best = true;
+    if (this.scale >= 1 && this.ground.shadows) return;
+    this.sharpen(true);
+    this.draw();
+  }
+
+  private full = false;
+  private sharpen(on: boolean): void {
+    this.full = on;
+    const { clientWidth: width, clientHeight: height } = this.canvas;
+    this.renderer.setPixelRatio(Math.min(window.devicePixelRatio, 2) * (on ? 1 : this.scale));
+    this.renderer.setSize(width, height, false);
+    this.viewHeight.value = this.canvas.height;
+    this.ground.full = on;
+    this.shadowsDirty = true;
   }
 
   private release(): void {
@@ -342,10 +439,10 @@ export class Stage {
   }
 }
 
-/** The ground's height: 0 where nothing is below, else well under it. Faces of bodies in its plane would flicker. */
+/** The ground's height: 0 if the scene stands near it, else a little under it. Faces in its plane would flicker. */
 function floorUnder(low: number, bodies: boolean, radius: number): number {
   if (bodies) return low - 0.02 * radius;
-  return low >= -1e-3 * radius ? 0 : low - 0.15 * radius;
+  return low >= -1e-3 * radius && low < 1.5 * radius ? 0 : low - 0.15 * radius;
 }
 
 const sameBytes = (a: Uint8Array, b: Uint8Array): boolean => a.length === b.length && a.every((byte, k) => byte === b[k]);

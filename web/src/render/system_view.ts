@@ -1,15 +1,17 @@
 // One system on the screen: its positions in one array that points, lines and triangles share.
-import { BufferAttribute, Color, DynamicDrawUsage, Group, type IUniform, type LineSegments } from "three";
+import { BufferAttribute, Color, DynamicDrawUsage, Group, SRGBColorSpace, Vector3, type IUniform } from "three";
 import { uints, type FieldArray } from "../client/decode";
 import { Bodies, type FloorUniforms } from "./bodies";
 import { meaning } from "../client/parts";
+import type { Extent } from "./extent";
 import type { Part, SystemTopology } from "../client/gen/truestep/v1/stream_pb";
-import { makeLines } from "./lines";
+import { kindColors, WideLines } from "./lines";
 import { PointCloud } from "./points";
-import { palette } from "./shading";
+import { paletteColor } from "./shading";
 import { Surface } from "./surface";
 
 const kMarked = 128; // points
+const kNet = 1500; // lines
 
 export interface Visibility {
   points: boolean;
@@ -19,6 +21,8 @@ export interface Visibility {
   bySpeed: boolean;
   /** Name of that field; "" for speed, and only where a system has no colour of its own. */
   colorBy: string;
+  /** Lowest and highest value of the colours, where the scene says. */
+  range?: number[];
 }
 
 /** Which switches do something. */
@@ -34,11 +38,18 @@ export class SystemView {
   readonly bodies: Bodies | undefined;
   positions = new Float32Array(0);
   count = 0;
+  /** Orientations of the rows (w x y z), where they have any. */
+  turns: ArrayLike<number> | undefined;
   private attribute = new BufferAttribute(this.positions, 3);
   private points: PointCloud | undefined;
   private surface: Surface | undefined;
-  private lines: LineSegments | undefined;
+  private lines: WideLines | undefined;
+  private lineScale: [number, number] | undefined;
   private readonly pairs: Uint32Array;
+  /** Which of the lines are drawn, and their rows. */
+  private kept: number[] = [];
+  private drawn = new Uint32Array(0);
+  private bodyRange: [number, number] | undefined;
   private readonly triangles: Uint32Array;
   private readonly color: Color | undefined;
   private readonly names: Names;
@@ -50,11 +61,12 @@ export class SystemView {
     private readonly viewHeight: IUniform<number>,
     floor: FloorUniforms,
     part: Part | undefined,
+    private readonly trails = false,
   ) {
     this.names = { position: meaning(part, "position"), orientation: meaning(part, "orientation"), asleep: meaning(part, "asleep"), velocity: meaning(part, "velocity") };
 
     const [r, g, b] = topology.color;
-    this.color = r !== undefined && g !== undefined && b !== undefined ? new Color().setRGB(r, g, b) : undefined;
+    this.color = r !== undefined && g !== undefined && b !== undefined ? new Color().setRGB(r, g, b, SRGBColorSpace) : undefined;
     this.pairs = uints(topology.lines);
     this.triangles = uints(topology.triangles);
     if (topology.visuals.length > 0) {
@@ -77,11 +89,12 @@ export class SystemView {
 
   /** Takes a frame's fields of this system. */
   update(fields: FieldArray[], show: Visibility): void {
-    const position = fields.find((field) => field.field === this.names.position);
+    const position = fields.find((field) => field.system === this.id && field.field === this.names.position);
     if (position) this.take(position);
     this.mark();
     this.carry(fields, show);
-    this.points?.update(this.positions, this.count, show.bySpeed && (show.colorBy || !this.color) ? values(fields, show.colorBy, this.names) : undefined);
+    this.colorLines(fields, show);
+    this.points?.update(this.positions, this.count, show.bySpeed && (show.colorBy || !this.color) ? values(mine(fields, this.id), show.colorBy, this.names) : undefined, show.range);
     if (this.points?.object && !this.points.object.parent) {
       this.points.object.layers.enable(1);
       this.group.add(this.points.object);
@@ -94,7 +107,7 @@ export class SystemView {
   apply(show: Visibility): void {
     if (this.bodies) this.bodies.group.visible = show.surface;
     if (this.points?.object) this.points.object.visible = show.points;
-    if (this.lines) this.lines.visible = show.lines;
+    if (this.lines) this.lines.object.visible = show.lines;
     if (this.surface && this.surface.object.visible !== show.surface) {
       this.surface.object.visible = show.surface;
       if (show.surface) this.surface.update();
@@ -105,22 +118,46 @@ export class SystemView {
     this.points?.dispose();
     this.bodies?.dispose();
     this.surface?.dispose();
-    this.lines?.geometry.dispose();
+    this.lines?.dispose();
     this.group.removeFromParent();
+  }
+
+  /** Adds what there is now; strays of a cloud of particles are left aside. */
+  reachOf(out: Extent): void {
+    if (this.bodies) this.bodies.reachOf(out);
+    if (this.bodies && !this.points && this.pairs.length === 0) return;
+    const loose = this.pairs.length === 0 && this.triangles.length === 0;
+    out.addCloud(this.positions, this.count, this.points ? this.pointRadius : 0, loose);
+  }
+
+  /** Middle of what moves. */
+  middle(): Vector3 | undefined {
+    if (this.bodies) return this.bodies.middle();
+    if (this.count === 0) return undefined;
+    const sum = new Vector3();
+    for (let k = 0; k < this.count; ++k) sum.add(new Vector3().fromArray(this.positions, 3 * k));
+    return sum.divideScalar(this.count);
+  }
+
+  /** The colour that stands for the system. */
+  get tint(): Color {
+    return this.fill();
   }
 
   /** Moves the bodies with their rows. */
   private carry(fields: FieldArray[], show: Visibility): void {
-    const turn = fields.find((field) => field.field === this.names.orientation);
+    const turn = fields.find((field) => field.system === this.id && field.field === this.names.orientation);
+    this.turns = turn?.data;
     if (!this.bodies || !turn || this.count < this.bodies.rows || turn.count < this.bodies.rows) return;
-    const speed = show.bySpeed && show.colorBy ? values(fields, show.colorBy, this.names) : undefined;
-    const asleep = fields.find((field) => field.field === this.names.asleep)?.data;
+    const speed = show.bySpeed && show.colorBy ? values(mine(fields, this.id), show.colorBy, this.names) : undefined;
+    const asleep = fields.find((field) => field.system === this.id && field.field === this.names.asleep)?.data;
     const top = speed?.reduce((most, v) => Math.max(most, v), 1e-6) ?? 1;
+    this.bodyRange = speed ? [0, top] : undefined;
     this.bodies.update(this.positions, turn.data, speed ?? asleep, 1 / top, speed !== undefined);
   }
 
   private fill(): Color {
-    return this.color ?? palette[this.index % palette.length]!;
+    return this.color ?? paletteColor(this.index);
   }
 
   /** Marks the points of a small network that has no size of its own, or two masses on springs are two thin lines. */
@@ -142,6 +179,53 @@ export class SystemView {
       for (let k = 0; k < count; ++k) for (let c = 0; c < Math.min(width, 3); ++c) this.positions[3 * k + c] = data[k * width + c]!;
     }
     this.attribute.needsUpdate = true;
+    this.lines?.connect(this.positions, this.drawn);
+  }
+
+  /** Tubes for ropes, hair and trails; over a surface the structural springs as a breath of a net. */
+  private string(): void {
+    const kinds = this.topology.lineKind;
+    const faint = this.surface !== undefined;
+    const kept: number[] = [];
+    for (let k = 0; 2 * k < this.pairs.length; ++k) if (!faint || (kinds[k] ?? 0) === 0) kept.push(k);
+    this.kept = kept;
+    this.drawn = Uint32Array.from(kept.flatMap((k) => [this.pairs[2 * k]!, this.pairs[2 * k + 1]!]));
+    // Many lines at many points are a net or a lock of hair: as wide as a rope they would be a lump.
+    const many = kept.length > kNet && !this.trails;
+    this.lines = new WideLines(this.viewHeight, { pixels: faint ? 1 : many ? 1.6 : 3, radius: faint || many ? 0 : this.topology.pointRadius / 4, opacity: faint ? 0.16 : 1, tube: !faint });
+    this.lines.reserve(kept.length);
+    const colors = kindColors(this.fill());
+    const threads = faint ? undefined : this.threads(kept);
+    kept.forEach((k, at) => this.lines!.color(at, threads ? threads[at]! : colors[Math.min(kinds[k] ?? 0, 3)]!));
+    if (!faint) this.lines.object.layers.enable(1);
+    this.group.add(this.lines.object);
+  }
+
+  /** Trails of equations: what is not connected is another curve, and has another colour. */
+  private threads(kept: number[]): Color[] | undefined {
+    if (!this.trails || this.color) return undefined;
+    let thread = this.index - 1;
+    return kept.map((k) => {
+      if (k === 0 || this.pairs[2 * k] !== this.pairs[2 * k - 1]) ++thread;
+      return paletteColor(thread);
+    });
+  }
+
+  /** Colours lines by the field that the scene names, where a part has a value for each line. */
+  private colorLines(fields: FieldArray[], show: Visibility): void {
+    if (!this.lines) return;
+    const field = show.bySpeed && show.colorBy ? fields.find((one) => one.system !== this.id && one.field === show.colorBy && one.count === this.pairs.length / 2) : undefined;
+    this.lineScale = undefined;
+    if (!field) return this.lines.values(undefined);
+    const size = sizes(field);
+    const [low, high] = show.range?.length === 2 ? (show.range as [number, number]) : extremes(size);
+    this.lineScale = [low, high];
+    this.lines.values(this.kept.map((k) => (high > low ? (size[k]! - low) / (high - low) : 0)));
+  }
+
+  /** Lowest and highest value that colours stand for; undefined where nothing is coloured. */
+  get range(): [number, number] | undefined {
+    return this.lineScale ?? this.points?.range ?? this.bodyRange;
   }
 
   /** New arrays, and lines and triangles over them; a topology that names rows beyond them is not drawn. */
@@ -156,14 +240,9 @@ export class SystemView {
       this.surface.object.layers.enable(1);
       this.group.add(this.surface.object);
     }
-    this.lines?.geometry.dispose();
-    this.lines?.removeFromParent();
+    this.lines?.dispose();
     this.lines = undefined;
-    if (inside(this.pairs)) {
-      this.lines = makeLines(this.attribute, this.pairs, this.topology.lineKind, this.color, this.surface !== undefined);
-      if (!this.surface) this.lines.layers.enable(1);
-      this.group.add(this.lines);
-    }
+    if (inside(this.pairs)) this.string();
   }
 }
 
@@ -173,6 +252,29 @@ interface Names {
   orientation: string | undefined;
   asleep: string | undefined;
   velocity: string | undefined;
+}
+
+const mine = (fields: FieldArray[], id: string): FieldArray[] => fields.filter((field) => field.system === id);
+
+/** One number per row: the value, or the length of a vector. */
+function sizes({ count, width, data }: FieldArray): Float32Array {
+  const out = new Float32Array(count);
+  for (let r = 0; r < count; ++r) {
+    let sum = 0;
+    for (let c = 0; c < width; ++c) sum += data[r * width + c]! ** 2;
+    out[r] = width === 1 ? data[r]! : Math.sqrt(sum);
+  }
+  return out;
+}
+
+function extremes(values: ArrayLike<number>): [number, number] {
+  let low = Infinity;
+  let high = -Infinity;
+  for (let k = 0; k < values.length; ++k) {
+    if (values[k]! < low) low = values[k]!;
+    if (values[k]! > high) high = values[k]!;
+  }
+  return low <= high ? [low, high] : [0, 1];
 }
 
 let scratch = new Float32Array(0);

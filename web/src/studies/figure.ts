@@ -4,7 +4,7 @@ import { makeAxis, place, type Axis } from "./axis";
 import type { Curve, Model } from "./model";
 
 const kReach = 36; // px
-const colors = ["#7cc0ff", "#ffb36b", "#79d6a3", "#c9a2f2", "#f2919b", "#e6d36f", "#6fd8d8", "#f0a3d4", "#a9c46c", "#9aa8ff"];
+const colors = ["var(--series-1)", "var(--series-2)", "var(--series-3)", "var(--series-4)", "var(--series-5)", "var(--series-6)", "#6fd8d8", "#f0a3d4", "#a9c46c", "#9aa8ff"];
 
 export interface Figure {
   element: HTMLElement;
@@ -51,11 +51,11 @@ export function makeFigure(model: Model, describe: (curve: Curve, point: { x: nu
       const shown = front.has(name) || name === pointed;
       group.classList.toggle("front", shown);
       group.classList.toggle("dim", pointed !== undefined && name !== pointed);
-      group.style.setProperty("--series", name === pointed && !front.has(name) ? "#e7ebf1" : front.has(name) ? color(name) : "#7d8a9c");
+      group.style.setProperty("--series", name === pointed && !front.has(name) ? "var(--ink)" : front.has(name) ? color(name) : "var(--mute)");
     }
     for (const [name, chip] of chips) {
       chip.setAttribute("aria-pressed", String(front.has(name)));
-      chip.style.setProperty("--series", front.has(name) ? color(name) : "#55606f");
+      chip.style.setProperty("--series", front.has(name) ? color(name) : "var(--mute)");
     }
     raise();
   }

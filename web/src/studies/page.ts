@@ -12,6 +12,7 @@ import { questionOf, titleOf } from "./words";
 
 const kOwn = ":own"; // the choice of the session's scene; no gallery name begins with a colon
 const kEarlier = 6;
+const needsMethods = new Set(["work_precision", "convergence", "stability"]);
 
 export class StudyPage {
   private readonly service = new Service();
@@ -27,6 +28,7 @@ export class StudyPage {
   private current: Operation | undefined;
   private stop: () => void = () => undefined;
   private chosen = 0;
+  private refused = false;
 
   async start(): Promise<void> {
     const query = new URLSearchParams(location.search);
@@ -86,12 +88,25 @@ export class StudyPage {
     const mine = this.chosen;
     const kind = this.kind();
     if (!kind) return;
-    const type = systemsOf(this.scene)[0]?.type;
-    const methods = type ? await this.service.methods(type) : [];
+    // The first system whose method can be chosen, as the service takes it.
+    const types = [...new Set(systemsOf(this.scene).map((system) => system.type))];
+    const all = await Promise.all(types.map((type) => this.service.methods(type).catch(() => [])));
     if (mine !== this.chosen) return;
+    const methods = all.find((some) => some.length > 0) ?? [];
+    this.refuse(needsMethods.has(kind.kind) && this.scene !== undefined && methods.length === 0
+      ? `This question compares methods of time integration, and ${types.join(" and ")} ${types.length === 1 ? "has" : "have"} a solver of ${types.length === 1 ? "its" : "their"} own. A parameter sweep serves this scene.` : "");
     const quantities = ["energy.total", ...(this.scene?.expect ?? []).map((expectation) => expectation.quantity)];
     const offers: Offers = { methods, quantities: [...new Set(quantities)], ...(this.scene ? { scene: this.scene } : {}) };
     this.form.show(kind.parameters, offers);
+  }
+
+  /** Says why this question cannot be put to this scene; "" lets it begin. */
+  private refuse(reason: string): void {
+    const note = byId("not-offered");
+    note.hidden = reason === "";
+    note.textContent = reason;
+    this.refused = reason !== "";
+    byId<HTMLButtonElement>("start").disabled = this.refused || byId("outcome").getAttribute("aria-busy") === "true";
   }
 
   private kind(): StudyKind | undefined {
@@ -166,7 +181,7 @@ export class StudyPage {
   }
 
   private busy(on: boolean): void {
-    byId<HTMLButtonElement>("start").disabled = on;
+    byId<HTMLButtonElement>("start").disabled = on || this.refused;
     byId("outcome").setAttribute("aria-busy", String(on));
   }
 

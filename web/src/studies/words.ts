@@ -91,6 +91,15 @@ function convergence(result: StudyResult, words: Words): void {
   const method = text(summary.subject) || text(summary.integrator);
   const observed = number(summary.observed_order);
   const promised = number(summary.promised_order);
+  if (summary.adaptive === true) {
+    const sound = result.rows.filter((row) => row.status === "ok" && typeof row.error_end === "number");
+    const last = sound.at(-1);
+    words.findings.push(`${method} chooses its steps by its tolerance, so the error is shown over that.`);
+    if (last) words.findings.push(`At tolerance ${quantity(Number(last.tolerance))} it takes ${plural(Number(last.steps), "step")} and its error is ${quantity(Number(last.error_end))}.`);
+    reach(result, words);
+    cutOff(result, words);
+    return;
+  }
   const claim = promised === undefined ? "" : ` It promises ${promised}.`;
   if (observed !== undefined) {
     words.findings.push(`${method} converges with order ${observed.toFixed(2)}.${claim}`);

@@ -3,10 +3,14 @@ import { showScale } from "./scale";
 import { connect, type Stream } from "../client/stream";
 import { ProblemError, problemOf } from "../client/problem";
 import { Service, type Instability, type Scene, type Session } from "../client/rest";
+import { infoOf, type SceneInfo } from "../render/scene_info";
+import type { Side } from "../render/framing";
+import type { Theme } from "../render/shading";
 import { meaning, partsOf } from "../client/parts";
 import type { Hello, PlaybackState, Topology } from "../client/gen/truestep/v1/stream_pb";
 import { Stage } from "../render/stage";
 import { accuracyWords, type Accuracy } from "../studies/accuracy";
+import { packScene, readShared, writeShared, type Shared } from "./address";
 import { Compact } from "./compact";
 import { byId, make } from "./dom";
 import { Editor } from "./editor";
@@ -16,8 +20,10 @@ import { Plot } from "./plot";
 import { clearProblems, showProblem } from "./problems";
 import { Readout } from "./readout";
 import { installShortcuts } from "./shortcuts";
+import { speedAtFirst, speedsFor, speedText } from "./speeds";
 
-const speeds = [0.05, 0.1, 0.25, 0.5, 1, 2, 4];
+const kHistory = 1500; // points of a plot's past
+const kAddress = 1200; // ms between two looks at what the address says
 const kMarks = 5000; // pictures that leave a performance mark, for scripts/measure.mjs
 const stateText = { connecting: "connecting", open: "live", waiting: "connection lost, trying again", closed: "closed" } as const;
 
@@ -38,14 +44,25 @@ export class App {
   private playing = false;
   private readonly marks = { contacts: false, joints: false };
   private measured = 0;
+  private speeds = speedsFor(undefined);
+  private info: SceneInfo = infoOf(undefined);
+  /** The session's scene, with its defaults; undefined until it has come. */
+  private scene: Scene | undefined;
+  private galleryName: string | undefined;
+  private packed: string | undefined;
+  private time = 0;
+  private ended = false;
+  private filling = false;
 
   constructor() {
     this.interaction = new Interaction(this.stage, this.canvas, {
       send: (body) => void this.stream?.command(body).catch((error: unknown) => this.fail(error)),
+      ask: async (body) => void (await this.stream?.command(body)),
       post: (body) => this.stream?.post(body),
       say: (text) => this.hint(text),
     });
-    this.speed.append(...speeds.map((value) => make("option", { value: String(value), selected: value === 1 }, `${value}×`)));
+    this.offerSpeeds(undefined, 1);
+    this.theme((localStorage.getItem("theme") as Theme | null) ?? "dark");
     this.wire();
   }
 
@@ -57,13 +74,15 @@ export class App {
     const narrow = window.innerWidth < 720;
     this.panel(session || (scene && narrow) ? "none" : "gallery");
     const listed = this.listGallery();
+    const shared = await readShared(location.hash);
     if (session) {
-      await this.attempt(() => this.openSession(session));
+      await this.attempt(() => this.openSession(session, shared));
       // A session that is gone leaves nothing to look at but the way to another one.
       if (this.id === undefined) this.panel("gallery");
     } else if (scene) await this.attempt(() => this.openGallery(scene));
     await listed;
     setInterval(() => void this.measureTrip(), 2000);
+    setInterval(() => this.address(), kAddress);
     void this.measureTrip();
   }
 
@@ -85,29 +104,48 @@ export class App {
 
   private async openGallery(name: string): Promise<void> {
     const entry = await this.service.galleryScene(name);
-    this.editor.set(entry.scene);
     await this.create(entry.scene, name);
     if (window.innerWidth < 720) this.panel("none");
   }
 
   /** Creates a session, shows it and plays it. Throws ProblemError when the service refuses. */
-  private async create(scene: Scene, name: string | undefined): Promise<void> {
+  private async create(scene: Scene, name: string | undefined, shared?: Shared): Promise<void> {
     const session = await this.service.createSession(name === undefined ? scene : { gallery: name });
     clearProblems();
     this.leave();
     this.own = true;
-    this.show(session);
+    this.galleryName = name;
+    this.packed = undefined;
+    if (name === undefined) void packScene(scene).then((text) => (this.packed = text)).catch(() => undefined);
+    if (shared?.time !== undefined) await this.service.until(session.id, shared.time);
+    await this.show(session);
+    if (shared?.eye && shared.target) this.stage.framing.view = { eye: shared.eye, target: shared.target };
+    if (name !== undefined || shared) this.editor.set(scene);
     markScene(name);
     history.replaceState(null, "", `/?session=${encodeURIComponent(session.id)}`);
-    this.speed.value = "1";
-    await this.service.play(session.id, 1);
+    if (shared?.time !== undefined) return;
+    await this.service.play(session.id, this.wanted());
   }
 
-  private async openSession(id: string): Promise<void> {
-    const session = await this.service.session(id);
+  /** Opens a session; one that is gone is made again if the address says how. */
+  private async openSession(id: string, shared: Shared): Promise<void> {
+    let session: Session;
+    try {
+      session = await this.service.session(id);
+    } catch (error) {
+      const gone = error instanceof ProblemError && [404, 410].includes(error.problem.status);
+      if (!gone || (shared.gallery === undefined && shared.scene === undefined)) throw error;
+      if (shared.gallery !== undefined) return this.create((await this.service.galleryScene(shared.gallery)).scene, shared.gallery, shared);
+      return this.create(shared.scene!, undefined, shared);
+    }
     this.leave();
     this.own = false;
-    this.show(session);
+    this.galleryName = shared.gallery;
+    this.packed = undefined;
+    await this.show(session);
+    if (shared.eye && shared.target) this.stage.framing.view = { eye: shared.eye, target: shared.target };
+    if (this.scene) this.editor.set(this.scene);
+    markScene(this.galleryName);
     if (session.instability) this.unstable(session.instability);
   }
 
@@ -120,12 +158,21 @@ export class App {
     markScene(undefined);
   }
 
-  private show(session: Session): void {
+  private async show(session: Session): Promise<void> {
     this.id = session.id;
-    this.stage.clear(session.viewer ?? {});
+    this.scene = await this.service.sessionScene(session.id).catch(() => undefined);
+    if (this.id !== session.id) return;
+    this.info = infoOf(this.scene);
+    this.time = Number(session.time ?? 0);
+    this.ended = false;
+    this.offerSpeeds(this.info.dt ?? session.dt, this.own ? speedAtFirst(this.info.dt, this.info.duration) : Number(session.speed ?? 1));
+    this.stage.clear(session.viewer ?? {}, this.info);
+    this.following(false);
     showScale(undefined);
     this.stage.show.colorBy = session.viewer?.color_by ?? "";
     this.plot.clear();
+    this.plot.onGap = () => this.fillPlot(session.id);
+    this.fillPlot(session.id);
     this.readout.clear();
     this.interaction.clear();
     this.title(session.title ?? session.name ?? "");
@@ -185,6 +232,8 @@ export class App {
         stream.encode(this.compact.choose(frame));
         await this.stage.present(frame);
         showScale(this.stage.colorScale);
+        this.time = frame.time;
+        this.end();
         if (this.measured++ < kMarks) performance.mark(this.measured === 1 ? "first-picture" : "picture");
         this.interaction.follow();
         this.readout.shown(frame, stream.superseded);
@@ -192,6 +241,58 @@ export class App {
     } catch (error) {
       if (this.stream === stream) this.fail(error);
     }
+  }
+
+  /** Takes the past from the service: at the start, and where frames were missing. */
+  private fillPlot(id: string): void {
+    if (this.filling) return;
+    this.filling = true;
+    const done = (): void => void setTimeout(() => (this.filling = false), 1500);
+    this.service.history(id, kHistory).then((history) => {
+      if (this.id === id) this.plot.fill(history);
+    }, () => undefined).finally(done);
+  }
+
+  /** A plot or a field that has come to the end of its scene stops there, once. */
+  private end(): void {
+    const { duration, dt = 0, plots } = this.info;
+    if (!this.own || this.ended || duration === undefined || this.time < duration - 0.5 * dt || (plots.length === 0 && !this.stage.onlyGrids)) return;
+    this.ended = true;
+    this.act((id) => this.service.pause(id));
+    this.hint(`the end of the scene, after ${duration.toLocaleString("en-US", { maximumSignificantDigits: 4 })} s`);
+  }
+
+  /** Keeps in the address how to come back to what is on the screen. */
+  private address(): void {
+    if (this.id === undefined || this.stream?.state !== "open") return;
+    const { framing } = this.stage;
+    const hash = writeShared({ gallery: this.galleryName, packed: this.packed, time: this.time, ...(framing.held ? framing.view : {}) });
+    const next = `/?session=${encodeURIComponent(this.id)}${hash}`;
+    if (`${location.pathname}${location.search}${location.hash}` !== next) history.replaceState(null, "", next);
+  }
+
+  private offerSpeeds(dt: number | undefined, wanted: number): void {
+    this.speeds = speedsFor(dt);
+    if (!this.speeds.includes(wanted)) this.speeds = [...this.speeds, wanted].sort((a, b) => a - b);
+    this.speed.replaceChildren(...this.speeds.map((value) => make("option", { value: String(value), selected: value === wanted }, speedText(value))));
+  }
+
+  private theme(theme: Theme): void {
+    document.documentElement.dataset.theme = theme;
+    localStorage.setItem("theme", theme);
+    this.stage.setTheme(theme);
+    this.plot.restyle();
+    byId("theme").setAttribute("aria-pressed", String(theme === "light"));
+  }
+
+  private following(on: boolean): void {
+    this.stage.framing.follow(on);
+    byId("view-follow").setAttribute("aria-pressed", String(on));
+  }
+
+  private look(side: Side): void {
+    this.following(false);
+    this.stage.frameAll(side);
   }
 
   private async measureTrip(): Promise<void> {
@@ -205,11 +306,21 @@ export class App {
     click("step", () => this.step(1));
     click("reset", () => this.act(async (id) => {
       await this.service.reset(id);
+      this.ended = false;
       this.plot.clear();
       this.interaction.clear();
     }));
     this.speed.addEventListener("change", () => this.playing && this.act((id) => this.service.play(id, this.wanted())));
-    click("camera", () => this.stage.resetCamera());
+    click("camera", () => this.look("scene"));
+    for (const side of ["front", "side", "top"] as const) click(`view-${side}`, () => this.look(side));
+    click("view-follow", () => this.following(!this.stage.framing.following));
+    click("theme", () => this.theme(document.documentElement.dataset.theme === "light" ? "dark" : "light"));
+    const views = byId<HTMLDetailsElement>("views");
+    document.addEventListener("pointerdown", (event) => !views.contains(event.target as Node) && (views.open = false));
+    // Nobody looks any more: the session waits where it is.
+    addEventListener("pagehide", () => {
+      if (this.id !== undefined && this.own && this.playing) void fetch(`/v1/sessions/${encodeURIComponent(this.id)}/pause`, { method: "POST", keepalive: true, headers: { "content-type": "application/json" }, body: "{}" });
+    });
     const toggle = (id: string, key: "points" | "lines" | "surface" | "bySpeed"): void =>
       click(id, () => {
         this.stage.show[key] = !this.stage.show[key];
@@ -259,10 +370,10 @@ export class App {
   }
 
   private faster(by: 1 | -1): void {
-    const next = Math.min(speeds.length - 1, Math.max(0, this.speed.selectedIndex + by));
+    const next = Math.min(this.speeds.length - 1, Math.max(0, this.speed.selectedIndex + by));
     this.speed.selectedIndex = next;
     this.speed.dispatchEvent(new Event("change"));
-    this.hint(`speed ${speeds[next]}×`);
+    this.hint(`speed ${speedText(this.speeds[next]!)}`);
   }
 
   private wanted(): number {
@@ -296,14 +407,16 @@ export class App {
     button.setAttribute("aria-label", this.playing ? "Pause" : "Play");
     button.title = this.playing ? "Pause (Space)" : "Play (Space)";
     if (!state || state.speed <= 0) return;
-    if (speeds.includes(state.speed)) this.speed.value = String(state.speed);
+    if (!state.playing) return;
+    if (!this.speeds.includes(state.speed)) this.offerSpeeds(this.info.dt, state.speed);
+    this.speed.value = String(state.speed);
   }
 
   /** Shows only the switches that do something in this scene. */
   private toggles(): void {
     const { points, lines, surface, bodies } = this.stage.has;
     byId("show-points").hidden = !points;
-    byId("show-speed").hidden = !points && !(bodies && this.stage.show.colorBy);
+    byId("show-speed").hidden = !points && !((bodies || lines) && this.stage.show.colorBy);
     byId("show-contacts").hidden = byId("show-joints").hidden = !bodies;
     byId("show-lines").hidden = !lines;
     byId("show-surface").hidden = !surface;
@@ -316,7 +429,7 @@ export class App {
     byId("tab-gallery").setAttribute("aria-selected", String(which === "gallery"));
     byId("tab-editor").setAttribute("aria-selected", String(which === "editor"));
     byId("app").dataset.panel = which;
-    if (which === "editor") byId("scene-text").focus();
+    if (which === "editor") byId("scene-text").focus({ preventScroll: true });
     this.layout();
   }
 
@@ -385,6 +498,9 @@ export class App {
       if (bodies) for (const what of ["orientation", "asleep"]) want(meaning(part, what));
       const colored = (drawn.pointRadius > 0 && (colorBy || drawn.color.length === 0)) || (bodies && colorBy);
       if (bySpeed && colored) want(has(colorBy) ?? has("speed") ?? meaning(part, "velocity"));
+      // A system's lines have values in a part of their own.
+      const lines = [...parts.values()].find((one) => one.elements === "lines" && one.system === drawn.system);
+      if (bySpeed && colorBy && lines?.fields.some((field) => field.name === colorBy)) want(colorBy);
     }
     return [...wanted];
   }

@@ -1,6 +1,8 @@
-// The gallery: one card a scene, with the server's picture of it or, without one, a drawing of its kind.
+// The gallery by chapters: one card a scene, with the server's picture of it or, without one, a drawing of its kind.
+// A card under the mouse plays: a session of its own is stepped and drawn by the service until the mouse leaves.
 import type { GalleryEntry } from "../client/rest";
 import { byId, make } from "./dom";
+import { preview } from "./preview";
 
 const drawings: [RegExp, string][] = [
   [/cloth|flag|sheet/, "M20 22q20-10 40 0t40 0v34q-20 10-40 0t-40 0zM20 33q20-10 40 0t40 0M20 45q20-10 40 0t40 0M40 18v36M60 22v36M80 26v36"],
@@ -10,6 +12,26 @@ const drawings: [RegExp, string][] = [
   [/orbit|body|planet|kepler/, "M60 40h.1M20 40a40 18 0 1 0 80 0a40 18 0 1 0-80 0M92 29h.1"],
   [/oscill|ode|wave|euler|damp|integrat/, "M10 40c10-44 20-44 30 0s20 44 30 0 20-30 24-12 10 12 16 12"],
 ];
+
+/** Chapters in their order; a scene is in the first whose tags it has. */
+const chapters: [string, RegExp][] = [
+  ["Things that meet", /^coupling$/],
+  ["Cloth, ropes and hair", /^(cloth|rope|hair|springs|stability|integrators)$/],
+  ["Rigid bodies", /^rigid bodies$/],
+  ["Rigid bodies in the plane", /^rigid2d$/],
+  ["Particles", /^particles$/],
+  ["Heat and waves", /^(heat|wave|grid)$/],
+  ["Equations", /^ode$/],
+];
+
+/** The chapter of a scene with these tags. */
+export const chapterOf = (tags: readonly string[]): string => chapters.find(([, pattern]) => tags.some((tag) => pattern.test(tag)))?.[0] ?? "More";
+
+/** True when every word of `query` begins or is in something that the entry says. */
+export function matches(entry: GalleryEntry, query: string): boolean {
+  const text = [entry.name, entry.title, entry.teaches, entry.description, ...(entry.tags ?? [])].join(" ").toLowerCase();
+  return query.toLowerCase().split(/\s+/).every((word) => text.includes(word));
+}
 
 function drawing(entry: GalleryEntry): SVGSVGElement {
   const text = `${entry.tags?.join(" ") ?? ""} ${entry.name} ${entry.title}`.toLowerCase();
@@ -22,23 +44,49 @@ function drawing(entry: GalleryEntry): SVGSVGElement {
   return svg;
 }
 
+function cardOf(entry: GalleryEntry, open: (name: string) => void, edit: (name: string) => void): HTMLElement {
+  const picture = make("span", { class: "thumbnail" });
+  if (entry.thumbnail) {
+    // Made ahead by scripts/thumbnails.mjs; a scene that is newer has the service's picture.
+    const image = make("img", { src: `/thumbnails/${encodeURIComponent(entry.name)}.webp`, alt: "", loading: "lazy", decoding: "async" });
+    const drawn = entry.thumbnail;
+    image.addEventListener("error", () => {
+      image.addEventListener("error", () => image.replaceWith(drawing(entry)), { once: true });
+      image.src = drawn;
+    }, { once: true });
+    picture.append(image);
+  } else {
+    picture.append(drawing(entry));
+  }
+  const run = make("button", { class: "run", "data-scene": entry.name, onclick: () => open(entry.name) }, picture, make("strong", {}, entry.title || entry.name), make("span", { class: "teaches" }, entry.teaches ?? entry.description ?? ""));
+  preview(run, picture, entry.name);
+  const change = make("button", { class: "edit", "aria-label": `Edit ${entry.title || entry.name}`, onclick: () => edit(entry.name) }, "Edit");
+  const study = make("a", { class: "edit study", href: `/studies.html?gallery=${encodeURIComponent(entry.name)}`, "aria-label": `Study ${entry.title || entry.name}` }, "Study");
+  return make("article", { class: "scene", "data-scene": entry.name }, run, study, change);
+}
+
 /** Fills the gallery; `open` runs a scene, `edit` puts it into the editor; a link leads to its studies. */
 export function showGallery(entries: GalleryEntry[], open: (name: string) => void, edit: (name: string) => void): void {
-  const cards = entries.map((entry) => {
-    const picture = make("span", { class: "thumbnail" });
-    if (entry.thumbnail) {
-      const image = make("img", { src: entry.thumbnail, alt: "", loading: "lazy", decoding: "async" });
-      image.addEventListener("error", () => image.replaceWith(drawing(entry)));
-      picture.append(image);
-    } else {
-      picture.append(drawing(entry));
-    }
-    const run = make("button", { class: "run", "data-scene": entry.name, onclick: () => open(entry.name) }, picture, make("strong", {}, entry.title || entry.name), make("span", { class: "teaches" }, entry.teaches ?? entry.description ?? ""));
-    const change = make("button", { class: "edit", "aria-label": `Edit ${entry.title || entry.name}`, onclick: () => edit(entry.name) }, "Edit");
-    const study = make("a", { class: "edit study", href: `/studies.html?gallery=${encodeURIComponent(entry.name)}`, "aria-label": `Study ${entry.title || entry.name}` }, "Study");
-    return make("article", { class: "scene", "data-scene": entry.name }, run, study, change);
+  const names = [...chapters.map(([name]) => name), "More"];
+  const groups = names.map((name) => {
+    const cards = entries.filter((entry) => chapterOf(entry.tags ?? []) === name).map((entry) => ({ entry, card: cardOf(entry, open, edit) }));
+    const section = make("section", { class: "chapter", "aria-label": name }, make("h2", {}, name), ...cards.map(({ card }) => card));
+    return { section, cards };
   });
-  byId("gallery").replaceChildren(...(cards.length > 0 ? cards : [make("p", { class: "empty" }, "The gallery is empty. The scene editor takes any scene.")]));
+  const empty = make("p", { class: "empty" }, entries.length > 0 ? "No scene says that." : "The gallery is empty. The scene editor takes any scene.");
+  const search = byId<HTMLInputElement>("search");
+  const filter = (): void => {
+    let any = false;
+    for (const { section, cards } of groups) {
+      for (const { entry, card } of cards) card.hidden = !matches(entry, search.value.trim());
+      section.hidden = cards.every(({ card }) => card.hidden);
+      any ||= !section.hidden;
+    }
+    empty.hidden = any;
+  };
+  search.oninput = filter;
+  byId("cards").replaceChildren(...groups.map(({ section }) => section), empty);
+  filter();
 }
 
 /** Marks the card of the scene that runs. */

@@ -3,6 +3,7 @@
 import { Vector3 } from "three";
 import { dragTarget, pickPoint, pointOf, type Pick } from "../render/picker";
 import type { Stage } from "../render/stage";
+import { problemOf } from "../client/problem";
 import { byId } from "./dom";
 
 const kReachMouse = 14; // CSS pixels
@@ -11,6 +12,8 @@ const kReachTouch = 26;
 export interface Commands {
   /** Sends a command of the session; failures are shown by the caller. */
   send(body: Record<string, unknown>): void;
+  /** The same; ends when the session has taken it, throws when it has not. */
+  ask(body: Record<string, unknown>): Promise<void>;
   /** The same for commands that come many a second. */
   post(body: Record<string, unknown>): void;
   /** A short sentence for the person. */
@@ -27,7 +30,8 @@ export class Interaction {
   /** Where the next drag command takes hold, if not at the row's point. */
   private hold: number[] | undefined;
   private queued = false;
-  private pinned = new Set<string>();
+  /** What is held, by the command that lets it go. */
+  private pinned = new Map<string, "unpin" | "release">();
   private readonly probe = byId("probe");
   private pointer: { x: number; y: number; touch: boolean } | undefined;
 
@@ -111,7 +115,11 @@ export class Interaction {
     if (!pick) return;
     this.dragged = undefined;
     this.stage.controls.enabled = true;
-    if (this.moved) this.commands.send({ type: "release", system: pick.view.id, index: pick.index });
+    if (this.moved) {
+      this.commands.send({ type: "release", system: pick.view.id, index: pick.index });
+      // What a spring held, the hand has taken over and let go.
+      if (this.pinned.get(`${pick.view.id} ${pick.index}`) === "release") this.pinned.delete(`${pick.view.id} ${pick.index}`);
+    }
     this.unmark();
   }
 
@@ -123,12 +131,41 @@ export class Interaction {
 
   private pin(event: MouseEvent): void {
     const pick = this.pick(event, kReachMouse);
-    if (!pick) return;
-    const key = `${pick.view.id} ${pick.index}`;
-    const free = this.pinned.delete(key);
-    if (!free) this.pinned.add(key);
-    this.commands.send({ type: free ? "unpin" : "pin", system: pick.view.id, index: pick.index });
-    this.commands.say(`${pick.view.id}, point ${pick.index}: ${free ? "free" : "pinned"}`);
+    if (pick) void this.keep(pick, event);
+  }
+
+  /** Holds a row or lets it go. Bodies in space have no pins: a spring to the world holds them where they were taken. */
+  private async keep({ view, index }: Pick, event: MouseEvent): Promise<void> {
+    const key = `${view.id} ${index}`;
+    const name = `${view.id}, ${view.bodies ? "body" : "point"} ${index}`;
+    const row = { system: view.id, index };
+    const held = this.pinned.get(key);
+    try {
+      if (held) {
+        await this.commands.ask({ type: held, ...row });
+        this.pinned.delete(key);
+        return this.commands.say(`${name}: free`);
+      }
+      await this.commands.ask({ type: "pin", ...row });
+      this.pinned.set(key, "unpin");
+      this.commands.say(`${name}: pinned`);
+    } catch (error) {
+      const { code, detail, title, errors } = problemOf(error);
+      if (code !== "bad_command") return this.commands.say(detail ?? title);
+      const allowed = String(errors?.[0]?.allowed ?? detail ?? "");
+      if (!view.bodies || !/drag/.test(allowed)) return this.commands.say(`${name}: ${detail ?? title}`);
+      const box = this.canvas.getBoundingClientRect();
+      const at = pointOf({ view, index }, new Vector3());
+      const place = new Vector3();
+      const hit = dragTarget(this.stage.camera, at, (2 * (event.clientX - box.left)) / box.width - 1, 1 - (2 * (event.clientY - box.top)) / box.height, place) ?? at;
+      await this.commands.ask({ type: "drag", ...row, target: hit.toArray(), at: hit.toArray() }).then(
+        () => {
+          this.pinned.set(key, "release");
+          this.commands.say(`${name}: held by a spring to the world`);
+        },
+        (refused: unknown) => this.commands.say(`${name}: ${problemOf(refused).detail ?? title}`),
+      );
+    }
   }
 
   private hover(): void {

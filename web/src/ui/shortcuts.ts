@@ -3,7 +3,7 @@ import { byId } from "./dom";
 
 const buttons: Record<string, string> = {
   " ": "play", ".": "step", r: "reset", f: "camera", "1": "show-points", "2": "show-lines", "3": "show-surface",
-  c: "show-speed", k: "show-contacts", j: "show-joints", m: "show-side", g: "toggle-panel", "?": "show-help",
+  c: "show-speed", k: "show-contacts", j: "show-joints", m: "show-side", g: "toggle-panel", "?": "show-help", l: "theme", o: "view-follow", x: "view-side", y: "view-top", z: "view-front",
 };
 
 export interface KeyActions {
@@ -32,7 +32,8 @@ export function installShortcuts(actions: KeyActions): void {
     else if (key === "Escape") actions.escape();
     else if (buttons[key]) {
       const button = byId<HTMLButtonElement>(buttons[key]);
-      if (!button.disabled && button.offsetParent !== null) button.click();
+      // What is in a closed list of buttons answers to its key as well.
+      if (!button.disabled && (button.offsetParent !== null || button.closest("#views"))) button.click();
     } else return;
     event.preventDefault();
   });

@@ -1,0 +1,276 @@
+// Where the camera stands: so that all that was seen of the scene is inside the uncovered part of the window. What
+// grows out of it moves the camera back once, with room to spare; a person who turns the camera has it for good,
+// until they ask for everything again.
+import { MOUSE, Vector3, type PerspectiveCamera } from "three";
+import { OrbitControls } from "three/addons/controls/OrbitControls.js";
+import { Extent, type Frustum } from "./extent";
+
+const kFill = 0.9; // share of the free part that the scene may take
+const kLabelled = 0.82; // with ticks and names around it
+const kGrow = 1.22; // room for more when it outgrew its frame
+const kMove = 550; // ms of a move of the camera
+const kLargest = 12; // times the first extent: what is farther has left the scene
+const kAuthored = 0.8; // share of a scene's own frame that matters
+const kAspect = 4 / 3; // of the pictures that scenes' cameras are made for
+
+export type Side = "scene" | "front" | "side" | "top";
+
+export interface CameraPose {
+  eye?: number[];
+  target?: number[];
+  /** Vertical, rad. */
+  fov?: number;
+}
+
+export interface Inset {
+  left: number;
+  right: number;
+  top: number;
+  bottom: number;
+}
+
+const sides: Record<Exclude<Side, "scene">, Vector3> = { front: new Vector3(0, 0, 1), side: new Vector3(1, 0, 0), top: new Vector3(0, 1, 0.001) };
+
+export class Framing {
+  readonly controls: OrbitControls;
+  readonly seen = new Extent();
+  /** The person has turned the camera: it is theirs until they ask for the scene's again. */
+  held = false;
+  following = false;
+  private side: Side = "scene";
+  private pose: CameraPose | undefined;
+  private facing: Vector3 | undefined;
+  private readonly authored = new Extent();
+  private first = 0;
+  private fill = kFill;
+  private inset: Inset = { left: 0, right: 0, top: 0, bottom: 0 };
+  private readonly center = new Vector3();
+  private centered = false;
+  private motion: { since: number; eye: [Vector3, Vector3]; target: [Vector3, Vector3] } | undefined;
+
+  constructor(
+    private readonly camera: PerspectiveCamera,
+    private readonly canvas: HTMLCanvasElement,
+    private readonly changed: () => void,
+  ) {
+    this.controls = new OrbitControls(camera, canvas);
+    Object.assign(this.controls, { enableDamping: true, dampingFactor: 0.12, zoomToCursor: true, maxPolarAngle: Math.PI * 0.55 });
+    this.controls.mouseButtons = { LEFT: MOUSE.ROTATE, MIDDLE: MOUSE.DOLLY, RIGHT: MOUSE.PAN };
+    this.controls.listenToKeyEvents(canvas);
+    this.controls.addEventListener("change", changed);
+    this.controls.addEventListener("start", () => this.take());
+    canvas.addEventListener("keydown", (event) => event.key.startsWith("Arrow") && this.take());
+    this.put([3, 2, 4], [0, 0.8, 0]);
+  }
+
+  /** Forgets the last scene. `pose` is what the scene asks for; `facing` the side from which a flat one is seen. */
+  clear(pose: CameraPose | undefined, labelled = false): void {
+    this.fill = labelled ? kLabelled : kFill;
+    this.pose = pose;
+    this.facing = undefined;
+    this.side = "scene";
+    this.held = this.following = this.centered = false;
+    this.motion = undefined;
+    this.seen.clear();
+    this.authored.clear();
+    this.first = 0;
+    this.camera.fov = pose?.fov ? (pose.fov * 180) / Math.PI : 40;
+    const { eye, target } = pose ?? {};
+    if (!eye || !target) return;
+    // Who wrote the scene knew how far it will reach: the middle of that frame stays in the picture.
+    const back = new Vector3().fromArray(eye).sub(new Vector3().fromArray(target));
+    const { right, above } = this.axes(back.clone());
+    const half = kAuthored * back.length() * Math.tan((this.camera.fov * Math.PI) / 360);
+    for (const [u, v] of [[-1, -1], [-1, 1], [1, -1], [1, 1]] as const) {
+      const corner = new Vector3().fromArray(target).addScaledVector(right, u * half * kAspect).addScaledVector(above, v * half);
+      this.authored.add(corner.x, corner.y, corner.z);
+    }
+  }
+
+  /** Where the scene is seen from if it does not say so itself. */
+  setFacing(facing: Vector3 | undefined): void {
+    this.facing = facing;
+  }
+
+  setInset(inset: Inset): void {
+    if ((Object.keys(inset) as (keyof Inset)[]).every((key) => inset[key] === this.inset[key])) return;
+    this.inset = inset;
+    this.project();
+    if (!this.held && !this.seen.empty) this.aim(1, false);
+  }
+
+  /** The picture has another size. */
+  project(): void {
+    const { clientWidth: width, clientHeight: height } = this.canvas;
+    if (width === 0 || height === 0) return;
+    const { left, right, top, bottom } = this.inset;
+    this.camera.aspect = width / height;
+    this.camera.setViewOffset(width, height, (right - left) / 2, (bottom - top) / 2, width, height);
+    this.changed();
+  }
+
+  resized(): void {
+    this.project();
+    if (!this.held && !this.seen.empty) this.aim(1, false);
+  }
+
+  /** The first frame of a scene is known. */
+  begin(now: Extent): void {
+    this.seen.merge(now);
+    this.first = Math.max(now.ball().radius, this.authored.ball().radius, 1e-6);
+    if (!this.held) this.aim(1, false);
+    this.ranges();
+  }
+
+  /** Takes what is there now; true when the frame had to grow. */
+  grow(now: Extent): boolean {
+    if (this.gone(now) > 0) return false;
+    this.seen.merge(now);
+    if (this.held || this.following || this.motion) return false;
+    const { back, right, above } = this.cameraAxes();
+    const [kx, ky] = this.tangents(1);
+    if (this.seen.fits({ right, above, back, kx, ky }, this.camera.position.toArray())) return false;
+    this.aim(kGrow, true);
+    this.ranges();
+    return true;
+  }
+
+  /** True when all of what is there now has left the scene. */
+  lost(now: Extent): boolean {
+    return this.gone(now) > 2 * now.ball().radius;
+  }
+
+  /** How far (m) what is there reaches beyond what still counts as the scene. An emitter starts with nothing. */
+  private gone(now: Extent): number {
+    const { center, radius } = now.ball();
+    const home = this.seen.ball();
+    if (!(this.first > 0) || home.radius <= 0.3 * this.first) return 0;
+    return Math.hypot(...center.map((c, k) => c - home.center[k]!)) + radius - kLargest * this.first;
+  }
+
+  /** Everything seen so far, from the scene's own side or another. */
+  frameAll(side: Side = "scene"): void {
+    this.side = side;
+    this.held = this.following = false;
+    this.aim(1, true);
+    this.ranges();
+  }
+
+  /** Keeps the camera at its distance from what moves. */
+  follow(on: boolean): void {
+    this.following = on;
+    this.centered = false;
+    if (!on) return;
+    this.motion = undefined;
+  }
+
+  /** The middle of what moves is at `center` now. */
+  track(center: Vector3): void {
+    if (!this.following) return;
+    if (this.centered) {
+      const step = center.clone().sub(this.center);
+      this.camera.position.add(step);
+      this.controls.target.add(step);
+    } else {
+      const step = center.clone().sub(this.controls.target);
+      this.camera.position.add(step);
+      this.controls.target.copy(center);
+    }
+    this.centered = true;
+    this.center.copy(center);
+  }
+
+  /** Moves on; true while the camera is on its way. */
+  update(now: number): void {
+    if (this.motion) {
+      if (this.motion.since < 0) this.motion.since = now;
+      const t = Math.min(1, (now - this.motion.since) / kMove);
+      const s = t * t * (3 - 2 * t);
+      const { eye, target } = this.motion;
+      this.camera.position.lerpVectors(eye[0], eye[1], s);
+      this.controls.target.lerpVectors(target[0], target[1], s);
+      if (t >= 1) this.motion = undefined;
+      this.changed();
+    }
+    this.controls.update();
+  }
+
+  /** What a shared address keeps. */
+  get view(): { eye: number[]; target: number[] } {
+    return { eye: this.camera.position.toArray(), target: this.controls.target.toArray() };
+  }
+
+  set view({ eye, target }: { eye: number[]; target: number[] }) {
+    this.held = true;
+    this.motion = undefined;
+    this.put(eye, target);
+  }
+
+  private take(): void {
+    this.held = true;
+    this.motion = undefined;
+  }
+
+  /** Points the camera so that everything seen, times `room`, is in the free part. */
+  private aim(room: number, smooth: boolean): void {
+    const { eye, target } = this.pose ?? {};
+    const own = eye && target ? new Vector3().fromArray(eye).sub(new Vector3().fromArray(target)) : (this.facing?.clone() ?? new Vector3(0.55, 0.38, 0.75));
+    const direction = this.side === "scene" ? own : sides[this.side].clone();
+    const { right, above, back } = this.axes(direction);
+    const [kx, ky] = this.tangents(this.fill / room);
+    const all = new Extent();
+    all.merge(this.seen);
+    if (this.side === "scene") all.merge(this.authored);
+    const tuple = (v: Vector3): [number, number, number] => v.toArray();
+    const place = all.fit({ right: tuple(right), above: tuple(above), back: tuple(back), kx, ky }, 0.3 * Math.min(this.first, 1));
+    if (!smooth) {
+      this.motion = undefined;
+      return this.put(place.eye, place.target);
+    }
+    this.motion = {
+      since: -1,
+      eye: [this.camera.position.clone(), new Vector3().fromArray(place.eye)],
+      target: [this.controls.target.clone(), new Vector3().fromArray(place.target)],
+    };
+    this.changed();
+  }
+
+  /** Near and far planes and distances of the wheel, for a scene of this size. */
+  private ranges(): void {
+    const radius = Math.max(this.seen.ball().radius, this.authored.ball().radius, 0.05);
+    this.camera.near = radius / 200;
+    this.camera.far = radius * 80;
+    Object.assign(this.controls, { minDistance: radius * 0.05, maxDistance: radius * 40 });
+    this.camera.updateProjectionMatrix();
+  }
+
+  private axes(back: Vector3): { right: Vector3; above: Vector3; back: Vector3 } {
+    back.normalize();
+    const right = new Vector3(0, 1, 0).cross(back);
+    if (right.lengthSq() < 1e-10) right.set(1, 0, 0);
+    right.normalize();
+    return { right, above: back.clone().cross(right), back };
+  }
+
+  private cameraAxes(): Omit<Frustum, "kx" | "ky"> {
+    const { right, above, back } = this.axes(this.camera.position.clone().sub(this.controls.target));
+    return { right: right.toArray(), above: above.toArray(), back: back.toArray() };
+  }
+
+  /** Tangents of half the angles of the free part, less a margin. */
+  private tangents(fill: number): [number, number] {
+    const { clientWidth: width, clientHeight: height } = this.canvas;
+    const { left, right, top, bottom } = this.inset;
+    const whole = Math.tan((this.camera.fov * Math.PI) / 360) / (height || 1);
+    const free = (size: number, covered: number): number => Math.max(0.25 * size, size - covered) * whole * fill;
+    return [free(width || 1, left + right), free(height || 1, top + bottom)];
+  }
+
+  private put(eye: number[], target: number[]): void {
+    this.camera.position.fromArray(eye);
+    this.controls.target.fromArray(target);
+    this.camera.updateProjectionMatrix();
+    this.controls.update();
+    this.changed();
+  }
+}

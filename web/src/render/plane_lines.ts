@@ -1,0 +1,97 @@
+// Lines over a plane of a lattice, as the service's pictures draw them: level lines by marching squares (saddles by
+// the mean of the corners), arrows, and streamlines by the classical Runge-Kutta method on the bilinear interpolant.
+// All in lattice coordinates, x fastest; an answer is four numbers a piece: both ends.
+
+export interface Plane {
+  nx: number;
+  ny: number;
+}
+
+/** Pieces of the line where `values` are `level`. */
+export function levelLine(values: ArrayLike<number>, { nx, ny }: Plane, level: number, out: number[]): void {
+  const px = [0, 1, 1, 0];
+  const py = [0, 0, 1, 1];
+  const crossing = new Float64Array(8);
+  for (let y = 0; y + 1 < ny; ++y) {
+    for (let x = 0; x + 1 < nx; ++x) {
+      const k = x + nx * y;
+      const v = [values[k]! - level, values[k + 1]! - level, values[k + nx + 1]! - level, values[k + nx]! - level] as const;
+      const sum = v[0] + v[1] + v[2] + v[3];
+      if (!Number.isFinite(sum)) continue;
+      const edges: number[] = [];
+      for (let e = 0; e < 4; ++e) {
+        const f = (e + 1) % 4;
+        const a = v[e]!, b = v[f]!;
+        if (a < 0 === b < 0) continue;
+        const t = a / (a - b);
+        crossing[2 * e] = x + px[e]! + t * (px[f]! - px[e]!);
+        crossing[2 * e + 1] = y + py[e]! + t * (py[f]! - py[e]!);
+        edges.push(e);
+      }
+      const piece = (e: number, f: number): void => void out.push(crossing[2 * e]!, crossing[2 * e + 1]!, crossing[2 * f]!, crossing[2 * f + 1]!);
+      if (edges.length === 2) piece(edges[0]!, edges[1]!);
+      if (edges.length !== 4) continue;
+      const joined = sum < 0 === v[0] < 0;
+      piece(0, joined ? 1 : 3);
+      piece(2, joined ? 3 : 1);
+    }
+  }
+}
+
+/** A vector per node, in lattice units: `u` along x, `v` along y. */
+export interface PlaneField extends Plane {
+  u: ArrayLike<number>;
+  v: ArrayLike<number>;
+}
+
+const kMostArrows = 28; // along a side
+
+/** Arrows at every few nodes; one of size `most` is nine tenths of their distance long. */
+export function arrows({ nx, ny, u, v }: PlaneField, most: number, out: number[]): void {
+  if (!(most > 0)) return;
+  const stride = Math.max(1, Math.ceil(nx / kMostArrows), Math.ceil(ny / kMostArrows));
+  const scale = (0.9 * stride) / most;
+  for (let j = stride >> 1; j < ny; j += stride) {
+    for (let i = stride >> 1; i < nx; i += stride) {
+      const dx = scale * u[i + nx * j]!, dy = scale * v[i + nx * j]!;
+      if (!(Math.hypot(dx, dy) > 0.02 * stride)) continue;
+      const bx = i + dx, by = j + dy;
+      out.push(i, j, bx, by);
+      for (const side of [0.18, -0.18]) out.push(bx, by, bx - 0.3 * dx - side * dy, by - 0.3 * dy + side * dx);
+    }
+  }
+}
+
+function direction({ nx, ny, u, v }: PlaneField, x: number, y: number): [number, number] {
+  if (!(x >= 0 && y >= 0 && x <= nx - 1 && y <= ny - 1)) return [0, 0];
+  const i = Math.min(Math.floor(x), nx - 2), j = Math.min(Math.floor(y), ny - 2);
+  const s = x - i, t = y - j, k = i + nx * j;
+  const at = (f: ArrayLike<number>): number => (1 - t) * ((1 - s) * f[k]! + s * f[k + 1]!) + t * ((1 - s) * f[k + nx]! + s * f[k + nx + 1]!);
+  const a = at(u), b = at(v), size = Math.hypot(a, b);
+  return size > 0 && Number.isFinite(size) ? [a / size, b / size] : [0, 0];
+}
+
+/** `count` lines along the field, both ways from seeds as even as the shape allows. */
+export function streamlines(field: PlaneField, count: number, out: number[]): void {
+  const { nx, ny } = field;
+  const columns = Math.max(1, Math.round(Math.sqrt((count * nx) / ny)));
+  const rows = Math.ceil(count / columns);
+  for (let k = 0; k < count; ++k) {
+    for (const h of [0.5, -0.5]) {
+      let x = (((k % columns) + 0.5) / columns) * (nx - 1);
+      let y = ((Math.floor(k / columns) + 0.5) / rows) * (ny - 1);
+      for (let step = 0; step < 2 * (nx + ny); ++step) {
+        const a = direction(field, x, y);
+        const b = direction(field, x + 0.5 * h * a[0], y + 0.5 * h * a[1]);
+        const c = direction(field, x + 0.5 * h * b[0], y + 0.5 * h * b[1]);
+        const d = direction(field, x + h * c[0], y + h * c[1]);
+        if ([a, b, c, d].some(([p, q]) => p === 0 && q === 0)) break;
+        const x1 = x + (h / 6) * (a[0] + 2 * b[0] + 2 * c[0] + d[0]);
+        const y1 = y + (h / 6) * (a[1] + 2 * b[1] + 2 * c[1] + d[1]);
+        out.push(x, y, x1, y1);
+        x = x1;
+        y = y1;
+      }
+    }
+  }
+}

@@ -1,0 +1,53 @@
+// Strings that hold bodies: distance joints and attachments have no shape of their own, so the viewer draws them.
+import { Group, Vector3, Quaternion, type IUniform } from "three";
+import { WideLines } from "./lines";
+import type { StringEnd } from "./scene_info";
+import { scenery } from "./shading";
+import type { SystemView } from "./system_view";
+
+export class Strings {
+  readonly object = new Group();
+  private lines: WideLines | undefined;
+  private strings: [StringEnd, StringEnd][] = [];
+
+  constructor(private readonly viewHeight: IUniform<number>) {}
+
+  set(strings: [StringEnd, StringEnd][]): void {
+    this.strings = strings;
+    this.lines?.dispose();
+    this.lines = undefined;
+    if (strings.length === 0) return;
+    this.lines = new WideLines(this.viewHeight, { pixels: 2, radius: 0, opacity: 1, tube: true });
+    this.lines.object.layers.enable(1);
+    this.object.add(this.lines.object);
+  }
+
+  /** Follows the rows; strings of parts that are not there are not drawn. */
+  update(view: (part: string) => SystemView | undefined): void {
+    if (!this.lines) return;
+    const ends: number[] = [];
+    const turn = new Quaternion();
+    const place = ({ part, row = 0, at }: StringEnd): Vector3 | undefined => {
+      const local = new Vector3().fromArray(at);
+      if (part === undefined) return local;
+      const found = view(part);
+      if (!found || row >= found.count) return undefined;
+      if (found.turns && at.some((c) => c !== 0)) {
+        const q = found.turns;
+        local.applyQuaternion(turn.set(q[4 * row + 1]!, q[4 * row + 2]!, q[4 * row + 3]!, q[4 * row]!));
+      }
+      return local.add(new Vector3().fromArray(found.positions, 3 * row));
+    };
+    for (const [a, b] of this.strings) {
+      const [p, q] = [place(a), place(b)];
+      if (p && q) ends.push(...p.toArray(), ...q.toArray());
+    }
+    this.lines.set(ends);
+    this.lines.colorAll(scenery.ink);
+  }
+
+  /** Adds the ends that are fixed in the world. */
+  reachOf(add: (x: number, y: number, z: number) => void): void {
+    for (const ends of this.strings) for (const { part, at } of ends) if (part === undefined) add(...at);
+  }
+}

@@ -1,0 +1,10 @@
+// What the viewer computes without a page, for tests in Node.
+export { axisOf, readOne } from "../render/expression";
+export { Extent } from "../render/extent";
+export { arrows, levelLine, streamlines } from "../render/plane_lines";
+export { infoOf } from "../render/scene_info";
+export * as colorStops from "../render/color_stops";
+export { packScene, readShared, writeShared } from "./address";
+export { chapterOf, matches } from "./gallery";
+export { chooseAtFirst, gapsIn, relative, scaleOf } from "./plot_model";
+export { speedAtFirst, speedsFor } from "./speeds";

@@ -1,0 +1,53 @@
+// What a plot shows, apart from the page: which observables at first, where samples are missing, how ticks are
+// written.
+
+export interface Choice {
+  title: string;
+  names: string[];
+}
+
+/** One system: its kinetic, potential and total energy. Several: the energy of each, to compare them. */
+export function chooseAtFirst(names: readonly string[]): Choice {
+  const of = (pattern: RegExp): string[] => names.filter((name) => pattern.test(name));
+  const totals = of(/^.+\.energy\.total$/);
+  if (totals.length > 1) return { title: "Total energy", names: totals };
+  const kinetic = of(/^.+\.energy\.kinetic$/);
+  if (kinetic.length > 1) return { title: "Kinetic energy", names: kinetic };
+  const whole = of(/^energy\.(kinetic|potential|total)$/);
+  if (whole.length > 0) return { title: "Energy", names: whole };
+  const bookkeeping = /\.(integrator|count|events|stopped)\b/;
+  const plain = names.filter((name) => !bookkeeping.test(name));
+  return { title: "Observables", names: (plain.length > 0 ? plain : [...names]).slice(0, 3) };
+}
+
+/** A name as short as the title lets it be. */
+export function seriesLabel(name: string, title: string): string {
+  if (/energy/i.test(title)) return name.replace(/\.energy\.(total|kinetic)$|^energy\./, "") || name;
+  return name;
+}
+
+/** Rows before which samples are missing: their distance is many times the usual one, and a part of what is seen. */
+export function gapsIn(times: readonly number[]): number[] {
+  if (times.length < 4) return [];
+  const steps = times.slice(1).map((t, k) => t - times[k]!);
+  const usual = [...steps].sort((a, b) => a - b)[Math.floor(0.75 * (steps.length - 1))]!;
+  const least = Math.max(8 * usual, (times.at(-1)! - times[0]!) / 15);
+  return steps.flatMap((step, k) => (step > least ? [k + 1] : []));
+}
+
+/** Changes since the first value, over its size; as they are where that is nothing. */
+export function relative(column: readonly (number | null)[]): (number | null)[] {
+  const first = column.find((value) => value !== null) ?? 0;
+  const size = Math.abs(first) || 1;
+  return column.map((value) => (value === null ? null : (value - first) / size));
+}
+
+/** Labels of ticks `step` apart, and the power of ten that they leave to the axis. */
+export function scaleOf(ticks: readonly number[], step: number): { exponent: number; labels: string[] } {
+  const size = ticks.reduce((most, tick) => Math.max(most, Math.abs(tick)), 0);
+  const power = size > 0 ? Math.floor(Math.log10(size) + 1e-9) : 0;
+  const exponent = power >= 5 || power <= -3 ? 3 * Math.floor(power / 3) : 0;
+  const scaled = step / 10 ** exponent;
+  const digits = Math.min(12, Math.max(0, -Math.floor(Math.log10(scaled) + 1e-6)));
+  return { exponent, labels: ticks.map((tick) => (Math.abs(tick) < 1e-9 * step ? "0" : (tick / 10 ** exponent).toFixed(digits).replace("-", "−"))) };
+}

@@ -1,0 +1,26 @@
+// How fast a scene may be played, and how fast it is at first.
+const all = [0.001, 0.002, 0.005, 0.01, 0.02, 0.05, 0.1, 0.25, 0.5, 1, 2, 5, 10, 20, 50, 100, 200, 500, 1000];
+
+const kLeast = 0.5; // steps a second of the slowest speed
+const kMost = 20000; // of the fastest
+const kShort = 5; // s that a run should last at least
+const kLong = 90; // and at most
+
+/** Speeds whose steps of `dt` (s) come neither one by one nor by the ten thousand; 1 is always among them. */
+export function speedsFor(dt: number | undefined): number[] {
+  if (!dt || !(dt > 0)) return all.filter((speed) => speed >= 0.05 && speed <= 100);
+  const some = all.filter((speed) => speed === 1 || (speed / dt >= kLeast && speed / dt <= kMost));
+  return some;
+}
+
+/** The speed that shows a run of `duration` (s) neither in a blink nor in an afternoon; 1 where it does. */
+export function speedAtFirst(dt: number | undefined, duration: number | undefined): number {
+  const speeds = speedsFor(dt);
+  if (duration === undefined || !(duration > 0)) return 1;
+  if (duration < 1.5) return speeds.filter((speed) => duration / speed >= kShort).at(-1) ?? speeds[0]!;
+  if (duration > kLong) return speeds.find((speed) => duration / speed <= 0.4 * kLong) ?? speeds.at(-1)!;
+  return 1;
+}
+
+/** 0.05 and 1,000 as a person reads them. */
+export const speedText = (speed: number): string => `${speed.toLocaleString("en-US", { maximumSignificantDigits: 3 })}×`;

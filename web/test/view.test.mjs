@@ -1,0 +1,127 @@
+// What the viewer computes before it draws: where a camera sees everything, axes, level lines, gaps of plots, speeds,
+// addresses. Pure functions, in Node.
+import assert from "node:assert/strict";
+import { readFileSync } from "node:fs";
+import { test } from "node:test";
+import { arrows, axisOf, chapterOf, chooseAtFirst, colorStops, Extent, gapsIn, infoOf, levelLine, matches, packScene, readOne, readShared, relative, scaleOf, speedAtFirst, speedsFor, streamlines, writeShared } from "../build/view.mjs";
+
+const front = { right: [1, 0, 0], above: [0, 1, 0], back: [0, 0, 1] };
+
+test("a camera is as near as it can be and sees every ball", () => {
+  const extent = new Extent();
+  for (let k = 0; k < 200; ++k) extent.add(Math.sin(12.9898 * k) * 3, Math.sin(78.233 * k), Math.sin(37.719 * k) * 2, 0.1);
+  for (const [kx, ky] of [[0.5, 0.3], [0.1, 0.4]]) {
+    const frustum = { ...front, kx, ky };
+    const { eye, target } = extent.fit(frustum, 0);
+    assert.ok(extent.fits({ ...frustum, kx: kx * 1.0001, ky: ky * 1.0001 }, eye));
+    // A little nearer, something is cut off.
+    assert.ok(!extent.fits(frustum, [eye[0], eye[1], eye[2] - 0.02 * (eye[2] - target[2])]));
+  }
+});
+
+test("strays of a cloud are left aside, ends of a rope are not", () => {
+  const points = new Float32Array(3 * 1000);
+  for (let k = 0; k < 999; ++k) points[3 * k] = k / 999;
+  points[3 * 999] = 500;
+  const [cloud, rope] = [new Extent(), new Extent()];
+  cloud.addCloud(points, 1000, 0, true);
+  rope.addCloud(points, 1000, 0, false);
+  assert.ok(cloud.along(0)[1] < 2 && rope.along(0)[1] === 500);
+});
+
+test("an expression of one name has that name's axis", () => {
+  assert.equal(readOne("t / 160 - 1", {}).name, "t");
+  assert.equal(readOne("-2 * z[i]^2 + a", { a: 3 }).of(2), -5);
+  assert.equal(readOne("x * y", {}), undefined);
+  assert.equal(readOne("system(x)", {}), undefined);
+  const time = axisOf("t / 160 - 1", {}, -1, 1, 5);
+  assert.equal(time.label, "t");
+  assert.deepEqual(time.ticks.map(({ label }) => label), ["0", "100", "200", "300"]);
+  assert.ok(Math.abs(time.ticks[1].at - (100 / 160 - 1)) < 1e-12);
+  const decades = axisOf("log(y[i] + 1e-05) / 5 + 1.2", {}, -1.1, 1.2, 5).ticks.map(({ label }) => label);
+  assert.ok(decades.includes("0.01") && !decades.includes("1e−20"), decades.join());
+  // What is no function of one name keeps its own values.
+  assert.deepEqual(axisOf("x * y", {}, 0, 1, 5).ticks.map(({ label }) => label), ["0", "0.2", "0.4", "0.6", "0.8", "1"]);
+});
+
+test("level lines, arrows and streamlines of known fields", () => {
+  const n = 9;
+  const x = Float32Array.from({ length: n * n }, (_, k) => k % n);
+  const line = [];
+  levelLine(x, { nx: n, ny: n }, 2.5, line);
+  assert.equal(line.length, 4 * (n - 1));
+  for (let k = 0; k < line.length; k += 2) assert.equal(line[k], 2.5);
+  const ones = new Float32Array(n * n).fill(1);
+  const none = new Float32Array(n * n);
+  const shafts = [];
+  arrows({ nx: n, ny: n, u: ones, v: none }, 1, shafts);
+  assert.equal(shafts.length, 12 * n * n);
+  assert.ok(Math.abs(shafts[2] - shafts[0] - 0.9) < 1e-6);
+  // Round a vortex every point stays at its distance: 5e-4 is many times the error of Runge-Kutta steps of half a cell.
+  const m = 33;
+  const u = Float32Array.from({ length: m * m }, (_, k) => 16 - Math.floor(k / m));
+  const v = Float32Array.from({ length: m * m }, (_, k) => (k % m) - 16);
+  const path = [];
+  streamlines({ nx: m, ny: m, u, v }, 4, path);
+  const radius = (k) => Math.hypot(path[k] - 16, path[k + 1] - 16);
+  for (let k = 0; k + 3 < path.length; k += 4) assert.ok(Math.abs(radius(k + 2) - radius(k)) < 5e-4, `${radius(k)} ${radius(k + 2)}`);
+});
+
+test("missing samples are gaps, uneven ones are not", () => {
+  const even = Array.from({ length: 60 }, (_, k) => 0.1 * k * (1 + 0.2 * Math.sin(k)));
+  assert.deepEqual(gapsIn([...even].sort((a, b) => a - b)), []);
+  assert.deepEqual(gapsIn([0, 0.1, 0.2, 0.3, 5, 5.1, 5.2, 5.3]), [4]);
+});
+
+test("a drift is seen beside a large value, and ticks tell themselves apart", () => {
+  assert.deepEqual(relative([null, 200, 200.0002]).map((value) => value && +value.toFixed(9)), [null, 0, 1e-6]);
+  const { exponent, labels } = scaleOf([418000, 418100, 418200], 100);
+  assert.equal(exponent, 3);
+  assert.deepEqual(labels, ["418.0", "418.1", "418.2"]);
+  assert.deepEqual(scaleOf([-5.4, -5.2], 0.2).labels, ["−5.4", "−5.2"]);
+  assert.equal(chooseAtFirst(["a.integrator.steps", "a.x", "a.y"]).names[0], "a.x");
+});
+
+test("speeds fit the scene's step, up to a thousand", () => {
+  assert.ok(speedsFor(5).includes(1000) && !speedsFor(5).includes(0.01));
+  assert.ok(speedsFor(1e-4).includes(0.001) && !speedsFor(1e-4).includes(1000));
+  assert.equal(speedAtFirst(1 / 60, 10), 1);
+  // Two hundredths of a second last five seconds at least, and an hour half a minute at most.
+  assert.ok(0.02 / speedAtFirst(5e-4, 0.02) >= 5);
+  assert.ok(2000 / speedAtFirst(5, 2000) <= 36);
+});
+
+test("an address makes the scene again", async () => {
+  const scene = { name: "ä", systems: [{ type: "ode", states: { x: 1 } }] };
+  const packed = await packScene(scene);
+  const hash = writeShared({ packed, time: 1.25, eye: [1, 2, 3], target: [0, 0, 0.123456] });
+  assert.deepEqual(await readShared(hash), { scene, time: 1.25, eye: [1, 2, 3], target: [0, 0, 0.12346] });
+  assert.deepEqual(await readShared(writeShared({ gallery: "lorenz", packed, time: 0 })), { gallery: "lorenz" });
+  assert.deepEqual(await readShared("#"), {});
+});
+
+test("scenes have chapters and are found by their words", () => {
+  assert.equal(chapterOf(["coupling", "cloth"]), "Things that meet");
+  assert.equal(chapterOf(["something"]), "More");
+  const entry = { name: "flag", title: "A flag", teaches: "wind on cloth", tags: ["cloth"] };
+  assert.ok(matches(entry, "cloth WIND") && matches(entry, "") && !matches(entry, "flag rigid"));
+});
+
+test("plane scenes, plots and strings are known from the scene", () => {
+  const pendulum = { gravity: [0, -9.81, 0], time: { dt: 0.01, duration: 3 }, systems: [{ type: "rigid2d", id: "p", bodies: [{ position: [1, 0, 0] }], joints: [{ type: "distance", a: -1, b: 0, anchor: [0, 0, 0], anchor_b: [1, 0, 0] }] }] };
+  const info = infoOf(pendulum);
+  assert.ok(info.flat && info.standing);
+  assert.deepEqual(info.strings, [[{ at: [0, 0, 0] }, { part: "p", row: 0, at: [0, 0, 0] }]]);
+  const plot = infoOf({ gravity: [0, 0, 0], systems: [{ type: "ode", id: "o", states: { x: 1, y: 2 }, plot: [] }] });
+  assert.deepEqual(plot.plots[0].axes, ["x", "y"]);
+  assert.ok(plot.flat && !plot.standing);
+  assert.ok(!infoOf({ systems: [{ type: "rigid3d", id: "b" }] }).flat);
+});
+
+test("the viewer has the colours of the service's pictures", () => {
+  const header = readFileSync(new URL("../../engine/sinks/picture/color_stops.h", import.meta.url), "utf8");
+  for (const [name, hex] of Object.entries(colorStops)) {
+    const table = new RegExp(`k${name}\\[\\] = \\{([^}]*)\\}`, "i").exec(header)[1].split(",").map(Number);
+    assert.deepEqual(hex, table, name);
+  }
+});
