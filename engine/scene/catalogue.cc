@@ -93,7 +93,7 @@ std::span<const CatalogueRow> catalogue() {
        "linear_implicit_euler",
        &mass_spring::mass_spring_outputs(),
        10,
-       &mass_spring_resolution()},
+       &mass_spring::mass_spring_resolution()},
       {"articulation",
        "rigid bodies",
        "rigid links in a tree of joints, in the joints' own coordinates: chains that cannot come apart, "

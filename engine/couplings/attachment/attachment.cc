@@ -3,7 +3,7 @@
 #include <cmath>
 #include <map>
 
-#include "engine/couplings/body_attachment.h"
+#include "engine/couplings/attachment/body_attachment.h"
 #include "engine/couplings/sides.h"
 
 namespace truestep::attachment {

@@ -1,7 +1,7 @@
 #include "engine/couplings/contact/contact.h"
 
 #include "engine/collision/points/collider_set.h"
-#include "engine/couplings/body_contact.h"
+#include "engine/couplings/contact/body_contact.h"
 #include "engine/couplings/contact/contact_guard.h"
 #include "engine/couplings/contact/contact_solver.h"
 #include "engine/couplings/sides.h"

@@ -138,14 +138,15 @@ State MassSpring::initial_state() const {
 
 Ports MassSpring::ports() const {
   const bool together = integrator().kind == Integrator::Kind::implicit && !springs_.schedule().a.empty();
-  return {PointPort{.position = Columns::position,
-                    .velocity = Columns::velocity,
-                    .mass = std::nullopt,
-                    .inverse_mass = Columns::inverse_mass,
-                    .id = std::nullopt,
-                    .radius = radius_},
-          {springs_.network().triangles, segments_},
-          together ? this : nullptr};
+  return {.points = PointPort{.position = Columns::position,
+                              .velocity = Columns::velocity,
+                              .mass = std::nullopt,
+                              .inverse_mass = Columns::inverse_mass,
+                              .id = std::nullopt,
+                              .radius = radius_},
+          .solids = {springs_.network().triangles, segments_},
+          .bodies = std::nullopt,
+          .answers = together ? this : nullptr};
 }
 
 void MassSpring::answer(State& state, const StepInput& in, Answer which, std::span<const double> impulses,

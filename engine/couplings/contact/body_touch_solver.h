@@ -8,11 +8,11 @@
 #pragma once
 #include <vector>
 
-#include "engine/couplings/body_touch_search.h"
+#include "engine/couplings/contact/body_touch_search.h"
 #include "engine/couplings/contact/contact_def.h"
 #include "engine/couplings/exchange.h"
 
-namespace truestep {
+namespace truestep::contact {
 
 struct SolvedTouch {
   BodyTouch touch;
@@ -48,4 +48,4 @@ class BodyTouchSolver {
   double h_;
 };
 
-}  // namespace truestep
+}  // namespace truestep::contact

@@ -17,7 +17,7 @@
 #include "engine/couplings/exchange.h"
 #include "engine/couplings/points_on_bodies.h"
 
-namespace truestep {
+namespace truestep::attachment {
 
 class BodyAttachment final : public Coupling {
  public:
@@ -73,4 +73,4 @@ class BodyAttachment final : public Coupling {
   std::vector<Pair> pairs_;
 };
 
-}  // namespace truestep
+}  // namespace truestep::attachment

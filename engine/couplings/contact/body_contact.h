@@ -9,9 +9,9 @@
 #pragma once
 #include <memory>
 
-#include "engine/couplings/body_touch_solver.h"
+#include "engine/couplings/contact/body_touch_solver.h"
 
-namespace truestep {
+namespace truestep::contact {
 
 class BodyContact final : public Coupling {
  public:
@@ -48,4 +48,4 @@ class BodyContact final : public Coupling {
   double reach_ = 0;  ///< m
 };
 
-}  // namespace truestep
+}  // namespace truestep::contact

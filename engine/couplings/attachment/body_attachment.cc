@@ -1,11 +1,11 @@
-#include "engine/couplings/body_attachment.h"
+#include "engine/couplings/attachment/body_attachment.h"
 
 #include <algorithm>
 #include <cmath>
 
 #include "engine/couplings/sides.h"
 
-namespace truestep {
+namespace truestep::attachment {
 
 namespace {
 
@@ -400,4 +400,4 @@ std::vector<PlanRow> BodyAttachment::plan() const {
   return rows;
 }
 
-}  // namespace truestep
+}  // namespace truestep::attachment

@@ -1,4 +1,4 @@
-#include "engine/couplings/body_touch_search.h"
+#include "engine/couplings/contact/body_touch_search.h"
 
 #include <algorithm>
 #include <cmath>
@@ -8,7 +8,7 @@
 #include "engine/geometry/compound.h"
 #include "engine/math/trig.h"
 
-namespace truestep {
+namespace truestep::contact {
 
 namespace {
 
@@ -233,4 +233,4 @@ const std::vector<BodyTouch>& BodyTouchSearch::run(const BodyTouchQuery& q, cons
   return touches_;
 }
 
-}  // namespace truestep
+}  // namespace truestep::contact

@@ -13,7 +13,7 @@
 #include "engine/couplings/points_on_bodies.h"
 #include "engine/geometry/solid.h"
 
-namespace truestep {
+namespace truestep::contact {
 
 /// A place of a body that triangles may meet: a ball about it.
 struct BodyCorner {
@@ -97,4 +97,4 @@ class BodyTouchSearch {
   std::vector<BodyTouch> touches_;
 };
 
-}  // namespace truestep
+}  // namespace truestep::contact

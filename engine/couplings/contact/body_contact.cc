@@ -1,4 +1,4 @@
-#include "engine/couplings/body_contact.h"
+#include "engine/couplings/contact/body_contact.h"
 
 #include <algorithm>
 #include <cmath>
@@ -7,7 +7,7 @@
 #include "engine/core/impulse_answer.h"
 #include "engine/couplings/sides.h"
 
-namespace truestep {
+namespace truestep::contact {
 
 namespace {
 
@@ -196,4 +196,4 @@ std::vector<PlanRow> BodyContact::plan() const {
   return rows;
 }
 
-}  // namespace truestep
+}  // namespace truestep::contact

@@ -1,9 +1,9 @@
-#include "engine/couplings/body_touch_solver.h"
+#include "engine/couplings/contact/body_touch_solver.h"
 
 #include <algorithm>
 #include <cmath>
 
-namespace truestep {
+namespace truestep::contact {
 
 namespace {
 
@@ -125,4 +125,4 @@ size_t BodyTouchSolver::run(const std::vector<BodyTouch>& touches, const BodyTou
                                            [](const SolvedTouch& s) { return s.push > 0 || s.impulse > 0; }));
 }
 
-}  // namespace truestep
+}  // namespace truestep::contact
