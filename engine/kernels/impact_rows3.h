@@ -52,12 +52,12 @@ bool hit_contacts(ContactGroup<T>& g, const ImpactRecords<T>& bodies, uint32_t e
   for (int p = 0; p < g.points; ++p) {
     const auto& at = g.place[p];
     speed[p] = nmadd(at.x, v[5], madd(at.y, v[4], v[0])) + at.drift;
-    const W reached = rounding - madd(speed[p], W(pass.h), g.place[p].separation_at_start);
+    const W reached = rounding - madd(speed[p], W(pass.h), g.place[p].separation);
     // In lanes without a point the inverse is zero.
     closes[p] = where_positive(g.point_inverse[p],
                                where_positive(reached, where_positive(-speed[p], one, zero), zero), zero);
     due = where_positive(-speed[p] - W(pass.threshold), max(due, closes[p]), due);
-    const W reaches = max(g.place[p].separation_at_start, zero) / where_positive(-speed[p], -speed[p], one);
+    const W reaches = max(g.place[p].separation, zero) / where_positive(-speed[p], -speed[p], one);
     wait = where_positive(closes[p], min(wait, reaches), wait);
   }
   if constexpr (kHits == Hits::bouncing) due = where_positive(g.restitution, due, zero);

@@ -11,15 +11,20 @@ namespace {
 
 struct Numbers {
   double bodies = 0, moving = 0;
-  double level = 0;  // of those that move: as low as the lowest, so that they lie on the floor
-  double heaped = 0,
-         heaped_edges = 0;  // in blocks of copies that fall on each other; those that are no spheres
-  double edged = 0;         // of hulls and compounds, whose faces are many
+  double level = 0;   // of those that move: as low as the lowest, so that they lie on the floor
+  double heaped = 0;  // in blocks of copies
+  double layered = 0, layered_edges = 0;     // in layers that fall on each other; those that are no spheres
+  double edged = 0;                          // of hulls and compounds, whose faces are many
   double balls = 0, guided = 0, joints = 0;  // joints: balls, those with six rows to drive, others
 };
 
 bool in_a_block(const BodyDef& b) {
   return b.copies && std::ranges::count_if(b.copies->count, [](int64_t k) { return k > 1; }) >= 2;
+}
+
+// Layers fall into a heap; a wall stands.
+bool in_layers(const BodyDef& b) {
+  return b.copies && b.copies->count.size() > 2 && b.copies->count[0] > 1 && b.copies->count[2] > 1;
 }
 
 bool piled(const BodyDef& b) {
@@ -42,7 +47,8 @@ Numbers count(const Rigid3dDef& d) {
     n.moving += bodies;
     if (!piled(b) && b.position.y <= floor + 1e-3) n.level += bodies;
     if (in_a_block(b)) n.heaped += bodies;
-    if (in_a_block(b) && !std::holds_alternative<SphereBodyDef>(any)) n.heaped_edges += bodies;
+    if (in_layers(b)) n.layered += bodies;
+    if (in_layers(b) && !std::holds_alternative<SphereBodyDef>(any)) n.layered_edges += bodies;
     if (std::holds_alternative<HullBodyDef>(any) || std::holds_alternative<CompoundBodyDef>(any))
       n.edged += bodies;
   }
@@ -64,9 +70,9 @@ double seconds(const Rigid3dDef& d, const Numbers& n) {
   // A body on the floor touches that alone, one above others several; what is joined touches little.
   const double free = std::max(n.moving - n.balls - n.guided - n.joints, 0.0) / std::max(n.moving, 1.0);
   const double contacts =
-      std::max(free * (1.6 * n.level + 3.5 * (n.moving - n.level)), 0.5 * n.moving) + 1.3 * n.heaped;
+      std::max(free * (1.6 * n.level + 3.5 * (n.moving - n.level)), 0.5 * n.moving) + 1.3 * n.layered;
   const double steps = (d.precision == Rigid3dDef::Precision::f64 ? 2 : 1) * static_cast<double>(d.substeps);
-  return 2e-7 * n.bodies + contacts * (5e-7 + 5e-8 * steps) + 2e-6 * n.heaped + 1.6e-5 * n.heaped_edges +
+  return 2e-7 * n.bodies + contacts * (5e-7 + 5e-8 * steps) + 2e-6 * n.layered + 1.6e-5 * n.layered_edges +
          1.5e-6 * free * n.edged + n.balls * (2e-7 + 2e-7 * steps) + n.joints * (3e-7 + 5.5e-7 * steps) +
          n.guided * (3e-7 + 2.2e-6 * steps);
 }
