@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "engine/couplings/conjugate_gradients.h"
+
 namespace truestep {
 
 namespace {
@@ -91,36 +93,17 @@ void AnsweredPairs::solve(const CoupledStates& s, const StepInput& in,
   Sides sides(*this, s, in);
   Side &a = sides.a(), &b = sides.b();
   const size_t n = pairs.size();
-  const auto y = in.workspace.doubles("answer.y", 3 * n), r = in.workspace.doubles("answer.r", 3 * n),
-             d = in.workspace.doubles("answer.d", 3 * n), q = in.workspace.doubles("answer.q", 3 * n);
-  double rr = 0;
-  for (size_t k = 0; k < n; ++k) {
-    store3(y.data(), k, Vec3{}), store3(r.data(), k, pairs[k].right), store3(d.data(), k, pairs[k].right);
-    rr += norm2(pairs[k].right);
-  }
-  const double enough = kAccuracy * kAccuracy * rr;
-  const size_t most = std::min(3 * n + kSpare, kMostIterations);
-  for (size_t iteration = 0; iteration < most && rr > enough; ++iteration) {
-    respond(sides, in, AnswersImpulses::Answer::again, pairs,
-            [&](size_t k) { return shape(pairs[k], load3(d.data(), k)); });
-    double dq = 0;
-    for (size_t k = 0; k < n; ++k) {
-      const AnsweredPair& p = pairs[k];
-      const Vec3 dk = load3(d.data(), k);
-      const Vec3 qk = dk * p.give + shape(p, load3(b.dv.data(), p.b) - load3(a.dv.data(), p.a));
-      store3(q.data(), k, qk);
-      dq += dot(dk, qk);
-    }
-    // Nothing gives way in this direction: what is asked for there cannot be had.
-    if (!(dq > 0)) break;
-    const double alpha = rr / dq, before = rr;
-    rr = 0;
-    for (size_t k = 0; k < 3 * n; ++k) {
-      y[k] += alpha * d[k], r[k] -= alpha * q[k];
-      rr += r[k] * r[k];
-    }
-    for (size_t k = 0; k < 3 * n; ++k) d[k] = r[k] + rr / before * d[k];
-  }
+  const auto y = conjugate_gradients(
+      n, in.workspace.object<Workspace>("answer.solve"),
+      {kAccuracy, std::min(3 * n + kSpare, kMostIterations)}, [&](size_t k) { return pairs[k].right; },
+      [&](std::span<const double> d) {
+        respond(sides, in, AnswersImpulses::Answer::again, pairs,
+                [&](size_t k) { return shape(pairs[k], load3(d.data(), k)); });
+      },
+      [&](size_t k, const Vec3& d) {
+        const AnsweredPair& p = pairs[k];
+        return d * p.give + shape(p, load3(b.dv.data(), p.b) - load3(a.dv.data(), p.a));
+      });
   respond(sides, in, AnswersImpulses::Answer::again, pairs,
           [&](size_t k) { return shape(pairs[k], load3(y.data(), k)); });
   for (size_t k = 0; k < n; ++k) {

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "engine/couplings/conjugate_gradients.h"
+
 namespace truestep {
 
 namespace {
@@ -84,35 +86,16 @@ void PointsOnBodies::solve(State& points, State& bodies, const StepInput& in,
                            std::vector<AnsweredLink>& links, double accuracy, size_t most) const {
   Work work(*this, points, bodies, in.workspace.object<Workspace>("links"));
   const size_t n = links.size();
-  const auto y = in.workspace.doubles("links.y", 3 * n), r = in.workspace.doubles("links.r", 3 * n),
-             d = in.workspace.doubles("links.d", 3 * n), q = in.workspace.doubles("links.q", 3 * n);
   // The matrix, which what follows goes on with.
   respond(work, in, AnswersImpulses::Answer::first, links, [](size_t) { return Vec3{}; });
-  double rr = 0;
-  for (size_t k = 0; k < n; ++k) {
-    store3(y.data(), k, Vec3{}), store3(r.data(), k, links[k].right), store3(d.data(), k, links[k].right);
-    rr += norm2(links[k].right);
-  }
-  const double enough = accuracy * accuracy * rr;
-  const auto which = AnswersImpulses::Answer::again;
-  for (size_t iteration = 0; iteration < most && rr > enough; ++iteration) {
-    respond(work, in, which, links, [&](size_t k) { return shape(links[k], load3(d.data(), k)); });
-    double dq = 0;
-    for (size_t k = 0; k < n; ++k) {
-      const Vec3 dk = load3(d.data(), k), qk = dk * links[k].give + shape(links[k], work.change(links[k]));
-      store3(q.data(), k, qk);
-      dq += dot(dk, qk);
-    }
-    // Nothing gives way in this direction: what is asked for there cannot be had.
-    if (!(dq > 0)) break;
-    const double alpha = rr / dq, before = rr;
-    rr = 0;
-    for (size_t k = 0; k < 3 * n; ++k) {
-      y[k] += alpha * d[k], r[k] -= alpha * q[k];
-      rr += r[k] * r[k];
-    }
-    for (size_t k = 0; k < 3 * n; ++k) d[k] = r[k] + rr / before * d[k];
-  }
+  const auto y = conjugate_gradients(
+      n, in.workspace.object<Workspace>("links.solve"), {accuracy, most},
+      [&](size_t k) { return links[k].right; },
+      [&](std::span<const double> d) {
+        respond(work, in, AnswersImpulses::Answer::again, links,
+                [&](size_t k) { return shape(links[k], load3(d.data(), k)); });
+      },
+      [&](size_t k, const Vec3& d) { return d * links[k].give + shape(links[k], work.change(links[k])); });
   for (size_t k = 0; k < n; ++k) links[k].impulse = shape(links[k], load3(y.data(), k));
 }
 
