@@ -1,7 +1,7 @@
 # join_sources(BATCH FOLDER...): compiles the files of each folder BATCH at a time, so that the headers that they share are
 # read once. For code that no step runs: files of steps stay apart, because tests look at their objects one by one. Names in anonymous namespaces of joined files must
 # differ; APART names the files of which that is not so.
-set(joined_apart dense_lu.cc export_vtu.cc)
+set(joined_apart dense_lu.cc export_vtu.cc saved_session.cc session_folder.cc)
 function(join_sources target batch)
   set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_MODE GROUP)
   foreach(folder ${ARGN})

@@ -15,6 +15,9 @@ struct BuildContext {
   Vec3 gravity{0, -9.81, 0};  ///< m/s^2
   double dt = 1.0 / 60;       ///< s, length of one substep of this scene
   uint64_t seed = 0;          ///< already mixed with the system's index: systems draw different numbers
+  /// Whether a coupling lets its points touch bodies: a default method then lets each point answer for
+  /// itself.
+  bool meets_bodies = false;
 };
 
 /// Estimate from counts alone, before anything is allocated; doubles so that nothing overflows.

@@ -28,14 +28,20 @@ ParamRow& TableBuilder::value(ParamKind kind, const Words& words, size_t offset,
 ParamRow& TableBuilder::choice(const Words& words, size_t offset, ChoiceAccess access,
                                std::vector<std::string> choices) {
   ParamRow& r = row(ParamKind::choice, words, any());
-  r.choices = choices;
-  r.set = [=](void* o, ParamValue v) {
-    const auto found = std::find(choices.begin(), choices.end(), std::get<std::string>(v));
-    if (found == choices.end()) return;
-    access.set(static_cast<char*>(o) + offset, static_cast<size_t>(found - choices.begin()));
+  // "a|b": b is read as a. What is written comes first.
+  std::vector<size_t> meant;
+  for (size_t k = 0; k < choices.size(); ++k) r.choices.push_back(first_word(choices[k])), meant.push_back(k);
+  for (size_t k = 0; k < choices.size(); ++k) {
+    for (std::string& other : other_words(choices[k]))
+      r.choices.push_back(std::move(other)), meant.push_back(k);
+  }
+  r.set = [=, all = r.choices](void* o, ParamValue v) {
+    const auto found = std::find(all.begin(), all.end(), std::get<std::string>(v));
+    if (found == all.end()) return;
+    access.set(static_cast<char*>(o) + offset, meant[static_cast<size_t>(found - all.begin())]);
   };
   r.get = [=](const void* o) {
-    return ParamValue(choices[access.get(static_cast<const char*>(o) + offset)]);
+    return ParamValue(first_word(choices[access.get(static_cast<const char*>(o) + offset)]));
   };
   return r;
 }

@@ -27,11 +27,10 @@ inline constexpr int kMaxInternalSteps = 100'000;
 
 /// Settings of the methods that have any.
 struct IntegratorOptions {
-  double tolerance = 1e-6;          ///< adaptive methods: bound on the local error, in the units of x and v
+  double tolerance = 1e-6;          ///< adaptive methods: what the two below are where they are not given
   double newton_tolerance = 1e-10;  ///< implicit methods: relative residual at which Newton stops
   int max_newton_iterations = 200;
-  /// Adaptive methods: error per component against absolute + relative |y|; `absolute` is `tolerance` when
-  /// not given, `relative` is 0.
+  /// Adaptive methods: the error of a step per unknown against absolute + relative |y|.
   std::optional<double> relative_tolerance = {}, absolute_tolerance = {};
   StructuralDamping damping = {};
   int max_internal_steps = kMaxInternalSteps;  ///< adaptive methods: in one step, then Instability

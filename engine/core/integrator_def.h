@@ -41,14 +41,16 @@ TableOf<D>& add_integrator_rows(TableOf<D>& table) {
   std::optional<int> D::*most = &IntegratorParams::max_internal_steps;
   return table
       .text("integrator", integrator, "time integration method; GET /v1/systems/{type} lists those that fit")
-      .number("tolerance", tolerance, "1", above(0),
-              "adaptive methods: bound on the local error of a step, root mean square over all unknowns")
+      .number(
+          "tolerance", tolerance, "1", above(0),
+          "adaptive methods: stands for relative_tolerance and absolute_tolerance where they are not given")
       .number("newton_tolerance", newton_tolerance, "1", above(0),
               "implicit methods: relative residual at which Newton's method stops")
-      .number("relative_tolerance", relative, "1", at_least(0),
-              "adaptive methods: the error of a step may be absolute_tolerance + this times the value")
-      .number("absolute_tolerance", absolute, "1", above(0),
-              "adaptive methods: see there; default: tolerance")
+      .number(
+          "relative_tolerance", relative, "1", at_least(0),
+          "adaptive methods: the error of an unknown in a step may be absolute_tolerance + this times its "
+          "value, root mean square over all unknowns")
+      .number("absolute_tolerance", absolute, "1", above(0), "adaptive methods: see there")
       .number("spectral_radius", radius, "1", between(0, 1),
               "generalized_alpha: share of the highest modes' amplitude that a step leaves; default 0.9")
       .number("newmark_beta", beta, "1", between(0, 1),

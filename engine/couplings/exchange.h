@@ -40,13 +40,18 @@ inline void book(State& own, const Exchange& e) {
   own.f64(exchange_columns::energy_lost)[0] += e.energy_lost;
 }
 
-/// impulse.x/y/z and impulse.sum (N s), energy.lost (J), all since t = 0.
-inline void observe_exchange(const State& own, Observables& out) {
+/// impulse.x/y/z and impulse.sum (N s) since t = 0.
+inline void observe_impulses(const State& own, Observables& out) {
   const auto p = own.f64(exchange_columns::impulse);
   out.add("impulse.x", p[0], "N s");
   out.add("impulse.y", p[1], "N s");
   out.add("impulse.z", p[2], "N s");
   out.add("impulse.sum", own.f64(exchange_columns::magnitudes)[0], "N s");
+}
+
+/// These and energy.lost (J) since t = 0.
+inline void observe_exchange(const State& own, Observables& out) {
+  observe_impulses(own, out);
   out.add("energy.lost", own.f64(exchange_columns::energy_lost)[0], "J");
 }
 

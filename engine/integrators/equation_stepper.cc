@@ -5,6 +5,7 @@
 
 #include "engine/base/errors.h"
 #include "engine/base/short_number.h"
+#include "engine/integrators/field_equations.h"
 #include "engine/integrators/table/integrators.h"
 
 namespace truestep {
@@ -43,8 +44,7 @@ const Integrator& named(const std::string& name, const RightHandSide& f) {
 EquationStepper::EquationStepper(const IntegratorChoice& choice, const Defaults& defaults,
                                  const RightHandSide& f, const Rates& rates, double dt)
     : options_(choice.options) {
-  tolerance_.relative = options_.relative_tolerance.value_or(options_.tolerance);
-  tolerance_.absolute = options_.absolute_tolerance.value_or(options_.tolerance);
+  tolerance_ = tolerance_of(options_);
   if (!choice.name.empty()) {
     method_ = &named(choice.name, f), why_ = "named by the scene";
     if (const auto limit = stable_dt(rates); limit && dt > *limit) {

@@ -44,9 +44,9 @@ class FieldEquations final : public RightHandSide, public SecondOrder {
   bool plain_;
 };
 
-/// The tolerances that options stand for.
+/// The tolerances that options stand for, of forces as of any other equation.
 inline Tolerance tolerance_of(const IntegratorOptions& options) {
-  return {.relative = options.relative_tolerance.value_or(0),
+  return {.relative = options.relative_tolerance.value_or(options.tolerance),
           .absolute = options.absolute_tolerance.value_or(options.tolerance)};
 }
 

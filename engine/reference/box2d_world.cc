@@ -234,7 +234,7 @@ void Box2dWorld::read_bodies(State& s) {
     if (b.GetType() == b2_kinematicBody) continue;
     store3(v, i, Vec3{b.GetLinearVelocity().x, b.GetLinearVelocity().y, 0});
     w[i] = b.GetAngularVelocity();
-    status[i] = (status[i] & ~uint32_t{rigid2d::kAwake}) | (b.IsAwake() ? rigid2d::kAwake : 0);
+    status[i] = (status[i] & ~uint32_t{rigid2d::kAwake}) | (b.IsAwake() ? uint32_t{rigid2d::kAwake} : 0u);
   }
 }
 

@@ -21,15 +21,15 @@ constexpr double kStepSeconds = 1e-6, kRoundSeconds = 2.5e-7;
 
 Cost estimate(const Scene& scene) {
   const auto systems = static_cast<double>(scene.systems.size());
-  const double rounds = (systems + static_cast<double>(scene.couplings.size())) *
-                        static_cast<double>(scene.header.time.substeps);
+  const double rounds =
+      (systems + static_cast<double>(scene.couplings.size())) * static_cast<double>(scene.substeps());
   Cost sum{.workspace_bytes = kSessionBytes + kSystemBytes * systems,
            .seconds_per_step = kStepSeconds + kRoundSeconds * rounds};
   const auto add = [&](const Cost& c) {
     sum.state_bytes += c.state_bytes;
     sum.workspace_bytes += c.workspace_bytes;
     sum.elements += c.elements;
-    sum.seconds_per_step += c.seconds_per_step * static_cast<double>(scene.header.time.substeps);
+    sum.seconds_per_step += c.seconds_per_step * static_cast<double>(scene.substeps());
   };
   std::vector<Cost> own;
   for (const SceneSystem& s : scene.systems) {

@@ -21,6 +21,7 @@ struct CouplingRow {
   /// What it adds to the costs of its two sides; counts only, never allocates.
   Cost (*cost)(const void* def, const Cost& a, const Cost& b);
   std::vector<std::string_view> guarantees;  ///< what tests hold it to, one sentence each
+  bool touches = false;                      ///< whether points meet the bodies of the other side
 };
 
 std::span<const CouplingRow> coupling_catalogue();

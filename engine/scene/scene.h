@@ -27,10 +27,10 @@ namespace truestep {
 inline constexpr double kLongestDt = 1e13, kLongestDuration = 1e13;
 
 struct TimeParams {
-  double dt = 1.0 / 60;  ///< s, session step
-  int64_t substeps = 1;
-  double duration = 10;           ///< s, what `run` and expectations cover
-  int64_t max_catchup_steps = 8;  ///< steps that a late session may do at once
+  double dt = 1.0 / 60;             ///< s, session step
+  std::optional<int64_t> substeps;  ///< none: one, or what default methods need (World)
+  double duration = 10;             ///< s, what `run` and expectations cover
+  int64_t max_catchup_steps = 8;    ///< steps that a late session may do at once
 };
 
 struct ProbeParams {
@@ -125,8 +125,9 @@ struct Scene {
   std::vector<SceneSystem> systems;
   std::vector<SceneCoupling> couplings;
 
+  int64_t substeps() const { return header.time.substeps.value_or(1); }
   /// h = dt / substeps
-  double substep() const { return header.time.dt / static_cast<double>(header.time.substeps); }
+  double substep() const { return header.time.dt / static_cast<double>(substeps()); }
   /// Number of the system that takes an integrator: the one named `id`, or the first when the id is empty.
   std::optional<size_t> integrated_system(std::string_view id) const;
   /// What a system of this scene is told.

@@ -11,7 +11,9 @@ const DefTable& time_table() {
           .number("dt", &TimeParams::dt, "s", {.min = 1e-15, .max = kLongestDt},
                   "length of a session step; more than 10 s a substep for equations (ode) only")
           .integer("substeps", &TimeParams::substeps, between(1, 10000),
-                   "equal parts that each step is computed in")
+                   "equal parts that each step is computed in; without it one, or as many as the default "
+                   "methods of "
+                   "points that meet bodies need")
           .number("duration", &TimeParams::duration, "s", between(0, kLongestDuration),
                   "how long `truestep run` simulates")
           .integer("max_catchup_steps", &TimeParams::max_catchup_steps, between(1, 1000),

@@ -122,7 +122,7 @@ Remedies try_remedies(const World& world, const WorldState& before, uint64_t fai
   Remedies out;
   Trials trials(world, before, failed, commands, arena);
   const double dt = world.dt(), each = std::max(estimate(world.scene()).seconds_per_step, 1e-9);
-  const int64_t substeps = world.scene().header.time.substeps;
+  const int64_t substeps = world.scene().substeps();
   const std::string tried = " (held when tried for " + std::to_string(trials.steps()) + " steps)";
 
   // Smaller steps: what theory expects to hold, a tenth less (at the limit itself errors may grow as the time

@@ -20,6 +20,10 @@ namespace {
 
 /// Turns of every coupling's guard per substep at most: guards that undo each other must end.
 constexpr size_t kGuardRounds = 4;
+/// Share of the longest substep that springs hold which a scene gets that does not say its substeps: between
+/// points that are held against bodies they are stiffer (of 400 random scenes 18 gain more than a fiftieth of
+/// the energy at work with 0.8, one with 0.4). And the most of them.
+constexpr double kOfLongest = 0.4, kMostSubsteps = 10'000;
 
 /// Runs `build`; what it refuses is collected with pointers below `where`.
 template <class Build>
@@ -37,16 +41,24 @@ void collecting(std::vector<Issue>& issues, const std::string& where, Build buil
 
 }  // namespace
 
+void World::build_system(size_t i, bool meets_bodies, std::vector<Issue>& issues) {
+  interruption_point();
+  const SceneSystem& s = scene_.systems[i];
+  if (s.reading == Reading::faulty) return;
+  collecting(issues, "/systems/" + std::to_string(s.place), [&] {
+    BuildContext context = scene_.context(i);
+    context.meets_bodies = meets_bodies;
+    systems_[i] = s.row->build(s.def.get(), context);
+  });
+}
+
 void World::build(std::vector<Issue>& issues, std::span<const std::string> lost_ids) {
-  for (size_t i = 0; i < scene_.systems.size(); ++i) {
-    interruption_point();
-    const SceneSystem& s = scene_.systems[i];
-    systems_.emplace_back();
-    if (s.reading == Reading::faulty) continue;
-    collecting(issues, "/systems/" + std::to_string(s.place),
-               [&] { systems_.back() = s.row->build(s.def.get(), scene_.context(i)); });
+  systems_.resize(scene_.systems.size());
+  for (size_t i = 0; i < scene_.systems.size(); ++i) build_system(i, false, issues);
+  if (!scene_.couplings.empty()) {
+    let_bodies_be_met(issues);
+    build_couplings(issues);
   }
-  if (!scene_.couplings.empty()) build_couplings(issues);
   BuiltScene built = this->built();
   built.lost_ids = lost_ids;
   check_references(built, issues);
@@ -79,7 +91,7 @@ std::vector<Issue> World::more_faults(const SceneReport& report) {
 void World::build_finer() {
   boost::json::object d = scene_.canonical();
   d.erase("accuracy");
-  d["time"].as_object()["substeps"] = 2 * scene_.header.time.substeps;
+  d["time"].as_object()["substeps"] = 2 * scene_.substeps();
   for (boost::json::value& s : d["systems"].as_array()) {
     // A tolerance that the scene leaves to the method is made explicit, or both would have the same.
     boost::json::object& o = s.as_object();
@@ -104,6 +116,27 @@ void World::find_joined() {
       if (first == a || first == b) first = std::min(a, b);
     }
   }
+}
+
+void World::let_bodies_be_met(std::vector<Issue>& issues) {
+  std::vector<bool> meets(systems_.size());
+  for (const SceneCoupling& c : scene_.couplings) {
+    if (c.reading == Reading::faulty || !c.row->touches || !systems_[c.a] || !systems_[c.b]) continue;
+    for (const auto& [points, bodies] : {std::pair(c.a, c.b), std::pair(c.b, c.a)}) {
+      if (systems_[bodies]->ports().bodies && systems_[points]->ports().answers) meets[points] = true;
+    }
+  }
+  if (std::ranges::none_of(meets, [](bool m) { return m; })) return;
+  double parts = 1;
+  for (size_t i = 0; i < systems_.size(); ++i) {
+    if (!meets[i]) continue;
+    build_system(i, true, issues);
+    const auto longest = systems_[i]->limit(Limit::stable_dt, systems_[i]->initial_state(), dt());
+    if (longest) parts = std::max(parts, std::ceil(dt() / (kOfLongest * *longest)));
+  }
+  if (scene_.header.time.substeps || !(parts > 1)) return;
+  scene_.header.time.substeps = static_cast<int64_t>(std::min(parts, kMostSubsteps));
+  for (size_t i = 0; i < systems_.size(); ++i) build_system(i, meets[i], issues);
 }
 
 // Couplings look at their sides, which must both be there.
@@ -268,7 +301,7 @@ std::optional<Energy> World::energy_together(const WorldState& state, size_t i, 
 void World::step(WorldState& state, Workspace& workspace, const ThreadArena& arena,
                  std::span<Profile> profiles) const {
   const double h = scene_.substep();
-  const auto substeps = static_cast<uint64_t>(scene_.header.time.substeps);
+  const auto substeps = static_cast<uint64_t>(scene_.substeps());
   const auto named = [&](size_t i, auto&& body) {
     try {
       body();
@@ -439,7 +472,7 @@ std::optional<double> World::stable_dt(const WorldState& state) const {
   std::optional<double> dt;
   const auto bound = [&](std::optional<double> h) {
     if (!h) return;
-    const double whole = *h * static_cast<double>(scene_.header.time.substeps);
+    const double whole = *h * static_cast<double>(scene_.substeps());
     dt = dt ? std::min(*dt, whole) : whole;
   };
   for (size_t i = 0; i < systems_.size(); ++i)

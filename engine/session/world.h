@@ -113,7 +113,11 @@ class World {
   World() = default;
   void build(std::vector<Issue>& issues, std::span<const std::string> lost_ids);
   BuiltScene built() const { return {scene_, systems_, couplings_, {}}; }
+  void build_system(size_t i, bool meets_bodies, std::vector<Issue>& issues);
   void build_couplings(std::vector<Issue>& issues);
+  /// Builds systems again whose points touch bodies, by the methods that this is solved with, and divides
+  /// steps that are too long for them where the scene does not say how.
+  void let_bodies_be_met(std::vector<Issue>& issues);
   void build_finer();
   [[noreturn]] void reject(size_t i, const State& state, const State::BadValue& bad) const;
   void find_joined();

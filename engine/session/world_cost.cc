@@ -34,7 +34,7 @@ std::optional<double> force_step_seconds(const Integration& s, const State& stat
 
 Cost World::cost(const WorldState& state) const {
   Cost sum = estimate(scene_);
-  const double h = scene_.substep(), substeps = static_cast<double>(scene_.header.time.substeps);
+  const double h = scene_.substep(), substeps = static_cast<double>(scene_.substeps());
   for (size_t i = 0; i < size(); ++i) {
     const SceneSystem& s = scene_.systems[i];
     const Integration own = systems_[i]->integration();

@@ -195,7 +195,7 @@ class BorderSearch {
     static const ThreadArena kSerial(1);
     if (!world.couplings().empty()) return world.step(state, workspace, kSerial, {});
     const double h = world.scene().substep();
-    const auto substeps = static_cast<uint64_t>(world.scene().header.time.substeps);
+    const auto substeps = static_cast<uint64_t>(world.scene().substeps());
     for (uint64_t k = 0, n = state.step * substeps; k < substeps; ++k, ++n) {
       world.system(system_).step(
           state.systems[system_],

@@ -19,7 +19,7 @@ namespace asio = boost::asio;
 
 namespace {
 
-constexpr size_t kRead = 4096, kReadBody = 65536;
+constexpr size_t kReadBody = 65536;
 constexpr int kPatientLooks = 8;
 constexpr auto kLinger = std::chrono::milliseconds(1000);
 // A body that arrives faster than this may take longer than the body time-out.

@@ -31,6 +31,8 @@ struct Service {
 
 class Connection : public std::enable_shared_from_this<Connection> {
  public:
+  static constexpr size_t kRead = 4096;  ///< bytes that are read at a time
+
   Connection(Socket socket, Service& service);
 
   /// Serves until the connection ends.

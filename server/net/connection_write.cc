@@ -23,7 +23,6 @@ namespace {
 constexpr size_t kSmallBody = size_t{16} << 10;
 // Answers to pipelined requests are collected up to here.
 constexpr size_t kCollect = size_t{64} << 10;
-constexpr size_t kRead = 4096;
 
 }  // namespace
 

@@ -100,7 +100,6 @@ void StreamClient::on_message(net::MessageKind kind, std::string_view payload) {
 }
 
 void StreamClient::handle(const v1::ClientMessage& message) {
-  Session& session = entry_->session;
   switch (message.kind_case()) {
     case v1::ClientMessage::kSubscribe:
       subscribe(message.subscribe());

@@ -80,7 +80,8 @@ TEST(Allocation, NoStepAfterTheFirstAllocates) {
 TEST(Allocation, TreesOfLinksAllocateNothingAfterTheFirstStep) {
   ArticulationDef d;
   LinkDef link;
-  link.joint = JointType::ball, link.mass = 1, link.center = {0, -0.5, 0}, link.inertia = {0.1, 0.01, 0.1};
+  link.joint = JointType::spherical, link.mass = 1, link.center = {0, -0.5, 0},
+  link.inertia = {0.1, 0.01, 0.1};
   link.id = "chain", link.copies = LinkCopiesDef{20, {0, -1, 0}}, link.rotation = {0, 0, 1};
   d.links.push_back(link);
   d.closures.push_back({"chain", "ground", {0, -1, 0}, {16, -10.5, 0}});
@@ -105,7 +106,8 @@ TEST(Allocation, TreesOfLinksAllocateNothingAfterTheFirstStep) {
 TEST(Allocation, ImplicitStepsOfLinksAllocateNothingAfterTheFirst) {
   ArticulationDef d;
   LinkDef link;
-  link.joint = JointType::ball, link.mass = 1, link.center = {0, -0.5, 0}, link.inertia = {0.1, 0.01, 0.1};
+  link.joint = JointType::spherical, link.mass = 1, link.center = {0, -0.5, 0},
+  link.inertia = {0.1, 0.01, 0.1};
   link.copies = LinkCopiesDef{20, {0, -1, 0}}, link.rotation = {0, 0, 0.1}, link.stiffness = 50;
   link.force = {1, 0, 0};
   d.links.push_back(link);

@@ -61,6 +61,14 @@ TEST(Campaign, RodChains) {
 TEST(Campaign, LinksAndEquations) {
   judge_families(kLinks);
 }
+TEST(Campaign, PointsAndBodies) {
+  const uint64_t n = later_families().size();
+  for (uint64_t k = 0; k < kScenesEach * n; ++k) {
+    const Trial trial = make_trial(kLaterSeeds + k);
+    const Outcome outcome = judge(trial);
+    EXPECT_TRUE(outcome.findings.empty()) << report(trial, outcome);
+  }
+}
 TEST(Campaign, JudgesAtLeastThreeHundredScenes) {
   size_t scenes = 0;
   for (const Group& g : {kDrops, kImpacts, kWheels, kJoints, kRopes, kRods, kLinks}) {

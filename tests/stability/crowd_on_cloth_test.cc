@@ -54,7 +54,9 @@ TEST(StraightContact, CubicFallsAtItsFirstRoot) {
     const auto value = [&](double t) { return c0 + t * (c1 + t * (c2 + t * c3)); };
     const double first = first_fall_of_cubic(c0, c1, c2, c3, 1);
     for (double t = 0; t <= std::min(first, 1.0); t += 1e-3) ASSERT_GE(value(t), 0) << i << " at " << t;
-    if (first <= 1) EXPECT_NEAR(value(first), 0, 1e-12) << i;
+    if (first <= 1) {
+      EXPECT_NEAR(value(first), 0, 1e-12) << i;
+    }
   }
 }
 

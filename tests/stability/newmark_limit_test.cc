@@ -76,7 +76,9 @@ TEST(NewmarkLimit, TheQuotedStepIsTheOneThatBisectionFinds) {
     ASSERT_TRUE(dt) << c.beta;
     EXPECT_NEAR(*dt * kOmega, found, 1e-4) << c.beta;
     // Control: the limit without beta, which is central differences', is none of the others'.
-    if (c.beta > 0) EXPECT_GT(std::abs(found - 2), 0.1) << c.beta;
+    if (c.beta > 0) {
+      EXPECT_GT(std::abs(found - 2), 0.1) << c.beta;
+    }
   }
 }
 

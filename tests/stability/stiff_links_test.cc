@@ -43,13 +43,13 @@ struct Links {
 };
 
 // Links of 0.1 m and 0.1 kg one behind the other, springs slack where they start, 1.2 rad from hanging.
-ArticulationDef chain(int links, double stiffness, JointType joint = JointType::hinge) {
+ArticulationDef chain(int links, double stiffness, JointType joint = JointType::revolute) {
   ArticulationDef d;
   for (int i = 0; i < links; ++i) {
     LinkDef l;
     l.joint = joint, l.mass = 0.1, l.center = {0, -0.1, 0}, l.stiffness = stiffness;
     if (i > 0) l.offset = {0, -0.1, 0};
-    if (joint == JointType::ball) {
+    if (joint == JointType::spherical) {
       l.inertia = {1e-4, 1e-4, 1e-4};
       l.q =
           i == 0 ? std::vector<double>{std::cos(0.6), 0, 0, std::sin(0.6)} : std::vector<double>{1, 0, 0, 0};
@@ -80,7 +80,7 @@ TEST(StiffLinks, ImplicitMethodsSolveJointsOfAnyStiffness) {
 TEST(StiffLinks, BallsHoldAsHingesDo) {
   for (const double k : {1e4, 1e8}) {
     // Free in the first joint it swings down as one: a rod of 1 m.
-    Links run(chain(10, k, JointType::ball), "trapezoid", 1.0 / 60);
+    Links run(chain(10, k, JointType::spherical), "trapezoid", 1.0 / 60);
     const double start = run.energy();
     ASSERT_NO_THROW(run.steps(300)) << k;
     EXPECT_NEAR(run.energy(), start, 1e-2 * std::abs(start)) << k;

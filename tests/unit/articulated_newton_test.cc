@@ -66,7 +66,7 @@ TEST(ArticulatedNewton, SolvesTreesOfAllJointsAsADenseMatrixDoes) {
     }
     std::vector<DriveSlope> drives(tree.nodes.size());
     for (size_t i = 0; i < drives.size(); ++i) {
-      if (tree.nodes[i].move == Move::ball) continue;
+      if (tree.nodes[i].move == Move::spherical) continue;
       for (size_t j = 0; j < 3; ++j) drives[i].stiffness[j][j] = 5 * (1 + draw());
       drives[i].damping = 1 + draw();
     }
@@ -79,7 +79,7 @@ TEST(ArticulatedNewton, SolvesTreesOfAllJointsAsADenseMatrixDoes) {
         const Node& node = tree.nodes[i];
         for (uint32_t j = 0; j < velocities_of(node.move); ++j) {
           tau[node.v + j] = 3 - drives[i].damping * v[node.v + j];
-          if (node.move != Move::ball) tau[node.v + j] -= drives[i].stiffness[j][j] * q[node.q + j];
+          if (node.move != Move::spherical) tau[node.v + j] -= drives[i].stiffness[j][j] * q[node.q + j];
         }
       }
       position_rate(tree, q, v, {out.data(), nx});
@@ -126,7 +126,7 @@ TEST(ArticulatedNewton, SolvesForAccelerationsWhereRatesArePlain) {
   Tree tree;
   for (int i = 0; i < 6; ++i) {
     Node node;
-    node.move = i % 2 ? Move::slider : Move::hinge;
+    node.move = i % 2 ? Move::prismatic : Move::revolute;
     node.parent = i - 1, node.axis = normalized(draw.vector());
     node.frame = {rotation(draw.quaternion()), draw.vector()};
     node.inertia = body(draw);
@@ -164,7 +164,8 @@ TEST(ArticulatedNewton, SolvesForAccelerationsWhereRatesArePlain) {
 TEST(ArticulatedNewton, DrivesAnswerWithTheirSlopes) {
   ArticulationDef d;
   LinkDef ball;
-  ball.joint = JointType::ball, ball.mass = 2, ball.center = {0.1, -0.5, 0}, ball.inertia = {0.3, 0.2, 0.4};
+  ball.joint = JointType::spherical, ball.mass = 2, ball.center = {0.1, -0.5, 0},
+  ball.inertia = {0.3, 0.2, 0.4};
   ball.q = {0.8, 0.36, -0.48, 0}, ball.v = {1, -2, 0.5}, ball.stiffness = 30, ball.damping = 2;
   ball.force = {3, 40, -5};
   LinkDef hinge;

@@ -107,7 +107,7 @@ TEST(ArticulatedTree, JointsOfAChainAtRestCarryWhatHangsFromThem) {
   Tree t;
   for (int i = 0; i < 4; ++i) {
     Node n;
-    n.move = Move::hinge, n.parent = i - 1, n.frame.p = {0, i == 0 ? 0.0 : -1.0, 0};
+    n.move = Move::revolute, n.parent = i - 1, n.frame.p = {0, i == 0 ? 0.0 : -1.0, 0};
     n.inertia = {2, {0, -2, 0}, {2, 0, 2, 0, 0, 0}};
     t.add(n);
   }
@@ -124,7 +124,7 @@ TEST(ArticulatedTree, TheRateOfAQuaternionKeepsItsLength) {
   Draw draw{5};
   Tree t;
   Node n;
-  n.move = Move::ball;
+  n.move = Move::spherical;
   t.add(n);
   const Start s = random_start(draw, t);
   double rate[4], along = 0;

@@ -315,11 +315,14 @@ TEST(BodySides, RefusalsSayWhatIsAllowed) {
   const std::string more = R"({"type": "rigid3d", "id": "b", "bodies": [{"type": "sphere"}]})";
   const std::string rope =
       R"({"type": "mass_spring", "id": "b", "rope": {"from": [0, 0, 0], "to": [1, 0, 0]}})";
+  const std::string implicit =
+      R"({"type": "mass_spring", "id": "b", "integrator": "implicit_euler", "rope": {"from": [0, 0, 0], "to": [1, 0, 0]}})";
   const std::string flat = R"({"type": "oscillator", "id": "b"})";
   const std::string contact = R"({"type": "contact", "a": "a", "b": "b"})";
   EXPECT_NE(refused(body + "," + more, contact).find("system of points"), std::string::npos);
   EXPECT_NE(refused(body + "," + flat, contact).find("mass_spring"), std::string::npos);
-  EXPECT_NE(refused(body + "," + rope, contact).find("velocity_verlet"), std::string::npos);
+  EXPECT_NE(refused(body + "," + implicit, contact).find("explicit"), std::string::npos);
+  EXPECT_EQ(refused(body + "," + rope, contact), "");
   EXPECT_EQ(refused(body + "," + rope, R"({"type": "attachment", "a": "a", "b": "b"})"), "");
   EXPECT_NE(refused(body + "," + rope, R"({"type": "attachment", "a": "a", "b": "b", "a_points": [3]})")
                 .find("/couplings/0/a_points/0"),

@@ -32,14 +32,18 @@ TEST(ConstraintColouring, NoColourHoldsABodyTwice) {
   std::set<std::pair<uint32_t, uint32_t>> seen;
   for (size_t i = 0; i < ends.size(); ++i) {
     for (const uint32_t body : ends[i]) {
-      if (body != kNoBody && colour[i] < kColours) EXPECT_TRUE(seen.insert({colour[i], body}).second);
+      if (body != kNoBody && colour[i] < kColours) {
+        EXPECT_TRUE(seen.insert({colour[i], body}).second);
+      }
     }
   }
   std::vector<uint32_t> order(ends.size());
   sort_by_colour(colour, count, order);
   for (size_t k = 1; k < order.size(); ++k) {
     EXPECT_LE(colour[order[k - 1]], colour[order[k]]);
-    if (colour[order[k - 1]] == colour[order[k]]) EXPECT_LT(order[k - 1], order[k]);
+    if (colour[order[k - 1]] == colour[order[k]]) {
+      EXPECT_LT(order[k - 1], order[k]);
+    }
   }
 }
 

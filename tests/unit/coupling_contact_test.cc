@@ -66,7 +66,9 @@ TEST(PointHull, FirstContactIsTheFirst) {
     if (!hit) continue;
     ++hits;
     EXPECT_NEAR(norm(hit->n), 1, 1e-12);
-    if (hit->s > 0) EXPECT_NEAR(hit->apart, reach, 2e-3 * reach + 2e-12) << i;
+    if (hit->s > 0) {
+      EXPECT_NEAR(hit->apart, reach, 2e-3 * reach + 2e-12) << i;
+    }
   }
   EXPECT_GT(hits, 50);
 }

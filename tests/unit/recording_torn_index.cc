@@ -61,7 +61,9 @@ TEST_F(TornIndex, EveryAcknowledgedFrameComesBack) {
       EXPECT_FALSE(fs::exists(chunk_log_path(file)));
       EXPECT_FALSE(fs::exists(file + ".damaged"));
       EXPECT_EQ(recover(file).outcome, RecoveryOutcome::kIntact);
-      if (torn > 0) EXPECT_LT(without.frames_kept, durable) << name << ' ' << marks[0];
+      if (torn > 0) {
+        EXPECT_LT(without.frames_kept, durable) << name << ' ' << marks[0];
+      }
     }
   }
 }
@@ -101,7 +103,9 @@ TEST_F(TornIndex, ATornLogIsNoHarm) {
     const std::string file = copy(whole, "cut" + std::to_string(part), Log::kept);
     fs::resize_file(chunk_log_path(file), size * part / 16);
     const auto log = read_chunk_log(file);
-    if (log) EXPECT_LE(log->frames, 40u);
+    if (log) {
+      EXPECT_LE(log->frames, 40u);
+    }
     const RecoveryReport report = recover(file);
     ASSERT_EQ(report.outcome, RecoveryOutcome::kRecovered) << report.message;
     EXPECT_EQ(good_frames(file), report.frames_kept);

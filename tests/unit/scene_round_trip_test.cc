@@ -43,5 +43,21 @@ TEST(SceneRoundTrip, EchoOfEveryGallerySceneIsAScene) {
   }
 }
 
+TEST(SceneRoundTrip, OtherWordsOfAJointAreEchoedAsOurs) {
+  for (const auto& [other, ours] : {std::pair("hinge", "revolute"),
+                                    {"pin", "revolute"},
+                                    {"slider", "prismatic"},
+                                    {"ball", "spherical"},
+                                    {"weld", "fixed"},
+                                    {"revolute", "revolute"}}) {
+    const std::string scene = R"({"systems": [{"type": "articulation", "id": "arm", "links": [{"joint": ")" +
+                              std::string(other) + R"(", "mass": 1, "center": [0, -1, 0]}]}]})";
+    const std::string echo = write_json(parse_scene(scene).canonical());
+    EXPECT_NE(echo.find(R"("joint":")" + std::string(ours) + '"'), std::string::npos) << other << echo;
+  }
+  EXPECT_THROW(parse_scene(R"({"systems": [{"type": "articulation", "links": [{"joint": "hing"}]}]})"),
+               Error);
+}
+
 }  // namespace
 }  // namespace truestep

@@ -168,7 +168,7 @@ ArticulationDef governor(double ball) {
   shaft.mass = 0.3, shaft.center = {0, 0, 0.5}, shaft.inertia = {0.025, 0.025, 5e-6};
   shaft.v = {2 * std::numbers::pi};
   LinkDef& slider = add("slider", "shaft");
-  slider.joint = JointType::slider, slider.q = {0.5};
+  slider.joint = JointType::prismatic, slider.q = {0.5};
   slider.mass = 3, slider.inertia = {0.005, 0.005, 0.005};
   for (const double side : {1.0, -1.0}) {
     LinkDef& rod = add(side > 0 ? "right" : "left", "shaft");

@@ -33,11 +33,11 @@ ArticulationDef shrub(JointType root) {
   if (root == JointType::free) {
     d.links[0].q = {0, 0, 0, 1, 0, 0, 0}, d.links[0].v = {0.3, -0.2, 0.1, 0.4, 0.5, -0.6};
   }
-  add(JointType::ball, "arm", "trunk", {0.1, -0.6, 0}).v = {1, 2, -1};
+  add(JointType::spherical, "arm", "trunk", {0.1, -0.6, 0}).v = {1, 2, -1};
   add(JointType::universal, "hand", "arm", {0, -0.6, 0}).v = {2, -1};
   add(JointType::cylindrical, "leg", "trunk", {-0.1, -0.6, 0}).v = {0.2, 3};
   add(JointType::fixed, "foot", "leg", {0, -0.6, 0}).rotation = {0, 0.5, 1};
-  add(JointType::slider, "toe", "foot", {0, -0.6, 0}).stiffness = 300;
+  add(JointType::prismatic, "toe", "foot", {0, -0.6, 0}).stiffness = 300;
   d.links[1].stiffness = 20, d.links[2].stiffness = 10, d.links[3].stiffness = 400;
   return d;
 }
@@ -75,7 +75,7 @@ TEST(Articulation, AFloatingTreeKeepsItsMomentaAndItsEnergy) {
 }
 
 TEST(Articulation, RowsHaveTheirOrder) {
-  const auto field = field_of(shrub(JointType::hinge));
+  const auto field = field_of(shrub(JointType::revolute));
   const auto end = [&](const char* method, double h, double tolerance) {
     SteppedField run(field, *find_integrator(method), h, {.tolerance = tolerance});
     run.steps(static_cast<uint64_t>(std::lround(0.5 / h)));
@@ -114,7 +114,7 @@ ArticulationDef level_chain(int64_t links) {
   LinkDef l;
   BoxLinkDef rod;
   rod.half_extents = {0.5, 0.05, 0.05}, rod.position = {0.5, 0, 0};
-  l.joint = JointType::ball, l.mass = 1, l.shapes.push_back(rod);
+  l.joint = JointType::spherical, l.mass = 1, l.shapes.push_back(rod);
   l.copies = LinkCopiesDef{links, {1, 0, 0}};
   d.links.push_back(l);
   return d;
@@ -142,7 +142,7 @@ TEST(Articulation, AChainOfTwoThousandWithAHeavyEndKeepsItsEnergy) {
   // so that rk4 takes half a millisecond.
   ArticulationDef d;
   LinkDef l;
-  l.mass = 1, l.center = {0, -0.05, 0}, l.inertia = {1e-3, 1e-5, 1e-3}, l.joint = JointType::hinge;
+  l.mass = 1, l.center = {0, -0.05, 0}, l.inertia = {1e-3, 1e-5, 1e-3}, l.joint = JointType::revolute;
   l.rotation = {0, 0, 0.02};
   l.copies = LinkCopiesDef{1999, {0, -0.1, 0}};
   d.links.push_back(l);

@@ -29,7 +29,7 @@ inline articulation::ArticulationDef top(double mass, const Vec3& at, const Vec3
                                          std::vector<double> w) {
   articulation::ArticulationDef d;
   articulation::LinkDef l;
-  l.joint = articulation::JointType::ball, l.mass = mass, l.center = at, l.v = std::move(w);
+  l.joint = articulation::JointType::spherical, l.mass = mass, l.center = at, l.v = std::move(w);
   l.inertia = {moments.x, moments.y, moments.z};
   d.links.push_back(l);
   return d;

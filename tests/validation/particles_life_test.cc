@@ -121,8 +121,12 @@ TEST(ParticlesLife, ShapesHoldTheirBirths) {
         EXPECT_NEAR(p.y, 0, 1e-15);
         EXPECT_LE(norm(p), 0.5);
       }
-      if (shape == EmitterDef::Shape::sphere) EXPECT_LE(norm(p), 0.5);
-      if (shape == EmitterDef::Shape::line) EXPECT_TRUE(p.x >= 0 && p.x <= 2 && p.y == 0 && p.z == 0);
+      if (shape == EmitterDef::Shape::sphere) {
+        EXPECT_LE(norm(p), 0.5);
+      }
+      if (shape == EmitterDef::Shape::line) {
+        EXPECT_TRUE(p.x >= 0 && p.x <= 2 && p.y == 0 && p.z == 0);
+      }
       if (shape == EmitterDef::Shape::box) {
         EXPECT_TRUE(std::fabs(p.x) <= 0.1 && std::fabs(p.y) <= 0.2 && std::fabs(p.z) <= 0.3);
       }

@@ -20,9 +20,6 @@ constexpr int kMostSweeps = 200;
 /// off.
 constexpr int kMostSolutions = 30;
 constexpr double kSameDirection = 1e-6;
-/// (h omega)^2 of a spring on its two points from which it is solved for: half of what its kicks are stable
-/// at.
-constexpr double kMostKicked = 1;
 
 template <class Real>
 Vec3 separation(const PointsOf<Real>& a, size_t i, const PointsOf<Real>& b, size_t j) {
@@ -119,7 +116,8 @@ std::vector<Attachment::Live>& Attachment::live_pairs(const Points& a, const Poi
   std::erase_if(live, [&](const Live& p) {
     const Pair& pair = pairs_[p.pair];
     const double pull = def_.stiffness * (pair.a_share * p.wa + pair.b_share * p.wb);
-    return (in.h * in.h * pull > kMostKicked) != (wanted == Wanted::solved);
+    const double most = answered_.any() ? kMostKickedTogether : kMostKicked;
+    return (in.h * in.h * pull > most) != (wanted == Wanted::solved);
   });
   return live;
 }

@@ -17,9 +17,8 @@ constexpr int kMostSweeps = 200;
 /// Newton steps towards the lengths and directions at the end at most, and their own accuracy.
 constexpr int kMostSolutions = 30;
 constexpr double kAccuracy = 1e-12;
-/// (h omega)^2 of a spring on its two places from which it is solved for: half of what its kicks are stable
-/// at.
-constexpr double kMostKicked = 1;
+/// Stretch from which a spring's turning is solved for: what it was given at the start has a direction, too.
+constexpr double kLeastTurned = 1e-9;
 
 /// What the last two impulses have in common: forces last, blows do not.
 Vec3 lasting(const Vec3& j, const Vec3& before) {
@@ -136,7 +135,7 @@ bool BodyAttachment::kicked(const Live& l, const Points& points, const Bodies& b
   }
   double share = 0;
   for (const Pair& p : pairs_) share += p.point == pairs_[l.pair].point || p.body == pairs_[l.pair].body;
-  return h * h * def_.stiffness * k * share <= kMostKicked;
+  return h * h * def_.stiffness * k * share <= (sides_.together() ? kMostKickedTogether : kMostKicked);
 }
 
 void BodyAttachment::begin(const CoupledStates& s, const StepInput& in) const {
@@ -156,6 +155,7 @@ void BodyAttachment::begin(const CoupledStates& s, const StepInput& in) const {
     });
   }
   if (rigid() && sides_.together()) give_last(s, in, sum);
+  if (!rigid() && sides_.together()) give_first(s, in, sum);
   book_sum(s.own, sum);
 }
 
@@ -190,7 +190,17 @@ void BodyAttachment::damp(const std::vector<Live>& live, Points& points, Bodies&
   }
 }
 
-// Forces last about as long as many steps do. A body takes its part as a force that acts throughout the step.
+// A body takes its part as a force that acts throughout the step.
+void BodyAttachment::give(const BodyLink& link, const Vec3& j, Points& points, Bodies& bodies, double h) {
+  const uint32_t b = link.body;
+  const Vec3 v = bodies.velocity(b), w = bodies.spin(b);
+  link.push(points, bodies, j);
+  if (bodies.dynamic(b)) {
+    bodies.move(b, (bodies.velocity(b) - v) * (-0.5 * h), (bodies.spin(b) - w) * (-0.5 * h));
+  }
+}
+
+// Forces last about as long as many steps do.
 void BodyAttachment::give_last(const CoupledStates& s, const StepInput& in, Exchange& sum) const {
   Points points(this->points(s), sides_.points());
   Bodies bodies(this->bodies(s), sides_.bodies());
@@ -202,13 +212,26 @@ void BodyAttachment::give_last(const CoupledStates& s, const StepInput& in, Exch
     store3(last, 2 * l.pair + 1, load3(last, 2 * l.pair));
     store3(last, 2 * l.pair, j);
     if (j == Vec3{}) continue;
-    const uint32_t b = l.link.body;
-    const Vec3 v = bodies.velocity(b), w = bodies.spin(b);
-    l.link.push(points, bodies, j);
+    give(l.link, j, points, bodies, in.h);
     sum.add(-j, 0);
-    if (bodies.dynamic(b)) {
-      bodies.move(b, (bodies.velocity(b) - v) * (-0.5 * in.h), (bodies.spin(b) - w) * (-0.5 * in.h));
-    }
+  }
+}
+
+// What a stretched spring pulls with at the start, so that what it holds is loaded while it moves: a rope
+// that hung loose for a step would be straightened by its load along directions that it no longer has.
+void BodyAttachment::give_first(const CoupledStates& s, const StepInput& in, Exchange& sum) const {
+  Points points(this->points(s), sides_.points());
+  Bodies bodies(this->bodies(s), sides_.bodies());
+  double* given = in.workspace.doubles("body_attachment.given", 3 * pairs_.size()).data();
+  for (const Live& l : live(points, bodies, in)) {
+    if (kicked(l, points, bodies, in.h)) continue;
+    const Vec3 r = separation(points, l.link.rows[0], bodies, l.link.body, l.place);
+    const double stretch = norm(r) - l.rest;
+    const Vec3 j = stretch > 0 ? normalized(r) * (-in.h * def_.stiffness * stretch) : Vec3{};
+    store3(given, l.pair, j);
+    if (j == Vec3{}) continue;
+    give(l.link, j, points, bodies, in.h);
+    sum.add(-j, 0);
   }
 }
 
@@ -243,19 +266,23 @@ void BodyAttachment::solve_springs(const CoupledStates& s, const StepInput& in, 
   auto& links = in.workspace.object<std::vector<AnsweredLink>>("body_attachment.links");
   links.clear();
   const double k = def_.stiffness, c = def_.damping, h = in.h;
+  const double* given =
+      sides_.together() ? in.workspace.doubles("body_attachment.given", 3 * pairs_.size()).data() : nullptr;
   for (const Live& l : all) {
     if (kicked(l, points, bodies, h)) continue;
     const Vec3 r = separation(points, l.link.rows[0], bodies, l.link.body, l.place);
-    const Vec3 u = l.link.relative(points, bodies);
+    const Vec3 u = l.link.relative(points, bodies), j0 = given ? load3(given, l.pair) : Vec3{};
     AnsweredLink a;
     a.link = l.link, a.n = l.rest == 0 ? Vec3{} : normalized(r);
     a.give = 1, a.along = std::sqrt(h * (h * k + c));
     if (l.rest == 0) {
       a.across = a.along;
-      a.right = (r * k + u * c) * (-h / a.along);
+      a.right = (r * k + u * c) * (-h / a.along) - j0 / a.along;
     } else {
-      a.across = h * std::sqrt(k * std::max(0.0, 1 - l.rest / std::max(norm(r), l.rest)));
-      a.right = a.n * (-h / a.along * (k * (dot(r, a.n) - l.rest) + c * dot(u, a.n)));
+      a.across = h * std::sqrt(k * std::max(kLeastTurned, 1 - l.rest / std::max(norm(r), l.rest)));
+      const double along = dot(j0, a.n);
+      a.right = a.n * (-h / a.along * (k * (dot(r, a.n) - l.rest) + c * dot(u, a.n)) - along / a.along) -
+                (j0 - a.n * along) / a.across;
     }
     links.push_back(a);
   }

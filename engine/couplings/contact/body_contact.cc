@@ -78,12 +78,15 @@ std::unique_ptr<const BodyContact> BodyContact::make(const ContactDef& def, cons
     throw Error(
         "scene_invalid", why,
         {{"/" + member, "unsuitable_system", why, '"' + points.id + '"',
-          "an explicit integrator, velocity_verlet, with time.substeps that hold its springs", "", ""}});
+          "an explicit integrator, or none: the default is then one that bodies can be met with", "", ""}});
   }
   std::unique_ptr<BodyContact> out(new BodyContact(def, columns, *on_bodies.bodies));
   out->bodies_first_ = bodies_first;
   out->points_id_ = points.id, out->bodies_id_ = bodies.id;
   out->hulls_ = on_points.solids;
+  out->points_are_tied_ =
+      !out->hulls_.triangles.empty() ||
+      std::ranges::any_of(out->hulls_.segments, [](const auto& s) { return s[0] != s[1]; });
   out->reach_ = columns.radius + kContactSlop;
   for (const BodyForm& f : on_bodies.bodies->forms) out->forms_.push_back(touch_form(f));
   return out;
@@ -176,7 +179,11 @@ bool BodyContact::guard(const CoupledStates& s, const StepInput& in) const {
 }
 
 void BodyContact::observe(const ConstCoupledStates& s, Observables& out) const {
-  observe_exchange(s.own, out);
+  if (points_are_tied_) {
+    observe_impulses(s.own, out);
+  } else {
+    observe_exchange(s.own, out);
+  }
   out.add("contacts", static_cast<double>(s.own.span<uint64_t>(kContacts)[0]), "1");
   out.add("penetration", s.own.f64(kDeepest)[0], "m");
 }

@@ -42,6 +42,7 @@ class BodyContact final : public Coupling {
   PointPort point_columns_;
   BodyPort body_columns_;
   bool bodies_first_ = false;
+  bool points_are_tied_ = false;  // what springs take up is not told apart from what is lost
   std::string points_id_, bodies_id_;
   PublishedSolids hulls_;
   std::vector<TouchForm> forms_;

@@ -16,6 +16,8 @@ namespace {
 constexpr double kFar = 0.5;
 /// m; what comes as near as this, or as the distance of a touch, is listed too.
 constexpr double kNear = 1e-3;
+/// Share of its reach at which a corner is looked at.
+constexpr double kRoom = 1.01;
 /// m; conservative advancement stops here at the latest.
 constexpr double kTouch = 1e-6;
 constexpr size_t kBlock = 512;
@@ -111,6 +113,31 @@ void BodyTouchSearch::place_bodies(const BodyTouchQuery& q) {
     boxes_[i] = box.grown(m.slack + q.reach + std::max(q.reach, kNear));
   }
   grid_.build(boxes_);
+  if (q.hulls.size() > 0) place_corners(q);
+}
+
+void BodyTouchSearch::place_points(const BodyTouchQuery& q) {
+  ways_.resize(q.points.count);
+  for (size_t i = 0; i < q.points.count; ++i) {
+    const Vec3 x = load3(q.start.x(), i);
+    ways_[i] = {x, x};
+    ways_[i].cover(q.points.place(i));
+  }
+}
+
+void BodyTouchSearch::place_corners(const BodyTouchQuery& q) {
+  corners_.clear();
+  for (size_t i = 0; i < bodies_.size(); ++i) {
+    Moving& m = bodies_[i];
+    m.corners = corners_.size();
+    if (!q.bodies.form(i).solid) continue;
+    for (const BodyCorner& corner : q.forms[q.form_of[i]].corners) {
+      const Vec3 begin = m.begin.point(corner.at), end = m.end.point(corner.at);
+      Box box{begin, begin};
+      box.cover(end);
+      corners_.push_back({begin, end, box.grown(kRoom * (q.reach + corner.radius))});
+    }
+  }
 }
 
 template <class Visit>
@@ -166,9 +193,7 @@ std::optional<BodyTouch> BodyTouchSearch::touch(const BodyTouchQuery& q, uint32_
 
 void BodyTouchSearch::look_at_point(const BodyTouchQuery& q, uint32_t point,
                                     std::vector<BodyTouch>& out) const {
-  Box box{load3(q.start.x(), point), load3(q.start.x(), point)};
-  box.cover(q.points.place(point));
-  near(box, [&](uint32_t body) {
+  near(ways_[point], [&](uint32_t body) {
     if (const auto t = touch(q, point, body)) out.push_back(*t);
   });
 }
@@ -176,24 +201,26 @@ void BodyTouchSearch::look_at_point(const BodyTouchQuery& q, uint32_t point,
 void BodyTouchSearch::look_at_hull(const BodyTouchQuery& q, uint32_t hull,
                                    std::vector<BodyTouch>& out) const {
   const SolidList::Corners c = q.hulls.corners(hull);
-  std::array<HullPath, 3> paths;
-  std::array<Vec3, 3> end;
-  Box box = Box::nothing();
-  for (size_t k = 0; k < c.count; ++k) {
-    const Vec3 x = load3(q.start.x(), c.rows[k]);
-    end[k] = q.points.place(c.rows[k]);
-    paths[k] = {x, end[k] - x, {}};
-    box.cover(x), box.cover(end[k]);
-  }
+  Box box = ways_[c.rows[0]];
+  for (size_t k = 1; k < c.count; ++k) box.cover(ways_[c.rows[k]]);
   near(box, [&](uint32_t body) {
     const Moving& m = bodies_[body];
-    for (const BodyCorner& corner : q.forms[q.form_of[body]].corners) {
+    const std::vector<BodyCorner>& corners = q.forms[q.form_of[body]].corners;
+    std::array<HullPath, 3> paths;
+    std::array<Vec3, 3> end;
+    for (size_t k = 0; k < c.count; ++k) {
+      const Vec3 x = load3(q.start.x(), c.rows[k]);
+      end[k] = q.points.place(c.rows[k]);
+      paths[k] = {x, end[k] - x, {}};
+    }
+    for (size_t k = 0; k < corners.size(); ++k) {
+      const BodyCorner& corner = corners[k];
+      const auto& [y0, y1, room] = corners_[m.corners + k];
       // A line has no face that a corner could pass; a ball is wider than it.
-      if (c.count < 3 && corner.radius == 0) continue;
-      const Vec3 y0 = m.begin.point(corner.at), y1 = m.end.point(corner.at);
+      if (!room.overlaps(box) || (c.count < 3 && corner.radius == 0)) continue;
       const HullPath way{y0, y1 - y0, {}};
       const double reach = q.reach + corner.radius;
-      if (c.count == 3 && stays_clear(way, paths, 1.01 * reach)) continue;
+      if (c.count == 3 && stays_clear(way, paths, kRoom * reach)) continue;
       const auto hit = first_hull_contact(way, paths, c.count, reach);
       if (!hit) continue;
       // Where it ends, if that is on the same side.
@@ -215,6 +242,7 @@ void BodyTouchSearch::look_at_hull(const BodyTouchQuery& q, uint32_t hull,
 
 const std::vector<BodyTouch>& BodyTouchSearch::run(const BodyTouchQuery& q, const ThreadArena& arena) {
   place_bodies(q);
+  place_points(q);
   const size_t points = q.points.count, all = points + q.hulls.size();
   found_.resize((all + kBlock - 1) / kBlock);
   arena.for_blocks(all, kBlock, [&](size_t begin, size_t end) {

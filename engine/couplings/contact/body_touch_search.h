@@ -80,9 +80,17 @@ class BodyTouchSearch {
   struct Moving {
     Sweep sweep;
     Transform begin, end;
-    double slack;  ///< m, by which its places leave their chords
+    double slack;        ///< m, by which its places leave their chords
+    size_t corners = 0;  ///< its first one of `corners_`
+  };
+  /// Where a corner was and is, and what it may touch on its straight way.
+  struct MovingCorner {
+    Vec3 begin, end;
+    Box box;
   };
   void place_bodies(const BodyTouchQuery& q);
+  void place_points(const BodyTouchQuery& q);
+  void place_corners(const BodyTouchQuery& q);
   template <class Visit>
   void near(const Box& box, Visit&& visit) const;
   void look_at_point(const BodyTouchQuery& q, uint32_t point, std::vector<BodyTouch>& out) const;
@@ -90,7 +98,8 @@ class BodyTouchSearch {
   std::optional<BodyTouch> touch(const BodyTouchQuery& q, uint32_t point, uint32_t body) const;
 
   std::vector<Moving> bodies_;
-  std::vector<Box> boxes_;
+  std::vector<MovingCorner> corners_;  // none where the points have no hulls
+  std::vector<Box> boxes_, ways_;      // around bodies, and around where each point was and is
   std::vector<uint32_t> unbounded_;
   BoxGrid grid_;
   std::vector<std::vector<BodyTouch>> found_;

@@ -71,7 +71,7 @@ void check_link(const LinkDef& d, const DefTable::Report& report) {
   if (!d.torque.empty() && d.torque.size() != nv) {
     report("/torque", "this joint takes " + std::to_string(nv) + " torques or forces");
   }
-  if (d.joint == JointType::ball || d.joint == JointType::free) {
+  if (d.joint == JointType::spherical || d.joint == JointType::free) {
     double n = 0;
     for (size_t k = nq - 4; k < d.q.size(); ++k) n += d.q[k] * d.q[k];
     if (d.q.size() == nq && !(std::abs(n - 1) < 1e-6)) report("/q", "the quaternion must have length 1");
@@ -100,11 +100,12 @@ const DefTable& link_table() {
           .text("id", &LinkDef::id, "name for parents, commands and pictures")
           .text("parent", &LinkDef::parent,
                 "id of an earlier link, or ground; absent: the link before, the ground for the first")
-          .choice(
-              "joint", &LinkDef::joint,
-              {"hinge", "slider", "ball", "universal", "cylindrical", "fixed", "free"},
-              "hinge: turns about axis; slider: moves along axis; ball; universal: about axis, then about "
-              "second_axis; cylindrical: moves along and turns about axis; fixed; free: any motion")
+          .choice("joint", &LinkDef::joint,
+                  {"revolute|hinge|pin", "prismatic|slider", "spherical|ball", "universal", "cylindrical",
+                   "fixed|weld", "free"},
+                  "revolute: turns about axis; prismatic: moves along axis; spherical; universal: about "
+                  "axis, then "
+                  "about second_axis; cylindrical: moves along and turns about axis; fixed; free: any motion")
           .vector("axis", &LinkDef::axis, "1", any(), "in the joint's frame; any length")
           .vector("second_axis", &LinkDef::second_axis, "1", any(), "of a universal joint")
           .vector("offset", &LinkDef::offset, "m", any(), "where the joint is in the parent's frame")
@@ -124,18 +125,19 @@ const DefTable& link_table() {
                     {0, 1000}, "give mass, centre and inertia unless inertia is given, and are drawn")
           .numbers(
               "q", &LinkDef::q, "", any(), {0, 7},
-              "start: hinge rad; slider m; universal two rad; cylindrical m, rad; ball quaternion w x y z; "
+              "start: revolute rad; prismatic m; universal two rad; cylindrical m, rad; spherical quaternion "
+              "w x y z; "
               "free x y z and quaternion")
-          .numbers(
-              "v", &LinkDef::v, "", any(), {0, 6},
-              "start: one rate per coordinate; ball: angular velocity in the link's frame; free: velocity "
-              "in the joint's frame, angular velocity in the link's")
+          .numbers("v", &LinkDef::v, "", any(), {0, 6},
+                   "start: one rate per coordinate; spherical: angular velocity in the link's frame; free: "
+                   "velocity "
+                   "in the joint's frame, angular velocity in the link's")
           .numbers("torque", &LinkDef::torque, "", any(), {0, 6},
                    "constant drive of the joint, N m or N, one per number of v")
           .number("damping", &LinkDef::damping, "", at_least(0),
                   "torque or force against the joint's velocity, N m s or N s/m")
           .number("stiffness", &LinkDef::stiffness, "", at_least(0),
-                  "spring towards rest, N m or N/m; ball: 2 k sin^2(angle / 2) towards no turn")
+                  "spring towards rest, N m or N/m; spherical: 2 k sin^2(angle / 2) towards no turn")
           .number("rest", &LinkDef::rest, "", any(), "coordinate where the spring is slack")
           .number("lowest", &LinkDef::lowest, "", any(), "soft limit of the first coordinate")
           .number("highest", &LinkDef::highest, "", any(), "soft limit of the first coordinate")

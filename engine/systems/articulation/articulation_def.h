@@ -32,7 +32,7 @@ struct CylinderLinkDef : LinkShapeDef {
 };
 using AnyLinkShapeDef = std::variant<SphereLinkDef, BoxLinkDef, CapsuleLinkDef, CylinderLinkDef>;
 
-enum class JointType : uint8_t { hinge, slider, ball, universal, cylindrical, fixed, free };
+enum class JointType : uint8_t { revolute, prismatic, spherical, universal, cylindrical, fixed, free };
 
 /// How many more links like one, each on the one before.
 struct LinkCopiesDef {
@@ -43,7 +43,7 @@ struct LinkCopiesDef {
 struct LinkDef {
   std::string id;
   std::optional<std::string> parent;
-  JointType joint = JointType::hinge;
+  JointType joint = JointType::revolute;
   Vec3 axis{0, 0, 1}, second_axis{1, 0, 0};
   Vec3 offset, rotation;
   std::optional<double> mass;

@@ -59,11 +59,11 @@ std::vector<JointMark> Articulation::joint_marks(const State& s) const {
     const bool free = node.move == Move::translation ||
                       (node.parent != kGround && tree.nodes[size_t(node.parent)].move == Move::translation);
     if (free) continue;
-    const bool along = node.move == Move::hinge || node.move == Move::slider;
-    const Kind kind = node.move == Move::hinge    ? Kind::revolute
-                      : node.move == Move::slider ? Kind::prismatic
-                      : node.move == Move::ball   ? Kind::spherical
-                                                  : Kind::fixed;
+    const bool along = node.move == Move::revolute || node.move == Move::prismatic;
+    const Kind kind = node.move == Move::revolute    ? Kind::revolute
+                      : node.move == Move::prismatic ? Kind::prismatic
+                      : node.move == Move::spherical ? Kind::spherical
+                                                     : Kind::fixed;
     out.push_back({kind, frames[i].p, frames[i].p, along ? frames[i].R.apply(node.axis) : Vec3{}});
   }
   const auto place = [&](int32_t node, const Vec3& at) {

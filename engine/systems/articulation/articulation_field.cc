@@ -28,7 +28,7 @@ LimitPush limit_push(const Drive& d, double q, double v) {
 }
 
 bool one_axis(Move m) {
-  return m == Move::hinge || m == Move::slider;
+  return m == Move::revolute || m == Move::prismatic;
 }
 
 double length2(const double* q) {
@@ -86,7 +86,7 @@ void ArticulationField::refuse_empty_joints() {
       // What the joint moves, kg or kg m^2 (of three directions less than the least), against rounding of all
       // that it carries.
       const spatial::Symmetric& block =
-          n.move == Move::hinge || n.move == Move::ball ? w.inertia.A : w.inertia.C;
+          n.move == Move::revolute || n.move == Move::spherical ? w.inertia.A : w.inertia.C;
       const double trace = block.xx + block.yy + block.zz;
       const double moved = one_axis(n.move) ? 1 / w.Dinv.xx : spatial::determinant(block) / (trace * trace);
       if (!(trace > 0) || !(moved > 1e-12 * trace) || !std::isfinite(moved)) {
@@ -132,7 +132,7 @@ void ArticulationField::efforts(const Phase& at, std::span<double> tau) const {
     for (uint32_t k = 0; k < velocities_of(n.move); ++k) tau[n.v + k] -= d.damping * at.v[n.v + k];
     if (one_axis(n.move)) {
       tau[n.v] += limit_push(d, q[0], at.v[n.v]).effort - d.stiffness * (q[0] - d.rest);
-    } else if (n.move == Move::ball) {
+    } else if (n.move == Move::spherical) {
       const double k = 2 * d.stiffness * q[0] / length2(q);
       for (uint32_t j = 0; j < 3; ++j) tau[n.v + j] -= k * q[j + 1];
     } else if (n.move == Move::translation) {
@@ -230,7 +230,7 @@ std::optional<double> ArticulationField::potential(const Phase& at, Evaluation& 
     const double* q = at.x.data() + n.q;
     if (one_axis(n.move)) {
       sum += limit_push(d, q[0], 0).energy + 0.5 * d.stiffness * (q[0] - d.rest) * (q[0] - d.rest);
-    } else if (n.move == Move::ball) {
+    } else if (n.move == Move::spherical) {
       sum += 2 * d.stiffness * (1 - q[0] * q[0] / length2(q));
     } else if (n.move == Move::translation) {
       sum += 0.5 * d.stiffness * norm2(load3(q, 0));

@@ -62,12 +62,12 @@ void add_limit_slope(const Drive& d, double q, double v, DriveSlope& out) {
 DriveSlope slope_of(const Drive& d, Move move, const double* q, const double* v) {
   DriveSlope out;
   out.damping = d.damping;
-  if (move == Move::ball) {
+  if (move == Move::spherical) {
     ball_slope(d.stiffness, q, out);
     return out;
   }
   for (size_t k = 0; k < velocities_of(move); ++k) out.stiffness[k][k] = d.stiffness;
-  if (move == Move::hinge || move == Move::slider) add_limit_slope(d, *q, *v, out);
+  if (move == Move::revolute || move == Move::prismatic) add_limit_slope(d, *q, *v, out);
   return out;
 }
 

@@ -26,11 +26,11 @@ Vec3 unit(size_t k) {
 // Column k of the joint's motion subspace.
 Motion direction(const Node& n, size_t k) {
   switch (n.move) {
-    case Move::hinge:
+    case Move::revolute:
       return {n.axis, {}};
-    case Move::slider:
+    case Move::prismatic:
       return {{}, n.axis};
-    case Move::ball:
+    case Move::spherical:
       return {unit(k), {}};
     case Move::translation:
       return {{}, unit(k)};
@@ -88,7 +88,7 @@ void LinearTree::linearise(const Tree& tree, std::span<const double> q, std::spa
       put(s.own, 6 + k, inertial);
       put(s.own, 12 + k, Force{});
     }
-    if (n.move == Move::ball) {
+    if (n.move == Move::spherical) {
       std::copy_n(q.data() + n.q, 4, s.orientation);
       std::copy_n(v.data() + n.v, 3, s.spin);
     }

@@ -58,18 +58,18 @@ struct Part {
 std::vector<Part> parts_of(const LinkDef& d) {
   const Vec3 a = normalized(d.axis), b = normalized(d.second_axis);
   switch (d.joint) {
-    case JointType::hinge:
-      return {{Move::hinge, a}};
-    case JointType::slider:
-      return {{Move::slider, a}};
-    case JointType::ball:
-      return {{Move::ball, a}};
+    case JointType::revolute:
+      return {{Move::revolute, a}};
+    case JointType::prismatic:
+      return {{Move::prismatic, a}};
+    case JointType::spherical:
+      return {{Move::spherical, a}};
     case JointType::universal:
-      return {{Move::hinge, a}, {Move::hinge, b}};
+      return {{Move::revolute, a}, {Move::revolute, b}};
     case JointType::cylindrical:
-      return {{Move::slider, a}, {Move::hinge, a}};
+      return {{Move::prismatic, a}, {Move::revolute, a}};
     case JointType::free:
-      return {{Move::translation, a}, {Move::ball, a}};
+      return {{Move::translation, a}, {Move::spherical, a}};
     case JointType::fixed:
       break;
   }
@@ -94,7 +94,7 @@ void start(const LinkDef& d, Model& m) {
   std::vector<double> q = d.q;
   if (q.empty()) {
     q.assign(nq, 0.0);
-    if (d.joint == JointType::ball || d.joint == JointType::free) q[nq - 4] = 1;
+    if (d.joint == JointType::spherical || d.joint == JointType::free) q[nq - 4] = 1;
   }
   m.q.insert(m.q.end(), q.begin(), q.end());
   const auto append = [&](std::vector<double>& to, const std::vector<double>& from) {

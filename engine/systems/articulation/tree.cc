@@ -42,11 +42,11 @@ Rotation turn(const double* q) {
 
 Frame frame_of(const Node& n, const double* q) {
   switch (n.move) {
-    case Move::hinge:
+    case Move::revolute:
       return {product(n.frame.R, turn(n.axis, q[n.q])), n.frame.p};
-    case Move::slider:
+    case Move::prismatic:
       return {n.frame.R, n.frame.p + n.frame.R.apply(n.axis * q[n.q])};
-    case Move::ball:
+    case Move::spherical:
       return {product(n.frame.R, turn(q + n.q)), n.frame.p};
     case Move::translation:
       return {n.frame.R, n.frame.p + n.frame.R.apply(load3(q + n.q, 0))};
@@ -59,11 +59,11 @@ Frame frame_of(const Node& n, const double* q) {
 // S v, also S v'.
 Motion joint_motion(const Node& n, const double* v) {
   switch (n.move) {
-    case Move::hinge:
+    case Move::revolute:
       return {n.axis * v[n.v], {}};
-    case Move::slider:
+    case Move::prismatic:
       return {{}, n.axis * v[n.v]};
-    case Move::ball:
+    case Move::spherical:
       return {load3(v + n.v, 0), {}};
     case Move::translation:
       return {{}, load3(v + n.v, 0)};
@@ -76,13 +76,13 @@ Motion joint_motion(const Node& n, const double* v) {
 // S^T f into tau.
 void joint_effort(const Node& n, const Force& f, double* tau) {
   switch (n.move) {
-    case Move::hinge:
+    case Move::revolute:
       tau[n.v] = dot(n.axis, f.n);
       return;
-    case Move::slider:
+    case Move::prismatic:
       tau[n.v] = dot(n.axis, f.f);
       return;
-    case Move::ball:
+    case Move::spherical:
       return store3(tau + n.v, 0, f.n);
     case Move::translation:
       return store3(tau + n.v, 0, f.f);
@@ -115,9 +115,9 @@ struct Shown {
 Shown show_parent(const Node& n, NodeWork& w, const double* tau) {
   const ArticulatedInertia& I = w.inertia;
   switch (n.move) {
-    case Move::hinge:
-    case Move::slider: {
-      const bool turns = n.move == Move::hinge;
+    case Move::revolute:
+    case Move::prismatic: {
+      const bool turns = n.move == Move::revolute;
       w.U = turns ? Force{I.A * n.axis, I.B.transposed_times(n.axis)} : Force{I.B * n.axis, I.C * n.axis};
       const double d = 1 / dot(n.axis, turns ? w.U.n : w.U.f);
       const double u = tau[n.v] - dot(n.axis, turns ? w.p.n : w.p.f);
@@ -130,7 +130,7 @@ Shown show_parent(const Node& n, NodeWork& w, const double* tau) {
       s.p += Force{w.U.n * (d * u), w.U.f * (d * u)};
       return s;
     }
-    case Move::ball: {
+    case Move::spherical: {
       w.Dinv = inverse(I.A), w.u = load3(tau + n.v, 0) - w.p.n;
       const Symmetric C = reduced(I.C, w.Dinv, I.B);
       return {{{}, {}, C}, {load3(tau + n.v, 0), w.p.f + C * w.c.v + I.B.transposed_times(w.Dinv * w.u)}};
@@ -150,14 +150,14 @@ Shown show_parent(const Node& n, NodeWork& w, const double* tau) {
 void give_way(const Node& n, NodeWork& w, const Motion& a, double* qdd) {
   w.a = a;
   switch (n.move) {
-    case Move::hinge:
-    case Move::slider: {
+    case Move::revolute:
+    case Move::prismatic: {
       const double x = w.Dinv.xx * (w.u.x - spatial::dot(a, w.U));
       qdd[n.v] = x;
-      (n.move == Move::hinge ? w.a.w : w.a.v) += n.axis * x;
+      (n.move == Move::revolute ? w.a.w : w.a.v) += n.axis * x;
       return;
     }
-    case Move::ball: {
+    case Move::spherical: {
       w.a.w = w.Dinv * (w.u - w.inertia.B * a.v);
       return store3(qdd + n.v, 0, w.a.w - a.w);
     }
@@ -283,7 +283,7 @@ void mass_matrix(const Tree& tree, std::span<const double> q, std::span<NodeWork
 void position_rate(const Tree& tree, std::span<const double> q, std::span<const double> v,
                    std::span<double> rate) {
   for (const Node& n : tree.nodes) {
-    if (n.move == Move::ball) {
+    if (n.move == Move::spherical) {
       const double* o = q.data() + n.q;
       const Vec3 w = load3(v.data() + n.v, 0);
       const Quat d = Quat{o[0], o[1], o[2], o[3]} * Quat{0, 0.5 * w.x, 0.5 * w.y, 0.5 * w.z};
@@ -296,7 +296,7 @@ void position_rate(const Tree& tree, std::span<const double> q, std::span<const 
 
 void normalise(const Tree& tree, std::span<double> q) {
   for (const Node& n : tree.nodes) {
-    if (n.move != Move::ball) continue;
+    if (n.move != Move::spherical) continue;
     double* o = q.data() + n.q;
     const Quat u = normalized(Quat{o[0], o[1], o[2], o[3]});
     o[0] = u.w, o[1] = u.x, o[2] = u.y, o[3] = u.z;

@@ -1,9 +1,10 @@
 // Links joined into a tree, in the coordinates of their joints, so that nothing can come apart:
 //   M(q) q'' + h(q, q', gravity, pushes) = tau
 // in O(n) both ways, without recursion: parents come before their children. What a scene calls a joint may be
-// several nodes one behind the other (universal: two hinges, free: a translation and a ball), all but the
-// last without mass. Source: Featherstone, Rigid Body Dynamics Algorithms (2008): recursive Newton-Euler
-// algorithm (table 5.1), composite rigid body algorithm (table 6.2), articulated body algorithm (table 7.1).
+// several nodes one behind the other (universal: two revolutes, free: a translation and a spherical one), all
+// but the last without mass. Source: Featherstone, Rigid Body Dynamics Algorithms (2008): recursive
+// Newton-Euler algorithm (table 5.1), composite rigid body algorithm (table 6.2), articulated body algorithm
+// (table 7.1).
 #pragma once
 #include <cstdint>
 #include <span>
@@ -15,13 +16,13 @@ namespace truestep::articulation {
 
 /// How a node moves in its joint's frame. Ball: q is a quaternion (w, x, y, z), the velocity is the angular
 /// velocity in the node's own frame. Translation: along the three axes of the joint's frame.
-enum class Move : uint8_t { fixed, hinge, slider, ball, translation };
+enum class Move : uint8_t { fixed, revolute, prismatic, spherical, translation };
 
 constexpr uint32_t positions_of(Move m) {
-  return m == Move::fixed ? 0 : m == Move::ball ? 4 : m == Move::translation ? 3 : 1;
+  return m == Move::fixed ? 0 : m == Move::spherical ? 4 : m == Move::translation ? 3 : 1;
 }
 constexpr uint32_t velocities_of(Move m) {
-  return m == Move::fixed ? 0 : m == Move::hinge || m == Move::slider ? 1 : 3;
+  return m == Move::fixed ? 0 : m == Move::revolute || m == Move::prismatic ? 1 : 3;
 }
 
 inline constexpr int32_t kGround = -1;
@@ -31,7 +32,7 @@ struct Node {
   int32_t parent = kGround;  ///< an earlier node
   uint32_t q = 0, v = 0;     ///< first coordinate and velocity
   spatial::Frame frame;      ///< the joint's frame in the parent's
-  Vec3 axis{0, 0, 1};        ///< unit; of hinges and sliders, the same in both frames
+  Vec3 axis{0, 0, 1};        ///< unit; of revolute and prismatic ones, the same in both frames
   spatial::Inertia inertia;
 };
 
@@ -50,8 +51,8 @@ struct NodeWork {
   spatial::Motion v, c, a;  ///< velocity, velocity-dependent acceleration, acceleration less gravity
   spatial::ArticulatedInertia inertia;
   spatial::Force p;         ///< bias force
-  spatial::Force U;         ///< hinges and sliders: inertia times axis
-  spatial::Symmetric Dinv;  ///< ball, translation: inverse of their 3 x 3 block; else xx alone
+  spatial::Force U;         ///< revolute, prismatic: inertia times axis
+  spatial::Symmetric Dinv;  ///< spherical, translation: inverse of their 3 x 3 block; else xx alone
   Vec3 u;                   ///< tau - S^T p
 };
 using Work = std::vector<NodeWork>;

@@ -148,7 +148,7 @@ bool TreeFactors<T>::eliminate(const NodeSlope& n, Node& f, T with_x, size_t wid
   for (size_t i = 0; i < m; ++i) {
     for (size_t j = 0; j < m; ++j) f.Ax[i][j] = T(i == j ? 1 : 0);
   }
-  if (n.move == Move::ball) turning(half_z_, n.spin, f.Ax);
+  if (n.move == Move::spherical) turning(half_z_, n.spin, f.Ax);
   for (size_t i = 0; i < m; ++i) {
     for (size_t j = 0; j < m; ++j) f.Ax[i][j] *= with_x;
   }
@@ -283,7 +283,7 @@ void TreeFactors<T>::solve(const LinearTree& tree, T* x, T* v) {
     const size_t m = velocities_of(n.move);
     T* cx = cx_.data() + n.v;
     for (size_t k = 0; k < m; ++k) cv_[n.v + k] = v[n.v + k], ca_[n.v + k] = T(0);
-    if (n.move == Move::ball) {
+    if (n.move == Move::spherical) {
       // b = orientation (b_s, b_e).
       const double* o = n.orientation;
       const double per = 1 / (o[0] * o[0] + o[1] * o[1] + o[2] * o[2] + o[3] * o[3]);
@@ -302,7 +302,7 @@ void TreeFactors<T>::solve(const LinearTree& tree, T* x, T* v) {
   for (NodeSlope const& n : slopes) {
     const size_t m = velocities_of(n.move);
     for (size_t k = 0; k < m; ++k) v[n.v + k] += z * d_[n.v + k];
-    if (n.move == Move::ball) {
+    if (n.move == Move::spherical) {
       T K[3][3], rest[3], change[4];
       turning(half_z_, n.spin, K);
       const T* b = x + n.q;

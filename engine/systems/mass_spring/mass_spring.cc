@@ -14,7 +14,8 @@ namespace {
 
 // One Newton step per step, unconditionally stable as far as a spring's direction stands still. Where it
 // turns the spring is stretched by half the square of the angle, and a stiff one makes energy of that.
-constexpr std::string_view kUsual = "linear_implicit_euler", kStiff = "implicit_euler";
+constexpr std::string_view kUsual = "linear_implicit_euler", kStiff = "implicit_euler",
+                           kMeetsBodies = "velocity_verlet";
 // omega dt from which that is seen: a falling rope gains a thousandth of its energy at 105, three times its
 // energy at 330; cloth that crumples on what it falls on gains four hundredths at 80.
 constexpr double kMostLinear = 50;
@@ -22,6 +23,10 @@ constexpr double kMostLinear = 50;
 ChosenMethod settle(const MassSpringDef& def, const BuildContext& context, const MassSpringField& field) {
   const IntegratorChoice choice = def.choice();
   if (!choice.name.empty()) return {choose_integrator(choice, "", field), "named by the scene"};
+  if (context.meets_bodies) {
+    return {choose_integrator(choice, kMeetsBodies, field),
+            "the default where points touch bodies, to which each answers for itself"};
+  }
   const double omega = field.stiffness(field.initial_state())->omega;
   if (!(omega * context.dt > kMostLinear)) {
     return {choose_integrator(choice, kUsual, field), "the default, which holds springs of this stiffness"};

@@ -46,7 +46,7 @@ void SurfaceContacts::step(const ForceField& field, const Integrator& method,
   // points are only held back.
   std::copy(x_begin.begin(), x_begin.end(), x.begin()), std::copy(v_begin.begin(), v_begin.end(), v.begin());
   for (size_t i = 0; i < n; ++i) {
-    on.kind[i] = held[i] == RowContacts::kFree ? RowContacts::kFree : RowContacts::kSlides;
+    on.kind[i] = held[i] == double{RowContacts::kFree} ? RowContacts::kFree : RowContacts::kSlides;
     store3(on.drag.data(), i, Vec3{});
   }
   divided(field, method, options, s, in, Friction::none);
@@ -263,7 +263,7 @@ void SurfaceContacts::finish(State& s, const RowContacts& on, const Start& start
     const NearSurface at = colliders_.nearest(x1, in.t + in.h);
     const Vec3 n = at.normal, relative = v1 - at.velocity;
     const double approach = -dot(n, v0 - at.velocity), e = surfaces_[at.collider].restitution;
-    const bool rests = held_before[i] != RowContacts::kFree ||
+    const bool rests = held_before[i] != double{RowContacts::kFree} ||
                        approach <= surfaces_[at.collider].rest_speed || e * approach <= 0.51 * norm(g) * in.h;
     store3(v.data(), i, at.velocity + relative - n * dot(n, relative) + n * (rests ? 0 : e * approach));
   }

@@ -146,7 +146,7 @@ json::object tree_chain(int hertz, const std::string& method, double tolerance) 
   ArticulationDef d;
   for (int i = 0; i < kLinks; ++i) {
     LinkDef l;
-    l.joint = JointType::ball, l.mass = 1;
+    l.joint = JointType::spherical, l.mass = 1;
     BoxLinkDef box;
     box.half_extents = {0.5, 0.05, 0.05}, box.position = {0.5, 0, 0};
     l.shapes = {box};

@@ -51,8 +51,11 @@ struct Family {
   const char* name;
   void (*make)(Dice&, Trial&);
 };
-/// All kinds of scenes, in the order in which seeds count through them.
+/// Kinds of scenes in the order in which seeds count through them: those of seeds below kLaterSeeds, to which
+/// none is ever added, and those from there on.
+inline constexpr uint64_t kLaterSeeds = 1'000'000;
 std::span<const Family> families();
+std::span<const Family> later_families();
 
 Trial make_trial(uint64_t seed);
 Outcome judge(const Trial& trial);

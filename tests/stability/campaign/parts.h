@@ -78,5 +78,8 @@ void articulation(Dice&, Trial&);
 void linkage(Dice&, Trial&);
 void bounces(Dice&, Trial&);
 void pendulum(Dice&, Trial&);
+void cloth_and_bodies(Dice&, Trial&);
+void crowd_and_bodies(Dice&, Trial&);
+void bodies_on_ropes(Dice&, Trial&);
 
 }  // namespace truestep::campaign
