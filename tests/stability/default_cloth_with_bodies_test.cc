@@ -32,7 +32,7 @@ TEST(DefaultsWithBodies, ClothHoldsLightAndHeavyCratesForAMinute) {
       const double start = run.observe("energy.total"), drop = mass * 9.81 * 0.5;
       double highest = start;
       for (int k = 0; k < 3600; ++k) {
-        run.session.step(1);
+        ASSERT_TRUE(run.session.step(1)) << mass << " " << precision << " " << k;
         if (k % 30 != 0) continue;
         highest = std::max(highest, run.observe("energy.total"));
         // A body may roll off the corner of a cloth, not through its middle.
@@ -52,7 +52,8 @@ TEST(DefaultsWithBodies, ClothHoldsLightAndHeavyCratesForAMinute) {
 TEST(DefaultsWithBodies, WholeStepsDoNot) {
   SceneRun run(cloth_and_crate(1, "f64", R"(, "substeps": 1)"));
   EXPECT_EQ(run.world->scene().substeps(), 1);
-  EXPECT_THROW(run.session.step(120), Error);
+  run.session.step(120);
+  EXPECT_TRUE(run.session.failure().has_value());
 }
 
 TEST(DefaultsWithBodies, WhatASceneSaysCounts) {
