@@ -67,6 +67,7 @@ void World::build(std::vector<Issue>& issues, std::span<const std::string> lost_
 World::World(Scene scene) : scene_(std::move(scene)) {
   std::vector<Issue> issues;
   build(issues, {});
+  scene_.header.time.substeps = scene_.substeps();  // the session's document says how many
   if (!issues.empty()) {
     const std::string first = issues[0].message;
     throw Error("scene_invalid", first, std::move(issues));

@@ -154,7 +154,7 @@ json::object tree_chain(int hertz, const std::string& method, double tolerance) 
     d.links.push_back(l);
   }
   d.integrator = method;
-  if (tolerance > 0) d.tolerance = tolerance;
+  if (tolerance > 0) d.absolute_tolerance = tolerance, d.relative_tolerance = 0;
   const BuildContext c = context(1.0 / hertz);
   const auto system = build_articulation(&d, c);
   const Outcome o = run(*system, c.dt, 2);
