@@ -9,8 +9,6 @@ namespace truestep::attachment {
 
 namespace {
 
-/// Columns of the impulses on the points in the last two substeps, where points answer together.
-constexpr State::Column kLast = exchange_columns::end;
 /// Links are swept until each is within this part of its length (or of a metre); rounding itself is 1e-16.
 constexpr double kLengthTolerance = 1e-13;
 constexpr int kMostSweeps = 200;

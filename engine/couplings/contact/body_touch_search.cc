@@ -61,6 +61,13 @@ void add_corners(const Solid& s, const Transform& at, std::vector<BodyCorner>& o
   }
 }
 
+/// On which sides of a box another one lies wholly, a bit each.
+uint8_t sides(const Box& b, const Box& of) {
+  return static_cast<uint8_t>((b.high.x < of.low.x) | (b.low.x > of.high.x) << 1 |
+                              (b.high.y < of.low.y) << 2 | (b.low.y > of.high.y) << 3 |
+                              (b.high.z < of.low.z) << 4 | (b.low.z > of.high.z) << 5);
+}
+
 /// Fraction of the way at which a gap that changes from `before` to `after` closes.
 double closes_at(double before, double after) {
   if (before <= 0) return 0;
@@ -117,16 +124,18 @@ void BodyTouchSearch::place_bodies(const BodyTouchQuery& q) {
 }
 
 void BodyTouchSearch::place_points(const BodyTouchQuery& q) {
-  ways_.resize(q.points.count);
+  ways_.resize(q.points.count), sides_.resize(q.points.count);
   for (size_t i = 0; i < q.points.count; ++i) {
     const Vec3 x = load3(q.start.x(), i);
     ways_[i] = {x, x};
     ways_[i].cover(q.points.place(i));
+    sides_[i] = sides(ways_[i], corner_bounds_);
   }
 }
 
 void BodyTouchSearch::place_corners(const BodyTouchQuery& q) {
   corners_.clear();
+  corner_bounds_ = Box::nothing();
   for (size_t i = 0; i < bodies_.size(); ++i) {
     Moving& m = bodies_[i];
     m.corners = corners_.size();
@@ -136,6 +145,7 @@ void BodyTouchSearch::place_corners(const BodyTouchQuery& q) {
       Box box{begin, begin};
       box.cover(end);
       corners_.push_back({begin, end, box.grown(kRoom * (q.reach + corner.radius))});
+      corner_bounds_.cover(corners_.back().box.low), corner_bounds_.cover(corners_.back().box.high);
     }
   }
 }
@@ -193,6 +203,7 @@ std::optional<BodyTouch> BodyTouchSearch::touch(const BodyTouchQuery& q, uint32_
 
 void BodyTouchSearch::look_at_point(const BodyTouchQuery& q, uint32_t point,
                                     std::vector<BodyTouch>& out) const {
+  if (unbounded_.empty() && !grid_.bounds().overlaps(ways_[point])) return;
   near(ways_[point], [&](uint32_t body) {
     if (const auto t = touch(q, point, body)) out.push_back(*t);
   });
@@ -201,6 +212,10 @@ void BodyTouchSearch::look_at_point(const BodyTouchQuery& q, uint32_t point,
 void BodyTouchSearch::look_at_hull(const BodyTouchQuery& q, uint32_t hull,
                                    std::vector<BodyTouch>& out) const {
   const SolidList::Corners c = q.hulls.corners(hull);
+  // Where all are on one side of all corners, so is what is between them.
+  uint8_t all = sides_[c.rows[0]];
+  for (size_t k = 1; k < c.count; ++k) all &= sides_[c.rows[k]];
+  if (all != 0) return;
   Box box = ways_[c.rows[0]];
   for (size_t k = 1; k < c.count; ++k) box.cover(ways_[c.rows[k]]);
   near(box, [&](uint32_t body) {

@@ -99,7 +99,9 @@ class BodyTouchSearch {
 
   std::vector<Moving> bodies_;
   std::vector<MovingCorner> corners_;  // none where the points have no hulls
-  std::vector<Box> boxes_, ways_;      // around bodies, and around where each point was and is
+  Box corner_bounds_;
+  std::vector<uint8_t> sides_;     // of the corners' bounds that each point's way is on
+  std::vector<Box> boxes_, ways_;  // around bodies, and around where each point was and is
   std::vector<uint32_t> unbounded_;
   BoxGrid grid_;
   std::vector<std::vector<BodyTouch>> found_;
