@@ -69,7 +69,7 @@ class BlockSparse {
   Eigen::SparseMatrix<double> to_eigen() const;
 
  private:
-  size_t block_scalars() const { return static_cast<size_t>(block_size_ * block_size_); }
+  size_t block_scalars() const { return static_cast<size_t>(block_size_) * static_cast<size_t>(block_size_); }
   size_t value_count() const { return columns_.size() * block_scalars(); }
 
   size_t block_rows_ = 0;

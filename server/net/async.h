@@ -48,7 +48,7 @@ class Signal {
 
  private:
   struct Waiter {
-    explicit Waiter(boost::asio::any_io_executor executor) : timer(std::move(executor)) {}
+    explicit Waiter(const boost::asio::any_io_executor& executor) : timer(executor) {}
     boost::asio::steady_timer timer;
     bool woken = false;  ///< touched on the waiter's own thread only
   };

@@ -42,9 +42,9 @@ void add_corners(const Solid& s, const Transform& at, std::vector<BodyCorner>& o
       }
       return;
     case SolidKind::cylinder:
-      for (int k = 0; k < 2 * kRim; ++k) {
-        const auto [sin, cos] = trig::sincos(6.283185307179586 * (k / 2) / kRim);
-        add({s.size.x * cos, k % 2 ? s.size.y : -s.size.y, s.size.x * sin}, 0);
+      for (int k = 0; k < kRim; ++k) {
+        const auto [sin, cos] = trig::sincos(6.283185307179586 * k / kRim);
+        for (const double y : {-s.size.y, s.size.y}) add({s.size.x * cos, y, s.size.x * sin}, 0);
       }
       return;
     case SolidKind::hull:
