@@ -66,6 +66,8 @@ struct PartInfo {
   std::vector<FieldInfo> fields;  ///< all have the same rows
   size_t max_rows = 0;            ///< upper bound of what the rows may grow to
   Lattice lattice;                ///< of a grid
+  size_t trail =
+      0;  ///< rows that follow each row of its own and say where that one was: its path, newest first
   /// Row k of values is the k-th line or triangle that the main part draws, which its colours then show.
   enum class Elements : uint8_t { none, lines, triangles } elements = Elements::none;
 

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "engine/base/errors.h"
+#include "engine/base/nearest_name.h"
 #include "engine/base/short_number.h"
 #include "engine/integrators/field_equations.h"
 #include "engine/integrators/table/integrators.h"
@@ -30,13 +31,16 @@ const Integrator& named(const std::string& name, const RightHandSide& f) {
   const std::string why = row ? why_not(*row, f).value_or("") : "no integrator has this name";
   if (why.empty()) return *row;
   std::string allowed;
+  std::vector<std::string> fitting;
   for (const Integrator& m : integrators()) {
-    if (!why_not(m, f)) allowed += (allowed.empty() ? "" : ", ") + std::string(m.name);
+    if (why_not(m, f)) continue;
+    allowed += (allowed.empty() ? "" : ", ") + std::string(m.name);
+    fitting.emplace_back(m.name);
   }
   const std::string shown = name.substr(0, 40);
   throw Error("scene_invalid", "integrator " + shown + ": " + why,
               {{"/integrator", row ? "unsuitable_integrator" : "unknown_integrator", why, '"' + shown + '"',
-                allowed, "", ""}});
+                allowed, row ? "" : nearest_name(name, fitting), ""}});
 }
 
 }  // namespace

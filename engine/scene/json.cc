@@ -1,6 +1,7 @@
 // Recursive descent over one contiguous text; the depth limit bounds the recursion.
 #include "engine/scene/json.h"
 
+#include <algorithm>
 #include <boost/json/array.hpp>
 #include <boost/json/monotonic_resource.hpp>
 #include <boost/json/object.hpp>
@@ -20,6 +21,15 @@ namespace json = boost::json;
 // Bytes that end a run of plain string characters: quote, backslash, controls, and everything above ASCII.
 constexpr bool is_plain(unsigned char c) {
   return c >= 0x20 && c < 0x80 && c != '"' && c != '\\';
+}
+
+// Line and column, from 1, of what follows `before`; a column is a character.
+std::string place_of(std::string_view before) {
+  const auto line = 1 + std::count(before.begin(), before.end(), '\n');
+  const std::string_view rest = before.substr(before.rfind('\n') + 1);
+  const auto starts = [](char c) { return (static_cast<unsigned char>(c) & 0xC0) != 0x80; };
+  const auto column = 1 + std::count_if(rest.begin(), rest.end(), starts);
+  return "line " + std::to_string(line) + ", column " + std::to_string(column);
 }
 
 class Reader {
@@ -66,7 +76,7 @@ class Reader {
     Issue issue;
     issue.pointer = pointer;
     issue.code = code;
-    issue.message = what + " (byte " + std::to_string(offset) + ")";
+    issue.message = what + " (" + place_of({begin_, offset}) + ", byte " + std::to_string(offset) + ")";
     std::string_view near(where, std::min<size_t>(20, static_cast<size_t>(end_ - where)));
     near = near.substr(0, std::min(near.size(), find_invalid_utf8(near)));
     issue.value = std::string(near);

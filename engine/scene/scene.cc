@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "engine/base/random.h"
+#include "engine/integrators/table/integrators.h"
 #include "engine/scene/json.h"
 #include "engine/scene/json_write.h"
 #include "engine/scene/params.h"
@@ -76,6 +77,19 @@ void require_new_id(const Scene& scene, const std::string& id, const std::string
   }
 }
 
+// Which methods fit only a built system knows; a name that no method has is wrong in any.
+void check_method_name(const json::object& o, const DefTable& table, const std::string& where,
+                       std::vector<Issue>& errors) {
+  const json::value* given = o.if_contains("integrator");
+  if (!given || !given->is_string() || !table.find("integrator")) return;
+  const std::string name(given->as_string());
+  if (find_integrator(name)) return;
+  std::vector<std::string> names;
+  for (const Integrator& m : integrators()) names.emplace_back(m.name);
+  errors.push_back({where + "/integrator", "unknown_integrator", "no integrator has this name",
+                    shorten(*given), join_names(names), nearest_name(name, names), ""});
+}
+
 // "type" picks the row; then "id" and the row's own parameters.
 void read_system(const json::value& v, size_t index, Scene& scene, SceneReport& report) {
   std::vector<Issue>& errors = report.errors;
@@ -90,6 +104,8 @@ void read_system(const json::value& v, size_t index, Scene& scene, SceneReport& 
   require_new_id(scene, system.id, where, errors);
   constexpr std::string_view kOwn[] = {"type", "id"};
   system.reading = read_params(*row->table, system.def.get(), v.as_object(), where, kOwn, errors);
+  // A sound one is built and says it itself.
+  if (system.reading == Reading::faulty) check_method_name(v.as_object(), *row->table, where, errors);
   scene.systems.push_back(std::move(system));
 }
 
@@ -277,7 +293,7 @@ SceneReport read_scene(const json::value& document) {
     }
     check_substep(scene, report.errors);
     check_probes(scene, report);
-    if (report.errors.empty()) check_accuracy(scene, report.errors);
+    if (report.lost_ids.empty()) check_accuracy(scene, report.errors);
   }
   if (scene.header.expect.empty() && !scene.header.teaches.empty()) {
     report.warnings.push_back({"/expect", "no_expectation",

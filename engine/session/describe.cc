@@ -207,8 +207,14 @@ json::object validate_scene(const json::value& document, const AdmissionLimits& 
       out["estimate"] = describe_cost(built);
       require_admission(built, limits);
       if (const auto dt = world.stable_dt(state)) {
-        out["stable_dt"] = *dt;
-        if (*dt < world.dt()) {
+        if (*dt > 0) out["stable_dt"] = *dt;
+        if (*dt <= 0) {
+          report.warnings.push_back(
+              {"/time/dt", "no_stable_dt",
+               "a method of this scene gains energy at every step, however short: shorter "
+               "steps only make it slower to blow up",
+               "", "", "", ""});
+        } else if (*dt < world.dt()) {
           report.warnings.push_back(
               {"/time/dt", "unstable_dt", "the step is longer than this method holds; it will blow up",
                write_json(json::value(world.dt())), "at most " + write_json(json::value(*dt)), "", "s"});

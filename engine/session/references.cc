@@ -186,7 +186,7 @@ class Checker {
     const bool wrapped = !near.empty() && q.reduction != Reduction::last && inner != std::string::npos;
     issues_.push_back({where + "/quantity", "unknown_quantity",
                        "nothing in this scene is observed by this name", quoted(e.quantity),
-                       listed(names) + ", and min(...), max(...), drift(...) of each",
+                       names.empty() ? "" : listed(names) + ", and min(...), max(...), drift(...) of each",
                        wrapped ? e.quantity.substr(0, inner) + near + ")" : near, ""});
   }
 
@@ -216,7 +216,7 @@ std::optional<Issue> unknown_observable(const std::string& entry, const std::str
   const auto is = [&](const Observation& o) { return selects(entry, o.name); };
   if (std::any_of(known.begin(), known.end(), is)) return std::nullopt;
   std::vector<std::string> names = names_of(known);
-  const std::string allowed = listed(names) + ", or beginnings of these up to a dot";
+  const std::string allowed = names.empty() ? "" : listed(names) + ", or beginnings of these up to a dot";
   for (const Observation& o : known) {
     for (size_t dot = o.name.find('.'); dot != std::string::npos; dot = o.name.find('.', dot + 1)) {
       names.push_back(o.name.substr(0, dot));

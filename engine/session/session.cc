@@ -167,6 +167,7 @@ void Session::after_step(Output output) {
     const FrameRequest& r = sink->request();
     wanted.fields.insert(wanted.fields.end(), r.fields.begin(), r.fields.end());
     wanted.extras = wanted.extras | r.extras;
+    wanted.wishes = wanted.wishes | r.wishes;
   }
   if (due_.empty()) return;
   std::sort(wanted.fields.begin(), wanted.fields.end());

@@ -5,10 +5,12 @@
 
 #include "engine/base/errors.h"
 #include "engine/base/version.h"
+#include "server/cli/completion.h"
 #include "server/cli/describe_commands.h"
 #include "server/cli/exit_codes.h"
 #include "server/cli/input.h"
 #include "server/cli/recording_commands.h"
+#include "server/cli/render.h"
 #include "server/cli/replay.h"
 #include "server/cli/run.h"
 #include "server/cli/serve.h"
@@ -21,11 +23,29 @@ namespace {
 int exit_code_of(const Error& e) {
   const std::string& c = e.code();
   if (c == "scene_invalid" || c == "bad_json" || c == "too_large" || c == "accuracy_unreachable" ||
-      c == "bad_snapshot" || c == "bad_bundle" || c == "bad_command")
+      c == "bad_snapshot" || c == "bad_bundle" || c == "bad_command" || c == "recording_foreign" ||
+      c == "recording_damaged")
     return kExitInvalidScene;
+  if (c == "interrupted") return kExitInterrupted;
   if (c == "instability") return kExitUnstable;
-  if (c == "not_found" || c == "bad_request") return kExitUsage;
+  if (c == "not_found" || c == "bad_request" || c == "unknown_format" || c == "unknown_system")
+    return kExitUsage;
   return kExitServer;
+}
+
+bool is_command(const CLI::App& app, const std::string& word) {
+  return !app.get_subcommands([&](const CLI::App* c) { return c->get_name() == word; }).empty();
+}
+
+// A first word that is no command, with the nearest one; the parser would only miss a command.
+int refuse_command(const CLI::App& app, const std::string& word) {
+  std::vector<std::string> names;
+  for (const CLI::App* c : app.get_subcommands([](const CLI::App*) { return true; }))
+    names.push_back(c->get_name());
+  std::cerr << "error: there is no command " << word << did_you_mean(word, names) << "\ncommands:";
+  for (const std::string& name : names) std::cerr << ' ' << name;
+  std::cerr << '\n';
+  return kExitUsage;
 }
 
 }  // namespace
@@ -41,6 +61,10 @@ int run_command_line(int argc, char** argv) {
   add_describe_commands(app, exit_code);
   add_recording_commands(app, exit_code);
   add_replay_command(app, exit_code);
+  add_render_command(app, exit_code);
+  add_completion_command(app, exit_code);
+  if (const std::string word = argc > 1 ? argv[1] : "-"; !word.starts_with('-') && !is_command(app, word))
+    return refuse_command(app, word);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& e) {

@@ -113,7 +113,10 @@ int systems(const Options& options) {
   if (!row) {
     std::string all;
     for (const CatalogueRow& r : catalogue()) all += (all.empty() ? "" : ", ") + std::string(r.type);
-    throw Error("not_found", "there is no system type " + options.name + "; there are: " + all);
+    std::vector<std::string> names;
+    for (const CatalogueRow& r : catalogue()) names.emplace_back(r.type);
+    throw Error("not_found", "there is no system type " + options.name + "; there are: " + all +
+                                 did_you_mean(options.name, names));
   }
   const json::object d = describe_system(*row);
   if (options.json) {
@@ -138,7 +141,9 @@ int systems(const Options& options) {
 int show_gallery(const Options& options) {
   if (!options.name.empty()) {
     const GalleryScene* g = find_gallery_scene(options.name);
-    if (!g) throw Error("not_found", "there is no gallery scene " + options.name);
+    if (!g)
+      throw Error("not_found",
+                  "there is no gallery scene " + options.name + did_you_mean_scene(options.name));
     std::cout << g->text;
     return kExitOk;
   }

@@ -1,31 +1,58 @@
 #include "server/cli/input.h"
 
+#include <filesystem>
 #include <fstream>
 #include <iostream>
 #include <sstream>
 
 #include "engine/base/errors.h"
+#include "engine/base/nearest_name.h"
 #include "engine/scene/gallery.h"
 #include "engine/scene/json.h"
 
 namespace truestep {
 
+namespace fs = std::filesystem;
+
 boost::json::value load_scene_document(const std::string& path_or_name) {
   std::stringstream text;
+  const GalleryScene* g = find_gallery_scene(path_or_name);
   if (path_or_name == "-") {
     text << std::cin.rdbuf();
-  } else if (std::ifstream file(path_or_name, std::ios::binary); file) {
-    text << file.rdbuf();
-  } else if (const GalleryScene* g = find_gallery_scene(path_or_name)) {
+  } else if (std::error_code none; g && !fs::is_regular_file(path_or_name, none)) {
     return parse_json(g->text);
+  } else if (!fs::exists(path_or_name, none)) {
+    throw Error("not_found", "there is no file and no gallery scene named " + path_or_name +
+                                 did_you_mean_scene(path_or_name));
   } else {
-    throw Error("not_found", "there is no file and no gallery scene named " + path_or_name);
+    require_file(path_or_name);
+    text << std::ifstream(path_or_name, std::ios::binary).rdbuf();
   }
   return parse_json(text.str());
 }
 
+std::string did_you_mean(const std::string& name, std::span<const std::string> names) {
+  const std::string near = nearest_name(name, names);
+  return near.empty() ? "" : "; did you mean \"" + near + "\"?";
+}
+
+std::string did_you_mean_scene(const std::string& name) {
+  std::vector<std::string> names;
+  for (const GalleryScene& scene : gallery()) names.emplace_back(scene.name);
+  return did_you_mean(name, names);
+}
+
+void require_file(const std::string& path) {
+  std::error_code none;
+  if (fs::is_directory(path, none)) throw Error("not_found", path + " is a folder, not a file");
+  if (!fs::exists(path, none)) throw Error("not_found", "there is no file " + path);
+  if (!std::ifstream(path, std::ios::binary))
+    throw Error("not_found", "the file " + path + " cannot be read");
+}
+
 std::vector<std::byte> load_bytes(const std::string& path) {
   constexpr std::streamoff kMost = std::streamoff{4} << 30;
+  require_file(path);
   std::ifstream file(path, std::ios::binary | std::ios::ate);
   const std::streamoff size = file ? std::streamoff(file.tellg()) : -1;
   if (size < 0) throw Error("not_found", "the file " + path + " cannot be read");

@@ -19,6 +19,14 @@ std::vector<std::byte> load_bytes(const std::string& path);
 /// Error "not_found" when the file cannot be written completely.
 void save_bytes(const std::string& path, std::span<const std::byte> bytes);
 
+/// "; did you mean "..."?" with the nearest of the names, or nothing when none is near.
+std::string did_you_mean(const std::string& name, std::span<const std::string> names);
+/// The same with the names of the gallery.
+std::string did_you_mean_scene(const std::string& name);
+
+/// Error "not_found" (no such file, or a folder) unless `path` can be read.
+void require_file(const std::string& path);
+
 /// One fault a line on stderr: pointer, message, allowed values.
 void print_error(const Error& error);
 

@@ -8,6 +8,7 @@
 #include "engine/sinks/recording/diff.h"
 #include "engine/sinks/recording/export/export.h"
 #include "server/cli/exit_codes.h"
+#include "server/cli/input.h"
 
 namespace truestep {
 
@@ -22,6 +23,12 @@ struct Options {
   double tolerance = 0;
   bool json = false;
 };
+
+RecordingReader open_recording(
+    const std::string& path, std::shared_ptr<RecordingThread> thread = std::make_shared<RecordingThread>()) {
+  require_file(path);
+  return RecordingReader(std::move(thread), path);
+}
 
 json::object describe(RecordingReader& reader) {
   const RecordingInfo& info = reader.info();
@@ -58,7 +65,7 @@ json::object describe(RecordingReader& reader) {
 }
 
 int info(const Options& o) {
-  RecordingReader reader(std::make_shared<RecordingThread>(), o.file);
+  RecordingReader reader = open_recording(o.file);
   const json::object d = describe(reader);
   if (o.json) {
     std::cout << write_json(d) << '\n';
@@ -82,7 +89,7 @@ int info(const Options& o) {
 }
 
 int export_files(const Options& o) {
-  RecordingReader reader(std::make_shared<RecordingThread>(), o.file);
+  RecordingReader reader = open_recording(o.file);
   ExportOptions e;
   e.format = export_format(o.format);
   e.output = o.output;
@@ -94,7 +101,7 @@ int export_files(const Options& o) {
 
 int diff(const Options& o) {
   const auto thread = std::make_shared<RecordingThread>();
-  RecordingReader a(thread, o.file), b(thread, o.other);
+  RecordingReader a = open_recording(o.file, thread), b = open_recording(o.other, thread);
   const auto d = first_difference(a, b, o.tolerance);
   if (!d) {
     std::cout << (o.json ? "{\"equal\":true}" : "equal") << '\n';

@@ -1,6 +1,7 @@
 #include "server/cli/run.h"
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <iostream>
@@ -16,6 +17,8 @@
 #include "engine/studies/accuracy.h"
 #include "server/cli/exit_codes.h"
 #include "server/cli/input.h"
+#include "server/cli/interruption.h"
+#include "server/cli/picture_options.h"
 #include "server/cli/progress.h"
 #include "server/cli/run_outputs.h"
 #include "server/cli/series_csv.h"
@@ -29,7 +32,8 @@ namespace {
 constexpr double kAccuracySeconds = 2;  // CPU time for choosing a method
 
 struct RunOptions {
-  std::string scene, output, picture, show, csv, from, snapshot, progress = "auto";
+  std::string scene, output, picture, csv, from, snapshot, progress = "auto";
+  PictureOptions look;
   std::vector<std::string> observe;
   uint64_t every = 1;
   double seconds = -1;
@@ -38,9 +42,14 @@ struct RunOptions {
   bool json = false;
 };
 
-void print_verdicts(const std::vector<Verdict>& verdicts, std::ostream& out) {
+/// Whether the run reached the end that the scene's expectations are about.
+enum class Reach : uint8_t { whole, cut_short };
+constexpr const char* kNotJudged = "ended before the duration";
+
+void print_verdicts(const std::vector<Verdict>& verdicts, Reach reach, std::ostream& out) {
   for (const Verdict& v : verdicts) {
-    out << (v.met ? "ok      " : "MISSED  ") << v.expected.quantity << " = ";
+    const char* word = reach == Reach::cut_short ? "-       " : v.met ? "ok      " : "MISSED  ";
+    out << word << v.expected.quantity << " = ";
     if (v.measured)
       out << *v.measured;
     else
@@ -49,14 +58,16 @@ void print_verdicts(const std::vector<Verdict>& verdicts, std::ostream& out) {
     if (v.expected.min) out << ", at least " << *v.expected.min;
     if (v.expected.max) out << ", at most " << *v.expected.max;
     if (v.expected.equals) out << ", expected " << *v.expected.equals << " +- " << v.expected.tolerance;
+    if (reach == Reach::cut_short) out << ": not judged: " << kNotJudged;
     out << '\n';
   }
 }
 
-json::array describe_verdicts(const std::vector<Verdict>& verdicts) {
+json::array describe_verdicts(const std::vector<Verdict>& verdicts, Reach reach) {
   json::array a;
   for (const Verdict& v : verdicts) {
     json::object o{{"quantity", v.expected.quantity}, {"met", v.met}};
+    if (reach == Reach::cut_short) o["met"] = nullptr, o["not_judged"] = kNotJudged;
     o["measured"] =
         v.measured && std::isfinite(*v.measured) ? json::value(*v.measured) : json::value(nullptr);
     if (v.drift_scale) o["drift"] = *v.drift_scale > 0 ? "relative" : "absolute";
@@ -71,6 +82,9 @@ json::array describe_verdicts(const std::vector<Verdict>& verdicts) {
 }
 
 int run(const RunOptions& options) {
+  picture_size(options.look);
+  DrawList unused;
+  aim(options.look, unused);  // says what is wrong before anything is computed
   const json::value document = load_scene_document(options.scene);
   const AdmissionLimits limits{.memory_bytes = 16e9, .elements = 1e9, .seconds_per_step = 1e6};
   require_admission(estimate(require_scene(examine_scene(document, limits))), limits);
@@ -90,7 +104,8 @@ int run(const RunOptions& options) {
   const double seconds = options.seconds >= 0 ? options.seconds : std::max(0.0, duration - session.time());
   const uint64_t steps = options.steps >= 0 ? static_cast<uint64_t>(options.steps)
                                             : static_cast<uint64_t>(std::llround(seconds / dt));
-  RunOutputs outputs(session, options.output, {options.picture, options.show});
+  RunOutputs outputs(session, options.output, {options.picture, options.look});
+  note_interruptions();
 
   const auto start = std::chrono::steady_clock::now();
   Progress progress(progress_style(options.progress), steps);
@@ -103,7 +118,7 @@ int run(const RunOptions& options) {
   if (!options.csv.empty()) csv.emplace(options.csv, chosen);
   if (csv) csv->add(session.step_index(), session.time(), session.observe());
   if (!expectations.empty()) expectations.add(session.observe());
-  for (uint64_t n = 0; n < steps; ++n) {
+  for (uint64_t n = 0; n < steps && !interrupted(); ++n) {
     if (session.step(1) == 0) break;
     const bool row = csv && (n + 1) % options.every == 0;
     if (every_step || row) {
@@ -124,6 +139,7 @@ int run(const RunOptions& options) {
 
   const auto verdicts = expectations.verdicts();
   const auto& failure = session.failure();
+  const Reach reach = session.time() < duration - dt / 2 && !failure ? Reach::cut_short : Reach::whole;
   if (options.json) {
     json::object o{{"scene", session.world().scene().header.name},
                    {"steps", session.step_index()},
@@ -131,7 +147,8 @@ int run(const RunOptions& options) {
                    {"wall_seconds", wall},
                    {"state_hash", hex64(session.hash())},
                    {"observables", describe_observables(reported(session.observe()))},
-                   {"expect", describe_verdicts(verdicts)}};
+                   {"expect", describe_verdicts(verdicts, reach)}};
+    if (interrupted()) o["interrupted"] = true;
     if (!accuracy.empty()) o["accuracy"] = accuracy;
     if (failure) {
       o["instability"] = describe_failure(*failure);
@@ -146,15 +163,17 @@ int run(const RunOptions& options) {
     for (const Observation& v : final_values.rows())
       report << v.name << " = " << v.value << ' ' << v.unit << '\n';
     if (!accuracy.empty()) report << "chosen  " << write_json(accuracy.at("chosen")) << '\n';
-    print_verdicts(verdicts, report);
+    print_verdicts(verdicts, reach, report);
+    if (interrupted())
+      std::cerr << "interrupted at step " << session.step_index() << "; what was asked for is written\n";
     if (failure) {
       std::cerr << "unstable: " << failure->detail << '\n';
     }
   }
-  for (const Verdict& v : verdicts) {
-    if (!v.met) return failure ? kExitUnstable : kExitMissed;
-  }
-  return failure ? kExitUnstable : kExitOk;
+  if (failure) return kExitUnstable;
+  if (interrupted()) return kExitInterrupted;
+  const bool all_met = std::ranges::all_of(verdicts, [](const Verdict& v) { return v.met; });
+  return reach == Reach::cut_short || all_met ? kExitOk : kExitMissed;
 }
 
 }  // namespace
@@ -174,9 +193,7 @@ void add_run_command(CLI::App& app, int& exit_code) {
   c->add_option("--snapshot", options->snapshot, "snapshot of the last state to write");
   c->add_option("-o,--output", options->output, "recording to write (.vtkhdf)");
   c->add_option("--picture", options->picture, "picture of the last frame to write (.png)");
-  c->add_option("--show", options->show,
-                "what the picture shows over bodies: one, or both as contacts,joints")
-      ->check(CLI::IsMember({"contacts", "joints", "contacts,joints"}));
+  add_picture_options(*c, options->look);
   c->add_option("--observe", options->observe,
                 "observables to report and to write with --csv: names or their beginnings up to a dot, "
                 "separated by commas (default: all; of --csv the scene's list, where it has one)")

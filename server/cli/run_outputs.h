@@ -4,14 +4,16 @@
 #include <string>
 
 #include "engine/session/session.h"
+#include "server/cli/picture_options.h"
 
 namespace truestep {
 
 class RecordingSink;
 
-/// A picture of the last frame: where to (empty: none), and what it shows over bodies ("contacts", "joints").
+/// A picture of the last frame: where to (empty: none), and how it looks.
 struct PictureWish {
-  std::string path, show;
+  std::string path;
+  PictureOptions look;
 };
 
 class RunOutputs {

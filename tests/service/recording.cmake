@@ -17,6 +17,10 @@ set(venv_python ${PROJECT_SOURCE_DIR}/build/venv/bin/python)
 foreach(case multi single grids h5md swmr export controls)
   add_recording_test(${case} ${venv_python} ${CMAKE_CURRENT_LIST_DIR}/recording_readers.py ${loop} ${read} ${case})
 endforeach()
+add_test(NAME service.recording_contents COMMAND ${venv_python} -m unittest -v recording_contents_test
+         WORKING_DIRECTORY ${CMAKE_CURRENT_LIST_DIR})
+set_tests_properties(service.recording_contents PROPERTIES LABELS service
+                     ENVIRONMENT "TRUESTEP_BINARY=$<TARGET_FILE:truestep>")
 add_recording_test(finalize_kills ${Python3_EXECUTABLE} ${CMAKE_CURRENT_LIST_DIR}/recording_kills.py ${loop} ${read})
 
 if(TRUESTEP_CHECKS_FOLDER)

@@ -3,6 +3,7 @@
 #include <vector>
 
 #include "engine/base/errors.h"
+#include "engine/base/nearest_name.h"
 #include "engine/integrators/table/rows.h"
 
 namespace truestep {
@@ -30,15 +31,18 @@ const Integrator& choose_integrator(const IntegratorChoice& choice, std::string_
                                     const ForceField& field) {
   const std::string_view name = choice.name.empty() ? fallback : std::string_view(choice.name);
   std::string allowed;
+  std::vector<std::string> fitting;
   for (const Integrator& m : integrators()) {
-    if (!refusal(m, field)) allowed += (allowed.empty() ? "" : ", ") + std::string(m.name);
+    if (refusal(m, field)) continue;
+    allowed += (allowed.empty() ? "" : ", ") + std::string(m.name);
+    fitting.emplace_back(m.name);
   }
   const Integrator* method = find_integrator(name);
   const std::string why = method ? refusal(*method, field).value_or("") : "no integrator has this name";
   if (!why.empty()) {
     throw Error("scene_invalid", "integrator " + std::string(name) + ": " + why,
                 {{"/integrator", method ? "unsuitable_integrator" : "unknown_integrator", why,
-                  '"' + std::string(name) + '"', allowed, "", ""}});
+                  '"' + std::string(name) + '"', allowed, method ? "" : nearest_name(name, fitting), ""}});
   }
   return *method;
 }

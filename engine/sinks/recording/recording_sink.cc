@@ -4,7 +4,6 @@
 #include <cmath>
 #include <utility>
 
-#include "engine/base/version.h"
 #include "engine/scene/json_write.h"
 #include "engine/session/commands.h"
 
@@ -20,114 +19,50 @@ uint64_t last_step(const World& world) {
   return static_cast<uint64_t>(std::llround(world.scene().header.time.duration / world.dt()));
 }
 
-[[noreturn]] void refuse(size_t index, const std::string& message) {
-  throw Error("scene_invalid", message,
-              {{"/recording/fields/" + std::to_string(index), "unknown_field", message, "", "", "", ""}});
+FieldKey key_of(const RecordedSource& source, size_t f, const RecordedPart& part) {
+  const Precision p = part.fields[f].precision;
+  const Scalar type = p == Precision::kU32 ? Scalar::u32 : p == Precision::kF64 ? Scalar::f64 : Scalar::f32;
+  return {static_cast<uint32_t>(*source.part), static_cast<uint32_t>(source.fields[f]), type};
 }
 
-// Observables that a recording keeps: those that the scene names, all where it names none.
-bool wants_observable(const Scene& scene, std::string_view name) {
-  const auto& wanted = scene.header.observables;
-  return wanted.empty() ||
-         std::any_of(wanted.begin(), wanted.end(), [&](const std::string& w) { return selects(w, name); });
-}
-
-// Fields to record of a part: those named, else the places of points, all of a grid, and what is computed of
-// a system that is numbers alone.
-std::vector<size_t> wanted_fields(const PartInfo& part, const RecordingParams& params) {
-  std::vector<size_t> out;
-  for (size_t f = 0; f < part.fields.size(); ++f) {
-    const FieldInfo& field = part.fields[f];
-    const bool named =
-        std::find(params.fields.begin(), params.fields.end(), field.name) != params.fields.end();
-    const bool usual = part.kind == PartInfo::Kind::points ? field.meaning == Meaning::position
-                       : part.kind == PartInfo::Kind::grid ? true
-                                                           : part.name.empty();
-    if (params.fields.empty() ? usual : named) out.push_back(f);
+FieldValues values_of(const FrameBlock& b) {
+  const size_t n = b.rows * b.width;
+  switch (b.key.type) {
+    case Scalar::f64:
+      return std::span(reinterpret_cast<const double*>(b.data.data()), n);
+    case Scalar::f32:
+      return std::span(reinterpret_cast<const float*>(b.data.data()), n);
+    default:
+      return std::span(reinterpret_cast<const uint32_t*>(b.data.data()), n);
   }
-  return out;
-}
-
-std::optional<Precision> precision_of(Scalar type, RecordingParams::Precision wanted) {
-  if (type == Scalar::u32) return Precision::kU32;
-  if (type != Scalar::f64 && type != Scalar::f32) return std::nullopt;
-  return wanted == RecordingParams::Precision::f64 && type == Scalar::f64 ? Precision::kF64 : Precision::kF32;
 }
 
 }  // namespace
 
-RecordingLayout recording_layout(const World& world, const std::string& path) {
-  const RecordingParams params = params_of(world);
-  RecordingLayout layout;
-  layout.path = path;
-  layout.scene_json = write_json(world.scene().canonical());
-  layout.seed = world.scene().header.seed;
-  layout.dt = world.dt();
-  layout.build = std::string(version()) + ' ' + std::string(build_description());
-  const WorldState state = world.initial_state();
-  Drawing drawing;
-  world.draw(state, Wish::constant, drawing);
-  std::vector<double> scratch;
-  for (size_t p = 0; p < world.parts().size(); ++p) {
-    const PartTable::Entry& part = world.parts()[p];
-    RecordedPart s;
-    s.id = part.id;
-    s.type = world.scene().systems[part.system].row->type;
-    s.kind = part.info().kind;
-    s.lattice = part.info().lattice;
-    s.max_rows = static_cast<uint32_t>(part.info().max_rows);
-    for (const size_t f : wanted_fields(part.info(), params)) {
-      const FieldInfo& info = part.info().fields[f];
-      const auto precision = precision_of(info.type, params.precision);
-      if (!precision) continue;
-      s.fields.push_back({info.name, info.unit, info.width, *precision, info.meaning});
-      const size_t rows = part.field(state.systems[part.system], f, scratch).rows;
-      s.max_rows = std::max(s.max_rows, static_cast<uint32_t>(rows));
-      if (rows != s.max_rows) s.rows = RowPolicy::kVariable;
-    }
-    if (s.fields.empty()) continue;
-    for (const auto& l : drawing.parts[p].lines) s.lines.insert(s.lines.end(), l.begin(), l.end());
-    for (const auto& t : drawing.parts[p].triangles)
-      s.triangles.insert(s.triangles.end(), t.begin(), t.end());
-    layout.parts.push_back(std::move(s));
-  }
-  for (size_t k = 0; k < params.fields.size(); ++k) {
-    bool found = false;
-    for (const RecordedPart& s : layout.parts) {
-      for (const RecordedField& f : s.fields) found |= f.name == params.fields[k];
-    }
-    if (!found) refuse(k, "no system has a field \"" + params.fields[k] + "\" that can be recorded");
-  }
-  for (const Observation& o : world.known_observables()) {
-    if (wants_observable(world.scene(), o.name)) layout.observables.push_back({o.name, o.unit});
-  }
-  return layout;
-}
-
 RecordingSink::RecordingSink(std::shared_ptr<RecordingThread> thread, const Session& session,
                              const std::string& path, RecordingTies ties)
+    : RecordingSink(std::move(thread), session, plan_recording(session.world(), path), std::move(ties)) {}
+
+RecordingSink::RecordingSink(std::shared_ptr<RecordingThread> thread, const Session& session,
+                             PlannedRecording plan, RecordingTies ties)
     : session_(session),
       ties_(std::move(ties)),
       every_(static_cast<uint64_t>(params_of(session.world()).every)),
       first_step_(ties_.after ? *ties_.after + every_ : session.step_index()),
       last_step_(last_step(session.world())),
-      writer_(std::move(thread), recording_layout(session.world(), path),
+      sources_(std::move(plan.sources)),
+      writer_(std::move(thread), std::move(plan.layout),
               ties_.after ? RecordingWriter::File::with_first_frames : RecordingWriter::File::at_once) {
-  const PartTable& parts = session.world().parts();
-  for (const RecordedPart& s : writer_.layout().parts) {
-    size_t p = 0;
-    while (parts[p].id != s.id) ++p;
-    auto& keys = keys_.emplace_back();
-    for (const RecordedField& f : s.fields) {
-      const Scalar type = f.precision == Precision::kU32   ? Scalar::u32
-                          : f.precision == Precision::kF64 ? Scalar::f64
-                                                           : Scalar::f32;
-      keys.push_back({static_cast<uint32_t>(p), static_cast<uint32_t>(*parts[p].info().find(f.name)), type});
-      request_.fields.push_back(keys.back());
-    }
+  const RecordingLayout& layout = writer_.layout();
+  request_.wishes = Wish::constant;
+  for (size_t i = 0; i < sources_.size(); ++i) {
+    gathered_.emplace_back(layout.parts[i].fields.size());
+    if (!sources_[i].part) request_.wishes = request_.wishes | Wish::obstacles;
+    for (size_t f = 0; f < sources_[i].fields.size(); ++f)
+      request_.fields.push_back(key_of(sources_[i], f, layout.parts[i]));
   }
   std::sort(request_.fields.begin(), request_.fields.end());
-  if (!writer_.layout().observables.empty()) request_.extras = FrameRequest::Extras::observables;
+  if (!layout.observables.empty()) request_.extras = FrameRequest::Extras::observables;
   if (!ties_.after) accept(session.frame(request_));
 }
 
@@ -144,28 +79,50 @@ bool RecordingSink::due(uint64_t step) {
   return !finished_ && step >= first_step_ && (step - first_step_) % every_ == 0;
 }
 
-void RecordingSink::accept(const FramePtr& frame) {
-  std::vector<std::vector<FieldValues>> values(keys_.size());
-  std::vector<PartRows> rows(keys_.size());
-  for (size_t i = 0; i < keys_.size(); ++i) {
-    for (const FieldKey& key : keys_[i]) {
-      const FrameBlock& b = *frame->find(key);
-      const size_t n = b.rows * b.width;
-      rows[i].rows = b.rows;
-      switch (key.type) {
-        case Scalar::f64:
-          values[i].emplace_back(std::span(reinterpret_cast<const double*>(b.data.data()), n));
-          break;
-        case Scalar::f32:
-          values[i].emplace_back(std::span(reinterpret_cast<const float*>(b.data.data()), n));
-          break;
-        default:
-          values[i].emplace_back(std::span(reinterpret_cast<const uint32_t*>(b.data.data()), n));
-          break;
-      }
+size_t RecordingSink::rows_of(const Frame& frame, size_t i, std::vector<FieldValues>& values) {
+  const RecordedSource& source = sources_[i];
+  size_t rows = 0;
+  for (size_t f = 0; f < source.fields.size(); ++f) {
+    const FrameBlock& b = *frame.find(key_of(source, f, writer_.layout().parts[i]));
+    rows = b.rows / source.stride;
+    if (source.stride == 1) {
+      values.push_back(values_of(b));
+      continue;
     }
+    std::vector<double>& to = gathered_[i][f];
+    to.clear();
+    const FieldView view{b.data.data(), b.key.type, b.rows, b.width};
+    for (size_t r = 0; r < rows; ++r) {
+      for (uint32_t c = 0; c < b.width; ++c) to.push_back(element(view, r * source.stride * b.width + c));
+    }
+    values.emplace_back(std::span<const double>(to));
+  }
+  return rows;
+}
+
+size_t RecordingSink::obstacles_of(const Frame& frame, size_t i, std::vector<FieldValues>& values) {
+  const size_t rows = writer_.layout().parts[i].max_rows;
+  std::vector<double>&position = gathered_[i][0], &orientation = gathered_[i][1];
+  position.assign(3 * rows, std::nan(""));
+  orientation.assign(4 * rows, std::nan(""));
+  for (size_t k = 0; k < std::min(rows, frame.moving.obstacles.size()); ++k) {
+    const DrawnShape& o = frame.moving.obstacles[k];
+    store3(position.data(), k, o.position);
+    std::copy(o.orientation.begin(), o.orientation.end(), orientation.begin() + 4 * static_cast<int64_t>(k));
+  }
+  values = {std::span<const double>(position), std::span<const double>(orientation)};
+  return rows;
+}
+
+void RecordingSink::accept(const FramePtr& frame) {
+  std::vector<std::vector<FieldValues>> values(sources_.size());
+  std::vector<PartRows> rows(sources_.size());
+  for (size_t i = 0; i < sources_.size(); ++i) {
+    rows[i].rows = sources_[i].part ? rows_of(*frame, i, values[i]) : obstacles_of(*frame, i, values[i]);
     rows[i].fields = values[i];
   }
+  if (!first_look_) first_look_ = frame->constant, first_obstacles_ = frame->moving.obstacles;
+  last_look_ = frame->constant;
   std::vector<double> observables;
   for (const RecordedObservable& o : writer_.layout().observables) {
     observables.push_back(frame->observables.find(o.name).value_or(std::nan("")));
@@ -191,7 +148,10 @@ RecordingStatus RecordingSink::close() {
     journal.push_back(boost::json::object{
         {"step", e.step}, {"sequence", e.sequence}, {"command", write_command(e.command)}});
   }
-  return writer_.finalize(write_json(journal));
+  if (first_look_ == last_look_) return writer_.finalize(write_json(journal));
+  // Bodies that came later have shapes, too; obstacles keep theirs.
+  RecordedDrawing end = recorded_drawing(sources_, *last_look_, first_obstacles_);
+  return writer_.finalize(write_json(journal), &end);
 }
 
 }  // namespace truestep

@@ -8,13 +8,10 @@
 #include <string>
 
 #include "engine/session/session.h"
+#include "engine/sinks/recording/recording_layout.h"
 #include "engine/sinks/recording/recording_writer.h"
 
 namespace truestep {
-
-/// The layout that the scene's `recording` (or its default) asks for. Error "scene_invalid" with the pointer
-/// of a field that no system has or that cannot be recorded.
-RecordingLayout recording_layout(const World& world, const std::string& path);
 
 /// How a recording begins, and who hears of its end.
 struct RecordingTies {
@@ -27,7 +24,8 @@ struct RecordingTies {
 
 class RecordingSink : public Sink {
  public:
-  /// Creates the file and, unless it goes on behind another, records the session's present state.
+  /// What the scene's `recording` (or its default) asks for: recording_layout.h. Creates the file and, unless
+  /// it goes on behind another, records the session's present state.
   RecordingSink(std::shared_ptr<RecordingThread> thread, const Session& session, const std::string& path,
                 RecordingTies ties = {});
 
@@ -48,13 +46,23 @@ class RecordingSink : public Sink {
   const std::string& path() const { return writer_.layout().path; }
 
  private:
+  RecordingSink(std::shared_ptr<RecordingThread> thread, const Session& session, PlannedRecording plan,
+                RecordingTies ties);
+  /// Rows of the recorded part `i`; the values are borrowed from the frame or lie in gathered_.
+  size_t rows_of(const Frame& frame, size_t i, std::vector<FieldValues>& values);
+  size_t obstacles_of(const Frame& frame, size_t i, std::vector<FieldValues>& values);
+
   const Session& session_;
   RecordingTies ties_;
   uint64_t every_, first_step_, last_step_;
   bool finished_ = false;
+  std::vector<RecordedSource> sources_;
   RecordingWriter writer_;
   FrameRequest request_;
-  std::vector<std::vector<FieldKey>> keys_;  ///< per recorded system, in the layout's order
+  /// Rows on their way to the writer; of fields whose rows are handed over as they are it is empty.
+  std::vector<std::vector<std::vector<double>>> gathered_;
+  std::shared_ptr<const Drawing> first_look_, last_look_;
+  std::vector<DrawnShape> first_obstacles_;
 };
 
 }  // namespace truestep

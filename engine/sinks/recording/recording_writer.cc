@@ -133,14 +133,14 @@ void RecordingWriter::submit() {
   core_->thread->post(std::move(batch_));
 }
 
-RecordingStatus RecordingWriter::finalize(const std::string& journal) {
+RecordingStatus RecordingWriter::finalize(const std::string& journal, const RecordedDrawing* drawing) {
   if (batch_ && batch_->frames > 0) submit();
   core_->thread->run([&] {
     if (core_->state != RecordingState::kRecording) return;
     core_->guarded([&] {
       if (core_->file) {
         core_->flush();
-        core_->file->finalize(journal);
+        core_->file->finalize(journal, drawing);
         core_->file.reset();
       }
       core_->state = RecordingState::kFinalized;

@@ -39,7 +39,8 @@ class RecordingWriter {
 
   /// Writes what is left, the journal and the VTKHDF part, closes the file and waits for it; a second call
   /// does nothing.
-  RecordingStatus finalize(const std::string& journal);
+  /// `drawing` replaces the shapes of the start where there is one.
+  RecordingStatus finalize(const std::string& journal, const RecordedDrawing* drawing = nullptr);
 
   RecordingStatus status() const;
   uint64_t durable_frames() const;

@@ -95,6 +95,7 @@ void Ode::name_parts() {
     points.fields.push_back({"position", "m", Scalar::f64, 3, Meaning::position});
     if (!tags_.empty()) points.fields.push_back({"tag", "1"});
     points.max_rows = rows_;
+    points.trail = trail_;
   }
   for (size_t k = 0; k < model_.states.size(); ++k) {
     const size_t rows = model_.states[k].places.size();

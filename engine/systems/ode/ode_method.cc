@@ -1,5 +1,6 @@
 #include "engine/systems/ode/ode_method.h"
 
+#include "engine/base/nearest_name.h"
 #include "engine/integrators/table/integrators.h"
 
 #include <cmath>
@@ -73,13 +74,16 @@ OdeMethod choose_ode_method(const OdeDef& def, const OdeModel& model, double dt)
                                             : refusal(*row, f).value_or("");
     if (why.empty()) return {row, "named by the scene"};
     std::string allowed;
+    std::vector<std::string> fitting;
     for (const Integrator& m : integrators()) {
-      if (m.advance && !refusal(m, f)) allowed += (allowed.empty() ? "" : ", ") + std::string(m.name);
+      if (!m.advance || refusal(m, f)) continue;
+      allowed += (allowed.empty() ? "" : ", ") + std::string(m.name);
+      fitting.emplace_back(m.name);
     }
     std::string name = def.integrator.substr(0, 40);
     throw Error("scene_invalid", "integrator " + name + ": " + why,
                 {{"/integrator", row ? "unsuitable_integrator" : "unknown_integrator", why, '"' + name + '"',
-                  allowed, "", ""}});
+                  allowed, row ? "" : nearest_name(name, fitting), ""}});
   }
   // Explicit methods hold to about 3.3 / rate.
   constexpr double kManySteps = 50;

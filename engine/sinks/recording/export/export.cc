@@ -124,6 +124,12 @@ std::vector<std::string> export_recording(RecordingReader& reader, const ExportO
   for (const char* ending : {".csv", ".ply", ".npz", ".vtu", ".vti", ".pvd"}) {
     if (stem.extension() == ending) stem.replace_extension();
   }
+  if (const auto folder = stem.parent_path(); !folder.empty()) {
+    std::error_code failed;
+    std::filesystem::create_directories(folder, failed);
+    if (failed)
+      throw Error("export_io", "could not make the folder " + folder.string() + ": " + failed.message());
+  }
   switch (options.format) {
     case ExportFormat::kCsv:
       return exporting::write_csv(reader, options, stem);

@@ -1,6 +1,7 @@
 // Polygon files, binary little-endian: vertices with every field as properties (position is x y z, other
-// fields of several components are field_0, field_1 ...), triangles as faces, lines as edges. Source: G.
-// Turk, The PLY polygon file format, 1994.
+// fields of several components are field_0, field_1 ...), triangles as faces; lines of what has no triangles
+// as faces of two corners, because few readers know the element "edge". Source: G. Turk, The PLY polygon file
+// format, 1994.
 #include "engine/sinks/recording/export/export_parts.h"
 
 namespace truestep::exporting {
@@ -8,6 +9,14 @@ namespace {
 
 const char* type_name(Precision p) {
   return p == Precision::kF32 ? "float" : p == Precision::kF64 ? "double" : "uint";
+}
+
+struct Faces {
+  const std::vector<uint32_t>* indices;
+  size_t corners;
+};
+Faces faces_of(const RecordedPart& part) {
+  return part.triangles.empty() ? Faces{&part.lines, 2} : Faces{&part.triangles, 3};
 }
 
 std::string header(const RecordedPart& system, const RecordedFrame& frame, size_t rows) {
@@ -22,14 +31,9 @@ std::string header(const RecordedPart& system, const RecordedFrame& frame, size_
       h += std::string("property ") + type_name(f.precision) + " " + name + "\n";
     }
   }
-  if (!system.triangles.empty()) {
-    h += "element face " + std::to_string(system.triangles.size() / 3) +
-         "\nproperty list uchar uint vertex_indices\n";
-  }
-  if (!system.lines.empty()) {
-    h += "element edge " + std::to_string(system.lines.size() / 2) +
-         "\nproperty uint vertex1\nproperty uint vertex2\n";
-  }
+  if (const Faces f = faces_of(system); !f.indices->empty())
+    h += "element face " + std::to_string(f.indices->size() / f.corners) +
+         "\nproperty list uchar int vertex_indices\n";
   return h + "end_header\n";
 }
 
@@ -48,11 +52,11 @@ void body(const RecordedPart& system, const RecordedRows& rows, OutputFile& out)
     }
   }
   out.bytes(text.data(), text.size());
-  for (size_t t = 0; t + 3 <= system.triangles.size(); t += 3) {
-    out.number<uint8_t>(3);
-    out.bytes(&system.triangles[t], 3 * sizeof(uint32_t));
+  const Faces f = faces_of(system);
+  for (size_t k = 0; k + f.corners <= f.indices->size(); k += f.corners) {
+    out.number(static_cast<uint8_t>(f.corners));
+    out.bytes(&(*f.indices)[k], f.corners * sizeof(uint32_t));
   }
-  out.bytes(system.lines.data(), system.lines.size() * sizeof(uint32_t));
 }
 
 }  // namespace

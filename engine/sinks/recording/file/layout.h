@@ -38,6 +38,35 @@ struct RecordedPart {
   std::vector<uint32_t> triangles;  ///< triples
   PartInfo::Kind kind = PartInfo::Kind::points;
   Lattice lattice = {};  ///< of a grid; it has as many rows
+  /// Rows to expect where their number varies: room is made for these first; 0: for all of max_rows.
+  uint32_t usual_rows = 0;
+};
+
+/// The solids that rows of a part carry, as columns: shape k has entry k of each.
+struct RecordedShapes {
+  std::vector<uint32_t> instances;   ///< pairs: row, shape
+  std::vector<uint32_t> kinds;       ///< DrawnShape::Kind
+  std::vector<double> positions;     ///< m, 3 each, in the row's frame
+  std::vector<double> orientations;  ///< 4 each: w x y z
+  std::vector<double> sizes;         ///< m, 3 each, as in DrawnShape
+  std::vector<double> colors;        ///< sRGB in [0, 1], 3 each; NaN where the shape has none
+  std::vector<uint32_t> motions;     ///< Visual::Motion
+  std::vector<uint32_t> groups;      ///< shapes of one group look alike where they have no colour
+  std::vector<uint32_t> meshes;      ///< index in RecordedDrawing::meshes, or kNoMesh
+  double point_radius = 0;           ///< m; 0: rows without shapes are not drawn as spheres
+  static constexpr uint32_t kNoMesh = UINT32_MAX;
+};
+
+/// Triangles in a shape's own frame.
+struct RecordedMesh {
+  std::vector<float> positions;     ///< m, 3 each
+  std::vector<uint32_t> triangles;  ///< 3 each
+};
+
+/// How a recording's rows look: recorded once.
+struct RecordedDrawing {
+  std::vector<RecordedShapes> parts;  ///< in the layout's order
+  std::vector<RecordedMesh> meshes;
 };
 
 /// One number per frame.
@@ -51,6 +80,7 @@ struct RecordingLayout {
   std::string path;
   std::vector<RecordedPart> parts;
   std::vector<RecordedObservable> observables;
+  RecordedDrawing drawing;
   std::string scene_json;
   uint64_t seed = 0;
   double dt = 0;      ///< s

@@ -93,11 +93,28 @@ void pass(Stream& io, Layout& layout) {
     io.list(s.triangles);
     io.number(s.kind);
     io.number(s.lattice);
+    io.number(s.usual_rows);
   };
   io.each(layout.parts, system);
   io.each(layout.observables, [&](auto& o) {
     io.list(o.name);
     io.list(o.unit);
+  });
+  io.each(layout.drawing.parts, [&](auto& s) {
+    io.list(s.instances);
+    io.list(s.kinds);
+    io.list(s.positions);
+    io.list(s.orientations);
+    io.list(s.sizes);
+    io.list(s.colors);
+    io.list(s.motions);
+    io.list(s.groups);
+    io.list(s.meshes);
+    io.number(s.point_radius);
+  });
+  io.each(layout.drawing.meshes, [&](auto& m) {
+    io.list(m.positions);
+    io.list(m.triangles);
   });
   io.list(layout.scene_json);
   io.number(layout.seed);

@@ -6,6 +6,7 @@
 
 #include "engine/base/errors.h"
 #include "engine/sinks/recording/file/fletcher32.h"
+#include "engine/sinks/recording/file/shapes_file.h"
 #include "engine/sinks/recording/log/chunk_plan.h"
 
 namespace truestep {
@@ -28,6 +29,8 @@ H5 open_file(const std::string& path, RecordingOwner owner) {
     const hid_t id = H5Fopen(path.c_str(), mode, access);
     if (id >= 0) return H5(id);
   }
+  if (std::filesystem::exists(path) && H5Fis_hdf5(path.c_str()) == 0)
+    throw Error("recording_foreign", "this file is no recording of Truestep: it is not even an HDF5 file");
   throw_h5_error("open the recording");
 }
 
@@ -166,6 +169,7 @@ RecordedFile::RecordedFile(const std::string& path, RecordingOwner owner) : file
   for (const auto kind : {PartInfo::Kind::points, PartInfo::Kind::grid, PartInfo::Kind::values})
     read_parts(kind);
   read_observables();
+  info_.layout.drawing = read_shapes(file_, info_.layout, file_size_);
 }
 
 void RecordedFile::read_parameters() {
@@ -203,7 +207,7 @@ RecordedFile::Array RecordedFile::open_array(const std::string& path, uint64_t& 
   a.chunk_rows = chunk[1];
   const bool known = floating ? a.element == 4 || a.element == 8
                               : H5Tget_class(type) == H5T_INTEGER && (a.element == 4 || a.element == 8);
-  if (!known || chunk[2] != dims[2] || a.rows == 0 || a.rows > UINT32_MAX) {
+  if (!known || chunk[2] != dims[2] || a.rows == 0 || a.rows > UINT32_MAX || a.chunk_rows == 0) {
     damaged("a dataset has an unknown shape");
   }
   // A chunk that is there fits into the file; none of these products overflows then.
@@ -228,7 +232,10 @@ RecordedFile::Array RecordedFile::open_number(const std::string& path, Precision
 RecordedField RecordedFile::read_field(const std::string& path, const std::string& name) {
   fields_.back().push_back(open_array(path + "/" + name + "/value", info_.frames));
   const Array& a = fields_.back().back();
-  if (a.rows != fields_.back().front().rows || (a.precision == Precision::kU32 && a.element != 4)) {
+  // A part that grows while its file is read may have one more row here than there.
+  const bool grows = info_.completion == RecordingCompletion::kUnfinished;
+  if ((!grows && a.rows != fields_.back().front().rows) ||
+      (a.precision == Precision::kU32 && a.element != 4)) {
     damaged("the field '" + name + "' has an unknown shape");
   }
   RecordedField field{name, read_text_attribute(a.set, "si_unit", file_size_), static_cast<uint32_t>(a.width),
@@ -259,7 +266,9 @@ void RecordedFile::read_parts(PartInfo::Kind kind) {
       if (name != "box" && name != "rows") part.fields.push_back(read_field(path, name));
     }
     if (fields_.back().empty()) damaged("the part '" + id + "' has no fields");
-    part.max_rows = static_cast<uint32_t>(fields_.back()[0].rows);
+    size_t rows = SIZE_MAX;
+    for (const Array& a : fields_.back()) rows = std::min(rows, a.rows);
+    part.max_rows = static_cast<uint32_t>(rows);
     counts_.push_back(part.rows == RowPolicy::kVariable ? open_number(path + "/rows", Precision::kU32, 4)
                                                         : Array());
     part.lines = read_indices(file_, "/connectivity/" + id + "/lines", 2, part.max_rows, file_size_);

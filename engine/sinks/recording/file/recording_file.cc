@@ -1,10 +1,12 @@
 #include "engine/sinks/recording/file/recording_file.h"
 
+#include <algorithm>
 #include <limits>
 
 #include "engine/base/errors.h"
 #include "engine/sinks/recording/export/vtkhdf.h"
 #include "engine/sinks/recording/file/h5_types.h"
+#include "engine/sinks/recording/file/shapes_file.h"
 
 namespace truestep {
 namespace {
@@ -91,6 +93,7 @@ void RecordingFile::create_groups() {
   h5_group(file_, "/connectivity");
   // Made now and filled at the end: finalising then changes no group that leads to recorded frames.
   h5_group(file_, "/VTKHDF");
+  write_shapes(file_, layout_, layout_.drawing);
   for (const RecordedPart& s : layout_.parts) {
     H5 group = h5_group(file_, part_path(s));
     h5_attribute(group, "type", s.type);
@@ -112,7 +115,16 @@ void RecordingFile::create_groups() {
   }
 }
 
+// A part with a varying number of rows grows to what its frames have.
+size_t RecordingFile::rows_of(const PlannedArray& a) const {
+  return a.system < 0 ? a.rows : rows_[static_cast<size_t>(a.system)];
+}
+
 void RecordingFile::create_arrays() {
+  for (const RecordedPart& s : layout_.parts) {
+    const bool grows = s.rows == RowPolicy::kVariable && s.usual_rows > 0;
+    rows_.push_back(grows ? std::min(s.usual_rows, s.max_rows) : s.max_rows);
+  }
   for (size_t i = 0; i < plan_.arrays.size(); ++i) {
     const PlannedArray& a = plan_.arrays[i];
     // A field or an observable is a group {value, step, time}; the clock's arrays are bare.
@@ -122,9 +134,10 @@ void RecordingFile::create_arrays() {
     if (a.rows > 0 && a.width > 1) dims.push_back(a.width);
     std::vector<hsize_t> most = dims;
     most[0] = H5S_UNLIMITED;
+    if (a.rows > 0) dims[1] = rows_of(a);
     H5 space =
         h5_id(H5Screate_simple(static_cast<int>(dims.size()), dims.data(), most.data()), "make a shape");
-    H5 create = chunked_properties(a, plan_.frames, dims);
+    H5 create = chunked_properties(a, plan_.frames, most);
     if (element) h5_group(file_, a.path);
     const std::string path = element ? a.path + "/value" : a.path;
     sets_.push_back(
@@ -141,7 +154,7 @@ void RecordingFile::create_arrays() {
 
 void RecordingFile::write_chunks(const PlannedArray& a, hid_t set, const std::byte* chunks, uint64_t first,
                                  size_t frames, size_t chunks_used) {
-  hsize_t dims[3] = {first + frames, a.rows, a.width};
+  const hsize_t dims[3] = {first + frames, rows_of(a), a.width};
   h5_ok(H5Dset_extent(set, dims), "extend a dataset");
   for (size_t c = 0; c < chunks_used; ++c) {
     // The image is already what HDF5's filter would make of it, so the library only stores it: one pass over
@@ -153,6 +166,8 @@ void RecordingFile::write_chunks(const PlannedArray& a, hid_t set, const std::by
 }
 
 void RecordingFile::write(const std::byte* image, size_t frames) {
+  for (size_t s = 0; s < rows_.size(); ++s)
+    rows_[s] = std::max(rows_[s], most_rows(layout_, plan_, image, s, frames));
   for (size_t i = 0; i < plan_.first_clock; ++i) {
     const PlannedArray& a = plan_.arrays[i];
     const size_t used = used_chunks(layout_, plan_, image, a);
@@ -189,14 +204,17 @@ void RecordingFile::close() {
   file_.reset();
 }
 
-void RecordingFile::finalize(std::string_view journal) {
+void RecordingFile::finalize(std::string_view journal, const RecordedDrawing* drawing) {
   flush();
   sets_.clear();
   h5_ok(H5Fflush(file_, H5F_SCOPE_LOCAL), "flush the recording");
   file_.reset();
   file_ = h5_id(H5Fopen(layout_.path.c_str(), H5F_ACC_RDWR, file_access()), "open the recording again");
   h5_text(h5_id(H5Gopen2(file_, "/parameters", H5P_DEFAULT), "open the parameters"), "journal", journal);
-  write_vtkhdf(file_, layout_, written_);
+  RecordingLayout reached = layout_;
+  for (size_t s = 0; s < rows_.size(); ++s) reached.parts[s].max_rows = static_cast<uint32_t>(rows_[s]);
+  write_vtkhdf(file_, reached, written_);
+  if (drawing) replace_shapes(file_, reached, *drawing);
   h5_ok(H5Fflush(file_, H5F_SCOPE_LOCAL), "flush the recording");
   file_.reset();
   log_.remove();

@@ -1,8 +1,8 @@
 // The HDF5 file of one recording, for a single thread. While frames come it is an H5MD file that SWMR readers
 // may follow:
 //   /h5md, /particles/<system>/{box, <field>/{value,step,time}, rows}, /observables/<name>/{value,step,time},
-//   /connectivity/<system>/{lines,triangles}, /parameters, /clock/{step,time} (the others are hard links to
-//   these)
+//   /connectivity/<system>/{lines,triangles}, /shapes, /meshes (shapes_file.h), /parameters,
+//   /clock/{step,time} (the others are hard links to these)
 // and when it is finalised it becomes a VTKHDF file as well. Sources: H5MD 1.1; VTKHDF 2.1; HDF5 SWMR guide.
 // Order of writing: the chunks of a batch, a flush, the chunk log, then rows, time and step, each flushed:
 // the length of /clock/step is the number of frames that can be read whatever happens to the process, and the
@@ -16,6 +16,7 @@
 
 namespace truestep {
 
+/// Rows of a part whose number varies are added to its arrays when a frame first has them.
 /// Every member throws Error (disk_full, recording_io); after that only destruction is allowed.
 class RecordingFile {
  public:
@@ -30,7 +31,8 @@ class RecordingFile {
   void flush();
 
   /// Flushes, ends SWMR, adds the journal and the /VTKHDF group, closes the file and removes its chunk log.
-  void finalize(std::string_view journal);
+  /// `drawing` replaces the shapes of the start where it is not null.
+  void finalize(std::string_view journal, const RecordedDrawing* drawing = nullptr);
 
   uint64_t written_frames() const { return written_; }
   uint64_t durable_frames() const { return durable_; }
@@ -46,13 +48,15 @@ class RecordingFile {
   void create_arrays();
   void write_chunks(const PlannedArray& a, hid_t set, const std::byte* chunks, uint64_t first, size_t frames,
                     size_t chunks_used);
+  size_t rows_of(const PlannedArray& a) const;
   void close();
 
   const RecordingLayout& layout_;
   const ChunkPlan& plan_;
   ChunkLog log_;
   H5 file_;
-  std::vector<H5> sets_;  // one per planned array
+  std::vector<H5> sets_;      // one per planned array
+  std::vector<size_t> rows_;  // per part: most rows that a frame had
   std::vector<PendingClock> pending_;
   size_t pending_count_ = 0;
   uint64_t written_ = 0;

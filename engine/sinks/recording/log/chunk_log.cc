@@ -17,7 +17,7 @@
 namespace truestep {
 namespace {
 
-constexpr char kHead[8] = {'T', 'S', 'C', 'H', 'U', 'N', 'K', '1'};
+constexpr char kHead[8] = {'T', 'S', 'C', 'H', 'U', 'N', 'K', '2'};
 constexpr char kRecord[4] = {'C', 'R', 'E', 'C'};
 constexpr size_t kWholeBytes = 2048;  // below, HDF5 may pack chunks closer than pages
 

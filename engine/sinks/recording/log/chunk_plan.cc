@@ -11,28 +11,43 @@ namespace truestep {
 namespace {
 
 constexpr size_t kBatchBytes = size_t{256} << 10;  // small frames are gathered up to this
+constexpr size_t kImageBytes = size_t{4} << 20;    // and their image takes no more than this
 constexpr size_t kMaxFrames = 64;                  // and to this many
 constexpr size_t kChunkBytes = size_t{1} << 20;    // a big frame is split into chunks of about this
+constexpr size_t kGrowth = 64;                     // chunks that a part grows to its most rows by
 
-size_t frame_bytes(const RecordingLayout& layout) {
+enum class Rows : uint8_t { usual, most };
+
+size_t rows_of(const RecordedPart& s, Rows which) {
+  const bool usual = which == Rows::usual && s.usual_rows > 0;
+  return usual ? std::min(s.usual_rows, s.max_rows) : s.max_rows;
+}
+
+size_t frame_bytes(const RecordingLayout& layout, Rows which) {
   size_t bytes = 16 + 8 * layout.observables.size();
   for (const RecordedPart& s : layout.parts) {
     for (const RecordedField& f : s.fields) {
-      bytes += size_t{s.max_rows} * f.width * element_size(element_type(f.precision));
+      bytes += rows_of(s, which) * f.width * element_size(element_type(f.precision));
     }
   }
   return bytes;
 }
 
-void place(ChunkPlan& plan, PlannedArray a) {
+// Rows of a chunk: what there usually is, so that the room for more costs nothing until it is used.
+size_t chunk_rows(const ChunkPlan& plan, const PlannedArray& a, size_t usual) {
+  const size_t rows = std::max<size_t>(a.rows, 1);
+  const size_t fitting = std::min(rows, std::max(usual, (rows + kGrowth - 1) / kGrowth));
+  if (plan.frames > 1 || fitting * a.row_bytes <= 2 * kChunkBytes) return fitting;
+  // Equal parts, so that the last chunk is as full as the others.
+  const size_t most = std::max<size_t>(1, kChunkBytes / a.row_bytes);
+  const size_t parts = (fitting + most - 1) / most;
+  return (fitting + parts - 1) / parts;
+}
+
+void place(ChunkPlan& plan, PlannedArray a, size_t usual = 1) {
   const size_t rows = std::max<size_t>(a.rows, 1);
   a.row_bytes = a.width * element_size(a.type);
-  a.chunk_rows = rows;
-  if (plan.frames == 1 && rows * a.row_bytes > 2 * kChunkBytes) {
-    // Equal parts, so that the last chunk is as full as the others.
-    const size_t most = std::max<size_t>(1, kChunkBytes / a.row_bytes), parts = (rows + most - 1) / most;
-    a.chunk_rows = (rows + parts - 1) / parts;
-  }
+  a.chunk_rows = chunk_rows(plan, a, usual);
   a.chunks = (rows + a.chunk_rows - 1) / a.chunk_rows;
   a.chunk_bytes = plan.frames * a.chunk_rows * a.row_bytes;
   a.stride = (a.chunk_bytes + 4 + 63) / 64 * 64;
@@ -70,15 +85,21 @@ void fill_absent(ElementType type, std::byte* to, size_t count) {
   if (type == ElementType::kU32) std::memset(to, 0xff, count * sizeof(uint32_t));
 }
 
-void fill_array(const PlannedArray& a, size_t frames, std::byte* image, size_t slot,
-                const FieldValues& values, size_t rows) {
-  for (size_t c = 0; c < a.chunks; ++c) {
-    const size_t first = c * a.chunk_rows;
-    if (first >= rows && frames == 1 && c > 0) break;  // chunks without rows are not written at all
-    const size_t present = first < rows ? std::min(a.chunk_rows, rows - first) : 0;
+// The rows that there are; what lies behind them is filled when the batch is sealed.
+void fill_array(const PlannedArray& a, std::byte* image, size_t slot, const FieldValues& values,
+                size_t rows) {
+  for (size_t c = 0; c * a.chunk_rows < rows; ++c) {
+    const size_t first = c * a.chunk_rows, present = std::min(a.chunk_rows, rows - first);
     std::byte* to = image + a.offset + c * a.stride + slot * a.chunk_rows * a.row_bytes;
     copy_elements(a.type, to, values, first * a.width, present * a.width);
-    fill_absent(a.type, to + present * a.row_bytes, (a.chunk_rows - present) * a.width);
+  }
+}
+
+void fill_absent_rows(const PlannedArray& a, std::byte* image, size_t slot, size_t rows, size_t used) {
+  for (size_t c = std::min(rows / a.chunk_rows, used); c < used; ++c) {
+    const size_t first = c * a.chunk_rows, present = rows > first ? std::min(a.chunk_rows, rows - first) : 0;
+    std::byte* to = image + a.offset + c * a.stride + (slot * a.chunk_rows + present) * a.row_bytes;
+    fill_absent(a.type, to, (a.chunk_rows - present) * a.width);
   }
 }
 
@@ -132,7 +153,9 @@ std::string part_path(const RecordedPart& part) {
 
 ChunkPlan plan_chunks(const RecordingLayout& layout) {
   ChunkPlan plan;
-  plan.frames = std::clamp<size_t>(kBatchBytes / frame_bytes(layout), 1, kMaxFrames);
+  plan.frames = std::clamp<size_t>(
+      std::min(kBatchBytes / frame_bytes(layout, Rows::usual), kImageBytes / frame_bytes(layout, Rows::most)),
+      1, kMaxFrames);
   for (size_t s = 0; s < layout.parts.size(); ++s) {
     const RecordedPart& system = layout.parts[s];
     plan.first_field.push_back(plan.arrays.size());
@@ -142,7 +165,7 @@ ChunkPlan plan_chunks(const RecordingLayout& layout) {
       a.width = f.width;
       a.system = static_cast<int>(s);
       a.meaning = f.meaning;
-      place(plan, a);
+      place(plan, a, rows_of(system, Rows::usual));
     }
   }
   plan.first_observable = plan.arrays.size();
@@ -168,8 +191,7 @@ void fill_frame(const RecordingLayout& layout, const ChunkPlan& plan, std::byte*
   for (size_t s = 0; s < systems.size(); ++s) check_system(layout.parts[s], systems[s]);
   for (size_t s = 0; s < systems.size(); ++s) {
     for (size_t f = 0; f < systems[s].fields.size(); ++f) {
-      fill_array(plan.arrays[plan.first_field[s] + f], plan.frames, image, slot, systems[s].fields[f],
-                 systems[s].rows);
+      fill_array(plan.arrays[plan.first_field[s] + f], image, slot, systems[s].fields[f], systems[s].rows);
     }
     if (const int r = plan.rows_array[s]; r >= 0) {
       put(plan.arrays[r], image, slot, static_cast<uint32_t>(systems[s].rows));
@@ -185,6 +207,10 @@ void fill_frame(const RecordingLayout& layout, const ChunkPlan& plan, std::byte*
 void seal_batch(const RecordingLayout& layout, const ChunkPlan& plan, std::byte* image) {
   for (const PlannedArray& a : plan.arrays) {
     const size_t used = used_chunks(layout, plan, image, a);
+    for (size_t slot = 0; a.system >= 0 && slot < plan.frames; ++slot) {
+      const size_t rows = rows_in_image(layout, plan, image, static_cast<size_t>(a.system), slot);
+      fill_absent_rows(a, image, slot, rows, used);
+    }
     for (size_t c = 0; c < used; ++c) {
       std::byte* chunk = image + a.offset + c * a.stride;
       const uint32_t sum = fletcher32(chunk, a.chunk_bytes);
@@ -196,9 +222,16 @@ void seal_batch(const RecordingLayout& layout, const ChunkPlan& plan, std::byte*
 size_t used_chunks(const RecordingLayout& layout, const ChunkPlan& plan, const std::byte* image,
                    const PlannedArray& a) {
   if (a.system < 0 || a.chunks == 1) return a.chunks;
-  // More than one chunk per frame: one frame per batch.
-  const size_t rows = rows_in_image(layout, plan, image, static_cast<size_t>(a.system), 0);
-  return std::max<size_t>(1, (rows + a.chunk_rows - 1) / a.chunk_rows);
+  const size_t rows = most_rows(layout, plan, image, static_cast<size_t>(a.system), plan.frames);
+  return std::clamp<size_t>((rows + a.chunk_rows - 1) / a.chunk_rows, 1, a.chunks);
+}
+
+size_t most_rows(const RecordingLayout& layout, const ChunkPlan& plan, const std::byte* image, size_t system,
+                 size_t frames) {
+  size_t most = 0;
+  for (size_t slot = 0; slot < frames; ++slot)
+    most = std::max(most, rows_in_image(layout, plan, image, system, slot));
+  return most;
 }
 
 size_t rows_in_image(const RecordingLayout& layout, const ChunkPlan& plan, const std::byte* image,

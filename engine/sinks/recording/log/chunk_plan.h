@@ -45,22 +45,27 @@ struct ChunkPlan {
 /// Plans the file of `layout`.
 ChunkPlan plan_chunks(const RecordingLayout& layout);
 
-/// Writes one frame into place `slot` of a batch's image, converting and filling absent rows with NaN (u32:
-/// all ones). Throws Error("recording_mismatch") when `systems` or `observables` do not fit the layout.
+/// Writes one frame into place `slot` of a batch's image, converting. Throws Error("recording_mismatch") when
+/// `systems` or `observables` do not fit the layout.
 void fill_frame(const RecordingLayout& layout, const ChunkPlan& plan, std::byte* image, size_t slot,
                 int64_t step, double time, std::span<const PartRows> systems,
                 std::span<const double> observables);
 
-/// Puts the checksums behind the chunks of a filled image, soon after it was filled: then it is in the cache.
+/// Fills absent rows with NaN (u32: all ones) and puts the checksums behind the chunks of a filled image,
+/// soon after it was filled: then it is in the cache.
 void seal_batch(const RecordingLayout& layout, const ChunkPlan& plan, std::byte* image);
 
-/// Chunks of an array that a filled image writes; those that hold no rows are left out.
+/// Chunks of an array that a filled image writes; those that hold no rows in any of its frames are left out.
 size_t used_chunks(const RecordingLayout& layout, const ChunkPlan& plan, const std::byte* image,
                    const PlannedArray& array);
 
 /// Row count of `system` in frame `slot` of a filled image.
 size_t rows_in_image(const RecordingLayout& layout, const ChunkPlan& plan, const std::byte* image,
                      size_t system, size_t slot);
+
+/// Most rows that `system` has in the first `frames` frames of a filled image.
+size_t most_rows(const RecordingLayout& layout, const ChunkPlan& plan, const std::byte* image, size_t system,
+                 size_t frames);
 
 /// Bytes of one element.
 size_t element_size(ElementType type);

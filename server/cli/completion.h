@@ -1,0 +1,10 @@
+// truestep completion: scripts that complete commands, options, choices and gallery names in a shell.
+#pragma once
+#include <CLI/App.hpp>
+
+namespace truestep {
+
+/// Adds the subcommand, last of all: it completes those that are there.
+void add_completion_command(CLI::App& app, int& exit_code);
+
+}  // namespace truestep

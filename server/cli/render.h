@@ -1,0 +1,10 @@
+// truestep render: pictures or a film of a scene or a recording.
+#pragma once
+#include <CLI/App.hpp>
+
+namespace truestep {
+
+/// Adds the subcommand; `exit_code` receives its result.
+void add_render_command(CLI::App& app, int& exit_code);
+
+}  // namespace truestep
