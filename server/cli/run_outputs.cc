@@ -28,7 +28,7 @@ void RunOutputs::finish() {
   };
   const World& world = session_.world();
   const Wish marks = shown("contacts", Wish::contacts) | shown("joints", Wish::joints);
-  const auto list = draw_list_of(world, *session_.frame(picture_request(world, marks)));
+  const auto list = draw_list_of(world, *session_.frame(picture_request(world, {.marks = marks})));
   const auto png = encode_png(renderer.render_rgba(list), kWidth, kHeight);
   std::ofstream file(picture_.path, std::ios::binary);
   file.write(reinterpret_cast<const char*>(png.data()), static_cast<std::streamsize>(png.size()));
