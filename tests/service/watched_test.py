@@ -149,6 +149,7 @@ class Series(Case):
         self.service.post(s["links"]["step"], {"steps": 200000})
         steps = self.series(s, "?max_points=1000000")["step"]
         self.assertLessEqual(len(steps), 2048)
+        self.assertGreater(len(steps), 200)
         self.assertGreater(steps[-1], 100000)
 
 
