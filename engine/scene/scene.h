@@ -96,6 +96,7 @@ struct SceneHeader {
   std::vector<ProbeParams> probes;
   std::optional<RecordingParams> recording;
   enum class OnInstability { pause, stop } on_instability = OnInstability::pause;
+  bool keep_running = false;  ///< play goes on when the last viewer has left
   ViewerParams viewer;
   std::vector<ExpectParams> expect;
 };

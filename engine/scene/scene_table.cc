@@ -148,16 +148,18 @@ const DefTable& scene_table() {
           .object("time", &SceneHeader::time, time_table(), "the clock")
           .object("accuracy", &SceneHeader::accuracy, accuracy_table(),
                   "instead of a method and a step: how accurate")
-          .texts(
-              "observables", &SceneHeader::observables, {0, 64},
-              "observables to keep over time (names or their beginnings up to a dot); none: recordings and "
-              "--csv keep all, a session only the present ones")
+          .texts("observables", &SceneHeader::observables, {0, 64},
+                 "observables to keep over time (names or their beginnings up to a dot), at every step; a "
+                 "session "
+                 "keeps energy and probes in any case; none: recordings and --csv keep all")
           .objects("probes", &SceneHeader::probes, probe_table(), {0, 256},
                    "rows whose fields become observables")
           .object("recording", &SceneHeader::recording, recording_table(),
                   "what is recorded; without it, nothing")
           .choice("on_instability", &SceneHeader::on_instability, {"pause", "stop"},
                   "what happens when a state becomes non-finite")
+          .boolean("keep_running", &SceneHeader::keep_running,
+                   "a session that plays goes on when its last viewer has left")
           .object("viewer", &SceneHeader::viewer, viewer_table(), "how viewers show the scene")
           .objects("expect", &SceneHeader::expect, expect_table(), {0, 64}, "what a run should measure")
           .check([](const SceneHeader& h, const DefTable::Report& report) {

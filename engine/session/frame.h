@@ -5,6 +5,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "engine/core/drawing.h"
@@ -80,6 +81,8 @@ class Sink {
   virtual void accept(const FramePtr& frame) = 0;
   /// The session's past or clock changed: reset, seek, play, pause, instability.
   virtual void notify(std::string_view kind, uint64_t step, const std::string& detail) {}
+  /// The session ends, and why: a code that clients know and a sentence.
+  virtual void bye(std::string_view code, const std::string& reason) {}
   /// A command is about to be carried out.
   virtual void before_command(const JournalEntry& entry) {}
   /// It made no sense and changed nothing.

@@ -1,13 +1,14 @@
 #include "engine/session/series.h"
 
+#include <algorithm>
 #include <limits>
 
 #include "engine/session/references.h"
 
 namespace truestep {
 
-Series::Series(std::vector<std::string> wanted, size_t max_points)
-    : wanted_(std::move(wanted)), max_points_(max_points) {}
+Series::Series(std::vector<std::string> wanted, Rate rate, size_t max_points)
+    : wanted_(std::move(wanted)), rate_(rate), max_points_(max_points) {}
 
 bool Series::wants(std::string_view name) const {
   for (const std::string& w : wanted_) {
@@ -35,8 +36,20 @@ void Series::add(uint64_t step, const Observables& values) {
   for (auto& v : values_) v.resize(steps_.size(), std::numeric_limits<double>::quiet_NaN());
 }
 
+// Doubling and halving leave a factor of four between them, so that the stride settles.
+void Series::spent(double observing_seconds, double since_seconds) {
+  constexpr double kShare = 0.02;
+  if (rate_ != Rate::sparing) return;
+  if (observing_seconds > kShare * since_seconds) {
+    stride_ = std::min(2 * stride_, uint64_t{1} << 32);
+  } else if (4 * observing_seconds < kShare * since_seconds) {
+    stride_ = std::max(stride_ / 2, interval_);
+  }
+}
+
 void Series::thin_out() {
   interval_ *= 2;
+  stride_ = std::max(stride_, interval_);
   size_t kept = 0;
   for (size_t i = 0; i < steps_.size(); ++i) {
     if (steps_[i] % interval_ != 0) continue;
@@ -56,7 +69,7 @@ void Series::truncate(uint64_t step) {
 }
 
 void Series::clear() {
-  interval_ = 1;
+  interval_ = stride_ = 1;
   steps_.clear();
   names_.clear();
   units_.clear();
@@ -65,6 +78,12 @@ void Series::clear() {
 
 size_t Series::memory_bytes() const {
   return steps_.capacity() * 8 + values_.size() * steps_.capacity() * 8;
+}
+
+size_t Series::most_bytes(const std::vector<Observation>& known) const {
+  const auto kept =
+      std::count_if(known.begin(), known.end(), [this](const auto& o) { return wants(o.name); });
+  return active() ? max_points_ * 8 * (1 + static_cast<size_t>(kept)) : 0;
 }
 
 }  // namespace truestep

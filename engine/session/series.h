@@ -1,6 +1,9 @@
 // Observables over time within a bound in points: when it is full every other point goes and the sampling
-// interval doubles.
+// interval doubles. A sparing series also keeps its distance from the clock: where observing takes more than
+// a fiftieth of the time between two points, the next points lie twice as far apart. Intervals are powers of
+// two.
 #pragma once
+#include <cstddef>
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -11,15 +14,19 @@ namespace truestep {
 
 class Series {
  public:
+  /// every_step: where the points lie depends on the steps alone.
+  enum class Rate : uint8_t { every_step, sparing };
   /// Names to keep, or their beginnings up to a dot ("energy" keeps energy.total); empty keeps nothing.
-  explicit Series(std::vector<std::string> wanted, size_t max_points = 4096);
+  explicit Series(std::vector<std::string> wanted, Rate rate = Rate::every_step, size_t max_points = 4096);
 
   bool active() const { return !wanted_.empty(); }
   /// Whether this step is one to sample.
   bool due(uint64_t step) const {
-    return active() && step % interval_ == 0 && (steps_.empty() || step > steps_.back());
+    return active() && step % stride_ == 0 && (steps_.empty() || step > steps_.back());
   }
   void add(uint64_t step, const Observables& values);
+  /// What the newest point took, and the time since the one before; a sparing series adapts.
+  void spent(double observing_seconds, double since_seconds);
   /// Forgets points after `step`.
   void truncate(uint64_t step);
   void clear();
@@ -30,14 +37,18 @@ class Series {
   /// Values of one name, one per step of `steps`.
   const std::vector<double>& values(size_t name) const { return values_[name]; }
   size_t memory_bytes() const;
+  /// What it can come to, given the names that there are.
+  size_t most_bytes(const std::vector<Observation>& known) const;
 
  private:
   bool wants(std::string_view name) const;
   void thin_out();
 
   std::vector<std::string> wanted_;
+  Rate rate_;
   size_t max_points_;
-  uint64_t interval_ = 1;
+  uint64_t interval_ = 1;  ///< of the points that are kept when it is full
+  uint64_t stride_ = 1;    ///< of the points to come, a multiple of it
   std::vector<uint64_t> steps_;
   std::vector<std::string> names_, units_;
   std::vector<std::vector<double>> values_;

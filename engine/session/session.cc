@@ -12,6 +12,20 @@
 
 namespace truestep {
 
+namespace {
+
+// Energies and probes are always kept. What a scene names is worth every step to it.
+Series series_of(const SceneHeader& header) {
+  constexpr size_t kUnasked = 2048;
+  std::vector<std::string> wanted = header.observables;
+  wanted.emplace_back("energy");
+  for (const ProbeParams& p : header.probes) wanted.push_back(p.id);
+  if (!header.observables.empty()) return Series(std::move(wanted));
+  return Series(std::move(wanted), Series::Rate::sparing, kUnasked);
+}
+
+}  // namespace
+
 Session::Session(std::shared_ptr<const World> world, std::shared_ptr<const ThreadArena> arena,
                  SessionOptions options)
     : world_(std::move(world)),
@@ -20,7 +34,7 @@ Session::Session(std::shared_ptr<const World> world, std::shared_ptr<const Threa
       state_(world_->initial_state()),
       frames_(world_),
       history_(options.history_bytes, options.history_room),
-      series_(world_->scene().header.observables) {
+      series_(series_of(world_->scene().header)) {
   world_->require_finite_energy(state_);
   record_series();
 }
@@ -185,6 +199,7 @@ void Session::play(double speed) {
         {{"/speed", "out_of_range", "the value is outside the allowed range", "", "(0, 1000]", "", "1"}});
   }
   if (failure_) throw Error("instability", failure_->detail);
+  if (!playing_ || speed != speed_) pace_ = {}, achieved_speed_.reset();
   if (!playing_) accumulator_ = 0;
   playing_ = true;
   speed_ = speed;
@@ -208,6 +223,13 @@ uint64_t Session::accrue(double wall_seconds) {
   const uint64_t due = std::min(owed, bound);
   // Time beyond the bound is given up, not saved: a late session must not fall further behind.
   skipped_ += owed - due;
+  pace_.wall += std::max(wall_seconds, 0.0);
+  pace_.wanted += std::max(wall_seconds, 0.0) * speed_;
+  pace_.skipped += static_cast<double>(owed - due) * dt;
+  if (constexpr double kLook = 0.5; pace_.wall >= kLook) {
+    achieved_speed_ = std::max(0.0, pace_.wanted - pace_.skipped) / pace_.wall;
+    pace_ = {};
+  }
   accumulator_ = std::max(0.0, accumulator_ - static_cast<double>(owed) * dt);
   return due;
 }
@@ -502,7 +524,19 @@ FramePtr Session::frame_at(uint64_t step, const FrameRequest& request) const {
 }
 
 void Session::record_series() {
-  if (series_.due(state_.step)) series_.add(state_.step, observe());
+  if (!series_.due(state_.step)) return;
+  const auto begun = std::chrono::steady_clock::now();
+  series_.add(state_.step, observe());
+  const auto ended = std::chrono::steady_clock::now();
+  const auto seconds = [](std::chrono::steady_clock::duration d) {
+    return std::chrono::duration<double>(d).count();
+  };
+  series_.spent(seconds(ended - begun), seconds(begun - observed_));
+  observed_ = ended;
+}
+
+double Session::most_series_bytes(const World& world) {
+  return static_cast<double>(series_of(world.scene().header).most_bytes(world.known_observables()));
 }
 
 size_t Session::overhead_bytes() const {

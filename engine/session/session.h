@@ -3,6 +3,7 @@
 // and whoever may read may do so while another thread is in `compute_aside`.
 #pragma once
 #include <atomic>
+#include <chrono>
 #include <exception>
 #include <memory>
 #include <mutex>
@@ -110,6 +111,9 @@ class Session {
   double alpha() const { return accumulator_ / world_->dt(); }
   /// Steps left out because the session could not keep up.
   uint64_t skipped_steps() const { return skipped_; }
+  /// Simulated seconds a second that playing came to lately: `speed` less what was left out. Nothing before
+  /// half a second of playing and while paused.
+  std::optional<double> achieved_speed() const { return playing_ ? achieved_speed_ : std::nullopt; }
 
   // --- commands
   /// Queues a command for the next step boundary; thread-safe. Returns its sequence number.
@@ -168,8 +172,15 @@ class Session {
   /// Frames built so far; a frame nobody asked for is not built.
   uint64_t frames_built() const { return frames_.built(); }
   Observables observe() const { return world_->observe(state_); }
-  /// Kept when the scene names observables.
+  /// Tells the sinks that the session ends.
+  void say_bye(std::string_view code, const std::string& reason) {
+    for (const auto& sink : sinks_) sink->bye(code, reason);
+  }
+  /// Energies and probes since the start, and what else the scene names: all of it at every step, or at every
+  /// so many, where the scene names any; otherwise as far apart as it takes to cost a fiftieth of the time.
   const Series& series() const { return series_; }
+  /// What they can come to.
+  static double most_series_bytes(const World& world);
   const std::optional<Failure>& failure() const { return failure_; }
   /// Where the time of steps goes, from now on; the clock is looked at in every pass.
   void start_profiling() {
@@ -224,11 +235,17 @@ class Session {
   FrameBuilder frames_;
   History history_;
   Series series_;
+  std::chrono::steady_clock::time_point observed_{};  ///< the series' newest point
 
   bool playing_ = false;
   double speed_ = 1;
   double accumulator_ = 0;  ///< s of simulated time not yet stepped
   uint64_t skipped_ = 0;
+  /// Since achieved_speed_ was last looked at: s of wall time, simulated s wanted and left out.
+  struct Pace {
+    double wall = 0, wanted = 0, skipped = 0;
+  } pace_;
+  std::optional<double> achieved_speed_;
 
   std::mutex queue_mutex_;
   std::vector<std::pair<uint64_t, Command>> queue_;

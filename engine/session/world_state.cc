@@ -138,7 +138,7 @@ void World::require_state(const WorldState& state) const {
 uint64_t World::fingerprint() const {
   boost::json::object d = scene_.canonical();
   for (const char* key : {"$schema", "name", "title", "teaches", "tags", "observables", "probes", "recording",
-                          "on_instability", "viewer", "expect"})
+                          "on_instability", "keep_running", "viewer", "expect"})
     d.erase(key);
   boost::json::object& time = d.at("time").as_object();
   for (const char* key : {"duration", "max_catchup_steps"}) time.erase(key);

@@ -40,13 +40,20 @@ const StudyKind* find_study_kind(std::string_view name) {
   return nullptr;
 }
 
-StudyRequest read_study_request(const json::value& request) {
+namespace {
+
+const json::object& object_of(const json::value& request) {
   if (!request.is_object()) {
     throw Error("scene_invalid", "a study is asked for with an object",
                 {{"", "wrong_type", "a study request is an object", shorten(request), "object", "", ""}});
   }
-  const json::object& o = request.as_object();
-  StudyRequest out;
+  return request.as_object();
+}
+
+}  // namespace
+
+StudyRequest read_study_request(const json::value& request) {
+  const json::object& o = object_of(request);
   std::vector<std::string> names;
   std::string all;
   for (const StudyKind& k : study_kinds()) {
@@ -55,12 +62,21 @@ StudyRequest read_study_request(const json::value& request) {
   }
   const json::value* kind = o.if_contains("kind");
   const std::string wanted = kind && kind->is_string() ? std::string(kind->as_string()) : "";
-  out.kind = find_study_kind(wanted);
-  if (!out.kind) {
+  const StudyKind* found = find_study_kind(wanted);
+  if (!found) {
     throw Error("scene_invalid", "there is no such kind of study",
                 {{"/kind", "unknown_choice", "there is no such kind of study", kind ? shorten(*kind) : "",
                   all, nearest_name(wanted, names), ""}});
   }
+  json::value rest = request;
+  rest.as_object().erase("kind");
+  return read_request_of(*found, rest);
+}
+
+StudyRequest read_request_of(const StudyKind& study, const json::value& request) {
+  const json::object& o = object_of(request);
+  StudyRequest out;
+  out.kind = &study;
   std::vector<Issue> issues;
   const json::value *scene = o.if_contains("scene"), *gallery_name = o.if_contains("gallery");
   if (!scene == !gallery_name) {
@@ -85,7 +101,7 @@ StudyRequest read_study_request(const json::value& request) {
       issues.push_back(std::move(i));
     }
   }
-  constexpr std::array<std::string_view, 3> kOwn = {"kind", "scene", "gallery"};
+  constexpr std::array<std::string_view, 2> kOwn = {"scene", "gallery"};
   out.def = out.kind->table().make();
   read_params(out.kind->table(), out.def.get(), o, "", kOwn, issues);
   if (!issues.empty()) {

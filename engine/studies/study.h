@@ -58,6 +58,8 @@ struct StudyRequest {
 
 /// Error "scene_invalid" with every fault of the scene and of the parameters.
 StudyRequest read_study_request(const boost::json::value& request);
+/// The same for a kind that is known, without "kind".
+StudyRequest read_request_of(const StudyKind& kind, const boost::json::value& request);
 /// Runs it; the result's summary names kind and scene.
 StudyResult run_study(const StudyRequest& request, StudyContext& context);
 

@@ -10,6 +10,7 @@
 #include "server/net/router.h"
 #include "server/net/server.h"
 #include "server/operations/operation_store.h"
+#include "server/persistence/asset_store.h"
 #include "server/persistence/recording_catalogue.h"
 #include "server/persistence/session_archive.h"
 #include "server/sessions/idempotency.h"
@@ -22,10 +23,13 @@ namespace truestep {
 struct AppOptions {
   net::Options net;
   StoreLimits limits;
-  int workers = 2;       ///< threads that advance sessions
+  int workers = 2;  ///< threads that advance sessions
+  /// How long a session plays on when its last viewer has left; none: for ever.
+  std::optional<std::chrono::milliseconds> unwatched_grace = std::chrono::seconds(10);
   std::string data_dir;  ///< where recordings and sessions go; empty: nothing outlives the process
   std::optional<ArchiveLimits> keep_sessions;  ///< none: they end with the process
   RecordingLimits recordings;
+  double max_asset_bytes = 2e9;  ///< of all assets on disk
 };
 
 /// The sessions that the data folder keeps; null where nothing is kept.
@@ -37,14 +41,16 @@ struct App {
         memory(options.limits.max_memory_bytes),
         archive(open_archive(options, memory)),
         recordings(options.data_dir, options.recordings),
+        assets(options.data_dir, options.max_asset_bytes),
         store(options.limits, memory, archive.get()),
-        runner(options.workers) {}
+        runner(options.workers, options.unwatched_grace) {}
 
   const AppOptions options;
   std::shared_ptr<RecordingThread> recording_thread = std::make_shared<RecordingThread>();
   MemoryBudget memory;
   const std::unique_ptr<SessionArchive> archive;
   RecordingCatalogue recordings;
+  AssetStore assets;
   SessionStore store;
   IdempotencyKeys idempotency;
   StreamStats stream_stats;
@@ -62,6 +68,8 @@ void add_session_routes(net::Router& router, App& app);
 void add_playback_routes(net::Router& router, App& app);
 void add_snapshot_routes(net::Router& router, App& app);
 void add_frame_routes(net::Router& router, App& app);
+void add_query_routes(net::Router& router, App& app);
+void add_asset_routes(net::Router& router, App& app);
 void add_catalogue_routes(net::Router& router, App& app);
 void add_thumbnail_routes(net::Router& router, App& app);
 void add_operation_routes(net::Router& router, App& app);

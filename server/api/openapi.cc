@@ -1,11 +1,11 @@
 #include "server/api/openapi.h"
 
 #include "engine/base/version.h"
-#include "engine/base/xml.h"
 #include "engine/scene/json.h"
 #include "engine/scene/json_write.h"
+#include "server/api/docs_page.h"
 #include "server/api/openapi_tables.h"
-#include "server/net/problem.h"
+#include "server/api/stream_proto.h"
 
 namespace truestep {
 
@@ -13,6 +13,10 @@ namespace json = boost::json;
 
 json::object schema_reference(std::string_view name) {
   return {{"$ref", "#/components/schemas/" + std::string(name)}};
+}
+
+bool is_interface(const net::Route& r) {
+  return r.summary != kViewerFile;
 }
 
 namespace {
@@ -38,11 +42,6 @@ std::string operation_id(const net::Route& route) {
   }
   if (out.back() == '_') out.pop_back();
   return out;
-}
-
-// Viewer files are no part of the interface.
-bool is_interface(const net::Route& r) {
-  return r.summary != "A file of the viewer";
 }
 
 json::value parsed(std::string_view text) {
@@ -113,28 +112,6 @@ json::object operation(const net::Route& route, const ServiceDescription& servic
   return o;
 }
 
-std::string docs_page(const net::Router& router) {
-  std::string page =
-      "<!doctype html><html lang=en><meta charset=utf-8><title>Truestep API</title><style>body{font:16px/1.5 "
-      "system-ui,sans-serif;max-width:60rem;"
-      "margin:2rem auto;padding:0 1rem;color:#1c2430}td{padding:.25rem .75rem .25rem "
-      "0;vertical-align:top}code{background:#eef1f5;padding:.1rem .3rem;"
-      "border-radius:.2rem}</style><h1>Truestep API</h1><p>Machine-readable: <a "
-      "href=/openapi.json>openapi.json</a>, <a href=/v1/schemas/scene-1.json>scene "
-      "schema</a>. Errors are <code>application/problem+json</code> with a stable <code>code</code>.<table>";
-  for (const net::Route& r : router.rows()) {
-    if (!is_interface(r)) continue;
-    page += "<tr><td><code>" + std::string(r.open_websocket ? "WS" : net::method_name(r.method)) +
-            "</code><td><code>" + escaped_xml(r.pattern) + "</code><td>" + escaped_xml(r.summary);
-  }
-  page += "</table><h2>Codes</h2><table>";
-  for (const net::ProblemKind& k : net::problem_kinds()) {
-    page += "<tr><td><code>" + std::string(k.code) + "</code><td>" + std::to_string(k.status) + "<td>" +
-            escaped_xml(k.title);
-  }
-  return page + "</table>";
-}
-
 }  // namespace
 
 json::object openapi_document(const net::Router& router, const ServiceDescription& service) {
@@ -173,6 +150,11 @@ void add_description_routes(net::Router& router, const ServiceDescription& servi
   router
       .add(net::Method::get, "/docs", "This description as a page",
            [page](const net::Request&) { return net::Response::shared(*page, "text/html; charset=utf-8"); })
+      .access = net::Access::open;
+  static const auto kProto = std::make_shared<const std::string>(stream_proto());
+  router
+      .add(net::Method::get, "/v1/schemas/stream.proto", "The stream's messages as protobuf 3",
+           [](const net::Request&) { return net::Response::shared(kProto, "text/plain; charset=utf-8"); })
       .access = net::Access::open;
   *document = std::make_shared<const std::string>(write_json(openapi_document(router, service)));
   *page = std::make_shared<const std::string>(docs_page(router));

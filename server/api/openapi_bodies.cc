@@ -3,6 +3,7 @@
 #include "engine/scene/json.h"
 #include "engine/scene/params.h"
 #include "engine/session/commands.h"
+#include "engine/session/queries.h"
 #include "engine/studies/study.h"
 #include "server/api/openapi_tables.h"
 
@@ -15,6 +16,7 @@ namespace {
 constexpr std::string_view kIdempotency = R"({"type": "string", "pattern": "^[!-~]{1,255}$"})";
 constexpr std::string_view kNames = R"({"type": "string", "pattern": "^[^\\u0000-\\u001f\\u007f]*$"})";
 constexpr std::string_view kPixels = R"({"type": "integer", "minimum": 16, "maximum": 4096})";
+constexpr std::string_view kColor = R"({"type": "string", "pattern": "^[a-z_]{0,64}$"})";
 constexpr std::string_view kOnce =
     "of a request that is not to be done twice: the same key gets the same answer";
 constexpr std::string_view kFields = "names, separated by commas; position if absent";
@@ -50,10 +52,19 @@ constexpr RouteParameter kParameters[] = {
      R"({"type": "integer", "minimum": 1, "maximum": 1000000, "default": 4096})",
      "points of a series at most"},
     {net::Method::get, "/v1/sessions/{id}/picture.png", "query", "camera",
-     R"({"type": "string", "pattern": "^(-?[0-9]{1,6}([.][0-9]{1,6})?,){5}-?[0-9]{1,6}([.][0-9]{1,6})?$"})",
-     "ex,ey,ez,tx,ty,tz in m"},
+     R"({"type": "string", "pattern": "^(all|front|side|top|(-?[0-9]{1,6}([.][0-9]{1,6})?,){5}-?[0-9]{1,6}([.][0-9]{1,6})?)$"})",
+     "ex,ey,ez,tx,ty,tz in m; or all that is drawn, seen obliquely (all), from the front, the side or the "
+     "top"},
     {net::Method::get, "/v1/sessions/{id}/picture.png", "query", "width", kPixels, "pixels; 800 if absent"},
     {net::Method::get, "/v1/sessions/{id}/picture.png", "query", "height", kPixels, "pixels; 600 if absent"},
+    {net::Method::get, "/v1/sessions/{id}/picture.png", "query", "size",
+     R"({"type": "string", "pattern": "^[1-3][0-9]{2,3}x[1-3][0-9]{2,3}$"})",
+     "WIDTHxHEIGHT in pixels, instead of width and height"},
+    {net::Method::get, "/v1/sessions/{id}/picture.png", "query", "color_by", kColor,
+     "a field of the scene that colours points, bodies, lines or a grid; empty: none; the scene's own if "
+     "absent"},
+    {net::Method::get, "/v1/sessions/{id}/picture.png", "query", "theme",
+     R"({"enum": ["light", "dark"], "default": "light"})", "of the background"},
     {net::Method::get, "/v1/sessions/{id}/picture.png", "query", "show",
      R"({"enum": ["contacts", "joints", "contacts,joints"]})", "drawn over the bodies"},
     {net::Method::get, "/v1/sessions/{id}/picture.png", "query", "step",
@@ -73,7 +84,15 @@ constexpr std::string_view kRequests = R"json({
       {"not": {"anyOf": [{"required": ["steps"]}, {"required": ["seconds"]}, {"required": ["until"]}]}}]},
   "PlayRequest": {"type": "object", "additionalProperties": false,
     "properties": {"speed": {"type": "number", "minimum": 1e-6, "maximum": 1000, "default": 1,
-      "description": "simulated seconds a second"}}},
+      "description": "simulated seconds a second"},
+      "keep_running": {"type": "boolean", "default": false, "description": "go on when the last viewer has left"}}},
+  "RunRequest": {"type": "object", "additionalProperties": false,
+    "properties": {"scene": {"$ref": "/v1/schemas/scene-1.json"}, "gallery": {"$ref": "#/components/schemas/GalleryName"},
+      "duration": {"type": "number", "exclusiveMinimum": 0, "description": "s; the scene's if absent"},
+      "observables": {"type": "array", "maxItems": 64, "items": {"type": "string"},
+        "description": "names or their beginnings up to a dot; all if absent"},
+      "max_points": {"type": "integer", "minimum": 2, "maximum": 100000, "default": 2000}},
+    "oneOf": [{"required": ["scene"]}, {"required": ["gallery"]}]},
   "SeekRequest": {"oneOf": [
     {"type": "object", "additionalProperties": false, "required": ["step"],
       "properties": {"step": {"type": "integer", "minimum": 0, "maximum": 1000000000}}},
@@ -101,9 +120,11 @@ json::object study_schema() {
   return {{"oneOf", std::move(kinds)}};
 }
 
-json::object command_schema() {
+// {"type": ..., parameters}, one alternative per type.
+template <class Types>
+json::object typed_schema(const Types& types) {
   json::array commands;
-  for (const CommandType& t : command_types()) {
+  for (const auto& t : types) {
     json::object s = schema_of(*t.table);
     s["properties"].as_object()["type"] = json::object{{"const", t.name}};
     if (!s.contains("required")) s["required"] = json::array{};
@@ -123,6 +144,7 @@ std::string_view path_parameter_schema(std::string_view pattern, std::string_vie
   if (name == "id") return R"({"$ref": "#/components/schemas/Id"})";
   if (name == "rid") return R"({"$ref": "#/components/schemas/RecordingId"})";
   if (name == "step") return R"({"type": "string", "pattern": "^(latest|[0-9]{1,15})$"})";
+  if (name == "sha256") return R"({"type": "string", "pattern": "^[0-9a-f]{64}$"})";
   if (name == "sid") return R"({"type": "string", "pattern": "^(step-[0-9]{1,16}|upload-[0-9a-f]{16})$"})";
   if (name == "name" && pattern.starts_with("/v1/gallery/"))
     return R"({"$ref": "#/components/schemas/GalleryName"})";
@@ -139,6 +161,9 @@ json::object body_of(const net::Route& route) {
   if (p == "/v1/sessions" || p == "/v1/sessions/{id}")
     return as_json({{"oneOf", json::array{scene, schema_reference("GalleryChoice")}}});
   if (p == "/v1/scenes/validate") return as_json(scene);
+  if (p == "/v1/runs") return as_json(schema_reference("RunRequest"));
+  if (p == "/v1/assets/{sha256}") return as_json(schema_reference("Value"));
+  if (p.ends_with("/queries")) return as_json(schema_reference("Query"));
   if (p == "/v1/studies") return as_json(schema_reference("StudyRequest"));
   if (p.ends_with("/step")) return as_json(schema_reference("StepRequest"));
   if (p.ends_with("/play")) return as_json(schema_reference("PlayRequest"));
@@ -150,8 +175,8 @@ json::object body_of(const net::Route& route) {
 }
 
 bool body_is_required(const net::Route& route) {
-  for (const std::string_view end :
-       {"/sessions", "/sessions/{id}", "/validate", "/studies", "/seek", "/commands"}) {
+  for (const std::string_view end : {"/sessions", "/sessions/{id}", "/validate", "/studies", "/seek",
+                                     "/commands", "/runs", "/queries", "/assets/{sha256}"}) {
     if (route.pattern.ends_with(end)) return true;
   }
   return false;
@@ -168,7 +193,8 @@ json::object body_schemas() {
                    {"required", json::array{"gallery"}},
                    {"additionalProperties", false}};
   out["StudyRequest"] = study_schema();
-  out["Command"] = command_schema();
+  out["Command"] = typed_schema(command_types());
+  out["Query"] = typed_schema(query_types());
   return out;
 }
 

@@ -9,6 +9,10 @@
 
 namespace truestep {
 
+inline constexpr std::string_view kViewerFile = "A file of the viewer";
+/// Viewer files are no part of the interface.
+bool is_interface(const net::Route& route);
+
 /// One answer of a route. Several rows of one status are its media types; `schema` names one of
 /// `answer_schemas`, or is empty for a text or a file.
 struct RouteAnswer {

@@ -167,6 +167,17 @@ uint64_t integer_member(const json::object& o, const char* name, uint64_t max) {
   return static_cast<uint64_t>(x);
 }
 
+bool boolean_member(const json::object& o, const char* name) {
+  const json::value* v = o.if_contains(name);
+  if (!v) return false;
+  if (!v->is_bool()) {
+    throw Error("bad_request", std::string(name) + " is true or false",
+                {{std::string("/") + name, "wrong_type", "expected true or false", shorten(*v), "true, false",
+                  "", ""}});
+  }
+  return v->as_bool();
+}
+
 net::Response json_response(const json::value& value, int status) {
   return net::Response::json(write_json(value), status);
 }

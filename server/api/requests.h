@@ -53,6 +53,9 @@ double number_member(const boost::json::object& o, const char* name, double min,
 /// The same for a whole number, 2.0 included.
 uint64_t integer_member(const boost::json::object& o, const char* name, uint64_t max);
 
+/// True or false; false when it is absent.
+bool boolean_member(const boost::json::object& o, const char* name);
+
 net::Response json_response(const boost::json::value& value, int status = 200);
 
 /// f(entry) under the entry's lock: at once when the lock is free, else on a worker, so that the network

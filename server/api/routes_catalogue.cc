@@ -47,8 +47,9 @@ void add_catalogue_routes(net::Router& router, App& app) {
              });
   router.add(Method::post, "/v1/scenes/validate", "Errors, warnings, plan and cost of a scene",
              [&app](const Request& r) -> asio::awaitable<Response> {
-               const json::value document = co_await long_json_body(app, r);
+               json::value document = co_await long_json_body(app, r);
                auto validate = [&] {
+                 app.assets.resolve(document);
                  const json::object report = validate_scene(document, app.options.limits.per_session);
                  return json_response(report, report.at("valid").as_bool() ? 200 : 422);
                };

@@ -3,6 +3,8 @@
 #include <charconv>
 #include <cmath>
 
+#include "engine/scene/params.h"
+#include "engine/scene/params_text.h"
 #include "engine/sinks/picture/draw_world.h"
 #include "engine/sinks/picture/picture.h"
 #include "engine/sinks/picture/png.h"
@@ -20,6 +22,22 @@ using net::Response;
 
 namespace {
 
+[[noreturn]] void refuse_choice(const char* pointer, const std::string& sentence, std::string_view value,
+                                const std::vector<std::string>& names) {
+  throw Error("bad_request", sentence,
+              {{pointer, "unknown_choice", sentence, '"' + std::string(value.substr(0, 60)) + '"',
+                join_names(names), nearest_name(value, names), ""}});
+}
+
+// Names of PictureLook::View, from `all` on.
+const std::vector<std::string> kViews{"all", "front", "side", "top"};
+
+std::optional<PictureLook::View> view_of(std::optional<std::string_view> given) {
+  const auto at = std::find(kViews.begin(), kViews.end(), given.value_or(""));
+  if (at == kViews.end()) return std::nullopt;
+  return static_cast<PictureLook::View>(1 + (at - kViews.begin()));
+}
+
 // "ex,ey,ez,tx,ty,tz" in m.
 std::optional<DrawCamera> camera_of(std::optional<std::string_view> given) {
   if (!given) return std::nullopt;
@@ -30,9 +48,10 @@ std::optional<DrawCamera> camera_of(std::optional<std::string_view> given) {
     const auto [next, error] = std::from_chars(at, end, v[i]);
     const bool last = i == 5;
     if (error != std::errc() || !std::isfinite(v[i]) || (last ? next != end : next == end || *next != ',')) {
-      throw Error("bad_request", "a camera is six numbers: eye x,y,z and target x,y,z",
-                  {{"?camera", "wrong_type", "a camera is six numbers",
-                    '"' + std::string(text.substr(0, 60)) + '"', "ex,ey,ez,tx,ty,tz", "", "m"}});
+      throw Error("bad_request", "a camera is six numbers, eye x,y,z and target x,y,z, or a view",
+                  {{"?camera", "wrong_type", "a camera is six numbers or a view",
+                    '"' + std::string(text.substr(0, 60)) + '"', "ex,ey,ez,tx,ty,tz; " + join_names(kViews),
+                    nearest_name(text, kViews), "m"}});
     }
     at = next + 1;
   }
@@ -245,30 +264,68 @@ Response observables(SessionEntry& e, const std::vector<std::string>& names, siz
 Wish marks_of(const Request& request) {
   Wish marks = Wish::none;
   for (const std::string& part : query_list(request, "show")) {
-    const Wish more = part == "contacts" ? Wish::contacts
-                      : part == "joints"
-                          ? Wish::joints
-                          : throw Error("bad_request", "a picture cannot show " + part,
-                                        {{"?show", "unknown_choice", "a picture cannot show this",
-                                          '"' + part.substr(0, 64) + '"', "contacts, joints", "", ""}});
-    marks = marks | more;
+    if (part != "contacts" && part != "joints")
+      refuse_choice("?show", "a picture cannot show this", part, {"contacts", "joints"});
+    marks = marks | (part == "contacts" ? Wish::contacts : Wish::joints);
   }
   return marks;
 }
 
+PictureLook look_of(const Request& request) {
+  PictureLook look;
+  look.marks = marks_of(request);
+  if (const auto color = request.query_value("color_by")) look.color_by = std::string(*color);
+  const std::string_view theme = request.query_value("theme").value_or("light");
+  if (theme != "light" && theme != "dark")
+    refuse_choice("?theme", "a picture has no such theme", theme, {"light", "dark"});
+  look.theme = theme == "dark" ? PictureLook::Theme::dark : PictureLook::Theme::light;
+  look.view = view_of(request.query_value("camera")).value_or(PictureLook::View::scene);
+  return look;
+}
+
+/// Pixels: "size=800x600", or width and height.
+struct PictureSize {
+  int width = 800, height = 600;
+};
+PictureSize size_of(const Request& request) {
+  constexpr int kMin = PictureRenderer::kMinSide, kMax = PictureRenderer::kMaxSide;
+  const auto size = request.query_value("size");
+  if (!size) {
+    const auto side = [&](const char* name, int fallback) {
+      return static_cast<int>(query_integer(request, name, static_cast<uint64_t>(fallback), kMin, kMax));
+    };
+    return {side("width", 800), side("height", 600)};
+  }
+  PictureSize out;
+  const char* end = size->data() + size->size();
+  const auto w = std::from_chars(size->data(), end, out.width);
+  const bool crossed = w.ec == std::errc() && w.ptr != end && *w.ptr == 'x';
+  const auto h = crossed ? std::from_chars(w.ptr + 1, end, out.height) : w;
+  const auto fits = [](int n) { return n >= kMin && n <= kMax; };
+  const bool alone = !request.query_value("width") && !request.query_value("height");
+  if (!crossed || h.ec != std::errc() || h.ptr != end || !fits(out.width) || !fits(out.height) || !alone) {
+    throw Error("bad_request", "size is WIDTHxHEIGHT in pixels, instead of width and height",
+                {{"?size", alone ? "out_of_range" : "inconsistent", "a size is two numbers of pixels",
+                  '"' + std::string(size->substr(0, 60)) + '"', "16x16 to 4096x4096", "", ""}});
+  }
+  return out;
+}
+
 asio::awaitable<Response> picture(App& app, const Request& request) {
   EntryPtr entry = co_await session_of(app, request);
-  const int width = static_cast<int>(query_integer(request, "width", 800, 16, 4096));
-  const int height = static_cast<int>(query_integer(request, "height", 600, 16, 4096));
-  const auto camera = camera_of(request.query_value("camera"));
-  const Wish marks = marks_of(request);
+  const auto [width, height] = size_of(request);
+  const PictureLook look = look_of(request);
+  std::optional<DrawCamera> camera;
+  if (look.view == PictureLook::View::scene) camera = camera_of(request.query_value("camera"));
+  // The world of a session never changes.
+  if (look.color_by) require_color(entry->session.world(), *look.color_by);
   std::optional<uint64_t> step;
   if (request.query_value("step")) step = query_integer(request, "step", 0, 0, kMostStep);
   DrawList list;
   std::string etag;
   const auto draw = [&](SessionEntry& e, const WorldState& state) {
     const World& world = e.session.world();
-    list = draw_list_of(world, *e.session.frame_of(state, picture_request(world, marks)));
+    list = draw_list_of(world, *e.session.frame_of(state, picture_request(world, look)), look);
     return Response();
   };
   if (step) {
@@ -278,10 +335,10 @@ asio::awaitable<Response> picture(App& app, const Request& request) {
     co_await with_session_on_worker(app, entry, [&](SessionEntry& e) { return draw(e, e.session.state()); });
   }
   if (camera) list.camera = camera;
-  auto draw_it = [&] {
-    thread_local PictureRenderer renderer(width, height);
-    renderer.resize(width, height);
-    const auto png = encode_png(renderer.render_rgba(list), width, height);
+  auto draw_it = [&list, w = width, h = height] {
+    thread_local PictureRenderer renderer(w, h);
+    renderer.resize(w, h);
+    const auto png = encode_png(renderer.render_rgba(list), w, h);
     Response r = Response::text({reinterpret_cast<const char*>(png.data()), png.size()}, "image/png");
     r.header("Cache-Control", "no-store");
     return r;

@@ -2,6 +2,7 @@
 #include "engine/scene/json_write.h"
 #include "engine/scene/params.h"
 #include "engine/session/describe.h"
+#include "engine/studies/single_run.h"
 #include "server/api/requests.h"
 
 namespace truestep {
@@ -41,6 +42,23 @@ json::object describe_kind(const StudyKind& k) {
   return {{"kind", k.name}, {"sentence", k.sentence}, {"parameters", describe_params(k.table())}};
 }
 
+Response accepted(const Operation& o) {
+  Response r = json_response(describe_operation(o), 202);
+  r.header("Location", "/v1/operations/" + o.id);
+  return r;
+}
+
+asio::awaitable<Response> start_run(App& app, const Request& request) {
+  json::value body = object_of(co_await long_json_body(app, request));
+  auto work = [&app, body = std::move(body), caller = request.caller]() mutable {
+    const std::string text = write_json(body);
+    app.assets.resolve(body);
+    return app.operations.start(read_request_of(run_kind(), body), text, "", caller);
+  };
+  const OperationPtr o = co_await net::offload(app.runner.pool(), std::move(work));
+  co_return accepted(*o);
+}
+
 asio::awaitable<Response> start_study(App& app, const Request& request) {
   json::object body = object_of(co_await long_json_body(app, request));
   std::string resume;
@@ -56,12 +74,12 @@ asio::awaitable<Response> start_study(App& app, const Request& request) {
   // A worker reads it: scenes may be large.
   auto work = [&app, body = std::move(body), resume, caller = request.caller]() mutable {
     const std::string text = write_json(body);
-    return app.operations.start(read_study_request(body), text, resume, caller);
+    json::value resolved = std::move(body);
+    app.assets.resolve(resolved);
+    return app.operations.start(read_study_request(resolved), text, resume, caller);
   };
   const OperationPtr o = co_await net::offload(app.runner.pool(), std::move(work));
-  Response r = json_response(describe_operation(*o), 202);
-  r.header("Location", "/v1/operations/" + o->id);
-  co_return r;
+  co_return accepted(*o);
 }
 
 // Server-sent events (WHATWG HTML, section 9.2): "progress" after every change, "end" once, and a comment
@@ -108,6 +126,9 @@ void add_operation_routes(net::Router& router, App& app) {
   });
   router.add(Method::post, "/v1/studies", "Starts a study of a scene: 202 and an operation",
              [&app](const Request& r) { return start_study(app, r); });
+  router.add(Method::post, "/v1/runs",
+             "Runs a scene to its end, or for a duration: 202 and an operation with observables over time",
+             [&app](const Request& r) { return start_run(app, r); });
   router.add(Method::get, "/v1/operations", "The operations that the server remembers",
              [&app](const Request& r) {
                json::array list;

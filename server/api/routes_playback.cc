@@ -83,10 +83,12 @@ asio::awaitable<Response> step(App& app, const Request& request) {
 
 asio::awaitable<Response> play(App& app, const Request& request) {
   EntryPtr entry = co_await session_of(app, request);
-  const json::object body = object_body_of(request, {"speed"});
+  const json::object body = object_body_of(request, {"speed", "keep_running"});
+  const bool keep = boolean_member(body, "keep_running");
   co_return co_await with_session(app, entry, [&](SessionEntry& e) {
     if (e.session.failure()) return instability(request, e.session);
     e.session.play(body.contains("speed") ? number_member(body, "speed", 1e-6, 1000) : 1.0);
+    e.played(keep);
     app.runner.keep_playing(entry);
     e.publish();
     return json_response(describe_clock(e));
@@ -139,7 +141,8 @@ void add_playback_routes(net::Router& router, App& app) {
   router.add(Method::post, session + "/step",
              "Steps: {\"steps\": n | \"seconds\": s | \"until\": t, \"from_step\"?: k}",
              [&app](const Request& r) { return step(app, r); });
-  router.add(Method::post, session + "/play", "Runs in real time times speed",
+  router.add(Method::post, session + "/play",
+             "Runs in real time times speed; without \"keep_running\" until its last viewer has left",
              [&app](const Request& r) { return play(app, r); });
   router.add(Method::post, session + "/pause", "Stops running, and whatever steps were asked for",
              [&app](const Request& r) { return pause(app, r); });

@@ -5,7 +5,9 @@
 #include <prometheus/text_serializer.h>
 
 #include "engine/base/version.h"
+#include "server/api/known_queries.h"
 #include "server/api/openapi.h"
+#include "server/api/openapi_tables.h"
 #include "server/api/recordings.h"
 #include "server/api/requests.h"
 #include "server/assets/assets.h"
@@ -108,7 +110,7 @@ void add_service_routes(net::Router& router, App& app) {
         {"name", "truestep"}, {"version", version()}, {"build", build_description()}, {"api", "v1"}});
   }));
   for (const Asset& a : all_assets()) {
-    open(router.add(Method::get, std::string(a.path), "A file of the viewer", asset));
+    open(router.add(Method::get, std::string(a.path), std::string(kViewerFile), asset));
   }
   open(router.add(Method::get, "/", "The viewer", asset));
 }
@@ -122,10 +124,13 @@ net::Router make_router(App& app) {
   add_playback_routes(router, app);
   add_snapshot_routes(router, app);
   add_frame_routes(router, app);
+  add_query_routes(router, app);
+  add_asset_routes(router, app);
   add_recording_routes(router, app);
   add_operation_routes(router, app);
   add_description_routes(router,
                          {!app.options.net.api_key_file.empty(), app.options.net.websocket.max_message});
+  router.check_rows(query_check);
   return router;
 }
 

@@ -89,7 +89,10 @@ RememberedAnswer answer_of(const Creation& c) {
 
 asio::awaitable<RememberedAnswer> make_session(App& app, const Request& request, const std::string& id) {
   json::value body = co_await long_json_body(app, request);
-  auto read = [&body] { return read_draft(scene_document(std::move(body))); };
+  auto read = [&app, &body] {
+    app.assets.resolve(body);
+    return read_draft(scene_document(std::move(body)));
+  };
   SceneDraft draft = co_await net::offload(app.runner.pool(), std::move(read));
   CreationPtr creation;
   const auto deadline = Clock::now() + kPatience;
@@ -175,6 +178,7 @@ asio::awaitable<Response> end(App& app, const Request& request) {
   const EntryPtr entry = co_await net::offload(app.runner.pool(), std::move(forget));
   entry->publish();
   co_return co_await with_session_on_worker(app, entry, [&app](SessionEntry& e) {
+    e.session.say_bye("unknown_session", "the session has been deleted");
     app.runner.interrupt(e);
     e.session.pause();
     if (e.recording) finish_recording(app, e);

@@ -25,6 +25,7 @@ json::object links_of(const std::string& id) {
           {"plan", self + "/plan"},
           {"scene", self + "/scene"},
           {"commands", self + "/commands"},
+          {"queries", self + "/queries"},
           {"snapshots", self + "/snapshots"},
           {"bundle", self + "/bundle"},
           {"picture", self + "/picture.png"},
@@ -47,8 +48,11 @@ json::object describe_session(SessionEntry& e) {
                                           : "paused"},
                  {"speed", s.speed()},
                  {"skipped_steps", s.skipped_steps()},
+                 {"keep_running", e.keep_running || s.world().scene().header.keep_running},
                  {"frames_built", s.frames_built()},
                  {"state_hash", hex64(s.hash())}};
+  if (const auto achieved = s.achieved_speed()) o["achieved_speed"] = *achieved;
+  if (e.paused_unwatched && !s.playing()) o["paused_because"] = "unwatched";
   json::array systems;
   for (size_t i = 0; i < s.world().size(); ++i) {
     const auto& infos = s.world().system(i).parts();
@@ -82,9 +86,12 @@ json::object describe_session(SessionEntry& e) {
 
 json::object describe_clock(const SessionEntry& e) {
   const Session& s = e.session;
-  return {{"id", e.id},         {"step", s.step_index()},
-          {"time", s.time()},   {"status", s.failure() ? "unstable" : s.playing() ? "playing" : "paused"},
-          {"speed", s.speed()}, {"state_hash", hex64(s.hash())}};
+  json::object o{
+      {"id", e.id},         {"step", s.step_index()},
+      {"time", s.time()},   {"status", s.failure() ? "unstable" : s.playing() ? "playing" : "paused"},
+      {"speed", s.speed()}, {"state_hash", hex64(s.hash())}};
+  if (const auto achieved = s.achieved_speed()) o["achieved_speed"] = *achieved;
+  return o;
 }
 
 Response cut_short(const App& app, const Request& request, const SessionEntry& e) {

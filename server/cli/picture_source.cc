@@ -25,7 +25,7 @@ class SceneSource final : public PictureSource {
   SceneSource(const boost::json::value& document, Wish marks, int threads)
       : arena_(std::make_shared<const ThreadArena>(threads)),
         world_(make_world(document)),
-        request_(picture_request(*world_, marks)),
+        request_(picture_request(*world_, {.marks = marks})),
         session_(world_, arena_, {.history_bytes = 0}) {}
 
   double begin() const override { return 0; }

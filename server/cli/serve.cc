@@ -38,7 +38,7 @@ struct ServeOptions {
   size_t max_message_kib = 1024;
   int64_t max_sessions = 10000, session_ttl = 3600;
   std::vector<std::string> hosts, origins;
-  std::string keep_sessions = "7d", keep_recordings = "forever";
+  std::string keep_sessions = "7d", keep_recordings = "forever", pause_unwatched = "10s";
   double max_kept_mb = 10000, max_recordings_mb = 0;
   bool insecure = false;
 };
@@ -68,6 +68,7 @@ AppOptions app_options(const ServeOptions& o) {
   a.limits.per_session.memory_bytes = std::min(a.limits.per_session.memory_bytes, a.limits.max_memory_bytes);
   a.limits.max_sessions = static_cast<size_t>(o.max_sessions);
   a.limits.idle_ttl = std::chrono::seconds(o.session_ttl);
+  a.unwatched_grace = read_duration("--pause-unwatched", o.pause_unwatched);
   a.data_dir = o.data_dir;
   if (const auto keep = read_duration("--keep-sessions", o.keep_sessions); keep && keep->count() > 0)
     a.keep_sessions = ArchiveLimits{*keep, o.max_kept_mb * 1e6};
@@ -143,6 +144,10 @@ class LastResort {
 /// threads end, then those that hand them answers. Nothing is destroyed that a thread may still use.
 void shut_down(net::Server& server, App& app) {
   const auto begun = std::chrono::steady_clock::now();
+  for (const EntryPtr& entry : app.store.all()) {
+    const std::lock_guard lock(entry->mutex);
+    entry->session.say_bye("draining", "the service is shutting down");
+  }
   server.drain();
   app.runner.cancel_all(app.store.all());
   app.operations.cancel_all();
@@ -262,6 +267,10 @@ void add_serve_command(CLI::App& app, int& exit_code) {
   c->add_option("--session-ttl", o->session_ttl,
                 "seconds after which an unused session is put away on disk, or removed when it is not kept")
       ->check(CLI::Range(1, 1000000000))
+      ->capture_default_str();
+  c->add_option("--pause-unwatched", o->pause_unwatched,
+                "how long a session plays on when its last viewer has left (10s, 5m), or forever; scenes and "
+                "requests with \"keep_running\" play on")
       ->capture_default_str();
   c->add_option("--keep-sessions", o->keep_sessions,
                 "how long an unused session stays on disk: 7d, 12h, 30m, 90s, forever; 0: sessions end with "

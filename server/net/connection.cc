@@ -266,6 +266,7 @@ asio::awaitable<bool> Connection::read_more(size_t size) {
 
 Response Connection::answer(const Route& route) {
   try {
+    if (route.check) route.check(request_);
     return route.handler(request_);
   } catch (const Error& e) {
     return problem(request_, e);
@@ -278,6 +279,7 @@ asio::awaitable<Response> Connection::wait_for(const Route& route) {
   enter(Phase::handler);
   ended_looks_ = 0;
   try {
+    if (route.check) route.check(request_);
     co_return co_await asio::co_spawn(
         socket_.get_executor(), route.async_handler(request_),
         asio::bind_cancellation_slot(cancel_handler_.slot(), asio::use_awaitable));
@@ -324,6 +326,7 @@ asio::awaitable<Response> Connection::open_websocket(const Route& route) {
     co_return problem(request_, "bad_request", "nothing may follow a handshake before its answer");
   if (auto refused = check_handshake(request_, route, subprotocol_)) co_return std::move(*refused);
   try {
+    if (route.check) route.check(request_);
     if (route.before_open) {
       enter(Phase::handler);
       ended_looks_ = 0;

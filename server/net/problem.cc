@@ -37,6 +37,7 @@ constexpr ProblemKind kKinds[] = {
     {"scene_invalid", 422, "The scene is not valid"},
     {"invalid", 422, "The request is not valid"},
     {"bad_command", 422, "The command makes no sense here"},
+    {"bad_query", 422, "The query makes no sense here"},
     {"unknown_system", 422, "No such system"},
     {"bad_pointer", 422, "The scene has no such place"},
     {"accuracy_unreachable", 422, "No method is this accurate on this scene"},

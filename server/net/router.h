@@ -37,8 +37,9 @@ struct Route {
   WebSocketOpener open_websocket;
   /// Awaited before it; may throw Error, too.
   std::function<boost::asio::awaitable<void>(const Request&)> before_open;
-  std::vector<std::string> subprotocols;  ///< of a WebSocket, in order of preference
-  size_t max_body = 0;                    ///< bytes; 0 = the server's limit
+  std::vector<std::string> subprotocols;      ///< of a WebSocket, in order of preference
+  std::function<void(const Request&)> check;  ///< before each of them; may throw Error
+  size_t max_body = 0;                        ///< bytes; 0 = the server's limit
   Access access = Access::key;
 };
 
@@ -80,6 +81,10 @@ class Router {
 
   /// All rows in the order added.
   const std::deque<Route>& rows() const { return rows_; }
+  /// Sets `check` of every row to what `make` gives for it.
+  void check_rows(const std::function<std::function<void(const Request&)>(const Route&)>& make) {
+    for (Route& row : rows_) row.check = make(row);
+  }
 
  private:
   struct Node;

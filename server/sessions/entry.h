@@ -88,8 +88,16 @@ struct SessionEntry {
   JobQueue jobs;
   Interrupt interrupt;  ///< of the step in progress; raised under the lock or by the watch
   Clock::time_point profiled_until;
-  double estimated_step = 0;  ///< s, before the first has been measured
+  bool keep_running = false;      ///< playing goes on when nobody watches
+  bool paused_unwatched = false;  ///< nobody has played it since it was paused for that
+  double estimated_step = 0;      ///< s, before the first has been measured
 
+  /// Playing begins, or goes on, because somebody wants it; under the lock.
+  void played(bool keep) {
+    keep_running = keep || session.world().scene().header.keep_running;
+    paused_unwatched = false;
+    if (jobs.leaving && (keep_running || streams == 0)) jobs.leaving->cancel(), jobs.leaving.reset();
+  }
   void touch() { last_used.store(Clock::now().time_since_epoch().count(), std::memory_order_relaxed); }
   /// Profiles for as long as somebody asks every now and then; under the lock, between steps.
   void profile_for(std::chrono::seconds time) {
@@ -101,7 +109,9 @@ struct SessionEntry {
     if (!session.profiles().empty() && Clock::now() > profiled_until) session.stop_profiling();
 
     constexpr double kWorthAWord = 64 << 10;
-    const double now = static_cast<double>(session.overhead_bytes() - session.history_bytes() +
+    // The series have their lease from the start.
+    const double now = static_cast<double>(session.overhead_bytes() - session.history_bytes() -
+                                           session.series().memory_bytes() +
                                            (poll ? poll->memory_bytes() : 0) + encoded.memory_bytes());
     if (std::abs(now - kept.bytes()) > kWorthAWord) kept.count(now);
   }

@@ -61,6 +61,7 @@ struct JobQueue {
   uint64_t due = 0;                                    ///< steps that playing asks for and that are not done
   std::chrono::steady_clock::time_point clock;         ///< up to which playing has been accounted for
   std::shared_ptr<boost::asio::steady_timer> waiting;  ///< for the next step of playing
+  std::shared_ptr<boost::asio::steady_timer> leaving;  ///< for a viewer to come back
 };
 
 }  // namespace truestep

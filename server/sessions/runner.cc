@@ -51,9 +51,10 @@ bool slow(const SessionEntry& e) {
 
 }  // namespace
 
-Runner::Runner(int workers)
+Runner::Runner(int workers, std::optional<std::chrono::milliseconds> grace)
     : pool_(static_cast<size_t>(std::max(2, workers))),
       picture_thread_(1),
+      grace_(grace),
       express_(std::max(2, workers), 0),
       playing_(workers, kPlayingNice),
       slow_(workers, kSlowNice) {
@@ -80,6 +81,7 @@ void Runner::cancel_all(const std::vector<EntryPtr>& entries) {
     e->session.pause();
     interrupt(*e);
     if (e->jobs.waiting) e->jobs.waiting->cancel();
+    if (e->jobs.leaving) e->jobs.leaving->cancel();
     cancel_jobs(*e);
   }
 }
@@ -147,6 +149,28 @@ void Runner::keep_playing(const EntryPtr& entry) {
   if (entry->jobs.scheduled) return;
   entry->jobs.clock = Clock::now();
   schedule(entry);
+}
+
+// Whoever polls frames looks as well, and whoever plays a session that no stream is open to knows that.
+void Runner::left_alone(const EntryPtr& entry) {
+  if (!grace_ || stopping_ || entry->removed || entry->keep_running || !entry->session.playing()) return;
+  const auto timer = std::make_shared<asio::steady_timer>(pool_);
+  timer->expires_after(*grace_);
+  if (entry->jobs.leaving) entry->jobs.leaving->cancel();
+  entry->jobs.leaving = timer;
+  timer->async_wait([this, entry, timer](const boost::system::error_code& e) {
+    if (e || stopping_) return;
+    const std::lock_guard lock(entry->mutex);
+    if (entry->jobs.leaving != timer) return;
+    entry->jobs.leaving.reset();
+    if (entry->streams > 0 || entry->keep_running || !entry->session.playing()) return;
+    if (watched(*entry)) return left_alone(entry);
+    spdlog::info("session {}: paused, nobody watches", entry->id);
+    entry->session.pause();
+    entry->jobs.due = 0;
+    entry->paused_unwatched = true;
+    entry->publish();
+  });
 }
 
 // --- turns

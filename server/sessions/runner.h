@@ -19,7 +19,8 @@ namespace truestep {
 
 class Runner {
  public:
-  explicit Runner(int workers);
+  /// `grace`: how long a session plays on when its last stream's viewer has left; none: for ever.
+  Runner(int workers, std::optional<std::chrono::milliseconds> grace);
   ~Runner();
 
   /// For what takes milliseconds at most.
@@ -31,6 +32,9 @@ class Runner {
 
   /// Starts the clock of a playing session; after Session::play, with the entry's lock held.
   void keep_playing(const EntryPtr& entry);
+  /// The last stream of the session has closed: unless somebody looks again, it pauses after the grace. Under
+  /// the entry's lock.
+  void left_alone(const EntryPtr& entry);
 
   /// Steps (aloud, or silently for a seek) to where `aim` says when the turn has come, in slices between
   /// which other sessions and readers of this one get their turn. Whoever stops waiting cancels it. What
@@ -93,6 +97,7 @@ class Runner {
   std::atomic<uint64_t> steps_{0};
   std::array<InPlace, 64> in_place_;
   std::atomic<bool> watching_{false};
+  const std::optional<std::chrono::milliseconds> grace_;
   static constexpr int kMostPictures = 32;
   std::atomic<int> pictures_{0};  ///< that wait or are drawn
   boost::asio::steady_timer watch_timer_{pool_};

@@ -136,6 +136,7 @@ EntryPtr SessionStore::build(Creation& creation, SceneDraft draft, Accuracy accu
   auto world = std::make_shared<const World>(std::move(settled.scene));
   require_admission(world->cost(world->initial_state()), limits_.per_session);
   if (world->scene().header.accuracy) lease.require(bytes(estimate(world->scene())), "this scene");
+  lease.require(lease.bytes() + Session::most_series_bytes(*world), "this scene");
   interruption_point();
   auto entry =
       std::make_shared<SessionEntry>(creation.id, std::move(world), arena_, budget_, std::move(lease));

@@ -132,16 +132,15 @@ v1::ServerMessage topology_message(const World& world, const Frame& frame) {
   return m;
 }
 
-v1::ServerMessage shapes_message(const Frame& frame) {
-  v1::ServerMessage m;
-  for (const DrawnShape& shape : frame.moving.obstacles) set_shape(*m.mutable_shapes()->add_shapes(), shape);
-  return m;
+std::string shapes_fields(const Frame& frame) {
+  v1::Frame m;
+  for (const DrawnShape& shape : frame.moving.obstacles) set_shape(*m.add_shapes(), shape);
+  return m.SerializeAsString();
 }
 
-v1::ServerMessage marks_message(const Frame& frame) {
-  v1::ServerMessage m;
+std::string marks_fields(const Frame& frame) {
+  v1::Frame m;
   v1::Marks& marks = *m.mutable_marks();
-  marks.set_step(frame.step);
   std::vector<float> contacts, joints;
   std::vector<uint8_t> kinds;
   for (const ContactMark& c : frame.moving.contacts) {
@@ -155,7 +154,7 @@ v1::ServerMessage marks_message(const Frame& frame) {
   marks.set_contacts(bytes_of(contacts));
   marks.set_joints(bytes_of(joints));
   marks.set_joint_kinds(bytes_of(kinds));
-  return m;
+  return m.SerializeAsString();
 }
 
 v1::ServerMessage playback_message(const Session& session) {
@@ -166,6 +165,14 @@ v1::ServerMessage playback_message(const Session& session) {
   p.set_step(session.step_index());
   p.set_time(session.time());
   p.set_skipped_steps(session.skipped_steps());
+  p.set_achieved_speed(session.achieved_speed().value_or(0));
+  return m;
+}
+
+v1::ServerMessage bye_message(std::string_view code, std::string_view reason) {
+  v1::ServerMessage m;
+  m.mutable_bye()->set_code(std::string(code));
+  m.mutable_bye()->set_reason(std::string(reason));
   return m;
 }
 

@@ -14,11 +14,12 @@ enum class WireForm : uint8_t { protobuf, json };
 v1::ServerMessage hello_message(const Session& session, const std::string& id);
 /// Of a frame whose wishes were Wish::constant and Wish::obstacles.
 v1::ServerMessage topology_message(const World& world, const Frame& frame);
-/// Where the obstacles are.
-v1::ServerMessage shapes_message(const Frame& frame);
-/// The contacts and joints that were wished for.
-v1::ServerMessage marks_message(const Frame& frame);
+/// Where the obstacles are, as the bytes of Frame.shapes.
+std::string shapes_fields(const Frame& frame);
+/// The contacts and joints that were wished for, as the bytes of Frame.marks.
+std::string marks_fields(const Frame& frame);
 v1::ServerMessage playback_message(const Session& session);
+v1::ServerMessage bye_message(std::string_view code, std::string_view reason);
 v1::ServerMessage problem_message(std::string_view code, std::string_view detail, std::string_view request_id,
                                   std::string_view pointer);
 

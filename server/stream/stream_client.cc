@@ -12,7 +12,8 @@ namespace asio = boost::asio;
 
 namespace {
 constexpr Wish kDrawn = Wish::constant | Wish::obstacles;
-}
+constexpr auto kPlaybackEvery = std::chrono::seconds(1);
+}  // namespace
 
 StreamClient::StreamClient(EntryPtr entry, Runner& runner, StreamStats& stats)
     : entry_(std::move(entry)), runner_(runner), stats_(stats), strand_(runner.pool().get_executor()) {
@@ -39,8 +40,8 @@ void StreamClient::on_open(std::shared_ptr<net::WebSocket> socket) {
   locked([this] {
     Session& session = entry_->session;
     send(hello_message(session, entry_->id));
-    send_drawing(*session.frame({.wishes = kDrawn}));
-    send(playback_message(session));
+    send_topology(*session.frame({.wishes = kDrawn}));
+    send_playback();
     send_current_frame();
     session.add_sink(shared_from_this());
   });
@@ -54,7 +55,9 @@ void StreamClient::on_close(uint16_t, std::string_view) {
   asio::post(strand_, [self = shared_from_this()] {
     const std::lock_guard lock(self->entry_->mutex);
     self->entry_->session.remove_sink(self.get());
-    if (self->entry_->streams == 0) self->entry_->encoded.clear();
+    if (self->entry_->streams > 0) return;
+    self->entry_->encoded.clear();
+    self->runner_.left_alone(self->entry_);
   });
 }
 
@@ -210,6 +213,7 @@ void StreamClient::control(const v1::Control& control) {
     const double speed = value == 0 ? session.speed() : value;
     if (action == "play" || session.playing()) {
       session.play(speed);
+      if (action == "play") entry_->played(control.keep_running());
       runner_.keep_playing(entry_);
     }
   } else if (action == "pause") {
@@ -264,12 +268,12 @@ bool StreamClient::due(uint64_t) {
 
 void StreamClient::accept(const FramePtr& frame) {
   if (closed_) return;
-  send_drawing(*frame);
+  send_topology(*frame);
   if (flow_ == Flow::credit) credit_.fetch_sub(1);
   const auto [blocks, held, kind] = entry_->encoded.get(frame, fields_, base_);
   const uint64_t base_seq = kind == EncodedBlocks::Kind::refers_to_base ? base_seq_ : 0;
-  const auto head =
-      std::make_shared<const std::string>(encode_head(*frame, {++seq_, dropped_, base_seq}, blocks->size()));
+  const auto head = std::make_shared<const std::string>(
+      encode_head(*frame, {++seq_, dropped_, base_seq}, moving_fields(*frame), blocks->size()));
   const size_t bytes = head->size() + blocks->size();
   bool sent = false;
   if (form_ == WireForm::protobuf) {
@@ -302,6 +306,20 @@ void StreamClient::accept(const FramePtr& frame) {
     }
     send(message);
   }
+  // What playing comes to changes without anybody asking.
+  if (entry_->session.playing() && Clock::now() - playback_sent_ > kPlaybackEvery) send_playback();
+}
+
+void StreamClient::send_playback() {
+  playback_sent_ = Clock::now();
+  send(playback_message(entry_->session));
+}
+
+void StreamClient::bye(std::string_view code, const std::string& reason) {
+  constexpr uint16_t kGoingAway = 1001, kGone = 4410;
+  if (closed_) return;
+  send(bye_message(code, reason));
+  socket_->close(code == "draining" ? kGoingAway : kGone, reason);
 }
 
 void StreamClient::notify(std::string_view kind, uint64_t step, const std::string& detail) {
@@ -313,7 +331,7 @@ void StreamClient::notify(std::string_view kind, uint64_t step, const std::strin
     e.set_detail(detail);
     send(message);
   }
-  send(playback_message(entry_->session));
+  send_playback();
   if (kind == "reset" || kind == "seek" || stale_) {
     stale_ = true;
     refresh_waiting_ = true;
@@ -325,18 +343,22 @@ void StreamClient::send_current_frame() {
   accept(entry_->session.frame(request_));
 }
 
-void StreamClient::send_drawing(const Frame& frame) {
-  const bool fresh = frame.drawing_version != drawing_version_;
-  if (fresh) send(topology_message(entry_->session.world(), frame));
+void StreamClient::send_topology(const Frame& frame) {
+  if (frame.drawing_version == drawing_version_) return;
+  send(topology_message(entry_->session.world(), frame));
   drawing_version_ = frame.drawing_version;
+  shapes_ = shapes_fields(frame);
+}
+
+std::string StreamClient::moving_fields(const Frame& frame) {
+  std::string out;
   if (!frame.moving.obstacles.empty()) {
-    const v1::ServerMessage message = shapes_message(frame);
-    std::string now = message.shapes().SerializeAsString();
-    // The first ones come with the topology.
-    if (now != shapes_ && !fresh) send(message);
+    std::string now = shapes_fields(frame);
+    if (now != shapes_) out = now;
     shapes_ = std::move(now);
   }
-  if (wants(request_.wishes, Wish::marks)) send(marks_message(frame));
+  if (wants(request_.wishes, Wish::marks)) out += marks_fields(frame);
+  return out;
 }
 
 void StreamClient::send(const v1::ServerMessage& message) {

@@ -37,6 +37,7 @@ class StreamClient : public net::WebSocketHandler,
   const FrameRequest& request() const override { return request_; }
   void accept(const FramePtr& frame) override;
   void notify(std::string_view kind, uint64_t step, const std::string& detail) override;
+  void bye(std::string_view code, const std::string& reason) override;
 
  private:
   /// Runs f on the pool in the order of the calls, under the entry's lock.
@@ -54,8 +55,11 @@ class StreamClient : public net::WebSocketHandler,
   void send_current_frame();
   void send(const v1::ServerMessage& message);
   bool has_room() const;
-  /// Sends of the drawing what has changed since it was sent last, and the marks.
-  void send_drawing(const Frame& frame);
+  /// Sends what never moves when it is new.
+  void send_topology(const Frame& frame);
+  /// Fields of the Frame message: the shapes when one has moved, and the marks.
+  std::string moving_fields(const Frame& frame);
+  void send_playback();
 
   EntryPtr entry_;
   Runner& runner_;
@@ -75,7 +79,8 @@ class StreamClient : public net::WebSocketHandler,
   uint64_t base_seq_ = 0;
   std::optional<uint32_t> drawing_version_;  ///< as sent last
   std::string shapes_;                       ///< as sent last
-  bool stale_ = false;                       ///< the client has not seen the newest state
+  Clock::time_point playback_sent_{};
+  bool stale_ = false;  ///< the client has not seen the newest state
 
   enum class Flow : uint8_t { connection, credit };
   std::atomic<Flow> flow_{Flow::connection};

@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 """How long a small session waits while others work: two sessions of a million elements that play, six studies, and one client
 that steps and creates small sessions. Prints percentiles. By hand: TRUESTEP_BINARY=... measure_fairness.py [SECONDS]
+With --gallery instead: six gallery scenes that play and that nobody watches.
 """
 import sys
 import time
@@ -46,8 +47,30 @@ def report(title, waits):
               (title, what, len(values), percentile(values, 0.5), percentile(values, 0.95), percentile(values, 1)))
 
 
+def gallery(seconds):
+    service = Service("--pause-unwatched", "forever")
+    try:
+        report("alone", watch(service, seconds / 4))
+        names = ["hourglass", "mixed_pile", "avalanche_of_shapes", "fountain", "curtain_in_wind", "rag_doll_pile"]
+        known = [g["name"] for g in service.get("/v1/gallery").json()["scenes"]]
+        names = [n for n in names if n in known]
+        names += [n for n in known if n not in names][:6 - len(names)]
+        playing = [service.create({"gallery": n}) for n in names]
+        for s in playing:
+            service.post(s["links"]["play"])
+        report("six of the gallery play", watch(service, seconds))
+        for name, s in zip(names, playing):
+            now = service.get(s["links"]["self"]).json()
+            print("%-28s %s, speed %g, comes to %.3g" % (name, now["status"], now["speed"], now.get("achieved_speed", 0)))
+    finally:
+        service.stop()
+
+
 def main():
-    seconds = float(sys.argv[1]) if len(sys.argv) > 1 else 20
+    arguments = [a for a in sys.argv[1:] if a != "--gallery"]
+    seconds = float(arguments[0]) if arguments else 20
+    if "--gallery" in sys.argv:
+        return gallery(seconds)
     service = Service("--max-memory", "12000")
     try:
         report("alone", watch(service, seconds / 4))

@@ -4,7 +4,10 @@
 #include <cmath>
 #include <cstdio>
 
+#include "engine/base/errors.h"
 #include "engine/math/quaternion.h"
+#include "engine/scene/params.h"
+#include "engine/scene/params_text.h"
 #include "engine/sinks/picture/draw_grid.h"
 
 namespace truestep {
@@ -43,14 +46,15 @@ std::optional<LineValues> line_values(const World& world, size_t drawn, const st
   return std::nullopt;
 }
 
-DrawPoints points_of(const World& world, const Frame& frame, size_t p, const std::string& color_by) {
+DrawPoints points_of(const World& world, const Frame& frame, size_t p, const ViewerParams& viewer) {
+  const std::string& color_by = viewer.color_by;
   const PartInfo& info = world.parts()[p].info();
   DrawPoints points;
   points.positions = FrameValues(frame, p, info.find(Meaning::position)).floats();
   if (const auto f = color_field(info, color_by)) {
     points.scalar = magnitudes(FrameValues(frame, p, f).floats(), info.fields[*f].width);
-    points.color_map = world.scene().header.viewer.color_map;
-    if (const auto& range = world.scene().header.viewer.range; !range.empty()) {
+    points.color_map = viewer.color_map;
+    if (const auto& range = viewer.range; !range.empty()) {
       points.scalar_min = static_cast<float>(range[0]), points.scalar_max = static_cast<float>(range[1]);
     }
     if (points.scalar.size() * 3 == points.positions.size()) {
@@ -105,6 +109,13 @@ Vec3 up_of(const Vec3& gravity) {
     if (std::abs(dot(up, axis)) > 0.9) return axis * (dot(up, axis) > 0 ? 1.0 : -1.0);
   }
   return {0, 1, 0};
+}
+
+// A camera looks from here; the front is the side that z points to, or x where z is up.
+Vec3 side_of(PictureLook::View view, const Vec3& up) {
+  const Vec3 front = std::abs(up.z) > 0.9 ? Vec3{1, 0, 0} : Vec3{0, 0, 1};
+  if (view == PictureLook::View::front) return front;
+  return view == PictureLook::View::top ? up : cross(up, front);
 }
 
 /// How far (m) a shape reaches from its position against `up`.
@@ -172,9 +183,22 @@ double lowest_point(const DrawList& list) {
 
 }  // namespace
 
-FrameRequest picture_request(const World& world, Wish marks) {
+void require_color(const World& world, const std::string& color_by) {
+  if (color_by.empty()) return;
+  for (size_t p = 0; p < world.parts().size(); ++p) {
+    if (color_field(world.parts()[p].info(), color_by) || line_values(world, p, color_by)) return;
+  }
+  std::vector<std::string> names = world.parts().field_names("");
+  if (std::find(names.begin(), names.end(), "speed") == names.end()) names.emplace_back("speed");
+  throw Error("bad_request", "nothing in this scene has this field",
+              {{"?color_by", "unknown_field", "nothing in this scene has this field",
+                '"' + color_by.substr(0, 64) + '"', join_names(names), nearest_name(color_by, names), ""}});
+}
+
+FrameRequest picture_request(const World& world, const PictureLook& look) {
+  const std::string& color_by = look.color_by ? *look.color_by : world.scene().header.viewer.color_by;
   FrameRequest request;
-  request.wishes = Wish::constant | Wish::obstacles | marks;
+  request.wishes = Wish::constant | Wish::obstacles | look.marks;
   for (size_t p = 0; p < world.parts().size(); ++p) {
     const PartInfo& info = world.parts()[p].info();
     const auto take = [&](std::optional<size_t> f) {
@@ -182,11 +206,11 @@ FrameRequest picture_request(const World& world, Wish marks) {
       request.fields.push_back({static_cast<uint32_t>(p), static_cast<uint32_t>(*f), info.fields[*f].type});
     };
     for (const Meaning m : {Meaning::position, Meaning::orientation, Meaning::asleep}) take(info.find(m));
-    const auto colors = color_field(info, world.scene().header.viewer.color_by);
+    const auto colors = color_field(info, color_by);
     take(info.kind == PartInfo::Kind::grid && !colors ? std::optional<size_t>(0) : colors);
   }
   for (size_t p = 0; p < world.parts().size(); ++p) {
-    const auto at = line_values(world, p, world.scene().header.viewer.color_by);
+    const auto at = line_values(world, p, color_by);
     if (!at) continue;
     const Scalar type = world.parts()[at->part].info().fields[at->field].type;
     request.fields.push_back({static_cast<uint32_t>(at->part), static_cast<uint32_t>(at->field), type});
@@ -196,15 +220,21 @@ FrameRequest picture_request(const World& world, Wish marks) {
   return request;
 }
 
-DrawList draw_list_of(const World& world, const Frame& frame) {
+DrawList draw_list_of(const World& world, const Frame& frame, const PictureLook& look) {
   DrawList list;
   const SceneHeader& header = world.scene().header;
+  // A range belongs to the field that the scene names.
+  ViewerParams viewer = header.viewer;
+  if (look.color_by && *look.color_by != viewer.color_by)
+    viewer.color_by = *look.color_by, viewer.range.clear();
   list.up = up_of(header.gravity);
+  if (look.theme == PictureLook::Theme::dark)
+    list.background_top = {0.09f, 0.105f, 0.13f}, list.background_bottom = {0.145f, 0.165f, 0.20f};
   bool has_plane = false;
   for (size_t p = 0; p < world.parts().size(); ++p) {
     const PartInfo& info = world.parts()[p].info();
     if (info.kind != PartInfo::Kind::points) continue;
-    DrawPoints points = points_of(world, frame, p, header.viewer.color_by);
+    DrawPoints points = points_of(world, frame, p, viewer);
     const size_t before = list.shapes.size();
     const auto rows = [&](Meaning m) { return FrameValues(frame, p, info.find(m)); };
     add_bodies(list, frame.constant->parts[p],
@@ -218,9 +248,9 @@ DrawList draw_list_of(const World& world, const Frame& frame) {
   for (size_t p = 0; p < world.parts().size(); ++p) {
     const PartInfo& info = world.parts()[p].info();
     if (info.kind != PartInfo::Kind::grid) continue;
-    const size_t field = color_field(info, header.viewer.color_by).value_or(0);
-    add_grid(list, info, field, FrameValues(frame, p, field), header.viewer);
-    if (grids_alone) list.facing = facing_side(info, header.viewer);
+    const size_t field = color_field(info, viewer.color_by).value_or(0);
+    add_grid(list, info, field, FrameValues(frame, p, field), viewer);
+    if (grids_alone) list.facing = facing_side(info, viewer);
   }
   grids_alone = grids_alone && !list.points.empty();
   for (const DrawnShape& s : frame.moving.obstacles) {
@@ -230,8 +260,10 @@ DrawList draw_list_of(const World& world, const Frame& frame) {
   if (const double low = lowest_point(list); !has_plane && !grids_alone && std::isfinite(low))
     list.ground_height = low - 0.05;
   add_marks(list, frame.moving, mark_size(list));
-  if (header.viewer.camera) {
-    const CameraParams& c = *header.viewer.camera;
+  if (look.view != PictureLook::View::scene) {
+    if (look.view != PictureLook::View::all) list.facing = side_of(look.view, list.up);
+  } else if (viewer.camera) {
+    const CameraParams& c = *viewer.camera;
     list.camera = DrawCamera{c.eye, c.target, c.up, c.fov * 57.29577951308232};
   }
   char time[48];

@@ -119,8 +119,9 @@ std::string encode_frame_fields(const Frame& frame, const StreamPlace& place) {
   return out;
 }
 
-std::string encode_head(const Frame& frame, const StreamPlace& place, size_t block_bytes) {
-  const std::string fields = encode_frame_fields(frame, place);
+std::string encode_head(const Frame& frame, const StreamPlace& place, std::string_view more,
+                        size_t block_bytes) {
+  const std::string fields = encode_frame_fields(frame, place) + std::string(more);
   std::string out;
   wire::put_tag(out, 3, wire::length);  // ServerMessage.frame
   wire::put_varint(out, fields.size() + block_bytes);

@@ -6,6 +6,7 @@
 #include <memory>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "engine/session/frame.h"
@@ -51,8 +52,10 @@ struct StreamPlace {
   uint64_t seq = 0, dropped = 0;
   uint64_t base_seq = 0;  ///< the frame that Q16_DELTA blocks refer to; 0: none, a key frame
 };
-/// Everything of a ServerMessage{frame} but the blocks, which must follow these bytes.
-std::string encode_head(const Frame& frame, const StreamPlace& place, size_t block_bytes);
+/// Everything of a ServerMessage{frame} but the blocks, which must follow these bytes; `more` are further
+/// encoded fields of the Frame.
+std::string encode_head(const Frame& frame, const StreamPlace& place, std::string_view more,
+                        size_t block_bytes);
 /// The fields of a Frame message but its blocks; a Frame's bytes are these and encode_blocks joined.
 std::string encode_frame_fields(const Frame& frame, const StreamPlace& place);
 /// The frame as JSON with arrays of numbers, as polling clients get it. A number that is not finite is null.

@@ -24,7 +24,7 @@ import {
   type Observables,
   type PlaybackState,
   type Reply,
-  type Shapes,
+  type Shape,
   type Topology,
 } from "./gen/truestep/v1/stream_pb";
 
@@ -37,9 +37,9 @@ export type StreamState = "connecting" | "open" | "waiting" | "closed";
 export interface StreamEvents {
   hello: Hello;
   topology: Topology;
-  /** Where the shapes are now, in the order of the topology. */
-  shapes: Shapes;
-  /** Contacts and joints of the frame that comes next, where `marks` asks for them. */
+  /** Where the shapes are at the step of the frame that frames() gives next, in the order of the topology. */
+  shapes: Shape[];
+  /** Contacts and joints of that frame, where `marks` asks for them. */
   marks: Marks;
   observables: Observables;
   event: StreamEvent;
@@ -94,6 +94,9 @@ export class Stream {
   private timer: ReturnType<typeof setTimeout> | undefined;
   private decoder = new Decoder();
   private newest: DecodedFrame | undefined;
+  /** What belongs to `newest` beside its fields; frames that were replaced leave their shapes to it. */
+  private shapes: Shape[] | undefined;
+  private marks: Marks | undefined;
   private owed = 0;
   private wake: (() => void) | undefined;
   private failure: Problem | undefined;
@@ -136,6 +139,9 @@ export class Stream {
       if (this.newest === undefined) break;
       const frame = this.newest;
       this.newest = undefined;
+      if (this.shapes) this.emit("shapes", this.shapes);
+      if (this.marks) this.emit("marks", this.marks);
+      this.shapes = this.marks = undefined;
       yield frame;
       this.returnCredit();
     }
@@ -247,6 +253,7 @@ export class Stream {
         this.greeting = kind.value;
         this.decoder = new Decoder();
         this.topology = undefined;
+        this.shapes = this.marks = undefined;
         this.emit("hello", kind.value);
         this.subscribe();
         this.become("open");
@@ -264,14 +271,9 @@ export class Stream {
       }
       case "topology":
         this.topology = kind.value;
+        this.shapes = undefined;
         this.emit("topology", kind.value);
         this.resubscribe();
-        break;
-      case "shapes":
-        this.emit("shapes", kind.value);
-        break;
-      case "marks":
-        this.emit("marks", kind.value);
         break;
       case "observables":
         this.emit("observables", kind.value);
@@ -283,12 +285,18 @@ export class Stream {
         this.emit("playback", kind.value);
         break;
       case "bye":
+        // A server that ends may come back.
+        if (kind.value.code === "draining") break;
+        this.finish({ title: "The session has ended", status: 0, code: kind.value.code, detail: kind.value.reason });
+        break;
       case undefined:
         break;
     }
   }
 
   private take(frame: Frame, arrived: number, bytes: number): void {
+    if (frame.shapes.length > 0) this.shapes = frame.shapes;
+    this.marks = frame.marks;
     try {
       const decoded = this.decoder.frame(frame, arrived, bytes);
       if (this.newest) ++this.superseded;

@@ -45,6 +45,8 @@ export class App {
   private readonly marks = { contacts: false, joints: false };
   private measured = 0;
   private speeds = speedsFor(undefined);
+  /** Playing does not come to its speed, and the hint has said so. */
+  private late = false;
   private info: SceneInfo = infoOf(undefined);
   /** The session's scene, with its defaults; undefined until it has come. */
   private scene: Scene | undefined;
@@ -202,7 +204,7 @@ export class App {
       this.stage.setTopology(topology);
       this.toggles();
     }));
-    stream.on("shapes", mine(({ shapes }) => this.stage.moveShapes(shapes)));
+    stream.on("shapes", mine((shapes) => this.stage.moveShapes(shapes)));
     stream.on("marks", mine((marks) => this.stage.setMarks(marks)));
     stream.on("playback", mine((state) => this.playback(state)));
     stream.on("observables", mine((observables) => this.plot.add(observables)));
@@ -410,6 +412,11 @@ export class App {
     if (!state.playing) return;
     if (!this.speeds.includes(state.speed)) this.offerSpeeds(this.info.dt, state.speed);
     this.speed.value = String(state.speed);
+    const late = state.achievedSpeed > 0 && state.achievedSpeed < 0.9 * state.speed;
+    const comesTo = `${Number(state.achievedSpeed.toPrecision(2))}x`;
+    this.speed.title = late ? `The service is at its limit: ${comesTo} is what it comes to` : "";
+    if (late && !this.late) this.hint(`the service is at its limit: ${comesTo}`);
+    this.late = late;
   }
 
   /** Shows only the switches that do something in this scene. */

@@ -16,7 +16,7 @@ import type { Message } from "@bufbuild/protobuf";
  * Describes the file truestep/v1/stream.proto.
  */
 export const file_truestep_v1_stream: GenFile = /*@__PURE__*/
-  fileDesc("Chh0cnVlc3RlcC92MS9zdHJlYW0ucHJvdG8SC3RydWVzdGVwLnYxIpoBCgVCbG9jaxIOCgZzeXN0ZW0YASABKAkSDQoFZmllbGQYAiABKAkSJwoIZW5jb2RpbmcYAyABKA4yFS50cnVlc3RlcC52MS5FbmNvZGluZxIOCgZvZmZzZXQYBCADKAESDQoFc2NhbGUYBSADKAESDQoFY291bnQYBiABKA0SDQoFd2lkdGgYByABKA0SDAoEZGF0YRgIIAEoDCLGAQoFRnJhbWUSCwoDc2VxGAEgASgEEgwKBHN0ZXAYAiABKAQSDAoEdGltZRgDIAEoARISCgpzdGF0ZV9oYXNoGAQgASgGEg8KB2Ryb3BwZWQYBSABKAQSGAoQdG9wb2xvZ3lfdmVyc2lvbhgGIAEoDRIQCghrZXlmcmFtZRgHIAEoCBIQCghiYXNlX3NlcRgIIAEoBBIiCgZibG9ja3MYCSADKAsyEi50cnVlc3RlcC52MS5CbG9jaxINCgVhbHBoYRgKIAEoASJsCgVGaWVsZBIMCgRuYW1lGAEgASgJEgwKBHVuaXQYAiABKAkSDQoFd2lkdGgYAyABKA0SJwoIZW5jb2RpbmcYBCABKA4yFS50cnVlc3RlcC52MS5FbmNvZGluZxIPCgdtZWFuaW5nGAUgASgJIkkKB0xhdHRpY2USDgoGY291bnRzGAEgAygNEg4KBm9yaWdpbhgCIAMoARIPCgdzcGFjaW5nGAMgAygBEg0KBWNlbGxzGAQgASgIIo0BCgRQYXJ0EgoKAmlkGAEgASgJEg4KBnN5c3RlbRgCIAEoCRIMCgRraW5kGAMgASgJEiIKBmZpZWxkcxgEIAMoCzISLnRydWVzdGVwLnYxLkZpZWxkEiUKB2xhdHRpY2UYBSABKAsyFC50cnVlc3RlcC52MS5MYXR0aWNlEhAKCGVsZW1lbnRzGAYgASgJIl8KClN5c3RlbUluZm8SCgoCaWQYASABKAkSDAoEdHlwZRgCIAEoCRIiCgZmaWVsZHMYAyADKAsyEi50cnVlc3RlcC52MS5GaWVsZBITCgtvYnNlcnZhYmxlcxgEIAMoCSLFAQoFSGVsbG8SCwoDYXBpGAEgASgJEg8KB3Nlc3Npb24YAiABKAkSDgoGc2VydmVyGAMgASgJEgoKAmR0GAQgASgBEgwKBHN0ZXAYBSABKAQSKAoHc3lzdGVtcxgGIAMoCzIXLnRydWVzdGVwLnYxLlN5c3RlbUluZm8SFAoMY2FwYWJpbGl0aWVzGAcgAygJEhIKCnNjZW5lX25hbWUYCCABKAkSIAoFcGFydHMYCSADKAsyES50cnVlc3RlcC52MS5QYXJ0ItYBCg5TeXN0ZW1Ub3BvbG9neRIOCgZzeXN0ZW0YASABKAkSDQoFbGluZXMYAiABKAwSEQoJdHJpYW5nbGVzGAMgASgMEhEKCWxpbmVfa2luZBgEIAEoDBIUCgxwb2ludF9yYWRpdXMYBSABKAESDQoFY29sb3IYBiADKAESJAoHdmlzdWFscxgHIAMoCzITLnRydWVzdGVwLnYxLlZpc3VhbBIRCglpbnN0YW5jZXMYCCABKAwSIQoGbWVzaGVzGAkgAygLMhEudHJ1ZXN0ZXAudjEuTWVzaCI9CgRNZXNoEhEKCXBvc2l0aW9ucxgBIAEoDBIPCgdub3JtYWxzGAIgASgMEhEKCXRyaWFuZ2xlcxgDIAEoDCJ8CgZWaXN1YWwSIQoFc2hhcGUYASABKAsyEi50cnVlc3RlcC52MS5TaGFwZRIMCgRtZXNoGAIgASgNEg0KBWNvbG9yGAMgAygBEg0KBWdyb3VwGAQgASgNEiMKBm1vdGlvbhgFIAEoDjITLnRydWVzdGVwLnYxLk1vdGlvbiJpCgVTaGFwZRIMCgRraW5kGAEgASgJEhAKCHBvc2l0aW9uGAIgAygBEhMKC29yaWVudGF0aW9uGAMgAygBEgwKBHNpemUYBCADKAESCgoCaWQYBSABKAkSEQoJY29udGFpbmVyGAYgASgIIm0KCFRvcG9sb2d5Eg8KB3ZlcnNpb24YASABKA0SLAoHc3lzdGVtcxgCIAMoCzIbLnRydWVzdGVwLnYxLlN5c3RlbVRvcG9sb2d5EiIKBnNoYXBlcxgDIAMoCzISLnRydWVzdGVwLnYxLlNoYXBlIiwKBlNoYXBlcxIiCgZzaGFwZXMYASADKAsyEi50cnVlc3RlcC52MS5TaGFwZSJSCgVNYXJrcxIMCgRzdGVwGAEgASgEEhAKCGNvbnRhY3RzGAMgASgMEg4KBmpvaW50cxgEIAEoDBITCgtqb2ludF9raW5kcxgFIAEoDEoECAIQAyI4CgtPYnNlcnZhdGlvbhIMCgRuYW1lGAEgASgJEg0KBXZhbHVlGAIgASgBEgwKBHVuaXQYAyABKAkiUwoLT2JzZXJ2YWJsZXMSDAoEc3RlcBgBIAEoBBIMCgR0aW1lGAIgASgBEigKBnZhbHVlcxgDIAMoCzIYLnRydWVzdGVwLnYxLk9ic2VydmF0aW9uIkMKBUV2ZW50EgwKBGtpbmQYASABKAkSDAoEc3RlcBgCIAEoBBIOCgZkZXRhaWwYAyABKAkSDgoGc3lzdGVtGAQgASgJImIKDVBsYXliYWNrU3RhdGUSDwoHcGxheWluZxgBIAEoCBINCgVzcGVlZBgCIAEoARIMCgRzdGVwGAMgASgEEgwKBHRpbWUYBCABKAESFQoNc2tpcHBlZF9zdGVwcxgFIAEoBCI5CgVSZXBseRISCgpyZXF1ZXN0X2lkGAEgASgJEgwKBHN0ZXAYAiABKAQSDgoGZGV0YWlsGAMgASgJImsKB1Byb2JsZW0SDAoEY29kZRgBIAEoCRINCgV0aXRsZRgCIAEoCRIOCgZkZXRhaWwYAyABKAkSDgoGc3RhdHVzGAQgASgNEhIKCnJlcXVlc3RfaWQYBSABKAkSDwoHcG9pbnRlchgGIAEoCSIVCgNCeWUSDgoGcmVhc29uGAEgASgJIs0DCg1TZXJ2ZXJNZXNzYWdlEiMKBWhlbGxvGAEgASgLMhIudHJ1ZXN0ZXAudjEuSGVsbG9IABIpCgh0b3BvbG9neRgCIAEoCzIVLnRydWVzdGVwLnYxLlRvcG9sb2d5SAASIwoFZnJhbWUYAyABKAsyEi50cnVlc3RlcC52MS5GcmFtZUgAEi8KC29ic2VydmFibGVzGAQgASgLMhgudHJ1ZXN0ZXAudjEuT2JzZXJ2YWJsZXNIABIjCgVldmVudBgFIAEoCzISLnRydWVzdGVwLnYxLkV2ZW50SAASLgoIcGxheWJhY2sYBiABKAsyGi50cnVlc3RlcC52MS5QbGF5YmFja1N0YXRlSAASIwoFcmVwbHkYByABKAsyEi50cnVlc3RlcC52MS5SZXBseUgAEicKB3Byb2JsZW0YCCABKAsyFC50cnVlc3RlcC52MS5Qcm9ibGVtSAASHwoDYnllGAkgASgLMhAudHJ1ZXN0ZXAudjEuQnllSAASJQoGc2hhcGVzGAogASgLMhMudHJ1ZXN0ZXAudjEuU2hhcGVzSAASIwoFbWFya3MYCyABKAsyEi50cnVlc3RlcC52MS5NYXJrc0gAQgYKBGtpbmQi4wEKCVN1YnNjcmliZRIOCgZmaWVsZHMYASADKAkSDwoHc3lzdGVtcxgCIAMoCRIMCgRyYXRlGAMgASgBEicKCGVuY29kaW5nGAQgASgOMhUudHJ1ZXN0ZXAudjEuRW5jb2RpbmcSIwoGcG9saWN5GAUgASgOMhMudHJ1ZXN0ZXAudjEuUG9saWN5Eg4KBmNyZWRpdBgGIAEoDRITCgtvYnNlcnZhYmxlcxgHIAEoCBIQCghjb250YWN0cxgIIAEoCBIOCgZqb2ludHMYCSABKAgSEgoKc3RhdGVfaGFzaBgKIAEoCCIYCgZDcmVkaXQSDgoGZnJhbWVzGAEgASgNIigKB0NvbnRyb2wSDgoGYWN0aW9uGAEgASgJEg0KBXZhbHVlGAIgASgBIhcKB0NvbW1hbmQSDAoEanNvbhgBIAEoCSIRCg9SZXF1ZXN0S2V5ZnJhbWUiiwIKDUNsaWVudE1lc3NhZ2USEgoKcmVxdWVzdF9pZBgBIAEoCRIrCglzdWJzY3JpYmUYAiABKAsyFi50cnVlc3RlcC52MS5TdWJzY3JpYmVIABIlCgZjcmVkaXQYAyABKAsyEy50cnVlc3RlcC52MS5DcmVkaXRIABInCgdjb250cm9sGAQgASgLMhQudHJ1ZXN0ZXAudjEuQ29udHJvbEgAEicKB2NvbW1hbmQYBSABKAsyFC50cnVlc3RlcC52MS5Db21tYW5kSAASOAoQcmVxdWVzdF9rZXlmcmFtZRgGIAEoCzIcLnRydWVzdGVwLnYxLlJlcXVlc3RLZXlmcmFtZUgAQgYKBGtpbmQqWwoIRW5jb2RpbmcSBwoDRjMyEAASBwoDRjY0EAESBwoDUTE2EAISDQoJUTE2X0RFTFRBEAMSCgoGUVVBVDMyEAQSBwoDVTMyEAUSBwoDVTY0EAYSBwoDSTMyEAcqOwoGTW90aW9uEgkKBUZJWEVEEAASDQoJS0lORU1BVElDEAESCwoHRFlOQU1JQxACEgoKBlNFTlNPUhADKh8KBlBvbGljeRIKCgZMQVRFU1QQABIJCgVFVkVSWRABYgZwcm90bzM");
+  fileDesc("Chh0cnVlc3RlcC92MS9zdHJlYW0ucHJvdG8SC3RydWVzdGVwLnYxIpoBCgVCbG9jaxIOCgZzeXN0ZW0YASABKAkSDQoFZmllbGQYAiABKAkSJwoIZW5jb2RpbmcYAyABKA4yFS50cnVlc3RlcC52MS5FbmNvZGluZxIOCgZvZmZzZXQYBCADKAESDQoFc2NhbGUYBSADKAESDQoFY291bnQYBiABKA0SDQoFd2lkdGgYByABKA0SDAoEZGF0YRgIIAEoDCKNAgoFRnJhbWUSCwoDc2VxGAEgASgEEgwKBHN0ZXAYAiABKAQSDAoEdGltZRgDIAEoARISCgpzdGF0ZV9oYXNoGAQgASgGEg8KB2Ryb3BwZWQYBSABKAQSGAoQdG9wb2xvZ3lfdmVyc2lvbhgGIAEoDRIQCghrZXlmcmFtZRgHIAEoCBIQCghiYXNlX3NlcRgIIAEoBBIiCgZibG9ja3MYCSADKAsyEi50cnVlc3RlcC52MS5CbG9jaxINCgVhbHBoYRgKIAEoARIiCgZzaGFwZXMYCyADKAsyEi50cnVlc3RlcC52MS5TaGFwZRIhCgVtYXJrcxgMIAEoCzISLnRydWVzdGVwLnYxLk1hcmtzImwKBUZpZWxkEgwKBG5hbWUYASABKAkSDAoEdW5pdBgCIAEoCRINCgV3aWR0aBgDIAEoDRInCghlbmNvZGluZxgEIAEoDjIVLnRydWVzdGVwLnYxLkVuY29kaW5nEg8KB21lYW5pbmcYBSABKAkiSQoHTGF0dGljZRIOCgZjb3VudHMYASADKA0SDgoGb3JpZ2luGAIgAygBEg8KB3NwYWNpbmcYAyADKAESDQoFY2VsbHMYBCABKAgijQEKBFBhcnQSCgoCaWQYASABKAkSDgoGc3lzdGVtGAIgASgJEgwKBGtpbmQYAyABKAkSIgoGZmllbGRzGAQgAygLMhIudHJ1ZXN0ZXAudjEuRmllbGQSJQoHbGF0dGljZRgFIAEoCzIULnRydWVzdGVwLnYxLkxhdHRpY2USEAoIZWxlbWVudHMYBiABKAkiXwoKU3lzdGVtSW5mbxIKCgJpZBgBIAEoCRIMCgR0eXBlGAIgASgJEiIKBmZpZWxkcxgDIAMoCzISLnRydWVzdGVwLnYxLkZpZWxkEhMKC29ic2VydmFibGVzGAQgAygJIsUBCgVIZWxsbxILCgNhcGkYASABKAkSDwoHc2Vzc2lvbhgCIAEoCRIOCgZzZXJ2ZXIYAyABKAkSCgoCZHQYBCABKAESDAoEc3RlcBgFIAEoBBIoCgdzeXN0ZW1zGAYgAygLMhcudHJ1ZXN0ZXAudjEuU3lzdGVtSW5mbxIUCgxjYXBhYmlsaXRpZXMYByADKAkSEgoKc2NlbmVfbmFtZRgIIAEoCRIgCgVwYXJ0cxgJIAMoCzIRLnRydWVzdGVwLnYxLlBhcnQi1gEKDlN5c3RlbVRvcG9sb2d5Eg4KBnN5c3RlbRgBIAEoCRINCgVsaW5lcxgCIAEoDBIRCgl0cmlhbmdsZXMYAyABKAwSEQoJbGluZV9raW5kGAQgASgMEhQKDHBvaW50X3JhZGl1cxgFIAEoARINCgVjb2xvchgGIAMoARIkCgd2aXN1YWxzGAcgAygLMhMudHJ1ZXN0ZXAudjEuVmlzdWFsEhEKCWluc3RhbmNlcxgIIAEoDBIhCgZtZXNoZXMYCSADKAsyES50cnVlc3RlcC52MS5NZXNoIj0KBE1lc2gSEQoJcG9zaXRpb25zGAEgASgMEg8KB25vcm1hbHMYAiABKAwSEQoJdHJpYW5nbGVzGAMgASgMInwKBlZpc3VhbBIhCgVzaGFwZRgBIAEoCzISLnRydWVzdGVwLnYxLlNoYXBlEgwKBG1lc2gYAiABKA0SDQoFY29sb3IYAyADKAESDQoFZ3JvdXAYBCABKA0SIwoGbW90aW9uGAUgASgOMhMudHJ1ZXN0ZXAudjEuTW90aW9uImkKBVNoYXBlEgwKBGtpbmQYASABKAkSEAoIcG9zaXRpb24YAiADKAESEwoLb3JpZW50YXRpb24YAyADKAESDAoEc2l6ZRgEIAMoARIKCgJpZBgFIAEoCRIRCgljb250YWluZXIYBiABKAgibQoIVG9wb2xvZ3kSDwoHdmVyc2lvbhgBIAEoDRIsCgdzeXN0ZW1zGAIgAygLMhsudHJ1ZXN0ZXAudjEuU3lzdGVtVG9wb2xvZ3kSIgoGc2hhcGVzGAMgAygLMhIudHJ1ZXN0ZXAudjEuU2hhcGUiSgoFTWFya3MSEAoIY29udGFjdHMYAyABKAwSDgoGam9pbnRzGAQgASgMEhMKC2pvaW50X2tpbmRzGAUgASgMSgQIARACSgQIAhADIjgKC09ic2VydmF0aW9uEgwKBG5hbWUYASABKAkSDQoFdmFsdWUYAiABKAESDAoEdW5pdBgDIAEoCSJTCgtPYnNlcnZhYmxlcxIMCgRzdGVwGAEgASgEEgwKBHRpbWUYAiABKAESKAoGdmFsdWVzGAMgAygLMhgudHJ1ZXN0ZXAudjEuT2JzZXJ2YXRpb24iQwoFRXZlbnQSDAoEa2luZBgBIAEoCRIMCgRzdGVwGAIgASgEEg4KBmRldGFpbBgDIAEoCRIOCgZzeXN0ZW0YBCABKAkiegoNUGxheWJhY2tTdGF0ZRIPCgdwbGF5aW5nGAEgASgIEg0KBXNwZWVkGAIgASgBEgwKBHN0ZXAYAyABKAQSDAoEdGltZRgEIAEoARIVCg1za2lwcGVkX3N0ZXBzGAUgASgEEhYKDmFjaGlldmVkX3NwZWVkGAYgASgBIjkKBVJlcGx5EhIKCnJlcXVlc3RfaWQYASABKAkSDAoEc3RlcBgCIAEoBBIOCgZkZXRhaWwYAyABKAkiawoHUHJvYmxlbRIMCgRjb2RlGAEgASgJEg0KBXRpdGxlGAIgASgJEg4KBmRldGFpbBgDIAEoCRIOCgZzdGF0dXMYBCABKA0SEgoKcmVxdWVzdF9pZBgFIAEoCRIPCgdwb2ludGVyGAYgASgJIiMKA0J5ZRIOCgZyZWFzb24YASABKAkSDAoEY29kZRgCIAEoCSKBAwoNU2VydmVyTWVzc2FnZRIjCgVoZWxsbxgBIAEoCzISLnRydWVzdGVwLnYxLkhlbGxvSAASKQoIdG9wb2xvZ3kYAiABKAsyFS50cnVlc3RlcC52MS5Ub3BvbG9neUgAEiMKBWZyYW1lGAMgASgLMhIudHJ1ZXN0ZXAudjEuRnJhbWVIABIvCgtvYnNlcnZhYmxlcxgEIAEoCzIYLnRydWVzdGVwLnYxLk9ic2VydmFibGVzSAASIwoFZXZlbnQYBSABKAsyEi50cnVlc3RlcC52MS5FdmVudEgAEi4KCHBsYXliYWNrGAYgASgLMhoudHJ1ZXN0ZXAudjEuUGxheWJhY2tTdGF0ZUgAEiMKBXJlcGx5GAcgASgLMhIudHJ1ZXN0ZXAudjEuUmVwbHlIABInCgdwcm9ibGVtGAggASgLMhQudHJ1ZXN0ZXAudjEuUHJvYmxlbUgAEh8KA2J5ZRgJIAEoCzIQLnRydWVzdGVwLnYxLkJ5ZUgAQgYKBGtpbmQi4wEKCVN1YnNjcmliZRIOCgZmaWVsZHMYASADKAkSDwoHc3lzdGVtcxgCIAMoCRIMCgRyYXRlGAMgASgBEicKCGVuY29kaW5nGAQgASgOMhUudHJ1ZXN0ZXAudjEuRW5jb2RpbmcSIwoGcG9saWN5GAUgASgOMhMudHJ1ZXN0ZXAudjEuUG9saWN5Eg4KBmNyZWRpdBgGIAEoDRITCgtvYnNlcnZhYmxlcxgHIAEoCBIQCghjb250YWN0cxgIIAEoCBIOCgZqb2ludHMYCSABKAgSEgoKc3RhdGVfaGFzaBgKIAEoCCIYCgZDcmVkaXQSDgoGZnJhbWVzGAEgASgNIj4KB0NvbnRyb2wSDgoGYWN0aW9uGAEgASgJEg0KBXZhbHVlGAIgASgBEhQKDGtlZXBfcnVubmluZxgDIAEoCCIXCgdDb21tYW5kEgwKBGpzb24YASABKAkiEQoPUmVxdWVzdEtleWZyYW1lIosCCg1DbGllbnRNZXNzYWdlEhIKCnJlcXVlc3RfaWQYASABKAkSKwoJc3Vic2NyaWJlGAIgASgLMhYudHJ1ZXN0ZXAudjEuU3Vic2NyaWJlSAASJQoGY3JlZGl0GAMgASgLMhMudHJ1ZXN0ZXAudjEuQ3JlZGl0SAASJwoHY29udHJvbBgEIAEoCzIULnRydWVzdGVwLnYxLkNvbnRyb2xIABInCgdjb21tYW5kGAUgASgLMhQudHJ1ZXN0ZXAudjEuQ29tbWFuZEgAEjgKEHJlcXVlc3Rfa2V5ZnJhbWUYBiABKAsyHC50cnVlc3RlcC52MS5SZXF1ZXN0S2V5ZnJhbWVIAEIGCgRraW5kKlsKCEVuY29kaW5nEgcKA0YzMhAAEgcKA0Y2NBABEgcKA1ExNhACEg0KCVExNl9ERUxUQRADEgoKBlFVQVQzMhAEEgcKA1UzMhAFEgcKA1U2NBAGEgcKA0kzMhAHKjsKBk1vdGlvbhIJCgVGSVhFRBAAEg0KCUtJTkVNQVRJQxABEgsKB0RZTkFNSUMQAhIKCgZTRU5TT1IQAyofCgZQb2xpY3kSCgoGTEFURVNUEAASCQoFRVZFUlkQAWIGcHJvdG8z");
 
 /**
  * One array of one part at one step. count rows of width elements each.
@@ -141,6 +141,20 @@ export type Frame = Message<"truestep.v1.Frame"> & {
    * @generated from field: double alpha = 10;
    */
   alpha: number;
+
+  /**
+   * where the shapes are at this step: all, in the order of Topology, when one has moved
+   *
+   * @generated from field: repeated truestep.v1.Shape shapes = 11;
+   */
+  shapes: Shape[];
+
+  /**
+   * for who subscribed to contacts or joints
+   *
+   * @generated from field: truestep.v1.Marks marks = 12;
+   */
+  marks?: Marks;
 };
 
 /**
@@ -616,35 +630,11 @@ export const TopologySchema: GenMessage<Topology> = /*@__PURE__*/
   messageDesc(file_truestep_v1_stream, 11);
 
 /**
- * Where the shapes are now: all of them, in the order of Topology. Sent before a frame when one has moved.
- *
- * @generated from message truestep.v1.Shapes
- */
-export type Shapes = Message<"truestep.v1.Shapes"> & {
-  /**
-   * @generated from field: repeated truestep.v1.Shape shapes = 1;
-   */
-  shapes: Shape[];
-};
-
-/**
- * Describes the message truestep.v1.Shapes.
- * Use `create(ShapesSchema)` to create a new message.
- */
-export const ShapesSchema: GenMessage<Shapes> = /*@__PURE__*/
-  messageDesc(file_truestep_v1_stream, 12);
-
-/**
- * Where bodies touch and which joints hold them, before the frame of the same step; for who subscribed to marks.
+ * Where bodies touch and which joints hold them.
  *
  * @generated from message truestep.v1.Marks
  */
 export type Marks = Message<"truestep.v1.Marks"> & {
-  /**
-   * @generated from field: uint64 step = 1;
-   */
-  step: bigint;
-
   /**
    * 7 float32 each: point (m), unit normal towards the second body, force along it (N)
    *
@@ -672,7 +662,7 @@ export type Marks = Message<"truestep.v1.Marks"> & {
  * Use `create(MarksSchema)` to create a new message.
  */
 export const MarksSchema: GenMessage<Marks> = /*@__PURE__*/
-  messageDesc(file_truestep_v1_stream, 13);
+  messageDesc(file_truestep_v1_stream, 12);
 
 /**
  * @generated from message truestep.v1.Observation
@@ -699,7 +689,7 @@ export type Observation = Message<"truestep.v1.Observation"> & {
  * Use `create(ObservationSchema)` to create a new message.
  */
 export const ObservationSchema: GenMessage<Observation> = /*@__PURE__*/
-  messageDesc(file_truestep_v1_stream, 14);
+  messageDesc(file_truestep_v1_stream, 13);
 
 /**
  * @generated from message truestep.v1.Observables
@@ -726,7 +716,7 @@ export type Observables = Message<"truestep.v1.Observables"> & {
  * Use `create(ObservablesSchema)` to create a new message.
  */
 export const ObservablesSchema: GenMessage<Observables> = /*@__PURE__*/
-  messageDesc(file_truestep_v1_stream, 15);
+  messageDesc(file_truestep_v1_stream, 14);
 
 /**
  * @generated from message truestep.v1.Event
@@ -760,7 +750,7 @@ export type Event = Message<"truestep.v1.Event"> & {
  * Use `create(EventSchema)` to create a new message.
  */
 export const EventSchema: GenMessage<Event> = /*@__PURE__*/
-  messageDesc(file_truestep_v1_stream, 16);
+  messageDesc(file_truestep_v1_stream, 15);
 
 /**
  * @generated from message truestep.v1.PlaybackState
@@ -794,6 +784,13 @@ export type PlaybackState = Message<"truestep.v1.PlaybackState"> & {
    * @generated from field: uint64 skipped_steps = 5;
    */
   skippedSteps: bigint;
+
+  /**
+   * what playing came to lately: less than speed where the service is overloaded; 0: not known yet
+   *
+   * @generated from field: double achieved_speed = 6;
+   */
+  achievedSpeed: number;
 };
 
 /**
@@ -801,7 +798,7 @@ export type PlaybackState = Message<"truestep.v1.PlaybackState"> & {
  * Use `create(PlaybackStateSchema)` to create a new message.
  */
 export const PlaybackStateSchema: GenMessage<PlaybackState> = /*@__PURE__*/
-  messageDesc(file_truestep_v1_stream, 17);
+  messageDesc(file_truestep_v1_stream, 16);
 
 /**
  * @generated from message truestep.v1.Reply
@@ -828,7 +825,7 @@ export type Reply = Message<"truestep.v1.Reply"> & {
  * Use `create(ReplySchema)` to create a new message.
  */
 export const ReplySchema: GenMessage<Reply> = /*@__PURE__*/
-  messageDesc(file_truestep_v1_stream, 18);
+  messageDesc(file_truestep_v1_stream, 17);
 
 /**
  * @generated from message truestep.v1.Problem
@@ -870,9 +867,12 @@ export type Problem = Message<"truestep.v1.Problem"> & {
  * Use `create(ProblemSchema)` to create a new message.
  */
 export const ProblemSchema: GenMessage<Problem> = /*@__PURE__*/
-  messageDesc(file_truestep_v1_stream, 19);
+  messageDesc(file_truestep_v1_stream, 18);
 
 /**
+ * The last message before the server closes: with unknown_session (close code 4410, the session has been deleted) or
+ * draining (1001, the service is shutting down).
+ *
  * @generated from message truestep.v1.Bye
  */
 export type Bye = Message<"truestep.v1.Bye"> & {
@@ -880,6 +880,11 @@ export type Bye = Message<"truestep.v1.Bye"> & {
    * @generated from field: string reason = 1;
    */
   reason: string;
+
+  /**
+   * @generated from field: string code = 2;
+   */
+  code: string;
 };
 
 /**
@@ -887,7 +892,7 @@ export type Bye = Message<"truestep.v1.Bye"> & {
  * Use `create(ByeSchema)` to create a new message.
  */
 export const ByeSchema: GenMessage<Bye> = /*@__PURE__*/
-  messageDesc(file_truestep_v1_stream, 20);
+  messageDesc(file_truestep_v1_stream, 19);
 
 /**
  * @generated from message truestep.v1.ServerMessage
@@ -946,22 +951,12 @@ export type ServerMessage = Message<"truestep.v1.ServerMessage"> & {
     case: "problem";
   } | {
     /**
+     * 10 and 11 are not used.
+     *
      * @generated from field: truestep.v1.Bye bye = 9;
      */
     value: Bye;
     case: "bye";
-  } | {
-    /**
-     * @generated from field: truestep.v1.Shapes shapes = 10;
-     */
-    value: Shapes;
-    case: "shapes";
-  } | {
-    /**
-     * @generated from field: truestep.v1.Marks marks = 11;
-     */
-    value: Marks;
-    case: "marks";
   } | { case: undefined; value?: undefined };
 };
 
@@ -970,7 +965,7 @@ export type ServerMessage = Message<"truestep.v1.ServerMessage"> & {
  * Use `create(ServerMessageSchema)` to create a new message.
  */
 export const ServerMessageSchema: GenMessage<ServerMessage> = /*@__PURE__*/
-  messageDesc(file_truestep_v1_stream, 21);
+  messageDesc(file_truestep_v1_stream, 20);
 
 /**
  * @generated from message truestep.v1.Subscribe
@@ -1024,14 +1019,14 @@ export type Subscribe = Message<"truestep.v1.Subscribe"> & {
   observables: boolean;
 
   /**
-   * send Marks with contacts with the frames
+   * frames hold contacts
    *
    * @generated from field: bool contacts = 8;
    */
   contacts: boolean;
 
   /**
-   * send Marks with joints with the frames
+   * frames hold joints
    *
    * @generated from field: bool joints = 9;
    */
@@ -1050,7 +1045,7 @@ export type Subscribe = Message<"truestep.v1.Subscribe"> & {
  * Use `create(SubscribeSchema)` to create a new message.
  */
 export const SubscribeSchema: GenMessage<Subscribe> = /*@__PURE__*/
-  messageDesc(file_truestep_v1_stream, 22);
+  messageDesc(file_truestep_v1_stream, 21);
 
 /**
  * @generated from message truestep.v1.Credit
@@ -1067,7 +1062,7 @@ export type Credit = Message<"truestep.v1.Credit"> & {
  * Use `create(CreditSchema)` to create a new message.
  */
 export const CreditSchema: GenMessage<Credit> = /*@__PURE__*/
-  messageDesc(file_truestep_v1_stream, 23);
+  messageDesc(file_truestep_v1_stream, 22);
 
 /**
  * @generated from message truestep.v1.Control
@@ -1086,6 +1081,13 @@ export type Control = Message<"truestep.v1.Control"> & {
    * @generated from field: double value = 2;
    */
   value: number;
+
+  /**
+   * play: go on when the last viewer has left
+   *
+   * @generated from field: bool keep_running = 3;
+   */
+  keepRunning: boolean;
 };
 
 /**
@@ -1093,7 +1095,7 @@ export type Control = Message<"truestep.v1.Control"> & {
  * Use `create(ControlSchema)` to create a new message.
  */
 export const ControlSchema: GenMessage<Control> = /*@__PURE__*/
-  messageDesc(file_truestep_v1_stream, 24);
+  messageDesc(file_truestep_v1_stream, 23);
 
 /**
  * @generated from message truestep.v1.Command
@@ -1110,7 +1112,7 @@ export type Command = Message<"truestep.v1.Command"> & {
  * Use `create(CommandSchema)` to create a new message.
  */
 export const CommandSchema: GenMessage<Command> = /*@__PURE__*/
-  messageDesc(file_truestep_v1_stream, 25);
+  messageDesc(file_truestep_v1_stream, 24);
 
 /**
  * @generated from message truestep.v1.RequestKeyframe
@@ -1123,7 +1125,7 @@ export type RequestKeyframe = Message<"truestep.v1.RequestKeyframe"> & {
  * Use `create(RequestKeyframeSchema)` to create a new message.
  */
 export const RequestKeyframeSchema: GenMessage<RequestKeyframe> = /*@__PURE__*/
-  messageDesc(file_truestep_v1_stream, 26);
+  messageDesc(file_truestep_v1_stream, 25);
 
 /**
  * @generated from message truestep.v1.ClientMessage
@@ -1175,7 +1177,7 @@ export type ClientMessage = Message<"truestep.v1.ClientMessage"> & {
  * Use `create(ClientMessageSchema)` to create a new message.
  */
 export const ClientMessageSchema: GenMessage<ClientMessage> = /*@__PURE__*/
-  messageDesc(file_truestep_v1_stream, 27);
+  messageDesc(file_truestep_v1_stream, 26);
 
 /**
  * @generated from enum truestep.v1.Encoding

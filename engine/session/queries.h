@@ -1,0 +1,26 @@
+// Questions about where things are in a state: what a ray meets, what lies nearest, what a box or ball
+// overlaps, what touches. Bodies are asked by their exact solids; other systems by what is drawn of them:
+// their visuals, their obstacles, and points as balls of their drawn radius. Lines and sheets between points
+// are not asked.
+#pragma once
+#include <boost/json.hpp>
+#include <span>
+#include <string_view>
+
+#include "engine/core/def.h"
+#include "engine/session/session.h"
+
+namespace truestep {
+
+struct QueryType {
+  std::string_view name;
+  const DefTable* table;
+};
+std::span<const QueryType> query_types();
+
+/// The answer to {"type": ..., parameters} in the session's present state: "hits" (ray, nearest: sorted by
+/// distance in m, each with system, index, point and outward normal), "items" (overlap) or "contacts". What
+/// carries no row of a system (an obstacle) has no index. Error "bad_query" with every fault and its pointer.
+boost::json::object answer_query(const Session& session, const boost::json::value& query);
+
+}  // namespace truestep

@@ -1,0 +1,59 @@
+// /v1/assets/{sha256}: JSON values that scenes refer to.
+#include "engine/scene/json_write.h"
+#include "server/api/requests.h"
+
+namespace truestep {
+
+namespace asio = boost::asio;
+namespace json = boost::json;
+using net::Method;
+using net::Request;
+using net::Response;
+
+namespace {
+
+constexpr size_t kMostAsset = size_t{64} << 20;  // bytes
+
+asio::awaitable<Response> put(App& app, const Request& request) {
+  require_media(request, "application/json");
+  const std::string sha256(request.param("sha256"));
+  const auto lease = app.memory.lease(3.5 * static_cast<double>(request.body.size()), "reading the body");
+  auto keep = [&app, &request, sha256] {
+    const bool fresh = app.assets.put(sha256, request.body);
+    const std::string self = "/v1/assets/" + sha256;
+    Response r = json_response(
+        json::object{
+            {"sha256", sha256}, {"bytes", request.body.size()}, {"links", json::object{{"self", self}}}},
+        fresh ? 201 : 200);
+    if (fresh) r.header("Location", self);
+    return r;
+  };
+  co_return co_await app.runner.long_work(std::move(keep));
+}
+
+}  // namespace
+
+void add_asset_routes(net::Router& router, App& app) {
+  const std::string asset = "/v1/assets/{sha256}";
+  router
+      .add(Method::put, asset,
+           "Keeps a JSON value under its SHA-256: scenes say {\"asset\": sha256} where it is to stand",
+           [&app](const Request& r) { return put(app, r); })
+      .max_body = kMostAsset;
+  router.add(Method::get, asset, "An asset", [&app](const Request& r) -> asio::awaitable<Response> {
+    auto read = [&app, sha256 = std::string(r.param("sha256"))] {
+      return Response::json(app.assets.get(sha256));
+    };
+    co_return co_await net::offload(app.runner.pool(), std::move(read));
+  });
+  router.add(Method::delete_, asset, "Forgets an asset; sessions that were made with it keep its value",
+             [&app](const Request& r) -> asio::awaitable<Response> {
+               auto remove = [&app, sha256 = std::string(r.param("sha256"))] {
+                 app.assets.remove(sha256);
+                 return Response(204);
+               };
+               co_return co_await net::offload(app.runner.pool(), std::move(remove));
+             });
+}
+
+}  // namespace truestep

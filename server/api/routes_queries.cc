@@ -1,0 +1,28 @@
+// POST /v1/sessions/{id}/queries: where things are.
+#include "engine/session/queries.h"
+#include "server/api/requests.h"
+
+namespace truestep {
+
+namespace asio = boost::asio;
+using net::Request;
+using net::Response;
+
+namespace {
+
+asio::awaitable<Response> query(App& app, const Request& request) {
+  EntryPtr entry = co_await session_of(app, request);
+  const boost::json::value body = json_body(request);
+  co_return co_await with_session_on_worker(
+      app, entry, [&body](SessionEntry& e) { return json_response(answer_query(e.session, body)); });
+}
+
+}  // namespace
+
+void add_query_routes(net::Router& router, App& app) {
+  router.add(net::Method::post, "/v1/sessions/{id}/queries",
+             "Ray, nearest, overlap, contacts: where things are at the present step",
+             [&app](const Request& r) { return query(app, r); });
+}
+
+}  // namespace truestep
