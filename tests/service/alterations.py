@@ -121,6 +121,20 @@ ALTERED = {
         "test_commands_and_control_over_the_stream": [message("problem", put("code", "internal"))],
         "test_unknown_subprotocols_and_foreign_origins_are_refused": [("handshake", None, 101)],
     },
+    "watched_test.Series": {
+        "test_every_session_keeps_energy_from_the_start": [body("GET .*/observables", lambda o: o["series"]["step"].__setitem__(0, 1))],
+        "test_probes_are_kept_and_the_scenes_list_adds_to_them": [body("GET .*/observables", lambda o: o["series"]["values"].pop("energy.total"))],
+        "test_it_is_bounded": [body("GET .*/observables", lambda o: o["series"]["step"].extend(range(4000)))],
+    },
+    "routes_test.Routes": {
+        "test_unknown_query_parameters_are_errors_on_every_route": [answer(r"GET /v1/gallery.nonsense", status(200))],
+        "test_it_names_what_is_allowed_and_the_nearest": [body("colour_by", lambda o: o["errors"][0].update(did_you_mean="camera"))],
+        "test_a_picture_is_drawn_as_told": [body("color_by=strian", lambda o: o["errors"][0].update(did_you_mean="speed"))],
+        "test_queries": [body("POST .*/queries$", lambda o: [h.update(distance=h["distance"] + 1e-5) for h in o.get("hits", [])])],
+        "test_contacts_of_a_body_at_rest": [body("POST .*/queries$", lambda o: [c.update(force=1.1 * c["force"]) for c in o["contacts"]])],
+        "test_assets_stand_where_scenes_refer_to_them": [answer("GET /v1/assets/", text(b"2, 1", b"2, 2"))],
+        "test_a_run_gives_observables_over_time": [body("GET .*/result$", lambda o: o["summary"].update(state_hash="0" * 16))],
+    },
     "ending_test.Ending": {
         "test_sigterm_closes_streams_and_finishes_recordings": [output(stdout('"finalized":true', '"finalized":false'))],
         "test_limits_are_answered_with_the_estimate": [body("POST /v1/sessions$", put("code", "internal"))],

@@ -77,12 +77,15 @@ class Watched(Case):
             playback = ws.message("playback")
         self.assertGreater(playback["achieved_speed"], 0)
         self.assertLess(playback["achieved_speed"], 0.9 * playback["speed"])
-        # It is what the steps say.
-        begun, first = time.monotonic(), self.status(s)["time"]
-        time.sleep(2)
-        last = self.status(s)
+        # It is what the steps say, on the mean: each reading is of half a second of a machine that has other work.
+        begun, first, readings = time.monotonic(), self.status(s)["time"], []
+        while time.monotonic() < begun + 4:
+            time.sleep(0.25)
+            last = self.status(s)
+            readings.append(last["achieved_speed"])
         measured = (last["time"] - first) / (time.monotonic() - begun)
-        self.assertLess(abs(last["achieved_speed"] / measured - 1), 0.5, (last["achieved_speed"], measured))
+        mean = sum(readings) / len(readings)
+        self.assertLess(abs(mean / measured - 1), 0.3, (readings, measured))
         self.service.request("DELETE", s["links"]["self"])
         idle = self.service.create(OSCILLATOR)
         self.service.post(idle["links"]["play"])
