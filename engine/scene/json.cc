@@ -78,7 +78,7 @@ class Reader {
     issue.code = code;
     issue.message = what + " (" + place_of({begin_, offset}) + ", byte " + std::to_string(offset) + ")";
     std::string_view near(where, std::min<size_t>(20, static_cast<size_t>(end_ - where)));
-    near = near.substr(0, std::min(near.size(), find_invalid_utf8(near)));
+    near = near.substr(0, std::min({near.size(), find_invalid_utf8(near), near.find_first_of("\r\n")}));
     issue.value = std::string(near);
     // Too deep is a limit of this service and no fault of the document's syntax.
     const bool limit = std::string_view(code) == "too_deep";
