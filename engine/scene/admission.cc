@@ -13,7 +13,7 @@ std::string text(double v) {
 }
 
 // Measured: what a session and a system of it are beside what they hold.
-constexpr double kSessionBytes = 10e3, kSystemBytes = 11.5e3;
+constexpr double kSessionBytes = 13e3, kSystemBytes = 11.5e3;
 // And what a step takes, and a substep of a system or coupling, however little there is in it.
 constexpr double kStepSeconds = 1e-6, kRoundSeconds = 2.5e-7;
 

@@ -304,7 +304,8 @@ PictureSize size_of(const Request& request) {
   const auto fits = [](int n) { return n >= kMin && n <= kMax; };
   const bool alone = !request.query_value("width") && !request.query_value("height");
   if (!crossed || h.ec != std::errc() || h.ptr != end || !fits(out.width) || !fits(out.height) || !alone) {
-    throw Error("bad_request", "size is WIDTHxHEIGHT in pixels, instead of width and height",
+    throw Error(alone ? "bad_request" : "invalid",
+                "size is WIDTHxHEIGHT in pixels, instead of width and height",
                 {{"?size", alone ? "out_of_range" : "inconsistent", "a size is two numbers of pixels",
                   '"' + std::string(size->substr(0, 60)) + '"', "16x16 to 4096x4096", "", ""}});
   }

@@ -104,8 +104,8 @@ int run(const RunOptions& options) {
   const double seconds = options.seconds >= 0 ? options.seconds : std::max(0.0, duration - session.time());
   const uint64_t steps = options.steps >= 0 ? static_cast<uint64_t>(options.steps)
                                             : static_cast<uint64_t>(std::llround(seconds / dt));
+  note_interruptions();  // files that have begun are completed
   RunOutputs outputs(session, options.output, {options.picture, options.look});
-  note_interruptions();
 
   const auto start = std::chrono::steady_clock::now();
   Progress progress(progress_style(options.progress), steps);

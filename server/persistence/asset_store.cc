@@ -87,7 +87,7 @@ bool AssetStore::put(const std::string& sha256, std::string_view text) {
   if (folder_.empty()) throw Error("not_found", "this server has no data folder to keep assets in");
   const std::string actual = net::sha256_hex(text);
   if (actual != sha256) {
-    throw Error("bad_request", "the body has another SHA-256",
+    throw Error("invalid", "the body has another SHA-256",
                 {{"/sha256", "mismatch", "the body has another SHA-256", '"' + sha256.substr(0, 64) + '"',
                   actual, "", ""}});
   }

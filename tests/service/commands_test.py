@@ -116,7 +116,7 @@ class Commands(unittest.TestCase):
         process.stdin.close()
         process.stdin = None
         until = time.monotonic() + patience(30)
-        while time.monotonic() < until and not (path.exists() and path.stat().st_size > 100_000):
+        while time.monotonic() < until and not (path.exists() and path.stat().st_size > 1_000_000):
             time.sleep(0.02)
         process.send_signal(signal.SIGINT)
         _, said = process.communicate(timeout=patience(30))

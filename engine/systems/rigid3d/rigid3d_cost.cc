@@ -85,7 +85,7 @@ Cost rigid3d_cost(const void* def) {
   const double contacts = remembered_contacts(n);
   // Joints but balls have limits and drives.
   return {.state_bytes = 150 * n.bodies + 180 * contacts,
-          .workspace_bytes = 900 * n.bodies + 1200 * contacts + 1000 * n.balls +
+          .workspace_bytes = 900 * n.bodies + 1350 * contacts + 1000 * n.balls +
                              5000 * (n.joints + n.guided) + (d.joints.empty() ? 0 : 10e3),
           .elements = n.bodies,
           .seconds_per_step = seconds(d, n)};
