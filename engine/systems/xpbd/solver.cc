@@ -1,0 +1,313 @@
+#include "engine/systems/xpbd/solver.h"
+
+#include <algorithm>
+#include <tuple>
+
+#include "engine/kernels/xpbd/dihedral.h"
+#include "engine/kernels/xpbd/linear.h"
+#include "engine/kernels/xpbd/volume.h"
+#include "engine/math/trig.h"
+
+namespace truestep::xpbd {
+
+using Columns = XpbdColumns;
+
+namespace {
+
+// Links of a chain up to which the scratch of a batch lies on the stack, in the first cache.
+constexpr uint32_t kShortChain = 128;
+// Links, lanes together, that a task is worth.
+constexpr size_t kTaskLinks = 4096;
+
+double stiffness_of(std::span<const double> stiffness, Family family) {
+  return stiffness[static_cast<size_t>(family)];
+}
+
+}  // namespace
+
+template <class T>
+void Solver<T>::resize(size_t entries, size_t points, size_t components, Set& out) {
+  out.k.resize(points * entries), out.rest.resize(entries), out.alpha.resize(entries);
+  out.lambda.resize(components * entries);
+}
+
+template <class T>
+template <class Bends>
+void Solver<T>::pack_bends(const SetSchedule& schedule, const Bends& bends, double stiffness, double h,
+                           Set& out) const {
+  constexpr size_t kPoints = std::tuple_size_v<decltype(bends.front().points)>;
+  constexpr auto kLanes = static_cast<size_t>(Wide<T>::kLanes);
+  resize(schedule.member.size(), kPoints, 3, out);
+  for (size_t e = 0; e < schedule.member.size(); ++e) {
+    const uint32_t member = schedule.member[e];
+    out.alpha[e] = member == kNobody ? T(0) : static_cast<T>(compliance(stiffness * bends[member].factor, h));
+    for (size_t i = 0; i < kPoints; ++i) {
+      out.k[(e / kLanes * kPoints + i) * kLanes + e % kLanes] =
+          member == kNobody ? T(0) : static_cast<T>(bends[member].k[i]);
+    }
+  }
+}
+
+template <class T>
+void Solver<T>::pack_links(const SolverInput& what, const State& s, double h) {
+  const ChainSchedule& chains = what.schedule.chains;
+  const size_t links = chains.link.size();
+  const double damping = s.f64(Columns::damping)[1];
+  rest_.assign(links, T(0)), alpha_.assign(links, static_cast<T>(kIdle));
+  gamma_.assign(damped_ ? links : 0, T(0)), lambda_.assign(keeps_ ? links : 0, T(0));
+  for (size_t e = 0; e < links; ++e) {
+    if (chains.link[e] == kNobody) continue;
+    const Link& l = what.body.links[chains.link[e]];
+    const double k = stiffness_of(s.f64(Columns::stiffness), l.family) * l.factor;
+    rest_[e] = static_cast<T>(l.rest), alpha_[e] = static_cast<T>(compliance(k, h));
+    if (damped_ && k > 0) gamma_[e] = softness<T>(1 / k, damping, h).gamma;
+  }
+  uint32_t longest = 0;
+  for (const Colour& c : chains.colours) longest = std::max(longest, c.longest);
+  scratch_.resize(longest > kShortChain ? links / Wide<T>::kLanes : 0);
+}
+
+template <class T>
+void Solver<T>::prepare(const SolverInput& what, const State& s, double h) {
+  const auto stiffness = s.f64(Columns::stiffness), damping = s.f64(Columns::damping);
+  std::vector<double>& key = built_with_;
+  const bool same = built_for_ == &what.schedule && key.size() == kFamilies + 2 &&
+                    std::equal(stiffness.begin(), stiffness.end(), key.begin()) &&
+                    key[kFamilies] == damping[1] && key[kFamilies + 1] == h;
+  if (same) return;
+  built_for_ = &what.schedule;
+  key.assign(stiffness.begin(), stiffness.end());
+  key.push_back(damping[1]), key.push_back(h);
+
+  const Schedule& schedule = what.schedule;
+  const SolverOptions& options = what.options;
+  soft_ = options.scheme == Scheme::xpbd;
+  keeps_ = soft_ && options.iterations > 1;
+  damped_ = soft_ && damping[1] > 0;
+  relax_ = 1;
+  if (!soft_ && options.projection < 1) {
+    // n iterations leave (1 - k) of an error (Mueller et al. 2007, section 3.3).
+    relax_ = static_cast<T>(1 - trig::pow(1 - options.projection, 1.0 / options.iterations));
+  }
+  rows_.assign(4 * schedule.rows, T(0)), before_.assign(4 * schedule.rows, T(0));
+  velocity_.assign(4 * schedule.rows, T(0));
+  pack_links(what, s, h);
+  const double bending = stiffness_of(stiffness, Family::bending);
+  pack_bends(schedule.rods, what.body.rods, bending, h, rods_);
+  pack_bends(schedule.hinges, what.body.hinges, bending, h, hinges_);
+  angle_lambda_.resize(schedule.angles.member.size());
+
+  resize(schedule.volumes.member.size(), 0, 1, volumes_);
+  for (size_t e = 0; e < schedule.volumes.member.size(); ++e) {
+    const uint32_t member = schedule.volumes.member[e];
+    const double rest = member == kNobody ? 1 : what.body.tetrahedra[member].rest;
+    volumes_.rest[e] = static_cast<T>(rest);
+    volumes_.alpha[e] = static_cast<T>(compliance(stiffness_of(stiffness, Family::volume) / rest, h));
+  }
+  if (what.colliders.empty()) return;
+  for (auto* column : {&x_old_, &v_old_, &x_, &v_}) column->resize(3 * what.body.x.size());
+  w_.resize(what.body.x.size());
+}
+
+template <class T>
+void Solver<T>::load(const SolverInput& what, const State& s, const StepInput& in) {
+  const auto x = s.f64(Columns::position), v = s.f64(Columns::velocity), w = s.f64(Columns::inverse_mass);
+  in.arena.for_blocks(w.size(), kBlockRows, [&](size_t begin, size_t end) {
+    for (size_t i = begin; i < end; ++i) {
+      for (size_t k = 0; k < 3; ++k) {
+        rows_[4 * i + k] = static_cast<T>(x[3 * i + k]), velocity_[4 * i + k] = static_cast<T>(v[3 * i + k]);
+      }
+      rows_[4 * i + 3] = static_cast<T>(w[i]), velocity_[4 * i + 3] = 0;
+    }
+  });
+}
+
+template <class T>
+void Solver<T>::store(const SolverInput&, State& s, const StepInput& in) const {
+  const auto x = s.f64(Columns::position), v = s.f64(Columns::velocity);
+  const auto w = std::as_const(s).f64(Columns::inverse_mass);
+  in.arena.for_blocks(w.size(), kBlockRows, [&](size_t begin, size_t end) {
+    for (size_t i = begin; i < end; ++i) {
+      // Held points keep the place that they have, to the bit.
+      if (!(w[i] > 0)) continue;
+      for (size_t k = 0; k < 3; ++k) x[3 * i + k] = rows_[4 * i + k], v[3 * i + k] = velocity_[4 * i + k];
+    }
+  });
+}
+
+template <class T>
+void Solver<T>::predict(const SolverInput& what, const State& s, const StepInput& in, double h) {
+  const Vec3 g = load3(s.f64(Columns::gravity).data(), 0);
+  const T step = static_cast<T>(h), viscous = static_cast<T>(h * s.f64(Columns::damping)[0]);
+  const T dv[4] = {static_cast<T>(h * g.x), static_cast<T>(h * g.y), static_cast<T>(h * g.z), T(0)};
+  const double* w = s.f64(Columns::inverse_mass).data();
+  for (size_t k = 0; k < Columns::kHands.pushes(s); ++k) {
+    const UserForces::Push push = Columns::kHands.push(s, k);
+    const Vec3 by = push.force * (h * w[push.who]);
+    T* v = velocity_.data() + 4 * push.who;
+    v[0] += static_cast<T>(by.x), v[1] += static_cast<T>(by.y), v[2] += static_cast<T>(by.z);
+  }
+  in.arena.for_blocks(what.body.x.size(), kBlockRows, [&](size_t begin, size_t end) {
+    T *rows = rows_.data(), *before = before_.data(), *velocity = velocity_.data();
+    for (size_t i = begin; i < end; ++i) {
+      const T weight = rows[4 * i + 3];
+      // A held point stays; the rest slows down as by an implicit Euler step of -damping v.
+      const T free = weight > 0 ? T(1) : T(0), keep = free / (1 + viscous * weight);
+      for (size_t k = 0; k < 4; ++k) {
+        before[4 * i + k] = rows[4 * i + k];
+        velocity[4 * i + k] = keep * (velocity[4 * i + k] + dv[k]);
+        rows[4 * i + k] += step * velocity[4 * i + k];
+      }
+    }
+  });
+}
+
+template <class T>
+void Solver<T>::hold_drags(const State& s, double h) {
+  for (size_t k = 0; k < Columns::kHands.drags(s); ++k) {
+    const UserForces::Drag drag = Columns::kHands.drag(s, k);
+    T* row = rows_.data() + 4 * drag.who;
+    const double w = row[3], share = w / (w + 1 / (drag.stiffness * h * h));
+    const double target[3] = {drag.target.x, drag.target.y, drag.target.z};
+    for (size_t i = 0; i < 3; ++i) row[i] = static_cast<T>(row[i] + share * (target[i] - row[i]));
+  }
+}
+
+template <class T>
+template <class Solve>
+void Solver<T>::each_batch(const SetSchedule& schedule, const StepInput& in, const Solve& solve) {
+  for (const Colour& c : schedule.colours) {
+    in.arena.for_blocks(c.end - c.begin, kTaskLinks / 8, [&](size_t begin, size_t end) {
+      for (size_t b = c.begin + begin; b < c.begin + end; ++b) solve(b);
+    });
+  }
+}
+
+template <class T>
+void Solver<T>::solve_chain_colours(const SolverInput& what, const StepInput& in) {
+  const ChainSchedule& chains = what.schedule.chains;
+  const auto lanes = static_cast<size_t>(what.schedule.lanes);
+  for (const Colour& colour : chains.colours) {
+    const size_t task = std::max<size_t>(1, kTaskLinks / (lanes * colour.longest));
+    in.arena.for_blocks(colour.end - colour.begin, task, [&](size_t begin, size_t end) {
+      ChainRow<T> near[kShortChain];
+      for (size_t b = colour.begin + begin; b < colour.begin + end; ++b) {
+        const ChainBatch& batch = chains.batches[b];
+        const Chains<T> c{batch.links,
+                          chains.points.data() + batch.first_point,
+                          rest_.data() + batch.first_link,
+                          alpha_.data() + batch.first_link,
+                          damped_ ? gamma_.data() + batch.first_link : nullptr,
+                          lambda_of(lambda_, batch.first_link)};
+        ChainRow<T>* scratch = batch.links <= kShortChain ? near : scratch_.data() + batch.first_link / lanes;
+        solve_chains(c, before_.data(), relax_, rows_.data(), scratch);
+      }
+    });
+  }
+}
+
+template <class T>
+void Solver<T>::iterate(const SolverInput& what, const State& s, const StepInput& in, double h) {
+  const Schedule& schedule = what.schedule;
+  const auto lanes = static_cast<size_t>(schedule.lanes);
+  T* rows = rows_.data();
+  if (keeps_) {
+    for (Column<T>* lambda : {&lambda_, &rods_.lambda, &hinges_.lambda, &volumes_.lambda}) {
+      std::fill(lambda->begin(), lambda->end(), T(0));
+    }
+  }
+  std::fill(angle_lambda_.begin(), angle_lambda_.end(), 0);
+  const double bending = stiffness_of(s.f64(Columns::stiffness), Family::bending);
+  for (int k = 0; k < what.options.iterations; ++k) {
+    each_batch(schedule.rods, in, [&](size_t b) {
+      solve_linear<T, 3>({schedule.rods.points.data() + 3 * lanes * b, rods_.k.data() + 3 * lanes * b,
+                          rods_.alpha.data() + lanes * b, lambda_of(rods_.lambda, 3 * lanes * b)},
+                         relax_, rows);
+    });
+    each_batch(schedule.hinges, in, [&](size_t b) {
+      solve_linear<T, 4>({schedule.hinges.points.data() + 4 * lanes * b, hinges_.k.data() + 4 * lanes * b,
+                          hinges_.alpha.data() + lanes * b, lambda_of(hinges_.lambda, 3 * lanes * b)},
+                         relax_, rows);
+    });
+    each_batch(schedule.angles, in, [&](size_t b) {
+      const AngleBend& bend = what.body.angles[schedule.angles.member[b]];
+      const double alpha = compliance(bending * bend.factor, h);
+      solve_dihedral<T>(bend.points, bend.rest, {alpha, 0}, relax_, rows, angle_lambda_[b]);
+    });
+    each_batch(schedule.volumes, in, [&](size_t b) {
+      solve_volumes<T>({schedule.volumes.points.data() + 4 * lanes * b, volumes_.rest.data() + lanes * b,
+                        volumes_.alpha.data() + lanes * b, lambda_of(volumes_.lambda, lanes * b)},
+                       relax_, rows);
+    });
+    if (k == 0) hold_drags(s, h);
+    solve_chain_colours(what, in);
+  }
+}
+
+template <class T>
+void Solver<T>::find_velocities(const SolverInput& what, const StepInput& in, double h) {
+  const T per_h = static_cast<T>(1 / h);
+  in.arena.for_blocks(4 * what.body.x.size(), 4 * kBlockRows, [&](size_t begin, size_t end) {
+    const T *rows = rows_.data(), *before = before_.data();
+    T* velocity = velocity_.data();
+    for (size_t k = begin; k < end; ++k) velocity[k] = (rows[k] - before[k]) * per_h;
+  });
+}
+
+template <class T>
+void Solver<T>::remember_velocities(const StepInput& in) {
+  in.arena.for_blocks(w_.size(), kBlockRows, [&](size_t begin, size_t end) {
+    for (size_t i = begin; i < end; ++i) {
+      for (size_t k = 0; k < 3; ++k) v_old_[3 * i + k] = velocity_[4 * i + k];
+    }
+  });
+}
+
+template <class T>
+void Solver<T>::collide(const SolverInput& what, const StepInput& in, double t, double h) {
+  const size_t n = what.body.x.size();
+  const T per_h = static_cast<T>(1 / h);
+  in.arena.for_blocks(n, kBlockRows, [&](size_t begin, size_t end) {
+    for (size_t i = begin; i < end; ++i) {
+      for (size_t k = 0; k < 3; ++k) {
+        x_old_[3 * i + k] = before_[4 * i + k], x_[3 * i + k] = rows_[4 * i + k];
+        v_[3 * i + k] = (rows_[4 * i + k] - before_[4 * i + k]) * per_h;
+      }
+      w_[i] = rows_[4 * i + 3];
+    }
+  });
+  ContactSweep sweep{t, h, x_old_, v_old_, x_, v_};
+  sweep.inverse_mass = w_, sweep.radius = what.options.radius, sweep.surfaces = what.surfaces;
+  what.colliders.resolve(sweep, in.workspace, in.arena);
+  in.arena.for_blocks(n, kBlockRows, [&](size_t begin, size_t end) {
+    for (size_t i = begin; i < end; ++i) {
+      for (size_t k = 0; k < 3; ++k) {
+        rows_[4 * i + k] = static_cast<T>(x_[3 * i + k]),
+                      velocity_[4 * i + k] = static_cast<T>(v_[3 * i + k]);
+      }
+    }
+  });
+}
+
+template <class T>
+void Solver<T>::step(const SolverInput& what, State& s, const StepInput& in) {
+  const double h = in.h / what.options.substeps;
+  prepare(what, s, h);
+  load(what, s, in);
+  for (int k = 0; k < what.options.substeps; ++k) {
+    if (!what.colliders.empty()) remember_velocities(in);
+    predict(what, s, in, h);
+    iterate(what, s, in, h);
+    if (what.colliders.empty()) {
+      find_velocities(what, in, h);
+    } else {
+      collide(what, in, in.t + k * h, h);
+    }
+  }
+  store(what, s, in);
+}
+
+template class Solver<float>;
+template class Solver<double>;
+
+}  // namespace truestep::xpbd

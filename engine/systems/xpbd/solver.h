@@ -1,0 +1,110 @@
+// One step of position-based dynamics, in substeps of h (Macklin, Storey, Lu, Terdiman, Chentanez, Jeschke,
+// Mueller 2019, "Small steps in physics simulation", algorithm 1; Mueller et al. 2007, algorithm 1, for pbd):
+//   v += h M^-1 f,   x_n = x,   x += h v,   every constraint moves its points,   v = (x - x_n) / h,
+//   colliders.
+// Multipliers begin at zero in every substep. Kept from one to the next they would integrate the error of a
+// sweep that has not converged: a third order loop without damping, which gains energy at once.
+// Numbers inside are T; the state's are doubles, which hold every float, so nothing is lost between steps.
+#pragma once
+#include <span>
+#include <vector>
+
+#include "engine/base/cache_line.h"
+#include "engine/collision/points/collider_set.h"
+#include "engine/core/system.h"
+#include "engine/core/user_forces.h"
+#include "engine/kernels/xpbd/chain.h"
+#include "engine/systems/xpbd/schedule.h"
+
+namespace truestep::xpbd {
+
+/// Columns of the state, in the order in which they are added.
+struct XpbdColumns {
+  enum : State::Column {
+    position,
+    velocity,
+    inverse_mass,  ///< 1/kg, 0: held
+    stiffness,     ///< a row per Family
+    damping,       ///< N s/m: viscous, internal
+    gravity,       ///< m/s^2
+    drag_row,
+    drag_target,     ///< m
+    drag_stiffness,  ///< N/m
+    push_row,
+    push_force,      ///< N
+    push_remaining,  ///< s
+  };
+  static constexpr UserForces kHands{{push_row, push_force, push_remaining},
+                                     {drag_row, drag_target, drag_stiffness}};
+};
+
+struct SolverOptions {
+  Scheme scheme = Scheme::xpbd;
+  int substeps = 1, iterations = 1;
+  double projection = 1;
+  double radius = 0;  ///< m, kept from colliders
+};
+
+/// What a solver knows of a body besides the state; all of it outlives the step.
+struct SolverInput {
+  const Body& body;
+  const Schedule& schedule;
+  const SolverOptions& options;
+  const ColliderSet& colliders;
+  std::span<const Surface> surfaces;
+};
+
+/// Scratch of one system: constants packed lane by lane, which follow from the state's stiffnesses and the
+/// step, and what lives for a step only.
+template <class T>
+class Solver {
+ public:
+  void step(const SolverInput& what, State& state, const StepInput& in);
+
+ private:
+  template <class U>
+  using Column = std::vector<U, CacheLineAllocator<U>>;
+  struct Set {
+    Column<T> k, rest, alpha, lambda;
+  };
+
+  T* lambda_of(Column<T>& lambda, size_t at) { return keeps_ ? lambda.data() + at : nullptr; }
+  /// alpha~ of a constraint of stiffness k.
+  double compliance(double k, double h) const { return !soft_ ? 0 : k > 0 ? 1 / (k * h * h) : kIdle; }
+  void prepare(const SolverInput& what, const State& state, double h);
+  static void resize(size_t entries, size_t points, size_t components, Set& out);
+  template <class Bends>
+  void pack_bends(const SetSchedule& schedule, const Bends& bends, double stiffness, double h,
+                  Set& out) const;
+  void pack_links(const SolverInput& what, const State& state, double h);
+  void load(const SolverInput& what, const State& state, const StepInput& in);
+  void store(const SolverInput& what, State& state, const StepInput& in) const;
+  void remember_velocities(const StepInput& in);
+  void predict(const SolverInput& what, const State& state, const StepInput& in, double h);
+  void iterate(const SolverInput& what, const State& state, const StepInput& in, double h);
+  void solve_chain_colours(const SolverInput& what, const StepInput& in);
+  template <class Solve>
+  void each_batch(const SetSchedule& schedule, const StepInput& in, const Solve& solve);
+  void hold_drags(const State& state, double h);
+  void find_velocities(const SolverInput& what, const StepInput& in, double h);
+  void collide(const SolverInput& what, const StepInput& in, double t, double h);
+
+  const Schedule* built_for_ = nullptr;
+  std::vector<double> built_with_;  // stiffnesses, damping, h
+  T relax_ = 1;
+  bool soft_ = true;    // xpbd: constraints give way by their compliance
+  bool keeps_ = false;  // multipliers, where there is more than one iteration
+  bool damped_ = false;
+
+  Column<T> rows_, before_, velocity_;  // 4 a row: (x, y, z, inverse mass), (vx, vy, vz, -)
+  Column<T> rest_, alpha_, gamma_, lambda_;
+  Set rods_, hinges_, volumes_;
+  std::vector<double> angle_lambda_;
+  std::vector<ChainRow<T>, CacheLineAllocator<ChainRow<T>>> scratch_;
+  std::vector<double> x_old_, v_old_, x_, v_, w_;  // for colliders
+};
+
+extern template class Solver<float>;
+extern template class Solver<double>;
+
+}  // namespace truestep::xpbd
