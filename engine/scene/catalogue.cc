@@ -103,7 +103,7 @@ std::span<const CatalogueRow> catalogue() {
        &xpbd::xpbd_table(),
        xpbd::build_xpbd,
        xpbd::xpbd_cost,
-       {"the stretch of a hanging rope or cloth is m g / k, whatever the step", "pinned points do not move",
+       {"the stretch of a hanging rope is m g / k, whatever the step", "pinned points do not move",
         "constraints conserve momentum", "the same bits on any number of threads"},
        "",
        &xpbd::xpbd_outputs()},

@@ -128,7 +128,7 @@ TYPED_TEST(XpbdKernels, ChainSolvesTheWholeSystem) {
       for (int lane = 0; lane < kLanes; ++lane) expected.push_back(run.reference(lane));
       const auto lambda = run.lambda;
       const auto rows = run.rows;
-      solve_chains<T>(run.chains, run.before.data(), T(1), run.rows.data(), run.scratch.data());
+      solve_chains<T>(run.chains, {}, run.before.data(), T(1), run.rows.data(), run.scratch.data());
       // The condition of the matrix, some hundreds for ten random links, multiplies the rounding.
       const double tolerance = 100 * TestFixture::kRounding;
       for (int lane = 0; lane < kLanes; ++lane) {
@@ -151,7 +151,7 @@ TYPED_TEST(XpbdKernels, OneLinkIsThePaper) {
   RandomChains<T> run(1, 0.5);
   const auto lambda = run.lambda;
   const auto rows = run.rows;
-  solve_chains<T>(run.chains, run.before.data(), T(1), run.rows.data(), run.scratch.data());
+  solve_chains<T>(run.chains, {}, run.before.data(), T(1), run.rows.data(), run.scratch.data());
   for (size_t lane = 0; lane < size_t(TestFixture::kLanes); ++lane) {
     const Vec3 d = place(rows, 2 * lane + 1) - place(rows, 2 * lane);
     const Vec3 change = d - (place(run.before, 2 * lane + 1) - place(run.before, 2 * lane));
@@ -160,6 +160,26 @@ TYPED_TEST(XpbdKernels, OneLinkIsThePaper) {
         double{rows[8 * lane + 3]} + rows[8 * lane + 7], {run.alpha[lane], run.gamma[lane]});
     EXPECT_NEAR(run.lambda[lane] - lambda[lane], step, TestFixture::kRounding);
   }
+}
+
+TYPED_TEST(XpbdKernels, ChainsSayHowFastTheyTurn) {
+  using T = TypeParam;
+  constexpr size_t kLanes = Wide<T>::kLanes;
+  // Three points in line, the first held; both links 0.1 m too long for 1 m, rigid, h = 1/2 s.
+  const T w[3] = {0, T(0.5), 1}, x[3] = {0, T(1.1), T(2.2)};
+  std::vector<T> rows, rest(2 * kLanes, T(1)), compliance(2 * kLanes, T(0));
+  std::vector<uint32_t> index;
+  for (size_t s = 0; s < 3; ++s) {
+    for (size_t lane = 0; lane < kLanes; ++lane) {
+      index.push_back(static_cast<uint32_t>(rows.size() / 4));
+      for (const T c : {x[s], T(0), T(0), w[s]}) rows.push_back(c);
+    }
+  }
+  std::vector<ChainRow<T>> scratch(2);
+  const T q = solve_chains<T>({2, index.data(), rest.data(), compliance.data()}, per_step<T>(0.5), nullptr,
+                              T(1), rows.data(), scratch.data());
+  // 0.5 a - 0.5 b = -0.1 and -0.5 a + 1.5 b = -0.1 give the multipliers a = -0.4, b = -0.2.
+  EXPECT_NEAR(q, 0.5 * (0.4 + 0.2) / 1.1, TestFixture::kRounding);
 }
 
 TYPED_TEST(XpbdKernels, HeldAndMeetingPointsStayFinite) {
@@ -176,7 +196,8 @@ TYPED_TEST(XpbdKernels, HeldAndMeetingPointsStayFinite) {
     }
   }
   std::vector<ChainRow<T>> scratch(4);
-  solve_chains<T>({4, index.data(), rest.data(), alpha.data()}, nullptr, T(1), rows.data(), scratch.data());
+  solve_chains<T>({4, index.data(), rest.data(), alpha.data()}, {}, nullptr, T(1), rows.data(),
+                  scratch.data());
   for (const T c : rows) EXPECT_TRUE(std::isfinite(c)) << c;
   EXPECT_EQ(rows[4 * kLanes], T(1));
   EXPECT_EQ(rows[16 * kLanes], T(3));
@@ -216,7 +237,7 @@ TYPED_TEST(XpbdKernels, VolumeMovesAlongItsGradient) {
   }
   const auto old = rows;
   const auto old_lambda = lambda;
-  solve_volumes<T>({index.data(), rest.data(), alpha.data(), lambda.data()}, T(1), rows.data());
+  solve_volumes<T>({index.data(), rest.data(), alpha.data(), lambda.data()}, {}, T(1), rows.data());
   const auto v = [](const std::vector<Vec3>& x) { return volume(x[0], x[1], x[2], x[3]); };
   for (size_t lane = 0; lane < kLanes; ++lane) {
     std::vector<Vec3> x;
@@ -251,7 +272,7 @@ TYPED_TEST(XpbdKernels, LinearConstraintsTakeTheirExactStep) {
   for (size_t i = 0; i < 4 * kLanes; ++i) k.push_back(static_cast<T>(r()));
   for (size_t i = 0; i < kLanes; ++i) alpha.push_back(static_cast<T>(1.1 + r()));
   for (size_t i = 0; i < 3 * kLanes; ++i) lambda.push_back(static_cast<T>(r()));
-  solve_linear<T, 4>({index.data(), k.data(), alpha.data(), lambda.data()}, T(1), rows.data());
+  solve_linear<T, 4>({index.data(), k.data(), alpha.data(), lambda.data()}, {}, T(1), rows.data());
   // After the step C + alpha lambda = 0: it is linear, so once is enough.
   for (size_t lane = 0; lane < kLanes; ++lane) {
     Vec3 c;

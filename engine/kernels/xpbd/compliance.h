@@ -15,14 +15,18 @@ struct Softness {
   T gamma = 0;
 };
 
-/// From 1 / stiffness, damping (stiffness times seconds) and h (s).
+/// 1/h and 1/h^2 of a substep: what turns compliances into alpha~ and gamma.
 template <class T>
-Softness<T> softness(double compliance, double damping, double h) {
-  return {static_cast<T>(compliance / (h * h)), static_cast<T>(compliance * damping / h)};
+struct PerStep {
+  T h = 1, h2 = 1;
+};
+template <class T>
+PerStep<T> per_step(double h) {
+  return {static_cast<T>(1 / h), static_cast<T>(1 / (h * h))};
 }
 
-/// What a padded lane has for alpha~: too soft to move a point by a bit.
-inline constexpr double kIdle = 1e30;
+/// Compliance of what is not there: a padded lane, a link of no stiffness. Too soft to move a point by a bit.
+inline constexpr double kIdle = 1e18;
 
 /// d_lambda of one constraint by itself: `weight` is grad C M^-1 grad C^T, `change` grad C . (x - x_n).
 template <class T>

@@ -43,12 +43,12 @@ template <class T, int N>
 struct LinearSet {
   const uint32_t* points = nullptr;  ///< N x lanes
   const T* k = nullptr;              ///< N x lanes
-  const T* alpha = nullptr;          ///< lanes
+  const T* compliance = nullptr;     ///< lanes
   T* lambda = nullptr;               ///< 3 x lanes, added to; null: zero so far, and nobody asks
 };
 
 template <class T, int N>
-void solve_linear(const LinearSet<T, N>& c, T relax, T* rows) {
+void solve_linear(const LinearSet<T, N>& c, const PerStep<T>& per, T relax, T* rows) {
   using W = Wide<T>;
   constexpr int kLanes = W::kLanes;
   const auto load = [](const T* p) {
@@ -63,12 +63,12 @@ void solve_linear(const LinearSet<T, N>& c, T relax, T* rows) {
     for (int a = 0; a < 3; ++a) sum[a] = madd(k[i], x[i][a], sum[a]);
     weight = madd(x[i][3] * k[i], k[i], weight);
   }
-  const W alpha = load(c.alpha);
-  const W per = where_positive(weight, W(T(1)) / (weight + alpha), W::zero());
+  const W alpha = load(c.compliance) * W(per.h2);
+  const W inverse = where_positive(weight, W(T(1)) / (weight + alpha), W::zero());
   for (int a = 0; a < 3; ++a) {
     W b = -sum[a];
     if (c.lambda) b = nmadd(alpha, load(c.lambda + a * kLanes), b);
-    W step = b * per;
+    W step = b * inverse;
     if (c.lambda) {
       for (int i = 0; i < kLanes; ++i) c.lambda[a * kLanes + i] += step.v[i];
     }

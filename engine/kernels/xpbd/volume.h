@@ -20,12 +20,12 @@ template <class T>
 struct VolumeSet {
   const uint32_t* points = nullptr;  ///< 4 x lanes
   const T* rest = nullptr;           ///< lanes, m^3
-  const T* alpha = nullptr;          ///< lanes
+  const T* compliance = nullptr;     ///< lanes
   T* lambda = nullptr;               ///< lanes, added to; null: zero so far, and nobody asks
 };
 
 template <class T>
-void solve_volumes(const VolumeSet<T>& c, T relax, T* rows) {
+void solve_volumes(const VolumeSet<T>& c, const PerStep<T>& per, T relax, T* rows) {
   using W = Wide<T>;
   struct W3 {
     W x, y, z;
@@ -52,7 +52,7 @@ void solve_volumes(const VolumeSet<T>& c, T relax, T* rows) {
   for (int i = 0; i < 4; ++i) {
     weight = madd(x[i][3], madd(g[i].x, g[i].x, madd(g[i].y, g[i].y, g[i].z * g[i].z)), weight);
   }
-  const W alpha = load(c.alpha);
+  const W alpha = load(c.compliance) * W(per.h2);
   W b = load(c.rest) - madd(e1.x, g[1].x, madd(e1.y, g[1].y, e1.z * g[1].z));
   if (c.lambda) b = nmadd(alpha, load(c.lambda), b);
   W step = where_positive(weight, b / (weight + alpha), W::zero());

@@ -1,7 +1,9 @@
 #include "engine/systems/xpbd/solver.h"
 
 #include <algorithm>
+#include <cmath>
 #include <tuple>
+#include <type_traits>
 
 #include "engine/kernels/xpbd/dihedral.h"
 #include "engine/kernels/xpbd/linear.h"
@@ -16,6 +18,9 @@ namespace {
 
 // Links of a chain up to which the scratch of a batch lies on the stack, in the first cache.
 constexpr uint32_t kShortChain = 128;
+// Substeps that tension may ask for in a step, and the q that it may reach: 2 is the limit of stability.
+constexpr int kMostSubsteps = 1000;
+constexpr double kMostQ = 0.5;
 // Links, lanes together, that a task is worth.
 constexpr size_t kTaskLinks = 4096;
 
@@ -27,20 +32,21 @@ double stiffness_of(std::span<const double> stiffness, Family family) {
 
 template <class T>
 void Solver<T>::resize(size_t entries, size_t points, size_t components, Set& out) {
-  out.k.resize(points * entries), out.rest.resize(entries), out.alpha.resize(entries);
+  out.k.resize(points * entries), out.rest.resize(entries), out.compliance.resize(entries);
   out.lambda.resize(components * entries);
 }
 
 template <class T>
 template <class Bends>
-void Solver<T>::pack_bends(const SetSchedule& schedule, const Bends& bends, double stiffness, double h,
+void Solver<T>::pack_bends(const SetSchedule& schedule, const Bends& bends, double stiffness,
                            Set& out) const {
   constexpr size_t kPoints = std::tuple_size_v<decltype(bends.front().points)>;
   constexpr auto kLanes = static_cast<size_t>(Wide<T>::kLanes);
   resize(schedule.member.size(), kPoints, 3, out);
   for (size_t e = 0; e < schedule.member.size(); ++e) {
     const uint32_t member = schedule.member[e];
-    out.alpha[e] = member == kNobody ? T(0) : static_cast<T>(compliance(stiffness * bends[member].factor, h));
+    out.compliance[e] =
+        member == kNobody ? T(0) : static_cast<T>(compliance(stiffness * bends[member].factor));
     for (size_t i = 0; i < kPoints; ++i) {
       out.k[(e / kLanes * kPoints + i) * kLanes + e % kLanes] =
           member == kNobody ? T(0) : static_cast<T>(bends[member].k[i]);
@@ -49,35 +55,36 @@ void Solver<T>::pack_bends(const SetSchedule& schedule, const Bends& bends, doub
 }
 
 template <class T>
-void Solver<T>::pack_links(const SolverInput& what, const State& s, double h) {
+void Solver<T>::pack_links(const SolverInput& what, const State& s) {
   const ChainSchedule& chains = what.schedule.chains;
   const size_t links = chains.link.size();
   const double damping = s.f64(Columns::damping)[1];
-  rest_.assign(links, T(0)), alpha_.assign(links, static_cast<T>(kIdle));
-  gamma_.assign(damped_ ? links : 0, T(0)), lambda_.assign(keeps_ ? links : 0, T(0));
+  rest_.assign(links, T(0)), compliance_.assign(links, static_cast<T>(kIdle));
+  damping_.assign(damped_ ? links : 0, T(0)), lambda_.assign(keeps_ ? links : 0, T(0));
   for (size_t e = 0; e < links; ++e) {
     if (chains.link[e] == kNobody) continue;
     const Link& l = what.body.links[chains.link[e]];
     const double k = stiffness_of(s.f64(Columns::stiffness), l.family) * l.factor;
-    rest_[e] = static_cast<T>(l.rest), alpha_[e] = static_cast<T>(compliance(k, h));
-    if (damped_ && k > 0) gamma_[e] = softness<T>(1 / k, damping, h).gamma;
+    rest_[e] = static_cast<T>(l.rest), compliance_[e] = static_cast<T>(compliance(k));
+    if (damped_ && k > 0) damping_[e] = static_cast<T>(damping / k);
   }
+  q_.resize(chains.batches.size());
   uint32_t longest = 0;
   for (const Colour& c : chains.colours) longest = std::max(longest, c.longest);
   scratch_.resize(longest > kShortChain ? links / Wide<T>::kLanes : 0);
 }
 
 template <class T>
-void Solver<T>::prepare(const SolverInput& what, const State& s, double h) {
+void Solver<T>::prepare(const SolverInput& what, const State& s) {
   const auto stiffness = s.f64(Columns::stiffness), damping = s.f64(Columns::damping);
   std::vector<double>& key = built_with_;
-  const bool same = built_for_ == &what.schedule && key.size() == kFamilies + 2 &&
+  const bool same = built_for_ == &what.schedule && key.size() == kFamilies + 1 &&
                     std::equal(stiffness.begin(), stiffness.end(), key.begin()) &&
-                    key[kFamilies] == damping[1] && key[kFamilies + 1] == h;
+                    key[kFamilies] == damping[1];
   if (same) return;
   built_for_ = &what.schedule;
   key.assign(stiffness.begin(), stiffness.end());
-  key.push_back(damping[1]), key.push_back(h);
+  key.push_back(damping[1]);
 
   const Schedule& schedule = what.schedule;
   const SolverOptions& options = what.options;
@@ -91,10 +98,10 @@ void Solver<T>::prepare(const SolverInput& what, const State& s, double h) {
   }
   rows_.assign(4 * schedule.rows, T(0)), before_.assign(4 * schedule.rows, T(0));
   velocity_.assign(4 * schedule.rows, T(0));
-  pack_links(what, s, h);
+  pack_links(what, s);
   const double bending = stiffness_of(stiffness, Family::bending);
-  pack_bends(schedule.rods, what.body.rods, bending, h, rods_);
-  pack_bends(schedule.hinges, what.body.hinges, bending, h, hinges_);
+  pack_bends(schedule.rods, what.body.rods, bending, rods_);
+  pack_bends(schedule.hinges, what.body.hinges, bending, hinges_);
   angle_lambda_.resize(schedule.angles.member.size());
 
   resize(schedule.volumes.member.size(), 0, 1, volumes_);
@@ -102,20 +109,24 @@ void Solver<T>::prepare(const SolverInput& what, const State& s, double h) {
     const uint32_t member = schedule.volumes.member[e];
     const double rest = member == kNobody ? 1 : what.body.tetrahedra[member].rest;
     volumes_.rest[e] = static_cast<T>(rest);
-    volumes_.alpha[e] = static_cast<T>(compliance(stiffness_of(stiffness, Family::volume) / rest, h));
+    volumes_.compliance[e] = static_cast<T>(compliance(stiffness_of(stiffness, Family::volume) / rest));
   }
   if (what.colliders.empty()) return;
   for (auto* column : {&x_old_, &v_old_, &x_, &v_}) column->resize(3 * what.body.x.size());
   w_.resize(what.body.x.size());
+  put_back_.resize((what.body.x.size() + kBlockRows - 1) / kBlockRows);
 }
 
 template <class T>
 void Solver<T>::load(const SolverInput& what, const State& s, const StepInput& in) {
   const auto x = s.f64(Columns::position), v = s.f64(Columns::velocity), w = s.f64(Columns::inverse_mass);
+  if constexpr (std::is_same_v<T, float>) origin_ = load3(x.data(), 0);
+  const double origin[3] = {origin_.x, origin_.y, origin_.z};
   in.arena.for_blocks(w.size(), kBlockRows, [&](size_t begin, size_t end) {
     for (size_t i = begin; i < end; ++i) {
       for (size_t k = 0; k < 3; ++k) {
-        rows_[4 * i + k] = static_cast<T>(x[3 * i + k]), velocity_[4 * i + k] = static_cast<T>(v[3 * i + k]);
+        rows_[4 * i + k] = static_cast<T>(x[3 * i + k] - origin[k]);
+        velocity_[4 * i + k] = static_cast<T>(v[3 * i + k]);
       }
       rows_[4 * i + 3] = static_cast<T>(w[i]), velocity_[4 * i + 3] = 0;
     }
@@ -126,11 +137,14 @@ template <class T>
 void Solver<T>::store(const SolverInput&, State& s, const StepInput& in) const {
   const auto x = s.f64(Columns::position), v = s.f64(Columns::velocity);
   const auto w = std::as_const(s).f64(Columns::inverse_mass);
+  const double origin[3] = {origin_.x, origin_.y, origin_.z};
   in.arena.for_blocks(w.size(), kBlockRows, [&](size_t begin, size_t end) {
     for (size_t i = begin; i < end; ++i) {
       // Held points keep the place that they have, to the bit.
       if (!(w[i] > 0)) continue;
-      for (size_t k = 0; k < 3; ++k) x[3 * i + k] = rows_[4 * i + k], v[3 * i + k] = velocity_[4 * i + k];
+      for (size_t k = 0; k < 3; ++k) {
+        x[3 * i + k] = origin[k] + rows_[4 * i + k], v[3 * i + k] = velocity_[4 * i + k];
+      }
     }
   });
 }
@@ -168,7 +182,8 @@ void Solver<T>::hold_drags(const State& s, double h) {
     const UserForces::Drag drag = Columns::kHands.drag(s, k);
     T* row = rows_.data() + 4 * drag.who;
     const double w = row[3], share = w / (w + 1 / (drag.stiffness * h * h));
-    const double target[3] = {drag.target.x, drag.target.y, drag.target.z};
+    const Vec3 to = drag.target - origin_;
+    const double target[3] = {to.x, to.y, to.z};
     for (size_t i = 0; i < 3; ++i) row[i] = static_cast<T>(row[i] + share * (target[i] - row[i]));
   }
 }
@@ -184,9 +199,10 @@ void Solver<T>::each_batch(const SetSchedule& schedule, const StepInput& in, con
 }
 
 template <class T>
-void Solver<T>::solve_chain_colours(const SolverInput& what, const StepInput& in) {
+double Solver<T>::solve_chain_colours(const SolverInput& what, const StepInput& in, double h) {
   const ChainSchedule& chains = what.schedule.chains;
   const auto lanes = static_cast<size_t>(what.schedule.lanes);
+  const PerStep<T> per = per_step<T>(h);
   for (const Colour& colour : chains.colours) {
     const size_t task = std::max<size_t>(1, kTaskLinks / (lanes * colour.longest));
     in.arena.for_blocks(colour.end - colour.begin, task, [&](size_t begin, size_t end) {
@@ -196,21 +212,24 @@ void Solver<T>::solve_chain_colours(const SolverInput& what, const StepInput& in
         const Chains<T> c{batch.links,
                           chains.points.data() + batch.first_point,
                           rest_.data() + batch.first_link,
-                          alpha_.data() + batch.first_link,
-                          damped_ ? gamma_.data() + batch.first_link : nullptr,
+                          compliance_.data() + batch.first_link,
+                          damped_ ? damping_.data() + batch.first_link : nullptr,
                           lambda_of(lambda_, batch.first_link)};
         ChainRow<T>* scratch = batch.links <= kShortChain ? near : scratch_.data() + batch.first_link / lanes;
-        solve_chains(c, before_.data(), relax_, rows_.data(), scratch);
+        q_[b] = solve_chains(c, per, before_.data(), relax_, rows_.data(), scratch);
       }
     });
   }
+  return q_.empty() ? 0 : *std::max_element(q_.begin(), q_.end());
 }
 
 template <class T>
-void Solver<T>::iterate(const SolverInput& what, const State& s, const StepInput& in, double h) {
+double Solver<T>::iterate(const SolverInput& what, const State& s, const StepInput& in, double h) {
   const Schedule& schedule = what.schedule;
   const auto lanes = static_cast<size_t>(schedule.lanes);
+  const PerStep<T> per = per_step<T>(h);
   T* rows = rows_.data();
+  double q = 0;
   if (keeps_) {
     for (Column<T>* lambda : {&lambda_, &rods_.lambda, &hinges_.lambda, &volumes_.lambda}) {
       std::fill(lambda->begin(), lambda->end(), T(0));
@@ -221,27 +240,28 @@ void Solver<T>::iterate(const SolverInput& what, const State& s, const StepInput
   for (int k = 0; k < what.options.iterations; ++k) {
     each_batch(schedule.rods, in, [&](size_t b) {
       solve_linear<T, 3>({schedule.rods.points.data() + 3 * lanes * b, rods_.k.data() + 3 * lanes * b,
-                          rods_.alpha.data() + lanes * b, lambda_of(rods_.lambda, 3 * lanes * b)},
-                         relax_, rows);
+                          rods_.compliance.data() + lanes * b, lambda_of(rods_.lambda, 3 * lanes * b)},
+                         per, relax_, rows);
     });
     each_batch(schedule.hinges, in, [&](size_t b) {
       solve_linear<T, 4>({schedule.hinges.points.data() + 4 * lanes * b, hinges_.k.data() + 4 * lanes * b,
-                          hinges_.alpha.data() + lanes * b, lambda_of(hinges_.lambda, 3 * lanes * b)},
-                         relax_, rows);
+                          hinges_.compliance.data() + lanes * b, lambda_of(hinges_.lambda, 3 * lanes * b)},
+                         per, relax_, rows);
     });
     each_batch(schedule.angles, in, [&](size_t b) {
       const AngleBend& bend = what.body.angles[schedule.angles.member[b]];
-      const double alpha = compliance(bending * bend.factor, h);
+      const double alpha = compliance(bending * bend.factor) / (h * h);
       solve_dihedral<T>(bend.points, bend.rest, {alpha, 0}, relax_, rows, angle_lambda_[b]);
     });
     each_batch(schedule.volumes, in, [&](size_t b) {
       solve_volumes<T>({schedule.volumes.points.data() + 4 * lanes * b, volumes_.rest.data() + lanes * b,
-                        volumes_.alpha.data() + lanes * b, lambda_of(volumes_.lambda, lanes * b)},
-                       relax_, rows);
+                        volumes_.compliance.data() + lanes * b, lambda_of(volumes_.lambda, lanes * b)},
+                       per, relax_, rows);
     });
     if (k == 0) hold_drags(s, h);
-    solve_chain_colours(what, in);
+    q = solve_chain_colours(what, in, h);
   }
+  return q;
 }
 
 template <class T>
@@ -264,13 +284,14 @@ void Solver<T>::remember_velocities(const StepInput& in) {
 }
 
 template <class T>
-void Solver<T>::collide(const SolverInput& what, const StepInput& in, double t, double h) {
+double Solver<T>::collide(const SolverInput& what, const StepInput& in, double t, double h) {
   const size_t n = what.body.x.size();
+  const double origin[3] = {origin_.x, origin_.y, origin_.z};
   const T per_h = static_cast<T>(1 / h);
   in.arena.for_blocks(n, kBlockRows, [&](size_t begin, size_t end) {
     for (size_t i = begin; i < end; ++i) {
       for (size_t k = 0; k < 3; ++k) {
-        x_old_[3 * i + k] = before_[4 * i + k], x_[3 * i + k] = rows_[4 * i + k];
+        x_old_[3 * i + k] = origin[k] + before_[4 * i + k], x_[3 * i + k] = origin[k] + rows_[4 * i + k];
         v_[3 * i + k] = (rows_[4 * i + k] - before_[4 * i + k]) * per_h;
       }
       w_[i] = rows_[4 * i + 3];
@@ -280,29 +301,46 @@ void Solver<T>::collide(const SolverInput& what, const StepInput& in, double t, 
   sweep.inverse_mass = w_, sweep.radius = what.options.radius, sweep.surfaces = what.surfaces;
   what.colliders.resolve(sweep, in.workspace, in.arena);
   in.arena.for_blocks(n, kBlockRows, [&](size_t begin, size_t end) {
+    double most = 0;
     for (size_t i = begin; i < end; ++i) {
+      const Vec3 sought{rows_[4 * i], rows_[4 * i + 1], rows_[4 * i + 2]};
+      most = std::max(most, norm2(load3(x_.data(), i) - origin_ - sought));
       for (size_t k = 0; k < 3; ++k) {
-        rows_[4 * i + k] = static_cast<T>(x_[3 * i + k]),
-                      velocity_[4 * i + k] = static_cast<T>(v_[3 * i + k]);
+        rows_[4 * i + k] = static_cast<T>(x_[3 * i + k] - origin[k]);
+        velocity_[4 * i + k] = static_cast<T>(v_[3 * i + k]);
       }
     }
+    put_back_[begin / kBlockRows] = std::sqrt(most);
   });
+  return *std::max_element(put_back_.begin(), put_back_.end());
 }
 
 template <class T>
 void Solver<T>::step(const SolverInput& what, State& s, const StepInput& in) {
-  const double h = in.h / what.options.substeps;
-  prepare(what, s, h);
+  const SolverOptions& options = what.options;
+  const double longest = in.h / options.substeps, shortest = in.h / kMostSubsteps;
+  double& tightness = s.f64(Columns::tightness)[0];
+  prepare(what, s);
   load(what, s, in);
-  for (int k = 0; k < what.options.substeps; ++k) {
+  int left = options.substeps;
+  for (double done = 0; left > 0; --left) {
+    const double rest = in.h - done;
+    if (options.division == SolverOptions::Division::by_tension) {
+      const double bearable = tightness > 0 ? std::sqrt(kMostQ / tightness) : longest;
+      left = static_cast<int>(std::ceil(rest / std::clamp(bearable, shortest, longest) * (1 - 1e-9)));
+    }
+    const double h = rest / left;
     if (!what.colliders.empty()) remember_velocities(in);
     predict(what, s, in, h);
-    iterate(what, s, in, h);
+    double q = iterate(what, s, in, h);
     if (what.colliders.empty()) {
       find_velocities(what, in, h);
     } else {
-      collide(what, in, in.t + k * h, h);
+      q = std::max(q, collide(what, in, in.t + done, h) / options.shortest_link);
     }
+    // A cloth that has just been pulled tight may be so again: what one substep says is forgotten by and by.
+    tightness = std::max(q / (h * h), 0.8 * tightness);
+    done += h;
   }
   store(what, s, in);
 }

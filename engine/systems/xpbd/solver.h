@@ -2,9 +2,12 @@
 // Mueller 2019, "Small steps in physics simulation", algorithm 1; Mueller et al. 2007, algorithm 1, for pbd):
 //   v += h M^-1 f,   x_n = x,   x += h v,   every constraint moves its points,   v = (x - x_n) / h,
 //   colliders.
+// Where the number of substeps is free, a substep is at most that of `substeps` and so short that tension
+// turns no link by more than it can bear (q of kernels/xpbd/chain.h), judged by the substep before.
 // Multipliers begin at zero in every substep. Kept from one to the next they would integrate the error of a
 // sweep that has not converged: a third order loop without damping, which gains energy at once.
-// Numbers inside are T; the state's are doubles, which hold every float, so nothing is lost between steps.
+// Numbers inside are T. Floats are places relative to the first point's at the step's start, so that what is
+// far from the origin moves as finely as what is near.
 #pragma once
 #include <span>
 #include <vector>
@@ -33,6 +36,7 @@ struct XpbdColumns {
     push_row,
     push_force,      ///< N
     push_remaining,  ///< s
+    tightness,       ///< 1/s^2, q / h^2 of the last substep (kernels/xpbd/chain.h)
   };
   static constexpr UserForces kHands{{push_row, push_force, push_remaining},
                                      {drag_row, drag_target, drag_stiffness}};
@@ -41,8 +45,10 @@ struct XpbdColumns {
 struct SolverOptions {
   Scheme scheme = Scheme::xpbd;
   int substeps = 1, iterations = 1;
+  enum class Division : uint8_t { fixed, by_tension } division = Division::fixed;
   double projection = 1;
-  double radius = 0;  ///< m, kept from colliders
+  double radius = 0;         ///< m, kept from colliders
+  double shortest_link = 1;  ///< m
 };
 
 /// What a solver knows of a body besides the state; all of it outlives the step.
@@ -65,43 +71,48 @@ class Solver {
   template <class U>
   using Column = std::vector<U, CacheLineAllocator<U>>;
   struct Set {
-    Column<T> k, rest, alpha, lambda;
+    Column<T> k, rest, compliance, lambda;
   };
 
   T* lambda_of(Column<T>& lambda, size_t at) { return keeps_ ? lambda.data() + at : nullptr; }
-  /// alpha~ of a constraint of stiffness k.
-  double compliance(double k, double h) const { return !soft_ ? 0 : k > 0 ? 1 / (k * h * h) : kIdle; }
-  void prepare(const SolverInput& what, const State& state, double h);
+  /// Of a constraint of stiffness k.
+  double compliance(double k) const { return !soft_ ? 0 : k > 0 ? 1 / k : kIdle; }
+  void prepare(const SolverInput& what, const State& state);
   static void resize(size_t entries, size_t points, size_t components, Set& out);
   template <class Bends>
-  void pack_bends(const SetSchedule& schedule, const Bends& bends, double stiffness, double h,
-                  Set& out) const;
-  void pack_links(const SolverInput& what, const State& state, double h);
+  void pack_bends(const SetSchedule& schedule, const Bends& bends, double stiffness, Set& out) const;
+  void pack_links(const SolverInput& what, const State& state);
   void load(const SolverInput& what, const State& state, const StepInput& in);
   void store(const SolverInput& what, State& state, const StepInput& in) const;
   void remember_velocities(const StepInput& in);
   void predict(const SolverInput& what, const State& state, const StepInput& in, double h);
-  void iterate(const SolverInput& what, const State& state, const StepInput& in, double h);
-  void solve_chain_colours(const SolverInput& what, const StepInput& in);
+  /// The largest q of the last iteration.
+  double iterate(const SolverInput& what, const State& state, const StepInput& in, double h);
+  /// The largest q.
+  double solve_chain_colours(const SolverInput& what, const StepInput& in, double h);
   template <class Solve>
   void each_batch(const SetSchedule& schedule, const StepInput& in, const Solve& solve);
   void hold_drags(const State& state, double h);
   void find_velocities(const SolverInput& what, const StepInput& in, double h);
-  void collide(const SolverInput& what, const StepInput& in, double t, double h);
+  /// The longest way (m) that a collider has put a point back.
+  double collide(const SolverInput& what, const StepInput& in, double t, double h);
 
+  Vec3 origin_;  // of rows_
   const Schedule* built_for_ = nullptr;
-  std::vector<double> built_with_;  // stiffnesses, damping, h
+  std::vector<double> built_with_;  // stiffnesses, damping
   T relax_ = 1;
   bool soft_ = true;    // xpbd: constraints give way by their compliance
   bool keeps_ = false;  // multipliers, where there is more than one iteration
   bool damped_ = false;
 
   Column<T> rows_, before_, velocity_;  // 4 a row: (x, y, z, inverse mass), (vx, vy, vz, -)
-  Column<T> rest_, alpha_, gamma_, lambda_;
+  Column<T> rest_, compliance_, damping_, lambda_;
+  std::vector<T> q_;  // per batch of chains
   Set rods_, hinges_, volumes_;
   std::vector<double> angle_lambda_;
   std::vector<ChainRow<T>, CacheLineAllocator<ChainRow<T>>> scratch_;
   std::vector<double> x_old_, v_old_, x_, v_, w_;  // for colliders
+  std::vector<double> put_back_;                   // per block, m
 };
 
 extern template class Solver<float>;

@@ -23,37 +23,25 @@ double extent(const Body& body) {
   return norm(high - low);
 }
 
-double mean_link(const Body& body) {
-  double sum = 0;
-  size_t count = 0;
-  for (const Link& l : body.links) {
-    if (l.family == Family::structural) sum += l.rest, ++count;
-  }
-  return count > 0 ? sum / static_cast<double>(count) : 1;
+double shortest_link(const Body& body) {
+  double shortest = HUGE_VAL;
+  for (const Link& l : body.links) shortest = std::min(shortest, l.rest);
+  return shortest < HUGE_VAL ? shortest : 1;
 }
 
-constexpr double kMostTurn = 0.5;              // rad that a link may turn in a substep
 constexpr double kLongestSubstep = 1.0 / 600;  // s
-constexpr int kMostSubsteps = 200;
 
 struct Division {
   int substeps;
+  SolverOptions::Division division;
   std::string why;
 };
-
-/// A sweep takes the directions of links as they are predicted. Where one turns by an angle of order one in
-/// between, the correction overshoots and cloth stretches by tens of percent; below half a radian by less
-/// than a thousandth.
-Division divide(const XpbdDef& def, const Body& body, const BuildContext& context) {
-  if (def.substeps) return {*def.substeps, "named by the scene"};
-  if (def.scheme == Scheme::pbd) return {1, "the textbook's step is not divided"};
-  const double speed = norm(def.velocity) + std::sqrt(2 * norm(context.gravity) * extent(body));
-  const double turning = speed > 0 ? kMostTurn * mean_link(body) / speed : HUGE_VAL;
-  const double h = std::min(kLongestSubstep, turning);
-  const double n = std::clamp(std::ceil(context.dt / h * (1 - 1e-9)), 1.0, 1.0 * kMostSubsteps);
-  return {static_cast<int>(n), turning < kLongestSubstep
-                                   ? "no link should turn by more than half a radian in one"
-                                   : "1/600 s at most, so that loads spread before they grow"};
+Division divide(const XpbdDef& def, const BuildContext& context) {
+  using enum SolverOptions::Division;
+  if (def.substeps) return {*def.substeps, fixed, "named by the scene"};
+  if (def.scheme == Scheme::pbd) return {1, fixed, "the textbook's step is not divided"};
+  const double n = std::clamp(std::ceil(context.dt / kLongestSubstep * (1 - 1e-9)), 1.0, 1000.0);
+  return {static_cast<int>(n), by_tension, "and more while tension would turn links too far in one"};
 }
 
 }  // namespace
@@ -67,12 +55,14 @@ Xpbd::Xpbd(const XpbdDef& def, const BuildContext& context)
       body_(build_body(def, normalized(context.gravity, {0, -1, 0}))),
       schedule_(body_, def.scheme == Scheme::pbd ? Sweep::links : def.sweep, lanes_of(def.precision)),
       colliders_(build_colliders(def.colliders)) {
-  const Division division = divide(def, body_, context);
+  const Division division = divide(def, context);
   options_ = {.scheme = def.scheme,
               .substeps = division.substeps,
               .iterations = def.iterations.value_or(def.scheme == Scheme::pbd ? 20 : 1),
+              .division = division.division,
               .projection = def.projection,
-              .radius = 0.5 * def.thickness};
+              .radius = 0.5 * def.thickness,
+              .shortest_link = shortest_link(body_)};
   for (const Collider& c : colliders_.colliders()) {
     surfaces_.push_back(c.surface);
     surfaces_.back().restitution = def.restitution;
@@ -158,6 +148,7 @@ State Xpbd::initial_state() const {
   s.add({"push.row", "1", Scalar::u32}, 0);
   s.add({"push.force", "N", Scalar::f64, 3}, 0);
   s.add({"push.remaining", "s"}, 0);
+  s.add({"tightness", "1/s^2"}, 1);
   for (size_t i = 0; i < n; ++i) {
     store3(s.f64(Columns::position).data(), i, body_.x[i]);
     store3(s.f64(Columns::velocity).data(), i, velocity_);
@@ -170,6 +161,10 @@ State Xpbd::initial_state() const {
   std::copy_n(body_.stiffness.data(), kFamilies, s.f64(Columns::stiffness).data());
   std::copy_n(damping_, 2, s.f64(Columns::damping).data());
   store3(s.f64(Columns::gravity).data(), 0, gravity_);
+  // Nothing is known yet of the tensions: as if the lightest point carried the whole weight on both sides.
+  double weight = 0, lightest = HUGE_VAL;
+  for (const double m : body_.masses) weight += m * norm(gravity_), lightest = std::min(lightest, m);
+  s.f64(Columns::tightness)[0] = 2 * weight / (lightest * options_.shortest_link);
   return s;
 }
 
@@ -204,7 +199,7 @@ void Xpbd::check(StateCheck& check, double) const {
 }
 
 std::vector<std::string> Xpbd::remedies() const {
-  return {"more substeps", "softer links", "more internal_damping"};
+  return {"more substeps", "softer links", "more internal_damping", "the precision f64"};
 }
 
 std::unique_ptr<const System> build_xpbd(const void* def, const BuildContext& context) {

@@ -61,7 +61,11 @@ Energy Xpbd::energies(const State& s) const {
     const UserForces::Drag drag = Columns::kHands.drag(s, k);
     e.potential += 0.5 * drag.stiffness * norm2(drag.target - load3(x, drag.who));
   }
-  const bool driven = Columns::kHands.pushes(s) > 0 || !colliders_.empty() || options_.scheme == Scheme::pbd;
+  // Of chains by themselves alone what they store is what they were given: where sweeps do not converge in a
+  // substep, stiff links are stretched by what is left, and that energy is none of the motion's.
+  const bool alone =
+      schedule_.chains.colours.size() == 1 && body_.rods.empty() && options_.scheme == Scheme::xpbd;
+  const bool driven = Columns::kHands.any(s) || !colliders_.empty() || !alone;
   e.exchange = driven ? Energy::Exchange::open : Energy::Exchange::closed;
   return e;
 }
