@@ -40,6 +40,8 @@ TEST(XpbdValidation, StretchOfARopeIsThatOfItsStiffness) {
                         Case{1.0 / 60, 40, 1}, Case{1.0 / 240, 2, 5}}) {
     XpbdDef d = hanging_rope();
     d.substeps = c.substeps, d.iterations = c.iterations;
+    // Air that slows the rope must not carry it.
+    d.damping = 0.05;
     // The reference's 1e-3; what is left of the motion after 8 s is 1e-5 of it.
     EXPECT_NEAR(stretch(d, c.dt), kStretch, 1e-4 * kStretch) << c.dt;
     d.precision = Precision::f32;

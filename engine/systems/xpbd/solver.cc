@@ -150,6 +150,15 @@ void Solver<T>::store(const SolverInput&, State& s, const StepInput& in) const {
 }
 
 template <class T>
+void Solver<T>::weigh(const State& s, const StepInput& in, double h) {
+  const double viscous = h * s.f64(Columns::damping)[0];
+  const auto w = s.f64(Columns::inverse_mass);
+  in.arena.for_blocks(w.size(), kBlockRows, [&](size_t begin, size_t end) {
+    for (size_t i = begin; i < end; ++i) rows_[4 * i + 3] = static_cast<T>(w[i] / (1 + viscous * w[i]));
+  });
+}
+
+template <class T>
 void Solver<T>::predict(const SolverInput& what, const State& s, const StepInput& in, double h) {
   const Vec3 g = load3(s.f64(Columns::gravity).data(), 0);
   const T step = static_cast<T>(h), viscous = static_cast<T>(h * s.f64(Columns::damping)[0]);
@@ -165,8 +174,8 @@ void Solver<T>::predict(const SolverInput& what, const State& s, const StepInput
     T *rows = rows_.data(), *before = before_.data(), *velocity = velocity_.data();
     for (size_t i = begin; i < end; ++i) {
       const T weight = rows[4 * i + 3];
-      // A held point stays; the rest slows down as by an implicit Euler step of -damping v.
-      const T free = weight > 0 ? T(1) : T(0), keep = free / (1 + viscous * weight);
+      // A held point stays.
+      const T keep = weight > 0 ? 1 - viscous * weight : T(0);
       for (size_t k = 0; k < 4; ++k) {
         before[4 * i + k] = rows[4 * i + k];
         velocity[4 * i + k] = keep * (velocity[4 * i + k] + dv[k]);
@@ -331,6 +340,7 @@ void Solver<T>::step(const SolverInput& what, State& s, const StepInput& in) {
     }
     const double h = rest / left;
     if (!what.colliders.empty()) remember_velocities(in);
+    if (s.f64(Columns::damping)[0] > 0) weigh(s, in, h);
     predict(what, s, in, h);
     double q = iterate(what, s, in, h);
     if (what.colliders.empty()) {

@@ -85,6 +85,8 @@ class Solver {
   void load(const SolverInput& what, const State& state, const StepInput& in);
   void store(const SolverInput& what, State& state, const StepInput& in) const;
   void remember_velocities(const StepInput& in);
+  /// Inverse masses under viscous damping c, 1 / (m + h c): what an implicit Euler step makes of -c v.
+  void weigh(const State& state, const StepInput& in, double h);
   void predict(const SolverInput& what, const State& state, const StepInput& in, double h);
   /// The largest q of the last iteration.
   double iterate(const SolverInput& what, const State& state, const StepInput& in, double h);
