@@ -162,6 +162,33 @@ TYPED_TEST(XpbdKernels, OneLinkIsThePaper) {
   }
 }
 
+TYPED_TEST(XpbdKernels, DisplacementsAreTheSameAsPlaces) {
+  using T = TypeParam;
+  RandomChains<T> places(6, 0.3), shifts(6, 0.3);
+  constexpr size_t kLanes = Wide<T>::kLanes;
+  std::vector<T> base(3 * 6 * kLanes);
+  const auto start = places.rows;
+  for (size_t s = 0; s < 6; ++s) {
+    for (size_t lane = 0; lane < kLanes; ++lane) {
+      const Vec3 d =
+          place(start, shifts.index[(s + 1) * kLanes + lane]) - place(start, shifts.index[s * kLanes + lane]);
+      base[(3 * s) * kLanes + lane] = static_cast<T>(d.x),
+                              base[(3 * s + 1) * kLanes + lane] = static_cast<T>(d.y);
+      base[(3 * s + 2) * kLanes + lane] = static_cast<T>(d.z);
+    }
+  }
+  for (size_t k = 0; k < start.size(); ++k) {
+    if (k % 4 < 3) shifts.rows[k] = 0, shifts.before[k] -= start[k];
+  }
+  shifts.chains.base = base.data();
+  solve_chains<T>(places.chains, {}, places.before.data(), T(1), places.rows.data(), places.scratch.data());
+  solve_chains<T>(shifts.chains, {}, shifts.before.data(), T(1), shifts.rows.data(), shifts.scratch.data());
+  for (size_t p = 0; p < start.size() / 4; ++p) {
+    EXPECT_LT(norm(place(places.rows, p) - place(start, p) - place(shifts.rows, p)),
+              100 * TestFixture::kRounding);
+  }
+}
+
 TYPED_TEST(XpbdKernels, ChainsSayHowFastTheyTurn) {
   using T = TypeParam;
   constexpr size_t kLanes = Wide<T>::kLanes;
@@ -306,7 +333,8 @@ TEST(XpbdBending, DihedralStepIsThePaper) {
   double weight = 0;
   for (size_t i = 0; i < 4; ++i) weight += weights[i] * norm2(d.slope[i]);
   const double step = (-(d.angle - 0.1) - 0.3 * 0.02) / (weight + 0.3);
-  solve_dihedral<double>({0, 1, 2, 3}, 0.1, {0.3, 0}, 1.0, rows, lambda);
+  const double base[12] = {};
+  solve_dihedral<double>({0, 1, 2, 3}, 0.1, {0.3, 0}, 1.0, base, rows, lambda);
   EXPECT_NEAR(lambda - 0.02, step, 1e-15);
   EXPECT_NEAR(rows[10] - 0.2, d.slope[2].z * step, 1e-15);
 }

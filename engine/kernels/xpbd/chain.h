@@ -4,8 +4,9 @@
 //   a = alpha~ / (1 + gamma),   b = (-C - alpha~ lambda - gamma dC) / (1 + gamma),
 // and one elimination carries a load from one end to the other, whatever the length, the stiffness and the
 // ratio of masses. A chain of one link is the constraint by itself (Macklin et al. 2016, eq. 18). As many
-// chains as there are lanes go side by side; they share no point. Rows of points are (x, y, z, inverse mass).
-// Directions are those at the start of the call. What they turn by is left to the next substep, as a
+// chains as there are lanes go side by side; they share no point. Rows of points are (x, y, z, inverse mass),
+// places, or displacements from places whose differences are given: in floats these resolve far smaller
+// steps. Directions are those at the start of the call. What they turn by is left to the next substep, as a
 // symplectic Euler step of the sideways force T / l of a link under the tension T: stable while, at every
 // point,
 //   q = w sum (-lambda) / l = h^2 w sum T / l < 2     (h^2 omega^2 <= 2 q < 4 for the chain's fastest wave).
@@ -29,6 +30,7 @@ struct Chains {
   const T* compliance = nullptr;     ///< links x lanes, m/N
   const T* damping = nullptr;        ///< links x lanes, s: gamma times h; or null: undamped
   T* lambda = nullptr;               ///< links x lanes, added to; null: zero so far, and nobody asks
+  const T* base = nullptr;           ///< links x 3 x lanes: x_{s+1} - x_s where rows are 0; null: 0
 };
 
 /// Scratch for a link of every lane.
@@ -59,7 +61,12 @@ T solve_chains(const Chains<T>& c, const PerStep<T>& per, const T* before, T rel
   for (size_t s = 0; s < c.links; ++s) {
     const uint32_t* at = c.points + (s + 1) * kLanes;
     gather_rows4(rows, at, q);
-    const W dx = q[0] - p[0], dy = q[1] - p[1], dz = q[2] - p[2];
+    const W tx = q[0] - p[0], ty = q[1] - p[1], tz = q[2] - p[2];
+    W dx = tx, dy = ty, dz = tz;
+    if (c.base) {
+      const T* base = c.base + 3 * s * kLanes;
+      dx += load(base), dy += load(base + kLanes), dz += load(base + 2 * kLanes);
+    }
     const W l2 = madd(dx, dx, madd(dy, dy, dz * dz));
     const W per_l = where_positive(l2, one / sqrt(l2), zero);
     const W ux = dx * per_l, uy = dy * per_l, uz = dz * per_l, weight = p[3] + q[3];
@@ -68,8 +75,8 @@ T solve_chains(const Chains<T>& c, const PerStep<T>& per, const T* before, T rel
     if (c.damping) {
       gather_rows4(before, at, q_old);
       const W g = load(c.damping + s * kLanes) * W(per.h), share = one / (one + g);
-      const W ex = dx - (q_old[0] - p_old[0]), ey = dy - (q_old[1] - p_old[1]),
-              ez = dz - (q_old[2] - p_old[2]);
+      const W ex = tx - (q_old[0] - p_old[0]), ey = ty - (q_old[1] - p_old[1]),
+              ez = tz - (q_old[2] - p_old[2]);
       b = nmadd(g, madd(ux, ex, madd(uy, ey, uz * ez)), b) * share;
       a *= share;
       for (int k = 0; k < 4; ++k) p_old[k] = q_old[k];

@@ -39,13 +39,14 @@ inline double turned(double angle, double rest) {
   return d > kPi ? d - 2 * kPi : d <= -kPi ? d + 2 * kPi : d;
 }
 
-/// Moves the four rows (x, y, z, inverse mass) by `relax` times the correction; lambda is added to.
+/// Moves the four rows (x, y, z, inverse mass) by `relax` times the correction; lambda is added to. `base` (n
+/// x 3) is where rows of 0 are.
 template <class T>
 void solve_dihedral(const std::array<uint32_t, 4>& points, double rest, const Softness<double>& s, T relax,
-                    T* rows, double& lambda) {
+                    const double* base, T* rows, double& lambda) {
   const auto place = [&](size_t i) {
     const T* r = rows + 4 * size_t{points[i]};
-    return Vec3{r[0], r[1], r[2]};
+    return load3(base, points[i]) + Vec3{r[0], r[1], r[2]};
   };
   const Dihedral d = dihedral(place(0), place(1), place(2), place(3));
   double weight = 0;

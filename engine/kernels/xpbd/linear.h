@@ -45,6 +45,7 @@ struct LinearSet {
   const T* k = nullptr;              ///< N x lanes
   const T* compliance = nullptr;     ///< lanes
   T* lambda = nullptr;               ///< 3 x lanes, added to; null: zero so far, and nobody asks
+  const T* base = nullptr;           ///< 3 x lanes: sum K_i x_i where rows are 0; null: 0
 };
 
 template <class T, int N>
@@ -57,6 +58,7 @@ void solve_linear(const LinearSet<T, N>& c, const PerStep<T>& per, T relax, T* r
     return r;
   };
   W x[N][4], k[N], sum[3] = {W::zero(), W::zero(), W::zero()}, weight = W::zero();
+  for (int a = 0; c.base && a < 3; ++a) sum[a] = load(c.base + a * kLanes);
   for (int i = 0; i < N; ++i) {
     gather_rows4(rows, c.points + i * kLanes, x[i]);
     k[i] = load(c.k + i * kLanes);

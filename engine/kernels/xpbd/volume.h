@@ -22,6 +22,7 @@ struct VolumeSet {
   const T* rest = nullptr;           ///< lanes, m^3
   const T* compliance = nullptr;     ///< lanes
   T* lambda = nullptr;               ///< lanes, added to; null: zero so far, and nobody asks
+  const T* base = nullptr;           ///< 9 x lanes: x1 - x0, x2 - x0, x3 - x0 where rows are 0; null: 0
 };
 
 template <class T>
@@ -36,7 +37,13 @@ void solve_volumes(const VolumeSet<T>& c, const PerStep<T>& per, T relax, T* row
     for (int i = 0; i < kLanes; ++i) r.v[i] = p[i];
     return r;
   };
-  const auto minus = [](const W* a, const W* b) { return W3{a[0] - b[0], a[1] - b[1], a[2] - b[2]}; };
+  const auto edge = [&](const W* a, const W* b, int k) {
+    W3 e{a[0] - b[0], a[1] - b[1], a[2] - b[2]};
+    if (!c.base) return e;
+    const T* base = c.base + 3 * k * kLanes;
+    e.x += load(base), e.y += load(base + kLanes), e.z += load(base + 2 * kLanes);
+    return e;
+  };
   const W sixth(T(1) / 6);
   const auto sixth_of_cross = [&](const W3& a, const W3& b) {
     return W3{(a.y * b.z - a.z * b.y) * sixth, (a.z * b.x - a.x * b.z) * sixth,
@@ -44,7 +51,7 @@ void solve_volumes(const VolumeSet<T>& c, const PerStep<T>& per, T relax, T* row
   };
   W x[4][4];
   for (int i = 0; i < 4; ++i) gather_rows4(rows, c.points + i * kLanes, x[i]);
-  const W3 e1 = minus(x[1], x[0]), e2 = minus(x[2], x[0]), e3 = minus(x[3], x[0]);
+  const W3 e1 = edge(x[1], x[0], 0), e2 = edge(x[2], x[0], 1), e3 = edge(x[3], x[0], 2);
   W3 g[4];
   g[1] = sixth_of_cross(e2, e3), g[2] = sixth_of_cross(e3, e1), g[3] = sixth_of_cross(e1, e2);
   g[0] = {-(g[1].x + g[2].x + g[3].x), -(g[1].y + g[2].y + g[3].y), -(g[1].z + g[2].z + g[3].z)};

@@ -34,6 +34,7 @@ template <class T>
 void Solver<T>::resize(size_t entries, size_t points, size_t components, Set& out) {
   out.k.resize(points * entries), out.rest.resize(entries), out.compliance.resize(entries);
   out.lambda.resize(components * entries);
+  out.base.resize((components == 3 ? 3 : 9) * entries);
 }
 
 template <class T>
@@ -68,6 +69,7 @@ void Solver<T>::pack_links(const SolverInput& what, const State& s) {
     rest_[e] = static_cast<T>(l.rest), compliance_[e] = static_cast<T>(compliance(k));
     if (damped_ && k > 0) damping_[e] = static_cast<T>(damping / k);
   }
+  base_.resize(3 * links);
   q_.resize(chains.batches.size());
   uint32_t longest = 0;
   for (const Colour& c : chains.colours) longest = std::max(longest, c.longest);
@@ -118,32 +120,79 @@ void Solver<T>::prepare(const SolverInput& what, const State& s) {
 }
 
 template <class T>
+void Solver<T>::load_chains(const SolverInput& what, const double* x, const StepInput& in) {
+  const ChainSchedule& chains = what.schedule.chains;
+  constexpr auto kLanes = static_cast<size_t>(Wide<T>::kLanes);
+  in.arena.for_blocks(chains.batches.size(), 16, [&](size_t begin, size_t end) {
+    for (size_t b = begin; b < end; ++b) {
+      const ChainBatch& batch = chains.batches[b];
+      for (size_t e = 0; e < batch.links * kLanes; ++e) {
+        const uint32_t* p = chains.points.data() + batch.first_point + e;
+        T* to = base_.data() + 3 * batch.first_link + 3 * (e - e % kLanes) + e % kLanes;
+        const bool there = chains.link[batch.first_link + e] != kNobody;
+        const Vec3 d = there ? load3(x, p[kLanes]) - load3(x, p[0]) : Vec3{};
+        to[0] = static_cast<T>(d.x), to[kLanes] = static_cast<T>(d.y), to[2 * kLanes] = static_cast<T>(d.z);
+      }
+    }
+  });
+}
+
+template <class T>
+template <class Bends>
+void Solver<T>::load_bends(const SetSchedule& schedule, const Bends& bends, const double* x, Set& out) const {
+  constexpr auto kLanes = static_cast<size_t>(Wide<T>::kLanes);
+  for (size_t e = 0; e < schedule.member.size(); ++e) {
+    if (schedule.member[e] == kNobody) continue;
+    const auto& bend = bends[schedule.member[e]];
+    Vec3 sum;
+    for (size_t i = 0; i < bend.points.size(); ++i) sum += load3(x, bend.points[i]) * bend.k[i];
+    T* to = out.base.data() + 3 * (e - e % kLanes) + e % kLanes;
+    to[0] = static_cast<T>(sum.x), to[kLanes] = static_cast<T>(sum.y), to[2 * kLanes] = static_cast<T>(sum.z);
+  }
+}
+
+template <class T>
+void Solver<T>::load_volumes(const SolverInput& what, const double* x) {
+  constexpr auto kLanes = static_cast<size_t>(Wide<T>::kLanes);
+  const SetSchedule& schedule = what.schedule.volumes;
+  for (size_t e = 0; e < schedule.member.size(); ++e) {
+    if (schedule.member[e] == kNobody) continue;
+    const auto& p = what.body.tetrahedra[schedule.member[e]].points;
+    T* to = volumes_.base.data() + 9 * (e - e % kLanes) + e % kLanes;
+    for (size_t i = 1; i < 4; ++i, to += 3 * kLanes) {
+      const Vec3 d = load3(x, p[i]) - load3(x, p[0]);
+      to[0] = static_cast<T>(d.x), to[kLanes] = static_cast<T>(d.y), to[2 * kLanes] = static_cast<T>(d.z);
+    }
+  }
+}
+
+template <class T>
 void Solver<T>::load(const SolverInput& what, const State& s, const StepInput& in) {
-  const auto x = s.f64(Columns::position), v = s.f64(Columns::velocity), w = s.f64(Columns::inverse_mass);
-  if constexpr (std::is_same_v<T, float>) origin_ = load3(x.data(), 0);
-  const double origin[3] = {origin_.x, origin_.y, origin_.z};
+  const auto v = s.f64(Columns::velocity), w = s.f64(Columns::inverse_mass);
+  const double* x = s.f64(Columns::position).data();
   in.arena.for_blocks(w.size(), kBlockRows, [&](size_t begin, size_t end) {
     for (size_t i = begin; i < end; ++i) {
-      for (size_t k = 0; k < 3; ++k) {
-        rows_[4 * i + k] = static_cast<T>(x[3 * i + k] - origin[k]);
-        velocity_[4 * i + k] = static_cast<T>(v[3 * i + k]);
-      }
+      for (size_t k = 0; k < 3; ++k)
+        rows_[4 * i + k] = 0, velocity_[4 * i + k] = static_cast<T>(v[3 * i + k]);
       rows_[4 * i + 3] = static_cast<T>(w[i]), velocity_[4 * i + 3] = 0;
     }
   });
+  load_chains(what, x, in);
+  load_bends(what.schedule.rods, what.body.rods, x, rods_);
+  load_bends(what.schedule.hinges, what.body.hinges, x, hinges_);
+  load_volumes(what, x);
 }
 
 template <class T>
 void Solver<T>::store(const SolverInput&, State& s, const StepInput& in) const {
   const auto x = s.f64(Columns::position), v = s.f64(Columns::velocity);
   const auto w = std::as_const(s).f64(Columns::inverse_mass);
-  const double origin[3] = {origin_.x, origin_.y, origin_.z};
   in.arena.for_blocks(w.size(), kBlockRows, [&](size_t begin, size_t end) {
     for (size_t i = begin; i < end; ++i) {
       // Held points keep the place that they have, to the bit.
       if (!(w[i] > 0)) continue;
       for (size_t k = 0; k < 3; ++k) {
-        x[3 * i + k] = origin[k] + rows_[4 * i + k], v[3 * i + k] = velocity_[4 * i + k];
+        x[3 * i + k] += rows_[4 * i + k], v[3 * i + k] = velocity_[4 * i + k];
       }
     }
   });
@@ -191,7 +240,7 @@ void Solver<T>::hold_drags(const State& s, double h) {
     const UserForces::Drag drag = Columns::kHands.drag(s, k);
     T* row = rows_.data() + 4 * drag.who;
     const double w = row[3], share = w / (w + 1 / (drag.stiffness * h * h));
-    const Vec3 to = drag.target - origin_;
+    const Vec3 to = drag.target - load3(s.f64(Columns::position).data(), drag.who);
     const double target[3] = {to.x, to.y, to.z};
     for (size_t i = 0; i < 3; ++i) row[i] = static_cast<T>(row[i] + share * (target[i] - row[i]));
   }
@@ -223,7 +272,8 @@ double Solver<T>::solve_chain_colours(const SolverInput& what, const StepInput& 
                           rest_.data() + batch.first_link,
                           compliance_.data() + batch.first_link,
                           damped_ ? damping_.data() + batch.first_link : nullptr,
-                          lambda_of(lambda_, batch.first_link)};
+                          lambda_of(lambda_, batch.first_link),
+                          base_.data() + 3 * batch.first_link};
         ChainRow<T>* scratch = batch.links <= kShortChain ? near : scratch_.data() + batch.first_link / lanes;
         q_[b] = solve_chains(c, per, before_.data(), relax_, rows_.data(), scratch);
       }
@@ -249,22 +299,26 @@ double Solver<T>::iterate(const SolverInput& what, const State& s, const StepInp
   for (int k = 0; k < what.options.iterations; ++k) {
     each_batch(schedule.rods, in, [&](size_t b) {
       solve_linear<T, 3>({schedule.rods.points.data() + 3 * lanes * b, rods_.k.data() + 3 * lanes * b,
-                          rods_.compliance.data() + lanes * b, lambda_of(rods_.lambda, 3 * lanes * b)},
+                          rods_.compliance.data() + lanes * b, lambda_of(rods_.lambda, 3 * lanes * b),
+                          rods_.base.data() + 3 * lanes * b},
                          per, relax_, rows);
     });
     each_batch(schedule.hinges, in, [&](size_t b) {
       solve_linear<T, 4>({schedule.hinges.points.data() + 4 * lanes * b, hinges_.k.data() + 4 * lanes * b,
-                          hinges_.compliance.data() + lanes * b, lambda_of(hinges_.lambda, 3 * lanes * b)},
+                          hinges_.compliance.data() + lanes * b, lambda_of(hinges_.lambda, 3 * lanes * b),
+                          hinges_.base.data() + 3 * lanes * b},
                          per, relax_, rows);
     });
     each_batch(schedule.angles, in, [&](size_t b) {
       const AngleBend& bend = what.body.angles[schedule.angles.member[b]];
       const double alpha = compliance(bending * bend.factor) / (h * h);
-      solve_dihedral<T>(bend.points, bend.rest, {alpha, 0}, relax_, rows, angle_lambda_[b]);
+      solve_dihedral<T>(bend.points, bend.rest, {alpha, 0}, relax_, s.f64(Columns::position).data(), rows,
+                        angle_lambda_[b]);
     });
     each_batch(schedule.volumes, in, [&](size_t b) {
       solve_volumes<T>({schedule.volumes.points.data() + 4 * lanes * b, volumes_.rest.data() + lanes * b,
-                        volumes_.compliance.data() + lanes * b, lambda_of(volumes_.lambda, lanes * b)},
+                        volumes_.compliance.data() + lanes * b, lambda_of(volumes_.lambda, lanes * b),
+                        volumes_.base.data() + 9 * lanes * b},
                        per, relax_, rows);
     });
     if (k == 0) hold_drags(s, h);
@@ -293,14 +347,15 @@ void Solver<T>::remember_velocities(const StepInput& in) {
 }
 
 template <class T>
-double Solver<T>::collide(const SolverInput& what, const StepInput& in, double t, double h) {
+double Solver<T>::collide(const SolverInput& what, const State& s, const StepInput& in, double t, double h) {
+  const double* start = s.f64(Columns::position).data();
   const size_t n = what.body.x.size();
-  const double origin[3] = {origin_.x, origin_.y, origin_.z};
   const T per_h = static_cast<T>(1 / h);
   in.arena.for_blocks(n, kBlockRows, [&](size_t begin, size_t end) {
     for (size_t i = begin; i < end; ++i) {
       for (size_t k = 0; k < 3; ++k) {
-        x_old_[3 * i + k] = origin[k] + before_[4 * i + k], x_[3 * i + k] = origin[k] + rows_[4 * i + k];
+        x_old_[3 * i + k] = start[3 * i + k] + before_[4 * i + k];
+        x_[3 * i + k] = start[3 * i + k] + rows_[4 * i + k];
         v_[3 * i + k] = (rows_[4 * i + k] - before_[4 * i + k]) * per_h;
       }
       w_[i] = rows_[4 * i + 3];
@@ -313,9 +368,9 @@ double Solver<T>::collide(const SolverInput& what, const StepInput& in, double t
     double most = 0;
     for (size_t i = begin; i < end; ++i) {
       const Vec3 sought{rows_[4 * i], rows_[4 * i + 1], rows_[4 * i + 2]};
-      most = std::max(most, norm2(load3(x_.data(), i) - origin_ - sought));
+      most = std::max(most, norm2(load3(x_.data(), i) - load3(start, i) - sought));
       for (size_t k = 0; k < 3; ++k) {
-        rows_[4 * i + k] = static_cast<T>(x_[3 * i + k] - origin[k]);
+        rows_[4 * i + k] = static_cast<T>(x_[3 * i + k] - start[3 * i + k]);
         velocity_[4 * i + k] = static_cast<T>(v_[3 * i + k]);
       }
     }
@@ -346,7 +401,7 @@ void Solver<T>::step(const SolverInput& what, State& s, const StepInput& in) {
     if (what.colliders.empty()) {
       find_velocities(what, in, h);
     } else {
-      q = std::max(q, collide(what, in, in.t + done, h) / options.shortest_link);
+      q = std::max(q, collide(what, s, in, in.t + done, h) / options.shortest_link);
     }
     // A cloth that has just been pulled tight may be so again: what one substep says is forgotten by and by.
     tightness = std::max(q / (h * h), 0.8 * tightness);

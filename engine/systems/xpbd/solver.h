@@ -6,8 +6,8 @@
 // turns no link by more than it can bear (q of kernels/xpbd/chain.h), judged by the substep before.
 // Multipliers begin at zero in every substep. Kept from one to the next they would integrate the error of a
 // sweep that has not converged: a third order loop without damping, which gains energy at once.
-// Numbers inside are T. Floats are places relative to the first point's at the step's start, so that what is
-// far from the origin moves as finely as what is near.
+// Numbers inside are T, displacements since the step's start: floats of them resolve what gravity adds in a
+// substep, h^2 g, which floats of places do not.
 #pragma once
 #include <span>
 #include <vector>
@@ -71,7 +71,7 @@ class Solver {
   template <class U>
   using Column = std::vector<U, CacheLineAllocator<U>>;
   struct Set {
-    Column<T> k, rest, compliance, lambda;
+    Column<T> k, rest, compliance, lambda, base;
   };
 
   T* lambda_of(Column<T>& lambda, size_t at) { return keeps_ ? lambda.data() + at : nullptr; }
@@ -83,6 +83,11 @@ class Solver {
   void pack_bends(const SetSchedule& schedule, const Bends& bends, double stiffness, Set& out) const;
   void pack_links(const SolverInput& what, const State& state);
   void load(const SolverInput& what, const State& state, const StepInput& in);
+  /// What constraints are at the step's start.
+  void load_chains(const SolverInput& what, const double* x, const StepInput& in);
+  template <class Bends>
+  void load_bends(const SetSchedule& schedule, const Bends& bends, const double* x, Set& out) const;
+  void load_volumes(const SolverInput& what, const double* x);
   void store(const SolverInput& what, State& state, const StepInput& in) const;
   void remember_velocities(const StepInput& in);
   /// Inverse masses under viscous damping c, 1 / (m + h c): what an implicit Euler step makes of -c v.
@@ -97,9 +102,8 @@ class Solver {
   void hold_drags(const State& state, double h);
   void find_velocities(const SolverInput& what, const StepInput& in, double h);
   /// The longest way (m) that a collider has put a point back.
-  double collide(const SolverInput& what, const StepInput& in, double t, double h);
+  double collide(const SolverInput& what, const State& state, const StepInput& in, double t, double h);
 
-  Vec3 origin_;  // of rows_
   const Schedule* built_for_ = nullptr;
   std::vector<double> built_with_;  // stiffnesses, damping
   T relax_ = 1;
@@ -107,8 +111,8 @@ class Solver {
   bool keeps_ = false;  // multipliers, where there is more than one iteration
   bool damped_ = false;
 
-  Column<T> rows_, before_, velocity_;  // 4 a row: (x, y, z, inverse mass), (vx, vy, vz, -)
-  Column<T> rest_, compliance_, damping_, lambda_;
+  Column<T> rows_, before_, velocity_;  // 4 a row: (dx, dy, dz, inverse mass), (vx, vy, vz, -)
+  Column<T> rest_, compliance_, damping_, lambda_, base_;
   std::vector<T> q_;  // per batch of chains
   Set rods_, hinges_, volumes_;
   std::vector<double> angle_lambda_;

@@ -199,7 +199,7 @@ void Xpbd::check(StateCheck& check, double) const {
 }
 
 std::vector<std::string> Xpbd::remedies() const {
-  return {"more substeps", "softer links", "more internal_damping", "the precision f64"};
+  return {"more substeps", "softer links", "more internal_damping"};
 }
 
 std::unique_ptr<const System> build_xpbd(const void* def, const BuildContext& context) {

@@ -154,10 +154,7 @@ const DefTable& xpbd_table() {
         .choice("sweep", &D::sweep, {"chains", "links"},
                 "chains: links in line are solved at once, which carries loads through a cloth in one sweep; "
                 "links: one by one, as pbd always does")
-        .choice("precision", &D::precision, {"f64", "f32"},
-                "of the numbers inside a step; f32 resolves h^2 g against the body's size and suits light "
-                "loads and some "
-                "twenty substeps")
+        .choice("precision", &D::precision, {"f64", "f32"}, "of the numbers inside a step")
         .integer(
             "substeps", &D::substeps, between(1, 10'000),
             "into which a step is divided; default for xpbd: 10 in 1/60 s, and more while tension would turn "
