@@ -3,6 +3,7 @@
 #pragma once
 #include <array>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "engine/core/drawing.h"
@@ -14,6 +15,9 @@ namespace truestep::xpbd {
 /// Pa.
 enum class Family : uint8_t { structural, shear, bending, volume };
 inline constexpr size_t kFamilies = 4;
+inline double stiffness_of(std::span<const double> column, Family family) {
+  return column[static_cast<size_t>(family)];
+}
 
 struct Link {
   uint32_t a, b;

@@ -60,6 +60,9 @@ struct SolverInput {
   std::span<const Surface> surfaces;
 };
 
+/// Links of a chain up to which the scratch of a batch lies on the stack, in the first cache.
+inline constexpr uint32_t kShortChain = 128;
+
 /// Scratch of one system: constants packed lane by lane, which follow from the state's stiffnesses and the
 /// step, and what lives for a step only.
 template <class T>
