@@ -12,6 +12,7 @@
 #include "engine/systems/rigid3d/rigid3d_def.h"
 #include "engine/systems/rod_chain/rod_chain.h"
 #include "engine/systems/wave/wave.h"
+#include "engine/systems/xpbd/xpbd.h"
 
 namespace truestep {
 
@@ -94,6 +95,18 @@ std::span<const CatalogueRow> catalogue() {
        &mass_spring::mass_spring_outputs(),
        10,
        &mass_spring::mass_spring_resolution()},
+      {"xpbd",
+       "springs",
+       "cloth, ropes, hair and soft blocks by position-based dynamics, with the stiffness of the scene "
+       "(xpbd) or "
+       "the textbook's (pbd)",
+       &xpbd::xpbd_table(),
+       xpbd::build_xpbd,
+       xpbd::xpbd_cost,
+       {"the stretch of a hanging rope is m g / k, whatever the step", "pinned points do not move",
+        "constraints conserve momentum", "the same bits on any number of threads"},
+       "",
+       &xpbd::xpbd_outputs()},
       {"articulation",
        "rigid bodies",
        "rigid links in a tree of joints, in the joints' own coordinates: chains that cannot come apart, "

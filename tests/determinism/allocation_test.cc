@@ -10,6 +10,7 @@
 #include "engine/systems/mass_spring/mass_spring.h"
 #include "engine/systems/mass_spring/mass_spring_def.h"
 #include "engine/systems/ode/ode.h"
+#include "engine/systems/xpbd/xpbd.h"
 #include "tests/support/field_run.h"
 
 namespace {
@@ -74,6 +75,27 @@ TEST(Allocation, NoStepAfterTheFirstAllocates) {
     }
     EXPECT_GT(first, 0u) << m.name << ": the counter does not count";
     EXPECT_EQ(later, 0u) << m.name;
+  }
+}
+
+TEST(Allocation, PositionBasedStepsAllocateNothingAfterTheFirst) {
+  for (const xpbd::Precision precision : {xpbd::Precision::f64, xpbd::Precision::f32}) {
+    xpbd::XpbdDef d;
+    d.cloth_grid.emplace();
+    d.flexural_rigidity = 1e-4, d.internal_damping = 1e-2, d.iterations = 2, d.precision = precision;
+    d.colliders.push_back(PlaneColliderDef{{}, {0, -0.05, 0}});
+    const auto system = xpbd::build_xpbd(&d, {});
+    State s = system->initial_state();
+    Workspace workspace;
+    const ThreadArena arena(1);
+    uint64_t later = 0;
+    for (uint64_t n = 0; n < 20; ++n) {
+      const uint64_t before = allocations;
+      system->step(s,
+                   {.t = double(n) / 60, .h = 1.0 / 60, .step = n, .workspace = workspace, .arena = arena});
+      if (n > 0) later += allocations - before;
+    }
+    EXPECT_EQ(later, 0u);
   }
 }
 

@@ -1,85 +1,10 @@
 #include "engine/systems/mass_spring/mass_spring_def.h"
 
 #include <algorithm>
-#include <cmath>
-#include <optional>
 
 namespace truestep::mass_spring {
 
 namespace {
-
-const DefTable& rope_table() {
-  static const DefTable t =
-      TableOf<RopeShape>("chain of points from one place to another")
-          .vector("from", &RopeShape::from, "m", any(), "where the first point is")
-          .required()
-          .vector("to", &RopeShape::to, "m", any(), "where the last point is")
-          .required()
-          .integer("links", &RopeShape::links, between(1, 1e6), "springs between the two ends")
-          .number("length", &RopeShape::length, "m", above(0),
-                  "length at rest; longer than the distance: the rope begins with a sag")
-          .build();
-  return t;
-}
-
-const DefTable& hair_table() {
-  static const DefTable t =
-      TableOf<HairShape>("strands with their roots spread over a disc")
-          .vector("root", &HairShape::root, "m", any(), "centre of the disc")
-          .number("radius", &HairShape::radius, "m", at_least(0), "of the disc")
-          .integer("strands", &HairShape::strands, between(1, 1e5), "number of strands")
-          .integer("links", &HairShape::links, between(2, 1000), "springs per strand")
-          .number("length", &HairShape::length, "m", above(0), "of a strand")
-          .vector("direction", &HairShape::direction, "1", any(), "in which the strands grow")
-          .check([](const HairShape& h, const DefTable::Report& report) {
-            if (!(norm2(h.direction) > 0)) report("/direction", "a direction must not be zero");
-          })
-          .build();
-  return t;
-}
-
-const DefTable& grid_table() {
-  static const DefTable t =
-      TableOf<ClothGridShape>("rectangular cloth; point (i, j) has index j nx + i")
-          .vector("origin", &ClothGridShape::origin, "m", any(), "corner (0, 0)")
-          .vector("edge_u", &ClothGridShape::edge_u, "m", any(), "from corner (0, 0) to the end of u")
-          .vector("edge_v", &ClothGridShape::edge_v, "m", any(), "from corner (0, 0) to the end of v")
-          .integer("nx", &ClothGridShape::nx, between(2, 10000), "points along u")
-          .integer("ny", &ClothGridShape::ny, between(2, 10000), "points along v")
-          .choice("shear", &ClothGridShape::shear, {"both", "one", "none"},
-                  "diagonal springs per square: both, one or none")
-          .check([](const ClothGridShape& g, const DefTable::Report& report) {
-            if (!(norm2(cross(g.edge_u, g.edge_v)) > 0)) report("", "edge_u and edge_v must span an area");
-          })
-          .build();
-  return t;
-}
-
-const DefTable& mesh_table() {
-  static const DefTable t =
-      TableOf<MeshShape>("triangle mesh: a spring along every edge, a bending spring across it")
-          .vectors("vertices", &MeshShape::vertices, "m", any(), {3, 1'000'000}, "where the points are")
-          .required()
-          .integers("triangles", &MeshShape::triangles, at_least(0), {3, 6'000'000},
-                    "three vertex indices per triangle, one after another")
-          .required()
-          .check([](const MeshShape& m, const DefTable::Report& report) {
-            if (m.triangles.size() % 3) report("/triangles", "the length must be a multiple of three");
-            const auto n = static_cast<int64_t>(m.vertices.size());
-            for (size_t i = 0; i < m.triangles.size(); ++i) {
-              if (m.triangles[i] < n) continue;
-              return report("/triangles/" + std::to_string(i), "there is no such vertex");
-            }
-            for (size_t t = 0; t + 2 < m.triangles.size(); t += 3) {
-              const int64_t a = m.triangles[t], b = m.triangles[t + 1], c = m.triangles[t + 2];
-              if (a == b || b == c || c == a) {
-                return report("/triangles/" + std::to_string(t), "a triangle needs three different vertices");
-              }
-            }
-          })
-          .build();
-  return t;
-}
 
 const DefTable& free_spring_table() {
   static const DefTable t =
@@ -123,18 +48,6 @@ const DefTable& free_table() {
   return t;
 }
 
-// The plate's rods run along the sides and the diagonals of its cells (shape_cloth.cc).
-std::optional<std::string> plate_fault(const ClothGridShape& g) {
-  if (std::abs(dot(g.edge_u, g.edge_v)) > 1e-6 * norm(g.edge_u) * norm(g.edge_v)) {
-    return "needs edges at right angles";
-  }
-  const double u = norm(g.edge_u) / (g.nx - 1), v = norm(g.edge_v) / (g.ny - 1);
-  if (u * u > 3 * v * v || v * v > 3 * u * u) {
-    return "needs cells of which one side is at most 1.7 times the other";
-  }
-  return std::nullopt;
-}
-
 void check_def(const MassSpringDef& d, const DefTable::Report& report) {
   const int shapes = d.rope.has_value() + d.hair.has_value() + d.cloth_grid.has_value() + d.mesh.has_value() +
                      d.free.has_value();
@@ -148,8 +61,8 @@ void check_def(const MassSpringDef& d, const DefTable::Report& report) {
   if (d.flexural_rigidity > 0) {
     if (!d.cloth_grid) {
       report("/flexural_rigidity", "only a cloth grid has one; of ropes and hair it is bending_rigidity");
-    } else if (const auto fault = plate_fault(*d.cloth_grid)) {
-      report("/flexural_rigidity", *fault);
+    } else if (const char* fault = plate_fault(*d.cloth_grid)) {
+      report("/flexural_rigidity", fault);
     }
   }
   const MassSpringCounts counts = mass_spring_counts(d);
@@ -207,10 +120,10 @@ const DefTable& mass_spring_table() {
   static const DefTable t = [] {
     using D = MassSpringDef;
     TableOf<D> table("points joined by springs: ropes, hair, cloth on a grid or a mesh, free networks");
-    table.object("rope", &D::rope, rope_table(), "a rope")
-        .object("hair", &D::hair, hair_table(), "a bundle of hair, held at its roots")
-        .object("cloth_grid", &D::cloth_grid, grid_table(), "a rectangular cloth")
-        .object("mesh", &D::mesh, mesh_table(), "a cloth of any form")
+    table.object("rope", &D::rope, rope_shape_table(), "a rope")
+        .object("hair", &D::hair, hair_shape_table(), "a bundle of hair, held at its roots")
+        .object("cloth_grid", &D::cloth_grid, cloth_grid_shape_table(), "a rectangular cloth")
+        .object("mesh", &D::mesh, mesh_shape_table(), "a cloth of any form")
         .object("free", &D::free, free_table(), "points and springs one by one")
         .number("mass", &D::mass, "kg", above(0), "of every point (unless density or masses are given)")
         .number("density", &D::density, "", above(0),

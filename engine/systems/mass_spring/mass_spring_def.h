@@ -9,36 +9,9 @@
 #include "engine/core/integrator_def.h"
 #include "engine/core/outputs.h"
 #include "engine/core/resolution.h"
+#include "engine/core/shape_def.h"
 
 namespace truestep::mass_spring {
-
-struct RopeShape {
-  Vec3 from{}, to{};               // m
-  int links = 20;                  // springs; links + 1 points
-  std::optional<double> length{};  // m at rest; absent: the distance from -> to
-};
-
-struct HairShape {
-  Vec3 root{};  // m, centre of the roots' disc
-  double radius = 0.1;
-  int strands = 50;
-  int links = 16;
-  double length = 0.5;
-  Vec3 direction{0, -1, 0};
-};
-
-enum class ShearSprings : uint8_t { both, one, none };
-
-struct ClothGridShape {
-  Vec3 origin{}, edge_u{1, 0, 0}, edge_v{0, 0, 1};  // m
-  int nx = 20, ny = 20;                             // points along u and v
-  ShearSprings shear = ShearSprings::both;
-};
-
-struct MeshShape {
-  std::vector<Vec3> vertices{};      // m
-  std::vector<int64_t> triangles{};  // three indices each
-};
 
 struct FreeSpring {
   int64_t a = 0, b = 0;

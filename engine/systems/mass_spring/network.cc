@@ -13,19 +13,7 @@ void add_pin(std::vector<uint32_t>& pins, size_t i) {
 void add_named_pins(const MassSpringDef& def, const std::string& name, Network& out) {
   const size_t n = out.x.size();
   if (def.cloth_grid) {
-    const auto nx = static_cast<size_t>(def.cloth_grid->nx), ny = static_cast<size_t>(def.cloth_grid->ny);
-    for (size_t j = 0; j < ny; ++j) {
-      for (size_t i = 0; i < nx; ++i) {
-        const bool u0 = i == 0, u1 = i + 1 == nx, v0 = j == 0, v1 = j + 1 == ny;
-        const bool hit = (name == "corners" && (u0 || u1) && (v0 || v1)) ||
-                         (name == "corner_00" && u0 && v0) || (name == "corner_10" && u1 && v0) ||
-                         (name == "corner_01" && u0 && v1) || (name == "corner_11" && u1 && v1) ||
-                         (name == "edge_u0" && u0) || (name == "edge_u1" && u1) ||
-                         (name == "edge_v0" && v0) || (name == "edge_v1" && v1) ||
-                         (name == "border" && (u0 || u1 || v0 || v1));
-        if (hit) add_pin(out.pins, j * nx + i);
-      }
-    }
+    for (const uint32_t i : named_grid_points(*def.cloth_grid, name)) add_pin(out.pins, i);
   }
   if (name == "first" || name == "ends") add_pin(out.pins, 0);
   if (name == "last" || name == "ends") add_pin(out.pins, n - 1);

@@ -1,0 +1,24 @@
+// Triangle meshes of cloth: what a scene gives, edges with the corners across them, areas of the points.
+#pragma once
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "engine/math/vec3.h"
+
+namespace truestep {
+
+struct MeshShape {
+  std::vector<Vec3> vertices{};      // m
+  std::vector<int64_t> triangles{};  // three indices each
+};
+
+std::vector<std::array<uint32_t, 3>> mesh_triangles(const MeshShape& shape);
+/// A third of every triangle's area to each of its corners, m^2.
+std::vector<double> mesh_shares(const MeshShape& shape);
+
+/// An edge of one triangle: (smaller end, larger end, opposite corner). Sorted, so that the triangles of an
+/// edge are neighbours.
+std::vector<std::array<uint32_t, 3>> sorted_edges(const std::vector<std::array<uint32_t, 3>>& triangles);
+
+}  // namespace truestep

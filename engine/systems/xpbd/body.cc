@@ -1,0 +1,191 @@
+#include "engine/systems/xpbd/body.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "engine/kernels/xpbd/dihedral.h"
+#include "engine/kernels/xpbd/linear.h"
+
+namespace truestep::xpbd {
+
+namespace {
+
+constexpr double kPi = 3.14159265358979323846;
+
+/// A chain of links from row `first`; EI of its rods over three points.
+void add_chain(size_t first, size_t points, double link, const XpbdDef& def, Body& out) {
+  const double section = kPi / 4 * def.thickness * def.thickness;
+  const double factor = def.youngs_modulus ? section / link : 1;
+  for (size_t i = first; i + 1 < first + points; ++i) {
+    const auto a = static_cast<uint32_t>(i);
+    out.links.push_back({a, a + 1, Family::structural, def.rest_scale * link, factor});
+  }
+  if (!(def.bending_rigidity > 0)) return;
+  for (size_t i = first; i + 2 < first + points; ++i) {
+    const auto a = static_cast<uint32_t>(i);
+    out.rods.push_back({{a, a + 1, a + 2}, {1, -2, 1}, 1 / (link * link * link)});
+  }
+}
+
+std::vector<double> build_rope(const RopeShape& shape, const Vec3& down, const XpbdDef& def, Body& out) {
+  out.x = rope_points(shape, down);
+  const double link = rope_link(shape);
+  add_chain(0, out.x.size(), link, def, out);
+  std::vector<double> share(out.x.size(), link);
+  share.front() = share.back() = 0.5 * link;
+  return share;
+}
+
+std::vector<double> build_hair(const HairShape& shape, const XpbdDef& def, Body& out) {
+  out.x = hair_points(shape);
+  const size_t points = static_cast<size_t>(shape.links) + 1;
+  const double link = shape.length / shape.links;
+  std::vector<double> share(out.x.size(), link);
+  for (size_t first = 0; first < out.x.size(); first += points) {
+    share[first + points - 1] = 0.5 * link;
+    // Two held points give the root its direction.
+    out.pins.push_back(static_cast<uint32_t>(first));
+    out.pins.push_back(static_cast<uint32_t>(first + 1));
+    add_chain(first, points, link, def, out);
+  }
+  return share;
+}
+
+/// Stiffness over E of a rod of weight w: w E t / (1 - nu^2) times its area over its length squared.
+double membrane(double weight, double thickness, double area, double length2) {
+  return 9.0 / 8 * weight * thickness * area / length2;
+}
+
+std::vector<double> build_grid(const ClothGridShape& shape, const XpbdDef& def, Body& out) {
+  ClothGrid grid = make_cloth_grid(shape);
+  out.x = std::move(grid.x), out.triangles = std::move(grid.triangles);
+  const PlateWeights w = plate_weights(shape);
+  const double cell = norm(cross(shape.edge_u, shape.edge_v)) / ((shape.nx - 1.0) * (shape.ny - 1.0));
+  const auto nx = static_cast<uint32_t>(shape.nx), last = static_cast<uint32_t>(shape.ny - 1) * nx;
+  const auto add = [&](Family family, int di, int dj, double weight) {
+    if (def.youngs_modulus && !(weight > 0)) return;
+    for (const auto& [a, b] : grid_pairs(shape, di, dj)) {
+      const double length = norm(out.x[b] - out.x[a]);
+      // A link on the border has a cell on one side only.
+      const bool border =
+          (dj == 0 && (a < nx || a >= last)) || (di == 0 && (a % nx == 0 || a % nx == nx - 1));
+      const double factor =
+          def.youngs_modulus ? membrane(weight, def.thickness, border ? cell / 2 : cell, length * length) : 1;
+      out.links.push_back({a, b, family, def.rest_scale * length, factor});
+    }
+  };
+  add(Family::structural, 1, 0, w.u);
+  add(Family::structural, 0, 1, w.v);
+  const bool shear = def.youngs_modulus || (def.shear_stiffness > 0 && shape.shear != ShearSprings::none);
+  const bool both = def.youngs_modulus || shape.shear == ShearSprings::both;
+  if (shear) add(Family::shear, 1, 1, w.diagonal);
+  if (shear && both) add(Family::shear, -1, 1, w.diagonal);
+  if (def.flexural_rigidity > 0) {
+    for (const PlateRod& r : plate_rods(shape)) {
+      if (!(r.weight > 0)) continue;
+      out.rods.push_back(
+          {r.points, {1, -2, 1}, r.weight * grid.share[r.points[1]] / (r.length2 * r.length2)});
+    }
+  }
+  return grid.share;
+}
+
+/// Hinges of a mesh that lies in a plane are linear; of any other they have an angle at rest.
+void add_hinges(const std::vector<std::array<uint32_t, 3>>& edges, Body& out) {
+  constexpr double kFlat = 1e-6;
+  const auto& x = out.x;
+  double most = 0;
+  for (size_t i = 1; i < edges.size(); ++i) {
+    const auto &e = edges[i], &f = edges[i - 1];
+    if (e[0] != f[0] || e[1] != f[1] || e[2] == f[2]) continue;
+    const Hinge h = hinge(x[e[0]], x[e[1]], x[f[2]], x[e[2]]);
+    if (!(h.area > 0)) continue;
+    const double angle = dihedral(x[e[0]], x[e[1]], x[f[2]], x[e[2]]).angle;
+    most = std::max(most, std::abs(angle));
+    out.hinges.push_back({{e[0], e[1], f[2], e[2]}, h.k, 1 / h.area});
+    out.angles.push_back({out.hinges.back().points, angle, norm2(x[e[1]] - x[e[0]]) / h.area});
+  }
+  if (most < kFlat) {
+    out.angles.clear();
+  } else {
+    out.hinges.clear();
+  }
+}
+
+std::vector<double> build_mesh(const MeshShape& shape, const XpbdDef& def, Body& out) {
+  out.x = shape.vertices;
+  out.triangles = mesh_triangles(shape);
+  const auto edges = sorted_edges(out.triangles);
+  for (size_t i = 0; i < edges.size(); ++i) {
+    const auto& e = edges[i];
+    if (i > 0 && edges[i - 1][0] == e[0] && edges[i - 1][1] == e[1]) continue;
+    out.links.push_back(
+        {e[0], e[1], Family::structural, def.rest_scale * norm(out.x[e[1]] - out.x[e[0]]), 1});
+  }
+  if (def.flexural_rigidity > 0) add_hinges(edges, out);
+  return mesh_shares(shape);
+}
+
+std::vector<double> build_block(const SoftBlockShape& shape, const XpbdDef& def, Body& out) {
+  SoftBlock block = make_soft_block(shape);
+  out.x = std::move(block.x), out.triangles = std::move(block.triangles);
+  for (const auto& [a, b] : block.edges) {
+    out.links.push_back({a, b, Family::structural, def.rest_scale * norm(out.x[b] - out.x[a]), 1});
+  }
+  const double scale = def.rest_scale * def.rest_scale * def.rest_scale;
+  for (const auto& t : block.tetrahedra) {
+    const Vec3 &a = out.x[t[0]], &b = out.x[t[1]], &c = out.x[t[2]], &d = out.x[t[3]];
+    out.tetrahedra.push_back({t, scale * dot(b - a, cross(c - a, d - a)) / 6});
+  }
+  return block.share;
+}
+
+void add_named_pins(const XpbdDef& def, const std::string& name, Body& out) {
+  const auto n = static_cast<uint32_t>(out.x.size());
+  if (def.cloth_grid) {
+    const auto rows = named_grid_points(*def.cloth_grid, name);
+    out.pins.insert(out.pins.end(), rows.begin(), rows.end());
+  }
+  if (def.block) {
+    const auto& b = *def.block;
+    const auto nx = static_cast<uint32_t>(b.cells_x) + 1, ny = static_cast<uint32_t>(b.cells_y) + 1,
+               nz = static_cast<uint32_t>(b.cells_z) + 1;
+    for (uint32_t p = 0; p < n; ++p) {
+      const uint32_t i = p % nx, j = p / nx % ny, k = p / nx / ny;
+      if ((name == "bottom" && j == 0) || (name == "top" && j + 1 == ny) || (name == "x0" && i == 0) ||
+          (name == "x1" && i + 1 == nx) || (name == "z0" && k == 0) || (name == "z1" && k + 1 == nz)) {
+        out.pins.push_back(p);
+      }
+    }
+  }
+  if (name == "first" || name == "ends") out.pins.push_back(0);
+  if (name == "last" || name == "ends") out.pins.push_back(n - 1);
+}
+
+}  // namespace
+
+Body build_body(const XpbdDef& def, const Vec3& down) {
+  Body out;
+  std::vector<double> share;
+  if (def.rope) share = build_rope(*def.rope, down, def, out);
+  if (def.hair) share = build_hair(*def.hair, def, out);
+  if (def.cloth_grid) share = build_grid(*def.cloth_grid, def, out);
+  if (def.mesh) share = build_mesh(*def.mesh, def, out);
+  if (def.block) share = build_block(*def.block, def, out);
+
+  // A vertex of no triangle has no share: it gets the mass of a point instead.
+  for (const double s : share) out.masses.push_back(def.density && s > 0 ? s * *def.density : def.mass);
+  for (const LoadDef& l : def.loads) out.masses[static_cast<size_t>(l.point)] += l.mass;
+
+  for (const int64_t i : def.pins) out.pins.push_back(static_cast<uint32_t>(i));
+  for (const std::string& name : def.pinned) add_named_pins(def, name, out);
+  std::sort(out.pins.begin(), out.pins.end());
+  out.pins.erase(std::unique(out.pins.begin(), out.pins.end()), out.pins.end());
+
+  out.stiffness = {def.youngs_modulus.value_or(def.stiffness),
+                   def.youngs_modulus.value_or(def.shear_stiffness),
+                   def.rope || def.hair ? def.bending_rigidity : def.flexural_rigidity, def.bulk_modulus};
+  return out;
+}
+
+}  // namespace truestep::xpbd

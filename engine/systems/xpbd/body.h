@@ -1,0 +1,64 @@
+// Points and constraints of a shape: what the solver works on. Stiffnesses are a family's value, which a
+// command may change, times a factor of the constraint's own.
+#pragma once
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "engine/core/drawing.h"
+#include "engine/systems/xpbd/xpbd_def.h"
+
+namespace truestep::xpbd {
+
+/// Rows of the column `stiffness`: N/m (Pa where Young's modulus is given) of links, N m^2 or N m of bends,
+/// Pa.
+enum class Family : uint8_t { structural, shear, bending, volume };
+inline constexpr size_t kFamilies = 4;
+inline double stiffness_of(std::span<const double> column, Family family) {
+  return column[static_cast<size_t>(family)];
+}
+
+struct Link {
+  uint32_t a, b;
+  Family family;
+  double rest;    ///< m
+  double factor;  ///< stiffness over the family's
+};
+
+/// K x of N points (kernels/xpbd/linear.h), alpha = 1 / (bending stiffness times factor).
+template <size_t N>
+struct LinearBend {
+  std::array<uint32_t, N> points;
+  std::array<double, N> k;
+  double factor;
+};
+
+struct AngleBend {
+  std::array<uint32_t, 4> points;
+  double rest;  ///< rad
+  double factor;
+};
+
+struct Tetrahedron {
+  std::array<uint32_t, 4> points;
+  double rest;  ///< m^3; alpha = rest / bulk modulus
+};
+
+struct Body {
+  std::vector<Vec3> x;         ///< m
+  std::vector<double> masses;  ///< kg
+  std::vector<Link> links;
+  std::vector<LinearBend<3>> rods;
+  std::vector<LinearBend<4>> hinges;
+  std::vector<AngleBend> angles;
+  std::vector<Tetrahedron> tetrahedra;
+  std::vector<std::array<uint32_t, 3>> triangles;
+  std::vector<uint32_t> pins;  ///< ascending, each once
+  std::array<double, kFamilies> stiffness{};
+};
+
+/// `down` is the direction in which a slack rope sags.
+Body build_body(const XpbdDef& def, const Vec3& down);
+
+}  // namespace truestep::xpbd

@@ -1,0 +1,130 @@
+// One step of position-based dynamics, in substeps of h (Macklin, Storey, Lu, Terdiman, Chentanez, Jeschke,
+// Mueller 2019, "Small steps in physics simulation", algorithm 1; Mueller et al. 2007, algorithm 1, for pbd):
+//   v += h M^-1 f,   x_n = x,   x += h v,   every constraint moves its points,   v = (x - x_n) / h,
+//   colliders.
+// Where the number of substeps is free, a substep is at most that of `substeps` and so short that tension
+// turns no link by more than it can bear (q of kernels/xpbd/chain.h), judged by the substep before.
+// Multipliers begin at zero in every substep. Kept from one to the next they would integrate the error of a
+// sweep that has not converged: a third order loop without damping, which gains energy at once.
+// Numbers inside are T, displacements since the step's start: floats of them resolve what gravity adds in a
+// substep, h^2 g, which floats of places do not.
+#pragma once
+#include <span>
+#include <vector>
+
+#include "engine/base/cache_line.h"
+#include "engine/collision/points/collider_set.h"
+#include "engine/core/system.h"
+#include "engine/core/user_forces.h"
+#include "engine/kernels/xpbd/chain.h"
+#include "engine/systems/xpbd/schedule.h"
+
+namespace truestep::xpbd {
+
+/// Columns of the state, in the order in which they are added.
+struct XpbdColumns {
+  enum : State::Column {
+    position,
+    velocity,
+    inverse_mass,  ///< 1/kg, 0: held
+    stiffness,     ///< a row per Family
+    damping,       ///< N s/m: viscous, internal
+    gravity,       ///< m/s^2
+    drag_row,
+    drag_target,     ///< m
+    drag_stiffness,  ///< N/m
+    push_row,
+    push_force,      ///< N
+    push_remaining,  ///< s
+    tightness,       ///< 1/s^2, q / h^2 of the last substep (kernels/xpbd/chain.h)
+  };
+  static constexpr UserForces kHands{{push_row, push_force, push_remaining},
+                                     {drag_row, drag_target, drag_stiffness}};
+};
+
+struct SolverOptions {
+  Scheme scheme = Scheme::xpbd;
+  int substeps = 1, iterations = 1;
+  enum class Division : uint8_t { fixed, by_tension } division = Division::fixed;
+  double projection = 1;
+  double radius = 0;         ///< m, kept from colliders
+  double shortest_link = 1;  ///< m
+};
+
+/// What a solver knows of a body besides the state; all of it outlives the step.
+struct SolverInput {
+  const Body& body;
+  const Schedule& schedule;
+  const SolverOptions& options;
+  const ColliderSet& colliders;
+  std::span<const Surface> surfaces;
+};
+
+/// Links of a chain up to which the scratch of a batch lies on the stack, in the first cache.
+inline constexpr uint32_t kShortChain = 128;
+
+/// Scratch of one system: constants packed lane by lane, which follow from the state's stiffnesses and the
+/// step, and what lives for a step only.
+template <class T>
+class Solver {
+ public:
+  void step(const SolverInput& what, State& state, const StepInput& in);
+
+ private:
+  template <class U>
+  using Column = std::vector<U, CacheLineAllocator<U>>;
+  struct Set {
+    Column<T> k, rest, compliance, lambda, base;
+  };
+
+  T* lambda_of(Column<T>& lambda, size_t at) { return keeps_ ? lambda.data() + at : nullptr; }
+  /// Of a constraint of stiffness k.
+  double compliance(double k) const { return !soft_ ? 0 : k > 0 ? 1 / k : kIdle; }
+  void prepare(const SolverInput& what, const State& state);
+  static void resize(size_t entries, size_t points, size_t components, Set& out);
+  template <class Bends>
+  void pack_bends(const SetSchedule& schedule, const Bends& bends, double stiffness, Set& out) const;
+  void pack_links(const SolverInput& what, const State& state);
+  void load(const SolverInput& what, const State& state, const StepInput& in);
+  /// What constraints are at the step's start.
+  void load_chains(const SolverInput& what, const double* x, const StepInput& in);
+  template <class Bends>
+  void load_bends(const SetSchedule& schedule, const Bends& bends, const double* x, Set& out) const;
+  void load_volumes(const SolverInput& what, const double* x);
+  void store(const SolverInput& what, State& state, const StepInput& in) const;
+  void remember_velocities(const StepInput& in);
+  /// Inverse masses under viscous damping c, 1 / (m + h c): what an implicit Euler step makes of -c v.
+  void weigh(const State& state, const StepInput& in, double h);
+  void predict(const SolverInput& what, const State& state, const StepInput& in, double h);
+  /// The largest q of the last iteration.
+  double iterate(const SolverInput& what, const State& state, const StepInput& in, double h);
+  /// The largest q.
+  double solve_chain_colours(const SolverInput& what, const StepInput& in, double h);
+  template <class Solve>
+  void each_batch(const SetSchedule& schedule, const StepInput& in, const Solve& solve);
+  void hold_drags(const State& state, double h);
+  void find_velocities(const SolverInput& what, const StepInput& in, double h);
+  /// The longest way (m) that a collider has put a point back.
+  double collide(const SolverInput& what, const State& state, const StepInput& in, double t, double h);
+
+  const Schedule* built_for_ = nullptr;
+  std::vector<double> built_with_;  // stiffnesses, damping
+  T relax_ = 1;
+  bool soft_ = true;    // xpbd: constraints give way by their compliance
+  bool keeps_ = false;  // multipliers, where there is more than one iteration
+  bool damped_ = false;
+
+  Column<T> rows_, before_, velocity_;  // 4 a row: (dx, dy, dz, inverse mass), (vx, vy, vz, -)
+  Column<T> rest_, compliance_, damping_, lambda_, base_;
+  std::vector<T> q_;  // per batch of chains
+  Set rods_, hinges_, volumes_;
+  std::vector<double> angle_lambda_;
+  std::vector<ChainRow<T>, CacheLineAllocator<ChainRow<T>>> scratch_;
+  std::vector<double> x_old_, v_old_, x_, v_, w_;  // for colliders
+  std::vector<double> put_back_;                   // per block, m
+};
+
+extern template class Solver<float>;
+extern template class Solver<double>;
+
+}  // namespace truestep::xpbd

@@ -1,0 +1,179 @@
+// What a solver packs lane by lane: constants of the constraints when a stiffness has changed, and where they
+// are at the start of a step.
+#include <algorithm>
+#include <tuple>
+
+#include "engine/math/trig.h"
+#include "engine/systems/xpbd/solver.h"
+
+namespace truestep::xpbd {
+
+using Columns = XpbdColumns;
+
+template <class T>
+void Solver<T>::resize(size_t entries, size_t points, size_t components, Set& out) {
+  out.k.resize(points * entries), out.rest.resize(entries), out.compliance.resize(entries);
+  out.lambda.resize(components * entries);
+  out.base.resize((components == 3 ? 3 : 9) * entries);
+}
+
+template <class T>
+template <class Bends>
+void Solver<T>::pack_bends(const SetSchedule& schedule, const Bends& bends, double stiffness,
+                           Set& out) const {
+  constexpr size_t kPoints = std::tuple_size_v<decltype(bends.front().points)>;
+  constexpr auto kLanes = static_cast<size_t>(Wide<T>::kLanes);
+  resize(schedule.member.size(), kPoints, 3, out);
+  for (size_t e = 0; e < schedule.member.size(); ++e) {
+    const uint32_t member = schedule.member[e];
+    out.compliance[e] =
+        member == kNobody ? T(0) : static_cast<T>(compliance(stiffness * bends[member].factor));
+    for (size_t i = 0; i < kPoints; ++i) {
+      out.k[(e / kLanes * kPoints + i) * kLanes + e % kLanes] =
+          member == kNobody ? T(0) : static_cast<T>(bends[member].k[i]);
+    }
+  }
+}
+
+template <class T>
+void Solver<T>::pack_links(const SolverInput& what, const State& s) {
+  const ChainSchedule& chains = what.schedule.chains;
+  const size_t links = chains.link.size();
+  const double damping = s.f64(Columns::damping)[1];
+  rest_.assign(links, T(0)), compliance_.assign(links, static_cast<T>(kIdle));
+  damping_.assign(damped_ ? links : 0, T(0)), lambda_.assign(keeps_ ? links : 0, T(0));
+  for (size_t e = 0; e < links; ++e) {
+    if (chains.link[e] == kNobody) continue;
+    const Link& l = what.body.links[chains.link[e]];
+    const double k = stiffness_of(s.f64(Columns::stiffness), l.family) * l.factor;
+    rest_[e] = static_cast<T>(l.rest), compliance_[e] = static_cast<T>(compliance(k));
+    if (damped_ && k > 0) damping_[e] = static_cast<T>(damping / k);
+  }
+  base_.resize(3 * links);
+  q_.resize(chains.batches.size());
+  uint32_t longest = 0;
+  for (const Colour& c : chains.colours) longest = std::max(longest, c.longest);
+  scratch_.resize(longest > kShortChain ? links / Wide<T>::kLanes : 0);
+}
+
+template <class T>
+void Solver<T>::prepare(const SolverInput& what, const State& s) {
+  const auto stiffness = s.f64(Columns::stiffness), damping = s.f64(Columns::damping);
+  std::vector<double>& key = built_with_;
+  const bool same = built_for_ == &what.schedule && key.size() == kFamilies + 1 &&
+                    std::equal(stiffness.begin(), stiffness.end(), key.begin()) &&
+                    key[kFamilies] == damping[1];
+  if (same) return;
+  built_for_ = &what.schedule;
+  key.assign(stiffness.begin(), stiffness.end());
+  key.push_back(damping[1]);
+
+  const Schedule& schedule = what.schedule;
+  const SolverOptions& options = what.options;
+  soft_ = options.scheme == Scheme::xpbd;
+  keeps_ = soft_ && options.iterations > 1;
+  damped_ = soft_ && damping[1] > 0;
+  relax_ = 1;
+  if (!soft_ && options.projection < 1) {
+    // n iterations leave (1 - k) of an error (Mueller et al. 2007, section 3.3).
+    relax_ = static_cast<T>(1 - trig::pow(1 - options.projection, 1.0 / options.iterations));
+  }
+  rows_.assign(4 * schedule.rows, T(0)), before_.assign(4 * schedule.rows, T(0));
+  velocity_.assign(4 * schedule.rows, T(0));
+  pack_links(what, s);
+  const double bending = stiffness_of(stiffness, Family::bending);
+  pack_bends(schedule.rods, what.body.rods, bending, rods_);
+  pack_bends(schedule.hinges, what.body.hinges, bending, hinges_);
+  angle_lambda_.resize(schedule.angles.member.size());
+
+  resize(schedule.volumes.member.size(), 0, 1, volumes_);
+  for (size_t e = 0; e < schedule.volumes.member.size(); ++e) {
+    const uint32_t member = schedule.volumes.member[e];
+    const double rest = member == kNobody ? 1 : what.body.tetrahedra[member].rest;
+    volumes_.rest[e] = static_cast<T>(rest);
+    volumes_.compliance[e] = static_cast<T>(compliance(stiffness_of(stiffness, Family::volume) / rest));
+  }
+  if (what.colliders.empty()) return;
+  for (auto* column : {&x_old_, &v_old_, &x_, &v_}) column->resize(3 * what.body.x.size());
+  w_.resize(what.body.x.size());
+  put_back_.resize((what.body.x.size() + kBlockRows - 1) / kBlockRows);
+}
+
+template <class T>
+void Solver<T>::load_chains(const SolverInput& what, const double* x, const StepInput& in) {
+  const ChainSchedule& chains = what.schedule.chains;
+  constexpr auto kLanes = static_cast<size_t>(Wide<T>::kLanes);
+  in.arena.for_blocks(chains.batches.size(), 16, [&](size_t begin, size_t end) {
+    for (size_t b = begin; b < end; ++b) {
+      const ChainBatch& batch = chains.batches[b];
+      for (size_t e = 0; e < batch.links * kLanes; ++e) {
+        const uint32_t* p = chains.points.data() + batch.first_point + e;
+        T* to = base_.data() + 3 * batch.first_link + 3 * (e - e % kLanes) + e % kLanes;
+        const bool there = chains.link[batch.first_link + e] != kNobody;
+        const Vec3 d = there ? load3(x, p[kLanes]) - load3(x, p[0]) : Vec3{};
+        to[0] = static_cast<T>(d.x), to[kLanes] = static_cast<T>(d.y), to[2 * kLanes] = static_cast<T>(d.z);
+      }
+    }
+  });
+}
+
+template <class T>
+template <class Bends>
+void Solver<T>::load_bends(const SetSchedule& schedule, const Bends& bends, const double* x, Set& out) const {
+  constexpr auto kLanes = static_cast<size_t>(Wide<T>::kLanes);
+  for (size_t e = 0; e < schedule.member.size(); ++e) {
+    if (schedule.member[e] == kNobody) continue;
+    const auto& bend = bends[schedule.member[e]];
+    Vec3 sum;
+    for (size_t i = 0; i < bend.points.size(); ++i) sum += load3(x, bend.points[i]) * bend.k[i];
+    T* to = out.base.data() + 3 * (e - e % kLanes) + e % kLanes;
+    to[0] = static_cast<T>(sum.x), to[kLanes] = static_cast<T>(sum.y), to[2 * kLanes] = static_cast<T>(sum.z);
+  }
+}
+
+template <class T>
+void Solver<T>::load_volumes(const SolverInput& what, const double* x) {
+  constexpr auto kLanes = static_cast<size_t>(Wide<T>::kLanes);
+  const SetSchedule& schedule = what.schedule.volumes;
+  for (size_t e = 0; e < schedule.member.size(); ++e) {
+    if (schedule.member[e] == kNobody) continue;
+    const auto& p = what.body.tetrahedra[schedule.member[e]].points;
+    T* to = volumes_.base.data() + 9 * (e - e % kLanes) + e % kLanes;
+    for (size_t i = 1; i < 4; ++i, to += 3 * kLanes) {
+      const Vec3 d = load3(x, p[i]) - load3(x, p[0]);
+      to[0] = static_cast<T>(d.x), to[kLanes] = static_cast<T>(d.y), to[2 * kLanes] = static_cast<T>(d.z);
+    }
+  }
+}
+
+template <class T>
+void Solver<T>::load(const SolverInput& what, const State& s, const StepInput& in) {
+  const auto v = s.f64(Columns::velocity), w = s.f64(Columns::inverse_mass);
+  const double* x = s.f64(Columns::position).data();
+  in.arena.for_blocks(w.size(), kBlockRows, [&](size_t begin, size_t end) {
+    for (size_t i = begin; i < end; ++i) {
+      for (size_t k = 0; k < 3; ++k)
+        rows_[4 * i + k] = 0, velocity_[4 * i + k] = static_cast<T>(v[3 * i + k]);
+      rows_[4 * i + 3] = static_cast<T>(w[i]), velocity_[4 * i + 3] = 0;
+    }
+  });
+  load_chains(what, x, in);
+  load_bends(what.schedule.rods, what.body.rods, x, rods_);
+  load_bends(what.schedule.hinges, what.body.hinges, x, hinges_);
+  load_volumes(what, x);
+}
+
+template void Solver<float>::resize(size_t, size_t, size_t, Set&);
+template void Solver<float>::pack_links(const SolverInput&, const State&);
+template void Solver<float>::prepare(const SolverInput&, const State&);
+template void Solver<float>::load_chains(const SolverInput&, const double*, const StepInput&);
+template void Solver<float>::load_volumes(const SolverInput&, const double*);
+template void Solver<float>::load(const SolverInput&, const State&, const StepInput&);
+template void Solver<double>::resize(size_t, size_t, size_t, Set&);
+template void Solver<double>::pack_links(const SolverInput&, const State&);
+template void Solver<double>::prepare(const SolverInput&, const State&);
+template void Solver<double>::load_chains(const SolverInput&, const double*, const StepInput&);
+template void Solver<double>::load_volumes(const SolverInput&, const double*);
+template void Solver<double>::load(const SolverInput&, const State&, const StepInput&);
+
+}  // namespace truestep::xpbd

@@ -1,0 +1,209 @@
+#include "engine/systems/xpbd/xpbd.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace truestep::xpbd {
+
+using Columns = XpbdColumns;
+
+namespace {
+
+int lanes_of(Precision precision) {
+  return precision == Precision::f32 ? Wide<float>::kLanes : Wide<double>::kLanes;
+}
+
+/// Height (m) that a body of this size may fall within itself.
+double extent(const Body& body) {
+  Vec3 low{HUGE_VAL, HUGE_VAL, HUGE_VAL}, high = -low;
+  for (const Vec3& x : body.x) {
+    low = {std::min(low.x, x.x), std::min(low.y, x.y), std::min(low.z, x.z)};
+    high = {std::max(high.x, x.x), std::max(high.y, x.y), std::max(high.z, x.z)};
+  }
+  return norm(high - low);
+}
+
+double shortest_link(const Body& body) {
+  double shortest = HUGE_VAL;
+  for (const Link& l : body.links) shortest = std::min(shortest, l.rest);
+  return shortest < HUGE_VAL ? shortest : 1;
+}
+
+constexpr double kLongestSubstep = 1.0 / 600;  // s
+
+struct Division {
+  int substeps;
+  SolverOptions::Division division;
+  std::string why;
+};
+Division divide(const XpbdDef& def, const BuildContext& context) {
+  using enum SolverOptions::Division;
+  if (def.substeps) return {*def.substeps, fixed, "named by the scene"};
+  if (def.scheme == Scheme::pbd) return {1, fixed, "the textbook's step is not divided"};
+  const double n = std::clamp(std::ceil(context.dt / kLongestSubstep * (1 - 1e-9)), 1.0, 1000.0);
+  return {static_cast<int>(n), by_tension, "and more while tension would turn links too far in one"};
+}
+
+}  // namespace
+
+Xpbd::Xpbd(const XpbdDef& def, const BuildContext& context)
+    : gravity_(context.gravity),
+      velocity_(def.velocity),
+      damping_{def.damping, def.internal_damping},
+      youngs_(def.youngs_modulus.has_value()),
+      precision_(def.precision),
+      body_(build_body(def, normalized(context.gravity, {0, -1, 0}))),
+      schedule_(body_, def.scheme == Scheme::pbd ? Sweep::links : def.sweep, lanes_of(def.precision)),
+      colliders_(build_colliders(def.colliders)) {
+  const Division division = divide(def, context);
+  options_ = {.scheme = def.scheme,
+              .substeps = division.substeps,
+              .iterations = def.iterations.value_or(def.scheme == Scheme::pbd ? 20 : 1),
+              .division = division.division,
+              .projection = def.projection,
+              .radius = 0.5 * def.thickness,
+              .shortest_link = shortest_link(body_)};
+  for (const Collider& c : colliders_.colliders()) {
+    surfaces_.push_back(c.surface);
+    surfaces_.back().restitution = def.restitution;
+    if (def.friction) surfaces_.back().friction = *def.friction;
+  }
+  plan_stages(def, division.why);
+  publish();
+  name_parts();
+  // What falls, swings or snaps back cannot be faster than its reach in a substep.
+  const double reach = 1 + extent(body_);
+  speed_limit_ = unexplained_speed(norm(velocity_) + std::sqrt(2 * norm(gravity_) * reach) +
+                                   reach * options_.substeps / context.dt);
+}
+
+void Xpbd::plan_stages(const XpbdDef& def, const std::string& why) {
+  const size_t bends = body_.rods.size() + body_.hinges.size() + body_.angles.size();
+  add_stage("solve",
+            std::to_string(options_.substeps) + " substeps of " + std::to_string(options_.iterations) +
+                " iterations: " + why + "; " + std::to_string(body_.links.size()) + " links in " +
+                std::to_string(schedule_.chains.colours.size()) + " colours" +
+                (schedule_.chains.batches.empty() || schedule_.chains.colours.front().longest <= 1
+                     ? ", each by itself"
+                     : ", chain by chain") +
+                (colliders_.empty() ? ""
+                                    : "; " + std::to_string(colliders_.colliders().size()) +
+                                          " colliders keep the points out after every substep"),
+            [this](State& s, const StepInput& in) {
+              const SolverInput what{body_, schedule_, options_, colliders_, surfaces_};
+              if (precision_ == Precision::f32) {
+                in.workspace.object<Solver<float>>("xpbd.solver").step(what, s, in);
+              } else {
+                in.workspace.object<Solver<double>>("xpbd.solver").step(what, s, in);
+              }
+            });
+  add_stage("hands", "ends pushes whose time is over",
+            [](State& s, const StepInput& in) { Columns::kHands.count_down(s, in.h); });
+  if (colliders_.empty()) skip_stage("contacts", "there are no colliders");
+  if (bends == 0) skip_stage("bending", "no rigidity is given");
+  if (body_.tetrahedra.empty()) skip_stage("volumes", "there are no tetrahedra");
+  if (!(def.damping > 0)) skip_stage("viscous damping", "damping is 0");
+  if (!(def.internal_damping > 0)) skip_stage("internal damping", "internal_damping is 0");
+}
+
+void Xpbd::publish() {
+  for (const Link& l : body_.links) {
+    drawing_.lines.push_back({l.a, l.b});
+    drawing_.line_kinds.push_back(l.family == Family::shear ? LineKind::shear : LineKind::structural);
+  }
+  drawing_.triangles = body_.triangles;
+  if (!body_.triangles.empty()) return;
+  for (const Link& l : body_.links) segments_.push_back({l.a, l.b});
+}
+
+void Xpbd::name_parts() {
+  PartInfo points;
+  points.fields = {{"position", "m", Scalar::f64, 3, Meaning::position},
+                   {"velocity", "m/s", Scalar::f64, 3, Meaning::velocity},
+                   {"strain", "1"}};
+  points.max_rows = body_.x.size();
+  PartInfo links;
+  links.kind = PartInfo::Kind::values;
+  links.name = "links";
+  links.fields = {{"strain", "1"}};
+  links.max_rows = body_.links.size();
+  links.elements = PartInfo::Elements::lines;
+  std::vector<PartInfo> parts{std::move(points)};
+  if (links.max_rows > 0) parts.push_back(std::move(links));
+  set_parts(std::move(parts));
+}
+
+State Xpbd::initial_state() const {
+  State s;
+  const size_t n = body_.x.size();
+  s.add({"position", "m", Scalar::f64, 3, Role::position}, n);
+  s.add({"velocity", "m/s", Scalar::f64, 3, Role::velocity}, n);
+  s.add({"inverse_mass", "1/kg"}, n);
+  s.add({"stiffness", "1"}, kFamilies);  // units: see Family
+  s.add({"damping", "N s/m"}, 2);
+  s.add({"gravity", "m/s^2", Scalar::f64, 3}, 1);
+  s.add({"drag.row", "1", Scalar::u32}, 0);
+  s.add({"drag.target", "m", Scalar::f64, 3}, 0);
+  s.add({"drag.stiffness", "N/m"}, 0);
+  s.add({"push.row", "1", Scalar::u32}, 0);
+  s.add({"push.force", "N", Scalar::f64, 3}, 0);
+  s.add({"push.remaining", "s"}, 0);
+  s.add({"tightness", "1/s^2"}, 1);
+  for (size_t i = 0; i < n; ++i) {
+    store3(s.f64(Columns::position).data(), i, body_.x[i]);
+    store3(s.f64(Columns::velocity).data(), i, velocity_);
+    s.f64(Columns::inverse_mass)[i] = 1 / body_.masses[i];
+  }
+  for (const uint32_t p : body_.pins) {
+    s.f64(Columns::inverse_mass)[p] = 0;
+    store3(s.f64(Columns::velocity).data(), p, Vec3{});
+  }
+  std::copy_n(body_.stiffness.data(), kFamilies, s.f64(Columns::stiffness).data());
+  std::copy_n(damping_, 2, s.f64(Columns::damping).data());
+  store3(s.f64(Columns::gravity).data(), 0, gravity_);
+  // Nothing is known yet of the tensions: as if the lightest point carried the whole weight on both sides.
+  double weight = 0, lightest = HUGE_VAL;
+  for (const double m : body_.masses) weight += m * norm(gravity_), lightest = std::min(lightest, m);
+  s.f64(Columns::tightness)[0] = 2 * weight / (lightest * options_.shortest_link);
+  return s;
+}
+
+void Xpbd::draw(const State&, double t, Wish wishes, Drawing& out) const {
+  if (wants(wishes, Wish::constant)) {
+    out.parts.resize(parts().size());
+    out.parts[0] = drawing_;
+  }
+  if (wants(wishes, Wish::obstacles)) out.obstacles = colliders_.drawn(t);
+}
+
+Ports Xpbd::ports() const {
+  return {.points = PointPort{.position = Columns::position,
+                              .velocity = Columns::velocity,
+                              .mass = std::nullopt,
+                              .inverse_mass = Columns::inverse_mass,
+                              .id = std::nullopt,
+                              .radius = options_.radius},
+          .solids = {body_.triangles, segments_},
+          .bodies = std::nullopt,
+          .answers = nullptr};
+}
+
+void Xpbd::check(StateCheck& check, double) const {
+  const size_t points = check.state().rows(Columns::position);
+  check.together({Columns::drag_row, Columns::drag_target, Columns::drag_stiffness})
+      .together({Columns::push_row, Columns::push_force, Columns::push_remaining});
+  for (const auto column : {Columns::drag_row, Columns::push_row}) {
+    for (const uint32_t row : check.state().span<uint32_t>(column))
+      check.require(row < points, "a hand's row");
+  }
+}
+
+std::vector<std::string> Xpbd::remedies() const {
+  return {"more substeps", "softer links", "more internal_damping"};
+}
+
+std::unique_ptr<const System> build_xpbd(const void* def, const BuildContext& context) {
+  return std::make_unique<Xpbd>(*static_cast<const XpbdDef*>(def), context);
+}
+
+}  // namespace truestep::xpbd

@@ -1,0 +1,65 @@
+// The system type "xpbd": cloth, ropes, hair and soft blocks by extended position-based dynamics (Macklin,
+// Mueller, Chentanez 2016), whose stiffness is that of the scene in N/m, or by position-based dynamics
+// (Mueller, Heidelberger, Hennix, Ratcliff 2007), whose stiffness follows from step and iterations.
+// A step is divided into substeps of one iteration each (Macklin et al. 2019); links in line are solved at
+// once. First order in time and dissipative, as implicit Euler: the faster a motion, the more it is damped.
+// Commands: push, impulse, drag, release, pin, unpin, set_parameter (stiffness, shear_stiffness,
+// youngs_modulus, bending_rigidity, flexural_rigidity, bulk_modulus, damping, internal_damping, gravity).
+#pragma once
+#include <memory>
+
+#include "engine/systems/xpbd/solver.h"
+
+namespace truestep::xpbd {
+
+class Xpbd final : public StagedSystem {
+ public:
+  Xpbd(const XpbdDef& def, const BuildContext& context);
+
+  State initial_state() const override;
+  /// energy.kinetic; energy.potential and energy.total where constraints have one (scheme xpbd); momenta
+  /// about the origin, strain of the links, pins.
+  void observe(const State& state, double t, Observables& out) const override;
+  /// position, velocity, strain (1, largest at a point); part "links": strain.
+  FieldView field(const State& state, size_t part, size_t field, std::vector<double>& scratch) const override;
+  void check(StateCheck& check, double t) const override;
+  void apply(State& state, const Command& command) const override;
+  void draw(const State& state, double t, Wish wishes, Drawing& out) const override;
+  Ports ports() const override;
+  std::optional<double> limit(Limit which, const State& state, double h) const override;
+  std::optional<Energy> energy(const State& state, double t, Workspace& workspace,
+                               const ThreadArena& arena) const override;
+  std::vector<std::string> remedies() const override;
+
+  const Body& body() const { return body_; }
+  int substeps() const { return options_.substeps; }
+  int iterations() const { return options_.iterations; }
+  const Schedule& schedule() const { return schedule_; }
+
+ private:
+  void name_parts();
+  void plan_stages(const XpbdDef& def, const std::string& why);
+  void publish();
+  double strain(const double* x, const Link& link) const;
+  double elastic(const State& state) const;
+  Energy energies(const State& state) const;
+  double default_drag(const State& state, size_t row) const;
+  void set_parameter(State& state, const Command& command) const;
+
+  Vec3 gravity_, velocity_;
+  double damping_[2];
+  bool youngs_;  // stiffnesses of links are moduli
+  Precision precision_;
+  Body body_;
+  Schedule schedule_;
+  SolverOptions options_;
+  ColliderSet colliders_;
+  std::vector<Surface> surfaces_;  // one per collider
+  PartDrawing drawing_;
+  std::vector<std::array<uint32_t, 2>> segments_;  // published where there are no triangles
+  double speed_limit_ = 0;
+};
+
+std::unique_ptr<const System> build_xpbd(const void* def, const BuildContext& context);
+
+}  // namespace truestep::xpbd

@@ -1,0 +1,172 @@
+#include "engine/systems/xpbd/xpbd_def.h"
+
+#include <algorithm>
+
+namespace truestep::xpbd {
+
+namespace {
+
+const DefTable& load_table() {
+  static const DefTable t = TableOf<LoadDef>("mass added to a point")
+                                .integer("point", &LoadDef::point, at_least(0), "index of the point")
+                                .required()
+                                .number("mass", &LoadDef::mass, "kg", above(0), "that is added to its own")
+                                .required()
+                                .build();
+  return t;
+}
+
+std::vector<std::string> pin_names(const XpbdDef& d) {
+  if (d.cloth_grid) {
+    return {"corners", "corner_00", "corner_10", "corner_01", "corner_11", "edge_u0",
+            "edge_u1", "edge_v0",   "edge_v1",   "border",    "first",     "last"};
+  }
+  if (d.rope) return {"first", "last", "ends"};
+  if (d.hair) return {"roots"};
+  if (d.block) return {"bottom", "top", "x0", "x1", "z0", "z1"};
+  return {"first", "last"};
+}
+
+void check_rigidities(const XpbdDef& d, const DefTable::Report& report) {
+  if (d.bending_rigidity > 0 && !d.rope && !d.hair) {
+    report("/bending_rigidity", "only ropes and hair have one; of cloth it is flexural_rigidity");
+  }
+  if (d.flexural_rigidity > 0 && !d.cloth_grid && !d.mesh) {
+    report("/flexural_rigidity", "only cloth has one; of ropes and hair it is bending_rigidity");
+  }
+  if (d.youngs_modulus && (d.mesh || d.block)) {
+    report("/youngs_modulus",
+           "only ropes, hair and cloth grids have one; of a mesh or a block give stiffness");
+  }
+  if (d.youngs_modulus && !(d.thickness > 0)) report("/youngs_modulus", "needs a thickness above 0");
+  if (!d.cloth_grid || (!(d.flexural_rigidity > 0) && !d.youngs_modulus)) return;
+  if (const char* fault = plate_fault(*d.cloth_grid)) {
+    report(d.youngs_modulus ? "/youngs_modulus" : "/flexural_rigidity", fault);
+  }
+}
+
+void check_def(const XpbdDef& d, const DefTable::Report& report) {
+  const int shapes = d.rope.has_value() + d.hair.has_value() + d.cloth_grid.has_value() + d.mesh.has_value() +
+                     d.block.has_value();
+  if (shapes != 1) {
+    return report(
+        "", "give exactly one of rope, hair, cloth_grid, mesh and block, not " + std::to_string(shapes));
+  }
+  check_rigidities(d, report);
+  if (d.scheme == Scheme::xpbd && d.projection != 1) {
+    report("/projection", "only the scheme pbd has one; of xpbd give stiffness");
+  }
+  const XpbdCounts counts = xpbd_counts(d);
+  if (counts.points > 1e7) report("", "more than ten million points");
+  const auto check_row = [&](const std::string& at, int64_t row) {
+    if (static_cast<double>(row) < counts.points) return;
+    report(at, "there are only " + std::to_string(static_cast<int64_t>(counts.points)) + " points");
+  };
+  for (size_t i = 0; i < d.pins.size(); ++i) check_row("/pins/" + std::to_string(i), d.pins[i]);
+  for (size_t i = 0; i < d.loads.size(); ++i) {
+    check_row("/loads/" + std::to_string(i) + "/point", d.loads[i].point);
+  }
+  const std::vector<std::string> names = pin_names(d);
+  for (size_t i = 0; i < d.pinned.size(); ++i) {
+    if (std::find(names.begin(), names.end(), d.pinned[i]) != names.end()) continue;
+    std::string allowed;
+    for (const std::string& n : names) allowed += (allowed.empty() ? "" : ", ") + n;
+    report("/pinned/" + std::to_string(i), "this shape can be pinned at: " + allowed);
+  }
+}
+
+}  // namespace
+
+XpbdCounts xpbd_counts(const XpbdDef& d) {
+  if (d.rope)
+    return {d.rope->links + 1.0, d.rope->links + 0.0, d.bending_rigidity > 0 ? d.rope->links : 0.0, 0};
+  if (d.hair) {
+    const double links = static_cast<double>(d.hair->strands) * d.hair->links;
+    return {links + d.hair->strands, links, d.bending_rigidity > 0 ? links : 0, 0};
+  }
+  if (d.cloth_grid) {
+    const double points = static_cast<double>(d.cloth_grid->nx) * d.cloth_grid->ny;
+    const double diagonals = d.cloth_grid->shear == ShearSprings::both  ? 2
+                             : d.cloth_grid->shear == ShearSprings::one ? 1
+                                                                        : 0;
+    return {points, points * (2 + diagonals), d.flexural_rigidity > 0 ? 4 * points : 0, 0};
+  }
+  if (d.mesh) {
+    const double triangles = static_cast<double>(d.mesh->triangles.size()) / 3;
+    return {static_cast<double>(d.mesh->vertices.size()), 3 * triangles,
+            d.flexural_rigidity > 0 ? 1.5 * triangles : 0, 0};
+  }
+  if (d.block) {
+    const SoftBlockShape& b = *d.block;
+    const double cells = static_cast<double>(b.cells_x) * b.cells_y * b.cells_z;
+    const double points = (b.cells_x + 1.0) * (b.cells_y + 1.0) * (b.cells_z + 1.0);
+    return {points, 6 * points, 0, 5 * cells};
+  }
+  return {};
+}
+
+const DefTable& xpbd_table() {
+  static const DefTable t = [] {
+    using D = XpbdDef;
+    TableOf<D> table("cloth, ropes, hair and soft blocks by position-based dynamics");
+    table.object("rope", &D::rope, rope_shape_table(), "a rope")
+        .object("hair", &D::hair, hair_shape_table(), "a bundle of hair, held at its roots")
+        .object("cloth_grid", &D::cloth_grid, cloth_grid_shape_table(), "a rectangular cloth")
+        .object("mesh", &D::mesh, mesh_shape_table(), "a cloth of any form")
+        .object("block", &D::block, soft_block_shape_table(), "a soft box of tetrahedra")
+        .number("mass", &D::mass, "kg", above(0), "of every point (unless density is given)")
+        .number(
+            "density", &D::density, "", above(0),
+            "kg per metre of rope or hair, square metre of cloth, cubic metre of a block; instead of mass")
+        .objects("loads", &D::loads, load_table(), {0, 100'000}, "masses hung to points")
+        .number("stiffness", &D::stiffness, "N/m", above(0), "of a link between neighbours")
+        .number("shear_stiffness", &D::shear_stiffness, "N/m", at_least(0),
+                "of a diagonal link of a cloth grid; 0: there are none")
+        .number(
+            "youngs_modulus", &D::youngs_modulus, "Pa", above(0),
+            "in place of both: of a rope or hair of round section, of a cloth grid with Poisson ratio 1/3; "
+            "thickness counts")
+        .number("bulk_modulus", &D::bulk_modulus, "Pa", above(0), "of a block: pressure per change of volume")
+        .number("bending_rigidity", &D::bending_rigidity, "N m^2", at_least(0),
+                "of a rope or hair: E I, moment per curvature; straight at rest")
+        .number("flexural_rigidity", &D::flexural_rigidity, "N m", at_least(0),
+                "of cloth: D = E t^3 / (12 (1 - nu^2)); a grid is flat at rest, a mesh as it is given")
+        .number("rest_scale", &D::rest_scale, "1", above(0), "rest lengths are the initial ones times this")
+        .number("damping", &D::damping, "N s/m", at_least(0), "viscous: force -damping * v on every point")
+        .number("internal_damping", &D::internal_damping, "N s/m", at_least(0),
+                "along the links only: it slows stretching, not swinging")
+        .vector("velocity", &D::velocity, "m/s", any(), "initial, of every point that is not pinned")
+        .integers("pins", &D::pins, at_least(0), {}, "indices of points that are held")
+        .texts("pinned", &D::pinned, {},
+               "named points that are held: first, last, corners, edge_v1, roots, bottom ...")
+        .number("thickness", &D::thickness, "m", at_least(0),
+                "of the cloth, diameter of the rope; half of it is kept from every obstacle")
+        .number("restitution", &D::restitution, "1", between(0, 1),
+                "of these points on any collider, in place of the collider's own")
+        .number("friction", &D::friction, "1", at_least(0),
+                "Coulomb's coefficient on colliders; absent: each collider's own");
+    add_collider_rows(table, &D::colliders);
+    table
+        .choice("scheme", &D::scheme, {"xpbd", "pbd"},
+                "xpbd: stiffness in N/m whatever the step; pbd: the textbook's projections, as stiff as "
+                "steps and "
+                "iterations make them")
+        .choice("sweep", &D::sweep, {"chains", "links"},
+                "chains: links in line are solved at once, which carries loads through a cloth in one sweep; "
+                "links: one by one, as pbd always does")
+        .choice("precision", &D::precision, {"f64", "f32"}, "of the numbers inside a step")
+        .integer(
+            "substeps", &D::substeps, between(1, 10'000),
+            "into which a step is divided; default for xpbd: 10 in 1/60 s, and more while tension would turn "
+            "links too far in one; for pbd 1")
+        .integer("iterations", &D::iterations, between(1, 10'000),
+                 "over all constraints in a substep; default 1, for pbd 20")
+        .number(
+            "projection", &D::projection, "1", between(0, 1),
+            "scheme pbd: share k of a correction that is taken, in n iterations 1 - (1 - k)^(1/n) in each");
+    return table.check(check_def).build();
+  }();
+  return t;
+}
+
+}  // namespace truestep::xpbd

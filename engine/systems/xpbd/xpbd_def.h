@@ -1,0 +1,67 @@
+// What a scene says about cloth, ropes, hair and soft blocks whose steps are made of places; see xpbd.h.
+#pragma once
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "engine/collision/points/collider_def.h"
+#include "engine/core/build.h"
+#include "engine/core/outputs.h"
+#include "engine/core/shape_def.h"
+
+namespace truestep::xpbd {
+
+enum class Scheme : uint8_t { xpbd, pbd };
+enum class Sweep : uint8_t { chains, links };
+enum class Precision : uint8_t { f64, f32 };
+
+/// Mass added to a point, as of something hung there.
+struct LoadDef {
+  int64_t point = 0;
+  double mass = 1;  // kg
+};
+
+struct XpbdDef {
+  std::optional<RopeShape> rope;
+  std::optional<HairShape> hair;
+  std::optional<ClothGridShape> cloth_grid;
+  std::optional<MeshShape> mesh;
+  std::optional<SoftBlockShape> block;
+
+  double mass = 0.01;             // kg per point
+  std::optional<double> density;  // kg/m, kg/m^2 or kg/m^3, instead of mass
+  std::vector<LoadDef> loads;
+  double stiffness = 10000;  // N/m
+  double shear_stiffness = 1000;
+  std::optional<double> youngs_modulus;  // Pa, instead of both
+  double bulk_modulus = 1e5;             // Pa, of a block
+  double bending_rigidity = 0;           // N m^2, EI of a rope or hair
+  double flexural_rigidity = 0;          // N m, D of cloth
+  double rest_scale = 1;
+  double damping = 0;           // N s/m per point
+  double internal_damping = 0;  // N s/m per link
+  Vec3 velocity;                // m/s, initial
+  std::vector<int64_t> pins;
+  std::vector<std::string> pinned;
+  double thickness = 0.01;  // m
+  double restitution = 0;
+  std::optional<double> friction;
+  ColliderDefs colliders;
+
+  Scheme scheme = Scheme::xpbd;
+  Sweep sweep = Sweep::chains;
+  Precision precision = Precision::f64;
+  std::optional<int> substeps, iterations;
+  double projection = 1;  // share of a correction that PBD takes
+};
+
+const DefTable& xpbd_table();
+const Outputs& xpbd_outputs();
+Cost xpbd_cost(const void* def);
+/// Numbers of points and of constraints of every kind, from counts alone (an upper bound for meshes).
+struct XpbdCounts {
+  double points = 0, links = 0, bends = 0, volumes = 0;
+};
+XpbdCounts xpbd_counts(const XpbdDef& def);
+
+}  // namespace truestep::xpbd

@@ -1,0 +1,135 @@
+// Energies, momenta and strains of an xpbd state. The potential is that of gravity, of hands and of all
+// constraints, 1/2 C^2 / alpha each; projections without compliance (scheme pbd) have none.
+#include <algorithm>
+#include <cmath>
+
+#include "engine/kernels/xpbd/dihedral.h"
+#include "engine/kernels/xpbd/volume.h"
+#include "engine/systems/xpbd/xpbd.h"
+
+namespace truestep::xpbd {
+
+using Columns = XpbdColumns;
+
+double Xpbd::strain(const double* x, const Link& l) const {
+  return norm(load3(x, l.b) - load3(x, l.a)) / l.rest - 1;
+}
+
+double Xpbd::elastic(const State& s) const {
+  const double* x = s.f64(Columns::position).data();
+  const auto stiffness = s.f64(Columns::stiffness);
+  const double bending = stiffness[static_cast<size_t>(Family::bending)];
+  double v = 0;
+  for (const Link& l : body_.links) {
+    const double c = norm(load3(x, l.b) - load3(x, l.a)) - l.rest;
+    v += 0.5 * stiffness[static_cast<size_t>(l.family)] * l.factor * c * c;
+  }
+  const auto add_linear = [&](const auto& bends) {
+    for (const auto& b : bends) {
+      Vec3 c;
+      for (size_t i = 0; i < b.points.size(); ++i) c += load3(x, b.points[i]) * b.k[i];
+      v += 0.5 * bending * b.factor * norm2(c);
+    }
+  };
+  add_linear(body_.rods);
+  add_linear(body_.hinges);
+  for (const AngleBend& b : body_.angles) {
+    const auto& p = b.points;
+    const Dihedral d = dihedral(load3(x, p[0]), load3(x, p[1]), load3(x, p[2]), load3(x, p[3]));
+    const double c = turned(d.angle, b.rest);
+    v += 0.5 * bending * b.factor * c * c;
+  }
+  for (const Tetrahedron& t : body_.tetrahedra) {
+    const auto& p = t.points;
+    const double c = volume(load3(x, p[0]), load3(x, p[1]), load3(x, p[2]), load3(x, p[3])) - t.rest;
+    v += 0.5 * stiffness[static_cast<size_t>(Family::volume)] / t.rest * c * c;
+  }
+  return v;
+}
+
+Energy Xpbd::energies(const State& s) const {
+  const double *x = s.f64(Columns::position).data(), *v = s.f64(Columns::velocity).data();
+  const auto w = s.f64(Columns::inverse_mass);
+  const Vec3 g = load3(s.f64(Columns::gravity).data(), 0);
+  Energy e;
+  for (size_t i = 0; i < w.size(); ++i) {
+    if (w[i] > 0) e.kinetic += 0.5 * body_.masses[i] * norm2(load3(v, i));
+    e.potential -= body_.masses[i] * dot(g, load3(x, i));
+  }
+  if (options_.scheme == Scheme::xpbd) e.potential += elastic(s);
+  for (size_t k = 0; k < Columns::kHands.drags(s); ++k) {
+    const UserForces::Drag drag = Columns::kHands.drag(s, k);
+    e.potential += 0.5 * drag.stiffness * norm2(drag.target - load3(x, drag.who));
+  }
+  // Of chains by themselves alone what they store is what they were given: where sweeps do not converge in a
+  // substep, stiff links are stretched by what is left, and that energy is none of the motion's.
+  const bool alone =
+      schedule_.chains.colours.size() == 1 && body_.rods.empty() && options_.scheme == Scheme::xpbd;
+  const bool driven = Columns::kHands.any(s) || !colliders_.empty() || !alone;
+  e.exchange = driven ? Energy::Exchange::open : Energy::Exchange::closed;
+  return e;
+}
+
+std::optional<Energy> Xpbd::energy(const State& s, double, Workspace&, const ThreadArena&) const {
+  return energies(s);
+}
+
+std::optional<double> Xpbd::limit(Limit which, const State&, double) const {
+  return which == Limit::speed ? std::optional(speed_limit_) : std::nullopt;
+}
+
+void Xpbd::observe(const State& s, double, Observables& out) const {
+  const double *x = s.f64(Columns::position).data(), *v = s.f64(Columns::velocity).data();
+  const auto w = s.f64(Columns::inverse_mass);
+  const Energy e = energies(s);
+  out.add("energy.kinetic", e.kinetic, "J");
+  if (options_.scheme == Scheme::xpbd) {
+    out.add("energy.potential", e.potential, "J");
+    out.add("energy.total", e.kinetic + e.potential, "J");
+  }
+  Vec3 p, l;
+  size_t pins = 0;
+  for (size_t i = 0; i < w.size(); ++i) {
+    if (!(w[i] > 0)) {
+      ++pins;
+      continue;
+    }
+    const Vec3 mv = body_.masses[i] * load3(v, i);
+    p += mv, l += cross(load3(x, i), mv);
+  }
+  out.add("momentum.x", p.x, "kg m/s");
+  out.add("momentum.y", p.y, "kg m/s");
+  out.add("momentum.z", p.z, "kg m/s");
+  out.add("angular_momentum.x", l.x, "kg m^2/s");
+  out.add("angular_momentum.y", l.y, "kg m^2/s");
+  out.add("angular_momentum.z", l.z, "kg m^2/s");
+  double largest = 0, squares = 0;
+  size_t count = 0;
+  for (const Link& link : body_.links) {
+    if (link.family != Family::structural) continue;
+    const double c = std::abs(strain(x, link));
+    largest = std::max(largest, c), squares += c * c, ++count;
+  }
+  out.add("strain.max", largest, "1");
+  out.add("strain.rms", count > 0 ? std::sqrt(squares / static_cast<double>(count)) : 0, "1");
+  out.add("pins", static_cast<double>(pins), "1");
+}
+
+FieldView Xpbd::field(const State& s, size_t part, size_t which, std::vector<double>& scratch) const {
+  const double* x = s.f64(Columns::position).data();
+  const size_t n = body_.x.size();
+  if (part == 1) {
+    scratch.resize(body_.links.size());
+    for (size_t k = 0; k < scratch.size(); ++k) scratch[k] = strain(x, body_.links[k]);
+    return {scratch.data(), Scalar::f64, scratch.size(), 1};
+  }
+  if (which < 2) return {s.f64(which == 0 ? Columns::position : Columns::velocity).data(), Scalar::f64, n, 3};
+  scratch.assign(n, 0);
+  for (const Link& l : body_.links) {
+    const double c = std::abs(strain(x, l));
+    for (const uint32_t p : {l.a, l.b}) scratch[p] = std::max(scratch[p], c);
+  }
+  return {scratch.data(), Scalar::f64, n, 1};
+}
+
+}  // namespace truestep::xpbd
