@@ -2,6 +2,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "engine/geometry/make/rope.h"
+#include "engine/systems/xpbd/solver.h"
 #include "engine/systems/xpbd/xpbd_def.h"
 
 namespace truestep::xpbd {
@@ -31,20 +33,41 @@ const Outputs& xpbd_outputs() {
   return kOutputs;
 }
 
+namespace {
+
+/// Substeps of 1/60 s: of a rope so many as the tension of all that hangs from its first link asks for.
+double substeps_of(const XpbdDef& d, double points) {
+  if (d.substeps) return *d.substeps;
+  if (d.scheme == Scheme::pbd) return 1;
+  constexpr double kUsual = 20, kMost = 1000, kGravity = 9.81, kDt = 1.0 / 60;
+  if (!d.rope) return kUsual;
+  const double link = rope_link(*d.rope), mass = d.density ? *d.density * link : d.mass;
+  double weight = points * mass;
+  for (const LoadDef& l : d.loads) weight += l.mass;
+  const double tightness = 2 * kGravity * weight / (mass * link);
+  return std::clamp(kDt * std::sqrt(2 * tightness), kUsual, kMost);
+}
+
+}  // namespace
+
 Cost xpbd_cost(const void* def) {
   const auto& d = *static_cast<const XpbdDef*>(def);
   const XpbdCounts n = xpbd_counts(d);
-  // As the default of substeps where it is most: one that is not named follows from sizes and speeds.
-  const double substeps = d.substeps ? *d.substeps : d.scheme == Scheme::pbd ? 1 : 20;
   const double iterations = d.iterations ? *d.iterations : d.scheme == Scheme::pbd ? 20 : 1;
-  const bool single = d.precision == Precision::f32;
+  const bool single = d.precision == Precision::f32, collides = !d.colliders.empty();
   const double constraints = n.links + n.bends + n.volumes;
+  // Of a point its places and triangles, of a constraint what the body, the order and the solver keep of it.
+  // A rope solved at once is one lane of as many as there are, and has scratch where it is long.
+  const bool chain = d.rope && d.scheme == Scheme::xpbd && d.sweep == Sweep::chains;
+  const double lane = !chain ? 0 : single ? 28 * 7 : 48 * 3;
+  const double scratch = chain && n.links > kShortChain ? 224 : 0;
   return {.state_bytes = 56 * n.points,
-          .workspace_bytes = (single ? 1 : 2) * (64 * n.points + 24 * n.links + 48 * (n.bends + n.volumes)) +
-                             (d.colliders.empty() ? 0 : 104 * n.points),
+          .workspace_bytes = (single ? 130 : 180) * n.points +
+                             ((single ? 85 : 105) + lane + scratch) * n.links +
+                             (single ? 130 : 175) * (n.bends + n.volumes) + (collides ? 104 * n.points : 0),
           .elements = n.points + constraints,
-          .seconds_per_step = substeps * (3e-9 * n.points + (d.colliders.empty() ? 0 : 2e-8 * n.points) +
-                                          iterations * (single ? 4e-9 : 8e-9) * constraints)};
+          .seconds_per_step = substeps_of(d, n.points) * (3e-9 * n.points + (collides ? 2e-8 * n.points : 0) +
+                                                          iterations * (single ? 4e-9 : 8e-9) * constraints)};
 }
 
 }  // namespace truestep::xpbd

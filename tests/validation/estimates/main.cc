@@ -10,6 +10,7 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <bit>
 #include <cstdio>
 #include <cstdlib>
 #include <ctime>
@@ -108,14 +109,14 @@ Figures measure(const boost::json::value& document, double most_seconds) {
   while (took.empty() || (took.size() < kMost && go_on())) {
     const double begun = cpu_seconds();
     try {
-      session.step(1);
+      if (!session.step(1)) break;  // a scene that does not hold at this size, or is there to fail
     } catch (const Error&) {
-      break;  // a scene that is there to fail
+      break;
     }
     took.push_back(cpu_seconds() - begun);
-    if (took.size() == kWeighed) weigh();
+    // What a failure leaves says nothing: the last weight before it counts.
+    if (took.size() == kWeighed || (took.size() < kWeighed && std::has_single_bit(took.size()))) weigh();
   }
-  if (took.size() < kWeighed) weigh();
   f.bytes = std::max(held, grown - kCoarse);
   if (!took.empty()) {
     f.steps = static_cast<double>(took.size());
