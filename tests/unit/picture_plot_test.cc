@@ -121,5 +121,21 @@ TEST(PicturePlot, ACurveOverARodHasItsLengthAndItsValue) {
   EXPECT_EQ(texts(list, {Side::above}), Texts{"value (K)"});
 }
 
+TEST(PicturePlot, ALegendNamesOnlyWhatHasItsColour) {
+  const std::string net =
+      R"("free": {"points": [[0, 0, 0], [1, 0, 0]], "masses": [1, 1], "springs": [{"a": 0, "b": 1,
+    "stiffness": 1, "rest_length": 1}]}})";
+  const std::string head = R"({"schema_version": "1.0", "time": {"dt": 0.01}, "systems": [)";
+  const auto rope = [&](const std::string& id) {
+    return R"({"type": "mass_spring", "id": ")" + id + "\", " + net;
+  };
+  const DrawList two = test::PictureSession(head + rope("left_rope") + ", " + rope("right") + "]}", 0).list();
+  ASSERT_EQ(two.legend.size(), 2u);
+  EXPECT_EQ(two.legend[0].text, "left rope");
+  EXPECT_EQ(two.legend[1].color.r, picture::palette(1).r);
+  const std::string chain = R"({"type": "rod_chain", "id": "chain"})";
+  EXPECT_TRUE(test::PictureSession(head + rope("rope") + ", " + chain + "]}", 0).list().legend.empty());
+}
+
 }  // namespace
 }  // namespace truestep

@@ -80,16 +80,23 @@ void add_axes(DrawList& list, std::span<const PlotAxis> axes, const PlotBox& box
   const auto& [x0, y0, z0] = s.low;
   const auto& [x1, y1, z1] = s.high;
   const double back = solid ? z0 : 0, front = solid ? z1 : 0;
+  // A side that is short beside the others has room for fewer words.
+  const double longest = std::max({x1 - x0, y1 - y0, solid ? z1 - z0 : 0});
+  const auto ticks = [&](size_t k) {
+    const double share = (s.high[k] - s.low[k]) / longest;
+    const int wanted = std::clamp(static_cast<int>(std::lround(1.5 * kTicks * share)), 1, kTicks);
+    return ticks_of(axes[k], s.low[k], s.high[k], wanted);
+  };
   DrawPoints frame = strokes(list, kFrameShare, 2), grid = strokes(list, kGridShare, 1.5);
   const auto label = [&](const std::string& text, const Vec3& at, Side side) {
     list.labels.push_back({text, at, side, {}});
   };
-  for (const auto& [x, text] : ticks_of(axes[0], x0, x1, kTicks)) {
+  for (const auto& [x, text] : ticks(0)) {
     stroke(grid, {x, y0, back}, {x, y1, back});
     if (solid) stroke(grid, {x, y0, z0}, {x, y0, z1});
     label(text, {x, y0, front}, Side::below);
   }
-  for (const auto& [y, text] : ticks_of(axes[1], y0, y1, kTicks)) {
+  for (const auto& [y, text] : ticks(1)) {
     stroke(grid, {x0, y, back}, {x1, y, back});
     label(text, {x0, y, back}, Side::left);
   }
@@ -98,7 +105,7 @@ void add_axes(DrawList& list, std::span<const PlotAxis> axes, const PlotBox& box
   label(named(axes[0]), {x1, y0, front}, solid ? Side::under : Side::corner);
   label(named(axes[1]), {x0, y1, back}, Side::above);
   if (solid) {
-    for (const auto& [z, text] : ticks_of(axes[2], z0, z1, kTicks)) {
+    for (const auto& [z, text] : ticks(2)) {
       stroke(grid, {x0, y0, z}, {x1, y0, z});
       label(text, {x1, y0, z}, Side::right);
     }

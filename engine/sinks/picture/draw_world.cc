@@ -318,7 +318,9 @@ DrawList draw_list_of(const World& world, const Frame& frame, const PictureLook&
     }
     if (!points.color) points.color = picture::palette(places[p]);
     const bool main = world.parts()[p].index == 0;
-    if (main && !colored && list.shapes.size() == before && drawing.plot.empty())
+    // Rows that other shapes are drawn for show no colour of their own.
+    const bool visible = points.radius > 0 || !points.lines.empty() || !points.triangles.empty();
+    if (main && visible && !colored && list.shapes.size() == before && drawing.plot.empty())
       systems.push_back({spaced(world.parts()[p].id), *points.color});
     list.points.push_back(std::move(points));
   }
