@@ -84,7 +84,7 @@ void add_axes(DrawList& list, std::span<const PlotAxis> axes, const PlotBox& box
   const double longest = std::max({x1 - x0, y1 - y0, solid ? z1 - z0 : 0});
   const auto ticks = [&](size_t k) {
     const double share = (s.high[k] - s.low[k]) / longest;
-    const int wanted = std::clamp(static_cast<int>(std::lround(1.5 * kTicks * share)), 1, kTicks);
+    const int wanted = std::clamp(static_cast<int>(std::lround(1.5 * kTicks * share)), 2, kTicks);
     return ticks_of(axes[k], s.low[k], s.high[k], wanted);
   };
   DrawPoints frame = strokes(list, kFrameShare, 2), grid = strokes(list, kGridShare, 1.5);
