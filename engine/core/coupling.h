@@ -46,6 +46,9 @@ class Coupling {
   virtual void observe(const ConstCoupledStates& s, Observables& out) const = 0;
   /// J that it holds in this state. Asked for every few steps, and allocates nothing.
   virtual double stored_energy(const ConstCoupledStates& s) const { return 0; }
+  /// Appends what a person sees of it; ends in part 0 are rows of a's first part, in part 1 of b's. Where
+  /// rows change places, the drawing's version of their system changes.
+  virtual void draw(const ConstCoupledStates& s, std::vector<DrawnString>& out) const {}
   /// Passes of `begin` and `end`, then what this scene does not need.
   virtual std::vector<PlanRow> plan() const = 0;
   /// Largest substep (s) that the coupling is known to hold; nothing when unknown or unlimited.

@@ -56,6 +56,15 @@ struct Visual {
   Motion motion = Motion::dynamic;
 };
 
+/// One side of a plot: the value that it shows, and where that value is drawn.
+struct PlotAxis {
+  std::string name;              ///< of the value: a state, "t" for time, or a formula of several
+  std::string unit;              ///< empty: none is known
+  double slope = 1, offset = 0;  ///< m; a value v is drawn at offset + slope v
+  /// Powers of ten and where they are drawn (m), ascending: of an axis whose values are not evenly spaced.
+  std::vector<std::array<double, 2>> decades;
+};
+
 enum class LineKind : uint8_t { structural = 0, shear = 1, bending = 2, other = 3 };
 
 /// What is drawn with the rows of a part, until the drawing's version changes.
@@ -64,10 +73,28 @@ struct PartDrawing {
   std::vector<LineKind> line_kinds;  ///< one per line, or empty
   std::vector<std::array<uint32_t, 3>> triangles;
   double point_radius = 0;                     ///< m; 0: points are not drawn as spheres
-  std::optional<std::array<double, 3>> color;  ///< linear r g b in [0, 1]
+  std::optional<std::array<double, 3>> color;  ///< r g b in [0, 1]
   std::vector<Visual> visuals;
   /// Row, visual. The row's pose is its position and its orientation; it is dimmed where it is asleep.
   std::vector<std::array<uint32_t, 2>> instances;
+  /// Whether all of it lies in the plane z = 0 and is looked at from z.
+  enum class Space : uint8_t { solid, plane } space = Space::solid;
+  /// The axes along x, y and perhaps z of rows that are a plot; their lines are its curves.
+  std::vector<PlotAxis> plot;
+  std::vector<std::string> curves;  ///< names of the curves where each has its own, in the lines' order
+};
+
+/// An end of a string: a place of the world, or in the frame of a row that has a position.
+struct StringEnd {
+  static constexpr uint32_t kWorld = ~0u;
+  uint32_t part = kWorld;
+  uint32_t row = 0;
+  Vec3 at;  ///< m
+};
+
+/// What holds two things together and has no shape of its own: a distance joint, a spring, an attachment.
+struct DrawnString {
+  StringEnd a, b;
 };
 
 /// A point where bodies touch.
@@ -86,6 +113,7 @@ struct JointMark {
 /// What was wished for; the rest is empty.
 struct Drawing {
   std::vector<PartDrawing> parts;     ///< one per part: the constant part of the drawing
+  std::vector<DrawnString> strings;   ///< with the constant part; their rows hold until its version changes
   std::vector<DrawnShape> obstacles;  ///< where they are at the time of the state
   std::vector<ContactMark> contacts;
   std::vector<JointMark> joints;

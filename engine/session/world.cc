@@ -299,14 +299,31 @@ void World::draw(const WorldState& state, Wish wishes, Drawing& out) const {
   const auto append = [](auto& to, auto& from) {
     to.insert(to.end(), std::make_move_iterator(from.begin()), std::make_move_iterator(from.end()));
   };
+  const auto shift = [](DrawnString& string, uint32_t a, uint32_t b) {
+    for (StringEnd* end : {&string.a, &string.b}) {
+      if (end->part != StringEnd::kWorld) end->part = end->part == 0 ? a : b;
+    }
+  };
+  std::vector<uint32_t> first_parts;
   for (size_t i = 0; i < size(); ++i) {
     Drawing one;
     systems_[i]->draw(state.systems[i], t, wishes, one);
     if (wants(wishes, Wish::constant)) one.parts.resize(systems_[i]->parts().size());
+    const auto first = static_cast<uint32_t>(out.parts.size());
+    first_parts.push_back(first);
+    for (DrawnString& string : one.strings) shift(string, first, first);
     append(out.parts, one.parts);
+    append(out.strings, one.strings);
     append(out.obstacles, one.obstacles);
     append(out.contacts, one.contacts);
     append(out.joints, one.joints);
+  }
+  for (size_t k = 0; k < couplings_.size() && wants(wishes, Wish::constant); ++k) {
+    const size_t before = out.strings.size();
+    couplings_[k]->draw(sides(state, k), out.strings);
+    const SceneCoupling& c = scene_.couplings[k];
+    for (size_t i = before; i < out.strings.size(); ++i)
+      shift(out.strings[i], first_parts[c.a], first_parts[c.b]);
   }
 }
 

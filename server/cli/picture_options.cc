@@ -43,6 +43,8 @@ void add_picture_options(CLI::App& command, PictureOptions& options) {
       ->excludes(camera);
   command.add_option("--show", options.show, "what is shown over bodies: one, or both as contacts,joints")
       ->check(CLI::IsMember({"contacts", "joints", "contacts,joints"}));
+  command.add_option("--theme", options.theme, "the picture's paper (default: light)")
+      ->check(CLI::IsMember({"light", "dark"}));
 }
 
 PictureSize picture_size(const PictureOptions& options) {
@@ -58,11 +60,13 @@ PictureSize picture_size(const PictureOptions& options) {
   return {(*sides)[0], (*sides)[1]};
 }
 
-Wish picture_marks(const PictureOptions& options) {
+PictureLook picture_look(const PictureOptions& options) {
   const auto shown = [&](const char* name, Wish wish) {
     return options.show.find(name) != std::string::npos ? wish : Wish::none;
   };
-  return shown("contacts", Wish::contacts) | shown("joints", Wish::joints);
+  using Theme = PictureLook::Theme;
+  return {.theme = options.theme == "dark" ? Theme::dark : Theme::light,
+          .marks = shown("contacts", Wish::contacts) | shown("joints", Wish::joints)};
 }
 
 void aim(const PictureOptions& options, DrawList& list) {

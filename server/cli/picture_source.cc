@@ -22,10 +22,11 @@ constexpr double kAccuracySeconds = 2;  // CPU time for choosing a method
 
 class SceneSource final : public PictureSource {
  public:
-  SceneSource(const boost::json::value& document, Wish marks, int threads)
+  SceneSource(const boost::json::value& document, PictureLook look, int threads)
       : arena_(std::make_shared<const ThreadArena>(threads)),
         world_(make_world(document)),
-        request_(picture_request(*world_, {.marks = marks})),
+        look_(std::move(look)),
+        request_(picture_request(*world_, look_)),
         session_(world_, arena_, {.history_bytes = 0}) {}
 
   double begin() const override { return 0; }
@@ -35,7 +36,7 @@ class SceneSource final : public PictureSource {
     if (step < session_.step_index()) session_.reset();
     while (session_.step_index() < step && session_.step(1) > 0) {
     }
-    return draw_list_of(*world_, *session_.frame(request_));
+    return draw_list_of(*world_, *session_.frame(request_), look_);
   }
   std::optional<std::string> failure() const override {
     return session_.failure() ? std::optional(session_.failure()->detail) : std::nullopt;
@@ -50,14 +51,15 @@ class SceneSource final : public PictureSource {
 
   std::shared_ptr<const ThreadArena> arena_;
   std::shared_ptr<const World> world_;
+  PictureLook look_;
   FrameRequest request_;
   Session session_;
 };
 
 class RecordingSource final : public PictureSource {
  public:
-  explicit RecordingSource(const std::string& path)
-      : reader_(std::make_shared<RecordingThread>(), path), frames_(reader_) {}
+  RecordingSource(const std::string& path, PictureLook look)
+      : reader_(std::make_shared<RecordingThread>(), path), frames_(reader_), look_(std::move(look)) {}
 
   double begin() const override { return frames_.time(0); }
   double end() const override { return frames_.time(frames_.count() - 1); }
@@ -69,12 +71,13 @@ class RecordingSource final : public PictureSource {
       const uint64_t middle = (low + high) / 2;
       (frames_.time(middle) <= late ? low : high) = middle;
     }
-    return draw_list_of(frames_.world(), *frames_.frame(low));
+    return draw_list_of(frames_.world(), *frames_.frame(low), look_);
   }
 
  private:
   RecordingReader reader_;
   RecordedFrames frames_;
+  PictureLook look_;
 };
 
 // HDF5 files begin so, whatever their names end in.
@@ -87,15 +90,15 @@ bool is_recording(const std::string& path) {
 
 }  // namespace
 
-std::unique_ptr<PictureSource> open_source(const std::string& source, Wish marks, int threads) {
+std::unique_ptr<PictureSource> open_source(const std::string& source, const PictureLook& look, int threads) {
   if (source != "-" && is_recording(source)) {
-    if (marks != Wish::none)
+    if (look.marks != Wish::none)
       throw Error("bad_request",
                   "--show: a recording holds no contacts and joints; render the scene instead");
-    return std::make_unique<RecordingSource>(source);
+    return std::make_unique<RecordingSource>(source, look);
   }
   const int count = threads > 0 ? threads : static_cast<int>(std::thread::hardware_concurrency());
-  return std::make_unique<SceneSource>(load_scene_document(source), marks, count);
+  return std::make_unique<SceneSource>(load_scene_document(source), look, count);
 }
 
 }  // namespace truestep

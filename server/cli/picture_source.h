@@ -4,8 +4,7 @@
 #include <optional>
 #include <string>
 
-#include "engine/core/drawing.h"
-#include "engine/sinks/picture/draw_list.h"
+#include "engine/sinks/picture/draw_world.h"
 
 namespace truestep {
 
@@ -23,6 +22,6 @@ class PictureSource {
 
 /// A scene file, a name of the gallery, "-", or a recording. `threads` 0: all. Error as load_scene_document
 /// and RecordingReader have it.
-std::unique_ptr<PictureSource> open_source(const std::string& source, Wish marks, int threads);
+std::unique_ptr<PictureSource> open_source(const std::string& source, const PictureLook& look, int threads);
 
 }  // namespace truestep

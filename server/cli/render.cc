@@ -59,7 +59,7 @@ int render(const RenderOptions& o) {
     throw Error("bad_request", "--at makes one picture: -o must end in .png");
   // Before the source: what cannot be written need not be simulated.
   const auto files = o.at ? nullptr : open_pictures(o.output, size, o.per_second);
-  const auto source = open_source(o.source, picture_marks(o.picture), o.threads);
+  const auto source = open_source(o.source, picture_look(o.picture), o.threads);
   const double from = o.from.value_or(source->begin());
   const double to = std::max(from, o.to.value_or(source->end()));
   note_interruptions();

@@ -24,8 +24,8 @@ void RunOutputs::finish() {
   const PictureSize size = picture_size(picture_.look);
   PictureRenderer renderer(size.width, size.height);
   const World& world = session_.world();
-  auto list =
-      draw_list_of(world, *session_.frame(picture_request(world, {.marks = picture_marks(picture_.look)})));
+  const PictureLook look = picture_look(picture_.look);
+  auto list = draw_list_of(world, *session_.frame(picture_request(world, look)), look);
   aim(picture_.look, list);
   write_png(picture_.path, renderer.render_rgba(list), size);
 }

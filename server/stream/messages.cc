@@ -49,6 +49,25 @@ void set_visuals(v1::SystemTopology& t, const PartDrawing& drawing) {
   t.set_instances(bytes_of(drawing.instances));
 }
 
+void set_plot(v1::SystemTopology& t, const PartDrawing& drawing) {
+  t.set_plane(drawing.space == PartDrawing::Space::plane);
+  for (const std::string& name : drawing.curves) t.add_curves(name);
+  for (const PlotAxis& axis : drawing.plot) {
+    v1::PlotAxis& a = *t.add_plot();
+    a.set_name(axis.name);
+    a.set_unit(axis.unit);
+    a.set_slope(axis.slope);
+    a.set_offset(axis.offset);
+    for (const auto& [value, place] : axis.decades) a.add_decades(value), a.add_decades(place);
+  }
+}
+
+void set_end(v1::StringEnd& e, const World& world, const StringEnd& end) {
+  if (end.part != StringEnd::kWorld) e.set_part(world.parts()[end.part].id);
+  e.set_row(end.row);
+  for (const double v : {end.at.x, end.at.y, end.at.z}) e.add_at(v);
+}
+
 void set_field(v1::Field& field, const FieldInfo& f) {
   field.set_name(f.name);
   field.set_unit(f.unit);
@@ -127,6 +146,12 @@ v1::ServerMessage topology_message(const World& world, const Frame& frame) {
       for (const double c : *drawing.color) s.add_color(c);
     }
     set_visuals(s, drawing);
+    set_plot(s, drawing);
+  }
+  for (const DrawnString& string : frame.constant->strings) {
+    v1::DrawnString& s = *t.add_strings();
+    set_end(*s.mutable_a(), world, string.a);
+    set_end(*s.mutable_b(), world, string.b);
   }
   for (const DrawnShape& shape : frame.moving.obstacles) set_shape(*t.add_shapes(), shape);
   return m;

@@ -164,6 +164,17 @@ test("systems are named where they are, and strings of joints are drawn", async 
   assert.ok(string > none + 150, `${none} light places without a string, ${string} with it`);
 });
 
+test("copies of a body hang on strings too", async () => {
+  const ball = { type: "sphere", radius: 0.1, position: [-0.5, 0, 0], color: red, copies: { layout: "grid", count: [3, 1, 1], spacing: [0.5, 1, 1] } };
+  const lit = async (joints) => {
+    await open(page, url, { ...weightless, systems: [{ type: "rigid3d", id: "p", bodies: [ball], joints }] });
+    return (await pixels(page, whole)).where((r, g, b) => Math.min(r, g, b) > 90).length;
+  };
+  const none = await lit([]);
+  const strings = await lit([{ type: "distance", a: -1, b: 0, anchor: [-0.5, 1, 0], anchor_b: [-0.5, 0, 0], repeat: 3, offset: [0.5, 0, 0] }]);
+  assert.ok(strings > none + 300, `${none} light places without strings, ${strings} with them`);
+});
+
 test("a light theme is light, and stays when the page comes again", async () => {
   await open(page, url, { ...weightless, systems: [{ type: "rigid3d", id: "b", bodies: [{ type: "sphere", radius: 0.3, color: red }] }] });
   const corner = async () => light((await pixels(page, { x: 40, y: 640, width: 20, height: 20 })).at(50, 650));

@@ -1,4 +1,4 @@
-// Pictures: size, colour, light, shadow, determinism, limits and framing, all read back from pixels.
+// Pictures: size, colour, light, shadow, determinism and limits, all read back from pixels.
 #include "engine/sinks/picture/picture.h"
 
 #include <gtest/gtest.h>
@@ -9,51 +9,21 @@
 #include <filesystem>
 #include <fstream>
 #include <limits>
-#include <optional>
 #include <thread>
 
-#include "engine/base/errors.h"
 #include "engine/sinks/picture/camera.h"
-#include "engine/sinks/picture/gl/gl_context.h"
-#include "engine/sinks/picture/gl/gl_objects.h"
 #include "tests/unit/picture_lists.h"
+#include "tests/unit/picture_pixels.h"
 
 namespace truestep {
 namespace {
 
-using Pixels = std::vector<uint8_t>;
-
-struct Rgb {
-  int r, g, b;
-};
-
-Rgb at(const Pixels& rgba, int width, int x, int y) {
-  const size_t i = 4 * (static_cast<size_t>(y) * width + x);
-  return {rgba[i], rgba[i + 1], rgba[i + 2]};
-}
-int brightness(const Rgb& c) {
-  return c.r + c.g + c.b;
-}
-
-DrawList one_sphere(Color color) {
-  DrawList list;
-  DrawPoints set;
-  set.positions = {0, 0, 0};
-  set.radius = 0.5f;
-  set.color = color;
-  list.points.push_back(set);
-  list.camera = DrawCamera{{0, 0, 4}, {0, 0, 0}, {}, 30};
-  return list;
-}
-
-std::string code_of(const std::function<void()>& action) {
-  try {
-    action();
-  } catch (const Error& e) {
-    return e.code();
-  }
-  return "";
-}
+using test::at;
+using test::brightness;
+using test::code_of;
+using test::one_sphere;
+using test::Pixels;
+using test::Rgb;
 
 TEST(Picture, PngDecodesToTheSamePixels) {
   PictureRenderer renderer(120, 80);
@@ -291,98 +261,6 @@ TEST(Picture, CaptionAndColourBarStayInTheirCorners) {
   list.points[0].scalar_label = "speed m/s";
   EXPECT_GT(changed(list, 250, 400, 240, 300), 400);
   EXPECT_EQ(changed(list, 0, 250, 0, 300), 0);
-}
-
-// Angle of p off the camera's axis across and along, as a share of the half picture.
-std::pair<double, double> place(const DrawCamera& camera, double aspect, const Vec3& p) {
-  const Vec3 back = normalized(camera.eye - camera.target), right = normalized(cross(*camera.up, back));
-  const Vec3 above = cross(back, right), q = p - camera.eye;
-  const double depth = -dot(q, back), k = std::tan(camera.fov_degrees * M_PI / 360);
-  return {dot(q, right) / (depth * k * aspect), dot(q, above) / (depth * k)};
-}
-
-TEST(Picture, AutomaticCameraHoldsEveryPointWithLittleToSpare) {
-  for (const Vec3& up : {Vec3{0, 1, 0}, Vec3{0, 0, 1}, Vec3{-1, 0, 0}})
-    for (double aspect : {0.5, 1.0, 2.4}) {
-      DrawList list = test::fountain(300);
-      list.up = up;
-      const DrawCamera camera = picture::camera_for(list, aspect);
-      double widest = 0;
-      const std::vector<float>& x = list.points[0].positions;
-      for (size_t i = 0; i < x.size(); i += 3) {
-        const auto [u, v] = place(camera, aspect, {x[i], x[i + 1], x[i + 2]});
-        widest = std::max({widest, std::abs(u), std::abs(v)});
-      }
-      EXPECT_LE(widest, 1.0);
-      EXPECT_GE(widest, 0.8);  // control: a camera that is merely far away fails
-    }
-  EXPECT_GT(norm(picture::camera_for({}, 1).eye), 0);
-  DrawList lone = one_sphere({});
-  lone.camera.reset();
-  lone.points[0].radius = 0;
-  lone.points[0].positions = {1e6f, 0, 0};
-  const DrawCamera camera = picture::camera_for(lone, 1);
-  EXPECT_GT(norm(camera.eye - camera.target), 0);
-}
-
-TEST(Picture, EglCanDoItTooOrSaysWhyNot) {
-  std::unique_ptr<picture::GlContext> egl;
-  const std::string code = code_of([&] { egl = picture::create_egl_context(); });
-  EXPECT_EQ(code, egl ? "" : "render_unavailable");
-  if (!egl) return;
-  EXPECT_EQ(egl->backend(), "egl");
-  const picture::GlCurrent current(*egl);
-  const picture::GlApi& gl = egl->gl();
-  for (int kind = 0; kind < picture::kShaderKinds; ++kind)
-    EXPECT_NE(picture::make_program(gl, picture::shader_source(static_cast<picture::ShaderKind>(kind))), 0u);
-  picture::ShadowTarget shadow(gl);
-  shadow.bind(gl, 64);
-  picture::ColorTarget target;
-  target.allocate(gl, 32, 16);
-  target.bind(gl);
-  Pixels pixels(4 * 32 * 16, 77);
-  gl.Clear(GL_COLOR_BUFFER_BIT);
-  target.read(gl, 32, 16, 32, pixels.data());
-  EXPECT_EQ(pixels, Pixels(pixels.size(), 0));
-  EXPECT_EQ(gl.GetError(), static_cast<GLenum>(GL_NO_ERROR));
-}
-
-// Both are the same rasteriser (llvmpipe) behind two doors, of two builds of Mesa perhaps: samples at edges
-// may fall to the other side and shades round the other way, so nearly all pixels agree to 2 of 255 and the
-// mean to a tenth. Control: the same cloth seen from a hand's breadth beside differs in far more.
-TEST(Picture, EglDrawsWhatOsmesaDraws) {
-  using Backend = PictureRenderer::Backend;
-  std::optional<PictureRenderer> egl;
-  const std::string code = code_of([&] { egl.emplace(320, 240, Backend::egl); });
-  EXPECT_EQ(code, egl ? "" : "render_unavailable");
-  if (!egl) return;
-  PictureRenderer osmesa(320, 240, Backend::osmesa);
-  EXPECT_EQ(osmesa.backend(), "osmesa");
-  EXPECT_EQ(egl->backend(), "egl");
-  struct Difference {
-    double mean = 0, share = 0;
-  };
-  const auto difference = [](const Pixels& a, const Pixels& b) {
-    Difference d;
-    for (size_t i = 0; i < a.size(); ++i) {
-      const int by = std::abs(a[i] - b[i]);
-      d.mean += by, d.share += by > 2;
-    }
-    d.mean /= double(a.size()), d.share /= double(a.size());
-    return d;
-  };
-  for (DrawList list :
-       {test::draped_cloth(40), test::fountain(2000), test::spring_net(12), test::balls_in_box(40)}) {
-    const Pixels here = osmesa.render_rgba(list);
-    const Difference same = difference(here, egl->render_rgba(list));
-    EXPECT_LT(same.mean, 0.1);
-    EXPECT_LT(same.share, 0.002);
-    list.camera = picture::camera_for(list, 320.0 / 240);
-    list.camera->eye += Vec3{0.1, 0, 0};
-    const Difference moved = difference(here, osmesa.render_rgba(list));
-    EXPECT_GT(moved.mean, 0.1);
-    EXPECT_GT(moved.share, 0.002);
-  }
 }
 
 TEST(Picture, DemosAreWrittenForPeopleToLookAt) {

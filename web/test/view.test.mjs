@@ -3,7 +3,7 @@
 import assert from "node:assert/strict";
 import { readFileSync } from "node:fs";
 import { test } from "node:test";
-import { arrows, axisOf, chapterOf, chooseAtFirst, colorStops, Extent, gapsIn, infoOf, levelLine, matches, packScene, readOne, readShared, relative, scaleOf, speedAtFirst, speedsFor, streamlines, writeShared } from "../build/view.mjs";
+import { arrows, axisOf, chapterOf, chooseAtFirst, colorStops, Extent, gapsIn, infoOf, levelLine, matches, packScene, placeOf, readShared, relative, scaleOf, speedAtFirst, speedsFor, streamlines, writeShared } from "../build/view.mjs";
 
 const front = { right: [1, 0, 0], above: [0, 1, 0], back: [0, 0, 1] };
 
@@ -29,19 +29,21 @@ test("strays of a cloud are left aside, ends of a rope are not", () => {
   assert.ok(cloud.along(0)[1] < 2 && rope.along(0)[1] === 500);
 });
 
-test("an expression of one name has that name's axis", () => {
-  assert.equal(readOne("t / 160 - 1", {}).name, "t");
-  assert.equal(readOne("-2 * z[i]^2 + a", { a: 3 }).of(2), -5);
-  assert.equal(readOne("x * y", {}), undefined);
-  assert.equal(readOne("system(x)", {}), undefined);
-  const time = axisOf("t / 160 - 1", {}, -1, 1, 5);
-  assert.equal(time.label, "t");
-  assert.deepEqual(time.ticks.map(({ label }) => label), ["0", "100", "200", "300"]);
-  assert.ok(Math.abs(time.ticks[1].at - (100 / 160 - 1)) < 1e-12);
-  const decades = axisOf("log(y[i] + 1e-05) / 5 + 1.2", {}, -1.1, 1.2, 5).ticks.map(({ label }) => label);
-  assert.ok(decades.includes("0.01") && !decades.includes("1e−20"), decades.join());
-  // What is no function of one name keeps its own values.
-  assert.deepEqual(axisOf("x * y", {}, 0, 1, 5).ticks.map(({ label }) => label), ["0", "0.2", "0.4", "0.6", "0.8", "1"]);
+test("an axis has round values of what it shows", () => {
+  const time = { name: "t", unit: "s", slope: 1 / 160, offset: -1, decades: [] };
+  const { label, ticks } = axisOf(time, -1, 1, 5);
+  assert.equal(label, "t (s)");
+  assert.deepEqual(ticks.map((tick) => tick.label), ["0", "100", "200", "300"]);
+  assert.ok(Math.abs(ticks[1].at - (100 / 160 - 1)) < 1e-12);
+  assert.ok(Math.abs(placeOf(time, 320) - 1) < 1e-12);
+  // log(y + 1e-5) / 5 + 1.2: decades, and none of those that its offset swallows.
+  const place = (y) => Math.log(y + 1e-5) / 5 + 1.2;
+  const decades = Array.from({ length: 41 }, (_, k) => [10 ** (k - 20), place(10 ** (k - 20))]).flat();
+  const logarithm = { name: "y", unit: "", slope: 1, offset: 0, decades };
+  const texts = axisOf(logarithm, -1.1, 1.3, 5).ticks.map((tick) => tick.label);
+  assert.ok(texts.includes("1") && texts.includes("0.01") && !texts.includes("1e\u22128"), texts.join());
+  assert.ok(Math.abs(placeOf(logarithm, 0.03) - place(0.03)) < 1e-3);
+  assert.deepEqual(axisOf({ ...logarithm, decades: [] }, 0, 1, 5).ticks.map((tick) => tick.label), ["0", "0.2", "0.4", "0.6", "0.8", "1"]);
 });
 
 test("level lines, arrows and streamlines of known fields", () => {
@@ -107,15 +109,9 @@ test("scenes have chapters and are found by their words", () => {
   assert.ok(matches(entry, "cloth WIND") && matches(entry, "") && !matches(entry, "flag rigid"));
 });
 
-test("plane scenes, plots and strings are known from the scene", () => {
-  const pendulum = { gravity: [0, -9.81, 0], time: { dt: 0.01, duration: 3 }, systems: [{ type: "rigid2d", id: "p", bodies: [{ position: [1, 0, 0] }], joints: [{ type: "distance", a: -1, b: 0, anchor: [0, 0, 0], anchor_b: [1, 0, 0] }] }] };
-  const info = infoOf(pendulum);
-  assert.ok(info.flat && info.standing);
-  assert.deepEqual(info.strings, [[{ at: [0, 0, 0] }, { part: "p", row: 0, at: [0, 0, 0] }]]);
-  const plot = infoOf({ gravity: [0, 0, 0], systems: [{ type: "ode", id: "o", states: { x: 1, y: 2 }, plot: [] }] });
-  assert.deepEqual(plot.plots[0].axes, ["x", "y"]);
-  assert.ok(plot.flat && !plot.standing);
-  assert.ok(!infoOf({ systems: [{ type: "rigid3d", id: "b" }] }).flat);
+test("a scene says whether gravity pulls and how long it lasts", () => {
+  assert.deepEqual(infoOf({ gravity: [0, 0, 0], time: { dt: 0.01, duration: 3 }, systems: [] }), { pulled: false, duration: 3, dt: 0.01 });
+  assert.ok(infoOf({ systems: [] }).pulled && infoOf(undefined).pulled);
 });
 
 test("the viewer has the colours of the service's pictures", () => {

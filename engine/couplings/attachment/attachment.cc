@@ -340,6 +340,14 @@ void Attachment::observe(const ConstCoupledStates& s, Observables& out) const {
   out.add("pairs", static_cast<double>(live.size()), "1");
 }
 
+void Attachment::draw(const ConstCoupledStates& s, std::vector<DrawnString>& out) const {
+  const ConstPoints a(s.a, a_), b(s.b, b_);
+  for (const Pair& p : pairs_) {
+    const auto i = a.row_of(p.a), j = b.row_of(p.b);
+    if (i && j) out.push_back({{0, static_cast<uint32_t>(*i), {}}, {1, static_cast<uint32_t>(*j), {}}});
+  }
+}
+
 double Attachment::stored_energy(const ConstCoupledStates& s) const {
   if (def_.link != AttachmentDef::Link::spring) return 0;
   const ConstPoints a(s.a, a_), b(s.b, b_);

@@ -35,6 +35,7 @@ class Attachment final : public Coupling {
   /// pairs.
   void observe(const ConstCoupledStates& s, Observables& out) const override;
   double stored_energy(const ConstCoupledStates& s) const override;
+  void draw(const ConstCoupledStates& s, std::vector<DrawnString>& out) const override;
   std::vector<PlanRow> plan() const override;
 
  private:

@@ -393,6 +393,15 @@ void BodyAttachment::observe(const ConstCoupledStates& s, Observables& out) cons
   out.add("pairs", count, "1");
 }
 
+void BodyAttachment::draw(const ConstCoupledStates& s, std::vector<DrawnString>& out) const {
+  const ConstPoints points(bodies_first_ ? s.b : s.a, sides_.points());
+  const ConstBodies bodies(bodies_first_ ? s.a : s.b, sides_.bodies());
+  each(points, bodies, [&](size_t k, uint32_t i, uint32_t j) {
+    const StringEnd point{bodies_first_ ? 1u : 0u, i, {}}, body{bodies_first_ ? 0u : 1u, j, pairs_[k].place};
+    out.push_back(bodies_first_ ? DrawnString{body, point} : DrawnString{point, body});
+  });
+}
+
 double BodyAttachment::stored_energy(const ConstCoupledStates& s) const {
   if (rigid()) return 0;
   const ConstPoints points(bodies_first_ ? s.b : s.a, sides_.points());

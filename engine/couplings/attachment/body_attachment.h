@@ -31,6 +31,7 @@ class BodyAttachment final : public Coupling {
   /// The exchange; energy.potential (J) of springs; length.error (m) of rigid links; pairs.
   void observe(const ConstCoupledStates& s, Observables& out) const override;
   double stored_energy(const ConstCoupledStates& s) const override;
+  void draw(const ConstCoupledStates& s, std::vector<DrawnString>& out) const override;
   std::vector<PlanRow> plan() const override;
 
  private:

@@ -9,7 +9,6 @@
 namespace truestep::picture {
 namespace {
 
-constexpr double kMargin = 0.90;  // share of the half-angle that the scene may fill
 constexpr double kDegree = 3.14159265358979323846 / 180;
 
 bool finite(const Vec3& v) {
@@ -32,6 +31,7 @@ void for_each_ball(const DrawList& list, Visit visit) {
       if (finite(c) && std::isfinite(r)) visit(Ball{c, std::max(0.0f, r)});
     }
   }
+  for (const Vec3& p : list.framed) visit(Ball{p, 0});
   for (const DrawShape& s : list.shapes) {
     if (!finite(s.position) || !finite(s.size) || s.framing == DrawShape::Framing::ignored) continue;
     const Pose pose(s);
@@ -94,13 +94,13 @@ DrawCamera camera_for(const DrawList& list, double aspect) {
     return given;
   }
   DrawCamera camera;
-  camera.up = list.up;
+  camera.up = list.up, camera.fov_degrees = list.fov_degrees;
   const Axes axes = axes_of(list.up);
   const Vec3 oblique = axes.side * 0.5 + axes.up * 0.42 + axes.front;
   // Never quite along `up`, or the picture would have no upper side.
   const Vec3 back = normalized(list.facing ? *list.facing + axes.front * 1e-3 : oblique);
   const Vec3 right = normalized(cross(axes.up, back)), above = cross(back, right);
-  const double ky = std::tan(camera.fov_degrees * kDegree / 2) * kMargin, kx = ky * aspect;
+  const double ky = std::tan(camera.fov_degrees * kDegree / 2) * list.fill, kx = ky * aspect;
   Slab horizontal, vertical;
   double nearest = -std::numeric_limits<double>::infinity(), farthest = -nearest;
   for_each_ball(list, [&](const Ball& ball) {

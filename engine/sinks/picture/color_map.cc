@@ -45,6 +45,10 @@ Color palette(size_t i) {
   return kPalette[i % kPalette.size()];
 }
 
+Color ink_over(const Color& paper) {
+  return paper.r + paper.g + paper.b > 1.2f ? Color{0.17f, 0.21f, 0.28f} : Color{0.88f, 0.91f, 0.95f};
+}
+
 Color map_color(ColorMap map, float t) {
   const std::span<const Color> s = stops(map);
   const float last = static_cast<float>(s.size() - 1);

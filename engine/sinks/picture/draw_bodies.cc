@@ -16,12 +16,7 @@ constexpr Color kFixed{0.70f, 0.715f, 0.735f}, kKinematic{0.53f, 0.60f, 0.70f}, 
 constexpr float kShade = 0.09f;  // by which neighbours of one colour differ
 constexpr double kWide = 2.5;    // a fixed body this many times wider than all that moves is a floor
 constexpr Color kContact{0.86f, 0.13f, 0.13f}, kRevolute{0.10f, 0.45f, 0.85f},
-    kSpherical{0.05f, 0.60f, 0.35f}, kPrismatic{0.80f, 0.45f, 0.05f}, kWeld{0.45f, 0.20f, 0.60f},
-    kRope{0.15f, 0.15f, 0.18f};
-
-Color mixed(const Color& a, const Color& b, float t) {
-  return {a.r + (b.r - a.r) * t, a.g + (b.g - a.g) * t, a.b + (b.b - a.b) * t};
-}
+    kSpherical{0.05f, 0.60f, 0.35f}, kPrismatic{0.80f, 0.45f, 0.05f}, kWeld{0.45f, 0.20f, 0.60f};
 
 /// A number in [-1, 1] that neighbouring rows do not share.
 float shade_of(uint32_t row) {
@@ -130,7 +125,7 @@ void add_marks(DrawList& list, const Drawing& marks, double size) {
                         : j.kind == Kind::spherical ? kSpherical
                         : j.kind == Kind::prismatic ? kPrismatic
                         : j.kind == Kind::fixed     ? kWeld
-                                                    : kRope;
+                                                    : picture::ink_over(list.background_bottom);
     line(j.a, j.b, color, 0.02 * size);
     for (const Vec3& end : {j.a, j.b}) line(end - dot, end + dot, color, 0.05 * size);
     const Vec3 arm = j.axis * (0.35 * size);

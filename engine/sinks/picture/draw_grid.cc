@@ -5,6 +5,7 @@
 
 #include "engine/math/iso_lines.h"
 #include "engine/math/streamline.h"
+#include "engine/sinks/picture/draw_plot.h"
 #include "engine/sinks/picture/geometry.h"
 
 namespace truestep {
@@ -215,6 +216,15 @@ void add_curve(DrawList& list, const Lattice& l, size_t axis, const Shown& s, co
   }
   curve.line_radius = static_cast<float>(0.004 * length);
   add_stroke(base, l.origin, l.origin + unit(axis) * length);
+  if (axis < 2) {
+    PlotAxis axes[2];
+    axes[axis].name = axis == 0 ? "x" : "y", axes[axis].unit = "m";
+    axes[up].name = s.style.scalar_label, axes[up].slope = height, axes[up].offset = component(l.origin, up);
+    PlotBox box;
+    for (const double value : {low, high}) box.add(l.origin + unit(up) * (height * value));
+    box.add(l.origin + unit(axis) * length);
+    add_axes(list, axes, box);
+  }
   list.points.push_back(std::move(curve));
   list.points.push_back(std::move(base));
 }

@@ -17,6 +17,10 @@ struct Color {
   float r = 0, g = 0, b = 0;
 };
 
+inline Color mixed(const Color& a, const Color& b, float t) {
+  return {a.r + (b.r - a.r) * t, a.g + (b.g - a.g) * t, a.b + (b.b - a.b) * t};
+}
+
 /// The points of one system and what connects them; every vector but `positions` may be empty.
 struct DrawPoints {
   std::vector<float> positions;            ///< n x 3, m; points that are not finite are left out
@@ -33,6 +37,8 @@ struct DrawPoints {
   std::optional<Color> line_color;         ///< none = from `color`
   std::vector<float> line_scalar;          ///< one per line; colours lines instead of points
   float line_radius = 0;                   ///< m; lines are never thinner than about 1.5 pixels
+  double line_pixels = 0;                  ///< width that lines have at least in a picture 720 pixels high
+  double point_pixels = 0;                 ///< the same, diameter of points
   std::vector<uint32_t> triangles;         ///< 3 per triangle, smooth, seen from both sides
   /// How triangles look: lit, in the very colours of the map, or in these and the clearer the lower the
   /// value.
@@ -61,6 +67,22 @@ struct DrawMark {
   double radius = 0;  ///< m; never thinner than about 1.5 pixels
 };
 
+/// Words at a place of the scene, over everything.
+struct DrawLabel {
+  std::string text;
+  Vec3 at;  ///< m
+  /// Where the words are, seen from the place: left and right of it, centred above or below it, one line
+  /// farther below, or above it and ending there.
+  enum class Side : uint8_t { left, right, above, below, under, corner } side = Side::right;
+  std::optional<Color> color = {};  ///< none = the theme's ink
+};
+
+/// A name and its colour.
+struct LegendRow {
+  std::string text;
+  Color color;
+};
+
 /// Where the picture is taken from; `fov_degrees` is the vertical opening angle, 1 to 160.
 struct DrawCamera {
   Vec3 eye{3, 2, 4};
@@ -74,12 +96,17 @@ struct DrawList {
   std::vector<DrawPoints> points;
   std::vector<DrawShape> shapes;
   std::vector<DrawMark> marks;
+  std::vector<DrawLabel> labels;
+  std::vector<LegendRow> legend;        ///< top left
+  std::vector<Vec3> framed;             ///< m; what a chosen camera shows besides
+  double fill = 0.9;                    ///< share of the picture's half that a chosen camera fills
+  double fov_degrees = 35;              ///< of a chosen camera
   Vec3 up{0, 1, 0};                     ///< away from the ground; opposite to gravity
   std::optional<DrawCamera> camera;     ///< none = chosen so that all points and shapes are in the picture
   std::optional<Vec3> facing;           ///< side that a chosen camera looks from; none = obliquely from above
   std::optional<double> ground_height;  ///< m along `up`; none = no ground
-  Color background_top{0.79f, 0.825f, 0.87f};
-  Color background_bottom{0.60f, 0.65f, 0.71f};
+  Color background_top{0.925f, 0.94f, 0.96f};
+  Color background_bottom{0.80f, 0.83f, 0.87f};
   std::string caption;  ///< scene name and time, bottom left; ASCII, others become '?'
 };
 

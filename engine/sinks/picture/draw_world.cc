@@ -3,16 +3,27 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <utility>
 
 #include "engine/base/errors.h"
 #include "engine/math/quaternion.h"
 #include "engine/scene/params.h"
 #include "engine/scene/params_text.h"
+#include "engine/sinks/picture/color_map.h"
 #include "engine/sinks/picture/draw_grid.h"
+#include "engine/sinks/picture/draw_plot.h"
+#include "engine/sinks/picture/draw_strings.h"
 
 namespace truestep {
 
 namespace {
+
+constexpr double kLinePixels = 3.5;  // of ropes, rods and curves
+constexpr double kMarkPixels = 9;    // of the points of a net that has no size
+constexpr size_t kNet = 1500;        // lines from which they are a net, and as thin as can be seen
+constexpr size_t kMarked = 128;      // points
+constexpr double kGridFill = 0.8;    // of a field's picture: caption and colour bar stand below it
+constexpr double kFlatFov = 12;      // degrees: of a plane scene the faces are seen, not the sides
 
 // Length of each row: colours show the size of a vector field, or the value of a scalar one.
 std::vector<float> magnitudes(const std::vector<float>& values, uint32_t width) {
@@ -89,6 +100,10 @@ DrawPoints points_of(const World& world, const Frame& frame, size_t p, const Vie
     const auto& c = *topology.color;
     points.color = Color{static_cast<float>(c[0]), static_cast<float>(c[1]), static_cast<float>(c[2])};
   }
+  const bool net = points.lines.size() / 2 > kNet;
+  points.line_pixels = net ? 0 : kLinePixels;
+  if (!net && points.radius == 0 && n <= kMarked && points.triangles.empty() && topology.plot.empty())
+    points.point_pixels = topology.visuals.empty() ? kMarkPixels : 0;
   return points;
 }
 
@@ -102,6 +117,12 @@ DrawShape shape_of(const DrawnShape& s) {
   return d;
 }
 
+// Names of systems as a person writes them.
+std::string spaced(std::string id) {
+  std::replace(id.begin(), id.end(), '_', ' ');
+  return id;
+}
+
 // Pictures stand upright: up is the axis that gravity points against; y when there is none, or a slanted one.
 Vec3 up_of(const Vec3& gravity) {
   const Vec3 up = normalized(-gravity, {0, 1, 0});
@@ -109,6 +130,44 @@ Vec3 up_of(const Vec3& gravity) {
     if (std::abs(dot(up, axis)) > 0.9) return axis * (dot(up, axis) > 0 ? 1.0 : -1.0);
   }
   return {0, 1, 0};
+}
+
+// The viewer gives its palette to the parts in the same order.
+std::vector<size_t> palette_places(const World& world) {
+  std::vector<size_t> out;
+  size_t next = 0;
+  for (size_t p = 0; p < world.parts().size(); ++p) {
+    out.push_back(next);
+    next += world.parts()[p].info().kind != PartInfo::Kind::values;
+  }
+  return out;
+}
+
+// Systems that their colour tells apart.
+void add_legend(DrawList& list, const std::vector<LegendRow>& systems) {
+  if (systems.size() > 1) list.legend.insert(list.legend.end(), systems.begin(), systems.end());
+}
+
+bool lies_in_plane(const World& world, const Frame& frame) {
+  for (size_t p = 0; p < world.parts().size(); ++p) {
+    const auto kind = world.parts()[p].info().kind;
+    if (kind == PartInfo::Kind::grid) return false;
+    if (kind == PartInfo::Kind::points && frame.constant->parts[p].space != PartDrawing::Space::plane)
+      return false;
+  }
+  return world.parts().size() > 0;
+}
+
+// Seen from afar through a long lens: the same part of the plane, and next to nothing of the sides.
+void flatten(DrawList& list) {
+  list.fov_degrees = kFlatFov;
+  list.ground_height.reset();
+  if (!list.facing) list.facing = Vec3{0, 0, 1};
+  if (!list.camera) return;
+  DrawCamera& c = *list.camera;
+  const double half = 3.14159265358979323846 / 360;
+  const double farther = std::tan(c.fov_degrees * half) / std::tan(kFlatFov * half);
+  if (farther > 1) c.eye = c.target + (c.eye - c.target) * farther, c.fov_degrees = kFlatFov;
 }
 
 // A camera looks from here; the front is the side that z points to, or x where z is up.
@@ -231,6 +290,10 @@ DrawList draw_list_of(const World& world, const Frame& frame, const PictureLook&
   if (look.theme == PictureLook::Theme::dark)
     list.background_top = {0.09f, 0.105f, 0.13f}, list.background_bottom = {0.145f, 0.165f, 0.20f};
   bool has_plane = false;
+  PlotBox plot;
+  std::vector<PlotAxis> axes;
+  std::vector<LegendRow> systems;
+  const std::vector<size_t> places = palette_places(world);
   for (size_t p = 0; p < world.parts().size(); ++p) {
     const PartInfo& info = world.parts()[p].info();
     if (info.kind != PartInfo::Kind::points) continue;
@@ -242,8 +305,27 @@ DrawList draw_list_of(const World& world, const Frame& frame, const PictureLook&
     // Rows that only carry bodies are not looked at either; coloured ones bring the colour bar.
     const bool only_bodies = list.shapes.size() > before && points.radius == 0 && points.lines.empty() &&
                              points.triangles.empty() && points.scalar.empty();
-    if (!points.positions.empty() && !only_bodies) list.points.push_back(std::move(points));
+    if (points.positions.empty() || only_bodies) continue;
+    const PartDrawing& drawing = frame.constant->parts[p];
+    if (!drawing.plot.empty()) {
+      plot.add(points.positions);
+      if (axes.empty()) axes = drawing.plot;
+    }
+    const bool colored = !points.scalar.empty() || !points.line_scalar.empty();
+    if (!drawing.plot.empty() && !colored && !points.lines.empty()) {
+      add_curves(list, points, drawing.curves, places[p]);
+      continue;
+    }
+    if (!points.color) points.color = picture::palette(places[p]);
+    const bool main = world.parts()[p].index == 0;
+    // Rows that other shapes are drawn for show no colour of their own.
+    const bool visible = points.radius > 0 || !points.lines.empty() || !points.triangles.empty();
+    if (main && visible && !colored && list.shapes.size() == before && drawing.plot.empty())
+      systems.push_back({spaced(world.parts()[p].id), *points.color});
+    list.points.push_back(std::move(points));
   }
+  add_strings(list, world, frame);
+  add_legend(list, systems);
   bool grids_alone = list.points.empty() && list.shapes.empty() && frame.moving.obstacles.empty();
   for (size_t p = 0; p < world.parts().size(); ++p) {
     const PartInfo& info = world.parts()[p].info();
@@ -253,6 +335,7 @@ DrawList draw_list_of(const World& world, const Frame& frame, const PictureLook&
     if (grids_alone) list.facing = facing_side(info, viewer);
   }
   grids_alone = grids_alone && !list.points.empty();
+  if (grids_alone) list.fill = std::min(list.fill, kGridFill);
   for (const DrawnShape& s : frame.moving.obstacles) {
     list.shapes.push_back(shape_of(s));
     has_plane |= s.kind == DrawnShape::Kind::plane;
@@ -266,6 +349,13 @@ DrawList draw_list_of(const World& world, const Frame& frame, const PictureLook&
     const CameraParams& c = *viewer.camera;
     list.camera = DrawCamera{c.eye, c.target, c.up, c.fov * 57.29577951308232};
   }
+  if (!axes.empty()) {
+    plot.add_time(axes, header.time.duration);
+    add_axes(list, axes, plot);
+  }
+  if (lies_in_plane(world, frame)) flatten(list);
+  // Names stand outside a plot's frame: there is room for them in a picture that is framed anew.
+  if (!list.labels.empty() && list.camera) frame_as(list, *std::exchange(list.camera, std::nullopt));
   char time[48];
   std::snprintf(time, sizeof time, "t = %.3f s", frame.time);
   const std::string& name = header.title.empty() ? header.name : header.title;

@@ -56,14 +56,11 @@ std::vector<Bytes4> mapped_colors(const DrawPoints& set, const std::vector<float
   return colors;
 }
 
-Color mix(const Color& a, const Color& b, float t) {
-  return {a.r + (b.r - a.r) * t, a.g + (b.g - a.g) * t, a.b + (b.b - a.b) * t};
-}
-
 // Structural springs carry the colour; shear and bending ones step back so that a net stays readable.
 std::array<Bytes4, 4> line_colors(const Color& base) {
-  return {bytes_of(mix(base, {0, 0, 0}, 0.12f)), bytes_of(mix(base, {1, 1, 1}, 0.35f)),
-          bytes_of(mix(base, {0.62f, 0.64f, 0.68f}, 0.7f)), bytes_of(mix(base, {0.5f, 0.5f, 0.5f}, 0.3f))};
+  return {bytes_of(base), bytes_of(mixed(base, {1, 1, 1}, 0.35f)),
+          bytes_of(mixed(base, {0.62f, 0.64f, 0.68f}, 0.7f)),
+          bytes_of(mixed(base, {0.5f, 0.5f, 0.5f}, 0.3f))};
 }
 
 void add_surface(Geometry& g, const View& view, const DrawPoints& set, const std::vector<Vec3f>& p,
@@ -103,6 +100,13 @@ void add_translucent(Geometry& g, const View& view, const DrawPoints& set, const
   sort_far_to_near(g.glass, view);
 }
 
+// Half of so many pixels of a picture 720 high, at this place, in picture units.
+float half_pixels(const View& view, const Vec3f& p, double pixels) {
+  const double depth = -dot(Vec3{p.x, p.y, p.z} - view.eye, view.back);
+  const double scaled = pixels > 0 ? std::max(1.5, pixels * view.height / 720) : 0;
+  return static_cast<float>(0.5 * scaled * std::max(depth, 0.0) * view.pixel);
+}
+
 void add_points(Geometry& g, const View& view, const DrawPoints& set, const Color& base) {
   const size_t n = set.positions.size() / 3;
   std::vector<Vec3f> p(n);
@@ -112,7 +116,8 @@ void add_points(Geometry& g, const View& view, const DrawPoints& set, const Colo
   }
   const std::vector<Bytes4> colors = mapped_colors(set, set.scalar, n, base);
   for (size_t i = 0; i < n; ++i) {
-    const float r = view.units.length(set.radii.empty() ? set.radius : set.radii[i]);
+    const float r = std::max(view.units.length(set.radii.empty() ? set.radius : set.radii[i]),
+                             half_pixels(view, p[i], set.point_pixels));
     if (r > 0 && drawable(p[i])) g.add_sphere(view, p[i], r, colors[i]);
   }
   const std::array<Bytes4, 4> tints = line_colors(set.line_color.value_or(base));
@@ -122,7 +127,8 @@ void add_points(Geometry& g, const View& view, const DrawPoints& set, const Colo
     const Vec3f a = p[set.lines[2 * l]], b = p[set.lines[2 * l + 1]];
     const size_t kind = set.line_kinds.empty() ? 0 : std::min<size_t>(set.line_kinds[l], 3);
     if (!drawable(a) || !drawable(b)) continue;
-    g.add_line(view, a, b, thickness, set.line_scalar.empty() ? tints[kind] : line_tints[l]);
+    const float least = half_pixels(view, (a + b) * 0.5f, set.line_pixels);
+    g.add_line(view, a, b, std::max(thickness, least), set.line_scalar.empty() ? tints[kind] : line_tints[l]);
   }
   if (set.surface == DrawPoints::Surface::translucent) {
     add_translucent(g, view, set, p, colors);

@@ -1,6 +1,6 @@
-// Caption and colour bar, drawn into the finished pixels.
+// Caption, labels, legend and colour bar, drawn into the finished pixels.
 #pragma once
-#include "engine/sinks/picture/draw_list.h"
+#include "engine/sinks/picture/view.h"
 
 namespace truestep::picture {
 
@@ -10,8 +10,8 @@ struct Canvas {
   int width, height;
 };
 
-/// Draws the list's caption bottom left and, bottom right, the colour bar of the first set whose scalar has a
-/// label.
-void draw_overlay(const DrawList& list, Canvas canvas);
+/// Draws the list's labels where their places are, its caption bottom left, its legend top left and, bottom
+/// right, the colour bar of the first set whose scalar has a label.
+void draw_overlay(const DrawList& list, const View& view, Canvas canvas);
 
 }  // namespace truestep::picture

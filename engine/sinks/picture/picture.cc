@@ -215,7 +215,7 @@ class PictureRenderer::Impl {
       if (const GLenum error = gl.GetError(); error != GL_NO_ERROR)
         throw Error("render_unavailable", "OpenGL error " + std::to_string(error));
     }
-    draw_overlay(list, {rgba.data(), width_, height_});
+    draw_overlay(list, view, {rgba.data(), width_, height_});
     return rgba;
   }
 

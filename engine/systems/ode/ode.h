@@ -53,6 +53,7 @@ class Ode final : public StagedSystem {
   void fire(State& state, Scratch& work, size_t event, double t) const;
   void carry_tracers(State& state, const StepInput& in) const;
   void draw_path(State& state, double t, Workspace& workspace) const;
+  bool lies_in_plane() const;
 
   OdeDef def_;
   OdeModel model_;

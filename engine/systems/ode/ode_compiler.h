@@ -63,9 +63,17 @@ class OdeCompiler {
   void event(size_t k);
   void tracers();
 
-  // --- ode_compiler_plot.cc
+  // --- ode_compiler_plot.cc, ode_compiler_axes.cc
 
   void plot();
+  /// What the k-th axis shows and where.
+  PlotAxis axis(size_t k, const std::string& text) const;
+  std::vector<ExpressionProgram::Node> along(size_t k) const;
+  /// Name of a state's or parameter's element, with its index or without; "t" for time.
+  enum class Index : uint8_t { with, without };
+  std::string name_of(int32_t variable, Index index) const;
+  bool is_parameter(int32_t variable) const { return variable > 0 && variable < first_state_; }
+  std::vector<std::string> curves() const;
   /// Points that an axis stands for: elements of the array that it names, or of the longest when it uses [i];
   /// 0: any number.
   size_t elements(const std::string& axis) const;

@@ -34,6 +34,9 @@ void OdeCompiler::plot() {
       plot_.push_back(node);
     }
   }
+  if (axes.size() < 2 || !issues_.empty()) return;
+  for (size_t k = 0; k < axes.size(); ++k) model_.axes.push_back(axis(k, axes[k]));
+  model_.curves = curves();
 }
 
 size_t OdeCompiler::elements(const std::string& axis) const {

@@ -193,6 +193,11 @@ void Ode::apply(State& s, const Command& c) const {
   std::ranges::fill(s.f64(C::kStopped), 0.0);
 }
 
+bool Ode::lies_in_plane() const {
+  if (!def_.tracers) return model_.axes.size() == 2;
+  return std::ranges::none_of(def_.tracers->velocity, [](const NamedText& v) { return v.name == "z"; });
+}
+
 void Ode::draw(const State& s, double, Wish wishes, Drawing& out) const {
   if (wants(wishes, Wish::constant)) {
     out.parts.resize(parts().size());
@@ -200,6 +205,8 @@ void Ode::draw(const State& s, double, Wish wishes, Drawing& out) const {
     if (def_.color) d.color = {def_.color->x, def_.color->y, def_.color->z};
     // The path of every body as a line; its head is one of the obstacles.
     if (trail_ == 0) d.point_radius = def_.draw_radius;
+    if (!def_.tracers) d.plot = model_.axes, d.curves = model_.curves;
+    if (lies_in_plane()) d.space = PartDrawing::Space::plane;
     const auto length = static_cast<uint32_t>(trail_ + 1);
     for (uint32_t b = 0; trail_ > 0 && b < model_.bodies; ++b) {
       for (uint32_t k = 0; k + 1 < length; ++k) d.lines.push_back({b * length + k, b * length + k + 1});

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "engine/base/errors.h"
+#include "engine/core/drawing.h"
 #include "engine/core/right_hand_side.h"
 #include "engine/math/expression/program.h"
 #include "engine/math/expression/rows.h"
@@ -68,7 +69,9 @@ struct OdeModel {
 
   std::vector<std::string> invariant_names;
   std::vector<Event> events;
-  size_t bodies = 0;  ///< points that `plot` gives, 3 coordinates each
+  std::vector<PlotAxis> axes;       ///< of the plot
+  std::vector<std::string> curves;  ///< states that the points show, where each shows one of its own
+  size_t bodies = 0;                ///< points that `plot` gives, 3 coordinates each
 
   ExpressionRows tracer_velocity;  ///< over the variables, then x, y, z; no outputs: no tracers
 

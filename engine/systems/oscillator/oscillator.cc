@@ -80,7 +80,10 @@ class Oscillator : public ForceSystem {
   }
 
   void draw(const State&, double, Wish wishes, Drawing& out) const override {
-    if (wants(wishes, Wish::constant)) out.parts.emplace_back().point_radius = 0.05;
+    if (!wants(wishes, Wish::constant)) return;
+    PartDrawing& mass = out.parts.emplace_back();
+    mass.point_radius = 0.05;
+    mass.space = PartDrawing::Space::plane;
   }
 
  private:

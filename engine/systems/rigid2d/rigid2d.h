@@ -43,6 +43,7 @@ class Rigid2d final : public StagedSystem {
   void name_parts();
   void add_stages();
   std::vector<ContactMark> contact_marks(const State& state) const;
+  void draw_strings(const State& state, std::vector<DrawnString>& out) const;
   std::vector<JointMark> joint_marks(const State& state) const;
   void take_hands(State& s, const StepInput& in) const;
   template <class T>

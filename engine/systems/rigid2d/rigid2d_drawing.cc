@@ -116,15 +116,41 @@ void Rigid2d::draw(const State& s, double, Wish wishes, Drawing& out) const {
     PartDrawing& bodies = out.parts.emplace_back(drawn_);
     const auto status = s.span<uint32_t>(columns::status);
     std::erase_if(bodies.instances, [&](const auto& i) { return (status[i[0]] & kRemoved) != 0; });
+    bodies.space = PartDrawing::Space::plane;
+    draw_strings(s, out.strings);
   }
   if (wants(wishes, Wish::contacts)) out.contacts = contact_marks(s);
   if (wants(wishes, Wish::joints)) out.joints = joint_marks(s);
 }
 
+// Ropes run in the middle of the bodies' depth; a pulley's goes over its two wheels.
+void Rigid2d::draw_strings(const State& s, std::vector<DrawnString>& out) const {
+  const auto broken = s.span<uint32_t>(columns::joint_broken), status = s.span<uint32_t>(columns::status);
+  const auto gone = [&](uint32_t body) { return body < model_.count() && (status[body] & kRemoved) != 0; };
+  const auto end = [&](uint32_t body, Vec2 at) {
+    return body < model_.count() ? StringEnd{0, body, raised(at)}
+                                 : StringEnd{StringEnd::kWorld, 0, raised(at)};
+  };
+  const auto fixed = [](Vec2 at) { return StringEnd{StringEnd::kWorld, 0, raised(at)}; };
+  for (size_t i = 0; i < model_.joints.size(); ++i) {
+    const Joint& j = model_.joints[i];
+    if (broken[i] || gone(j.a) || gone(j.b)) continue;
+    const StringEnd a = end(j.a, j.local_a), b = end(j.b, j.local_b);
+    if (j.kind == JointKind::distance) out.push_back({a, b});
+    if (j.kind != JointKind::pulley) continue;
+    out.push_back({a, fixed(j.ground_a)});
+    out.push_back({fixed(j.ground_a), fixed(j.ground_b)});
+    out.push_back({fixed(j.ground_b), b});
+  }
+}
+
+// Counts what has been removed and what broke.
 uint32_t Rigid2d::drawing_version(const State& s) const {
-  const auto status = s.span<uint32_t>(columns::status);
-  return 1 + static_cast<uint32_t>(
-                 std::ranges::count_if(status, [](uint32_t bits) { return (bits & kRemoved) != 0; }));
+  const auto removed = std::ranges::count_if(s.span<uint32_t>(columns::status),
+                                             [](uint32_t bits) { return (bits & kRemoved) != 0; });
+  const auto broken =
+      std::ranges::count_if(s.span<uint32_t>(columns::joint_broken), [](uint32_t b) { return b != 0; });
+  return static_cast<uint32_t>(1 + removed + broken);
 }
 
 std::vector<ContactMark> Rigid2d::contact_marks(const State& s) const {

@@ -90,6 +90,7 @@ class Rigid3d final : public StagedSystem, public WakesBodies {
   void draw_bodies(const State& s, PartDrawing& out) const;
   std::vector<DrawnShape> planes(const State& s) const;
   std::vector<ContactMark> contact_marks(const State& s) const;
+  void draw_strings(const State& s, std::vector<DrawnString>& out) const;
   std::vector<JointMark> joint_marks(const State& s) const;
   void name_parts();
 

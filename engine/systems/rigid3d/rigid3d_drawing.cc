@@ -83,6 +83,7 @@ void Rigid3d::draw(const State& s, double, Wish wishes, Drawing& out) const {
   if (wants(wishes, Wish::constant)) {
     out.parts.resize(parts().size());
     draw_bodies(s, out.parts[0]);
+    draw_strings(s, out.strings);
   }
   if (wants(wishes, Wish::obstacles)) out.obstacles = planes(s);
   if (wants(wishes, Wish::contacts)) out.contacts = contact_marks(s);
@@ -106,10 +107,25 @@ void Rigid3d::draw_bodies(const State& s, PartDrawing& out) const {
   }
 }
 
-// Every birth and every removal counts: births = next id - n_0, removals = next id - rows.
+void Rigid3d::draw_strings(const State& s, std::vector<DrawnString>& out) const {
+  const auto held = s.span<uint32_t>(columns::joint_bodies), broken = s.span<uint32_t>(columns::joint_broken);
+  const auto end = [](uint32_t row, const Vec3& at) {
+    return row == kNoBody ? StringEnd{StringEnd::kWorld, 0, at} : StringEnd{0, row, at};
+  };
+  for (size_t k = 0; k < joints_.joints.size(); ++k) {
+    const Joint& j = joints_.joints[k];
+    if (j.form != Joint::Form::line || broken[k]) continue;
+    out.push_back({end(held[2 * k], j.anchor_a), end(held[2 * k + 1], j.anchor_b)});
+  }
+}
+
+// Every birth, every removal and every joint that breaks counts: births = next id - n_0, removals = next id -
+// rows.
 uint32_t Rigid3d::drawing_version(const State& s) const {
   const uint64_t next = s.span<uint64_t>(columns::counters)[0];
-  return static_cast<uint32_t>(1 + 2 * next - bodies_.starts.size() - s.rows(columns::position));
+  const auto broken = s.span<uint32_t>(columns::joint_broken);
+  const auto breaks = static_cast<size_t>(std::ranges::count_if(broken, [](uint32_t b) { return b != 0; }));
+  return static_cast<uint32_t>(1 + 2 * next - bodies_.starts.size() - s.rows(columns::position) + breaks);
 }
 
 std::vector<DrawnShape> Rigid3d::planes(const State& s) const {

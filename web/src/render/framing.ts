@@ -64,8 +64,8 @@ export class Framing {
   }
 
   /** Forgets the last scene. `pose` is what the scene asks for; `facing` the side from which a flat one is seen. */
-  clear(pose: CameraPose | undefined, labelled = false): void {
-    this.fill = labelled ? kLabelled : kFill;
+  clear(pose: CameraPose | undefined): void {
+    this.fill = kFill;
     this.pose = pose;
     this.facing = undefined;
     this.side = "scene";
@@ -85,6 +85,11 @@ export class Framing {
       const corner = new Vector3().fromArray(target).addScaledVector(right, u * half * kAspect).addScaledVector(above, v * half);
       this.authored.add(corner.x, corner.y, corner.z);
     }
+  }
+
+  /** Ticks and names stand around the scene. */
+  leaveRoom(labelled: boolean): void {
+    this.fill = labelled ? kLabelled : kFill;
   }
 
   /** Where the scene is seen from if it does not say so itself. */

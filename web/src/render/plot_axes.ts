@@ -1,11 +1,11 @@
 // The axes of a scene that draws its equations as a plot: a frame around what was seen, round values on its sides,
 // and names.
 import { Group, type IUniform } from "three";
-import { axisOf, readOne } from "./expression";
+import type { PlotAxis } from "../client/gen/truestep/v1/stream_pb";
+import { axisOf, placeOf } from "./axis_ticks";
 import type { Extent } from "./extent";
 import type { Label } from "./labels";
 import { WideLines } from "./lines";
-import type { PlotInfo } from "./scene_info";
 import { scenery } from "./shading";
 
 const kTicks = 5;
@@ -17,7 +17,8 @@ export class PlotAxes {
   private readonly grid: WideLines;
 
   constructor(
-    private readonly plot: PlotInfo,
+    private readonly axes: PlotAxis[],
+    private readonly duration: number | undefined,
     viewHeight: IUniform<number>,
   ) {
     this.frame = new WideLines(viewHeight, { pixels: 1.3, radius: 0, opacity: 0.8, tube: false });
@@ -27,14 +28,13 @@ export class PlotAxes {
 
   /** Adds where an axis of time begins and ends, for the run's length is known before it runs, and the frame's corners. */
   reachOf(out: Extent): void {
-    const { axes, constants, duration } = this.plot;
+    const { axes, duration } = this;
     if (out.empty) return;
     const [low, high] = [out.ball().center, out.ball().center];
-    axes.forEach((text, axis) => {
-      const one = readOne(text, constants);
-      if (one?.name !== "t" || duration === undefined) return;
-      low[axis] = one.of(0);
-      high[axis] = one.of(duration);
+    axes.forEach((shown, axis) => {
+      if (shown.name !== "t" || duration === undefined) return;
+      low[axis] = placeOf(shown, 0);
+      high[axis] = placeOf(shown, duration);
       if (!Number.isFinite(low[axis]! + high[axis]!)) return;
       out.add(...low);
       out.add(...high);
@@ -45,7 +45,7 @@ export class PlotAxes {
 
   /** Draws the axes of what was seen. */
   fit(seen: Extent): void {
-    const { axes, constants } = this.plot;
+    const { axes } = this;
     const sides = [0, 1, 2].map((axis) => {
       const [low, high] = seen.along(axis);
       const room = 0.04 * (high - low || 1);
@@ -58,8 +58,8 @@ export class PlotAxes {
     const grid: number[] = [];
     this.labels = [];
     const line = (to: number[], ...ends: number[]): void => void to.push(...ends);
-    const horizontal = axisOf(axes[0]!, constants, x[0], x[1], kTicks);
-    const vertical = axisOf(axes[1]!, constants, y[0], y[1], kTicks);
+    const horizontal = axisOf(axes[0]!, x[0], x[1], kTicks);
+    const vertical = axisOf(axes[1]!, y[0], y[1], kTicks);
     for (const { at, label } of horizontal.ticks) {
       line(grid, at, y[0], depth, at, y[1], depth);
       this.labels.push({ text: label, at: [at, y[0], solid ? z[1] : 0], kind: "tick-x" });
@@ -70,10 +70,10 @@ export class PlotAxes {
     }
     line(frame, x[0], y[0], depth, x[1], y[0], depth);
     line(frame, x[0], y[0], depth, x[0], y[1], depth);
-    this.labels.push({ text: withUnit(horizontal.label), at: [x[1], y[0], solid ? z[1] : 0], kind: "axis" });
-    this.labels.push({ text: withUnit(vertical.label), at: [x[0], y[1], depth], kind: "axis" });
+    this.labels.push({ text: horizontal.label, at: [x[1], y[0], solid ? z[1] : 0], kind: "axis" });
+    this.labels.push({ text: vertical.label, at: [x[0], y[1], depth], kind: "axis" });
     if (solid) {
-      const away = axisOf(axes[2]!, constants, z[0], z[1], kTicks);
+      const away = axisOf(axes[2]!, z[0], z[1], kTicks);
       for (const { at, label } of away.ticks) {
         line(grid, x[0], y[0], at, x[1], y[0], at);
         this.labels.push({ text: label, at: [x[1], y[0], at], kind: "tick-x" });
@@ -81,7 +81,7 @@ export class PlotAxes {
       for (const { at } of horizontal.ticks) line(grid, at, y[0], z[0], at, y[0], z[1]);
       line(frame, x[1], y[0], z[0], x[1], y[0], z[1]);
       line(frame, x[0], y[0], z[1], x[1], y[0], z[1]);
-      this.labels.push({ text: withUnit(away.label), at: [x[1], y[0], z[0]], kind: "axis" });
+      this.labels.push({ text: away.label, at: [x[1], y[0], z[0]], kind: "axis" });
     }
     this.frame.set(frame);
     this.grid.set(grid);
@@ -95,5 +95,3 @@ export class PlotAxes {
     this.object.removeFromParent();
   }
 }
-
-const withUnit = (name: string): string => (name === "t" ? "t (s)" : name);

@@ -51,6 +51,7 @@ export class Stage {
   private labelled = false;
   private readonly strings = new Strings(this.viewHeight);
   private axes: PlotAxes[] = [];
+  private flat = false;
   /** Bodies' and points' floors are found once; a plane says itself where it is. */
   private floor = 0;
   private dirty = true;
@@ -91,14 +92,13 @@ export class Stage {
     this.topology = undefined;
     this.setShapes([]);
     this.setMarks(undefined);
-    this.framing.clear(settings.camera, info.plots.length > 0);
+    this.framing.clear(settings.camera);
     setRamp(settings.color_map ?? "viridis");
     this.show.range = settings.range;
-    if (info.flat) this.camera.fov = kFlatFov;
     for (const axes of this.axes) axes.dispose();
-    this.axes = info.plots.map((plot) => new PlotAxes(plot, this.viewHeight));
-    for (const axes of this.axes) this.scene.add(axes.object);
-    this.strings.set(info.strings);
+    this.axes = [];
+    this.flat = false;
+    this.strings.set([]);
     this.labels.set([]);
     this.framed = false;
     this.handle.hide();
@@ -128,7 +128,7 @@ export class Stage {
       const part = this.parts.get(system.system);
       const view = part?.lattice
         ? new GridView(part, this.settings, this.viewHeight)
-        : new SystemView(system.system, system, index, this.viewHeight, this.ground.shadowUniforms, part, this.info.plots.some((plot) => plot.system === system.system));
+        : new SystemView(system.system, system, index, this.viewHeight, this.ground.shadowUniforms, part, system.plot.length > 0);
       this.views.set(view.id, view);
       this.scene.add(view.group);
     });
@@ -137,8 +137,25 @@ export class Stage {
       view.dispose();
       this.views.delete(id);
     }
+    this.strings.set(topology.strings);
     if (this.framed) this.drawShapes();
+    else this.lieDown(topology);
     this.invalidate(true);
+  }
+
+  /** A plane scene is seen from its front, a plot has axes around it. */
+  private lieDown(topology: Topology): void {
+    for (const axes of this.axes) axes.dispose();
+    this.axes = topology.systems.filter(({ plot }) => plot.length > 1).map(({ plot }) => new PlotAxes(plot, this.info.duration, this.viewHeight));
+    for (const axes of this.axes) this.scene.add(axes.object);
+    this.flat = topology.systems.length > 0 && topology.systems.every(({ plane }) => plane);
+    if (this.flat) this.camera.fov = kFlatFov;
+    this.framing.leaveRoom(this.axes.length > 0);
+  }
+
+  /** Something is drawn as a plot. */
+  get plotted(): boolean {
+    return this.axes.length > 0;
   }
 
   /** Moves the shapes of the topology to where they are now. */
@@ -177,16 +194,6 @@ export class Stage {
     const field = [...this.parts.values()].flatMap((part) => part.fields).find((one) => one.name === name);
     const unit = field?.unit ?? (name === "speed" ? "m/s" : "");
     return { label: unit && unit !== "1" ? `${name} (${unit})` : name, map: this.settings.color_map ?? "viridis", low, high };
-  }
-
-  /** Systems that are told apart by their colour, for a legend. */
-  get systemColors(): { id: string; color: string }[] {
-    const out = new Map<string, string>();
-    for (const view of this.views.values()) {
-      if (view instanceof GridView || view.bodies || view.range || view.id.includes(".")) continue;
-      out.set(view.id, `#${view.tint.getHexString()}`);
-    }
-    return out.size > 1 ? [...out].map(([id, color]) => ({ id, color })) : [];
   }
 
   /** Draws `frame` with the next picture; the promise ends when that picture is out. */
@@ -268,14 +275,14 @@ export class Stage {
     const plane = this.topology?.shapes.find(isGround);
     const radius = now.ball().radius;
     this.floor = plane ? (plane.position[1] ?? 0) : floorUnder(Math.min(now.along(1)[0], lowest), lowest < Infinity, radius);
-    this.ground.object.visible = (this.info.standing || plane !== undefined) && !this.facing();
+    this.ground.object.visible = ((this.info.pulled && !this.topology?.systems.every(({ plot }) => plot.length > 0)) || plane !== undefined) && !this.facing();
     this.fitGround();
     this.fitAxes();
   }
 
   /** The side of a flat scene that a person looks at. */
   private facing(): Vector3 | undefined {
-    if (this.info.flat) return new Vector3(0, 0, 1);
+    if (this.flat) return new Vector3(0, 0, 1);
     const sides = [...this.views.values()].map((view) => (view instanceof GridView ? view.facing : undefined));
     return sides.length > 0 && sides.every((side) => side !== undefined) ? new Vector3().fromArray(sides[0]!) : undefined;
   }
@@ -308,6 +315,7 @@ export class Stage {
         labels.push({ text: view.id.replaceAll("_", " "), at: mine.top(), kind: "name", color: `#${view.tint.getHexString()}` });
       }
     }
+    for (const view of this.views.values()) if (view instanceof SystemView) labels.push(...view.curves());
     this.labelled = labels.some((label) => label.kind === "name");
     this.labels.set(labels);
   }

@@ -1,18 +1,19 @@
-// Strings that hold bodies: distance joints and attachments have no shape of their own, so the viewer draws them.
+// Strings between things: distance joints, springs and attachments have no shape of their own. The topology names
+// their ends; their rows are followed here.
 import { Group, Vector3, Quaternion, type IUniform } from "three";
 import { WideLines } from "./lines";
-import type { StringEnd } from "./scene_info";
+import type { DrawnString, StringEnd } from "../client/gen/truestep/v1/stream_pb";
 import { scenery } from "./shading";
 import type { SystemView } from "./system_view";
 
 export class Strings {
   readonly object = new Group();
   private lines: WideLines | undefined;
-  private strings: [StringEnd, StringEnd][] = [];
+  private strings: DrawnString[] = [];
 
   constructor(private readonly viewHeight: IUniform<number>) {}
 
-  set(strings: [StringEnd, StringEnd][]): void {
+  set(strings: DrawnString[]): void {
     this.strings = strings;
     this.lines?.dispose();
     this.lines = undefined;
@@ -27,9 +28,11 @@ export class Strings {
     if (!this.lines) return;
     const ends: number[] = [];
     const turn = new Quaternion();
-    const place = ({ part, row = 0, at }: StringEnd): Vector3 | undefined => {
+    const place = (end: StringEnd | undefined): Vector3 | undefined => {
+      if (!end) return undefined;
+      const { part, row, at } = end;
       const local = new Vector3().fromArray(at);
-      if (part === undefined) return local;
+      if (part === "") return local;
       const found = view(part);
       if (!found || row >= found.count) return undefined;
       if (found.turns && at.some((c) => c !== 0)) {
@@ -38,7 +41,7 @@ export class Strings {
       }
       return local.add(new Vector3().fromArray(found.positions, 3 * row));
     };
-    for (const [a, b] of this.strings) {
+    for (const { a, b } of this.strings) {
       const [p, q] = [place(a), place(b)];
       if (p && q) ends.push(...p.toArray(), ...q.toArray());
     }
@@ -48,6 +51,6 @@ export class Strings {
 
   /** Adds the ends that are fixed in the world. */
   reachOf(add: (x: number, y: number, z: number) => void): void {
-    for (const ends of this.strings) for (const { part, at } of ends) if (part === undefined) add(...at);
+    for (const { a, b } of this.strings) for (const end of [a, b]) if (end?.part === "") add(...(end.at as [number, number, number]));
   }
 }

@@ -5,6 +5,7 @@ import { Bodies, type FloorUniforms } from "./bodies";
 import { meaning } from "../client/parts";
 import type { Extent } from "./extent";
 import type { Part, SystemTopology } from "../client/gen/truestep/v1/stream_pb";
+import type { Label } from "./labels";
 import { kindColors, WideLines } from "./lines";
 import { PointCloud } from "./points";
 import { paletteColor } from "./shading";
@@ -208,6 +209,18 @@ export class SystemView {
     return kept.map((k) => {
       if (k === 0 || this.pairs[2 * k] !== this.pairs[2 * k - 1]) ++thread;
       return paletteColor(thread);
+    });
+  }
+
+  /** Names of a plot's curves where each has its own, at their newest points. */
+  curves(): Label[] {
+    const names = this.topology.curves;
+    if (names.length === 0) return [];
+    const starts: number[] = [];
+    for (let k = 0; 2 * k < this.pairs.length; ++k) if (k === 0 || this.pairs[2 * k] !== this.pairs[2 * k - 1]) starts.push(3 * this.pairs[2 * k]!);
+    return names.slice(0, starts.length).map((text, n) => {
+      const [x = 0, y = 0, z = 0] = this.positions.subarray(starts[n]!, starts[n]! + 3);
+      return { text, at: [x, y, z], kind: "name", color: `#${(this.color ?? paletteColor(this.index + n)).getHexString()}` };
     });
   }
 

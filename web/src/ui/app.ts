@@ -257,8 +257,8 @@ export class App {
 
   /** A plot or a field that has come to the end of its scene stops there, once. */
   private end(): void {
-    const { duration, dt = 0, plots } = this.info;
-    if (!this.own || this.ended || duration === undefined || this.time < duration - 0.5 * dt || (plots.length === 0 && !this.stage.onlyGrids)) return;
+    const { duration, dt = 0 } = this.info;
+    if (!this.own || this.ended || duration === undefined || this.time < duration - 0.5 * dt || (!this.stage.plotted && !this.stage.onlyGrids)) return;
     this.ended = true;
     this.act((id) => this.service.pause(id));
     this.hint(`the end of the scene, after ${duration.toLocaleString("en-US", { maximumSignificantDigits: 4 })} s`);

@@ -1,5 +1,5 @@
 // What the viewer computes without a page, for tests in Node.
-export { axisOf, readOne } from "../render/expression";
+export { axisOf, placeOf } from "../render/axis_ticks";
 export { Extent } from "../render/extent";
 export { arrows, levelLine, streamlines } from "../render/plane_lines";
 export { infoOf } from "../render/scene_info";

@@ -16,7 +16,7 @@ import type { Message } from "@bufbuild/protobuf";
  * Describes the file truestep/v1/stream.proto.
  */
 export const file_truestep_v1_stream: GenFile = /*@__PURE__*/
-  fileDesc("Chh0cnVlc3RlcC92MS9zdHJlYW0ucHJvdG8SC3RydWVzdGVwLnYxIpoBCgVCbG9jaxIOCgZzeXN0ZW0YASABKAkSDQoFZmllbGQYAiABKAkSJwoIZW5jb2RpbmcYAyABKA4yFS50cnVlc3RlcC52MS5FbmNvZGluZxIOCgZvZmZzZXQYBCADKAESDQoFc2NhbGUYBSADKAESDQoFY291bnQYBiABKA0SDQoFd2lkdGgYByABKA0SDAoEZGF0YRgIIAEoDCKNAgoFRnJhbWUSCwoDc2VxGAEgASgEEgwKBHN0ZXAYAiABKAQSDAoEdGltZRgDIAEoARISCgpzdGF0ZV9oYXNoGAQgASgGEg8KB2Ryb3BwZWQYBSABKAQSGAoQdG9wb2xvZ3lfdmVyc2lvbhgGIAEoDRIQCghrZXlmcmFtZRgHIAEoCBIQCghiYXNlX3NlcRgIIAEoBBIiCgZibG9ja3MYCSADKAsyEi50cnVlc3RlcC52MS5CbG9jaxINCgVhbHBoYRgKIAEoARIiCgZzaGFwZXMYCyADKAsyEi50cnVlc3RlcC52MS5TaGFwZRIhCgVtYXJrcxgMIAEoCzISLnRydWVzdGVwLnYxLk1hcmtzImwKBUZpZWxkEgwKBG5hbWUYASABKAkSDAoEdW5pdBgCIAEoCRINCgV3aWR0aBgDIAEoDRInCghlbmNvZGluZxgEIAEoDjIVLnRydWVzdGVwLnYxLkVuY29kaW5nEg8KB21lYW5pbmcYBSABKAkiSQoHTGF0dGljZRIOCgZjb3VudHMYASADKA0SDgoGb3JpZ2luGAIgAygBEg8KB3NwYWNpbmcYAyADKAESDQoFY2VsbHMYBCABKAgijQEKBFBhcnQSCgoCaWQYASABKAkSDgoGc3lzdGVtGAIgASgJEgwKBGtpbmQYAyABKAkSIgoGZmllbGRzGAQgAygLMhIudHJ1ZXN0ZXAudjEuRmllbGQSJQoHbGF0dGljZRgFIAEoCzIULnRydWVzdGVwLnYxLkxhdHRpY2USEAoIZWxlbWVudHMYBiABKAkiXwoKU3lzdGVtSW5mbxIKCgJpZBgBIAEoCRIMCgR0eXBlGAIgASgJEiIKBmZpZWxkcxgDIAMoCzISLnRydWVzdGVwLnYxLkZpZWxkEhMKC29ic2VydmFibGVzGAQgAygJIsUBCgVIZWxsbxILCgNhcGkYASABKAkSDwoHc2Vzc2lvbhgCIAEoCRIOCgZzZXJ2ZXIYAyABKAkSCgoCZHQYBCABKAESDAoEc3RlcBgFIAEoBBIoCgdzeXN0ZW1zGAYgAygLMhcudHJ1ZXN0ZXAudjEuU3lzdGVtSW5mbxIUCgxjYXBhYmlsaXRpZXMYByADKAkSEgoKc2NlbmVfbmFtZRgIIAEoCRIgCgVwYXJ0cxgJIAMoCzIRLnRydWVzdGVwLnYxLlBhcnQi1gEKDlN5c3RlbVRvcG9sb2d5Eg4KBnN5c3RlbRgBIAEoCRINCgVsaW5lcxgCIAEoDBIRCgl0cmlhbmdsZXMYAyABKAwSEQoJbGluZV9raW5kGAQgASgMEhQKDHBvaW50X3JhZGl1cxgFIAEoARINCgVjb2xvchgGIAMoARIkCgd2aXN1YWxzGAcgAygLMhMudHJ1ZXN0ZXAudjEuVmlzdWFsEhEKCWluc3RhbmNlcxgIIAEoDBIhCgZtZXNoZXMYCSADKAsyES50cnVlc3RlcC52MS5NZXNoIj0KBE1lc2gSEQoJcG9zaXRpb25zGAEgASgMEg8KB25vcm1hbHMYAiABKAwSEQoJdHJpYW5nbGVzGAMgASgMInwKBlZpc3VhbBIhCgVzaGFwZRgBIAEoCzISLnRydWVzdGVwLnYxLlNoYXBlEgwKBG1lc2gYAiABKA0SDQoFY29sb3IYAyADKAESDQoFZ3JvdXAYBCABKA0SIwoGbW90aW9uGAUgASgOMhMudHJ1ZXN0ZXAudjEuTW90aW9uImkKBVNoYXBlEgwKBGtpbmQYASABKAkSEAoIcG9zaXRpb24YAiADKAESEwoLb3JpZW50YXRpb24YAyADKAESDAoEc2l6ZRgEIAMoARIKCgJpZBgFIAEoCRIRCgljb250YWluZXIYBiABKAgibQoIVG9wb2xvZ3kSDwoHdmVyc2lvbhgBIAEoDRIsCgdzeXN0ZW1zGAIgAygLMhsudHJ1ZXN0ZXAudjEuU3lzdGVtVG9wb2xvZ3kSIgoGc2hhcGVzGAMgAygLMhIudHJ1ZXN0ZXAudjEuU2hhcGUiSgoFTWFya3MSEAoIY29udGFjdHMYAyABKAwSDgoGam9pbnRzGAQgASgMEhMKC2pvaW50X2tpbmRzGAUgASgMSgQIARACSgQIAhADIjgKC09ic2VydmF0aW9uEgwKBG5hbWUYASABKAkSDQoFdmFsdWUYAiABKAESDAoEdW5pdBgDIAEoCSJTCgtPYnNlcnZhYmxlcxIMCgRzdGVwGAEgASgEEgwKBHRpbWUYAiABKAESKAoGdmFsdWVzGAMgAygLMhgudHJ1ZXN0ZXAudjEuT2JzZXJ2YXRpb24iQwoFRXZlbnQSDAoEa2luZBgBIAEoCRIMCgRzdGVwGAIgASgEEg4KBmRldGFpbBgDIAEoCRIOCgZzeXN0ZW0YBCABKAkiegoNUGxheWJhY2tTdGF0ZRIPCgdwbGF5aW5nGAEgASgIEg0KBXNwZWVkGAIgASgBEgwKBHN0ZXAYAyABKAQSDAoEdGltZRgEIAEoARIVCg1za2lwcGVkX3N0ZXBzGAUgASgEEhYKDmFjaGlldmVkX3NwZWVkGAYgASgBIjkKBVJlcGx5EhIKCnJlcXVlc3RfaWQYASABKAkSDAoEc3RlcBgCIAEoBBIOCgZkZXRhaWwYAyABKAkiawoHUHJvYmxlbRIMCgRjb2RlGAEgASgJEg0KBXRpdGxlGAIgASgJEg4KBmRldGFpbBgDIAEoCRIOCgZzdGF0dXMYBCABKA0SEgoKcmVxdWVzdF9pZBgFIAEoCRIPCgdwb2ludGVyGAYgASgJIiMKA0J5ZRIOCgZyZWFzb24YASABKAkSDAoEY29kZRgCIAEoCSKBAwoNU2VydmVyTWVzc2FnZRIjCgVoZWxsbxgBIAEoCzISLnRydWVzdGVwLnYxLkhlbGxvSAASKQoIdG9wb2xvZ3kYAiABKAsyFS50cnVlc3RlcC52MS5Ub3BvbG9neUgAEiMKBWZyYW1lGAMgASgLMhIudHJ1ZXN0ZXAudjEuRnJhbWVIABIvCgtvYnNlcnZhYmxlcxgEIAEoCzIYLnRydWVzdGVwLnYxLk9ic2VydmFibGVzSAASIwoFZXZlbnQYBSABKAsyEi50cnVlc3RlcC52MS5FdmVudEgAEi4KCHBsYXliYWNrGAYgASgLMhoudHJ1ZXN0ZXAudjEuUGxheWJhY2tTdGF0ZUgAEiMKBXJlcGx5GAcgASgLMhIudHJ1ZXN0ZXAudjEuUmVwbHlIABInCgdwcm9ibGVtGAggASgLMhQudHJ1ZXN0ZXAudjEuUHJvYmxlbUgAEh8KA2J5ZRgJIAEoCzIQLnRydWVzdGVwLnYxLkJ5ZUgAQgYKBGtpbmQi4wEKCVN1YnNjcmliZRIOCgZmaWVsZHMYASADKAkSDwoHc3lzdGVtcxgCIAMoCRIMCgRyYXRlGAMgASgBEicKCGVuY29kaW5nGAQgASgOMhUudHJ1ZXN0ZXAudjEuRW5jb2RpbmcSIwoGcG9saWN5GAUgASgOMhMudHJ1ZXN0ZXAudjEuUG9saWN5Eg4KBmNyZWRpdBgGIAEoDRITCgtvYnNlcnZhYmxlcxgHIAEoCBIQCghjb250YWN0cxgIIAEoCBIOCgZqb2ludHMYCSABKAgSEgoKc3RhdGVfaGFzaBgKIAEoCCIYCgZDcmVkaXQSDgoGZnJhbWVzGAEgASgNIj4KB0NvbnRyb2wSDgoGYWN0aW9uGAEgASgJEg0KBXZhbHVlGAIgASgBEhQKDGtlZXBfcnVubmluZxgDIAEoCCIXCgdDb21tYW5kEgwKBGpzb24YASABKAkiEQoPUmVxdWVzdEtleWZyYW1lIosCCg1DbGllbnRNZXNzYWdlEhIKCnJlcXVlc3RfaWQYASABKAkSKwoJc3Vic2NyaWJlGAIgASgLMhYudHJ1ZXN0ZXAudjEuU3Vic2NyaWJlSAASJQoGY3JlZGl0GAMgASgLMhMudHJ1ZXN0ZXAudjEuQ3JlZGl0SAASJwoHY29udHJvbBgEIAEoCzIULnRydWVzdGVwLnYxLkNvbnRyb2xIABInCgdjb21tYW5kGAUgASgLMhQudHJ1ZXN0ZXAudjEuQ29tbWFuZEgAEjgKEHJlcXVlc3Rfa2V5ZnJhbWUYBiABKAsyHC50cnVlc3RlcC52MS5SZXF1ZXN0S2V5ZnJhbWVIAEIGCgRraW5kKlsKCEVuY29kaW5nEgcKA0YzMhAAEgcKA0Y2NBABEgcKA1ExNhACEg0KCVExNl9ERUxUQRADEgoKBlFVQVQzMhAEEgcKA1UzMhAFEgcKA1U2NBAGEgcKA0kzMhAHKjsKBk1vdGlvbhIJCgVGSVhFRBAAEg0KCUtJTkVNQVRJQxABEgsKB0RZTkFNSUMQAhIKCgZTRU5TT1IQAyofCgZQb2xpY3kSCgoGTEFURVNUEAASCQoFRVZFUlkQAWIGcHJvdG8z");
+  fileDesc("Chh0cnVlc3RlcC92MS9zdHJlYW0ucHJvdG8SC3RydWVzdGVwLnYxIpoBCgVCbG9jaxIOCgZzeXN0ZW0YASABKAkSDQoFZmllbGQYAiABKAkSJwoIZW5jb2RpbmcYAyABKA4yFS50cnVlc3RlcC52MS5FbmNvZGluZxIOCgZvZmZzZXQYBCADKAESDQoFc2NhbGUYBSADKAESDQoFY291bnQYBiABKA0SDQoFd2lkdGgYByABKA0SDAoEZGF0YRgIIAEoDCKNAgoFRnJhbWUSCwoDc2VxGAEgASgEEgwKBHN0ZXAYAiABKAQSDAoEdGltZRgDIAEoARISCgpzdGF0ZV9oYXNoGAQgASgGEg8KB2Ryb3BwZWQYBSABKAQSGAoQdG9wb2xvZ3lfdmVyc2lvbhgGIAEoDRIQCghrZXlmcmFtZRgHIAEoCBIQCghiYXNlX3NlcRgIIAEoBBIiCgZibG9ja3MYCSADKAsyEi50cnVlc3RlcC52MS5CbG9jaxINCgVhbHBoYRgKIAEoARIiCgZzaGFwZXMYCyADKAsyEi50cnVlc3RlcC52MS5TaGFwZRIhCgVtYXJrcxgMIAEoCzISLnRydWVzdGVwLnYxLk1hcmtzImwKBUZpZWxkEgwKBG5hbWUYASABKAkSDAoEdW5pdBgCIAEoCRINCgV3aWR0aBgDIAEoDRInCghlbmNvZGluZxgEIAEoDjIVLnRydWVzdGVwLnYxLkVuY29kaW5nEg8KB21lYW5pbmcYBSABKAkiSQoHTGF0dGljZRIOCgZjb3VudHMYASADKA0SDgoGb3JpZ2luGAIgAygBEg8KB3NwYWNpbmcYAyADKAESDQoFY2VsbHMYBCABKAgijQEKBFBhcnQSCgoCaWQYASABKAkSDgoGc3lzdGVtGAIgASgJEgwKBGtpbmQYAyABKAkSIgoGZmllbGRzGAQgAygLMhIudHJ1ZXN0ZXAudjEuRmllbGQSJQoHbGF0dGljZRgFIAEoCzIULnRydWVzdGVwLnYxLkxhdHRpY2USEAoIZWxlbWVudHMYBiABKAkiXwoKU3lzdGVtSW5mbxIKCgJpZBgBIAEoCRIMCgR0eXBlGAIgASgJEiIKBmZpZWxkcxgDIAMoCzISLnRydWVzdGVwLnYxLkZpZWxkEhMKC29ic2VydmFibGVzGAQgAygJIsUBCgVIZWxsbxILCgNhcGkYASABKAkSDwoHc2Vzc2lvbhgCIAEoCRIOCgZzZXJ2ZXIYAyABKAkSCgoCZHQYBCABKAESDAoEc3RlcBgFIAEoBBIoCgdzeXN0ZW1zGAYgAygLMhcudHJ1ZXN0ZXAudjEuU3lzdGVtSW5mbxIUCgxjYXBhYmlsaXRpZXMYByADKAkSEgoKc2NlbmVfbmFtZRgIIAEoCRIgCgVwYXJ0cxgJIAMoCzIRLnRydWVzdGVwLnYxLlBhcnQimgIKDlN5c3RlbVRvcG9sb2d5Eg4KBnN5c3RlbRgBIAEoCRINCgVsaW5lcxgCIAEoDBIRCgl0cmlhbmdsZXMYAyABKAwSEQoJbGluZV9raW5kGAQgASgMEhQKDHBvaW50X3JhZGl1cxgFIAEoARINCgVjb2xvchgGIAMoARIkCgd2aXN1YWxzGAcgAygLMhMudHJ1ZXN0ZXAudjEuVmlzdWFsEhEKCWluc3RhbmNlcxgIIAEoDBIhCgZtZXNoZXMYCSADKAsyES50cnVlc3RlcC52MS5NZXNoEiMKBHBsb3QYCiADKAsyFS50cnVlc3RlcC52MS5QbG90QXhpcxIOCgZjdXJ2ZXMYCyADKAkSDQoFcGxhbmUYDCABKAgiVgoIUGxvdEF4aXMSDAoEbmFtZRgBIAEoCRIMCgR1bml0GAIgASgJEg0KBXNsb3BlGAMgASgBEg4KBm9mZnNldBgEIAEoARIPCgdkZWNhZGVzGAUgAygBIjIKCVN0cmluZ0VuZBIMCgRwYXJ0GAEgASgJEgsKA3JvdxgCIAEoDRIKCgJhdBgDIAMoASJTCgtEcmF3blN0cmluZxIhCgFhGAEgASgLMhYudHJ1ZXN0ZXAudjEuU3RyaW5nRW5kEiEKAWIYAiABKAsyFi50cnVlc3RlcC52MS5TdHJpbmdFbmQiPQoETWVzaBIRCglwb3NpdGlvbnMYASABKAwSDwoHbm9ybWFscxgCIAEoDBIRCgl0cmlhbmdsZXMYAyABKAwifAoGVmlzdWFsEiEKBXNoYXBlGAEgASgLMhIudHJ1ZXN0ZXAudjEuU2hhcGUSDAoEbWVzaBgCIAEoDRINCgVjb2xvchgDIAMoARINCgVncm91cBgEIAEoDRIjCgZtb3Rpb24YBSABKA4yEy50cnVlc3RlcC52MS5Nb3Rpb24iaQoFU2hhcGUSDAoEa2luZBgBIAEoCRIQCghwb3NpdGlvbhgCIAMoARITCgtvcmllbnRhdGlvbhgDIAMoARIMCgRzaXplGAQgAygBEgoKAmlkGAUgASgJEhEKCWNvbnRhaW5lchgGIAEoCCKYAQoIVG9wb2xvZ3kSDwoHdmVyc2lvbhgBIAEoDRIsCgdzeXN0ZW1zGAIgAygLMhsudHJ1ZXN0ZXAudjEuU3lzdGVtVG9wb2xvZ3kSIgoGc2hhcGVzGAMgAygLMhIudHJ1ZXN0ZXAudjEuU2hhcGUSKQoHc3RyaW5ncxgEIAMoCzIYLnRydWVzdGVwLnYxLkRyYXduU3RyaW5nIkoKBU1hcmtzEhAKCGNvbnRhY3RzGAMgASgMEg4KBmpvaW50cxgEIAEoDBITCgtqb2ludF9raW5kcxgFIAEoDEoECAEQAkoECAIQAyI4CgtPYnNlcnZhdGlvbhIMCgRuYW1lGAEgASgJEg0KBXZhbHVlGAIgASgBEgwKBHVuaXQYAyABKAkiUwoLT2JzZXJ2YWJsZXMSDAoEc3RlcBgBIAEoBBIMCgR0aW1lGAIgASgBEigKBnZhbHVlcxgDIAMoCzIYLnRydWVzdGVwLnYxLk9ic2VydmF0aW9uIkMKBUV2ZW50EgwKBGtpbmQYASABKAkSDAoEc3RlcBgCIAEoBBIOCgZkZXRhaWwYAyABKAkSDgoGc3lzdGVtGAQgASgJInoKDVBsYXliYWNrU3RhdGUSDwoHcGxheWluZxgBIAEoCBINCgVzcGVlZBgCIAEoARIMCgRzdGVwGAMgASgEEgwKBHRpbWUYBCABKAESFQoNc2tpcHBlZF9zdGVwcxgFIAEoBBIWCg5hY2hpZXZlZF9zcGVlZBgGIAEoASI5CgVSZXBseRISCgpyZXF1ZXN0X2lkGAEgASgJEgwKBHN0ZXAYAiABKAQSDgoGZGV0YWlsGAMgASgJImsKB1Byb2JsZW0SDAoEY29kZRgBIAEoCRINCgV0aXRsZRgCIAEoCRIOCgZkZXRhaWwYAyABKAkSDgoGc3RhdHVzGAQgASgNEhIKCnJlcXVlc3RfaWQYBSABKAkSDwoHcG9pbnRlchgGIAEoCSIjCgNCeWUSDgoGcmVhc29uGAEgASgJEgwKBGNvZGUYAiABKAkigQMKDVNlcnZlck1lc3NhZ2USIwoFaGVsbG8YASABKAsyEi50cnVlc3RlcC52MS5IZWxsb0gAEikKCHRvcG9sb2d5GAIgASgLMhUudHJ1ZXN0ZXAudjEuVG9wb2xvZ3lIABIjCgVmcmFtZRgDIAEoCzISLnRydWVzdGVwLnYxLkZyYW1lSAASLwoLb2JzZXJ2YWJsZXMYBCABKAsyGC50cnVlc3RlcC52MS5PYnNlcnZhYmxlc0gAEiMKBWV2ZW50GAUgASgLMhIudHJ1ZXN0ZXAudjEuRXZlbnRIABIuCghwbGF5YmFjaxgGIAEoCzIaLnRydWVzdGVwLnYxLlBsYXliYWNrU3RhdGVIABIjCgVyZXBseRgHIAEoCzISLnRydWVzdGVwLnYxLlJlcGx5SAASJwoHcHJvYmxlbRgIIAEoCzIULnRydWVzdGVwLnYxLlByb2JsZW1IABIfCgNieWUYCSABKAsyEC50cnVlc3RlcC52MS5CeWVIAEIGCgRraW5kIuMBCglTdWJzY3JpYmUSDgoGZmllbGRzGAEgAygJEg8KB3N5c3RlbXMYAiADKAkSDAoEcmF0ZRgDIAEoARInCghlbmNvZGluZxgEIAEoDjIVLnRydWVzdGVwLnYxLkVuY29kaW5nEiMKBnBvbGljeRgFIAEoDjITLnRydWVzdGVwLnYxLlBvbGljeRIOCgZjcmVkaXQYBiABKA0SEwoLb2JzZXJ2YWJsZXMYByABKAgSEAoIY29udGFjdHMYCCABKAgSDgoGam9pbnRzGAkgASgIEhIKCnN0YXRlX2hhc2gYCiABKAgiGAoGQ3JlZGl0Eg4KBmZyYW1lcxgBIAEoDSI+CgdDb250cm9sEg4KBmFjdGlvbhgBIAEoCRINCgV2YWx1ZRgCIAEoARIUCgxrZWVwX3J1bm5pbmcYAyABKAgiFwoHQ29tbWFuZBIMCgRqc29uGAEgASgJIhEKD1JlcXVlc3RLZXlmcmFtZSKLAgoNQ2xpZW50TWVzc2FnZRISCgpyZXF1ZXN0X2lkGAEgASgJEisKCXN1YnNjcmliZRgCIAEoCzIWLnRydWVzdGVwLnYxLlN1YnNjcmliZUgAEiUKBmNyZWRpdBgDIAEoCzITLnRydWVzdGVwLnYxLkNyZWRpdEgAEicKB2NvbnRyb2wYBCABKAsyFC50cnVlc3RlcC52MS5Db250cm9sSAASJwoHY29tbWFuZBgFIAEoCzIULnRydWVzdGVwLnYxLkNvbW1hbmRIABI4ChByZXF1ZXN0X2tleWZyYW1lGAYgASgLMhwudHJ1ZXN0ZXAudjEuUmVxdWVzdEtleWZyYW1lSABCBgoEa2luZCpbCghFbmNvZGluZxIHCgNGMzIQABIHCgNGNjQQARIHCgNRMTYQAhINCglRMTZfREVMVEEQAxIKCgZRVUFUMzIQBBIHCgNVMzIQBRIHCgNVNjQQBhIHCgNJMzIQByo7CgZNb3Rpb24SCQoFRklYRUQQABINCglLSU5FTUFUSUMQARILCgdEWU5BTUlDEAISCgoGU0VOU09SEAMqHwoGUG9saWN5EgoKBkxBVEVTVBAAEgkKBUVWRVJZEAFiBnByb3RvMw");
 
 /**
  * One array of one part at one step. count rows of width elements each.
@@ -461,6 +461,27 @@ export type SystemTopology = Message<"truestep.v1.SystemTopology"> & {
    * @generated from field: repeated truestep.v1.Mesh meshes = 9;
    */
   meshes: Mesh[];
+
+  /**
+   * along x, y and perhaps z, of rows that are a plot; its lines are curves
+   *
+   * @generated from field: repeated truestep.v1.PlotAxis plot = 10;
+   */
+  plot: PlotAxis[];
+
+  /**
+   * names of the curves where each has its own, in the lines' order
+   *
+   * @generated from field: repeated string curves = 11;
+   */
+  curves: string[];
+
+  /**
+   * all of it lies in the plane z = 0 and is looked at from z
+   *
+   * @generated from field: bool plane = 12;
+   */
+  plane: boolean;
 };
 
 /**
@@ -469,6 +490,108 @@ export type SystemTopology = Message<"truestep.v1.SystemTopology"> & {
  */
 export const SystemTopologySchema: GenMessage<SystemTopology> = /*@__PURE__*/
   messageDesc(file_truestep_v1_stream, 7);
+
+/**
+ * One side of a plot.
+ *
+ * @generated from message truestep.v1.PlotAxis
+ */
+export type PlotAxis = Message<"truestep.v1.PlotAxis"> & {
+  /**
+   * of the value: a state, "t" for time, or a formula of several
+   *
+   * @generated from field: string name = 1;
+   */
+  name: string;
+
+  /**
+   * empty: none is known
+   *
+   * @generated from field: string unit = 2;
+   */
+  unit: string;
+
+  /**
+   * m; a value v is drawn at offset + slope v
+   *
+   * @generated from field: double slope = 3;
+   */
+  slope: number;
+
+  /**
+   * @generated from field: double offset = 4;
+   */
+  offset: number;
+
+  /**
+   * pairs of a power of ten and where it is drawn (m), where values are not evenly spaced
+   *
+   * @generated from field: repeated double decades = 5;
+   */
+  decades: number[];
+};
+
+/**
+ * Describes the message truestep.v1.PlotAxis.
+ * Use `create(PlotAxisSchema)` to create a new message.
+ */
+export const PlotAxisSchema: GenMessage<PlotAxis> = /*@__PURE__*/
+  messageDesc(file_truestep_v1_stream, 8);
+
+/**
+ * What holds two things together and has no shape of its own: a distance joint, a spring, an attachment.
+ *
+ * @generated from message truestep.v1.StringEnd
+ */
+export type StringEnd = Message<"truestep.v1.StringEnd"> & {
+  /**
+   * empty: the world
+   *
+   * @generated from field: string part = 1;
+   */
+  part: string;
+
+  /**
+   * @generated from field: uint32 row = 2;
+   */
+  row: number;
+
+  /**
+   * m, in the row's frame or in the world
+   *
+   * @generated from field: repeated double at = 3;
+   */
+  at: number[];
+};
+
+/**
+ * Describes the message truestep.v1.StringEnd.
+ * Use `create(StringEndSchema)` to create a new message.
+ */
+export const StringEndSchema: GenMessage<StringEnd> = /*@__PURE__*/
+  messageDesc(file_truestep_v1_stream, 9);
+
+/**
+ * @generated from message truestep.v1.DrawnString
+ */
+export type DrawnString = Message<"truestep.v1.DrawnString"> & {
+  /**
+   * @generated from field: truestep.v1.StringEnd a = 1;
+   */
+  a?: StringEnd;
+
+  /**
+   * @generated from field: truestep.v1.StringEnd b = 2;
+   */
+  b?: StringEnd;
+};
+
+/**
+ * Describes the message truestep.v1.DrawnString.
+ * Use `create(DrawnStringSchema)` to create a new message.
+ */
+export const DrawnStringSchema: GenMessage<DrawnString> = /*@__PURE__*/
+  messageDesc(file_truestep_v1_stream, 10);
 
 /**
  * Triangles that visuals share.
@@ -503,7 +626,7 @@ export type Mesh = Message<"truestep.v1.Mesh"> & {
  * Use `create(MeshSchema)` to create a new message.
  */
 export const MeshSchema: GenMessage<Mesh> = /*@__PURE__*/
-  messageDesc(file_truestep_v1_stream, 8);
+  messageDesc(file_truestep_v1_stream, 11);
 
 /**
  * A solid that rows carry. A row that is asleep is dimmed.
@@ -548,7 +671,7 @@ export type Visual = Message<"truestep.v1.Visual"> & {
  * Use `create(VisualSchema)` to create a new message.
  */
 export const VisualSchema: GenMessage<Visual> = /*@__PURE__*/
-  messageDesc(file_truestep_v1_stream, 9);
+  messageDesc(file_truestep_v1_stream, 12);
 
 /**
  * Solid shapes that no row carries: plane, box, sphere, capsule, cylinder. Sizes in m.
@@ -600,7 +723,7 @@ export type Shape = Message<"truestep.v1.Shape"> & {
  * Use `create(ShapeSchema)` to create a new message.
  */
 export const ShapeSchema: GenMessage<Shape> = /*@__PURE__*/
-  messageDesc(file_truestep_v1_stream, 10);
+  messageDesc(file_truestep_v1_stream, 13);
 
 /**
  * @generated from message truestep.v1.Topology
@@ -620,6 +743,11 @@ export type Topology = Message<"truestep.v1.Topology"> & {
    * @generated from field: repeated truestep.v1.Shape shapes = 3;
    */
   shapes: Shape[];
+
+  /**
+   * @generated from field: repeated truestep.v1.DrawnString strings = 4;
+   */
+  strings: DrawnString[];
 };
 
 /**
@@ -627,7 +755,7 @@ export type Topology = Message<"truestep.v1.Topology"> & {
  * Use `create(TopologySchema)` to create a new message.
  */
 export const TopologySchema: GenMessage<Topology> = /*@__PURE__*/
-  messageDesc(file_truestep_v1_stream, 11);
+  messageDesc(file_truestep_v1_stream, 14);
 
 /**
  * Where bodies touch and which joints hold them.
@@ -662,7 +790,7 @@ export type Marks = Message<"truestep.v1.Marks"> & {
  * Use `create(MarksSchema)` to create a new message.
  */
 export const MarksSchema: GenMessage<Marks> = /*@__PURE__*/
-  messageDesc(file_truestep_v1_stream, 12);
+  messageDesc(file_truestep_v1_stream, 15);
 
 /**
  * @generated from message truestep.v1.Observation
@@ -689,7 +817,7 @@ export type Observation = Message<"truestep.v1.Observation"> & {
  * Use `create(ObservationSchema)` to create a new message.
  */
 export const ObservationSchema: GenMessage<Observation> = /*@__PURE__*/
-  messageDesc(file_truestep_v1_stream, 13);
+  messageDesc(file_truestep_v1_stream, 16);
 
 /**
  * @generated from message truestep.v1.Observables
@@ -716,7 +844,7 @@ export type Observables = Message<"truestep.v1.Observables"> & {
  * Use `create(ObservablesSchema)` to create a new message.
  */
 export const ObservablesSchema: GenMessage<Observables> = /*@__PURE__*/
-  messageDesc(file_truestep_v1_stream, 14);
+  messageDesc(file_truestep_v1_stream, 17);
 
 /**
  * @generated from message truestep.v1.Event
@@ -750,7 +878,7 @@ export type Event = Message<"truestep.v1.Event"> & {
  * Use `create(EventSchema)` to create a new message.
  */
 export const EventSchema: GenMessage<Event> = /*@__PURE__*/
-  messageDesc(file_truestep_v1_stream, 15);
+  messageDesc(file_truestep_v1_stream, 18);
 
 /**
  * @generated from message truestep.v1.PlaybackState
@@ -798,7 +926,7 @@ export type PlaybackState = Message<"truestep.v1.PlaybackState"> & {
  * Use `create(PlaybackStateSchema)` to create a new message.
  */
 export const PlaybackStateSchema: GenMessage<PlaybackState> = /*@__PURE__*/
-  messageDesc(file_truestep_v1_stream, 16);
+  messageDesc(file_truestep_v1_stream, 19);
 
 /**
  * @generated from message truestep.v1.Reply
@@ -825,7 +953,7 @@ export type Reply = Message<"truestep.v1.Reply"> & {
  * Use `create(ReplySchema)` to create a new message.
  */
 export const ReplySchema: GenMessage<Reply> = /*@__PURE__*/
-  messageDesc(file_truestep_v1_stream, 17);
+  messageDesc(file_truestep_v1_stream, 20);
 
 /**
  * @generated from message truestep.v1.Problem
@@ -867,7 +995,7 @@ export type Problem = Message<"truestep.v1.Problem"> & {
  * Use `create(ProblemSchema)` to create a new message.
  */
 export const ProblemSchema: GenMessage<Problem> = /*@__PURE__*/
-  messageDesc(file_truestep_v1_stream, 18);
+  messageDesc(file_truestep_v1_stream, 21);
 
 /**
  * The last message before the server closes: with unknown_session (close code 4410, the session has been deleted) or
@@ -892,7 +1020,7 @@ export type Bye = Message<"truestep.v1.Bye"> & {
  * Use `create(ByeSchema)` to create a new message.
  */
 export const ByeSchema: GenMessage<Bye> = /*@__PURE__*/
-  messageDesc(file_truestep_v1_stream, 19);
+  messageDesc(file_truestep_v1_stream, 22);
 
 /**
  * @generated from message truestep.v1.ServerMessage
@@ -965,7 +1093,7 @@ export type ServerMessage = Message<"truestep.v1.ServerMessage"> & {
  * Use `create(ServerMessageSchema)` to create a new message.
  */
 export const ServerMessageSchema: GenMessage<ServerMessage> = /*@__PURE__*/
-  messageDesc(file_truestep_v1_stream, 20);
+  messageDesc(file_truestep_v1_stream, 23);
 
 /**
  * @generated from message truestep.v1.Subscribe
@@ -1045,7 +1173,7 @@ export type Subscribe = Message<"truestep.v1.Subscribe"> & {
  * Use `create(SubscribeSchema)` to create a new message.
  */
 export const SubscribeSchema: GenMessage<Subscribe> = /*@__PURE__*/
-  messageDesc(file_truestep_v1_stream, 21);
+  messageDesc(file_truestep_v1_stream, 24);
 
 /**
  * @generated from message truestep.v1.Credit
@@ -1062,7 +1190,7 @@ export type Credit = Message<"truestep.v1.Credit"> & {
  * Use `create(CreditSchema)` to create a new message.
  */
 export const CreditSchema: GenMessage<Credit> = /*@__PURE__*/
-  messageDesc(file_truestep_v1_stream, 22);
+  messageDesc(file_truestep_v1_stream, 25);
 
 /**
  * @generated from message truestep.v1.Control
@@ -1095,7 +1223,7 @@ export type Control = Message<"truestep.v1.Control"> & {
  * Use `create(ControlSchema)` to create a new message.
  */
 export const ControlSchema: GenMessage<Control> = /*@__PURE__*/
-  messageDesc(file_truestep_v1_stream, 23);
+  messageDesc(file_truestep_v1_stream, 26);
 
 /**
  * @generated from message truestep.v1.Command
@@ -1112,7 +1240,7 @@ export type Command = Message<"truestep.v1.Command"> & {
  * Use `create(CommandSchema)` to create a new message.
  */
 export const CommandSchema: GenMessage<Command> = /*@__PURE__*/
-  messageDesc(file_truestep_v1_stream, 24);
+  messageDesc(file_truestep_v1_stream, 27);
 
 /**
  * @generated from message truestep.v1.RequestKeyframe
@@ -1125,7 +1253,7 @@ export type RequestKeyframe = Message<"truestep.v1.RequestKeyframe"> & {
  * Use `create(RequestKeyframeSchema)` to create a new message.
  */
 export const RequestKeyframeSchema: GenMessage<RequestKeyframe> = /*@__PURE__*/
-  messageDesc(file_truestep_v1_stream, 25);
+  messageDesc(file_truestep_v1_stream, 28);
 
 /**
  * @generated from message truestep.v1.ClientMessage
@@ -1177,7 +1305,7 @@ export type ClientMessage = Message<"truestep.v1.ClientMessage"> & {
  * Use `create(ClientMessageSchema)` to create a new message.
  */
 export const ClientMessageSchema: GenMessage<ClientMessage> = /*@__PURE__*/
-  messageDesc(file_truestep_v1_stream, 26);
+  messageDesc(file_truestep_v1_stream, 29);
 
 /**
  * @generated from enum truestep.v1.Encoding

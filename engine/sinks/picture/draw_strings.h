@@ -1,0 +1,12 @@
+// Strings between rows of a frame, as lines of a draw list.
+#pragma once
+#include "engine/session/frame.h"
+#include "engine/session/world.h"
+#include "engine/sinks/picture/draw_list.h"
+
+namespace truestep {
+
+/// Appends the frame's strings in the ink of the list's theme; one whose rows the frame lacks is left out.
+void add_strings(DrawList& list, const World& world, const Frame& frame);
+
+}  // namespace truestep
