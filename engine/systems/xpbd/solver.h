@@ -18,6 +18,7 @@
 #include "engine/core/user_forces.h"
 #include "engine/kernels/xpbd/chain.h"
 #include "engine/systems/xpbd/schedule.h"
+#include "engine/systems/xpbd/self_contacts.h"
 
 namespace truestep::xpbd {
 
@@ -49,6 +50,7 @@ struct SolverOptions {
   double projection = 1;
   double radius = 0;         ///< m, kept from colliders
   double shortest_link = 1;  ///< m
+  SelfOptions self;
 };
 
 /// What a solver knows of a body besides the state; all of it outlives the step.
@@ -58,6 +60,7 @@ struct SolverInput {
   const SolverOptions& options;
   const ColliderSet& colliders;
   std::span<const Surface> surfaces;
+  const FoldSurface* folds;  ///< null: nothing meets itself
 };
 
 /// Links of a chain up to which the scratch of a batch lies on the stack, in the first cache.
@@ -106,6 +109,10 @@ class Solver {
   void find_velocities(const SolverInput& what, const StepInput& in, double h);
   /// The longest way (m) that a collider has put a point back.
   double collide(const SolverInput& what, const State& state, const StepInput& in, double t, double h);
+  /// Places at the substep's start and now, and inverse masses, for what takes doubles.
+  void unpack(const SolverInput& what, const State& state, const StepInput& in);
+  /// The longest way (m) that the body has put a point of its own back.
+  double meet_self(const SolverInput& what, const State& state, const StepInput& in, double h);
 
   const Schedule* built_for_ = nullptr;
   std::vector<double> built_with_;  // stiffnesses, damping
@@ -120,8 +127,9 @@ class Solver {
   Set rods_, hinges_, volumes_;
   std::vector<double> angle_lambda_;
   std::vector<ChainRow<T>, CacheLineAllocator<ChainRow<T>>> scratch_;
-  std::vector<double> x_old_, v_old_, x_, v_, w_;  // for colliders
+  std::vector<double> x_old_, v_old_, x_, v_, w_;  // for what collides
   std::vector<double> put_back_;                   // per block, m
+  SelfContacts self_;
 };
 
 extern template class Solver<float>;

@@ -62,7 +62,9 @@ Xpbd::Xpbd(const XpbdDef& def, const BuildContext& context)
               .division = division.division,
               .projection = def.projection,
               .radius = 0.5 * def.thickness,
-              .shortest_link = shortest_link(body_)};
+              .shortest_link = shortest_link(body_),
+              .self = {.thickness = def.thickness, .friction = def.self_friction}};
+  if (def.self_collision) folds_.emplace(body_);
   for (const Collider& c : colliders_.colliders()) {
     surfaces_.push_back(c.surface);
     surfaces_.back().restitution = def.restitution;
@@ -79,27 +81,31 @@ Xpbd::Xpbd(const XpbdDef& def, const BuildContext& context)
 
 void Xpbd::plan_stages(const XpbdDef& def, const std::string& why) {
   const size_t bends = body_.rods.size() + body_.hinges.size() + body_.angles.size();
-  add_stage("solve",
-            std::to_string(options_.substeps) + " substeps of " + std::to_string(options_.iterations) +
-                " iterations: " + why + "; " + std::to_string(body_.links.size()) + " links in " +
-                std::to_string(schedule_.chains.colours.size()) + " colours" +
-                (schedule_.chains.batches.empty() || schedule_.chains.colours.front().longest <= 1
-                     ? ", each by itself"
-                     : ", chain by chain") +
-                (colliders_.empty() ? ""
-                                    : "; " + std::to_string(colliders_.colliders().size()) +
-                                          " colliders keep the points out after every substep"),
-            [this](State& s, const StepInput& in) {
-              const SolverInput what{body_, schedule_, options_, colliders_, surfaces_};
-              if (precision_ == Precision::f32) {
-                in.workspace.object<Solver<float>>("xpbd.solver").step(what, s, in);
-              } else {
-                in.workspace.object<Solver<double>>("xpbd.solver").step(what, s, in);
-              }
-            });
+  add_stage(
+      "solve",
+      std::to_string(options_.substeps) + " substeps of " + std::to_string(options_.iterations) +
+          " iterations: " + why + "; " + std::to_string(body_.links.size()) + " links in " +
+          std::to_string(schedule_.chains.colours.size()) + " colours" +
+          (schedule_.chains.batches.empty() || schedule_.chains.colours.front().longest <= 1
+               ? ", each by itself"
+               : ", chain by chain") +
+          (colliders_.empty() ? ""
+                              : "; " + std::to_string(colliders_.colliders().size()) +
+                                    " colliders keep the points out after every substep") +
+          (folds_ ? "; " + std::to_string(folds_->facets().size()) + " facets are kept apart after it" : ""),
+      [this](State& s, const StepInput& in) {
+        const SolverInput what{body_,      schedule_, options_,
+                               colliders_, surfaces_, folds_ ? &*folds_ : nullptr};
+        if (precision_ == Precision::f32) {
+          in.workspace.object<Solver<float>>("xpbd.solver").step(what, s, in);
+        } else {
+          in.workspace.object<Solver<double>>("xpbd.solver").step(what, s, in);
+        }
+      });
   add_stage("hands", "ends pushes whose time is over",
             [](State& s, const StepInput& in) { Columns::kHands.count_down(s, in.h); });
   if (colliders_.empty()) skip_stage("contacts", "there are no colliders");
+  if (!folds_) skip_stage("self-collision", "self_collision is not asked for");
   if (bends == 0) skip_stage("bending", "no rigidity is given");
   if (body_.tetrahedra.empty()) skip_stage("volumes", "there are no tetrahedra");
   if (!(def.damping > 0)) skip_stage("viscous damping", "damping is 0");

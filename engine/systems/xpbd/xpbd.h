@@ -55,6 +55,7 @@ class Xpbd final : public StagedSystem {
   SolverOptions options_;
   ColliderSet colliders_;
   std::vector<Surface> surfaces_;  // one per collider
+  std::optional<FoldSurface> folds_;
   PartDrawing drawing_;
   std::vector<std::array<uint32_t, 2>> segments_;  // published where there are no triangles
   double speed_limit_ = 0;

@@ -46,6 +46,8 @@ struct XpbdDef {
   double thickness = 0.01;  // m
   double restitution = 0;
   std::optional<double> friction;
+  bool self_collision = false;
+  double self_friction = 0.3;
   ColliderDefs colliders;
 
   Scheme scheme = Scheme::xpbd;
