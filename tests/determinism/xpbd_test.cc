@@ -17,6 +17,7 @@ class XpbdDeterminism : public testing::TestWithParam<Precision> {
     d.density = 0.2;
     d.pinned = {"corner_00", "corner_10"};
     d.internal_damping = 0.01;
+    d.wind = Vec3{3, 0, 1}, d.gust = 0.5;
     d.flexural_rigidity = 1e-5;
     d.precision = GetParam();
     d.colliders.push_back(SphereColliderDef{{}, {0.5, 0.6, 0.5}, 0.3, false});

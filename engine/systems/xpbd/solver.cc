@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "engine/kernels/air.h"
 #include "engine/kernels/xpbd/dihedral.h"
 #include "engine/kernels/xpbd/linear.h"
 #include "engine/kernels/xpbd/volume.h"
@@ -43,6 +44,14 @@ void Solver<T>::weigh(const State& s, const StepInput& in, double h) {
   in.arena.for_blocks(w.size(), kBlockRows, [&](size_t begin, size_t end) {
     for (size_t i = begin; i < end; ++i) rows_[4 * i + 3] = static_cast<T>(w[i] / (1 + viscous * w[i]));
   });
+}
+
+template <class T>
+void Solver<T>::blow(const SolverInput& what, const State& s, const StepInput& in, double t, double h) {
+  const AirOptions& air = what.air->options();
+  const Vec3 wind = air::gusty(load3(s.f64(Columns::wind).data(), 0), air.gust, air.gust_period, t);
+  const AirRows<T> on{s.f64(Columns::position).data(), rows_.data(), velocity_.data()};
+  what.air->blow(wind, load3(s.f64(Columns::gravity).data(), 0), h, on, blows_, in.arena);
 }
 
 template <class T>
@@ -263,6 +272,7 @@ void Solver<T>::step(const SolverInput& what, State& s, const StepInput& in) {
     const double h = rest / left;
     if (!what.colliders.empty()) remember_velocities(in);
     if (s.f64(Columns::damping)[0] > 0) weigh(s, in, h);
+    if (what.air) blow(what, s, in, in.t + done, h);
     predict(what, s, in, h);
     double q = iterate(what, s, in, h);
     if (what.colliders.empty()) {

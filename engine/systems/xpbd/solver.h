@@ -17,6 +17,7 @@
 #include "engine/core/system.h"
 #include "engine/core/user_forces.h"
 #include "engine/kernels/xpbd/chain.h"
+#include "engine/systems/xpbd/air_drag.h"
 #include "engine/systems/xpbd/schedule.h"
 #include "engine/systems/xpbd/self_contacts.h"
 
@@ -38,6 +39,7 @@ struct XpbdColumns {
     push_force,      ///< N
     push_remaining,  ///< s
     tightness,       ///< 1/s^2, q / h^2 of the last substep (kernels/xpbd/chain.h)
+    wind,            ///< m/s; only where a scene gives one
   };
   static constexpr UserForces kHands{{push_row, push_force, push_remaining},
                                      {drag_row, drag_target, drag_stiffness}};
@@ -61,6 +63,7 @@ struct SolverInput {
   const ColliderSet& colliders;
   std::span<const Surface> surfaces;
   const FoldSurface* folds;  ///< null: nothing meets itself
+  const AirDrag* air;        ///< null: there is none
 };
 
 /// Links of a chain up to which the scratch of a batch lies on the stack, in the first cache.
@@ -98,6 +101,7 @@ class Solver {
   void remember_velocities(const StepInput& in);
   /// Inverse masses under viscous damping c, 1 / (m + h c): what an implicit Euler step makes of -c v.
   void weigh(const State& state, const StepInput& in, double h);
+  void blow(const SolverInput& what, const State& state, const StepInput& in, double t, double h);
   void predict(const SolverInput& what, const State& state, const StepInput& in, double h);
   /// The largest q of the last iteration.
   double iterate(const SolverInput& what, const State& state, const StepInput& in, double h);
@@ -130,6 +134,7 @@ class Solver {
   std::vector<double> x_old_, v_old_, x_, v_, w_;  // for what collides
   std::vector<double> put_back_;                   // per block, m
   SelfContacts self_;
+  std::vector<Vec3> blows_;  // N s, per triangle
 };
 
 extern template class Solver<float>;

@@ -60,7 +60,11 @@ double spacing(const XpbdDef& d) {
   double sum = 0;
   size_t count = 0;
   const auto& corners = d.mesh->triangles;
-  const auto place = [&](size_t k) { return d.mesh->vertices[static_cast<size_t>(corners[k])]; };
+  // Indices that are out of range have an error of their own.
+  const auto place = [&](size_t k) {
+    const auto i = static_cast<size_t>(corners[k]);
+    return i < d.mesh->vertices.size() ? d.mesh->vertices[i] : Vec3{};
+  };
   for (size_t k = 0; k + 2 < corners.size(); k += 3) {
     sum += norm(place(k + 1) - place(k)) + norm(place(k + 2) - place(k + 1)) + norm(place(k) - place(k + 2));
     count += 3;
@@ -173,6 +177,15 @@ const DefTable& xpbd_table() {
         .integers("pins", &D::pins, at_least(0), {}, "indices of points that are held")
         .texts("pinned", &D::pinned, {},
                "named points that are held: first, last, corners, edge_v1, roots, bottom ...")
+        .vector(
+            "wind", &D::wind, "m/s", any(),
+            "velocity of the air, 0 for still air: drag and lift on every triangle, drag on ropes and hair; "
+            "absent: no air at all")
+        .number("gust", &D::gust, "1", between(0, 1), "part of the wind that comes and goes")
+        .number("gust_period", &D::gust_period, "s", above(0), "time from gust to gust")
+        .number("air_density", &D::air_density, "kg/m^3", at_least(0), "of the air, where there is wind")
+        .number("drag_coefficient", &D::drag_coefficient, "1", at_least(0),
+                "of the cloth's faces or the rope's cross-section")
         .number("thickness", &D::thickness, "m", at_least(0),
                 "of the cloth, diameter of the rope; half of it is kept from every obstacle")
         .boolean("self_collision", &D::self_collision,

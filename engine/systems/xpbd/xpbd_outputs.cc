@@ -41,10 +41,13 @@ Cost xpbd_cost(const void* def) {
   const double constraints = n.links + n.bends + n.volumes;
   return {.state_bytes = 56 * n.points,
           .workspace_bytes = (single ? 1 : 2) * (64 * n.points + 24 * n.links + 48 * (n.bends + n.volumes)) +
-                             (d.colliders.empty() ? 0 : 104 * n.points),
+                             (d.colliders.empty() && !d.self_collision ? 0 : 104 * n.points) +
+                             (d.self_collision ? 2500 * n.points : 0) + (d.wind ? 48 * n.points : 0),
           .elements = n.points + constraints,
-          .seconds_per_step = substeps * (3e-9 * n.points + (d.colliders.empty() ? 0 : 2e-8 * n.points) +
-                                          iterations * (single ? 4e-9 : 8e-9) * constraints)};
+          .seconds_per_step =
+              substeps * (3e-9 * n.points + (d.colliders.empty() ? 0 : 2e-8 * n.points) +
+                          (d.self_collision ? 1e-6 * n.points : 0) + (d.wind ? 6e-8 * n.points : 0) +
+                          iterations * (single ? 4e-9 : 8e-9) * constraints)};
 }
 
 }  // namespace truestep::xpbd
