@@ -11,6 +11,15 @@
 
 namespace truestep::air {
 
+/// Wind (m/s) of which the part `gust` comes and goes with the period: a wave of two parabolas, smooth enough
+/// and the same bits everywhere.
+inline Vec3 gusty(const Vec3& wind, double gust, double period, double t) {
+  if (!(gust > 0)) return wind;
+  const double p = t / period - std::floor(t / period);
+  const double wave = p < 0.5 ? 16 * p * (0.5 - p) : -16 * (p - 0.5) * (1 - p);
+  return wind * (1 + gust * wave);
+}
+
 /// Force (N) on a triangle whose doubled area vector is N = (p1 - p0) x (p2 - p0); q = rho C / 2.
 inline Vec3 plate_force(const Vec3& area2, const Vec3& u, double q) {
   const double length = norm(area2);

@@ -84,6 +84,7 @@ TEST(Allocation, PositionBasedStepsAllocateNothingAfterTheFirst) {
     d.cloth_grid.emplace();
     d.flexural_rigidity = 1e-4, d.internal_damping = 1e-2, d.iterations = 2, d.precision = precision;
     d.colliders.push_back(PlaneColliderDef{{}, {0, -0.05, 0}});
+    d.self_collision = true;
     const auto system = xpbd::build_xpbd(&d, {});
     State s = system->initial_state();
     Workspace workspace;

@@ -66,6 +66,33 @@ TEST(XpbdScene, SaysWhatItCannotTake) {
   EXPECT_EQ(faults(block), std::vector<std::string>{"/youngs_modulus"});
 }
 
+TEST(XpbdScene, SelfCollisionNeedsAThicknessThatFits) {
+  XpbdDef d;
+  d.cloth_grid = ClothGridShape{.nx = 11, .ny = 11};
+  d.self_collision = true, d.thickness = 0.1;
+  EXPECT_TRUE(faults(d).empty());
+  d.thickness = 0.11;
+  EXPECT_EQ(faults(d), std::vector<std::string>{"/thickness"});
+  d.thickness = 0;
+  EXPECT_EQ(faults(d), std::vector<std::string>{"/self_collision"});
+  d.self_collision = false, d.thickness = 0.11;
+  EXPECT_TRUE(faults(d).empty());
+}
+
+TEST(XpbdCommands, WindIsSetWhereThereIsAir) {
+  const Command wind{.kind = CommandKind::set_parameter, .vector = {0, 0, 3}, .name = "wind"};
+  XpbdRun none(rope(4));
+  EXPECT_THROW(none.system->apply(none.state, wind), Error);
+  XpbdDef d = rope(4);
+  d.wind = Vec3{};
+  XpbdRun run(d, 1.0 / 60, {});
+  run.step();
+  EXPECT_EQ(run.observe("momentum.z"), 0);
+  run.system->apply(run.state, wind);
+  run.step();
+  EXPECT_GT(run.observe("momentum.z"), 0);
+}
+
 TEST(XpbdEnergy, PotentialIsThatOfItsConstraints) {
   // One link pulled apart, one triangle pair bent, one cell squeezed: energies by hand.
   XpbdRun link(rope(1), 1.0 / 60, {});

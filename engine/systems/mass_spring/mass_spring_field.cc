@@ -12,12 +12,6 @@ using Columns = MassSpringColumns;
 
 namespace {
 
-// A wave between -1 and 1 made of two parabolas: smooth enough for a gust, and the same bits everywhere.
-double gust_wave(double t, double period) {
-  const double p = t / period - std::floor(t / period);
-  return p < 0.5 ? 16 * p * (0.5 - p) : -16 * (p - 0.5) * (1 - p);
-}
-
 // Adds (or subtracts) n forces to rows i0 ... of the owner's sums.
 void add(size_t n, double* __restrict to, const double* __restrict f) {
   for (size_t i = 0; i < n; ++i) to[i] += f[i];
@@ -230,8 +224,7 @@ void MassSpringField::bending_forces(const Rows& rows, const Scratch& s) const {
 }
 
 Vec3 MassSpringField::wind_at(const Phase& at) const {
-  const Vec3 wind = load3(at.state.f64(Columns::wind).data(), 0);
-  return gust_ > 0 ? wind * (1 + gust_ * gust_wave(at.t, gust_period_)) : wind;
+  return air::gusty(load3(at.state.f64(Columns::wind).data(), 0), gust_, gust_period_, at.t);
 }
 
 void MassSpringField::air_forces(const Rows& rows, const Phase& at, const Scratch& s) const {

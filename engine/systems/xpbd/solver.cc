@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "engine/kernels/air.h"
 #include "engine/kernels/xpbd/dihedral.h"
 #include "engine/kernels/xpbd/linear.h"
 #include "engine/kernels/xpbd/volume.h"
@@ -43,6 +44,14 @@ void Solver<T>::weigh(const State& s, const StepInput& in, double h) {
   in.arena.for_blocks(w.size(), kBlockRows, [&](size_t begin, size_t end) {
     for (size_t i = begin; i < end; ++i) rows_[4 * i + 3] = static_cast<T>(w[i] / (1 + viscous * w[i]));
   });
+}
+
+template <class T>
+void Solver<T>::blow(const SolverInput& what, const State& s, const StepInput& in, double t, double h) {
+  const AirOptions& air = what.air->options();
+  const Vec3 wind = air::gusty(load3(s.f64(Columns::wind).data(), 0), air.gust, air.gust_period, t);
+  const AirRows<T> on{s.f64(Columns::position).data(), rows_.data(), velocity_.data()};
+  what.air->blow(wind, load3(s.f64(Columns::gravity).data(), 0), h, on, blows_, in.arena);
 }
 
 template <class T>
@@ -185,18 +194,46 @@ void Solver<T>::remember_velocities(const StepInput& in) {
 }
 
 template <class T>
-double Solver<T>::collide(const SolverInput& what, const State& s, const StepInput& in, double t, double h) {
+void Solver<T>::unpack(const SolverInput& what, const State& s, const StepInput& in) {
   const double* start = s.f64(Columns::position).data();
-  const size_t n = what.body.x.size();
-  const T per_h = static_cast<T>(1 / h);
-  in.arena.for_blocks(n, kBlockRows, [&](size_t begin, size_t end) {
+  in.arena.for_blocks(what.body.x.size(), kBlockRows, [&](size_t begin, size_t end) {
     for (size_t i = begin; i < end; ++i) {
       for (size_t k = 0; k < 3; ++k) {
         x_old_[3 * i + k] = start[3 * i + k] + before_[4 * i + k];
         x_[3 * i + k] = start[3 * i + k] + rows_[4 * i + k];
-        v_[3 * i + k] = (rows_[4 * i + k] - before_[4 * i + k]) * per_h;
       }
       w_[i] = rows_[4 * i + 3];
+    }
+  });
+}
+
+template <class T>
+double Solver<T>::meet_self(const SolverInput& what, const State& s, const StepInput& in, double h) {
+  const double* start = s.f64(Columns::position).data();
+  unpack(what, s, in);
+  if (!self_.resolve(*what.folds, what.options.self, {x_old_, x_, w_, h}, in.arena)) return 0;
+  double most = 0;
+  for (size_t i = 0; i < w_.size(); ++i) {
+    if (!self_.moved(i)) continue;
+    const Vec3 sought{rows_[4 * i], rows_[4 * i + 1], rows_[4 * i + 2]};
+    const Vec3 now = load3(x_.data(), i) - load3(start, i), by = now - sought, dv = by / h;
+    most = std::max(most, norm2(by));
+    T *row = rows_.data() + 4 * i, *v = velocity_.data() + 4 * i;
+    row[0] = static_cast<T>(now.x), row[1] = static_cast<T>(now.y), row[2] = static_cast<T>(now.z);
+    v[0] += static_cast<T>(dv.x), v[1] += static_cast<T>(dv.y), v[2] += static_cast<T>(dv.z);
+  }
+  return std::sqrt(most);
+}
+
+template <class T>
+double Solver<T>::collide(const SolverInput& what, const State& s, const StepInput& in, double t, double h) {
+  const double* start = s.f64(Columns::position).data();
+  const size_t n = what.body.x.size();
+  const T per_h = static_cast<T>(1 / h);
+  unpack(what, s, in);
+  in.arena.for_blocks(n, kBlockRows, [&](size_t begin, size_t end) {
+    for (size_t i = begin; i < end; ++i) {
+      for (size_t k = 0; k < 3; ++k) v_[3 * i + k] = (rows_[4 * i + k] - before_[4 * i + k]) * per_h;
     }
   });
   ContactSweep sweep{t, h, x_old_, v_old_, x_, v_};
@@ -224,6 +261,7 @@ void Solver<T>::step(const SolverInput& what, State& s, const StepInput& in) {
   double& tightness = s.f64(Columns::tightness)[0];
   prepare(what, s);
   load(what, s, in);
+  if (what.folds) self_.begin_step(*what.folds);
   int left = options.substeps;
   for (double done = 0; left > 0; --left) {
     const double rest = in.h - done;
@@ -234,6 +272,7 @@ void Solver<T>::step(const SolverInput& what, State& s, const StepInput& in) {
     const double h = rest / left;
     if (!what.colliders.empty()) remember_velocities(in);
     if (s.f64(Columns::damping)[0] > 0) weigh(s, in, h);
+    if (what.air) blow(what, s, in, in.t + done, h);
     predict(what, s, in, h);
     double q = iterate(what, s, in, h);
     if (what.colliders.empty()) {
@@ -241,6 +280,7 @@ void Solver<T>::step(const SolverInput& what, State& s, const StepInput& in) {
     } else {
       q = std::max(q, collide(what, s, in, in.t + done, h) / options.shortest_link);
     }
+    if (what.folds) q = std::max(q, meet_self(what, s, in, h) / options.shortest_link);
     // A cloth that has just been pulled tight may be so again: what one substep says is forgotten by and by.
     tightness = std::max(q / (h * h), 0.8 * tightness);
     done += h;

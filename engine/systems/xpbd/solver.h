@@ -17,7 +17,9 @@
 #include "engine/core/system.h"
 #include "engine/core/user_forces.h"
 #include "engine/kernels/xpbd/chain.h"
+#include "engine/systems/xpbd/air_drag.h"
 #include "engine/systems/xpbd/schedule.h"
+#include "engine/systems/xpbd/self_contacts.h"
 
 namespace truestep::xpbd {
 
@@ -37,6 +39,7 @@ struct XpbdColumns {
     push_force,      ///< N
     push_remaining,  ///< s
     tightness,       ///< 1/s^2, q / h^2 of the last substep (kernels/xpbd/chain.h)
+    wind,            ///< m/s; only where a scene gives one
   };
   static constexpr UserForces kHands{{push_row, push_force, push_remaining},
                                      {drag_row, drag_target, drag_stiffness}};
@@ -49,6 +52,7 @@ struct SolverOptions {
   double projection = 1;
   double radius = 0;         ///< m, kept from colliders
   double shortest_link = 1;  ///< m
+  SelfOptions self;
 };
 
 /// What a solver knows of a body besides the state; all of it outlives the step.
@@ -58,6 +62,8 @@ struct SolverInput {
   const SolverOptions& options;
   const ColliderSet& colliders;
   std::span<const Surface> surfaces;
+  const FoldSurface* folds;  ///< null: nothing meets itself
+  const AirDrag* air;        ///< null: there is none
 };
 
 /// Links of a chain up to which the scratch of a batch lies on the stack, in the first cache.
@@ -95,6 +101,7 @@ class Solver {
   void remember_velocities(const StepInput& in);
   /// Inverse masses under viscous damping c, 1 / (m + h c): what an implicit Euler step makes of -c v.
   void weigh(const State& state, const StepInput& in, double h);
+  void blow(const SolverInput& what, const State& state, const StepInput& in, double t, double h);
   void predict(const SolverInput& what, const State& state, const StepInput& in, double h);
   /// The largest q of the last iteration.
   double iterate(const SolverInput& what, const State& state, const StepInput& in, double h);
@@ -106,6 +113,10 @@ class Solver {
   void find_velocities(const SolverInput& what, const StepInput& in, double h);
   /// The longest way (m) that a collider has put a point back.
   double collide(const SolverInput& what, const State& state, const StepInput& in, double t, double h);
+  /// Places at the substep's start and now, and inverse masses, for what takes doubles.
+  void unpack(const SolverInput& what, const State& state, const StepInput& in);
+  /// The longest way (m) that the body has put a point of its own back.
+  double meet_self(const SolverInput& what, const State& state, const StepInput& in, double h);
 
   const Schedule* built_for_ = nullptr;
   std::vector<double> built_with_;  // stiffnesses, damping
@@ -120,8 +131,10 @@ class Solver {
   Set rods_, hinges_, volumes_;
   std::vector<double> angle_lambda_;
   std::vector<ChainRow<T>, CacheLineAllocator<ChainRow<T>>> scratch_;
-  std::vector<double> x_old_, v_old_, x_, v_, w_;  // for colliders
+  std::vector<double> x_old_, v_old_, x_, v_, w_;  // for what collides
   std::vector<double> put_back_;                   // per block, m
+  SelfContacts self_;
+  std::vector<Vec3> blows_;  // N s, per triangle
 };
 
 extern template class Solver<float>;

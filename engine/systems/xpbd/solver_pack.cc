@@ -93,7 +93,7 @@ void Solver<T>::prepare(const SolverInput& what, const State& s) {
     volumes_.rest[e] = static_cast<T>(rest);
     volumes_.compliance[e] = static_cast<T>(compliance(stiffness_of(stiffness, Family::volume) / rest));
   }
-  if (what.colliders.empty()) return;
+  if (what.colliders.empty() && !what.folds) return;
   for (auto* column : {&x_old_, &v_old_, &x_, &v_}) column->resize(3 * what.body.x.size());
   w_.resize(what.body.x.size());
   put_back_.resize((what.body.x.size() + kBlockRows - 1) / kBlockRows);

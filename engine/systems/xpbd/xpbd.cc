@@ -49,6 +49,7 @@ Division divide(const XpbdDef& def, const BuildContext& context) {
 Xpbd::Xpbd(const XpbdDef& def, const BuildContext& context)
     : gravity_(context.gravity),
       velocity_(def.velocity),
+      wind_(def.wind.value_or(Vec3{})),
       damping_{def.damping, def.internal_damping},
       youngs_(def.youngs_modulus.has_value()),
       precision_(def.precision),
@@ -62,7 +63,13 @@ Xpbd::Xpbd(const XpbdDef& def, const BuildContext& context)
               .division = division.division,
               .projection = def.projection,
               .radius = 0.5 * def.thickness,
-              .shortest_link = shortest_link(body_)};
+              .shortest_link = shortest_link(body_),
+              .self = {.thickness = def.thickness, .friction = def.self_friction}};
+  if (def.self_collision) folds_.emplace(body_);
+  if (def.wind) {
+    const AirOptions air{0.5 * def.air_density * def.drag_coefficient, def.gust, def.gust_period};
+    air_.emplace(body_, air, def.thickness);
+  }
   for (const Collider& c : colliders_.colliders()) {
     surfaces_.push_back(c.surface);
     surfaces_.back().restitution = def.restitution;
@@ -73,33 +80,44 @@ Xpbd::Xpbd(const XpbdDef& def, const BuildContext& context)
   name_parts();
   // What falls, swings or snaps back cannot be faster than its reach in a substep.
   const double reach = 1 + extent(body_);
-  speed_limit_ = unexplained_speed(norm(velocity_) + std::sqrt(2 * norm(gravity_) * reach) +
-                                   reach * options_.substeps / context.dt);
+  speed_limit_ =
+      unexplained_speed(norm(velocity_) + (1 + def.gust) * norm(wind_) +
+                        std::sqrt(2 * norm(gravity_) * reach) + reach * options_.substeps / context.dt);
 }
 
 void Xpbd::plan_stages(const XpbdDef& def, const std::string& why) {
   const size_t bends = body_.rods.size() + body_.hinges.size() + body_.angles.size();
-  add_stage("solve",
-            std::to_string(options_.substeps) + " substeps of " + std::to_string(options_.iterations) +
-                " iterations: " + why + "; " + std::to_string(body_.links.size()) + " links in " +
-                std::to_string(schedule_.chains.colours.size()) + " colours" +
-                (schedule_.chains.batches.empty() || schedule_.chains.colours.front().longest <= 1
-                     ? ", each by itself"
-                     : ", chain by chain") +
-                (colliders_.empty() ? ""
-                                    : "; " + std::to_string(colliders_.colliders().size()) +
-                                          " colliders keep the points out after every substep"),
-            [this](State& s, const StepInput& in) {
-              const SolverInput what{body_, schedule_, options_, colliders_, surfaces_};
-              if (precision_ == Precision::f32) {
-                in.workspace.object<Solver<float>>("xpbd.solver").step(what, s, in);
-              } else {
-                in.workspace.object<Solver<double>>("xpbd.solver").step(what, s, in);
-              }
-            });
+  add_stage(
+      "solve",
+      std::to_string(options_.substeps) + " substeps of " + std::to_string(options_.iterations) +
+          " iterations: " + why + "; " + std::to_string(body_.links.size()) + " links in " +
+          std::to_string(schedule_.chains.colours.size()) + " colours" +
+          (schedule_.chains.batches.empty() || schedule_.chains.colours.front().longest <= 1
+               ? ", each by itself"
+               : ", chain by chain") +
+          (colliders_.empty() ? ""
+                              : "; " + std::to_string(colliders_.colliders().size()) +
+                                    " colliders keep the points out after every substep") +
+          (folds_ ? "; " + std::to_string(folds_->facets().size()) + " facets are kept apart after it" : ""),
+      [this](State& s, const StepInput& in) {
+        const SolverInput what{body_,
+                               schedule_,
+                               options_,
+                               colliders_,
+                               surfaces_,
+                               folds_ ? &*folds_ : nullptr,
+                               air_ ? &*air_ : nullptr};
+        if (precision_ == Precision::f32) {
+          in.workspace.object<Solver<float>>("xpbd.solver").step(what, s, in);
+        } else {
+          in.workspace.object<Solver<double>>("xpbd.solver").step(what, s, in);
+        }
+      });
   add_stage("hands", "ends pushes whose time is over",
             [](State& s, const StepInput& in) { Columns::kHands.count_down(s, in.h); });
   if (colliders_.empty()) skip_stage("contacts", "there are no colliders");
+  if (!air_) skip_stage("air", "no wind is given");
+  if (!folds_) skip_stage("self-collision", "self_collision is not asked for");
   if (bends == 0) skip_stage("bending", "no rigidity is given");
   if (body_.tetrahedra.empty()) skip_stage("volumes", "there are no tetrahedra");
   if (!(def.damping > 0)) skip_stage("viscous damping", "damping is 0");
@@ -149,6 +167,10 @@ State Xpbd::initial_state() const {
   s.add({"push.force", "N", Scalar::f64, 3}, 0);
   s.add({"push.remaining", "s"}, 0);
   s.add({"tightness", "1/s^2"}, 1);
+  if (air_) {
+    s.add({"wind", "m/s", Scalar::f64, 3}, 1);
+    store3(s.f64(Columns::wind).data(), 0, wind_);
+  }
   for (size_t i = 0; i < n; ++i) {
     store3(s.f64(Columns::position).data(), i, body_.x[i]);
     store3(s.f64(Columns::velocity).data(), i, velocity_);

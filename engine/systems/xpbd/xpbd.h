@@ -4,7 +4,8 @@
 // A step is divided into substeps of one iteration each (Macklin et al. 2019); links in line are solved at
 // once. First order in time and dissipative, as implicit Euler: the faster a motion, the more it is damped.
 // Commands: push, impulse, drag, release, pin, unpin, set_parameter (stiffness, shear_stiffness,
-// youngs_modulus, bending_rigidity, flexural_rigidity, bulk_modulus, damping, internal_damping, gravity).
+// youngs_modulus, bending_rigidity, flexural_rigidity, bulk_modulus, damping, internal_damping, gravity, and
+// wind where there is one).
 #pragma once
 #include <memory>
 
@@ -46,7 +47,7 @@ class Xpbd final : public StagedSystem {
   double default_drag(const State& state, size_t row) const;
   void set_parameter(State& state, const Command& command) const;
 
-  Vec3 gravity_, velocity_;
+  Vec3 gravity_, velocity_, wind_;
   double damping_[2];
   bool youngs_;  // stiffnesses of links are moduli
   Precision precision_;
@@ -55,6 +56,8 @@ class Xpbd final : public StagedSystem {
   SolverOptions options_;
   ColliderSet colliders_;
   std::vector<Surface> surfaces_;  // one per collider
+  std::optional<FoldSurface> folds_;
+  std::optional<AirDrag> air_;
   PartDrawing drawing_;
   std::vector<std::array<uint32_t, 2>> segments_;  // published where there are no triangles
   double speed_limit_ = 0;

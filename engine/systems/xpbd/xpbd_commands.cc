@@ -81,6 +81,12 @@ void Xpbd::set_parameter(State& s, const Command& c) const {
   if (c.name == "bending_rigidity") return set(Family::bending, rods);
   if (c.name == "flexural_rigidity") return set(Family::bending, plates);
   if (c.name == "bulk_modulus") return set(Family::volume, !body_.tetrahedra.empty());
+  if (c.name == "wind") {
+    if (!air_)
+      refuse_command("name", "unknown_parameter", "this scene has no air",
+                     "wind in the scene, 0 for still air");
+    return store3(s.f64(Columns::wind).data(), 0, c.vector);
+  }
   if (c.name == "gravity") return store3(s.f64(Columns::gravity).data(), 0, c.vector);
   if (c.name == "damping" || c.name == "internal_damping") {
     s.f64(Columns::damping)[c.name == "damping" ? 0 : 1] = c.value;
@@ -89,7 +95,7 @@ void Xpbd::set_parameter(State& s, const Command& c) const {
   refuse_command(
       "name", "unknown_parameter", "there is no parameter \"" + c.name + "\" to set",
       "stiffness, shear_stiffness, youngs_modulus, bending_rigidity, flexural_rigidity, bulk_modulus, "
-      "damping, internal_damping, gravity");
+      "damping, internal_damping, gravity, wind");
 }
 
 }  // namespace truestep::xpbd

@@ -45,6 +45,43 @@ void check_rigidities(const XpbdDef& d, const DefTable::Report& report) {
   }
 }
 
+/// m, between neighbours; of a mesh the mean.
+double spacing(const XpbdDef& d) {
+  if (d.rope) return rope_link(*d.rope);
+  if (d.hair) return d.hair->length / d.hair->links;
+  if (d.cloth_grid) {
+    return std::min(norm(d.cloth_grid->edge_u) / (d.cloth_grid->nx - 1.0),
+                    norm(d.cloth_grid->edge_v) / (d.cloth_grid->ny - 1.0));
+  }
+  if (d.block) {
+    const Vec3 s = d.block->size;
+    return std::min({s.x / d.block->cells_x, s.y / d.block->cells_y, s.z / d.block->cells_z});
+  }
+  double sum = 0;
+  size_t count = 0;
+  const auto& corners = d.mesh->triangles;
+  // Indices that are out of range have an error of their own.
+  const auto place = [&](size_t k) {
+    const auto i = static_cast<size_t>(corners[k]);
+    return i < d.mesh->vertices.size() ? d.mesh->vertices[i] : Vec3{};
+  };
+  for (size_t k = 0; k + 2 < corners.size(); k += 3) {
+    sum += norm(place(k + 1) - place(k)) + norm(place(k + 2) - place(k + 1)) + norm(place(k) - place(k + 2));
+    count += 3;
+  }
+  return count > 0 ? sum / static_cast<double>(count) : 0;
+}
+
+void check_self_collision(const XpbdDef& d, const DefTable::Report& report) {
+  if (!d.self_collision) return;
+  if (!(d.thickness > 0)) report("/self_collision", "needs a thickness above 0");
+  // What is that near along the sheet would be held apart for ever.
+  const double most = spacing(d);
+  if (d.thickness <= most) return;
+  report("/thickness", "self_collision needs one of at most the distance between neighbours, " +
+                           std::to_string(most) + " m: give fewer points or less");
+}
+
 void check_def(const XpbdDef& d, const DefTable::Report& report) {
   const int shapes = d.rope.has_value() + d.hair.has_value() + d.cloth_grid.has_value() + d.mesh.has_value() +
                      d.block.has_value();
@@ -53,6 +90,7 @@ void check_def(const XpbdDef& d, const DefTable::Report& report) {
         "", "give exactly one of rope, hair, cloth_grid, mesh and block, not " + std::to_string(shapes));
   }
   check_rigidities(d, report);
+  check_self_collision(d, report);
   if (d.scheme == Scheme::xpbd && d.projection != 1) {
     report("/projection", "only the scheme pbd has one; of xpbd give stiffness");
   }
@@ -139,8 +177,21 @@ const DefTable& xpbd_table() {
         .integers("pins", &D::pins, at_least(0), {}, "indices of points that are held")
         .texts("pinned", &D::pinned, {},
                "named points that are held: first, last, corners, edge_v1, roots, bottom ...")
+        .vector(
+            "wind", &D::wind, "m/s", any(),
+            "velocity of the air, 0 for still air: drag and lift on every triangle, drag on ropes and hair; "
+            "absent: no air at all")
+        .number("gust", &D::gust, "1", between(0, 1), "part of the wind that comes and goes")
+        .number("gust_period", &D::gust_period, "s", above(0), "time from gust to gust")
+        .number("air_density", &D::air_density, "kg/m^3", at_least(0), "of the air, where there is wind")
+        .number("drag_coefficient", &D::drag_coefficient, "1", at_least(0),
+                "of the cloth's faces or the rope's cross-section")
         .number("thickness", &D::thickness, "m", at_least(0),
                 "of the cloth, diameter of the rope; half of it is kept from every obstacle")
+        .boolean("self_collision", &D::self_collision,
+                 "facets and edges are kept a thickness apart, however fast they meet")
+        .number("self_friction", &D::self_friction, "1", at_least(0),
+                "Coulomb's coefficient where it meets itself")
         .number("restitution", &D::restitution, "1", between(0, 1),
                 "of these points on any collider, in place of the collider's own")
         .number("friction", &D::friction, "1", at_least(0),

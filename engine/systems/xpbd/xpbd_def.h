@@ -43,9 +43,14 @@ struct XpbdDef {
   Vec3 velocity;                // m/s, initial
   std::vector<int64_t> pins;
   std::vector<std::string> pinned;
+  std::optional<Vec3> wind;  // m/s
+  double gust = 0, gust_period = 2;
+  double air_density = 1.2, drag_coefficient = 1.2;
   double thickness = 0.01;  // m
   double restitution = 0;
   std::optional<double> friction;
+  bool self_collision = false;
+  double self_friction = 0.3;
   ColliderDefs colliders;
 
   Scheme scheme = Scheme::xpbd;

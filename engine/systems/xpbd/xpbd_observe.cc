@@ -65,7 +65,7 @@ Energy Xpbd::energies(const State& s) const {
   // substep, stiff links are stretched by what is left, and that energy is none of the motion's.
   const bool alone =
       schedule_.chains.colours.size() == 1 && body_.rods.empty() && options_.scheme == Scheme::xpbd;
-  const bool driven = Columns::kHands.any(s) || !colliders_.empty() || !alone;
+  const bool driven = Columns::kHands.any(s) || !colliders_.empty() || folds_ || air_ || !alone;
   e.exchange = driven ? Energy::Exchange::open : Energy::Exchange::closed;
   return e;
 }

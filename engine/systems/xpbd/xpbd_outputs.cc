@@ -64,10 +64,14 @@ Cost xpbd_cost(const void* def) {
   return {.state_bytes = 56 * n.points,
           .workspace_bytes = (single ? 130 : 180) * n.points +
                              ((single ? 85 : 105) + lane + scratch) * n.links +
-                             (single ? 130 : 175) * (n.bends + n.volumes) + (collides ? 104 * n.points : 0),
+                             (single ? 130 : 175) * (n.bends + n.volumes) +
+                             (collides || d.self_collision ? 104 * n.points : 0) +
+                             (d.self_collision ? 2500 * n.points : 0) + (d.wind ? 48 * n.points : 0),
           .elements = n.points + constraints,
-          .seconds_per_step = substeps_of(d, n.points) * (3e-9 * n.points + (collides ? 2e-8 * n.points : 0) +
-                                                          iterations * (single ? 4e-9 : 8e-9) * constraints)};
+          .seconds_per_step =
+              substeps_of(d, n.points) *
+              (3e-9 * n.points + (collides ? 2e-8 * n.points : 0) + (d.self_collision ? 1e-6 * n.points : 0) +
+               (d.wind ? 6e-8 * n.points : 0) + iterations * (single ? 4e-9 : 8e-9) * constraints)};
 }
 
 }  // namespace truestep::xpbd

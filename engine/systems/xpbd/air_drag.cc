@@ -1,0 +1,84 @@
+#include "engine/systems/xpbd/air_drag.h"
+
+#include "engine/kernels/air.h"
+
+namespace truestep::xpbd {
+
+AirDrag::AirDrag(const Body& body, const AirOptions& options, double thickness)
+    : options_(options), triangles_(body.triangles), begin_(body.x.size() + 1) {
+  for (const auto& t : triangles_) {
+    for (const uint32_t p : t) ++begin_[p + 1];
+  }
+  for (size_t i = 1; i < begin_.size(); ++i) begin_[i] += begin_[i - 1];
+  at_.resize(begin_.back());
+  auto next = begin_;
+  for (uint32_t f = 0; f < triangles_.size(); ++f) {
+    for (const uint32_t p : triangles_[f]) at_[next[p]++] = f;
+  }
+  if (!triangles_.empty()) return;
+  // Every point carries half of the links beside it.
+  section_.assign(body.x.size(), 0);
+  for (const Link& l : body.links) {
+    for (const uint32_t p : {l.a, l.b}) section_[p] += 0.5 * thickness * l.rest;
+  }
+}
+
+template <class T>
+void AirDrag::blow(const Vec3& wind, const Vec3& gravity, double h, const AirRows<T>& on,
+                   std::vector<Vec3>& impulses, const ThreadArena& arena) const {
+  const double q = options_.factor;
+  const auto weight = [&](uint32_t p) { return double{on.rows[4 * size_t{p} + 3]}; };
+  // Gravity comes with the same step, so that a terminal velocity is that of the balance.
+  const auto velocity = [&](uint32_t p) {
+    const T* v = on.velocity + 4 * size_t{p};
+    return weight(p) > 0 ? Vec3{v[0], v[1], v[2]} + gravity * h : Vec3{};
+  };
+  const auto place = [&](uint32_t p) {
+    const T* x = on.rows + 4 * size_t{p};
+    return load3(on.start, p) + Vec3{x[0], x[1], x[2]};
+  };
+  const auto add = [&](uint32_t p, const Vec3& impulse) {
+    const Vec3 by = impulse * weight(p);
+    T* v = on.velocity + 4 * size_t{p};
+    v[0] += static_cast<T>(by.x), v[1] += static_cast<T>(by.y), v[2] += static_cast<T>(by.z);
+  };
+  if (triangles_.empty()) {
+    arena.for_blocks(section_.size(), kBlockRows, [&](size_t begin, size_t end) {
+      for (size_t i = begin; i < end; ++i) {
+        const auto p = static_cast<uint32_t>(i);
+        const Vec3 u = wind - velocity(p);
+        const auto [alpha, beta] = air::cylinder_slope(u, q, section_[i]);
+        const double slope = alpha + beta * norm2(u);
+        add(p, air::cylinder_force(u, q, section_[i]) * (h / (1 + h * slope * weight(p))));
+      }
+    });
+    return;
+  }
+  // A point gives way to all its triangles, which push about as this one does.
+  const auto gives = [&](uint32_t p) { return weight(p) * (begin_[p + 1] - begin_[p]); };
+  impulses.resize(triangles_.size());
+  arena.for_blocks(triangles_.size(), kBlockRows, [&](size_t begin, size_t end) {
+    for (size_t f = begin; f < end; ++f) {
+      const auto [a, b, c] = triangles_[f];
+      const Vec3 x = place(a), area2 = cross(place(b) - x, place(c) - x);
+      const Vec3 u = wind - (velocity(a) + velocity(b) + velocity(c)) * (1.0 / 3);
+      const double yields =
+          h * air::plate_slope(area2, u, q) * norm2(area2) * (gives(a) + gives(b) + gives(c)) / 9;
+      impulses[f] = air::plate_force(area2, u, q) * (h / 3 / (1 + yields));
+    }
+  });
+  arena.for_blocks(begin_.size() - 1, kBlockRows, [&](size_t begin, size_t end) {
+    for (size_t i = begin; i < end; ++i) {
+      Vec3 sum;
+      for (uint32_t k = begin_[i]; k < begin_[i + 1]; ++k) sum += impulses[at_[k]];
+      add(static_cast<uint32_t>(i), sum);
+    }
+  });
+}
+
+template void AirDrag::blow(const Vec3&, const Vec3&, double, const AirRows<float>&, std::vector<Vec3>&,
+                            const ThreadArena&) const;
+template void AirDrag::blow(const Vec3&, const Vec3&, double, const AirRows<double>&, std::vector<Vec3>&,
+                            const ThreadArena&) const;
+
+}  // namespace truestep::xpbd

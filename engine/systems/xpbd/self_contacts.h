@@ -1,0 +1,107 @@
+// Keeps a body from passing through itself: after the constraints have moved its points from x0 to x1 in a
+// substep, facets that would come within the thickness are held apart, with friction, at wherever along
+// their straight paths they first do (kernels/proximity.h). What is nearer than the thickness at x0 is
+// brought to it by and by. Corrections are impulses between four points; those that lead into others are met
+// in the next round. What is left after some rounds moves as one, all points of such a zone by their mean
+// displacement (after Harmon, Vouga, Tamstorf, Grinspun 2008, "Robust treatment of simultaneous collisions",
+// with shifts only), which leaves their distances as they are: nothing that begins apart ends in another.
+// Pairs of facets are found by a grid over boxes that hold a substep's path and some slack, and serve until
+// a point leaves its box.
+// Facets within two rings of each other are kept to half their distance at rest where that is less; what
+// meets at rest is let be.
+#pragma once
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "engine/base/parallel.h"
+#include "engine/collision/broad/box_grid.h"
+#include "engine/kernels/proximity.h"
+#include "engine/systems/xpbd/fold_surface.h"
+
+namespace truestep::xpbd {
+
+struct SelfOptions {
+  double thickness = 0.01;  ///< m, between middle surfaces
+  double friction = 0;
+};
+
+/// Points of a substep, three numbers each; x1 is corrected.
+struct SelfSweep {
+  std::span<const double> x0;
+  std::span<double> x1;
+  std::span<const double> inverse_mass;
+  double h;  ///< s
+};
+
+class SelfContacts {
+ public:
+  /// Nothing is known of earlier substeps any more: what follows depends on what it is given alone.
+  void begin_step(const FoldSurface& surface);
+  /// Whether anything was corrected.
+  bool resolve(const FoldSurface& surface, const SelfOptions& options, const SelfSweep& sweep,
+               const ThreadArena& arena);
+  /// Whether the last resolve has moved the point.
+  bool moved(size_t point) const { return moved_[point] != 0; }
+
+ private:
+  struct Contact {
+    std::array<uint32_t, 4> points;
+    std::array<double, 4> c;
+    Vec3 normal;
+    double gap;  // m, to be kept along the normal; kWatched: only looked at again
+  };
+  /// What of a block of facets or pairs is found in parallel.
+  struct Found {
+    std::vector<std::array<uint32_t, 2>> pairs;
+    std::vector<Contact> contacts;
+    std::vector<uint32_t> near_to;  // per facet: one more than the last that it is near to
+  };
+  enum class Round : uint8_t { first, check };
+  static constexpr double kWatched = -1;
+  enum class Kinship : uint8_t { near, far };
+  struct Search {
+    const FoldSurface& surface;
+    const SelfOptions& options;
+    const SelfSweep& sweep;
+    Round round;
+    /// m within which features are looked at: what is checked may come much nearer than it should.
+    double reach() const;
+  };
+
+  void follow(const FoldSurface& surface, const SelfOptions& options, const SelfSweep& sweep,
+              const ThreadArena& arena);
+  void find_pairs(const FoldSurface& surface, double grow, const ThreadArena& arena);
+  void mark_folds(const FoldSurface& surface, const SelfSweep& sweep);
+  /// Whether anything more is to be met.
+  bool search(const Search& what, const ThreadArena& arena);
+  void update_boxes(const Search& search, const ThreadArena& arena);
+  void find_contacts(const Search& search, const ThreadArena& arena);
+  /// Whether both, along their whole paths, are out of reach along the normal of one of them.
+  bool apart(const Search& search, const Facet& f, const Facet& g, const Vec3& normal) const;
+  void meet_facets(const Search& search, uint32_t a, uint32_t b, Kinship kinship,
+                   std::vector<Contact>& out) const;
+  /// `across`: corners of the triangles at both edges, UINT32_MAX where there are none.
+  template <class Kind>
+  void meet(const Search& search, const std::array<uint32_t, 4>& points,
+            const std::array<uint32_t, 4>& across, Kinship kinship, std::vector<Contact>& out) const;
+  void solve(const SelfOptions& options, const SelfSweep& sweep);
+  void join_zones(const SelfSweep& sweep);
+  uint32_t zone(uint32_t point);
+
+  std::vector<Box> reach_;     // per point, in the frame that drifts with the mean
+  std::vector<Box> boxes_;     // per facet
+  std::vector<Vec3> normals_;  // per facet, at x0; zero of a link
+  BoxGrid grid_;
+  Vec3 drift_, next_drift_;  // m, at x0 and x1
+  bool known_ = false;
+  std::vector<std::array<uint32_t, 2>> pairs_;
+  std::vector<Found> found_;
+  std::vector<Contact> contacts_;
+  size_t fresh_ = 0;  // contacts from here on are those of the last search
+  std::vector<uint8_t> folded_, moved_;
+  std::vector<uint32_t> zone_;
+  std::vector<double> sums_;  // of a zone: mass, displacement times mass
+};
+
+}  // namespace truestep::xpbd
