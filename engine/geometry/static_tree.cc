@@ -45,4 +45,16 @@ void StaticTree::build(std::span<const Box> boxes) {
   }
 }
 
+void StaticTree::refit(std::span<const Box> boxes) {
+  for (size_t i = nodes_.size(); i-- > 0;) {
+    Node& n = nodes_[i];
+    if (n.item != kInner) {
+      n.box = boxes[n.item];
+    } else {
+      n.box = nodes_[i + 1].box;
+      n.box.cover(nodes_[nodes_[i + 1].skip].box);
+    }
+  }
+}
+
 }  // namespace truestep

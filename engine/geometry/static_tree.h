@@ -1,4 +1,4 @@
-// Hierarchy of boxes that never changes, for triangles of a mesh and parts of a compound. Built by halving
+// Hierarchy of boxes that is built once, for triangles of a mesh and parts of a compound. Built by halving
 // at the median of centres along the longest side, so depth is log2(n); nodes in depth-first order, the left
 // child follows its parent.
 #pragma once
@@ -13,6 +13,8 @@ namespace truestep {
 class StaticTree {
  public:
   void build(std::span<const Box> boxes);
+  /// Other boxes, as many, in the hierarchy that there is: for a surface that moves but holds together.
+  void refit(std::span<const Box> boxes);
   bool empty() const { return nodes_.empty(); }
   /// Around everything; nothing when empty.
   Box bounds() const { return nodes_.empty() ? Box::nothing() : nodes_[0].box; }

@@ -57,6 +57,14 @@ void SelfContacts::begin_step(const FoldSurface& surface) {
   drift_ = {};
   const size_t points = surface.rest().size(), facets = surface.facets().size();
   reach_.resize(points), boxes_.resize(facets), normals_.resize(facets);
+  if (tree_of_ != &surface) {
+    tree_of_ = &surface;
+    for (size_t f = 0; f < facets; ++f) {
+      boxes_[f] = Box::nothing();
+      for (const uint32_t p : surface.facets()[f].points) boxes_[f].cover(surface.rest()[p]);
+    }
+    tree_.build(boxes_);
+  }
   folded_.resize(points), moved_.resize(points), zone_.resize(points), sums_.resize(4 * points);
 }
 
@@ -100,7 +108,7 @@ void SelfContacts::find_pairs(const FoldSurface& surface, double grow, const Thr
     b.cover(reach_[facets[f].points[1]]), b.cover(reach_[facets[f].points[2]]);
     boxes_[f] = b.grown(grow);
   }
-  grid_.build(boxes_);
+  tree_.refit(boxes_);
   found_.resize(std::max(found_.size(), facets.size() / kBlockFacets + 1));
   arena.for_blocks(facets.size(), kBlockFacets, [&](size_t begin, size_t end) {
     auto& out = found_[begin / kBlockFacets].pairs;
@@ -109,7 +117,7 @@ void SelfContacts::find_pairs(const FoldSurface& surface, double grow, const Thr
     for (size_t f = begin; f < end; ++f) {
       const auto mark = static_cast<uint32_t>(f) + 1;
       for (const uint32_t g : surface.near(f)) near_to[g] = mark;
-      grid_.overlapping(boxes_[f], [&](uint32_t g) {
+      tree_.overlapping(boxes_[f], [&](uint32_t g) {
         if (g > f && near_to[g] != mark) out.push_back({static_cast<uint32_t>(f), g});
       });
     }

@@ -5,7 +5,7 @@
 // in the next round. What is left after some rounds moves as one, all points of such a zone by their mean
 // displacement (after Harmon, Vouga, Tamstorf, Grinspun 2008, "Robust treatment of simultaneous collisions",
 // with shifts only), which leaves their distances as they are: nothing that begins apart ends in another.
-// Pairs of facets are found by a grid over boxes that hold a substep's path and some slack, and serve until
+// Pairs of facets are found by a tree over boxes that hold a substep's path and some slack, and serve until
 // a point leaves its box.
 // Facets within two rings of each other are kept to half their distance at rest where that is less; what
 // meets at rest is let be.
@@ -15,7 +15,7 @@
 #include <vector>
 
 #include "engine/base/parallel.h"
-#include "engine/collision/broad/box_grid.h"
+#include "engine/geometry/static_tree.h"
 #include "engine/kernels/proximity.h"
 #include "engine/systems/xpbd/fold_surface.h"
 
@@ -92,7 +92,8 @@ class SelfContacts {
   std::vector<Box> reach_;     // per point, in the frame that drifts with the mean
   std::vector<Box> boxes_;     // per facet
   std::vector<Vec3> normals_;  // per facet, at x0; zero of a link
-  BoxGrid grid_;
+  StaticTree tree_;            // of the facets at rest, about the boxes of now
+  const FoldSurface* tree_of_ = nullptr;
   Vec3 drift_, next_drift_;  // m, at x0 and x1
   bool known_ = false;
   std::vector<std::array<uint32_t, 2>> pairs_;
