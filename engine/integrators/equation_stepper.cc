@@ -88,11 +88,9 @@ void EquationStepper::step(const RightHandSide& f, double* y, State& state, cons
   const auto carried = state.f64(state.at(kCarry));
   Carry carry{carried[0], carried[1]};
   Statistics statistics;
-  // The next step begins exactly where this one ends: lengths that are rounded one by one lose time.
-  const double counted = static_cast<double>(in.step + 1) * in.h, summed = in.t + in.h;
   Advance run{.f = f,
               .t = in.t,
-              .t_end = std::abs(counted - summed) < 1e-9 * in.h ? counted : summed,
+              .t_end = end_of(in),
               .y = y,
               .workspace = in.workspace,
               .carry = carry,
@@ -105,6 +103,16 @@ void EquationStepper::step(const RightHandSide& f, double* y, State& state, cons
   run.statistics = &statistics;
   method_->advance(run);
   carried[0] = carry.step, carried[1] = carry.last_error;
+  count(state, statistics);
+}
+
+// The next step begins exactly where this one ends: lengths that are rounded one by one lose time.
+double EquationStepper::end_of(const StepInput& in) {
+  const double counted = static_cast<double>(in.step + 1) * in.h, summed = in.t + in.h;
+  return std::abs(counted - summed) < 1e-9 * in.h ? counted : summed;
+}
+
+void EquationStepper::count(State& state, const Statistics& statistics) {
   const auto done = state.span<uint64_t>(state.at(kWork));
   done[kSteps] += statistics.steps, done[kRejected] += statistics.rejected;
   done[kRates] += statistics.rates, done[kJacobians] += statistics.jacobians;

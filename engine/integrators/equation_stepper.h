@@ -45,6 +45,10 @@ class EquationStepper {
   /// that f depends on (Advance).
   void step(const RightHandSide& f, double* y, State& state, const StepInput& input,
             uint64_t surroundings = 0) const;
+  /// s, where the step of this input ends.
+  static double end_of(const StepInput& input);
+  /// Adds to the counters that `observe` shows.
+  static void count(State& state, const Statistics& statistics);
   /// What is remembered of earlier steps belongs to other equations: begins afresh.
   static void forget(State& state);
   /// integrator.steps, .rejected, .rates, .jacobians.

@@ -72,6 +72,33 @@ void Diffusion::step_in_place(double* u, double step, std::vector<double>& waiti
   for (size_t r = 0; r < first; ++r) std::copy_n(place(r), nx, u + r * nx);
 }
 
+void Diffusion::leapfrog_in_place(double* x, double* v, double h, std::vector<double>& row) const {
+  const size_t nx = lattice_.count(0), ny = lattice_.count(1), rows = ny * lattice_.count(2);
+  // As above; the last rows are read by the first ones, too, and drift before them and once more at the end.
+  const size_t far = (order_ == 4 ? 2 : 1) * (lattice_.dimensions == 3 ? ny : 1);
+  const size_t first = std::min(rows, far), last = std::max(first, rows - std::min(rows, far));
+  row.resize(nx);
+  double* a = row.data();
+  const auto drift = [&](size_t r) {
+    double* xs = x + r * nx;
+    const double* vs = v + r * nx;
+    for (size_t i = 0; i < nx; ++i) xs[i] = std::fma(0.5 * h, vs[i], xs[i]);
+  };
+  const auto drift_ends = [&] {
+    for (size_t r = 0; r < first; ++r) drift(r);
+    for (size_t r = last; r < rows; ++r) drift(r);
+  };
+  drift_ends();
+  for (size_t r = 0; r < rows; ++r) {
+    if (r + far < last) drift(r + far);
+    apply_row(x, a, 0, 1, r % ny, r / ny);
+    double* vs = v + r * nx;
+    for (size_t i = 0; i < nx; ++i) vs[i] = std::fma(h, a[i], vs[i]);
+    if (r >= far + first && r - far < last) drift(r - far);
+  }
+  drift_ends();
+}
+
 void Diffusion::apply_end(const double* u, double* row, double identity, double step,
                           const std::array<size_t, 3>& p) const {
   const size_t node = p[0] + lattice_.stride(1) * p[1] + lattice_.stride(2) * p[2];

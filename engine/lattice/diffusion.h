@@ -39,6 +39,9 @@ class Diffusion {
   /// u += step L u with no second array: rows wait in `waiting` until no other row needs what they replace.
   /// The bits are those of `apply`.
   void step_in_place(double* u, double step, std::vector<double>& waiting) const;
+  /// x += h/2 v, v += h L x, x += h/2 v in one sweep over the rows; `row` is scratch. The bits are those of
+  /// one array after the other.
+  void leapfrog_in_place(double* x, double* v, double h, std::vector<double>& row) const;
   /// A bound of the largest |eigenvalue| (Gershgorin), exact to a few percent for constant coefficients.
   double spectral_radius() const;
   /// -1/2 u L u in the nodes' volumes, for homogeneous sides. `sums` is scratch that grows once.

@@ -57,6 +57,14 @@ bool LatticeWork::euler_in_place(double t, double h, double* u) {
   return true;
 }
 
+bool LatticeWork::leapfrog_in_place(double t, double h, double* x, double* v) {
+  if (model_->forced() || arena_->threads() > 1) return false;
+  interruption_point();
+  move_to(t);
+  diffusion_.leapfrog_in_place(x, v, h, waiting_);
+  return true;
+}
+
 void LatticeWork::homogeneous(double t, const double* u, double* out) {
   interruption_point();
   move_to(t);

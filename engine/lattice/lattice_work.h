@@ -23,6 +23,9 @@ class LatticeWork {
   void rate(double t, const double* u, double* out);
   /// u += h (L u + b(t)) in place; false where there is a forcing.
   bool euler_in_place(double t, double h, double* u);
+  /// Drift, kick, drift of x'' = L x at a middle of the step at t; false where there is a forcing or where
+  /// threads share the rows.
+  bool leapfrog_in_place(double t, double h, double* x, double* v);
   /// The two parts of `rate`, for what comes in between.
   void homogeneous(double t, const double* u, double* out);
   void force(double t, double* out);

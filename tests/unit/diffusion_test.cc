@@ -126,6 +126,17 @@ TEST(Diffusion, IsItsOwnMatrixInPlaceAndBounded) {
     d.step_in_place(stepped.data(), 1e-4, waiting);
     d.apply(u.data(), direct.data(), 1, 1e-4, kSerial);
     EXPECT_EQ(stepped, direct) << c.cells[0];
+    auto x = noise(n, 7), v = noise(n, 8), one = x, rate = v;
+    d.leapfrog_in_place(x.data(), v.data(), 1e-3, waiting);
+    const auto drift = [&] {
+      for (size_t i = 0; i < n; ++i) one[i] = std::fma(0.5e-3, rate[i], one[i]);
+    };
+    drift();
+    d.apply(one.data(), direct.data(), 0, 1, kSerial);
+    for (size_t i = 0; i < n; ++i) rate[i] = std::fma(1e-3, direct[i], rate[i]);
+    drift();
+    EXPECT_EQ(x, one) << c.cells[0];
+    EXPECT_EQ(v, rate) << c.cells[0];
     // Power iteration comes from below, and close where the coefficient is constant.
     double largest = 0;
     for (int k = 0; k < 400; ++k) {

@@ -68,6 +68,14 @@ State Wave::initial_state() const {
 void Wave::integrate(State& s, const StepInput& in) const {
   auto& work = in.workspace.object<LatticeWork>("wave");
   work.bind(model_, constants(s), in.arena);
+  // The usual method in one sweep over the state itself: by the table's copy of it a million nodes take seven
+  // times as long (bench heat).
+  const bool undamped_leapfrog = s.f64(kConstants)[1] == 0 && stepper_->method().name == "leapfrog";
+  if (const double h = EquationStepper::end_of(in) - in.t;
+      undamped_leapfrog &&
+      work.leapfrog_in_place(in.t + 0.5 * h, h, s.f64(kValue).data(), s.f64(kRate).data())) {
+    return EquationStepper::count(s, {.steps = 1, .rates = 1});
+  }
   const WaveEquations f(work, model_.lattice(), s.f64(kConstants)[1], in.arena);
   const size_t n = model_.lattice().nodes();
   const auto y = in.workspace.doubles("wave.y", 2 * n);

@@ -112,13 +112,11 @@ void SelfContacts::find_pairs(const FoldSurface& surface, double grow, const Thr
   found_.resize(std::max(found_.size(), facets.size() / kBlockFacets + 1));
   arena.for_blocks(facets.size(), kBlockFacets, [&](size_t begin, size_t end) {
     auto& out = found_[begin / kBlockFacets].pairs;
-    auto& near_to = found_[begin / kBlockFacets].near_to;
-    out.clear(), near_to.assign(facets.size(), 0);
+    out.clear();
     for (size_t f = begin; f < end; ++f) {
-      const auto mark = static_cast<uint32_t>(f) + 1;
-      for (const uint32_t g : surface.near(f)) near_to[g] = mark;
+      const auto near = surface.near(f);
       tree_.overlapping(boxes_[f], [&](uint32_t g) {
-        if (g > f && near_to[g] != mark) out.push_back({static_cast<uint32_t>(f), g});
+        if (g > f && !std::ranges::binary_search(near, g)) out.push_back({static_cast<uint32_t>(f), g});
       });
     }
   });

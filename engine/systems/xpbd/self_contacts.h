@@ -55,7 +55,6 @@ class SelfContacts {
   struct Found {
     std::vector<std::array<uint32_t, 2>> pairs;
     std::vector<Contact> contacts;
-    std::vector<uint32_t> near_to;  // per facet: one more than the last that it is near to
   };
   enum class Round : uint8_t { first, check };
   static constexpr double kWatched = -1;
