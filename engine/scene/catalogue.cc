@@ -2,6 +2,7 @@
 
 #include "engine/reference/engines.h"
 #include "engine/systems/articulation/articulation_def.h"
+#include "engine/systems/fem/fem.h"
 #include "engine/systems/heat/heat.h"
 #include "engine/systems/mass_spring/mass_spring.h"
 #include "engine/systems/ode/ode.h"
@@ -107,6 +108,17 @@ std::span<const CatalogueRow> catalogue() {
         "constraints conserve momentum", "the same bits on any number of threads"},
        "",
        &xpbd::xpbd_outputs()},
+      {"fem",
+       "solids",
+       "elastic bodies of finite elements, in space and in the plane, moving or in equilibrium",
+       &fem::fem_table(),
+       fem::build_fem,
+       fem::fem_cost,
+       {"affine displacements are exact on any mesh",
+        "nearly incompressible bodies do not lock (volume mean)", "an inverted element turns back",
+        "the same bits on any number of threads"},
+       "implicit_euler",
+       &fem::fem_outputs()},
       {"articulation",
        "rigid bodies",
        "rigid links in a tree of joints, in the joints' own coordinates: chains that cannot come apart, "

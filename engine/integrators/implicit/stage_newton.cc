@@ -5,6 +5,7 @@
 
 #include "engine/base/errors.h"
 #include "engine/base/interrupt.h"
+#include "engine/core/potential_terms.h"
 
 namespace truestep {
 
@@ -213,7 +214,9 @@ double StageNewton::value(const StageEquation& eq, std::span<const double> u) {
       return slides ? dot(load3(on->drag.data(), i), load3(u.data(), i)) : 0.0;
     });
   }
-  magnitude_ = inertia + std::abs(v) + std::abs(r);
+  const auto* cancelling = dynamic_cast<const PotentialTerms*>(&m_.field);
+  const double terms = cancelling ? cancelling->potential_terms(m_.state) : 0;
+  magnitude_ = inertia + std::abs(v) + eq.g / eq.s * terms + std::abs(r);
   return inertia + v + r;
 }
 
@@ -261,12 +264,17 @@ bool StageNewton::leap(const StageEquation& eq, std::span<double> u, double accu
   for (int k = 0; k < kLeap; ++k) {
     if (k > 0) system_.differentiate(eq.t, x_, u, Derivatives::exact, rate_position());
     system_.differentiate(eq.t, x_, u, Derivatives::both, rate_position());
-    for (double share = 0;; share = share > 0 ? std::min(1.0, 2 * share) : 0.25) {
-      system_.assemble(eq.g, eq.s, share);
-      system_.constrain();
-      const auto sign = system_.solve(b_, d_, accuracy);
-      ++report_.solves;
-      if (sign == BlockSolver::Result::Sign::positive || share >= 1) break;
+    try {
+      for (double share = 0;; share = share > 0 ? std::min(1.0, 2 * share) : 0.25) {
+        system_.assemble(eq.g, eq.s, share);
+        system_.constrain();
+        const auto sign = system_.solve(b_, d_, accuracy);
+        ++report_.solves;
+        if (sign == BlockSolver::Result::Sign::positive || share >= 1) break;
+      }
+    } catch (const Instability&) {
+      // So far from home that the matrix holds no numbers.
+      break;
     }
     m_.loop(n_, [to = u.data(), d = d_.data()](size_t i) { to[i] += d[i]; });
     norm_ = evaluate(eq, u);

@@ -1,0 +1,162 @@
+#include "engine/kernels/fem/cell.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace truestep::fem {
+
+namespace {
+
+Mat3 gradient_of(const CellRule& rule, const Vec3* x, size_t point) {
+  Mat3 f;
+  const Vec3* g = rule.gradients + point * rule.nodes;
+  for (size_t a = 0; a < rule.nodes; ++a) {
+    f.m[0] += x[a].x * g[a].x, f.m[1] += x[a].x * g[a].y, f.m[2] += x[a].x * g[a].z;
+    f.m[3] += x[a].y * g[a].x, f.m[4] += x[a].y * g[a].y, f.m[5] += x[a].y * g[a].z;
+    f.m[6] += x[a].z * g[a].x, f.m[7] += x[a].z * g[a].y, f.m[8] += x[a].z * g[a].z;
+  }
+  if (rule.across != Across::space) f.m[8] = 1;
+  return f;
+}
+
+// F_zz with P_zz = 0: Newton's method from 1, halved towards 0 and never below it.
+double free_thickness(const Material& material, Mat3 f) {
+  constexpr int kMost = 60;
+  constexpr double kAccurate = 1e-14;
+  for (int k = 0; k < kMost; ++k) {
+    Response r;
+    Curvature c;
+    respond(material, f, r, &c);
+    const Volumetric u = volumetric(material, r.theta);
+    const double p = r.p.m[8] + u.du * r.dtheta.m[8];
+    const double dp = c.shape[80] + u.du * c.theta[80] + u.ddu * r.dtheta.m[8] * r.dtheta.m[8];
+    const double step = dp > 0 ? -p / dp : p > 0 ? -0.5 * f.m[8] : f.m[8];
+    const double next = std::clamp(f.m[8] + step, 0.5 * f.m[8], 2 * f.m[8] + 1);
+    const double moved = std::abs(next - f.m[8]);
+    f.m[8] = next;
+    if (moved <= kAccurate * next) break;
+  }
+  return f.m[8];
+}
+
+// Slopes of what is left where F_zz follows: K - k k^T / K_zz.
+void condense(Mat9& h) {
+  const double stiff = h[80];
+  if (!(stiff > 0)) return;
+  std::array<double, 9> across;
+  for (size_t k = 0; k < 9; ++k) across[k] = h[9 * k + 8];
+  for (size_t k = 0; k < 9; ++k) {
+    for (size_t l = 0; l < 9; ++l) h[9 * k + l] -= across[k] * across[l] / stiff;
+  }
+}
+
+double mean_theta(const CellRule& rule, const Response* at) {
+  double whole = 0, sum = 0;
+  for (size_t q = 0; q < rule.points; ++q) whole += rule.weights[q], sum += rule.weights[q] * at[q].theta;
+  return sum / whole;
+}
+
+// k_ab += w grad N_a . h . grad N_b
+void add_point(const CellRule& rule, const Vec3* g, double w, const Mat9& h, double* k) {
+  for (size_t b = 0; b < rule.nodes; ++b) {
+    // Column c of h . (e_c (x) grad N_b), as nine numbers.
+    double t[3][9];
+    for (size_t c = 0; c < 3; ++c) {
+      for (size_t i = 0; i < 9; ++i) {
+        const double* row = h.data() + 9 * i + 3 * c;
+        t[c][i] = w * (row[0] * g[b].x + row[1] * g[b].y + row[2] * g[b].z);
+      }
+    }
+    for (size_t a = 0; a <= b; ++a) {
+      double* block = k + 9 * (a * rule.nodes + b);
+      for (size_t c = 0; c < 3; ++c) {
+        for (size_t r = 0; r < 3; ++r) {
+          block[3 * c + r] += g[a].x * t[c][3 * r] + g[a].y * t[c][3 * r + 1] + g[a].z * t[c][3 * r + 2];
+        }
+      }
+    }
+  }
+}
+
+void mirror(size_t nodes, double* k) {
+  for (size_t b = 0; b < nodes; ++b) {
+    for (size_t a = 0; a < b; ++a) {
+      const double* from = k + 9 * (a * nodes + b);
+      double* to = k + 9 * (b * nodes + a);
+      for (size_t c = 0; c < 3; ++c) {
+        for (size_t r = 0; r < 3; ++r) to[3 * c + r] = from[3 * r + c];
+      }
+    }
+  }
+}
+
+}  // namespace
+
+Mat3 deformation(const Material& material, const CellRule& rule, const Vec3* x, size_t point) {
+  Mat3 f = gradient_of(rule, x, point);
+  if (rule.across == Across::plane_stress) f.m[8] = free_thickness(material, f);
+  return f;
+}
+
+double cell_forces(const Material& material, const CellRule& rule, const Vec3* x, Vec3* forces) {
+  std::array<Response, kMostPoints> at;
+  double energy = 0;
+  for (size_t q = 0; q < rule.points; ++q) {
+    respond(material, deformation(material, rule, x, q), at[q], nullptr);
+    energy += rule.weights[q] * at[q].energy;
+  }
+  Volumetric u{};
+  if (rule.mean_volume) u = volumetric(material, mean_theta(rule, at.data()));
+  for (size_t q = 0; q < rule.points; ++q) {
+    const double w = rule.weights[q];
+    if (!rule.mean_volume) u = volumetric(material, at[q].theta);
+    energy += w * u.u;
+    if (!forces) continue;
+    const Mat3 p = w * (at[q].p + u.du * at[q].dtheta);
+    const Vec3* g = rule.gradients + q * rule.nodes;
+    for (size_t a = 0; a < rule.nodes; ++a) forces[a] -= p * g[a];
+  }
+  return energy;
+}
+
+void cell_stiffness(const Material& material, const CellRule& rule, const Vec3* x, Definite definite,
+                    double* k) {
+  std::fill_n(k, 9 * rule.nodes * rule.nodes, 0.0);
+  std::array<Response, kMostPoints> at;
+  std::array<Mat3, kMostPoints> f;
+  for (size_t q = 0; q < rule.points; ++q) {
+    f[q] = deformation(material, rule, x, q);
+    respond(material, f[q], at[q], nullptr);
+  }
+  Dilatation d{.u = {}, .own = !rule.mean_volume};
+  if (rule.mean_volume) d.u = volumetric(material, mean_theta(rule, at.data()));
+  std::array<Vec3, kMostNodes> slope_of_mean{};
+  double whole = 0;
+  for (size_t q = 0; q < rule.points; ++q) {
+    if (d.own) d.u = volumetric(material, at[q].theta);
+    Mat9 h = definite == Definite::yes ? definite_slope(material, f[q], d) : slope(material, f[q], d);
+    if (rule.across == Across::plane_stress) condense(h);
+    const Vec3* g = rule.gradients + q * rule.nodes;
+    add_point(rule, g, rule.weights[q], h, k);
+    whole += rule.weights[q];
+    for (size_t a = 0; a < rule.nodes; ++a) slope_of_mean[a] += rule.weights[q] * (at[q].dtheta * g[a]);
+  }
+  if (rule.mean_volume) {
+    // V U''(mean) (d mean / dx) (d mean / dx)^T
+    const double stiff = (definite == Definite::yes ? std::max(d.u.ddu, 0.0) : d.u.ddu) / whole;
+    for (size_t a = 0; a < rule.nodes; ++a) {
+      const double left[] = {slope_of_mean[a].x, slope_of_mean[a].y, slope_of_mean[a].z};
+      for (size_t b = a; b < rule.nodes; ++b) {
+        const double right[] = {slope_of_mean[b].x, slope_of_mean[b].y, slope_of_mean[b].z};
+        double* block = k + 9 * (a * rule.nodes + b);
+        for (size_t c = 0; c < 3; ++c) {
+          for (size_t r = 0; r < 3; ++r) block[3 * c + r] += stiff * left[r] * right[c];
+        }
+      }
+    }
+  }
+  mirror(rule.nodes, k);
+}
+
+}  // namespace truestep::fem

@@ -1,0 +1,39 @@
+// Energy, forces and stiffness of one element: with F_q = sum_a x_a (x) grad N_a at the points q of its rule,
+//   E = sum_q w_q psi(F_q),   f_a = -sum_q w_q P(F_q) grad N_a,   K_ab = sum_q w_q grad N_a . dP/dF . grad
+//   N_b
+// (Belytschko, Liu, Moran 2000, sections 4.9 and 6.4). With `mean_volume` the part U(theta) is taken of the
+// element's mean of theta: E = sum_q w_q psi_shape(F_q) + V U(mean theta), the mixed element whose pressure
+// and dilatation are constant and condensed (Simo, Taylor, Pister 1985): Q1-P0, Q2-P0, P2-P0. Plane bodies
+// have F_zz = 1, or in plane stress the F_zz for which P_zz = 0, found at every point.
+#pragma once
+#include <cstddef>
+#include <span>
+
+#include "engine/kernels/fem/material.h"
+
+namespace truestep::fem {
+
+inline constexpr size_t kMostNodes = 27, kMostPoints = 27;
+
+enum class Across : uint8_t { space, plane_strain, plane_stress };
+struct CellRule {
+  size_t nodes, points;
+  const Vec3* gradients;  ///< 1/m, [point * nodes + a]
+  const double* weights;  ///< m^3
+  Across across = Across::space;
+  bool mean_volume = false;
+};
+
+/// F of a point; with plane stress F_zz follows from the material.
+Mat3 deformation(const Material& material, const CellRule& rule, const Vec3* x, size_t point);
+
+/// Adds -dE/dx_a (N) to `forces` where that is not null; E (J).
+double cell_forces(const Material& material, const CellRule& rule, const Vec3* x, Vec3* forces);
+
+enum class Definite : uint8_t { no, yes };
+/// d2E / dx_a dx_b (N/m) as 3 x 3 blocks, column by column, at k[9 (a nodes + b)]; overwritten. Definite:
+/// with the slopes of every point made positive semidefinite.
+void cell_stiffness(const Material& material, const CellRule& rule, const Vec3* x, Definite definite,
+                    double* k);
+
+}  // namespace truestep::fem

@@ -1,0 +1,275 @@
+#include "engine/systems/fem/body.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "engine/base/errors.h"
+#include "engine/math/expression/names.h"
+
+namespace truestep::fem {
+
+namespace {
+
+[[noreturn]] void refuse(const std::string& pointer, const std::string& code, const std::string& message,
+                         const std::string& value) {
+  throw Error("scene_invalid", pointer + ": " + message, {{pointer, code, message, value, "", "", ""}});
+}
+
+/// Texts of some components as a program over nodes; `variables` are their names.
+ExpressionRows compile(const std::vector<std::pair<std::string, std::string>>& texts,
+                       const std::vector<const char*>& variables) {
+  ExpressionGraph graph;
+  ExpressionNames names;
+  int32_t number = 0;
+  for (const char* name : variables) names.add_value(name, graph.variable(number++));
+  std::vector<ExpressionGraph::Node> roots;
+  for (const auto& [pointer, text] : texts) {
+    try {
+      roots.push_back(names.require(graph, text));
+    } catch (const ExpressionFault& fault) {
+      refuse(pointer, "bad_expression", describe(fault, text), '"' + text.substr(0, 80) + '"');
+    }
+  }
+  try {
+    return {graph, roots};
+  } catch (const ExpressionFault& fault) {
+    refuse(texts.front().first, "bad_expression", fault.message,
+           '"' + texts.front().second.substr(0, 80) + '"');
+  }
+}
+
+void set_geometry(const FemDef& def, Body& b) {
+  const Element& kind = *b.mesh.kind;
+  const size_t n = kind.size(), points = kind.points.size();
+  b.masses.assign(b.mesh.x.size(), 0);
+  std::vector<double> share(n);
+  for (size_t k = 0; k < b.mesh.cells(); ++k) {
+    double volume = 0, squares = 0;
+    std::fill(share.begin(), share.end(), 0);
+    for (size_t q = 0; q < points; ++q) {
+      const Jacobian j = jacobian(b.mesh, k, q);
+      const Mat3 back = transposed(inverse(j.j));
+      const double w = kind.weights[q] * j.size * b.thickness;
+      b.weights.push_back(w);
+      volume += w;
+      for (size_t a = 0; a < n; ++a) {
+        const double value = kind.shape[q * n + a];
+        share[a] += w * value * value, squares += w * value * value;
+        b.gradients.push_back(back * kind.gradient[q * n + a]);
+      }
+    }
+    // The rule is exact for the squares of products; simplices have their own exact shares.
+    for (size_t a = 0; a < n; ++a) {
+      b.masses[b.mesh.cell(k)[a]] +=
+          def.density * volume * (kind.simplex ? kind.lump[a] : share[a] / squares);
+    }
+  }
+}
+
+// integral of N_a over a facet at rest, times the traction there; the area.
+double add_traction(const Body& b, const Facet& f, const ExpressionRows* traction, uint8_t axes,
+                    const Vec3& even, std::vector<double>& out) {
+  const Element& face = *b.mesh.kind->faces[f.face].kind;
+  const size_t n = face.size();
+  double whole = 0;
+  for (size_t q = 0; q < face.points.size(); ++q) {
+    Vec3 at, along, across;
+    for (size_t a = 0; a < n; ++a) {
+      const Vec3& x = b.mesh.x[b.mesh.facet_node(f, a)];
+      at += face.shape[q * n + a] * x;
+      along += face.gradient[q * n + a].x * x;
+      across += face.gradient[q * n + a].y * x;
+    }
+    if (b.plane) across = {0, 0, b.thickness};
+    const double area = face.weights[q] * norm(cross(along, across));
+    whole += area;
+    double t[3] = {even.x, even.y, even.z};
+    if (traction) {
+      const ExpressionRows::Column in[] = {{&at.x, 0}, {&at.y, 0}, {&at.z, 0}};
+      std::vector<ExpressionRows::Output> results;
+      for (size_t c = 0; c < 3; ++c) {
+        if (axes >> c & 1) results.push_back({&t[c], 1});
+      }
+      traction->run(in, results, 0, 1);
+    }
+    for (size_t a = 0; a < n; ++a) {
+      for (size_t c = 0; c < 3; ++c)
+        out[3 * b.mesh.facet_node(f, a) + c] += area * face.shape[q * n + a] * t[c];
+    }
+  }
+  return whole;
+}
+
+using Texts = std::vector<std::pair<std::string, std::string>>;
+template <class D>
+uint8_t texts_of(const D& d, const std::string& pointer, Texts& out) {
+  uint8_t axes = 0;
+  const std::pair<const char*, const std::optional<std::string>*> parts[] = {
+      {"/x", &d.x}, {"/y", &d.y}, {"/z", &d.z}};
+  for (uint8_t c = 0; c < 3; ++c) {
+    if (!*parts[c].second) continue;
+    out.emplace_back(pointer + parts[c].first, **parts[c].second);
+    axes = static_cast<uint8_t>(axes | 1u << c);
+  }
+  return axes;
+}
+
+void set_loads(const FemDef& def, Body& b) {
+  b.loads.assign(3 * b.mesh.x.size(), 0);
+  for (size_t k = 0; k < def.loads.size(); ++k) {
+    const LoadDef& load = def.loads[k];
+    const std::string pointer = "/loads/" + std::to_string(k);
+    const std::vector<Facet> facets = b.mesh.facets_of(*b.mesh.find(load.on));
+    if (facets.empty()) {
+      refuse(pointer + "/on", "no_surface", "no face of the surface has all of its nodes in this set",
+             '"' + load.on + '"');
+    }
+    if (load.pressure) {
+      for (const Facet& f : facets) b.pressures.push_back({f, *load.pressure});
+      continue;
+    }
+    if (load.force) {
+      std::vector<double> scratch(b.loads.size());
+      double area = 0;
+      for (const Facet& f : facets) area += add_traction(b, f, nullptr, 0, {}, scratch);
+      for (const Facet& f : facets) add_traction(b, f, nullptr, 0, *load.force / area, b.loads);
+      continue;
+    }
+    Texts texts;
+    const uint8_t axes = texts_of(load, pointer, texts);
+    const ExpressionRows rows = compile(texts, {"X", "Y", "Z"});
+    for (const Facet& f : facets) add_traction(b, f, &rows, axes, {}, b.loads);
+  }
+  for (const double f : b.loads) {
+    if (!std::isfinite(f))
+      refuse("/loads", "not_finite", "a load is not finite somewhere on its surface", "");
+  }
+}
+
+void set_holds(const FemDef& def, Body& b) {
+  b.axes.assign(b.mesh.x.size(), b.plane ? 4 : 0);
+  std::vector<double> held(3 * b.mesh.x.size(), NAN);
+  for (size_t k = 0; k < def.holds.size(); ++k) {
+    const HoldDef& d = def.holds[k];
+    const std::string pointer = "/holds/" + std::to_string(k);
+    Hold hold{.nodes = b.mesh.find(d.on)->nodes, .axes = 0, .displacement = {}};
+    Texts texts;
+    hold.axes = texts_of(d, pointer, texts);
+    if (texts.empty()) {
+      texts = {{pointer, "0"}, {pointer, "0"}, {pointer, "0"}};
+      hold.axes = 7;
+    }
+    hold.displacement = compile(texts, {"t", "X", "Y", "Z"});
+    // At two times, to tell whether two holds want the same of a node.
+    for (const double t : {0.0, 1.0}) {
+      for (const uint32_t p : hold.nodes) {
+        const Vec3& x = b.mesh.x[p];
+        const ExpressionRows::Column in[] = {{&t, 0}, {&x.x, 0}, {&x.y, 0}, {&x.z, 0}};
+        double want[3] = {};
+        std::vector<ExpressionRows::Output> out;
+        for (size_t c = 0; c < 3; ++c) {
+          if (hold.axes >> c & 1) out.push_back({&want[c], 1});
+        }
+        hold.displacement.run(in, out, 0, 1);
+        for (size_t c = 0; c < 3; ++c) {
+          if (!(hold.axes >> c & 1)) continue;
+          if (!std::isfinite(want[c])) {
+            refuse(pointer, "not_finite", "the displacement of node " + std::to_string(p) + " is not finite",
+                   "");
+          }
+          const bool other = b.axes[p] >> c & 1 && !(b.plane && c == 2);
+          if (t == 0 && !other) held[3 * p + c] = want[c];
+          if (t == 0 && other && std::abs(held[3 * p + c] - want[c]) > 1e-9 * (1 + std::abs(want[c]))) {
+            refuse(pointer, "contradiction",
+                   "node " + std::to_string(p) + " is held at another place by an earlier hold",
+                   '"' + d.on + '"');
+          }
+        }
+      }
+    }
+    for (const uint32_t p : hold.nodes) b.axes[p] = static_cast<uint8_t>(b.axes[p] | hold.axes);
+    b.holds.push_back(std::move(hold));
+  }
+  for (const int64_t p : def.pins) b.pins.push_back(static_cast<uint32_t>(p));
+  for (const std::string& name : def.pinned) {
+    const auto& nodes = b.mesh.find(name)->nodes;
+    b.pins.insert(b.pins.end(), nodes.begin(), nodes.end());
+  }
+  std::sort(b.pins.begin(), b.pins.end());
+  b.pins.erase(std::unique(b.pins.begin(), b.pins.end()), b.pins.end());
+  for (const uint32_t p : b.pins) {
+    for (size_t c = 0; c < 3; ++c) {
+      if (std::isnan(held[3 * p + c]) || held[3 * p + c] == 0) continue;
+      refuse("/holds", "contradiction", "node " + std::to_string(p) + " is pinned and displaced at once", "");
+    }
+  }
+}
+
+// Greedy, in the order of the elements.
+void set_colours(Body& b) {
+  const size_t cells = b.mesh.cells();
+  std::vector<uint64_t> used(b.mesh.x.size(), 0);
+  std::vector<std::vector<uint32_t>> colours;
+  for (uint32_t k = 0; k < cells; ++k) {
+    uint64_t taken = 0;
+    for (const uint32_t p : b.mesh.cell(k)) taken |= used[p];
+    size_t colour = 0;
+    while (colour < 63 && taken >> colour & 1) ++colour;
+    if (colour >= colours.size()) colours.resize(colour + 1);
+    colours[colour].push_back(k);
+    // Bit 63 is never marked: elements of the last colour are kept apart below.
+    if (colour < 63) {
+      for (const uint32_t p : b.mesh.cell(k)) used[p] |= uint64_t{1} << colour;
+    }
+  }
+  b.colours = {0};
+  for (size_t c = 0; c < colours.size(); ++c) {
+    for (const uint32_t k : colours[c]) {
+      b.order.push_back(k);
+      // What found no colour may share nodes: one by one.
+      if (c == 63) b.colours.push_back(b.order.size());
+    }
+    if (c != 63) b.colours.push_back(b.order.size());
+  }
+}
+
+void set_pattern(Body& b) {
+  const size_t n = b.size();
+  for (size_t k = 0; k < b.mesh.cells(); ++k) {
+    const auto nodes = b.mesh.cell(k);
+    for (size_t i = 0; i < n; ++i) {
+      for (size_t j = i + 1; j < n; ++j)
+        b.pairs.push_back({std::min(nodes[i], nodes[j]), std::max(nodes[i], nodes[j])});
+    }
+  }
+  std::sort(b.pairs.begin(), b.pairs.end());
+  b.pairs.erase(std::unique(b.pairs.begin(), b.pairs.end()), b.pairs.end());
+  b.pairs.shrink_to_fit();
+  BlockSparse pattern;
+  pattern.set_pattern(b.mesh.x.size(), 3, b.pairs);
+  b.slots.reserve(b.mesh.cells() * n * n);
+  for (size_t k = 0; k < b.mesh.cells(); ++k) {
+    for (const uint32_t i : b.mesh.cell(k)) {
+      for (const uint32_t j : b.mesh.cell(k)) b.slots.push_back(pattern.slot(i, j));
+    }
+  }
+}
+
+}  // namespace
+
+Body build_body(const FemDef& def) {
+  Body b;
+  b.mesh = build_mesh(def);
+  b.plane = in_plane(def);
+  b.plane_stress = b.plane && def.plane == Plane::stress;
+  b.mean_volume = def.volume == Volume::mean;
+  if (b.plane) b.thickness = def.plane_thickness;
+  set_geometry(def, b);
+  set_loads(def, b);
+  set_holds(def, b);
+  set_colours(b);
+  set_pattern(b);
+  return b;
+}
+
+}  // namespace truestep::fem

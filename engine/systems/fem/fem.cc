@@ -1,0 +1,296 @@
+#include "engine/systems/fem/fem.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "engine/base/errors.h"
+#include "engine/integrators/implicit/impulse_answer.h"
+#include "engine/integrators/implicit/stage_newton.h"
+#include "engine/integrators/table/integrators.h"
+
+namespace truestep::fem {
+
+using Columns = FemColumns;
+
+namespace {
+
+constexpr std::string_view kUsual = "implicit_euler";
+constexpr std::string_view kOldPosition = "fem.x_old", kOldVelocity = "fem.v_old";
+
+void remember(State& s, const StepInput& in) {
+  const auto copy = [&](State::Column c, std::string_view key) {
+    const auto now = s.f64(c);
+    std::copy(now.begin(), now.end(), in.workspace.doubles(key, now.size()).begin());
+  };
+  copy(Columns::position, kOldPosition);
+  copy(Columns::velocity, kOldVelocity);
+}
+
+}  // namespace
+
+Fem::Fem(std::unique_ptr<const FemField> field, const ChosenMethod& method, const FemDef& def, double dt)
+    : ForceSystem(std::move(field), method.row, def.choice().options),
+      elements_(static_cast<const FemField&>(force_field())),
+      motion_(def.motion),
+      colliders_(build_colliders(def.colliders)),
+      radius_(def.contact_distance) {
+  for (const Collider& c : colliders_.colliders()) {
+    surfaces_.push_back(c.surface);
+    surfaces_.back().restitution = def.restitution;
+    if (def.friction) surfaces_.back().friction = *def.friction;
+  }
+  plan_stages(def, method.why);
+  drawing_.triangles = body().mesh.triangles();
+  name_parts();
+  if (def.modes > 0) frequencies_ = natural_frequencies(elements_, def.modes);
+  if (motion_ == Motion::dynamic && def.holds.empty()) bound_speed();
+}
+
+void Fem::plan_stages(const FemDef& def, const std::string& why) {
+  if (motion_ == Motion::quasi_static) {
+    add_stage("equilibrium",
+              "displacements at which nothing is out of balance, by Newton's method with line search",
+              [this](State& s, const StepInput& in) { equilibrium(s, in); });
+    skip_stage("integrate", "motion is quasi-static");
+  } else {
+    if (!def.holds.empty()) {
+      add_stage("holds", std::to_string(def.holds.size()) + " sets have prescribed displacements",
+                [this](State& s, const StepInput& in) { begin_holds(s, in.t, in.h); });
+    }
+    if (!colliders_.empty()) add_stage("remember", "contacts need where every node came from", remember);
+    add_integration_stage(why);
+    if (!def.holds.empty()) {
+      add_stage("velocities of holds", "components that are prescribed move as their expressions do",
+                [this](State& s, const StepInput& in) { end_holds(s, in.t, in.h); });
+    }
+    if (colliders_.empty()) {
+      skip_stage("contacts", "there are no colliders");
+    } else {
+      add_stage("contacts", std::to_string(colliders_.colliders().size()) + " colliders keep the nodes out",
+                [this](State& s, const StepInput& in) { resolve_contacts(s, in); });
+    }
+    if (!(def.damping > 0)) skip_stage("damping", "damping is 0");
+  }
+  add_stage("hands", "ends pushes whose time is over",
+            [](State& s, const StepInput& in) { Columns::kHands.count_down(s, in.h); });
+  if (def.holds.empty()) skip_stage("holds", "no displacement is prescribed");
+}
+
+void Fem::name_parts() {
+  PartInfo points = main_part();
+  points.fields.push_back({"displacement", "m", Scalar::f64, 3});
+  points.fields.push_back({"von_mises", "Pa"});
+  PartInfo elements;
+  elements.kind = PartInfo::Kind::values;
+  elements.name = "elements";
+  elements.fields = {{"stress", "Pa", Scalar::f64, 6},
+                     {"strain", "1", Scalar::f64, 6},
+                     {"von_mises", "Pa"},
+                     {"energy_density", "J/m^3"},
+                     {"jacobian", "1"}};
+  elements.max_rows = body().mesh.cells();
+  if (body().mesh.kind->dimension == 2 && body().mesh.kind->triangles.size() == 1) {
+    elements.elements = PartInfo::Elements::triangles;
+  }
+  set_parts({std::move(points), std::move(elements)});
+}
+
+// Where a node's prescribed components belong at time t; visit(index of the component, place).
+template <class Visit>
+void Fem::prescribed(double t, Visit visit) const {
+  for (const Hold& hold : body().holds) {
+    for (const uint32_t p : hold.nodes) {
+      const Vec3& at = body().mesh.x[p];
+      const double rest[3] = {at.x, at.y, at.z};
+      const ExpressionRows::Column in[] = {{&t, 0}, {&rest[0], 0}, {&rest[1], 0}, {&rest[2], 0}};
+      double moved[3];
+      ExpressionRows::Output out[3];
+      size_t count = 0;
+      for (size_t c = 0; c < 3; ++c) {
+        if (hold.axes >> c & 1) out[count++] = {&moved[c], 1};
+      }
+      hold.displacement.run(in, {out, count}, 0, 1);
+      for (size_t c = 0; c < 3; ++c) {
+        if (hold.axes >> c & 1) visit(3 * p + c, rest[c] + moved[c]);
+      }
+    }
+  }
+}
+
+// A node that is held altogether gets the velocity that brings it there: every method moves what has no
+// acceleration by h v. Single components are there at once and have no velocity during the step: methods that
+// minimise a potential may not meet one that moves without a force.
+void Fem::begin_holds(State& s, double t, double h) const {
+  const auto x = s.f64(Columns::position), v = s.f64(Columns::velocity), w = s.f64(Columns::inverse_mass);
+  prescribed(t + h, [&](size_t k, double place) {
+    if (!(w[k / 3] > 0)) {
+      v[k] = (place - x[k]) / h;
+    } else {
+      x[k] = place, v[k] = 0;
+    }
+  });
+}
+void Fem::end_holds(State& s, double t, double h) const {
+  const auto v = s.f64(Columns::velocity), w = s.f64(Columns::inverse_mass);
+  prescribed(t + h, [&](size_t k, double place) {
+    if (w[k / 3] > 0) v[k] = place / h;
+  });
+  prescribed(t, [&](size_t k, double place) {
+    if (w[k / 3] > 0) v[k] -= place / h;
+  });
+}
+
+// The equation of a stage, M (u - u0) = s f(x0 + s u), for so large an s that what is left of M is below
+// rounding: its solution has f = 0. Where none is found the step is made in parts: what was out of balance at
+// its start is then balanced little by little, and prescribed displacements come little by little.
+void Fem::equilibrium(State& s, const StepInput& in) const {
+  constexpr double kBeyondMass = 1e12;  // times the fastest period
+  constexpr double kShortest = 1.0 / 256;
+  const double scale = kBeyondMass / force_field().stiffness(s)->omega;
+  const auto x = s.f64(Columns::position), v = s.f64(Columns::velocity), w = s.f64(Columns::inverse_mass),
+             balance = s.f64(Columns::balance);
+  const size_t n = x.size();
+  const auto scratch = [&](std::string_view key) { return in.workspace.doubles(key, n); };
+  const auto start = scratch("fem.start"), kept = scratch("fem.v_kept"), reached = scratch("fem.reached"),
+             u = scratch("fem.u"), none = scratch("fem.none"), first = scratch("fem.first");
+  const auto copy = [](std::span<const double> from, std::span<double> to) {
+    std::copy(from.begin(), from.end(), to.begin());
+  };
+  copy(x, start), copy(x, reached), copy(v, kept);
+  std::fill(none.begin(), none.end(), 0.0);
+  std::fill(balance.begin(), balance.end(), 0.0);
+  truestep::Motion m(force_field(), s, in);
+  m.acceleration(in.t + in.h, x, v, first);
+  for (size_t k = 0; k < n; ++k) first[k] *= body().masses[k / 3];
+
+  double done = 0, share = 1;
+  while (done < 1) {
+    share = std::min(share, 1 - done);
+    const double left = 1 - (done + share);
+    // Prescribed components are there at once; the last step's displacements are the guess of the others.
+    prescribed(in.t + (done + share) * in.h, [&](size_t k, double place) { x[k] = place; });
+    for (size_t k = 0; k < n; ++k) {
+      const bool held = body().axes[k / 3] >> (k % 3) & 1 || !(w[k / 3] > 0);
+      u[k] = held ? 0 : share * in.h / scale * kept[k];
+      balance[k] = left * first[k];
+    }
+    const auto take_back = [&] {
+      copy(reached, x), copy(kept, v);
+      std::fill(balance.begin(), balance.end(), 0.0);
+    };
+    try {
+      StageNewton(m, options()).solve({.t = in.t + in.h, .g = scale, .s = scale, .x0 = x, .u0 = none}, u);
+    } catch (const Instability& failure) {
+      share *= 0.5;
+      take_back();
+      if (share >= kShortest) continue;
+      copy(start, x);
+      throw Instability(
+          "", "position", -1,
+          std::string("no equilibrium was found, not even for a 256th of what the step brings: ") +
+              failure.what());
+    }
+    for (size_t k = 0; k < n; ++k) x[k] += scale * u[k];
+    copy(x, reached);
+    done += share;
+  }
+  std::fill(balance.begin(), balance.end(), 0.0);
+  for (size_t k = 0; k < n; ++k) v[k] = (x[k] - start[k]) / in.h;
+}
+
+void Fem::resolve_contacts(State& s, const StepInput& in) const {
+  const size_t n = s.f64(Columns::position).size();
+  colliders_.resolve({.t = in.t,
+                      .h = in.h,
+                      .x_old = in.workspace.doubles(kOldPosition, n),
+                      .v_old = in.workspace.doubles(kOldVelocity, n),
+                      .x = s.f64(Columns::position),
+                      .v = s.f64(Columns::velocity),
+                      .inverse_mass = s.f64(Columns::inverse_mass),
+                      .radius = radius_,
+                      .surfaces = surfaces_},
+                     in.workspace, in.arena);
+}
+
+Integration Fem::integration() const {
+  return motion_ == Motion::quasi_static ? Integration{} : ForceSystem::integration();
+}
+
+std::optional<double> Fem::limit(Limit which, const State& s, double h) const {
+  return motion_ == Motion::quasi_static ? std::nullopt : ForceSystem::limit(which, s, h);
+}
+
+Energy::Exchange Fem::exchange(const State& s) const {
+  const Body& b = body();
+  const bool driven = Columns::kHands.any(s) || !colliders_.empty() || !b.pressures.empty() ||
+                      !b.holds.empty() || elements_.load_share(0) < 1;
+  return driven ? Energy::Exchange::open : Energy::Exchange::closed;
+}
+
+std::optional<Energy> Fem::energy(const State& s, double t, Workspace& workspace,
+                                  const ThreadArena& arena) const {
+  if (motion_ == Motion::quasi_static) return std::nullopt;
+  return ForceSystem::energy(s, t, workspace, arena);
+}
+
+Ports Fem::ports() const {
+  if (motion_ == Motion::quasi_static || body().plane) return {};
+  return {.points = PointPort{.position = Columns::position,
+                              .velocity = Columns::velocity,
+                              .mass = std::nullopt,
+                              .inverse_mass = Columns::inverse_mass,
+                              .id = std::nullopt,
+                              .radius = radius_},
+          .solids = {drawing_.triangles, {}},
+          .bodies = std::nullopt,
+          .answers = integrator().kind == Integrator::Kind::implicit ? this : nullptr};
+}
+
+void Fem::answer(State& state, const StepInput& in, Answer which, std::span<const double> impulses,
+                 std::span<double> dv) const {
+  answer_implicitly(force_field(), options(), state, in, which, impulses, dv);
+}
+
+void Fem::draw(const State&, double t, Wish wishes, Drawing& out) const {
+  if (wants(wishes, Wish::constant)) {
+    out.parts.resize(parts().size());
+    out.parts[0] = drawing_;
+  }
+  if (wants(wishes, Wish::obstacles)) out.obstacles = colliders_.drawn(t);
+}
+
+void Fem::check(StateCheck& check, double) const {
+  const size_t points = check.state().rows(Columns::position);
+  check.together({Columns::drag_row, Columns::drag_target, Columns::drag_stiffness})
+      .together({Columns::push_row, Columns::push_force, Columns::push_remaining});
+  for (const auto column : {Columns::drag_row, Columns::push_row}) {
+    for (const uint32_t row : check.state().span<uint32_t>(column))
+      check.require(row < points, "a hand's row");
+  }
+  check.require(check.state().f64(Columns::parameters)[0] > 0, "Young's modulus");
+}
+
+std::vector<std::string> Fem::remedies() const {
+  if (motion_ == Motion::quasi_static) {
+    return {"a longer load_time or a smaller dt, so that a step brings less load",
+            "a material that resists collapse (neo_hookean)",
+            "motion dynamic with damping, where the body snaps from one shape to another"};
+  }
+  return {"a smaller dt", "integrator implicit_euler, which damps what it cannot follow", "a smaller load"};
+}
+
+std::unique_ptr<const Fem> Fem::make(const FemDef& def, const BuildContext& context) {
+  auto field = std::make_unique<const FemField>(def, context);
+  const IntegratorChoice choice = def.choice();
+  const ChosenMethod method = choice.name.empty()
+                                  ? ChosenMethod{choose_integrator(choice, kUsual, *field),
+                                                 "the default, which holds steps of any length"}
+                                  : ChosenMethod{choose_integrator(choice, "", *field), "named by the scene"};
+  return std::unique_ptr<const Fem>(new Fem(std::move(field), method, def, context.dt));
+}
+
+std::unique_ptr<const System> build_fem(const void* def, const BuildContext& context) {
+  return Fem::make(*static_cast<const FemDef*>(def), context);
+}
+
+}  // namespace truestep::fem

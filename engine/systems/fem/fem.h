@@ -1,0 +1,70 @@
+// The system type "fem": elastic bodies of finite elements (fem_field.h) in space, plane strain and plane
+// stress. Dynamic bodies are advanced by any method of the table, implicit Euler unless one is named;
+// quasi-static ones are in equilibrium at the end of every step, found by Newton's method with a line search
+// on the energy, in shorter steps of the load where that fails. Obstacles keep nodes out.
+// Commands: push, impulse, drag, release, pin, unpin, set_parameter (youngs_modulus, damping, gravity).
+#pragma once
+#include "engine/core/force_system.h"
+#include "engine/core/impulse_answer.h"
+#include "engine/integrators/table/default_method.h"
+#include "engine/systems/fem/fem_field.h"
+
+namespace truestep::fem {
+
+class Fem final : public ForceSystem, public AnswersImpulses {
+ public:
+  /// Error "scene_invalid" when the def's integrator, an expression or a hold is no good.
+  static std::unique_ptr<const Fem> make(const FemDef& def, const BuildContext& context);
+
+  /// Besides the energies: energy.elastic, energy.external, momenta, displacement.max, jacobian.min, pins,
+  /// reaction.x/y/z, frequency.1 ... as many as `modes`.
+  void observe(const State& state, double t, Observables& out) const override;
+  /// Nodes: position, velocity, displacement, von_mises. Part "elements": stress, strain, von_mises,
+  /// energy_density, jacobian.
+  FieldView field(const State& state, size_t part, size_t field, std::vector<double>& scratch) const override;
+  void check(StateCheck& check, double t) const override;
+  void apply(State& state, const Command& command) const override;
+  void draw(const State& state, double t, Wish wishes, Drawing& out) const override;
+  Ports ports() const override;
+  void answer(State& state, const StepInput& input, Answer which, std::span<const double> impulses,
+              std::span<double> dv) const override;
+  std::optional<Energy> energy(const State& state, double t, Workspace& workspace,
+                               const ThreadArena& arena) const override;
+  Integration integration() const override;
+  std::optional<double> limit(Limit which, const State& state, double h) const override;
+  std::vector<std::string> remedies() const override;
+
+  const Body& body() const { return elements_.body(); }
+  const FemField& elements() const { return elements_; }
+  /// Hz, ascending.
+  const std::vector<double>& frequencies() const { return frequencies_; }
+
+ private:
+  Fem(std::unique_ptr<const FemField> field, const ChosenMethod& method, const FemDef& def, double dt);
+  Energy::Exchange exchange(const State& state) const override;
+  void plan_stages(const FemDef& def, const std::string& why);
+  void name_parts();
+  template <class Visit>
+  void prescribed(double t, Visit visit) const;
+  void begin_holds(State& s, double t, double h) const;
+  void end_holds(State& s, double t, double h) const;
+  void equilibrium(State& s, const StepInput& in) const;
+  void resolve_contacts(State& s, const StepInput& in) const;
+  double default_drag(const State& s, size_t row) const;
+
+  const FemField& elements_;
+  Motion motion_;
+  PartDrawing drawing_;
+  ColliderSet colliders_;
+  std::vector<Surface> surfaces_;  // one per collider
+  double radius_;                  // m, kept from colliders
+  std::vector<double> frequencies_;
+};
+
+std::unique_ptr<const System> build_fem(const void* def, const BuildContext& context);
+
+/// Lowest natural frequencies (Hz) of the body at rest, held as it is, ascending: K y = (2 pi f)^2 M y by
+/// subspace iteration with a shift that free bodies need too (Bathe 1996, section 11.6).
+std::vector<double> natural_frequencies(const FemField& field, int count);
+
+}  // namespace truestep::fem

@@ -1,0 +1,333 @@
+#include "engine/systems/fem/fem_def.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "engine/systems/fem/mesh.h"
+
+namespace truestep::fem {
+
+namespace {
+
+const DefTable& quad_table() {
+  static const DefTable t =
+      TableOf<QuadShape>("four-sided plane body; side x0 runs from the first corner to the last")
+          .vectors("corners", &QuadShape::corners, "m", any(), {4, 4}, "anticlockwise in the plane z = 0")
+          .integer("cells_x", &QuadShape::cells_x, between(1, 2000), "from the first corner to the second")
+          .integer("cells_y", &QuadShape::cells_y, between(1, 2000), "from the first corner to the last")
+          .check([](const QuadShape& q, const DefTable::Report& report) {
+            for (size_t k = 0; k < q.corners.size(); ++k) {
+              const std::string at = "/corners/" + std::to_string(k);
+              if (q.corners[k].z != 0) report(at, "a plane body lies in z = 0");
+              if (q.corners.size() < 4) continue;
+              const Vec3 in = q.corners[k] - q.corners[(k + 3) % 4],
+                         go = q.corners[(k + 1) % 4] - q.corners[k];
+              if (!(cross(in, go).z > 0)) report(at, "corners go round anticlockwise, none of them inward");
+            }
+          })
+          .build();
+  return t;
+}
+
+const DefTable& cells_table() {
+  static const DefTable t =
+      TableOf<CellsShape>("elements of any form")
+          .vectors("vertices", &CellsShape::vertices, "m", any(), {3, 1'000'000}, "where the corners are")
+          .required()
+          .integers("cells", &CellsShape::cells, at_least(0), {3, 8'000'000},
+                    "corners of every element, one after another, in VTK's order: 3 a triangle, 4 a quad or "
+                    "tetrahedron, 8 a hexahedron; nodes between them are added")
+          .required()
+          .build();
+  return t;
+}
+
+const DefTable& set_table() {
+  static const DefTable t =
+      TableOf<SetDef>("points with a name, given one by one or by a box or both")
+          .text("name", &SetDef::name, "of the set")
+          .required()
+          .integers("points", &SetDef::points, at_least(0), {0, 1'000'000}, "indices of nodes")
+          .vector("low", &SetDef::low, "m", any(), "smallest corner of the box; absent: it has no lower end")
+          .vector("high", &SetDef::high, "m", any(), "largest corner of the box; absent: it has no upper end")
+          .build();
+  return t;
+}
+
+const DefTable& hold_table() {
+  static const DefTable t =
+      TableOf<HoldDef>(
+          "displacement of a set from where it lies at rest, in m: expressions of t, X, Y, Z (the place at "
+          "rest); a component that is absent is free, and where none is given all are held at 0")
+          .text("on", &HoldDef::on, "name of a set")
+          .required()
+          .expression("x", &HoldDef::x, "m, number or expression")
+          .expression("y", &HoldDef::y, "m, the same")
+          .expression("z", &HoldDef::z, "m, the same")
+          .build();
+  return t;
+}
+
+const DefTable& load_table() {
+  static const DefTable t =
+      TableOf<LoadDef>("what acts on the part of the surface whose nodes are all in a set")
+          .text("on", &LoadDef::on, "name of a set")
+          .required()
+          .vector("force", &LoadDef::force, "N", any(),
+                  "in all, spread evenly over the area at rest; keeps its direction")
+          .expression("x", &LoadDef::x, "Pa, force along x per area at rest: number or expression of X, Y, Z")
+          .expression("y", &LoadDef::y, "Pa, the same along y")
+          .expression("z", &LoadDef::z, "Pa, the same along z")
+          .number("pressure", &LoadDef::pressure, "Pa", any(),
+                  "on the deformed surface and against its normal, wherever that turns")
+          .build();
+  return t;
+}
+
+const std::vector<std::string> kCells{"auto", "tri3",  "tri6", "quad4", "quad9",
+                                      "tet4", "tet10", "hex8", "hex27"};
+
+std::string listed(const std::vector<std::string>& names) {
+  std::string out;
+  for (const std::string& n : names) out += (out.empty() ? "" : ", ") + n;
+  return out;
+}
+
+using Report = DefTable::Report;
+
+void check_element(const FemDef& d, const Report& report) {
+  const Element& kind = element_of(kind_of(cell_of(d)));
+  if (d.block && kind.dimension == 2) report("/element", "a block is made of tet4, tet10, hex8 or hex27");
+  if (d.quad && kind.dimension == 3) report("/element", "a quad is made of tri3, tri6, quad4 or quad9");
+  if (d.mesh && d.element == Cell::automatic)
+    report("/element", "name the element that a mesh is made of: " + listed(kCells));
+  if (kind.dimension == 3 && d.plane == Plane::stress)
+    report("/plane", "only plane bodies have plane stress");
+  if (d.volume != Volume::mean) return;
+  if (kind.points.size() == 1) {
+    report("/volume", "an element with one point has no other mean: take tri6, quad4, tet10, hex8 ...");
+  }
+  if (kind.dimension == 2 && d.plane == Plane::stress) {
+    report("/volume", "in plane stress the thickness gives way and nothing locks: leave it pointwise");
+  }
+}
+
+void check_material(const FemDef& d, const Report& report) {
+  if (d.second_share > 0 && d.material != Law::mooney_rivlin) {
+    return report("/second_share", "only the material mooney_rivlin has one");
+  }
+  const Material m = material_of(d.material, d.youngs_modulus, d.poisson_ratio, d.second_share);
+  if (d.material == Law::mooney_rivlin && m.lambda < 2 * m.mu * d.second_share) {
+    report("/poisson_ratio",
+           "too small for this second_share: lambda must be at least 4 c2 = 2 mu second_share");
+  }
+  if (d.material == Law::stable_neo_hookean && m.lambda + 5.0 / 6 * m.mu <= 0) {
+    report("/poisson_ratio", "too small for this material: lambda + 5/6 mu must be above 0");
+  }
+}
+
+bool check_rows(const FemDef& d, const Report& report) {
+  const double vertices = d.mesh ? static_cast<double>(d.mesh->vertices.size()) : fem_counts(d).nodes;
+  bool good = true;
+  const auto check = [&](const std::vector<int64_t>& rows, const std::string& at) {
+    for (size_t i = 0; i < rows.size(); ++i) {
+      if (static_cast<double>(rows[i]) < vertices) continue;
+      report(at + "/" + std::to_string(i), "there are only " +
+                                               std::to_string(static_cast<int64_t>(vertices)) +
+                                               (d.mesh ? " vertices" : " nodes"));
+      good = false;
+      return;
+    }
+  };
+  check(d.pins, "/pins");
+  for (size_t k = 0; k < d.sets.size(); ++k)
+    check(d.sets[k].points, "/sets/" + std::to_string(k) + "/points");
+  if (d.mesh) check(d.mesh->cells, "/mesh/cells");
+  return good;
+}
+
+void check_cells(const FemDef& d, const Report& report) {
+  const Element& kind = element_of(kind_of(cell_of(d)));
+  if (d.mesh->cells.size() % kind.corners != 0) {
+    return report("/mesh/cells", std::string(kind.name) + " has " + std::to_string(kind.corners) +
+                                     " corners: their number is no multiple of that");
+  }
+  if (kind.dimension == 2) {
+    for (size_t i = 0; i < d.mesh->vertices.size(); ++i) {
+      if (d.mesh->vertices[i].z == 0) continue;
+      return report("/mesh/vertices/" + std::to_string(i), "a plane body lies in z = 0");
+    }
+  }
+  const Mesh mesh = build_mesh(d);
+  const size_t bad = first_bad_cell(mesh);
+  if (bad != static_cast<size_t>(-1)) {
+    report(
+        "/mesh/cells/" + std::to_string(bad * kind.corners),
+        "element " + std::to_string(bad) + " is flat or turned inside out: number its corners as VTK does");
+  }
+  std::vector<uint8_t> used(mesh.x.size(), 0);
+  for (const uint32_t p : mesh.nodes) used[p] = 1;
+  for (size_t p = 0; p < used.size(); ++p) {
+    if (used[p]) continue;
+    return report("/mesh/vertices/" + std::to_string(p), "no element has this vertex: it would have no mass");
+  }
+}
+
+void check_names(const FemDef& d, const Report& report) {
+  const std::vector<std::string> names = set_names(d);
+  const auto check = [&](const std::string& at, const std::string& name) {
+    if (std::find(names.begin(), names.end(), name) == names.end())
+      report(at, "the sets are: " + listed(names));
+  };
+  for (size_t k = 0; k < d.pinned.size(); ++k) check("/pinned/" + std::to_string(k), d.pinned[k]);
+  for (size_t k = 0; k < d.holds.size(); ++k) check("/holds/" + std::to_string(k) + "/on", d.holds[k].on);
+  for (size_t k = 0; k < d.loads.size(); ++k) {
+    const LoadDef& l = d.loads[k];
+    const std::string at = "/loads/" + std::to_string(k);
+    check(at + "/on", l.on);
+    const bool traction = l.x || l.y || l.z;
+    if (l.force.has_value() + traction + l.pressure.has_value() != 1) {
+      report(at, "give exactly one of force, pressure and a traction (x, y, z)");
+    }
+    const bool across = (l.force && l.force->z != 0) || l.z;
+    if (in_plane(d) && across) report(at, "a plane body takes no force along z");
+  }
+  for (size_t k = 0; k < d.holds.size(); ++k) {
+    if (in_plane(d) && d.holds[k].z)
+      report("/holds/" + std::to_string(k) + "/z", "a plane body stays in z = 0");
+  }
+}
+
+void check_def(const FemDef& d, const Report& report) {
+  const int shapes = d.block.has_value() + d.quad.has_value() + d.mesh.has_value();
+  if (shapes != 1) {
+    return report("", "give exactly one of block, quad and mesh, not " + std::to_string(shapes));
+  }
+  const FemCounts counts = fem_counts(d);
+  if (counts.nodes > 2e6) {
+    return report("", "more than two million nodes: fewer cells, or elements of first order");
+  }
+  check_element(d, report);
+  check_material(d, report);
+  if (!check_rows(d, report)) return;
+  if (d.mesh && d.element != Cell::automatic) check_cells(d, report);
+  check_names(d, report);
+  if (in_plane(d) && !d.colliders.empty()) report("/colliders", "plane bodies meet no colliders");
+  if (in_plane(d) && d.velocity.z != 0) report("/velocity", "a plane body stays in z = 0");
+  if (d.motion == Motion::quasi_static) {
+    if (!d.integrator.empty())
+      report("/integrator", "a quasi-static body is in equilibrium: it has no integrator");
+    if (d.pins.empty() && d.pinned.empty() && d.holds.empty()) {
+      report("/motion", "nothing holds the body: quasi-static motion needs pins, pinned or holds");
+    }
+    if (!d.colliders.empty()) report("/colliders", "quasi-static bodies meet no colliders");
+    if (d.damping > 0) report("/damping", "a quasi-static body has no velocity");
+  }
+}
+
+}  // namespace
+
+ElementKind kind_of(Cell cell) {
+  return static_cast<ElementKind>(static_cast<uint8_t>(cell) - 1);
+}
+Cell cell_of(const FemDef& d) {
+  if (d.element != Cell::automatic) return d.element;
+  return d.block ? Cell::hex8 : Cell::quad4;
+}
+bool in_plane(const FemDef& d) {
+  return element_of(kind_of(cell_of(d))).dimension == 2;
+}
+
+std::vector<std::string> set_names(const FemDef& d) {
+  std::vector<std::string> out;
+  if (d.block || d.quad) out = {"x0", "x1", "y0", "y1", "bottom", "top"};
+  if (d.block) out.insert(out.end(), {"z0", "z1"});
+  out.insert(out.end(), {"border", "all"});
+  for (const SetDef& s : d.sets) out.push_back(s.name);
+  return out;
+}
+
+FemCounts fem_counts(const FemDef& d) {
+  const Element& kind = element_of(kind_of(cell_of(d)));
+  const bool second = kind.size() > kind.corners;
+  double corners = 0, cells = 0;
+  if (d.block || d.quad) {
+    const double nx = d.block ? d.block->cells_x : d.quad->cells_x,
+                 ny = d.block ? d.block->cells_y : d.quad->cells_y, nz = d.block ? d.block->cells_z : 0;
+    const double boxes = nx * ny * std::max(nz, 1.0);
+    cells = boxes * (!kind.simplex ? 1 : d.block ? 5 : 2);
+    corners = (nx + 1) * (ny + 1) * (nz + 1);
+    if (second && !(kind.simplex && d.block)) corners = (2 * nx + 1) * (2 * ny + 1) * (2 * nz + 1);
+    // Of tetrahedra: a node an edge; three edges along the lattice and three diagonals a box.
+    if (second && kind.simplex && d.block) corners += 6 * boxes + 2 * (nx * ny + ny * nz + nx * nz);
+  } else if (d.mesh) {
+    cells = static_cast<double>(d.mesh->cells.size()) / kind.corners;
+    corners = static_cast<double>(d.mesh->vertices.size());
+    // Edges a corner, faces and cells where elements have nodes in them.
+    if (second)
+      corners +=
+          kind.dimension == 2 ? (kind.simplex ? 1.6 : 1.1) * cells + corners : 1.4 * cells + 4 * corners;
+  }
+  // Neighbours of a node, inside a large lattice.
+  const double each = kind.dimension == 2 ? (second ? (kind.simplex ? 12 : 16) : (kind.simplex ? 7 : 9))
+                                          : (second ? (kind.simplex ? 27 : 64) : (kind.simplex ? 14 : 27));
+  return {corners, cells, each * corners};
+}
+
+const DefTable& fem_table() {
+  static const DefTable t = [] {
+    using D = FemDef;
+    TableOf<D> table("elastic bodies of finite elements, in space and in the plane");
+    table
+        .object("block", &D::block, soft_block_shape_table(),
+                "a box; its sides are the sets x0, x1, y0, y1, z0, z1")
+        .object("quad", &D::quad, quad_table(), "a plane body with four corners; sides x0, x1, y0, y1")
+        .object("mesh", &D::mesh, cells_table(), "elements of any form")
+        .choice("element", &D::element, kCells,
+                "kind of the elements; auto: hex8 of a block, quad4 of a quad; of second order: tri6, quad9, "
+                "tet10, hex27")
+        .choice("plane", &D::plane, {"strain", "stress"},
+                "what a plane body keeps across its plane: its thickness, or no stress")
+        .number("plane_thickness", &D::plane_thickness, "m", above(0), "of a plane body")
+        .objects("sets", &D::sets, set_table(), {0, 1000},
+                 "further sets of nodes, beside the sides, border and all")
+        .choice("material", &D::material,
+                {"linear", "corotated", "st_venant_kirchhoff", "neo_hookean", "stable_neo_hookean",
+                 "mooney_rivlin"},
+                "elastic law; linear: small strains and small rotations only")
+        .number("youngs_modulus", &D::youngs_modulus, "Pa", above(0), "E")
+        .number("poisson_ratio", &D::poisson_ratio, "1", {.min = -1, .max = 0.5, .ends = Limits::Ends::open},
+                "nu; near 1/2 take volume mean")
+        .number("density", &D::density, "kg/m^3", above(0), "at rest")
+        .number("second_share", &D::second_share, "1", between(0, 1), "mooney_rivlin: c2 / (c1 + c2)")
+        .choice("volume", &D::volume, {"pointwise", "mean"},
+                "mean: an element resists the change of its volume as a whole, so that nearly incompressible "
+                "bodies "
+                "do not lock")
+        .number("damping", &D::damping, "1/s", at_least(0), "force -damping * mass * v")
+        .vector("velocity", &D::velocity, "m/s", any(), "initial, of every node that is not held")
+        .integers("pins", &D::pins, at_least(0), {}, "indices of nodes that are held")
+        .texts("pinned", &D::pinned, {}, "sets that are held: x0, bottom, border ...")
+        .objects("holds", &D::holds, hold_table(), {0, 1000},
+                 "displacements that are prescribed, also moving ones")
+        .objects("loads", &D::loads, load_table(), {0, 1000},
+                 "forces, tractions and pressures on the surface")
+        .number("load_time", &D::load_time, "s", at_least(0),
+                "loads, and gravity in quasi-static motion, grow evenly from 0 for so long")
+        .choice("motion", &D::motion, {"dynamic", "quasi_static"},
+                "quasi_static: every step ends in equilibrium, found by Newton's method with line search")
+        .integer("modes", &D::modes, between(0, 64),
+                 "natural frequencies of the body at rest to observe, lowest first")
+        .number("contact_distance", &D::contact_distance, "m", at_least(0), "kept from every obstacle")
+        .number("restitution", &D::restitution, "1", between(0, 1),
+                "on any collider, in place of the collider's own")
+        .number("friction", &D::friction, "1", at_least(0),
+                "Coulomb's coefficient on colliders; absent: each collider's own");
+    add_collider_rows(table, &D::colliders);
+    add_integrator_rows(table);
+    return table.check(check_def).build();
+  }();
+  return t;
+}
+
+}  // namespace truestep::fem

@@ -1,0 +1,99 @@
+// What a scene says about elastic bodies of finite elements; see fem.h.
+#pragma once
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "engine/collision/points/collider_def.h"
+#include "engine/core/integrator_def.h"
+#include "engine/core/outputs.h"
+#include "engine/core/shape_def.h"
+#include "engine/kernels/fem/element.h"
+#include "engine/kernels/fem/material.h"
+
+namespace truestep::fem {
+
+enum class Plane : uint8_t { strain, stress };
+enum class Volume : uint8_t { pointwise, mean };
+enum class Motion : uint8_t { dynamic, quasi_static };
+/// As scenes name them: automatic, then the first eight of ElementKind in the same order.
+enum class Cell : uint8_t { automatic, tri3, tri6, quad4, quad9, tet4, tet10, hex8, hex27 };
+ElementKind kind_of(Cell cell);
+
+struct QuadShape {
+  std::vector<Vec3> corners{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}};  // m, anticlockwise
+  int cells_x = 4, cells_y = 4;
+};
+
+struct CellsShape {
+  std::vector<Vec3> vertices;  // m
+  std::vector<int64_t> cells;  // corners of every element, one after another
+};
+
+/// Points with a name.
+struct SetDef {
+  std::string name;
+  std::vector<int64_t> points;
+  std::optional<Vec3> low, high;  // m
+};
+
+/// Components of the displacement of a set; expressions of t, X, Y, Z.
+struct HoldDef {
+  std::string on;
+  std::optional<std::string> x, y, z;  // m
+};
+
+/// What acts on a set's part of the surface; the traction's components are expressions of X, Y, Z.
+struct LoadDef {
+  std::string on;
+  std::optional<Vec3> force;           // N, in all
+  std::optional<std::string> x, y, z;  // Pa
+  std::optional<double> pressure;      // Pa
+};
+
+struct FemDef : IntegratorParams {
+  std::optional<SoftBlockShape> block;
+  std::optional<QuadShape> quad;
+  std::optional<CellsShape> mesh;
+  Cell element = Cell::automatic;
+  Plane plane = Plane::strain;
+  double plane_thickness = 1;  // m
+  std::vector<SetDef> sets;
+
+  Law material = Law::neo_hookean;
+  double youngs_modulus = 1e5, poisson_ratio = 0.3, density = 1000;
+  double second_share = 0;
+  Volume volume = Volume::pointwise;
+  double damping = 0;  // 1/s
+
+  Vec3 velocity;
+  std::vector<int64_t> pins;
+  std::vector<std::string> pinned;
+  std::vector<HoldDef> holds;
+  std::vector<LoadDef> loads;
+  double load_time = 0;  // s
+
+  Motion motion = Motion::dynamic;
+  int modes = 0;
+
+  double contact_distance = 0;  // m
+  double restitution = 0;
+  std::optional<double> friction;
+  ColliderDefs colliders;
+};
+
+const DefTable& fem_table();
+const Outputs& fem_outputs();
+Cost fem_cost(const void* def);
+/// Never automatic.
+Cell cell_of(const FemDef& def);
+bool in_plane(const FemDef& def);
+/// Names of sets that the def has, without those that no shape gives.
+std::vector<std::string> set_names(const FemDef& def);
+/// Numbers of nodes, elements and blocks of the stiffness matrix, from counts alone.
+struct FemCounts {
+  double nodes = 0, elements = 0, blocks = 0;
+};
+FemCounts fem_counts(const FemDef& def);
+
+}  // namespace truestep::fem

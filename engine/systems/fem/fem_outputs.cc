@@ -1,0 +1,70 @@
+// What the system type "fem" gives out, in words, and what it will cost.
+#include <algorithm>
+#include <cmath>
+
+#include "engine/systems/fem/fem.h"
+
+namespace truestep::fem {
+
+const Outputs& fem_outputs() {
+  static const Outputs kOutputs{
+      .rows =
+          "a node: of a block x runs fastest, then y, then z, of a quad from the first corner to the second, "
+          "of a "
+          "mesh in the order given; nodes between corners come after all corners",
+      .fields = {{"position", "m", 3, ""},
+                 {"velocity", "m/s", 3, ""},
+                 {"displacement", "m", 3, "from where the node lies at rest"},
+                 {"von_mises", "Pa", 1, "mean of the elements at the node"},
+                 {"elements.stress", "Pa", 6,
+                  "of part elements, a row per element: Cauchy's, xx yy zz xy yz xz"},
+                 {"elements.strain", "1", 6,
+                  "Green's, (F^T F - 1) / 2; of the linear law the symmetric gradient"},
+                 {"elements.von_mises", "Pa", 1, "of the stress"},
+                 {"elements.energy_density", "J/m^3", 1, "per volume at rest"},
+                 {"elements.jacobian", "1", 1, "least ratio of volumes, det F; at most 0: inverted"}},
+      .observables = {{"energy.kinetic", "J", "of motion; 0 in quasi-static motion"},
+                      {"energy.potential", "J", "elastic and external"},
+                      {"energy.total", "J", "kinetic and potential"},
+                      {"energy.elastic", "J", "of the elements"},
+                      {"energy.external", "J", "of gravity, loads and hands; pressure has none"},
+                      {"momentum.x", "kg m/s", "of all that moves freely"},
+                      {"momentum.y", "kg m/s", ""},
+                      {"momentum.z", "kg m/s", ""},
+                      {"angular_momentum.x", "kg m^2/s", "about the origin, of all that moves freely"},
+                      {"angular_momentum.y", "kg m^2/s", ""},
+                      {"angular_momentum.z", "kg m^2/s", ""},
+                      {"displacement.max", "m", "largest of any node"},
+                      {"jacobian.min", "1", "least det F of any point of an element's rule"},
+                      {"pins", "1", "nodes that are held altogether"},
+                      {"reaction.x", "N", "of all supports on the body"},
+                      {"reaction.y", "N", ""},
+                      {"reaction.z", "N", ""},
+                      {"frequency.<number>", "1/s", "natural frequencies at rest, as many as modes"}}};
+  return kOutputs;
+}
+
+Cost fem_cost(const void* def) {
+  const auto& d = *static_cast<const FemDef*>(def);
+  const FemCounts n = fem_counts(d);
+  const Element& kind = element_of(kind_of(cell_of(d)));
+  const double nodes = static_cast<double>(kind.size()), points = static_cast<double>(kind.points.size());
+  const Integrator* named = find_integrator(d.integrator);
+  const bool solves = !named || named->kind == Integrator::Kind::implicit;
+  // Gradients and weights at the points, slots of the element's blocks, pairs of the pattern.
+  const double system =
+      n.elements * (points * (24 * nodes + 8) + 4 * nodes * nodes + 8 * nodes) + 4 * n.blocks + 120 * n.nodes;
+  // A factor fills in with the square root of the nodes in the plane's log, with their cube root in space.
+  const double fill =
+      kind.dimension == 2 ? 0.35 * std::log2(std::max(n.nodes, 2.0)) : 0.12 * std::cbrt(n.nodes) + 0.5;
+  const double matrices = (76 * 3 + 84 * fill) * n.blocks + 700 * n.nodes;
+  const double element_seconds = points * (2e-7 + 6e-9 * nodes * nodes);
+  const double factor_seconds = 3e-8 * fill * fill * n.blocks * 10;
+  return {.state_bytes = 56 * n.nodes,
+          .workspace_bytes = system + (solves ? matrices : 100 * n.nodes),
+          .elements = n.nodes + n.elements,
+          .seconds_per_step =
+              solves ? 4 * (n.elements * element_seconds + factor_seconds) : 1.5e-7 * n.elements * points};
+}
+
+}  // namespace truestep::fem

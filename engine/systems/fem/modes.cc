@@ -1,0 +1,110 @@
+// Natural frequencies of a body at rest: K y = (2 pi f)^2 M y by subspace iteration on K + shift M,
+// factorised once (Bathe 1996, section 11.6). Done when a system is built, never in a step.
+#include <Eigen/Dense>
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+
+#include "engine/base/errors.h"
+#include "engine/math/solvers/block_ldlt.h"
+#include "engine/systems/fem/fem.h"
+
+namespace truestep::fem {
+
+namespace {
+
+constexpr double kPi = 3.14159265358979323846;
+constexpr int kMostIterations = 300;
+constexpr double kAccurate = 1e-10;  // of a squared frequency, from one iteration to the next
+constexpr double kShift = 1e-11;     // of the highest squared frequency; rigid motions have none of their own
+
+}  // namespace
+
+std::vector<double> natural_frequencies(const FemField& field, int count) {
+  using Columns = FemColumns;
+  static const ThreadArena kSerial(1);
+  const Body& b = field.body();
+  const State s = field.initial_state();
+  const auto w = s.f64(Columns::inverse_mass);
+  const size_t n = 3 * w.size();
+  Workspace workspace;
+  Evaluation e{workspace, kSerial};
+  BlockSparse dfdx, dfdv;
+  field.jacobian_pattern(s, dfdx, dfdv);
+  field.jacobian({0, s.f64(Columns::position), s.f64(Columns::velocity), s}, dfdx, dfdv, e);
+
+  const double highest = std::pow(field.stiffness(s)->omega, 2), shift = kShift * highest;
+  const auto free = [&](size_t k) { return w[k / 3] > 0 && !(b.axes[k / 3] >> (k % 3) & 1); };
+  BlockSparse a = dfdx;
+  size_t unknowns = 0;
+  for (size_t i = 0; i < w.size(); ++i) {
+    for (auto k = a.row_begin(i); k < a.row_begin(i + 1); ++k) {
+      const auto block = a.block(k);
+      for (size_t c = 0; c < 9; ++c) {
+        const bool both = free(3 * i + c % 3) && free(3 * a.column(k) + c / 3);
+        block[c] = both ? -block[c] : 0;
+      }
+    }
+    const auto diagonal = a.block(a.diagonal_slot(i));
+    for (size_t c = 0; c < 3; ++c) {
+      diagonal[4 * c] += (free(3 * i + c) ? shift : highest) * b.masses[i];
+      unknowns += free(3 * i + c);
+    }
+  }
+  const size_t wanted = std::min(static_cast<size_t>(count), unknowns);
+  const size_t m = std::min({wanted + 8, 2 * wanted + 2, unknowns});
+  if (wanted == 0) return {};
+  BlockLdlt factors;
+  factors.analyze(a);
+  if (factors.factorize(a) != BlockLdlt::Outcome::positive_definite) {
+    throw Error("scene_invalid", "the body's stiffness at rest is not positive definite",
+                {{"/modes", "no_frequencies", "the body's stiffness at rest is not positive definite", "", "",
+                  "", ""}});
+  }
+
+  using Matrix = Eigen::MatrixXd;
+  Matrix y(n, m), my(n, m);
+  uint64_t seed = 1;
+  for (Eigen::Index c = 0; c < y.cols(); ++c) {
+    for (Eigen::Index r = 0; r < y.rows(); ++r) {
+      seed = seed * 6364136223846793005u + 1442695040888963407u;
+      y(r, c) = free(static_cast<size_t>(r)) ? static_cast<double>(seed >> 11) * 0x1p-52 - 1 : 0;
+    }
+  }
+  const auto times_mass = [&] {
+    for (Eigen::Index r = 0; r < y.rows(); ++r) my.row(r) = b.masses[static_cast<size_t>(r) / 3] * y.row(r);
+  };
+  times_mass();
+  Eigen::VectorXd last = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(m));
+  for (int iteration = 0; iteration < kMostIterations; ++iteration) {
+    // x = A^-1 M y; on their span A is x^T M y.
+    Matrix x(n, m);
+    for (Eigen::Index c = 0; c < y.cols(); ++c) {
+      factors.solve({my.col(c).data(), n}, {x.col(c).data(), n});
+    }
+    const Matrix stiff = x.transpose() * my;
+    y = x;
+    times_mass();
+    const Matrix mass = x.transpose() * my;
+    const Eigen::GeneralizedSelfAdjointEigenSolver<Matrix> ritz(0.5 * (stiff + stiff.transpose()),
+                                                                0.5 * (mass + mass.transpose()));
+    y = x * ritz.eigenvectors();
+    times_mass();
+    const Eigen::VectorXd values = ritz.eigenvalues();
+    double moved = 0;
+    for (Eigen::Index k = 0; k < static_cast<Eigen::Index>(wanted); ++k) {
+      moved = std::max(moved, std::abs(values[k] - last[k]) / std::abs(values[k]));
+    }
+    last = values;
+    if (moved < kAccurate) break;
+  }
+  std::vector<double> out;
+  for (size_t k = 0; k < wanted; ++k) {
+    const double squared = last[static_cast<Eigen::Index>(k)] - shift;
+    // A rigid motion's is rounding.
+    out.push_back(squared > 10 * shift ? std::sqrt(squared) / (2 * kPi) : 0);
+  }
+  return out;
+}
+
+}  // namespace truestep::fem

@@ -1,0 +1,50 @@
+// Bodies of finite elements come out with the same bits on any number of threads, with and without a
+// workspace, and from a copy of a state.
+#include <gtest/gtest.h>
+
+#include "tests/unit/fem_rig.h"
+
+namespace truestep::fem {
+namespace {
+
+using testing_rig::FemRun;
+
+FemDef beam(Motion motion, Cell cell) {
+  FemDef d;
+  d.block = SoftBlockShape{.size = {3, 1, 1}, .cells_x = 12, .cells_y = 4, .cells_z = 4};
+  d.element = cell, d.motion = motion, d.youngs_modulus = 2e5;
+  d.pinned = {"x0"};
+  d.loads = {{"x1", {}, {}, {}, {}, 500.0}};
+  return d;
+}
+
+TEST(FemDeterminism, AnyNumberOfThreadsGivesTheSameBits) {
+  for (const Motion motion : {Motion::dynamic, Motion::quasi_static}) {
+    for (const Cell cell : {Cell::tet4, Cell::hex8}) {
+      FemRun one(beam(motion, cell), 1.0 / 60, {0, -9.81, 0}, 1),
+          four(beam(motion, cell), 1.0 / 60, {0, -9.81, 0}, 4);
+      one.step(5), four.step(5);
+      EXPECT_EQ(one.state.hash(), four.state.hash());
+      FemRun other(beam(motion, cell), 1.0 / 60, {0, -9.8, 0}, 1);
+      other.step(5);
+      EXPECT_NE(one.state.hash(), other.state.hash());
+    }
+  }
+}
+
+TEST(FemDeterminism, AStateIsAllThatAStepNeeds) {
+  for (const Motion motion : {Motion::dynamic, Motion::quasi_static}) {
+    FemRun run(beam(motion, Cell::hex8), 1.0 / 60, {0, -9.81, 0}),
+        copy(beam(motion, Cell::hex8), 1.0 / 60, {0, -9.81, 0});
+    run.step(3);
+    copy.state = State::deserialize(run.state.serialize()), copy.steps = run.steps;
+    for (int k = 0; k < 3; ++k) {
+      run.workspace.clear();
+      run.step(), copy.step();
+    }
+    EXPECT_EQ(run.state.hash(), copy.state.hash());
+  }
+}
+
+}  // namespace
+}  // namespace truestep::fem
