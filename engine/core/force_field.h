@@ -54,6 +54,9 @@ class ForceField {
   virtual Dependence dependence() const = 0;
   /// V(x, t) in J when the forces have one (dissipative parts left out); nothing otherwise.
   virtual std::optional<double> potential(const Phase& at, Evaluation& e) const { return std::nullopt; }
+  /// J, the size of terms of V that cancel each other, so that their rounding is not taken for a change of
+  /// it; |V| itself counts anyway.
+  virtual double cancelling_terms(const State& state) const { return 0; }
   /// R(x, v, t) in W of all forces that the potential leaves out (damping, air, prescribed forces), so that
   /// f = -dV/dx - dR/dv; nothing when there is no such function or nobody has written it.
   virtual std::optional<double> dissipation(const Phase& at, Evaluation& e) const { return std::nullopt; }

@@ -3,6 +3,7 @@
 #pragma once
 #include <algorithm>
 
+#include "engine/collision/broad/box_grid.h"
 #include "tests/unit/xpbd_rig.h"
 
 namespace truestep::testing_rig {

@@ -5,7 +5,6 @@
 
 #include "engine/base/errors.h"
 #include "engine/base/interrupt.h"
-#include "engine/core/potential_terms.h"
 
 namespace truestep {
 
@@ -214,9 +213,7 @@ double StageNewton::value(const StageEquation& eq, std::span<const double> u) {
       return slides ? dot(load3(on->drag.data(), i), load3(u.data(), i)) : 0.0;
     });
   }
-  const auto* cancelling = dynamic_cast<const PotentialTerms*>(&m_.field);
-  const double terms = cancelling ? cancelling->potential_terms(m_.state) : 0;
-  magnitude_ = inertia + std::abs(v) + eq.g / eq.s * terms + std::abs(r);
+  magnitude_ = inertia + std::abs(v) + eq.g / eq.s * m_.field.cancelling_terms(m_.state) + std::abs(r);
   return inertia + v + r;
 }
 

@@ -41,6 +41,7 @@ Fem::Fem(std::unique_ptr<const FemField> field, const ChosenMethod& method, cons
   }
   plan_stages(def, method.why);
   drawing_.triangles = body().mesh.triangles();
+  if (body().plane) drawing_.space = PartDrawing::Space::plane;
   name_parts();
   if (def.modes > 0) frequencies_ = natural_frequencies(elements_, def.modes);
   if (motion_ == Motion::dynamic && def.holds.empty()) bound_speed();

@@ -217,7 +217,7 @@ std::optional<double> FemField::potential(const Phase& at, Evaluation& e) const 
 }
 
 // At rest mu / 2 |F|^2 and what it is balanced by: the density of energy that rounding is a share of.
-double FemField::potential_terms(const State& s) const {
+double FemField::cancelling_terms(const State& s) const {
   double volume = 0;
   for (const double w : body_.weights) volume += w;
   return 1.5 * material(s).mu * volume;

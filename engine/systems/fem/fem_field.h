@@ -5,7 +5,6 @@
 #pragma once
 #include "engine/core/build.h"
 #include "engine/core/force_field.h"
-#include "engine/core/potential_terms.h"
 #include "engine/core/user_forces.h"
 #include "engine/kernels/fem/cell.h"
 #include "engine/systems/fem/body.h"
@@ -31,7 +30,7 @@ struct FemColumns {
                                      {drag_row, drag_target, drag_stiffness}};
 };
 
-class FemField final : public ForceField, public PotentialTerms {
+class FemField final : public ForceField {
  public:
   FemField(const FemDef& def, const BuildContext& context);
 
@@ -39,7 +38,7 @@ class FemField final : public ForceField, public PotentialTerms {
   void acceleration(const Phase& at, std::span<double> a, Evaluation& e) const override;
   Dependence dependence() const override { return dependence_; }
   std::optional<double> potential(const Phase& at, Evaluation& e) const override;
-  double potential_terms(const State& state) const override;
+  double cancelling_terms(const State& state) const override;
   std::optional<double> dissipation(const Phase& at, Evaluation& e) const override;
   double kinetic(const Phase& at, Evaluation& e) const override;
   bool has_jacobian() const override { return true; }

@@ -66,7 +66,7 @@ Cost xpbd_cost(const void* def) {
                              ((single ? 85 : 105) + lane + scratch) * n.links +
                              (single ? 130 : 175) * (n.bends + n.volumes) +
                              (collides || d.self_collision ? 104 * n.points : 0) +
-                             (d.self_collision ? 2500 * n.points : 0) + (d.wind ? 48 * n.points : 0),
+                             (d.self_collision ? 2100 * n.points : 0) + (d.wind ? 48 * n.points : 0),
           .elements = n.points + constraints,
           .seconds_per_step =
               substeps_of(d, n.points) *

@@ -50,6 +50,9 @@ bool grow(json::object& system, int times) {
     }
   }
   if (json::value* most = any ? system.if_contains("max_particles") : nullptr) multiply(*most, times);
+  // What keeps off itself must not be thicker than its links are long.
+  json::value* thick = any && system.contains("self_collision") ? system.if_contains("thickness") : nullptr;
+  if (thick) multiply(*thick, 1 / std::sqrt(times));
   return any;
 }
 
