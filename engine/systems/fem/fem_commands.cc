@@ -2,6 +2,7 @@
 #include <algorithm>
 
 #include "engine/core/command_checks.h"
+#include "engine/math/trig.h"
 #include "engine/systems/fem/fem.h"
 
 namespace truestep::fem {
@@ -88,7 +89,7 @@ double Fem::default_drag(const State& s, size_t row) const {
     const CellRule rule = elements_.rule(k);
     for (size_t q = 0; q < rule.points; ++q) volume += rule.weights[q] / static_cast<double>(rule.nodes);
   }
-  return s.f64(Columns::parameters)[0] * std::cbrt(volume);
+  return s.f64(Columns::parameters)[0] * trig::pow(volume, 1.0 / 3);
 }
 
 }  // namespace truestep::fem
