@@ -114,5 +114,59 @@ TEST(FemMotion, ACubeFallsAndRestsOnThePlane) {
   EXPECT_NEAR(bottom, 0.01, 1e-6);
 }
 
+// Nothing from outside acts on a body that is thrown turning: its momenta stay, by central differences
+// (velocity Verlet) and the midpoint rule to rounding; the energy stays by the midpoint rule within its
+// swing, and implicit Euler only loses it.
+TEST(FemMotion, AFreeBodyKeepsItsMomenta) {
+  for (const char* method : {"velocity_verlet", "implicit_midpoint", "implicit_euler"}) {
+    FemDef d = cube(Law::stable_neo_hookean, 2, Cell::hex8);
+    d.integrator = method;
+    FemRun run(d, 2e-3);
+    const auto v = run.state.f64(FemColumns::velocity);
+    for (size_t i = 0; i < v.size() / 3; ++i) {
+      const Vec3 arm = run.position(i) - Vec3{0.5, 0.5, 0.5};
+      store3(v.data(), i, Vec3{1, 2, -1} + cross(Vec3{0.5, 1, 2}, arm) + arm * 0.3);
+    }
+    const char* axes[] = {"x", "y", "z"};
+    double linear[3], angular[3];
+    for (int k = 0; k < 3; ++k) {
+      linear[k] = run.observe(std::string("momentum.") + axes[k]);
+      angular[k] = run.observe(std::string("angular_momentum.") + axes[k]);
+    }
+    const double energy = run.observe("energy.total");
+    run.step(500);
+    const bool euler = std::string_view(method) == "implicit_euler";
+    for (int k = 0; k < 3; ++k) {
+      EXPECT_NEAR(run.observe(std::string("momentum.") + axes[k]), linear[k], 1e-8 * 1000) << method;
+      // Implicit Euler turns with the velocity of the step's end: first order.
+      EXPECT_NEAR(run.observe(std::string("angular_momentum.") + axes[k]), angular[k],
+                  (euler ? 0.05 : 1e-8) * 1000)
+          << method;
+    }
+    EXPECT_LT(run.observe("energy.total"), (euler ? 1 : 1.01) * energy) << method;
+    EXPECT_GT(run.observe("energy.total"), (euler ? 0.9 : 0.99) * energy) << method;
+  }
+}
+
+// A side that is moved by an expression is where it says at every step, whatever moves the rest.
+TEST(FemMotion, AMovedSideIsWhereItsExpressionSays) {
+  FemDef d = cube(Law::corotated, 3, Cell::hex8);
+  d.pinned = {"bottom"};
+  d.holds = {{.on = "top", .x = "0.1*sin(3*t)", .y = "0", .z = "0"}};
+  FemRun run(d, 1.0 / 120);
+  const size_t corner = run.node_at({1, 1, 1}), middle = run.node_at({1, 2.0 / 3, 1});
+  double reach = 0;
+  for (int k = 0; k < 240; ++k) {
+    run.step();
+    const double t = run.h * static_cast<double>(run.steps);
+    EXPECT_NEAR(run.displacement(corner).x, 0.1 * std::sin(3 * t), 1e-12);
+    EXPECT_EQ(run.displacement(run.node_at({0, 0, 0})), Vec3{});
+    reach = std::max(reach, run.displacement(middle).x);
+  }
+  // The rest follows: about two thirds of the side's way, and in its direction.
+  EXPECT_GT(reach, 0.05);
+  EXPECT_LT(reach, 0.1);
+}
+
 }  // namespace
 }  // namespace truestep::fem
