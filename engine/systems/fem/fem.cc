@@ -14,8 +14,18 @@ using Columns = FemColumns;
 
 namespace {
 
-constexpr std::string_view kUsual = "implicit_euler";
+constexpr std::string_view kUsual = "implicit_euler", kMeetsBodies = "velocity_verlet";
 constexpr std::string_view kOldPosition = "fem.x_old", kOldVelocity = "fem.v_old";
+
+ChosenMethod settle(const FemDef& def, const BuildContext& context, const FemField& field) {
+  const IntegratorChoice choice = def.choice();
+  if (!choice.name.empty()) return {choose_integrator(choice, "", field), "named by the scene"};
+  if (context.meets_bodies) {
+    return {choose_integrator(choice, kMeetsBodies, field),
+            "the default where nodes touch bodies, to which each answers for itself"};
+  }
+  return {choose_integrator(choice, kUsual, field), "the default, which holds steps of any length"};
+}
 
 void remember(State& s, const StepInput& in) {
   const auto copy = [&](State::Column c, std::string_view key) {
@@ -282,11 +292,7 @@ std::vector<std::string> Fem::remedies() const {
 
 std::unique_ptr<const Fem> Fem::make(const FemDef& def, const BuildContext& context) {
   auto field = std::make_unique<const FemField>(def, context);
-  const IntegratorChoice choice = def.choice();
-  const ChosenMethod method = choice.name.empty()
-                                  ? ChosenMethod{choose_integrator(choice, kUsual, *field),
-                                                 "the default, which holds steps of any length"}
-                                  : ChosenMethod{choose_integrator(choice, "", *field), "named by the scene"};
+  const ChosenMethod method = settle(def, context, *field);
   return std::unique_ptr<const Fem>(new Fem(std::move(field), method, def, context.dt));
 }
 
