@@ -68,7 +68,7 @@ State Wave::initial_state() const {
 void Wave::integrate(State& s, const StepInput& in) const {
   auto& work = in.workspace.object<LatticeWork>("wave");
   work.bind(model_, constants(s), in.arena);
-  // The usual method in one sweep over the state itself: by the table's copy of it a million nodes take seven
+  // The usual method in one sweep over the state itself: by the table's copy of it a million nodes take nine
   // times as long (bench heat).
   const bool undamped_leapfrog = s.f64(kConstants)[1] == 0 && stepper_->method().name == "leapfrog";
   if (const double h = EquationStepper::end_of(in) - in.t;
