@@ -1,7 +1,7 @@
 // What commands do to a body of finite elements; errors name the member of the command that is wrong.
 #include <algorithm>
 
-#include "engine/core/command_checks.h"
+#include "engine/core/point_commands.h"
 #include "engine/math/trig.h"
 #include "engine/systems/fem/fem.h"
 
@@ -9,60 +9,27 @@ namespace truestep::fem {
 
 using Columns = FemColumns;
 
-void Fem::apply(State& s, const Command& c) const {
-  check_command_numbers(c);
-  refuse_place(c, "node");
-  if (c.value < 0) refuse_command("value", "out_of_range", "the value must be at least 0");
-  const auto row = [&] { return checked_command_row(c, s.rows(Columns::inverse_mass), "node"); };
-  const auto plane = [&] {
-    if (body().plane && c.vector.z != 0)
-      refuse_command("vector", "out_of_range", "a plane body stays in z = 0");
-  };
-  const auto w = s.f64(Columns::inverse_mass);
-  double* v = s.f64(Columns::velocity).data();
-  switch (c.kind) {
-    case CommandKind::push:
-      plane();
-      return Columns::kHands.add_push(s, {row(), c.vector, {}}, c.duration);
-    case CommandKind::impulse: {
-      plane();
-      const size_t i = row();
-      double dv[3] = {c.vector.x, c.vector.y, c.vector.z};
-      for (size_t k = 0; k < 3; ++k) {
-        if (body().axes[i] >> k & 1) dv[k] = 0;
-      }
-      return store3(v, i, load3(v, i) + w[i] * Vec3{dv[0], dv[1], dv[2]});
-    }
-    case CommandKind::drag: {
-      plane();
-      const size_t i = row();
-      return Columns::kHands.set_drag(s, i, c.vector, c.value > 0 ? c.value : default_drag(s, i),
-                                      std::nullopt);
-    }
-    case CommandKind::release:
-      return Columns::kHands.release(s, c.index == -1 ? std::nullopt : std::optional<uint64_t>(row()));
-    case CommandKind::pin: {
-      const size_t i = row();
-      w[i] = 0;
-      return store3(v, i, Vec3{});
-    }
-    case CommandKind::unpin: {
-      const size_t i = row();
-      if (body().axes[i] == 7) refuse_command("index", "held", "the scene's holds keep this node");
-      w[i] = 1 / body().masses[i];
-      return;
-    }
-    case CommandKind::set_parameter:
-      break;
-    case CommandKind::spawn:
-    case CommandKind::remove:
-      refuse_command("kind", "unsupported_command", "a body of elements keeps its nodes",
-                     "push, impulse, drag, release, pin, unpin, set_parameter");
+namespace {
+
+constexpr PointCommands kNodes({Columns::velocity, Columns::inverse_mass, Columns::kHands}, "node",
+                               "a body of elements keeps its nodes");
+
+}  // namespace
+
+void Fem::apply(State& s, const Command& given) const {
+  Command c = given;
+  if (body().plane && c.vector.z != 0)
+    refuse_command("vector", "out_of_range", "a plane body stays in z = 0");
+  if (c.kind == CommandKind::unpin && body().axes[kNodes.row(s, c)] == 7) {
+    refuse_command("index", "held", "the scene's holds keep this node");
   }
-  if (c.name == "gravity") {
-    plane();
-    return store3(s.f64(Columns::gravity).data(), 0, c.vector);
+  if (c.kind == CommandKind::impulse) {
+    const uint8_t held = body().axes[kNodes.row(s, c)];
+    c.vector = {held & 1 ? 0 : c.vector.x, held & 2 ? 0 : c.vector.y, held & 4 ? 0 : c.vector.z};
   }
+  const auto stiffness = [&](size_t row) { return default_drag(s, row); };
+  if (kNodes.apply(s, c, body().masses, stiffness)) return;
+  if (c.name == "gravity") return store3(s.f64(Columns::gravity).data(), 0, c.vector);
   if (c.name == "youngs_modulus") {
     if (!(c.value > 0)) refuse_command("value", "out_of_range", "Young's modulus must be above 0");
     s.f64(Columns::parameters)[0] = c.value;

@@ -1,52 +1,23 @@
 // What commands do to an xpbd state; errors name the member of the command that is wrong.
 #include <algorithm>
 
-#include "engine/core/command_checks.h"
+#include "engine/core/point_commands.h"
 #include "engine/systems/xpbd/xpbd.h"
 
 namespace truestep::xpbd {
 
 using Columns = XpbdColumns;
 
+namespace {
+
+constexpr PointCommands kPoints({Columns::velocity, Columns::inverse_mass, Columns::kHands}, "point",
+                                "a cloth or a rope keeps its points");
+
+}  // namespace
+
 void Xpbd::apply(State& s, const Command& c) const {
-  check_command_numbers(c);
-  refuse_place(c, "point");
-  if (c.value < 0) refuse_command("value", "out_of_range", "the value must be at least 0");
-  const auto row = [&] { return checked_command_row(c, s.rows(Columns::inverse_mass), "point"); };
-  const auto w = s.f64(Columns::inverse_mass);
-  double* v = s.f64(Columns::velocity).data();
-  switch (c.kind) {
-    case CommandKind::push:
-      return Columns::kHands.add_push(s, {row(), c.vector, {}}, c.duration);
-    case CommandKind::impulse: {
-      const size_t i = row();
-      return store3(v, i, load3(v, i) + w[i] * c.vector);
-    }
-    case CommandKind::drag: {
-      const size_t i = row();
-      return Columns::kHands.set_drag(s, i, c.vector, c.value > 0 ? c.value : default_drag(s, i),
-                                      std::nullopt);
-    }
-    case CommandKind::release:
-      return Columns::kHands.release(s, c.index == -1 ? std::nullopt : std::optional<uint64_t>(row()));
-    case CommandKind::pin: {
-      const size_t i = row();
-      w[i] = 0;
-      return store3(v, i, Vec3{});
-    }
-    case CommandKind::unpin: {
-      const size_t i = row();
-      w[i] = 1 / body_.masses[i];
-      return;
-    }
-    case CommandKind::set_parameter:
-      return set_parameter(s, c);
-    case CommandKind::spawn:
-    case CommandKind::remove:
-      break;
-  }
-  refuse_command("kind", "unsupported_command", "a cloth or a rope keeps its points",
-                 "push, impulse, drag, release, pin, unpin, set_parameter");
+  const auto stiffness = [&](size_t row) { return default_drag(s, row); };
+  if (!kPoints.apply(s, c, body_.masses, stiffness)) set_parameter(s, c);
 }
 
 double Xpbd::default_drag(const State& s, size_t row) const {
