@@ -42,7 +42,8 @@ void add_picture_options(CLI::App& command, PictureOptions& options) {
       ->check(CLI::IsMember({"oblique", "front", "side", "top"}))
       ->excludes(camera);
   command.add_option("--show", options.show, "what is shown over bodies: one, or both as contacts,joints")
-      ->check(CLI::IsMember({"contacts", "joints", "contacts,joints"}));
+      ->check(CLI::IsMember({"contacts", "joints", "contacts,joints"})
+                  .description("{contacts | joints | contacts,joints}"));
   command.add_option("--theme", options.theme, "the picture's paper (default: light)")
       ->check(CLI::IsMember({"light", "dark"}));
 }

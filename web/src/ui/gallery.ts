@@ -16,6 +16,7 @@ const drawings: [RegExp, string][] = [
 /** Chapters in their order; a scene is in the first whose tags it has. */
 const chapters: [string, RegExp][] = [
   ["Things that meet", /^coupling$/],
+  ["Elastic bodies", /^finite elements$/],
   ["Cloth, ropes and hair", /^(cloth|rope|hair|springs|stability|integrators)$/],
   ["Rigid bodies", /^rigid bodies$/],
   ["Rigid bodies in the plane", /^rigid2d$/],
