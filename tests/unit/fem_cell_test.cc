@@ -16,7 +16,7 @@ namespace {
 
 // An element with bent sides, and where its nodes have gone.
 struct One {
-  std::vector<Vec3> gradients, x;
+  std::vector<Vec3> gradients, rest, x;
   std::vector<double> weights;
   CellRule rule;
 
@@ -27,7 +27,6 @@ struct One {
     const auto shaken = [&](const Vec3& p, double by) {
       return p + Vec3{by * spread(engine), by * spread(engine), e.dimension == 3 ? by * spread(engine) : 0};
     };
-    std::vector<Vec3> rest;
     for (const Vec3& p : e.nodes) rest.push_back(shaken(p, 0.04));
     for (size_t q = 0; q < e.points.size(); ++q) {
       Mat3 j;
@@ -120,6 +119,36 @@ TEST(FemCell, AFreeElementFeelsNoForceAsAWholeAndNoTorque) {
     torque = {};
     for (size_t a = 0; a < f.size(); ++a) torque += cross(one.x[a], f[a]);
     EXPECT_GT(norm(torque), 1e-6 * size);
+  }
+}
+
+// Under tension every slope is definite: the stiffness from principal axes is that from dP/dF. A bound of
+// rounding, of numbers of order 10. The control is compressed, where negative eigenvalues go.
+TEST(FemCell, DefiniteStiffnessIsTheStiffnessWhereThatIsDefinite) {
+  for (const auto& [kind, across] : all_kinds()) {
+    for (const Law law : {Law::corotated, Law::st_venant_kirchhoff, Law::neo_hookean, Law::stable_neo_hookean,
+                          Law::mooney_rivlin}) {
+      for (const bool mean : {false, true}) {
+        if (mean && across == Across::plane_stress) continue;
+        // Across the plane, and without its own U'', it is not definite.
+        if (mean && across == Across::plane_strain && law == Law::stable_neo_hookean) continue;
+        const One one(kind, across, mean, 0);
+        const Material m = material_of(law, 2, 0.3, law == Law::mooney_rivlin ? 0.1 : 0);
+        const size_t n = one.rule.nodes;
+        const auto apart = [&](double scale) {
+          std::vector<Vec3> x = one.rest;
+          for (Vec3& p : x) p = scale * Vec3{1.01 * p.x + 0.02 * p.y, p.y - 0.01 * p.x, 1.02 * p.z};
+          std::vector<double> k(9 * n * n), definite(9 * n * n);
+          cell_stiffness(m, one.rule, x.data(), Definite::no, k.data());
+          cell_stiffness(m, one.rule, x.data(), Definite::yes, definite.data());
+          double worst = 0;
+          for (size_t i = 0; i < k.size(); ++i) worst = std::max(worst, std::abs(k[i] - definite[i]));
+          return worst;
+        };
+        EXPECT_LT(apart(1.05), 1e-12) << element_of(kind).name << ' ' << static_cast<int>(law) << ' ' << mean;
+        EXPECT_GT(apart(0.5), 1e-3) << element_of(kind).name << ' ' << static_cast<int>(law) << ' ' << mean;
+      }
+    }
   }
 }
 

@@ -4,6 +4,8 @@
 #include <array>
 #include <cmath>
 
+#include "engine/kernels/fem/principal.h"
+
 namespace truestep::fem {
 
 namespace {
@@ -91,6 +93,13 @@ void mirror(size_t nodes, double* k) {
   }
 }
 
+// What the mean volume's part of the stiffness takes from the points.
+struct Pulls {
+  std::array<Vec3, kMostNodes> slope_of_mean;
+  double volume;
+  Volumetric u;
+};
+
 }  // namespace
 
 Mat3 deformation(const Material& material, const CellRule& rule, const Vec3* x, size_t point) {
@@ -120,35 +129,74 @@ double cell_forces(const Material& material, const CellRule& rule, const Vec3* x
   return energy;
 }
 
-void cell_stiffness(const Material& material, const CellRule& rule, const Vec3* x, Definite definite,
-                    double* k) {
-  std::fill_n(k, 9 * rule.nodes * rule.nodes, 0.0);
+namespace {
+
+// Of isotropic laws in space and in plane strain: U'' is left out of the points with mean volume.
+Pulls add_definite_points(const Material& material, const CellRule& rule, const Vec3* x, double* k) {
+  std::array<Svd3, kMostPoints> svd;
+  std::array<PrincipalTheta, kMostPoints> theta;
+  Pulls out{};
+  double mean = 0;
+  for (size_t q = 0; q < rule.points; ++q) {
+    svd[q] = svd3(deformation(material, rule, x, q));
+    theta[q] = principal_theta(material, svd[q].s);
+    out.volume += rule.weights[q], mean += rule.weights[q] * theta[q].theta;
+  }
+  if (rule.mean_volume) out.u = volumetric(material, mean / out.volume);
+  for (size_t q = 0; q < rule.points; ++q) {
+    const double w = rule.weights[q];
+    const std::span g(rule.gradients + q * rule.nodes, rule.nodes);
+    const Volumetric u = rule.mean_volume ? out.u : volumetric(material, theta[q].theta);
+    PrincipalSlope h = principal_slope(material, svd[q].s, {u, !rule.mean_volume});
+    clamp(h);
+    add_stiffness(h, svd[q], g, w, k);
+    if (!rule.mean_volume) continue;
+    const auto& t = theta[q].slope;
+    const Mat3 dtheta = svd[q].u * Mat3::diagonal(t[0], t[1], t[2]) * transposed(svd[q].v);
+    for (size_t a = 0; a < rule.nodes; ++a) out.slope_of_mean[a] += w * (dtheta * g[a]);
+  }
+  return out;
+}
+
+Pulls add_points(const Material& material, const CellRule& rule, const Vec3* x, Definite definite,
+                 double* k) {
   std::array<Response, kMostPoints> at;
   std::array<Mat3, kMostPoints> f;
+  Pulls out{};
   for (size_t q = 0; q < rule.points; ++q) {
     f[q] = deformation(material, rule, x, q);
     respond(material, f[q], at[q], nullptr);
+    out.volume += rule.weights[q];
   }
-  Dilatation d{.u = {}, .own = !rule.mean_volume};
-  if (rule.mean_volume) d.u = volumetric(material, mean_theta(rule, at.data()));
-  std::array<Vec3, kMostNodes> slope_of_mean{};
-  double whole = 0;
+  if (rule.mean_volume) out.u = volumetric(material, mean_theta(rule, at.data()));
   for (size_t q = 0; q < rule.points; ++q) {
-    if (d.own) d.u = volumetric(material, at[q].theta);
+    const Dilatation d{rule.mean_volume ? out.u : volumetric(material, at[q].theta), !rule.mean_volume};
     Mat9 h = definite == Definite::yes ? definite_slope(material, f[q], d) : slope(material, f[q], d);
     if (rule.across == Across::plane_stress) condense(h);
     const Vec3* g = rule.gradients + q * rule.nodes;
     add_point(rule, g, rule.weights[q], h, k);
-    whole += rule.weights[q];
-    for (size_t a = 0; a < rule.nodes; ++a) slope_of_mean[a] += rule.weights[q] * (at[q].dtheta * g[a]);
+    for (size_t a = 0; a < rule.nodes; ++a) out.slope_of_mean[a] += rule.weights[q] * (at[q].dtheta * g[a]);
   }
+  return out;
+}
+
+}  // namespace
+
+void cell_stiffness(const Material& material, const CellRule& rule, const Vec3* x, Definite definite,
+                    double* k) {
+  std::fill_n(k, 9 * rule.nodes * rule.nodes, 0.0);
+  const bool principal =
+      definite == Definite::yes && material.law != Law::linear && rule.across != Across::plane_stress;
+  const Pulls pulls =
+      principal ? add_definite_points(material, rule, x, k) : add_points(material, rule, x, definite, k);
   if (rule.mean_volume) {
     // V U''(mean) (d mean / dx) (d mean / dx)^T
-    const double stiff = (definite == Definite::yes ? std::max(d.u.ddu, 0.0) : d.u.ddu) / whole;
+    const double curved = pulls.u.ddu;
+    const double stiff = (definite == Definite::yes ? std::max(curved, 0.0) : curved) / pulls.volume;
     for (size_t a = 0; a < rule.nodes; ++a) {
-      const double left[] = {slope_of_mean[a].x, slope_of_mean[a].y, slope_of_mean[a].z};
+      const double left[] = {pulls.slope_of_mean[a].x, pulls.slope_of_mean[a].y, pulls.slope_of_mean[a].z};
       for (size_t b = a; b < rule.nodes; ++b) {
-        const double right[] = {slope_of_mean[b].x, slope_of_mean[b].y, slope_of_mean[b].z};
+        const double right[] = {pulls.slope_of_mean[b].x, pulls.slope_of_mean[b].y, pulls.slope_of_mean[b].z};
         double* block = k + 9 * (a * rule.nodes + b);
         for (size_t c = 0; c < 3; ++c) {
           for (size_t r = 0; r < 3; ++r) block[3 * c + r] += stiff * left[r] * right[c];

@@ -3,23 +3,12 @@
 #include <algorithm>
 #include <cmath>
 
-#include "engine/math/svd3.h"
-#include "engine/math/trig.h"
+#include "engine/kernels/fem/laws.h"
+#include "engine/kernels/fem/principal.h"
 
 namespace truestep::fem {
 
 namespace {
-
-// ln J with its polynomial below kFloor: value and derivatives.
-struct Log {
-  double l, dl, ddl;
-};
-Log log_of(double j) {
-  if (j >= kFloor) return {trig::log(j), 1 / j, -1 / (j * j)};
-  static const double kLogFloor = trig::log(kFloor);
-  const double r = (j - kFloor) / kFloor;
-  return {kLogFloor + r - 0.5 * r * r, (1 - r) / kFloor, -1 / (kFloor * kFloor)};
-}
 
 void add_outer(Mat9& h, double scale, const Mat3& a, const Mat3& b) {
   for (size_t k = 0; k < 9; ++k) {
@@ -62,12 +51,9 @@ void add_quartic_curvature(Mat9& h, double scale, const Mat3& f) {
   }
 }
 
-// d R / dF: each pair of axes turns at 2 / (s_i + s_j) (McAdams and others 2011, section 4). Where the sum is
-// all but 0 the rotation is not unique; the bound keeps the numbers finite there.
+// d R / dF: each pair of axes turns at 2 / (s_i + s_j) (McAdams and others 2011, section 4).
 void add_rotation_slope(Mat9& h, double scale, const Svd3& svd) {
-  constexpr double kLeast = 1e-8;
-  for (const auto& [p, q] : {std::pair<size_t, size_t>{0, 1}, {0, 2}, {1, 2}}) {
-    const double sum = svd.s[p] + svd.s[q];
+  for (const auto& [p, q] : kPairs) {
     Mat3 t;
     const Vec3 up = svd.u.column(p), uq = svd.u.column(q), vp = svd.v.column(p), vq = svd.v.column(q);
     const double u[2][3] = {{up.x, up.y, up.z}, {uq.x, uq.y, uq.z}};
@@ -75,24 +61,8 @@ void add_rotation_slope(Mat9& h, double scale, const Svd3& svd) {
     for (size_t r = 0; r < 3; ++r) {
       for (size_t c = 0; c < 3; ++c) t(r, c) = u[0][r] * v[1][c] - u[1][r] * v[0][c];
     }
-    add_outer(h, scale / (std::abs(sum) > kLeast ? sum : std::copysign(kLeast, sum)), t, t);
+    add_outer(h, scale / sum_of_stretches(svd.s[p], svd.s[q]), t, t);
   }
-}
-
-struct Smith {
-  double m, l, a;
-};
-Smith smith_of(const Material& mat) {
-  const double m = 4.0 / 3 * mat.mu, l = mat.lambda + 5.0 / 6 * mat.mu;
-  return {m, l, 1 + 0.75 * m / l};
-}
-
-struct Mooney {
-  double c1, c2, d, l;
-};
-Mooney mooney_of(const Material& mat) {
-  const double c2 = 0.5 * mat.mu * mat.second, c1 = 0.5 * mat.mu - c2;
-  return {c1, c2, 2 * (c1 + 2 * c2), mat.lambda - 4 * c2};
 }
 
 void respond_linear(const Material& mat, const Mat3& f, Response& out, Curvature* curvature) {
@@ -164,37 +134,6 @@ void respond_mooney(const Material& mat, const Mat3& f, Response& out, Curvature
   add_determinant_curvature(curvature->theta, 1, f);
 }
 
-// h made of max(lambda, 0) q q^T over the blocks of a matrix in principal axes, q turned back to F's.
-Mat9 clamp_and_turn(const Mat9& h, const Svd3& svd) {
-  Mat9 out{};
-  const auto add = [&](double value, const Mat3& q) {
-    if (!(value > 0)) return;
-    const Mat3 turned = svd.u * q * transposed(svd.v);
-    add_outer(out, value, turned, turned);
-  };
-  Mat3 stretch;
-  for (size_t a = 0; a < 3; ++a) {
-    for (size_t b = 0; b < 3; ++b) stretch(a, b) = 0.5 * (h[9 * 4 * a + 4 * b] + h[9 * 4 * b + 4 * a]);
-  }
-  const Eigen3 e = eigen3(stretch);
-  for (size_t a = 0; a < 3; ++a) {
-    const Vec3 q = e.vectors.column(a);
-    add(e.values[a], Mat3::diagonal(q.x, q.y, q.z));
-  }
-  for (const auto& [p, q] : {std::pair<size_t, size_t>{0, 1}, {0, 2}, {1, 2}}) {
-    const size_t k = 3 * p + q, l = 3 * q + p;
-    // Both diagonal elements are equal: the eigenvectors are sum and difference.
-    const double on = 0.5 * (h[9 * k + k] + h[9 * l + l]), off = 0.5 * (h[9 * k + l] + h[9 * l + k]);
-    const double r = std::sqrt(0.5);
-    Mat3 sum, difference;
-    sum.m[k] = r, sum.m[l] = r;
-    difference.m[k] = r, difference.m[l] = -r;
-    add(on + off, sum);
-    add(on - off, difference);
-  }
-  return out;
-}
-
 }  // namespace
 
 Material material_of(Law law, double e, double nu, double second) {
@@ -251,7 +190,9 @@ Mat9 slope(const Material& material, const Mat3& f, const Dilatation& d) {
 Mat9 definite_slope(const Material& material, const Mat3& f, const Dilatation& d) {
   if (material.law == Law::linear) return slope(material, f, d);
   const Svd3 svd = svd3(f);
-  return clamp_and_turn(slope(material, Mat3::diagonal(svd.s[0], svd.s[1], svd.s[2]), d), svd);
+  PrincipalSlope principal = principal_slope(material, svd.s, d);
+  clamp(principal);
+  return turned(principal, svd);
 }
 
 Stress stress(const Material& material, const Mat3& f) {

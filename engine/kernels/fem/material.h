@@ -78,9 +78,7 @@ struct Dilatation {
 
 /// dP/dF with U' (and, where theta is the point's own, U'') of `dilatation`.
 Mat9 slope(const Material& material, const Mat3& f, const Dilatation& dilatation);
-/// The nearest positive semidefinite one (negative eigenvalues become 0). All laws but the linear one, which
-/// is definite, are isotropic: in the axes of F's singular values dP/dF falls into a 3 x 3 and three 2 x 2
-/// blocks (Smith, de Goes, Kim 2019, "Analytic eigensystems for isotropic distortion energies").
+/// The nearest positive semidefinite one (negative eigenvalues become 0); see principal.h.
 Mat9 definite_slope(const Material& material, const Mat3& f, const Dilatation& dilatation);
 
 }  // namespace truestep::fem
