@@ -9,12 +9,12 @@ namespace {
 struct Turn {
   double c, s;
 };
-// The rotation that makes (p, o; o, q) diagonal: t = tan, |t| <= 1.
+// The rotation by at most 45 degrees that makes (p, o; o, q) diagonal, o not 0: half the angle of (q - p, 2
+// o).
 Turn turn(double p, double o, double q) {
-  const double theta = (q - p) / (2 * o);
-  const double t = (theta >= 0 ? 1 : -1) / (std::abs(theta) + std::sqrt(1 + theta * theta));
-  const double c = 1 / std::sqrt(1 + t * t);
-  return {c, t * c};
+  const double d = q - p, h = std::sqrt(d * d + 4 * o * o);
+  const double c = std::sqrt(0.5 + 0.5 * std::abs(d) / h);
+  return {c, std::copysign(1.0, d) * o / (h * c)};
 }
 
 void rotate_columns(Mat3& a, size_t p, size_t q, const Turn& r) {
@@ -48,7 +48,7 @@ Svd3 svd3(const Mat3& a) {
     for (const auto& [p, q] : {std::pair<size_t, size_t>{0, 1}, {0, 2}, {1, 2}}) {
       const Vec3 x = b.column(p), y = b.column(q);
       const double xx = norm2(x), yy = norm2(y), xy = dot(x, y);
-      if (!(std::abs(xy) > kOrthogonal * std::sqrt(xx * yy))) continue;
+      if (!(xy * xy > kOrthogonal * kOrthogonal * (xx * yy))) continue;
       const Turn r = turn(xx, xy, yy);
       rotate_columns(b, p, q, r);
       rotate_columns(out.v, p, q, r);

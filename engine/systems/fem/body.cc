@@ -205,31 +205,37 @@ void set_holds(const FemDef& def, Body& b) {
   }
 }
 
-// Greedy, in the order of the elements.
-void set_colours(Body& b) {
-  const size_t cells = b.mesh.cells();
+// Groups of elements that follow one another, so that what a group needs lies together in memory; the colours
+// of groups greedily, in their order.
+void set_groups(Body& b) {
+  constexpr size_t kMost = 64, kLeast = 8, kWanted = 64, kLastColour = 63;
+  const size_t cells = b.mesh.cells(), size = std::clamp(cells / kWanted, kLeast, kMost);
   std::vector<uint64_t> used(b.mesh.x.size(), 0);
-  std::vector<std::vector<uint32_t>> colours;
-  for (uint32_t k = 0; k < cells; ++k) {
+  std::vector<std::vector<Body::Group>> colours;
+  for (uint32_t k = 0; k < cells;) {
+    const Body::Group group{k, static_cast<uint32_t>(std::min(k + size, cells))};
     uint64_t taken = 0;
-    for (const uint32_t p : b.mesh.cell(k)) taken |= used[p];
+    for (; k < group.end; ++k) {
+      for (const uint32_t p : b.mesh.cell(k)) taken |= used[p];
+    }
     size_t colour = 0;
-    while (colour < 63 && taken >> colour & 1) ++colour;
+    while (colour < kLastColour && taken >> colour & 1) ++colour;
     if (colour >= colours.size()) colours.resize(colour + 1);
-    colours[colour].push_back(k);
-    // Bit 63 is never marked: elements of the last colour are kept apart below.
-    if (colour < 63) {
-      for (const uint32_t p : b.mesh.cell(k)) used[p] |= uint64_t{1} << colour;
+    colours[colour].push_back(group);
+    // The last colour is never marked: its groups are kept apart below.
+    if (colour == kLastColour) continue;
+    for (uint32_t c = group.begin; c < group.end; ++c) {
+      for (const uint32_t p : b.mesh.cell(c)) used[p] |= uint64_t{1} << colour;
     }
   }
   b.colours = {0};
   for (size_t c = 0; c < colours.size(); ++c) {
-    for (const uint32_t k : colours[c]) {
-      b.order.push_back(k);
+    for (const Body::Group& group : colours[c]) {
+      b.groups.push_back(group);
       // What found no colour may share nodes: one by one.
-      if (c == 63) b.colours.push_back(b.order.size());
+      if (c == kLastColour) b.colours.push_back(b.groups.size());
     }
-    if (c != 63) b.colours.push_back(b.order.size());
+    if (c != kLastColour) b.colours.push_back(b.groups.size());
   }
 }
 
@@ -267,7 +273,7 @@ Body build_body(const FemDef& def) {
   set_geometry(def, b);
   set_loads(def, b);
   set_holds(def, b);
-  set_colours(b);
+  set_groups(b);
   set_pattern(b);
   return b;
 }

@@ -31,8 +31,11 @@ struct Body {
   std::vector<Hold> holds;
   std::vector<uint8_t> axes;             ///< components of every node that are prescribed, bits
   std::vector<uint32_t> pins;            ///< nodes that are held altogether, ascending
-  std::vector<uint32_t> order;           ///< elements, colour by colour: those of a colour share no node
-  std::vector<size_t> colours;           ///< where each begins in `order`, and the end
+  struct Group {
+    uint32_t begin, end;  ///< elements
+  };
+  std::vector<Group> groups;             ///< colour by colour: those of a colour share no node
+  std::vector<size_t> colours;           ///< where each begins in `groups`, and the end
   std::vector<BlockSparse::Pair> pairs;  ///< of nodes with an element in common
   std::vector<BlockSparse::Slot>
       slots;  ///< of node pair (a, b) of a cell, at [(cell * nodes + a) * nodes + b]

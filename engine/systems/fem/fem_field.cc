@@ -106,13 +106,15 @@ void FemField::gather(const double* x, size_t cell, Vec3* out) const {
   for (const uint32_t p : body_.mesh.cell(cell)) *out++ = load3(x, p);
 }
 
-// Elements of a colour share no node: each writes to its own.
+// Groups of a colour share no node: each writes to its own.
 template <class Work>
 void FemField::by_colour(const ThreadArena& arena, Work work) const {
   for (size_t c = 0; c + 1 < body_.colours.size(); ++c) {
-    const uint32_t* cells = body_.order.data() + body_.colours[c];
-    arena.for_blocks(body_.colours[c + 1] - body_.colours[c], kBlockCells, [&](size_t begin, size_t end) {
-      for (size_t k = begin; k < end; ++k) work(cells[k]);
+    const Body::Group* groups = body_.groups.data() + body_.colours[c];
+    arena.for_blocks(body_.colours[c + 1] - body_.colours[c], 1, [&](size_t begin, size_t end) {
+      for (size_t g = begin; g < end; ++g) {
+        for (uint32_t cell = groups[g].begin; cell < groups[g].end; ++cell) work(cell);
+      }
     });
   }
 }
