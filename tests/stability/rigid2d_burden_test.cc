@@ -54,6 +54,36 @@ TEST(Rigid2dBurden, WhatIsHeavyRestsOnWhatIsLight) {
   EXPECT_GT(few.observed("penetration.max"), 0.02);
 }
 
+// A drum on its axle is heavy, but nothing carries it: the boxes that it turns over need no more small steps.
+TEST(Rigid2dBurden, ADrumOnItsAxleIsNoBurden) {
+  const auto most_small_steps = [](const char* joints) {
+    std::string scene = R"("sleeping": false, "bodies": [{"position": [0, 10, 0], "shapes": [
+      {"type": "box", "half_extents": [0.2, 4, 0], "center": [4, 0, 0]}, {"type": "box", "half_extents": [0.2, 4, 0], "center": [-4, 0, 0]},
+      {"type": "box", "half_extents": [4, 0.2, 0], "center": [0, 4, 0]}, {"type": "box", "half_extents": [4, 0.2, 0], "center": [0, -4, 0]}]})";
+    for (int i = 0; i < 64; ++i) {
+      scene += R"(, {"position": [)" + FlatTrial::number(-2 + 0.5 * (i % 8)) + "," +
+               FlatTrial::number(8 + 0.5 * (i / 8)) +
+               R"(, 0], "shapes": [{"type": "box", "half_extents": [0.2, 0.2, 0]}]})";
+    }
+    // Beside it, for a drum that falls on them: a floor and two light boxes.
+    scene +=
+        R"(, {"motion": "fixed", "position": [0, 0, 0], "shapes": [{"type": "box", "half_extents": [20, 1, 0]}]},
+      {"position": [-3, 1.2, 0], "shapes": [{"type": "box", "half_extents": [0.2, 0.2, 0]}]},
+      {"position": [3, 1.2, 0], "shapes": [{"type": "box", "half_extents": [0.2, 0.2, 0]}]})";
+    FlatTrial t(scene + "]" + joints);
+    uint32_t most = 0;
+    for (int k = 0; k < 240; ++k) {
+      t.steps(1);
+      most = std::max(most, t.s().span<uint32_t>(t.s().at("small_steps"))[0]);
+    }
+    return most;
+  };
+  EXPECT_EQ(most_small_steps(R"(, "joints": [{"type": "revolute", "a": -1, "b": 0, "anchor": [0, 10, 0],
+                                 "motor_speed": 0.5, "max_motor": 1e8}])"),
+            4u);
+  EXPECT_GT(most_small_steps(""), 8u) << "control: the drum falls on two boxes";
+}
+
 // A pendulum of 1 degree turns back slowly, but it does not rest.
 TEST(Rigid2dSleep, WhatTurnsBackStaysAwake) {
   for (const double degrees : {0.3, 0.7, 1.0}) {

@@ -1,6 +1,7 @@
 #include "engine/collision/broad/broad_phase.h"
 
 #include <algorithm>
+#include <utility>
 
 namespace truestep {
 namespace {
@@ -8,6 +9,19 @@ namespace {
 uint64_t key(uint32_t a, uint32_t b) {
   return a < b ? uint64_t{a} << 32 | b : uint64_t{b} << 32 | a;
 }
+/// Updates that a body is expected to go on as it came, and how many of its sizes that may be.
+constexpr float kAhead = 4, kMostAhead = 1;
+
+/// Grown ahead by what moved a body since the last update.
+FloatBox ahead(FloatBox grown, const FloatBox& before, const FloatBox& now) {
+  for (int k = 0; k < 3; ++k) {
+    const float most = kMostAhead * (now.high[k] - now.low[k]);
+    const float shift = kAhead * 0.5f * ((now.low[k] - before.low[k]) + (now.high[k] - before.high[k]));
+    grown.low[k] += std::clamp(shift, -most, 0.0f), grown.high[k] += std::clamp(shift, 0.0f, most);
+  }
+  return grown;
+}
+
 BodyPair pair_of(uint64_t k) {
   return {static_cast<uint32_t>(k >> 32), static_cast<uint32_t>(k)};
 }
@@ -29,6 +43,7 @@ void BroadPhase::sort_in(std::span<const Box> boxes, std::span<const Mobility> m
   unbounded_.clear();
   moved_.assign(std::max(n, before), 0);
   tight_.resize(n);
+  left_.clear();
   const auto move = [&](uint32_t i) {
     if (!moved_[i]) moved_list_.push_back(i);
     moved_[i] = 1;
@@ -42,7 +57,7 @@ void BroadPhase::sort_in(std::span<const Box> boxes, std::span<const Mobility> m
   size_t entering = 0;
   for (uint32_t i = 0; i < n; ++i) {
     const Box& b = boxes[i];
-    tight_[i] = FloatBox::around(b);
+    const FloatBox last = std::exchange(tight_[i], FloatBox::around(b));
     DynamicTree &own = tree(mobility[i]),
                 &other = tree(mobility[i] == Mobility::fixed ? Mobility::moving : Mobility::fixed);
     if (other.holds(i)) other.remove(i), move(i);
@@ -52,15 +67,19 @@ void BroadPhase::sort_in(std::span<const Box> boxes, std::span<const Mobility> m
       if (bounded && own.box(i).contains(tight_[i])) continue;
       move(i);
       if (!bounded) own.remove(i);
+      if (bounded) left_.push_back({i, last});
     }
     if (there && !bounded) unbounded_.push_back(i);
     if (bounded) move(i), ++entering;
   }
   size_t held = trees_[0].size() + trees_[1].size();
   const bool anew = entering > 256 && 4 * entering > held;
+  auto left = left_.begin();
   for (const uint32_t i : moved_list_) {
     if (i >= n || !(tight_[i].low[0] <= tight_[i].high[0]) || !boxes[i].finite()) continue;
-    const FloatBox grown = FloatBox::around(boxes[i].grown(margin));
+    FloatBox grown = FloatBox::around(boxes[i].grown(margin));
+    while (left != left_.end() && left->body < i) ++left;
+    if (left != left_.end() && left->body == i) grown = ahead(grown, left->box, tight_[i]);
     DynamicTree& t = tree(mobility[i]);
     if (anew) {
       t.set(i, grown);

@@ -1,7 +1,7 @@
 // Which bodies may touch: all pairs of overlapping boxes, sorted. Two dynamic trees (fixed, moving) hold the
-// boxes grown by a margin, so that bodies which barely move cost one comparison; pairs of grown boxes are
-// kept and tested against the true boxes at every update. What comes out is a function of the boxes given,
-// never of earlier updates: the object may be thrown away between any two steps.
+// boxes grown by a margin and ahead of what moves, so that most bodies cost one comparison; pairs of grown
+// boxes are kept and tested against the true boxes at every update. What comes out is a function of the boxes
+// given, never of earlier updates: the object may be thrown away between any two steps.
 #pragma once
 #include <cstdint>
 #include <span>
@@ -58,6 +58,11 @@ class BroadPhase {
   std::vector<FloatBox> tight_;
   std::vector<uint8_t> moved_;  // per body: sorted in again by this update
   std::vector<uint32_t> moved_list_, unbounded_;
+  struct Left {
+    uint32_t body;
+    FloatBox box;  // of the last update
+  };
+  std::vector<Left> left_;            // bodies that left their grown boxes, ascending
   std::vector<uint64_t> candidates_;  // (a << 32 | b), grown boxes overlap, ascending
   std::vector<uint64_t> fresh_, merged_;
   std::vector<BodyPair> pairs_;

@@ -272,6 +272,7 @@ void gather_hot_parts(Model& m) {
   for (const Body& b : m.bodies) {
     m.light.push_back({.reach = b.reach,
                        .inner = b.inner,
+                       .mass = b.mass,
                        .category = b.category,
                        .mask = b.mask,
                        .group = b.group,
@@ -287,10 +288,16 @@ void gather_hot_parts(Model& m) {
       m.forced.push_back(static_cast<uint32_t>(m.light.size() - 1));
     }
   }
-  for (const Shape& s : m.shapes) m.body_of.push_back(s.body);
+  for (const Shape& s : m.shapes) {
+    m.body_of.push_back(s.body), m.radius.push_back(s.outline.radius);
+  }
   for (uint32_t i = 0; i < m.joints.size(); ++i) {
     const Joint& j = m.joints[i];
     m.may_break = m.may_break || j.break_force > 0;
+    for (const auto& [one, other] : {std::pair{j.a, j.b}, {j.b, j.a}}) {
+      const bool firm = j.break_force == 0 && j.kind != JointKind::mouse;
+      if (firm && m.light[other].motion != Motion::dynamic) m.light[one].hung = true;
+    }
     if (j.plain()) {
       m.hinges.push_back({i, j.a, j.b, j.local_a, j.local_b});
     } else {

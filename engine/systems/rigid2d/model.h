@@ -42,11 +42,12 @@ struct Shape {
 
 /// What every step asks of many bodies, close together in memory.
 struct Light {
-  double reach = 0, inner = 0;
+  double reach = 0, inner = 0, mass = 0;
   uint32_t category = 1, mask = ~0u;
   int32_t group = 0;
   Motion motion = Motion::fixed;
   bool sensor = false, bullet = false, one_way = false, can_sleep = true;
+  bool hung = false;  ///< a joint that does not break ties it to a body that is not moved
 };
 struct Dynamics {
   double inverse_mass = 0, inverse_inertia = 0, linear_damping = 0, angular_damping = 0, gravity_scale = 1;
@@ -95,11 +96,12 @@ struct Model {
   std::vector<Light> light;  ///< of the same bodies, as are the next two
   std::vector<Dynamics> dynamics;
   std::vector<Surface> surfaces;
-  std::vector<uint32_t> body_of;  ///< of every shape
-  std::vector<Hinge> hinges;      ///< the plain joints
-  std::vector<uint32_t> others;   ///< the joints that are not
-  bool may_break = false;         ///< some joint has a break_force
-  std::vector<uint32_t> forced;   ///< bodies with a constant force or torque
+  std::vector<uint32_t> body_of;  ///< of every shape, as are the radii (m)
+  std::vector<double> radius;
+  std::vector<Hinge> hinges;     ///< the plain joints
+  std::vector<uint32_t> others;  ///< the joints that are not
+  bool may_break = false;        ///< some joint has a break_force
+  std::vector<uint32_t> forced;  ///< bodies with a constant force or torque
   std::vector<Shape> shapes;
   std::vector<Joint> joints;
   std::vector<uint64_t>

@@ -29,8 +29,8 @@ constexpr std::string_view kScratch = "rigid2d";
 // of (w h)^2 = 2: stiffer contacts than that feed every slow mode of a pile, softer ones let towers buckle
 // (docs/standing.md).
 constexpr double kContactHertz = 0.21;
-/// Steps between looks whether loads need fewer small steps.
-constexpr uint64_t kStepsPerLook = 16;
+/// Steps between looks whether columns need more small steps, and whether loads need fewer.
+constexpr uint64_t kStepsPerColumnLook = 4, kStepsPerLook = 16;
 
 }  // namespace
 
@@ -100,9 +100,10 @@ void Rigid2d::choose_small_steps(State& s, const StepInput& in) const {
   // Contacts of a frequency of their own get no stiffer.
   const double rate = settings_.contact_hertz ? 0 : 2 * std::numbers::pi * kContactHertz / h;
   Scratch& w = in.workspace.object<Scratch>(kScratch);
-  const int wanted = w.small_steps.wanted(model_, s, w.pairs, {least, now, h, rate});
-  const int fewest = in.step % kStepsPerLook == 1 ? now - 1 : now;
-  const int next = std::max(wanted, fewest);
+  const int wanted =
+      w.small_steps.wanted(model_, s, w.pairs, {least, now, h, rate, in.step % kStepsPerColumnLook == 1});
+  // Half of what is too many at a look.
+  const int next = wanted < now ? now - (in.step % kStepsPerLook == 1 ? (now - wanted + 1) / 2 : 0) : wanted;
   s.span<uint32_t>(columns::small_steps)[0] = static_cast<uint32_t>(next);
   if (next == now) return;
   // Impulses are those of one small step.

@@ -27,8 +27,10 @@ double gravity_of(const State& s) {
   return std::sqrt(g[0] * g[0] + g[1] * g[1]);
 }
 
+/// What hangs in a joint, as a drum that turns on its axle does, lies on nothing and bears as the ground
+/// does.
 bool moves(const Model& model, std::span<const uint32_t> status, uint32_t i) {
-  return i < model.count() && is_moved(model.light[i], status[i]);
+  return i < model.count() && is_moved(model.light[i], status[i]) && !model.light[i].hung;
 }
 
 }  // namespace
@@ -48,8 +50,8 @@ void SmallSteps::find_islands(const Model& model, const State& s, const Pairs& p
     Island& all = island_[island_of(parent_, i)];
     const double height = -(g[0] * x[3 * i] + g[1] * x[3 * i + 1]) / weight;
     all.low = std::min(all.low, height), all.high = std::max(all.high, height), ++all.bodies;
-    all.heaviest = std::max(all.heaviest, model.bodies[i].mass);
-    all.lightest = std::min(all.lightest, model.bodies[i].mass);
+    all.heaviest = std::max(all.heaviest, model.light[i].mass);
+    all.lightest = std::min(all.lightest, model.light[i].mass);
   }
 }
 
@@ -63,7 +65,7 @@ double SmallSteps::largest_burden(const Model& model, const State& s, const Pair
     const double load = (impulse[5 * k] + impulse[5 * k + 1]) / h;
     for (const uint32_t i : {model.body_of[keys[k] >> 32], model.body_of[static_cast<uint32_t>(keys[k])]}) {
       if (!moves(model, status, i)) continue;
-      const double mass = model.bodies[i].mass;
+      const double mass = model.light[i].mass;
       most = std::max(most, std::min(load / (mass * weight), island_[island_of(parent_, i)].heaviest / mass));
     }
   }
@@ -93,13 +95,14 @@ double SmallSteps::least_quotient(const Model& model, const State& s, double rat
   for (uint32_t i = 0; i < model.count(); ++i) {
     if (!moves(model, status, i)) continue;
     Island& all = island_[island_of(parent_, i)];
-    all.load += model.bodies[i].mass * weight * (all.high - all.low) * squared_tilts(place(all, i));
+    all.load += model.light[i].mass * weight * (all.high - all.low) * squared_tilts(place(all, i));
   }
   for (size_t k = 0; k < keys.size(); ++k) {
     const uint32_t ends[] = {model.body_of[keys[k] >> 32], model.body_of[static_cast<uint32_t>(keys[k])]};
     const bool moved[] = {moves(model, status, ends[0]), moves(model, status, ends[1])};
     if (!(impulse[5 * k] + impulse[5 * k + 1] > 0) || (!moved[0] && !moved[1])) continue;
     Island& all = island_[island_of(parent_, ends[moved[0] ? 0 : 1])];
+    if (!moved[0] || !moved[1]) all.stands = true;
     // A corner on a face tilts as it likes.
     all.bearings += ids[2 * k + 1] == kNoPoint ? all.bodies + 1 : 1;
     double turns = 0, tilt[2] = {};
@@ -112,7 +115,8 @@ double SmallSteps::least_quotient(const Model& model, const State& s, double rat
   }
   double least = HUGE_VAL;
   for (const Island& all : island_) {
-    if (all.bearings <= all.bodies && all.load > 0) least = std::min(least, all.stiffness / all.load);
+    if (all.stands && all.bearings == all.bodies)
+      least = std::min(least, all.stiffness / all.load);
   }
   return least;
 }
@@ -124,11 +128,11 @@ int SmallSteps::wanted(const Model& model, const State& s, const Pairs& pairs, c
   const auto status = s.span<uint32_t>(columns::status);
   const auto impulse = s.span<float>(columns::contact_impulse);
   bool tall = false;
-  for (size_t k = 0; k < keys.size() && !tall && usual.rate > 0; ++k) {
+  for (size_t k = 0; k < keys.size() && !tall && usual.looks && usual.rate > 0; ++k) {
     double heavier = HUGE_VAL;
     for (const uint32_t i : {model.body_of[keys[k] >> 32], model.body_of[static_cast<uint32_t>(keys[k])]}) {
       if (!moves(model, status, i)) continue;
-      heavier = std::max(heavier < HUGE_VAL ? heavier : 0, model.bodies[i].mass);
+      heavier = std::max(heavier < HUGE_VAL ? heavier : 0, model.light[i].mass);
     }
     tall = (impulse[5 * k] + impulse[5 * k + 1]) / usual.h > kTallLoad * heavier * weight;
   }
@@ -136,8 +140,8 @@ int SmallSteps::wanted(const Model& model, const State& s, const Pairs& pairs, c
   for (const uint32_t k : pairs.touching) {
     for (const uint32_t i : {pairs.hits[k].body_a, pairs.hits[k].body_b}) {
       if (!moves(model, status, i)) continue;
-      lightest = std::min(lightest, model.bodies[i].mass),
-      heaviest = std::max(heaviest, model.bodies[i].mass);
+      lightest = std::min(lightest, model.light[i].mass);
+      heaviest = std::max(heaviest, model.light[i].mass);
     }
   }
   const bool uneven = heaviest > kEasyBurden * lightest;

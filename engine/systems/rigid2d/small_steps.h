@@ -4,11 +4,12 @@
 //   Q = sum over contacts of k (theta_b - theta_a)^2 / sum over bodies of m g integral_0^z theta^2
 // is the Rayleigh quotient of stiffness and load: below 1 it buckles. k is what two points at arms r make
 // about their middle, and grows with the square of the small steps. Only islands in which every body stands
-// on one other count: courses that overlap hold one another upright.
+// on one other count: courses that overlap hold one another upright, and what falls does not buckle.
 // What lies on much lighter bodies is carried through them: the sweeps pass a load on by shares of
 // m_light / m_heavy, so that they need more small steps, too. Counted is a light body by the load that it
 // carries in its own weights, as far as a single body of its island is that much heavier; where bodies hit,
-// before any load is known, by the ratio of the masses alone.
+// before any load is known, by the ratio of the masses alone. What hangs in a joint, as a drum that turns on
+// its axle does, lies on nothing.
 #pragma once
 #include <cmath>
 #include <vector>
@@ -26,6 +27,7 @@ class SmallSteps {
     int least, now;  ///< small steps that the scene asks for, and of the last step
     double h;        ///< s, of the last step's
     double rate;     ///< 1/s, angular frequency of contacts in them; 0: it does not follow
+    bool looks;      ///< at columns, whose modes are slow: not in every step
   };
   /// At least `least`, at most kMostTimes as many.
   int wanted(const Model& model, const State& s, const Pairs& pairs, const Usual& usual);
@@ -35,6 +37,7 @@ class SmallSteps {
     double low = 0, high = 0, stiffness = 0, load = 0;
     double heaviest = 0, lightest = HUGE_VAL;
     uint32_t bodies = 0, bearings = 0;
+    bool stands = false;  ///< on what does not move
   };
   void find_islands(const Model& model, const State& s, const Pairs& pairs);
   double largest_burden(const Model& model, const State& s, const Pairs& pairs, double h);

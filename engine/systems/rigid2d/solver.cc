@@ -143,38 +143,48 @@ void Solver<T>::kick(JointPass pass, T h) {
 }
 
 template <class T>
+void Solver<T>::find_islands() {
+  start_islands(island_);
+  const uint32_t packs = contact_colours_.empty() ? 0 : contact_colours_.back();
+  for (uint32_t p = 0; p < packs; ++p) {
+    const ContactPack<T>& c = contacts_[p];
+    for (int k = 0; k < Wide<T>::kLanes; ++k) {
+      if (c.a[k] < moved_ && c.b[k] < moved_) link_islands(island_, c.a[k], c.b[k]);
+    }
+  }
+  for (uint32_t i = 0; i < moved_; ++i) island_[i] = island_of(island_, i);
+  knows_islands_ = true;
+}
+
+template <class T>
 void Solver<T>::start_parting(T push_out_speed) {
   std::copy(rows_.begin(), rows_.end(), start_.begin());
   std::fill(parts_.begin(), parts_.end(), uint8_t{0});
-  start_islands(island_);
+  if (!knows_islands_) find_islands();
   const uint32_t packs = contact_colours_.empty() ? 0 : contact_colours_.back();
-  const auto lanes = [&](auto&& visit) {
-    for (uint32_t p = 0; p < packs; ++p) {
-      for (int k = 0; k < Wide<T>::kLanes; ++k) visit(contacts_[p], k);
-    }
-  };
   const auto island = [&](const ContactPack<T>& c, int k) {
     const uint32_t body = std::min(c.a[k], c.b[k]);
-    return body < moved_ ? island_of(island_, body) : kNoPoint;
+    return body < moved_ ? island_[body] : kNoPoint;
   };
-  lanes([&](ContactPack<T>& c, int k) {
-    if (c.a[k] < moved_ && c.b[k] < moved_) link_islands(island_, c.a[k], c.b[k]);
-  });
   for (uint32_t p = 0; p < packs; ++p) {
     ContactPack<T>& c = contacts_[p];
     remember_impulses(c);
     Wide<T> separation[2];
     separations(c, Ends<T>(rows_.data(), c.a, c.b), separation);
     const Wide<T> left = depth_left(c, separation, push_out_speed);
+    if (!any_below(left, Wide<T>::zero())) continue;
     for (int k = 0; k < Wide<T>::kLanes; ++k) {
       const uint32_t i = island(c, k);
       if (i != kNoPoint && left[k] < 0) parts_[i] = 1;
     }
   }
-  lanes([&](ContactPack<T>& c, int k) {
-    const uint32_t i = island(c, k);
-    c.before.taken.set(k, i != kNoPoint && parts_[i] ? T(1) : T(0));
-  });
+  for (uint32_t p = 0; p < packs; ++p) {
+    ContactPack<T>& c = contacts_[p];
+    for (int k = 0; k < Wide<T>::kLanes; ++k) {
+      const uint32_t i = island(c, k);
+      c.before.taken.set(k, i != kNoPoint && parts_[i] ? T(1) : T(0));
+    }
+  }
 }
 
 template <class T>
@@ -304,6 +314,7 @@ void Solver<T>::solve(const Model& model, State& state, const Pairs& pairs, Hand
   for (JointRow<T>& j : joints_) {
     solve_joint(j, rows_.data(), moved_, JointPass::soften, h);
   }
+  knows_islands_ = false;
   choose_sprung(pairs);
   if (springs_) kick(JointPass::unkick, h);
   deep_ = false;

@@ -135,6 +135,7 @@ class Solver {
   /// (oscillator_step).
   void choose_sprung(const Pairs& pairs);
   void kick(JointPass pass, T h);
+  void find_islands();
   /// Marks the lanes of islands in which a contact is deep, and remembers impulses and velocities.
   void start_parting(T push_out_speed);
   void small_step(const SolverSettings& settings, const ThreadArena& arena);
@@ -150,7 +151,8 @@ class Solver {
   bool bounces_ = false;
   std::atomic<bool> deep_ = false;  // some overlap deeply
   Aligned<T> start_;                // rows before the pushes, where some overlap deeply
-  std::vector<uint32_t> island_;
+  std::vector<uint32_t> island_;    // roots of the rows' islands, once a step needs them
+  bool knows_islands_ = false;
   std::vector<uint8_t> parts_;
   Aligned<ContactPack<T>> contacts_;
   Aligned<HingePack<T>> hinges_;

@@ -9,6 +9,7 @@ namespace truestep::rigid2d {
 namespace {
 
 constexpr size_t kPackBlock = 64;  // packs a task
+constexpr size_t kPacksAhead = 2;
 
 /// First pack of `lanes` of each colour, and the end; what was left over makes packs of one.
 void pack_colours(std::span<const uint32_t, kColours + 1> count, uint32_t lanes,
@@ -44,8 +45,8 @@ void Solver<T>::fill(ContactPack<T>& c, const uint32_t* hits, int count, const M
     c.a[k] = slot_[hit.body_a], c.b[k] = slot_[hit.body_b];
     const Vec2 n = contact.normal, apart = pairs.pose[hit.body_b].p - pairs.pose[hit.body_a].p;
     c.nx.set(k, t(n.x)), c.ny.set(k, t(n.y));
-    c.round_a.set(k, t(model.shapes[hit.a].outline.radius));
-    c.round_b.set(k, t(model.shapes[hit.b].outline.radius));
+    c.round_a.set(k, t(model.radius[hit.a]));
+    c.round_b.set(k, t(model.radius[hit.b]));
     c.friction.set(k, t(a.friction == b.friction ? a.friction : std::sqrt(a.friction * b.friction)));
     c.surface_speed.set(k, t(-(a.speed + b.speed)));
     const double bounces = std::max(a.restitution, b.restitution);
@@ -140,6 +141,15 @@ void Solver<T>::pack_contacts(const Model& model, const State& state, const Pair
       for (int k = 0; k < lanes; ++k) {
         place_[order_[first[p] + static_cast<uint32_t>(k)]] =
             static_cast<uint32_t>(p) * kLanes + static_cast<uint32_t>(k);
+      }
+      // Contacts of a colour lie far apart: those of the pack after the next are asked for in time.
+      if (p + kPacksAhead + 1 < first.size()) {
+        for (uint32_t k = first[p + kPacksAhead]; k < first[p + kPacksAhead + 1]; ++k) {
+          const uint32_t index = pairs.touching[order_[k]];
+          __builtin_prefetch(&pairs.hits[index]);
+          __builtin_prefetch(&pairs.contacts[index]);
+          __builtin_prefetch(reinterpret_cast<const char*>(&pairs.contacts[index]) + 64);
+        }
       }
       fill(contacts_[p], order_.data() + first[p], lanes, model, state, pairs, settings);
     }
