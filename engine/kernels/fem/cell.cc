@@ -158,6 +158,33 @@ Pulls add_definite_points(const Material& material, const CellRule& rule, const 
   return out;
 }
 
+// The linear law's: lambda grad N_a (x) grad N_b (left out of the points with mean volume) + mu grad N_b (x)
+// grad N_a + mu grad N_a . grad N_b.
+Pulls add_linear_points(const Material& material, const CellRule& rule, double* k) {
+  Pulls out{};
+  out.u = volumetric(material, 0);
+  for (size_t q = 0; q < rule.points; ++q) {
+    const double w = rule.weights[q], mu = w * material.mu, lambda = rule.mean_volume ? 0 : w * out.u.ddu;
+    const Vec3* g = rule.gradients + q * rule.nodes;
+    out.volume += w;
+    for (size_t b = 0; b < rule.nodes; ++b) {
+      const double right[] = {g[b].x, g[b].y, g[b].z};
+      for (size_t a = 0; a <= b; ++a) {
+        const double left[] = {g[a].x, g[a].y, g[a].z}, both = mu * dot(g[a], g[b]);
+        double* block = k + 9 * (a * rule.nodes + b);
+        for (size_t c = 0; c < 3; ++c) {
+          for (size_t r = 0; r < 3; ++r) {
+            block[3 * c + r] += lambda * left[r] * right[c] + mu * right[r] * left[c];
+          }
+          block[4 * c] += both;
+        }
+      }
+      out.slope_of_mean[b] += w * g[b];
+    }
+  }
+  return out;
+}
+
 Pulls add_points(const Material& material, const CellRule& rule, const Vec3* x, Definite definite,
                  double* k) {
   std::array<Response, kMostPoints> at;
@@ -185,10 +212,11 @@ Pulls add_points(const Material& material, const CellRule& rule, const Vec3* x, 
 void cell_stiffness(const Material& material, const CellRule& rule, const Vec3* x, Definite definite,
                     double* k) {
   std::fill_n(k, 9 * rule.nodes * rule.nodes, 0.0);
-  const bool principal =
-      definite == Definite::yes && material.law != Law::linear && rule.across != Across::plane_stress;
-  const Pulls pulls =
-      principal ? add_definite_points(material, rule, x, k) : add_points(material, rule, x, definite, k);
+  const bool linear = material.law == Law::linear, condensed = rule.across == Across::plane_stress;
+  const Pulls pulls = condensed                   ? add_points(material, rule, x, definite, k)
+                      : linear                    ? add_linear_points(material, rule, k)
+                      : definite == Definite::yes ? add_definite_points(material, rule, x, k)
+                                                  : add_points(material, rule, x, definite, k);
   if (rule.mean_volume) {
     // V U''(mean) (d mean / dx) (d mean / dx)^T
     const double curved = pulls.u.ddu;
