@@ -7,7 +7,6 @@
 #include <cmath>
 #include <map>
 #include <memory>
-#include <mutex>
 #include <optional>
 #include <string>
 
@@ -15,6 +14,7 @@
 #include "engine/session/session.h"
 #include "server/net/async.h"
 #include "server/net/message.h"
+#include "server/sessions/fair_mutex.h"
 #include "server/sessions/job.h"
 #include "server/sessions/memory_budget.h"
 #include "server/sessions/poll_sink.h"
@@ -70,7 +70,7 @@ struct SessionEntry {
   std::atomic<uint64_t> version{1};  ///< grows whenever the state or its past changes
   net::Signal changed;               ///< notified with `version`
 
-  std::mutex mutex;
+  FairMutex mutex;
   MemoryBudget::Lease past;  ///< of the snapshots for going back: without room there are fewer
   MemoryBudget::Lease kept;  ///< of journal, series and frames, which is what it is
   Session session;

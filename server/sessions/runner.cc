@@ -316,7 +316,7 @@ Runner::Next Runner::next_of(SessionEntry& entry) {
   return jobs.due > 0 ? Next::step : Next::wait;
 }
 
-StepOutcome Runner::one_step(const EntryPtr& entry, std::unique_lock<std::mutex>& lock,
+StepOutcome Runner::one_step(const EntryPtr& entry, std::unique_lock<FairMutex>& lock,
                              Session::Output output) {
   Session& session = entry->session;
   if (!slow(*entry)) {

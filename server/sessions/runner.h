@@ -78,7 +78,7 @@ class Runner {
   void schedule(const EntryPtr& entry);
   void turn(const EntryPtr& entry, LaneKind kind);
   Next next_of(SessionEntry& entry);
-  StepOutcome one_step(const EntryPtr& entry, std::unique_lock<std::mutex>& lock, Session::Output output);
+  StepOutcome one_step(const EntryPtr& entry, std::unique_lock<FairMutex>& lock, Session::Output output);
   void carry_out_calls(SessionEntry& entry);
   void cancel_jobs(SessionEntry& entry);
   void wait_for_clock(const EntryPtr& entry);

@@ -1,0 +1,59 @@
+// Who waits for a session's lock gets it after the step in progress, however soon the next one follows.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <atomic>
+#include <chrono>
+#include <thread>
+
+#include "server/sessions/fair_mutex.h"
+
+namespace truestep {
+namespace {
+
+// How often a thread that takes the mutex again at once had it between another's wish for it and its turn:
+// the middle of 21 trials, because either thread may lose its processor at any moment.
+template <class Mutex>
+int turns_waited() {
+  Mutex mutex;
+  std::atomic<bool> over = false;
+  std::atomic<int> turns = 0;
+  std::thread greedy([&] {
+    while (!over) {
+      const std::lock_guard lock(mutex);
+      ++turns;
+      const auto end = std::chrono::steady_clock::now() + std::chrono::milliseconds(1);
+      while (std::chrono::steady_clock::now() < end) continue;
+    }
+  });
+  std::array<int, 21> waited{};
+  for (int& w : waited) {
+    while (turns == 0) std::this_thread::yield();
+    const int before = turns;
+    const std::lock_guard lock(mutex);
+    w = turns - before;
+    turns = 0;
+  }
+  over = true;
+  greedy.join();
+  std::sort(waited.begin(), waited.end());
+  return waited;
+}
+
+TEST(FairMutex, GoesToWhoWaits) {
+  EXPECT_LE(turns_waited<FairMutex>()[10], 2);
+  EXPECT_GT(turns_waited<std::mutex>()[20], 10) << "control";
+}
+
+TEST(FairMutex, IsTriedWithoutWaiting) {
+  FairMutex mutex;
+  EXPECT_TRUE(mutex.try_lock());
+  std::thread([&] { EXPECT_FALSE(mutex.try_lock()); }).join();
+  mutex.unlock();
+  EXPECT_TRUE(mutex.try_lock());
+  mutex.unlock();
+}
+
+}  // namespace
+}  // namespace truestep
