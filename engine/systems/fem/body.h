@@ -29,8 +29,8 @@ struct Body {
   std::vector<double> loads;    ///< N, 3 a node: forces that keep their direction
   std::vector<PressureFacet> pressures;
   std::vector<Hold> holds;
-  std::vector<uint8_t> axes;             ///< components of every node that are prescribed, bits
-  std::vector<uint32_t> pins;            ///< nodes that are held altogether, ascending
+  std::vector<uint8_t> axes;   ///< components of every node that are prescribed, bits
+  std::vector<uint32_t> pins;  ///< nodes that are held altogether, ascending
   struct Group {
     uint32_t begin, end;  ///< elements
   };

@@ -115,8 +115,7 @@ double SmallSteps::least_quotient(const Model& model, const State& s, double rat
   }
   double least = HUGE_VAL;
   for (const Island& all : island_) {
-    if (all.stands && all.bearings == all.bodies)
-      least = std::min(least, all.stiffness / all.load);
+    if (all.stands && all.bearings == all.bodies) least = std::min(least, all.stiffness / all.load);
   }
   return least;
 }
