@@ -206,13 +206,15 @@ IkResult fabrik(std::span<const Joint> joints, const Pose& root, std::span<const
   }
   unstraighten(joints, root, goals, motion, w);
   chain.read_places();
+  // With limits the way to the target may lead away from it for a while.
+  const int patience = chain.free() ? 5 : 40;
   IkResult out{error, 0, exhausted};
+  double best = error;
   int rests = 0;
   while (out.iterations < options.most) {
     chain.backward();
     chain.forward();
     ++out.iterations;
-    const double before = error;
     if (chain.free()) {
       error = chain.error();
     } else {
@@ -224,8 +226,9 @@ IkResult fabrik(std::span<const Joint> joints, const Pose& root, std::span<const
       out.end = reached;
       break;
     }
-    rests = before - error < kProgress * before ? rests + 1 : 0;
-    if (rests >= 5) {
+    rests = best - error < kProgress * best ? rests + 1 : 0;
+    best = std::min(best, error);
+    if (rests >= patience) {
       out.end = stalled;
       break;
     }
