@@ -1,5 +1,5 @@
-// Curves through keys and orientations between them against closed forms and the reference cases anim.splines and
-// anim.slerp.
+// Curves through keys and orientations between them against closed forms and the reference cases anim.splines
+// and anim.slerp.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -61,8 +61,8 @@ TEST(KeyCurve, MiddleErrorOnASineIsTheReferencesOne) {
 }
 
 TEST(KeyCurve, ReproducesPolynomials) {
-  // Times that are not even: quadratics by Catmull-Rom, cubics by Hermite with exact slopes, lines by all that
-  // are smooth. 1e-13: rounding of values of order 10.
+  // Times that are not even: quadratics by Catmull-Rom, cubics by Hermite with exact slopes, lines by all
+  // that are smooth. 1e-13: rounding of values of order 10.
   const std::vector<double> t{-0.5, 0.1, 0.9, 1.0, 2.2};
   const auto values = [&](auto f) {
     std::vector<double> v;
@@ -150,7 +150,8 @@ TEST(KeyCurve, BezierHandlesBendTime) {
     EXPECT_NEAR(3 * s * r * r * 0.9 + 3 * s * s * r * 0.1 + s * s * s, x, 1e-15);
   }
   for (const double a : {0.0, 1.0}) {
-    for (const double b : {0.0, 1.0}) EXPECT_NEAR(bezier_parameter(0, a, b) + 1 - bezier_parameter(1, a, b), 0, 1e-7);
+    for (const double b : {0.0, 1.0})
+      EXPECT_NEAR(bezier_parameter(0, a, b) + 1 - bezier_parameter(1, a, b), 0, 1e-7);
   }
 }
 
@@ -202,7 +203,8 @@ TEST(Rotations, SlerpIsTheReferencesOne) {
 }
 
 TEST(Rotations, SlerpTakesTheShorterArcAndKeepsItsSpeed) {
-  const Quat a = turn_about(normalized(Vec3{1, 2, 3}), 0.4), b = turn_about(normalized(Vec3{-1, 1, 0.2}), 2.0);
+  const Quat a = turn_about(normalized(Vec3{1, 2, 3}), 0.4),
+             b = turn_about(normalized(Vec3{-1, 1, 0.2}), 2.0);
   const Quat minus{-b.w, -b.x, -b.y, -b.z};
   const Quat p = slerp(a, b, 0.7), q = slerp(a, minus, 0.7);
   EXPECT_NEAR(std::abs(p.w * q.w + p.x * q.x + p.y * q.y + p.z * q.z), 1, 1e-15);
@@ -219,7 +221,8 @@ TEST(Rotations, SquadHasNoCorners) {
   std::vector<Quat> q;
   std::mt19937 engine(5);
   std::uniform_real_distribution<double> u(-1, 1);
-  for (int i = 0; i < 6; ++i) t.push_back(i), q.push_back(free_rotation::turn({u(engine), u(engine), u(engine)}));
+  for (int i = 0; i < 6; ++i)
+    t.push_back(i), q.push_back(free_rotation::turn({u(engine), u(engine), u(engine)}));
   const double h = 1e-5;
   const auto corner = [&](Turning turning) {
     const RotationCurve c(t, q, turning, Extend::clamp);

@@ -94,7 +94,8 @@ TEST(JointTree, LimitsHoldSwingAndTwist) {
 
 TEST(Skinning, TwistShrinksMeansOfMatricesAndNotDualQuaternions) {
   // anim.blend: half way between bones that are twisted by an angle.
-  const double want[][2] = {{60, 0.866025403784439}, {90, 0.707106781186548}, {120, 0.5}, {150, 0.258819045102521}};
+  const double want[][2] = {
+      {60, 0.866025403784439}, {90, 0.707106781186548}, {120, 0.5}, {150, 0.258819045102521}};
   for (const auto& [degrees, factor] : want) {
     const Pose rest, turned{{}, turn_about({1, 0, 0}, degrees * 0.017453292519943295)};
     const BoneMatrix bones[] = {bone_matrix(rest, rest), bone_matrix(rest, turned)};
@@ -150,7 +151,8 @@ TEST(BlendShapes, AreLinear) {
   d.controls[0].name = "a", d.controls[0].value = "0.3";
   d.controls[1].name = "b", d.controls[1].value = "a + 0.2";
   d.targets.resize(3);
-  d.targets[0].name = "up", d.targets[0].weight = "a", d.targets[0].vertices = {{0, 0, 1}, {1, 0, 2}, {0, 1, 3}};
+  d.targets[0].name = "up", d.targets[0].weight = "a",
+  d.targets[0].vertices = {{0, 0, 1}, {1, 0, 2}, {0, 1, 3}};
   d.targets[1].name = "wide", d.targets[1].weight = "b", d.targets[1].offset = {"x", "y"};
   d.targets[2].name = "both", d.targets[2].weight = "a*b", d.targets[2].offset = {"0", "0", "1"};
   testing_rig::AnimationRun<blend_shapes::BlendShapes> run(d);

@@ -18,7 +18,8 @@ struct Chain {
   Vec3 end;
   animation::IkWork work;
 
-  Chain(size_t n, double length, animation::JointKind kind = animation::JointKind::ball) : motion(n), end{length, 0, 0} {
+  Chain(size_t n, double length, animation::JointKind kind = animation::JointKind::ball)
+      : motion(n), end{length, 0, 0} {
     for (size_t j = 0; j < n; ++j) {
       animation::Joint joint;
       joint.parent = static_cast<int32_t>(j) - 1, joint.kind = kind;

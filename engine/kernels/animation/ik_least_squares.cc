@@ -206,8 +206,16 @@ class LeastSquares {
         a[r * count + c] = dot_rows(&w_.projected[r * n_], &w_.projected[c * n_], n_);
       trace += a[r * count + r];
     }
-    constexpr double kFloor = 1e-12;  // of the trace: rows that depend on others get no say
-    for (size_t r = 0; r < count; ++r) a[r * count + r] += damping + kFloor * trace + 1e-300;
+    // Rows that depend on others get no say; what the levels before leave of a later one may be next to
+    // nothing, and following it there would take all of the step.
+    constexpr double kFloor = 1e-12, kLaterFloor = 1e-2;  // of the squares of the rows
+    double rows = 0;
+    for (size_t r = 0; first > 0 && r < count; ++r) {
+      const double* row = &w_.jacobian[(first + r) * n_];
+      rows += dot_rows(row, row, n_);
+    }
+    const double floor = std::max(damping, kLaterFloor * rows) + kFloor * trace + 1e-300;
+    for (size_t r = 0; r < count; ++r) a[r * count + r] += floor;
     cholesky_solve(a, y, count);
     for (size_t r = 0; r < count; ++r) {
       const double* row = &w_.projected[r * n_];
