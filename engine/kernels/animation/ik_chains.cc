@@ -174,12 +174,11 @@ class Fabrik {
   /// Whether any places at the bones' lengths can be turned to: balls without limits, one bone on each.
   bool all_free() const {
     for (const uint32_t j : w_.path) {
-      const Joint& joint = joints_[j];
       size_t bones = 0;
-      for (const uint32_t c : w_.path) bones += joints_[c].parent == static_cast<int32_t>(j);
+      for (uint32_t c = w_.first_child[j]; c != IkWork::kNone; c = w_.next_child[c]) ++bones;
       for (size_t g = 0; g < goals_.size(); ++g) bones += goals_[g].joint == j && w_.lengths[n_ + g] > 0;
-      if (bones == 0) continue;
-      if (bones > 1 || joint.kind != JointKind::ball || !unlimited(joint)) return false;
+      if (bones > 1 || (bones == 1 && !(joints_[j].kind == JointKind::ball && unlimited(joints_[j]))))
+        return false;
     }
     return true;
   }

@@ -33,6 +33,13 @@ void ik_columns(std::span<const Joint> joints, std::span<const IkGoal> goals, Ik
       if (j == static_cast<int32_t>(g.base)) break;
     }
   }
+  // Backwards, so that the children of a joint come in their order.
+  w.first_child.assign(joints.size(), IkWork::kNone), w.next_child.assign(joints.size(), IkWork::kNone);
+  for (size_t j = joints.size(); j-- > 0;) {
+    if (!w.moves[j] || joints[j].parent < 0) continue;
+    uint32_t& first = w.first_child[static_cast<size_t>(joints[j].parent)];
+    w.next_child[j] = first, first = static_cast<uint32_t>(j);
+  }
   w.joint_of.clear(), w.freedom_of.clear();
   for (uint32_t j = 0; j < joints.size(); ++j) {
     for (uint32_t k = 0; w.moves[j] && k < freedoms(joints[j].kind); ++k) {
@@ -73,6 +80,18 @@ void ik_jacobian(std::span<const Joint> joints, std::span<const IkGoal> goals, I
   }
 }
 
+namespace {
+
+/// Turns a ball by a rotation of the world; what its limits leave of it.
+Quat turn_ball(const Joint& joint, const Pose& pose, const Quat& by, JointMotion& motion) {
+  const Quat before = motion.turn, back = conjugate(pose.orientation);
+  motion.turn = normalized(before * (back * by * pose.orientation));
+  if (!apply_limits(joint, motion)) return by;
+  return normalized(pose.orientation * (conjugate(before) * motion.turn) * back);
+}
+
+}  // namespace
+
 Quat ik::turn_joint(const Joint& joint, const Pose& pose, const Vec3& by, JointMotion& motion) {
   if (joint.kind == JointKind::revolute) {
     const double before = motion.value;
@@ -80,12 +99,7 @@ Quat ik::turn_joint(const Joint& joint, const Pose& pose, const Vec3& by, JointM
     apply_limits(joint, motion);
     return turn_about(rotate(pose.orientation, joint.axis), motion.value - before);
   }
-  if (joint.kind != JointKind::ball) return {};
-  const Quat before = motion.turn;
-  motion.turn = normalized(before * free_rotation::turn(rotate(conjugate(pose.orientation), by)));
-  apply_limits(joint, motion);
-  // In the joint's frame before*^-1 after; the world sees it through the frame's orientation.
-  return normalized(pose.orientation * (conjugate(before) * motion.turn) * conjugate(pose.orientation));
+  return joint.kind == JointKind::ball ? turn_ball(joint, pose, free_rotation::turn(by), motion) : Quat{};
 }
 
 Quat ik::aim(const Joint& joint, const Pose& pose, const Vec3& from, const Vec3& to, JointMotion& motion) {
@@ -96,7 +110,7 @@ Quat ik::aim(const Joint& joint, const Pose& pose, const Vec3& from, const Vec3&
     return turn_joint(joint, pose, axis * trig::atan2(dot(axis, cross(a, b)), dot(a, b)), motion);
   }
   if (joint.kind != JointKind::ball || norm2(from) == 0 || norm2(to) == 0) return {};
-  return turn_joint(joint, pose, rotation_vector(rotation_between(normalized(from), normalized(to))), motion);
+  return turn_ball(joint, pose, rotation_between(normalized(from), normalized(to)), motion);
 }
 
 double ik::error_of(std::span<const IkGoal> goals, std::span<const Pose> poses) {
@@ -119,27 +133,33 @@ void ik::turn_to_places(std::span<const Joint> joints, const Pose& root, std::sp
     const Pose& before = parent < 0 ? root : w.poses[static_cast<size_t>(parent)];
     w.poses[j] = before * local_pose(joints[j], motion[j]);
     if (!w.moves[j] || joints[j].kind == JointKind::fixed) continue;
-    // What hangs on the joint, each as a turn from where it points to where it should; their mean.
+    // What hangs on the joint: one thing is aimed at its place, of several the mean turn is taken.
     const Pose& pose = w.poses[j];
-    Vec3 sum;
-    int count = 0;
-    Joint unlimited;
-    unlimited.kind = joints[j].kind, unlimited.axis = joints[j].axis;
-    const auto add = [&](const Vec3& local, const Vec3& place) {
-      JointMotion tried = motion[j];
-      const Quat q = aim(unlimited, pose, rotate(pose.orientation, local), place - pose.position, tried);
-      sum += rotation_vector(q), ++count;
+    const auto each = [&](auto&& use) {
+      for (uint32_t c = w.first_child[j]; c != IkWork::kNone; c = w.next_child[c]) {
+        const Vec3 local = local_pose(joints[c], motion[c]).position;
+        if (norm2(local) > 0) use(rotate(pose.orientation, local), w.places[c] - pose.position);
+      }
+      for (size_t g = 0; g < goals.size(); ++g) {
+        if (goals[g].joint != j || norm2(goals[g].point) == 0) continue;
+        use(rotate(pose.orientation, goals[g].point), w.places[n + g] - pose.position);
+      }
     };
-    for (size_t c = j + 1; c < n; ++c) {
-      if (joints[c].parent != static_cast<int32_t>(j) || !w.moves[c]) continue;
-      const Vec3 local = local_pose(joints[c], motion[c]).position;
-      if (norm2(local) > 0) add(local, w.places[c]);
-    }
-    for (size_t g = 0; g < goals.size(); ++g) {
-      if (goals[g].joint == j && norm2(goals[g].point) > 0) add(goals[g].point, w.places[n + g]);
-    }
+    int count = 0;
+    Vec3 from, to, sum;
+    each([&](const Vec3& a, const Vec3& b) { ++count, from = a, to = b; });
     if (count == 0) continue;
-    turn_joint(joints[j], pose, sum / count, motion[j]);
+    if (count == 1) {
+      aim(joints[j], pose, from, to, motion[j]);
+    } else {
+      Joint free_joint;
+      free_joint.kind = joints[j].kind, free_joint.axis = joints[j].axis;
+      each([&](const Vec3& a, const Vec3& b) {
+        JointMotion tried = motion[j];
+        sum += rotation_vector(aim(free_joint, pose, a, b, tried));
+      });
+      turn_joint(joints[j], pose, sum / count, motion[j]);
+    }
     w.poses[j] = before * local_pose(joints[j], motion[j]);
   }
 }
@@ -175,8 +195,12 @@ IkResult solve_ik(std::span<const Joint> joints, const Pose& root, std::span<con
   forward_kinematics(joints, motion, root, w.poses);
   if (goals.empty()) return {};
   w.sorted.assign(goals.begin(), goals.end());
-  std::stable_sort(w.sorted.begin(), w.sorted.end(),
-                   [](const IkGoal& a, const IkGoal& b) { return a.priority < b.priority; });
+  // By priority, in their order: goals are few, and a library's stable sort takes memory.
+  for (size_t i = 1; i < w.sorted.size(); ++i) {
+    for (size_t k = i; k > 0 && w.sorted[k].priority < w.sorted[k - 1].priority; --k) {
+      std::swap(w.sorted[k], w.sorted[k - 1]);
+    }
+  }
   ik_columns(joints, w.sorted, w);
   IkResult out;
   switch (options.method) {

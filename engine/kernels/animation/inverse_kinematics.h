@@ -52,8 +52,10 @@ struct IkResult {
 struct IkWork {
   std::vector<Pose> poses, tried_poses;
   std::vector<JointMotion> tried;
-  std::vector<uint8_t> moves;                  ///< per joint
-  std::vector<uint32_t> joint_of, freedom_of;  ///< per column
+  static constexpr uint32_t kNone = ~0u;
+  std::vector<uint8_t> moves;                     ///< per joint
+  std::vector<uint32_t> first_child, next_child;  ///< of those that move
+  std::vector<uint32_t> joint_of, freedom_of;     ///< per column
   std::vector<double> jacobian, gram, residual, step, projected, basis;
   std::vector<uint8_t> frozen;
   std::vector<Vec3> places, proposals;

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "engine/math/lanes.h"
+
 namespace truestep::animation {
 
 namespace {
@@ -17,10 +19,10 @@ Pose moved_by(const Pose& rest, const Pose& present) {
 BoneMatrix bone_matrix(const Pose& rest, const Pose& present) {
   const Pose by = moved_by(rest, present);
   const Rotation r = rotation(by.orientation);
-  BoneMatrix out;
+  BoneMatrix out{};
   for (size_t k = 0; k < 3; ++k) {
-    out.m[4 * k] = r.row[k].x, out.m[4 * k + 1] = r.row[k].y, out.m[4 * k + 2] = r.row[k].z;
-    out.m[4 * k + 3] = (&by.position.x)[k];
+    out.m[k] = r.row[k].x, out.m[4 + k] = r.row[k].y, out.m[8 + k] = r.row[k].z;
+    out.m[12 + k] = (&by.position.x)[k];
   }
   return out;
 }
@@ -35,18 +37,20 @@ void skin_linear(std::span<const BoneMatrix> bones, std::span<const SkinWeights>
                  double* out, size_t begin, size_t end) {
   for (size_t i = begin; i < end; ++i) {
     const SkinWeights& s = weights[i];
-    double m[12];
-    const double* first = bones[s.bone[0]].m;
-    for (size_t k = 0; k < 12; ++k) m[k] = s.weight[0] * first[k];
-    for (size_t b = 1; b < kMostBones; ++b) {
-      if (s.weight[b] == 0) break;
-      const double* next = bones[s.bone[b]].m;
-      for (size_t k = 0; k < 12; ++k) m[k] += s.weight[b] * next[k];
+    Lanes4 m[4] = {Lanes4::zero(), Lanes4::zero(), Lanes4::zero(), Lanes4::zero()};
+    for (size_t b = 0; b < kMostBones && s.weight[b] != 0; ++b) {
+      const double* bone = bones[s.bone[b]].m;
+      for (size_t k = 0; k < 4; ++k) m[k] = m[k].plus(Lanes4::load(bone + 4 * k), s.weight[b]);
     }
-    const double x = rest[3 * i], y = rest[3 * i + 1], z = rest[3 * i + 2];
-    out[3 * i] = m[0] * x + m[1] * y + m[2] * z + m[3];
-    out[3 * i + 1] = m[4] * x + m[5] * y + m[6] * z + m[7];
-    out[3 * i + 2] = m[8] * x + m[9] * y + m[10] * z + m[11];
+    const double* x = rest + 3 * i;
+    const Lanes4 moved = m[3].plus(m[0], x[0]).plus(m[1], x[1]).plus(m[2], x[2]);
+    if (i + 1 < end) {
+      moved.store(out + 3 * i);  // the fourth number is the next vertex's, which comes next
+    } else {
+      double last[4];
+      moved.store(last);
+      std::copy_n(last, 3, out + 3 * i);
+    }
   }
 }
 
@@ -54,22 +58,22 @@ void skin_dual_quaternion(std::span<const DualQuat> bones, std::span<const SkinW
                           const double* rest, double* out, size_t begin, size_t end) {
   for (size_t i = begin; i < end; ++i) {
     const SkinWeights& s = weights[i];
-    const DualQuat& first = bones[s.bone[0]];
-    double q[8] = {};
-    for (size_t b = 0; b < kMostBones; ++b) {
-      if (s.weight[b] == 0) break;
-      const DualQuat& next = bones[s.bone[b]];
-      double same = 0;
-      for (size_t k = 0; k < 4; ++k) same += first.real[k] * next.real[k];
+    const double* first = bones[s.bone[0]].real;
+    Lanes4 sum[2] = {Lanes4::zero(), Lanes4::zero()};
+    for (size_t b = 0; b < kMostBones && s.weight[b] != 0; ++b) {
+      const DualQuat& bone = bones[s.bone[b]];
+      const double same = (first[0] * bone.real[0] + first[1] * bone.real[1]) +
+                          (first[2] * bone.real[2] + first[3] * bone.real[3]);
       const double w = same < 0 ? -s.weight[b] : s.weight[b];
-      for (size_t k = 0; k < 4; ++k) q[k] += w * next.real[k], q[4 + k] += w * next.dual[k];
+      sum[0] = sum[0].plus(Lanes4::load(bone.real), w), sum[1] = sum[1].plus(Lanes4::load(bone.dual), w);
     }
-    const double n = std::sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]);
-    const double scale = n > 0 ? 1 / n : 0;
-    const Quat real = n > 0 ? Quat{q[0] * scale, q[1] * scale, q[2] * scale, q[3] * scale} : Quat{};
-    const Quat dual{q[4] * scale, q[5] * scale, q[6] * scale, q[7] * scale};
-    const Quat move = dual * conjugate(real);
-    store3(out, i, rotate(real, load3(rest, i)) + Vec3{move.x, move.y, move.z} * 2.0);
+    double q[4], d[4];
+    sum[0].store(q), sum[1].store(d);
+    // With v the vector part: x' = x + 2 (v x (v x x + w x) + w d_v - d_w v + v x d_v) / |q|^2.
+    const double n2 = (q[0] * q[0] + q[1] * q[1]) + (q[2] * q[2] + q[3] * q[3]);
+    const Vec3 x = load3(rest, i), v{q[1], q[2], q[3]}, dv{d[1], d[2], d[3]};
+    const Vec3 move = cross(v, cross(v, x) + x * q[0]) + dv * q[0] - v * d[0] + cross(v, dv);
+    store3(out, i, n2 > 0 ? x + move * (2 / n2) : x);
   }
 }
 

@@ -24,9 +24,9 @@ struct SkinWeights {
   std::array<double, kMostBones> weight{};  ///< of no bone: 0
 };
 
-/// present rest^-1 as rotation matrix and move, three rows of four.
+/// present rest^-1: three columns of a rotation matrix and a move, each of four numbers, the last one 0.
 struct BoneMatrix {
-  double m[12];
+  double m[16];
 };
 BoneMatrix bone_matrix(const Pose& rest, const Pose& present);
 
