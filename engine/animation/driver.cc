@@ -24,7 +24,8 @@ Vec3 Driver::Path::at(double t) const {
   return {x[0], x[1], x[2]};
 }
 
-Driver::Driver(const DriverDef& def) : frame_rate_(def.frame_rate.value_or(0)) {
+Driver::Driver(const DriverDef& def, std::string system)
+    : system_(std::move(system)), frame_rate_(def.frame_rate.value_or(0)) {
   add_name("", "t", 0);
   names_.add_value("pi", graph_.constant(3.141592653589793));
   // Paths first, so that controls may follow them.
@@ -94,6 +95,7 @@ Driver::Node Driver::read(const std::string& pointer, const std::string& text) {
 
 size_t Driver::add(const std::string& pointer, const std::string& text) {
   roots_.push_back(text.empty() ? graph_.constant(0) : read(pointer, text));
+  pointers_.push_back(pointer);
   return roots_.size() - 1;
 }
 
@@ -118,6 +120,14 @@ size_t Driver::turn(const std::string& pointer, const std::string& name) {
 void Driver::finish() {
   if (!issues_.empty()) throw Error("scene_invalid", issues_[0].message, issues_);
   program_ = ExpressionProgram(graph_, roots_, variables_);
+  Scratch scratch;
+  const std::vector<double> none(controls_.size(), std::numeric_limits<double>::quiet_NaN());
+  const auto out = outputs_at(0, none, scratch);
+  for (size_t k = 0; k < out.size(); ++k) {
+    if (std::isfinite(out[k])) continue;
+    fault({pointers_[k], "not_finite", "it has no finite value at t = 0", "", "", "", ""});
+  }
+  if (!issues_.empty()) throw Error("scene_invalid", issues_[0].message, issues_);
 }
 
 void Driver::add_column(State& state) const {
@@ -155,7 +165,16 @@ void Driver::values_at(double t, std::span<const double> set, Scratch& s) const 
   }
 }
 
-std::span<const double> Driver::evaluate(double at, std::span<const double> set, Scratch& s) const {
+std::span<const double> Driver::evaluate(double t, std::span<const double> set, Scratch& s) const {
+  const auto out = outputs_at(t, set, s);
+  for (size_t k = 0; k < out.size(); ++k) {
+    if (std::isfinite(out[k])) continue;
+    throw Instability(system_, pointers_[k], -1, "the expression at " + pointers_[k] + " is not finite");
+  }
+  return out;
+}
+
+std::span<const double> Driver::outputs_at(double at, std::span<const double> set, Scratch& s) const {
   values_at(frame_time(at, frame_rate_), set, s);
   std::copy(s.variables.begin(), s.variables.end(), s.registers.begin());
   program_.run(s.registers.data(), s.outputs.data());

@@ -21,8 +21,8 @@ namespace truestep::animation {
 
 class Driver {
  public:
-  /// Faults are collected; see finish.
-  explicit Driver(const DriverDef& def);
+  /// Of the system with this id. Faults are collected; see finish.
+  Driver(const DriverDef& def, std::string system);
 
   /// The number of an output for the text at this JSON pointer; before finish.
   size_t add(const std::string& pointer, const std::string& text);
@@ -31,7 +31,8 @@ class Driver {
   /// The turn of this name; a fault at the pointer when there is none.
   size_t turn(const std::string& pointer, const std::string& name);
   void fault(Issue issue) { issues_.push_back(std::move(issue)); }
-  /// Compiles. Throws Error "scene_invalid" with every fault so far.
+  /// Compiles. Throws Error "scene_invalid" with every fault so far, and with every text that is not finite
+  /// at t = 0.
   void finish();
 
   size_t controls() const { return names_of_.size(); }
@@ -45,8 +46,10 @@ class Driver {
     std::vector<std::vector<double>> own;  ///< registers of the controls' own programs
     bool ready = false;
   };
-  /// Outputs at time t (s); `set`: the column of set values.
+  /// Outputs at time t (s); `set`: the column of set values. Throws Instability where one is not finite.
   std::span<const double> evaluate(double t, std::span<const double> set, Scratch& scratch) const;
+  /// The same, whatever they are.
+  std::span<const double> outputs_at(double t, std::span<const double> set, Scratch& scratch) const;
   /// The turn at time t, which is that of a frame where there are frames.
   Quat turn_at(size_t turn, double t) const { return turns_[turn].sample(frame_time(t, frame_rate_)); }
 
@@ -72,6 +75,7 @@ class Driver {
   Node read(const std::string& pointer, const std::string& text);
   void values_at(double t, std::span<const double> set, Scratch& scratch) const;
 
+  std::string system_;
   double frame_rate_ = 0;
   ExpressionGraph graph_;
   ExpressionNames names_;
@@ -82,7 +86,8 @@ class Driver {
   std::vector<std::string> turn_names_;
   std::vector<RotationCurve> turns_;
   std::vector<Node> roots_;
-  size_t variables_ = 0;  // t, controls, paths x 3
+  std::vector<std::string> pointers_;  ///< of the roots' texts
+  size_t variables_ = 0;               // t, controls, paths x 3
   ExpressionProgram program_;
 };
 

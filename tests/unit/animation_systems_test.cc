@@ -183,6 +183,25 @@ TEST(AnimationScene, SaysWhatItCannotTake) {
             Faults{"/systems/0/triangles/2"});
 }
 
+TEST(AnimationScene, WhatIsNotFiniteIsToldAndNeverANumber) {
+  EXPECT_EQ(faults(R"({"type": "keyframes", "id": "k", "shapes": [{"position": ["0", "1/t"]}]})"),
+            Faults{"/systems/0/shapes/0/position/1"});
+  SkeletonDef d;
+  d.joints.resize(1);
+  d.joints[0].id = "a", d.joints[0].end = Vec3{1, 0, 0};
+  d.goals.resize(1);
+  d.goals[0].joint = "a", d.goals[0].target = {"sqrt(0.05 - t)"};
+  AnimationRun<Skeleton> run(d);
+  run.step(2);
+  EXPECT_THROW(run.step(2), Instability);
+  KeyframesDef k;
+  k.shapes.resize(1);
+  k.shapes[0].id = "a", k.shapes[0].rotation = {"sqrt(0.05 - t)"};
+  AnimationRun<Keyframes> turning(k);
+  turning.step(2);
+  EXPECT_THROW(turning.step(2), Instability);
+}
+
 TEST(SkeletonSystem, AFileGoesToAnotherSkeletonByNames) {
   const std::string text = R"({"systems": [{"type": "skeleton", "id": "s",
     "joints": [{"id": "pelvis"}, {"id": "back", "parent": "pelvis", "offset": [0, 2, 0], "end": [0, 1, 0]}],

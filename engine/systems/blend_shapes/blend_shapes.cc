@@ -20,7 +20,7 @@ struct BlendShapes::Scratch {
 };
 
 BlendShapes::BlendShapes(const BlendShapesDef& def, const BuildContext& context)
-    : driver_(def), dt_(context.dt), order_(def.order), color_(def.color) {
+    : driver_(def, context.id), dt_(context.dt), order_(def.order), color_(def.color) {
   build_base(def);
   for (size_t k = 0; k < def.targets.size(); ++k) add_target(def.targets[k], k);
   position_ = driver_.add_vector("/position", def.position);
@@ -162,7 +162,7 @@ void BlendShapes::update(State& s, double t, double h, Scratch& scratch) const {
 void BlendShapes::observe(const State& s, double t, Observables& out) const {
   driver_.observe(t, s.f64(kControl), out);
   Driver::Scratch scratch;
-  const auto outputs = driver_.evaluate(t, s.f64(kControl), scratch);
+  const auto outputs = driver_.outputs_at(t, s.f64(kControl), scratch);
   for (size_t k = 0; k < targets_.size(); ++k) out.add("weight." + names_[k], outputs[weights_[k]], "1");
   Vec3 low{HUGE_VAL, HUGE_VAL, HUGE_VAL}, high = -low;
   for (size_t i = 0; i < base_.size(); ++i) {

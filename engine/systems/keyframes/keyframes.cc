@@ -79,7 +79,8 @@ struct Keyframes::Scratch {
   std::vector<double> skin;
 };
 
-Keyframes::Keyframes(const KeyframesDef& def, const BuildContext& context) : driver_(def), dt_(context.dt) {
+Keyframes::Keyframes(const KeyframesDef& def, const BuildContext& context)
+    : driver_(def, context.id), dt_(context.dt) {
   for (size_t k = 0; k < def.shapes.size(); ++k) add_shape(def.shapes[k], k);
   driver_.finish();
   for (const Solid& s : solids_) forms_.push_back({&s, 0, {}});

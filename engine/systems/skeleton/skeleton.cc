@@ -35,7 +35,7 @@ struct Skeleton::Scratch {
 };
 
 Skeleton::Skeleton(const SkeletonDef& given, const BuildContext& context)
-    : driver_(given), dt_(context.dt), publish_(given.publish), color_(given.color) {
+    : driver_(given, context.id), dt_(context.dt), publish_(given.publish), color_(given.color) {
   const SkeletonDef def = with_file(given, file_);
   model_ = build_model(def, driver_);
   if (def.motion && !model_.joints.empty()) clip_ = Clip(*def.motion, *file_, model_, driver_);

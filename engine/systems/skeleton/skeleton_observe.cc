@@ -21,7 +21,7 @@ void Skeleton::observe(const State& s, double t, Observables& out) const {
     out.add("ik.iterations", solved[1], "1");
     out.add("ik.reached", solved[2], "1");
     Driver::Scratch scratch;
-    const auto outputs = driver_.evaluate(t, s.f64(C::kControl), scratch);
+    const auto outputs = driver_.outputs_at(t, s.f64(C::kControl), scratch);
     for (const GoalDrive& g : model_.goals) {
       const double* q = &s.f64(C::kJointOrientation)[4 * g.goal.joint];
       const Vec3 place = load3(x, g.goal.joint) + rotate({q[0], q[1], q[2], q[3]}, g.goal.point);
