@@ -2,8 +2,10 @@
 
 #include "engine/reference/engines.h"
 #include "engine/systems/articulation/articulation_def.h"
+#include "engine/systems/blend_shapes/blend_shapes.h"
 #include "engine/systems/fem/fem.h"
 #include "engine/systems/heat/heat.h"
+#include "engine/systems/keyframes/keyframes.h"
 #include "engine/systems/mass_spring/mass_spring.h"
 #include "engine/systems/ode/ode.h"
 #include "engine/systems/oscillator/oscillator.h"
@@ -12,6 +14,7 @@
 #include "engine/systems/rigid2d/rigid2d.h"
 #include "engine/systems/rigid3d/rigid3d_def.h"
 #include "engine/systems/rod_chain/rod_chain.h"
+#include "engine/systems/skeleton/skeleton.h"
 #include "engine/systems/wave/wave.h"
 #include "engine/systems/xpbd/xpbd.h"
 
@@ -161,6 +164,38 @@ std::span<const CatalogueRow> catalogue() {
         "a restored snapshot continues in the middle of a collapse"},
        "",
        &rigid3d::rigid3d_outputs()},
+      {"keyframes",
+       "animation",
+       "shapes that move as curves and expressions tell them, and that others collide with",
+       &keyframes::keyframes_table(),
+       keyframes::build_keyframes,
+       keyframes::keyframes_cost,
+       {"poses are functions of time alone, whatever the step", "frames are held at exact times",
+        "the same bits on any number of threads"},
+       "",
+       &keyframes::keyframes_outputs(),
+       1e13},
+      {"skeleton",
+       "animation",
+       "a tree of joints that moves by expressions, keys or a motion file, or reaches for goals, with a skin",
+       &skeleton::skeleton_table(),
+       skeleton::build_skeleton,
+       skeleton::skeleton_cost,
+       {"bones keep their lengths to rounding", "joints stay within their limits",
+        "dual quaternions keep the girth of a twisted limb", "the same bits on any number of threads"},
+       "",
+       &skeleton::skeleton_outputs(),
+       1e13},
+      {"blend_shapes",
+       "animation",
+       "a surface that is a weighted sum of shapes",
+       &blend_shapes::blend_shapes_table(),
+       blend_shapes::build_blend_shapes,
+       blend_shapes::blend_shapes_cost,
+       {"linear in the weights", "the same bits on any number of threads"},
+       "",
+       &blend_shapes::blend_shapes_outputs(),
+       1e13},
   };
   return kRows;
 }

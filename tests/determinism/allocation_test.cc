@@ -10,6 +10,7 @@
 #include "engine/systems/mass_spring/mass_spring.h"
 #include "engine/systems/mass_spring/mass_spring_def.h"
 #include "engine/systems/ode/ode.h"
+#include "engine/systems/skeleton/skeleton.h"
 #include "engine/systems/xpbd/xpbd.h"
 #include "tests/support/field_run.h"
 
@@ -232,6 +233,41 @@ TEST(Allocation, EquationsEventsAndTracersAllocateNothingAfterTheFirstSteps) {
     const uint64_t before = allocations;
     for (uint64_t n = 30; n < 100; ++n) step(n);
     EXPECT_EQ(allocations - before, 0u) << with_tracers;
+  }
+}
+
+TEST(Allocation, SkeletonsThatReachAllocateNothingAfterTheFirstStep) {
+  using animation::IkMethod;
+  for (const IkMethod method : {IkMethod::gradient, IkMethod::gauss_newton, IkMethod::damped_least_squares,
+                                IkMethod::ccd, IkMethod::fabrik}) {
+    skeleton::SkeletonDef d;
+    d.solver = method;
+    d.controls.resize(2);
+    d.controls[0].name = "a", d.controls[0].value = "sin(3*t)";
+    d.controls[1].name = "b", d.controls[1].times = {0, 1}, d.controls[1].values = {0, 1};
+    for (int j = 0; j < 8; ++j) {
+      skeleton::JointDef joint;
+      joint.id = std::to_string(j);
+      if (j > 0) joint.parent = std::to_string(j - 1), joint.offset = {0.2, 0, 0};
+      joint.end = Vec3{0.2, 0, 0};
+      d.joints.push_back(joint);
+    }
+    d.goals.resize(1);
+    d.goals[0].joint = "7", d.goals[0].target = {"0.6 + 0.3*a", "0.5 + b", "0.2"};
+    d.skin.emplace();
+    d.skin->tubes = {{"0", "7", 0.1, {}, 16, 12}};
+    const auto system = skeleton::build_skeleton(&d, {});
+    State s = system->initial_state();
+    Workspace workspace;
+    const ThreadArena arena(1);
+    const auto step = [&](uint64_t n) {
+      system->step(s,
+                   {.t = double(n) / 60, .h = 1.0 / 60, .step = n, .workspace = workspace, .arena = arena});
+    };
+    step(0);
+    const uint64_t before = allocations;
+    for (uint64_t n = 1; n < 60; ++n) step(n);
+    EXPECT_EQ(allocations - before, 0u) << static_cast<int>(method);
   }
 }
 

@@ -7,9 +7,9 @@ import re
 
 from source import Finding
 
-LAYERS = ["base", "math", "geometry", "kernels", "neighbours", "core", "integrators", "collision", "lattice", "rigid", "systems", "couplings", "reference",
+LAYERS = ["base", "math", "geometry", "kernels", "neighbours", "core", "integrators", "collision", "lattice", "rigid", "animation", "systems", "couplings", "reference",
           "scene", "session", "studies", "sinks"]
-PHYSICS = {"math", "geometry", "kernels", "neighbours", "integrators", "collision", "lattice", "rigid", "systems", "couplings", "reference"}
+PHYSICS = {"math", "geometry", "kernels", "neighbours", "integrators", "collision", "lattice", "rigid", "animation", "systems", "couplings", "reference"}
 NETWORK = re.compile(r"^(boost/(asio|beast)|sys/socket|sys/epoll|netinet/|arpa/|netdb\.h|poll\.h|curl/|prometheus/|CLI/)")
 GL = re.compile(r"^(GL|GLES[23]?|EGL|KHR)/")
 INCLUDE = re.compile(r'^\s*#\s*include\s*([<"])([^>"]+)[>"]')

@@ -1,0 +1,70 @@
+// What moves an animation, as a scene writes it: controls (numbers by expression or keys), paths (places
+// through keys) and turns (orientations through keys). Joints, shapes and weights are expressions of t and of
+// these names; a path p gives p_x, p_y and p_z. Shared by keyframes, skeleton and blend_shapes.
+#pragma once
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "engine/core/def.h"
+#include "engine/kernels/animation/rotations.h"
+
+namespace truestep::animation {
+
+/// A named number: an expression of t and of what stands before it, or keys.
+struct ControlDef {
+  std::string name, value;
+  std::vector<double> times, values, slopes_in, slopes_out, handles;
+  Interpolation interpolation = Interpolation::catmull_rom;
+  Extend extend = Extend::clamp;
+};
+
+/// A curve in space.
+struct PathDef {
+  std::string name;
+  std::vector<double> times;
+  std::vector<Vec3> points;
+  Interpolation interpolation = Interpolation::catmull_rom;
+  Extend extend = Extend::clamp;
+  bool even_speed = false;
+};
+
+/// Orientations at times.
+struct TurnDef {
+  std::string name;
+  std::vector<double> times, quaternions;  ///< n x 4, w x y z
+  Turning interpolation = Turning::slerp;
+  Extend extend = Extend::clamp;
+};
+
+struct DriverDef {
+  std::vector<ControlDef> controls;
+  std::vector<PathDef> paths;
+  std::vector<TurnDef> turns;
+  std::optional<double> frame_rate;
+};
+
+/// Euler's angles, the first named axis first, each about the axis as already turned.
+enum class EulerOrder : uint8_t { xyz, xzy, yxz, yzx, zxy, zyx };
+inline const std::vector<std::string> kEulerOrders{"xyz", "xzy", "yxz", "yzx", "zxy", "zyx"};
+Quat euler_rotation(EulerOrder order, const Vec3& angles);
+
+const DefTable& control_table();
+const DefTable& path_table();
+const DefTable& turn_table();
+
+/// Rows of DriverDef, for the table of a struct that has one as base.
+template <class D>
+void add_driver_rows(TableOf<D>& table) {
+  table
+      .objects("controls", static_cast<std::vector<ControlDef> D::*>(&D::controls), control_table(),
+               {0, 10'000}, "named numbers that expressions use and commands set")
+      .objects("paths", static_cast<std::vector<PathDef> D::*>(&D::paths), path_table(), {0, 1000},
+               "curves in space; expressions see <name>_x, <name>_y and <name>_z")
+      .objects("turns", static_cast<std::vector<TurnDef> D::*>(&D::turns), turn_table(), {0, 1000},
+               "orientations through keys")
+      .number("frame_rate", static_cast<std::optional<double> D::*>(&D::frame_rate), "1/s", above(0),
+              "poses are held between frames of this rate; absent: every step has its own");
+}
+
+}  // namespace truestep::animation

@@ -1,0 +1,107 @@
+// Parameters of the system type "blend_shapes", what it gives out and what it costs.
+#include "engine/systems/blend_shapes/blend_shapes.h"
+
+namespace truestep::blend_shapes {
+
+namespace {
+
+constexpr Count kVertices{0, 1'000'000};
+
+const DefTable& ball_table() {
+  using D = BallDef;
+  static const DefTable t = TableOf<D>("a ball of rings about y, as the base")
+                                .number("radius", &D::radius, "m", above(0), "its radius")
+                                .integer("rings", &D::rings, between(1, 1000), "between the poles")
+                                .integer("around", &D::around, between(3, 2000), "vertices of a ring")
+                                .build();
+  return t;
+}
+
+const DefTable& target_table() {
+  using D = TargetDef;
+  static const DefTable t =
+      TableOf<D>("a shape to blend in")
+          .text("name", &D::name, "its name in observables")
+          .required()
+          .expression("weight", &D::weight, "of t and controls; a product of others' for a corrective shape")
+          .required()
+          .vectors("vertices", &D::vertices, "m", any(), kVertices, "all of the target, in the base's order")
+          .texts("offset", &D::offset, {0, 3},
+                 "of x, y and z of the base (m): how far its points are from the base's; a missing one is 0")
+          .check([](const D& d, const DefTable::Report& report) {
+            if (d.vertices.empty() == d.offset.empty())
+              report("", "a target has vertices or an offset, one of them");
+          })
+          .build();
+  return t;
+}
+
+}  // namespace
+
+const DefTable& blend_shapes_table() {
+  using D = BlendShapesDef;
+  static const DefTable t = [] {
+    TableOf<D> table("a surface that is a weighted sum of shapes");
+    table.vectors("vertices", &D::vertices, "m", any(), kVertices, "of the base")
+        .integers("triangles", &D::triangles, at_least(0), {0, 6'000'000}, "three vertices each")
+        .object("ball", &D::ball, ball_table(), "a ball as the base, instead of vertices and triangles")
+        .texts("base", &D::base, {0, 3},
+               "reshapes the base: its x, y and z as expressions of x, y and z; a missing one stays")
+        .objects("targets", &D::targets, target_table(), {0, 1000}, "shapes to blend in")
+        .texts("position", &D::position, {0, 3}, "x, y and z (m) of the whole, as expressions")
+        .texts("rotation", &D::rotation, {0, 3}, "angles (rad) about x, y and z of the whole, as expressions")
+        .choice("order", &D::order, animation::kEulerOrders, "of the angles")
+        .vector("color", &D::color, "1", between(0, 1), "linear red, green, blue");
+    animation::add_driver_rows(table);
+    return table
+        .check([](const D& d, const DefTable::Report& report) {
+          if (d.vertices.empty() == !d.ball) report("", "the base is vertices or a ball, one of them");
+          if (d.triangles.size() % 3 != 0) report("/triangles", "three vertices a triangle");
+          for (size_t i = 0; i < d.triangles.size(); ++i) {
+            if (static_cast<size_t>(d.triangles[i]) < d.vertices.size()) continue;
+            return report("/triangles/" + std::to_string(i), "there is no such vertex");
+          }
+          for (size_t k = 0; k < d.targets.size(); ++k) {
+            const size_t n = d.targets[k].vertices.size();
+            const size_t want =
+                d.ball ? 2 + static_cast<size_t>(d.ball->rings) * static_cast<size_t>(d.ball->around)
+                       : d.vertices.size();
+            if (n == 0 || n == want) continue;
+            report("/targets/" + std::to_string(k) + "/vertices",
+                   "as many as the base has, " + std::to_string(want));
+          }
+        })
+        .build();
+  }();
+  return t;
+}
+
+const Outputs& blend_shapes_outputs() {
+  static const Outputs kOutputs{
+      .rows = "a vertex, in the order given; of a ball the pole, then ring by ring, then the other pole",
+      .fields = {{"position", "m", 3, ""}, {"velocity", "m/s", 3, "mean over the last step"}},
+      .observables = {{"control.<name>", "1", "value of a control"},
+                      {"weight.<target>", "1", "of a target"},
+                      {"size.x", "m", "extent of the surface"},
+                      {"size.y", "m", ""},
+                      {"size.z", "m", ""}}};
+  return kOutputs;
+}
+
+Cost blend_shapes_cost(const void* def) {
+  const auto& d = *static_cast<const BlendShapesDef*>(def);
+  double n = static_cast<double>(d.vertices.size());
+  if (d.ball) n = 2 + static_cast<double>(d.ball->rings) * d.ball->around;
+  const auto targets = static_cast<double>(d.targets.size()),
+             controls = static_cast<double>(d.controls.size());
+  double keys = 0;
+  for (const auto& c : d.controls) keys += static_cast<double>(c.times.size());
+  // Two triangles a vertex; a target touches half of the base.
+  return {.state_bytes = 56 * n + 8 * controls,
+          .workspace_bytes =
+              4096 + (48 + 24 + 24) * n + 14 * n * targets + 400 * (controls + targets) + 32 * keys,
+          .elements = n,
+          .seconds_per_step = 1e-6 + 1e-8 * n + 1e-9 * n * targets + 1e-7 * controls};
+}
+
+}  // namespace truestep::blend_shapes

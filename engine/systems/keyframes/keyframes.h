@@ -1,0 +1,55 @@
+// The system type "keyframes": shapes whose poses are expressions of time, controls, paths and turns
+// (animation/driver.h), published as bodies that nothing moves, with the velocities of their motion, so that
+// cloth and particles collide with them. Shapes with a scale (squash and stretch) are surfaces of their own;
+// where all shapes are, their triangles are published instead. Controls without shapes serve couplings that
+// drive other systems. Commands: set_parameter of a control.
+#pragma once
+#include <memory>
+
+#include "engine/animation/driver.h"
+#include "engine/animation/moved_bodies.h"
+#include "engine/core/system.h"
+#include "engine/geometry/solid.h"
+#include "engine/systems/keyframes/keyframes_def.h"
+
+namespace truestep::keyframes {
+
+class Keyframes final : public StagedSystem {
+ public:
+  Keyframes(const KeyframesDef& def, const BuildContext& context);
+
+  State initial_state() const override;
+  void observe(const State& state, double t, Observables& out) const override;
+  FieldView field(const State& state, size_t part, size_t field, std::vector<double>& scratch) const override;
+  void apply(State& state, const Command& command) const override;
+  void draw(const State& state, double t, Wish wishes, Drawing& out) const override;
+  Ports ports() const override;
+  std::vector<std::string> remedies() const override;
+
+ private:
+  struct Shape {
+    MovedShapeDef def;
+    size_t position = 0, rotation = 0, scale = 0;  ///< first of three outputs
+    std::optional<size_t> turn;
+    size_t first_vertex = 0;
+    std::vector<Vec3> vertices;  ///< none: rigid
+  };
+  struct Scratch;
+  void add_shape(const MovedShapeDef& def, size_t number);
+  /// Everything as it is at t, h after it was where the state says.
+  void update(State& state, double t, double h, Scratch& scratch) const;
+
+  animation::Driver driver_;
+  double dt_;
+  std::vector<Shape> shapes_;
+  std::vector<Solid> solids_;
+  std::vector<BodyForm> forms_;
+  std::vector<std::array<uint32_t, 3>> triangles_;
+  size_t vertices_ = 0;
+  std::vector<size_t> stretched_;  ///< shapes that are parts
+  bool rigid_ = false;             ///< whether any shape is
+};
+
+std::unique_ptr<const System> build_keyframes(const void* def, const BuildContext& context);
+
+}  // namespace truestep::keyframes

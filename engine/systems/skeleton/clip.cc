@@ -1,0 +1,238 @@
+#include "engine/systems/skeleton/clip.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace truestep::skeleton {
+
+using namespace animation;
+
+SkeletonDef with_file(SkeletonDef def, std::optional<BvhMotion>& file) {
+  if (!def.motion) return def;
+  try {
+    file = read_bvh(def.motion->bvh);
+  } catch (const BvhFault& f) {
+    const std::string at = "/motion/bvh/" + std::to_string(std::min(f.line, def.motion->bvh.size()) - 1);
+    throw Error("scene_invalid", f.what(), {{at, "bad_bvh", f.what(), "", "", "", ""}});
+  }
+  if (!def.joints.empty()) return def;
+  for (const BvhJoint& b : file->joints) {
+    JointDef j;
+    j.id = b.name;
+    for (int n = 2; std::ranges::any_of(def.joints, [&](const JointDef& o) { return o.id == j.id; }); ++n) {
+      j.id = b.name + "_" + std::to_string(n);
+    }
+    if (b.parent >= 0) j.parent = def.joints[static_cast<size_t>(b.parent)].id;
+    // Where the root is comes from its channels alone.
+    j.offset = b.offset * def.motion->scale;
+    if (b.end) j.end = *b.end * def.motion->scale;
+    def.joints.push_back(std::move(j));
+  }
+  return def;
+}
+
+namespace {
+
+/// m, of all bones together.
+double size_of(const auto& joints, auto&& offset_of) {
+  double sum = 0;
+  for (const auto& j : joints) {
+    if (j.parent >= 0) sum += norm(offset_of(j));
+  }
+  return sum;
+}
+
+double smooth_step(double x) {
+  x = std::clamp(x, 0.0, 1.0);
+  return x * x * (3 - 2 * x);
+}
+
+}  // namespace
+
+Clip::Clip(const MotionDef& def, const BvhMotion& file, const Model& model, Driver& driver)
+    : frames_(file.frames), frame_time_(file.frame_time), extend_(def.extend) {
+  const double theirs = def.scale * size_of(file.joints, [](const BvhJoint& j) { return j.offset; });
+  const double ours = size_of(model.joints, [](const Joint& j) { return j.rest.position; });
+  const double ratio = def.root_scale.value_or(theirs > 0 && ours > 0 ? ours / theirs : 1);
+  std::vector<std::string> names;
+  for (const BvhJoint& b : file.joints) names.push_back(b.name);
+  for (const NamedText& n : def.names) {
+    if (std::ranges::find(names, n.name) == names.end()) {
+      driver.fault({"/motion/names/" + n.name, "unknown_name", "the file has no joint \"" + n.name + "\"",
+                    n.name, "", "", ""});
+    }
+    if (!model.find(n.text)) {
+      driver.fault({"/motion/names/" + n.name, "unknown_name", "there is no joint \"" + n.text + "\"", n.text,
+                    "", "", ""});
+    }
+  }
+  // Joints of the file come in the order of those that they are made of, also where names repeat.
+  const bool own = model.ids.size() == file.joints.size() && def.names.empty();
+  for (size_t b = 0; b < file.joints.size(); ++b) {
+    std::string to = file.joints[b].name;
+    if (!def.names.empty()) {
+      const auto n = std::ranges::find(def.names, to, &NamedText::name);
+      if (n == def.names.end()) continue;
+      to = n->text;
+    }
+    auto joint = model.find(to);
+    if (own && !joint) joint = b;
+    if (!joint || model.joints[*joint].kind != JointKind::ball) continue;
+    Track t;
+    t.joint = static_cast<uint32_t>(*joint);
+    const bool moves =
+        std::ranges::any_of(file.joints[b].channels, [](BvhChannel c) { return static_cast<int>(c) < 3; });
+    for (size_t f = 0; f < frames_; ++f) {
+      const Pose local = file.local(f, b);
+      t.turns.push_back(f > 0 ? nearer(t.turns.back(), local.orientation) : local.orientation);
+      if (moves) t.shifts.push_back((local.position - file.joints[b].offset) * (def.scale * ratio));
+    }
+    tracks_.push_back(std::move(t));
+  }
+  if (tracks_.empty()) {
+    driver.fault({"/motion/names", "unknown_name",
+                  "no joint of the file is mapped to a ball of this skeleton", "",
+                  "\"names\": {\"joint of the file\": \"joint of this skeleton\"}", "", ""});
+    return;
+  }
+  if (def.smoothing > 0) smooth(def.smoothing / frame_time_);
+  if (!def.foot_lock) return;
+  std::vector<uint32_t> feet;
+  for (size_t k = 0; k < def.foot_lock->joints.size(); ++k) {
+    const std::string& id = def.foot_lock->joints[k];
+    const auto j = model.find(id);
+    if (!j || model.joints[*j].parent < 0) {
+      driver.fault({"/motion/foot_lock/joints/" + std::to_string(k), "unknown_name",
+                    "there is no joint \"" + id + "\" with bones above it", id, "", "", ""});
+      continue;
+    }
+    feet.push_back(static_cast<uint32_t>(*j));
+  }
+  find_contacts(*def.foot_lock, model, feet);
+}
+
+void Clip::smooth(double width) {
+  // Weights up to three widths; beyond the ends the motion stands still, or goes on in its loop.
+  const auto reach = static_cast<int64_t>(std::ceil(3 * width));
+  const auto n = static_cast<int64_t>(frames_);
+  const auto frame = [&](int64_t f) {
+    if (extend_ == Extend::loop && n > 1) return static_cast<size_t>(((f % (n - 1)) + n - 1) % (n - 1));
+    return static_cast<size_t>(std::clamp<int64_t>(f, 0, n - 1));
+  };
+  for (Track& t : tracks_) {
+    const std::vector<Quat> turns = t.turns;
+    const std::vector<Vec3> shifts = t.shifts;
+    for (int64_t f = 0; f < n; ++f) {
+      const Quat& here = turns[static_cast<size_t>(f)];
+      Quat sum{0, 0, 0, 0};
+      Vec3 place;
+      double weights = 0;
+      for (int64_t k = -reach; k <= reach; ++k) {
+        const double x = static_cast<double>(k) / width, w = trig::exp(-0.5 * x * x);
+        const Quat q = nearer(here, turns[frame(f + k)]);
+        sum = {sum.w + w * q.w, sum.x + w * q.x, sum.y + w * q.y, sum.z + w * q.z};
+        // A loop may travel: only what leaves the line from its start to its end is smoothed.
+        if (!shifts.empty()) {
+          const auto line = [&](int64_t i) {
+            return shifts.front() + (shifts.back() - shifts.front()) *
+                                        (n > 1 ? static_cast<double>(i) / static_cast<double>(n - 1) : 0);
+          };
+          const auto at = static_cast<int64_t>(frame(f + k));
+          place += (shifts[static_cast<size_t>(at)] - line(at) + line(f)) * w;
+        }
+        weights += w;
+      }
+      t.turns[static_cast<size_t>(f)] = normalized(sum);
+      if (!shifts.empty()) t.shifts[static_cast<size_t>(f)] = place / weights;
+    }
+  }
+}
+
+void Clip::find_contacts(const FootLockDef& def, const Model& model, const std::vector<uint32_t>& feet) {
+  std::vector<std::vector<Vec3>> places(feet.size());
+  std::vector<JointMotion> motion(model.joints.size());
+  std::vector<Pose> poses(model.joints.size());
+  for (size_t f = 0; f < frames_; ++f) {
+    pose(static_cast<double>(f) * frame_time_, motion);
+    // The last frame of a loop is the first again.
+    if (f + 1 == frames_) {
+      for (const Track& t : tracks_) {
+        motion[t.joint].turn = t.turns[f];
+        if (!t.shifts.empty()) motion[t.joint].shift = t.shifts[f];
+      }
+    }
+    forward_kinematics(model.joints, motion, {}, poses);
+    for (size_t k = 0; k < feet.size(); ++k) places[k].push_back(poses[feet[k]].position);
+  }
+  for (size_t k = 0; k < feet.size(); ++k) {
+    Foot foot;
+    foot.joint = feet[k];
+    foot.base = static_cast<uint32_t>(model.joints[feet[k]].parent);
+    const int32_t above = model.joints[foot.base].parent;
+    if (above >= 0) foot.base = static_cast<uint32_t>(above);
+    foot.moves.assign(frames_, {});
+    const auto& x = places[k];
+    const auto stands = [&](size_t f) {
+      const size_t a = f > 0 ? f - 1 : 0, b = std::min(f + 1, frames_ - 1);
+      const double speed = b > a ? norm(x[b] - x[a]) / (static_cast<double>(b - a) * frame_time_) : 0;
+      return x[f].y < def.height && speed < def.speed;
+    };
+    const double blend = std::max(def.blend / frame_time_, 1e-9);
+    std::vector<double> strength(frames_, 0);
+    for (size_t f = 0; f < frames_;) {
+      if (!stands(f)) {
+        ++f;
+        continue;
+      }
+      size_t end = f;
+      Vec3 mean;
+      while (end < frames_ && stands(end)) mean += x[end++];
+      mean = mean / static_cast<double>(end - f);
+      for (size_t i = f; i < end; ++i) slide_ = std::max(slide_, norm(x[i] - x[f]));
+      for (size_t i = 0; i < frames_; ++i) {
+        const double off = i < f      ? static_cast<double>(f - i)
+                           : i >= end ? static_cast<double>(i - end + 1)
+                                      : 0;
+        const double s = off == 0 ? 1 : smooth_step(1 - off / (blend + 1));
+        // Inside a stance it is held; near one the offset of its nearest frame fades out.
+        if (s <= strength[i]) continue;
+        const size_t edge = std::clamp(i, f, end - 1);
+        strength[i] = s, foot.moves[i] = (mean - x[edge]) * s;
+      }
+      f = end;
+    }
+    feet_.push_back(std::move(foot));
+  }
+}
+
+Clip::Between Clip::between(double at) const {
+  const double last = static_cast<double>(frames_ - 1) * frame_time_;
+  const double place = within(at, 0, last, extend_).t / frame_time_;
+  const auto frame = std::min(static_cast<size_t>(place), frames_ - 1);
+  return {frame, frame + 1 < frames_ ? place - static_cast<double>(frame) : 0};
+}
+
+void Clip::pose(double t, std::span<JointMotion> motion) const {
+  const auto [f, share] = between(t);
+  const double last = static_cast<double>(frames_ - 1) * frame_time_;
+  // A loop whose root travels goes on from where it was.
+  const double rounds = extend_ == Extend::loop && last > 0 ? std::floor(t / last) : 0;
+  for (const Track& track : tracks_) {
+    JointMotion& m = motion[track.joint];
+    const size_t next = share > 0 ? f + 1 : f;
+    m.turn = slerp(track.turns[f], track.turns[next], share);
+    if (track.shifts.empty()) continue;
+    Vec3 travel = (track.shifts.back() - track.shifts.front()) * rounds;
+    travel.y = 0;
+    m.shift = track.shifts[f] + (track.shifts[next] - track.shifts[f]) * share + travel;
+  }
+}
+
+Clip::Hold Clip::hold(size_t k, double t) const {
+  const auto [f, share] = between(t);
+  const Foot& foot = feet_[k];
+  const size_t next = share > 0 ? f + 1 : f;
+  return {foot.joint, foot.base, foot.moves[f] + (foot.moves[next] - foot.moves[f]) * share};
+}
+
+}  // namespace truestep::skeleton

@@ -1,0 +1,295 @@
+#include "engine/systems/skeleton/skeleton.h"
+
+#include <algorithm>
+
+namespace truestep::skeleton {
+
+using namespace animation;
+using C = SkeletonColumns;
+
+namespace {
+
+constexpr MovedBodies kBones = MovedBodies::from(0);
+constexpr size_t kBlock = 512;  // vertices
+
+JointMotion read_motion(const double* c) {
+  return {c[0], {c[1], c[2], c[3], c[4]}, {c[5], c[6], c[7]}};
+}
+void write_motion(const JointMotion& m, double* c) {
+  const double all[] = {m.value, m.turn.w, m.turn.x, m.turn.y, m.turn.z, m.shift.x, m.shift.y, m.shift.z};
+  std::ranges::copy(all, c);
+}
+
+}  // namespace
+
+struct Skeleton::Scratch {
+  Driver::Scratch driver;
+  std::vector<JointMotion> motion;
+  Pose root;
+  std::vector<IkGoal> goals;
+  IkWork ik;
+  std::vector<BoneMatrix> matrices;
+  std::vector<DualQuat> duals;
+  std::vector<double> skin;
+  const ThreadArena* arena = nullptr;
+};
+
+Skeleton::Skeleton(const SkeletonDef& given, const BuildContext& context)
+    : driver_(given, context.id), dt_(context.dt), publish_(given.publish), color_(given.color) {
+  const SkeletonDef def = with_file(given, file_);
+  model_ = build_model(def, driver_);
+  if (def.motion && !model_.joints.empty()) clip_ = Clip(*def.motion, *file_, model_, driver_);
+  if (def.skin && !model_.joints.empty()) {
+    build_skin(*def.skin, model_, driver_);
+    skinning_ = def.skin->method, skin_color_ = def.skin->color;
+  }
+  driver_.finish();
+  options_ = {.method = def.solver,
+              .tolerance = def.tolerance,
+              .most = def.max_iterations,
+              .elbow = def.elbow == SkeletonDef::Elbow::positive ? 1.0 : -1.0};
+  for (const Bone& b : model_.bones) {
+    solids_.push_back(capsule_solid(b.radius, 0.5 * norm(b.end)));
+    bone_poses_.push_back({b.end * 0.5, rotation_between({0, 1, 0}, normalized(b.end))});
+  }
+  for (const Solid& s : solids_) forms_.push_back({&s, 0, {}});
+  plan_stages(def);
+  name_parts();
+}
+
+void Skeleton::plan_stages(const SkeletonDef& def) {
+  const auto scratch = [](const StepInput& in) -> Scratch& {
+    auto& s = in.workspace.object<Scratch>("skeleton");
+    s.arena = &in.arena;
+    return s;
+  };
+  add_stage("drive",
+            std::to_string(model_.joints.size()) + " joints" +
+                (file_ ? ", recorded motion of " + std::to_string(clip_.frames()) + " frames" : ""),
+            [this, scratch](State& s, const StepInput& in) { drive(s, in.t + in.h, scratch(in)); });
+  if (clip_.feet() > 0) {
+    add_stage("foot lock", "feet that stand are held",
+              [this, scratch](State& s, const StepInput& in) { hold_feet(s, in.t + in.h, scratch(in)); });
+  } else {
+    skip_stage("foot lock", "no feet are named");
+  }
+  add_stage("reach",
+            model_.goals.empty() ? "only when a joint is dragged"
+                                 : std::to_string(model_.goals.size()) + " goals, at most " +
+                                       std::to_string(def.max_iterations) + " iterations",
+            [this, scratch](State& s, const StepInput& in) { reach(s, scratch(in)); });
+  add_stage("bones", "forward kinematics and velocities",
+            [this, scratch](State& s, const StepInput& in) { write(s, in.h, scratch(in)); });
+  if (!model_.skin.empty()) {
+    add_stage("skin",
+              std::to_string(model_.skin.size()) + " vertices by " +
+                  (skinning_ == SkinDef::Method::linear ? "matrices" : "dual quaternions"),
+              [this, scratch](State& s, const StepInput& in) { follow(s, in.h, scratch(in)); });
+  } else {
+    skip_stage("skin", "there is no skin");
+  }
+}
+
+void Skeleton::name_parts() {
+  const FieldInfo position{"position", "m", Scalar::f64, 3, Meaning::position};
+  const FieldInfo velocity{"velocity", "m/s", Scalar::f64, 3, Meaning::velocity};
+  const FieldInfo orientation{"orientation", "1", Scalar::f64, 4, Meaning::orientation};
+  std::vector<PartInfo> parts(2);
+  parts[0].fields = {position, velocity, orientation, {"value", ""}};
+  parts[0].max_rows = model_.joints.size();
+  parts[1].name = "bones";
+  parts[1].fields = {
+      position, velocity, orientation, {"angular_velocity", "rad/s", Scalar::f64, 3, Meaning::value}};
+  parts[1].max_rows = model_.bones.size();
+  if (!model_.skin.empty()) {
+    PartInfo skin;
+    skin.name = "skin";
+    skin.fields = {position, velocity};
+    skin.max_rows = model_.skin.size();
+    parts.push_back(std::move(skin));
+  }
+  set_parts(std::move(parts));
+}
+
+State Skeleton::initial_state() const {
+  State s;
+  const size_t n = model_.joints.size();
+  MovedBodies::add(s, "bone.", model_.bones.size());
+  driver_.add_column(s);
+  s.add({"position", "m", Scalar::f64, 3, Role::position}, n);
+  s.add({"velocity", "m/s", Scalar::f64, 3, Role::velocity}, n);
+  s.add({"orientation", "1", Scalar::f64, 4}, n);
+  s.add({"coordinates", "1", Scalar::f64, 8}, n);
+  s.add({"drag.joint", "1", Scalar::i32}, 1);
+  s.add({"drag.target", "m", Scalar::f64, 3}, 1);
+  s.add({"solved", "1", Scalar::f64, 4}, 1);
+  s.add({"skin.position", "m", Scalar::f64, 3, Role::position}, model_.skin.size());
+  s.add({"skin.velocity", "m/s", Scalar::f64, 3, Role::velocity}, model_.skin.size());
+  s.add({"skin.inverse_mass", "1/kg"}, model_.skin.size());
+  s.span<int32_t>(C::kDragJoint)[0] = -1;
+  for (size_t j = 0; j < n; ++j) {
+    // The nearest that the limits allow to rest.
+    JointMotion m;
+    apply_limits(model_.joints[j], m);
+    write_motion(m, &s.f64(C::kCoordinates)[8 * j]);
+  }
+  Scratch scratch;
+  update(s, 0, 0, scratch);
+  // The velocities at the start are those of the first step.
+  State ahead = s;
+  update(ahead, dt_, dt_, scratch);
+  for (const State::Column c : {kBones.velocity, kBones.angular_velocity, State::Column{C::kJointVelocity},
+                                State::Column{C::kSkinVelocity}}) {
+    s.copy_column(c, ahead, c);
+  }
+  return s;
+}
+
+void Skeleton::update(State& s, double t, double h, Scratch& scratch) const {
+  drive(s, t, scratch);
+  if (clip_.feet() > 0) hold_feet(s, t, scratch);
+  reach(s, scratch);
+  write(s, h, scratch);
+  if (!model_.skin.empty()) follow(s, h, scratch);
+}
+
+void Skeleton::drive(const State& s, double t, Scratch& scratch) const {
+  const auto out = driver_.evaluate(t, s.f64(C::kControl), scratch.driver);
+  scratch.motion.resize(model_.joints.size());
+  const double* c = s.f64(C::kCoordinates).data();
+  for (size_t j = 0; j < model_.joints.size(); ++j) scratch.motion[j] = read_motion(c + 8 * j);
+  if (file_) clip_.pose(t, scratch.motion);
+  for (size_t j = 0; j < model_.joints.size(); ++j) {
+    JointMotion& m = scratch.motion[j];
+    const JointDrive& d = model_.drives[j];
+    if (d.kind == JointDrive::Kind::kept) continue;
+    if (d.kind == JointDrive::Kind::value) m.value = out[d.output];
+    if (d.kind == JointDrive::Kind::rotation) m.turn = euler_rotation(d.order, load3(&out[d.output], 0));
+    if (d.kind == JointDrive::Kind::turn) m.turn = driver_.turn_at(d.output, t);
+    apply_limits(model_.joints[j], m);
+  }
+  scratch.root = {load3(&out[model_.root_position], 0),
+                  euler_rotation(model_.root_order, load3(&out[model_.root_rotation], 0))};
+}
+
+void Skeleton::hold_feet(State& s, double t, Scratch& scratch) const {
+  IkWork& w = scratch.ik;
+  w.poses.resize(model_.joints.size());
+  forward_kinematics(model_.joints, scratch.motion, scratch.root, w.poses);
+  double error = 0;
+  for (size_t k = 0; k < clip_.feet(); ++k) {
+    const Clip::Hold hold = clip_.hold(k, t);
+    if (norm2(hold.move) == 0) continue;
+    IkGoal g;
+    g.joint = hold.foot, g.base = hold.base;
+    g.target = w.poses[hold.foot].position + rotate(scratch.root.orientation, hold.move);
+    const Quat sole = w.poses[hold.foot].orientation;
+    const bool leg = model_.joints[hold.foot].parent != static_cast<int32_t>(hold.base);
+    const IkOptions options{
+        .method = leg ? IkMethod::two_link : IkMethod::ccd, .tolerance = 1e-6, .most = 10};
+    solve_ik(model_.joints, scratch.root, std::span(&g, 1), options, scratch.motion, w);
+    error = std::max(error, norm(g.target - w.poses[hold.foot].position));
+    // The foot keeps its own direction.
+    JointMotion& foot = scratch.motion[hold.foot];
+    if (model_.joints[hold.foot].kind == JointKind::ball) {
+      foot.turn = normalized(foot.turn * conjugate(w.poses[hold.foot].orientation) * sole);
+      forward_kinematics(model_.joints, scratch.motion, scratch.root, w.poses);
+    }
+  }
+  s.f64(C::kSolved)[3] = error;
+}
+
+IkGoal Skeleton::goal(const GoalDrive& g, std::span<const double> out) const {
+  IkGoal goal = g.goal;
+  goal.target = load3(&out[g.target], 0);
+  if (g.has_orientation) goal.orientation = euler_rotation(EulerOrder::xyz, load3(&out[g.orientation], 0));
+  if (g.has_pole) goal.pole = load3(&out[g.pole], 0);
+  return goal;
+}
+
+void Skeleton::reach(State& s, Scratch& scratch) const {
+  IkWork& w = scratch.ik;
+  scratch.goals.clear();
+  for (const GoalDrive& g : model_.goals) scratch.goals.push_back(goal(g, scratch.driver.outputs));
+  const IkResult r = solve_ik(model_.joints, scratch.root, scratch.goals, options_, scratch.motion, w);
+  s.f64(C::kSolved)[0] = r.error;
+  s.f64(C::kSolved)[1] = r.iterations;
+  s.f64(C::kSolved)[2] = r.error <= options_.tolerance ? 1 : 0;
+  const int32_t dragged = s.span<int32_t>(C::kDragJoint)[0];
+  if (dragged < 0) return;
+  // A hand pulls last; where it cannot follow, least squares go as near as they can.
+  IkGoal hand;
+  hand.joint = static_cast<uint32_t>(dragged), hand.target = load3(s.f64(C::kDragTarget).data(), 0);
+  hand.base = hand.joint;
+  for (int32_t j = dragged; j >= 0; j = model_.joints[static_cast<size_t>(j)].parent) {
+    hand.base = static_cast<uint32_t>(j);
+  }
+  solve_ik(model_.joints, scratch.root, std::span(&hand, 1), {.tolerance = options_.tolerance, .most = 30},
+           scratch.motion, w);
+}
+
+void Skeleton::write(State& s, double h, Scratch& scratch) const {
+  const std::vector<Pose>& poses = scratch.ik.poses;
+  double *x = s.f64(C::kJointPosition).data(), *v = s.f64(C::kJointVelocity).data();
+  for (size_t j = 0; j < poses.size(); ++j) {
+    if (h > 0) store3(v, j, (poses[j].position - load3(x, j)) / h);
+    store3(x, j, poses[j].position);
+    const Quat q = normalized(poses[j].orientation);
+    std::ranges::copy(std::array{q.w, q.x, q.y, q.z}, &s.f64(C::kJointOrientation)[4 * j]);
+    write_motion(scratch.motion[j], &s.f64(C::kCoordinates)[8 * j]);
+  }
+  for (size_t b = 0; b < model_.bones.size(); ++b) {
+    kBones.place(s, b, poses[model_.bones[b].joint] * bone_poses_[b], h);
+  }
+}
+
+void Skeleton::follow(State& s, double h, Scratch& scratch) const {
+  const size_t n = model_.joints.size(), vertices = model_.skin.size();
+  scratch.skin.resize(3 * vertices);
+  const bool linear = skinning_ == SkinDef::Method::linear;
+  scratch.matrices.resize(linear ? n : 0), scratch.duals.resize(linear ? 0 : n);
+  for (size_t j = 0; j < n; ++j) {
+    if (linear) {
+      scratch.matrices[j] = bone_matrix(model_.rest[j], scratch.ik.poses[j]);
+    } else {
+      scratch.duals[j] = dual_quaternion(model_.rest[j], scratch.ik.poses[j]);
+    }
+  }
+  const double* rest = &model_.skin[0].x;
+  double* out = scratch.skin.data();
+  const auto run = [&](size_t begin, size_t end) {
+    if (linear) {
+      skin_linear(scratch.matrices, model_.weights, rest, out, begin, end);
+    } else {
+      skin_dual_quaternion(scratch.duals, model_.weights, rest, out, begin, end);
+    }
+  };
+  if (scratch.arena) {
+    scratch.arena->for_blocks(vertices, kBlock, run);
+  } else {
+    run(0, vertices);
+  }
+  place_points(s.f64(C::kSkin), s.f64(C::kSkinVelocity), scratch.skin, h);
+}
+
+Ports Skeleton::ports() const {
+  Ports out;
+  if (publish_ == SkeletonDef::Publish::bones) {
+    out.bodies = kBones.port(forms_);
+    return out;
+  }
+  out.points = PointPort{.position = C::kSkin,
+                         .velocity = C::kSkinVelocity,
+                         .mass = std::nullopt,
+                         .inverse_mass = C::kSkinInverseMass,
+                         .id = std::nullopt,
+                         .radius = 0};
+  out.solids = {model_.triangles, {}};
+  return out;
+}
+
+std::unique_ptr<const System> build_skeleton(const void* def, const BuildContext& context) {
+  return std::make_unique<Skeleton>(*static_cast<const SkeletonDef*>(def), context);
+}
+
+}  // namespace truestep::skeleton

@@ -1,0 +1,77 @@
+// The system type "skeleton": a tree of joints whose coordinates are expressions, keys or a motion file, and
+// which goals of inverse kinematics then change (kernels/animation). Joints that nothing drives keep their
+// coordinates from step to step, so that a solver goes on where it was. Its bones are capsules, published as
+// bodies that nothing moves with the velocities of their motion; or its skin is published as triangles.
+// Parts: the joints, bones, skin. Commands: set_parameter of a control; drag of a joint to a place, which is
+// a goal for all joints above it, and release.
+#pragma once
+#include <memory>
+
+#include "engine/animation/moved_bodies.h"
+#include "engine/core/system.h"
+#include "engine/systems/skeleton/clip.h"
+
+namespace truestep::skeleton {
+
+/// Columns of a state after those of the bones, in their order.
+struct SkeletonColumns {
+  enum Index : State::Column {
+    kControl = animation::MovedBodies::kCount,
+    kJointPosition,     ///< m
+    kJointVelocity,     ///< m/s
+    kJointOrientation,  ///< w x y z
+    kCoordinates,       ///< value (rad or m), turn (w x y z), shift (m)
+    kDragJoint,         ///< -1: none
+    kDragTarget,        ///< m
+    kSolved,            ///< ik error (m), iterations, reached, error of held feet (m)
+    kSkin,
+    kSkinVelocity,
+    kSkinInverseMass
+  };
+};
+
+class Skeleton final : public StagedSystem {
+ public:
+  Skeleton(const SkeletonDef& def, const BuildContext& context);
+
+  State initial_state() const override;
+  void observe(const State& state, double t, Observables& out) const override;
+  FieldView field(const State& state, size_t part, size_t field, std::vector<double>& scratch) const override;
+  void apply(State& state, const Command& command) const override;
+  void check(StateCheck& check, double t) const override;
+  void draw(const State& state, double t, Wish wishes, Drawing& out) const override;
+  Ports ports() const override;
+  std::vector<std::string> remedies() const override;
+
+  const Model& model() const { return model_; }
+
+ private:
+  struct Scratch;
+  void plan_stages(const SkeletonDef& def);
+  void name_parts();
+  /// Everything as it is at t, h after it was where the state says.
+  void update(State& state, double t, double h, Scratch& scratch) const;
+  void drive(const State& state, double t, Scratch& scratch) const;
+  void reach(State& state, Scratch& scratch) const;
+  void hold_feet(State& state, double t, Scratch& scratch) const;
+  void write(State& state, double h, Scratch& scratch) const;
+  void follow(State& state, double h, Scratch& scratch) const;
+  animation::IkGoal goal(const GoalDrive& g, std::span<const double> out) const;
+
+  animation::Driver driver_;
+  double dt_;
+  std::optional<BvhMotion> file_;
+  Model model_;
+  Clip clip_;
+  animation::IkOptions options_;
+  SkinDef::Method skinning_ = SkinDef::Method::dual_quaternion;
+  SkeletonDef::Publish publish_;
+  std::optional<Vec3> color_, skin_color_;
+  std::vector<Solid> solids_;
+  std::vector<BodyForm> forms_;
+  std::vector<Pose> bone_poses_;  ///< in their joints' frames
+};
+
+std::unique_ptr<const System> build_skeleton(const void* def, const BuildContext& context);
+
+}  // namespace truestep::skeleton

@@ -1,0 +1,241 @@
+#include "engine/systems/skeleton/skeleton_def.h"
+
+#include <algorithm>
+
+namespace truestep::skeleton {
+
+namespace {
+
+constexpr size_t kMostJoints = 10'000;
+
+const DefTable& joint_table() {
+  using D = JointDef;
+  static const DefTable t =
+      TableOf<D>("a joint, and the bones that leave it")
+          .text("id", &D::id, "its name")
+          .required()
+          .text("parent", &D::parent, "an earlier joint; absent: the root")
+          .choice("type", &D::type, {"fixed", "revolute", "prismatic", "ball"}, "how it moves")
+          .vector("offset", &D::offset, "m", any(), "in the parent's frame")
+          .vector("rest_rotation", &D::rest_rotation, "rad", any(),
+                  "rotation vector of its frame in the parent's, at rest")
+          .vector(
+              "axis", &D::axis, "1", any(),
+              "of revolute and prismatic joints, in its own frame; of a ball that of its twist; any length")
+          .number("min", &D::min, "", any(), "rad or m, smallest value; of a ball smallest twist")
+          .number("max", &D::max, "", any(), "rad or m, largest value; of a ball largest twist")
+          .number("cone", &D::cone, "rad", between(0, 3.141592653589793),
+                  "of a ball: largest swing of the axis")
+          .vector("end", &D::end, "m", any(), "tip of its bone where no joint follows, in its own frame")
+          .number("radius", &D::radius, "m", above(0), "of its bones; absent: bone_radius")
+          .expression("value", &D::value, "rad or m, of revolute and prismatic joints")
+          .texts("rotation", &D::rotation, {0, 3}, "angles (rad) about x, y and z of a ball, as expressions")
+          .choice("order", &D::order, animation::kEulerOrders,
+                  "of the angles, each about its axis as already turned")
+          .text("turn", &D::turn, "of a ball: name of one of turns; instead of rotation")
+          .check([](const D& d, const DefTable::Report& report) {
+            using animation::JointKind;
+            if (!(norm(d.axis) > 0)) report("/axis", "the axis must not be zero");
+            if (d.min && d.max && *d.min > *d.max) report("/max", "the largest value is below the smallest");
+            const bool ball = d.type == JointKind::ball, fixed = d.type == JointKind::fixed;
+            if (!d.value.empty() && (ball || fixed))
+              report("/value", "a revolute or prismatic joint has a value");
+            if (!d.rotation.empty() && !ball)
+              report("/rotation", "a ball has a rotation, other joints a value");
+            if (!d.turn.empty() && !ball) report("/turn", "a ball has a turn, other joints a value");
+            if (!d.turn.empty() && !d.rotation.empty()) report("/turn", "either turn or rotation, not both");
+            if (d.cone && !ball) report("/cone", "a ball has a cone, other joints min and max");
+          })
+          .build();
+  return t;
+}
+
+const DefTable& goal_table() {
+  using D = GoalDef;
+  static const DefTable t =
+      TableOf<D>("where a place of a joint should be")
+          .text("id", &D::id, "its name in observables; absent: its number")
+          .text("joint", &D::joint, "the joint")
+          .required()
+          .text("base", &D::base, "first joint on the way to it that may move; absent: the first of all")
+          .vector("point", &D::point, "m", any(),
+                  "the place in the joint's frame; absent: the end of its bone")
+          .texts("target", &D::target, {0, 3}, "x, y and z (m) as expressions; a missing one is 0")
+          .required()
+          .texts("orientation", &D::orientation, {0, 3},
+                 "angles (rad) about x, y and z of the joint's frame in the world, as expressions")
+          .texts("pole", &D::pole, {0, 3}, "a place (m) that the chain bends towards, as expressions")
+          .number("weight", &D::weight, "1", above(0), "against other goals of the same priority")
+          .number("orientation_weight", &D::orientation_weight, "m/rad", above(0), "a turn in lengths")
+          .integer("priority", &D::priority, between(0, 9), "0 goes first; others move in what is left")
+          .build();
+  return t;
+}
+
+const DefTable& tube_table() {
+  using D = TubeDef;
+  static const DefTable t =
+      TableOf<D>("a skin around the bones from one joint to another")
+          .text("from", &D::from, "first joint")
+          .required()
+          .text("to", &D::to, "last joint, to the end of its bone; absent: from itself")
+          .number("radius", &D::radius, "m", above(0), "at the first joint")
+          .number("end_radius", &D::end_radius, "m", above(0), "at the end; absent: radius")
+          .integer("rings", &D::rings, between(2, 1000), "along it")
+          .integer("around", &D::around, between(3, 500), "vertices of a ring")
+          .build();
+  return t;
+}
+
+const DefTable& skin_table() {
+  using D = SkinDef;
+  static const DefTable t =
+      TableOf<D>("a surface that follows the bones, each vertex by the bones that are near it at rest")
+          .objects("tubes", &D::tubes, tube_table(), {0, 1000}, "skins around chains of bones")
+          .vectors("vertices", &D::vertices, "m", any(), {0, 1'000'000},
+                   "of a mesh, in the world when all coordinates are at rest and the root is the origin")
+          .integers("triangles", &D::triangles, at_least(0), {0, 6'000'000}, "three vertices each")
+          .choice("method", &D::method, {"linear", "dual_quaternion"},
+                  "means of matrices, which collapse where bones twist, or of dual quaternions, which do not")
+          .number("falloff", &D::falloff, "1", between(0.5, 64),
+                  "power of the distance by which the weight of a bone falls")
+          .vector("color", &D::color, "1", between(0, 1), "linear red, green, blue")
+          .check([](const D& d, const DefTable::Report& report) {
+            if (d.tubes.empty() && d.vertices.empty()) report("", "a skin has tubes or vertices");
+            if (d.triangles.size() % 3 != 0) report("/triangles", "three vertices a triangle");
+            for (size_t i = 0; i < d.triangles.size(); ++i) {
+              if (static_cast<size_t>(d.triangles[i]) < d.vertices.size()) continue;
+              return report("/triangles/" + std::to_string(i), "there is no such vertex");
+            }
+          })
+          .build();
+  return t;
+}
+
+const DefTable& foot_lock_table() {
+  using D = FootLockDef;
+  static const DefTable t =
+      TableOf<D>("holds feet where they stand: low and slow joints are kept in place by two bones above them")
+          .texts("joints", &D::joints, {1, 16}, "the feet")
+          .required()
+          .number("height", &D::height, "m", any(), "a foot that stands is below this")
+          .number("speed", &D::speed, "m/s", above(0), "and slower than this")
+          .number("blend", &D::blend, "s", at_least(0), "over which a foot comes to be held or let go")
+          .build();
+  return t;
+}
+
+const DefTable& motion_table() {
+  using D = MotionDef;
+  static const DefTable t =
+      TableOf<D>("recorded motion, a BVH file line by line")
+          .texts("bvh", &D::bvh, {1, 1'000'000}, "lines of the file")
+          .required()
+          .number("scale", &D::scale, "m", above(0),
+                  "length of the file's unit: 0.01 where it is a centimetre")
+          .named_texts(
+              "names", &D::names, {0, kMostJoints},
+              "joint of the file: joint of this skeleton, to which its turns go; absent: the same names")
+          .number("root_scale", &D::root_scale, "1", above(0),
+                  "of the root's way; absent: the ratio of the two skeletons' sizes")
+          .choice("extend", &D::extend, {"clamp", "loop", "ping_pong"}, "after the last frame")
+          .number("smoothing", &D::smoothing, "s", at_least(0), "width of a Gaussian mean over time")
+          .object("foot_lock", &D::foot_lock, foot_lock_table(), "feet that stand still")
+          .build();
+  return t;
+}
+
+void check(const SkeletonDef& d, const DefTable::Report& report) {
+  using animation::IkMethod;
+  if (d.joints.empty() && !d.motion)
+    report("/joints", "a skeleton has joints, its own or those of a motion file");
+  const bool squares = d.solver == IkMethod::gradient || d.solver == IkMethod::gauss_newton ||
+                       d.solver == IkMethod::damped_least_squares;
+  for (size_t k = 0; k < d.goals.size(); ++k) {
+    const std::string at = "/goals/" + std::to_string(k);
+    if (!d.goals[k].orientation.empty() && !squares) {
+      report(at + "/orientation", "orientations need gradient, gauss_newton or damped_least_squares");
+    }
+    if (d.goals[k].priority > 0 && (!squares || d.solver == IkMethod::gradient)) {
+      report(at + "/priority", "priorities need gauss_newton or damped_least_squares");
+    }
+  }
+  if (d.publish == SkeletonDef::Publish::skin && !d.skin) report("/publish", "there is no skin to publish");
+}
+
+}  // namespace
+
+const DefTable& skeleton_table() {
+  using D = SkeletonDef;
+  static const DefTable t = [] {
+    TableOf<D> table("a tree of joints that moves by expressions, keys, a motion file or towards goals");
+    table.objects("joints", &D::joints, joint_table(), {0, kMostJoints}, "parents first")
+        .texts("root_position", &D::root_position, {0, 3},
+               "x, y and z (m) as expressions; a missing one is 0")
+        .texts("root_rotation", &D::root_rotation, {0, 3}, "angles (rad) about x, y and z as expressions")
+        .choice("root_order", &D::root_order, animation::kEulerOrders, "of the root's angles")
+        .objects("goals", &D::goals, goal_table(), {0, 256}, "where places should be: inverse kinematics")
+        .choice("solver", &D::solver,
+                {"gradient", "gauss_newton", "damped_least_squares", "ccd", "fabrik", "two_link"},
+                "method of inverse kinematics")
+        .number("tolerance", &D::tolerance, "m", above(0), "distance at which a goal is reached")
+        .integer("max_iterations", &D::max_iterations, between(1, 1'000'000), "of the solver in a step")
+        .choice("elbow", &D::elbow, {"positive", "negative"},
+                "of two_link without a pole: side to which a revolute middle bends")
+        .object("motion", &D::motion, motion_table(), "recorded motion")
+        .object("skin", &D::skin, skin_table(), "a surface around the bones")
+        .number("bone_radius", &D::bone_radius, "m", above(0), "of bones, which are capsules")
+        .choice("publish", &D::publish, {"bones", "skin"}, "what others collide with")
+        .vector("color", &D::color, "1", between(0, 1), "linear red, green, blue of the bones");
+    animation::add_driver_rows(table);
+    return table.check(check).build();
+  }();
+  return t;
+}
+
+const Outputs& skeleton_outputs() {
+  static const Outputs kOutputs{
+      .rows = "a joint; of part bones a bone, of part skin a vertex",
+      .fields = {{"position", "m", 3, "of a joint, a bone's middle or a vertex"},
+                 {"velocity", "m/s", 3, "mean over the last step"},
+                 {"orientation", "1", 4, "w, x, y, z; a bone points along its y axis"},
+                 {"value", "", 1, "rad of a revolute joint, m of a prismatic one, rad of turn of a ball"},
+                 {"bones.angular_velocity", "rad/s", 3, "of part bones: mean over the last step"}},
+      .observables = {
+          {"control.<name>", "1", "value of a control"},
+          {"ik.error", "m", "largest distance of a goal after the last step; with goals"},
+          {"ik.iterations", "1", "of the solver in the last step; with goals"},
+          {"ik.reached", "1", "1 where all goals are within the tolerance; with goals"},
+          {"goal.<id>.error", "m", "distance of a goal"},
+          {"joint.<id>.x", "m", "where a joint is, of skeletons of at most 32"},
+          {"joint.<id>.y", "m", ""},
+          {"joint.<id>.z", "m", ""},
+          {"foot_lock.slide", "m", "largest way of a standing foot in the recording, before it is held"},
+          {"foot_lock.error", "m", "largest distance of a foot from where it is held"}}};
+  return kOutputs;
+}
+
+Cost skeleton_cost(const void* def) {
+  const auto& d = *static_cast<const SkeletonDef*>(def);
+  double joints = static_cast<double>(d.joints.size()), text = 0;
+  if (d.motion) {
+    for (const std::string& line : d.motion->bvh) text += static_cast<double>(line.size());
+    // A joint takes some hundred letters of a file, a number eight.
+    if (d.joints.empty()) joints = std::min(static_cast<double>(d.motion->bvh.size()) / 4, text / 80);
+  }
+  double vertices = 0;
+  if (d.skin) {
+    vertices = static_cast<double>(d.skin->vertices.size());
+    for (const TubeDef& t : d.skin->tubes) vertices += static_cast<double>(t.rings) * t.around + 2;
+  }
+  double keys = 0;
+  for (const auto& c : d.controls) keys += static_cast<double>(c.times.size());
+  const auto controls = static_cast<double>(d.controls.size()), goals = static_cast<double>(d.goals.size());
+  return {.state_bytes = joints * (116 + 144) + 56 * vertices + 8 * controls + 600,
+          .workspace_bytes = 8192 + 1400 * joints + 200 * vertices + 32 * keys + 400 * controls + 1.2 * text +
+                             goals * joints * 300,
+          .elements = joints + vertices + goals,
+          .seconds_per_step = 2e-6 + 4e-7 * joints + 2e-8 * vertices + goals * 2e-5 + 1e-6 * joints * goals};
+}
+
+}  // namespace truestep::skeleton
