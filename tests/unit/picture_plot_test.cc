@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include "engine/scene/gallery.h"
 
 #include "engine/sinks/picture/camera.h"
 #include "engine/sinks/picture/color_map.h"
@@ -135,6 +136,18 @@ TEST(PicturePlot, ALegendNamesOnlyWhatHasItsColour) {
   EXPECT_EQ(two.legend[1].color.r, picture::palette(1).r);
   const std::string chain = R"({"type": "rod_chain", "id": "chain"})";
   EXPECT_TRUE(test::PictureSession(head + rope("rope") + ", " + chain + "]}", 0).list().legend.empty());
+}
+
+// Both limbs are skins with colours of their own; in places of the palette the legend would exchange them.
+TEST(PicturePlot, ALegendHasTheColoursThatASceneGives) {
+  const std::string limbs(find_gallery_scene("anim_twisted_limb")->text);
+  const DrawList list = test::PictureSession(limbs, 0).list();
+  ASSERT_EQ(list.legend.size(), 2u);
+  EXPECT_EQ(list.legend[0].text, "linear");
+  EXPECT_GT(list.legend[0].color.r, 2 * list.legend[0].color.b) << "orange";
+  EXPECT_GT(list.legend[1].color.b, 2 * list.legend[1].color.r) << "blue";
+  EXPECT_LT(picture::palette(0).r, 2 * picture::palette(0).b)
+      << "control: the first place of the palette is blue";
 }
 
 }  // namespace

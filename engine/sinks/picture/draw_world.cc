@@ -144,6 +144,22 @@ std::vector<size_t> palette_places(const World& world) {
 }
 
 // Systems that their colour tells apart.
+/// The colour that the scene gives to something that a part's system shows.
+std::optional<Color> own_color(const World& world, const Frame& frame, size_t part) {
+  const auto of = [](const std::array<double, 3>& c) {
+    return Color{static_cast<float>(c[0]), static_cast<float>(c[1]), static_cast<float>(c[2])};
+  };
+  for (size_t q = 0; q < world.parts().size(); ++q) {
+    if (world.parts()[q].system != world.parts()[part].system) continue;
+    const PartDrawing& drawing = frame.constant->parts[q];
+    if (drawing.color) return of(*drawing.color);
+    for (const Visual& visual : drawing.visuals) {
+      if (visual.color) return of(*visual.color);
+    }
+  }
+  return std::nullopt;
+}
+
 void add_legend(DrawList& list, const std::vector<LegendRow>& systems) {
   if (systems.size() > 1) list.legend.insert(list.legend.end(), systems.begin(), systems.end());
 }
@@ -321,7 +337,7 @@ DrawList draw_list_of(const World& world, const Frame& frame, const PictureLook&
     // Rows that other shapes are drawn for show no colour of their own.
     const bool visible = points.radius > 0 || !points.lines.empty() || !points.triangles.empty();
     if (main && visible && !colored && list.shapes.size() == before && drawing.plot.empty())
-      systems.push_back({spaced(world.parts()[p].id), *points.color});
+      systems.push_back({spaced(world.parts()[p].id), own_color(world, frame, p).value_or(*points.color)});
     list.points.push_back(std::move(points));
   }
   add_strings(list, world, frame);
