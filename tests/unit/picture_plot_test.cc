@@ -4,8 +4,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include "engine/scene/gallery.h"
 
+#include "engine/scene/gallery.h"
 #include "engine/sinks/picture/camera.h"
 #include "engine/sinks/picture/color_map.h"
 #include "engine/sinks/picture/draw_world.h"
