@@ -2,6 +2,7 @@
 
 #include "engine/couplings/attachment/attachment.h"
 #include "engine/couplings/contact/contact.h"
+#include "engine/couplings/drive/drive.h"
 
 namespace truestep {
 
@@ -23,6 +24,12 @@ std::span<const CouplingRow> coupling_catalogue() {
        attachment::attachment_cost,
        {"what one side gains in momentum the other loses", "second order in the step",
         "a rigid link keeps its length to rounding"}},
+      {"drive",
+       "a control of an animation sets a parameter of another system at every step",
+       &drive::drive_table(),
+       drive::build_drive,
+       drive::drive_cost,
+       {"the parameter is the control at the substep's start"}},
   };
   return kRows;
 }

@@ -183,6 +183,26 @@ TEST(AnimationScene, SaysWhatItCannotTake) {
             Faults{"/systems/0/triangles/2"});
 }
 
+TEST(AnimationScene, DrivesNeedAControlAndAParameter) {
+  const auto drive = [](const std::string& coupling) {
+    std::vector<std::string> out;
+    try {
+      const World world(parse_scene(
+          R"({"systems": [{"type": "keyframes", "id": "k", "controls": [{"name": "g", "value": "1"}]}, {"type": "pendulum", "id": "p", "damping": 1}], "couplings": [{"type": "drive", "id": "d", )" +
+          coupling + "}]}"));
+    } catch (const Error& e) {
+      for (const Issue& issue : e.issues()) out.push_back(issue.pointer);
+    }
+    return out;
+  };
+  EXPECT_EQ(drive(R"("a": "k", "b": "p", "control": "g", "parameter": "damping")"), Faults{});
+  EXPECT_EQ(drive(R"("a": "k", "b": "p", "control": "h", "parameter": "damping")"),
+            Faults{"/couplings/0/control"});
+  EXPECT_EQ(drive(R"("a": "k", "b": "p", "control": "g", "parameter": "colour")"),
+            Faults{"/couplings/0/parameter"});
+  EXPECT_EQ(drive(R"("a": "p", "b": "k", "control": "g", "parameter": "g")"), Faults{"/couplings/0/a"});
+}
+
 TEST(AnimationScene, WhatIsNotFiniteIsToldAndNeverANumber) {
   EXPECT_EQ(faults(R"({"type": "keyframes", "id": "k", "shapes": [{"position": ["0", "1/t"]}]})"),
             Faults{"/systems/0/shapes/0/position/1"});

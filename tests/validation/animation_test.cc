@@ -80,5 +80,26 @@ TEST(AnimationScenes, ParticlesMeetABoneThatSwings) {
   EXPECT_GT(v.y, 3.8);
 }
 
+TEST(AnimationScenes, AControlDrivesAParameter) {
+  // The drag of a pendulum grows as 2 t.
+  testing_coupled::SceneRun run(R"scene({"time": {"dt": 0.001}, "systems": [
+    {"type": "keyframes", "id": "keys", "controls": [{"name": "g", "value": "2*t"}]},
+    {"type": "pendulum", "id": "bob", "angle": 0.3, "damping": 0.1}],
+    "couplings": [{"type": "drive", "id": "d", "a": "keys", "b": "bob", "control": "g", "parameter": "damping"}]})scene");
+  run.session.step(500);
+  EXPECT_NEAR(run.observe("d.value"), 2 * 0.499, 1e-12) << "at the start of the last step";
+  const State& s = run.session.state().systems[1];
+  EXPECT_NEAR(s.f64(s.at("damping"))[0], 2 * 0.499, 1e-12);
+}
+
+TEST(AnimationScenes, ADriveOutOfBoundsEndsTheRun) {
+  testing_coupled::SceneRun run(R"scene({"time": {"dt": 0.01}, "systems": [
+    {"type": "keyframes", "id": "keys", "controls": [{"name": "g", "value": "0.1 - t"}]},
+    {"type": "pendulum", "id": "bob", "angle": 0.3, "damping": 0.1}],
+    "couplings": [{"type": "drive", "id": "d", "a": "keys", "b": "bob", "control": "g", "parameter": "damping"}]})scene");
+  run.session.step(10);
+  EXPECT_THROW(run.session.step(5), Instability) << "the drag would be negative";
+}
+
 }  // namespace
 }  // namespace truestep::animation

@@ -9,7 +9,7 @@ using animation::MovedBodies;
 namespace {
 
 constexpr MovedBodies kBodies = MovedBodies::from(0);
-enum : State::Column { kControl = MovedBodies::kCount, kSkin, kSkinVelocity, kSkinInverseMass };
+enum : State::Column { kControl = MovedBodies::kCount, kSkin, kSkinVelocity, kSkinInverseMass, kValue };
 
 Solid solid_of(const MovedShapeDef& d) {
   switch (d.shape) {
@@ -108,6 +108,14 @@ Keyframes::Keyframes(const KeyframesDef& def, const BuildContext& context)
     skin.max_rows = shapes_[k].vertices.size();
     parts.push_back(std::move(skin));
   }
+  if (driver_.controls() > 0) {
+    PartInfo controls;
+    controls.kind = PartInfo::Kind::values;
+    controls.name = "controls";
+    controls.fields = {{"value", "1"}};
+    controls.max_rows = driver_.controls();
+    parts.push_back(std::move(controls));
+  }
   set_parts(std::move(parts));
 }
 
@@ -156,6 +164,7 @@ State Keyframes::initial_state() const {
   s.add({"skin.position", "m", Scalar::f64, 3, Role::position}, vertices_);
   s.add({"skin.velocity", "m/s", Scalar::f64, 3, Role::velocity}, vertices_);
   s.add({"skin.inverse_mass", "1/kg"}, vertices_);
+  s.add({"value", "1"}, driver_.controls());
   Scratch scratch;
   update(s, 0, 0, scratch);
   // The velocities at the start are those of the first step.
@@ -169,6 +178,7 @@ State Keyframes::initial_state() const {
 
 void Keyframes::update(State& s, double t, double h, Scratch& scratch) const {
   const auto out = driver_.evaluate(t, s.f64(kControl), scratch.driver);
+  std::copy_n(scratch.driver.variables.begin() + 1, driver_.controls(), s.f64(kValue).begin());
   scratch.skin.resize(3 * vertices_);
   for (size_t k = 0; k < shapes_.size(); ++k) {
     const Shape& shape = shapes_[k];
@@ -203,6 +213,7 @@ void Keyframes::observe(const State& s, double t, Observables& out) const {
 }
 
 FieldView Keyframes::field(const State& s, size_t part, size_t which, std::vector<double>&) const {
+  if (part > stretched_.size()) return {s.f64(kValue).data(), Scalar::f64, driver_.controls(), 1};
   if (part > 0) {
     const Shape& shape = shapes_[stretched_[part - 1]];
     const double* x = s.f64(which == 0 ? State::Column{kSkin} : State::Column{kSkinVelocity}).data();

@@ -54,11 +54,12 @@ const DefTable& keyframes_table() {
 
 const Outputs& keyframes_outputs() {
   static const Outputs kOutputs{
-      .rows = "a shape; of a part that is named after a shape, a vertex of it",
+      .rows = "a shape; of a part that is named after a shape, a vertex of it; of part controls a control",
       .fields = {{"position", "m", 3, "of the centre, or of a vertex"},
                  {"velocity", "m/s", 3, "mean over the last step"},
                  {"orientation", "1", 4, "w, x, y, z"},
-                 {"angular_velocity", "rad/s", 3, "mean over the last step, in the world"}},
+                 {"angular_velocity", "rad/s", 3, "mean over the last step, in the world"},
+                 {"controls.value", "1", 1, "of part controls, a row per control: its value"}},
       .observables = {{"control.<name>", "1", "value of a control"},
                       {"shape.<id>.x", "m", "where a shape is"},
                       {"shape.<id>.y", "m", ""},
