@@ -309,10 +309,12 @@ export class Stage {
     const drawn = [...this.views.values()].filter((view) => view instanceof SystemView && !view.id.includes(".") && view.count > 0) as SystemView[];
     if (this.axes.length === 0 && drawn.length > 1 && drawn.length <= kNames) {
       for (const view of drawn) {
+        const parts = [...this.views.values()].filter((part) => part instanceof SystemView && (part === view || part.id.startsWith(`${view.id}.`))) as SystemView[];
+        const color = parts.map((part) => part.givenColor).find((given) => given !== undefined) ?? view.tint;
         const mine = new Extent();
         view.reachOf(mine);
         if (mine.empty) continue;
-        labels.push({ text: view.id.replaceAll("_", " "), at: mine.top(), kind: "name", color: `#${view.tint.getHexString()}` });
+        labels.push({ text: view.id.replaceAll("_", " "), at: mine.top(), kind: "name", color: `#${color.getHexString()}` });
       }
     }
     for (const view of this.views.values()) if (view instanceof SystemView) labels.push(...view.curves());

@@ -77,6 +77,13 @@ export class SystemView {
     if (topology.pointRadius > 0) this.points = new PointCloud(topology.pointRadius, this.fill(), viewHeight);
   }
 
+  /** The colour that the scene gives to something of it. */
+  get givenColor(): Color | undefined {
+    if (this.color) return this.color;
+    const [r, g, b] = this.topology.visuals.find((visual) => visual.color.length === 3)?.color ?? [];
+    return r !== undefined && g !== undefined && b !== undefined ? new Color().setRGB(r, g, b, SRGBColorSpace) : undefined;
+  }
+
   get pointRadius(): number {
     return this.topology.pointRadius;
   }
