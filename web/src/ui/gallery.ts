@@ -20,6 +20,7 @@ const chapters: [string, RegExp][] = [
   ["Cloth, ropes and hair", /^(cloth|rope|hair|springs|stability|integrators)$/],
   ["Rigid bodies", /^rigid bodies$/],
   ["Rigid bodies in the plane", /^rigid2d$/],
+  ["Flocks", /^flocking$/],
   ["Particles", /^particles$/],
   ["Heat and waves", /^(heat|wave|grid)$/],
   ["Equations", /^ode$/],
