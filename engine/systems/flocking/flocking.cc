@@ -72,8 +72,13 @@ Flocking::Flocking(const FlockingDef& def, const BuildContext& context)
   members.fields = {{"position", "m", Scalar::f64, 3, Meaning::position},
                     {"velocity", "m/s", Scalar::f64, 3, Meaning::velocity},
                     {"speed", "m/s"}};
-  members.max_rows = rows_;
-  set_parts({std::move(members)});
+  members.max_rows = boids_;
+  std::vector<PartInfo> parts{members};
+  if (def.predators > 0) {
+    parts.push_back(members);
+    parts.back().name = "predators", parts.back().max_rows = rows_ - boids_;
+  }
+  set_parts(std::move(parts));
 }
 
 State Flocking::initial_state() const {
@@ -147,18 +152,16 @@ void Flocking::apply(State& s, const Command& c) const {
 
 void Flocking::draw(const State&, double, Wish wishes, Drawing& out) const {
   if (!wants(wishes, Wish::constant)) return;
-  out.parts.resize(1);
-  PartDrawing& d = out.parts[0];
-  d.point_radius = def_.draw_radius;
-  if (def_.color) d.color = {def_.color->x, def_.color->y, def_.color->z};
-  if (box_.plane) d.space = PartDrawing::Space::plane;
-  if (rows_ == boids_) return;
-  Visual predator;
-  predator.shape.kind = DrawnShape::Kind::sphere;
-  predator.shape.size = {3 * def_.draw_radius, 0, 0};
-  predator.color = {0.8, 0.15, 0.1};
-  d.visuals.push_back(predator);
-  for (size_t i = boids_; i < rows_; ++i) d.instances.push_back({static_cast<uint32_t>(i), 0});
+  out.parts.resize(parts().size());
+  for (PartDrawing& d : out.parts) {
+    if (box_.plane) d.space = PartDrawing::Space::plane;
+  }
+  PartDrawing& members = out.parts[0];
+  members.point_radius = def_.draw_radius;
+  if (def_.color) members.color = {def_.color->x, def_.color->y, def_.color->z};
+  if (out.parts.size() == 1) return;
+  out.parts[1].point_radius = 4 * def_.draw_radius;
+  out.parts[1].color = {0.8, 0.15, 0.1};
 }
 
 std::optional<double> Flocking::limit(Limit which, const State&, double) const {

@@ -89,7 +89,7 @@ const DefTable& flocking_table() {
           .vector("goal", &D::goal, "m", any(), "place that all make for; absent: none")
           .number("goal_strength", &D::goal_strength, "m/s^2", at_least(0), "towards the goal")
           .integer("predators", &D::predators, between(0, 100),
-                   "that chase whoever is nearest; the last rows")
+                   "that chase whoever is nearest; a part of their own")
           .number("predator_speed", &D::predator_speed, "m/s", above(0), "always")
           .number("predator_turn_rate", &D::predator_turn_rate, "rad/s", above(0), "of a predator's heading")
           .number("flight_radius", &D::flight_radius, "m", above(0), "nearer predators are fled from")
@@ -112,10 +112,12 @@ const DefTable& flocking_table() {
 
 const Outputs& flocking_outputs() {
   static const Outputs kOutputs{
-      .rows = "a member; predators come last",
+      .rows = "a member; of part predators, one of them",
       .fields = {{"position", "m", 3, ""},
                  {"velocity", "m/s", 3, ""},
-                 {"speed", "m/s", 1, "magnitude of the velocity"}},
+                 {"speed", "m/s", 1, "magnitude of the velocity"},
+                 {"predators.position", "m", 3,
+                  "of part predators, where there are any; velocity and speed too"}},
       .observables = {{"polarisation", "1", "|mean of the unit headings|: 1 all alike, 0 none"},
                       {"speed.mean", "m/s", "without predators, as all of these"},
                       {"velocity.mean.x", "m/s", ""},

@@ -59,13 +59,15 @@ void Flocking::observe(const State& s, double, Observables& out) const {
   out.add("groups", groups, "1");
 }
 
-FieldView Flocking::field(const State& s, size_t, size_t which, std::vector<double>& scratch) const {
-  if (which < 2) {
-    return {s.f64(which == 0 ? Columns::position : Columns::velocity).data(), Scalar::f64, rows_, 3};
-  }
-  scratch.resize(rows_);
-  for (size_t i = 0; i < rows_; ++i) scratch[i] = norm(load3(s.f64(Columns::velocity).data(), i));
-  return {scratch.data(), Scalar::f64, rows_, 1};
+FieldView Flocking::field(const State& s, size_t part, size_t which, std::vector<double>& scratch) const {
+  // Predators are the last rows of the same columns.
+  const size_t first = part == 0 ? 0 : boids_, rows = part == 0 ? boids_ : rows_ - boids_;
+  const double* v = s.f64(Columns::velocity).data() + 3 * first;
+  if (which == 0) return {s.f64(Columns::position).data() + 3 * first, Scalar::f64, rows, 3};
+  if (which == 1) return {v, Scalar::f64, rows, 3};
+  scratch.resize(rows);
+  for (size_t i = 0; i < rows; ++i) scratch[i] = norm(load3(v, i));
+  return {scratch.data(), Scalar::f64, rows, 1};
 }
 
 }  // namespace truestep::flocking
