@@ -4,6 +4,7 @@
 #include "engine/systems/articulation/articulation_def.h"
 #include "engine/systems/blend_shapes/blend_shapes.h"
 #include "engine/systems/fem/fem.h"
+#include "engine/systems/flocking/flocking.h"
 #include "engine/systems/heat/heat.h"
 #include "engine/systems/keyframes/keyframes.h"
 #include "engine/systems/mass_spring/mass_spring.h"
@@ -87,6 +88,17 @@ std::span<const CatalogueRow> catalogue() {
         "no point passes a collider, however thin or fast", "points at rest stay at rest to the bit"},
        "leapfrog",
        &particles::particles_outputs()},
+      {"flocking",
+       "points",
+       "flocks, schools and herds that steer by their neighbours, after Reynolds, Vicsek or Cucker and Smale",
+       &flocking::flocking_table(),
+       flocking::build_flocking,
+       flocking::flocking_cost,
+       {"speed and turn rate stay within their bounds",
+        "where everybody sees everybody, Vicsek's order is sin(noise / 2) / (noise / 2)",
+        "Cucker and Smale's mean velocity does not change", "the same bits on any number of threads"},
+       "",
+       &flocking::flocking_outputs()},
       {"mass_spring",
        "springs",
        "points joined by springs: ropes, hair, cloth on a grid or a mesh, free networks",

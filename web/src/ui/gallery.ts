@@ -21,6 +21,7 @@ const chapters: [string, RegExp][] = [
   ["Rigid bodies", /^rigid bodies$/],
   ["Rigid bodies in the plane", /^rigid2d$/],
   ["Animation", /^animation$/],
+  ["Flocks", /^flocking$/],
   ["Particles", /^particles$/],
   ["Heat and waves", /^(heat|wave|grid)$/],
   ["Equations", /^ode$/],
