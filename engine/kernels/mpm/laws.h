@@ -19,11 +19,11 @@ enum class Law : unsigned char { fluid, corotated, neo_hookean, snow, sand, foam
 
 struct Material {
   Law law = Law::corotated;
-  double mu = 0, lambda = 0;                  ///< Pa; of a fluid lambda is the bulk modulus
-  double hardening = 10;                      ///< xi of snow
+  double mu = 0, lambda = 0;                     ///< Pa; of a fluid lambda is the bulk modulus
+  double hardening = 10;                         ///< xi of snow
   double compression = 0.025, stretch = 0.0075;  ///< theta_c and theta_s of snow
-  double cone = 0;                            ///< alpha of sand: sqrt(2/3) 2 sin(phi) / (3 - sin(phi))
-  double yield = 0;                           ///< Pa, of foam
+  double cone = 0;                               ///< alpha of sand: sqrt(2/3) 2 sin(phi) / (3 - sin(phi))
+  double yield = 0;                              ///< Pa, of foam
 };
 
 /// Volume ratios below this are taken for it where a law has a pole at 0.
@@ -157,8 +157,7 @@ void return_map(const Material& mat, Svd<D, T>& d, Wide<T>& plastic) {
   const W norm = sqrt(norm2), safe = max(norm, W(1e-30));
   if (mat.law == Law::sand) {
     // Klar et al. 2016, section 7.3: beyond the tip nothing is left; outside the cone, onto it.
-    const W excess =
-        norm + W((D * mat.lambda + 2 * mat.mu) / (2 * mat.mu) * mat.cone) * trace;
+    const W excess = norm + W((D * mat.lambda + 2 * mat.mu) / (2 * mat.mu) * mat.cone) * trace;
     const auto tip = trace > zero;
     const W keep = select(tip, zero, one - max(excess, zero) / safe);
     const W scale = select(norm > W(1e-30), keep, select(tip, zero, one));

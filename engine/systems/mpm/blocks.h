@@ -1,5 +1,5 @@
-// Particles in the order of the blocks of cells that they are in, and the blocks that are in use: scratch that
-// a step makes from the state's rows and that nothing outlives. Blocks are 8 x 8 cells in the plane and
+// Particles in the order of the blocks of cells that they are in, and the blocks that are in use: scratch
+// that a step makes from the state's rows and that nothing outlives. Blocks are 8 x 8 cells in the plane and
 // 4 x 4 x 4 in space; a block's tile has its own nodes and those that particles reach which have moved by
 // less than a cell since they were sorted.
 #pragma once
@@ -19,10 +19,10 @@ using Aligned = std::vector<T, CacheLineAllocator<T>>;
 /// Sizes of everything for one dimension and one spline.
 template <int D, int Nodes>
 struct Tiling {
-  static constexpr int kBlock = D == 2 ? 8 : 4;                    ///< cells along each axis
-  static constexpr int kPad = 2 * kBlock;                          ///< cells before the box
-  static constexpr int kReach = kBlock + Nodes + 1;                ///< nodes of a tile along each axis
-  static constexpr int kRow = kBlock + 5;                          ///< along the last, with room for four
+  static constexpr int kBlock = D == 2 ? 8 : 4;      ///< cells along each axis
+  static constexpr int kPad = 2 * kBlock;            ///< cells before the box
+  static constexpr int kReach = kBlock + Nodes + 1;  ///< nodes of a tile along each axis
+  static constexpr int kRow = kBlock + 5;            ///< along the last, with room for four
   static constexpr size_t kBlockNodes = D == 2 ? 64 : 64;
   static constexpr size_t kTileNodes = D == 2 ? size_t{kReach} * kRow : size_t{kReach} * kReach * kRow;
   static constexpr int kNeighbours = D == 2 ? 9 : 27;
@@ -65,17 +65,17 @@ struct Run {
 /// A block in use; where no particles are it has nodes that those of its neighbours reach.
 struct Block {
   int64_t id = 0;
-  int at[3] = {};          ///< in blocks
-  int32_t tile = -1;       ///< -1: no particles
+  int at[3] = {};              ///< in blocks
+  int32_t tile = -1;           ///< -1: no particles
   size_t first = 0, last = 0;  ///< its runs
-  int32_t neighbours[27];  ///< first axis slowest; -1: not in use
+  int32_t neighbours[27];      ///< first axis slowest; -1: not in use
 };
 
 template <int D, int Nodes, class T>
 struct Blocks {
   using Size = Tiling<D, Nodes>;
   double low[3] = {}, inverse_dx = 1;
-  int extent[3] = {1, 1, 1};  ///< in blocks
+  int extent[3] = {1, 1, 1};   ///< in blocks
   std::vector<int32_t> table;  ///< by id: place in `blocks`, or -1
   std::vector<Block> blocks;
   std::vector<Run> runs;
@@ -101,8 +101,7 @@ struct Blocks {
   int64_t block_of(const T* x) const {
     int64_t id = 0;
     for (int a = 0; a < D; ++a) {
-      id = id * extent[a] +
-           static_cast<int>(place(x[a], a) - Spline<Nodes, T>::kShift) / Size::kBlock;
+      id = id * extent[a] + static_cast<int>(place(x[a], a) - Spline<Nodes, T>::kShift) / Size::kBlock;
     }
     return id;
   }

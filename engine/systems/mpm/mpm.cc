@@ -22,8 +22,7 @@ std::unique_ptr<const Setting> settle(const MpmDef& def, const std::string& id) 
     for (int a = 0; a < def.dimension; ++a) {
       volume *= 2 * r[a] / std::max(1.0, std::floor(2 * r[a] / target + 0.5));
     }
-    out->pieces.push_back(
-        {material_of(b), b.density, volume * b.density, volume, first, first + count});
+    out->pieces.push_back({material_of(b), b.density, volume * b.density, volume, first, first + count});
     first += count;
   }
   return out;
@@ -135,7 +134,8 @@ void Mpm::apply(State& s, const Command& c) const {
       refuse_command("vector", "out_of_range", "a plane body stays in z = 0");
     }
     RealColumn<double> v(s, columns::velocity);
-    v.set_vector(row, v.vector(row) + c.vector / setting_->pieces[setting_->piece_of(static_cast<uint32_t>(row))].mass);
+    v.set_vector(row, v.vector(row) +
+                          c.vector / setting_->pieces[setting_->piece_of(static_cast<uint32_t>(row))].mass);
     return;
   }
   if (c.kind != CommandKind::set_parameter) {

@@ -133,7 +133,8 @@ const DefTable& mpm_table() {
     TableOf<D> table("snow, sand, water, jelly and foam by the material point method");
     const std::vector<std::string> kinds = {"sticky", "slip", "separate"};
     table
-        .integer("dimension", &D::dimension, between(2, 3), "2: plane strain in z = 0, a metre thick; 3: space")
+        .integer("dimension", &D::dimension, between(2, 3),
+                 "2: plane strain in z = 0, a metre thick; 3: space")
         .vector("low", &D::low, "m", any(), "corner of the box that holds everything")
         .vector("high", &D::high, "m", any(), "opposite corner; z does not count in the plane")
         .number("cell", &D::cell, "m", above(0), "width of the grid's cells")
@@ -150,7 +151,8 @@ const DefTable& mpm_table() {
                 "cells that a particle or a wave may cross in a substep")
         .integer("max_substeps", &D::max_substeps, between(1, 1e6), "of a step, beyond which it is refused")
         .choice("walls", &D::walls, kinds, "what the sides of the box do to velocities at them")
-        .choice("floor", &D::floor, {"sticky", "slip", "separate", "as_walls"}, "the same of the lower side in y")
+        .choice("floor", &D::floor, {"sticky", "slip", "separate", "as_walls"},
+                "the same of the lower side in y")
         .number("wall_friction", &D::wall_friction, "1", at_least(0),
                 "Coulomb's coefficient of walls that let go")
         .choice("contact", &D::contact, kinds, "what colliders do; friction is each collider's own")
@@ -179,7 +181,8 @@ Cost mpm_cost(const void* def) {
   const double substeps_per_second = fastest / (d.courant * d.cell);
   return {.state_bytes = n * scalar * (plane ? 16 : 26),
           .workspace_bytes = n * (2 * components * scalar + 12) +
-                             blocks * 4 * scalar * (tile + per_block * (plane ? 5 : 5)) + 8 * cells_of(d) / 64,
+                             blocks * 4 * scalar * (tile + per_block * (plane ? 5 : 5)) +
+                             8 * cells_of(d) / 64,
           .elements = n,
           .seconds_per_step = n * (plane ? 6e-8 : 1.5e-7) * std::max(1.0, substeps_per_second / 60)};
 }

@@ -1,5 +1,5 @@
-// A step of the material point method in substeps (Hu et al. 2018; Jiang et al. 2015): masses and momenta with
-// stresses from particles to tiles of nodes, tiles to blocks in a fixed order, velocities of nodes with
+// A step of the material point method in substeps (Hu et al. 2018; Jiang et al. 2015): masses and momenta
+// with stresses from particles to tiles of nodes, tiles to blocks in a fixed order, velocities of nodes with
 // gravity and boundaries, and back to particles, whose deformation follows and flows.
 #pragma once
 #include <memory>

@@ -110,8 +110,8 @@ struct Grid {
   Stencil<D, Nodes, T> stencil(const Block& b, const T* group, size_t lane, T dx) const {
     T place[D];
     for (int a = 0; a < D; ++a) {
-      place[a] = blocks.place(group[(L::x + a) * W::kLanes + lane], a) -
-                 static_cast<T>(b.at[a] * Size::kBlock - 1);
+      place[a] =
+          blocks.place(group[(L::x + a) * W::kLanes + lane], a) - static_cast<T>(b.at[a] * Size::kBlock - 1);
     }
     Stencil<D, Nodes, T> s;
     s.template set<Size::kReach, Size::kRow>(place, dx);
@@ -293,7 +293,8 @@ struct Grid {
               gather<D, Nodes, Size::kReach, Size::kRow>(at, tile, v, moment);
               for (int i = 0; i < D; ++i) {
                 for (int q = 0; q < D; ++q) {
-                  group[(L::c + D * i + q) * W::kLanes + static_cast<int>(lane)] = moment[q][i + 1] * per_second;
+                  group[(L::c + D * i + q) * W::kLanes + static_cast<int>(lane)] =
+                      moment[q][i + 1] * per_second;
                 }
                 T& x = group[(L::x + i) * W::kLanes + static_cast<int>(lane)];
                 T& u = group[(L::v + i) * W::kLanes + static_cast<int>(lane)];
