@@ -120,7 +120,7 @@ M<D> stretched(double a, double b, double c) {
 
 TEST(MpmLaws, SandComesBackToItsCone) {
   const Material m = material(Law::sand);
-  auto d = svd(stretched<3>(1.05, 0.8, 0.95));
+  auto d = svd(stretched<3>(1.1, 0.8, 1));
   W volume(0);
   return_map(m, d, volume);
   double e[3], trace = 0, norm2 = 0;
@@ -128,7 +128,7 @@ TEST(MpmLaws, SandComesBackToItsCone) {
   for (const double x : e) norm2 += (x - trace / 3) * (x - trace / 3);
   // Klar et al. 2016, eq. 27: on the cone, with the trace that it had.
   EXPECT_NEAR(std::sqrt(norm2) + (3 * m.lambda + 2 * m.mu) / (2 * m.mu) * m.cone * trace, 0, 1e-13);
-  EXPECT_NEAR(trace, std::log(1.05 * 0.8 * 0.95), 1e-13);
+  EXPECT_NEAR(trace, std::log(1.1 * 0.8), 1e-13);
   EXPECT_EQ(volume[0], 0);
   const double before = d.s[0][0];
   return_map(m, d, volume);

@@ -93,12 +93,15 @@ Wide<T> dot_columns(const Square<D, T>& a, int p, int q) {
 template <int D, class T>
 void orthogonalise(Square<D, T>& b, Square<D, T>& v, int p, int q) {
   using W = Wide<T>;
-  const W one(T{1}), half(T{0.5}), tiny(sizeof(T) == 4 ? T(1e-30) : T(1e-280));
+  const W one(T{1}), half(T{0.5}), tiny(sizeof(T) == 4 ? T(1e-35) : T(1e-300));
   const W xx = dot_columns(b, p, p), yy = dot_columns(b, q, q), xy = dot_columns(b, p, q);
-  const W d = yy - xx, o2 = xy + xy, h = sqrt(madd(o2, o2, d * d)), safe = max(h, tiny);
-  const W c = select(h > tiny, sqrt(madd(half, abs(d) / safe, half)), one);
-  const W signed_xy = select(d < W::zero(), -xy, xy);
-  const W s = select(h > tiny, signed_xy / (safe * c), W::zero());
+  // Over the larger of the two, so that no square is lost below the least number.
+  const W larger = max(abs(yy - xx), abs(xy + xy));
+  const auto turns = larger > tiny;
+  const W inverse = one / max(larger, tiny), d = (yy - xx) * inverse, o = xy * inverse;
+  const W h = sqrt(madd(d, d, W(T{4}) * o * o)), safe = select(turns, h, one);
+  const W c = select(turns, sqrt(madd(half, abs(d) / safe, half)), one);
+  const W s = select(turns, select(d < W::zero(), -o, o) / (safe * c), W::zero());
   rotate_columns(b, p, q, c, s);
   rotate_columns(v, p, q, c, s);
 }

@@ -1,3 +1,5 @@
+// What a state of the system measures: energies by the laws' own energy densities, momenta with the affine
+// part of Jiang et al. 2015, bounds; and the words for it.
 #include <algorithm>
 #include <cmath>
 

@@ -31,7 +31,9 @@ struct Grid {
 
   Blocks<D, Nodes, T> blocks;
   Sorted<D, T> now, next;
-  Aligned<T> tiles, nodes, changes;
+  Aligned<T> tiles, nodes;
+  Aligned<T> impulses,
+      changes;  ///< of FLIP: tiles of stress alone; of nodes, what the substep adds to velocities
   std::vector<double> fastest, modulus;
 
   /// Largest of a list of non-negative numbers.
@@ -122,11 +124,14 @@ struct Grid {
     const T dx = static_cast<T>(set.def.cell);
     tiles.resize(blocks.owners.size() * kTileNumbers);
     const bool affine = set.def.transfer == Transfer::apic;
+    if (!affine) impulses.resize(tiles.size());
     const T second = Spline<Nodes, T>::kSecond * dx * dx;
     arena.for_blocks(blocks.owners.size(), 4, [&](size_t begin, size_t end) {
       for (size_t k = begin; k < end; ++k) {
         T* tile = tiles.data() + k * kTileNumbers;
         std::fill(tile, tile + kTileNumbers, T{0});
+        T* impulse = affine ? nullptr : impulses.data() + k * kTileNumbers;
+        if (impulse) std::fill(impulse, impulse + kTileNumbers, T{0});
         const Block& b = blocks.blocks[blocks.owners[k]];
         for (size_t r = b.first; r < b.last; ++r) {
           const Run& run = blocks.runs[r];
@@ -146,7 +151,14 @@ struct Grid {
             for (int i = 0; i < D; ++i) {
               for (int q = 0; q < D; ++q) a[q][i + 1] += keep * number(L::c + D * i + q);
             }
-            scatter<D, Nodes, Size::kReach, Size::kRow>(stencil(b, group, lane, dx), p, a, tile);
+            const auto at = stencil(b, group, lane, dx);
+            if (affine) {
+              scatter<D, Nodes, Size::kReach, Size::kRow>(at, p, a, tile);
+            } else {
+              const T none[D][4] = {}, nothing[4] = {};
+              scatter<D, Nodes, Size::kReach, Size::kRow>(at, p, none, tile);
+              scatter<D, Nodes, Size::kReach, Size::kRow>(at, nothing, a, impulse);
+            }
           }
         }
       }
@@ -190,7 +202,9 @@ struct Grid {
       for (size_t k = begin; k < end; ++k) {
         const Block& b = blocks.blocks[k];
         T* own = nodes.data() + k * kBlockNumbers;
+        T* change = flip ? changes.data() + k * kBlockNumbers : nullptr;
         std::fill(own, own + kBlockNumbers, T{0});
+        if (flip) std::fill(change, change + kBlockNumbers, T{0});
         for (int m = 0; m < Size::kNeighbours; ++m) {
           if (b.neighbours[m] < 0) continue;
           const Block& other = blocks.blocks[static_cast<size_t>(b.neighbours[m])];
@@ -198,10 +212,12 @@ struct Grid {
           const T* tile = tiles.data() + static_cast<size_t>(other.tile) * kTileNumbers;
           shared_rows(m, [&](size_t to, size_t from, size_t many) {
             for (size_t i = 0; i < many; ++i) own[to + i] += tile[from + i];
+            if (!flip) return;
+            const T* impulse = impulses.data() + static_cast<size_t>(other.tile) * kTileNumbers;
+            for (size_t i = 0; i < many; ++i) change[to + i] += impulse[from + i];
           });
         }
-        fastest[k] =
-            move_block(set, b, gravity, t, h, own, flip ? changes.data() + k * kBlockNumbers : nullptr);
+        fastest[k] = move_block(set, b, gravity, t, h, own, change);
       }
     });
     return std::sqrt(largest(fastest));
@@ -218,8 +234,12 @@ struct Grid {
       T* node = own + 4 * n;
       if (!(node[0] > 0)) continue;
       const T inverse = 1 / node[0];
-      Vec3T<T> before{node[1] * inverse, node[2] * inverse, D == 3 ? node[3] * inverse : T{0}};
+      const Vec3T<T> before{node[1] * inverse, node[2] * inverse, D == 3 ? node[3] * inverse : T{0}};
       Vec3T<T> v = before + Vec3T<T>{g[0], g[1], D == 3 ? g[2] : T{0}} * h;
+      if (change) {
+        const T* impulse = change + 4 * n;
+        v += Vec3T<T>{impulse[1], impulse[2], D == 3 ? impulse[3] : T{0}} * inverse;
+      }
       double x[3] = {};
       size_t rest = n;
       for (int a = D - 1; a >= 0; --a, rest /= Size::kBlock) {
