@@ -8,6 +8,7 @@
 #include "engine/systems/heat/heat.h"
 #include "engine/systems/keyframes/keyframes.h"
 #include "engine/systems/mass_spring/mass_spring.h"
+#include "engine/systems/mpm/mpm.h"
 #include "engine/systems/ode/ode.h"
 #include "engine/systems/oscillator/oscillator.h"
 #include "engine/systems/particles/particles.h"
@@ -134,6 +135,17 @@ std::span<const CatalogueRow> catalogue() {
         "the same bits on any number of threads"},
        "implicit_euler",
        &fem::fem_outputs()},
+      {"mpm",
+       "solids",
+       "snow, sand, water, jelly and foam by the material point method, in space and in the plane",
+       &mpm::mpm_table(),
+       mpm::build_mpm,
+       mpm::mpm_cost,
+       {"affine transfers conserve momentum and angular momentum to rounding",
+        "substeps follow the fastest particle or wave", "empty space costs nothing",
+        "the same bits on any number of threads"},
+       "",
+       &mpm::mpm_outputs()},
       {"articulation",
        "rigid bodies",
        "rigid links in a tree of joints, in the joints' own coordinates: chains that cannot come apart, "

@@ -17,6 +17,7 @@ const drawings: [RegExp, string][] = [
 const chapters: [string, RegExp][] = [
   ["Things that meet", /^coupling$/],
   ["Elastic bodies", /^finite elements$/],
+  ["Snow, sand, water and jelly", /^material point method$/],
   ["Cloth, ropes and hair", /^(cloth|rope|hair|springs|stability|integrators)$/],
   ["Rigid bodies", /^rigid bodies$/],
   ["Rigid bodies in the plane", /^rigid2d$/],

@@ -1,0 +1,178 @@
+// What a particle's deformation gradient F means, eight floats or four doubles at a time: Kirchhoff stress
+// tau = P F^T (Pa), energy per undeformed volume (J/m^3), and the return mapping of the plastic laws. In the
+// plane F is 2 x 2 and deviators are the plane's.
+//   fluid        p = K/g (J^-g - 1), g = 7 (Cole 1948; Monaghan 1994); F is not used, only J
+//   corotated    mu |F - R|^2 + lambda/2 (J - 1)^2 (Stomakhin, Howes, Schroeder, Teran 2012)
+//   neo_hookean  mu/2 (|F|^2 - d) - mu ln J + lambda/2 (ln J)^2 (Bonet, Wood 2008)
+//   snow         corotated with mu, lambda times e^(xi (1 - Jp)) and singular values of F in
+//                [1 - theta_c, 1 + theta_s] (Stomakhin, Schroeder, Chai, Teran, Selle 2013)
+//   sand         mu tr(e^2) + lambda/2 tr(e)^2 of the Hencky strain e, Drucker-Prager's cone and the volume
+//                correction of Klar, Gast, Pradhana, Fu, Schroeder, Jiang, Teran 2016 (and Tampubolon 2017)
+//   foam         the same energy with von Mises' limit |dev(2 mu e)| <= sqrt(2/3) yield_stress
+#pragma once
+#include "engine/kernels/mpm/small_matrix.h"
+#include "engine/math/trig.h"
+
+namespace truestep::mpm {
+
+enum class Law : unsigned char { fluid, corotated, neo_hookean, snow, sand, foam };
+
+struct Material {
+  Law law = Law::corotated;
+  double mu = 0, lambda = 0;                     ///< Pa; of a fluid lambda is the bulk modulus
+  double hardening = 10;                         ///< xi of snow
+  double compression = 0.025, stretch = 0.0075;  ///< theta_c and theta_s of snow
+  double cone = 0;                               ///< alpha of sand: sqrt(2/3) 2 sin(phi) / (3 - sin(phi))
+  double yield = 0;                              ///< Pa, of foam
+};
+
+/// Volume ratios below this are taken for it where a law has a pole at 0.
+inline constexpr double kLeastVolume = 0.05;
+/// e^(xi (1 - Jp)) stays below this: snow that is pressed without end would need steps without end.
+inline constexpr double kMostHardening = 50;
+
+template <class T>
+Wide<T> log(Wide<T> a) {
+  for (int i = 0; i < Wide<T>::kLanes; ++i) a.set(i, static_cast<T>(trig::log(double{a[i]})));
+  return a;
+}
+template <class T>
+Wide<T> exp(Wide<T> a) {
+  for (int i = 0; i < Wide<T>::kLanes; ++i) a.set(i, static_cast<T>(trig::exp(double{a[i]})));
+  return a;
+}
+
+/// Snow's factor on both moduli.
+template <class T>
+Wide<T> hardening(const Material& mat, Wide<T> jp) {
+  const T most = static_cast<T>(kMostHardening);
+  Wide<T> e = Wide<T>(mat.hardening) * (Wide<T>(1) - jp);
+  return min(exp(min(e, Wide<T>(5))), Wide<T>(most));
+}
+
+template <int D, class T>
+struct Response {
+  Square<D, T> tau;  ///< Pa
+  Wide<T> energy;    ///< J/m^3
+  Wide<T> modulus;   ///< Pa, density times the square of the fastest wave's speed
+};
+
+namespace detail {
+
+template <int D, class T>
+Square<D, T> isotropic(Wide<T> p) {
+  Square<D, T> out = Square<D, T>::identity();
+  for (int k = 0; k < D; ++k) out(k, k) = p;
+  return out;
+}
+
+/// Stress of principal values along the columns of u.
+template <int D, class T>
+Response<D, T> principal(const Square<D, T>& u, const Wide<T>* tau, Wide<T> energy, Wide<T> modulus) {
+  return {compose(u, tau, u), energy, modulus};
+}
+
+}  // namespace detail
+
+/// Stress of the fluid at volume ratio j.
+template <int D, class T>
+Response<D, T> fluid_response(const Material& mat, Wide<T> j) {
+  using W = Wide<T>;
+  const W k(mat.lambda), i = W(1) / max(j, W(kLeastVolume)), i2 = i * i, i6 = i2 * i2 * i2;
+  const W p = k * W(1.0 / 7) * (i6 * i - W(1));
+  // The integral of -p dJ from 1.
+  const W energy = k * W(1.0 / 7) * ((i6 - W(1)) * W(1.0 / 6) + j - W(1));
+  return {detail::isotropic<D, T>(-p * j), energy, max(k, k * i6)};
+}
+
+/// Everything else. `plastic` is Jp of snow and is not looked at by other laws.
+template <int D, class T>
+Response<D, T> solid_response(const Material& mat, const Svd<D, T>& d, Wide<T> plastic) {
+  using W = Wide<T>;
+  W mu(mat.mu), lambda(mat.lambda), tau[D];
+  const W one(1), half(0.5);
+  W squares = W::zero();
+  for (int k = 0; k < D; ++k) squares = madd(d.s[k], d.s[k], squares);
+  const W widening = max(one, d.s[0] * d.s[0]);
+  if (mat.law == Law::sand || mat.law == Law::foam) {
+    W e[D], trace = W::zero(), norm2 = W::zero();
+    for (int k = 0; k < D; ++k) {
+      e[k] = log(max(d.s[k], W(kLeastVolume)));
+      trace += e[k], norm2 = madd(e[k], e[k], norm2);
+    }
+    for (int k = 0; k < D; ++k) tau[k] = madd(mu + mu, e[k], lambda * trace);
+    return detail::principal(d.u, tau, madd(mu, norm2, half * lambda * trace * trace),
+                             madd(W(2), mu, lambda) * widening);
+  }
+  W j = d.s[0];
+  for (int k = 1; k < D; ++k) j *= d.s[k];
+  if (mat.law == Law::neo_hookean) {
+    const W l = log(max(j, W(kLeastVolume)));
+    for (int k = 0; k < D; ++k) tau[k] = madd(mu, d.s[k] * d.s[k] - one, lambda * l);
+    const W energy = half * mu * (squares - W(D)) - mu * l + half * lambda * l * l;
+    return detail::principal(d.u, tau, energy, madd(W(2), mu, lambda * (one + abs(l))) * widening);
+  }
+  if (mat.law == Law::snow) {
+    const W h = hardening(mat, plastic);
+    mu *= h, lambda *= h;
+  }
+  W away = W::zero();
+  for (int k = 0; k < D; ++k) {
+    const W x = d.s[k] - one;
+    away = madd(x, x, away);
+    tau[k] = madd((mu + mu) * x, d.s[k], lambda * (j - one) * j);
+  }
+  return detail::principal(d.u, tau, madd(mu, away, half * lambda * (j - one) * (j - one)),
+                           madd(W(2), mu, lambda) * widening);
+}
+
+/// Takes what flows out of the elastic singular values d.s; `plastic` is Jp of snow, the volume correction of
+/// sand, the plastic strain of foam. Of snow, sand and foam alone.
+template <int D, class T>
+void return_map(const Material& mat, Svd<D, T>& d, Wide<T>& plastic) {
+  using W = Wide<T>;
+  const W one(1), zero = W::zero();
+  if (mat.law == Law::snow) {
+    W before = one, after = one;
+    for (int k = 0; k < D; ++k) {
+      before *= d.s[k];
+      d.s[k] = min(max(d.s[k], W(1 - mat.compression)), W(1 + mat.stretch));
+      after *= d.s[k];
+    }
+    // Far beyond these bounds neither the hardening nor the picture changes.
+    plastic = min(max(plastic * before / after, W(0.1)), W(20));
+    return;
+  }
+  W e[D], trace = zero, norm2 = zero;
+  for (int k = 0; k < D; ++k) {
+    e[k] = log(max(d.s[k], W(kLeastVolume)));
+    if (mat.law == Law::sand) e[k] += plastic * W(1.0 / D);
+    trace += e[k];
+  }
+  const W mean = trace * W(1.0 / D);
+  for (int k = 0; k < D; ++k) {
+    const W dev = e[k] - mean;
+    norm2 = madd(dev, dev, norm2);
+  }
+  const W norm = sqrt(norm2), safe = max(norm, W(1e-30));
+  if (mat.law == Law::sand) {
+    // Klar et al. 2016, section 7.3: beyond the tip nothing is left; outside the cone, onto it.
+    const W excess = norm + W((D * mat.lambda + 2 * mat.mu) / (2 * mat.mu) * mat.cone) * trace;
+    const auto tip = trace > zero;
+    const W keep = select(tip, zero, one - max(excess, zero) / safe);
+    const W scale = select(norm > W(1e-30), keep, select(tip, zero, one));
+    for (int k = 0; k < D; ++k) {
+      const W onto = madd(scale, e[k] - mean, mean);
+      d.s[k] = exp(select(tip, zero, onto));
+    }
+    plastic = select(tip, trace, zero);
+    return;
+  }
+  // sqrt(2/3) sigma_y / (2 mu): the radius of the cylinder in strains.
+  const W radius(0.81649658092772603 * mat.yield / (2 * mat.mu));
+  const W beyond = max(norm - radius, zero), scale = one - beyond / safe;
+  for (int k = 0; k < D; ++k) d.s[k] = exp(madd(scale, e[k] - mean, mean));
+  plastic += beyond * W(0.81649658092772603);
+}
+
+}  // namespace truestep::mpm

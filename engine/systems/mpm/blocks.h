@@ -1,0 +1,232 @@
+// Particles in the order of the blocks of cells that they are in, and the blocks that are in use: scratch
+// that a step makes from the state's rows and that nothing outlives. Blocks are 8 x 8 cells in the plane and
+// 4 x 4 x 4 in space; a block's tile has its own nodes and those that particles reach which have moved by
+// less than a cell since they were sorted.
+#pragma once
+#include <algorithm>
+#include <vector>
+
+#include "engine/base/cache_line.h"
+#include "engine/base/parallel.h"
+#include "engine/kernels/mpm/spline.h"
+#include "engine/math/wide.h"
+
+namespace truestep::mpm {
+
+template <class T>
+using Aligned = std::vector<T, CacheLineAllocator<T>>;
+
+/// Sizes of everything for one dimension and one spline.
+template <int D, int Nodes>
+struct Tiling {
+  static constexpr int kBlock = D == 2 ? 8 : 4;      ///< cells along each axis
+  static constexpr int kPad = 2 * kBlock;            ///< cells before the box
+  static constexpr int kReach = kBlock + Nodes + 1;  ///< nodes of a tile along each axis
+  static constexpr int kRow = kBlock + 5;            ///< along the last, with room for four
+  static constexpr size_t kBlockNodes = D == 2 ? 64 : 64;
+  static constexpr size_t kTileNodes = D == 2 ? size_t{kReach} * kRow : size_t{kReach} * kReach * kRow;
+  static constexpr int kNeighbours = D == 2 ? 9 : 27;
+  static constexpr int kSelf = kNeighbours / 2;
+};
+
+/// Where numbers of a particle are: components of a group of lanes follow one another.
+template <int D>
+struct Layout {
+  static constexpr int x = 0, v = D, c = 2 * D, f = 2 * D + D * D, plastic = 2 * D + 2 * D * D,
+                       jacobian = plastic + 1, tau = plastic + 2, count = tau + D * (D + 1) / 2;
+};
+
+template <int D, class T>
+struct Sorted {
+  static constexpr size_t kLanes = Wide<T>::kLanes;
+  static constexpr uint32_t kNone = ~0u;
+  static constexpr size_t kCount = Layout<D>::count;
+  Aligned<T> data;
+  std::vector<uint32_t> row;  ///< of the state; kNone: fills up a group
+
+  size_t slots() const { return row.size(); }
+  void resize(size_t n) { data.resize(n * kCount), row.assign(n, kNone); }
+  T* group(size_t slot) { return data.data() + slot / kLanes * kCount * kLanes; }
+  const T* group(size_t slot) const { return data.data() + slot / kLanes * kCount * kLanes; }
+  T& at(size_t slot, int component) {
+    return group(slot)[static_cast<size_t>(component) * kLanes + slot % kLanes];
+  }
+  T at(size_t slot, int component) const {
+    return group(slot)[static_cast<size_t>(component) * kLanes + slot % kLanes];
+  }
+};
+
+/// Slots [begin, end) of one body in one block; `begin` is the start of a group.
+struct Run {
+  uint32_t block, body;
+  size_t begin, end;
+};
+
+/// A block in use; where no particles are it has nodes that those of its neighbours reach.
+struct Block {
+  int64_t id = 0;
+  int at[3] = {};              ///< in blocks
+  int32_t tile = -1;           ///< -1: no particles
+  size_t first = 0, last = 0;  ///< its runs
+  int32_t neighbours[27];      ///< first axis slowest; -1: not in use
+};
+
+template <int D, int Nodes, class T>
+struct Blocks {
+  using Size = Tiling<D, Nodes>;
+  double low[3] = {}, inverse_dx = 1;
+  int extent[3] = {1, 1, 1};   ///< in blocks
+  std::vector<int32_t> table;  ///< by id: place in `blocks`, or -1
+  std::vector<Block> blocks;
+  std::vector<Run> runs;
+  std::vector<uint32_t> owners;  ///< blocks with particles, by tile
+  std::vector<int64_t> ids, keys;
+  std::vector<size_t> counts;
+
+  void set(const Vec3& corner, const Vec3& far, double dx) {
+    const double lows[3] = {corner.x, corner.y, corner.z}, highs[3] = {far.x, far.y, far.z};
+    inverse_dx = 1 / dx;
+    size_t total = 1;
+    for (int a = 0; a < D; ++a) {
+      low[a] = lows[a];
+      extent[a] = (static_cast<int>((highs[a] - lows[a]) / dx) + 1 + 2 * Size::kPad) / Size::kBlock + 1;
+      total *= static_cast<size_t>(extent[a]);
+    }
+    table.assign(total, -1);
+  }
+  /// In cells from the first node of the padded grid.
+  T place(T x, int axis) const {
+    return (x - static_cast<T>(low[axis])) * static_cast<T>(inverse_dx) + static_cast<T>(Size::kPad);
+  }
+  int64_t block_of(const T* x) const {
+    int64_t id = 0;
+    for (int a = 0; a < D; ++a) {
+      id = id * extent[a] + static_cast<int>(place(x[a], a) - Spline<Nodes, T>::kShift) / Size::kBlock;
+    }
+    return id;
+  }
+
+  /// Fills `to` from `from`, in the order of blocks, bodies and slots.
+  template <class BodyOf>
+  void sort(const Sorted<D, T>& from, Sorted<D, T>& to, size_t bodies, const BodyOf& body_of,
+            const ThreadArena& arena) {
+    const size_t n = from.slots();
+    for (const Block& b : blocks) table[static_cast<size_t>(b.id)] = -1;
+    keys.assign(n, -1), ids.clear(), blocks.clear(), owners.clear();
+    arena.for_blocks(n, kBlockRows, [&](size_t begin, size_t end) {
+      for (size_t s = begin; s < end; ++s) {
+        if (from.row[s] == Sorted<D, T>::kNone) continue;
+        T x[3];
+        for (int a = 0; a < D; ++a) x[a] = from.at(s, Layout<D>::x + a);
+        keys[s] = block_of(x);
+      }
+    });
+    for (size_t s = 0; s < n; ++s) {
+      if (keys[s] < 0 || table[static_cast<size_t>(keys[s])] >= 0) continue;
+      table[static_cast<size_t>(keys[s])] = 1;
+      ids.push_back(keys[s]);
+    }
+    add_blocks();
+    count_runs(from, bodies, body_of);
+    to.resize(counts.back());
+    // Places first, so that particles can be moved by any number of threads.
+    for (size_t s = 0; s < n; ++s) {
+      if (keys[s] < 0) continue;
+      const auto tile = static_cast<size_t>(blocks[static_cast<size_t>(keys[s])].tile);
+      const size_t slot = counts[tile * bodies + body_of(from.row[s])]++;
+      to.row[slot] = from.row[s];
+      keys[s] = static_cast<int64_t>(slot);
+    }
+    arena.for_blocks(n, kBlockRows, [&](size_t begin, size_t end) {
+      for (size_t s = begin; s < end; ++s) {
+        if (keys[s] < 0) continue;
+        for (int c = 0; c < Layout<D>::count; ++c) to.at(static_cast<size_t>(keys[s]), c) = from.at(s, c);
+      }
+    });
+    // What fills up a group repeats its last particle.
+    for (const Run& r : runs) {
+      for (size_t s = r.end; s % Sorted<D, T>::kLanes != 0; ++s) {
+        for (int c = 0; c < Layout<D>::count; ++c) to.at(s, c) = to.at(r.end - 1, c);
+      }
+    }
+  }
+
+ private:
+  template <class Visit>
+  void around(const int* at, const Visit& visit) const {
+    int k = 0, p[3] = {};
+    for (p[0] = at[0] - 1; p[0] <= at[0] + 1; ++p[0]) {
+      for (p[1] = at[1] - 1; p[1] <= at[1] + 1; ++p[1]) {
+        if constexpr (D == 2) {
+          visit(k++, p, int64_t{p[0]} * extent[1] + p[1]);
+        } else {
+          for (p[2] = at[2] - 1; p[2] <= at[2] + 1; ++p[2]) {
+            visit(k++, p, (int64_t{p[0]} * extent[1] + p[1]) * extent[2] + p[2]);
+          }
+        }
+      }
+    }
+  }
+  void locate(Block& b) const {
+    int64_t rest = b.id;
+    for (int a = D - 1; a >= 0; --a) b.at[a] = static_cast<int>(rest % extent[a]), rest /= extent[a];
+  }
+  void add_blocks() {
+    const size_t own = ids.size();
+    for (size_t k = 0; k < own; ++k) {
+      Block b{.id = ids[k], .neighbours = {}};
+      locate(b);
+      around(b.at, [&](int, const int*, int64_t id) {
+        if (table[static_cast<size_t>(id)] >= 0) return;
+        table[static_cast<size_t>(id)] = 0;
+        ids.push_back(id);
+      });
+    }
+    std::sort(ids.begin(), ids.end());
+    for (const int64_t id : ids) {
+      Block b{.id = id, .neighbours = {}};
+      locate(b);
+      if (table[static_cast<size_t>(id)] == 1) {
+        b.tile = static_cast<int32_t>(owners.size());
+        owners.push_back(static_cast<uint32_t>(blocks.size()));
+      }
+      blocks.push_back(b);
+    }
+    for (size_t k = 0; k < blocks.size(); ++k) table[static_cast<size_t>(ids[k])] = static_cast<int32_t>(k);
+    for (Block& b : blocks) {
+      around(b.at, [&](int k, const int* p, int64_t id) {
+        bool inside = true;
+        for (int a = 0; a < D; ++a) inside = inside && p[a] >= 0 && p[a] < extent[a];
+        b.neighbours[k] = inside ? table[static_cast<size_t>(id)] : -1;
+      });
+    }
+  }
+  template <class BodyOf>
+  void count_runs(const Sorted<D, T>& from, size_t bodies, const BodyOf& body_of) {
+    constexpr size_t kLanes = Sorted<D, T>::kLanes;
+    counts.assign(owners.size() * bodies + 1, 0);
+    for (size_t s = 0; s < keys.size(); ++s) {
+      if (keys[s] < 0) continue;
+      keys[s] = table[static_cast<size_t>(keys[s])];
+      const auto tile = static_cast<size_t>(blocks[static_cast<size_t>(keys[s])].tile);
+      ++counts[tile * bodies + body_of(from.row[s])];
+    }
+    runs.clear();
+    size_t slot = 0;
+    for (size_t k = 0; k < owners.size(); ++k) {
+      Block& b = blocks[owners[k]];
+      b.first = runs.size();
+      for (size_t m = 0; m < bodies; ++m) {
+        const size_t many = counts[k * bodies + m];
+        counts[k * bodies + m] = slot;
+        if (many == 0) continue;
+        runs.push_back({owners[k], static_cast<uint32_t>(m), slot, slot + many});
+        slot += (many + kLanes - 1) / kLanes * kLanes;
+      }
+      b.last = runs.size();
+    }
+    counts.back() = slot;
+  }
+};
+
+}  // namespace truestep::mpm

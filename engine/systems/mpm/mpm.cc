@@ -1,0 +1,169 @@
+#include "engine/systems/mpm/mpm.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "engine/core/command_checks.h"
+
+namespace truestep::mpm {
+
+namespace {
+
+std::unique_ptr<const Setting> settle(const MpmDef& def, const std::string& id) {
+  auto out = std::make_unique<Setting>(
+      Setting{.def = def, .pieces = {}, .colliders = build_colliders(def.colliders), .id = id});
+  size_t first = 0;
+  for (const BodyDef& b : def.bodies) {
+    const size_t count = places_of(def, b).size();
+    // A box is divided evenly; of a ball every particle has the lattice's share.
+    const Vec3 reach = b.shape == Shape::ball ? Vec3{b.radius, b.radius, b.radius} : b.half_extents;
+    const double r[3] = {reach.x, reach.y, reach.z}, target = def.cell / def.particles_per_axis;
+    double volume = 1;
+    for (int a = 0; a < def.dimension; ++a) {
+      volume *= 2 * r[a] / std::max(1.0, std::floor(2 * r[a] / target + 0.5));
+    }
+    out->pieces.push_back({material_of(b), b.density, volume * b.density, volume, first, first + count});
+    first += count;
+  }
+  return out;
+}
+
+}  // namespace
+
+Mpm::Mpm(const MpmDef& def, const BuildContext& context)
+    : gravity_(context.gravity), setting_(settle(def, context.id)), solver_(make_solver(*setting_)) {
+  if (def.dimension == 2) gravity_.z = 0;
+  add_stage("substeps",
+            "explicit, as many as the fastest particle or wave asks for: particles to grid and back",
+            [this](State& s, const StepInput& in) { solver_->step(s, in); });
+  if (def.colliders.empty()) skip_stage("colliders", "none given");
+  const Scalar real = def.precision == Precision::f32 ? Scalar::f32 : Scalar::f64;
+  PartInfo points;
+  points.fields = {{"position", "m", real, 3, Meaning::position},
+                   {"velocity", "m/s", real, 3, Meaning::velocity},
+                   {"density", "kg/m^3"},
+                   {"plastic_strain", "1"},
+                   {"material", "1"}};
+  points.max_rows = setting_->rows();
+  set_parts({std::move(points)});
+}
+
+namespace {
+
+template <class T>
+void fill(State& s, const Setting& set) {
+  const auto x = s.span<T>(columns::position), v = s.span<T>(columns::velocity),
+             c = s.span<T>(columns::affine), f = s.span<T>(columns::deformation),
+             plastic = s.span<T>(columns::plastic), j = s.span<T>(columns::jacobian);
+  const auto d = static_cast<size_t>(set.def.dimension);
+  for (size_t b = 0; b < set.pieces.size(); ++b) {
+    const BodyDef& body = set.def.bodies[b];
+    const std::vector<Vec3> places = places_of(set.def, body);
+    const double w[3] = {body.spin.x, body.spin.y, body.spin.z};
+    for (size_t k = 0; k < places.size(); ++k) {
+      const size_t i = set.pieces[b].first + k;
+      const Vec3 u = body.velocity + cross(body.spin, places[k] - body.center);
+      const double place[3] = {places[k].x, places[k].y, places[k].z}, speed[3] = {u.x, u.y, u.z};
+      for (size_t a = 0; a < 3; ++a) {
+        x[3 * i + a] = static_cast<T>(place[a]), v[3 * i + a] = a < d ? static_cast<T>(speed[a]) : T{0};
+      }
+      for (size_t a = 0; a < d; ++a) {
+        f[d * d * i + d * a + a] = 1;
+        // The gradient of a rigid turn: the cross product with the spin.
+        for (size_t e = 0; e < d; ++e) {
+          if (a == e) continue;
+          const double sign = (e + 1) % 3 == a ? 1 : -1;
+          c[d * d * i + d * a + e] = static_cast<T>(sign * w[3 - a - e]);
+        }
+      }
+      plastic[i] = body.material == Law::snow ? 1 : 0, j[i] = 1;
+    }
+  }
+}
+
+}  // namespace
+
+State Mpm::initial_state() const {
+  const Setting& set = *setting_;
+  const size_t n = set.rows();
+  const auto square = static_cast<uint32_t>(set.def.dimension * set.def.dimension);
+  const Scalar real = set.def.precision == Precision::f32 ? Scalar::f32 : Scalar::f64;
+  State s;
+  s.add({"position", "m", real, 3, Role::position}, n);
+  s.add({"velocity", "m/s", real, 3, Role::velocity}, n);
+  s.add({"affine", "1/s", real, square}, n);
+  s.add({"deformation", "1", real, square}, n);
+  s.add({"plastic", "1", real}, n);
+  s.add({"jacobian", "1", real}, n);
+  s.add({"gravity", "m/s^2", Scalar::f64, 3}, 1);
+  store3(s.f64(columns::gravity).data(), 0, gravity_);
+  if (real == Scalar::f32) {
+    fill<float>(s, set);
+  } else {
+    fill<double>(s, set);
+  }
+  return s;
+}
+
+FieldView Mpm::field(const State& s, size_t, size_t which, std::vector<double>& scratch) const {
+  const Setting& set = *setting_;
+  const size_t n = set.rows();
+  if (which < 2) {
+    const State::Column c = which == 0 ? columns::position : columns::velocity;
+    return {s.bytes(c).data(), s.info(c).type, n, 3};
+  }
+  scratch.resize(n);
+  const RealColumn<const double> j(s, columns::jacobian), plastic(s, columns::plastic);
+  for (const Piece& p : set.pieces) {
+    for (size_t i = p.first; i < p.last; ++i) {
+      const double strain = p.material.law == Law::snow ? 1 - plastic.at(i) : plastic.at(i);
+      scratch[i] = which == 2   ? p.density / j.at(i)
+                   : which == 3 ? strain
+                                : static_cast<double>(p.material.law);
+    }
+  }
+  return {scratch.data(), Scalar::f64, n, 1};
+}
+
+void Mpm::apply(State& s, const Command& c) const {
+  check_command_numbers(c);
+  if (c.kind == CommandKind::impulse) {
+    refuse_place(c, "particle");
+    const size_t row = checked_command_row(c, setting_->rows(), "particle");
+    if (setting_->def.dimension == 2 && c.vector.z != 0) {
+      refuse_command("vector", "out_of_range", "a plane body stays in z = 0");
+    }
+    RealColumn<double> v(s, columns::velocity);
+    v.set_vector(row, v.vector(row) +
+                          c.vector / setting_->pieces[setting_->piece_of(static_cast<uint32_t>(row))].mass);
+    return;
+  }
+  if (c.kind != CommandKind::set_parameter) {
+    refuse_command("kind", "not_supported", "particles of a grid take impulses and parameters alone",
+                   "impulse, set_parameter");
+  }
+  if (c.name != "gravity") {
+    refuse_command("name", "unknown_parameter", "there is no parameter \"" + c.name + "\" to set", "gravity");
+  }
+  Vec3 g = c.vector;
+  if (setting_->def.dimension == 2) g.z = 0;
+  store3(s.f64(columns::gravity).data(), 0, g);
+}
+
+void Mpm::draw(const State&, double t, Wish wishes, Drawing& out) const {
+  if (wants(wishes, Wish::obstacles)) out.obstacles = setting_->colliders.drawn(t);
+  if (!wants(wishes, Wish::constant)) return;
+  PartDrawing& d = out.parts.emplace_back();
+  d.point_radius = 0.5 * setting_->def.cell / setting_->def.particles_per_axis;
+  if (setting_->def.dimension == 2) d.space = PartDrawing::Space::plane;
+}
+
+std::vector<std::string> Mpm::remedies() const {
+  return {"a shorter step", "a softer material or a larger cell", "more max_substeps"};
+}
+
+std::unique_ptr<const System> build_mpm(const void* def, const BuildContext& context) {
+  return std::make_unique<const Mpm>(*static_cast<const MpmDef*>(def), context);
+}
+
+}  // namespace truestep::mpm

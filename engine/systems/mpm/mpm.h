@@ -1,0 +1,35 @@
+// The system type "mpm": snow, sand, water, jelly and foam by the material point method, particles that carry
+// mass and deformation and a grid that is made anew every substep. Explicit, with substeps as short as the
+// fastest particle or wave asks for. Commands: impulse, set_parameter (gravity).
+#pragma once
+#include <memory>
+
+#include "engine/systems/mpm/solver.h"
+
+namespace truestep::mpm {
+
+class Mpm final : public StagedSystem {
+ public:
+  Mpm(const MpmDef& def, const BuildContext& context);
+
+  State initial_state() const override;
+  /// energy.kinetic, energy.elastic, energy.gravity, energy.total; momenta, angular momenta about the origin;
+  /// centre, low and high of all particles; plastic.mean, jacobian.min, jacobian.max.
+  void observe(const State& state, double t, Observables& out) const override;
+  /// position, velocity, density, plastic_strain, material.
+  FieldView field(const State& state, size_t part, size_t field, std::vector<double>& scratch) const override;
+  void apply(State& state, const Command& command) const override;
+  void draw(const State& state, double t, Wish wishes, Drawing& out) const override;
+  std::vector<std::string> remedies() const override;
+
+  const Setting& setting() const { return *setting_; }
+
+ private:
+  Vec3 gravity_;
+  std::unique_ptr<const Setting> setting_;
+  std::unique_ptr<const Solver> solver_;
+};
+
+std::unique_ptr<const System> build_mpm(const void* def, const BuildContext& context);
+
+}  // namespace truestep::mpm

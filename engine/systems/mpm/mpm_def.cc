@@ -1,0 +1,190 @@
+#include "engine/systems/mpm/mpm_def.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "engine/math/trig.h"
+
+namespace truestep::mpm {
+
+namespace {
+
+constexpr double kPi = 3.14159265358979323846;
+constexpr double kMostParticles = 1e7, kMostCells = 1e8;
+
+const DefTable& body_table() {
+  using D = BodyDef;
+  static const DefTable t =
+      TableOf<D>("a piece of one material")
+          .choice("shape", &D::shape, {"box", "ball"}, "what it fills")
+          .vector("center", &D::center, "m", any(), "of the shape")
+          .vector("half_extents", &D::half_extents, "m", above(0), "of a box")
+          .number("radius", &D::radius, "m", above(0), "of a ball")
+          .vector("velocity", &D::velocity, "m/s", any(), "initial, of its centre")
+          .vector("spin", &D::spin, "rad/s", any(), "initial, about its centre")
+          .choice("material", &D::material, {"fluid", "corotated", "neo_hookean", "snow", "sand", "foam"},
+                  "how its stress follows from its deformation")
+          .number("density", &D::density, "kg/m^3", above(0), "at rest")
+          .number("youngs_modulus", &D::youngs_modulus, "Pa", above(0), "of everything but a fluid")
+          .number("poisson_ratio", &D::poisson_ratio, "1", {.min = -0.99, .max = 0.495},
+                  "of everything but a fluid")
+          .number("bulk_modulus", &D::bulk_modulus, "Pa", above(0),
+                  "of a fluid: pressure per relative change of volume; its waves run at sqrt(K / density)")
+          .number("hardening", &D::hardening, "1", between(0, 30), "xi of snow")
+          .number("critical_compression", &D::critical_compression, "1", between(0, 0.5), "theta_c of snow")
+          .number("critical_stretch", &D::critical_stretch, "1", between(0, 0.5), "theta_s of snow")
+          .number("friction_angle", &D::friction_angle, "rad", between(0, 1.4), "of sand")
+          .number("yield_stress", &D::yield_stress, "Pa", above(0), "of foam, in tension (von Mises)")
+          .build();
+  return t;
+}
+
+double volume_of(const MpmDef& d, const BodyDef& b) {
+  const bool plane = d.dimension == 2;
+  if (b.shape == Shape::ball) {
+    return plane ? kPi * b.radius * b.radius : 4.0 / 3 * kPi * b.radius * b.radius * b.radius;
+  }
+  return 4 * b.half_extents.x * b.half_extents.y * (plane ? 1 : 2 * b.half_extents.z);
+}
+
+double cells_of(const MpmDef& d) {
+  const Vec3 size = (d.high - d.low) / d.cell;
+  return size.x * size.y * (d.dimension == 2 ? 1 : size.z);
+}
+
+void check_def(const MpmDef& d, const DefTable::Report& report) {
+  const Vec3 size = d.high - d.low;
+  const bool plane = d.dimension == 2;
+  const double least = plane ? std::min(size.x, size.y) : std::min({size.x, size.y, size.z});
+  if (!(least >= 4 * d.cell)) return report("/high", "the box must be at least four cells wide");
+  if (cells_of(d) > kMostCells) return report("/cell", "more than 1e8 cells");
+  if (expected_particles(d) > kMostParticles) return report("/bodies", "more than ten million particles");
+  for (size_t k = 0; k < d.bodies.size(); ++k) {
+    const BodyDef& b = d.bodies[k];
+    const std::string at = "/bodies/" + std::to_string(k);
+    Vec3 reach = b.shape == Shape::ball ? Vec3{b.radius, b.radius, b.radius} : b.half_extents;
+    Vec3 from = b.center - reach - d.low, to = d.high - b.center - reach;
+    if (plane) from.z = to.z = 0;
+    const double slack = -1e-9 * least;
+    if (std::min({from.x, from.y, from.z, to.x, to.y, to.z}) < slack) {
+      report(at, "reaches out of the box from low to high");
+    }
+    if (plane && (b.velocity.z != 0 || b.spin.x != 0 || b.spin.y != 0)) {
+      report(at + (b.velocity.z != 0 ? "/velocity" : "/spin"), "a plane body moves in the plane z = 0");
+    }
+    if (places_of(d, b).empty()) report(at, "is too small for a single particle");
+  }
+}
+
+}  // namespace
+
+Material material_of(const BodyDef& b) {
+  Material m;
+  m.law = b.material;
+  const double e = b.youngs_modulus, nu = b.poisson_ratio;
+  m.mu = e / (2 * (1 + nu)), m.lambda = e * nu / ((1 + nu) * (1 - 2 * nu));
+  if (m.law == Law::fluid) m.mu = 0, m.lambda = b.bulk_modulus;
+  m.hardening = b.hardening, m.compression = b.critical_compression, m.stretch = b.critical_stretch;
+  const double s = trig::sin(b.friction_angle);
+  m.cone = std::sqrt(2.0 / 3) * 2 * s / (3 - s);
+  m.yield = b.yield_stress;
+  return m;
+}
+
+std::vector<Vec3> places_of(const MpmDef& d, const BodyDef& b) {
+  // A lattice in step with the shape, its points half a spacing from the faces of a box.
+  const double target = d.cell / d.particles_per_axis;
+  const Vec3 reach = b.shape == Shape::ball ? Vec3{b.radius, b.radius, b.radius} : b.half_extents;
+  const double r[3] = {reach.x, reach.y, reach.z};
+  int64_t n[3] = {1, 1, 1};
+  double step[3] = {};
+  for (int a = 0; a < d.dimension; ++a) {
+    n[a] = std::max<int64_t>(1, static_cast<int64_t>(2 * r[a] / target + 0.5));
+    step[a] = 2 * r[a] / static_cast<double>(n[a]);
+  }
+  std::vector<Vec3> out;
+  for (int64_t i = 0; i < n[0]; ++i) {
+    for (int64_t j = 0; j < n[1]; ++j) {
+      for (int64_t k = 0; k < n[2]; ++k) {
+        const auto at = [&](int a, int64_t m) {
+          return a < d.dimension ? (static_cast<double>(m) + 0.5) * step[a] - r[a] : 0.0;
+        };
+        const Vec3 x{at(0, i), at(1, j), at(2, k)};
+        if (b.shape == Shape::ball && norm2(x) > b.radius * b.radius) continue;
+        Vec3 place = b.center + x;
+        if (d.dimension == 2) place.z = 0;
+        out.push_back(place);
+      }
+    }
+  }
+  return out;
+}
+
+double expected_particles(const MpmDef& d) {
+  const double per_axis = d.particles_per_axis / d.cell;
+  double sum = 0;
+  for (const BodyDef& b : d.bodies) sum += volume_of(d, b);
+  return sum * per_axis * per_axis * (d.dimension == 2 ? 1 : per_axis);
+}
+
+const DefTable& mpm_table() {
+  static const DefTable t = [] {
+    using D = MpmDef;
+    TableOf<D> table("snow, sand, water, jelly and foam by the material point method");
+    const std::vector<std::string> kinds = {"sticky", "slip", "separate"};
+    table
+        .integer("dimension", &D::dimension, between(2, 3),
+                 "2: plane strain in z = 0, a metre thick; 3: space")
+        .vector("low", &D::low, "m", any(), "corner of the box that holds everything")
+        .vector("high", &D::high, "m", any(), "opposite corner; z does not count in the plane")
+        .number("cell", &D::cell, "m", above(0), "width of the grid's cells")
+        .integer("particles_per_axis", &D::particles_per_axis, between(1, 8),
+                 "particles of a cell along each axis: 2 makes 4 in the plane, 8 in space")
+        .objects("bodies", &D::bodies, body_table(), {1, 1000}, "what there is")
+        .required()
+        .choice("splines", &D::splines, {"quadratic", "cubic"}, "how far a particle reaches")
+        .choice("transfer", &D::transfer, {"apic", "flip"},
+                "what particles keep from step to step: their own affine velocity (apic, which conserves "
+                "momentum and angular momentum) or what is left of their velocity (flip)")
+        .number("flip", &D::flip, "1", between(0, 1), "of transfer flip: 1 is FLIP, 0 is PIC")
+        .number("courant", &D::courant, "1", {.min = 0.01, .max = 0.8},
+                "cells that a particle or a wave may cross in a substep")
+        .integer("max_substeps", &D::max_substeps, between(1, 1e6), "of a step, beyond which it is refused")
+        .choice("walls", &D::walls, kinds, "what the sides of the box do to velocities at them")
+        .choice("floor", &D::floor, {"sticky", "slip", "separate", "as_walls"},
+                "the same of the lower side in y")
+        .number("wall_friction", &D::wall_friction, "1", at_least(0),
+                "Coulomb's coefficient of walls that let go")
+        .choice("contact", &D::contact, kinds, "what colliders do; friction is each collider's own")
+        .choice("precision", &D::precision, {"f32", "f64"}, "of particles and grid");
+    add_collider_rows(table, &D::colliders);
+    return table.check(check_def).build();
+  }();
+  return t;
+}
+
+Cost mpm_cost(const void* def) {
+  const auto& d = *static_cast<const MpmDef*>(def);
+  const double n = expected_particles(d), scalar = d.precision == Precision::f32 ? 4 : 8;
+  const bool plane = d.dimension == 2;
+  // Columns twice in the order of blocks; a block's tile and its nodes.
+  const double components = plane ? 17 : 32;
+  const double per_block = plane ? 64.0 : 64.0, tile = plane ? 12.0 * 13 : 8.0 * 8 * 9;
+  const double fill = per_block * (plane ? 1 : 1) * d.particles_per_axis * d.particles_per_axis *
+                      (plane ? 1 : d.particles_per_axis);
+  const double blocks = 1.5 * n / fill + 8;
+  double fastest = 0;
+  for (const BodyDef& b : d.bodies) {
+    const Material m = material_of(b);
+    fastest = std::max({fastest, std::sqrt((m.lambda + 2 * m.mu) / b.density), norm(b.velocity)});
+  }
+  const double substeps_per_second = fastest / (d.courant * d.cell);
+  return {.state_bytes = n * scalar * (plane ? 16 : 26),
+          .workspace_bytes = n * (2 * components * scalar + 12) +
+                             blocks * 4 * scalar * (tile + per_block * (plane ? 5 : 5)) +
+                             8 * cells_of(d) / 64,
+          .elements = n,
+          .seconds_per_step = n * (plane ? 6e-8 : 1.5e-7) * std::max(1.0, substeps_per_second / 60)};
+}
+
+}  // namespace truestep::mpm

@@ -1,0 +1,62 @@
+// Parameters of the system type "mpm".
+#pragma once
+#include <optional>
+#include <vector>
+
+#include "engine/collision/points/collider_def.h"
+#include "engine/core/build.h"
+#include "engine/core/def.h"
+#include "engine/core/outputs.h"
+#include "engine/core/resolution.h"
+#include "engine/kernels/mpm/laws.h"
+
+namespace truestep::mpm {
+
+enum class Shape : uint8_t { box, ball };
+enum class Contact : uint8_t { sticky, slip, separate };
+enum class Transfer : uint8_t { apic, flip };
+enum class Splines : uint8_t { quadratic, cubic };
+enum class Precision : uint8_t { f32, f64 };
+
+/// A piece of one material that fills a shape.
+struct BodyDef {
+  Shape shape = Shape::box;
+  Vec3 center, half_extents{0.1, 0.1, 0.1}, velocity, spin;
+  double radius = 0.1;
+  Law material = Law::corotated;
+  double density = 1000, youngs_modulus = 1e5, poisson_ratio = 0.3, bulk_modulus = 1e5;
+  double hardening = 10, critical_compression = 0.025, critical_stretch = 0.0075;
+  double friction_angle = 0.61, yield_stress = 1e3;
+};
+
+struct MpmDef {
+  int dimension = 2;
+  Vec3 low, high{1, 1, 1};
+  double cell = 1.0 / 64;
+  int particles_per_axis = 2;
+  std::vector<BodyDef> bodies;
+  Splines splines = Splines::quadratic;
+  Transfer transfer = Transfer::apic;
+  double flip = 0.95;
+  double courant = 0.4;
+  int max_substeps = 10'000;
+  Contact walls = Contact::separate;
+  enum class Floor : uint8_t { sticky, slip, separate, as_walls } floor = Floor::as_walls;
+  double wall_friction = 0;
+  Contact contact = Contact::separate;
+  ColliderDefs colliders;
+  Precision precision = Precision::f32;
+};
+
+const DefTable& mpm_table();
+const Outputs& mpm_outputs();
+Cost mpm_cost(const void* def);
+
+/// Lame's parameters and what else the law needs.
+Material material_of(const BodyDef& body);
+/// m, where the particles of a body are at t = 0, in the order of rows.
+std::vector<Vec3> places_of(const MpmDef& def, const BodyDef& body);
+/// Particles of all bodies, by volume alone.
+double expected_particles(const MpmDef& def);
+
+}  // namespace truestep::mpm

@@ -1,0 +1,110 @@
+// What a state of the system measures: energies by the laws' own energy densities, momenta with the affine
+// part of Jiang et al. 2015, bounds; and the words for it.
+#include <algorithm>
+#include <cmath>
+
+#include "engine/systems/mpm/mpm.h"
+
+namespace truestep::mpm {
+
+namespace {
+
+/// Elastic energy per undeformed volume of a particle, in double lanes of which one counts.
+template <int D>
+double energy_density(const Material& mat, const RealColumn<const double>& f, double j, double plastic,
+                      size_t i) {
+  using W = Wide<double>;
+  if (mat.law == Law::fluid) return fluid_response<D, double>(mat, W::all(j)).energy[0];
+  Square<D, double> a;
+  for (size_t k = 0; k < D * D; ++k) a.m[k] = W::all(f.at(D * D * i + k));
+  return solid_response<D, double>(mat, svd(a), W::all(plastic)).energy[0];
+}
+
+}  // namespace
+
+void Mpm::observe(const State& s, double, Observables& out) const {
+  const Setting& set = *setting_;
+  const RealColumn<const double> x(s, columns::position), v(s, columns::velocity), c(s, columns::affine),
+      f(s, columns::deformation), plastic(s, columns::plastic), jacobian(s, columns::jacobian);
+  const Vec3 g = load3(s.f64(columns::gravity).data(), 0);
+  const auto d = static_cast<size_t>(set.def.dimension);
+  const double cell = set.def.cell;
+  const double second = (set.def.splines == Splines::quadratic ? 0.25 : 1.0 / 3) * cell * cell;
+  const bool affine = set.def.transfer == Transfer::apic;
+  double kinetic = 0, elastic = 0, height = 0, mass = 0, strain = 0, least = HUGE_VAL, most = 0;
+  Vec3 p, l, centre, low{HUGE_VAL, HUGE_VAL, HUGE_VAL}, high = -low;
+  for (const Piece& piece : set.pieces) {
+    const double m = piece.mass;
+    for (size_t i = piece.first; i < piece.last; ++i) {
+      const Vec3 at = x.vector(i), u = v.vector(i);
+      const double j = jacobian.at(i), q = plastic.at(i);
+      kinetic += 0.5 * m * norm2(u), mass += m;
+      elastic += piece.volume * (d == 2 ? energy_density<2>(piece.material, f, j, q, i)
+                                        : energy_density<3>(piece.material, f, j, q, i));
+      height -= m * dot(g, at);
+      p += u * m, l += cross(at, u) * m, centre += at * m;
+      if (affine) {
+        // What the affine velocity around a particle adds (Jiang et al. 2015, section 5.3).
+        const auto turn = [&](size_t r, size_t k) {
+          return r < d && k < d ? c.at(d * d * i + d * r + k) - c.at(d * d * i + d * k + r) : 0.0;
+        };
+        l += Vec3{turn(2, 1), turn(0, 2), turn(1, 0)} * (m * second);
+      }
+      strain += m * (piece.material.law == Law::snow ? 1 - q : q);
+      least = std::min(least, j), most = std::max(most, j);
+      low = {std::min(low.x, at.x), std::min(low.y, at.y), std::min(low.z, at.z)};
+      high = {std::max(high.x, at.x), std::max(high.y, at.y), std::max(high.z, at.z)};
+    }
+  }
+  out.add("energy.kinetic", kinetic, "J");
+  out.add("energy.elastic", elastic, "J");
+  out.add("energy.gravity", height, "J");
+  out.add("energy.total", kinetic + elastic + height, "J");
+  const auto add = [&](const std::string& name, const Vec3& a, const char* unit) {
+    out.add(name + ".x", a.x, unit), out.add(name + ".y", a.y, unit), out.add(name + ".z", a.z, unit);
+  };
+  add("momentum", p, "kg m/s");
+  add("angular_momentum", l, "kg m^2/s");
+  add("centre", centre / mass, "m");
+  add("low", low, "m");
+  add("high", high, "m");
+  out.add("plastic.mean", strain / mass, "1");
+  out.add("jacobian.min", least, "1");
+  out.add("jacobian.max", most, "1");
+}
+
+const Outputs& mpm_outputs() {
+  static const Outputs kOutputs{
+      .rows = "a particle, body after body",
+      .fields = {{"position", "m", 3, ""},
+                 {"velocity", "m/s", 3, ""},
+                 {"density", "kg/m^3", 1, "at rest over the change of volume so far"},
+                 {"plastic_strain", "1", 1,
+                  "snow: 1 - Jp, how much it is packed; sand: volume correction; foam: plastic strain"},
+                 {"material", "1", 1, "0 fluid, 1 corotated, 2 neo_hookean, 3 snow, 4 sand, 5 foam"}},
+      .observables = {{"energy.kinetic", "J", "of the particles' own velocities"},
+                      {"energy.elastic", "J", "what deformation has stored"},
+                      {"energy.gravity", "J", "potential, about the origin"},
+                      {"energy.total", "J", "their sum"},
+                      {"momentum.x", "kg m/s", ""},
+                      {"momentum.y", "kg m/s", ""},
+                      {"momentum.z", "kg m/s", ""},
+                      {"angular_momentum.x", "kg m^2/s", "about the origin, with the affine velocities'"},
+                      {"angular_momentum.y", "kg m^2/s", ""},
+                      {"angular_momentum.z", "kg m^2/s", ""},
+                      {"centre.x", "m", "of mass"},
+                      {"centre.y", "m", ""},
+                      {"centre.z", "m", ""},
+                      {"low.x", "m", "least coordinate of any particle"},
+                      {"low.y", "m", ""},
+                      {"low.z", "m", ""},
+                      {"high.x", "m", "greatest coordinate of any particle"},
+                      {"high.y", "m", ""},
+                      {"high.z", "m", ""},
+                      {"plastic.mean", "1", "plastic_strain, by mass"},
+                      {"jacobian.min", "1", "least volume ratio"},
+                      {"jacobian.max", "1", "greatest volume ratio"}}};
+  return kOutputs;
+}
+
+}  // namespace truestep::mpm

@@ -1,0 +1,167 @@
+#include "engine/systems/mpm/solver.h"
+
+#include <cmath>
+#include <string>
+
+#include "engine/base/errors.h"
+#include "engine/systems/mpm/substep.h"
+
+namespace truestep::mpm {
+
+namespace {
+
+constexpr double kMostDrift = 0.98;  // cells, since particles were sorted
+
+template <int D, int Nodes, class T>
+class SolverOf final : public Solver {
+ public:
+  explicit SolverOf(const Setting& setting) : set_(setting) {}
+
+  void step(State& s, const StepInput& in) const override {
+    auto& grid = in.workspace.object<Grid<D, Nodes, T>>("mpm.grid");
+    if (grid.blocks.table.empty()) grid.blocks.set(set_.def.low, set_.def.high, set_.def.cell);
+    load_rows(s, grid.next, in.arena);
+    sort(grid, in);
+    {
+      const ProfileScope scope(in.profile, "mpm stresses");
+      grid.stresses(set_, in.arena);
+    }
+    const Vec3 gravity = load3(std::as_const(s).f64(columns::gravity).data(), 0);
+    double left = in.h, drift = 0;
+    for (int64_t k = 0; left > 0; ++k) {
+      const double allowed = limit(grid);
+      const double parts = std::ceil(left / allowed);
+      if (!(parts + static_cast<double>(k) <= set_.def.max_substeps)) refuse(allowed);
+      drift = substep(grid, gravity, in, parts > 1 ? left / parts : left, drift, left);
+    }
+    store_rows(s, grid.now, in.arena);
+  }
+
+ private:
+  using L = Layout<D>;
+
+  /// s that the fastest particle or wave allows.
+  double limit(const Grid<D, Nodes, T>& grid) const {
+    const double speed = std::sqrt(std::max(grid.largest(grid.fastest), grid.largest(grid.modulus)));
+    return speed > 0 ? set_.def.courant * set_.def.cell / speed : HUGE_VAL;
+  }
+
+  /// Takes one substep from `left`; returns the drift after it.
+  double substep(Grid<D, Nodes, T>& grid, const Vec3& gravity, const StepInput& in, double h, double drift,
+                 double& left) const {
+    constexpr int kTries = 40;
+    const double cell = set_.def.cell;
+    for (int tries = 0; tries < kTries; ++tries) {
+      if (drift > kMostDrift - set_.def.courant) {
+        std::swap(grid.now, grid.next);
+        sort(grid, in);
+        drift = 0;
+      }
+      const T length = static_cast<T>(h);
+      {
+        const ProfileScope scope(in.profile, "mpm scatter");
+        grid.scatter_all(set_, length, in.arena);
+      }
+      double speed;
+      {
+        const ProfileScope scope(in.profile, "mpm nodes");
+        speed = grid.move_nodes(set_, gravity, in.t + in.h - left, length, in.arena);
+      }
+      // Nodes may be faster than any particle was: tiles hold a cell of drift, no more.
+      if (!(drift + speed * h / cell <= kMostDrift)) {
+        if (drift > 0) {
+          drift = 1;
+        } else {
+          h *= 0.5;
+        }
+        continue;
+      }
+      {
+        const ProfileScope scope(in.profile, "mpm gather");
+        grid.gather_all(set_, length, in.arena);
+      }
+      left = h < left ? left - h : 0;
+      return drift + speed * h / cell;
+    }
+    throw Instability(set_.id, "velocity", -1, "no substep keeps nodes from crossing a cell");
+  }
+
+  /// From grid.next to grid.now.
+  void sort(Grid<D, Nodes, T>& grid, const StepInput& in) const {
+    const ProfileScope scope(in.profile, "mpm sort");
+    grid.blocks.sort(
+        grid.next, grid.now, set_.pieces.size(), [&](uint32_t row) { return set_.piece_of(row); }, in.arena);
+  }
+
+  [[noreturn]] void refuse(double allowed) const {
+    Instability failure(set_.id, "velocity", -1,
+                        "material point method: particles and waves allow substeps of " +
+                            std::to_string(allowed) + " s, more than max_substeps (" +
+                            std::to_string(set_.def.max_substeps) + ") a step");
+    if (allowed > 0) failure.suggested_dt = allowed * set_.def.max_substeps;
+    throw failure;
+  }
+
+  void load_rows(const State& s, Sorted<D, T>& to, const ThreadArena& arena) const {
+    const size_t n = set_.rows();
+    to.resize((n + to.kLanes - 1) / to.kLanes * to.kLanes);
+    const T *x = s.span<T>(columns::position).data(), *v = s.span<T>(columns::velocity).data(),
+            *c = s.span<T>(columns::affine).data(), *f = s.span<T>(columns::deformation).data(),
+            *plastic = s.span<T>(columns::plastic).data(), *j = s.span<T>(columns::jacobian).data();
+    arena.for_blocks(n, kBlockRows, [&](size_t begin, size_t end) {
+      for (size_t i = begin; i < end; ++i) {
+        to.row[i] = static_cast<uint32_t>(i);
+        for (int a = 0; a < D; ++a) {
+          to.at(i, L::x + a) = x[3 * i + static_cast<size_t>(a)];
+          to.at(i, L::v + a) = v[3 * i + static_cast<size_t>(a)];
+        }
+        for (size_t k = 0; k < D * D; ++k) {
+          to.at(i, L::c + static_cast<int>(k)) = c[D * D * i + k];
+          to.at(i, L::f + static_cast<int>(k)) = f[D * D * i + k];
+        }
+        to.at(i, L::plastic) = plastic[i], to.at(i, L::jacobian) = j[i];
+      }
+    });
+  }
+
+  void store_rows(State& s, const Sorted<D, T>& from, const ThreadArena& arena) const {
+    T *x = s.span<T>(columns::position).data(), *v = s.span<T>(columns::velocity).data(),
+      *c = s.span<T>(columns::affine).data(), *f = s.span<T>(columns::deformation).data(),
+      *plastic = s.span<T>(columns::plastic).data(), *j = s.span<T>(columns::jacobian).data();
+    arena.for_blocks(from.slots(), kBlockRows, [&](size_t begin, size_t end) {
+      for (size_t k = begin; k < end; ++k) {
+        if (from.row[k] == Sorted<D, T>::kNone) continue;
+        const size_t i = from.row[k];
+        for (int a = 0; a < D; ++a) {
+          x[3 * i + static_cast<size_t>(a)] = from.at(k, L::x + a);
+          v[3 * i + static_cast<size_t>(a)] = from.at(k, L::v + a);
+        }
+        for (size_t m = 0; m < D * D; ++m) {
+          c[D * D * i + m] = from.at(k, L::c + static_cast<int>(m));
+          f[D * D * i + m] = from.at(k, L::f + static_cast<int>(m));
+        }
+        plastic[i] = from.at(k, L::plastic), j[i] = from.at(k, L::jacobian);
+      }
+    });
+  }
+
+  const Setting& set_;
+};
+
+template <int D, class T>
+std::unique_ptr<const Solver> with_splines(const Setting& s) {
+  if (s.def.splines == Splines::quadratic) return std::make_unique<SolverOf<D, 3, T>>(s);
+  return std::make_unique<SolverOf<D, 4, T>>(s);
+}
+template <class T>
+std::unique_ptr<const Solver> of_dimension(const Setting& s) {
+  return s.def.dimension == 2 ? with_splines<2, T>(s) : with_splines<3, T>(s);
+}
+
+}  // namespace
+
+std::unique_ptr<const Solver> make_solver(const Setting& s) {
+  return s.def.precision == Precision::f32 ? of_dimension<float>(s) : of_dimension<double>(s);
+}
+
+}  // namespace truestep::mpm
