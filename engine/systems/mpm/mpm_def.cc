@@ -167,11 +167,12 @@ Cost mpm_cost(const void* def) {
   const auto& d = *static_cast<const MpmDef*>(def);
   const double n = expected_particles(d), scalar = d.precision == Precision::f32 ? 4 : 8;
   const bool plane = d.dimension == 2;
-  // Columns twice in the order of blocks; a block's tile and its nodes.
+  // Columns in the order of blocks, before and after they are sorted, with room to grow; rows, ids and keys;
+  // a block's tile and its nodes.
   const double components = plane ? 17 : 32;
-  const double per_block = plane ? 64.0 : 64.0, tile = plane ? 12.0 * 13 : 8.0 * 8 * 9;
-  const double fill = per_block * (plane ? 1 : 1) * d.particles_per_axis * d.particles_per_axis *
-                      (plane ? 1 : d.particles_per_axis);
+  const double per_block = 64, tile = plane ? 12.0 * 13 : 8.0 * 8 * 9;
+  const double fill =
+      per_block * d.particles_per_axis * d.particles_per_axis * (plane ? 1 : d.particles_per_axis);
   const double blocks = 1.5 * n / fill + 8;
   double fastest = 0;
   for (const BodyDef& b : d.bodies) {
@@ -180,9 +181,8 @@ Cost mpm_cost(const void* def) {
   }
   const double substeps_per_second = fastest / (d.courant * d.cell);
   return {.state_bytes = n * scalar * (plane ? 16 : 26),
-          .workspace_bytes = n * (2 * components * scalar + 12) +
-                             blocks * 4 * scalar * (tile + per_block * (plane ? 5 : 5)) +
-                             8 * cells_of(d) / 64,
+          .workspace_bytes = n * ((plane ? 3 : 3.5) * components * scalar + 28) +
+                             blocks * 4 * scalar * (tile + per_block * 5) + 8 * cells_of(d) / 64,
           .elements = n,
           .seconds_per_step = n * (plane ? 6e-8 : 1.5e-7) * std::max(1.0, substeps_per_second / 60)};
 }
