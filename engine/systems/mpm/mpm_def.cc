@@ -1,6 +1,7 @@
 #include "engine/systems/mpm/mpm_def.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "engine/math/trig.h"
@@ -39,12 +40,12 @@ const DefTable& body_table() {
   return t;
 }
 
-double volume_of(const MpmDef& d, const BodyDef& b) {
-  const bool plane = d.dimension == 2;
-  if (b.shape == Shape::ball) {
-    return plane ? kPi * b.radius * b.radius : 4.0 / 3 * kPi * b.radius * b.radius * b.radius;
-  }
-  return 4 * b.half_extents.x * b.half_extents.y * (plane ? 1 : 2 * b.half_extents.z);
+/// Places along every axis of the lattice that fills a body; 1 across the plane.
+std::array<double, 3> lattice_of(const MpmDef& d, const BodyDef& b) {
+  const double target = d.cell / d.particles_per_axis;
+  const Vec3 reach = b.shape == Shape::ball ? Vec3{b.radius, b.radius, b.radius} : b.half_extents;
+  const auto places = [&](double r) { return std::max(1.0, std::floor(2 * r / target + 0.5)); };
+  return {places(reach.x), places(reach.y), d.dimension == 2 ? 1 : places(reach.z)};
 }
 
 double cells_of(const MpmDef& d) {
@@ -66,13 +67,12 @@ void check_def(const MpmDef& d, const DefTable::Report& report) {
     Vec3 from = b.center - reach - d.low, to = d.high - b.center - reach;
     if (plane) from.z = to.z = 0;
     const double slack = -1e-9 * least;
-    if (std::min({from.x, from.y, from.z, to.x, to.y, to.z}) < slack) {
-      report(at, "reaches out of the box from low to high");
-    }
+    const bool inside = std::min({from.x, from.y, from.z, to.x, to.y, to.z}) >= slack;
+    if (!inside) report(at, "reaches out of the box from low to high");
     if (plane && (b.velocity.z != 0 || b.spin.x != 0 || b.spin.y != 0)) {
       report(at + (b.velocity.z != 0 ? "/velocity" : "/spin"), "a plane body moves in the plane z = 0");
     }
-    if (places_of(d, b).empty()) report(at, "is too small for a single particle");
+    if (inside && places_of(d, b).empty()) report(at, "is too small for a single particle");
   }
 }
 
@@ -93,15 +93,12 @@ Material material_of(const BodyDef& b) {
 
 std::vector<Vec3> places_of(const MpmDef& d, const BodyDef& b) {
   // A lattice in step with the shape, its points half a spacing from the faces of a box.
-  const double target = d.cell / d.particles_per_axis;
   const Vec3 reach = b.shape == Shape::ball ? Vec3{b.radius, b.radius, b.radius} : b.half_extents;
   const double r[3] = {reach.x, reach.y, reach.z};
-  int64_t n[3] = {1, 1, 1};
-  double step[3] = {};
-  for (int a = 0; a < d.dimension; ++a) {
-    n[a] = std::max<int64_t>(1, static_cast<int64_t>(2 * r[a] / target + 0.5));
-    step[a] = 2 * r[a] / static_cast<double>(n[a]);
-  }
+  const std::array<double, 3> count = lattice_of(d, b);
+  int64_t n[3];
+  double step[3];
+  for (size_t a = 0; a < 3; ++a) n[a] = static_cast<int64_t>(count[a]), step[a] = 2 * r[a] / count[a];
   std::vector<Vec3> out;
   for (int64_t i = 0; i < n[0]; ++i) {
     for (int64_t j = 0; j < n[1]; ++j) {
@@ -121,10 +118,13 @@ std::vector<Vec3> places_of(const MpmDef& d, const BodyDef& b) {
 }
 
 double expected_particles(const MpmDef& d) {
-  const double per_axis = d.particles_per_axis / d.cell;
   double sum = 0;
-  for (const BodyDef& b : d.bodies) sum += volume_of(d, b);
-  return sum * per_axis * per_axis * (d.dimension == 2 ? 1 : per_axis);
+  for (const BodyDef& b : d.bodies) {
+    const std::array<double, 3> n = lattice_of(d, b);
+    const double share = b.shape == Shape::box ? 1 : d.dimension == 2 ? kPi / 4 : kPi / 6;
+    sum += n[0] * n[1] * n[2] * share;
+  }
+  return sum;
 }
 
 const DefTable& mpm_table() {

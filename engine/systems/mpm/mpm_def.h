@@ -56,7 +56,7 @@ Cost mpm_cost(const void* def);
 Material material_of(const BodyDef& body);
 /// m, where the particles of a body are at t = 0, in the order of rows.
 std::vector<Vec3> places_of(const MpmDef& def, const BodyDef& body);
-/// Particles of all bodies, by volume alone.
+/// Particles of all bodies, by the lattices that fill them.
 double expected_particles(const MpmDef& def);
 
 }  // namespace truestep::mpm
