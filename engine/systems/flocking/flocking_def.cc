@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "engine/base/short_number.h"
+
 namespace truestep::flocking {
 namespace {
 
@@ -19,7 +21,7 @@ void check_box(const FlockingDef& d, const DefTable::Report& report) {
   const double least = flat ? std::min(e.x, e.y) : std::min({e.x, e.y, e.z});
   if (d.sides == Sides::periodic && least < reach_of(d)) {
     report("/half_extents", "a periodic box has half extents of at least the largest radius, " +
-                                std::to_string(reach_of(d)) + " m: else a neighbour is met twice");
+                                short_number(reach_of(d)) + " m: else a neighbour is met twice");
   }
 }
 

@@ -4,6 +4,7 @@
 #include <string>
 
 #include "engine/base/errors.h"
+#include "engine/base/short_number.h"
 #include "engine/systems/mpm/substep.h"
 
 namespace truestep::mpm {
@@ -96,7 +97,7 @@ class SolverOf final : public Solver {
   [[noreturn]] void refuse(double allowed) const {
     Instability failure(set_.id, "velocity", -1,
                         "material point method: particles and waves allow substeps of " +
-                            std::to_string(allowed) + " s, more than max_substeps (" +
+                            short_number(allowed, 3) + " s, more than max_substeps (" +
                             std::to_string(set_.def.max_substeps) + ") a step");
     if (allowed > 0) failure.suggested_dt = allowed * set_.def.max_substeps;
     throw failure;
