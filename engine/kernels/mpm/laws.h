@@ -85,14 +85,37 @@ Response<D, T> fluid_response(const Material& mat, Wide<T> j) {
   return {detail::isotropic<D, T>(-p * j), energy, max(k, k * i6)};
 }
 
-/// Everything else. `plastic` is Jp of snow and is not looked at by other laws.
+/// Stress of the Neo-Hookean solid, which needs no principal axes: tau = mu (F F^T - 1) + lambda ln J.
+template <int D, class T>
+Response<D, T> neo_hookean_response(const Material& mat, const Square<D, T>& f) {
+  using W = Wide<T>;
+  const W mu(mat.mu), lambda(mat.lambda), one(1), half(0.5);
+  const W l = log(max(determinant(f), W(kLeastVolume)));
+  Response<D, T> out;
+  W squares = W::zero(), widest = one;
+  for (int r = 0; r < D; ++r) {
+    W row = W::zero();
+    for (int c = 0; c < D; ++c) {
+      W b = f(r, 0) * f(c, 0);
+      for (int k = 1; k < D; ++k) b = madd(f(r, k), f(c, k), b);
+      if (r == c) squares += b;
+      row += abs(b);
+      out.tau(r, c) = r == c ? madd(mu, b - one, lambda * l) : mu * b;
+    }
+    // Gershgorin: no eigenvalue of F F^T, the square of a stretch, is beyond the largest of the sums of rows.
+    widest = max(widest, row);
+  }
+  out.energy = half * mu * (squares - W(D)) - mu * l + half * lambda * l * l;
+  out.modulus = madd(W(2), mu, lambda * (one + abs(l))) * widest;
+  return out;
+}
+
+/// The others. `plastic` is Jp of snow and is not looked at by other laws.
 template <int D, class T>
 Response<D, T> solid_response(const Material& mat, const Svd<D, T>& d, Wide<T> plastic) {
   using W = Wide<T>;
   W mu(mat.mu), lambda(mat.lambda), tau[D];
   const W one(1), half(0.5);
-  W squares = W::zero();
-  for (int k = 0; k < D; ++k) squares = madd(d.s[k], d.s[k], squares);
   const W widening = max(one, d.s[0] * d.s[0]);
   if (mat.law == Law::sand || mat.law == Law::foam) {
     W e[D], trace = W::zero(), norm2 = W::zero();
@@ -106,12 +129,6 @@ Response<D, T> solid_response(const Material& mat, const Svd<D, T>& d, Wide<T> p
   }
   W j = d.s[0];
   for (int k = 1; k < D; ++k) j *= d.s[k];
-  if (mat.law == Law::neo_hookean) {
-    const W l = log(max(j, W(kLeastVolume)));
-    for (int k = 0; k < D; ++k) tau[k] = madd(mu, d.s[k] * d.s[k] - one, lambda * l);
-    const W energy = half * mu * (squares - W(D)) - mu * l + half * lambda * l * l;
-    return detail::principal(d.u, tau, energy, madd(W(2), mu, lambda * (one + abs(l))) * widening);
-  }
   if (mat.law == Law::snow) {
     const W h = hardening(mat, plastic);
     mu *= h, lambda *= h;
@@ -124,6 +141,14 @@ Response<D, T> solid_response(const Material& mat, const Svd<D, T>& d, Wide<T> p
   }
   return detail::principal(d.u, tau, madd(mu, away, half * lambda * (j - one) * (j - one)),
                            madd(W(2), mu, lambda) * widening);
+}
+
+/// Of any law, from deformation and volume ratio as they are.
+template <int D, class T>
+Response<D, T> response(const Material& mat, const Square<D, T>& f, Wide<T> j, Wide<T> plastic) {
+  if (mat.law == Law::fluid) return fluid_response<D, T>(mat, j);
+  if (mat.law == Law::neo_hookean) return neo_hookean_response(mat, f);
+  return solid_response(mat, svd(f), plastic);
 }
 
 /// Takes what flows out of the elastic singular values d.s; `plastic` is Jp of snow, the volume correction of

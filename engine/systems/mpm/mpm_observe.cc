@@ -9,15 +9,25 @@ namespace truestep::mpm {
 
 namespace {
 
-/// Elastic energy per undeformed volume of a particle, in double lanes of which one counts.
+/// Elastic energy of a piece per undeformed volume of a particle, summed over its particles in their order.
 template <int D>
-double energy_density(const Material& mat, const RealColumn<const double>& f, double j, double plastic,
-                      size_t i) {
+double energy_densities(const Piece& piece, const RealColumn<const double>& f,
+                        const RealColumn<const double>& j, const RealColumn<const double>& plastic) {
   using W = Wide<double>;
-  if (mat.law == Law::fluid) return fluid_response<D, double>(mat, W::all(j)).energy[0];
-  Square<D, double> a;
-  for (size_t k = 0; k < D * D; ++k) a.m[k] = W::all(f.at(D * D * i + k));
-  return solid_response<D, double>(mat, svd(a), W::all(plastic)).energy[0];
+  double sum = 0;
+  for (size_t i = piece.first; i < piece.last; i += W::kLanes) {
+    const size_t count = std::min<size_t>(W::kLanes, piece.last - i);
+    Square<D, double> a = Square<D, double>::identity();
+    W volume = W::all(1), flown = W::all(1);
+    for (size_t lane = 0; lane < count; ++lane) {
+      const int at = static_cast<int>(lane);
+      for (size_t k = 0; k < D * D; ++k) a.m[k].set(at, f.at(D * D * (i + lane) + k));
+      volume.set(at, j.at(i + lane)), flown.set(at, plastic.at(i + lane));
+    }
+    const W energy = response(piece.material, a, volume, flown).energy;
+    for (size_t lane = 0; lane < count; ++lane) sum += energy[static_cast<int>(lane)];
+  }
+  return sum;
 }
 
 }  // namespace
@@ -35,12 +45,12 @@ void Mpm::observe(const State& s, double, Observables& out) const {
   Vec3 p, l, centre, low{HUGE_VAL, HUGE_VAL, HUGE_VAL}, high = -low;
   for (const Piece& piece : set.pieces) {
     const double m = piece.mass;
+    elastic += piece.volume * (d == 2 ? energy_densities<2>(piece, f, jacobian, plastic)
+                                      : energy_densities<3>(piece, f, jacobian, plastic));
     for (size_t i = piece.first; i < piece.last; ++i) {
       const Vec3 at = x.vector(i), u = v.vector(i);
       const double j = jacobian.at(i), q = plastic.at(i);
       kinetic += 0.5 * m * norm2(u), mass += m;
-      elastic += piece.volume * (d == 2 ? energy_density<2>(piece.material, f, j, q, i)
-                                        : energy_density<3>(piece.material, f, j, q, i));
       height -= m * dot(g, at);
       p += u * m, l += cross(at, u) * m, centre += at * m;
       if (affine) {

@@ -57,18 +57,17 @@ struct Grid {
   static T respond(const Piece& piece, T* group, bool flows) {
     const Material& mat = piece.material;
     const W j = load(group + L::jacobian * W::kLanes);
+    W plastic = load(group + L::plastic * W::kLanes);
+    const Square<D, T> f = load_square(group, L::f);
     Response<D, T> r;
-    if (mat.law == Law::fluid) {
-      r = fluid_response<D, T>(mat, j);
-    } else {
-      Svd<D, T> d = svd(load_square(group, L::f));
-      W plastic = load(group + L::plastic * W::kLanes);
-      if (flows && (mat.law == Law::snow || mat.law == Law::sand || mat.law == Law::foam)) {
-        return_map(mat, d, plastic);
-        store_square(group, L::f, compose(d.u, d.s, d.v));
-        store(group + L::plastic * W::kLanes, plastic);
-      }
+    if (flows && (mat.law == Law::snow || mat.law == Law::sand || mat.law == Law::foam)) {
+      Svd<D, T> d = svd(f);
+      return_map(mat, d, plastic);
+      store_square(group, L::f, compose(d.u, d.s, d.v));
+      store(group + L::plastic * W::kLanes, plastic);
       r = solid_response(mat, d, plastic);
+    } else {
+      r = response(mat, f, j, plastic);
     }
     int c = L::tau;
     for (int i = 0; i < D; ++i) {
