@@ -54,6 +54,20 @@ const DefTable& set_table() {
   return t;
 }
 
+const DefTable& copy_table() {
+  static const DefTable t =
+      TableOf<CopyDef>("a body of this shape, turned about the origin, then moved")
+          .vector("position", &CopyDef::position, "m", any(), "by which it is moved")
+          .vector("axis", &CopyDef::axis, "1", any(), "it is turned about")
+          .number("angle", &CopyDef::angle, "rad", any(), "by which it is turned")
+          .vector("velocity", &CopyDef::velocity, "m/s", any(), "initial, added to that of all")
+          .check([](const CopyDef& c, const DefTable::Report& report) {
+            if (!(norm2(c.axis) > 0)) report("/axis", "an axis has a length above 0");
+          })
+          .build();
+  return t;
+}
+
 const DefTable& hold_table() {
   static const DefTable t =
       TableOf<HoldDef>(
@@ -127,7 +141,9 @@ void check_material(const FemDef& d, const Report& report) {
 }
 
 bool check_rows(const FemDef& d, const Report& report) {
-  const double vertices = d.mesh ? static_cast<double>(d.mesh->vertices.size()) : fem_counts(d).nodes;
+  const double vertices =
+      d.mesh ? static_cast<double>(d.mesh->vertices.size() * std::max<size_t>(1, d.copies.size()))
+             : fem_counts(d).nodes;
   bool good = true;
   const auto check = [&](const std::vector<int64_t>& rows, const std::string& at) {
     for (size_t i = 0; i < rows.size(); ++i) {
@@ -198,6 +214,44 @@ void check_names(const FemDef& d, const Report& report) {
   }
 }
 
+void check_copies(const FemDef& d, const Report& report) {
+  for (size_t k = 0; k < d.copies.size() && in_plane(d); ++k) {
+    const CopyDef& c = d.copies[k];
+    const std::string at = "/copies/" + std::to_string(k);
+    if (c.position.z != 0) report(at + "/position", "a plane body lies in z = 0");
+    if (c.axis.x != 0 || c.axis.y != 0) report(at + "/axis", "a plane body turns about z");
+    if (c.velocity.z != 0) report(at + "/velocity", "a plane body stays in z = 0");
+  }
+}
+
+void check_barrier(const FemDef& d, const Report& report) {
+  if (d.contact != Meeting::barrier) return;
+  if (in_plane(d)) report("/contact", "plane bodies have no barrier");
+  if (d.motion == Motion::quasi_static) report("/contact", "a barrier is part of a dynamic step");
+  if (!d.integrator.empty())
+    report("/integrator", "with contact barrier the step is one of implicit Euler: leave it out");
+  if (d.restitution > 0) report("/restitution", "a barrier gives back what the body does: leave it out");
+  if (d.contact_distance && !(*d.contact_distance > 0))
+    report("/contact_distance", "a barrier begins at some distance: above 0");
+  for (size_t k = 0; k < d.loads.size(); ++k) {
+    if (d.loads[k].pressure)
+      report("/loads/" + std::to_string(k) + "/pressure",
+             "a pressure has no potential, which a barrier needs: take a force or a traction");
+  }
+  for (size_t k = 0; k < d.holds.size(); ++k) {
+    const HoldDef& h = d.holds[k];
+    const std::pair<const char*, const std::optional<std::string>*> parts[] = {
+        {"/x", &h.x}, {"/y", &h.y}, {"/z", &h.z}};
+    const auto given =
+        std::count_if(std::begin(parts), std::end(parts), [](auto& p) { return p.second->has_value(); });
+    for (const auto& [name, text] : parts) {
+      if (given == 3 || !*text || **text == "0") continue;
+      report("/holds/" + std::to_string(k) + name,
+             "with contact barrier a hold prescribes x, y and z together, or keeps single ones at 0");
+    }
+  }
+}
+
 void check_def(const FemDef& d, const Report& report) {
   const int shapes = d.block.has_value() + d.quad.has_value() + d.mesh.has_value();
   if (shapes != 1) {
@@ -212,6 +266,8 @@ void check_def(const FemDef& d, const Report& report) {
   if (!check_rows(d, report)) return;
   if (d.mesh && d.element != Cell::automatic) check_cells(d, report);
   check_names(d, report);
+  check_copies(d, report);
+  check_barrier(d, report);
   if (in_plane(d) && !d.colliders.empty()) report("/colliders", "plane bodies meet no colliders");
   if (in_plane(d) && d.velocity.z != 0) report("/velocity", "a plane body stays in z = 0");
   if (d.motion == Motion::quasi_static) {
@@ -271,7 +327,8 @@ FemCounts fem_counts(const FemDef& d) {
   // Neighbours of a node, inside a large lattice.
   const double each = kind.dimension == 2 ? (second ? (kind.simplex ? 12 : 16) : (kind.simplex ? 7 : 9))
                                           : (second ? (kind.simplex ? 27 : 64) : (kind.simplex ? 14 : 27));
-  return {corners, cells, each * corners};
+  const double copies = std::max<double>(1, static_cast<double>(d.copies.size()));
+  return {copies * corners, copies * cells, copies * each * corners};
 }
 
 const DefTable& fem_table() {
@@ -283,6 +340,8 @@ const DefTable& fem_table() {
                 "a box; its sides are the sets x0, x1, y0, y1, z0, z1")
         .object("quad", &D::quad, quad_table(), "a plane body with four corners; sides x0, x1, y0, y1")
         .object("mesh", &D::mesh, cells_table(), "elements of any form")
+        .objects("copies", &D::copies, copy_table(), {0, 10000},
+                 "bodies of this shape: each is turned and moved; absent: one as the shape says")
         .choice("element", &D::element, kCells,
                 "kind of the elements; auto: hex8 of a block, quad4 of a quad; of second order: tri6, quad9, "
                 "tet10, hex27")
@@ -318,7 +377,13 @@ const DefTable& fem_table() {
                 "quasi_static: every step ends in equilibrium, found by Newton's method with line search")
         .integer("modes", &D::modes, between(0, 64),
                  "natural frequencies of the body at rest to observe, lowest first")
-        .number("contact_distance", &D::contact_distance, "m", at_least(0), "kept from every obstacle")
+        .choice(
+            "contact", &D::contact, {"nodes", "barrier"},
+            "nodes: colliders keep the nodes out; barrier: no part of the surface ever touches a collider "
+            "or the surface itself, which every step of implicit Euler makes sure of")
+        .number("contact_distance", &D::contact_distance, "m", at_least(0),
+                "kept from every obstacle, default 0; of a barrier where it begins to push, default a "
+                "thousandth of the body's size")
         .number("restitution", &D::restitution, "1", between(0, 1),
                 "on any collider, in place of the collider's own")
         .number("friction", &D::friction, "1", at_least(0),

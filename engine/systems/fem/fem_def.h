@@ -17,6 +17,7 @@ namespace truestep::fem {
 enum class Plane : uint8_t { strain, stress };
 enum class Volume : uint8_t { pointwise, mean };
 enum class Motion : uint8_t { dynamic, quasi_static };
+enum class Meeting : uint8_t { nodes, barrier };
 /// As scenes name them: automatic, then the first eight of ElementKind in the same order.
 enum class Cell : uint8_t { automatic, tri3, tri6, quad4, quad9, tet4, tet10, hex8, hex27 };
 ElementKind kind_of(Cell cell);
@@ -52,10 +53,17 @@ struct LoadDef {
   std::optional<double> pressure;      // Pa
 };
 
+/// A further body alike: the shape turned about the origin, then moved.
+struct CopyDef {
+  Vec3 position, axis{0, 0, 1}, velocity;  // m, -, m/s
+  double angle = 0;                        // rad
+};
+
 struct FemDef : IntegratorParams {
   std::optional<SoftBlockShape> block;
   std::optional<QuadShape> quad;
   std::optional<CellsShape> mesh;
+  std::vector<CopyDef> copies;
   Cell element = Cell::automatic;
   Plane plane = Plane::strain;
   double plane_thickness = 1;  // m
@@ -77,7 +85,8 @@ struct FemDef : IntegratorParams {
   Motion motion = Motion::dynamic;
   int modes = 0;
 
-  double contact_distance = 0;  // m
+  Meeting contact = Meeting::nodes;
+  std::optional<double> contact_distance;  // m
   double restitution = 0;
   std::optional<double> friction;
   ColliderDefs colliders;
