@@ -6,9 +6,7 @@
 // are where they belong. Steps in which features would go through each other by more than an edge are made in
 // parts. Nothing is kept from step to step.
 #pragma once
-#include "engine/core/system.h"
-#include "engine/systems/fem/barrier_terms.h"
-#include "engine/systems/fem/fem_field.h"
+#include "engine/systems/fem/barrier_newton.h"
 
 namespace truestep::fem {
 
@@ -29,17 +27,10 @@ class BarrierStep {
   const BarrierSurface& surface() const { return surface_; }
 
  private:
-  struct Work;
   BarrierLaw law_in(const State& state, double h, double overshoot) const;
   double overshoot(const State& state, const StepInput& input) const;
   void advance(State& state, const StepInput& input, double overshoot) const;
-  void find_pairs(Work& work, std::span<const double> d) const;
-  void minimise(Work& work) const;
-  double move_prescribed(Work& work) const;
-  double evaluate(Work& work, std::span<const double> x, bool slopes) const;
-  void direction(Work& work) const;
-  void bend(Work& work) const;
-  double safe_share(const Work& work, std::span<const double> d) const;
+  double move_prescribed(BarrierWork& work) const;
 
   const FemField& field_;
   BarrierSurface surface_;
