@@ -79,6 +79,19 @@ void Fem::add_barrier(const FemDef& def) {
 }
 
 void Fem::plan_stages(const FemDef& def, const std::string& why) {
+  if (def.fill) {
+    std::vector<std::array<uint32_t, 4>> tetrahedra;
+    for (size_t k = 0; k < body().mesh.cells(); ++k) {
+      const auto nodes = body().mesh.cell(k);
+      tetrahedra.push_back({nodes[0], nodes[1], nodes[2], nodes[3]});
+    }
+    const auto angles = dihedral_angles(body().mesh.x, tetrahedra);
+    constexpr double kDegree = 3.14159265358979323846 / 180;
+    skip_stage("fill", "made when the scene was built: " + std::to_string(tetrahedra.size()) +
+                           " tetrahedra, angles between their faces from " +
+                           short_number(angles[0] / kDegree, 3) + " to " +
+                           short_number(angles[1] / kDegree, 4) + " degrees");
+  }
   if (motion_ == Motion::quasi_static) {
     add_stage("equilibrium",
               "displacements at which nothing is out of balance, by Newton's method with line search",

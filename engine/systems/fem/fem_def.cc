@@ -3,100 +3,12 @@
 #include <algorithm>
 #include <cmath>
 
+#include "engine/systems/fem/fem_tables.h"
 #include "engine/systems/fem/mesh.h"
 
 namespace truestep::fem {
 
 namespace {
-
-const DefTable& quad_table() {
-  static const DefTable t =
-      TableOf<QuadShape>("four-sided plane body; side x0 runs from the first corner to the last")
-          .vectors("corners", &QuadShape::corners, "m", any(), {4, 4}, "anticlockwise in the plane z = 0")
-          .integer("cells_x", &QuadShape::cells_x, between(1, 2000), "from the first corner to the second")
-          .integer("cells_y", &QuadShape::cells_y, between(1, 2000), "from the first corner to the last")
-          .check([](const QuadShape& q, const DefTable::Report& report) {
-            for (size_t k = 0; k < q.corners.size(); ++k) {
-              const std::string at = "/corners/" + std::to_string(k);
-              if (q.corners[k].z != 0) report(at, "a plane body lies in z = 0");
-              if (q.corners.size() < 4) continue;
-              const Vec3 in = q.corners[k] - q.corners[(k + 3) % 4],
-                         go = q.corners[(k + 1) % 4] - q.corners[k];
-              if (!(cross(in, go).z > 0)) report(at, "corners go round anticlockwise, none of them inward");
-            }
-          })
-          .build();
-  return t;
-}
-
-const DefTable& cells_table() {
-  static const DefTable t =
-      TableOf<CellsShape>("elements of any form")
-          .vectors("vertices", &CellsShape::vertices, "m", any(), {3, 1'000'000}, "where the corners are")
-          .required()
-          .integers("cells", &CellsShape::cells, at_least(0), {3, 8'000'000},
-                    "corners of every element, one after another, in VTK's order: 3 a triangle, 4 a quad or "
-                    "tetrahedron, 8 a hexahedron; nodes between them are added")
-          .required()
-          .build();
-  return t;
-}
-
-const DefTable& set_table() {
-  static const DefTable t =
-      TableOf<SetDef>("points with a name, given one by one or by a box or both")
-          .text("name", &SetDef::name, "of the set")
-          .required()
-          .integers("points", &SetDef::points, at_least(0), {0, 1'000'000}, "indices of nodes")
-          .vector("low", &SetDef::low, "m", any(), "smallest corner of the box; absent: it has no lower end")
-          .vector("high", &SetDef::high, "m", any(), "largest corner of the box; absent: it has no upper end")
-          .build();
-  return t;
-}
-
-const DefTable& copy_table() {
-  static const DefTable t =
-      TableOf<CopyDef>("a body of this shape, turned about the origin, then moved")
-          .vector("position", &CopyDef::position, "m", any(), "by which it is moved")
-          .vector("axis", &CopyDef::axis, "1", any(), "it is turned about")
-          .number("angle", &CopyDef::angle, "rad", any(), "by which it is turned")
-          .vector("velocity", &CopyDef::velocity, "m/s", any(), "initial, added to that of all")
-          .check([](const CopyDef& c, const DefTable::Report& report) {
-            if (!(norm2(c.axis) > 0)) report("/axis", "an axis has a length above 0");
-          })
-          .build();
-  return t;
-}
-
-const DefTable& hold_table() {
-  static const DefTable t =
-      TableOf<HoldDef>(
-          "displacement of a set from where it lies at rest, in m: expressions of t, X, Y, Z (the place at "
-          "rest); a component that is absent is free, and where none is given all are held at 0")
-          .text("on", &HoldDef::on, "name of a set")
-          .required()
-          .expression("x", &HoldDef::x, "m, number or expression")
-          .expression("y", &HoldDef::y, "m, the same")
-          .expression("z", &HoldDef::z, "m, the same")
-          .build();
-  return t;
-}
-
-const DefTable& load_table() {
-  static const DefTable t =
-      TableOf<LoadDef>("what acts on the part of the surface whose nodes are all in a set")
-          .text("on", &LoadDef::on, "name of a set")
-          .required()
-          .vector("force", &LoadDef::force, "N", any(),
-                  "in all, spread evenly over the area at rest; keeps its direction")
-          .expression("x", &LoadDef::x, "Pa, force along x per area at rest: number or expression of X, Y, Z")
-          .expression("y", &LoadDef::y, "Pa, the same along y")
-          .expression("z", &LoadDef::z, "Pa, the same along z")
-          .number("pressure", &LoadDef::pressure, "Pa", any(),
-                  "on the deformed surface and against its normal, wherever that turns")
-          .build();
-  return t;
-}
 
 const std::vector<std::string> kCells{"auto", "tri3",  "tri6", "quad4", "quad9",
                                       "tet4", "tet10", "hex8", "hex27"};
@@ -112,6 +24,8 @@ using Report = DefTable::Report;
 void check_element(const FemDef& d, const Report& report) {
   const Element& kind = element_of(kind_of(cell_of(d)));
   if (d.block && kind.dimension == 2) report("/element", "a block is made of tet4, tet10, hex8 or hex27");
+  if (d.fill && !(kind.simplex && kind.dimension == 3))
+    report("/element", "a region is filled with tet4 or tet10");
   if (d.quad && kind.dimension == 3) report("/element", "a quad is made of tri3, tri6, quad4 or quad9");
   if (d.mesh && d.element == Cell::automatic)
     report("/element", "name the element that a mesh is made of: " + listed(kCells));
@@ -142,8 +56,9 @@ void check_material(const FemDef& d, const Report& report) {
 
 bool check_rows(const FemDef& d, const Report& report) {
   const double vertices =
-      d.mesh ? static_cast<double>(d.mesh->vertices.size() * std::max<size_t>(1, d.copies.size()))
-             : fem_counts(d).nodes;
+      d.fill && !d.pins.empty() ? static_cast<double>(build_mesh(d).x.size())
+      : d.mesh ? static_cast<double>(d.mesh->vertices.size() * std::max<size_t>(1, d.copies.size()))
+               : fem_counts(d).nodes;
   bool good = true;
   const auto check = [&](const std::vector<int64_t>& rows, const std::string& at) {
     for (size_t i = 0; i < rows.size(); ++i) {
@@ -214,6 +129,21 @@ void check_names(const FemDef& d, const Report& report) {
   }
 }
 
+bool check_fill(const FillShape& f, const Report& report) {
+  const int regions = f.ball.has_value() + f.cylinder.has_value() + f.surface.has_value();
+  if (regions != 1) {
+    report("/fill", "give exactly one of ball, cylinder and surface, not " + std::to_string(regions));
+    return false;
+  }
+  if (f.surface) {
+    if (const auto fault = surface_fault(mesh_triangles(*f.surface))) {
+      report("/fill/surface/triangles/" + std::to_string(3 * fault->triangle), fault->what);
+      return false;
+    }
+  }
+  return true;
+}
+
 void check_copies(const FemDef& d, const Report& report) {
   for (size_t k = 0; k < d.copies.size() && in_plane(d); ++k) {
     const CopyDef& c = d.copies[k];
@@ -253,10 +183,11 @@ void check_barrier(const FemDef& d, const Report& report) {
 }
 
 void check_def(const FemDef& d, const Report& report) {
-  const int shapes = d.block.has_value() + d.quad.has_value() + d.mesh.has_value();
+  const int shapes = d.block.has_value() + d.quad.has_value() + d.mesh.has_value() + d.fill.has_value();
   if (shapes != 1) {
-    return report("", "give exactly one of block, quad and mesh, not " + std::to_string(shapes));
+    return report("", "give exactly one of block, quad, mesh and fill, not " + std::to_string(shapes));
   }
+  if (d.fill && !check_fill(*d.fill, report)) return;
   const FemCounts counts = fem_counts(d);
   if (counts.nodes > 2e6) {
     return report("", "more than two million nodes: fewer cells, or elements of first order");
@@ -265,6 +196,8 @@ void check_def(const FemDef& d, const Report& report) {
   check_material(d, report);
   if (!check_rows(d, report)) return;
   if (d.mesh && d.element != Cell::automatic) check_cells(d, report);
+  if (d.fill && build_mesh(d).cells() == 0)
+    return report("/fill/spacing", "the region is finer than this: nothing of the lattice is left inside");
   check_names(d, report);
   check_copies(d, report);
   check_barrier(d, report);
@@ -288,7 +221,7 @@ ElementKind kind_of(Cell cell) {
 }
 Cell cell_of(const FemDef& d) {
   if (d.element != Cell::automatic) return d.element;
-  return d.block ? Cell::hex8 : Cell::quad4;
+  return d.block ? Cell::hex8 : d.fill ? Cell::tet4 : Cell::quad4;
 }
 bool in_plane(const FemDef& d) {
   return element_of(kind_of(cell_of(d))).dimension == 2;
@@ -301,6 +234,14 @@ std::vector<std::string> set_names(const FemDef& d) {
   out.insert(out.end(), {"border", "all"});
   for (const SetDef& s : d.sets) out.push_back(s.name);
   return out;
+}
+
+std::unique_ptr<Region> region_of(const FemDef& d) {
+  if (!d.fill) return nullptr;
+  if (d.fill->ball) return ball_region(d.fill->ball->center, d.fill->ball->radius);
+  if (d.fill->cylinder)
+    return cylinder_region(d.fill->cylinder->from, d.fill->cylinder->to, d.fill->cylinder->radius);
+  return surface_region(d.fill->surface->vertices, mesh_triangles(*d.fill->surface));
 }
 
 FemCounts fem_counts(const FemDef& d) {
@@ -316,6 +257,10 @@ FemCounts fem_counts(const FemDef& d) {
     if (second && !(kind.simplex && d.block)) corners = (2 * nx + 1) * (2 * ny + 1) * (2 * nz + 1);
     // Of tetrahedra: a node an edge; three edges along the lattice and three diagonals a box.
     if (second && kind.simplex && d.block) corners += 6 * boxes + 2 * (nx * ny + ny * nz + nx * nz);
+  } else if (d.fill) {
+    const StuffingSize size = stuffing_size(region_of(d)->volume(), d.fill->spacing);
+    cells = size.tetrahedra, corners = size.nodes;
+    if (second) corners += 1.4 * cells;
   } else if (d.mesh) {
     cells = static_cast<double>(d.mesh->cells.size()) / kind.corners;
     corners = static_cast<double>(d.mesh->vertices.size());
@@ -340,6 +285,8 @@ const DefTable& fem_table() {
                 "a box; its sides are the sets x0, x1, y0, y1, z0, z1")
         .object("quad", &D::quad, quad_table(), "a plane body with four corners; sides x0, x1, y0, y1")
         .object("mesh", &D::mesh, cells_table(), "elements of any form")
+        .object("fill", &D::fill, fill_table(),
+                "a ball, a cylinder or what a surface holds, filled with tetrahedra")
         .objects("copies", &D::copies, copy_table(), {0, 10000},
                  "bodies of this shape: each is turned and moved; absent: one as the shape says")
         .choice("element", &D::element, kCells,

@@ -9,6 +9,7 @@
 #include "engine/core/outputs.h"
 #include "engine/core/resolution.h"
 #include "engine/core/shape_def.h"
+#include "engine/geometry/make/stuffing.h"
 #include "engine/kernels/fem/element.h"
 #include "engine/kernels/fem/material.h"
 
@@ -30,6 +31,22 @@ struct QuadShape {
 struct CellsShape {
   std::vector<Vec3> vertices;  // m
   std::vector<int64_t> cells;  // corners of every element, one after another
+};
+
+/// A region that is filled with tetrahedra: one of the three.
+struct FillShape {
+  struct BallShape {
+    Vec3 center;
+    double radius = 0.5;  // m
+  };
+  struct CylinderShape {
+    Vec3 from, to{0, 1, 0};
+    double radius = 0.5;  // m
+  };
+  std::optional<BallShape> ball;
+  std::optional<CylinderShape> cylinder;
+  std::optional<MeshShape> surface;
+  double spacing = 0.1;  // m
 };
 
 /// Points with a name.
@@ -63,6 +80,7 @@ struct FemDef : IntegratorParams {
   std::optional<SoftBlockShape> block;
   std::optional<QuadShape> quad;
   std::optional<CellsShape> mesh;
+  std::optional<FillShape> fill;
   std::vector<CopyDef> copies;
   Cell element = Cell::automatic;
   Plane plane = Plane::strain;
@@ -99,6 +117,8 @@ const Resolution& fem_resolution();
 /// Never automatic.
 Cell cell_of(const FemDef& def);
 bool in_plane(const FemDef& def);
+/// What a def fills; null: nothing.
+std::unique_ptr<Region> region_of(const FemDef& def);
 /// Names of sets that the def has, without those that no shape gives.
 std::vector<std::string> set_names(const FemDef& def);
 /// Numbers of nodes, elements and blocks of the stiffness matrix, from counts alone.

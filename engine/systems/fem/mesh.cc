@@ -247,6 +247,11 @@ Mesh build_mesh(const FemDef& def) {
     coarse.x = def.mesh->vertices;
     for (const int64_t p : def.mesh->cells) coarse.nodes.push_back(static_cast<uint32_t>(p));
   }
+  if (def.fill) {
+    Stuffing filled = stuff(*region_of(def), def.fill->spacing);
+    coarse.x = std::move(filled.x);
+    for (const auto& t : filled.tetrahedra) coarse.nodes.insert(coarse.nodes.end(), t.begin(), t.end());
+  }
   multiply(def.copies, coarse);
   out.x = coarse.x;
   elevate(coarse, out, coarse.sets);
