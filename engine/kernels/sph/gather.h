@@ -39,7 +39,8 @@ inline void gather_rows4(const T* rows, const uint32_t* index, Wide<T> out[4]) {
   }
 #else
   for (int i = 0; i < Wide<T>::kLanes; ++i) {
-    for (int k = 0; k < 4; ++k) out[k].v[i] = rows[4 * static_cast<size_t>(index[i]) + static_cast<size_t>(k)];
+    for (int k = 0; k < 4; ++k)
+      out[k].v[i] = rows[4 * static_cast<size_t>(index[i]) + static_cast<size_t>(k)];
   }
 #endif
 }

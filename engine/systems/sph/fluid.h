@@ -4,6 +4,7 @@
 // method needs besides; lists are filled up to whole lanes with gradients of 0.
 #pragma once
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <vector>
 
@@ -25,9 +26,9 @@ template <class T>
 struct Chunk {
   static constexpr size_t kLanes = Wide<T>::kLanes;
   std::vector<uint32_t> slot;
-  Aligned<T> g[3];     ///< 1/m, volume times the gradient of W
-  Aligned<T> s;        ///< 1/m^2, volume times dW/dr / r
-  Aligned<T> w;        ///< 1, volume times W
+  Aligned<T> g[3];  ///< 1/m, volume times the gradient of W
+  Aligned<T> s;     ///< 1/m^2, volume times dW/dr / r
+  Aligned<T> w;     ///< 1, volume times W
   uint32_t first[kChunk + 1];
 
   /// Room for `more` entries behind `used`.
@@ -120,6 +121,8 @@ struct Fluid {
   Aligned<T> v, a;               ///< m/s and m/s^2, four numbers a row
   Aligned<T> delta;              ///< 1, density over that at rest
   Aligned<T> push, flow;         ///< m^2/s^2 and m^2/s, solutions of the two solves
+  Aligned<T> iterate, next;      ///< of a solve
+  Aligned<T> omega;              ///< 1/s, four a row: vorticity and its size
   Aligned<T> stiffness, source;  ///< of a solve: its diagonal (1/m^2) and right-hand side
   Aligned<T> pull;               ///< four a row: sum of gradients over neighbours and walls (1/m)
   Aligned<T> wall;               ///< four a row: gradient of the walls' share (1/m); the share
@@ -132,7 +135,8 @@ struct Fluid {
     n = rows;
     for (auto& c : x) c.resize(n + kLanes);
     for (auto* c : {&v, &a, &pull, &wall}) c->resize(4 * n);
-    for (auto* c : {&delta, &push, &flow, &stiffness, &source, &drive, &pressure}) c->resize(n);
+    for (auto* c : {&delta, &push, &flow, &iterate, &next, &stiffness, &source, &drive, &pressure})
+      c->resize(n);
     row.resize(n), cell_of.resize(n);
     chunks.resize((n + kChunk - 1) / kChunk);
   }
@@ -148,30 +152,31 @@ struct Fluid {
       }
     });
   }
-  /// The same with a number that body returns; gives the sum and the largest of what is not negative.
+  /// Sum and largest of the first numbers that body(slot, chunk, begin, end) returns, none of them negative,
+  /// and sum of the second.
   struct Tally {
-    double sum = 0, most = 0;
+    double sum = 0, most = 0, second = 0;
   };
   template <class Body>
   Tally tally(const ThreadArena& arena, const Body& body) {
-    partial.resize(2 * chunks.size());
+    partial.resize(3 * chunks.size());
     arena.for_blocks(chunks.size(), 4, [&](size_t first, size_t last) {
       for (size_t k = first; k < last; ++k) {
         const Chunk<T>& c = chunks[k];
         const size_t low = k * kChunk, high = std::min(n, low + kChunk);
-        double sum = 0, most = 0;
+        Tally part;
         for (size_t i = low; i < high; ++i) {
-          const double value = body(i, c, c.first[i - low], c.first[i - low + 1]);
-          sum += value;
-          if (!(value <= most)) most = value;
+          const auto [value, second] = body(i, c, c.first[i - low], c.first[i - low + 1]);
+          part.sum += value, part.second += second;
+          if (!(value <= part.most)) part.most = value;
         }
-        partial[2 * k] = sum, partial[2 * k + 1] = most;
+        partial[3 * k] = part.sum, partial[3 * k + 1] = part.most, partial[3 * k + 2] = part.second;
       }
     });
     Tally out;
     for (size_t k = 0; k < chunks.size(); ++k) {
-      out.sum += partial[2 * k];
-      if (!(partial[2 * k + 1] <= out.most)) out.most = partial[2 * k + 1];
+      out.sum += partial[3 * k], out.second += partial[3 * k + 2];
+      if (!(partial[3 * k + 1] <= out.most)) out.most = partial[3 * k + 1];
     }
     return out;
   }

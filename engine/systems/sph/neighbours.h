@@ -1,5 +1,7 @@
 // Sorting particles into cells and listing their neighbours with kernels and gradients.
 #pragma once
+#include <type_traits>
+
 #include "engine/systems/sph/fluid.h"
 
 namespace truestep::sph {
@@ -40,20 +42,43 @@ class Neighbours {
     }
   }
 
+  /// The same lists at the places where particles are now.
+  void renew(Fluid<D, T>& f, const ThreadArena& arena) const {
+    with_kernel([&](auto kernel) {
+      arena.for_blocks(f.chunks.size(), 4, [&](size_t first, size_t last) {
+        for (size_t k = first; k < last; ++k) {
+          Chunk<T>& chunk = f.chunks[k];
+          const size_t low = k * kChunk, high = std::min(f.n, low + kChunk);
+          for (size_t i = low; i < high; ++i) {
+            const size_t begin = chunk.first[i - low], end = chunk.first[i - low + 1];
+            measure(f, i, chunk, begin, end);
+            evaluate<decltype(kernel)::value>(f, i, chunk, begin, end, Extras::slopes);
+          }
+        }
+      });
+    });
+  }
+
   /// Lists of all particles; density, stiffness and pull from them and from the walls' share, which must be
   /// there (walls.h).
   void list(Fluid<D, T>& f, Extras extras, const ThreadArena& arena) const {
-    switch (set_.def.kernel) {
-      case Smoothing::cubic:
-        return list_with<Smoothing::cubic>(f, extras, arena);
-      case Smoothing::wendland_c2:
-        return list_with<Smoothing::wendland_c2>(f, extras, arena);
-      case Smoothing::wendland_c4:
-        return list_with<Smoothing::wendland_c4>(f, extras, arena);
-    }
+    with_kernel([&](auto kernel) { list_with<decltype(kernel)::value>(f, extras, arena); });
   }
 
  private:
+  /// body(a type whose `value` is the kernel).
+  template <class Body>
+  void with_kernel(const Body& body) const {
+    switch (set_.def.kernel) {
+      case Smoothing::cubic:
+        return body(std::integral_constant<Smoothing, Smoothing::cubic>{});
+      case Smoothing::wendland_c2:
+        return body(std::integral_constant<Smoothing, Smoothing::wendland_c2>{});
+      case Smoothing::wendland_c4:
+        return body(std::integral_constant<Smoothing, Smoothing::wendland_c4>{});
+    }
+  }
+
   template <Smoothing K>
   void list_with(Fluid<D, T>& f, Extras extras, const ThreadArena& arena) const {
     arena.for_blocks(f.chunks.size(), 4, [&](size_t first, size_t last) {
@@ -107,6 +132,25 @@ class Neighbours {
     return end;
   }
 
+  /// Offsets and squared distances of the neighbours that a list has.
+  void measure(const Fluid<D, T>& f, size_t i, Chunk<T>& chunk, size_t begin, size_t end) const {
+    const T far = static_cast<T>(set_.support * set_.support);
+    for (size_t k = begin; k < end; ++k) {
+      const size_t j = chunk.slot[k];
+      T square = 0;
+      for (int a = 0; a < D; ++a) {
+        T d = f.x[a][i] - f.x[a][j];
+        if (f.cells.wraps[a]) {
+          const T width = static_cast<T>(f.cells.width[a]);
+          if (d > width / 2) d -= width;
+          if (d < -width / 2) d += width;
+        }
+        chunk.g[a][k] = d, square += d * d;
+      }
+      chunk.s[k] = i == j ? far : std::min(square, far);  // a list is filled up with the particle itself
+    }
+  }
+
   template <Smoothing K>
   void evaluate(Fluid<D, T>& f, size_t i, Chunk<T>& chunk, size_t begin, size_t end, Extras extras) const {
     chunk.need(end, kLanes);
@@ -139,7 +183,7 @@ class Neighbours {
     for (int a = 0; a < 3; ++a) {
       const T inside = a < D ? sum(pull[a]) : T{0}, outside = a < D ? wall[a] : T{0};
       total[a] = inside + outside;
-      both += total[a] * (inside + 2 * outside);
+      both += total[a] * total[a];
     }
     f.stiffness[i] = both;
   }

@@ -11,8 +11,8 @@
 namespace truestep::sph {
 
 namespace columns {
-/// `density` is relative to the fluid's at rest; `push` and `flow` are the pressures of the solves for constant
-/// density and for no divergence that the next ones begin from.
+/// `density` is relative to the fluid's at rest; `push` and `flow` are the pressures of the solves for
+/// constant density and for no divergence that the next ones begin from.
 inline constexpr State::Column position = 0, velocity = 1, density = 2, pressure = 3, push = 4, flow = 5,
                                gravity = 6, report = 7;
 }  // namespace columns
@@ -27,10 +27,11 @@ struct Setting {
   SphDef def;
   std::string id;
   size_t rows = 0;
-  double volume = 0, mass = 0;      ///< m^3 and kg of a particle
-  double support = 0;               ///< m, radius of the kernel
+  double volume = 0, mass = 0;        ///< m^3 and kg of a particle
+  double support = 0;                 ///< m, radius of the kernel
   double kernel_w = 0, kernel_s = 0;  ///< volume times the kernel's factors of w and of s (1, 1/m^2)
-  double sound = 0;                 ///< m/s, of wcsph
+  double sound = 0;                   ///< m/s, of wcsph
+  double relaxation = 0.5;            ///< 1, of the solves' gradient steps
   HalfSpace wall;
   ColliderSet colliders;
 };

@@ -6,6 +6,8 @@
 #include "engine/base/short_number.h"
 #include "engine/systems/sph/dfsph.h"
 #include "engine/systems/sph/neighbours.h"
+#include "engine/systems/sph/pbf.h"
+#include "engine/systems/sph/vorticity.h"
 #include "engine/systems/sph/walls.h"
 #include "engine/systems/sph/wcsph.h"
 
@@ -17,10 +19,15 @@ template <int D, class T>
 class SolverOf final : public Solver {
  public:
   explicit SolverOf(const Setting& setting)
-      : set_(setting), neighbours_(setting), walls_(setting), dfsph_(setting), wcsph_(setting) {
+      : set_(setting),
+        neighbours_(setting),
+        walls_(setting),
+        dfsph_(setting),
+        wcsph_(setting),
+        pbf_(setting, neighbours_, walls_) {
     const SphDef& d = setting.def;
     viscous_ = d.viscosity > 0;
-    if (viscous_ || d.xsph > 0 || d.solver == Method::wcsph) extras_ = Extras::slopes;
+    if (viscous_ || d.xsph > 0 || d.solver != Method::dfsph) extras_ = Extras::slopes;
   }
 
   void step(State& s, const StepInput& in) const override {
@@ -75,6 +82,9 @@ class SolverOf final : public Solver {
     // Spacings crossed by a particle that gravity makes faster on its way.
     const double way = half + std::sqrt(half * half + norm(gravity) * reach);
     double out = way > 0 ? reach / way : way == 0 ? HUGE_VAL : way;
+    if (const double g = norm(gravity); g > 0 && d.solver != Method::wcsph) {
+      out = std::min(out, kFall * std::sqrt(d.spacing / g));
+    }
     if (viscous_) out = std::min(out, kDiffusion * set_.support * set_.support / d.viscosity);
     return out;
   }
@@ -83,27 +93,34 @@ class SolverOf final : public Solver {
   void substep(State& s, Fluid<D, T>& f, const Vec3& gravity, const StepInput& in, double t, double h,
                Tracks& tracks) const {
     const SphDef& d = set_.def;
+    const bool places = d.solver == Method::pbf;
+    if (places) fall(s, gravity, t + h, static_cast<T>(h), in.arena);
     {
       const ProfileScope scope(in.profile, "sph neighbours");
       neighbours_.sort(f, s.span<T>(columns::position).data(), in.arena);
-      walls_.shares(f, t, in.arena);
+      walls_.shares(f, places ? t + h : t, in.arena);
       neighbours_.list(f, extras_, in.arena);
       load(s, f, in.arena);
     }
     const ProfileScope scope(in.profile, "sph pressure");
-    if (d.solver == Method::wcsph) {
-      forces(f, gravity, t, static_cast<T>(h), in.arena);
-      wcsph_.advance(f, gravity, h, in.arena);
-      const auto error = f.tally(in.arena, [&](size_t i, const Chunk<T>&, size_t, size_t) {
-        return std::abs(double{f.delta[i]} - 1);
-      });
-      tracks.mean = error.sum / static_cast<double>(f.n), tracks.most = error.most;
-    } else {
+    if (places) {
+      pbf_.correct(f, t + h, h, in.arena);
+      tracks.density += d.pbf_iterations;
+    }
+    forces(f, places ? Vec3{} : gravity, t, static_cast<T>(h), in.arena);
+    if (d.solver == Method::wcsph) wcsph_.advance(f, gravity, h, in.arena);
+    if (d.solver == Method::dfsph) {
       const SolveResult flow = dfsph_.stop_flow(f, h, in.arena);
-      forces(f, gravity, t, static_cast<T>(h), in.arena);
       const SolveResult push = dfsph_.stop_compression(f, h, in.arena);
       tracks.flow += flow.iterations, tracks.density += push.iterations;
       tracks.mean = push.mean, tracks.most = push.most;
+    } else {
+      const bool both = d.solver == Method::wcsph;
+      const auto error = f.tally(in.arena, [&](size_t i, const Chunk<T>&, size_t, size_t) {
+        const double e = double{f.delta[i]} - 1;
+        return std::array<double, 2>{both ? std::abs(e) : std::max(e, 0.0), 0};
+      });
+      tracks.mean = error.sum / static_cast<double>(f.n), tracks.most = error.most;
     }
     move(s, f, t + h, static_cast<T>(h), in.arena);
   }
@@ -125,8 +142,8 @@ class SolverOf final : public Solver {
         for (size_t k = begin; k < end; k += W::kLanes) {
           W other[4];
           gather_rows4(f.v.data(), c.slot.data() + k, other);
-          const W share = W::all(-viscosity) * sph::load(c.s.data() + k) +
-                          W::all(blend) * sph::load(c.w.data() + k);
+          const W share =
+              W::all(-viscosity) * sph::load(c.s.data() + k) + W::all(blend) * sph::load(c.w.data() + k);
           for (size_t a = 0; a < D; ++a) sums[a] = madd(share, other[a] - W::all(v[a]), sums[a]);
         }
         for (size_t a = 0; a < D; ++a) out[a] += sum(sums[a]);
@@ -139,6 +156,25 @@ class SolverOf final : public Solver {
       }
     });
     kick(f, h, arena);
+    if (d.vorticity > 0) {
+      confine_vorticity(f, static_cast<T>(d.vorticity), static_cast<T>(d.spacing), h, arena);
+    }
+  }
+
+  /// Velocities and places after h s under gravity alone; t is the end.
+  void fall(State& s, const Vec3& gravity, double t, T h, const ThreadArena& arena) const {
+    T *x = s.span<T>(columns::position).data(), *v = s.span<T>(columns::velocity).data();
+    const T g[3] = {static_cast<T>(gravity.x), static_cast<T>(gravity.y), static_cast<T>(gravity.z)};
+    arena.for_blocks(set_.rows, kBlockRows, [&](size_t begin, size_t end) {
+      for (size_t i = begin; i < end; ++i) {
+        T unused[3] = {}, place[3] = {};
+        for (size_t a = 0; a < D; ++a) place[a] = x[3 * i + a] + h * (v[3 * i + a] + h * g[a]);
+        walls_.keep_inside(place, unused, t);
+        for (size_t a = 0; a < D; ++a) v[3 * i + a] = (place[a] - x[3 * i + a]) / h;
+        walls_.wrap(place);
+        for (size_t a = 0; a < D; ++a) x[3 * i + a] = place[a];
+      }
+    });
   }
 
   void load(const State& s, Fluid<D, T>& f, const ThreadArena& arena) const {
@@ -161,19 +197,22 @@ class SolverOf final : public Solver {
     T *x = s.span<T>(columns::position).data(), *v = s.span<T>(columns::velocity).data(),
       *push = s.span<T>(columns::push).data(), *flow = s.span<T>(columns::flow).data(),
       *density = s.span<T>(columns::density).data(), *pressure = s.span<T>(columns::pressure).data();
-    const bool carried = set_.def.solver == Method::wcsph;
+    const bool carried = set_.def.solver == Method::wcsph, solved = set_.def.solver == Method::dfsph;
+    const T on = set_.def.solver == Method::pbf ? T{0} : h;
     const T rest = static_cast<T>(set_.def.density), sound = static_cast<T>(set_.sound);
     arena.for_blocks(f.n, kBlockRows, [&](size_t begin, size_t end) {
       for (size_t k = begin; k < end; ++k) {
         const size_t i = f.row[k];
         T place[3] = {}, speed[3] = {};
-        for (size_t a = 0; a < D; ++a) speed[a] = f.v[4 * k + a], place[a] = f.x[a][k] + h * speed[a];
+        for (size_t a = 0; a < D; ++a) speed[a] = f.v[4 * k + a], place[a] = f.x[a][k] + on * speed[a];
         walls_.keep_off(place, speed, t);
         for (size_t a = 0; a < D; ++a) x[3 * i + a] = place[a], v[3 * i + a] = speed[a];
         const T d = f.delta[k];
         density[i] = d;
-        pressure[i] = carried ? rest * tait(d, sound) : rest * d * d * (f.push[k] + f.flow[k]);
-        push[i] = carried ? T{0} : f.push[k], flow[i] = carried ? T{0} : f.flow[k];
+        pressure[i] = carried  ? rest * tait(d, sound)
+                      : solved ? rest * d * d * (f.push[k] + f.flow[k])
+                               : rest * f.push[k] / (h * h);
+        push[i] = solved ? f.push[k] : T{0}, flow[i] = solved ? f.flow[k] : T{0};
       }
     });
   }
@@ -187,6 +226,8 @@ class SolverOf final : public Solver {
     throw failure;
   }
 
+  /// Of the time in which a particle falls by half a spacing: longer substeps keep a pool from resting.
+  static constexpr double kFall = 0.09;
   static constexpr double kDiffusion = 0.03;  ///< of the support's square: Morris, Fox & Zhu 1997
 
   const Setting& set_;
@@ -194,6 +235,7 @@ class SolverOf final : public Solver {
   BoxWalls<D, T> walls_;
   Dfsph<D, T> dfsph_;
   Wcsph<D, T> wcsph_;
+  Pbf<D, T> pbf_;
   bool viscous_ = false;
   Extras extras_ = Extras::none;
 };

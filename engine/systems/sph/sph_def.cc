@@ -46,7 +46,9 @@ void check_body(const SphDef& d, const BodyDef& b, const std::string& at, const 
   const bool inside = std::min({from.x, from.y, from.z, to.x, to.y, to.z}) >= -1e-9 * norm(d.high - d.low);
   if (!inside) report(at, "reaches out of the box from low to high");
   if (plane && (b.velocity.z != 0 || b.spin.x != 0 || b.spin.y != 0 || b.strain.z != 0)) {
-    report(at + (b.velocity.z != 0 ? "/velocity" : b.strain.z != 0 ? "/strain" : "/spin"),
+    report(at + (b.velocity.z != 0 ? "/velocity"
+                 : b.strain.z != 0 ? "/strain"
+                                   : "/spin"),
            "a plane body moves in the plane z = 0");
   }
   if (inside && places_of(d, b).empty()) report(at, "is too small for a single particle");
@@ -125,16 +127,22 @@ const DefTable& sph_table() {
         .number("viscosity", &D::viscosity, "m^2/s", at_least(0), "kinematic")
         .number("artificial_viscosity", &D::artificial_viscosity, "1", between(0, 1),
                 "Monaghan's alpha, of solver wcsph")
-        .number("xsph", &D::xsph, "1", between(0, 0.5),
-                "share of the neighbours' mean velocity in a particle's own, at 60 substeps a second")
-        .number("density_error", &D::density_error, "1", {.min = 1e-6, .max = 0.1},
-                "mean compression at which the pressure solve of dfsph ends")
+        .number(
+            "xsph", &D::xsph, "1", between(0, 0.5),
+            "share of the neighbours' mean velocity in a particle's own, every 1/60 s: the viscosity that "
+            "keeps particles in order; 0 where `viscosity` is resolved")
+        .number("vorticity", &D::vorticity, "1", between(0, 10), "strength of vorticity confinement")
+        .number(
+            "density_error", &D::density_error, "1", {.min = 1e-6, .max = 0.1},
+            "mean compression a substep at which a solve of dfsph ends; the largest may be ten times that")
         .integer("max_iterations", &D::max_iterations, between(2, 10'000), "of each solve of dfsph")
         .number("sound_speed", &D::sound_speed, "m/s", at_least(0),
                 "of wcsph; 0: ten times the fastest that the start can give")
         .number("density_diffusion", &D::density_diffusion, "1", between(0, 0.5),
                 "delta of delta-SPH, of solver wcsph")
         .integer("pbf_iterations", &D::pbf_iterations, between(1, 1000), "a substep, of solver pbf")
+        .number("artificial_pressure", &D::artificial_pressure, "1", between(0, 1),
+                "of solver pbf, between particles that come too close: in relative density")
         .number("courant", &D::courant, "1", {.min = 0.01, .max = 0.8},
                 "spacings that a particle, of wcsph a sound wave, may cross in a substep")
         .integer("max_substeps", &D::max_substeps, between(1, 1e6), "of a step, beyond which it is refused")

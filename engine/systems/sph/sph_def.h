@@ -32,11 +32,12 @@ struct SphDef {
   Method solver = Method::dfsph;
   Smoothing kernel = Smoothing::cubic;
   double support = 2;
-  double density = 1000, viscosity = 1e-6, artificial_viscosity = 0.02, xsph = 0, surface_tension = 0;
-  double density_error = 1e-3;
-  int max_iterations = 100;
+  double density = 1000, viscosity = 1e-6, artificial_viscosity = 0.02, xsph = 0.2, vorticity = 0;
+  double density_error = 1e-4;
+  int max_iterations = 200;
   double sound_speed = 0, density_diffusion = 0.1;
   int pbf_iterations = 4;
+  double artificial_pressure = 0.05;
   double courant = 0.4;
   int max_substeps = 10'000;
   Walls walls = Walls::slip;

@@ -67,11 +67,13 @@ class BoxWalls {
     return out;
   }
 
-  /// Puts a particle back off the walls that it has come too close to, without the velocity into them.
-  void keep_off(T* x, T* v, double t) const {
+  /// Puts a particle back off the walls that it has come too close to, without the velocity into them; what
+  /// leaves by a periodic side stays outside.
+  void keep_inside(T* x, T* v, double t) const {
     const double least = kLeastGap * set_.def.spacing;
     if (!set_.colliders.empty()) {
-      const NearSurface s = set_.colliders.nearest({double{x[0]}, double{x[1]}, D == 3 ? double{x[2]} : 0}, t);
+      const NearSurface s =
+          set_.colliders.nearest({double{x[0]}, double{x[1]}, D == 3 ? double{x[2]} : 0}, t);
       if (s.distance < least) {
         const Vec3 u{double{v[0]}, double{v[1]}, D == 3 ? double{v[2]} : 0};
         const double into = std::min(dot(u - s.velocity, s.normal), 0.0);
@@ -83,24 +85,30 @@ class BoxWalls {
       }
     }
     for (int a = 0; a < D; ++a) {
+      if (set_.def.wraps(a)) continue;
       const T low = static_cast<T>(low_[a]), high = static_cast<T>(high_[a]);
-      if (set_.def.wraps(a)) {
-        const T width = high - low;
-        if (x[a] < low) x[a] += width;
-        if (x[a] >= high) x[a] -= width;
-        x[a] = std::min(std::max(x[a], low), high);
-        continue;
-      }
       const T from = low + static_cast<T>(least), to = high - static_cast<T>(least);
       if (x[a] < from) x[a] = from, v[a] = std::max(v[a], T{0});
       if (x[a] > to) x[a] = to, v[a] = std::min(v[a], T{0});
     }
   }
 
- private:
-  static Vec3 axis(int a, double sign) {
-    return {a == 0 ? sign : 0, a == 1 ? sign : 0, a == 2 ? sign : 0};
+  /// The same, and into the box by its periodic sides.
+  void keep_off(T* x, T* v, double t) const { keep_inside(x, v, t), wrap(x); }
+
+  /// Into the box by its periodic sides.
+  void wrap(T* x) const {
+    for (int a = 0; a < D; ++a) {
+      if (!set_.def.wraps(a)) continue;
+      const T low = static_cast<T>(low_[a]), high = static_cast<T>(high_[a]), width = high - low;
+      if (x[a] < low) x[a] += width;
+      if (x[a] >= high) x[a] -= width;
+      x[a] = std::min(std::max(x[a], low), high);
+    }
   }
+
+ private:
+  static Vec3 axis(int a, double sign) { return {a == 0 ? sign : 0, a == 1 ? sign : 0, a == 2 ? sign : 0}; }
   const Setting& set_;
   double low_[3] = {}, high_[3] = {};
 };

@@ -24,7 +24,7 @@ class Wcsph {
     arena.for_blocks(f.n, kBlockRows, [&](size_t begin, size_t end) {
       for (size_t i = begin; i < end; ++i) f.push[i] = tait(f.delta[i], sound) / (f.delta[i] * f.delta[i]);
     });
-    push_by<D, T>(f, f.push, arena);
+    push_by<Answer::mirror, D, T>(f, f.push, arena);
     if (set_.def.artificial_viscosity > 0) brake(f, arena);
     kick(f, step, arena);
     const T g[3] = {static_cast<T>(gravity.x), static_cast<T>(gravity.y), static_cast<T>(gravity.z)};
@@ -40,7 +40,8 @@ class Wcsph {
       const T *pull = f.pull.data() + 4 * i, *wall = f.wall.data() + 4 * i;
       T spread = 2 * sum(sums);
       for (size_t a = 0; a < D; ++a) spread -= per_sound * g[a] * (pull[a] - wall[a]);
-      f.source[i] = compression<D, T>(f, f.v, i, c, begin, end) + f.drive[i] + diffusion * spread;
+      f.source[i] =
+          compression<Answer::mirror, D, T>(f, f.v, i, c, begin, end) + 2 * f.drive[i] + diffusion * spread;
     });
     arena.for_blocks(f.n, kBlockRows, [&](size_t begin, size_t end) {
       for (size_t i = begin; i < end; ++i) {
