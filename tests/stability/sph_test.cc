@@ -29,7 +29,8 @@ TEST(SphStability, APoolRestsForAMinute) {
   constexpr double kDepth = 0.5;
   for (const Method solver : kEvery) {
     SphDef d;
-    d.dimension = 2, d.spacing = 0.05, d.solver = solver;
+    // Twenty rows for the solve, whose pressures change from substep to substep; the others do with ten.
+    d.dimension = 2, d.spacing = solver == Method::dfsph ? 0.025 : 0.05, d.solver = solver;
     d.bodies = {{.center = {0.5, kDepth / 2, 0}, .half_extents = {0.5, kDepth / 2, 1}}};
     SphRun run(d, 1.0 / 60, {0, -9.81, 0});
     const double bound = 0.01 * std::sqrt(9.81 * kDepth);

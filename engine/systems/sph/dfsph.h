@@ -22,10 +22,13 @@ class Dfsph {
  public:
   explicit Dfsph(const Setting& set) : set_(set) {}
 
-  /// Takes from the velocities what would compress the fluid; `h` s is the substep.
+  /// Takes from the velocities what would compress the fluid; `h` s is the substep. What is torn open
+  /// may close, a part of it a substep.
   SolveResult stop_flow(Fluid<D, T>& f, double h, const ThreadArena& arena) const {
+    const T closing = static_cast<T>(kClosing / h);
     f.each(arena, [&](size_t i, const Chunk<T>& c, size_t begin, size_t end) {
-      f.source[i] = compression<Answer::mirror, D, T>(f, f.v, i, c, begin, end) + 2 * f.drive[i];
+      f.source[i] = compression<Answer::mirror, D, T>(f, f.v, i, c, begin, end) + 2 * f.drive[i] +
+                    closing * std::min(f.delta[i] - static_cast<T>(kGap), T{0});
     });
     const SolveResult out = relax<Answer::mirror>(f, f.flow, static_cast<T>(1 / h), h * h, arena);
     kick(f, static_cast<T>(h), arena);
@@ -47,6 +50,9 @@ class Dfsph {
   /// The largest error may be this many times the mean that ends a solve.
   static constexpr double kMostOverMean = 10;
   static constexpr int kLeastIterations = 2;
+  /// Where the density is below kGap of that at rest there is a gap, which may close by kClosing of it a
+  /// substep.
+  static constexpr double kGap = 0.9, kClosing = 0.1;
 
   /// Solves for q >= 0 such that no compression scale * source remains; `error` makes it relative. Leaves the
   /// accelerations in f.a. Projected gradients, accelerated by Nesterov's sequence, which begins anew where

@@ -128,7 +128,7 @@ const DefTable& sph_table() {
         .number("artificial_viscosity", &D::artificial_viscosity, "1", between(0, 1),
                 "Monaghan's alpha, of solver wcsph")
         .number(
-            "xsph", &D::xsph, "1", between(0, 0.5),
+            "xsph", &D::xsph, "1", between(0, 1),
             "share of the neighbours' mean velocity in a particle's own, every 1/60 s: the viscosity that "
             "keeps particles in order; 0 where `viscosity` is resolved")
         .number("vorticity", &D::vorticity, "1", between(0, 10), "strength of vorticity confinement")

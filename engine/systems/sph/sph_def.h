@@ -32,7 +32,7 @@ struct SphDef {
   Method solver = Method::dfsph;
   Smoothing kernel = Smoothing::cubic;
   double support = 2;
-  double density = 1000, viscosity = 1e-6, artificial_viscosity = 0.02, xsph = 0.2, vorticity = 0;
+  double density = 1000, viscosity = 1e-6, artificial_viscosity = 0.02, xsph = 0.5, vorticity = 0;
   double density_error = 1e-4;
   int max_iterations = 200;
   double sound_speed = 0, density_diffusion = 0.1;
