@@ -127,7 +127,7 @@ struct Fluid {
   Aligned<T> pull;               ///< four a row: sum of gradients over neighbours and walls (1/m)
   Aligned<T> wall;               ///< four a row: gradient of the walls' share (1/m); the share
   Aligned<T> drive;              ///< 1/s, of density by walls that move
-  Aligned<T> pressure;           ///< Pa
+  Aligned<T> rests;              ///< 1, how far a particle's pressure is that of a fluid at rest
   std::vector<Chunk<T>> chunks;
   std::vector<double> partial;  ///< by chunk or block
 
@@ -135,8 +135,7 @@ struct Fluid {
     n = rows;
     for (auto& c : x) c.resize(n + kLanes);
     for (auto* c : {&v, &a, &pull, &wall}) c->resize(4 * n);
-    for (auto* c : {&delta, &push, &flow, &iterate, &next, &stiffness, &source, &drive, &pressure})
-      c->resize(n);
+    for (auto* c : {&delta, &push, &flow, &iterate, &next, &stiffness, &source, &drive, &rests}) c->resize(n);
     row.resize(n), cell_of.resize(n);
     chunks.resize((n + kChunk - 1) / kChunk);
   }

@@ -4,8 +4,8 @@
 #pragma once
 #include <algorithm>
 
+#include "engine/systems/sph/bodies.h"
 #include "engine/systems/sph/neighbours.h"
-#include "engine/systems/sph/passes.h"
 #include "engine/systems/sph/walls.h"
 
 namespace truestep::sph {
@@ -20,27 +20,36 @@ class Pbf {
         per_near_(static_cast<T>(1 / (set.kernel_w * smoothing_at(set.def.kernel, kNear).w[0]))) {}
 
   /// Corrects the places of particles that have moved for h s, and their velocities; t is the substep's end.
-  void correct(Fluid<D, T>& f, double t, double h, const ThreadArena& arena) const {
+  void correct(Fluid<D, T>& f, BodiesIn<D, T>& bodies, double t, double h, const ThreadArena& arena) const {
     const T relief = static_cast<T>(kRelief / (set_.def.spacing * set_.def.spacing));
+    const bool any = bodies.any();
     for (int k = 0; k < set_.def.pbf_iterations; ++k) {
-      if (k > 0) walls_.shares(f, t, arena), neighbours_.renew(f, arena);
+      if (k > 0) renew(f, bodies, t, arena);
       arena.for_blocks(f.n, kBlockRows, [&](size_t begin, size_t end) {
         for (size_t i = begin; i < end; ++i) {
-          f.push[i] = std::max(f.delta[i] - 1, T{0}) / (f.stiffness[i] + relief);
+          f.push[i] = std::max(f.delta[i] - 1, T{0}) /
+                      (f.stiffness[i] + relief + (any ? bodies.template give<Answer::rest>(i) : T{0}));
         }
       });
       push_by<Answer::rest, D, T>(f, f.push, arena);
+      if (any) bodies.template answer<Answer::rest>(f.push), bodies.shift(h);
       if (set_.def.artificial_pressure > 0) part(f, arena);
       shift(f, t, static_cast<T>(1 / h), arena);
     }
     // Densities where the particles are now.
-    walls_.shares(f, t, arena), neighbours_.renew(f, arena);
+    renew(f, bodies, t, arena);
   }
 
  private:
   using W = Wide<T>;
   static constexpr double kNear = 0.2;    ///< radii, where the artificial pressure has its strength
   static constexpr double kRelief = 0.1;  ///< epsilon of their equation 11, over the square of the spacing
+
+  void renew(Fluid<D, T>& f, BodiesIn<D, T>& bodies, double t, const ThreadArena& arena) const {
+    walls_.shares(f, t, arena);
+    if (bodies.any()) bodies.touch(f, arena);
+    neighbours_.renew(f, arena);
+  }
 
   /// Adds to f.a what keeps particles from coming closer than they are at rest.
   void part(Fluid<D, T>& f, const ThreadArena& arena) const {

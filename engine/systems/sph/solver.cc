@@ -33,15 +33,17 @@ class SolverOf final : public Solver {
   void step(State& s, const StepInput& in) const override {
     auto& f = in.workspace.object<Fluid<D, T>>("sph.fluid");
     f.resize(set_.rows);
+    auto& bodies = in.workspace.object<BodiesIn<D, T>>("sph.bodies");
+    bodies.set(in.bodies, set_);
     const Vec3 gravity = load3(std::as_const(s).f64(columns::gravity).data(), 0);
     Tracks tracks;
     double left = in.h;
     for (int64_t k = 0; left > 0; ++k) {
-      const double allowed = limit(s, f, gravity, in.arena);
+      const double allowed = limit(s, f, bodies.fastest(), gravity, in.arena);
       const double parts = std::ceil(left / allowed);
       if (!(parts + static_cast<double>(k) <= set_.def.max_substeps)) refuse(allowed);
       const double h = parts > 1 ? left / parts : left;
-      substep(s, f, gravity, in, in.t + in.h - left, h, tracks);
+      substep(s, f, bodies, gravity, in, in.t + in.h - left, h, tracks);
       tracks.courant = std::max(tracks.courant, h / allowed * set_.def.courant);
       ++tracks.substeps;
       left = h < left ? left - h : 0;
@@ -60,7 +62,8 @@ class SolverOf final : public Solver {
   };
 
   /// s that the fastest particle, the sound and the viscosity allow.
-  double limit(const State& s, Fluid<D, T>& f, const Vec3& gravity, const ThreadArena& arena) const {
+  double limit(const State& s, Fluid<D, T>& f, double bodies, const Vec3& gravity,
+               const ThreadArena& arena) const {
     const auto v = s.span<T>(columns::velocity);
     const SphDef& d = set_.def;
     f.partial.assign((f.n + kBlockRows - 1) / kBlockRows, 0);
@@ -73,7 +76,7 @@ class SolverOf final : public Solver {
       }
       f.partial[begin / kBlockRows] = most;
     });
-    double most = 0;
+    double most = bodies * bodies;
     for (const double square : f.partial) {
       if (!(square <= most)) most = square;
     }
@@ -90,28 +93,34 @@ class SolverOf final : public Solver {
   }
 
   /// One substep of h s that ends at `t`.
-  void substep(State& s, Fluid<D, T>& f, const Vec3& gravity, const StepInput& in, double t, double h,
-               Tracks& tracks) const {
+  void substep(State& s, Fluid<D, T>& f, BodiesIn<D, T>& bodies, const Vec3& gravity, const StepInput& in,
+               double t, double h, Tracks& tracks) const {
     const SphDef& d = set_.def;
     const bool places = d.solver == Method::pbf;
-    if (places) fall(s, gravity, t + h, static_cast<T>(h), in.arena);
+    if (places) {
+      fall(s, gravity, t + h, static_cast<T>(h), in.arena);
+      bodies.pull(f, gravity, h), bodies.advance(h);
+    }
     {
       const ProfileScope scope(in.profile, "sph neighbours");
       neighbours_.sort(f, s.span<T>(columns::position).data(), in.arena);
       walls_.shares(f, places ? t + h : t, in.arena);
+      if (bodies.any()) bodies.touch(f, in.arena);
       neighbours_.list(f, extras_, in.arena);
-      load(s, f, in.arena);
+      load(s, f, norm(gravity), in.arena);
     }
     const ProfileScope scope(in.profile, "sph pressure");
     if (places) {
-      pbf_.correct(f, t + h, h, in.arena);
+      pbf_.correct(f, bodies, t + h, h, in.arena);
       tracks.density += d.pbf_iterations;
     }
     forces(f, places ? Vec3{} : gravity, t, static_cast<T>(h), in.arena);
-    if (d.solver == Method::wcsph) wcsph_.advance(f, gravity, h, in.arena);
+    if (!places) bodies.lean(f, gravity, h), bodies.pull(f, gravity, h);
+    if (viscous_ && d.walls == Walls::no_slip) bodies.hold(f, h);
+    if (d.solver == Method::wcsph) wcsph_.advance(f, bodies, gravity, h, in.arena);
     if (d.solver == Method::dfsph) {
-      const SolveResult flow = dfsph_.stop_flow(f, h, in.arena);
-      const SolveResult push = dfsph_.stop_compression(f, h, in.arena);
+      const SolveResult flow = dfsph_.stop_flow(f, bodies, h, in.arena);
+      const SolveResult push = dfsph_.stop_compression(f, bodies, h, in.arena);
       tracks.flow += flow.iterations, tracks.density += push.iterations;
       tracks.mean = push.mean, tracks.most = push.most;
     } else {
@@ -123,12 +132,14 @@ class SolverOf final : public Solver {
       tracks.mean = error.sum / static_cast<double>(f.n), tracks.most = error.most;
     }
     move(s, f, t + h, static_cast<T>(h), in.arena);
+    if (!places) bodies.advance(h);
   }
 
   /// Gravity and viscosity.
   void forces(Fluid<D, T>& f, const Vec3& gravity, double t, T h, const ThreadArena& arena) const {
     const T g[3] = {static_cast<T>(gravity.x), static_cast<T>(gravity.y), static_cast<T>(gravity.z)};
     const SphDef& d = set_.def;
+    const bool leans = norm2(gravity) > 0;
     const bool holds = viscous_ && d.walls == Walls::no_slip;
     const T viscosity = static_cast<T>(2 * d.viscosity), blend = static_cast<T>(60 * d.xsph);
     f.each(arena, [&](size_t i, const Chunk<T>& c, size_t begin, size_t end) {
@@ -147,6 +158,13 @@ class SolverOf final : public Solver {
           for (size_t a = 0; a < D; ++a) sums[a] = madd(share, other[a] - W::all(v[a]), sums[a]);
         }
         for (size_t a = 0; a < D; ++a) out[a] += sum(sums[a]);
+      }
+      if (leans && f.wall[4 * i + 3] > 0 && f.rests[i] > 0) {
+        const double x[3] = {double{f.x[0][i]}, double{f.x[1][i]}, D == 3 ? double{f.x[2][i]} : 0};
+        const double share = double{f.wall[4 * i + 3]};
+        const Vec3 lean = (walls_.lean(x, gravity, share, t) - gravity * share) * double{f.rests[i]};
+        out[0] += static_cast<T>(lean.x), out[1] += static_cast<T>(lean.y);
+        if constexpr (D == 3) out[2] += static_cast<T>(lean.z);
       }
       if (holds && f.wall[4 * i + 3] > 0) {
         const double x[3] = {double{f.x[0][i]}, double{f.x[1][i]}, D == 3 ? double{f.x[2][i]} : 0};
@@ -177,10 +195,12 @@ class SolverOf final : public Solver {
     });
   }
 
-  void load(const State& s, Fluid<D, T>& f, const ThreadArena& arena) const {
+  /// `weight` is the size of gravity. Particles rest where their pressure is at least that one spacing deep.
+  void load(const State& s, Fluid<D, T>& f, double weight, const ThreadArena& arena) const {
     const T *v = s.span<T>(columns::velocity).data(), *push = s.span<T>(columns::push).data(),
             *flow = s.span<T>(columns::flow).data(), *density = s.span<T>(columns::density).data();
     const bool carried = set_.def.solver == Method::wcsph;
+    const T sound = static_cast<T>(set_.sound), per_layer = static_cast<T>(1 / (set_.def.spacing * weight));
     arena.for_blocks(f.n, kBlockRows, [&](size_t begin, size_t end) {
       for (size_t k = begin; k < end; ++k) {
         const size_t i = f.row[k];
@@ -188,6 +208,8 @@ class SolverOf final : public Solver {
         f.v[4 * k + 3] = 0;
         f.push[k] = push[i], f.flow[k] = flow[i];
         if (carried) f.delta[k] = density[i];
+        const T under = carried ? tait(f.delta[k], sound) : f.push[k] + f.flow[k];
+        f.rests[k] = weight > 0 ? std::min(std::max(under * per_layer, T{0}), T{1}) : T{0};
       }
     });
   }

@@ -9,6 +9,14 @@ namespace truestep::sph {
 /// Particles are kept this many spacings off every wall.
 inline constexpr double kLeastGap = 0.25;
 
+/// m/s^2, what is missing where a fluid at rest has the same pressure all over its mirror image in a wall:
+/// the image's pressure goes on as the fluid's, along a straight line (compare Adami, Hu & Adams 2012). The
+/// integral over the wall of the kernel's gradient times the way is -share, and -(share + d slope) across it.
+/// This is that second part, of a wall at distance d (m) with the outward normal n and the slope `into` it.
+inline Vec3 leaning(const Vec3& into, const Vec3& n, double d, const Vec3& gravity) {
+  return into * (std::max(d, 0.0) * dot(gravity, n));
+}
+
 template <int D, class T>
 class BoxWalls {
  public:
@@ -54,6 +62,17 @@ class BoxWalls {
         w[3] = static_cast<T>(1 - rest), f.drive[i] = static_cast<T>(drive);
       }
     });
+  }
+
+  /// m/s^2, how a particle of a fluid at rest leans on these walls; `share` is that of all.
+  Vec3 lean(const double* x, const Vec3& gravity, double share, double t) const {
+    Vec3 out;
+    near(x, t, [&](double d, const Vec3& n, const Vec3&) {
+      const HalfSpace::At at = set_.wall.at(d);
+      const double beside_others = (1 - share) / std::max(1 - at.share, 1e-6);
+      out += leaning(n * (-at.slope * beside_others), n, d, gravity);
+    });
+    return out;
   }
 
   /// m/s^2, what walls that hold the fluid do to a particle at x with velocity v.

@@ -2,7 +2,7 @@
 // diffusion of delta-SPH (Molteni & Colagrossi 2009; the hydrostatic part left out as by Fourtakas et al.
 // 2019), Monaghan's artificial viscosity. Velocity first, then density and places with it.
 #pragma once
-#include "engine/systems/sph/passes.h"
+#include "engine/systems/sph/bodies.h"
 
 namespace truestep::sph {
 
@@ -19,7 +19,8 @@ class Wcsph {
   explicit Wcsph(const Setting& set) : set_(set) {}
 
   /// Velocities and densities (f.delta, which is not what list() counts) after h s.
-  void advance(Fluid<D, T>& f, const Vec3& gravity, double h, const ThreadArena& arena) const {
+  void advance(Fluid<D, T>& f, BodiesIn<D, T>& bodies, const Vec3& gravity, double h,
+               const ThreadArena& arena) const {
     const T sound = static_cast<T>(set_.sound), step = static_cast<T>(h);
     arena.for_blocks(f.n, kBlockRows, [&](size_t begin, size_t end) {
       for (size_t i = begin; i < end; ++i) f.push[i] = tait(f.delta[i], sound) / (f.delta[i] * f.delta[i]);
@@ -27,6 +28,7 @@ class Wcsph {
     push_by<Answer::mirror, D, T>(f, f.push, arena);
     if (set_.def.artificial_viscosity > 0) brake(f, arena);
     kick(f, step, arena);
+    if (bodies.any()) bodies.template answer<Answer::mirror>(f.push), bodies.follow(f, h);
     const T g[3] = {static_cast<T>(gravity.x), static_cast<T>(gravity.y), static_cast<T>(gravity.z)};
     const T diffusion = static_cast<T>(set_.def.density_diffusion * set_.support / 2 * set_.sound);
     const T per_sound = 2 / (sound * sound);
