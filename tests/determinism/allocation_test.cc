@@ -5,6 +5,8 @@
 #include <cstdlib>
 #include <new>
 
+#include "engine/core/medium.h"
+#include "engine/geometry/solid.h"
 #include "engine/integrators/table/integrators.h"
 #include "engine/systems/articulation/articulation_def.h"
 #include "engine/systems/mass_spring/mass_spring.h"
@@ -13,6 +15,7 @@
 #include "engine/systems/skeleton/skeleton.h"
 #include "engine/systems/xpbd/xpbd.h"
 #include "tests/support/field_run.h"
+#include "tests/unit/sph_rig.h"
 
 namespace {
 std::atomic<uint64_t> allocations{0};
@@ -182,6 +185,27 @@ TEST(Allocation, HeatAndWavesAllocateNothingAfterTheFirstSteps) {
     fill(d);
     d.integrator = method;
     expect_none(d, "waves");
+  }
+}
+
+// Neighbours come and go: lists may grow while a column falls, but not once it lies.
+TEST(Allocation, LiquidsAtRestAndBodiesInThemAllocateNothing) {
+  for (const sph::Method solver : {sph::Method::dfsph, sph::Method::wcsph, sph::Method::pbf}) {
+    sph::SphDef d;
+    d.solver = solver, d.spacing = 0.05, d.viscosity = 1e-3;
+    d.bodies = {{.center = {0.5, 0.2, 0.5}, .half_extents = {0.5, 0.2, 0.5}}};
+    d.hollows = {{.shape = sph::Shape::ball, .center = {0.5, 0.4, 0.5}, .radius = 0.15}};
+    testing_rig::SphRun run(d, 1.0 / 120, {0, -9.81, 0});
+    const Solid ball = sphere_solid(0.15);
+    std::vector<ImmersedBody> bodies(1);
+    bodies[0].solid = &ball, bodies[0].mass = 7, bodies[0].moments = Vec3{1, 1, 1} * (0.4 * 7 * 0.0225);
+    bodies[0].place = {0.5, 0.4, 0.5};
+    const auto step = [&] { run.step(1, bodies); };
+    for (int k = 0; k < 20; ++k) step();
+    const uint64_t before = allocations;
+    for (int k = 0; k < 10; ++k) step();
+    EXPECT_EQ(allocations - before, 0u) << static_cast<int>(solver);
+    EXPECT_NE(bodies[0].impulse.y, 0) << "control: the ball is in the water";
   }
 }
 
