@@ -40,8 +40,8 @@ TEST(ImmersionValidation, ACrateFloatsAtItsDepth) {
 
 // A ball that starts from rest in still water moves half of its displaced water with it (Lamb, Hydrodynamics,
 // section 92); in a concentric shell b times as wide 1/2 (b^3 + 2) / (b^3 - 1) of it. The walls are 3.5 to 4
-// radii away, which is 1.05 to 1.07 of the free ball's. Pressure goes on into the ball as weight alone says:
-// what a quarter of a spacing around it, a fifth of its volume, is accelerated by is missing.
+// radii away, which is 1.05 to 1.07 of the free ball's. Into the ball pressure goes on with its acceleration
+// along the surface, but across it by weight alone: 15 % at four spacings a radius.
 TEST(ImmersionValidation, ABallMovesItsAddedMass) {
   Bath bath;
   bath.size = {0.8, 0.8, 0.8}, bath.depth = 0.8, bath.dt = 1e-3;
@@ -53,7 +53,7 @@ TEST(ImmersionValidation, ABallMovesItsAddedMass) {
   run.session.step(15);
   const double up = (body_velocity(run).y - from) / 0.015;
   const double moved = 9.81 * 750 / up - 250;
-  EXPECT_NEAR(moved, 500 * 1.06, 200);
+  EXPECT_NEAR(moved, 500 * 1.06, 0.15 * 530);
   EXPECT_GT(std::abs(moved - 0), 300) << "control: without the water that it moves";
 }
 
