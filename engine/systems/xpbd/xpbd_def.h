@@ -21,8 +21,24 @@ struct LoadDef {
   double mass = 1;  // kg
 };
 
+/// What makes Cosserat rods of a rope, a helix or hair; see kernels/xpbd/rod_strain.h.
+struct RodDef {
+  double youngs_modulus = 1e6;          // Pa
+  double poisson_ratio = 0.3;           // of G = E / 2 (1 + nu)
+  std::optional<double> shear_modulus;  // Pa, instead
+  std::optional<double> width, height;  // m, along d1 and d2 of a rectangle; absent: round, of the thickness
+  std::optional<double> torsion_constant;  // m^4
+  enum class Natural : uint8_t { as_shaped, straight } natural = Natural::as_shaped;
+  double twist = 0;       // rad, from the first to the last section at the start
+  double twist_rate = 0;  // rad/s, of the clamped last section about the rod
+  double damping_time = 0;  // s, internal: moments and forces of strain rates over those of strains
+  Vec3 up{0, 1, 0};         // which d2 of the first section is next to
+  std::vector<std::string> clamped;
+};
+
 struct XpbdDef {
   std::optional<RopeShape> rope;
+  std::optional<HelixShape> helix;
   std::optional<HairShape> hair;
   std::optional<ClothGridShape> cloth_grid;
   std::optional<MeshShape> mesh;
@@ -43,6 +59,7 @@ struct XpbdDef {
   Vec3 velocity;                // m/s, initial
   std::vector<int64_t> pins;
   std::vector<std::string> pinned;
+  std::optional<RodDef> rod;
   std::optional<Vec3> wind;  // m/s
   double gust = 0, gust_period = 2;
   double air_density = 1.2, drag_coefficient = 1.2;
@@ -61,6 +78,11 @@ struct XpbdDef {
 };
 
 const DefTable& xpbd_table();
+const DefTable& rod_table();
+/// What a rod and the rest of the scene say against each other.
+void check_rod(const XpbdDef& def, const DefTable::Report& report);
+/// Names of the ends that this shape's rods have.
+std::vector<std::string> clamp_names(const XpbdDef& def);
 const Outputs& xpbd_outputs();
 Cost xpbd_cost(const void* def);
 /// Numbers of points and of constraints of every kind, from counts alone (an upper bound for meshes).
