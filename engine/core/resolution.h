@@ -4,6 +4,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "engine/math/vec3.h"
 
@@ -17,9 +18,9 @@ struct Resolution {
   std::optional<std::string> (*divide)(void* def, double factor);
   /// Order of the error in space that this def promises; 0: none.
   int (*order)(const void* def);
-  /// Where row i of the main part lies in the undeformed object: the same place at every resolution. Null:
-  /// the main part is a grid.
-  Vec3 (*place)(const void* def, size_t row) = nullptr;
+  /// Where the rows of the main part lie in the undeformed object: the same place at every resolution, in any
+  /// unit. Null: the main part is a grid.
+  std::vector<Vec3> (*places)(const void* def) = nullptr;
 };
 
 }  // namespace truestep

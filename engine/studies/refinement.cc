@@ -131,20 +131,22 @@ std::vector<double> Refinement::at_common(const World& coarsest, const World& wo
     }
     return out;
   }
-  if (!resolution_->place || place.part != 0) {
+  if (!resolution_->places || place.part != 0) {
     refuse("/quantity", "no_place", "rows of this field have no place that other resolutions share",
            '"' + field.name + '"', "a field of the main part");
   }
-  const auto key = [&](const World& w, size_t row) {
-    const Vec3 at = resolution_->place(w.scene().systems[system_].def.get(), row);
+  const auto places_of = [&](const World& w) {
+    return resolution_->places(w.scene().systems[system_].def.get());
+  };
+  const auto key = [](const Vec3& at) {
     const auto whole = [](double v) { return std::llround(v * 1e9); };
     return std::array{whole(at.x), whole(at.y), whole(at.z)};
   };
   std::map<std::array<long long, 3>, size_t> rows;
-  for (size_t row = 0; row < values.size() / width; ++row) rows.emplace(key(world, row), row);
-  const size_t count = coarsest.system(system_).initial_state().rows(0);
-  for (size_t row = 0; row < count; ++row) {
-    const auto found = rows.find(key(coarsest, row));
+  size_t next = 0;
+  for (const Vec3& at : places_of(world)) rows.emplace(key(at), next++);
+  for (const Vec3& at : places_of(coarsest)) {
+    const auto found = rows.find(key(at));
     for (size_t c = 0; c < width; ++c) {
       out.push_back(found == rows.end() ? std::numeric_limits<double>::quiet_NaN()
                                         : values[found->second * width + c]);

@@ -149,5 +149,27 @@ TEST_F(Refining, ARopeStaysTheSameRope) {
   EXPECT_THAT(refused(convergence(heavier, R"("refine":"space")")).what(), testing::HasSubstr("density"));
 }
 
+// A square that slides along two of its sides and is pulled evenly but for a smooth bump: no corner takes
+// from the second order that places have on smooth solutions.
+TEST_F(Refining, ElementsHaveTheirOrder) {
+  const auto r = run(convergence(
+      R"j({"schema_version":"1.0","name":"square","gravity":[0,0,0],"time":{"dt":1,"duration":1},"systems":[
+      {"type":"fem","id":"body","quad":{"cells_x":64,"cells_y":64},"material":"linear","youngs_modulus":1000,
+       "poisson_ratio":0.3,"motion":"quasi_static","holds":[{"on":"x0","x":"0"},{"on":"y0","y":"0"}],
+       "loads":[{"on":"x1","x":"1+cos(2*pi*Y)"}]}]})j",
+      R"("refine":"space","budget":20)"));
+  ASSERT_TRUE(r.summary.at("observed_order").is_double()) << json::serialize(r.summary);
+  EXPECT_NEAR(r.summary.at("observed_order").as_double(), 2, 0.05);
+}
+
+TEST_F(Refining, BodiesOfGivenCellsAreNotDivided) {
+  const Error e = refused(
+      convergence(R"j({"schema_version":"1.0","name":"one","time":{"dt":0.01,"duration":0.1},"systems":[
+    {"type":"fem","id":"body","mesh":{"vertices":[[0,0,0],[1,0,0],[0,1,0]],"cells":[0,1,2]},"element":"tri3"}]})j",
+                  R"("refine":"space","budget":5)"));
+  ASSERT_FALSE(e.issues().empty());
+  EXPECT_EQ(e.issues()[0].pointer, "/refine");
+}
+
 }  // namespace
 }  // namespace truestep

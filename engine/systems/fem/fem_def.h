@@ -7,6 +7,7 @@
 #include "engine/collision/points/collider_def.h"
 #include "engine/core/integrator_def.h"
 #include "engine/core/outputs.h"
+#include "engine/core/resolution.h"
 #include "engine/core/shape_def.h"
 #include "engine/kernels/fem/element.h"
 #include "engine/kernels/fem/material.h"
@@ -85,6 +86,7 @@ struct FemDef : IntegratorParams {
 const DefTable& fem_table();
 const Outputs& fem_outputs();
 Cost fem_cost(const void* def);
+const Resolution& fem_resolution();
 /// Never automatic.
 Cell cell_of(const FemDef& def);
 bool in_plane(const FemDef& def);

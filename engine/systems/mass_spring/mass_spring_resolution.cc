@@ -42,16 +42,17 @@ Why divide(void* def, double factor) {
   return std::nullopt;
 }
 
-Vec3 place(const void* def, size_t row) {
+// Rows of a sheet or of strands, as shares of their length.
+std::vector<Vec3> places(const void* def) {
   const auto& d = *static_cast<const MassSpringDef*>(def);
-  const auto share = [](size_t i, int links) { return static_cast<double>(i) / links; };
-  if (d.cloth_grid) {
-    const auto nx = static_cast<size_t>(d.cloth_grid->nx);
-    return {share(row % nx, d.cloth_grid->nx - 1), share(row / nx, d.cloth_grid->ny - 1), 0};
+  const int across = d.cloth_grid ? d.cloth_grid->nx : (d.rope ? d.rope->links : d.hair->links) + 1;
+  const int lines = d.cloth_grid ? d.cloth_grid->ny : d.rope ? 1 : d.hair->strands;
+  const double step = d.cloth_grid ? 1.0 / (lines - 1) : 1;
+  std::vector<Vec3> out;
+  for (int line = 0; line < lines; ++line) {
+    for (int i = 0; i < across; ++i) out.push_back({i / (across - 1.0), line * step, 0});
   }
-  const int links = d.rope ? d.rope->links : d.hair->links;
-  const auto points = static_cast<size_t>(links) + 1;
-  return {share(row % points, links), static_cast<double>(row / points), 0};
+  return out;
 }
 
 }  // namespace
@@ -60,7 +61,7 @@ const Resolution& mass_spring_resolution() {
   static const Resolution kCounts{.parameter = "rope.links, hair.links, cloth_grid.nx and ny",
                                   .divide = divide,
                                   .order = [](const void*) { return 0; },
-                                  .place = place};
+                                  .places = places};
   return kCounts;
 }
 

@@ -102,8 +102,9 @@ void Rigid2d::choose_small_steps(State& s, const StepInput& in) const {
   Scratch& w = in.workspace.object<Scratch>(kScratch);
   const int wanted =
       w.small_steps.wanted(model_, s, w.pairs, {least, now, h, rate, in.step % kStepsPerColumnLook == 1});
-  // Half of what is too many at a look.
-  const int next = wanted < now ? now - (in.step % kStepsPerLook == 1 ? (now - wanted + 1) / 2 : 0) : wanted;
+  // At a look half of what is too many goes, or one where a blow may follow soon.
+  const int less = w.small_steps.uneven() ? 1 : (now - wanted + 1) / 2;
+  const int next = wanted < now ? now - (in.step % kStepsPerLook == 1 ? less : 0) : wanted;
   s.span<uint32_t>(columns::small_steps)[0] = static_cast<uint32_t>(next);
   if (next == now) return;
   // Impulses are those of one small step.

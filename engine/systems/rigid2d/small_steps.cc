@@ -13,7 +13,7 @@ constexpr double kTallLoad = 10;
 /// Quotient below which small steps are added, that they are added for, and from which on fewer are tried.
 constexpr double kTooSoft = 1.1, kStiff = 1.4, kMoreThanStiff = 2.2;
 /// Loads of a light body in its own weights that the usual small steps carry.
-constexpr double kEasyBurden = 4;
+constexpr double kEasyBurden = 3;
 /// Small steps of free fall whose speed is a hit.
 constexpr double kHits = 30;
 
@@ -122,6 +122,7 @@ double SmallSteps::least_quotient(const Model& model, const State& s, double rat
 
 int SmallSteps::wanted(const Model& model, const State& s, const Pairs& pairs, const Usual& usual) {
   const double weight = gravity_of(s);
+  uneven_ = false;
   if (!(weight > 0)) return usual.least;
   const auto keys = s.span<uint64_t>(columns::contact_key);
   const auto status = s.span<uint32_t>(columns::status);
@@ -143,11 +144,11 @@ int SmallSteps::wanted(const Model& model, const State& s, const Pairs& pairs, c
       heaviest = std::max(heaviest, model.light[i].mass);
     }
   }
-  const bool uneven = heaviest > kEasyBurden * lightest;
-  if (!uneven && !tall) return usual.least;
+  uneven_ = heaviest > kEasyBurden * lightest;
+  if (!uneven_ && !tall) return usual.least;
   find_islands(model, s, pairs);
   double more = usual.least;
-  if (uneven) more *= std::sqrt(largest_burden(model, s, pairs, usual.h) / kEasyBurden);
+  if (uneven_) more *= std::sqrt(largest_burden(model, s, pairs, usual.h) / kEasyBurden);
   if (tall) {
     const double quotient = least_quotient(model, s, usual.rate);
     const bool holds = quotient >= kTooSoft && (usual.now == usual.least || quotient < kMoreThanStiff);

@@ -31,6 +31,8 @@ class SmallSteps {
   };
   /// At least `least`, at most kMostTimes as many.
   int wanted(const Model& model, const State& s, const Pairs& pairs, const Usual& usual);
+  /// Of the last call: heavy bodies touch light ones, so that a blow may follow soon after a blow.
+  bool uneven() const { return uneven_; }
 
  private:
   struct Island {
@@ -42,6 +44,7 @@ class SmallSteps {
   void find_islands(const Model& model, const State& s, const Pairs& pairs);
   double largest_burden(const Model& model, const State& s, const Pairs& pairs, double h);
   double least_quotient(const Model& model, const State& s, double rate);
+  bool uneven_ = false;
   std::vector<uint32_t> parent_;
   std::vector<Island> island_;
 };
