@@ -93,5 +93,63 @@ TEST(FemScene, SaysWhatContradicts) {
   EXPECT_EQ(faults(d), Faults{"/second_share"});
 }
 
+FemDef ball() {
+  FemDef d;
+  d.fill = FillShape{.ball = FillShape::BallShape{{}, 0.2}, .cylinder = {}, .surface = {}, .spacing = 0.1};
+  return d;
+}
+MeshShape octahedron() {
+  return {{{1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}, {0, 0, 1}, {0, 0, -1}},
+          {0, 2, 4, 2, 1, 4, 1, 3, 4, 3, 0, 4, 2, 0, 5, 1, 2, 5, 3, 1, 5, 0, 3, 5}};
+}
+
+TEST(FemScene, SaysWhatCannotBeFilled) {
+  EXPECT_EQ(faults(ball()), Faults{});
+  FemDef d = ball();
+  d.fill->surface = octahedron();
+  EXPECT_EQ(faults(d), Faults{"/fill"}) << "two regions";
+  d.fill->ball.reset();
+  EXPECT_EQ(faults(d), Faults{});
+  d.element = Cell::hex8;
+  EXPECT_EQ(faults(d), Faults{"/element"});
+  d.element = Cell::tet10;
+  EXPECT_EQ(faults(d), Faults{});
+  std::swap(d.fill->surface->triangles[0], d.fill->surface->triangles[1]);
+  EXPECT_EQ(faults(d).at(0).substr(0, 24), "/fill/surface/triangles/") << "a triangle turned round";
+  d = ball();
+  d.fill->spacing = 5;
+  EXPECT_EQ(faults(d), Faults{"/fill/spacing"}) << "nothing left inside";
+  d.fill->spacing = 1e-4;
+  EXPECT_EQ(faults(d), Faults{""}) << "far more than two million nodes, refused before they are made";
+  d = ball();
+  d.pins = {100000};
+  EXPECT_EQ(faults(d), Faults{"/pins/0"});
+}
+
+TEST(FemScene, SaysWhatABarrierCannotDo) {
+  FemDef good = ball();
+  good.contact = Meeting::barrier;
+  good.copies = {{{0, 0.5, 0}, {0, 0, 1}, {}, 0}, {{0, 1, 0}, {0, 0, 1}, {}, 0}};
+  good.colliders.push_back(PlaneColliderDef{});
+  EXPECT_EQ(faults(good), Faults{});
+  FemDef d = good;
+  d.copies[1].position = {0, 0.7, 0};
+  EXPECT_EQ(faults(d), Faults{"/contact"}) << "bodies in each other";
+  d = good, d.copies[0].position = {0, 0.1, 0};
+  EXPECT_EQ(faults(d), Faults{"/contact"}) << "a body in the floor";
+  d = good, d.contact_distance = 1;
+  EXPECT_EQ(faults(d), Faults{"/contact_distance"}) << "wider than its elements";
+  d = good, d.contact_distance = 0;
+  EXPECT_EQ(faults(d), Faults{"/contact_distance"});
+  d = good, d.integrator = "rk4";
+  EXPECT_EQ(faults(d), Faults{"/integrator"});
+  d = good, d.restitution = 0.5;
+  EXPECT_EQ(faults(d), Faults{"/restitution"});
+  d = good, d.loads = {{"border", {}, {}, {}, {}, 10.0}};
+  EXPECT_EQ(faults(d), Faults{"/loads/0/pressure"});
+  d = good, d.holds = {{"border", "0.1*t", {}, {}}};
+  EXPECT_EQ(faults(d), Faults{"/holds/0/x"});
+}
+
 }  // namespace
 }  // namespace truestep::fem

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "engine/base/errors.h"
+#include "engine/base/short_number.h"
 #include "engine/integrators/implicit/impulse_answer.h"
 #include "engine/integrators/implicit/stage_newton.h"
 #include "engine/integrators/table/integrators.h"
@@ -43,12 +44,13 @@ Fem::Fem(std::unique_ptr<const FemField> field, const ChosenMethod& method, cons
       elements_(static_cast<const FemField&>(force_field())),
       motion_(def.motion),
       colliders_(build_colliders(def.colliders)),
-      radius_(def.contact_distance) {
+      radius_(def.contact == Meeting::barrier ? 0 : def.contact_distance.value_or(0)) {
   for (const Collider& c : colliders_.colliders()) {
     surfaces_.push_back(c.surface);
     surfaces_.back().restitution = def.restitution;
     if (def.friction) surfaces_.back().friction = *def.friction;
   }
+  if (def.contact == Meeting::barrier) add_barrier(def);
   plan_stages(def, method.why);
   drawing_.triangles = body().mesh.triangles();
   if (body().plane) drawing_.space = PartDrawing::Space::plane;
@@ -57,7 +59,39 @@ Fem::Fem(std::unique_ptr<const FemField> field, const ChosenMethod& method, cons
   if (motion_ == Motion::dynamic && def.holds.empty()) bound_speed();
 }
 
+void Fem::add_barrier(const FemDef& def) {
+  const auto refuse = [](const std::string& pointer, const std::string& message) {
+    throw Error("scene_invalid", pointer + ": " + message,
+                {{pointer, "bad_contact", message, "", "", "", ""}});
+  };
+  constexpr double kUsualReach = 1e-3, kWidest = 0.5;
+  BarrierSurface surface(body(), colliders_, surfaces_, def.friction.value_or(Surface{}.friction));
+  const double widest = kWidest * surface.shortest_edge();
+  const double reach = def.contact_distance.value_or(std::min(kUsualReach * body().mesh.diagonal(), widest));
+  if (reach > widest) {
+    refuse("/contact_distance", "a barrier reaches no further than half the shortest edge of the surface, " +
+                                    short_number(widest) + " m");
+  }
+  const State start = elements_.initial_state();
+  if (const auto what = surface.entangled(start.f64(Columns::position), 0))
+    refuse("/contact", "with a barrier nothing may touch at the start, but " + *what);
+  barrier_ = std::make_unique<const BarrierStep>(elements_, std::move(surface), reach);
+}
+
 void Fem::plan_stages(const FemDef& def, const std::string& why) {
+  if (def.fill) {
+    std::vector<std::array<uint32_t, 4>> tetrahedra;
+    for (size_t k = 0; k < body().mesh.cells(); ++k) {
+      const auto nodes = body().mesh.cell(k);
+      tetrahedra.push_back({nodes[0], nodes[1], nodes[2], nodes[3]});
+    }
+    const auto angles = dihedral_angles(body().mesh.x, tetrahedra);
+    constexpr double kDegree = 3.14159265358979323846 / 180;
+    skip_stage("fill", "made when the scene was built: " + std::to_string(tetrahedra.size()) +
+                           " tetrahedra, angles between their faces from " +
+                           short_number(angles[0] / kDegree, 3) + " to " +
+                           short_number(angles[1] / kDegree, 4) + " degrees");
+  }
   if (motion_ == Motion::quasi_static) {
     add_stage("equilibrium",
               "displacements at which nothing is out of balance, by Newton's method with line search",
@@ -68,13 +102,21 @@ void Fem::plan_stages(const FemDef& def, const std::string& why) {
       add_stage("holds", std::to_string(def.holds.size()) + " sets have prescribed displacements",
                 [this](State& s, const StepInput& in) { begin_holds(s, in.t, in.h); });
     }
-    if (!colliders_.empty()) add_stage("remember", "contacts need where every node came from", remember);
-    add_integration_stage(why);
+    if (!colliders_.empty() && !barrier_)
+      add_stage("remember", "contacts need where every node came from", remember);
+    if (barrier_) {
+      add_stage("barrier", "implicit Euler in which the surface never touches anything, by Newton's method",
+                [this](State& s, const StepInput& in) { barrier_->step(s, in); });
+    } else {
+      add_integration_stage(why);
+    }
     if (!def.holds.empty()) {
       add_stage("velocities of holds", "components that are prescribed move as their expressions do",
                 [this](State& s, const StepInput& in) { end_holds(s, in.t, in.h); });
     }
-    if (colliders_.empty()) {
+    if (barrier_) {
+      skip_stage("contacts", "the barrier keeps all apart");
+    } else if (colliders_.empty()) {
       skip_stage("contacts", "there are no colliders");
     } else {
       add_stage("contacts", std::to_string(colliders_.colliders().size()) + " colliders keep the nodes out",
@@ -224,7 +266,7 @@ void Fem::resolve_contacts(State& s, const StepInput& in) const {
 }
 
 Integration Fem::integration() const {
-  return motion_ == Motion::quasi_static ? Integration{} : ForceSystem::integration();
+  return motion_ == Motion::quasi_static || barrier_ ? Integration{} : ForceSystem::integration();
 }
 
 std::optional<double> Fem::limit(Limit which, const State& s, double h) const {
@@ -233,7 +275,7 @@ std::optional<double> Fem::limit(Limit which, const State& s, double h) const {
 
 Energy::Exchange Fem::exchange(const State& s) const {
   const Body& b = body();
-  const bool driven = Columns::kHands.any(s) || !colliders_.empty() || !b.pressures.empty() ||
+  const bool driven = barrier_ || Columns::kHands.any(s) || !colliders_.empty() || !b.pressures.empty() ||
                       !b.holds.empty() || elements_.load_share(0) < 1;
   return driven ? Energy::Exchange::open : Energy::Exchange::closed;
 }
@@ -245,7 +287,7 @@ std::optional<Energy> Fem::energy(const State& s, double t, Workspace& workspace
 }
 
 Ports Fem::ports() const {
-  if (motion_ == Motion::quasi_static || body().plane) return {};
+  if (motion_ == Motion::quasi_static || body().plane || barrier_) return {};
   return {.points = PointPort{.position = Columns::position,
                               .velocity = Columns::velocity,
                               .mass = std::nullopt,

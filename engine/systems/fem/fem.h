@@ -1,12 +1,14 @@
 // The system type "fem": elastic bodies of finite elements (fem_field.h) in space, plane strain and plane
 // stress. Dynamic bodies are advanced by any method of the table, implicit Euler unless one is named;
 // quasi-static ones are in equilibrium at the end of every step, found by Newton's method with a line search
-// on the energy, in shorter steps of the load where that fails. Obstacles keep nodes out.
+// on the energy, in shorter steps of the load where that fails. Obstacles keep nodes out; with a barrier
+// (barrier_step.h) nothing of the surface ever touches them or itself.
 // Commands: push, impulse, drag, release, pin, unpin, set_parameter (youngs_modulus, damping, gravity).
 #pragma once
 #include "engine/core/force_system.h"
 #include "engine/core/impulse_answer.h"
 #include "engine/integrators/table/default_method.h"
+#include "engine/systems/fem/barrier_step.h"
 #include "engine/systems/fem/fem_field.h"
 
 namespace truestep::fem {
@@ -17,7 +19,8 @@ class Fem final : public ForceSystem, public AnswersImpulses {
   static std::unique_ptr<const Fem> make(const FemDef& def, const BuildContext& context);
 
   /// Besides the energies: energy.elastic, energy.external, momenta, displacement.max, jacobian.min, pins,
-  /// reaction.x/y/z, frequency.1 ... as many as `modes`.
+  /// reaction.x/y/z, frequency.1 ... as many as `modes`; of a barrier energy.contact, contact.gap,
+  /// contact.pairs.
   void observe(const State& state, double t, Observables& out) const override;
   /// Nodes: position, velocity, displacement, von_mises. Part "elements": stress, strain, von_mises,
   /// energy_density, jacobian.
@@ -36,12 +39,16 @@ class Fem final : public ForceSystem, public AnswersImpulses {
 
   const Body& body() const { return elements_.body(); }
   const FemField& elements() const { return elements_; }
+  const ColliderSet& colliders() const { return colliders_; }
+  /// Null where there is none.
+  const BarrierStep* barrier() const { return barrier_.get(); }
   /// Hz, ascending.
   const std::vector<double>& frequencies() const { return frequencies_; }
 
  private:
   Fem(std::unique_ptr<const FemField> field, const ChosenMethod& method, const FemDef& def, double dt);
   Energy::Exchange exchange(const State& state) const override;
+  void add_barrier(const FemDef& def);
   void plan_stages(const FemDef& def, const std::string& why);
   void name_parts();
   template <class Visit>
@@ -59,6 +66,7 @@ class Fem final : public ForceSystem, public AnswersImpulses {
   std::vector<Surface> surfaces_;  // one per collider
   double radius_;                  // m, kept from colliders
   std::vector<double> frequencies_;
+  std::unique_ptr<const BarrierStep> barrier_;  // null: no barrier
 };
 
 std::unique_ptr<const System> build_fem(const void* def, const BuildContext& context);

@@ -3,86 +3,12 @@
 #include <algorithm>
 #include <cmath>
 
+#include "engine/systems/fem/fem_tables.h"
 #include "engine/systems/fem/mesh.h"
 
 namespace truestep::fem {
 
 namespace {
-
-const DefTable& quad_table() {
-  static const DefTable t =
-      TableOf<QuadShape>("four-sided plane body; side x0 runs from the first corner to the last")
-          .vectors("corners", &QuadShape::corners, "m", any(), {4, 4}, "anticlockwise in the plane z = 0")
-          .integer("cells_x", &QuadShape::cells_x, between(1, 2000), "from the first corner to the second")
-          .integer("cells_y", &QuadShape::cells_y, between(1, 2000), "from the first corner to the last")
-          .check([](const QuadShape& q, const DefTable::Report& report) {
-            for (size_t k = 0; k < q.corners.size(); ++k) {
-              const std::string at = "/corners/" + std::to_string(k);
-              if (q.corners[k].z != 0) report(at, "a plane body lies in z = 0");
-              if (q.corners.size() < 4) continue;
-              const Vec3 in = q.corners[k] - q.corners[(k + 3) % 4],
-                         go = q.corners[(k + 1) % 4] - q.corners[k];
-              if (!(cross(in, go).z > 0)) report(at, "corners go round anticlockwise, none of them inward");
-            }
-          })
-          .build();
-  return t;
-}
-
-const DefTable& cells_table() {
-  static const DefTable t =
-      TableOf<CellsShape>("elements of any form")
-          .vectors("vertices", &CellsShape::vertices, "m", any(), {3, 1'000'000}, "where the corners are")
-          .required()
-          .integers("cells", &CellsShape::cells, at_least(0), {3, 8'000'000},
-                    "corners of every element, one after another, in VTK's order: 3 a triangle, 4 a quad or "
-                    "tetrahedron, 8 a hexahedron; nodes between them are added")
-          .required()
-          .build();
-  return t;
-}
-
-const DefTable& set_table() {
-  static const DefTable t =
-      TableOf<SetDef>("points with a name, given one by one or by a box or both")
-          .text("name", &SetDef::name, "of the set")
-          .required()
-          .integers("points", &SetDef::points, at_least(0), {0, 1'000'000}, "indices of nodes")
-          .vector("low", &SetDef::low, "m", any(), "smallest corner of the box; absent: it has no lower end")
-          .vector("high", &SetDef::high, "m", any(), "largest corner of the box; absent: it has no upper end")
-          .build();
-  return t;
-}
-
-const DefTable& hold_table() {
-  static const DefTable t =
-      TableOf<HoldDef>(
-          "displacement of a set from where it lies at rest, in m: expressions of t, X, Y, Z (the place at "
-          "rest); a component that is absent is free, and where none is given all are held at 0")
-          .text("on", &HoldDef::on, "name of a set")
-          .required()
-          .expression("x", &HoldDef::x, "m, number or expression")
-          .expression("y", &HoldDef::y, "m, the same")
-          .expression("z", &HoldDef::z, "m, the same")
-          .build();
-  return t;
-}
-
-const DefTable& load_table() {
-  static const DefTable t =
-      TableOf<LoadDef>("what acts on the part of the surface whose nodes are all in a set")
-          .text("on", &LoadDef::on, "name of a set")
-          .required()
-          .vector("force", &LoadDef::force, "N", any(),
-                  "in all, spread evenly over the area at rest; keeps its direction")
-          .expression("x", &LoadDef::x, "Pa, force along x per area at rest: number or expression of X, Y, Z")
-          .expression("y", &LoadDef::y, "Pa, the same along y")
-          .expression("z", &LoadDef::z, "Pa, the same along z")
-          .number("pressure", &LoadDef::pressure, "Pa", any(),
-                  "on the deformed surface and against its normal, wherever that turns")
-          .build();
-  return t;
-}
 
 const std::vector<std::string> kCells{"auto", "tri3",  "tri6", "quad4", "quad9",
                                       "tet4", "tet10", "hex8", "hex27"};
@@ -98,6 +24,8 @@ using Report = DefTable::Report;
 void check_element(const FemDef& d, const Report& report) {
   const Element& kind = element_of(kind_of(cell_of(d)));
   if (d.block && kind.dimension == 2) report("/element", "a block is made of tet4, tet10, hex8 or hex27");
+  if (d.fill && !(kind.simplex && kind.dimension == 3))
+    report("/element", "a region is filled with tet4 or tet10");
   if (d.quad && kind.dimension == 3) report("/element", "a quad is made of tri3, tri6, quad4 or quad9");
   if (d.mesh && d.element == Cell::automatic)
     report("/element", "name the element that a mesh is made of: " + listed(kCells));
@@ -127,7 +55,10 @@ void check_material(const FemDef& d, const Report& report) {
 }
 
 bool check_rows(const FemDef& d, const Report& report) {
-  const double vertices = d.mesh ? static_cast<double>(d.mesh->vertices.size()) : fem_counts(d).nodes;
+  const double vertices =
+      d.fill && !d.pins.empty() ? static_cast<double>(build_mesh(d).x.size())
+      : d.mesh ? static_cast<double>(d.mesh->vertices.size() * std::max<size_t>(1, d.copies.size()))
+               : fem_counts(d).nodes;
   bool good = true;
   const auto check = [&](const std::vector<int64_t>& rows, const std::string& at) {
     for (size_t i = 0; i < rows.size(); ++i) {
@@ -198,11 +129,65 @@ void check_names(const FemDef& d, const Report& report) {
   }
 }
 
-void check_def(const FemDef& d, const Report& report) {
-  const int shapes = d.block.has_value() + d.quad.has_value() + d.mesh.has_value();
-  if (shapes != 1) {
-    return report("", "give exactly one of block, quad and mesh, not " + std::to_string(shapes));
+bool check_fill(const FillShape& f, const Report& report) {
+  const int regions = f.ball.has_value() + f.cylinder.has_value() + f.surface.has_value();
+  if (regions != 1) {
+    report("/fill", "give exactly one of ball, cylinder and surface, not " + std::to_string(regions));
+    return false;
   }
+  if (f.surface) {
+    if (const auto fault = surface_fault(mesh_triangles(*f.surface))) {
+      report("/fill/surface/triangles/" + std::to_string(3 * fault->triangle), fault->what);
+      return false;
+    }
+  }
+  return true;
+}
+
+void check_copies(const FemDef& d, const Report& report) {
+  for (size_t k = 0; k < d.copies.size() && in_plane(d); ++k) {
+    const CopyDef& c = d.copies[k];
+    const std::string at = "/copies/" + std::to_string(k);
+    if (c.position.z != 0) report(at + "/position", "a plane body lies in z = 0");
+    if (c.axis.x != 0 || c.axis.y != 0) report(at + "/axis", "a plane body turns about z");
+    if (c.velocity.z != 0) report(at + "/velocity", "a plane body stays in z = 0");
+  }
+}
+
+void check_barrier(const FemDef& d, const Report& report) {
+  if (d.contact != Meeting::barrier) return;
+  if (in_plane(d)) report("/contact", "plane bodies have no barrier");
+  if (d.motion == Motion::quasi_static) report("/contact", "a barrier is part of a dynamic step");
+  if (!d.integrator.empty())
+    report("/integrator", "with contact barrier the step is one of implicit Euler: leave it out");
+  if (d.restitution > 0) report("/restitution", "a barrier gives back what the body does: leave it out");
+  if (d.contact_distance && !(*d.contact_distance > 0))
+    report("/contact_distance", "a barrier begins at some distance: above 0");
+  for (size_t k = 0; k < d.loads.size(); ++k) {
+    if (d.loads[k].pressure)
+      report("/loads/" + std::to_string(k) + "/pressure",
+             "a pressure has no potential, which a barrier needs: take a force or a traction");
+  }
+  for (size_t k = 0; k < d.holds.size(); ++k) {
+    const HoldDef& h = d.holds[k];
+    const std::pair<const char*, const std::optional<std::string>*> parts[] = {
+        {"/x", &h.x}, {"/y", &h.y}, {"/z", &h.z}};
+    const auto given =
+        std::count_if(std::begin(parts), std::end(parts), [](auto& p) { return p.second->has_value(); });
+    for (const auto& [name, text] : parts) {
+      if (given == 3 || !*text || **text == "0") continue;
+      report("/holds/" + std::to_string(k) + name,
+             "with contact barrier a hold prescribes x, y and z together, or keeps single ones at 0");
+    }
+  }
+}
+
+void check_def(const FemDef& d, const Report& report) {
+  const int shapes = d.block.has_value() + d.quad.has_value() + d.mesh.has_value() + d.fill.has_value();
+  if (shapes != 1) {
+    return report("", "give exactly one of block, quad, mesh and fill, not " + std::to_string(shapes));
+  }
+  if (d.fill && !check_fill(*d.fill, report)) return;
   const FemCounts counts = fem_counts(d);
   if (counts.nodes > 2e6) {
     return report("", "more than two million nodes: fewer cells, or elements of first order");
@@ -211,7 +196,11 @@ void check_def(const FemDef& d, const Report& report) {
   check_material(d, report);
   if (!check_rows(d, report)) return;
   if (d.mesh && d.element != Cell::automatic) check_cells(d, report);
+  if (d.fill && build_mesh(d).cells() == 0)
+    return report("/fill/spacing", "the region is finer than this: nothing of the lattice is left inside");
   check_names(d, report);
+  check_copies(d, report);
+  check_barrier(d, report);
   if (in_plane(d) && !d.colliders.empty()) report("/colliders", "plane bodies meet no colliders");
   if (in_plane(d) && d.velocity.z != 0) report("/velocity", "a plane body stays in z = 0");
   if (d.motion == Motion::quasi_static) {
@@ -232,7 +221,7 @@ ElementKind kind_of(Cell cell) {
 }
 Cell cell_of(const FemDef& d) {
   if (d.element != Cell::automatic) return d.element;
-  return d.block ? Cell::hex8 : Cell::quad4;
+  return d.block ? Cell::hex8 : d.fill ? Cell::tet4 : Cell::quad4;
 }
 bool in_plane(const FemDef& d) {
   return element_of(kind_of(cell_of(d))).dimension == 2;
@@ -245,6 +234,14 @@ std::vector<std::string> set_names(const FemDef& d) {
   out.insert(out.end(), {"border", "all"});
   for (const SetDef& s : d.sets) out.push_back(s.name);
   return out;
+}
+
+std::unique_ptr<Region> region_of(const FemDef& d) {
+  if (!d.fill) return nullptr;
+  if (d.fill->ball) return ball_region(d.fill->ball->center, d.fill->ball->radius);
+  if (d.fill->cylinder)
+    return cylinder_region(d.fill->cylinder->from, d.fill->cylinder->to, d.fill->cylinder->radius);
+  return surface_region(d.fill->surface->vertices, mesh_triangles(*d.fill->surface));
 }
 
 FemCounts fem_counts(const FemDef& d) {
@@ -260,6 +257,10 @@ FemCounts fem_counts(const FemDef& d) {
     if (second && !(kind.simplex && d.block)) corners = (2 * nx + 1) * (2 * ny + 1) * (2 * nz + 1);
     // Of tetrahedra: a node an edge; three edges along the lattice and three diagonals a box.
     if (second && kind.simplex && d.block) corners += 6 * boxes + 2 * (nx * ny + ny * nz + nx * nz);
+  } else if (d.fill) {
+    const StuffingSize size = stuffing_size(region_of(d)->volume(), d.fill->spacing);
+    cells = size.tetrahedra, corners = size.nodes;
+    if (second) corners += 1.4 * cells;
   } else if (d.mesh) {
     cells = static_cast<double>(d.mesh->cells.size()) / kind.corners;
     corners = static_cast<double>(d.mesh->vertices.size());
@@ -271,7 +272,8 @@ FemCounts fem_counts(const FemDef& d) {
   // Neighbours of a node, inside a large lattice.
   const double each = kind.dimension == 2 ? (second ? (kind.simplex ? 12 : 16) : (kind.simplex ? 7 : 9))
                                           : (second ? (kind.simplex ? 27 : 64) : (kind.simplex ? 14 : 27));
-  return {corners, cells, each * corners};
+  const double copies = std::max<double>(1, static_cast<double>(d.copies.size()));
+  return {copies * corners, copies * cells, copies * each * corners};
 }
 
 const DefTable& fem_table() {
@@ -283,6 +285,10 @@ const DefTable& fem_table() {
                 "a box; its sides are the sets x0, x1, y0, y1, z0, z1")
         .object("quad", &D::quad, quad_table(), "a plane body with four corners; sides x0, x1, y0, y1")
         .object("mesh", &D::mesh, cells_table(), "elements of any form")
+        .object("fill", &D::fill, fill_table(),
+                "a ball, a cylinder or what a surface holds, filled with tetrahedra")
+        .objects("copies", &D::copies, copy_table(), {0, 10000},
+                 "bodies of this shape: each is turned and moved; absent: one as the shape says")
         .choice("element", &D::element, kCells,
                 "kind of the elements; auto: hex8 of a block, quad4 of a quad; of second order: tri6, quad9, "
                 "tet10, hex27")
@@ -318,7 +324,13 @@ const DefTable& fem_table() {
                 "quasi_static: every step ends in equilibrium, found by Newton's method with line search")
         .integer("modes", &D::modes, between(0, 64),
                  "natural frequencies of the body at rest to observe, lowest first")
-        .number("contact_distance", &D::contact_distance, "m", at_least(0), "kept from every obstacle")
+        .choice(
+            "contact", &D::contact, {"nodes", "barrier"},
+            "nodes: colliders keep the nodes out; barrier: no part of the surface ever touches a collider "
+            "or the surface itself, which every step of implicit Euler makes sure of")
+        .number("contact_distance", &D::contact_distance, "m", at_least(0),
+                "kept from every obstacle, default 0; of a barrier where it begins to push, default a "
+                "thousandth of the body's size")
         .number("restitution", &D::restitution, "1", between(0, 1),
                 "on any collider, in place of the collider's own")
         .number("friction", &D::friction, "1", at_least(0),

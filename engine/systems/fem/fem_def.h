@@ -9,6 +9,7 @@
 #include "engine/core/outputs.h"
 #include "engine/core/resolution.h"
 #include "engine/core/shape_def.h"
+#include "engine/geometry/make/stuffing.h"
 #include "engine/kernels/fem/element.h"
 #include "engine/kernels/fem/material.h"
 
@@ -17,6 +18,7 @@ namespace truestep::fem {
 enum class Plane : uint8_t { strain, stress };
 enum class Volume : uint8_t { pointwise, mean };
 enum class Motion : uint8_t { dynamic, quasi_static };
+enum class Meeting : uint8_t { nodes, barrier };
 /// As scenes name them: automatic, then the first eight of ElementKind in the same order.
 enum class Cell : uint8_t { automatic, tri3, tri6, quad4, quad9, tet4, tet10, hex8, hex27 };
 ElementKind kind_of(Cell cell);
@@ -29,6 +31,22 @@ struct QuadShape {
 struct CellsShape {
   std::vector<Vec3> vertices;  // m
   std::vector<int64_t> cells;  // corners of every element, one after another
+};
+
+/// A region that is filled with tetrahedra: one of the three.
+struct FillShape {
+  struct BallShape {
+    Vec3 center;
+    double radius = 0.5;  // m
+  };
+  struct CylinderShape {
+    Vec3 from, to{0, 1, 0};
+    double radius = 0.5;  // m
+  };
+  std::optional<BallShape> ball;
+  std::optional<CylinderShape> cylinder;
+  std::optional<MeshShape> surface;
+  double spacing = 0.1;  // m
 };
 
 /// Points with a name.
@@ -52,10 +70,18 @@ struct LoadDef {
   std::optional<double> pressure;      // Pa
 };
 
+/// A further body alike: the shape turned about the origin, then moved.
+struct CopyDef {
+  Vec3 position, axis{0, 0, 1}, velocity;  // m, -, m/s
+  double angle = 0;                        // rad
+};
+
 struct FemDef : IntegratorParams {
   std::optional<SoftBlockShape> block;
   std::optional<QuadShape> quad;
   std::optional<CellsShape> mesh;
+  std::optional<FillShape> fill;
+  std::vector<CopyDef> copies;
   Cell element = Cell::automatic;
   Plane plane = Plane::strain;
   double plane_thickness = 1;  // m
@@ -77,7 +103,8 @@ struct FemDef : IntegratorParams {
   Motion motion = Motion::dynamic;
   int modes = 0;
 
-  double contact_distance = 0;  // m
+  Meeting contact = Meeting::nodes;
+  std::optional<double> contact_distance;  // m
   double restitution = 0;
   std::optional<double> friction;
   ColliderDefs colliders;
@@ -90,6 +117,8 @@ const Resolution& fem_resolution();
 /// Never automatic.
 Cell cell_of(const FemDef& def);
 bool in_plane(const FemDef& def);
+/// What a def fills; null: nothing.
+std::unique_ptr<Region> region_of(const FemDef& def);
 /// Names of sets that the def has, without those that no shape gives.
 std::vector<std::string> set_names(const FemDef& def);
 /// Numbers of nodes, elements and blocks of the stiffness matrix, from counts alone.

@@ -30,6 +30,7 @@ FemField::FemField(const FemDef& def, const BuildContext& context)
       motion_(def.motion),
       gravity_(context.gravity),
       velocity_(def.velocity),
+      copies_(def.copies),
       dependence_(def.damping > 0 ? Dependence::position_and_velocity : Dependence::position) {
   if (body_.plane) gravity_.z = 0;
   const State s = initial_state();
@@ -76,6 +77,16 @@ State FemField::initial_state() const {
     store3(s.f64(Columns::velocity).data(), i, Vec3{v[0], v[1], v[2]});
     s.f64(Columns::inverse_mass)[i] = body_.axes[i] == 7 ? 0 : 1 / body_.masses[i];
   }
+  for (size_t k = 0; k < body_.mesh.cells() && !copies_.empty(); ++k) {
+    const Vec3& own = copies_[k / (body_.mesh.cells() / copies_.size())].velocity;
+    for (const uint32_t p : body_.mesh.cell(k)) {
+      double v[3] = {velocity_.x + own.x, velocity_.y + own.y, velocity_.z + own.z};
+      for (size_t c = 0; c < 3; ++c) {
+        if (body_.axes[p] >> c & 1) v[c] = 0;
+      }
+      store3(s.f64(Columns::velocity).data(), p, Vec3{v[0], v[1], v[2]});
+    }
+  }
   for (const uint32_t p : body_.pins) {
     s.f64(Columns::inverse_mass)[p] = 0;
     store3(s.f64(Columns::velocity).data(), p, Vec3{});
@@ -88,6 +99,16 @@ State FemField::initial_state() const {
 
 Material FemField::material(const State& s) const {
   return material_of(law_, s.f64(Columns::parameters)[0], poisson_, second_);
+}
+
+double FemField::cell_size() const {
+  double volume = 0;
+  for (const double w : body_.weights) volume += w;
+  return std::cbrt(volume / static_cast<double>(body_.mesh.cells()));
+}
+
+double FemField::contact_stiffness(const State& s) const {
+  return s.f64(Columns::parameters)[0] * cell_size();
 }
 
 CellRule FemField::rule(size_t cell) const {

@@ -59,6 +59,10 @@ class FemField final : public ForceField {
   double external(const Phase& at) const;
   /// What loads, and gravity in quasi-static motion, are multiplied by at time t.
   double load_share(double t) const;
+  /// m, of an element of mean volume.
+  double cell_size() const;
+  /// N/m, of an element against what pushes on one of its sides.
+  double contact_stiffness(const State& state) const;
   /// Places of an element's nodes.
   void gather(const double* x, size_t cell, Vec3* out) const;
 
@@ -77,6 +81,7 @@ class FemField final : public ForceField {
   double poisson_, second_, youngs_, damping_, load_time_;
   Motion motion_;
   Vec3 gravity_, velocity_;
+  std::vector<CopyDef> copies_;
   Dependence dependence_;
   double omega_ = 0;  // 1/s, bound at rest
 };

@@ -115,6 +115,12 @@ void Fem::observe(const State& s, double t, Observables& out) const {
   out.add("reaction.x", held.x, "N");
   out.add("reaction.y", held.y, "N");
   out.add("reaction.z", held.z, "N");
+  if (barrier_) {
+    const BarrierStep::Report r = barrier_->report(s, t);
+    out.add("energy.contact", r.energy, "J");
+    out.add("contact.gap", r.least_gap, "m");
+    out.add("contact.pairs", static_cast<double>(r.touching), "1");
+  }
   for (size_t k = 0; k < frequencies_.size(); ++k) {
     out.add("frequency." + std::to_string(k + 1), frequencies_[k], "1/s");
   }

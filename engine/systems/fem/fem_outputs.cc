@@ -40,6 +40,9 @@ const Outputs& fem_outputs() {
                       {"reaction.x", "N", "of all supports on the body"},
                       {"reaction.y", "N", ""},
                       {"reaction.z", "N", ""},
+                      {"energy.contact", "J", "of a barrier, beside the total"},
+                      {"contact.gap", "m", "of a barrier: the least, at most contact_distance"},
+                      {"contact.pairs", "1", "of a barrier: features nearer than contact_distance"},
                       {"frequency.<number>", "1/s", "natural frequencies at rest, as many as modes"}}};
   return kOutputs;
 }

@@ -23,6 +23,10 @@ std::optional<std::string> divide(void* def, double factor) {
   for (const SetDef& s : d.sets) {
     if (!s.points.empty()) return "points by number are other nodes when there are more: give the set a box";
   }
+  if (d.fill) {
+    d.fill->spacing /= factor;
+    return std::nullopt;
+  }
   const bool whole = d.block ? divided(d.block->cells_x, factor) && divided(d.block->cells_y, factor) &&
                                    divided(d.block->cells_z, factor)
                              : divided(d.quad->cells_x, factor) && divided(d.quad->cells_y, factor);
@@ -34,7 +38,7 @@ std::optional<std::string> divide(void* def, double factor) {
 
 const Resolution& fem_resolution() {
   static const Resolution kCells{
-      .parameter = "block.cells_x, cells_y, cells_z, quad.cells_x, cells_y",
+      .parameter = "block.cells_x, cells_y, cells_z, quad.cells_x, cells_y, fill.spacing",
       .divide = divide,
       // Corners and edges that are held take from the order that an element has on smooth solutions.
       .order = [](const void*) { return 0; },

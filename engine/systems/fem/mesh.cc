@@ -3,7 +3,10 @@
 #include <algorithm>
 #include <map>
 
+#include "engine/geometry/box.h"
 #include "engine/geometry/make/soft_block.h"
+#include "engine/math/quaternion.h"
+#include "engine/math/trig.h"
 
 namespace truestep::fem {
 
@@ -76,6 +79,26 @@ Coarse coarse_quad(const QuadShape& shape, const Element& kind) {
   }
   add_lattice_sets({nx, ny, 1}, 2, out.sets);
   return out;
+}
+
+// The same again for every copy, body after body.
+void multiply(const std::vector<CopyDef>& copies, Coarse& coarse) {
+  if (copies.empty()) return;
+  const Coarse one = std::move(coarse);
+  coarse = {};
+  for (const auto& [name, in] : one.sets) coarse.sets.emplace_back(name, std::vector<uint8_t>{});
+  for (const CopyDef& c : copies) {
+    const auto first = static_cast<uint32_t>(coarse.x.size());
+    const auto [sine, cosine] = trig::sincos(0.5 * c.angle);
+    const Vec3 axis = normalized(c.axis) * sine;
+    const Rotation turn = rotation(Quat{cosine, axis.x, axis.y, axis.z});
+    for (const Vec3& x : one.x) coarse.x.push_back(c.position + turn.apply(x));
+    for (const uint32_t p : one.nodes) coarse.nodes.push_back(first + p);
+    for (size_t k = 0; k < one.sets.size(); ++k) {
+      const auto& in = one.sets[k].second;
+      coarse.sets[k].second.insert(coarse.sets[k].second.end(), in.begin(), in.end());
+    }
+  }
 }
 
 // Further nodes in the middles of edges, faces and cells, each once.
@@ -192,6 +215,12 @@ std::vector<Facet> Mesh::facets_of(const Set& set) const {
   return out;
 }
 
+double Mesh::diagonal() const {
+  Box box = Box::nothing();
+  for (const Vec3& p : x) box.cover(p);
+  return norm(box.high - box.low);
+}
+
 std::vector<std::array<uint32_t, 3>> Mesh::triangles() const {
   std::vector<std::array<uint32_t, 3>> out;
   if (kind->dimension == 2) {
@@ -218,6 +247,12 @@ Mesh build_mesh(const FemDef& def) {
     coarse.x = def.mesh->vertices;
     for (const int64_t p : def.mesh->cells) coarse.nodes.push_back(static_cast<uint32_t>(p));
   }
+  if (def.fill) {
+    Stuffing filled = stuff(*region_of(def), def.fill->spacing);
+    coarse.x = std::move(filled.x);
+    for (const auto& t : filled.tetrahedra) coarse.nodes.insert(coarse.nodes.end(), t.begin(), t.end());
+  }
+  multiply(def.copies, coarse);
   out.x = coarse.x;
   elevate(coarse, out, coarse.sets);
   out.surface = surface_of(out);

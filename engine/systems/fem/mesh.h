@@ -31,6 +31,8 @@ struct Mesh {
   const Set* find(std::string_view name) const;
   /// Facets all of whose nodes belong to a set.
   std::vector<Facet> facets_of(const Set& set) const;
+  /// m, of the box around all nodes.
+  double diagonal() const;
   /// Triangles to draw: the surface, or a plane body itself.
   std::vector<std::array<uint32_t, 3>> triangles() const;
 };

@@ -1,0 +1,72 @@
+// The potential of contact, kappa sum b(gap), and of friction as it was at the last look, with gradients and
+// parts of their second derivatives that are never negative: of a barrier what follows from its curvature
+// along the gap (what is left out, the change of the gap's direction, only makes it softer), of friction all.
+#pragma once
+#include <vector>
+
+#include "engine/kernels/barrier.h"
+#include "engine/systems/fem/barrier_surface.h"
+
+namespace truestep::fem {
+
+struct BarrierLaw {
+  double reach = 0;      ///< m, gap below which features push
+  double stiffness = 0;  ///< N/m, kappa
+  double still = 0;      ///< m of slip in a step, below which friction grows with it
+};
+
+/// Where the features are judged: `x` holds nodes and corners; walls as they are at time t.
+struct BarrierPlace {
+  std::span<const double> x;
+  double t;
+};
+
+/// A quadratic form of up to four rows, (sum c_i dx_i)^T m (sum c_i dx_i).
+struct BarrierHessian {
+  std::array<uint32_t, 4> rows{};
+  std::array<double, 4> c{};
+  uint32_t count = 0;
+  Mat3 m;
+};
+
+struct FrictionTerm {
+  std::array<uint32_t, 4> rows{};
+  std::array<double, 4> c{};
+  uint32_t count = 0;
+  Vec3 normal, shift;  ///< unit; m, by which the wall moves
+  double most = 0;     ///< N, coefficient times normal force
+};
+
+/// A pair within reach as the quadratic model sees it.
+struct BarrierTouch {
+  const FeaturePair* pair;
+  Proximity near;
+  double gap, curvature;  ///< m; N/m, of the potential along the gap
+};
+
+/// What features within reach add. Gradients go to `gradient` (3 a row, nodes only), forms to `forms`; both
+/// may be left out.
+struct BarrierOutput {
+  std::span<double> gradient{};
+  std::vector<BarrierHessian>* forms = nullptr;
+  std::vector<BarrierTouch>* touches = nullptr;
+  /// Of friction along a slip: its second derivative, or a form that lies above the potential everywhere,
+  /// with which steps never overshoot where slips turn back but end slowly.
+  enum class Slip : uint8_t { exact, above } slip = Slip::exact;
+  double least_gap = HUGE_VAL;
+  size_t touching = 0;  ///< pairs within reach
+};
+
+/// J. Infinite where something touches.
+double barrier_energy(const BarrierSurface& surface, const BarrierLaw& law, const BarrierPlace& at,
+                      std::span<const FeaturePair> pairs, BarrierOutput& out);
+
+/// Normals and normal forces of what is within reach now, slips to be counted from here on.
+void look_at_friction(const BarrierSurface& surface, const BarrierLaw& law, const BarrierPlace& at,
+                      double start, std::span<const FeaturePair> pairs, std::vector<FrictionTerm>& out);
+
+/// J, of slips from x0 to x.
+double friction_energy(const BarrierLaw& law, std::span<const FrictionTerm> terms, std::span<const double> x0,
+                       std::span<const double> x, size_t nodes, BarrierOutput& out);
+
+}  // namespace truestep::fem
