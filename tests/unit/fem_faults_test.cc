@@ -95,7 +95,7 @@ TEST(FemScene, SaysWhatContradicts) {
 
 FemDef ball() {
   FemDef d;
-  d.fill = FillShape{.ball = FillShape::BallShape{{}, 0.2}, .cylinder = {}, .surface = {}, .spacing = 0.1};
+  d.fill = FillShape{.ball = BallRegion{{}, 0.2}, .cylinder = {}, .surface = {}, .spacing = 0.1};
   return d;
 }
 MeshShape octahedron() {

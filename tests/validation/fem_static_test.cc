@@ -349,10 +349,8 @@ TEST(FemStatic, AThickSphereWidensAsLameSays) {
 // A bar of round section, filled with tetrahedra of an unstructured lattice, is stretched: F = E A e.
 TEST(FemStatic, AFilledCylinderStretchesAsABar) {
   FemDef d;
-  d.fill = FillShape{.ball = {},
-                     .cylinder = FillShape::CylinderShape{{0, 0, 0}, {1, 0, 0}, 0.1},
-                     .surface = {},
-                     .spacing = 0.04};
+  d.fill = FillShape{
+      .ball = {}, .cylinder = CylinderRegion{{0, 0, 0}, {1, 0, 0}, 0.1}, .surface = {}, .spacing = 0.04};
   d.element = Cell::tet10, d.material = Law::linear, d.youngs_modulus = 1e6, d.poisson_ratio = 0;
   d.motion = Motion::quasi_static;
   d.sets = {{"left", {}, {}, Vec3{0.01, 1, 1}}, {"right", {}, Vec3{0.99, -1, -1}, {}}};

@@ -33,18 +33,20 @@ struct CellsShape {
   std::vector<int64_t> cells;  // corners of every element, one after another
 };
 
+struct BallRegion {
+  Vec3 center;
+  double radius = 0.5;  // m
+};
+
+struct CylinderRegion {
+  Vec3 from, to{0, 1, 0};
+  double radius = 0.5;  // m
+};
+
 /// A region that is filled with tetrahedra: one of the three.
 struct FillShape {
-  struct BallShape {
-    Vec3 center;
-    double radius = 0.5;  // m
-  };
-  struct CylinderShape {
-    Vec3 from, to{0, 1, 0};
-    double radius = 0.5;  // m
-  };
-  std::optional<BallShape> ball;
-  std::optional<CylinderShape> cylinder;
+  std::optional<BallRegion> ball;
+  std::optional<CylinderRegion> cylinder;
   std::optional<MeshShape> surface;
   double spacing = 0.1;  // m
 };

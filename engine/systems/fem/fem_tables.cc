@@ -36,17 +36,16 @@ const DefTable& cells_table() {
 }
 
 const DefTable& fill_table() {
-  static const DefTable ball =
-      TableOf<FillShape::BallShape>("ball")
-          .vector("center", &FillShape::BallShape::center, "m", any(), "of the ball")
-          .number("radius", &FillShape::BallShape::radius, "m", above(0), "of the ball")
-          .build();
+  static const DefTable ball = TableOf<BallRegion>("ball")
+                                   .vector("center", &BallRegion::center, "m", any(), "of the ball")
+                                   .number("radius", &BallRegion::radius, "m", above(0), "of the ball")
+                                   .build();
   static const DefTable cylinder =
-      TableOf<FillShape::CylinderShape>("cylinder with flat ends")
-          .vector("from", &FillShape::CylinderShape::from, "m", any(), "middle of one end")
-          .vector("to", &FillShape::CylinderShape::to, "m", any(), "middle of the other end")
-          .number("radius", &FillShape::CylinderShape::radius, "m", above(0), "of the cylinder")
-          .check([](const FillShape::CylinderShape& c, const DefTable::Report& report) {
+      TableOf<CylinderRegion>("cylinder with flat ends")
+          .vector("from", &CylinderRegion::from, "m", any(), "middle of one end")
+          .vector("to", &CylinderRegion::to, "m", any(), "middle of the other end")
+          .number("radius", &CylinderRegion::radius, "m", above(0), "of the cylinder")
+          .check([](const CylinderRegion& c, const DefTable::Report& report) {
             if (!(norm2(c.to - c.from) > 0)) report("/to", "a cylinder has a length above 0");
           })
           .build();
