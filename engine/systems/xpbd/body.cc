@@ -36,6 +36,15 @@ std::vector<double> build_rope(const RopeShape& shape, const Vec3& down, const X
   return share;
 }
 
+std::vector<double> build_helix(const HelixShape& shape, const XpbdDef& def, Body& out) {
+  out.x = helix_points(shape);
+  const double link = helix_link(shape);
+  add_chain(0, out.x.size(), link, def, out);
+  std::vector<double> share(out.x.size(), link);
+  share.front() = share.back() = 0.5 * link;
+  return share;
+}
+
 std::vector<double> build_hair(const HairShape& shape, const XpbdDef& def, Body& out) {
   out.x = hair_points(shape);
   const size_t points = static_cast<size_t>(shape.links) + 1;
@@ -43,9 +52,9 @@ std::vector<double> build_hair(const HairShape& shape, const XpbdDef& def, Body&
   std::vector<double> share(out.x.size(), link);
   for (size_t first = 0; first < out.x.size(); first += points) {
     share[first + points - 1] = 0.5 * link;
-    // Two held points give the root its direction.
+    // Two held points give the root its direction; of a rod its clamp does.
     out.pins.push_back(static_cast<uint32_t>(first));
-    out.pins.push_back(static_cast<uint32_t>(first + 1));
+    if (!def.rod) out.pins.push_back(static_cast<uint32_t>(first + 1));
     add_chain(first, points, link, def, out);
   }
   return share;
@@ -168,6 +177,7 @@ Body build_body(const XpbdDef& def, const Vec3& down) {
   Body out;
   std::vector<double> share;
   if (def.rope) share = build_rope(*def.rope, down, def, out);
+  if (def.helix) share = build_helix(*def.helix, def, out);
   if (def.hair) share = build_hair(*def.hair, def, out);
   if (def.cloth_grid) share = build_grid(*def.cloth_grid, def, out);
   if (def.mesh) share = build_mesh(*def.mesh, def, out);
@@ -179,12 +189,15 @@ Body build_body(const XpbdDef& def, const Vec3& down) {
 
   for (const int64_t i : def.pins) out.pins.push_back(static_cast<uint32_t>(i));
   for (const std::string& name : def.pinned) add_named_pins(def, name, out);
+  if (def.rod && !def.hair) {
+    for (const std::string& name : def.rod->clamped) add_named_pins(def, name, out);
+  }
   std::sort(out.pins.begin(), out.pins.end());
   out.pins.erase(std::unique(out.pins.begin(), out.pins.end()), out.pins.end());
 
   out.stiffness = {def.youngs_modulus.value_or(def.stiffness),
                    def.youngs_modulus.value_or(def.shear_stiffness),
-                   def.rope || def.hair ? def.bending_rigidity : def.flexural_rigidity, def.bulk_modulus};
+                   def.rope || def.helix || def.hair ? def.bending_rigidity : def.flexural_rigidity, def.bulk_modulus};
   return out;
 }
 

@@ -53,6 +53,8 @@ RodSet build_rods(const XpbdDef& def, const std::vector<Vec3>& x, size_t links, 
   RodSet out;
   out.links = links, out.rods = x.size() / (links + 1);
   out.section = section_of(rod, def.thickness);
+  out.youngs_modulus = rod.youngs_modulus;
+  out.shear_modulus = rod.shear_modulus.value_or(0.5 * rod.youngs_modulus / (1 + rod.poisson_ratio));
   out.damping_time = rod.damping_time, out.twist_rate = rod.twist_rate;
   out.clamped_first = def.hair.has_value();
   for (const std::string& name : rod.clamped) {

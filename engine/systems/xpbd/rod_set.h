@@ -19,6 +19,7 @@ Section section_of(const RodDef& rod, double thickness);
 struct RodSet {
   size_t rods = 0, links = 0;
   Section section;
+  double youngs_modulus = 0, shear_modulus = 0;  ///< Pa
   bool clamped_first = false, clamped_last = false;
   double damping_time = 0;    ///< s
   double twist_rate = 0;      ///< rad/s
@@ -28,6 +29,15 @@ struct RodSet {
   std::vector<Vec3> inertia;  ///< rods x links, kg m^2, about a section's axes
   State::Column orientation = 0, spin = 0;  ///< of the state: frames; rad/s in their own axes
 
+  /// N, along d1, d2 (shear) and d3.
+  Vec3 stretching() const {
+    const double shear = shear_modulus * section.shear_area;
+    return {shear, shear, youngs_modulus * section.area};
+  }
+  /// N m^2, about d1, d2 and d3 (twist).
+  Vec3 bending() const {
+    return {youngs_modulus * section.bend1, youngs_modulus * section.bend2, shear_modulus * section.torsion};
+  }
   bool empty() const { return rods == 0; }
   size_t first_point(size_t rod) const { return rod * (links + 1); }
   size_t first_frame(size_t rod) const { return rod * (links + 2); }

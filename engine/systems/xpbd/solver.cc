@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <type_traits>
 
 #include "engine/kernels/air.h"
 #include "engine/kernels/xpbd/dihedral.h"
@@ -142,6 +143,7 @@ double Solver<T>::iterate(const SolverInput& what, const State& s, const StepInp
     }
   }
   std::fill(angle_lambda_.begin(), angle_lambda_.end(), 0);
+  cosserat_.forget_multipliers();
   const double bending = stiffness_of(s.f64(Columns::stiffness), Family::bending);
   for (int k = 0; k < what.options.iterations; ++k) {
     each_batch(schedule.rods, in, [&](size_t b) {
@@ -170,6 +172,9 @@ double Solver<T>::iterate(const SolverInput& what, const State& s, const StepInp
     });
     if (k == 0) hold_drags(s, h);
     q = solve_chain_colours(what, in, h);
+    if constexpr (std::is_same_v<T, double>) {
+      if (!what.rods.empty()) q = std::max(q, cosserat_.solve(what.rods, h, rows, in.arena));
+    }
   }
   return q;
 }
@@ -254,14 +259,17 @@ double Solver<T>::collide(const SolverInput& what, const State& s, const StepInp
   return *std::max_element(put_back_.begin(), put_back_.end());
 }
 
+/// Rods are solved in doubles alone (xpbd_rod_def.cc).
 template <class T>
 void Solver<T>::step(const SolverInput& what, State& s, const StepInput& in) {
+  constexpr bool kRods = std::is_same_v<T, double>;
   const SolverOptions& options = what.options;
   const double longest = in.h / options.substeps, shortest = in.h / kMostSubsteps;
   double& tightness = s.f64(Columns::tightness)[0];
   prepare(what, s);
   load(what, s, in);
   if (what.folds) self_.begin_step(*what.folds);
+  const bool rods = kRods && !what.rods.empty();
   int left = options.substeps;
   for (double done = 0; left > 0; --left) {
     const double rest = in.h - done;
@@ -273,8 +281,12 @@ void Solver<T>::step(const SolverInput& what, State& s, const StepInput& in) {
     if (!what.colliders.empty()) remember_velocities(in);
     if (s.f64(Columns::damping)[0] > 0) weigh(s, in, h);
     if (what.air) blow(what, s, in, in.t + done, h);
+    if constexpr (kRods) {
+      if (rods) cosserat_.measure(what.rods, rows_.data(), in.arena), cosserat_.predict(what.rods, h, in.arena);
+    }
     predict(what, s, in, h);
     double q = iterate(what, s, in, h);
+    if (rods) cosserat_.find_spins(what.rods, h, in.arena);
     if (what.colliders.empty()) {
       find_velocities(what, in, h);
     } else {
@@ -286,6 +298,7 @@ void Solver<T>::step(const SolverInput& what, State& s, const StepInput& in) {
     done += h;
   }
   store(what, s, in);
+  if (rods) cosserat_.store(what.rods, s);
 }
 
 template class Solver<float>;

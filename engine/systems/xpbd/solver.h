@@ -18,6 +18,7 @@
 #include "engine/core/user_forces.h"
 #include "engine/kernels/xpbd/chain.h"
 #include "engine/systems/xpbd/air_drag.h"
+#include "engine/systems/xpbd/rod_solver.h"
 #include "engine/systems/xpbd/schedule.h"
 #include "engine/systems/xpbd/self_contacts.h"
 
@@ -64,6 +65,7 @@ struct SolverInput {
   std::span<const Surface> surfaces;
   const FoldSurface* folds;  ///< null: nothing meets itself
   const AirDrag* air;        ///< null: there is none
+  const RodSet& rods;
 };
 
 /// Links of a chain up to which the scratch of a batch lies on the stack, in the first cache.
@@ -134,6 +136,7 @@ class Solver {
   std::vector<double> x_old_, v_old_, x_, v_, w_;  // for what collides
   std::vector<double> put_back_;                   // per block, m
   SelfContacts self_;
+  RodSolver cosserat_;
   std::vector<Vec3> blows_;  // N s, per triangle
 };
 

@@ -78,8 +78,10 @@ void Solver<T>::prepare(const SolverInput& what, const State& s) {
     // n iterations leave (1 - k) of an error (Mueller et al. 2007, section 3.3).
     relax_ = static_cast<T>(1 - trig::pow(1 - options.projection, 1.0 / options.iterations));
   }
-  rows_.assign(4 * schedule.rows, T(0)), before_.assign(4 * schedule.rows, T(0));
-  velocity_.assign(4 * schedule.rows, T(0));
+  // Rods have a row for the lanes that they leave empty.
+  const size_t rows = schedule.rows + (what.rods.empty() ? 0 : 1);
+  rows_.assign(4 * rows, T(0)), before_.assign(4 * rows, T(0)), velocity_.assign(4 * rows, T(0));
+  if (!what.rods.empty()) cosserat_.prepare(what.rods, schedule.rows, keeps_);
   pack_links(what, s);
   const double bending = stiffness_of(stiffness, Family::bending);
   pack_bends(schedule.rods, what.body.rods, bending, rods_);
@@ -157,6 +159,7 @@ void Solver<T>::load(const SolverInput& what, const State& s, const StepInput& i
       rows_[4 * i + 3] = static_cast<T>(w[i]), velocity_[4 * i + 3] = 0;
     }
   });
+  if (!what.rods.empty()) cosserat_.load(what.rods, s);
   load_chains(what, x, in);
   load_bends(what.schedule.rods, what.body.rods, x, rods_);
   load_bends(what.schedule.hinges, what.body.hinges, x, hinges_);

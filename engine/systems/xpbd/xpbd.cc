@@ -29,6 +29,21 @@ double shortest_link(const Body& body) {
   return shortest < HUGE_VAL ? shortest : 1;
 }
 
+RodSet make_rods(const XpbdDef& def, const Body& body) {
+  if (!def.rod) return {};
+  const size_t links = static_cast<size_t>(def.rope    ? def.rope->links
+                                           : def.helix ? def.helix->links
+                                                       : def.hair->links);
+  const double link_mass = def.density ? *def.density * body.links.front().rest : def.mass;
+  return build_rods(def, body.x, links, link_mass);
+}
+
+/// Links of rods are solved with their frames.
+Body without_links(Body body) {
+  body.links.clear();
+  return body;
+}
+
 constexpr double kLongestSubstep = 1.0 / 600;  // s
 
 struct Division {
@@ -52,9 +67,11 @@ Xpbd::Xpbd(const XpbdDef& def, const BuildContext& context)
       wind_(def.wind.value_or(Vec3{})),
       damping_{def.damping, def.internal_damping},
       youngs_(def.youngs_modulus.has_value()),
+      cosserat_(def.rod.has_value()),
       precision_(def.precision),
       body_(build_body(def, normalized(context.gravity, {0, -1, 0}))),
-      schedule_(body_, def.scheme == Scheme::pbd ? Sweep::links : def.sweep, lanes_of(def.precision)),
+      rods_(make_rods(def, body_)),
+      schedule_(def.rod ? without_links(body_) : body_, def.scheme == Scheme::pbd ? Sweep::links : def.sweep, lanes_of(def.precision)),
       colliders_(build_colliders(def.colliders)) {
   const Division division = divide(def, context);
   options_ = {.scheme = def.scheme,
@@ -75,6 +92,11 @@ Xpbd::Xpbd(const XpbdDef& def, const BuildContext& context)
     surfaces_.back().restitution = def.restitution;
     if (def.friction) surfaces_.back().friction = *def.friction;
   }
+  if (cosserat_) {
+    const auto wind = static_cast<State::Column>(def.wind ? 1 : 0);
+    rods_.orientation = static_cast<State::Column>(Columns::wind + wind);
+    rods_.spin = static_cast<State::Column>(rods_.orientation + 1);
+  }
   plan_stages(def, division.why);
   publish();
   name_parts();
@@ -86,6 +108,10 @@ Xpbd::Xpbd(const XpbdDef& def, const BuildContext& context)
 }
 
 void Xpbd::plan_stages(const XpbdDef& def, const std::string& why) {
+  if (cosserat_) {
+    skip_stage("links", std::to_string(rods_.rods) + " Cosserat rods of " + std::to_string(rods_.links) +
+                            " links are solved each as a whole");
+  }
   const size_t bends = body_.rods.size() + body_.hinges.size() + body_.angles.size();
   add_stage(
       "solve",
@@ -106,7 +132,8 @@ void Xpbd::plan_stages(const XpbdDef& def, const std::string& why) {
                                colliders_,
                                surfaces_,
                                folds_ ? &*folds_ : nullptr,
-                               air_ ? &*air_ : nullptr};
+                               air_ ? &*air_ : nullptr,
+                               rods_};
         if (precision_ == Precision::f32) {
           in.workspace.object<Solver<float>>("xpbd.solver").step(what, s, in);
         } else {
@@ -170,6 +197,12 @@ State Xpbd::initial_state() const {
   if (air_) {
     s.add({"wind", "m/s", Scalar::f64, 3}, 1);
     store3(s.f64(Columns::wind).data(), 0, wind_);
+  }
+  if (cosserat_) {
+    s.add({"orientation", "1", Scalar::f64, 4}, rods_.frames.size());  // w, x, y, z; walls and links
+    s.add({"spin", "rad/s", Scalar::f64, 3}, rods_.frames.size());     // in a frame's own axes
+    double* q = s.f64(rods_.orientation).data();
+    for (const Quat& f : rods_.frames) *q++ = f.w, *q++ = f.x, *q++ = f.y, *q++ = f.z;
   }
   for (size_t i = 0; i < n; ++i) {
     store3(s.f64(Columns::position).data(), i, body_.x[i]);

@@ -32,6 +32,7 @@ class Xpbd final : public StagedSystem {
                                const ThreadArena& arena) const override;
   std::vector<std::string> remedies() const override;
 
+  const RodSet& rods() const { return rods_; }
   const Body& body() const { return body_; }
   int substeps() const { return options_.substeps; }
   int iterations() const { return options_.iterations; }
@@ -43,6 +44,8 @@ class Xpbd final : public StagedSystem {
   void publish();
   double strain(const double* x, const Link& link) const;
   double elastic(const State& state) const;
+  /// J, of stretch and shear, of bending, of twist.
+  Vec3 rod_energies(const State& state) const;
   Energy energies(const State& state) const;
   double default_drag(const State& state, size_t row) const;
   void set_parameter(State& state, const Command& command) const;
@@ -50,8 +53,10 @@ class Xpbd final : public StagedSystem {
   Vec3 gravity_, velocity_, wind_;
   double damping_[2];
   bool youngs_;  // stiffnesses of links are moduli
+  bool cosserat_;  // links are those of rods, whose moduli stay
   Precision precision_;
   Body body_;
+  RodSet rods_;
   Schedule schedule_;
   SolverOptions options_;
   ColliderSet colliders_;

@@ -39,6 +39,9 @@ void Xpbd::set_parameter(State& s, const Command& c) const {
   const auto has = [&](Family family) {
     return std::any_of(body_.links.begin(), body_.links.end(), [&](auto& l) { return l.family == family; });
   };
+  if (cosserat_ && (c.name == "stiffness" || c.name == "shear_stiffness" || c.name == "youngs_modulus")) {
+    refuse_command("name", "unknown_parameter", "the moduli of rods stay as the scene gives them");
+  }
   const bool rods = !body_.rods.empty() && body_.triangles.empty();
   const bool plates =
       !body_.triangles.empty() && !(body_.rods.empty() && body_.hinges.empty() && body_.angles.empty());

@@ -20,6 +20,10 @@ double Xpbd::elastic(const State& s) const {
   const auto stiffness = s.f64(Columns::stiffness);
   const double bending = stiffness[static_cast<size_t>(Family::bending)];
   double v = 0;
+  if (cosserat_) {
+    const Vec3 e = rod_energies(s);
+    return e.x + e.y + e.z;
+  }
   for (const Link& l : body_.links) {
     const double c = norm(load3(x, l.b) - load3(x, l.a)) - l.rest;
     v += 0.5 * stiffness[static_cast<size_t>(l.family)] * l.factor * c * c;
@@ -47,6 +51,30 @@ double Xpbd::elastic(const State& s) const {
   return v;
 }
 
+Vec3 Xpbd::rod_energies(const State& s) const {
+  Vec3 out;
+  if (!cosserat_) return out;
+  const double *x = s.f64(Columns::position).data(), *q = s.f64(rods_.orientation).data();
+  const auto w = s.f64(Columns::inverse_mass);
+  const auto frame = [&](size_t i) { return Quat{q[4 * i], q[4 * i + 1], q[4 * i + 2], q[4 * i + 3]}; };
+  const Vec3 k = rods_.stretching(), b = rods_.bending();
+  for (size_t r = 0; r < rods_.rods; ++r) {
+    const size_t p = rods_.first_point(r), f = rods_.first_frame(r);
+    for (size_t j = 0; j <= rods_.links; ++j) {
+      if (rods_.holds(j, w[p + j])) {
+        const double l = rods_.joint_length(r, j);
+        const Vec3 o = bend_and_twist(frame(f + j), frame(f + j + 1), l) - rods_.rest[rods_.first_joint(r) + j];
+        out.y += 0.5 * l * (b.x * o.x * o.x + b.y * o.y * o.y), out.z += 0.5 * l * b.z * o.z * o.z;
+      }
+      if (j == rods_.links) break;
+      const double l = rods_.length[r * rods_.links + j];
+      const Vec3 g = stretch_and_shear(load3(x, p + j + 1) - load3(x, p + j), frame(f + j + 1), l);
+      out.x += 0.5 * l * (k.x * g.x * g.x + k.y * g.y * g.y + k.z * g.z * g.z);
+    }
+  }
+  return out;
+}
+
 Energy Xpbd::energies(const State& s) const {
   const double *x = s.f64(Columns::position).data(), *v = s.f64(Columns::velocity).data();
   const auto w = s.f64(Columns::inverse_mass);
@@ -57,6 +85,13 @@ Energy Xpbd::energies(const State& s) const {
     e.potential -= body_.masses[i] * dot(g, load3(x, i));
   }
   if (options_.scheme == Scheme::xpbd) e.potential += elastic(s);
+  for (size_t r = 0; r < rods_.rods; ++r) {
+    for (size_t j = 0; j < rods_.links; ++j) {
+      const Vec3 o = load3(s.f64(rods_.spin).data(), rods_.first_frame(r) + j + 1);
+      const Vec3& i = rods_.inertia[r * rods_.links + j];
+      e.kinetic += 0.5 * (i.x * o.x * o.x + i.y * o.y * o.y + i.z * o.z * o.z);
+    }
+  }
   for (size_t k = 0; k < Columns::kHands.drags(s); ++k) {
     const UserForces::Drag drag = Columns::kHands.drag(s, k);
     e.potential += 0.5 * drag.stiffness * norm2(drag.target - load3(x, drag.who));
@@ -64,7 +99,7 @@ Energy Xpbd::energies(const State& s) const {
   // Of chains by themselves alone what they store is what they were given: where sweeps do not converge in a
   // substep, stiff links are stretched by what is left, and that energy is none of the motion's.
   const bool alone =
-      schedule_.chains.colours.size() == 1 && body_.rods.empty() && options_.scheme == Scheme::xpbd;
+      !cosserat_ && schedule_.chains.colours.size() == 1 && body_.rods.empty() && options_.scheme == Scheme::xpbd;
   const bool driven = Columns::kHands.any(s) || !colliders_.empty() || folds_ || air_ || !alone;
   e.exchange = driven ? Energy::Exchange::open : Energy::Exchange::closed;
   return e;
@@ -87,6 +122,12 @@ void Xpbd::observe(const State& s, double, Observables& out) const {
     out.add("energy.potential", e.potential, "J");
     out.add("energy.total", e.kinetic + e.potential, "J");
   }
+  if (cosserat_) {
+    const Vec3 rods = rod_energies(s);
+    out.add("energy.stretch", rods.x, "J");
+    out.add("energy.bending", rods.y, "J");
+    out.add("energy.twist", rods.z, "J");
+  }
   Vec3 p, l;
   size_t pins = 0;
   for (size_t i = 0; i < w.size(); ++i) {
@@ -96,6 +137,13 @@ void Xpbd::observe(const State& s, double, Observables& out) const {
     }
     const Vec3 mv = body_.masses[i] * load3(v, i);
     p += mv, l += cross(load3(x, i), mv);
+  }
+  for (size_t f = 0; f < rods_.frames.size(); ++f) {
+    const size_t r = f / (rods_.links + 2), j = f % (rods_.links + 2);
+    if (j == 0 || j > rods_.links) continue;
+    const double* q = s.f64(rods_.orientation).data() + 4 * f;
+    const Vec3 o = load3(s.f64(rods_.spin).data(), f), &i = rods_.inertia[r * rods_.links + j - 1];
+    l += rotation(Quat{q[0], q[1], q[2], q[3]}).apply({i.x * o.x, i.y * o.y, i.z * o.z});
   }
   out.add("momentum.x", p.x, "kg m/s");
   out.add("momentum.y", p.y, "kg m/s");

@@ -21,6 +21,9 @@ const Outputs& xpbd_outputs() {
       .observables = {{"energy.kinetic", "J", "of motion"},
                       {"energy.potential", "J", "of gravity, hands and all constraints; scheme xpbd alone"},
                       {"energy.total", "J", "their sum; scheme xpbd alone"},
+                      {"energy.stretch", "J", "of stretch and shear; rods alone"},
+                      {"energy.bending", "J", "rods alone"},
+                      {"energy.twist", "J", "rods alone"},
                       {"momentum.x", "kg m/s", "of all that moves freely"},
                       {"momentum.y", "kg m/s", ""},
                       {"momentum.z", "kg m/s", ""},
@@ -61,8 +64,11 @@ Cost xpbd_cost(const void* def) {
   const bool chain = d.rope && d.scheme == Scheme::xpbd && d.sweep == Sweep::chains;
   const double lane = !chain ? 0 : single ? 28 * 7 : 48 * 3;
   const double scratch = chain && n.links > kShortChain ? 224 : 0;
-  return {.state_bytes = 56 * n.points,
-          .workspace_bytes = (single ? 130 : 180) * n.points +
+  // Of a rod's link frames, spins, what is packed of its strains (8 Wide numbers a strain's row) and its scratch,
+  // in whole lanes: of a single rod four times its own.
+  const double lanes = !d.rod ? 0 : d.hair ? 1 : 4, rod = d.rod ? n.links * (170 + 1200 * lanes) : 0;
+  return {.state_bytes = 56 * n.points + (d.rod ? 56 * n.links : 0),
+          .workspace_bytes = rod + (single ? 130 : 180) * n.points +
                              ((single ? 85 : 105) + lane + scratch) * n.links +
                              (single ? 130 : 175) * (n.bends + n.volumes) +
                              (collides || d.self_collision ? 104 * n.points : 0) +
