@@ -48,7 +48,8 @@ const DefTable& helix_shape_table() {
               report("/start", "must lead away from the axis");
             }
             if (h.turns > h.links / 3.0) {
-              report("/turns", "needs at least three links a turn, " + std::to_string(h.links) + " are given");
+              report("/turns",
+                     "needs at least three links a turn, " + std::to_string(h.links) + " are given");
             }
           })
           .build();

@@ -23,7 +23,8 @@ std::vector<Vec3> helix_points(const HelixShape& shape) {
   for (int i = 0; i <= shape.links; ++i) {
     const double turns = shape.turns * i / shape.links;
     const auto [s, c] = trig::sincos(kTurn * turns);
-    x.push_back(shape.centre + (shape.radius * c) * u + (shape.radius * s) * w + (shape.pitch * turns) * axis);
+    x.push_back(shape.centre + (shape.radius * c) * u + (shape.radius * s) * w +
+                (shape.pitch * turns) * axis);
   }
   return x;
 }

@@ -48,8 +48,8 @@ struct LaneMat {
     LaneMat out;
     for (int r = 0; r < 3; ++r) {
       for (int c = 0; c < 3; ++c) {
-        out.m[3 * r + c] = madd(a.m[3 * r + 2], b.m[6 + c],
-                                madd(a.m[3 * r + 1], b.m[3 + c], a.m[3 * r] * b.m[c]));
+        out.m[3 * r + c] =
+            madd(a.m[3 * r + 2], b.m[6 + c], madd(a.m[3 * r + 1], b.m[3 + c], a.m[3 * r] * b.m[c]));
       }
     }
     return out;
@@ -70,8 +70,7 @@ struct LaneMat {
     LaneMat out;
     for (int r = 0; r < 3; ++r) {
       for (int c = 0; c < 3; ++c) {
-        out.m[3 * r + c] =
-            madd(a.m[6 + r], b.m[6 + c], madd(a.m[3 + r], b.m[3 + c], a.m[r] * b.m[c]));
+        out.m[3 * r + c] = madd(a.m[6 + r], b.m[6 + c], madd(a.m[3 + r], b.m[3 + c], a.m[r] * b.m[c]));
       }
     }
     return out;

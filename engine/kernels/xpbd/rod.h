@@ -29,9 +29,9 @@ struct Rods {
   const T* stretch = nullptr;           ///< n x 3 x lanes: 1 / (stiffness l), 1/J; along d1, d2, d3
   const T* bend = nullptr;              ///< (n + 1) x 3 x lanes, 1/(J m^2)
   const T* inverse_inertia = nullptr;   ///< rows of 4, 1/(kg m^2) about d1, d2, d3; 0: held
-  const T* before = nullptr;            ///< (2 n + 1) x 3 x lanes: strains at the substep's start; null: undamped
-  T gamma = 0;                          ///< damping time over h, 1
-  T* lambda = nullptr;                  ///< (2 n + 1) x 3 x lanes, added to; null: zero so far, nobody asks
+  const T* before = nullptr;  ///< (2 n + 1) x 3 x lanes: strains at the substep's start; null: undamped
+  T gamma = 0;                ///< damping time over h, 1
+  T* lambda = nullptr;        ///< (2 n + 1) x 3 x lanes, added to; null: zero so far, nobody asks
 };
 
 /// Of a row of the system: pivot's inverse, couplings to the row before and the one before that, right side.
@@ -115,8 +115,8 @@ void measure_rods(const Rods<T>& c, const T* rows, const T* frames, T* out) {
            out + 6 * j * kLanes);
     if (j == c.links) return;
     gather_rows4(rows, c.points + (j + 1) * kLanes, x1);
-    const LaneVec<T> d = LaneVec<T>{x1[0] - x0[0], x1[1] - x0[1], x1[2] - x0[2]} +
-                         load3(c.base + 3 * j * kLanes);
+    const LaneVec<T> d =
+        LaneVec<T>{x1[0] - x0[0], x1[1] - x0[1], x1[2] - x0[2]} + load3(c.base + 3 * j * kLanes);
     LaneVec<T> g = transposed_times(lane_rotation(q1), d) * load1(c.per_length + j * kLanes);
     g.z -= W(T(1));
     store3(g, out + (6 * j + 3) * kLanes);

@@ -1,8 +1,9 @@
-// Strains of a Cosserat rod whose points carry places and whose links carry frames (Kugelstadt, Schoemer 2016,
-// "Position and orientation based Cosserat rods"). A frame q turns (e1, e2, e3) into the section's axes and
-// the rod's direction:
-//   stretch and shear of a link     G = R(q)^T (x1 - x0) / l - e3           (1; G3 stretches, G1 and G2 shear)
-//   bending and twist of a joint    O = 2 / l Im(conj(qa) qb) - O0          (1/m, in the frames' own axes)
+// Strains of a Cosserat rod whose points carry places and whose links carry frames (Kugelstadt, Schoemer
+// 2016, "Position and orientation based Cosserat rods"). A frame q turns (e1, e2, e3) into the section's axes
+// and the rod's direction:
+//   stretch and shear of a link     G = R(q)^T (x1 - x0) / l - e3           (1; G3 stretches, G1 and G2
+//   shear) bending and twist of a joint    O = 2 / l Im(conj(qa) qb) - O0          (1/m, in the frames' own
+//   axes)
 // with l the length at rest, of a joint half that of the links that it joins. Both do not change when the
 // whole is moved or turned. With moduli of the rod's material the energy is
 //   1/2 l (G A_s (G1^2 + G2^2) + E A G3^2) + 1/2 l (E I1 O1^2 + E I2 O2^2 + G J O3^2).

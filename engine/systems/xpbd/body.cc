@@ -195,9 +195,9 @@ Body build_body(const XpbdDef& def, const Vec3& down) {
   std::sort(out.pins.begin(), out.pins.end());
   out.pins.erase(std::unique(out.pins.begin(), out.pins.end()), out.pins.end());
 
-  out.stiffness = {def.youngs_modulus.value_or(def.stiffness),
-                   def.youngs_modulus.value_or(def.shear_stiffness),
-                   def.rope || def.helix || def.hair ? def.bending_rigidity : def.flexural_rigidity, def.bulk_modulus};
+  out.stiffness = {
+      def.youngs_modulus.value_or(def.stiffness), def.youngs_modulus.value_or(def.shear_stiffness),
+      def.rope || def.helix || def.hair ? def.bending_rigidity : def.flexural_rigidity, def.bulk_modulus};
   return out;
 }
 

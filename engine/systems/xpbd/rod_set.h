@@ -1,6 +1,7 @@
-// Cosserat rods of a body: frames and strains at rest beside its points. Rod r has links + 1 points and joints
-// and links + 2 frames: of the wall that holds its first point, of its links, of the wall that holds its last
-// point (kernels/xpbd/rod.h). A wall counts where the end is clamped and as long as its point is held.
+// Cosserat rods of a body: frames and strains at rest beside its points. Rod r has links + 1 points and
+// joints and links + 2 frames: of the wall that holds its first point, of its links, of the wall that holds
+// its last point (kernels/xpbd/rod.h). A wall counts where the end is clamped and as long as its point is
+// held.
 #pragma once
 #include <vector>
 
@@ -21,12 +22,12 @@ struct RodSet {
   Section section;
   double youngs_modulus = 0, shear_modulus = 0;  ///< Pa
   bool clamped_first = false, clamped_last = false;
-  double damping_time = 0;    ///< s
-  double twist_rate = 0;      ///< rad/s
-  std::vector<Quat> frames;   ///< rods x (links + 2), at the start
-  std::vector<Vec3> rest;     ///< rods x (links + 1), 1/m: what bending and twist are without load
+  double damping_time = 0;     ///< s
+  double twist_rate = 0;       ///< rad/s
+  std::vector<Quat> frames;    ///< rods x (links + 2), at the start
+  std::vector<Vec3> rest;      ///< rods x (links + 1), 1/m: what bending and twist are without load
   std::vector<double> length;  ///< rods x links, m, at rest
-  std::vector<Vec3> inertia;  ///< rods x links, kg m^2, about a section's axes
+  std::vector<Vec3> inertia;   ///< rods x links, kg m^2, about a section's axes
   State::Column orientation = 0, spin = 0;  ///< of the state: frames; rad/s in their own axes
 
   /// N, along d1, d2 (shear) and d3.

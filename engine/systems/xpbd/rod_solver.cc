@@ -8,7 +8,9 @@ namespace truestep::xpbd {
 
 namespace {
 
-Quat load4(const double* q, size_t i) { return {q[4 * i], q[4 * i + 1], q[4 * i + 2], q[4 * i + 3]}; }
+Quat load4(const double* q, size_t i) {
+  return {q[4 * i], q[4 * i + 1], q[4 * i + 2], q[4 * i + 3]};
+}
 void store4(double* q, size_t i, const Quat& a) {
   q[4 * i] = a.w, q[4 * i + 1] = a.x, q[4 * i + 2] = a.y, q[4 * i + 3] = a.z;
 }
@@ -106,7 +108,8 @@ void RodSolver::predict(const RodSet& rods, double h, const ThreadArena& arena) 
         Quat q = load4(frames_.data(), i);
         store4(old_frames_.data(), i, q);
         if (i == first || i == wall) continue;
-        store4(frames_.data(), i, turned_by(q, Vec3{spins_[4 * i], spins_[4 * i + 1], spins_[4 * i + 2]} * h));
+        store4(frames_.data(), i,
+               turned_by(q, Vec3{spins_[4 * i], spins_[4 * i + 1], spins_[4 * i + 2]} * h));
       }
       if (rods.twist_rate != 0) {
         const Quat q = load4(frames_.data(), wall);
@@ -126,7 +129,9 @@ void RodSolver::measure(const RodSet& rods, const double* rows, const ThreadAren
   });
 }
 
-void RodSolver::forget_multipliers() { std::fill(lambda_.begin(), lambda_.end(), 0.0); }
+void RodSolver::forget_multipliers() {
+  std::fill(lambda_.begin(), lambda_.end(), 0.0);
+}
 
 double RodSolver::solve(const RodSet& rods, double h, double* rows, const ThreadArena& arena) {
   const PerStep<double> per = per_step<double>(h);

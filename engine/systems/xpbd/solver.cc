@@ -282,7 +282,8 @@ void Solver<T>::step(const SolverInput& what, State& s, const StepInput& in) {
     if (s.f64(Columns::damping)[0] > 0) weigh(s, in, h);
     if (what.air) blow(what, s, in, in.t + done, h);
     if constexpr (kRods) {
-      if (rods) cosserat_.measure(what.rods, rows_.data(), in.arena), cosserat_.predict(what.rods, h, in.arena);
+      if (rods)
+        cosserat_.measure(what.rods, rows_.data(), in.arena), cosserat_.predict(what.rods, h, in.arena);
     }
     predict(what, s, in, h);
     double q = iterate(what, s, in, h);

@@ -71,7 +71,8 @@ Xpbd::Xpbd(const XpbdDef& def, const BuildContext& context)
       precision_(def.precision),
       body_(build_body(def, normalized(context.gravity, {0, -1, 0}))),
       rods_(make_rods(def, body_)),
-      schedule_(def.rod ? without_links(body_) : body_, def.scheme == Scheme::pbd ? Sweep::links : def.sweep, lanes_of(def.precision)),
+      schedule_(def.rod ? without_links(body_) : body_, def.scheme == Scheme::pbd ? Sweep::links : def.sweep,
+                lanes_of(def.precision)),
       colliders_(build_colliders(def.colliders)) {
   const Division division = divide(def, context);
   options_ = {.scheme = def.scheme,

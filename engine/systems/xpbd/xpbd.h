@@ -52,7 +52,7 @@ class Xpbd final : public StagedSystem {
 
   Vec3 gravity_, velocity_, wind_;
   double damping_[2];
-  bool youngs_;  // stiffnesses of links are moduli
+  bool youngs_;    // stiffnesses of links are moduli
   bool cosserat_;  // links are those of rods, whose moduli stay
   Precision precision_;
   Body body_;

@@ -84,11 +84,11 @@ void check_self_collision(const XpbdDef& d, const DefTable::Report& report) {
 }
 
 void check_def(const XpbdDef& d, const DefTable::Report& report) {
-  const int shapes = d.rope.has_value() + d.helix.has_value() + d.hair.has_value() + d.cloth_grid.has_value() + d.mesh.has_value() +
-                     d.block.has_value();
+  const int shapes = d.rope.has_value() + d.helix.has_value() + d.hair.has_value() +
+                     d.cloth_grid.has_value() + d.mesh.has_value() + d.block.has_value();
   if (shapes != 1) {
-    return report(
-        "", "give exactly one of rope, helix, hair, cloth_grid, mesh and block, not " + std::to_string(shapes));
+    return report("", "give exactly one of rope, helix, hair, cloth_grid, mesh and block, not " +
+                          std::to_string(shapes));
   }
   check_rigidities(d, report);
   check_rod(d, report);

@@ -29,8 +29,8 @@ struct RodDef {
   std::optional<double> width, height;  // m, along d1 and d2 of a rectangle; absent: round, of the thickness
   std::optional<double> torsion_constant;  // m^4
   enum class Natural : uint8_t { as_shaped, straight } natural = Natural::as_shaped;
-  double twist = 0;       // rad, from the first to the last section at the start
-  double twist_rate = 0;  // rad/s, of the clamped last section about the rod
+  double twist = 0;         // rad, from the first to the last section at the start
+  double twist_rate = 0;    // rad/s, of the clamped last section about the rod
   double damping_time = 0;  // s, internal: moments and forces of strain rates over those of strains
   Vec3 up{0, 1, 0};         // which d2 of the first section is next to
   std::vector<std::string> clamped;

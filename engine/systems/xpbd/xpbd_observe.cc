@@ -63,7 +63,8 @@ Vec3 Xpbd::rod_energies(const State& s) const {
     for (size_t j = 0; j <= rods_.links; ++j) {
       if (rods_.holds(j, w[p + j])) {
         const double l = rods_.joint_length(r, j);
-        const Vec3 o = bend_and_twist(frame(f + j), frame(f + j + 1), l) - rods_.rest[rods_.first_joint(r) + j];
+        const Vec3 o =
+            bend_and_twist(frame(f + j), frame(f + j + 1), l) - rods_.rest[rods_.first_joint(r) + j];
         out.y += 0.5 * l * (b.x * o.x * o.x + b.y * o.y * o.y), out.z += 0.5 * l * b.z * o.z * o.z;
       }
       if (j == rods_.links) break;
@@ -98,8 +99,8 @@ Energy Xpbd::energies(const State& s) const {
   }
   // Of chains by themselves alone what they store is what they were given: where sweeps do not converge in a
   // substep, stiff links are stretched by what is left, and that energy is none of the motion's.
-  const bool alone =
-      !cosserat_ && schedule_.chains.colours.size() == 1 && body_.rods.empty() && options_.scheme == Scheme::xpbd;
+  const bool alone = !cosserat_ && schedule_.chains.colours.size() == 1 && body_.rods.empty() &&
+                     options_.scheme == Scheme::xpbd;
   const bool driven = Columns::kHands.any(s) || !colliders_.empty() || folds_ || air_ || !alone;
   e.exchange = driven ? Energy::Exchange::open : Energy::Exchange::closed;
   return e;

@@ -64,8 +64,8 @@ Cost xpbd_cost(const void* def) {
   const bool chain = d.rope && d.scheme == Scheme::xpbd && d.sweep == Sweep::chains;
   const double lane = !chain ? 0 : single ? 28 * 7 : 48 * 3;
   const double scratch = chain && n.links > kShortChain ? 224 : 0;
-  // Of a rod's link frames, spins, what is packed of its strains (8 Wide numbers a strain's row) and its scratch,
-  // in whole lanes: of a single rod four times its own.
+  // Of a rod's link frames, spins, what is packed of its strains (8 Wide numbers a strain's row) and its
+  // scratch, in whole lanes: of a single rod four times its own.
   const double lanes = !d.rod ? 0 : d.hair ? 1 : 4, rod = d.rod ? n.links * (170 + 1200 * lanes) : 0;
   return {.state_bytes = 56 * n.points + (d.rod ? 56 * n.links : 0),
           .workspace_bytes = rod + (single ? 130 : 180) * n.points +
