@@ -195,6 +195,10 @@ Body build_body(const XpbdDef& def, const Vec3& down) {
   std::sort(out.pins.begin(), out.pins.end());
   out.pins.erase(std::unique(out.pins.begin(), out.pins.end()), out.pins.end());
 
+  out.capacity = out.x.size();
+  if (def.tear)
+    out.capacity += static_cast<size_t>(def.tear->most_splits.value_or(static_cast<int64_t>(out.x.size())));
+
   out.stiffness = {
       def.youngs_modulus.value_or(def.stiffness), def.youngs_modulus.value_or(def.shear_stiffness),
       def.rope || def.helix || def.hair ? def.bending_rigidity : def.flexural_rigidity, def.bulk_modulus};

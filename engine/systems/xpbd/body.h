@@ -47,6 +47,7 @@ struct Tetrahedron {
 
 struct Body {
   std::vector<Vec3> x;         ///< m
+  size_t capacity = 0;         ///< rows that there can be: points, and what comes of them by tearing
   std::vector<double> masses;  ///< kg
   std::vector<Link> links;
   std::vector<LinearBend<3>> rods;

@@ -15,36 +15,15 @@
 #include "engine/base/cache_line.h"
 #include "engine/collision/points/collider_set.h"
 #include "engine/core/system.h"
-#include "engine/core/user_forces.h"
 #include "engine/kernels/xpbd/chain.h"
 #include "engine/systems/xpbd/air_drag.h"
+#include "engine/systems/xpbd/columns.h"
 #include "engine/systems/xpbd/rod_solver.h"
 #include "engine/systems/xpbd/schedule.h"
 #include "engine/systems/xpbd/self_contacts.h"
+#include "engine/systems/xpbd/torn_links.h"
 
 namespace truestep::xpbd {
-
-/// Columns of the state, in the order in which they are added.
-struct XpbdColumns {
-  enum : State::Column {
-    position,
-    velocity,
-    inverse_mass,  ///< 1/kg, 0: held
-    stiffness,     ///< a row per Family
-    damping,       ///< N s/m: viscous, internal
-    gravity,       ///< m/s^2
-    drag_row,
-    drag_target,     ///< m
-    drag_stiffness,  ///< N/m
-    push_row,
-    push_force,      ///< N
-    push_remaining,  ///< s
-    tightness,       ///< 1/s^2, q / h^2 of the last substep (kernels/xpbd/chain.h)
-    wind,            ///< m/s; only where a scene gives one
-  };
-  static constexpr UserForces kHands{{push_row, push_force, push_remaining},
-                                     {drag_row, drag_target, drag_stiffness}};
-};
 
 struct SolverOptions {
   Scheme scheme = Scheme::xpbd;
@@ -66,6 +45,7 @@ struct SolverInput {
   const FoldSurface* folds;  ///< null: nothing meets itself
   const AirDrag* air;        ///< null: there is none
   const RodSet& rods;
+  const TearSurface* tears;  ///< null: nothing tears
 };
 
 /// Links of a chain up to which the scratch of a batch lies on the stack, in the first cache.
@@ -88,10 +68,13 @@ class Solver {
   T* lambda_of(Column<T>& lambda, size_t at) { return keeps_ ? lambda.data() + at : nullptr; }
   /// Of a constraint of stiffness k.
   double compliance(double k) const { return !soft_ ? 0 : k > 0 ? 1 / k : kIdle; }
+  /// Whether constants were packed for these corners of triangles.
+  bool same_corners(const SolverInput& what, const State& state);
   void prepare(const SolverInput& what, const State& state);
   static void resize(size_t entries, size_t points, size_t components, Set& out);
-  template <class Bends>
-  void pack_bends(const SetSchedule& schedule, const Bends& bends, double stiffness, Set& out) const;
+  template <class Bends, class Torn>
+  void pack_bends(const SetSchedule& schedule, const Bends& bends, double stiffness, const Torn& torn,
+                  Set& out) const;
   void pack_links(const SolverInput& what, const State& state);
   void load(const SolverInput& what, const State& state, const StepInput& in);
   /// What constraints are at the step's start.
@@ -120,8 +103,10 @@ class Solver {
   /// The longest way (m) that the body has put a point of its own back.
   double meet_self(const SolverInput& what, const State& state, const StepInput& in, double h);
 
+  size_t points_ = 0;  // of the state
   const Schedule* built_for_ = nullptr;
   std::vector<double> built_with_;  // stiffnesses, damping
+  std::vector<uint32_t> corners_;   // of a cloth that tears
   T relax_ = 1;
   bool soft_ = true;    // xpbd: constraints give way by their compliance
   bool keeps_ = false;  // multipliers, where there is more than one iteration
@@ -132,6 +117,8 @@ class Solver {
   std::vector<T> q_;  // per batch of chains
   Set rods_, hinges_, volumes_;
   std::vector<double> angle_lambda_;
+  std::vector<uint8_t> angle_torn_;
+  TornLinks<T> strands_;
   std::vector<ChainRow<T>, CacheLineAllocator<ChainRow<T>>> scratch_;
   std::vector<double> x_old_, v_old_, x_, v_, w_;  // for what collides
   std::vector<double> put_back_;                   // per block, m

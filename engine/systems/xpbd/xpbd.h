@@ -26,6 +26,7 @@ class Xpbd final : public StagedSystem {
   void check(StateCheck& check, double t) const override;
   void apply(State& state, const Command& command) const override;
   void draw(const State& state, double t, Wish wishes, Drawing& out) const override;
+  uint32_t drawing_version(const State& state) const override;
   Ports ports() const override;
   std::optional<double> limit(Limit which, const State& state, double h) const override;
   std::optional<Energy> energy(const State& state, double t, Workspace& workspace,
@@ -40,9 +41,13 @@ class Xpbd final : public StagedSystem {
 
  private:
   void name_parts();
+  /// kg, of every row.
+  std::span<const double> masses(const State& state) const;
+  size_t strands(size_t link) const { return tears_ ? tears_->sides(link) : 1; }
+  Strand strand(const State& state, size_t link, size_t side) const;
   void plan_stages(const XpbdDef& def, const std::string& why);
   void publish();
-  double strain(const double* x, const Link& link) const;
+  static double strain(const double* x, const Link& link, const Strand& strand);
   double elastic(const State& state) const;
   /// J, of stretch and shear, of bending, of twist.
   Vec3 rod_energies(const State& state) const;
@@ -57,6 +62,8 @@ class Xpbd final : public StagedSystem {
   Precision precision_;
   Body body_;
   RodSet rods_;
+  std::optional<TearSurface> tears_;
+  TearLimits tear_limits_;
   Schedule schedule_;
   SolverOptions options_;
   ColliderSet colliders_;

@@ -17,12 +17,13 @@ constexpr PointCommands kPoints({Columns::velocity, Columns::inverse_mass, Colum
 
 void Xpbd::apply(State& s, const Command& c) const {
   const auto stiffness = [&](size_t row) { return default_drag(s, row); };
-  if (!kPoints.apply(s, c, body_.masses, stiffness)) set_parameter(s, c);
+  if (!kPoints.apply(s, c, masses(s), stiffness)) set_parameter(s, c);
 }
 
 double Xpbd::default_drag(const State& s, size_t row) const {
   // As stiff as the stiffest link at the point, so that it follows the hand.
   double k = 0;
+  if (tears_) row = s.span<uint32_t>(tears_->columns.origin)[row];
   for (const Link& l : body_.links) {
     if (l.a != row && l.b != row) continue;
     k = std::max(k, s.f64(Columns::stiffness)[static_cast<size_t>(l.family)] * l.factor);

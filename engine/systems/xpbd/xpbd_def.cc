@@ -92,6 +92,7 @@ void check_def(const XpbdDef& d, const DefTable::Report& report) {
   }
   check_rigidities(d, report);
   check_rod(d, report);
+  check_tear(d, report);
   check_self_collision(d, report);
   if (d.scheme == Scheme::xpbd && d.projection != 1) {
     report("/projection", "only the scheme pbd has one; of xpbd give stiffness");
@@ -172,6 +173,7 @@ const DefTable& xpbd_table() {
             "thickness counts")
         .object("rod", &D::rod, rod_table(),
                 "makes Cosserat rods of rope, helix or hair: they stretch, shear, bend and twist")
+        .object("tear", &D::tear, tear_table(), "lets cloth tear: points split where links bear too much")
         .number("bulk_modulus", &D::bulk_modulus, "Pa", above(0), "of a block: pressure per change of volume")
         .number("bending_rigidity", &D::bending_rigidity, "N m^2", at_least(0),
                 "of a rope or hair: E I, moment per curvature; straight at rest")

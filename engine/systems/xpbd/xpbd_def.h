@@ -36,6 +36,12 @@ struct RodDef {
   std::vector<std::string> clamped;
 };
 
+/// Limits beyond which links between neighbours of a cloth give way; see tear_surface.h.
+struct TearDef {
+  std::optional<double> strain, force;  // 1, N
+  std::optional<int64_t> most_splits;   // default: the number of points
+};
+
 struct XpbdDef {
   std::optional<RopeShape> rope;
   std::optional<HelixShape> helix;
@@ -60,6 +66,7 @@ struct XpbdDef {
   std::vector<int64_t> pins;
   std::vector<std::string> pinned;
   std::optional<RodDef> rod;
+  std::optional<TearDef> tear;
   std::optional<Vec3> wind;  // m/s
   double gust = 0, gust_period = 2;
   double air_density = 1.2, drag_coefficient = 1.2;
@@ -81,6 +88,8 @@ const DefTable& xpbd_table();
 const DefTable& rod_table();
 /// What a rod and the rest of the scene say against each other.
 void check_rod(const XpbdDef& def, const DefTable::Report& report);
+const DefTable& tear_table();
+void check_tear(const XpbdDef& def, const DefTable::Report& report);
 /// Names of the ends that this shape's rods have.
 std::vector<std::string> clamp_names(const XpbdDef& def);
 const Outputs& xpbd_outputs();

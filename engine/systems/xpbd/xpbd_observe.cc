@@ -11,8 +11,8 @@ namespace truestep::xpbd {
 
 using Columns = XpbdColumns;
 
-double Xpbd::strain(const double* x, const Link& l) const {
-  return norm(load3(x, l.b) - load3(x, l.a)) / l.rest - 1;
+double Xpbd::strain(const double* x, const Link& l, const Strand& strand) {
+  return norm(load3(x, strand.b) - load3(x, strand.a)) / l.rest - 1;
 }
 
 double Xpbd::elastic(const State& s) const {
@@ -24,12 +24,22 @@ double Xpbd::elastic(const State& s) const {
     const Vec3 e = rod_energies(s);
     return e.x + e.y + e.z;
   }
-  for (const Link& l : body_.links) {
-    const double c = norm(load3(x, l.b) - load3(x, l.a)) - l.rest;
-    v += 0.5 * stiffness[static_cast<size_t>(l.family)] * l.factor * c * c;
+  for (size_t k = 0; k < body_.links.size(); ++k) {
+    const Link& l = body_.links[k];
+    for (size_t i = 0; i < strands(k); ++i) {
+      const Strand strand = this->strand(s, k, i);
+      const double c = norm(load3(x, strand.b) - load3(x, strand.a)) - l.rest;
+      v += 0.5 * stiffness[static_cast<size_t>(l.family)] * l.factor * strand.share * c * c;
+    }
   }
+  const auto torn = [&](const auto& points) {
+    return tears_ && std::any_of(points.begin(), points.end(), [&](uint32_t p) {
+             return tears_->split(s.span<uint32_t>(tears_->columns.corner), p);
+           });
+  };
   const auto add_linear = [&](const auto& bends) {
     for (const auto& b : bends) {
+      if (torn(b.points)) continue;
       Vec3 c;
       for (size_t i = 0; i < b.points.size(); ++i) c += load3(x, b.points[i]) * b.k[i];
       v += 0.5 * bending * b.factor * norm2(c);
@@ -38,6 +48,7 @@ double Xpbd::elastic(const State& s) const {
   add_linear(body_.rods);
   add_linear(body_.hinges);
   for (const AngleBend& b : body_.angles) {
+    if (torn(b.points)) continue;
     const auto& p = b.points;
     const Dihedral d = dihedral(load3(x, p[0]), load3(x, p[1]), load3(x, p[2]), load3(x, p[3]));
     const double c = turned(d.angle, b.rest);
@@ -78,12 +89,12 @@ Vec3 Xpbd::rod_energies(const State& s) const {
 
 Energy Xpbd::energies(const State& s) const {
   const double *x = s.f64(Columns::position).data(), *v = s.f64(Columns::velocity).data();
-  const auto w = s.f64(Columns::inverse_mass);
+  const auto w = s.f64(Columns::inverse_mass), masses = this->masses(s);
   const Vec3 g = load3(s.f64(Columns::gravity).data(), 0);
   Energy e;
   for (size_t i = 0; i < w.size(); ++i) {
-    if (w[i] > 0) e.kinetic += 0.5 * body_.masses[i] * norm2(load3(v, i));
-    e.potential -= body_.masses[i] * dot(g, load3(x, i));
+    if (w[i] > 0) e.kinetic += 0.5 * masses[i] * norm2(load3(v, i));
+    e.potential -= masses[i] * dot(g, load3(x, i));
   }
   if (options_.scheme == Scheme::xpbd) e.potential += elastic(s);
   for (size_t r = 0; r < rods_.rods; ++r) {
@@ -116,7 +127,7 @@ std::optional<double> Xpbd::limit(Limit which, const State&, double) const {
 
 void Xpbd::observe(const State& s, double, Observables& out) const {
   const double *x = s.f64(Columns::position).data(), *v = s.f64(Columns::velocity).data();
-  const auto w = s.f64(Columns::inverse_mass);
+  const auto w = s.f64(Columns::inverse_mass), masses = this->masses(s);
   const Energy e = energies(s);
   out.add("energy.kinetic", e.kinetic, "J");
   if (options_.scheme == Scheme::xpbd) {
@@ -136,7 +147,7 @@ void Xpbd::observe(const State& s, double, Observables& out) const {
       ++pins;
       continue;
     }
-    const Vec3 mv = body_.masses[i] * load3(v, i);
+    const Vec3 mv = masses[i] * load3(v, i);
     p += mv, l += cross(load3(x, i), mv);
   }
   for (size_t f = 0; f < rods_.frames.size(); ++f) {
@@ -154,29 +165,45 @@ void Xpbd::observe(const State& s, double, Observables& out) const {
   out.add("angular_momentum.z", l.z, "kg m^2/s");
   double largest = 0, squares = 0;
   size_t count = 0;
-  for (const Link& link : body_.links) {
-    if (link.family != Family::structural) continue;
-    const double c = std::abs(strain(x, link));
-    largest = std::max(largest, c), squares += c * c, ++count;
+  for (size_t k = 0; k < body_.links.size(); ++k) {
+    if (body_.links[k].family != Family::structural) continue;
+    for (size_t i = 0; i < strands(k); ++i) {
+      const Strand strand = this->strand(s, k, i);
+      if (!(strand.share > 0)) continue;
+      const double c = std::abs(strain(x, body_.links[k], strand));
+      largest = std::max(largest, c), squares += c * c, ++count;
+    }
   }
   out.add("strain.max", largest, "1");
   out.add("strain.rms", count > 0 ? std::sqrt(squares / static_cast<double>(count)) : 0, "1");
   out.add("pins", static_cast<double>(pins), "1");
+  if (tears_) out.add("splits", static_cast<double>(w.size() - body_.x.size()), "1");
 }
 
 FieldView Xpbd::field(const State& s, size_t part, size_t which, std::vector<double>& scratch) const {
   const double* x = s.f64(Columns::position).data();
-  const size_t n = body_.x.size();
+  const size_t n = s.rows(Columns::position);
   if (part == 1) {
-    scratch.resize(body_.links.size());
-    for (size_t k = 0; k < scratch.size(); ++k) scratch[k] = strain(x, body_.links[k]);
+    scratch.assign(body_.links.size(), 0);
+    for (size_t k = 0; k < scratch.size(); ++k) {
+      for (size_t i = 0; i < strands(k); ++i) {
+        const Strand strand = this->strand(s, k, i);
+        if (!(strand.share > 0)) continue;
+        const double c = strain(x, body_.links[k], strand);
+        if (std::abs(c) >= std::abs(scratch[k])) scratch[k] = c;
+      }
+    }
     return {scratch.data(), Scalar::f64, scratch.size(), 1};
   }
   if (which < 2) return {s.f64(which == 0 ? Columns::position : Columns::velocity).data(), Scalar::f64, n, 3};
   scratch.assign(n, 0);
-  for (const Link& l : body_.links) {
-    const double c = std::abs(strain(x, l));
-    for (const uint32_t p : {l.a, l.b}) scratch[p] = std::max(scratch[p], c);
+  for (size_t k = 0; k < body_.links.size(); ++k) {
+    for (size_t i = 0; i < strands(k); ++i) {
+      const Strand strand = this->strand(s, k, i);
+      if (!(strand.share > 0)) continue;
+      const double c = std::abs(strain(x, body_.links[k], strand));
+      for (const uint32_t p : {strand.a, strand.b}) scratch[p] = std::max(scratch[p], c);
+    }
   }
   return {scratch.data(), Scalar::f64, n, 1};
 }
