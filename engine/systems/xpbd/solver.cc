@@ -7,6 +7,7 @@
 #include "engine/kernels/air.h"
 #include "engine/kernels/xpbd/dihedral.h"
 #include "engine/kernels/xpbd/linear.h"
+#include "engine/kernels/xpbd/neo_hookean.h"
 #include "engine/kernels/xpbd/volume.h"
 
 namespace truestep::xpbd {
@@ -145,6 +146,7 @@ double Solver<T>::iterate(const SolverInput& what, const State& s, const StepInp
   std::fill(angle_lambda_.begin(), angle_lambda_.end(), 0);
   cosserat_.forget_multipliers();
   strands_.forget_multipliers();
+  matcher_.forget_multipliers();
   const double bending = stiffness_of(s.f64(Columns::stiffness), Family::bending);
   for (int k = 0; k < what.options.iterations; ++k) {
     each_batch(schedule.rods, in, [&](size_t b) {
@@ -167,11 +169,23 @@ double Solver<T>::iterate(const SolverInput& what, const State& s, const StepInp
                         angle_lambda_[b]);
     });
     each_batch(schedule.volumes, in, [&](size_t b) {
+      if (what.options.poisson_ratio) {
+        const T ratio = static_cast<T>(1 - 2 * *what.options.poisson_ratio);
+        solve_neo_hookean<T>(
+            {schedule.volumes.points.data() + 4 * lanes * b, volumes_.k.data() + 9 * lanes * b,
+             volumes_.compliance.data() + lanes * b, ratio, lambda_of(volumes_.lambda, 2 * lanes * b),
+             volumes_.base.data() + 9 * lanes * b},
+            per, rows);
+        return;
+      }
       solve_volumes<T>({schedule.volumes.points.data() + 4 * lanes * b, volumes_.rest.data() + lanes * b,
                         volumes_.compliance.data() + lanes * b, lambda_of(volumes_.lambda, lanes * b),
                         volumes_.base.data() + 9 * lanes * b},
                        per, relax_, rows);
     });
+    if (!what.matches.empty()) {
+      matcher_.solve(what.matches, s.f64(Columns::position).data(), h, relax_, rows, in.arena);
+    }
     if (k == 0) hold_drags(s, h);
     const T strands = what.tears ? strands_.solve(per, before_.data(), relax_, rows, in.arena) : T(0);
     q = std::max<double>(strands, solve_chain_colours(what, in, h));

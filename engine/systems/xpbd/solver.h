@@ -9,6 +9,7 @@
 // Numbers inside are T, displacements since the step's start: floats of them resolve what gravity adds in a
 // substep, h^2 g, which floats of places do not.
 #pragma once
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -18,6 +19,7 @@
 #include "engine/kernels/xpbd/chain.h"
 #include "engine/systems/xpbd/air_drag.h"
 #include "engine/systems/xpbd/columns.h"
+#include "engine/systems/xpbd/match_solver.h"
 #include "engine/systems/xpbd/rod_solver.h"
 #include "engine/systems/xpbd/schedule.h"
 #include "engine/systems/xpbd/self_contacts.h"
@@ -30,8 +32,9 @@ struct SolverOptions {
   int substeps = 1, iterations = 1;
   enum class Division : uint8_t { fixed, by_tension } division = Division::fixed;
   double projection = 1;
-  double radius = 0;         ///< m, kept from colliders
-  double shortest_link = 1;  ///< m
+  std::optional<double> poisson_ratio;  ///< of tetrahedra that are elastic; absent: their volume is kept
+  double radius = 0;                    ///< m, kept from colliders
+  double shortest_link = 1;             ///< m
   SelfOptions self;
 };
 
@@ -46,6 +49,7 @@ struct SolverInput {
   const AirDrag* air;        ///< null: there is none
   const RodSet& rods;
   const TearSurface* tears;  ///< null: nothing tears
+  const MatchSet& matches;
 };
 
 /// Links of a chain up to which the scratch of a batch lies on the stack, in the first cache.
@@ -81,6 +85,7 @@ class Solver {
   void load_chains(const SolverInput& what, const double* x, const StepInput& in);
   template <class Bends>
   void load_bends(const SetSchedule& schedule, const Bends& bends, const double* x, Set& out) const;
+  void pack_volumes(const SolverInput& what, const State& state);
   void load_volumes(const SolverInput& what, const double* x);
   void store(const SolverInput& what, State& state, const StepInput& in) const;
   void remember_velocities(const StepInput& in);
@@ -124,6 +129,7 @@ class Solver {
   std::vector<double> put_back_;                   // per block, m
   SelfContacts self_;
   RodSolver cosserat_;
+  MatchSolver matcher_;
   std::vector<Vec3> blows_;  // N s, per triangle
 };
 

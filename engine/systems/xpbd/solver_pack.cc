@@ -60,6 +60,32 @@ void Solver<T>::pack_links(const SolverInput& what, const State& s) {
 }
 
 template <class T>
+void Solver<T>::pack_volumes(const SolverInput& what, const State& s) {
+  const SetSchedule& schedule = what.schedule.volumes;
+  constexpr auto kLanes = static_cast<size_t>(Wide<T>::kLanes);
+  const double modulus = stiffness_of(s.f64(Columns::stiffness), Family::volume);
+  const std::optional<double>& nu = what.options.poisson_ratio;
+  resize(schedule.member.size(), 0, 1, volumes_);
+  // Of an elastic tetrahedron the inverse of its edges is kept in k, and it has two multipliers.
+  volumes_.k.assign(nu ? 9 * schedule.member.size() : 0, T(0));
+  volumes_.lambda.resize((nu ? 2 : 1) * schedule.member.size());
+  for (size_t e = 0; e < schedule.member.size(); ++e) {
+    const uint32_t member = schedule.member[e];
+    const double rest = member == kNobody ? 1 : what.body.tetrahedra[member].rest;
+    volumes_.rest[e] = static_cast<T>(rest);
+    if (!nu) {
+      volumes_.compliance[e] = static_cast<T>(compliance(modulus / rest));
+      continue;
+    }
+    volumes_.compliance[e] = static_cast<T>(2 * (1 + *nu) / (modulus * rest));
+    for (size_t i = 0; i < 9 && member != kNobody; ++i) {
+      volumes_.k[9 * (e - e % kLanes) + i * kLanes + e % kLanes] =
+          static_cast<T>(what.body.tetrahedra[member].inverse.m[i]);
+    }
+  }
+}
+
+template <class T>
 bool Solver<T>::same_corners(const SolverInput& what, const State& s) {
   if (!what.tears) return true;
   const auto corners = s.span<uint32_t>(what.tears->columns.corner);
@@ -112,13 +138,8 @@ void Solver<T>::prepare(const SolverInput& what, const State& s) {
     strands_.pack(*what.tears, what.body, schedule, s, {stiffness, damping[1], soft_, keeps_});
   }
 
-  resize(schedule.volumes.member.size(), 0, 1, volumes_);
-  for (size_t e = 0; e < schedule.volumes.member.size(); ++e) {
-    const uint32_t member = schedule.volumes.member[e];
-    const double rest = member == kNobody ? 1 : what.body.tetrahedra[member].rest;
-    volumes_.rest[e] = static_cast<T>(rest);
-    volumes_.compliance[e] = static_cast<T>(compliance(stiffness_of(stiffness, Family::volume) / rest));
-  }
+  pack_volumes(what, s);
+  matcher_.prepare(what.matches, keeps_);
   if (what.colliders.empty() && !what.folds) return;
   for (auto* column : {&x_old_, &v_old_, &x_, &v_}) column->resize(3 * what.body.capacity);
   w_.resize(what.body.capacity);
@@ -192,6 +213,7 @@ void Solver<T>::load(const SolverInput& what, const State& s, const StepInput& i
   load_volumes(what, x);
 }
 
+template void Solver<float>::pack_volumes(const SolverInput&, const State&);
 template bool Solver<float>::same_corners(const SolverInput&, const State&);
 template void Solver<float>::resize(size_t, size_t, size_t, Set&);
 template void Solver<float>::pack_links(const SolverInput&, const State&);
@@ -199,6 +221,7 @@ template void Solver<float>::prepare(const SolverInput&, const State&);
 template void Solver<float>::load_chains(const SolverInput&, const double*, const StepInput&);
 template void Solver<float>::load_volumes(const SolverInput&, const double*);
 template void Solver<float>::load(const SolverInput&, const State&, const StepInput&);
+template void Solver<double>::pack_volumes(const SolverInput&, const State&);
 template bool Solver<double>::same_corners(const SolverInput&, const State&);
 template void Solver<double>::resize(size_t, size_t, size_t, Set&);
 template void Solver<double>::pack_links(const SolverInput&, const State&);

@@ -40,9 +40,15 @@ RodSet make_rods(const XpbdDef& def, const Body& body) {
   return build_rods(def, body.x, links, link_mass);
 }
 
-/// Links of rods are solved with their frames.
-Body without_links(Body body) {
-  body.links.clear();
+bool is_elastic(const XpbdDef& def) {
+  return def.block && def.youngs_modulus;
+}
+
+/// What is solved by itself. Links of rods are solved with their frames; of what is matched or elastic they
+/// are edges alone.
+Body solved(Body body, const XpbdDef& def) {
+  if (def.rod || def.matching || is_elastic(def)) body.links.clear();
+  if (def.matching) body.tetrahedra.clear();
   return body;
 }
 
@@ -69,12 +75,14 @@ Xpbd::Xpbd(const XpbdDef& def, const BuildContext& context)
       wind_(def.wind.value_or(Vec3{})),
       damping_{def.damping, def.internal_damping},
       youngs_(def.youngs_modulus.has_value()),
+      elastic_(is_elastic(def)),
       cosserat_(def.rod.has_value()),
       precision_(def.precision),
       body_(build_body(def, normalized(context.gravity, {0, -1, 0}))),
       rods_(make_rods(def, body_)),
+      matches_(def.matching ? build_matches(*def.matching, body_) : MatchSet{}),
       tears_(def.tear ? std::optional<TearSurface>(body_) : std::nullopt),
-      schedule_(def.rod ? without_links(body_) : body_, def.scheme == Scheme::pbd ? Sweep::links : def.sweep,
+      schedule_(solved(body_, def), def.scheme == Scheme::pbd ? Sweep::links : def.sweep,
                 lanes_of(def.precision), tears_ ? &*tears_ : nullptr),
       colliders_(build_colliders(def.colliders)) {
   const Division division = divide(def, context);
@@ -86,6 +94,7 @@ Xpbd::Xpbd(const XpbdDef& def, const BuildContext& context)
               .radius = 0.5 * def.thickness,
               .shortest_link = shortest_link(body_),
               .self = {.thickness = def.thickness, .friction = def.self_friction}};
+  if (elastic_) options_.poisson_ratio = def.poisson_ratio.value_or(0.3);
   if (def.self_collision) folds_.emplace(body_);
   if (def.wind) {
     const AirOptions air{0.5 * def.air_density * def.drag_coefficient, def.gust, def.gust_period};
@@ -143,13 +152,18 @@ void Xpbd::plan_stages(const XpbdDef& def, const std::string& why) {
                                folds_ ? &*folds_ : nullptr,
                                air_ ? &*air_ : nullptr,
                                rods_,
-                               tears_ ? &*tears_ : nullptr};
+                               tears_ ? &*tears_ : nullptr,
+                               matches_};
         if (precision_ == Precision::f32) {
           in.workspace.object<Solver<float>>("xpbd.solver").step(what, s, in);
         } else {
           in.workspace.object<Solver<double>>("xpbd.solver").step(what, s, in);
         }
       });
+  if (!matches_.empty()) {
+    skip_stage("links", std::to_string(matches_.groups()) + " bodies are drawn to their shapes as a whole");
+  }
+  if (elastic_) skip_stage("links", "tetrahedra have a material");
   if (tears_) {
     add_stage("tear",
               "links of " + std::to_string(body_.triangles.size()) + " triangles are looked at; at most " +
@@ -242,7 +256,8 @@ State Xpbd::initial_state() const {
   }
   for (size_t i = 0; i < n; ++i) {
     store3(s.f64(Columns::position).data(), i, body_.x[i]);
-    store3(s.f64(Columns::velocity).data(), i, velocity_);
+    const Vec3 own = body_.velocities.empty() ? Vec3{} : body_.velocities[i];
+    store3(s.f64(Columns::velocity).data(), i, velocity_ + own);
     s.f64(Columns::inverse_mass)[i] = 1 / body_.masses[i];
   }
   for (const uint32_t p : body_.pins) {

@@ -58,10 +58,12 @@ class Xpbd final : public StagedSystem {
   Vec3 gravity_, velocity_, wind_;
   double damping_[2];
   bool youngs_;    // stiffnesses of links are moduli
+  bool elastic_;   // tetrahedra are of a material, and there are no links
   bool cosserat_;  // links are those of rods, whose moduli stay
   Precision precision_;
   Body body_;
   RodSet rods_;
+  MatchSet matches_;
   std::optional<TearSurface> tears_;
   TearLimits tear_limits_;
   Schedule schedule_;

@@ -46,8 +46,12 @@ void Xpbd::set_parameter(State& s, const Command& c) const {
   const bool rods = !body_.rods.empty() && body_.triangles.empty();
   const bool plates =
       !body_.triangles.empty() && !(body_.rods.empty() && body_.hinges.empty() && body_.angles.empty());
+  if (!matches_.empty() && (c.name == "stiffness" || c.name == "bulk_modulus")) {
+    refuse_command("name", "unknown_parameter", "what is matched has neither links nor volumes");
+  }
   if (c.name == "stiffness") return set(Family::structural, !youngs_);
   if (c.name == "shear_stiffness") return set(Family::shear, !youngs_ && has(Family::shear));
+  if (elastic_ && c.name == "youngs_modulus") return set(Family::volume, true);
   if (c.name == "youngs_modulus") {
     set(Family::structural, youngs_);
     stiffness[static_cast<size_t>(Family::shear)] = c.value;
@@ -55,7 +59,7 @@ void Xpbd::set_parameter(State& s, const Command& c) const {
   }
   if (c.name == "bending_rigidity") return set(Family::bending, rods);
   if (c.name == "flexural_rigidity") return set(Family::bending, plates);
-  if (c.name == "bulk_modulus") return set(Family::volume, !body_.tetrahedra.empty());
+  if (c.name == "bulk_modulus") return set(Family::volume, !body_.tetrahedra.empty() && !elastic_);
   if (c.name == "wind") {
     if (!air_)
       refuse_command("name", "unknown_parameter", "this scene has no air",

@@ -34,11 +34,11 @@ void check_rigidities(const XpbdDef& d, const DefTable::Report& report) {
   if (d.flexural_rigidity > 0 && !d.cloth_grid && !d.mesh) {
     report("/flexural_rigidity", "only cloth has one; of ropes and hair it is bending_rigidity");
   }
-  if (d.youngs_modulus && (d.mesh || d.block)) {
-    report("/youngs_modulus",
-           "only ropes, hair and cloth grids have one; of a mesh or a block give stiffness");
+  if (d.youngs_modulus && d.mesh) {
+    report("/youngs_modulus", "only ropes, hair, cloth grids and blocks have one; of a mesh give stiffness");
   }
-  if (d.youngs_modulus && !(d.thickness > 0)) report("/youngs_modulus", "needs a thickness above 0");
+  if (d.youngs_modulus && !d.block && !(d.thickness > 0))
+    report("/youngs_modulus", "needs a thickness above 0");
   if (!d.cloth_grid || (!(d.flexural_rigidity > 0) && !d.youngs_modulus)) return;
   if (const char* fault = plate_fault(*d.cloth_grid)) {
     report(d.youngs_modulus ? "/youngs_modulus" : "/flexural_rigidity", fault);
@@ -93,6 +93,7 @@ void check_def(const XpbdDef& d, const DefTable::Report& report) {
   check_rigidities(d, report);
   check_rod(d, report);
   check_tear(d, report);
+  check_soft(d, report);
   check_self_collision(d, report);
   if (d.scheme == Scheme::xpbd && d.projection != 1) {
     report("/projection", "only the scheme pbd has one; of xpbd give stiffness");
@@ -135,16 +136,17 @@ XpbdCounts xpbd_counts(const XpbdDef& d) {
                                                                         : 0;
     return {points, points * (2 + diagonals), d.flexural_rigidity > 0 ? 4 * points : 0, 0};
   }
+  const double copies = std::max<double>(1, static_cast<double>(d.copies.size()));
   if (d.mesh) {
-    const double triangles = static_cast<double>(d.mesh->triangles.size()) / 3;
-    return {static_cast<double>(d.mesh->vertices.size()), 3 * triangles,
+    const double triangles = copies * static_cast<double>(d.mesh->triangles.size()) / 3;
+    return {copies * static_cast<double>(d.mesh->vertices.size()), 3 * triangles,
             d.flexural_rigidity > 0 ? 1.5 * triangles : 0, 0};
   }
   if (d.block) {
     const SoftBlockShape& b = *d.block;
     const double cells = static_cast<double>(b.cells_x) * b.cells_y * b.cells_z;
     const double points = (b.cells_x + 1.0) * (b.cells_y + 1.0) * (b.cells_z + 1.0);
-    return {points, 6 * points, 0, 5 * cells};
+    return {copies * points, copies * 6 * points, 0, copies * 5 * cells};
   }
   return {};
 }
@@ -169,10 +171,16 @@ const DefTable& xpbd_table() {
                 "of a diagonal link of a cloth grid; 0: there are none")
         .number(
             "youngs_modulus", &D::youngs_modulus, "Pa", above(0),
-            "in place of both: of a rope or hair of round section, of a cloth grid with Poisson ratio 1/3; "
-            "thickness counts")
+            "in place of both: of a rope or hair of round section, of a cloth grid with Poisson ratio 1/3, "
+            "where thickness counts; of a block, which is then stable Neo-Hookean")
+        .number("poisson_ratio", &D::poisson_ratio, "1", between(-0.9, 0.4999),
+                "of a block with youngs_modulus; default 0.3")
         .object("rod", &D::rod, rod_table(),
                 "makes Cosserat rods of rope, helix or hair: they stretch, shear, bend and twist")
+        .objects("copies", &D::copies, copy_table(), {0, 10'000},
+                 "bodies of the mesh or block in place of one; rows come body after body")
+        .object("matching", &D::matching, match_table(),
+                "in place of links and volumes: shape matching of mesh or block")
         .object("tear", &D::tear, tear_table(), "lets cloth tear: points split where links bear too much")
         .number("bulk_modulus", &D::bulk_modulus, "Pa", above(0), "of a block: pressure per change of volume")
         .number("bending_rigidity", &D::bending_rigidity, "N m^2", at_least(0),

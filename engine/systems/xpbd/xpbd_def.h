@@ -42,6 +42,18 @@ struct TearDef {
   std::optional<int64_t> most_splits;   // default: the number of points
 };
 
+/// One more body of a shape: turned about the origin, then moved.
+struct CopyDef {
+  Vec3 position, axis{0, 0, 1}, velocity;  // m, -, m/s
+  double angle = 0;                        // rad
+};
+
+/// Shape matching; see kernels/xpbd/shape_match.h.
+struct MatchDef {
+  std::optional<double> frequency;  // Hz; absent: rigid
+  double linear = 0;
+};
+
 struct XpbdDef {
   std::optional<RopeShape> rope;
   std::optional<HelixShape> helix;
@@ -49,6 +61,7 @@ struct XpbdDef {
   std::optional<ClothGridShape> cloth_grid;
   std::optional<MeshShape> mesh;
   std::optional<SoftBlockShape> block;
+  std::vector<CopyDef> copies;  // of mesh and block
 
   double mass = 0.01;             // kg per point
   std::optional<double> density;  // kg/m, kg/m^2 or kg/m^3, instead of mass
@@ -56,6 +69,7 @@ struct XpbdDef {
   double stiffness = 10000;  // N/m
   double shear_stiffness = 1000;
   std::optional<double> youngs_modulus;  // Pa, instead of both
+  std::optional<double> poisson_ratio;   // of an elastic block
   double bulk_modulus = 1e5;             // Pa, of a block
   double bending_rigidity = 0;           // N m^2, EI of a rope or hair
   double flexural_rigidity = 0;          // N m, D of cloth
@@ -67,6 +81,7 @@ struct XpbdDef {
   std::vector<std::string> pinned;
   std::optional<RodDef> rod;
   std::optional<TearDef> tear;
+  std::optional<MatchDef> matching;
   std::optional<Vec3> wind;  // m/s
   double gust = 0, gust_period = 2;
   double air_density = 1.2, drag_coefficient = 1.2;
@@ -88,6 +103,10 @@ const DefTable& xpbd_table();
 const DefTable& rod_table();
 /// What a rod and the rest of the scene say against each other.
 void check_rod(const XpbdDef& def, const DefTable::Report& report);
+const DefTable& copy_table();
+const DefTable& match_table();
+/// What copies, matching and the material of a block say against each other.
+void check_soft(const XpbdDef& def, const DefTable::Report& report);
 const DefTable& tear_table();
 void check_tear(const XpbdDef& def, const DefTable::Report& report);
 /// Names of the ends that this shape's rods have.

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "engine/kernels/xpbd/dihedral.h"
+#include "engine/kernels/xpbd/neo_hookean.h"
 #include "engine/kernels/xpbd/volume.h"
 #include "engine/systems/xpbd/xpbd.h"
 
@@ -24,7 +25,8 @@ double Xpbd::elastic(const State& s) const {
     const Vec3 e = rod_energies(s);
     return e.x + e.y + e.z;
   }
-  for (size_t k = 0; k < body_.links.size(); ++k) {
+  if (!matches_.empty()) return matches_.energy(x);
+  for (size_t k = 0; k < body_.links.size() && !elastic_; ++k) {
     const Link& l = body_.links[k];
     for (size_t i = 0; i < strands(k); ++i) {
       const Strand strand = this->strand(s, k, i);
@@ -56,6 +58,14 @@ double Xpbd::elastic(const State& s) const {
   }
   for (const Tetrahedron& t : body_.tetrahedra) {
     const auto& p = t.points;
+    if (elastic_) {
+      const double nu = *options_.poisson_ratio;
+      const double mu = 0.5 * stiffness[static_cast<size_t>(Family::volume)] / (1 + nu);
+      const Vec3 o = load3(x, p[0]), a = load3(x, p[1]) - o, b = load3(x, p[2]) - o, c = load3(x, p[3]) - o;
+      const Mat3 edges{{a.x, b.x, c.x, a.y, b.y, c.y, a.z, b.z, c.z}};
+      v += neo_hookean_energy(edges * t.inverse, t.rest, mu, 1 - 2 * nu);
+      continue;
+    }
     const double c = volume(load3(x, p[0]), load3(x, p[1]), load3(x, p[2]), load3(x, p[3])) - t.rest;
     v += 0.5 * stiffness[static_cast<size_t>(Family::volume)] / t.rest * c * c;
   }
@@ -110,8 +120,8 @@ Energy Xpbd::energies(const State& s) const {
   }
   // Of chains by themselves alone what they store is what they were given: where sweeps do not converge in a
   // substep, stiff links are stretched by what is left, and that energy is none of the motion's.
-  const bool alone = !cosserat_ && schedule_.chains.colours.size() == 1 && body_.rods.empty() &&
-                     options_.scheme == Scheme::xpbd;
+  const bool alone = !cosserat_ && matches_.empty() && !elastic_ && schedule_.chains.colours.size() == 1 &&
+                     body_.rods.empty() && options_.scheme == Scheme::xpbd;
   const bool driven = Columns::kHands.any(s) || !colliders_.empty() || folds_ || air_ || !alone;
   e.exchange = driven ? Energy::Exchange::open : Energy::Exchange::closed;
   return e;
@@ -176,6 +186,14 @@ void Xpbd::observe(const State& s, double, Observables& out) const {
   }
   out.add("strain.max", largest, "1");
   out.add("strain.rms", count > 0 ? std::sqrt(squares / static_cast<double>(count)) : 0, "1");
+  if (!body_.tetrahedra.empty()) {
+    double volumes = 0;
+    for (const Tetrahedron& t : body_.tetrahedra) {
+      const auto& q = t.points;
+      volumes += volume(load3(x, q[0]), load3(x, q[1]), load3(x, q[2]), load3(x, q[3]));
+    }
+    out.add("volume", volumes, "m^3");
+  }
   out.add("pins", static_cast<double>(pins), "1");
   if (tears_) out.add("splits", static_cast<double>(w.size() - body_.x.size()), "1");
 }

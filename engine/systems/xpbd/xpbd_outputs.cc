@@ -33,6 +33,7 @@ const Outputs& xpbd_outputs() {
                       {"strain.max", "1", "largest |length / rest length - 1| of links between neighbours"},
                       {"strain.rms", "1", "root of the mean square of the same"},
                       {"pins", "1", "points that are held"},
+                      {"volume", "m^3", "of all tetrahedra of blocks"},
                       {"splits", "1", "points that tearing has split off; with tear alone"}}};
   return kOutputs;
 }
@@ -72,13 +73,15 @@ Cost xpbd_cost(const void* def) {
   // of them.
   const double splits =
       !d.tear ? 0 : static_cast<double>(d.tear->most_splits.value_or(static_cast<int64_t>(n.points)));
+  const double soft = (d.matching ? 90 * n.points : 0) + (d.block && d.youngs_modulus ? 90 * n.volumes : 0);
   const double tears = d.tear ? 250 * splits + (single ? 160 : 260) * 2 * n.links : 0;
   return {
       .state_bytes = 56 * n.points + (d.rod ? 56 * n.links : 0) + (d.tear ? 68 * splits + 36 * n.points : 0),
-      .workspace_bytes =
-          rod + tears + (single ? 130 : 180) * n.points + ((single ? 85 : 105) + lane + scratch) * n.links +
-          (single ? 130 : 175) * (n.bends + n.volumes) + (collides || d.self_collision ? 104 * n.points : 0) +
-          (d.self_collision ? 2100 * n.points : 0) + (d.wind ? 48 * n.points : 0),
+      .workspace_bytes = rod + tears + soft + (single ? 130 : 180) * n.points +
+                         ((single ? 85 : 105) + lane + scratch) * n.links +
+                         (single ? 130 : 175) * (n.bends + n.volumes) +
+                         (collides || d.self_collision ? 104 * n.points : 0) +
+                         (d.self_collision ? 2100 * n.points : 0) + (d.wind ? 48 * n.points : 0),
       .elements = n.points + constraints,
       .seconds_per_step =
           substeps_of(d, n.points) *
