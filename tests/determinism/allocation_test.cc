@@ -124,6 +124,31 @@ TEST(Allocation, ClothThatTearsAllocatesNothingAfterTheFirstStep) {
   }
 }
 
+TEST(Allocation, SoftBlocksAllocateNothingAfterTheFirstStep) {
+  for (const bool matched : {true, false}) {
+    xpbd::XpbdDef d;
+    d.block.emplace(), d.copies.resize(2), d.copies[1].position = {3, 0, 0};
+    d.iterations = 2;
+    if (matched) {
+      d.matching = xpbd::MatchDef{.frequency = 3, .linear = 0.5};
+    } else {
+      d.youngs_modulus = 1e4;
+    }
+    const auto system = xpbd::build_xpbd(&d, {});
+    State s = system->initial_state();
+    Workspace workspace;
+    const ThreadArena arena(1);
+    uint64_t later = 0;
+    for (uint64_t n = 0; n < 10; ++n) {
+      const uint64_t before = allocations;
+      system->step(s,
+                   {.t = double(n) / 60, .h = 1.0 / 60, .step = n, .workspace = workspace, .arena = arena});
+      if (n > 0) later += allocations - before;
+    }
+    EXPECT_EQ(later, 0u);
+  }
+}
+
 TEST(Allocation, TreesOfLinksAllocateNothingAfterTheFirstStep) {
   ArticulationDef d;
   LinkDef link;
