@@ -68,12 +68,13 @@ Cost xpbd_cost(const void* def) {
   const double scratch = chain && n.links > kShortChain ? 224 : 0;
   // Of a rod's link frames, spins, what is packed of its strains (8 Wide numbers a strain's row) and its
   // scratch, in whole lanes: of a single rod four times its own.
-  const double lanes = !d.rod ? 0 : d.hair ? 1 : 4, rod = d.rod ? n.links * (170 + 1200 * lanes) : 0;
+  const double lanes = !d.rod ? 0 : d.hair ? 1 : 4, rod = d.rod ? n.links * (170 + 620 * lanes) : 0;
   // Of cloth that tears: rows of what may be split off, corners, and two strands a link with what is packed
   // of them.
   const double splits =
       !d.tear ? 0 : static_cast<double>(d.tear->most_splits.value_or(static_cast<int64_t>(n.points)));
-  const double soft = (d.matching ? 90 * n.points : 0) + (d.block && d.youngs_modulus ? 90 * n.volumes : 0);
+  const bool elastic = d.block && d.youngs_modulus;
+  const double soft = (d.matching ? 90 * n.points : 0) + (elastic ? 90 * n.volumes : 0);
   const double tears = d.tear ? 250 * splits + (single ? 160 : 260) * 2 * n.links : 0;
   return {
       .state_bytes = 56 * n.points + (d.rod ? 56 * n.links : 0) + (d.tear ? 68 * splits + 36 * n.points : 0),
@@ -86,7 +87,11 @@ Cost xpbd_cost(const void* def) {
       .seconds_per_step =
           substeps_of(d, n.points) *
           (3e-9 * n.points + (collides ? 2e-8 * n.points : 0) + (d.self_collision ? 1e-6 * n.points : 0) +
-           (d.wind ? 6e-8 * n.points : 0) + iterations * (single ? 4e-9 : 8e-9) * constraints)};
+           (d.wind ? 6e-8 * n.points : 0) + iterations * (d.rod ? 1.3e-7 : 0) * n.links +
+           iterations * (d.matching ? 3e-8 * n.points
+                         : elastic  ? 2e-8 * n.volumes
+                                    : 0) +
+           iterations * (single ? 4e-9 : 8e-9) * constraints)};
 }
 
 }  // namespace truestep::xpbd
