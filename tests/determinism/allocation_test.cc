@@ -104,6 +104,54 @@ TEST(Allocation, PositionBasedStepsAllocateNothingAfterTheFirst) {
   }
 }
 
+TEST(Allocation, ClothThatTearsAllocatesNothingAfterTheFirstStep) {
+  for (const xpbd::Precision precision : {xpbd::Precision::f64, xpbd::Precision::f32}) {
+    xpbd::XpbdDef d;
+    d.cloth_grid.emplace();
+    d.flexural_rigidity = 1e-4, d.internal_damping = 1e-2, d.iterations = 2, d.precision = precision;
+    d.stiffness = 10, d.pinned = {"edge_v0"}, d.tear = xpbd::TearDef{.strain = 0.1};
+    const auto system = xpbd::build_xpbd(&d, {});
+    State s = system->initial_state();
+    Workspace workspace;
+    const ThreadArena arena(1);
+    const size_t points = s.rows(0);
+    uint64_t later = 0;
+    for (uint64_t n = 0; n < 40; ++n) {
+      const uint64_t before = allocations;
+      system->step(s,
+                   {.t = double(n) / 60, .h = 1.0 / 60, .step = n, .workspace = workspace, .arena = arena});
+      if (n > 0) later += allocations - before;
+    }
+    EXPECT_GT(s.rows(0), points);
+    EXPECT_EQ(later, 0u);
+  }
+}
+
+TEST(Allocation, SoftBlocksAllocateNothingAfterTheFirstStep) {
+  for (const bool matched : {true, false}) {
+    xpbd::XpbdDef d;
+    d.block.emplace(), d.copies.resize(2), d.copies[1].position = {3, 0, 0};
+    d.iterations = 2;
+    if (matched) {
+      d.matching = xpbd::MatchDef{.frequency = 3, .linear = 0.5};
+    } else {
+      d.youngs_modulus = 1e4;
+    }
+    const auto system = xpbd::build_xpbd(&d, {});
+    State s = system->initial_state();
+    Workspace workspace;
+    const ThreadArena arena(1);
+    uint64_t later = 0;
+    for (uint64_t n = 0; n < 10; ++n) {
+      const uint64_t before = allocations;
+      system->step(s,
+                   {.t = double(n) / 60, .h = 1.0 / 60, .step = n, .workspace = workspace, .arena = arena});
+      if (n > 0) later += allocations - before;
+    }
+    EXPECT_EQ(later, 0u);
+  }
+}
+
 TEST(Allocation, TreesOfLinksAllocateNothingAfterTheFirstStep) {
   ArticulationDef d;
   LinkDef link;
