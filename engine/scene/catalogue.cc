@@ -5,6 +5,7 @@
 #include "engine/systems/blend_shapes/blend_shapes.h"
 #include "engine/systems/fem/fem.h"
 #include "engine/systems/flocking/flocking.h"
+#include "engine/systems/grid_fluid/grid_fluid.h"
 #include "engine/systems/heat/heat.h"
 #include "engine/systems/keyframes/keyframes.h"
 #include "engine/systems/mass_spring/mass_spring.h"
@@ -79,6 +80,18 @@ std::span<const CatalogueRow> catalogue() {
        &wave::wave_outputs(),
        1e13,
        &lattice::resolution<wave::WaveDef>()},
+      {"grid_fluid",
+       "fluids",
+       "an incompressible fluid in a box on a staggered grid: walls, inflow, outflow, obstacles, smoke",
+       &grid_fluid::grid_fluid_table(),
+       grid_fluid::build_grid_fluid,
+       grid_fluid::grid_fluid_cost,
+       {"second order in space and time for smooth flows", "the divergence of every cell is zero to rounding or to the solver's tolerance",
+        "the same bits on any number of threads"},
+       "",
+       &grid_fluid::grid_fluid_outputs(),
+       10,
+       &grid_fluid::grid_fluid_resolution()},
       {"particles",
        "points",
        "points with emitters, lifetimes, forces and obstacles",
