@@ -10,7 +10,7 @@ namespace truestep::grid_fluid {
 using mac::kCentre;
 using mac::Mirror;
 
-FlowModel::FlowModel(const GridFluidDef& d, const Vec3& g) : def(d), grid(make_grid(d)), texts(d, grid), gravity(g) {
+FlowModel::FlowModel(const GridFluidDef& d, const Vec3& g) : def(d), grid(make_grid(d)), texts(d, grid), solids(d.obstacles, grid), gravity(g) {
   bool inflow = false;
   for (size_t a = 0; a < grid.dimensions; ++a) {
     for (size_t end = 0; end < 2; ++end) {
@@ -90,7 +90,11 @@ void Flow::bind(const FlowModel& m, const ThreadArena& arena) {
     force_[c].clear();
   }
   set(scalar_sides_, kCentre), set(pressure_sides_, kPressure);
-  pressure_.emplace(m.grid, kCentre, m.mirrors(kPressure));
+  if (m.solids.any()) {
+    cut_pressure_.emplace(m.grid, m.mirrors(kPressure), m.solids.open);
+  } else {
+    pressure_.emplace(m.grid, kCentre, m.mirrors(kPressure));
+  }
   if (m.def.scalar && m.def.scalar->diffusivity > 0) scalar_.emplace(m.grid, kCentre, m.mirrors(kCentre));
   for (Buffer& b : arrays_) b.data.assign(m.grid.size(), 0);
   sides_time_ = -1;
@@ -262,15 +266,47 @@ void Flow::balance(FlowFields& f) {
   }
 }
 
+void Flow::stop_in_solids(FlowFields& f) {
+  const mac::MacGrid& g = model_->grid;
+  for (size_t c = 0; c < g.dimensions; ++c) {
+    const double* fluid = model_->solids.fluid[c].data();
+    double taken = 0;
+    const size_t rows = g.count(c, 1) * g.count(c, 2);
+    for (size_t r = 0; r < rows; ++r) {
+      const size_t at = g.at(0, r % g.count(c, 1), r / g.count(c, 1));
+      for (size_t i = at; i < at + g.count(c, 0); ++i) {
+        if (fluid[i] == 1) continue;
+        taken += (1 - fluid[i]) * f.u[c][i];
+        f.u[c][i] *= fluid[i];
+      }
+    }
+    f.impulse[c] += taken * g.cell_volume();
+  }
+}
+
 void Flow::project(FlowFields& f, double t, double h) {
   const mac::MacGrid& g = model_->grid;
   fill(f, t + h);
   for (size_t c = 0; c < g.dimensions; ++c) open_sides(c, f.u[c]);
   balance(f);
   double* phi = array(9);
-  mac::divergence(g, {f.u[0], f.u[1], f.u[2]}, phi, *arena_);
-  // -lap phi = -div u: the solver's step is 1 and its shift 0.
-  pressure_->solve(0, -1, phi, *arena_);
+  if (cut_pressure_) {
+    stop_in_solids(f);
+    // div(open u): what passes is what the open share of a face lets pass.
+    double* passing[3] = {array(6), array(7), array(8)};
+    for (size_t c = 0; c < g.dimensions; ++c) {
+      const double *open = model_->solids.open[c].data(), *u = f.u[c];
+      arena_->for_blocks(g.size(), kBlockRows, [&](size_t begin, size_t end) {
+        for (size_t i = begin; i < end; ++i) passing[c][i] = open[i] * u[i];
+      });
+    }
+    mac::divergence(g, {passing[0], passing[1], passing[2]}, phi, *arena_);
+    f.solved = cut_pressure_->solve(phi, model_->def.tolerance, *arena_);
+  } else {
+    mac::divergence(g, {f.u[0], f.u[1], f.u[2]}, phi, *arena_);
+    // -lap phi = -div u: the solver's step is -1 and its shift 0.
+    pressure_->solve(0, -1, phi, *arena_);
+  }
   mac::fill_ghosts(g, kCentre, pressure_sides_, phi, *arena_);
   for (size_t c = 0; c < g.dimensions; ++c) {
     const auto x = model_->unknown(c, 0), y = model_->unknown(c, 1), z = model_->unknown(c, 2);
@@ -282,6 +318,18 @@ void Flow::project(FlowFields& f, double t, double h) {
       const double *high = phi + at, *low = high - s;
       for (size_t i = x[0]; i < x[1]; ++i) u[i] -= scale * (high[i] - low[i]);
     });
+    if (!cut_pressure_) continue;
+    // Faces that are shut take up what the pressure would have given them.
+    const double* open = model_->solids.open[c].data();
+    double taken = 0;
+    const size_t rows = g.count(c, 1) * g.count(c, 2);
+    for (size_t r = 0; r < rows; ++r) {
+      const size_t at = g.at(0, r % g.count(c, 1), r / g.count(c, 1));
+      for (size_t i = at; i < at + g.count(c, 0); ++i) {
+        if (open[i] == 0) taken += f.u[c][i], f.u[c][i] = 0;
+      }
+    }
+    f.impulse[c] += taken * g.cell_volume();
   }
   if (h > 0) {
     const double per = 1 / h;

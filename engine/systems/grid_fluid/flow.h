@@ -12,8 +12,10 @@
 
 #include "engine/core/system.h"
 #include "engine/kernels/mac/momentum.h"
+#include "engine/lattice/cut_poisson.h"
 #include "engine/lattice/staggered_solver.h"
 #include "engine/systems/grid_fluid/flow_texts.h"
+#include "engine/systems/grid_fluid/solids.h"
 
 namespace truestep::grid_fluid {
 
@@ -23,6 +25,7 @@ struct FlowModel {
   GridFluidDef def;
   mac::MacGrid grid;
   FlowTexts texts;
+  Solids solids;
   Vec3 gravity;  ///< m/s^2
   bool open = false;                            ///< a side is an outflow
   std::array<std::array<SideKind, 2>, 3> kinds{};
@@ -38,6 +41,8 @@ struct FlowFields {
   mac::Fields u{}, rate{};  ///< rate: of the step before, for two-step methods
   double *pressure = nullptr, *scalar = nullptr;
   double viscosity = 0;
+  std::array<double, 3> impulse{};  ///< N s per density, that obstacles have had from the fluid
+  lattice::CutPoisson::Outcome solved;
   double last_h = 0;  ///< s, of the substep that `rate` is from; 0: none
 };
 
@@ -69,6 +74,8 @@ class Flow {
   void carry(FlowFields& f, double t, double h);
   void add_force(FlowFields& f, double t, size_t c, double factor, double* to);
   void confine(FlowFields& f, double h);
+  /// Fluid in obstacles comes to rest.
+  void stop_in_solids(FlowFields& f);
   void open_sides(size_t c, double* u);
   void balance(FlowFields& f);
   double* array(size_t k) { return arrays_[k].data.data(); }
@@ -80,6 +87,7 @@ class Flow {
   double sides_time_ = -1, side_rate_ = 0;
   std::array<std::optional<lattice::StaggeredSolver>, 3> viscous_;
   std::optional<lattice::StaggeredSolver> pressure_, scalar_;
+  std::optional<lattice::CutPoisson> cut_pressure_;
   std::array<Buffer, 10> arrays_;
   std::array<std::vector<double>, 3> force_;  ///< constant in time
 };

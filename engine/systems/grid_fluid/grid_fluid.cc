@@ -10,7 +10,7 @@
 namespace truestep::grid_fluid {
 
 namespace {
-enum Number : size_t { kViscosity, kLastStep, kSubsteps, kCfl, kNumbers };
+enum Number : size_t { kViscosity, kLastStep, kSubsteps, kCfl, kIterations, kResidual, kDrag, kLift, kNumbers };
 constexpr const char* kAxes[] = {"x", "y", "z"};
 
 PartInfo cells_part(const FlowModel& m) {
@@ -64,8 +64,9 @@ GridFluid::GridFluid(const GridFluidDef& def, const BuildContext& context)
                 (central ? std::string("central differences, ") + (stages ? "three stages" : "two steps") +
                                " each projected"
                          : "advected along paths, then projected") +
-                "; pressure by transforms",
+                (model_.solids.any() ? "; pressure by conjugate gradients and multigrid" : "; pressure by transforms"),
             [this](State& s, const StepInput& in) { advance(s, in); });
+  if (def.obstacles.empty()) skip_stage("obstacles", "nothing stands in the flow");
   if (def.viscosity == 0) skip_stage("viscosity", "the fluid has none");
   if (!def.scalar) skip_stage("scalar", "the flow carries nothing");
   if (!model_.texts.forced) skip_stage("force", "nothing pushes the fluid");
@@ -117,7 +118,12 @@ void GridFluid::advance(State& s, const StepInput& in) const {
   }
   const auto n = std::max(1, static_cast<int>(wanted));
   const double h = in.h / n;
-  for (int i = 0; i < n; ++i) flow.substep(f, in.t + i * h, h);
+  for (int i = 0; i < n; ++i) {
+    f.impulse = {};
+    flow.substep(f, in.t + i * h, h);
+  }
+  numbers[kIterations] = f.solved.iterations, numbers[kResidual] = f.solved.residual;
+  numbers[kDrag] = model_.def.density * f.impulse[0] / h, numbers[kLift] = model_.def.density * f.impulse[1] / h;
   numbers[kLastStep] = f.last_h, numbers[kSubsteps] = n;
   numbers[kCfl] = flow.crossing_rate(f, in.t + in.h) * h;
 }

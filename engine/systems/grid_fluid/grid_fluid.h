@@ -15,6 +15,7 @@ class GridFluid final : public StagedSystem {
   State initial_state() const override { return start_; }
   void observe(const State& state, double t, Observables& out) const override;
   FieldView field(const State& state, size_t part, size_t field, std::vector<double>& scratch) const override;
+  void draw(const State& state, double t, Wish wishes, Drawing& out) const override;
   void apply(State& state, const Command& command) const override;
   std::vector<std::string> remedies() const override;
   void check(StateCheck& check, double) const override { check.finish(); }

@@ -160,6 +160,8 @@ const DefTable& grid_fluid_table() {
           .number("vorticity_confinement", &D::vorticity_confinement, "1", at_least(0),
                   "strength of the force that gives small eddies back what advection along paths takes from them")
           .objects("obstacles", &D::obstacles, obstacle_table(), {0, 1000}, "solids that stand in the flow")
+          .number("tolerance", &D::tolerance, "1", between(1e-14, 0.1),
+                  "to which the pressure's residual falls where obstacles stand; elsewhere it is solved to rounding")
           .check(check_flow)
           .build();
   return kTable;

@@ -57,6 +57,7 @@ struct GridFluidDef {
   std::optional<ScalarDef> scalar;
   double vorticity_confinement = 0;
   std::vector<ObstacleDef> obstacles;
+  double tolerance = 1e-6;  ///< of the pressure where obstacles stand
 };
 
 const DefTable& grid_fluid_table();

@@ -109,7 +109,8 @@ void GridFluid::observe(const State& s, double t, Observables& out) const {
       const double low = u[0], high = u[g.stride(c)];
       energy += 0.25 * (low * low + high * high);
       fastest = std::max({fastest, std::abs(low), std::abs(high)});
-      div += (high - low) / g.spacing[c];
+      const double* open = model_.solids.any() ? model_.solids.open[c].data() + at : nullptr;
+      div += (open ? open[g.stride(c)] * high - open[0] * low : high - low) / g.spacing[c];
     }
     divergence = std::max(divergence, std::abs(div));
     enstrophy += 0.5 * curl[row] * curl[row];
@@ -121,6 +122,13 @@ void GridFluid::observe(const State& s, double t, Observables& out) const {
   out.add("speed.max", fastest, "m/s");
   out.add("cfl", s.f64(numbers_)[3], "1");
   out.add("substeps", s.f64(numbers_)[2], "1");
+  if (model_.solids.any()) {
+    const auto numbers = s.f64(numbers_);
+    out.add("pressure.iterations", numbers[4], "1");
+    out.add("pressure.residual", numbers[5], "1");
+    out.add("obstacle.drag", numbers[6], "N");
+    out.add("obstacle.lift", numbers[7], "N");
+  }
   if (scalar_) {
     const auto q = s.f64(*scalar_);
     double total = 0;
@@ -128,6 +136,22 @@ void GridFluid::observe(const State& s, double t, Observables& out) const {
     out.add("scalar.total", volume * total, "1");
   }
   if (model_.texts.has_exact) out.add("error.exact", rms_error(s, t), "m/s");
+}
+
+void GridFluid::draw(const State&, double, Wish wishes, Drawing& out) const {
+  if (wants(wishes, Wish::constant)) {
+    out.parts.resize(parts().size());
+    if (model_.grid.dimensions == 2) out.parts[0].space = PartDrawing::Space::plane;
+  }
+  if (!wants(wishes, Wish::obstacles)) return;
+  for (const ObstacleDef& o : model_.def.obstacles) {
+    DrawnShape shape;
+    const bool sphere = o.shape == ObstacleDef::Shape::sphere;
+    shape.kind = sphere ? DrawnShape::Kind::sphere : DrawnShape::Kind::box;
+    shape.position = o.center;
+    shape.size = sphere ? Vec3{o.radius, 0, 0} : o.half;
+    out.obstacles.push_back(shape);
+  }
 }
 
 }  // namespace truestep::grid_fluid
