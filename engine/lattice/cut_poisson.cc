@@ -54,7 +54,7 @@ CutPoisson::CutPoisson(const mac::MacGrid& grid, const std::array<std::array<Mir
             const bool side = end == 0 ? p[a] == 0 : p[a] + 1 == l.n[a];
             const double share = open[a][here + end * grid.stride(a)];
             if (!side || grid.periodic[a]) return full * share;
-            if (mirrors[a][end] != Mirror::given) return 0.0;
+            if (mirrors[a][end] != Mirror::odd) return 0.0;
             singular_ = false;
             return 2 * full * share;
           };
@@ -83,7 +83,8 @@ bool CutPoisson::coarsen() {
   Level coarse;
   for (size_t a = 0; a < grid_.dimensions; ++a) {
     // Axes whose cells are much longer already wait for the others.
-    fine.halved[a] = fine.n[a] >= kFewest && fine.width[a][0] < 1.5 * finest && !(grid_.periodic[a] && fine.n[a] % 2);
+    fine.halved[a] =
+        fine.n[a] >= kFewest && fine.width[a][0] < 1.5 * finest && !(grid_.periodic[a] && fine.n[a] % 2);
     any = any || fine.halved[a];
     coarse.n[a] = fine.halved[a] ? (fine.n[a] + 1) / 2 : fine.n[a];
     coarse.width[a].assign(coarse.n[a], 0);
@@ -113,7 +114,8 @@ bool CutPoisson::coarsen() {
   const auto distance = [&](const Level& l, size_t a, ptrdiff_t i) {
     const auto n = static_cast<ptrdiff_t>(l.n[a]);
     const auto half = [&](ptrdiff_t c) {
-      if (c < 0 || c >= n) return grid_.periodic[a] ? 0.5 * l.width[a][static_cast<size_t>((c + n) % n)] : 0.0;
+      if (c < 0 || c >= n)
+        return grid_.periodic[a] ? 0.5 * l.width[a][static_cast<size_t>((c + n) % n)] : 0.0;
       return 0.5 * l.width[a][static_cast<size_t>(c)];
     };
     return half(i) + half(i + 1);
@@ -127,10 +129,12 @@ bool CutPoisson::coarsen() {
           const size_t to = coarse.at(parent(0), parent(1), parent(2)), from = fine.at(i, j, q);
           const auto here = static_cast<ptrdiff_t>(p[a]), there = static_cast<ptrdiff_t>(parent(a));
           if (p[a] == 0) {
-            coarse.k[a][to - coarse.stride(a)] += fine.k[a][from - fine.stride(a)] * distance(fine, a, -1) / distance(coarse, a, -1);
+            coarse.k[a][to - coarse.stride(a)] +=
+                fine.k[a][from - fine.stride(a)] * distance(fine, a, -1) / distance(coarse, a, -1);
           }
           const bool last_of_parent = !fine.halved[a] || p[a] % 2 == 1 || p[a] + 1 == fine.n[a];
-          if (last_of_parent) coarse.k[a][to] += fine.k[a][from] * distance(fine, a, here) / distance(coarse, a, there);
+          if (last_of_parent)
+            coarse.k[a][to] += fine.k[a][from] * distance(fine, a, here) / distance(coarse, a, there);
         }
       }
     }
@@ -146,7 +150,8 @@ void CutPoisson::wrap(const Level& l, double* x) const {
     const size_t first = a == 0 ? 1 : 0, second = a == 2 ? 1 : 2;
     for (size_t q = 0; q < l.n[second]; ++q) {
       for (size_t p = 0; p < l.n[first]; ++p) {
-        double* line = x + l.base + p * l.stride(first) + (second < grid_.dimensions ? q * l.stride(second) : 0);
+        double* line =
+            x + l.base + p * l.stride(first) + (second < grid_.dimensions ? q * l.stride(second) : 0);
         line[-static_cast<ptrdiff_t>(l.stride(a))] = line[(l.n[a] - 1) * l.stride(a)];
         line[l.n[a] * l.stride(a)] = line[0];
       }
@@ -154,7 +159,8 @@ void CutPoisson::wrap(const Level& l, double* x) const {
   }
 }
 
-void CutPoisson::relax(const Level& l, size_t colour, const double* b, double* x, const ThreadArena& arena) const {
+void CutPoisson::relax(const Level& l, size_t colour, const double* b, double* x,
+                       const ThreadArena& arena) const {
   wrap(l, x);
   const size_t s1 = l.stride(1), s2 = l.stride(2);
   const bool space = grid_.dimensions == 3;
@@ -162,14 +168,16 @@ void CutPoisson::relax(const Level& l, size_t colour, const double* b, double* x
     const double *k0 = l.k[0].data(), *k1 = l.k[1].data(), *k2 = space ? l.k[2].data() : nullptr;
 #pragma GCC ivdep
     for (size_t i = at + (colour + j + q) % 2; i < at + l.n[0]; i += 2) {
-      double sum = b[i] + k0[i] * x[i + 1] + k0[i - 1] * x[i - 1] + k1[i] * x[i + s1] + k1[i - s1] * x[i - s1];
+      double sum =
+          b[i] + k0[i] * x[i + 1] + k0[i - 1] * x[i - 1] + k1[i] * x[i + s1] + k1[i - s1] * x[i - s1];
       if (space) sum += k2[i] * x[i + s2] + k2[i - s2] * x[i - s2];
       x[i] = l.inverse[i] * sum;
     }
   });
 }
 
-void CutPoisson::residual(const Level& l, const double* b, double* x, double* r, const ThreadArena& arena) const {
+void CutPoisson::residual(const Level& l, const double* b, double* x, double* r,
+                          const ThreadArena& arena) const {
   wrap(l, x);
   rows(l, arena, [&](size_t at, size_t, size_t) {
     const size_t n = l.n[0];
@@ -215,14 +223,17 @@ void CutPoisson::correct(const Level& fine, const Level& coarse, double* x, cons
   rows(fine, arena, [&](size_t at, size_t j, size_t q) {
     const Between &bj = fine.to_coarser[1].up[j], &bq = fine.to_coarser[2].up[q];
     const double* row[4] = {&coarse.x[coarse.at(0, bj.low, bq.low)], &coarse.x[coarse.at(0, bj.high, bq.low)],
-                            &coarse.x[coarse.at(0, bj.low, bq.high)], &coarse.x[coarse.at(0, bj.high, bq.high)]};
-    const double w[4] = {(1 - bj.part) * (1 - bq.part), bj.part * (1 - bq.part), (1 - bj.part) * bq.part, bj.part * bq.part};
+                            &coarse.x[coarse.at(0, bj.low, bq.high)],
+                            &coarse.x[coarse.at(0, bj.high, bq.high)]};
+    const double w[4] = {(1 - bj.part) * (1 - bq.part), bj.part * (1 - bq.part), (1 - bj.part) * bq.part,
+                         bj.part * bq.part};
     const size_t used = bq.part > 0 ? 4 : 2;
     for (size_t i = 0; i < fine.n[0]; ++i) {
       if (fine.inverse[at + i] == 0) continue;
       const Between& bi = fine.to_coarser[0].up[i];
       double sum = 0;
-      for (size_t m = 0; m < used; ++m) sum += w[m] * ((1 - bi.part) * row[m][bi.low] + bi.part * row[m][bi.high]);
+      for (size_t m = 0; m < used; ++m)
+        sum += w[m] * ((1 - bi.part) * row[m][bi.low] + bi.part * row[m][bi.high]);
       x[at + i] += sum;
     }
   });
@@ -302,7 +313,9 @@ CutPoisson::Outcome CutPoisson::solve(double* x, double tolerance, const ThreadA
     rz_before = rz, ++out.iterations;
     out.residual = std::sqrt(product(r_.data(), r_.data(), arena)) / first;
   }
-  rows(l, arena, [&](size_t at, size_t j, size_t q) { std::copy_n(solution.data() + at, l.n[0], x + grid_.at(0, j, q)); });
+  rows(l, arena, [&](size_t at, size_t j, size_t q) {
+    std::copy_n(solution.data() + at, l.n[0], x + grid_.at(0, j, q));
+  });
   return out;
 }
 

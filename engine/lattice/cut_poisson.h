@@ -1,8 +1,9 @@
-// lap x = b on the cells of a staggered grid whose faces are open in part (cut cells: Ng, Min, Gibou 2009, "An
-// efficient fluid-solid coupling algorithm for single-phase flows", section 3): every face lets pass what its open
-// share does. Conjugate gradients with one multigrid cycle as preconditioner (Tatebe 1993, "The multigrid
-// preconditioned conjugate gradient method"): red and black relaxation in opposite orders before and after, linear
-// interpolation between centres of cells and its transpose, coarse faces that let pass what the fine ones do.
+// lap x = b on the cells of a staggered grid whose faces are open in part (cut cells: Ng, Min, Gibou 2009,
+// "An efficient fluid-solid coupling algorithm for single-phase flows", section 3): every face lets pass what
+// its open share does. Conjugate gradients with one multigrid cycle as preconditioner (Tatebe 1993, "The
+// multigrid preconditioned conjugate gradient method"): red and black relaxation in opposite orders before
+// and after, linear interpolation between centres of cells and its transpose, coarse faces that let pass what
+// the fine ones do.
 #pragma once
 #include <vector>
 
@@ -15,7 +16,8 @@ namespace truestep::lattice {
 class CutPoisson {
  public:
   using Vector = std::vector<double, CacheLineAllocator<double>>;
-  /// Open shares of the faces of each axis, in the grid's own arrays; sides `given` hold 0, `even` are closed.
+  /// Open shares of the faces of each axis, in the grid's own arrays; sides that are `odd` hold 0, others are
+  /// closed.
   CutPoisson(const mac::MacGrid& grid, const std::array<std::array<mac::Mirror, 2>, 3>& mirrors,
              const std::array<Vector, 3>& open);
 

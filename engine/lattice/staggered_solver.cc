@@ -14,7 +14,7 @@ StaggeredSolver::AxisWaves StaggeredSolver::waves(const mac::MacGrid& g, size_t 
                                                   const std::array<Mirror, 2>& mirrors) {
   using End = TrigTransform::End;
   const auto end = [](Mirror m) {
-    return m == Mirror::periodic ? End::periodic : m == Mirror::given ? End::zero : End::even;
+    return m == Mirror::periodic ? End::periodic : m == Mirror::even ? End::even : End::zero;
   };
   const bool periodic = mirrors[0] == Mirror::periodic;
   const bool doubled = place != a && !periodic;
@@ -57,8 +57,8 @@ StaggeredSolver::StaggeredSolver(const mac::MacGrid& grid, size_t place,
   x_.resize(counts_[0] * counts_[1] * counts_[2]);
 }
 
-void StaggeredSolver::lines(const AxisWaves& w, Way way, double* x, size_t stride, size_t line_stride, size_t count,
-                            double* scratch) const {
+void StaggeredSolver::lines(const AxisWaves& w, Way way, double* x, size_t stride, size_t line_stride,
+                            size_t count, double* scratch) const {
   constexpr size_t kLines = TrigTransform::kLines;
   const size_t nodes = w.transform.nodes();
   double *line = scratch, *rest = scratch + nodes * kLines;
@@ -71,7 +71,8 @@ void StaggeredSolver::lines(const AxisWaves& w, Way way, double* x, size_t strid
   if (way == Way::forward) {
     w.transform.forward(line, kLines, 1, count, rest);
     for (size_t i = 0; i < w.count; ++i) {
-      for (size_t l = 0; l < count; ++l) x[i * stride + l * line_stride] = w.weight[i] * line[out[i] * kLines + l];
+      for (size_t l = 0; l < count; ++l)
+        x[i * stride + l * line_stride] = w.weight[i] * line[out[i] * kLines + l];
     }
   } else {
     w.transform.backward(line, kLines, 1, count, rest);

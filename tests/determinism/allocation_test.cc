@@ -13,6 +13,7 @@
 #include "engine/systems/skeleton/skeleton.h"
 #include "engine/systems/xpbd/xpbd.h"
 #include "tests/support/field_run.h"
+#include "tests/support/grid_flow.h"
 
 namespace {
 std::atomic<uint64_t> allocations{0};
@@ -182,6 +183,28 @@ TEST(Allocation, HeatAndWavesAllocateNothingAfterTheFirstSteps) {
     fill(d);
     d.integrator = method;
     expect_none(d, "waves");
+  }
+}
+
+TEST(Allocation, StepsOfAFlowOnAGridAllocateNothingAfterTheFirst) {
+  using grid_fluid::GridFluidDef;
+  for (const bool solid : {false, true}) {
+    for (const auto advection : {GridFluidDef::Advection::central, GridFluidDef::Advection::maccormack}) {
+      GridFluidDef d;
+      d.cells = {24, 20};
+      d.viscosity = 0.1;
+      d.advection = advection;
+      d.scalar =
+          grid_fluid::ScalarDef{.initial = "x", .source = "sin(t)*x", .diffusivity = 0.01, .expansion = 0.1};
+      d.force = {"sin(t)", "0"};
+      d.sides.y_max = grid_fluid::FlowSideDef{grid_fluid::SideKind::wall, {"cos(t)", "0"}};
+      if (solid) d.obstacles = {grid_fluid::ObstacleDef{.center = {0.5, 0.5, 0}, .radius = 0.2}};
+      test::GridFlow run(d, 0.01);
+      run.steps(2);
+      const uint64_t before = allocations;
+      run.steps(5);
+      EXPECT_EQ(allocations - before, 0u) << solid;
+    }
   }
 }
 

@@ -20,7 +20,8 @@ std::string pointer_of(const std::function<void()>& act) {
 
 std::vector<std::string> reported(const GridFluidDef& d) {
   std::vector<std::string> out;
-  grid_fluid_table().check(&d, [&](const std::string& pointer, const std::string&) { out.push_back(pointer); });
+  grid_fluid_table().check(&d,
+                           [&](const std::string& pointer, const std::string&) { out.push_back(pointer); });
   return out;
 }
 
@@ -66,7 +67,8 @@ TEST(GridFluidFaults, CommandsAreRefused) {
   EXPECT_EQ(refused({.kind = CommandKind::impulse, .vector = {1, 0, 0}}), "/at");
   EXPECT_EQ(refused({.kind = CommandKind::impulse, .vector = {1, 0, 0}, .at = Vec3{2, 0, 0}}), "/at");
   EXPECT_EQ(refused({.kind = CommandKind::pin}), "/kind");
-  EXPECT_EQ(refused({.kind = CommandKind::impulse, .vector = {1, 0, 0}, .at = Vec3{0.5, 0.5, 0}}), "nothing was refused");
+  EXPECT_EQ(refused({.kind = CommandKind::impulse, .vector = {1, 0, 0}, .at = Vec3{0.5, 0.5, 0}}),
+            "nothing was refused");
   EXPECT_GT(run.observed("energy.kinetic"), 0);
 }
 

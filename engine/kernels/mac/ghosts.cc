@@ -9,20 +9,24 @@ void normal_end(double* face, ptrdiff_t inwards, const SideValues& side, size_t 
   if (side.mirror == Mirror::given) {
     const double g = side.at(plane);
     face[0] = g;
-    for (ptrdiff_t m = 1; m <= static_cast<ptrdiff_t>(kGhosts); ++m) face[-m * inwards] = 2 * g - face[m * inwards];
+    for (ptrdiff_t m = 1; m <= static_cast<ptrdiff_t>(kGhosts); ++m)
+      face[-m * inwards] = 2 * g - face[m * inwards];
   } else {
     for (ptrdiff_t m = 1; m <= static_cast<ptrdiff_t>(kGhosts); ++m) face[-m * inwards] = face[0];
   }
 }
 
-// `cell` is the last one inside; the side lies half a spacing before it.
+// `cell` is the last one inside; the side lies half a spacing before it. The first value beyond a given one
+// is that of the parabola through the side and two cells: the mirror image would leave an error of the order
+// of the slope's change in the wall's friction.
 void tangential_end(double* cell, ptrdiff_t inwards, const SideValues& side, size_t plane, size_t ghosts) {
   const bool given = side.mirror == Mirror::given;
-  const double twice = given ? 2 * side.at(plane) : 0, sign = given ? -1 : 1;
+  const double g = given ? side.at(plane) : 0, sign = given || side.mirror == Mirror::odd ? -1 : 1;
   for (size_t m = 0; m < ghosts; ++m) {
     const auto k = static_cast<ptrdiff_t>(m);
-    cell[-(k + 1) * inwards] = twice + sign * cell[k * inwards];
+    cell[-(k + 1) * inwards] = 2 * g + sign * cell[k * inwards];
   }
+  if (given) cell[-inwards] = (8 * g - 6 * cell[0] + cell[inwards]) / 3;
 }
 
 }  // namespace
@@ -40,8 +44,10 @@ void fill_ghosts(const MacGrid& g, size_t place, const Sides& sides, double* u, 
           double* line = u + p * g.stride(first) + q * g.stride(second) + kGhosts * g.stride(a);
           const size_t plane = p + rows * q;
           if (sides[a][0].mirror == Mirror::periodic) {
-            for (ptrdiff_t m = 0; m <= static_cast<ptrdiff_t>(kGhosts); ++m) line[(last + m) * stride] = line[m * stride];
-            for (ptrdiff_t m = 1; m <= static_cast<ptrdiff_t>(kGhosts); ++m) line[-m * stride] = line[(last - m) * stride];
+            for (ptrdiff_t m = 0; m <= static_cast<ptrdiff_t>(kGhosts); ++m)
+              line[(last + m) * stride] = line[m * stride];
+            for (ptrdiff_t m = 1; m <= static_cast<ptrdiff_t>(kGhosts); ++m)
+              line[-m * stride] = line[(last - m) * stride];
           } else if (place == a) {
             normal_end(line, stride, sides[a][0], plane);
             normal_end(line + last * stride, -stride, sides[a][1], plane);

@@ -1,5 +1,5 @@
-// Values beyond the sides of a box, so that kernels on the staggered grid know no sides: mirrored about a given
-// value, mirrored evenly, or taken from the other end.
+// Values beyond the sides of a box, so that kernels on the staggered grid know no sides: mirrored about a
+// given value, mirrored evenly, or taken from the other end.
 #pragma once
 #include <vector>
 
@@ -8,8 +8,9 @@
 
 namespace truestep::mac {
 
-/// What a side asks of one kind of values: `given` on the side, no slope across it, or periodic.
-enum class Mirror : uint8_t { given, even, periodic };
+/// What a side asks of one kind of values: `given` on the side, no slope across it, periodic, or 0 on the
+/// side by the opposite mirror image, as transforms have it (`odd`).
+enum class Mirror : uint8_t { given, even, periodic, odd };
 
 /// One side's values of one place, over the padded plane of the other two axes (the lower axis fastest).
 struct SideValues {

@@ -1,9 +1,9 @@
-// The staggered grid of Harlow and Welch (1965, "Numerical calculation of time-dependent viscous incompressible
-// flow of fluid with free surface") on a box: the velocity's component along an axis lies on the faces at right
-// angles to it, pressure and scalars lie in the centres of the cells. All arrays have one padded shape, so that
-// one set of strides serves them: place (i, j, k) of a component is its face or cell i, j, k, from -kGhosts to
-// cells + kGhosts along every axis that the grid has; face i lies at i spacings from the lower side, cell i at
-// i + 1/2.
+// The staggered grid of Harlow and Welch (1965, "Numerical calculation of time-dependent viscous
+// incompressible flow of fluid with free surface") on a box: the velocity's component along an axis lies on
+// the faces at right angles to it, pressure and scalars lie in the centres of the cells. All arrays have one
+// padded shape, so that one set of strides serves them: place (i, j, k) of a component is its face or cell i,
+// j, k, from -kGhosts to cells + kGhosts along every axis that the grid has; face i lies at i spacings from
+// the lower side, cell i at i + 1/2.
 #pragma once
 #include <array>
 #include <cstddef>

@@ -1,6 +1,7 @@
-// Right-hand sides on the staggered grid by central differences of second order: convection in divergence form
-// after Harlow and Welch (1965), which keeps the kinetic energy where the divergence is zero (Morinishi et al.
-// 1998, "Fully conservative higher order finite difference schemes", section 4), and the Laplacian. Ghosts must be filled.
+// Right-hand sides on the staggered grid by central differences of second order: convection in divergence
+// form after Harlow and Welch (1965), which keeps the kinetic energy where the divergence is zero (Morinishi
+// et al. 1998, "Fully conservative higher order finite difference schemes", section 4), and the Laplacian.
+// Ghosts must be filled.
 #pragma once
 #include <array>
 

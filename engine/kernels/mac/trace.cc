@@ -55,7 +55,8 @@ Limits extremes(const MacGrid& g, const Around& p, const double* u) {
   return l;
 }
 
-// Velocity in cells per second at the place of value i, j, k; component c there by the mean of the faces around.
+// Velocity in cells per second at the place of value i, j, k; component c there by the mean of the faces
+// around.
 void velocity_at(const MacGrid& g, size_t place, const ConstFields& u, size_t at, double* v) {
   for (size_t a = 0; a < g.dimensions; ++a) {
     const double *q = u[a] + at, scale = 1 / g.spacing[a];
@@ -80,11 +81,13 @@ void departure(const MacGrid& g, size_t place, const ConstFields& u, double h, s
     start[a] = static_cast<double>(index[a]) + (place == a ? 0 : 0.5);
     middle[a] = start[a] - 0.5 * h * v[a];
   }
-  for (size_t a = 0; a < g.dimensions; ++a) x[a] = start[a] - h / g.spacing[a] * interpolate(g, a, u[a], middle);
+  for (size_t a = 0; a < g.dimensions; ++a)
+    x[a] = start[a] - h / g.spacing[a] * interpolate(g, a, u[a], middle);
 }
 
 template <class F>
-void for_departures(const MacGrid& g, size_t place, const ConstFields& u, double h, const ThreadArena& arena, F&& f) {
+void for_departures(const MacGrid& g, size_t place, const ConstFields& u, double h, const ThreadArena& arena,
+                    F&& f) {
   for_rows(g, place, arena, [&](size_t at, size_t j, size_t k, size_t n) {
     for (size_t i = 0; i < n; ++i) {
       const size_t index[] = {i, j, k};
@@ -110,8 +113,8 @@ void trace(const MacGrid& g, size_t place, const ConstFields& u, double h, const
   for_departures(g, place, u, h, arena, [&](size_t at, const Around& p) { to[at] = value(g, p, from); });
 }
 
-void correct(const MacGrid& g, size_t place, const ConstFields& u, double h, const double* from, const double* ahead,
-             const double* back, double* to, const ThreadArena& arena) {
+void correct(const MacGrid& g, size_t place, const ConstFields& u, double h, const double* from,
+             const double* ahead, const double* back, double* to, const ThreadArena& arena) {
   for_departures(g, place, u, h, arena, [&](size_t at, const Around& p) {
     const Limits l = extremes(g, p, from);
     to[at] = std::clamp(ahead[at] + 0.5 * (from[at] - back[at]), l.low, l.high);

@@ -7,8 +7,8 @@
 
 namespace truestep::mac {
 
-/// Values next to a place and their weights along each axis, in cells; places beyond the box are moved onto its
-/// sides, or to the other end.
+/// Values next to a place and their weights along each axis, in cells; places beyond the box are moved onto
+/// its sides, or to the other end.
 double interpolate(const MacGrid& grid, size_t place, const double* u, const double* cells);
 
 struct Limits {

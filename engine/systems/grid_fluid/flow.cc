@@ -10,7 +10,8 @@ namespace truestep::grid_fluid {
 using mac::kCentre;
 using mac::Mirror;
 
-FlowModel::FlowModel(const GridFluidDef& d, const Vec3& g) : def(d), grid(make_grid(d)), texts(d, grid), solids(d.obstacles, grid), gravity(g) {
+FlowModel::FlowModel(const GridFluidDef& d, const Vec3& g)
+    : def(d), grid(make_grid(d)), texts(d, grid), solids(d.obstacles, grid), gravity(g) {
   bool inflow = false;
   for (size_t a = 0; a < grid.dimensions; ++a) {
     for (size_t end = 0; end < 2; ++end) {
@@ -40,8 +41,10 @@ FlowModel::FlowModel(const GridFluidDef& d, const Vec3& g) : def(d), grid(make_g
   }
   constexpr double kLeft = 0.02;
   if (std::abs(net) > kLeft * through) {
-    const std::string why = "more flows in than out: " + std::to_string(net) + " of " + std::to_string(through);
-    throw Error("scene_invalid", why, {{"/sides", "not_balanced", why, "", "an outflow on one of the sides", "", ""}});
+    const std::string why =
+        "more flows in than out: " + std::to_string(net) + " of " + std::to_string(through);
+    throw Error("scene_invalid", why,
+                {{"/sides", "not_balanced", why, "", "an outflow on one of the sides", "", ""}});
   }
 }
 
@@ -54,7 +57,7 @@ std::array<std::array<Mirror, 2>, 3> FlowModel::mirrors(size_t place) const {
       if (a < grid.dimensions && k == SideKind::periodic) {
         m = Mirror::periodic;
       } else if (place == kPressure) {
-        m = k == SideKind::outflow ? Mirror::given : Mirror::even;
+        m = k == SideKind::outflow ? Mirror::odd : Mirror::even;
       } else if (place == kCentre) {
         m = Mirror::even;
       } else if (place == a) {
@@ -154,7 +157,8 @@ bool Flow::implicit(double viscosity, double h) const {
   if (d.advection != GridFluidDef::Advection::central) return true;
   if (d.viscous != GridFluidDef::Viscous::automatic) return d.viscous == GridFluidDef::Viscous::implicit;
   double rate = 0;
-  for (size_t a = 0; a < model_->grid.dimensions; ++a) rate += 4 / (model_->grid.spacing[a] * model_->grid.spacing[a]);
+  for (size_t a = 0; a < model_->grid.dimensions; ++a)
+    rate += 4 / (model_->grid.spacing[a] * model_->grid.spacing[a]);
   // Where eddies turn at the same time: half of the real axis that the method holds.
   const double held = d.stepping == GridFluidDef::Stepping::rk3 ? 1.25 : 0.5;
   return viscosity * rate * h > held;
@@ -238,8 +242,8 @@ void Flow::stage(FlowFields& f, double t, double h, const Weights& w, bool impli
   project(f, t, 2 * h * w.alpha);
 }
 
-// Where no side is open, what the grid makes of given velocities must flow out as it flows in: the difference is
-// spread over the faces of the sides that give velocities.
+// Where no side is open, what the grid makes of given velocities must flow out as it flows in: the difference
+// is spread over the faces of the sides that give velocities.
 void Flow::balance(FlowFields& f) {
   const mac::MacGrid& g = model_->grid;
   if (model_->open) return;
@@ -255,8 +259,9 @@ void Flow::balance(FlowFields& f) {
         const double outwards = end == 0 ? -1 : 1;
         for (size_t q = 0; q < g.cells[second]; ++q) {
           for (size_t p = 0; p < g.cells[first]; ++p) {
-            double& v = f.u[a][g.base() + p * g.stride(first) + (second < g.dimensions ? q * g.stride(second) : 0) +
-                               (end == 0 ? 0 : g.cells[a] * g.stride(a))];
+            double& v =
+                f.u[a][g.base() + p * g.stride(first) + (second < g.dimensions ? q * g.stride(second) : 0) +
+                       (end == 0 ? 0 : g.cells[a] * g.stride(a))];
             if (pass == 0) net -= outwards * v * face, area += face;
             v += outwards * add;
           }
@@ -343,7 +348,8 @@ void Flow::substep(FlowFields& f, double t, double h) {
   if (model_->def.advection != GridFluidDef::Advection::central) {
     along_paths(f, t, h);
   } else if (model_->def.stepping == GridFluidDef::Stepping::rk3) {
-    constexpr Weights kStages[] = {{8.0 / 15, 0, 4.0 / 15}, {5.0 / 12, -17.0 / 60, 1.0 / 15}, {3.0 / 4, -5.0 / 12, 1.0 / 6}};
+    constexpr Weights kStages[] = {
+        {8.0 / 15, 0, 4.0 / 15}, {5.0 / 12, -17.0 / 60, 1.0 / 15}, {3.0 / 4, -5.0 / 12, 1.0 / 6}};
     const bool implicit = this->implicit(f.viscosity, h);
     double at = 0;
     for (const Weights& w : kStages) {

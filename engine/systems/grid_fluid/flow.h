@@ -1,11 +1,11 @@
 // One substep of an incompressible flow on a staggered grid:
 //   u_t + div(u u) = -grad p + viscosity lap u + f,   div u = 0,
-// p per density. Central advection: stages of Spalart, Moser, Rogers (1991, "Spectral methods for the Navier-Stokes
-// equations with one infinite and two periodic directions", appendix; weights gamma, zeta for convection, alpha for
-// viscosity by Crank and Nicolson), or one of Adams and Bashforth with Crank and Nicolson; each takes the last
-// pressure's gradient and is projected (van Kan 1986, "A second-order accurate pressure-correction scheme").
-// Advection along paths: advect, force, viscosity by Euler backwards, project (Stam 1999, "Stable fluids").
-// Scratch of one thread's run; everything that lasts is in the state.
+// p per density. Central advection: stages of Spalart, Moser, Rogers (1991, "Spectral methods for the
+// Navier-Stokes equations with one infinite and two periodic directions", appendix; weights gamma, zeta for
+// convection, alpha for viscosity by Crank and Nicolson), or one of Adams and Bashforth with Crank and
+// Nicolson; each takes the last pressure's gradient and is projected (van Kan 1986, "A second-order accurate
+// pressure-correction scheme"). Advection along paths: advect, force, viscosity by Euler backwards, project
+// (Stam 1999, "Stable fluids"). Scratch of one thread's run; everything that lasts is in the state.
 #pragma once
 #include <memory>
 #include <optional>
@@ -26,8 +26,8 @@ struct FlowModel {
   mac::MacGrid grid;
   FlowTexts texts;
   Solids solids;
-  Vec3 gravity;  ///< m/s^2
-  bool open = false;                            ///< a side is an outflow
+  Vec3 gravity;       ///< m/s^2
+  bool open = false;  ///< a side is an outflow
   std::array<std::array<SideKind, 2>, 3> kinds{};
   /// How values of a place are mirrored at the sides; kCentre + 1 is the pressure.
   std::array<std::array<mac::Mirror, 2>, 3> mirrors(size_t place) const;
@@ -70,7 +70,8 @@ class Flow {
   void fill_component(size_t c, double* u);
   void stage(FlowFields& f, double t, double h, const Weights& w, bool implicit);
   void along_paths(FlowFields& f, double t, double h);
-  void advect(size_t place, const mac::Sides& sides, const mac::ConstFields& u, double h, const double* from, double* to);
+  void advect(size_t place, const mac::Sides& sides, const mac::ConstFields& u, double h, const double* from,
+              double* to);
   void carry(FlowFields& f, double t, double h);
   void add_force(FlowFields& f, double t, size_t c, double factor, double* to);
   void confine(FlowFields& f, double h);

@@ -9,8 +9,8 @@ namespace truestep::grid_fluid {
 
 using mac::kCentre;
 
-void Flow::advect(size_t place, const mac::Sides& sides, const mac::ConstFields& u, double h, const double* from,
-                  double* to) {
+void Flow::advect(size_t place, const mac::Sides& sides, const mac::ConstFields& u, double h,
+                  const double* from, double* to) {
   using A = GridFluidDef::Advection;
   const mac::MacGrid& g = model_->grid;
   const A kind = model_->def.advection;
@@ -27,7 +27,8 @@ void Flow::advect(size_t place, const mac::Sides& sides, const mac::ConstFields&
     mac::trace_limited(g, place, u, h, from, fixed, to, *arena_);
   } else {
     mac::correct(g, place, u, h, from, to, back, fixed, *arena_);
-    mac::for_rows(g, place, *arena_, [&](size_t at, size_t, size_t, size_t n) { std::copy_n(fixed + at, n, to + at); });
+    mac::for_rows(g, place, *arena_,
+                  [&](size_t at, size_t, size_t, size_t n) { std::copy_n(fixed + at, n, to + at); });
   }
 }
 
@@ -89,14 +90,13 @@ void Flow::carry(FlowFields& f, double t, double h) {
       for (size_t i = 0; i < n; ++i) array(2)[at + i] += h * to[at + i];
     });
   }
-  mac::for_rows(g, kCentre, *arena_, [&](size_t at, size_t, size_t, size_t n) {
-    std::copy_n(array(2) + at, n, f.scalar + at);
-  });
+  mac::for_rows(g, kCentre, *arena_,
+                [&](size_t at, size_t, size_t, size_t n) { std::copy_n(array(2) + at, n, f.scalar + at); });
   if (d.diffusivity > 0) scalar_->solve(1, h * d.diffusivity, f.scalar, *arena_);
 }
 
-// Fedkiw, Stam, Jensen 2001, "Visual simulation of smoke", equations 9 to 11: strength spacing (N x curl u), N the
-// direction in which the curl's magnitude grows.
+// Fedkiw, Stam, Jensen 2001, "Visual simulation of smoke", equations 9 to 11: strength spacing (N x curl u),
+// N the direction in which the curl's magnitude grows.
 void Flow::confine(FlowFields& f, double h) {
   const mac::MacGrid& g = model_->grid;
   fill(f, sides_time_);
@@ -125,7 +125,8 @@ void Flow::confine(FlowFields& f, double h) {
   mac::for_rows(g, kCentre, *arena_, [&](size_t at, size_t, size_t, size_t n) {
     for (size_t i = at; i < at + n; ++i) {
       double d[3] = {};
-      for (size_t a = 0; a < g.dimensions; ++a) d[a] = (size[i + g.stride(a)] - size[i - g.stride(a)]) / (2 * g.spacing[a]);
+      for (size_t a = 0; a < g.dimensions; ++a)
+        d[a] = (size[i + g.stride(a)] - size[i - g.stride(a)]) / (2 * g.spacing[a]);
       const double length = std::sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]);
       const double scale = length > 0 ? strength / length : 0;
       force[0][i] = scale * (d[1] * curl[2][i] - d[2] * curl[1][i]);
@@ -138,7 +139,8 @@ void Flow::confine(FlowFields& f, double h) {
     const auto x = model_->unknown(c, 0), y = model_->unknown(c, 1), z = model_->unknown(c, 2);
     mac::for_rows(g, c, *arena_, [&](size_t at, size_t j, size_t k, size_t) {
       if (j < y[0] || j >= y[1] || k < z[0] || k >= z[1]) return;
-      for (size_t i = x[0]; i < x[1]; ++i) f.u[c][at + i] += 0.5 * (force[c][at + i] + force[c][at + i - g.stride(c)]);
+      for (size_t i = x[0]; i < x[1]; ++i)
+        f.u[c][at + i] += 0.5 * (force[c][at + i] + force[c][at + i - g.stride(c)]);
     });
   }
 }

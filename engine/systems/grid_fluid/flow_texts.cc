@@ -17,7 +17,8 @@ class Reader {
  public:
   explicit Reader(size_t dimensions) {
     const char* const names[] = {"t", "x", "y", "z"};
-    for (int32_t v = 0; v < static_cast<int32_t>(1 + dimensions); ++v) names_.add_value(names[v], graph_.variable(v));
+    for (int32_t v = 0; v < static_cast<int32_t>(1 + dimensions); ++v)
+      names_.add_value(names[v], graph_.variable(v));
   }
   Program read(const std::string& pointer, const std::string& text) {
     try {
@@ -46,7 +47,8 @@ class Reader {
 
 FlowTexts::FlowTexts(const GridFluidDef& def, const mac::MacGrid& grid) {
   Reader r(grid.dimensions);
-  const auto vector = [&](std::array<Program, 3>& to, const std::vector<std::string>& texts, const std::string& pointer) {
+  const auto vector = [&](std::array<Program, 3>& to, const std::vector<std::string>& texts,
+                          const std::string& pointer) {
     for (size_t c = 0; c < grid.dimensions; ++c) {
       to[c] = texts.empty() ? r.read(pointer, "0") : r.read(pointer + "/" + std::to_string(c), texts[c]);
     }
@@ -74,7 +76,8 @@ void FlowTexts::sample(const Program& p, const mac::MacGrid& g, size_t place, do
   x.resize(g.count(place, 0));
   for (size_t i = 0; i < x.size(); ++i) x[i] = g.coordinate(place, 0, static_cast<double>(i));
   mac::for_rows(g, place, kSerial, [&](size_t at, size_t j, size_t k, size_t n) {
-    const double y = g.coordinate(place, 1, static_cast<double>(j)), z = g.coordinate(place, 2, static_cast<double>(k));
+    const double y = g.coordinate(place, 1, static_cast<double>(j)),
+                 z = g.coordinate(place, 2, static_cast<double>(k));
     const ExpressionRows::Column in[] = {{&t, 0}, {x.data(), 1}, {&y, 0}, {&z, 0}};
     const ExpressionRows::Output to[] = {{u + at, 1}};
     p.rows.run(in, to, 0, n);
@@ -86,7 +89,8 @@ void FlowTexts::sample_side(const mac::MacGrid& g, size_t axis, size_t end, size
   const size_t first = axis == 0 ? 1 : 0, second = axis == 2 ? 1 : 2;
   const size_t n = g.padded(first), planes = g.padded(second);
   const auto along = [&](size_t a, size_t padded) {
-    return g.coordinate(c, a, a < g.dimensions ? static_cast<double>(padded) - static_cast<double>(mac::kGhosts) : 0.0);
+    return g.coordinate(
+        c, a, a < g.dimensions ? static_cast<double>(padded) - static_cast<double>(mac::kGhosts) : 0.0);
   };
   thread_local std::vector<double> u;
   u.resize(n);

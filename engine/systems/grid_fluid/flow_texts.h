@@ -1,5 +1,5 @@
-// The texts of a scene on a staggered grid as numbers: velocities at the start, on sides, exact ones, forces and
-// what the flow carries.
+// The texts of a scene on a staggered grid as numbers: velocities at the start, on sides, exact ones, forces
+// and what the flow carries.
 #pragma once
 #include <string>
 #include <vector>

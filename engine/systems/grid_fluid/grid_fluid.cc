@@ -10,19 +10,31 @@
 namespace truestep::grid_fluid {
 
 namespace {
-enum Number : size_t { kViscosity, kLastStep, kSubsteps, kCfl, kIterations, kResidual, kDrag, kLift, kNumbers };
+enum Number : size_t {
+  kViscosity,
+  kLastStep,
+  kSubsteps,
+  kCfl,
+  kIterations,
+  kResidual,
+  kDrag,
+  kLift,
+  kNumbers
+};
 constexpr const char* kAxes[] = {"x", "y", "z"};
 
 PartInfo cells_part(const FlowModel& m) {
   PartInfo part;
   part.kind = PartInfo::Kind::grid;
-  part.fields = {{"velocity", "m/s", Scalar::f64, 3}, {"speed", "m/s"}, {"pressure", "Pa"}, {"vorticity", "1/s"}};
+  part.fields = {
+      {"velocity", "m/s", Scalar::f64, 3}, {"speed", "m/s"}, {"pressure", "Pa"}, {"vorticity", "1/s"}};
   if (m.def.scalar) part.fields.push_back({"scalar", "1"});
   part.max_rows = m.grid.cell_count();
   double first[3] = {}, spacing[3] = {1, 1, 1};
   for (size_t a = 0; a < 3; ++a) {
     part.lattice.counts[a] = static_cast<uint32_t>(m.grid.cells[a]);
-    if (a < m.grid.dimensions) first[a] = m.grid.coordinate(mac::kCentre, a, 0), spacing[a] = m.grid.spacing[a];
+    if (a < m.grid.dimensions)
+      first[a] = m.grid.coordinate(mac::kCentre, a, 0), spacing[a] = m.grid.spacing[a];
   }
   part.lattice.origin = {first[0], first[1], first[2]};
   part.lattice.spacing = {spacing[0], spacing[1], spacing[2]};
@@ -42,7 +54,8 @@ GridFluid::GridFluid(const GridFluidDef& def, const BuildContext& context)
   numbers_ = start_.add({"numbers", "1", Scalar::f64, 1, Role::internal}, kNumbers);
   if (def.advection == GridFluidDef::Advection::central && def.stepping == GridFluidDef::Stepping::ab2) {
     for (size_t c = 0; c < g.dimensions; ++c) {
-      const auto column = start_.add({std::string("rate.") + kAxes[c], "m/s^2", Scalar::f64, 1, Role::internal}, g.size());
+      const auto column =
+          start_.add({std::string("rate.") + kAxes[c], "m/s^2", Scalar::f64, 1, Role::internal}, g.size());
       if (c == 0) rate_ = column;
     }
   }
@@ -64,7 +77,8 @@ GridFluid::GridFluid(const GridFluidDef& def, const BuildContext& context)
                 (central ? std::string("central differences, ") + (stages ? "three stages" : "two steps") +
                                " each projected"
                          : "advected along paths, then projected") +
-                (model_.solids.any() ? "; pressure by conjugate gradients and multigrid" : "; pressure by transforms"),
+                (model_.solids.any() ? "; pressure by conjugate gradients and multigrid"
+                                     : "; pressure by transforms"),
             [this](State& s, const StepInput& in) { advance(s, in); });
   if (def.obstacles.empty()) skip_stage("obstacles", "nothing stands in the flow");
   if (def.viscosity == 0) skip_stage("viscosity", "the fluid has none");
@@ -89,13 +103,14 @@ double GridFluid::largest_substep(double crossing_rate, double viscosity, double
   const GridFluidDef& d = model_.def;
   const bool central = d.advection == GridFluidDef::Advection::central;
   const bool rk3 = d.stepping == GridFluidDef::Stepping::rk3;
-  // Runge and Kutta's method of three stages holds the imaginary axis up to 1.73; two steps hold none of it and
-  // grow slowly enough only well below 1.
+  // Runge and Kutta's method of three stages holds the imaginary axis up to 1.73; two steps hold none of it
+  // and grow slowly enough only well below 1.
   const double cfl = d.cfl.value_or(!central ? 3 : rk3 ? 1.2 : 0.5);
   double largest = crossing_rate > 0 ? std::min(h, cfl / crossing_rate) : h;
   if (central && d.viscous == GridFluidDef::Viscous::explicit_) {
     double rate = 0;
-    for (size_t a = 0; a < model_.grid.dimensions; ++a) rate += 4 / (model_.grid.spacing[a] * model_.grid.spacing[a]);
+    for (size_t a = 0; a < model_.grid.dimensions; ++a)
+      rate += 4 / (model_.grid.spacing[a] * model_.grid.spacing[a]);
     // Ends of the real axes that the methods hold.
     if (viscosity > 0) largest = std::min(largest, (rk3 ? 2.5 : 1.0) / (viscosity * rate));
   }
@@ -123,7 +138,8 @@ void GridFluid::advance(State& s, const StepInput& in) const {
     flow.substep(f, in.t + i * h, h);
   }
   numbers[kIterations] = f.solved.iterations, numbers[kResidual] = f.solved.residual;
-  numbers[kDrag] = model_.def.density * f.impulse[0] / h, numbers[kLift] = model_.def.density * f.impulse[1] / h;
+  numbers[kDrag] = model_.def.density * f.impulse[0] / h,
+  numbers[kLift] = model_.def.density * f.impulse[1] / h;
   numbers[kLastStep] = f.last_h, numbers[kSubsteps] = n;
   numbers[kCfl] = flow.crossing_rate(f, in.t + in.h) * h;
 }

@@ -1,6 +1,6 @@
-// An incompressible fluid in a box of two or three dimensions on a staggered grid (flow.h): smooth flows by central
-// differences, any other along paths; walls, inflow, outflow, periodic sides; what the flow carries and what that
-// weighs. A step is divided into as many equal substeps as its speed and viscosity ask for.
+// An incompressible fluid in a box of two or three dimensions on a staggered grid (flow.h): smooth flows by
+// central differences, any other along paths; walls, inflow, outflow, periodic sides; what the flow carries
+// and what that weighs. A step is divided into as many equal substeps as its speed and viscosity ask for.
 // Commands: set_parameter viscosity; impulse gives momentum to the fluid around a place.
 #pragma once
 #include "engine/core/system.h"

@@ -18,9 +18,11 @@ const DefTable& side_table() {
   using D = FlowSideDef;
   static const DefTable kTable =
       TableOf<D>("what holds on a side")
-          .choice("kind", &D::kind, {"wall", "slip", "inflow", "outflow", "periodic"},
-                  "wall: the fluid sticks to it; slip: it slides along it; inflow: it has the given velocity; "
-                  "outflow: no pressure and no slope along the normal; periodic: the box goes on at the other end")
+          .choice(
+              "kind", &D::kind, {"wall", "slip", "inflow", "outflow", "periodic"},
+              "wall: the fluid sticks to it; slip: it slides along it; inflow: it has the given velocity; "
+              "outflow: no pressure and no slope along the normal; periodic: the box goes on at the other "
+              "end")
           .texts("velocity", &D::velocity, {0, 3},
                  "m/s, of a wall (along itself) or an inflow: expressions of x, y, z and t")
           .build();
@@ -90,10 +92,12 @@ void check_sides(const GridFluidDef& d, const DefTable::Report& report) {
 }
 
 void check_flow(const GridFluidDef& d, const DefTable::Report& report) {
-  if (!d.size.empty() && d.size.size() != d.cells.size()) report("/size", "as many lengths as cells has numbers");
+  if (!d.size.empty() && d.size.size() != d.cells.size())
+    report("/size", "as many lengths as cells has numbers");
   if (cell_count(d) > kMostCells) report("/cells", "more than 5e7 cells");
   const auto components = [&](const std::vector<std::string>& texts, const char* pointer) {
-    if (!texts.empty() && texts.size() != d.cells.size()) report(pointer, "as many components as the box has dimensions");
+    if (!texts.empty() && texts.size() != d.cells.size())
+      report(pointer, "as many components as the box has dimensions");
   };
   components(d.initial, "/initial"), components(d.force, "/force"), components(d.exact, "/exact");
   check_sides(d, report);
@@ -113,7 +117,8 @@ const FlowSideDef& side_of(const GridFluidDef& d, size_t axis, size_t end) {
   static const FlowSideDef kWall;
   if (const auto& own = d.sides.of(axis, end)) return *own;
   // A periodic end makes the other one periodic.
-  if (const auto& other = d.sides.of(axis, 1 - end); other && other->kind == SideKind::periodic) return *other;
+  if (const auto& other = d.sides.of(axis, 1 - end); other && other->kind == SideKind::periodic)
+    return *other;
   return d.all ? *d.all : kWall;
 }
 
@@ -138,30 +143,38 @@ const DefTable& grid_fluid_table() {
   static const DefTable kTable =
       TableOf<D>("an incompressible fluid in a box of two or three dimensions, on a staggered grid")
           .integers("cells", &D::cells, between(4, 1e6), {2, 3}, "cells along x, y and perhaps z")
-          .numbers("size", &D::size, "m", above(0), {0, 3}, "lengths of the box; without them 1 along every axis")
+          .numbers("size", &D::size, "m", above(0), {0, 3},
+                   "lengths of the box; without them 1 along every axis")
           .vector("origin", &D::origin, "m", any(), "lower corner of the box")
-          .object("side", &D::all, side_table(), "all sides that are not given on their own; without it walls at rest")
+          .object("side", &D::all, side_table(),
+                  "all sides that are not given on their own; without it walls at rest")
           .object("sides", &D::sides, sides_table(), "single sides")
           .number("viscosity", &D::viscosity, "m^2/s", at_least(0), "kinematic viscosity")
           .number("density", &D::density, "kg/m^3", above(0), "mass per volume (area in the plane)")
           .choice("advection", &D::advection, {"central", "semi_lagrangian", "maccormack", "bfecc"},
-                  "central: differences of second order that keep energy, for smooth flows; the others trace paths "
+                  "central: differences of second order that keep energy, for smooth flows; the others trace "
+                  "paths "
                   "backwards and hold any step: of first order, or corrected to second with limits")
           .choice("stepping", &D::stepping, {"rk3", "ab2"},
-                  "of central advection: Runge and Kutta's of three stages, or Adams and Bashforth's of two steps")
-          .choice("viscous", &D::viscous, {"automatic", "explicit", "implicit"},
-                  "how viscosity is stepped; automatic: explicit with central advection where the step holds it")
+                  "of central advection: Runge and Kutta's of three stages, or Adams and Bashforth's of two "
+                  "steps")
+          .choice(
+              "viscous", &D::viscous, {"automatic", "explicit", "implicit"},
+              "how viscosity is stepped; automatic: explicit with central advection where the step holds it")
           .number("cfl", &D::cfl, "1", between(1e-3, 100),
-                  "cells that anything may cross in a substep; without it 1.2 for rk3, 0.5 for ab2, 3 along paths")
+                  "cells that anything may cross in a substep; without it 1.2 for rk3, 0.5 for ab2, 3 along "
+                  "paths")
           .texts("initial", &D::initial, {0, 3}, "m/s, velocity at the start: expressions of x, y, z")
           .texts("force", &D::force, {0, 3}, "m/s^2, acceleration: expressions of x, y, z and t")
           .texts("exact", &D::exact, {0, 3}, "m/s, velocity that is known: expressions of x, y, z and t")
           .object("scalar", &D::scalar, scalar_table(), "what the flow carries")
-          .number("vorticity_confinement", &D::vorticity_confinement, "1", at_least(0),
-                  "strength of the force that gives small eddies back what advection along paths takes from them")
+          .number(
+              "vorticity_confinement", &D::vorticity_confinement, "1", at_least(0),
+              "strength of the force that gives small eddies back what advection along paths takes from them")
           .objects("obstacles", &D::obstacles, obstacle_table(), {0, 1000}, "solids that stand in the flow")
           .number("tolerance", &D::tolerance, "1", between(1e-14, 0.1),
-                  "to which the pressure's residual falls where obstacles stand; elsewhere it is solved to rounding")
+                  "to which the pressure's residual falls where obstacles stand; elsewhere it is solved to "
+                  "rounding")
           .check(check_flow)
           .build();
   return kTable;
@@ -173,20 +186,22 @@ const Outputs& grid_fluid_outputs() {
       .fields = {{"velocity", "m/s", 3, "velocity in the cell's centre"},
                  {"speed", "m/s", 1, "its magnitude"},
                  {"pressure", "Pa", 1, "pressure"},
-                 {"vorticity", "1/s", 1, "curl of the velocity: along z in the plane, its magnitude in space"},
+                 {"vorticity", "1/s", 1,
+                  "curl of the velocity: along z in the plane, its magnitude in space"},
                  {"scalar", "1", 1, "what the flow carries"}},
-      .observables = {{"energy.kinetic", "J", "of the fluid in the box"},
-                      {"enstrophy", "1/s^2", "half the square of the vorticity, integrated over the box"},
-                      {"divergence.max", "1/s", "largest divergence of a cell"},
-                      {"speed.max", "m/s", "largest component of the velocity on a face"},
-                      {"cfl", "1", "cells that the fastest crosses in a substep"},
-                      {"substeps", "1", "substeps of the last step"},
-                      {"pressure.iterations", "1", "of the last substep's last solve; 0: solved directly"},
-                      {"pressure.residual", "1", "what is left of the right-hand side then"},
-                      {"scalar.total", "1", "integral of what the flow carries"},
-                      {"obstacle.drag", "N", "force of the fluid on the obstacles along x, over the last substep"},
-                      {"obstacle.lift", "N", "the same along y"},
-                      {"error.exact", "m/s", "distance from the scene's exact velocity, root mean square"}}};
+      .observables = {
+          {"energy.kinetic", "J", "of the fluid in the box"},
+          {"enstrophy", "1/s^2", "half the square of the vorticity, integrated over the box"},
+          {"divergence.max", "1/s", "largest divergence of a cell"},
+          {"speed.max", "m/s", "largest component of the velocity on a face"},
+          {"cfl", "1", "cells that the fastest crosses in a substep"},
+          {"substeps", "1", "substeps of the last step"},
+          {"pressure.iterations", "1", "of the last substep's last solve; 0: solved directly"},
+          {"pressure.residual", "1", "what is left of the right-hand side then"},
+          {"scalar.total", "1", "integral of what the flow carries"},
+          {"obstacle.drag", "N", "force of the fluid on the obstacles along x, over the last substep"},
+          {"obstacle.lift", "N", "the same along y"},
+          {"error.exact", "m/s", "distance from the scene's exact velocity, root mean square"}}};
   return kOutputs;
 }
 
@@ -208,21 +223,25 @@ Cost grid_fluid_cost(const void* def) {
 }
 
 const Resolution& grid_fluid_resolution() {
-  static const Resolution kCells{
-      .parameter = "cells",
-      .divide = [](void* def, double factor) -> std::optional<std::string> {
-        auto& d = *static_cast<GridFluidDef*>(def);
-        for (int64_t& cells : d.cells) {
-          const double wanted = factor * static_cast<double>(cells);
-          if (wanted != std::floor(wanted) || wanted < 4) return "cells are whole numbers of at least 4";
-          cells = static_cast<int64_t>(wanted);
-        }
-        if (cell_count(d) > kMostCells) return "more than 5e7 cells";
-        return std::nullopt;
-      },
-      .order = [](const void* def) {
-        return static_cast<const GridFluidDef*>(def)->advection == GridFluidDef::Advection::semi_lagrangian ? 1 : 2;
-      }};
+  static const Resolution kCells{.parameter = "cells",
+                                 .divide = [](void* def, double factor) -> std::optional<std::string> {
+                                   auto& d = *static_cast<GridFluidDef*>(def);
+                                   for (int64_t& cells : d.cells) {
+                                     const double wanted = factor * static_cast<double>(cells);
+                                     if (wanted != std::floor(wanted) || wanted < 4)
+                                       return "cells are whole numbers of at least 4";
+                                     cells = static_cast<int64_t>(wanted);
+                                   }
+                                   if (cell_count(d) > kMostCells) return "more than 5e7 cells";
+                                   return std::nullopt;
+                                 },
+                                 .order =
+                                     [](const void* def) {
+                                       return static_cast<const GridFluidDef*>(def)->advection ==
+                                                      GridFluidDef::Advection::semi_lagrangian
+                                                  ? 1
+                                                  : 2;
+                                     }};
   return kCells;
 }
 

@@ -12,8 +12,8 @@
 
 namespace truestep::grid_fluid {
 
-/// What holds on a side of the box: the fluid sticks to a wall (which may move along itself), slides along it,
-/// flows in with a given velocity, flows out against no pressure, or comes in again at the other end.
+/// What holds on a side of the box: the fluid sticks to a wall (which may move along itself), slides along
+/// it, flows in with a given velocity, flows out against no pressure, or comes in again at the other end.
 enum class SideKind : uint8_t { wall, slip, inflow, outflow, periodic };
 
 struct FlowSideDef {
@@ -37,7 +37,7 @@ struct ScalarDef {
 struct ObstacleDef {
   enum class Shape : uint8_t { sphere, box } shape = Shape::sphere;
   Vec3 center;
-  double radius = 0.1;        ///< m
+  double radius = 0.1;       ///< m
   Vec3 half{0.1, 0.1, 0.1};  ///< m
 };
 
@@ -49,7 +49,12 @@ struct GridFluidDef {
   FlowSidesDef sides;
   double viscosity = 0;  ///< kinematic, m^2/s
   double density = 1;    ///< kg/m^3, or kg/m^2 in the plane
-  enum class Advection : uint8_t { central, semi_lagrangian, maccormack, bfecc } advection = Advection::central;
+  enum class Advection : uint8_t {
+    central,
+    semi_lagrangian,
+    maccormack,
+    bfecc
+  } advection = Advection::central;
   enum class Stepping : uint8_t { rk3, ab2 } stepping = Stepping::rk3;
   enum class Viscous : uint8_t { automatic, explicit_, implicit } viscous = Viscous::automatic;
   std::optional<double> cfl;

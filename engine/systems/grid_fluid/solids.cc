@@ -33,7 +33,8 @@ Solids::Solids(const std::vector<ObstacleDef>& obstacles, const mac::MacGrid& g)
     open[c].assign(g.size(), 1), fluid[c].assign(g.size(), 1);
     const size_t u = c == 0 ? 1 : 0, w = c == 2 ? 1 : 2;
     const bool space = g.dimensions == 3;
-    const double smallest = *std::min_element(g.spacing.begin(), g.spacing.begin() + static_cast<ptrdiff_t>(g.dimensions));
+    const double smallest =
+        *std::min_element(g.spacing.begin(), g.spacing.begin() + static_cast<ptrdiff_t>(g.dimensions));
     for (size_t k = 0; k < g.count(c, 2); ++k) {
       for (size_t j = 0; j < g.count(c, 1); ++j) {
         for (size_t i = 0; i < g.count(c, 0); ++i) {
@@ -61,7 +62,7 @@ Solids::Solids(const std::vector<ObstacleDef>& obstacles, const mac::MacGrid& g)
           open[c][at] = sum / strips < kLeastOpen ? 0 : sum / strips;
         }
       }
-      }
+    }
     for (size_t a = 0; a < g.dimensions; ++a) {
       if (!g.periodic[a] || a != c) continue;
       // Face n of a periodic axis is face 0.

@@ -1,5 +1,5 @@
-// Obstacles on a staggered grid: open shares of faces for the pressure (cut cells), and shares of the control volumes
-// around faces that are solid, in which the fluid is at rest.
+// Obstacles on a staggered grid: open shares of faces for the pressure (cut cells), and shares of the control
+// volumes around faces that are solid, in which the fluid is at rest.
 #pragma once
 #include <array>
 #include <vector>
