@@ -3,13 +3,15 @@
 // them; what it has to remember for later steps lives in a State of its own.
 //
 //   for each coupling, in order: begin      kicks of the first half, and a look at where everything is
+//   for each coupling, in order: immerse    bodies for a medium, which moves them with itself
 //   for each system:             step
 //   for each coupling, in order: midway     a look at where the systems alone have led
-//   for each coupling, backwards: end       kicks of the second half, contacts, corrections
+//   for each coupling, backwards: emerge, end       kicks of the second half, contacts, corrections
 //   for each coupling, in turn:  guard      until none changes anything: what holds whatever the others did
 //
 // The order is a palindrome, so that couplings by forces compose to second order (Strang 1968).
 #pragma once
+#include "engine/core/medium.h"
 #include "engine/core/ports.h"
 #include "engine/core/system.h"
 
@@ -35,6 +37,12 @@ class Coupling {
   virtual State initial_state() const = 0;
   /// Before both sides advance by input.h.
   virtual void begin(const CoupledStates& s, const StepInput& input) const = 0;
+  /// After all couplings have begun: appends the bodies that b, a medium, has in it for input.h.
+  virtual void immerse(const ConstCoupledStates& s, const StepInput& input,
+                       std::vector<ImmersedBody>& out) const {}
+  /// Before `end`: what the medium has done to them.
+  virtual void emerge(const CoupledStates& s, const StepInput& input,
+                      std::span<const ImmersedBody> bodies) const {}
   /// After both sides have advanced by input.h, before any coupling has ended: nothing is written to them.
   virtual void midway(const CoupledStates& s, const StepInput& input) const {}
   /// After both sides have advanced by input.h.

@@ -99,6 +99,8 @@ struct Ports {
   std::optional<PointPort> points;
   PublishedSolids solids;  ///< with which points of other systems collide
   std::optional<BodyPort> bodies;
+  /// A medium fills this many dimensions and takes bodies (core/medium.h); 0: it is none.
+  int medium = 0;
   /// How all points answer impulses on some; null: each by its own mass.
   const AnswersImpulses* answers = nullptr;
 };

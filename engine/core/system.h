@@ -5,6 +5,7 @@
 #include <functional>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -26,6 +27,7 @@ namespace truestep {
 class ForceField;          // core/force_field.h
 struct Integrator;         // core/integrator.h
 struct IntegratorOptions;  // the same
+struct ImmersedBody;       // core/medium.h
 
 /// How a system moves on in time, as far as the table of methods knows; see System::integration.
 struct Integration {
@@ -41,7 +43,8 @@ struct StepInput {
   uint64_t step = 0;  ///< number of this (sub)step since the beginning, from 0
   Workspace& workspace;
   const ThreadArena& arena;
-  Profile* profile = nullptr;  ///< null: nobody asked where the time goes
+  Profile* profile = nullptr;           ///< null: nobody asked where the time goes
+  std::span<ImmersedBody> bodies = {};  ///< those in a medium (Ports::medium), for it to move and push
 };
 
 /// A pass of a step, or one that this scene does not need, with the reason either way.

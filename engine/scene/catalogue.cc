@@ -18,6 +18,7 @@
 #include "engine/systems/rigid3d/rigid3d_def.h"
 #include "engine/systems/rod_chain/rod_chain.h"
 #include "engine/systems/skeleton/skeleton.h"
+#include "engine/systems/sph/sph.h"
 #include "engine/systems/wave/wave.h"
 #include "engine/systems/xpbd/xpbd.h"
 
@@ -161,6 +162,16 @@ std::span<const CatalogueRow> catalogue() {
         "the same bits on any number of threads"},
        "",
        &mpm::mpm_outputs()},
+      {"sph",
+       "fluids",
+       "a liquid of particles by smoothed particle hydrodynamics, in space and in the plane",
+       &sph::sph_table(),
+       sph::build_sph,
+       sph::sph_cost,
+       {"constant density and no divergence to the tolerance that is asked for",
+        "substeps follow the fastest particle", "mass is exact", "the same bits on any number of threads"},
+       "",
+       &sph::sph_outputs()},
       {"articulation",
        "rigid bodies",
        "rigid links in a tree of joints, in the joints' own coordinates: chains that cannot come apart, "

@@ -3,6 +3,7 @@
 #include "engine/couplings/attachment/attachment.h"
 #include "engine/couplings/contact/contact.h"
 #include "engine/couplings/drive/drive.h"
+#include "engine/couplings/immersion/immersion.h"
 
 namespace truestep {
 
@@ -30,6 +31,14 @@ std::span<const CouplingRow> coupling_catalogue() {
        drive::build_drive,
        drive::drive_cost,
        {"the parameter is the control at the substep's start"}},
+      {"immersion",
+       "rigid bodies of a float, sink and are carried in b, a medium such as water of particles",
+       &immersion::immersion_table(),
+       immersion::build_immersion,
+       immersion::immersion_cost,
+       {"what one side gains in momentum the other loses",
+        "pressure and bodies are solved for together: light bodies stay calm",
+        "a body is in the water to the depth of its weight"}},
   };
   return kRows;
 }

@@ -10,6 +10,7 @@
 #include "engine/core/lattice.h"
 #include "engine/integrators/table/integrators.h"
 #include "engine/scene/json_write.h"
+#include "engine/session/immersed.h"
 
 namespace truestep {
 
@@ -174,11 +175,25 @@ void World::step(WorldState& state, Workspace& workspace, const ThreadArena& are
     };
     const auto coupling_input = [&](size_t c) { return input(scene_.couplings[c].id, size() + c); };
     for (size_t c = 0; c < couplings_.size(); ++c) couplings_[c]->begin(sides(state, c), coupling_input(c));
+    auto& immersed = workspace.object<Immersed>("immersed");
+    if (!couplings_.empty()) {
+      immersed.gather(systems_.size(), couplings_.size(), [&](size_t c, std::vector<ImmersedBody>& out) {
+        couplings_[c]->immerse(sides(std::as_const(state), c), coupling_input(c), out);
+        return scene_.couplings[c].b;
+      });
+    }
     for (size_t i = 0; i < systems_.size(); ++i) {
-      named(i, [&] { systems_[i]->step(state.systems[i], input(id(i), i)); });
+      named(i, [&] {
+        StepInput in = input(id(i), i);
+        if (!couplings_.empty()) in.bodies = immersed.of(i);
+        systems_[i]->step(state.systems[i], in);
+      });
     }
     for (size_t c = 0; c < couplings_.size(); ++c) couplings_[c]->midway(sides(state, c), coupling_input(c));
-    for (size_t c = couplings_.size(); c-- > 0;) couplings_[c]->end(sides(state, c), coupling_input(c));
+    for (size_t c = couplings_.size(); c-- > 0;) {
+      couplings_[c]->emerge(sides(state, c), coupling_input(c), immersed.by(c));
+      couplings_[c]->end(sides(state, c), coupling_input(c));
+    }
     // One guard's change is for all others to look at.
     const size_t n_couplings = couplings_.size(), most = kGuardRounds * n_couplings;
     for (size_t quiet = 0, turn = 0; quiet < n_couplings && turn < most; ++turn) {

@@ -1,0 +1,22 @@
+// The coupling type "immersion": rigid bodies of a in b, a medium that takes bodies (core/medium.h). The
+// medium moves them on within its step by its own pressure and by what accelerated them in the step before;
+// what it did to them is given to the bodies themselves at the step's end, with the way that they went by it.
+#pragma once
+#include <memory>
+
+#include "engine/core/build.h"
+#include "engine/core/coupling.h"
+#include "engine/core/def.h"
+
+namespace truestep::immersion {
+
+struct ImmersionDef {
+  enum class Which : uint8_t { moving, all } bodies = Which::moving;
+};
+
+const DefTable& immersion_table();
+Cost immersion_cost(const void* def, const Cost& a, const Cost& b);
+/// Error "scene_invalid" where a has no bodies in space or b is no medium in space.
+std::unique_ptr<const Coupling> build_immersion(const void* def, const CouplingContext& context);
+
+}  // namespace truestep::immersion

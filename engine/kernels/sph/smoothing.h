@@ -1,0 +1,71 @@
+// Smoothing kernels of compact support: the cubic spline (Monaghan 1992) and Wendland's C2 and C4 functions
+// (Dehnen & Aly 2012), in the plane and in space. With q = r / H and H the radius of the support,
+// W(r) = sigma / H^D w(q) and dW/dr / r = sigma / H^(D + 2) s(q). Both vanish at q = 1.
+#pragma once
+#include <cstdint>
+
+#include "engine/math/wide.h"
+
+namespace truestep::sph {
+
+enum class Smoothing : uint8_t { cubic, wendland_c2, wendland_c4 };
+
+namespace smoothing_detail {
+template <class T>
+Wide<T> real(double x) {
+  return Wide<T>::all(static_cast<T>(x));
+}
+}  // namespace smoothing_detail
+
+/// w and s of q in [0, 1].
+template <class T>
+struct SmoothingValue {
+  Wide<T> w, s;
+};
+
+template <Smoothing K, class T>
+inline SmoothingValue<T> smoothing(const Wide<T>& q) {
+  using smoothing_detail::real;
+  const Wide<T> u = real<T>(1) - q, u2 = u * u;
+  if constexpr (K == Smoothing::cubic) {
+    const Wide<T> inner_w = madd(real<T>(6) * q * q, q - real<T>(1), real<T>(1));
+    const Wide<T> inner_s = madd(real<T>(18), q, real<T>(-12));
+    const Wide<T> outer_w = real<T>(2) * u2 * u;
+    // Only beyond a half: there q is far from 0.
+    const Wide<T> outer_s = real<T>(-6) * u2 / max(q, real<T>(0.5));
+    const auto near = q < real<T>(0.5);
+    return {select(near, inner_w, outer_w), select(near, inner_s, outer_s)};
+  } else if constexpr (K == Smoothing::wendland_c2) {
+    return {u2 * u2 * madd(real<T>(4), q, real<T>(1)), real<T>(-20) * u2 * u};
+  } else {
+    const Wide<T> u4 = u2 * u2;
+    const Wide<T> p = madd(madd(real<T>(35.0 / 3), q, real<T>(6)), q, real<T>(1));
+    return {u4 * u2 * p, real<T>(-56.0 / 3) * u4 * u * madd(real<T>(5), q, real<T>(1))};
+  }
+}
+
+/// Makes the integral of W over the whole space 1.
+constexpr double smoothing_sigma(Smoothing k, int dimension) {
+  constexpr double kPi = 3.14159265358979323846;
+  const bool plane = dimension == 2;
+  switch (k) {
+    case Smoothing::cubic:
+      return plane ? 40 / (7 * kPi) : 8 / kPi;
+    case Smoothing::wendland_c2:
+      return plane ? 7 / kPi : 21 / (2 * kPi);
+    case Smoothing::wendland_c4:
+      break;
+  }
+  return plane ? 9 / kPi : 495 / (32 * kPi);
+}
+
+/// The same for one number, by the kernel's name at run time.
+inline SmoothingValue<double> smoothing_at(Smoothing k, double q) {
+  const Wide<double> x = Wide<double>::all(q);
+  if (!(q < 1)) return {Wide<double>::zero(), Wide<double>::zero()};
+  return k == Smoothing::cubic         ? smoothing<Smoothing::cubic>(x)
+         : k == Smoothing::wendland_c2 ? smoothing<Smoothing::wendland_c2>(x)
+                                       : smoothing<Smoothing::wendland_c4>(x);
+}
+
+}  // namespace truestep::sph

@@ -1,0 +1,266 @@
+// Rigid bodies in the fluid: walls that move, each flat over a kernel, which what they do to the particles
+// moves in turn. In the solves a body answers every pressure at once, so that body and water are one system
+// of equations; without bodies all of this is empty.
+#pragma once
+#include <algorithm>
+#include <cmath>
+#include <span>
+#include <vector>
+
+#include "engine/collision/point_distance.h"
+#include "engine/core/medium.h"
+#include "engine/systems/sph/passes.h"
+#include "engine/systems/sph/volume_map.h"
+#include "engine/systems/sph/walls.h"
+
+namespace truestep::sph {
+
+/// How often a wall's gradient is in the force of a pressure (passes.h).
+template <Answer A>
+inline constexpr double kTimes = A == Answer::mirror ? 2 : 1;
+
+template <int D, class T>
+class BodiesIn {
+ public:
+  /// Bodies of one step.
+  void set(std::span<ImmersedBody> bodies, const Setting& setting) {
+    bodies_ = D == 3 ? bodies : std::span<ImmersedBody>(), setting_ = &setting;
+    touching_.resize(bodies_.size()), answer_.resize(bodies_.size()), map_of_.resize(bodies_.size());
+    for (size_t k = 0; k < bodies_.size(); ++k) map_of_[k] = map(bodies_[k].solid);
+  }
+  bool any() const { return !bodies_.empty(); }
+
+  /// m/s, of the fastest place of any body.
+  double fastest() const {
+    double out = 0;
+    for (const ImmersedBody& b : bodies_)
+      out = std::max(out, norm(b.velocity) + norm(b.spin) * bounding_radius(*b.solid));
+    return out;
+  }
+  /// What accelerates the bodies besides the fluid, for h s; weight where that is not known or a blow.
+  void pull(Fluid<D, T>& f, const Vec3& gravity, double h) {
+    for (size_t k = 0; k < bodies_.size(); ++k) {
+      ImmersedBody& b = bodies_[k];
+      if (!(b.mass > 0)) continue;
+      const bool steady = b.pull && norm2(*b.pull) <= kSteady * norm2(gravity);
+      const Vec3 by = (steady ? *b.pull : gravity) * h;
+      b.velocity += by;
+      carry(f, k, {by, {}});
+    }
+  }
+  void advance(double h) {
+    for (ImmersedBody& b : bodies_) b.advance(h);
+  }
+
+  /// Finds the particles beside bodies and adds the bodies to their walls, whose shares must be there.
+  void touch(Fluid<D, T>& f, const ThreadArena& arena) {
+    for (const Touch& t : touches_) slot_of(recoil_, t) = 0, slot_of(give_, t) = 0;
+    recoil_.resize(f.n), give_.resize(f.n);
+    arena.for_blocks(bodies_.size(), 1, [&](size_t begin, size_t end) {
+      for (size_t k = begin; k < end; ++k) find(f, k);
+    });
+    touches_.clear();
+    for (const auto& list : touching_) touches_.insert(touches_.end(), list.begin(), list.end());
+    merge(f);
+    weigh();
+  }
+
+  /// The bodies' answers to the pressures q of a solve, and what they do to the rates of density.
+  template <Answer A>
+  void answer(const Aligned<T>& q) {
+    constexpr double kTwice = kTimes<A>;
+    for (size_t k = 0, at = 0; k < bodies_.size(); ++k) {
+      push_[k] = about_[k] = {};
+      for (size_t end = at + touching_[k].size(); at < end; ++at) {
+        const Touch& t = touches_[at];
+        const Vec3 force = t.slope * (kTwice * setting_->mass * double{q[t.slot]});
+        push_[k] += force, about_[k] += cross(t.arm, force);
+      }
+      answer_[k] = bodies_[k].answer(push_[k], about_[k]);
+    }
+    for (const Touch& t : touches_) slot_of(recoil_, t) = 0;
+    for (const Touch& t : touches_)
+      slot_of(recoil_, t) -= static_cast<T>(kTwice * dot(t.slope, answer_[t.body].at(t.arm)));
+  }
+  /// 1/s^2, of the last answer.
+  T recoil(size_t i) const { return recoil_[i]; }
+  /// 1/m^2, what the diagonal of a solve has to have more.
+  template <Answer A>
+  T give(size_t i) const {
+    return static_cast<T>(kTimes<A> * kTimes<A>) * give_[i];
+  }
+  /// Carries the last answer out for h s.
+  void follow(Fluid<D, T>& f, double h) {
+    for (size_t k = 0; k < bodies_.size(); ++k) {
+      bodies_[k].give(push_[k] * h, about_[k] * h);
+      carry(f, k, {answer_[k].velocity * h, answer_[k].spin * h});
+    }
+  }
+  /// The last answer was to ways instead of accelerations: moves the bodies by it in h s.
+  void shift(double h) {
+    for (size_t k = 0; k < bodies_.size(); ++k) {
+      bodies_[k].give(push_[k] / h, about_[k] / h);
+      bodies_[k].place += answer_[k].velocity;
+      bodies_[k].orientation = normalized(free_rotation::turn(answer_[k].spin) * bodies_[k].orientation);
+    }
+  }
+  /// Particles lean on bodies and bodies on them (walls.h) for h s.
+  void lean(Fluid<D, T>& f, const Vec3& gravity, double h) {
+    for (const Touch& t : touches_) {
+      const double rests = h * double{f.rests[t.slot]};
+      exchange(f, t, leaning(t.slope, t.normal, t.distance, gravity) * rests);
+      take(t, gravity * (-t.part * rests));
+    }
+  }
+  /// Particles and bodies hold each other by viscosity for h s.
+  void hold(Fluid<D, T>& f, double h) {
+    const double nu = setting_->def.viscosity * h, least = kLeastGap * setting_->def.spacing;
+    for (const Touch& t : touches_) {
+      const T* v = f.v.data() + 4 * t.slot;
+      const Vec3 slip = bodies_[t.body].velocity_at(t.arm) - Vec3{double{v[0]}, double{v[1]}, double{v[2]}};
+      const Vec3 along = slip - t.normal * dot(slip, t.normal);
+      exchange(f, t, along * (nu * setting_->wall.friction(t.distance, least)));
+    }
+  }
+
+ private:
+  struct Touch {
+    uint32_t slot, body;
+    double share, distance, part;  ///< part: of all walls' share, what the body has
+    Vec3 slope, arm, normal;       ///< slope: 1/m, into the body
+  };
+  /// Of the square of gravity: what pulls more is a blow and does not last.
+  static constexpr double kSteady = 2;
+
+  static T& slot_of(Aligned<T>& a, const Touch& t) { return a[t.slot]; }
+
+  size_t map(const Solid* solid) {
+    for (size_t k = 0; k < maps_.size(); ++k) {
+      if (maps_[k].solid == solid) return k;
+    }
+    maps_.push_back({solid, VolumeMap(*solid, *setting_)});
+    return maps_.size() - 1;
+  }
+
+  /// Takes from the body the momentum of what a particle's velocity changes by.
+  void take(const Touch& t, const Vec3& by) {
+    const Vec3 back = by * -setting_->mass;
+    bodies_[t.body].give(back, cross(t.arm, back));
+  }
+  /// Adds to a particle's velocity too.
+  void exchange(Fluid<D, T>& f, const Touch& t, const Vec3& by) {
+    const double on[3] = {by.x, by.y, by.z};
+    for (size_t a = 0; a < D; ++a) f.v[4 * t.slot + a] += static_cast<T>(on[a]);
+    take(t, by);
+  }
+
+  void find(const Fluid<D, T>& f, size_t k) {
+    auto& list = touching_[k];
+    list.clear();
+    const ImmersedBody& b = bodies_[k];
+    const Transform frame = b.frame();
+    // Particles may have gone a little way since they were sorted.
+    const double reach = setting_->support, margin = reach + 0.5 * setting_->def.spacing;
+    const Box box = bounds(*b.solid, frame);
+    const double lows[3] = {box.low.x, box.low.y, box.low.z}, highs[3] = {box.high.x, box.high.y, box.high.z};
+    int low[3] = {}, high[3] = {};
+    for (int a = 0; a < D; ++a) {
+      low[a] = f.cells.along(lows[a] - margin, a), high[a] = f.cells.along(highs[a] + margin, a);
+    }
+    for (int z = low[2]; z <= high[2]; ++z) {
+      for (int y = low[1]; y <= high[1]; ++y) {
+        int c[3] = {low[0], y, z};
+        const size_t first = f.cells.start[f.cells.of(c)];
+        c[0] = high[0];
+        const size_t last = f.cells.start[f.cells.of(c) + 1];
+        for (size_t i = first; i < last; ++i) {
+          const Vec3 x{double{f.x[0][i]}, double{f.x[1][i]}, D == 3 ? double{f.x[2][i]} : 0};
+          const Vec3 local = frame.inverse_point(x);
+          const auto near = point_distance(*b.solid, local, reach);
+          if (!near) continue;
+          const HalfSpace::At flat = setting_->wall.at(near->distance);
+          const VolumeMap::At shape = maps_[map_of_[k]].map.at(local, near->normal);
+          const Vec3 n = frame.direction(near->normal);
+          list.push_back({static_cast<uint32_t>(i), static_cast<uint32_t>(k), flat.share * shape.share,
+                          near->distance, 0, frame.direction(shape.slope) * flat.slope,
+                          x - n * near->distance - b.place, n});
+        }
+      }
+    }
+  }
+
+  /// Shares combine as in walls.h; every slope is left as it counts beside all others.
+  void merge(Fluid<D, T>& f) {
+    for (const Touch& t : touches_) slot_of(recoil_, t) += static_cast<T>(t.share);
+    for (Touch& t : touches_)
+      t.part = t.share / std::max(double{f.wall[4 * t.slot + 3]} + double{slot_of(recoil_, t)}, 1e-9);
+    for (const Touch& t : touches_) {
+      T* w = f.wall.data() + 4 * t.slot;
+      const T rest = static_cast<T>(1 - t.share);
+      for (size_t a = 0; a < 3; ++a) w[a] *= rest;
+      f.drive[t.slot] *= rest;
+      w[3] = 1 - (1 - w[3]) * rest;
+    }
+    for (Touch& t : touches_) {
+      T* w = f.wall.data() + 4 * t.slot;
+      t.slope = t.slope * ((1 - double{w[3]}) / std::max(1 - t.share, 1e-6));
+      t.part *= double{w[3]};
+      slot_of(recoil_, t) = 0;
+    }
+    for (const Touch& t : touches_) {
+      T* w = f.wall.data() + 4 * t.slot;
+      w[0] += static_cast<T>(t.slope.x), w[1] += static_cast<T>(t.slope.y);
+      w[2] += static_cast<T>(t.slope.z);
+      f.drive[t.slot] -= static_cast<T>(dot(t.slope, bodies_[t.body].velocity_at(t.arm)));
+    }
+  }
+
+  /// Sums over a body's touches of how strongly each answers all others: no eigenvalue is larger.
+  void weigh() {
+    push_.resize(bodies_.size()), about_.resize(bodies_.size());
+    for (size_t k = 0, at = 0; k < bodies_.size(); ++k) {
+      const ImmersedBody& b = bodies_[k];
+      const size_t end = at + touching_[k].size();
+      if (!(b.mass > 0)) {
+        at = end;
+        continue;
+      }
+      double pushes = 0, turns = 0;
+      for (size_t j = at; j < end; ++j) {
+        pushes += norm(touches_[j].slope), turns += norm(cross(touches_[j].arm, touches_[j].slope));
+      }
+      const double least = std::min({b.moments.x, b.moments.y, b.moments.z});
+      for (; at < end; ++at) {
+        const Touch& t = touches_[at];
+        slot_of(give_, t) += static_cast<T>(
+            setting_->mass * (norm(t.slope) * pushes / b.mass + norm(cross(t.arm, t.slope)) * turns / least));
+      }
+    }
+  }
+
+  /// Rates of density after a change of a body's velocities.
+  void carry(Fluid<D, T>& f, size_t k, const ImmersedBody::Answer& by) const {
+    for (const Touch& t : touching_from(k)) f.drive[t.slot] -= static_cast<T>(dot(t.slope, by.at(t.arm)));
+  }
+  std::span<const Touch> touching_from(size_t k) const {
+    size_t first = 0;
+    for (size_t j = 0; j < k; ++j) first += touching_[j].size();
+    return std::span<const Touch>(touches_).subspan(first, touching_[k].size());
+  }
+
+  struct MapOf {
+    const Solid* solid;
+    VolumeMap map;
+  };
+  const Setting* setting_ = nullptr;
+  std::vector<MapOf> maps_;
+  std::vector<size_t> map_of_;  ///< by body
+  std::span<ImmersedBody> bodies_;
+  std::vector<std::vector<Touch>> touching_;  ///< by body, as found
+  std::vector<Touch> touches_;                ///< of all bodies, one after the other
+  std::vector<Vec3> push_, about_;            ///< N and N m, of the last answer
+  std::vector<ImmersedBody::Answer> answer_;
+  Aligned<T> recoil_, give_;  ///< by slot; zero where no body is near
+};
+
+}  // namespace truestep::sph

@@ -1,0 +1,118 @@
+// Divergence-free SPH (Bender & Koschier 2015, 2017): pressures that take from the velocities what compresses
+// the fluid, then pressures that bring the density after the substep to that at rest. Both solves begin from
+// the pressures of the substep before, and pressure never pulls. In the first a wall is the fluid's mirror
+// image: were it a region at rest, a lattice of even rows could fall through its odd ones (the gradient of a
+// row sees the two beside it alone). In the second it is what the density sums up.
+#pragma once
+#include <algorithm>
+#include <array>
+#include <utility>
+
+#include "engine/systems/sph/bodies.h"
+
+namespace truestep::sph {
+
+struct SolveResult {
+  int iterations = 0;
+  double mean = 0, most = 0;  ///< relative compression a substep that is left
+};
+
+template <int D, class T>
+class Dfsph {
+ public:
+  explicit Dfsph(const Setting& set) : set_(set) {}
+
+  /// Takes from the velocities what would compress the fluid; `h` s is the substep. What is torn open
+  /// may close, a part of it a substep.
+  SolveResult stop_flow(Fluid<D, T>& f, BodiesIn<D, T>& bodies, double h, const ThreadArena& arena) const {
+    const T closing = static_cast<T>(kClosing / h);
+    f.each(arena, [&](size_t i, const Chunk<T>& c, size_t begin, size_t end) {
+      f.source[i] = compression<Answer::mirror, D, T>(f, f.v, i, c, begin, end) + 2 * f.drive[i] +
+                    closing * std::min(f.delta[i] - static_cast<T>(kGap), T{0});
+    });
+    const SolveResult out = relax<Answer::mirror>(f, bodies, f.flow, static_cast<T>(1 / h), h * h, arena);
+    kick(f, static_cast<T>(h), arena);
+    bodies.follow(f, h);
+    return out;
+  }
+  /// Velocities that leave the density at rest after a substep of h s.
+  SolveResult stop_compression(Fluid<D, T>& f, BodiesIn<D, T>& bodies, double h,
+                               const ThreadArena& arena) const {
+    const T step = static_cast<T>(h);
+    f.each(arena, [&](size_t i, const Chunk<T>& c, size_t begin, size_t end) {
+      const T rate = compression<Answer::rest, D, T>(f, f.v, i, c, begin, end) + f.drive[i];
+      f.source[i] = std::min(f.delta[i] - 1, static_cast<T>(kMostAtOnce)) + step * rate;
+    });
+    const SolveResult out = relax<Answer::rest>(f, bodies, f.push, static_cast<T>(1 / (h * h)), h * h, arena);
+    kick(f, step, arena);
+    bodies.follow(f, h);
+    return out;
+  }
+
+ private:
+  /// The largest error may be this many times the mean that ends a solve.
+  static constexpr double kMostOverMean = 10;
+  static constexpr int kLeastIterations = 2;
+  /// Where the density is below kGap of that at rest there is a gap, which may close by kClosing of it a
+  /// substep.
+  /// Compression is taken back by at most this a substep: what overlaps at the start comes apart calmly.
+  static constexpr double kMostAtOnce = 0.02;
+  static constexpr double kGap = 0.9, kClosing = 0.1;
+
+  /// Solves for q >= 0 such that no compression scale * source remains; `error` makes it relative. Leaves the
+  /// accelerations in f.a. Projected gradients, accelerated by Nesterov's sequence, which begins anew where
+  /// it goes uphill (O'Donoghue & Candes 2015): the matrix is symmetric and has no negative eigenvalue.
+  template <Answer A>
+  SolveResult relax(Fluid<D, T>& f, BodiesIn<D, T>& bodies, Aligned<T>& q, T scale, double error,
+                    const ThreadArena& arena) const {
+    const bool any = bodies.any();
+    const T least = static_cast<T>(1e-6 / (set_.support * set_.support));
+    T relaxation = static_cast<T>(set_.relaxation);
+    SolveResult out;
+    std::copy(q.begin(), q.end(), f.iterate.begin());
+    double best = HUGE_VAL;
+    int run = 0;
+    for (;;) {
+      push_by<A>(f, q, arena);
+      if (any) bodies.template answer<A>(q);
+      const T beyond = static_cast<T>(run) / static_cast<T>(run + 3);
+      const auto left = f.tally(arena, [&](size_t i, const Chunk<T>& c, size_t begin, size_t end) {
+        T rest = scale * f.source[i] + compression<A, D, T>(f, f.a, i, c, begin, end);
+        T own = f.stiffness[i];
+        if constexpr (A == Answer::mirror) {
+          const T *pull = f.pull.data() + 4 * i, *wall = f.wall.data() + 4 * i;
+          for (size_t k = 0; k < D; ++k) own += wall[k] * (2 * pull[k] + wall[k]);
+        }
+        if (any) rest += bodies.recoil(i), own += bodies.template give<A>(i);
+        // Where there is pressure, expansion is an error too.
+        const double wrong = q[i] > 0 ? std::abs(double{rest}) : std::max(double{rest}, 0.0);
+        const T to = own > least ? std::max(q[i] + relaxation * rest / own, T{0}) : T{0};
+        const T way = to - f.iterate[i];
+        f.iterate[i] = to, f.next[i] = std::max(to + beyond * way, T{0});
+        return std::array<double, 2>{wrong * error, double{rest} * double{way}};
+      });
+      ++out.iterations;
+      out.mean = left.sum / static_cast<double>(f.n), out.most = left.most;
+      const bool good = out.iterations >= kLeastIterations && out.mean <= set_.def.density_error &&
+                        out.most <= kMostOverMean * set_.def.density_error;
+      if (good || out.iterations >= set_.def.max_iterations) break;
+      if (out.mean > 10 * best) relaxation *= T(0.5), best = HUGE_VAL;
+      best = std::min(best, out.mean);
+      ++run;
+      if (left.second < 0) {
+        run = 0;
+        std::copy(f.iterate.begin(), f.iterate.end(), q.begin());
+      } else {
+        std::swap(q, f.next);
+      }
+    }
+    std::swap(q, f.iterate);
+    push_by<A>(f, q, arena);
+    if (any) bodies.template answer<A>(q);
+    return out;
+  }
+
+  const Setting& set_;
+};
+
+}  // namespace truestep::sph

@@ -1,0 +1,184 @@
+// Particles in the order of the cells that they are in, and the lists of their neighbours: scratch that a
+// substep makes from the state's rows and that nothing outlives. A list holds, for each neighbour within the
+// kernel's radius, its slot, the gradient of the kernel there times a particle's volume (1/m), and what the
+// method needs besides; lists are filled up to whole lanes with gradients of 0.
+#pragma once
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <vector>
+
+#include "engine/base/cache_line.h"
+#include "engine/base/parallel.h"
+#include "engine/kernels/sph/gather.h"
+#include "engine/systems/sph/setting.h"
+
+namespace truestep::sph {
+
+template <class T>
+using Aligned = std::vector<T, CacheLineAllocator<T>>;
+
+/// Particles that share a part of the lists.
+inline constexpr size_t kChunk = 256;
+
+/// Lists of the neighbours of kChunk particles.
+template <class T>
+struct Chunk {
+  static constexpr size_t kLanes = Wide<T>::kLanes;
+  std::vector<uint32_t> slot;
+  Aligned<T> g[3];  ///< 1/m, volume times the gradient of W
+  Aligned<T> s;     ///< 1/m^2, volume times dW/dr / r
+  Aligned<T> w;     ///< 1, volume times W
+  uint32_t first[kChunk + 1];
+
+  /// Room for `more` entries behind `used`.
+  void need(size_t used, size_t more) {
+    const size_t least = used + more + 2 * kLanes;
+    if (slot.size() >= least) return;
+    const size_t room = least + least / 2;
+    slot.resize(room), s.resize(room), w.resize(room);
+    for (auto& a : g) a.resize(room);
+  }
+};
+
+/// Cells of at least the kernel's radius over the box, x fastest.
+template <int D>
+struct Cells {
+  double low[3] = {}, width[3] = {}, per_metre[3] = {};
+  int count[3] = {1, 1, 1};
+  bool wraps[3] = {};
+  std::vector<uint32_t> start;
+
+  void set(const SphDef& d, double support) {
+    const double lows[3] = {d.low.x, d.low.y, d.low.z}, highs[3] = {d.high.x, d.high.y, d.high.z};
+    size_t all = 1;
+    for (int a = 0; a < D; ++a) {
+      low[a] = lows[a], width[a] = highs[a] - lows[a], wraps[a] = d.wraps(a);
+      // A little wider than the radius, for the rounding of places.
+      count[a] = std::max(1, static_cast<int>(width[a] / (support * 1.0001)));
+      per_metre[a] = count[a] / width[a];
+      all *= static_cast<size_t>(count[a]);
+    }
+    start.assign(all + 1, 0);
+  }
+  int along(double x, int a) const {
+    const double c = (x - low[a]) * per_metre[a];
+    return c > 0 ? std::min(static_cast<int>(c), count[a] - 1) : 0;
+  }
+  size_t of(const int* c) const {
+    return (static_cast<size_t>(c[2]) * static_cast<size_t>(count[1]) + static_cast<size_t>(c[1])) *
+               static_cast<size_t>(count[0]) +
+           static_cast<size_t>(c[0]);
+  }
+  /// visit(begin, end, shift): runs of slots of the cells around c, and what brings them beside it (m).
+  template <class Visit>
+  void around(const int* c, const Visit& visit) const {
+    double shift[3] = {};
+    const int reach_z = D == 3 ? 1 : 0;
+    for (int z = -reach_z; z <= reach_z; ++z) {
+      int at[3] = {0, 0, c[2] + z};
+      if (!fold(2, at, shift)) continue;
+      for (int y = -1; y <= 1; ++y) {
+        at[1] = c[1] + y;
+        if (!fold(1, at, shift)) continue;
+        const int from = std::max(c[0] - 1, 0), to = std::min(c[0] + 1, count[0] - 1);
+        shift[0] = 0;
+        run(at, from, to, shift, visit);
+        if (!wraps[0]) continue;
+        if (c[0] == 0) shift[0] = -width[0], run(at, count[0] - 1, count[0] - 1, shift, visit);
+        if (c[0] == count[0] - 1) shift[0] = width[0], run(at, 0, 0, shift, visit);
+      }
+    }
+  }
+
+ private:
+  bool fold(int a, int* at, double* shift) const {
+    shift[a] = 0;
+    if (a >= D || (at[a] >= 0 && at[a] < count[a])) return true;
+    if (!wraps[a]) return false;
+    const bool below = at[a] < 0;
+    at[a] += below ? count[a] : -count[a];
+    shift[a] = below ? -width[a] : width[a];
+    return true;
+  }
+  template <class Visit>
+  void run(int* at, int from, int to, const double* shift, const Visit& visit) const {
+    at[0] = from;
+    const size_t first = of(at);
+    visit(start[first], start[first + static_cast<size_t>(to - from) + 1], shift);
+  }
+};
+
+template <int D, class T>
+struct Fluid {
+  using W = Wide<T>;
+  static constexpr size_t kLanes = W::kLanes;
+
+  size_t n = 0;
+  Cells<D> cells;
+  std::vector<uint32_t> row, cell_of, cursor;
+  Aligned<T> x[3];               ///< m, kLanes more than rows
+  Aligned<T> v, a;               ///< m/s and m/s^2, four numbers a row
+  Aligned<T> delta;              ///< 1, density over that at rest
+  Aligned<T> push, flow;         ///< m^2/s^2 and m^2/s, solutions of the two solves
+  Aligned<T> iterate, next;      ///< of a solve
+  Aligned<T> omega;              ///< 1/s, four a row: vorticity and its size
+  Aligned<T> stiffness, source;  ///< of a solve: its diagonal (1/m^2) and right-hand side
+  Aligned<T> pull;               ///< four a row: sum of gradients over neighbours and walls (1/m)
+  Aligned<T> wall;               ///< four a row: gradient of the walls' share (1/m); the share
+  Aligned<T> drive;              ///< 1/s, of density by walls that move
+  Aligned<T> rests;              ///< 1, how far a particle's pressure is that of a fluid at rest
+  std::vector<Chunk<T>> chunks;
+  std::vector<double> partial;  ///< by chunk or block
+
+  void resize(size_t rows) {
+    n = rows;
+    for (auto& c : x) c.resize(n + kLanes);
+    for (auto* c : {&v, &a, &pull, &wall}) c->resize(4 * n);
+    for (auto* c : {&delta, &push, &flow, &iterate, &next, &stiffness, &source, &drive, &rests}) c->resize(n);
+    row.resize(n), cell_of.resize(n);
+    chunks.resize((n + kChunk - 1) / kChunk);
+  }
+
+  /// body(slot, chunk, begin, end) for every particle and its list, in any order.
+  template <class Body>
+  void each(const ThreadArena& arena, const Body& body) const {
+    arena.for_blocks(chunks.size(), 4, [&](size_t first, size_t last) {
+      for (size_t k = first; k < last; ++k) {
+        const Chunk<T>& c = chunks[k];
+        const size_t low = k * kChunk, high = std::min(n, low + kChunk);
+        for (size_t i = low; i < high; ++i) body(i, c, c.first[i - low], c.first[i - low + 1]);
+      }
+    });
+  }
+  /// Sum and largest of the first numbers that body(slot, chunk, begin, end) returns, none of them negative,
+  /// and sum of the second.
+  struct Tally {
+    double sum = 0, most = 0, second = 0;
+  };
+  template <class Body>
+  Tally tally(const ThreadArena& arena, const Body& body) {
+    partial.resize(3 * chunks.size());
+    arena.for_blocks(chunks.size(), 4, [&](size_t first, size_t last) {
+      for (size_t k = first; k < last; ++k) {
+        const Chunk<T>& c = chunks[k];
+        const size_t low = k * kChunk, high = std::min(n, low + kChunk);
+        Tally part;
+        for (size_t i = low; i < high; ++i) {
+          const auto [value, second] = body(i, c, c.first[i - low], c.first[i - low + 1]);
+          part.sum += value, part.second += second;
+          if (!(value <= part.most)) part.most = value;
+        }
+        partial[3 * k] = part.sum, partial[3 * k + 1] = part.most, partial[3 * k + 2] = part.second;
+      }
+    });
+    Tally out;
+    for (size_t k = 0; k < chunks.size(); ++k) {
+      out.sum += partial[3 * k], out.second += partial[3 * k + 2];
+      if (!(partial[3 * k + 1] <= out.most)) out.most = partial[3 * k + 1];
+    }
+    return out;
+  }
+};
+
+}  // namespace truestep::sph

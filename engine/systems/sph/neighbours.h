@@ -1,0 +1,194 @@
+// Sorting particles into cells and listing their neighbours with kernels and gradients.
+#pragma once
+#include <type_traits>
+
+#include "engine/systems/sph/fluid.h"
+
+namespace truestep::sph {
+
+template <int D, class T>
+class Neighbours {
+ public:
+  using W = Wide<T>;
+  static constexpr size_t kLanes = W::kLanes;
+  enum class Extras : uint8_t { none, slopes };  ///< whether slopes and weights are kept
+
+  explicit Neighbours(const Setting& set) : set_(set) {}
+
+  /// Order of cells for places given as n x 3, ties by row: fills row and x of f.
+  void sort(Fluid<D, T>& f, const T* place, const ThreadArena& arena) const {
+    Cells<D>& cells = f.cells;
+    if (cells.start.empty()) cells.set(set_.def, set_.support);
+    const size_t n = f.n;
+    arena.for_blocks(n, kBlockRows, [&](size_t begin, size_t end) {
+      for (size_t i = begin; i < end; ++i) {
+        int c[3] = {};
+        for (int a = 0; a < D; ++a) c[a] = cells.along(double{place[3 * i + static_cast<size_t>(a)]}, a);
+        f.cell_of[i] = static_cast<uint32_t>(cells.of(c));
+      }
+    });
+    std::fill(cells.start.begin(), cells.start.end(), 0);
+    for (size_t i = 0; i < n; ++i) ++cells.start[f.cell_of[i] + 1];
+    for (size_t k = 1; k < cells.start.size(); ++k) cells.start[k] += cells.start[k - 1];
+    f.cursor.assign(cells.start.begin(), cells.start.end() - 1);
+    for (size_t i = 0; i < n; ++i) f.row[f.cursor[f.cell_of[i]]++] = static_cast<uint32_t>(i);
+    arena.for_blocks(n, kBlockRows, [&](size_t begin, size_t end) {
+      for (size_t k = begin; k < end; ++k) {
+        for (size_t a = 0; a < D; ++a) f.x[a][k] = place[3 * size_t{f.row[k]} + a];
+      }
+    });
+    for (size_t a = 0; a < D; ++a) {
+      for (size_t k = n; k < n + kLanes; ++k) f.x[a][k] = 0;
+    }
+  }
+
+  /// The same lists at the places where particles are now.
+  void renew(Fluid<D, T>& f, const ThreadArena& arena) const {
+    with_kernel([&](auto kernel) {
+      arena.for_blocks(f.chunks.size(), 4, [&](size_t first, size_t last) {
+        for (size_t k = first; k < last; ++k) {
+          Chunk<T>& chunk = f.chunks[k];
+          const size_t low = k * kChunk, high = std::min(f.n, low + kChunk);
+          for (size_t i = low; i < high; ++i) {
+            const size_t begin = chunk.first[i - low], end = chunk.first[i - low + 1];
+            measure(f, i, chunk, begin, end);
+            evaluate<decltype(kernel)::value>(f, i, chunk, begin, end, Extras::slopes);
+          }
+        }
+      });
+    });
+  }
+
+  /// Lists of all particles; density, stiffness and pull from them and from the walls' share, which must be
+  /// there (walls.h).
+  void list(Fluid<D, T>& f, Extras extras, const ThreadArena& arena) const {
+    with_kernel([&](auto kernel) { list_with<decltype(kernel)::value>(f, extras, arena); });
+  }
+
+ private:
+  /// body(a type whose `value` is the kernel).
+  template <class Body>
+  void with_kernel(const Body& body) const {
+    switch (set_.def.kernel) {
+      case Smoothing::cubic:
+        return body(std::integral_constant<Smoothing, Smoothing::cubic>{});
+      case Smoothing::wendland_c2:
+        return body(std::integral_constant<Smoothing, Smoothing::wendland_c2>{});
+      case Smoothing::wendland_c4:
+        return body(std::integral_constant<Smoothing, Smoothing::wendland_c4>{});
+    }
+  }
+
+  template <Smoothing K>
+  void list_with(Fluid<D, T>& f, Extras extras, const ThreadArena& arena) const {
+    arena.for_blocks(f.chunks.size(), 4, [&](size_t first, size_t last) {
+      for (size_t k = first; k < last; ++k) {
+        Chunk<T>& chunk = f.chunks[k];
+        const size_t low = k * kChunk, high = std::min(f.n, low + kChunk);
+        size_t used = 0;
+        chunk.first[0] = 0;
+        for (size_t i = low; i < high; ++i) {
+          const size_t end = find(f, i, chunk, used);
+          evaluate<K>(f, i, chunk, used, end, extras);
+          used = (end + kLanes - 1) / kLanes * kLanes;
+          chunk.first[i - low + 1] = static_cast<uint32_t>(used);
+        }
+      }
+    });
+  }
+
+  /// Offsets (m) and squared distances (m^2) of neighbours behind `used`, as g and s; returns the end.
+  size_t find(const Fluid<D, T>& f, size_t i, Chunk<T>& chunk, size_t used) const {
+    const T here[3] = {f.x[0][i], f.x[1][i], D == 3 ? f.x[2][i] : T{0}};
+    int c[3] = {};
+    for (int a = 0; a < D; ++a) c[a] = f.cells.along(double{here[a]}, a);
+    const W limit = W::all(static_cast<T>(set_.support * set_.support));
+    size_t end = used;
+    f.cells.around(c, [&](size_t begin, size_t stop, const double* shift) {
+      if (begin == stop) return;
+      chunk.need(end, stop - begin + kLanes);
+      W from[3];
+      for (int a = 0; a < D; ++a) from[a] = W::all(static_cast<T>(here[a] - static_cast<T>(shift[a])));
+      for (size_t j = begin; j < stop; j += kLanes) {
+        alignas(32) T offset[3][kLanes], square[kLanes];
+        W r2 = W::zero();
+        for (int a = 0; a < D; ++a) {
+          const W d = from[a] - load(f.x[a].data() + j);
+          r2 = madd(d, d, r2);
+          store(offset[a], d);
+        }
+        store(square, r2);
+        uint32_t bits = bits_below(r2, limit);
+        if (stop - j < kLanes) bits &= (1u << (stop - j)) - 1;
+        if (i - j < kLanes) bits &= ~(1u << (i - j));
+        for (; bits; bits &= bits - 1) {
+          const auto lane = static_cast<size_t>(__builtin_ctz(bits));
+          chunk.slot[end] = static_cast<uint32_t>(j + lane);
+          for (int a = 0; a < D; ++a) chunk.g[a][end] = offset[a][lane];
+          chunk.s[end++] = square[lane];
+        }
+      }
+    });
+    return end;
+  }
+
+  /// Offsets and squared distances of the neighbours that a list has.
+  void measure(const Fluid<D, T>& f, size_t i, Chunk<T>& chunk, size_t begin, size_t end) const {
+    const T far = static_cast<T>(set_.support * set_.support);
+    for (size_t k = begin; k < end; ++k) {
+      const size_t j = chunk.slot[k];
+      T square = 0;
+      for (int a = 0; a < D; ++a) {
+        T d = f.x[a][i] - f.x[a][j];
+        if (f.cells.wraps[a]) {
+          const T width = static_cast<T>(f.cells.width[a]);
+          if (d > width / 2) d -= width;
+          if (d < -width / 2) d += width;
+        }
+        chunk.g[a][k] = d, square += d * d;
+      }
+      chunk.s[k] = i == j ? far : std::min(square, far);  // a list is filled up with the particle itself
+    }
+  }
+
+  template <Smoothing K>
+  void evaluate(Fluid<D, T>& f, size_t i, Chunk<T>& chunk, size_t begin, size_t end, Extras extras) const {
+    chunk.need(end, kLanes);
+    const T far = static_cast<T>(set_.support * set_.support);
+    for (size_t k = end; k % kLanes != 0; ++k) {
+      chunk.slot[k] = static_cast<uint32_t>(i), chunk.s[k] = far;
+      for (int a = 0; a < D; ++a) chunk.g[a][k] = 0;
+    }
+    const W inverse = W::all(static_cast<T>(1 / set_.support)), one = W::all(1);
+    const W kw = W::all(static_cast<T>(set_.kernel_w)), ks = W::all(static_cast<T>(set_.kernel_s));
+    W density = W::zero(), squares = W::zero(), pull[3] = {W::zero(), W::zero(), W::zero()};
+    for (size_t k = begin; k < end; k += kLanes) {
+      const W q = min(sqrt(load(chunk.s.data() + k)) * inverse, one);
+      const SmoothingValue<T> value = smoothing<K, T>(q);
+      const W w = kw * value.w, s = ks * value.s;
+      density += w;
+      for (int a = 0; a < D; ++a) {
+        const W g = s * load(chunk.g[a].data() + k);
+        store(chunk.g[a].data() + k, g);
+        pull[a] += g, squares = madd(g, g, squares);
+      }
+      if (extras == Extras::slopes) store(chunk.s.data() + k, s), store(chunk.w.data() + k, w);
+    }
+    const SmoothingValue<T> self = smoothing<K, T>(W::zero());
+    const T* wall = f.wall.data() + 4 * i;
+    f.delta[i] = sum(density) + static_cast<T>(set_.kernel_w) * self.w[0] + wall[3];
+    T both = sum(squares);
+    T* total = f.pull.data() + 4 * i;
+    total[3] = 0;
+    for (int a = 0; a < 3; ++a) {
+      const T inside = a < D ? sum(pull[a]) : T{0}, outside = a < D ? wall[a] : T{0};
+      total[a] = inside + outside;
+      both += total[a] * total[a];
+    }
+    f.stiffness[i] = both;
+  }
+
+  const Setting& set_;
+};
+
+}  // namespace truestep::sph

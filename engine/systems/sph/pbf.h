@@ -1,0 +1,90 @@
+// Position based fluids (Macklin & Mueller 2013): places are put where the density is that at rest, by
+// corrections along the gradient of each particle's density; velocities follow from the places. Particles
+// that come too close push each other apart by an artificial pressure (their equation 13).
+#pragma once
+#include <algorithm>
+
+#include "engine/systems/sph/bodies.h"
+#include "engine/systems/sph/neighbours.h"
+#include "engine/systems/sph/walls.h"
+
+namespace truestep::sph {
+
+template <int D, class T>
+class Pbf {
+ public:
+  Pbf(const Setting& set, const Neighbours<D, T>& neighbours, const BoxWalls<D, T>& walls)
+      : set_(set),
+        neighbours_(neighbours),
+        walls_(walls),
+        per_near_(static_cast<T>(1 / (set.kernel_w * smoothing_at(set.def.kernel, kNear).w[0]))) {}
+
+  /// Corrects the places of particles that have moved for h s, and their velocities; t is the substep's end.
+  void correct(Fluid<D, T>& f, BodiesIn<D, T>& bodies, double t, double h, const ThreadArena& arena) const {
+    const T relief = static_cast<T>(kRelief / (set_.def.spacing * set_.def.spacing));
+    const bool any = bodies.any();
+    for (int k = 0; k < set_.def.pbf_iterations; ++k) {
+      if (k > 0) renew(f, bodies, t, arena);
+      arena.for_blocks(f.n, kBlockRows, [&](size_t begin, size_t end) {
+        for (size_t i = begin; i < end; ++i) {
+          f.push[i] = std::max(f.delta[i] - 1, T{0}) /
+                      (f.stiffness[i] + relief + (any ? bodies.template give<Answer::rest>(i) : T{0}));
+        }
+      });
+      push_by<Answer::rest, D, T>(f, f.push, arena);
+      if (any) bodies.template answer<Answer::rest>(f.push), bodies.shift(h);
+      if (set_.def.artificial_pressure > 0) part(f, arena);
+      shift(f, t, static_cast<T>(1 / h), arena);
+    }
+    // Densities where the particles are now.
+    renew(f, bodies, t, arena);
+  }
+
+ private:
+  using W = Wide<T>;
+  static constexpr double kNear = 0.2;    ///< radii, where the artificial pressure has its strength
+  static constexpr double kRelief = 0.1;  ///< epsilon of their equation 11, over the square of the spacing
+
+  void renew(Fluid<D, T>& f, BodiesIn<D, T>& bodies, double t, const ThreadArena& arena) const {
+    walls_.shares(f, t, arena);
+    if (bodies.any()) bodies.touch(f, arena);
+    neighbours_.renew(f, arena);
+  }
+
+  /// Adds to f.a what keeps particles from coming closer than they are at rest.
+  void part(Fluid<D, T>& f, const ThreadArena& arena) const {
+    const T strength = static_cast<T>(set_.def.artificial_pressure * set_.def.spacing * set_.def.spacing);
+    f.each(arena, [&](size_t i, const Chunk<T>& c, size_t begin, size_t end) {
+      W sums[D];
+      for (auto& s : sums) s = W::zero();
+      for (size_t k = begin; k < end; k += W::kLanes) {
+        const W ratio = load(c.w.data() + k) * W::all(per_near_), square = ratio * ratio;
+        const W p = W::all(strength) * square * square;
+        for (size_t a = 0; a < D; ++a) sums[a] = madd(p, load(c.g[a].data() + k), sums[a]);
+      }
+      for (size_t a = 0; a < D; ++a) f.a[4 * i + a] -= sum(sums[a]);
+    });
+  }
+
+  /// Places move by f.a (m), velocities by what that is in a substep.
+  void shift(Fluid<D, T>& f, double t, T per_h, const ThreadArena& arena) const {
+    arena.for_blocks(f.n, kBlockRows, [&](size_t begin, size_t end) {
+      for (size_t i = begin; i < end; ++i) {
+        T place[3] = {}, unused[3] = {};
+        for (size_t a = 0; a < D; ++a) place[a] = f.x[a][i] + f.a[4 * i + a];
+        walls_.keep_inside(place, unused, t);
+        for (size_t a = 0; a < D; ++a) {
+          f.v[4 * i + a] += (place[a] - f.x[a][i]) * per_h;
+          f.x[a][i] = place[a];
+        }
+      }
+    });
+  }
+
+  const Setting& set_;
+  const Neighbours<D, T>& neighbours_;
+  const BoxWalls<D, T>& walls_;
+  T per_near_;
+};
+
+}  // namespace truestep::sph

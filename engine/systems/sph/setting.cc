@@ -1,0 +1,92 @@
+#include "engine/systems/sph/setting.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "engine/math/trig.h"
+
+namespace truestep::sph {
+
+namespace {
+
+/// Sum of the kernel over a lattice of unit volume about one of its points, times that volume: nearly 1.
+double lattice_sum(Smoothing kind, int dimension, double support) {
+  const int reach = static_cast<int>(support) + 1;
+  double sum = 0;
+  for (int z = dimension == 3 ? -reach : 0; z <= (dimension == 3 ? reach : 0); ++z) {
+    for (int y = -reach; y <= reach; ++y) {
+      for (int x = -reach; x <= reach; ++x) {
+        const double r = std::sqrt(static_cast<double>(x * x + y * y + z * z));
+        sum += smoothing_at(kind, r / support).w[0];
+      }
+    }
+  }
+  const double power = dimension == 3 ? support * support * support : support * support;
+  return sum * smoothing_sigma(kind, dimension) / power;
+}
+
+/// Largest eigenvalue of the pressure equation over its diagonal on a lattice: its symbol is the square of
+/// that of the gradient, sum of g sin(k x), over wave vectors along and across the axes.
+double largest_symbol(Smoothing kind, int dimension, double support) {
+  constexpr double kPi = 3.14159265358979323846;
+  constexpr int kWaves = 64;
+  const int reach = static_cast<int>(support) + 1, reach_z = dimension == 3 ? reach : 0;
+  double most = 0;
+  for (int direction = 1; direction <= dimension; ++direction) {
+    for (int m = 1; m < kWaves; ++m) {
+      const double k = kPi * m / kWaves;
+      double squares = 0, total[3] = {};
+      for (int z = -reach_z; z <= reach_z; ++z) {
+        for (int y = -reach; y <= reach; ++y) {
+          for (int x = -reach; x <= reach; ++x) {
+            const double r2 = static_cast<double>(x * x + y * y + z * z);
+            const double s = smoothing_at(kind, std::sqrt(r2) / support).s[0];
+            const double phase = k * (x + (direction > 1 ? y : 0) + (direction > 2 ? z : 0));
+            const double wave = trig::sin(phase);
+            squares += s * s * r2;
+            total[0] += s * x * wave, total[1] += s * y * wave, total[2] += s * z * wave;
+          }
+        }
+      }
+      const double symbol = total[0] * total[0] + total[1] * total[1] + total[2] * total[2];
+      most = std::max(most, symbol / squares);
+    }
+  }
+  return most;
+}
+
+double fastest_start(const SphDef& d, const Vec3& gravity) {
+  const Vec3 size = d.high - d.low;
+  double top = d.low.y, speed = norm(d.lid_velocity);
+  for (const BodyDef& b : d.bodies) {
+    const Vec3 reach = b.shape == Shape::ball ? Vec3{b.radius, b.radius, b.radius} : b.half_extents;
+    const double widest = d.dimension == 2 ? std::sqrt(reach.x * reach.x + reach.y * reach.y) : norm(reach);
+    top = std::max(top, b.center.y + reach.y);
+    const double strain = std::max({std::abs(b.strain.x), std::abs(b.strain.y), std::abs(b.strain.z)});
+    speed = std::max(speed, norm(b.velocity) + (norm(b.spin) + strain) * widest);
+  }
+  const double height = std::min(top - d.low.y, size.y);
+  return std::sqrt(speed * speed + 2 * norm(gravity) * height);
+}
+
+}  // namespace
+
+std::unique_ptr<const Setting> settle(const SphDef& def, const std::string& id, const Vec3& gravity) {
+  auto out = std::make_unique<Setting>(Setting{.def = def, .id = id, .wall = {}, .colliders = {}});
+  for (const BodyDef& b : def.bodies) out->rows += places_of(def, b).size();
+  const double s = def.spacing, h = def.support * s;
+  out->volume = def.dimension == 2 ? s * s : s * s * s;
+  out->mass = out->volume * def.density;
+  out->support = h;
+  const double whole = lattice_sum(def.kernel, def.dimension, def.support);
+  const double share = out->volume / (def.dimension == 2 ? h * h : h * h * h);
+  out->kernel_w = smoothing_sigma(def.kernel, def.dimension) * share / whole;
+  out->kernel_s = out->kernel_w / (h * h);
+  out->sound = def.sound_speed > 0 ? def.sound_speed : std::max(10 * fastest_start(def, gravity), 1e-6);
+  out->relaxation = 0.75 / largest_symbol(def.kernel, def.dimension, def.support);
+  out->wall.set(def.kernel, def.dimension, h, s);
+  out->colliders = build_colliders(def.colliders);
+  return out;
+}
+
+}  // namespace truestep::sph

@@ -1,0 +1,50 @@
+// What a system of particles of fluid is built of, and what its solver leaves behind for those who look.
+#pragma once
+#include <memory>
+#include <string>
+
+#include "engine/core/state.h"
+#include "engine/core/system.h"
+#include "engine/kernels/sph/half_space.h"
+#include "engine/systems/sph/sph_def.h"
+
+namespace truestep::sph {
+
+namespace columns {
+/// `density` is relative to the fluid's at rest; `push` and `flow` are the pressures of the solves for
+/// constant density and for no divergence that the next ones begin from.
+inline constexpr State::Column position = 0, velocity = 1, density = 2, pressure = 3, push = 4, flow = 5,
+                               gravity = 6, report = 7;
+}  // namespace columns
+
+/// Entries of the column `report`: of the last step.
+namespace report {
+inline constexpr size_t mean_error = 0, max_error = 1, substeps = 2, density_iterations = 3,
+                        flow_iterations = 4, courant = 5, count = 6;
+}
+
+struct Setting {
+  SphDef def;
+  std::string id;
+  size_t rows = 0;
+  double volume = 0, mass = 0;        ///< m^3 and kg of a particle
+  double support = 0;                 ///< m, radius of the kernel
+  double kernel_w = 0, kernel_s = 0;  ///< volume times the kernel's factors of w and of s (1, 1/m^2)
+  double sound = 0;                   ///< m/s, of wcsph
+  double relaxation = 0.5;            ///< 1, of the solves' gradient steps
+  HalfSpace wall;
+  ColliderSet colliders;
+};
+
+class Solver {
+ public:
+  virtual ~Solver() = default;
+  /// Error Instability where substeps would be more than are allowed.
+  virtual void step(State& s, const StepInput& in) const = 0;
+};
+
+std::unique_ptr<const Setting> settle(const SphDef& def, const std::string& id, const Vec3& gravity);
+/// The solver for the setting; the setting must outlive it.
+std::unique_ptr<const Solver> make_solver(const Setting& setting);
+
+}  // namespace truestep::sph

@@ -1,0 +1,277 @@
+// A step of the fluid: substeps as short as its fastest particle asks for, each from rows sorted anew.
+#include <cmath>
+#include <string>
+
+#include "engine/base/errors.h"
+#include "engine/base/short_number.h"
+#include "engine/systems/sph/dfsph.h"
+#include "engine/systems/sph/neighbours.h"
+#include "engine/systems/sph/pbf.h"
+#include "engine/systems/sph/vorticity.h"
+#include "engine/systems/sph/walls.h"
+#include "engine/systems/sph/wcsph.h"
+
+namespace truestep::sph {
+
+namespace {
+
+template <int D, class T>
+class SolverOf final : public Solver {
+ public:
+  explicit SolverOf(const Setting& setting)
+      : set_(setting),
+        neighbours_(setting),
+        walls_(setting),
+        dfsph_(setting),
+        wcsph_(setting),
+        pbf_(setting, neighbours_, walls_) {
+    const SphDef& d = setting.def;
+    viscous_ = d.viscosity > 0;
+    if (viscous_ || d.xsph > 0 || d.solver != Method::dfsph) extras_ = Extras::slopes;
+  }
+
+  void step(State& s, const StepInput& in) const override {
+    auto& f = in.workspace.object<Fluid<D, T>>("sph.fluid");
+    f.resize(set_.rows);
+    auto& bodies = in.workspace.object<BodiesIn<D, T>>("sph.bodies");
+    bodies.set(in.bodies, set_);
+    const Vec3 gravity = load3(std::as_const(s).f64(columns::gravity).data(), 0);
+    Tracks tracks;
+    double left = in.h;
+    for (int64_t k = 0; left > 0; ++k) {
+      const double allowed = limit(s, f, bodies.fastest(), gravity, in.arena);
+      const double parts = std::ceil(left / allowed);
+      if (!(parts + static_cast<double>(k) <= set_.def.max_substeps)) refuse(allowed);
+      const double h = parts > 1 ? left / parts : left;
+      substep(s, f, bodies, gravity, in, in.t + in.h - left, h, tracks);
+      tracks.courant = std::max(tracks.courant, h / allowed * set_.def.courant);
+      ++tracks.substeps;
+      left = h < left ? left - h : 0;
+    }
+    const auto r = s.f64(columns::report);
+    r[report::mean_error] = tracks.mean, r[report::max_error] = tracks.most;
+    r[report::substeps] = tracks.substeps, r[report::courant] = tracks.courant;
+    r[report::density_iterations] = tracks.density / tracks.substeps;
+    r[report::flow_iterations] = tracks.flow / tracks.substeps;
+  }
+
+ private:
+  using Extras = typename Neighbours<D, T>::Extras;
+  struct Tracks {
+    double mean = 0, most = 0, substeps = 0, density = 0, flow = 0, courant = 0;
+  };
+
+  /// s that the fastest particle, the sound and the viscosity allow.
+  double limit(const State& s, Fluid<D, T>& f, double bodies, const Vec3& gravity,
+               const ThreadArena& arena) const {
+    const auto v = s.span<T>(columns::velocity);
+    const SphDef& d = set_.def;
+    f.partial.assign((f.n + kBlockRows - 1) / kBlockRows, 0);
+    arena.for_blocks(f.n, kBlockRows, [&](size_t begin, size_t end) {
+      double most = 0;
+      for (size_t k = begin; k < end; ++k) {
+        double square = 0;
+        for (size_t a = 0; a < D; ++a) square += double{v[3 * k + a]} * double{v[3 * k + a]};
+        if (!(square <= most)) most = square;
+      }
+      f.partial[begin / kBlockRows] = most;
+    });
+    double most = bodies * bodies;
+    for (const double square : f.partial) {
+      if (!(square <= most)) most = square;
+    }
+    const double sound = d.solver == Method::wcsph ? set_.sound : 0;
+    const double half = 0.5 * (std::sqrt(most) + sound), reach = d.courant * d.spacing;
+    // Spacings crossed by a particle that gravity makes faster on its way.
+    const double way = half + std::sqrt(half * half + norm(gravity) * reach);
+    double out = way > 0 ? reach / way : way == 0 ? HUGE_VAL : way;
+    if (const double g = norm(gravity); g > 0 && d.solver != Method::wcsph) {
+      out = std::min(out, kFall * std::sqrt(d.spacing / g));
+    }
+    if (viscous_) out = std::min(out, kDiffusion * set_.support * set_.support / d.viscosity);
+    return out;
+  }
+
+  /// One substep of h s that ends at `t`.
+  void substep(State& s, Fluid<D, T>& f, BodiesIn<D, T>& bodies, const Vec3& gravity, const StepInput& in,
+               double t, double h, Tracks& tracks) const {
+    const SphDef& d = set_.def;
+    const bool places = d.solver == Method::pbf;
+    if (places) {
+      fall(s, gravity, t + h, static_cast<T>(h), in.arena);
+      bodies.pull(f, gravity, h), bodies.advance(h);
+    }
+    {
+      const ProfileScope scope(in.profile, "sph neighbours");
+      neighbours_.sort(f, s.span<T>(columns::position).data(), in.arena);
+      walls_.shares(f, places ? t + h : t, in.arena);
+      if (bodies.any()) bodies.touch(f, in.arena);
+      neighbours_.list(f, extras_, in.arena);
+      load(s, f, norm(gravity), in.arena);
+    }
+    const ProfileScope scope(in.profile, "sph pressure");
+    if (places) {
+      pbf_.correct(f, bodies, t + h, h, in.arena);
+      tracks.density += d.pbf_iterations;
+    }
+    forces(f, places ? Vec3{} : gravity, t, static_cast<T>(h), in.arena);
+    if (!places) bodies.lean(f, gravity, h), bodies.pull(f, gravity, h);
+    if (viscous_ && d.walls == Walls::no_slip) bodies.hold(f, h);
+    if (d.solver == Method::wcsph) wcsph_.advance(f, bodies, gravity, h, in.arena);
+    if (d.solver == Method::dfsph) {
+      const SolveResult flow = dfsph_.stop_flow(f, bodies, h, in.arena);
+      const SolveResult push = dfsph_.stop_compression(f, bodies, h, in.arena);
+      tracks.flow += flow.iterations, tracks.density += push.iterations;
+      tracks.mean = push.mean, tracks.most = push.most;
+    } else {
+      const bool both = d.solver == Method::wcsph;
+      const auto error = f.tally(in.arena, [&](size_t i, const Chunk<T>&, size_t, size_t) {
+        const double e = double{f.delta[i]} - 1;
+        return std::array<double, 2>{both ? std::abs(e) : std::max(e, 0.0), 0};
+      });
+      tracks.mean = error.sum / static_cast<double>(f.n), tracks.most = error.most;
+    }
+    move(s, f, t + h, static_cast<T>(h), in.arena);
+    if (!places) bodies.advance(h);
+  }
+
+  /// Gravity and viscosity.
+  void forces(Fluid<D, T>& f, const Vec3& gravity, double t, T h, const ThreadArena& arena) const {
+    const T g[3] = {static_cast<T>(gravity.x), static_cast<T>(gravity.y), static_cast<T>(gravity.z)};
+    const SphDef& d = set_.def;
+    const bool leans = norm2(gravity) > 0;
+    const bool holds = viscous_ && d.walls == Walls::no_slip;
+    const T viscosity = static_cast<T>(2 * d.viscosity), blend = static_cast<T>(60 * d.xsph);
+    f.each(arena, [&](size_t i, const Chunk<T>& c, size_t begin, size_t end) {
+      T* out = f.a.data() + 4 * i;
+      const T* v = f.v.data() + 4 * i;
+      out[0] = g[0], out[1] = g[1], out[2] = D == 3 ? g[2] : T{0}, out[3] = 0;
+      if (extras_ == Extras::slopes && (viscosity > 0 || blend > 0)) {
+        using W = Wide<T>;
+        W sums[D];
+        for (auto& x : sums) x = W::zero();
+        for (size_t k = begin; k < end; k += W::kLanes) {
+          W other[4];
+          gather_rows4(f.v.data(), c.slot.data() + k, other);
+          const W share =
+              W::all(-viscosity) * sph::load(c.s.data() + k) + W::all(blend) * sph::load(c.w.data() + k);
+          for (size_t a = 0; a < D; ++a) sums[a] = madd(share, other[a] - W::all(v[a]), sums[a]);
+        }
+        for (size_t a = 0; a < D; ++a) out[a] += sum(sums[a]);
+      }
+      if (leans && f.wall[4 * i + 3] > 0 && f.rests[i] > 0) {
+        const double x[3] = {double{f.x[0][i]}, double{f.x[1][i]}, D == 3 ? double{f.x[2][i]} : 0};
+        const double share = double{f.wall[4 * i + 3]};
+        const Vec3 lean = (walls_.lean(x, gravity, share, t) - gravity * share) * double{f.rests[i]};
+        out[0] += static_cast<T>(lean.x), out[1] += static_cast<T>(lean.y);
+        if constexpr (D == 3) out[2] += static_cast<T>(lean.z);
+      }
+      if (holds && f.wall[4 * i + 3] > 0) {
+        const double x[3] = {double{f.x[0][i]}, double{f.x[1][i]}, D == 3 ? double{f.x[2][i]} : 0};
+        const Vec3 drag = walls_.drag(x, {double{v[0]}, double{v[1]}, double{v[2]}}, t);
+        out[0] += static_cast<T>(drag.x), out[1] += static_cast<T>(drag.y);
+        if constexpr (D == 3) out[2] += static_cast<T>(drag.z);
+      }
+    });
+    kick(f, h, arena);
+    if (d.vorticity > 0) {
+      confine_vorticity(f, static_cast<T>(d.vorticity), static_cast<T>(d.spacing), h, arena);
+    }
+  }
+
+  /// Velocities and places after h s under gravity alone; t is the end.
+  void fall(State& s, const Vec3& gravity, double t, T h, const ThreadArena& arena) const {
+    T *x = s.span<T>(columns::position).data(), *v = s.span<T>(columns::velocity).data();
+    const T g[3] = {static_cast<T>(gravity.x), static_cast<T>(gravity.y), static_cast<T>(gravity.z)};
+    arena.for_blocks(set_.rows, kBlockRows, [&](size_t begin, size_t end) {
+      for (size_t i = begin; i < end; ++i) {
+        T unused[3] = {}, place[3] = {};
+        for (size_t a = 0; a < D; ++a) place[a] = x[3 * i + a] + h * (v[3 * i + a] + h * g[a]);
+        walls_.keep_inside(place, unused, t);
+        for (size_t a = 0; a < D; ++a) v[3 * i + a] = (place[a] - x[3 * i + a]) / h;
+        walls_.wrap(place);
+        for (size_t a = 0; a < D; ++a) x[3 * i + a] = place[a];
+      }
+    });
+  }
+
+  /// `weight` is the size of gravity. Particles rest where their pressure is at least that one spacing deep.
+  void load(const State& s, Fluid<D, T>& f, double weight, const ThreadArena& arena) const {
+    const T *v = s.span<T>(columns::velocity).data(), *push = s.span<T>(columns::push).data(),
+            *flow = s.span<T>(columns::flow).data(), *density = s.span<T>(columns::density).data();
+    const bool carried = set_.def.solver == Method::wcsph;
+    const T sound = static_cast<T>(set_.sound), per_layer = static_cast<T>(1 / (set_.def.spacing * weight));
+    arena.for_blocks(f.n, kBlockRows, [&](size_t begin, size_t end) {
+      for (size_t k = begin; k < end; ++k) {
+        const size_t i = f.row[k];
+        for (size_t a = 0; a < 3; ++a) f.v[4 * k + a] = v[3 * i + a];
+        f.v[4 * k + 3] = 0;
+        f.push[k] = push[i], f.flow[k] = flow[i];
+        if (carried) f.delta[k] = density[i];
+        const T under = carried ? tait(f.delta[k], sound) : f.push[k] + f.flow[k];
+        f.rests[k] = weight > 0 ? std::min(std::max(under * per_layer, T{0}), T{1}) : T{0};
+      }
+    });
+  }
+
+  /// Places after h s at the velocities that are there, and all rows back to the state.
+  void move(State& s, const Fluid<D, T>& f, double t, T h, const ThreadArena& arena) const {
+    T *x = s.span<T>(columns::position).data(), *v = s.span<T>(columns::velocity).data(),
+      *push = s.span<T>(columns::push).data(), *flow = s.span<T>(columns::flow).data(),
+      *density = s.span<T>(columns::density).data(), *pressure = s.span<T>(columns::pressure).data();
+    const bool carried = set_.def.solver == Method::wcsph, solved = set_.def.solver == Method::dfsph;
+    const T on = set_.def.solver == Method::pbf ? T{0} : h;
+    const T rest = static_cast<T>(set_.def.density), sound = static_cast<T>(set_.sound);
+    arena.for_blocks(f.n, kBlockRows, [&](size_t begin, size_t end) {
+      for (size_t k = begin; k < end; ++k) {
+        const size_t i = f.row[k];
+        T place[3] = {}, speed[3] = {};
+        for (size_t a = 0; a < D; ++a) speed[a] = f.v[4 * k + a], place[a] = f.x[a][k] + on * speed[a];
+        walls_.keep_off(place, speed, t);
+        for (size_t a = 0; a < D; ++a) x[3 * i + a] = place[a], v[3 * i + a] = speed[a];
+        const T d = f.delta[k];
+        density[i] = d;
+        pressure[i] = carried  ? rest * tait(d, sound)
+                      : solved ? rest * d * d * (f.push[k] + f.flow[k])
+                               : rest * f.push[k] / (h * h);
+        push[i] = solved ? f.push[k] : T{0}, flow[i] = solved ? f.flow[k] : T{0};
+      }
+    });
+  }
+
+  [[noreturn]] void refuse(double allowed) const {
+    Instability failure(set_.id, "velocity", -1,
+                        "particles of fluid allow substeps of " + short_number(allowed, 3) +
+                            " s, more than max_substeps (" + std::to_string(set_.def.max_substeps) +
+                            ") a step");
+    if (allowed > 0) failure.suggested_dt = allowed * set_.def.max_substeps;
+    throw failure;
+  }
+
+  /// Of the time in which a particle falls by half a spacing: longer substeps keep a pool from resting.
+  static constexpr double kFall = 0.09;
+  static constexpr double kDiffusion = 0.03;  ///< of the support's square: Morris, Fox & Zhu 1997
+
+  const Setting& set_;
+  Neighbours<D, T> neighbours_;
+  BoxWalls<D, T> walls_;
+  Dfsph<D, T> dfsph_;
+  Wcsph<D, T> wcsph_;
+  Pbf<D, T> pbf_;
+  bool viscous_ = false;
+  Extras extras_ = Extras::none;
+};
+
+template <class T>
+std::unique_ptr<const Solver> of_dimension(const Setting& s) {
+  if (s.def.dimension == 2) return std::make_unique<SolverOf<2, T>>(s);
+  return std::make_unique<SolverOf<3, T>>(s);
+}
+
+}  // namespace
+
+std::unique_ptr<const Solver> make_solver(const Setting& s) {
+  return s.def.precision == Precision::f32 ? of_dimension<float>(s) : of_dimension<double>(s);
+}
+
+}  // namespace truestep::sph

@@ -1,0 +1,35 @@
+// The system type "sph": a liquid of particles by smoothed particle hydrodynamics, in the plane and in space.
+// Substeps as short as the fastest particle asks for. Commands: impulse, set_parameter (gravity).
+#pragma once
+#include <memory>
+
+#include "engine/systems/sph/setting.h"
+
+namespace truestep::sph {
+
+class Sph final : public StagedSystem {
+ public:
+  Sph(const SphDef& def, const BuildContext& context);
+
+  State initial_state() const override;
+  /// energy.kinetic, energy.gravity, energy.total; momenta; mass, centre, low and high of all particles;
+  /// density.mean_error, density.max_error, courant, substeps, iterations of the last step.
+  void observe(const State& state, double t, Observables& out) const override;
+  /// position, velocity, density, pressure.
+  FieldView field(const State& state, size_t part, size_t field, std::vector<double>& scratch) const override;
+  void apply(State& state, const Command& command) const override;
+  void draw(const State& state, double t, Wish wishes, Drawing& out) const override;
+  std::vector<std::string> remedies() const override;
+  Ports ports() const override { return {.medium = setting_->def.dimension}; }
+
+  const Setting& setting() const { return *setting_; }
+
+ private:
+  Vec3 gravity_;
+  std::unique_ptr<const Setting> setting_;
+  std::unique_ptr<const Solver> solver_;
+};
+
+std::unique_ptr<const System> build_sph(const void* def, const BuildContext& context);
+
+}  // namespace truestep::sph

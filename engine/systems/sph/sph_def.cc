@@ -1,0 +1,180 @@
+#include "engine/systems/sph/sph_def.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace truestep::sph {
+
+namespace {
+
+constexpr double kPi = 3.14159265358979323846;
+constexpr double kMostParticles = 1e7, kMostCells = 1e8;
+
+const DefTable& body_table() {
+  using D = BodyDef;
+  static const DefTable t =
+      TableOf<D>("fluid at the start")
+          .choice("shape", &D::shape, {"box", "ball"}, "what it fills")
+          .vector("center", &D::center, "m", any(), "of the shape")
+          .vector("half_extents", &D::half_extents, "m", above(0), "of a box")
+          .number("radius", &D::radius, "m", above(0), "of a ball")
+          .vector("velocity", &D::velocity, "m/s", any(), "initial, of its centre")
+          .vector("spin", &D::spin, "rad/s", any(), "initial, about its centre")
+          .vector("strain", &D::strain, "1/s", any(),
+                  "initial: velocity along each axis per distance from the centre along it")
+          .build();
+  return t;
+}
+
+Vec3 reach_of(const BodyDef& b) {
+  return b.shape == Shape::ball ? Vec3{b.radius, b.radius, b.radius} : b.half_extents;
+}
+
+/// Places along every axis of the lattice that fills a body; 1 across the plane.
+std::array<double, 3> lattice_of(const SphDef& d, const BodyDef& b) {
+  const Vec3 reach = reach_of(b);
+  const auto places = [&](double r) { return std::max(1.0, std::floor(2 * r / d.spacing + 0.5)); };
+  return {places(reach.x), places(reach.y), d.dimension == 2 ? 1 : places(reach.z)};
+}
+
+void check_body(const SphDef& d, const BodyDef& b, const std::string& at, const DefTable::Report& report) {
+  const bool plane = d.dimension == 2;
+  const Vec3 reach = reach_of(b);
+  Vec3 from = b.center - reach - d.low, to = d.high - b.center - reach;
+  if (plane) from.z = to.z = 0;
+  const bool inside = std::min({from.x, from.y, from.z, to.x, to.y, to.z}) >= -1e-9 * norm(d.high - d.low);
+  if (!inside) report(at, "reaches out of the box from low to high");
+  if (plane && (b.velocity.z != 0 || b.spin.x != 0 || b.spin.y != 0 || b.strain.z != 0)) {
+    report(at + (b.velocity.z != 0 ? "/velocity"
+                 : b.strain.z != 0 ? "/strain"
+                                   : "/spin"),
+           "a plane body moves in the plane z = 0");
+  }
+  if (inside && places_of(d, b).empty()) report(at, "is too small for a single particle");
+}
+
+void check_def(const SphDef& d, const DefTable::Report& report) {
+  const Vec3 size = d.high - d.low;
+  const bool plane = d.dimension == 2;
+  const double reach = d.support * d.spacing;
+  const double least = plane ? std::min(size.x, size.y) : std::min({size.x, size.y, size.z});
+  if (!(least >= 3 * reach)) {
+    return report("/high", "the box must be at least three kernel radii wide (3 x support x spacing)");
+  }
+  const double cells = size.x * size.y * (plane ? 1 : size.z) / (reach * reach * (plane ? 1 : reach));
+  if (cells > kMostCells) return report("/spacing", "more than 1e8 cells of a kernel's radius");
+  if (expected_particles(d) > kMostParticles) return report("/bodies", "more than ten million particles");
+  if (plane && d.wraps(2)) return report("/periodic", "a plane system has no direction z");
+  if (plane && d.lid_velocity.z != 0) return report("/lid_velocity", "a plane system moves in z = 0");
+  if (d.lid_velocity.y != 0) return report("/lid_velocity", "the lid slides: y must be 0");
+  for (size_t k = 0; k < d.bodies.size(); ++k) {
+    check_body(d, d.bodies[k], "/bodies/" + std::to_string(k), report);
+  }
+}
+
+}  // namespace
+
+std::vector<Vec3> places_of(const SphDef& d, const BodyDef& b) {
+  // A lattice in step with the shape, its points half a spacing from the faces of a box.
+  const Vec3 reach = reach_of(b);
+  const double r[3] = {reach.x, reach.y, reach.z};
+  const std::array<double, 3> count = lattice_of(d, b);
+  std::vector<Vec3> out;
+  for (int64_t i = 0; i < static_cast<int64_t>(count[0]); ++i) {
+    for (int64_t j = 0; j < static_cast<int64_t>(count[1]); ++j) {
+      for (int64_t k = 0; k < static_cast<int64_t>(count[2]); ++k) {
+        const auto at = [&](size_t a, int64_t m) {
+          return (static_cast<double>(m) + 0.5) * 2 * r[a] / count[a] - r[a];
+        };
+        const Vec3 x{at(0, i), at(1, j), d.dimension == 3 ? at(2, k) : 0};
+        if (b.shape == Shape::ball && norm2(x) > b.radius * b.radius) continue;
+        Vec3 place = b.center + x;
+        if (d.dimension == 2) place.z = 0;
+        out.push_back(place);
+      }
+    }
+  }
+  return out;
+}
+
+double expected_particles(const SphDef& d) {
+  double sum = 0;
+  for (const BodyDef& b : d.bodies) {
+    const std::array<double, 3> n = lattice_of(d, b);
+    const double share = b.shape == Shape::box ? 1 : d.dimension == 2 ? kPi / 4 : kPi / 6;
+    sum += n[0] * n[1] * n[2] * share;
+  }
+  return sum;
+}
+
+const DefTable& sph_table() {
+  static const DefTable t = [] {
+    using D = SphDef;
+    TableOf<D> table("a liquid of particles (smoothed particle hydrodynamics)");
+    table.integer("dimension", &D::dimension, between(2, 3), "2: in z = 0, a metre thick; 3: space")
+        .vector("low", &D::low, "m", any(), "corner of the box that holds everything")
+        .vector("high", &D::high, "m", any(), "opposite corner; z does not count in the plane")
+        .number("spacing", &D::spacing, "m", above(0), "between particles at rest")
+        .objects("bodies", &D::bodies, body_table(), {1, 1000}, "where there is fluid at the start")
+        .required()
+        .choice("solver", &D::solver, {"dfsph", "wcsph", "pbf"},
+                "dfsph: pressure solved for constant density and no divergence; wcsph: pressure from density "
+                "by Tait's equation; pbf: positions put where the density is right")
+        .choice("kernel", &D::kernel, {"cubic", "wendland_c2", "wendland_c4"}, "smoothing kernel")
+        .number("support", &D::support, "1", between(1.5, 4), "radius of the kernel in spacings")
+        .number("density", &D::density, "kg/m^3", above(0), "at rest")
+        .number("viscosity", &D::viscosity, "m^2/s", at_least(0), "kinematic")
+        .number("artificial_viscosity", &D::artificial_viscosity, "1", between(0, 1),
+                "Monaghan's alpha, of solver wcsph")
+        .number(
+            "xsph", &D::xsph, "1", between(0, 1),
+            "share of the neighbours' mean velocity in a particle's own, every 1/60 s: the viscosity that "
+            "keeps particles in order; 0 where `viscosity` is resolved")
+        .number("vorticity", &D::vorticity, "1", between(0, 10), "strength of vorticity confinement")
+        .number(
+            "density_error", &D::density_error, "1", {.min = 1e-6, .max = 0.1},
+            "mean compression a substep at which a solve of dfsph ends; the largest may be ten times that")
+        .integer("max_iterations", &D::max_iterations, between(2, 10'000), "of each solve of dfsph")
+        .number("sound_speed", &D::sound_speed, "m/s", at_least(0),
+                "of wcsph; 0: ten times the fastest that the start can give")
+        .number("density_diffusion", &D::density_diffusion, "1", between(0, 0.5),
+                "delta of delta-SPH, of solver wcsph")
+        .integer("pbf_iterations", &D::pbf_iterations, between(1, 1000), "a substep, of solver pbf")
+        .number("artificial_pressure", &D::artificial_pressure, "1", between(0, 1),
+                "of solver pbf, between particles that come too close: in relative density")
+        .number("courant", &D::courant, "1", {.min = 0.01, .max = 0.8},
+                "spacings that a particle, of wcsph a sound wave, may cross in a substep")
+        .integer("max_substeps", &D::max_substeps, between(1, 1e6), "of a step, beyond which it is refused")
+        .choice("walls", &D::walls, {"slip", "no_slip"},
+                "whether the box and colliders drag viscous fluid along")
+        .vector("lid_velocity", &D::lid_velocity, "m/s", any(), "of the upper side in y, along itself")
+        .choice("periodic", &D::periodic, {"none", "x", "z", "xz"},
+                "directions in which what leaves the box comes back on the other side");
+    // The rest is shared with every system of points.
+    add_collider_rows(table, &D::colliders);
+    table.choice("precision", &D::precision, {"f32", "f64"}, "of the particles");
+    return table.check(check_def).build();
+  }();
+  return t;
+}
+
+Cost sph_cost(const void* def) {
+  const auto& d = *static_cast<const SphDef*>(def);
+  const double n = expected_particles(d), scalar = d.precision == Precision::f32 ? 4 : 8;
+  const bool plane = d.dimension == 2;
+  // Neighbours of a full kernel, in lists with room to grow: an index, a gradient, a slope and a weight.
+  const double s = d.support;
+  const double neighbours = plane ? kPi * s * s : 4 * kPi / 3 * s * s * s;
+  const double pairs = n * (neighbours + 4);
+  const Vec3 size = d.high - d.low;
+  const double reach = s * d.spacing;
+  const double cells = size.x * size.y * (plane ? 1 : size.z) / (reach * reach * (plane ? 1 : reach));
+  const double substeps = d.solver == Method::wcsph ? 10 : 2, passes = d.solver == Method::wcsph ? 3 : 30;
+  return {.state_bytes = n * scalar * 10,
+          .workspace_bytes = pairs * 1.5 * (4 + scalar * 5) + n * scalar * 40 + cells * 4,
+          .elements = n,
+          .seconds_per_step = substeps * pairs * (4e-9 + passes * 0.7e-9)};
+}
+
+}  // namespace truestep::sph

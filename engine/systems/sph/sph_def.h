@@ -1,0 +1,64 @@
+// Parameters of the system type "sph".
+#pragma once
+#include <vector>
+
+#include "engine/collision/points/collider_def.h"
+#include "engine/core/build.h"
+#include "engine/core/def.h"
+#include "engine/core/outputs.h"
+#include "engine/core/resolution.h"
+#include "engine/kernels/sph/smoothing.h"
+
+namespace truestep::sph {
+
+enum class Shape : uint8_t { box, ball };
+enum class Method : uint8_t { dfsph, wcsph, pbf };
+enum class Walls : uint8_t { slip, no_slip };
+enum class Periodic : uint8_t { none, x, z, xz };
+enum class Precision : uint8_t { f32, f64 };
+
+/// Fluid that fills a shape at the start.
+struct BodyDef {
+  Shape shape = Shape::box;
+  Vec3 center, half_extents{0.1, 0.1, 0.1}, velocity, spin, strain;
+  double radius = 0.1;
+};
+
+struct SphDef {
+  int dimension = 3;
+  Vec3 low, high{1, 1, 1};
+  double spacing = 0.025;
+  std::vector<BodyDef> bodies;
+  Method solver = Method::dfsph;
+  Smoothing kernel = Smoothing::cubic;
+  double support = 2;
+  double density = 1000, viscosity = 1e-6, artificial_viscosity = 0.02, xsph = 0.5, vorticity = 0;
+  double density_error = 1e-4;
+  int max_iterations = 200;
+  double sound_speed = 0, density_diffusion = 0.1;
+  int pbf_iterations = 4;
+  double artificial_pressure = 0.05;
+  double courant = 0.4;
+  int max_substeps = 10'000;
+  Walls walls = Walls::slip;
+  Vec3 lid_velocity;
+  Periodic periodic = Periodic::none;
+  ColliderDefs colliders;
+  Precision precision = Precision::f32;
+
+  bool wraps(int axis) const {
+    return axis == 0 ? periodic == Periodic::x || periodic == Periodic::xz
+                     : axis == 2 && (periodic == Periodic::z || periodic == Periodic::xz);
+  }
+};
+
+const DefTable& sph_table();
+const Outputs& sph_outputs();
+Cost sph_cost(const void* def);
+
+/// m, where the particles of a body are at t = 0, in the order of rows.
+std::vector<Vec3> places_of(const SphDef& def, const BodyDef& body);
+/// Particles of all bodies, by the lattices that fill them.
+double expected_particles(const SphDef& def);
+
+}  // namespace truestep::sph

@@ -1,0 +1,44 @@
+// How much of a kernel lies in a solid, over how much would lie in a half space as near: 1 beside a flat
+// face, less at edges, corners and round surfaces. A map over the solid's surroundings in its own frame, made
+// once (compare the volume maps of Bender et al. 2019); what a half space adds is in
+// kernels/sph/half_space.h.
+#pragma once
+#include <array>
+#include <vector>
+
+#include "engine/geometry/solid.h"
+#include "engine/systems/sph/setting.h"
+
+namespace truestep::sph {
+
+class VolumeMap {
+ public:
+  VolumeMap(const Solid& solid, const Setting& setting);
+
+  struct At {
+    double share;  ///< 1
+    Vec3 slope;    ///< 1, of the share's gradient into the solid: beside a flat face its unit normal, inwards
+  };
+  /// At a place in the solid's frame whose nearest surface has the outward normal.
+  At at(const Vec3& p, const Vec3& normal) const;
+
+ private:
+  /// Share and slope factors of a node.
+  using Node = std::array<float, 4>;
+  size_t index(const std::array<int, 3>& n) const {
+    return (static_cast<size_t>(n[2]) * static_cast<size_t>(count_[1]) + static_cast<size_t>(n[1])) *
+               static_cast<size_t>(count_[0]) +
+           static_cast<size_t>(n[0]);
+  }
+  bool lay(const Solid& solid, const Setting& setting);
+  Vec3 place(const std::array<int, 3>& n) const {
+    return low_ + Vec3{n[0] * width_, n[1] * width_, n[2] * width_};
+  }
+
+  Vec3 low_;
+  double width_ = 0;  ///< m, between nodes
+  std::array<int, 3> count_{};
+  std::vector<Node> nodes_;  ///< empty: flat everywhere
+};
+
+}  // namespace truestep::sph

@@ -1,0 +1,66 @@
+// Smoothing kernels and what walls add to the sums over them.
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "engine/kernels/sph/half_space.h"
+
+namespace truestep::sph {
+namespace {
+
+constexpr double kPi = 3.14159265358979323846;
+constexpr Smoothing kAll[] = {Smoothing::cubic, Smoothing::wendland_c2, Smoothing::wendland_c4};
+
+// The integral over the support is one: the midpoint rule with 4,000 shells is good to 1e-6.
+TEST(SphKernels, IntegrateToOne) {
+  constexpr int kShells = 4000;
+  for (const Smoothing kind : kAll) {
+    for (const int dimension : {2, 3}) {
+      double sum = 0;
+      for (int k = 0; k < kShells; ++k) {
+        const double q = (k + 0.5) / kShells;
+        sum += smoothing_at(kind, q).w[0] * (dimension == 2 ? 2 * kPi * q : 4 * kPi * q * q) / kShells;
+      }
+      EXPECT_NEAR(sum * smoothing_sigma(kind, dimension), 1, 1e-6);
+      EXPECT_GT(std::abs(sum * smoothing_sigma(kind, 5 - dimension) - 1), 0.1)
+          << "control: the other dimension";
+    }
+  }
+}
+
+// s is the derivative of w over q; central differences over 2e-5 are good to 1e-8.
+TEST(SphKernels, SlopesAreDerivatives) {
+  for (const Smoothing kind : kAll) {
+    for (double q = 0.05; q < 1; q += 0.0931) {
+      const double d = (smoothing_at(kind, q + 1e-5).w[0] - smoothing_at(kind, q - 1e-5).w[0]) / 2e-5;
+      EXPECT_NEAR(smoothing_at(kind, q).s[0] * q, d, 1e-7);
+    }
+    EXPECT_EQ(smoothing_at(kind, 1.0).w[0], 0);
+    EXPECT_GT(std::abs(smoothing_at(kind, 0.4).s[0]), 0.1) << "control";
+  }
+}
+
+// Layers half a spacing, three halves, ... behind a wall go on as the layers before it: rows of particles at
+// a half, three halves, ... from the wall then see as much as in the midst of the fluid.
+TEST(SphWalls, CompleteTheFluid) {
+  for (const Smoothing kind : kAll) {
+    for (const int dimension : {2, 3}) {
+      HalfSpace wall;
+      wall.set(kind, dimension, 2.5, 1);
+      // In the midst half of all that is not in one's own layer lies below the layer.
+      const double own = 1 - 2 * wall.at(0.5).share;
+      EXPECT_GT(own, 0.2);
+      EXPECT_LT(own, 0.8);
+      EXPECT_NEAR(wall.at(3).share, 0, 1e-12) << "out of reach";
+      // The slope is the derivative of the share: tables of 512 intervals, linear between.
+      for (double d = 0.1; d < 2.4; d += 0.37) {
+        const double change = (wall.at(d - 0.02).share - wall.at(d + 0.02).share) / 0.04;
+        EXPECT_NEAR(wall.at(d).slope, change, 0.01 * wall.at(0.5).slope);
+      }
+      EXPECT_GT(wall.at(0.5).slope, 10 * wall.at(2.3).slope) << "control: slopes differ";
+    }
+  }
+}
+
+}  // namespace
+}  // namespace truestep::sph
