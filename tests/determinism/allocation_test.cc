@@ -14,6 +14,7 @@
 #include "engine/systems/xpbd/xpbd.h"
 #include "tests/support/field_run.h"
 #include "tests/support/grid_flow.h"
+#include "tests/support/shallow_run.h"
 
 namespace {
 std::atomic<uint64_t> allocations{0};
@@ -205,6 +206,20 @@ TEST(Allocation, StepsOfAFlowOnAGridAllocateNothingAfterTheFirst) {
       run.steps(5);
       EXPECT_EQ(allocations - before, 0u) << solid;
     }
+  }
+}
+
+TEST(Allocation, StepsOfShallowWaterAllocateNothingAfterTheFirst) {
+  for (const size_t dimensions : {1, 2}) {
+    heightfield_wave::HeightfieldWaveDef d;
+    d.cells.assign(dimensions, 24);
+    d.surface = "x < 0.5 ? 1 : 0";
+    d.friction = 0.01;
+    test::ShallowRun run(d, 0.05);
+    run.steps(2);
+    const uint64_t before = allocations;
+    run.steps(5);
+    EXPECT_EQ(allocations - before, 0u) << dimensions;
   }
 }
 

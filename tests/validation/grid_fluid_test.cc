@@ -164,7 +164,7 @@ TEST(GridFluid, ChannelsStartAsTheirSeriesSay) {
   }
 }
 
-TEST(GridFluid, MultigridSolvesCutCellsInTwelveIterations) {
+TEST(GridFluid, MultigridSolvesCutCellsInEightIterations) {
   for (const size_t dimensions : {2, 3}) {
     for (const int64_t cells : {32, 64}) {
       GridFluidDef d;
@@ -181,7 +181,8 @@ TEST(GridFluid, MultigridSolvesCutCellsInTwelveIterations) {
       const auto out = poisson.solve(b.data(), 1e-6, arena);
       std::printf("  %zu-D, %lld cells: %d iterations, %zu levels\n", dimensions,
                   static_cast<long long>(cells), out.iterations, poisson.levels());
-      EXPECT_LE(out.iterations, 12);
+      // 6 to 7, whatever the number of cells; coarse levels that are too soft beside solids take 10 at 64^3.
+      EXPECT_LE(out.iterations, 8);
       EXPECT_LE(out.residual, 1e-6);
     }
   }
