@@ -5,7 +5,9 @@
 #include "engine/systems/blend_shapes/blend_shapes.h"
 #include "engine/systems/fem/fem.h"
 #include "engine/systems/flocking/flocking.h"
+#include "engine/systems/grid_fluid/grid_fluid.h"
 #include "engine/systems/heat/heat.h"
+#include "engine/systems/heightfield_wave/heightfield_wave.h"
 #include "engine/systems/keyframes/keyframes.h"
 #include "engine/systems/mass_spring/mass_spring.h"
 #include "engine/systems/mpm/mpm.h"
@@ -80,6 +82,32 @@ std::span<const CatalogueRow> catalogue() {
        &wave::wave_outputs(),
        1e13,
        &lattice::resolution<wave::WaveDef>()},
+      {"grid_fluid",
+       "fluids",
+       "an incompressible fluid in a box on a staggered grid: walls, inflow, outflow, obstacles, smoke",
+       &grid_fluid::grid_fluid_table(),
+       grid_fluid::build_grid_fluid,
+       grid_fluid::grid_fluid_cost,
+       {"second order in space and time for smooth flows",
+        "the divergence of every cell is zero to rounding or to the solver's tolerance",
+        "the same bits on any number of threads"},
+       "",
+       &grid_fluid::grid_fluid_outputs(),
+       10,
+       &grid_fluid::grid_fluid_resolution()},
+      {"heightfield_wave",
+       "fluids",
+       "shallow water over a bed: long waves, bores, floods that run onto dry ground",
+       &heightfield_wave::heightfield_wave_table(),
+       heightfield_wave::build_heightfield_wave,
+       heightfield_wave::heightfield_wave_cost,
+       {"second order in space and time for smooth waves, first at bores",
+        "mass to rounding, no depth below 0, a lake at rest stays at rest",
+        "the same bits on any number of threads"},
+       "",
+       &heightfield_wave::heightfield_wave_outputs(),
+       10,
+       &heightfield_wave::heightfield_wave_resolution()},
       {"particles",
        "points",
        "points with emitters, lifetimes, forces and obstacles",

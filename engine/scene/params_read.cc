@@ -13,7 +13,8 @@ void ParamReader::members(const DefTable& table, void* owner, const json::object
                           const std::string& pointer, std::span<const std::string_view> also_allowed) {
   for (const auto& [key_view, value] : o) {
     const std::string key(key_view);
-    if (key.starts_with("x_") ||
+    // "x_..." is the user's own, unless it is a parameter ("x_min" of a box's sides).
+    if ((key.starts_with("x_") && !table.find(key)) ||
         std::find(also_allowed.begin(), also_allowed.end(), key) != also_allowed.end()) {
       continue;
     }

@@ -15,6 +15,8 @@
 #include "engine/systems/skeleton/skeleton.h"
 #include "engine/systems/xpbd/xpbd.h"
 #include "tests/support/field_run.h"
+#include "tests/support/grid_flow.h"
+#include "tests/support/shallow_run.h"
 #include "tests/unit/sph_rig.h"
 
 namespace {
@@ -254,6 +256,42 @@ TEST(Allocation, LiquidsAtRestAndBodiesInThemAllocateNothing) {
     for (int k = 0; k < 10; ++k) step();
     EXPECT_EQ(allocations - before, 0u) << static_cast<int>(solver);
     EXPECT_NE(bodies[0].impulse.y, 0) << "control: the ball is in the water";
+  }
+}
+
+TEST(Allocation, StepsOfAFlowOnAGridAllocateNothingAfterTheFirst) {
+  using grid_fluid::GridFluidDef;
+  for (const bool solid : {false, true}) {
+    for (const auto advection : {GridFluidDef::Advection::central, GridFluidDef::Advection::maccormack}) {
+      GridFluidDef d;
+      d.cells = {24, 20};
+      d.viscosity = 0.1;
+      d.advection = advection;
+      d.scalar =
+          grid_fluid::ScalarDef{.initial = "x", .source = "sin(t)*x", .diffusivity = 0.01, .expansion = 0.1};
+      d.force = {"sin(t)", "0"};
+      d.sides.y_max = grid_fluid::FlowSideDef{grid_fluid::SideKind::wall, {"cos(t)", "0"}};
+      if (solid) d.obstacles = {grid_fluid::ObstacleDef{.center = {0.5, 0.5, 0}, .radius = 0.2}};
+      test::GridFlow run(d, 0.01);
+      run.steps(2);
+      const uint64_t before = allocations;
+      run.steps(5);
+      EXPECT_EQ(allocations - before, 0u) << solid;
+    }
+  }
+}
+
+TEST(Allocation, StepsOfShallowWaterAllocateNothingAfterTheFirst) {
+  for (const size_t dimensions : {1, 2}) {
+    heightfield_wave::HeightfieldWaveDef d;
+    d.cells.assign(dimensions, 24);
+    d.surface = "x < 0.5 ? 1 : 0";
+    d.friction = 0.01;
+    test::ShallowRun run(d, 0.05);
+    run.steps(2);
+    const uint64_t before = allocations;
+    run.steps(5);
+    EXPECT_EQ(allocations - before, 0u) << dimensions;
   }
 }
 

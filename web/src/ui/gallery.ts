@@ -24,6 +24,7 @@ const chapters: [string, RegExp][] = [
   ["Animation", /^animation$/],
   ["Flocks", /^flocking$/],
   ["Particles", /^particles$/],
+  ["Fluids", /^fluid$/],
   ["Heat and waves", /^(heat|wave|grid)$/],
   ["Equations", /^ode$/],
 ];

@@ -1,0 +1,64 @@
+#include "engine/kernels/mac/ghosts.h"
+
+namespace truestep::mac {
+
+namespace {
+
+// Along the normal of the side: face n is the side. `inwards` leads to the next face inside.
+void normal_end(double* face, ptrdiff_t inwards, const SideValues& side, size_t plane) {
+  if (side.mirror == Mirror::given) {
+    const double g = side.at(plane);
+    face[0] = g;
+    for (ptrdiff_t m = 1; m <= static_cast<ptrdiff_t>(kGhosts); ++m)
+      face[-m * inwards] = 2 * g - face[m * inwards];
+  } else {
+    for (ptrdiff_t m = 1; m <= static_cast<ptrdiff_t>(kGhosts); ++m) face[-m * inwards] = face[0];
+  }
+}
+
+// `cell` is the last one inside; the side lies half a spacing before it. The first value beyond a given one
+// is that of the parabola through the side and two cells: the mirror image would leave an error of the order
+// of the slope's change in the wall's friction.
+void tangential_end(double* cell, ptrdiff_t inwards, const SideValues& side, size_t plane, size_t ghosts) {
+  const bool given = side.mirror == Mirror::given;
+  const double g = given ? side.at(plane) : 0, sign = given || side.mirror == Mirror::odd ? -1 : 1;
+  for (size_t m = 0; m < ghosts; ++m) {
+    const auto k = static_cast<ptrdiff_t>(m);
+    cell[-(k + 1) * inwards] = 2 * g + sign * cell[k * inwards];
+  }
+  if (given) cell[-inwards] = (8 * g - 6 * cell[0] + cell[inwards]) / 3;
+}
+
+}  // namespace
+
+void fill_ghosts(const MacGrid& g, size_t place, const Sides& sides, double* u, const ThreadArena& arena) {
+  for (size_t a = 0; a < g.dimensions; ++a) {
+    const size_t first = a == 0 ? 1 : 0, second = a == 2 ? 1 : 2;
+    const size_t rows = g.padded(first), planes = g.padded(second);
+    const auto stride = static_cast<ptrdiff_t>(g.stride(a));
+    const size_t n = g.cells[a];
+    const auto last = static_cast<ptrdiff_t>(n);
+    arena.for_blocks(planes, 4, [&](size_t begin, size_t end) {
+      for (size_t q = begin; q < end; ++q) {
+        for (size_t p = 0; p < rows; ++p) {
+          double* line = u + p * g.stride(first) + q * g.stride(second) + kGhosts * g.stride(a);
+          const size_t plane = p + rows * q;
+          if (sides[a][0].mirror == Mirror::periodic) {
+            for (ptrdiff_t m = 0; m <= static_cast<ptrdiff_t>(kGhosts); ++m)
+              line[(last + m) * stride] = line[m * stride];
+            for (ptrdiff_t m = 1; m <= static_cast<ptrdiff_t>(kGhosts); ++m)
+              line[-m * stride] = line[(last - m) * stride];
+          } else if (place == a) {
+            normal_end(line, stride, sides[a][0], plane);
+            normal_end(line + last * stride, -stride, sides[a][1], plane);
+          } else {
+            tangential_end(line, stride, sides[a][0], plane, kGhosts);
+            tangential_end(line + (last - 1) * stride, -stride, sides[a][1], plane, kGhosts + 1);
+          }
+        }
+      }
+    });
+  }
+}
+
+}  // namespace truestep::mac

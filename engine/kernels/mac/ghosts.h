@@ -1,0 +1,27 @@
+// Values beyond the sides of a box, so that kernels on the staggered grid know no sides: mirrored about a
+// given value, mirrored evenly, or taken from the other end.
+#pragma once
+#include <vector>
+
+#include "engine/base/parallel.h"
+#include "engine/kernels/mac/mac_grid.h"
+
+namespace truestep::mac {
+
+/// What a side asks of one kind of values: `given` on the side, no slope across it, periodic, or 0 on the
+/// side by the opposite mirror image, as transforms have it (`odd`).
+enum class Mirror : uint8_t { given, even, periodic, odd };
+
+/// One side's values of one place, over the padded plane of the other two axes (the lower axis fastest).
+struct SideValues {
+  Mirror mirror = Mirror::even;
+  std::vector<double> values;  ///< empty: 0
+  double at(size_t plane) const { return values.empty() ? 0 : values[plane]; }
+};
+/// [axis][end]
+using Sides = std::array<std::array<SideValues, 2>, 3>;
+
+/// Fills what lies beyond the sides, and sets faces on a side whose value is given.
+void fill_ghosts(const MacGrid& grid, size_t place, const Sides& sides, double* u, const ThreadArena& arena);
+
+}  // namespace truestep::mac

@@ -1,0 +1,53 @@
+// The staggered grid of Harlow and Welch (1965, "Numerical calculation of time-dependent viscous
+// incompressible flow of fluid with free surface") on a box: the velocity's component along an axis lies on
+// the faces at right angles to it, pressure and scalars lie in the centres of the cells. All arrays have one
+// padded shape, so that one set of strides serves them: place (i, j, k) of a component is its face or cell i,
+// j, k, from -kGhosts to cells + kGhosts along every axis that the grid has; face i lies at i spacings from
+// the lower side, cell i at i + 1/2.
+#pragma once
+#include <array>
+#include <cstddef>
+#include <cstdint>
+
+namespace truestep::mac {
+
+inline constexpr size_t kGhosts = 2;
+/// Place of values in the cells' centres, where 0, 1, 2 are the axes of faces.
+inline constexpr size_t kCentre = 3;
+
+struct MacGrid {
+  size_t dimensions = 2;
+  std::array<size_t, 3> cells{1, 1, 1};
+  std::array<double, 3> spacing{1, 1, 1};  ///< m
+  std::array<double, 3> origin{};          ///< m, lower corner
+  std::array<bool, 3> periodic{};
+
+  size_t padded(size_t a) const { return a < dimensions ? cells[a] + 2 * kGhosts + 1 : 1; }
+  size_t size() const { return padded(0) * padded(1) * padded(2); }
+  size_t stride(size_t a) const { return a == 0 ? 1 : a == 1 ? padded(0) : padded(0) * padded(1); }
+  /// Of the place (0, 0, 0).
+  size_t base() const {
+    size_t b = 0;
+    for (size_t a = 0; a < dimensions; ++a) b += kGhosts * stride(a);
+    return b;
+  }
+  size_t at(size_t i, size_t j, size_t k) const { return base() + i + stride(1) * j + stride(2) * k; }
+  size_t cell_count() const { return cells[0] * cells[1] * cells[2]; }
+  /// Values of `place` along axis a that are its own: a periodic axis has as many faces as cells.
+  size_t count(size_t place, size_t a) const {
+    return a < dimensions && place == a && !periodic[a] ? cells[a] + 1 : cells[a];
+  }
+  /// m, of value i of `place` along axis a.
+  double coordinate(size_t place, size_t a, double i) const {
+    if (a >= dimensions) return 0;
+    return origin[a] + spacing[a] * (place == a ? i : i + 0.5);
+  }
+  double cell_volume() const {
+    double v = 1;
+    for (size_t a = 0; a < dimensions; ++a) v *= spacing[a];
+    return v;
+  }
+  double extent(size_t a) const { return spacing[a] * static_cast<double>(cells[a]); }
+};
+
+}  // namespace truestep::mac

@@ -1,0 +1,367 @@
+#include "engine/systems/grid_fluid/flow.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "engine/base/errors.h"
+
+namespace truestep::grid_fluid {
+
+using mac::kCentre;
+using mac::Mirror;
+
+FlowModel::FlowModel(const GridFluidDef& d, const Vec3& g)
+    : def(d), grid(make_grid(d)), texts(d, grid), solids(d.obstacles, grid), gravity(g) {
+  bool inflow = false;
+  for (size_t a = 0; a < grid.dimensions; ++a) {
+    for (size_t end = 0; end < 2; ++end) {
+      kinds[a][end] = side_of(d, a, end).kind;
+      open = open || kinds[a][end] == SideKind::outflow;
+      inflow = inflow || kinds[a][end] == SideKind::inflow;
+    }
+  }
+  if (!inflow || open) return;
+  // What flows in must flow out through other such sides, up to what the grid leaves.
+  double net = 0, through = 0;
+  std::vector<double> values;
+  for (size_t a = 0; a < grid.dimensions; ++a) {
+    for (size_t end = 0; end < 2; ++end) {
+      if (kinds[a][end] != SideKind::inflow) continue;
+      texts.sample_side(grid, a, end, a, 0, values);
+      const size_t first = a == 0 ? 1 : 0, second = a == 2 ? 1 : 2;
+      const size_t ghosts2 = second < grid.dimensions ? mac::kGhosts : 0;
+      const double area = grid.cell_volume() / grid.spacing[a];
+      for (size_t q = 0; q < grid.cells[second]; ++q) {
+        for (size_t p = 0; p < grid.cells[first]; ++p) {
+          const double v = values[p + mac::kGhosts + grid.padded(first) * (q + ghosts2)] * area;
+          net += end == 0 ? v : -v, through += std::abs(v);
+        }
+      }
+    }
+  }
+  constexpr double kLeft = 0.02;
+  if (std::abs(net) > kLeft * through) {
+    const std::string why =
+        "more flows in than out: " + std::to_string(net) + " of " + std::to_string(through);
+    throw Error("scene_invalid", why,
+                {{"/sides", "not_balanced", why, "", "an outflow on one of the sides", "", ""}});
+  }
+}
+
+std::array<std::array<Mirror, 2>, 3> FlowModel::mirrors(size_t place) const {
+  std::array<std::array<Mirror, 2>, 3> out{};
+  for (size_t a = 0; a < 3; ++a) {
+    for (size_t end = 0; end < 2; ++end) {
+      const SideKind k = kinds[a][end];
+      Mirror& m = out[a][end];
+      if (a < grid.dimensions && k == SideKind::periodic) {
+        m = Mirror::periodic;
+      } else if (place == kPressure) {
+        m = k == SideKind::outflow ? Mirror::odd : Mirror::even;
+      } else if (place == kCentre) {
+        m = Mirror::even;
+      } else if (place == a) {
+        m = k == SideKind::outflow ? Mirror::even : Mirror::given;
+      } else {
+        m = k == SideKind::wall || k == SideKind::inflow ? Mirror::given : Mirror::even;
+      }
+    }
+  }
+  return out;
+}
+
+std::array<size_t, 2> FlowModel::unknown(size_t c, size_t a) const {
+  if (a >= grid.dimensions) return {0, 1};
+  if (c != a || grid.periodic[a]) return {0, grid.cells[a]};
+  return {kinds[a][0] == SideKind::outflow ? size_t{0} : 1,
+          grid.cells[a] + (kinds[a][1] == SideKind::outflow ? 1 : 0)};
+}
+
+void Flow::bind(const FlowModel& m, const ThreadArena& arena) {
+  arena_ = &arena;
+  if (model_ == &m) return;
+  model_ = &m;
+  const auto set = [&](mac::Sides& sides, size_t place) {
+    const auto mirrors = m.mirrors(place);
+    for (size_t a = 0; a < 3; ++a) {
+      for (size_t end = 0; end < 2; ++end) sides[a][end].mirror = mirrors[a][end];
+    }
+  };
+  for (size_t c = 0; c < m.grid.dimensions; ++c) {
+    set(sides_[c], c);
+    viscous_[c].emplace(m.grid, c, m.mirrors(c));
+    force_[c].clear();
+  }
+  set(scalar_sides_, kCentre), set(pressure_sides_, kPressure);
+  if (m.solids.any()) {
+    cut_pressure_.emplace(m.grid, m.mirrors(kPressure), m.solids.open);
+  } else {
+    pressure_.emplace(m.grid, kCentre, m.mirrors(kPressure));
+  }
+  if (m.def.scalar && m.def.scalar->diffusivity > 0) scalar_.emplace(m.grid, kCentre, m.mirrors(kCentre));
+  for (Buffer& b : arrays_) b.data.assign(m.grid.size(), 0);
+  sides_time_ = -1;
+}
+
+void Flow::sides_at(double t) {
+  if (sides_time_ == t || (sides_time_ >= 0 && !model_->texts.sides_move)) return;
+  sides_time_ = t, side_rate_ = 0;
+  const mac::MacGrid& g = model_->grid;
+  for (size_t c = 0; c < g.dimensions; ++c) {
+    for (size_t a = 0; a < g.dimensions; ++a) {
+      for (size_t end = 0; end < 2; ++end) {
+        const SideKind k = model_->kinds[a][end];
+        mac::SideValues& side = sides_[c][a][end];
+        if (side.mirror != Mirror::given || model_->texts.sides[a][end][c].zero) continue;
+        // A wall moves along itself alone.
+        if (k == SideKind::wall && a == c) continue;
+        model_->texts.sample_side(g, a, end, c, t, side.values);
+        double most = 0;
+        for (const double v : side.values) most = std::max(most, std::abs(v));
+        side_rate_ = std::max(side_rate_, most / g.spacing[c]);
+      }
+    }
+  }
+}
+
+void Flow::fill_component(size_t c, double* u) {
+  mac::fill_ghosts(model_->grid, c, sides_[c], u, *arena_);
+}
+
+void Flow::fill(FlowFields& f, double t) {
+  sides_at(t);
+  for (size_t c = 0; c < model_->grid.dimensions; ++c) fill_component(c, f.u[c]);
+}
+
+double Flow::crossing_rate(const FlowFields& f, double t) {
+  sides_at(t);
+  const mac::MacGrid& g = model_->grid;
+  double sum = 0;
+  for (size_t c = 0; c < g.dimensions; ++c) {
+    double most = 0;
+    const size_t n = g.count(c, 0), rows = g.count(c, 1) * g.count(c, 2);
+    for (size_t r = 0; r < rows; ++r) {
+      const double* u = f.u[c] + g.at(0, r % g.count(c, 1), r / g.count(c, 1));
+      double low = 0, high = 0;
+      for (size_t i = 0; i < n; ++i) low = u[i] < low ? u[i] : low, high = u[i] > high ? u[i] : high;
+      most = std::max({most, high, -low});
+    }
+    sum += most / g.spacing[c];
+  }
+  return std::max(sum, side_rate_);
+}
+
+bool Flow::implicit(double viscosity, double h) const {
+  const GridFluidDef& d = model_->def;
+  if (viscosity == 0) return false;
+  if (d.advection != GridFluidDef::Advection::central) return true;
+  if (d.viscous != GridFluidDef::Viscous::automatic) return d.viscous == GridFluidDef::Viscous::implicit;
+  double rate = 0;
+  for (size_t a = 0; a < model_->grid.dimensions; ++a)
+    rate += 4 / (model_->grid.spacing[a] * model_->grid.spacing[a]);
+  // Where eddies turn at the same time: half of the real axis that the method holds.
+  const double held = d.stepping == GridFluidDef::Stepping::rk3 ? 1.25 : 0.5;
+  return viscosity * rate * h > held;
+}
+
+// The last face before an outflow moves on unchanged.
+void Flow::open_sides(size_t c, double* u) {
+  const mac::MacGrid& g = model_->grid;
+  const size_t first = c == 0 ? 1 : 0, second = c == 2 ? 1 : 2;
+  for (size_t end = 0; end < 2; ++end) {
+    if (model_->kinds[c][end] != SideKind::outflow) continue;
+    const size_t side = end == 0 ? 0 : g.cells[c], inside = end == 0 ? 1 : g.cells[c] - 1;
+    for (size_t q = 0; q < g.cells[second]; ++q) {
+      for (size_t p = 0; p < g.cells[first]; ++p) {
+        const size_t at = g.base() + p * g.stride(first) + (second < g.dimensions ? q * g.stride(second) : 0);
+        u[at + side * g.stride(c)] = u[at + inside * g.stride(c)];
+      }
+    }
+  }
+}
+
+void Flow::add_force(FlowFields& f, double t, size_t c, double factor, double* to) {
+  const mac::MacGrid& g = model_->grid;
+  const Program& program = model_->texts.force[c];
+  if (!program.zero) {
+    std::vector<double>& force = force_[c];
+    if (force.empty() || program.time) {
+      force.resize(g.size());
+      model_->texts.sample(program, g, c, t, force.data());
+    }
+    mac::for_rows(g, c, *arena_, [&](size_t at, size_t, size_t, size_t n) {
+      for (size_t i = 0; i < n; ++i) to[at + i] += factor * force[at + i];
+    });
+  }
+  const Vec3& gravity = model_->gravity;
+  const double along = c == 0 ? gravity.x : c == 1 ? gravity.y : gravity.z;
+  if (!f.scalar || along == 0 || model_->def.scalar->expansion == 0) return;
+  const double rise = -0.5 * factor * along * model_->def.scalar->expansion;
+  const size_t s = g.stride(c);
+  mac::for_rows(g, c, *arena_, [&](size_t at, size_t, size_t, size_t n) {
+    const double* q = f.scalar + at;
+    for (size_t i = 0; i < n; ++i) to[at + i] += rise * ((q - s)[i] + q[i]);
+  });
+}
+
+void Flow::stage(FlowFields& f, double t, double h, const Weights& w, bool implicit) {
+  const mac::MacGrid& g = model_->grid;
+  const mac::ConstFields u{f.u[0], f.u[1], f.u[2]};
+  fill(f, t);
+  mac::fill_ghosts(g, kCentre, pressure_sides_, f.pressure, *arena_);
+  if (f.scalar) mac::fill_ghosts(g, kCentre, scalar_sides_, f.scalar, *arena_);
+  for (size_t c = 0; c < g.dimensions; ++c) {
+    double *now = array(c), *before = f.rate[c] ? f.rate[c] : array(3 + c);
+    mac::momentum_rate(g, c, u, implicit ? 0 : f.viscosity, now, *arena_);
+    add_force(f, t, c, 1, now);
+    double* change = array(6 + c);
+    const double a = h * w.gamma, b = h * w.zeta;
+    mac::for_rows(g, c, *arena_, [&](size_t at, size_t, size_t, size_t n) {
+      double *to = change + at, *x = now + at, *y = before + at;
+      if (b == 0) {
+        for (size_t i = 0; i < n; ++i) to[i] = a * x[i], y[i] = x[i];
+      } else {
+        for (size_t i = 0; i < n; ++i) to[i] = a * x[i] + b * y[i], y[i] = x[i];
+      }
+    });
+    const double alpha = h * w.alpha;
+    mac::subtract_gradient(g, c, f.pressure, 2 * alpha, change, *arena_);
+    if (implicit) {
+      mac::add_laplacian(g, c, f.u[c], 2 * alpha * f.viscosity, change, *arena_);
+      viscous_[c]->solve(1, alpha * f.viscosity, change, *arena_);
+    }
+  }
+  for (size_t c = 0; c < g.dimensions; ++c) {
+    const auto x = model_->unknown(c, 0), y = model_->unknown(c, 1), z = model_->unknown(c, 2);
+    const double* change = array(6 + c);
+    mac::for_rows(g, c, *arena_, [&](size_t at, size_t j, size_t k, size_t) {
+      if (j < y[0] || j >= y[1] || k < z[0] || k >= z[1]) return;
+      for (size_t i = x[0]; i < x[1]; ++i) f.u[c][at + i] += change[at + i];
+    });
+  }
+  project(f, t, 2 * h * w.alpha);
+}
+
+// Where no side is open, what the grid makes of given velocities must flow out as it flows in: the difference
+// is spread over the faces of the sides that give velocities.
+void Flow::balance(FlowFields& f) {
+  const mac::MacGrid& g = model_->grid;
+  if (model_->open) return;
+  double net = 0, area = 0;
+  for (int pass = 0; pass < 2; ++pass) {
+    const double add = pass == 1 && area > 0 ? net / area : 0;
+    if (pass == 1 && add == 0) return;
+    for (size_t a = 0; a < g.dimensions; ++a) {
+      const size_t first = a == 0 ? 1 : 0, second = a == 2 ? 1 : 2;
+      const double face = g.cell_volume() / g.spacing[a];
+      for (size_t end = 0; end < 2; ++end) {
+        if (model_->kinds[a][end] != SideKind::inflow) continue;
+        const double outwards = end == 0 ? -1 : 1;
+        for (size_t q = 0; q < g.cells[second]; ++q) {
+          for (size_t p = 0; p < g.cells[first]; ++p) {
+            double& v =
+                f.u[a][g.base() + p * g.stride(first) + (second < g.dimensions ? q * g.stride(second) : 0) +
+                       (end == 0 ? 0 : g.cells[a] * g.stride(a))];
+            if (pass == 0) net -= outwards * v * face, area += face;
+            v += outwards * add;
+          }
+        }
+      }
+    }
+  }
+}
+
+void Flow::stop_in_solids(FlowFields& f) {
+  const mac::MacGrid& g = model_->grid;
+  for (size_t c = 0; c < g.dimensions; ++c) {
+    const double* fluid = model_->solids.fluid[c].data();
+    double taken = 0;
+    const size_t rows = g.count(c, 1) * g.count(c, 2);
+    for (size_t r = 0; r < rows; ++r) {
+      const size_t at = g.at(0, r % g.count(c, 1), r / g.count(c, 1));
+      for (size_t i = at; i < at + g.count(c, 0); ++i) {
+        if (fluid[i] == 1) continue;
+        taken += (1 - fluid[i]) * f.u[c][i];
+        f.u[c][i] *= fluid[i];
+      }
+    }
+    f.impulse[c] += taken * g.cell_volume();
+  }
+}
+
+void Flow::project(FlowFields& f, double t, double h) {
+  const mac::MacGrid& g = model_->grid;
+  fill(f, t + h);
+  for (size_t c = 0; c < g.dimensions; ++c) open_sides(c, f.u[c]);
+  balance(f);
+  double* phi = array(9);
+  if (cut_pressure_) {
+    stop_in_solids(f);
+    // div(open u): what passes is what the open share of a face lets pass.
+    double* passing[3] = {array(6), array(7), array(8)};
+    for (size_t c = 0; c < g.dimensions; ++c) {
+      const double *open = model_->solids.open[c].data(), *u = f.u[c];
+      arena_->for_blocks(g.size(), kBlockRows, [&](size_t begin, size_t end) {
+        for (size_t i = begin; i < end; ++i) passing[c][i] = open[i] * u[i];
+      });
+    }
+    mac::divergence(g, {passing[0], passing[1], passing[2]}, phi, *arena_);
+    f.solved = cut_pressure_->solve(phi, model_->def.tolerance, *arena_);
+  } else {
+    mac::divergence(g, {f.u[0], f.u[1], f.u[2]}, phi, *arena_);
+    // -lap phi = -div u: the solver's step is -1 and its shift 0.
+    pressure_->solve(0, -1, phi, *arena_);
+  }
+  mac::fill_ghosts(g, kCentre, pressure_sides_, phi, *arena_);
+  for (size_t c = 0; c < g.dimensions; ++c) {
+    const auto x = model_->unknown(c, 0), y = model_->unknown(c, 1), z = model_->unknown(c, 2);
+    const double scale = 1 / g.spacing[c];
+    const size_t s = g.stride(c);
+    mac::for_rows(g, c, *arena_, [&](size_t at, size_t j, size_t k, size_t) {
+      if (j < y[0] || j >= y[1] || k < z[0] || k >= z[1]) return;
+      double* u = f.u[c] + at;
+      const double *high = phi + at, *low = high - s;
+      for (size_t i = x[0]; i < x[1]; ++i) u[i] -= scale * (high[i] - low[i]);
+    });
+    if (!cut_pressure_) continue;
+    // Faces that are shut take up what the pressure would have given them.
+    const double* open = model_->solids.open[c].data();
+    double taken = 0;
+    const size_t rows = g.count(c, 1) * g.count(c, 2);
+    for (size_t r = 0; r < rows; ++r) {
+      const size_t at = g.at(0, r % g.count(c, 1), r / g.count(c, 1));
+      for (size_t i = at; i < at + g.count(c, 0); ++i) {
+        if (open[i] == 0) taken += f.u[c][i], f.u[c][i] = 0;
+      }
+    }
+    f.impulse[c] += taken * g.cell_volume();
+  }
+  if (h > 0) {
+    const double per = 1 / h;
+    mac::for_rows(g, kCentre, *arena_, [&](size_t at, size_t, size_t, size_t n) {
+      for (size_t i = 0; i < n; ++i) f.pressure[at + i] += per * phi[at + i];
+    });
+  }
+}
+
+void Flow::substep(FlowFields& f, double t, double h) {
+  if (model_->def.advection != GridFluidDef::Advection::central) {
+    along_paths(f, t, h);
+  } else if (model_->def.stepping == GridFluidDef::Stepping::rk3) {
+    constexpr Weights kStages[] = {
+        {8.0 / 15, 0, 4.0 / 15}, {5.0 / 12, -17.0 / 60, 1.0 / 15}, {3.0 / 4, -5.0 / 12, 1.0 / 6}};
+    const bool implicit = this->implicit(f.viscosity, h);
+    double at = 0;
+    for (const Weights& w : kStages) {
+      stage(f, t + at * h, h, w, implicit);
+      at += 2 * w.alpha;
+    }
+  } else {
+    const double r = f.last_h > 0 ? h / f.last_h : 0;
+    stage(f, t, h, {1 + 0.5 * r, -0.5 * r, 0.5}, implicit(f.viscosity, h));
+    f.last_h = h;
+  }
+  if (f.scalar) carry(f, t, h);
+}
+
+}  // namespace truestep::grid_fluid

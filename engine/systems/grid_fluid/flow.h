@@ -1,0 +1,96 @@
+// One substep of an incompressible flow on a staggered grid:
+//   u_t + div(u u) = -grad p + viscosity lap u + f,   div u = 0,
+// p per density. Central advection: stages of Spalart, Moser, Rogers (1991, "Spectral methods for the
+// Navier-Stokes equations with one infinite and two periodic directions", appendix; weights gamma, zeta for
+// convection, alpha for viscosity by Crank and Nicolson), or one of Adams and Bashforth with Crank and
+// Nicolson; each takes the last pressure's gradient and is projected (van Kan 1986, "A second-order accurate
+// pressure-correction scheme"). Advection along paths: advect, force, viscosity by Euler backwards, project
+// (Stam 1999, "Stable fluids"). Scratch of one thread's run; everything that lasts is in the state.
+#pragma once
+#include <memory>
+#include <optional>
+
+#include "engine/core/system.h"
+#include "engine/kernels/mac/momentum.h"
+#include "engine/lattice/cut_poisson.h"
+#include "engine/lattice/staggered_solver.h"
+#include "engine/systems/grid_fluid/flow_texts.h"
+#include "engine/systems/grid_fluid/solids.h"
+
+namespace truestep::grid_fluid {
+
+/// What is known when the system is built and never changes.
+struct FlowModel {
+  FlowModel(const GridFluidDef& def, const Vec3& gravity);
+  GridFluidDef def;
+  mac::MacGrid grid;
+  FlowTexts texts;
+  Solids solids;
+  Vec3 gravity;       ///< m/s^2
+  bool open = false;  ///< a side is an outflow
+  std::array<std::array<SideKind, 2>, 3> kinds{};
+  /// How values of a place are mirrored at the sides; kCentre + 1 is the pressure.
+  std::array<std::array<mac::Mirror, 2>, 3> mirrors(size_t place) const;
+  /// Faces [first, last) of component c along axis a that the equations decide.
+  std::array<size_t, 2> unknown(size_t c, size_t a) const;
+};
+inline constexpr size_t kPressure = mac::kCentre + 1;
+
+/// Arrays of a state that the flow moves.
+struct FlowFields {
+  mac::Fields u{}, rate{};  ///< rate: of the step before, for two-step methods
+  double *pressure = nullptr, *scalar = nullptr;
+  double viscosity = 0;
+  std::array<double, 3> impulse{};  ///< N s per density, that obstacles have had from the fluid
+  lattice::CutPoisson::Outcome solved;
+  double last_h = 0;  ///< s, of the substep that `rate` is from; 0: none
+};
+
+class Flow {
+ public:
+  void bind(const FlowModel& model, const ThreadArena& arena);
+
+  /// Cells per second that the fastest crosses, summed over the axes, sides included.
+  double crossing_rate(const FlowFields& f, double t);
+  /// Whether viscosity is stepped implicitly in a substep of h.
+  bool implicit(double viscosity, double h) const;
+  void substep(FlowFields& f, double t, double h);
+  /// Makes the velocity free of divergence; p += scale of what it took. Faces on sides are set for time t.
+  void project(FlowFields& f, double t, double h);
+  void fill(FlowFields& f, double t);
+
+ private:
+  struct Buffer {
+    std::vector<double, CacheLineAllocator<double>> data;
+  };
+  struct Weights {
+    double gamma, zeta, alpha;
+  };
+  void sides_at(double t);
+  void fill_component(size_t c, double* u);
+  void stage(FlowFields& f, double t, double h, const Weights& w, bool implicit);
+  void along_paths(FlowFields& f, double t, double h);
+  void advect(size_t place, const mac::Sides& sides, const mac::ConstFields& u, double h, const double* from,
+              double* to);
+  void carry(FlowFields& f, double t, double h);
+  void add_force(FlowFields& f, double t, size_t c, double factor, double* to);
+  void confine(FlowFields& f, double h);
+  /// Fluid in obstacles comes to rest.
+  void stop_in_solids(FlowFields& f);
+  void open_sides(size_t c, double* u);
+  void balance(FlowFields& f);
+  double* array(size_t k) { return arrays_[k].data.data(); }
+
+  const FlowModel* model_ = nullptr;
+  const ThreadArena* arena_ = nullptr;
+  std::array<mac::Sides, 3> sides_;
+  mac::Sides scalar_sides_, pressure_sides_;
+  double sides_time_ = -1, side_rate_ = 0;
+  std::array<std::optional<lattice::StaggeredSolver>, 3> viscous_;
+  std::optional<lattice::StaggeredSolver> pressure_, scalar_;
+  std::optional<lattice::CutPoisson> cut_pressure_;
+  std::array<Buffer, 10> arrays_;
+  std::array<std::vector<double>, 3> force_;  ///< constant in time
+};
+
+}  // namespace truestep::grid_fluid

@@ -1,0 +1,36 @@
+// The texts of a scene on a staggered grid as numbers: velocities at the start, on sides, exact ones, forces
+// and what the flow carries.
+#pragma once
+#include <string>
+#include <vector>
+
+#include "engine/kernels/mac/ghosts.h"
+#include "engine/math/expression/rows.h"
+#include "engine/systems/grid_fluid/grid_fluid_def.h"
+
+namespace truestep::grid_fluid {
+
+/// One text as a program of t, x, y, z.
+struct Program {
+  ExpressionRows rows;
+  bool time = false, zero = true;
+};
+
+class FlowTexts {
+ public:
+  /// Error "scene_invalid" with every fault.
+  FlowTexts(const GridFluidDef& def, const mac::MacGrid& grid);
+
+  std::array<Program, 3> initial, force, exact;
+  Program scalar_initial, scalar_source;
+  std::array<std::array<std::array<Program, 3>, 2>, 3> sides;  ///< [axis][end][component]
+  bool has_exact = false, forced = false, sides_move = false;
+
+  /// u = program at the values of `place` that are its own.
+  void sample(const Program& program, const mac::MacGrid& grid, size_t place, double t, double* u) const;
+  /// The values of one component on a side's padded plane.
+  void sample_side(const mac::MacGrid& grid, size_t axis, size_t end, size_t component, double t,
+                   std::vector<double>& out) const;
+};
+
+}  // namespace truestep::grid_fluid

@@ -1,0 +1,195 @@
+#include "engine/systems/grid_fluid/grid_fluid.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "engine/base/errors.h"
+#include "engine/base/short_number.h"
+#include "engine/core/command_checks.h"
+
+namespace truestep::grid_fluid {
+
+namespace {
+enum Number : size_t {
+  kViscosity,
+  kLastStep,
+  kSubsteps,
+  kCfl,
+  kIterations,
+  kResidual,
+  kDrag,
+  kLift,
+  kNumbers
+};
+constexpr const char* kAxes[] = {"x", "y", "z"};
+
+PartInfo cells_part(const FlowModel& m) {
+  PartInfo part;
+  part.kind = PartInfo::Kind::grid;
+  part.fields = {
+      {"velocity", "m/s", Scalar::f64, 3}, {"speed", "m/s"}, {"pressure", "Pa"}, {"vorticity", "1/s"}};
+  if (m.def.scalar) part.fields.push_back({"scalar", "1"});
+  part.max_rows = m.grid.cell_count();
+  double first[3] = {}, spacing[3] = {1, 1, 1};
+  for (size_t a = 0; a < 3; ++a) {
+    part.lattice.counts[a] = static_cast<uint32_t>(m.grid.cells[a]);
+    if (a < m.grid.dimensions)
+      first[a] = m.grid.coordinate(mac::kCentre, a, 0), spacing[a] = m.grid.spacing[a];
+  }
+  part.lattice.origin = {first[0], first[1], first[2]};
+  part.lattice.spacing = {spacing[0], spacing[1], spacing[2]};
+  part.lattice.centring = Lattice::Centring::cells;
+  return part;
+}
+}  // namespace
+
+GridFluid::GridFluid(const GridFluidDef& def, const BuildContext& context)
+    : id_(context.id), model_(def, context.gravity) {
+  const mac::MacGrid& g = model_.grid;
+  set_parts({cells_part(model_)});
+  for (size_t c = 0; c < g.dimensions; ++c) {
+    start_.add({std::string("velocity.") + kAxes[c], "m/s", Scalar::f64, 1, Role::position}, g.size());
+  }
+  start_.add({"pressure", "m^2/s^2", Scalar::f64, 1, Role::internal}, g.size());
+  numbers_ = start_.add({"numbers", "1", Scalar::f64, 1, Role::internal}, kNumbers);
+  if (def.advection == GridFluidDef::Advection::central && def.stepping == GridFluidDef::Stepping::ab2) {
+    for (size_t c = 0; c < g.dimensions; ++c) {
+      const auto column =
+          start_.add({std::string("rate.") + kAxes[c], "m/s^2", Scalar::f64, 1, Role::internal}, g.size());
+      if (c == 0) rate_ = column;
+    }
+  }
+  if (def.scalar) scalar_ = start_.add({"scalar", "1", Scalar::f64, 1, Role::position}, g.size());
+  start_.f64(numbers_)[kViscosity] = def.viscosity;
+
+  static const ThreadArena kSerial(1);
+  Flow flow;
+  flow.bind(model_, kSerial);
+  FlowFields f = fields(start_);
+  for (size_t c = 0; c < g.dimensions; ++c) model_.texts.sample(model_.texts.initial[c], g, c, 0, f.u[c]);
+  if (f.scalar) model_.texts.sample(model_.texts.scalar_initial, g, mac::kCentre, 0, f.scalar);
+  flow.project(f, 0, 0);
+
+  const bool central = def.advection == GridFluidDef::Advection::central;
+  const bool stages = def.stepping == GridFluidDef::Stepping::rk3;
+  add_stage("flow",
+            std::to_string(g.cell_count()) + " cells, " +
+                (central ? std::string("central differences, ") + (stages ? "three stages" : "two steps") +
+                               " each projected"
+                         : "advected along paths, then projected") +
+                (model_.solids.any() ? "; pressure by conjugate gradients and multigrid"
+                                     : "; pressure by transforms"),
+            [this](State& s, const StepInput& in) { advance(s, in); });
+  if (def.obstacles.empty()) skip_stage("obstacles", "nothing stands in the flow");
+  if (def.viscosity == 0) skip_stage("viscosity", "the fluid has none");
+  if (!def.scalar) skip_stage("scalar", "the flow carries nothing");
+  if (!model_.texts.forced) skip_stage("force", "nothing pushes the fluid");
+}
+
+FlowFields GridFluid::fields(State& s) const {
+  FlowFields f;
+  for (size_t c = 0; c < model_.grid.dimensions; ++c) {
+    f.u[c] = s.f64(static_cast<State::Column>(c)).data();
+    if (rate_) f.rate[c] = s.f64(*rate_ + static_cast<State::Column>(c)).data();
+  }
+  f.pressure = s.f64(pressure_column()).data();
+  if (scalar_) f.scalar = s.f64(*scalar_).data();
+  f.viscosity = s.f64(numbers_)[kViscosity];
+  f.last_h = s.f64(numbers_)[kLastStep];
+  return f;
+}
+
+double GridFluid::largest_substep(double crossing_rate, double viscosity, double h) const {
+  const GridFluidDef& d = model_.def;
+  const bool central = d.advection == GridFluidDef::Advection::central;
+  const bool rk3 = d.stepping == GridFluidDef::Stepping::rk3;
+  // Runge and Kutta's method of three stages holds the imaginary axis up to 1.73; two steps hold none of it
+  // and grow slowly enough only well below 1.
+  const double cfl = d.cfl.value_or(!central ? 3 : rk3 ? 1.2 : 0.5);
+  double largest = crossing_rate > 0 ? std::min(h, cfl / crossing_rate) : h;
+  if (central && d.viscous == GridFluidDef::Viscous::explicit_) {
+    double rate = 0;
+    for (size_t a = 0; a < model_.grid.dimensions; ++a)
+      rate += 4 / (model_.grid.spacing[a] * model_.grid.spacing[a]);
+    // Ends of the real axes that the methods hold.
+    if (viscosity > 0) largest = std::min(largest, (rk3 ? 2.5 : 1.0) / (viscosity * rate));
+  }
+  return largest;
+}
+
+void GridFluid::advance(State& s, const StepInput& in) const {
+  auto& flow = in.workspace.object<Flow>("grid_fluid");
+  flow.bind(model_, in.arena);
+  FlowFields f = fields(s);
+  const auto numbers = s.f64(numbers_);
+  const double crossing = flow.crossing_rate(f, in.t);
+  const double wanted = std::ceil(in.h / largest_substep(crossing, f.viscosity, in.h) - 1e-9);
+  if (!(wanted <= kMostSubsteps)) {
+    Instability e(id_, "velocity.x", -1,
+                  "the flow crosses " + short_number(crossing * in.h) + " cells in a step: more than " +
+                      std::to_string(kMostSubsteps) + " substeps would be needed");
+    if (std::isfinite(wanted)) e.suggested_dt = in.h * kMostSubsteps / wanted;
+    throw e;
+  }
+  const auto n = std::max(1, static_cast<int>(wanted));
+  const double h = in.h / n;
+  for (int i = 0; i < n; ++i) {
+    f.impulse = {};
+    flow.substep(f, in.t + i * h, h);
+  }
+  numbers[kIterations] = f.solved.iterations, numbers[kResidual] = f.solved.residual;
+  numbers[kDrag] = model_.def.density * f.impulse[0] / h,
+  numbers[kLift] = model_.def.density * f.impulse[1] / h;
+  numbers[kLastStep] = f.last_h, numbers[kSubsteps] = n;
+  numbers[kCfl] = flow.crossing_rate(f, in.t + in.h) * h;
+}
+
+void GridFluid::apply(State& s, const Command& c) const {
+  check_command_numbers(c);
+  if (c.kind == CommandKind::set_parameter) {
+    if (c.name != "viscosity") {
+      refuse_command("name", "unknown_parameter", "no parameter " + c.name + " to set", "viscosity");
+    }
+    if (!(c.value >= 0)) refuse_command("value", "out_of_range", "the viscosity is at least 0", ">= 0");
+    s.f64(numbers_)[kViscosity] = c.value;
+  } else if (c.kind == CommandKind::impulse) {
+    if (!c.at) refuse_command("at", "missing", "an impulse on a fluid needs the place where it acts");
+    const mac::MacGrid& g = model_.grid;
+    const double at[] = {c.at->x, c.at->y, c.at->z}, vector[] = {c.vector.x, c.vector.y, c.vector.z};
+    size_t cell[3] = {};
+    for (size_t a = 0; a < g.dimensions; ++a) {
+      const double place = (at[a] - g.origin[a]) / g.spacing[a];
+      if (!(place >= 0 && place <= static_cast<double>(g.cells[a]))) {
+        refuse_command("at", "out_of_range", "the place lies outside the box");
+      }
+      cell[a] = std::min(static_cast<size_t>(place), g.cells[a] - 1);
+    }
+    for (size_t a = 0; a < g.dimensions; ++a) {
+      const auto [first, last] = model_.unknown(a, a);
+      const size_t at_cell = g.at(cell[0], cell[1], cell[2]);
+      const double change = 0.5 * vector[a] / (model_.def.density * g.cell_volume());
+      auto u = s.f64(static_cast<State::Column>(a));
+      if (cell[a] >= first) u[at_cell] += change;
+      if (cell[a] + 1 < last) u[at_cell + g.stride(a)] += change;
+    }
+    static const ThreadArena kSerial(1);
+    Flow flow;
+    flow.bind(model_, kSerial);
+    FlowFields f = fields(s);
+    flow.project(f, 0, 0);
+  } else {
+    refuse_command("kind", "unknown_command", "grid_fluid knows no such command", "impulse, set_parameter");
+  }
+  s.f64(numbers_)[kLastStep] = 0;
+}
+
+std::vector<std::string> GridFluid::remedies() const {
+  return {"a shorter dt", "advection along paths (semi_lagrangian, maccormack, bfecc), which holds any step",
+          "more cells, or more viscosity: eddies smaller than a cell cannot be held"};
+}
+
+std::unique_ptr<const System> build_grid_fluid(const void* def, const BuildContext& context) {
+  return std::make_unique<GridFluid>(*static_cast<const GridFluidDef*>(def), context);
+}
+
+}  // namespace truestep::grid_fluid

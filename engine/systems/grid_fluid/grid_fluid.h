@@ -1,0 +1,46 @@
+// An incompressible fluid in a box of two or three dimensions on a staggered grid (flow.h): smooth flows by
+// central differences, any other along paths; walls, inflow, outflow, periodic sides; what the flow carries
+// and what that weighs. A step is divided into as many equal substeps as its speed and viscosity ask for.
+// Commands: set_parameter viscosity; impulse gives momentum to the fluid around a place.
+#pragma once
+#include "engine/core/system.h"
+#include "engine/systems/grid_fluid/flow.h"
+
+namespace truestep::grid_fluid {
+
+class GridFluid final : public StagedSystem {
+ public:
+  GridFluid(const GridFluidDef& def, const BuildContext& context);
+
+  State initial_state() const override { return start_; }
+  void observe(const State& state, double t, Observables& out) const override;
+  FieldView field(const State& state, size_t part, size_t field, std::vector<double>& scratch) const override;
+  void draw(const State& state, double t, Wish wishes, Drawing& out) const override;
+  void apply(State& state, const Command& command) const override;
+  std::vector<std::string> remedies() const override;
+  void check(StateCheck& check, double) const override { check.finish(); }
+
+  const FlowModel& model() const { return model_; }
+  /// Columns: the velocity's components first.
+  State::Column pressure_column() const { return model_.grid.dimensions; }
+
+  static constexpr int kMostSubsteps = 2000;
+
+ private:
+  void advance(State& state, const StepInput& in) const;
+  FlowFields fields(State& state) const;
+  double rms_error(const State& state, double t) const;
+  void vorticity(const State& state, double* out) const;
+  /// Largest substep for a flow that crosses so many cells a second.
+  double largest_substep(double crossing_rate, double viscosity, double h) const;
+
+  std::string id_;
+  FlowModel model_;
+  State::Column numbers_ = 0;
+  std::optional<State::Column> rate_, scalar_;
+  State start_;
+};
+
+std::unique_ptr<const System> build_grid_fluid(const void* def, const BuildContext& context);
+
+}  // namespace truestep::grid_fluid

@@ -1,0 +1,79 @@
+// What a scene says about the flow of a fluid through a box; see grid_fluid.h.
+#pragma once
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "engine/core/build.h"
+#include "engine/core/def.h"
+#include "engine/core/outputs.h"
+#include "engine/core/resolution.h"
+#include "engine/kernels/mac/mac_grid.h"
+
+namespace truestep::grid_fluid {
+
+/// What holds on a side of the box: the fluid sticks to a wall (which may move along itself), slides along
+/// it, flows in with a given velocity, flows out against no pressure, or comes in again at the other end.
+enum class SideKind : uint8_t { wall, slip, inflow, outflow, periodic };
+
+struct FlowSideDef {
+  SideKind kind = SideKind::wall;
+  std::vector<std::string> velocity;  ///< m/s; empty: 0
+};
+struct FlowSidesDef {
+  std::optional<FlowSideDef> x_min, x_max, y_min, y_max, z_min, z_max;
+  /// In the order x_min, x_max, y_min ...
+  const std::optional<FlowSideDef>& of(size_t axis, size_t end) const;
+};
+
+/// Something that the flow carries: smoke, dye, salt.
+struct ScalarDef {
+  std::string initial = "0", source = "0";
+  double diffusivity = 0;  ///< m^2/s
+  double expansion = 0;    ///< acceleration = -gravity expansion scalar: positive rises
+};
+
+/// A solid in the flow that does not move.
+struct ObstacleDef {
+  enum class Shape : uint8_t { sphere, box } shape = Shape::sphere;
+  Vec3 center;
+  double radius = 0.1;       ///< m
+  Vec3 half{0.1, 0.1, 0.1};  ///< m
+};
+
+struct GridFluidDef {
+  std::vector<int64_t> cells = {64, 64};
+  std::vector<double> size;    ///< m; empty: 1 along every axis
+  std::optional<Vec3> origin;  ///< m, lower corner
+  std::optional<FlowSideDef> all;
+  FlowSidesDef sides;
+  double viscosity = 0;  ///< kinematic, m^2/s
+  double density = 1;    ///< kg/m^3, or kg/m^2 in the plane
+  enum class Advection : uint8_t {
+    central,
+    semi_lagrangian,
+    maccormack,
+    bfecc
+  } advection = Advection::central;
+  enum class Stepping : uint8_t { rk3, ab2 } stepping = Stepping::rk3;
+  enum class Viscous : uint8_t { automatic, explicit_, implicit } viscous = Viscous::automatic;
+  std::optional<double> cfl;
+  std::vector<std::string> initial, force, exact;
+  std::optional<ScalarDef> scalar;
+  double vorticity_confinement = 0;
+  std::vector<ObstacleDef> obstacles;
+  double tolerance = 1e-6;  ///< of the pressure where obstacles stand
+};
+
+const DefTable& grid_fluid_table();
+const Outputs& grid_fluid_outputs();
+Cost grid_fluid_cost(const void* def);
+const Resolution& grid_fluid_resolution();
+
+/// Grid and sides as the scene says them.
+mac::MacGrid make_grid(const GridFluidDef& d);
+const FlowSideDef& side_of(const GridFluidDef& d, size_t axis, size_t end);
+/// "/sides/x_min", or "/side" where that decides.
+std::string side_pointer(const GridFluidDef& d, size_t axis, size_t end);
+
+}  // namespace truestep::grid_fluid

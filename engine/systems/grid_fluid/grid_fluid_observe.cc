@@ -1,0 +1,157 @@
+// What a flow on a grid measures and shows.
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "engine/systems/grid_fluid/grid_fluid.h"
+
+namespace truestep::grid_fluid {
+
+namespace {
+
+template <class F>
+void for_cells(const mac::MacGrid& g, F&& f) {
+  size_t row = 0;
+  for (size_t k = 0; k < g.cells[2]; ++k) {
+    for (size_t j = 0; j < g.cells[1]; ++j) {
+      const size_t at = g.at(0, j, k);
+      for (size_t i = 0; i < g.cells[0]; ++i) f(row++, at + i, i, j, k);
+    }
+  }
+}
+
+}  // namespace
+
+double GridFluid::rms_error(const State& s, double t) const {
+  const mac::MacGrid& g = model_.grid;
+  std::vector<double> exact(g.size());
+  double sum = 0;
+  for (size_t c = 0; c < g.dimensions; ++c) {
+    model_.texts.sample(model_.texts.exact[c], g, c, t, exact.data());
+    const auto u = s.f64(static_cast<State::Column>(c));
+    double squares = 0, count = 0;
+    for (size_t k = 0; k < g.count(c, 2); ++k) {
+      for (size_t j = 0; j < g.count(c, 1); ++j) {
+        for (size_t i = 0; i < g.count(c, 0); ++i) {
+          const double e = u[g.at(i, j, k)] - exact[g.at(i, j, k)];
+          squares += e * e, count += 1;
+        }
+      }
+    }
+    sum += squares / count;
+  }
+  return std::sqrt(sum);
+}
+
+// By the cell's corners or edges around it: second order inside; at sides by what the cell itself has.
+void GridFluid::vorticity(const State& s, double* out) const {
+  const mac::MacGrid& g = model_.grid;
+  const double* u[3] = {};
+  for (size_t c = 0; c < g.dimensions; ++c) u[c] = s.f64(static_cast<State::Column>(c)).data();
+  for_cells(g, [&](size_t row, size_t at, size_t i, size_t j, size_t k) {
+    const size_t place[] = {i, j, k};
+    const auto slope = [&](size_t c, size_t a) {
+      const size_t sa = g.stride(a), sc = g.stride(c);
+      const bool low = place[a] > 0 || g.periodic[a], high = place[a] + 1 < g.cells[a] || g.periodic[a];
+      const double* here = u[c] + at;
+      const size_t wrap = g.cells[a] * sa;
+      const double* before = !low ? here : place[a] > 0 ? here - sa : here - sa + wrap;
+      const double* after = !high ? here : place[a] + 1 < g.cells[a] ? here + sa : here + sa - wrap;
+      const double width = (low && high ? 2 : 1) * g.spacing[a];
+      return 0.5 * (after[0] + after[sc] - before[0] - before[sc]) / width;
+    };
+    if (g.dimensions == 2) {
+      out[row] = slope(1, 0) - slope(0, 1);
+      return;
+    }
+    const double x = slope(2, 1) - slope(1, 2), y = slope(0, 2) - slope(2, 0), z = slope(1, 0) - slope(0, 1);
+    out[row] = std::sqrt(x * x + y * y + z * z);
+  });
+}
+
+FieldView GridFluid::field(const State& s, size_t, size_t field, std::vector<double>& scratch) const {
+  const mac::MacGrid& g = model_.grid;
+  const size_t n = g.cell_count();
+  const bool vector = field == 0;
+  scratch.assign(vector ? 3 * n : n, 0);
+  if (field <= 1) {
+    for_cells(g, [&](size_t row, size_t at, size_t, size_t, size_t) {
+      double v[3] = {};
+      for (size_t c = 0; c < g.dimensions; ++c) {
+        const double* u = s.f64(static_cast<State::Column>(c)).data() + at;
+        v[c] = 0.5 * (u[0] + u[g.stride(c)]);
+      }
+      if (vector) {
+        std::copy_n(v, 3, &scratch[3 * row]);
+      } else {
+        scratch[row] = std::sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
+      }
+    });
+  } else if (field == 3) {
+    vorticity(s, scratch.data());
+  } else {
+    const double scale = field == 2 ? model_.def.density : 1;
+    const auto q = s.f64(field == 2 ? pressure_column() : *scalar_);
+    for_cells(g, [&](size_t row, size_t at, size_t, size_t, size_t) { scratch[row] = scale * q[at]; });
+  }
+  return {scratch.data(), Scalar::f64, n, vector ? 3u : 1u};
+}
+
+void GridFluid::observe(const State& s, double t, Observables& out) const {
+  const mac::MacGrid& g = model_.grid;
+  double energy = 0, enstrophy = 0, divergence = 0, fastest = 0;
+  std::vector<double> curl(g.cell_count());
+  vorticity(s, curl.data());
+  for_cells(g, [&](size_t row, size_t at, size_t, size_t, size_t) {
+    double div = 0;
+    for (size_t c = 0; c < g.dimensions; ++c) {
+      const double* u = s.f64(static_cast<State::Column>(c)).data() + at;
+      const double low = u[0], high = u[g.stride(c)];
+      energy += 0.25 * (low * low + high * high);
+      fastest = std::max({fastest, std::abs(low), std::abs(high)});
+      const double* open = model_.solids.any() ? model_.solids.open[c].data() + at : nullptr;
+      div += (open ? open[g.stride(c)] * high - open[0] * low : high - low) / g.spacing[c];
+    }
+    divergence = std::max(divergence, std::abs(div));
+    enstrophy += 0.5 * curl[row] * curl[row];
+  });
+  const double volume = g.cell_volume();
+  out.add("energy.kinetic", model_.def.density * volume * energy, "J");
+  out.add("enstrophy", volume * enstrophy, "1/s^2");
+  out.add("divergence.max", divergence, "1/s");
+  out.add("speed.max", fastest, "m/s");
+  out.add("cfl", s.f64(numbers_)[3], "1");
+  out.add("substeps", s.f64(numbers_)[2], "1");
+  if (model_.solids.any()) {
+    const auto numbers = s.f64(numbers_);
+    out.add("pressure.iterations", numbers[4], "1");
+    out.add("pressure.residual", numbers[5], "1");
+    out.add("obstacle.drag", numbers[6], "N");
+    out.add("obstacle.lift", numbers[7], "N");
+  }
+  if (scalar_) {
+    const auto q = s.f64(*scalar_);
+    double total = 0;
+    for_cells(g, [&](size_t, size_t at, size_t, size_t, size_t) { total += q[at]; });
+    out.add("scalar.total", volume * total, "1");
+  }
+  if (model_.texts.has_exact) out.add("error.exact", rms_error(s, t), "m/s");
+}
+
+void GridFluid::draw(const State&, double, Wish wishes, Drawing& out) const {
+  if (wants(wishes, Wish::constant)) {
+    out.parts.resize(parts().size());
+    if (model_.grid.dimensions == 2) out.parts[0].space = PartDrawing::Space::plane;
+  }
+  if (!wants(wishes, Wish::obstacles)) return;
+  for (const ObstacleDef& o : model_.def.obstacles) {
+    DrawnShape shape;
+    const bool sphere = o.shape == ObstacleDef::Shape::sphere;
+    shape.kind = sphere ? DrawnShape::Kind::sphere : DrawnShape::Kind::box;
+    shape.position = o.center;
+    shape.size = sphere ? Vec3{o.radius, 0, 0} : o.half;
+    out.obstacles.push_back(shape);
+  }
+}
+
+}  // namespace truestep::grid_fluid

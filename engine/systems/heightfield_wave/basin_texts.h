@@ -1,0 +1,21 @@
+// The texts of a scene of shallow water as numbers: the bed, the surface and the velocity at the start, the
+// surface that is known.
+#pragma once
+#include "engine/math/expression/rows.h"
+#include "engine/systems/heightfield_wave/heightfield_wave_def.h"
+
+namespace truestep::heightfield_wave {
+
+struct BasinTexts {
+  /// Error "scene_invalid" with every fault.
+  explicit BasinTexts(const HeightfieldWaveDef& def);
+
+  ExpressionRows bed, surface, exact;
+  std::array<ExpressionRows, 2> velocity;
+  bool has_exact = false;
+
+  /// out = the text at the centres of the cells, x running fastest.
+  static void sample(const ExpressionRows& text, const shallow::Basin& basin, double t, double* out);
+};
+
+}  // namespace truestep::heightfield_wave

@@ -1,0 +1,55 @@
+// Shallow water over a bed in a basin of one or two dimensions (kernels/shallow/water.h): waves much longer
+// than the water is deep, bores, floods that run onto dry ground. Time goes by Heun's method in the form that
+// keeps what Euler's steps keep (Shu, Osher 1988), in as many substeps as the waves ask for. Gravity's
+// magnitude pulls along -z. Mass is kept to rounding, a lake at rest stays at rest, also around islands.
+// Commands: set_parameter friction; impulse gives momentum to the water of a cell.
+#pragma once
+#include "engine/core/system.h"
+#include "engine/systems/heightfield_wave/basin_texts.h"
+
+namespace truestep::heightfield_wave {
+
+class HeightfieldWave final : public StagedSystem {
+ public:
+  HeightfieldWave(const HeightfieldWaveDef& def, const BuildContext& context);
+
+  State initial_state() const override { return start_; }
+  void observe(const State& state, double t, Observables& out) const override;
+  FieldView field(const State& state, size_t part, size_t field, std::vector<double>& scratch) const override;
+  void draw(const State& state, double t, Wish wishes, Drawing& out) const override;
+  void apply(State& state, const Command& command) const override;
+  std::vector<std::string> remedies() const override;
+  void check(StateCheck& check, double) const override { check.finish(); }
+
+  const shallow::Basin& basin() const { return basin_; }
+  static constexpr int kMostSubsteps = 2000;
+
+ private:
+  /// What a step works in; it points to nothing of any state.
+  struct Work {
+    shallow::Primitives p;
+    std::vector<double> rates, before, row_speeds;
+  };
+  void bind(Work& work) const;
+  void advance(State& state, const StepInput& in) const;
+  /// water += h rates, no depth below 0.
+  void add(const shallow::Water& water, const Work& work, double h, const ThreadArena& arena) const;
+  /// The mean of water and what it was before the substep, slowed by the bed.
+  void finish(const shallow::Water& water, const Work& work, double friction, double h,
+              const ThreadArena& arena) const;
+  shallow::Water water(State& state) const;
+  shallow::Water rows(std::vector<double>& of) const;
+  double bed(size_t cell) const;
+
+  std::string id_;
+  HeightfieldWaveDef def_;
+  shallow::Basin basin_;
+  BasinTexts texts_;
+  std::vector<double> bed_;  ///< with ghosts
+  State::Column numbers_ = 0;
+  State start_;
+};
+
+std::unique_ptr<const System> build_heightfield_wave(const void* def, const BuildContext& context);
+
+}  // namespace truestep::heightfield_wave

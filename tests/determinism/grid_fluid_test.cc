@@ -1,0 +1,73 @@
+// The same bits from a flow on a grid, whatever the number of threads, with a workspace that is thrown away,
+// and from a restored snapshot.
+#include <gtest/gtest.h>
+
+#include "tests/support/grid_flow.h"
+
+namespace truestep::test {
+namespace {
+
+using namespace grid_fluid;
+using A = GridFluidDef::Advection;
+
+struct Kind {
+  const char* name;
+  A advection;
+  GridFluidDef::Stepping stepping;
+  bool solid, space;
+};
+
+std::unique_ptr<GridFlow> make(const Kind& k, int threads) {
+  GridFluidDef d;
+  d.cells = k.space ? std::vector<int64_t>{16, 20, 12} : std::vector<int64_t>{40, 66};
+  d.advection = k.advection, d.stepping = k.stepping;
+  d.viscosity = 1e-3;
+  d.scalar = ScalarDef{.initial = "x*y", .source = "sin(t)*x", .diffusivity = 1e-4, .expansion = 0.1};
+  const FlowSideDef in{SideKind::inflow, k.space ? std::vector<std::string>{"1 + 0.1*sin(t)", "0", "0"}
+                                                 : std::vector<std::string>{"1 + 0.1*sin(t)", "0"}};
+  d.sides.x_min = in;
+  d.sides.x_max = FlowSideDef{SideKind::outflow, {}};
+  d.sides.y_min = FlowSideDef{SideKind::periodic, {}};
+  d.vorticity_confinement = k.advection == A::central ? 0 : 0.2;
+  if (k.solid) d.obstacles = {ObstacleDef{.center = {0.4, 0.5, 0.5}, .radius = 0.15}};
+  return std::make_unique<GridFlow>(d, 0.02, threads, Vec3{0, -9.81, 0});
+}
+
+class GridFluidBits : public testing::TestWithParam<Kind> {};
+
+TEST_P(GridFluidBits, DoNotDependOnHowTheRunIsMade) {
+  constexpr uint64_t kSteps = 4;
+  const auto reference = make(GetParam(), 1);
+  std::vector<std::byte> snapshot;
+  for (uint64_t n = 0; n < kSteps; ++n) {
+    if (n == kSteps / 2) snapshot = reference->state.serialize();
+    reference->steps(1);
+  }
+  const uint64_t hash = reference->state.hash();
+  ASSERT_NE(hash, reference->system->initial_state().hash());
+  for (const int threads : {2, 5}) {
+    const auto run = make(GetParam(), threads);
+    run->steps(kSteps);
+    EXPECT_EQ(run->state.hash(), hash) << threads << " threads";
+  }
+  const auto dropped = make(GetParam(), 1);
+  for (uint64_t n = 0; n < kSteps; ++n) dropped->workspace.clear(), dropped->steps(1);
+  EXPECT_EQ(dropped->state.hash(), hash) << "workspace dropped";
+  const auto restored = make(GetParam(), 1);
+  restored->state = State::deserialize(snapshot);
+  restored->done = kSteps / 2;
+  restored->steps(kSteps - kSteps / 2);
+  EXPECT_EQ(restored->state.hash(), hash) << "restored";
+}
+
+constexpr auto kRk3 = GridFluidDef::Stepping::rk3, kAb2 = GridFluidDef::Stepping::ab2;
+INSTANTIATE_TEST_SUITE_P(Flows, GridFluidBits,
+                         testing::Values(Kind{"rk3", A::central, kRk3, false, false},
+                                         Kind{"ab2_solid", A::central, kAb2, true, false},
+                                         Kind{"semi_lagrangian", A::semi_lagrangian, kRk3, false, true},
+                                         Kind{"maccormack_solid", A::maccormack, kRk3, true, true},
+                                         Kind{"bfecc", A::bfecc, kRk3, false, false}),
+                         [](const auto& info) { return info.param.name; });
+
+}  // namespace
+}  // namespace truestep::test

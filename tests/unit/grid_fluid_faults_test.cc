@@ -1,0 +1,76 @@
+// What is wrong with a scene or a command of a fluid on a grid is said with its place.
+#include <gtest/gtest.h>
+
+#include "engine/base/errors.h"
+#include "tests/support/grid_flow.h"
+
+namespace truestep::test {
+namespace {
+
+using namespace grid_fluid;
+
+std::string pointer_of(const std::function<void()>& act) {
+  try {
+    act();
+  } catch (const Error& e) {
+    return e.issues().empty() ? "" : e.issues()[0].pointer;
+  }
+  return "nothing was refused";
+}
+
+std::vector<std::string> reported(const GridFluidDef& d) {
+  std::vector<std::string> out;
+  grid_fluid_table().check(&d,
+                           [&](const std::string& pointer, const std::string&) { out.push_back(pointer); });
+  return out;
+}
+
+TEST(GridFluidFaults, TextsAreRefusedWithTheirPlace) {
+  GridFluidDef d;
+  d.cells = {8, 8};
+  d.initial = {"x", "oops"};
+  EXPECT_EQ(pointer_of([&] { GridFlow run(d, 0.1); }), "/initial/1");
+  d.initial.clear();
+  d.sides.x_min = FlowSideDef{SideKind::inflow, {"1", "1 +"}};
+  EXPECT_EQ(pointer_of([&] { GridFlow run(d, 0.1); }), "/sides/x_min/velocity/1");
+  // More in than out.
+  d.sides.x_min->velocity = {"1", "0"};
+  EXPECT_EQ(pointer_of([&] { GridFlow run(d, 0.1); }), "/sides");
+  d.sides.x_max = FlowSideDef{SideKind::outflow, {}};
+  EXPECT_EQ(pointer_of([&] { GridFlow run(d, 0.1); }), "nothing was refused");
+}
+
+TEST(GridFluidFaults, MembersThatDoNotFitAreReported) {
+  using List = std::vector<std::string>;
+  GridFluidDef d;
+  d.cells = {8, 8};
+  EXPECT_EQ(reported(d), List{});
+  d.sides.x_min = FlowSideDef{SideKind::slip, {"1", "0"}};
+  EXPECT_EQ(reported(d), List{"/sides/x_min/velocity"});
+  d.sides.x_min = FlowSideDef{SideKind::inflow, {"1"}};
+  EXPECT_EQ(reported(d), List{"/sides/x_min/velocity"});
+  d.sides = {};
+  d.sides.z_max = FlowSideDef{};
+  EXPECT_EQ(reported(d), List{"/sides/z_max"});
+  d.sides = {};
+  d.force = {"1", "0", "0"};
+  EXPECT_EQ(reported(d), List{"/force"});
+}
+
+TEST(GridFluidFaults, CommandsAreRefused) {
+  GridFluidDef d;
+  d.cells = {8, 8};
+  GridFlow run(d, 0.1);
+  const auto refused = [&](Command c) { return pointer_of([&] { run.system->apply(run.state, c); }); };
+  EXPECT_EQ(refused({.kind = CommandKind::set_parameter, .value = 1, .name = "colour"}), "/name");
+  EXPECT_EQ(refused({.kind = CommandKind::set_parameter, .value = -1, .name = "viscosity"}), "/value");
+  EXPECT_EQ(refused({.kind = CommandKind::impulse, .vector = {1, 0, 0}}), "/at");
+  EXPECT_EQ(refused({.kind = CommandKind::impulse, .vector = {1, 0, 0}, .at = Vec3{2, 0, 0}}), "/at");
+  EXPECT_EQ(refused({.kind = CommandKind::pin}), "/kind");
+  EXPECT_EQ(refused({.kind = CommandKind::impulse, .vector = {1, 0, 0}, .at = Vec3{0.5, 0.5, 0}}),
+            "nothing was refused");
+  EXPECT_GT(run.observed("energy.kinetic"), 0);
+}
+
+}  // namespace
+}  // namespace truestep::test
