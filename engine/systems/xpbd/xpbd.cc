@@ -149,8 +149,10 @@ Xpbd::Xpbd(const XpbdDef& def, const BuildContext& context)
   name_parts();
   // What falls, swings or snaps back cannot be faster than its reach in a substep.
   const double reach = 1 + extent(body_);
+  double fastest = 0;
+  for (const Vec3& v : body_.velocities) fastest = std::max(fastest, norm(v));
   speed_limit_ =
-      unexplained_speed(norm(velocity_) + (1 + def.gust) * norm(wind_) +
+      unexplained_speed(norm(velocity_) + fastest + (1 + def.gust) * norm(wind_) +
                         std::sqrt(2 * norm(gravity_) * reach) + reach * options_.substeps / context.dt);
 }
 
