@@ -1,10 +1,13 @@
 // Kernels of soft bodies of the system xpbd: shape matching and stable Neo-Hookean tetrahedra.
+#include <gtest/gtest.h>
+
 #include <array>
+#include <cmath>
+#include <vector>
 
 #include "engine/kernels/xpbd/neo_hookean.h"
 #include "engine/kernels/xpbd/shape_match.h"
 #include "engine/math/quaternion.h"
-#include "tests/unit/xpbd_numbers.h"
 
 namespace truestep {
 using namespace xpbd;

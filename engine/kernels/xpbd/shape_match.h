@@ -6,6 +6,8 @@
 // moment, as R^T A_pq and A A_qq A^T are symmetric, so that moving all points by one share of their way to
 // their goals keeps both momenta.
 #pragma once
+#include <algorithm>
+
 #include "engine/math/svd3.h"
 #include "engine/math/trig.h"
 
@@ -17,11 +19,12 @@ inline Mat3 match_transform(const Mat3& apq, const Mat3& inverse, double beta) {
   const Mat3 turn = d.u * transposed(d.v);
   if (!(beta > 0)) return turn;
   const Mat3 a = apq * inverse;
-  // What is turned inside out, or nearly flat, has no volume to keep.
-  constexpr double kLeast = 1e-3;
+  // What is turned inside out, or nearly flat, has no volume to keep: from half of it on goals become rigid.
+  constexpr double kRigid = 0.2, kFree = 0.5;
   const double det = determinant(a);
-  if (!(det > kLeast)) return turn;
-  return (1 - beta) * turn + (beta / trig::pow(det, 1.0 / 3)) * a;
+  if (!(det > kRigid)) return turn;
+  const double share = beta * std::min(1.0, (det - kRigid) / (kFree - kRigid));
+  return (1 - share) * turn + (share / trig::pow(det, 1.0 / 3)) * a;
 }
 
 /// A^-1 of a symmetric positive matrix; zero where it is singular.

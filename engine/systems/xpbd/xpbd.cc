@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "engine/base/errors.h"
 #include "engine/base/hash.h"
 
 namespace truestep::xpbd {
@@ -59,12 +60,40 @@ struct Division {
   SolverOptions::Division division;
   std::string why;
 };
-Division divide(const XpbdDef& def, const BuildContext& context) {
+/// s: of elastic blocks the longest substep that sweeps bear. What they leave out, how gradients turn, is as
+/// stiff as the material: h^2 V (mu + l) sum w |grad|^2 stays below kMostGeometric
+/// (kernels/xpbd/neo_hookean.h).
+double longest_elastic(const XpbdDef& def, const Body& body) {
+  if (!is_elastic(def)) return HUGE_VAL;
+  const double nu = def.poisson_ratio.value_or(0.3), mu = 0.5 * *def.youngs_modulus / (1 + nu);
+  double most = 0;
+  for (const Tetrahedron& t : body.tetrahedra) {
+    const Vec3 g[3] = {t.inverse.row(0), t.inverse.row(1), t.inverse.row(2)};
+    double sum = norm2(g[0] + g[1] + g[2]) / body.masses[t.points[0]];
+    for (size_t i = 0; i < 3; ++i) sum += norm2(g[i]) / body.masses[t.points[i + 1]];
+    most = std::max(most, t.rest * (mu + mu / (1 - 2 * nu)) * sum);
+  }
+  constexpr double kMostGeometric = 4;  // measured: 8 bears everything from 1e2 to 1e9 Pa, 100 not
+  return std::sqrt(kMostGeometric / most);
+}
+
+Division divide(const XpbdDef& def, const BuildContext& context, const Body& body) {
   using enum SolverOptions::Division;
   if (def.substeps) return {*def.substeps, fixed, "named by the scene"};
   if (def.scheme == Scheme::pbd) return {1, fixed, "the textbook's step is not divided"};
-  const double n = std::clamp(std::ceil(context.dt / kLongestSubstep * (1 - 1e-9)), 1.0, 1000.0);
-  return {static_cast<int>(n), by_tension, "and more while tension would turn links too far in one"};
+  constexpr double kMost = 1000;
+  const double longest = std::min(kLongestSubstep, longest_elastic(def, body));
+  const double n = std::max(1.0, std::ceil(context.dt / longest * (1 - 1e-9)));
+  if (n > kMost && is_elastic(def)) {
+    const std::string message = "so stiff a block needs " + std::to_string(static_cast<int64_t>(n)) +
+                                " substeps in a step, of at most 1000: make it softer, its cells larger or "
+                                "time.dt shorter, or use fem";
+    throw Error("scene_invalid", "/youngs_modulus: " + message,
+                {{"/youngs_modulus", "too_stiff", message, std::to_string(*def.youngs_modulus), "", "", ""}});
+  }
+  if (is_elastic(def)) return {static_cast<int>(n), fixed, "as short as its stiffness asks for"};
+  return {static_cast<int>(std::min(n, kMost)), by_tension,
+          "and more while tension would turn links too far in one"};
 }
 
 }  // namespace
@@ -85,7 +114,7 @@ Xpbd::Xpbd(const XpbdDef& def, const BuildContext& context)
       schedule_(solved(body_, def), def.scheme == Scheme::pbd ? Sweep::links : def.sweep,
                 lanes_of(def.precision), tears_ ? &*tears_ : nullptr),
       colliders_(build_colliders(def.colliders)) {
-  const Division division = divide(def, context);
+  const Division division = divide(def, context, body_);
   options_ = {.scheme = def.scheme,
               .substeps = division.substeps,
               .iterations = def.iterations.value_or(def.scheme == Scheme::pbd ? 20 : 1),
@@ -120,8 +149,10 @@ Xpbd::Xpbd(const XpbdDef& def, const BuildContext& context)
   name_parts();
   // What falls, swings or snaps back cannot be faster than its reach in a substep.
   const double reach = 1 + extent(body_);
+  double fastest = 0;
+  for (const Vec3& v : body_.velocities) fastest = std::max(fastest, norm(v));
   speed_limit_ =
-      unexplained_speed(norm(velocity_) + (1 + def.gust) * norm(wind_) +
+      unexplained_speed(norm(velocity_) + fastest + (1 + def.gust) * norm(wind_) +
                         std::sqrt(2 * norm(gravity_) * reach) + reach * options_.substeps / context.dt);
 }
 

@@ -3,9 +3,11 @@
 // (Mueller, Heidelberger, Hennix, Ratcliff 2007), whose stiffness follows from step and iterations.
 // A step is divided into substeps of one iteration each (Macklin et al. 2019); links in line are solved at
 // once. First order in time and dissipative, as implicit Euler: the faster a motion, the more it is damped.
-// Commands: push, impulse, drag, release, pin, unpin, set_parameter (stiffness, shear_stiffness,
-// youngs_modulus, bending_rigidity, flexural_rigidity, bulk_modulus, damping, internal_damping, gravity, and
-// wind where there is one).
+// Ropes and hair may be Cosserat rods (rod_set.h), cloth may tear (tear_surface.h), blocks have springs, a
+// material (kernels/xpbd/neo_hookean.h) or a shape that they are drawn to (match_set.h). Commands: push,
+// impulse, drag, release, pin, unpin, set_parameter (stiffness, shear_stiffness, youngs_modulus,
+// bending_rigidity, flexural_rigidity, bulk_modulus, damping, internal_damping, gravity, and wind where there
+// is one).
 #pragma once
 #include <memory>
 
