@@ -32,7 +32,6 @@ struct ImmersedBody {
     Vec3 velocity, spin;  ///< m/s, rad/s
     Vec3 at(const Vec3& arm) const { return velocity + cross(spin, arm); }
   };
-  Answer gained;  ///< of what the medium has given it
   /// What an impulse and a twist change.
   Answer answer(const Vec3& push, const Vec3& about) const {
     if (!(mass > 0)) return {};
@@ -43,7 +42,6 @@ struct ImmersedBody {
     const Answer by = answer(push, about);
     velocity += by.velocity, spin += by.spin;
     impulse += push, twist += about;
-    gained.velocity += by.velocity, gained.spin += by.spin;
   }
   /// Moves it by its velocities for h s.
   void advance(double h) {

@@ -95,12 +95,18 @@ struct PublishedSolids {
 class AnswersImpulses;  // core/impulse_answer.h
 
 /// Corners of `solids` are rows of `points`.
+/// A medium that fills space and takes bodies (core/medium.h).
+struct MediumPort {
+  int dimension = 3;
+  State::Column place = 0;  ///< rows x 3, m, of its parcels, f64 or f32
+  double spacing = 0;       ///< m, between them
+};
+
 struct Ports {
   std::optional<PointPort> points;
   PublishedSolids solids;  ///< with which points of other systems collide
   std::optional<BodyPort> bodies;
-  /// A medium fills this many dimensions and takes bodies (core/medium.h); 0: it is none.
-  int medium = 0;
+  std::optional<MediumPort> medium;
   /// How all points answer impulses on some; null: each by its own mass.
   const AnswersImpulses* answers = nullptr;
 };

@@ -32,6 +32,30 @@ const DefTable& hair_shape_table() {
   return t;
 }
 
+const DefTable& helix_shape_table() {
+  static const DefTable t =
+      TableOf<HelixShape>("chain of points on a helix; with pitch 0 an arc or a ring")
+          .vector("centre", &HelixShape::centre, "m", any(), "on the axis, level with the first point")
+          .vector("axis", &HelixShape::axis, "1", any(), "along which it rises")
+          .vector("start", &HelixShape::start, "1", any(), "from the centre towards the first point")
+          .number("radius", &HelixShape::radius, "m", above(0), "of the points")
+          .number("pitch", &HelixShape::pitch, "m", any(), "rise in a whole turn; negative: left-handed")
+          .number("turns", &HelixShape::turns, "1", above(0), "from the first to the last point")
+          .integer("links", &HelixShape::links, between(1, 1e6), "springs between the two ends")
+          .check([](const HelixShape& h, const DefTable::Report& report) {
+            if (!(norm2(h.axis) > 0)) return report("/axis", "a direction must not be zero");
+            if (!(norm(cross(h.axis, h.start)) > 1e-9 * norm(h.axis) * norm(h.start))) {
+              report("/start", "must lead away from the axis");
+            }
+            if (h.turns > h.links / 3.0) {
+              report("/turns",
+                     "needs at least three links a turn, " + std::to_string(h.links) + " are given");
+            }
+          })
+          .build();
+  return t;
+}
+
 const DefTable& cloth_grid_shape_table() {
   static const DefTable t =
       TableOf<ClothGridShape>("rectangular cloth; point (i, j) has index j nx + i")

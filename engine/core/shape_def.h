@@ -4,6 +4,7 @@
 #include "engine/core/def.h"
 #include "engine/geometry/make/cloth_grid.h"
 #include "engine/geometry/make/hair.h"
+#include "engine/geometry/make/helix.h"
 #include "engine/geometry/make/rope.h"
 #include "engine/geometry/make/soft_block.h"
 #include "engine/geometry/make/surface.h"
@@ -12,6 +13,7 @@ namespace truestep {
 
 const DefTable& rope_shape_table();
 const DefTable& hair_shape_table();
+const DefTable& helix_shape_table();
 const DefTable& cloth_grid_shape_table();
 const DefTable& mesh_shape_table();
 const DefTable& soft_block_shape_table();

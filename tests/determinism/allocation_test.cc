@@ -5,6 +5,8 @@
 #include <cstdlib>
 #include <new>
 
+#include "engine/core/medium.h"
+#include "engine/geometry/solid.h"
 #include "engine/integrators/table/integrators.h"
 #include "engine/systems/articulation/articulation_def.h"
 #include "engine/systems/mass_spring/mass_spring.h"
@@ -15,6 +17,7 @@
 #include "tests/support/field_run.h"
 #include "tests/support/grid_flow.h"
 #include "tests/support/shallow_run.h"
+#include "tests/unit/sph_rig.h"
 
 namespace {
 std::atomic<uint64_t> allocations{0};
@@ -94,6 +97,54 @@ TEST(Allocation, PositionBasedStepsAllocateNothingAfterTheFirst) {
     const ThreadArena arena(1);
     uint64_t later = 0;
     for (uint64_t n = 0; n < 20; ++n) {
+      const uint64_t before = allocations;
+      system->step(s,
+                   {.t = double(n) / 60, .h = 1.0 / 60, .step = n, .workspace = workspace, .arena = arena});
+      if (n > 0) later += allocations - before;
+    }
+    EXPECT_EQ(later, 0u);
+  }
+}
+
+TEST(Allocation, ClothThatTearsAllocatesNothingAfterTheFirstStep) {
+  for (const xpbd::Precision precision : {xpbd::Precision::f64, xpbd::Precision::f32}) {
+    xpbd::XpbdDef d;
+    d.cloth_grid.emplace();
+    d.flexural_rigidity = 1e-4, d.internal_damping = 1e-2, d.iterations = 2, d.precision = precision;
+    d.stiffness = 10, d.pinned = {"edge_v0"}, d.tear = xpbd::TearDef{.strain = 0.1};
+    const auto system = xpbd::build_xpbd(&d, {});
+    State s = system->initial_state();
+    Workspace workspace;
+    const ThreadArena arena(1);
+    const size_t points = s.rows(0);
+    uint64_t later = 0;
+    for (uint64_t n = 0; n < 40; ++n) {
+      const uint64_t before = allocations;
+      system->step(s,
+                   {.t = double(n) / 60, .h = 1.0 / 60, .step = n, .workspace = workspace, .arena = arena});
+      if (n > 0) later += allocations - before;
+    }
+    EXPECT_GT(s.rows(0), points);
+    EXPECT_EQ(later, 0u);
+  }
+}
+
+TEST(Allocation, SoftBlocksAllocateNothingAfterTheFirstStep) {
+  for (const bool matched : {true, false}) {
+    xpbd::XpbdDef d;
+    d.block.emplace(), d.copies.resize(2), d.copies[1].position = {3, 0, 0};
+    d.iterations = 2;
+    if (matched) {
+      d.matching = xpbd::MatchDef{.frequency = 3, .linear = 0.5};
+    } else {
+      d.youngs_modulus = 1e4;
+    }
+    const auto system = xpbd::build_xpbd(&d, {});
+    State s = system->initial_state();
+    Workspace workspace;
+    const ThreadArena arena(1);
+    uint64_t later = 0;
+    for (uint64_t n = 0; n < 10; ++n) {
       const uint64_t before = allocations;
       system->step(s,
                    {.t = double(n) / 60, .h = 1.0 / 60, .step = n, .workspace = workspace, .arena = arena});
@@ -184,6 +235,27 @@ TEST(Allocation, HeatAndWavesAllocateNothingAfterTheFirstSteps) {
     fill(d);
     d.integrator = method;
     expect_none(d, "waves");
+  }
+}
+
+// Neighbours come and go: lists may grow while a column falls, but not once it lies.
+TEST(Allocation, LiquidsAtRestAndBodiesInThemAllocateNothing) {
+  for (const sph::Method solver : {sph::Method::dfsph, sph::Method::wcsph, sph::Method::pbf}) {
+    sph::SphDef d;
+    d.solver = solver, d.spacing = 0.05, d.viscosity = 1e-3;
+    d.bodies = {{.center = {0.5, 0.2, 0.5}, .half_extents = {0.5, 0.2, 0.5}}};
+    d.hollows = {{.shape = sph::Shape::ball, .center = {0.5, 0.4, 0.5}, .radius = 0.15}};
+    testing_rig::SphRun run(d, 1.0 / 120, {0, -9.81, 0});
+    const Solid ball = sphere_solid(0.15);
+    std::vector<ImmersedBody> bodies(1);
+    bodies[0].solid = &ball, bodies[0].mass = 7, bodies[0].moments = Vec3{1, 1, 1} * (0.4 * 7 * 0.0225);
+    bodies[0].place = {0.5, 0.4, 0.5};
+    const auto step = [&] { run.step(1, bodies); };
+    for (int k = 0; k < 20; ++k) step();
+    const uint64_t before = allocations;
+    for (int k = 0; k < 10; ++k) step();
+    EXPECT_EQ(allocations - before, 0u) << static_cast<int>(solver);
+    EXPECT_NE(bodies[0].impulse.y, 0) << "control: the ball is in the water";
   }
 }
 

@@ -63,7 +63,12 @@ TEST(XpbdScene, SaysWhatItCannotTake) {
   XpbdDef block;
   block.block = SoftBlockShape{};
   block.youngs_modulus = 1e5;
-  EXPECT_EQ(faults(block), std::vector<std::string>{"/youngs_modulus"});
+  EXPECT_TRUE(faults(block).empty());
+  block.precision = Precision::f32, block.internal_damping = 1, block.matching.emplace();
+  EXPECT_EQ(faults(block), (std::vector<std::string>{"/youngs_modulus", "/internal_damping", "/precision"}));
+  XpbdDef sheet;
+  sheet.mesh.emplace(), sheet.youngs_modulus = 1e5, sheet.poisson_ratio = 0.3;
+  EXPECT_EQ(faults(sheet), (std::vector<std::string>{"/youngs_modulus", "/poisson_ratio"}));
 }
 
 TEST(XpbdScene, SelfCollisionNeedsAThicknessThatFits) {

@@ -158,9 +158,9 @@ TEST(SphValidation, StillWaterPressesByItsWeight) {
       }
       floor += (q * yy - y * yq) / (n * yy - y * y) / 30;
     }
-    // The case asks for 2 %. Particles in disorder sum gradients up 2 to 3 % short, and the pressure that is
-    // solved for is as much higher.
-    EXPECT_NEAR(floor, 9810, 0.04 * 9810) << static_cast<int>(solver);
+    // The case's 2 %. The weakly compressible density is half a percent off, and sums of gradients over
+    // particles in disorder come 2 to 3 % short.
+    EXPECT_NEAR(floor, 9810, (solver == Method::dfsph ? 0.02 : 0.04) * 9810) << static_cast<int>(solver);
     // And it has sunk by less than 2 %. Control: the half of it would press with half as much.
     EXPECT_GT(floor, 0.75 * 9810);
     EXPECT_NEAR(run.observe("centre.y"), 0.5, 0.01) << static_cast<int>(solver);

@@ -1,9 +1,11 @@
 #include "engine/couplings/immersion/immersion.h"
 
+#include <algorithm>
 #include <string>
 #include <utility>
 
 #include "engine/base/errors.h"
+#include "engine/collision/point_distance.h"
 #include "engine/couplings/exchange.h"
 #include "engine/geometry/solid.h"
 
@@ -28,22 +30,42 @@ Cost immersion_cost(const void*, const Cost& a, const Cost&) {
 
 namespace {
 
-constexpr State::Column kPull = exchange_columns::end, kIds = kPull + 1;
+/// Spacings that a parcel may be in a body at the start: it is half of one from its neighbour's middle.
+constexpr double kDeepest = 0.5;
+constexpr State::Column kPull = exchange_columns::end, kImpulse = kPull + 1, kTwist = kPull + 2,
+                        kIds = kPull + 3;
 
 class Immersion final : public Coupling {
  public:
   Immersion(const ImmersionDef& def, const BodyPort& bodies, size_t count, std::string medium)
       : def_(def), port_(bodies), count_(count), medium_(std::move(medium)) {}
 
-  /// What else accelerates the bodies that there are at t = 0; of others it is not known.
+  /// What the medium and all else did in the last step to the bodies that there are at t = 0; of others it is
+  /// not known.
   State initial_state() const override {
     State s = exchange_state();
     s.add({"pull", "m/s^2", Scalar::f64, 3}, count_);
+    s.add({"last_impulse", "N s", Scalar::f64, 3}, count_);
+    s.add({"last_twist", "N m s", Scalar::f64, 3}, count_);
     s.add({"ids", "1", Scalar::u64}, count_);
     for (uint64_t& id : s.span<uint64_t>(kIds)) id = kNobody;
     return s;
   }
-  void begin(const CoupledStates&, const StepInput&) const override {}
+  bool takes(const ConstBodies& bodies, size_t i) const {
+    const BodyForm& form = bodies.form(i);
+    if (!form.solid || form.solid->kind == SolidKind::plane || form.solid->kind == SolidKind::height_field)
+      return false;
+    const bool still = norm2(bodies.velocity(i)) + norm2(bodies.spin(i)) == 0;
+    return def_.bodies == ImmersionDef::Which::all || bodies.dynamic(i) || !still;
+  }
+  /// Half of what the medium did in the step before, so that contacts know of it.
+  void begin(const CoupledStates& s, const StepInput&) const override {
+    Bodies bodies(s.a, port_);
+    for (size_t i = 0; i < std::min(count_, bodies.count()); ++i) {
+      const Given half = last(s.own, bodies, i) * 0.5;
+      if (!half.none()) bodies.push_and_turn(i, half.impulse, half.twist);
+    }
+  }
 
   void immerse(const ConstCoupledStates& s, const StepInput& in,
                std::vector<ImmersedBody>& out) const override {
@@ -53,17 +75,19 @@ class Immersion final : public Coupling {
     const auto ids = s.own.span<uint64_t>(kIds);
     scratch.rows.clear(), scratch.velocity.clear();
     for (size_t i = 0; i < bodies.count(); ++i) {
+      if (!takes(bodies, i)) continue;
       const BodyForm& form = bodies.form(i);
-      if (!form.solid || form.solid->kind == SolidKind::plane || form.solid->kind == SolidKind::height_field)
-        continue;
-      const bool still = norm2(bodies.velocity(i)) + norm2(bodies.spin(i)) == 0;
-      if (def_.bodies == ImmersionDef::Which::moving && !bodies.dynamic(i) && still) continue;
       ImmersedBody& b = out.emplace_back();
       b.solid = form.solid, b.mass = form.mass, b.moments = form.moments;
       b.place = bodies.place(i), b.orientation = bodies.orientation(i);
       b.velocity = bodies.velocity(i), b.spin = bodies.spin(i);
-      if (i < ids.size() && ids[i] == bodies.id_of(i)) b.pull = load3(pull.data(), i);
-      scratch.rows.push_back(i), scratch.velocity.push_back(b.velocity);
+      scratch.velocity.push_back(b.velocity);
+      scratch.rows.push_back(i);
+      if (i >= count_ || ids[i] != bodies.id_of(i)) continue;
+      b.pull = load3(pull.data(), i);
+      const Given half = last(s.own, bodies, i) * 0.5;
+      const auto by = b.answer(half.impulse, half.twist);
+      b.velocity -= by.velocity, b.spin -= by.spin;
     }
   }
 
@@ -72,6 +96,7 @@ class Immersion final : public Coupling {
     const auto& scratch = in.workspace.object<Scratch>("immersion");
     Bodies bodies(s.a, port_);
     const auto pull = s.own.f64(kPull);
+    const auto impulses = s.own.f64(kImpulse), twists = s.own.f64(kTwist);
     const auto ids = s.own.span<uint64_t>(kIds);
     Exchange sum;
     for (size_t k = 0; k < given.size(); ++k) {
@@ -82,14 +107,20 @@ class Immersion final : public Coupling {
         continue;
       }
       if (i < count_) {
-        ids[i] = bodies.id_of(i);
         store3(pull.data(), i, (bodies.velocity(i) - scratch.velocity[k]) / in.h);
       }
-      if (norm2(b.impulse) + norm2(b.twist) == 0) continue;
+      const Given before = last(s.own, bodies, i), now{b.impulse, b.twist};
+      if (i < count_) {
+        ids[i] = bodies.id_of(i);
+        store3(impulses.data(), i, now.impulse), store3(twists.data(), i, now.twist);
+      }
+      if (before.none() && now.none()) continue;
       sum.add(-b.impulse, 0);
-      bodies.push_and_turn(i, b.impulse, b.twist);
-      // As by a force that lasts: a floating body is moved up by as much as its weight moves it down.
-      bodies.move(i, b.gained.velocity * (0.5 * in.h), b.gained.spin * (0.5 * in.h));
+      const Given rest = now + before * -0.5, more = now + before * -1;
+      bodies.push_and_turn(i, rest.impulse, rest.twist);
+      // As by a force that lasts.
+      const auto by = b.answer(more.impulse, more.twist);
+      bodies.move(i, by.velocity * (0.5 * in.h), by.spin * (0.5 * in.h));
     }
     book(s.own, sum);
   }
@@ -102,6 +133,18 @@ class Immersion final : public Coupling {
 
  private:
   static constexpr uint64_t kNobody = UINT64_MAX;
+  /// N s and N m s that the medium gives a body in a step.
+  struct Given {
+    Vec3 impulse, twist;
+    Given operator*(double f) const { return {impulse * f, twist * f}; }
+    Given operator+(const Given& o) const { return {impulse + o.impulse, twist + o.twist}; }
+    bool none() const { return norm2(impulse) + norm2(twist) == 0; }
+  };
+  template <class Real>
+  Given last(const State& own, const BodiesOf<Real>& bodies, size_t i) const {
+    if (i >= count_ || own.span<uint64_t>(kIds)[i] != bodies.id_of(i) || !bodies.dynamic(i)) return {};
+    return {load3(own.f64(kImpulse).data(), i), load3(own.f64(kTwist).data(), i)};
+  }
   struct Scratch {
     std::vector<size_t> rows;
     std::vector<Vec3> velocity;
@@ -111,6 +154,22 @@ class Immersion final : public Coupling {
   size_t count_;
   std::string medium_;
 };
+
+/// Parcels of the medium that are deeper in a body than where two of them touch.
+size_t parcels_in(const ConstBodies& bodies, size_t body, const State& medium, const MediumPort& port) {
+  const Transform frame{rotation(bodies.orientation(body)), bodies.place(body)};
+  const Solid& solid = *bodies.form(body).solid;
+  const double reach = bounding_radius(solid), near = reach * reach;
+  const RealColumn<const double> places(medium, port.place);
+  size_t out = 0;
+  for (size_t k = 0; k < medium.rows(port.place); ++k) {
+    const Vec3 p = places.vector(k);
+    if (norm2(p - frame.position) > near) continue;
+    const auto at = point_distance(solid, frame.inverse_point(p), port.spacing);
+    if (at && at->distance < -kDeepest * port.spacing) ++out;
+  }
+  return out;
+}
 
 [[noreturn]] void refuse(const std::string& member, const std::string& id, const std::string& why,
                          const std::string& allowed) {
@@ -123,11 +182,20 @@ class Immersion final : public Coupling {
 std::unique_ptr<const Coupling> build_immersion(const void* def, const CouplingContext& context) {
   const Ports a = context.a.system.ports(), b = context.b.system.ports();
   if (!a.bodies) refuse("a", context.a.id, "has no rigid bodies in space", "a system of type rigid3d");
-  if (b.medium == 0) refuse("b", context.b.id, "is no medium that takes bodies", "a system of type sph");
-  if (b.medium != 3) refuse("b", context.b.id, "is a medium in the plane", "dimension 3");
-  const size_t count = ConstBodies(context.a.state, *a.bodies).count();
-  return std::make_unique<const Immersion>(*static_cast<const ImmersionDef*>(def), *a.bodies, count,
-                                           context.b.id);
+  if (!b.medium) refuse("b", context.b.id, "is no medium that takes bodies", "a system of type sph");
+  if (b.medium->dimension != 3) refuse("b", context.b.id, "is a medium in the plane", "dimension 3");
+  const ConstBodies bodies(context.a.state, *a.bodies);
+  auto out = std::make_unique<const Immersion>(*static_cast<const ImmersionDef*>(def), *a.bodies,
+                                               bodies.count(), context.b.id);
+  for (size_t i = 0; i < bodies.count(); ++i) {
+    if (!out->takes(bodies, i)) continue;
+    const size_t drowned = parcels_in(bodies, i, context.b.state, *b.medium);
+    if (drowned == 0) continue;
+    const std::string what = "starts with " + std::to_string(drowned) + " of its particles inside body " +
+                             std::to_string(i) + " of \"" + context.a.id + '"';
+    refuse("b", context.b.id, what, "a medium that leaves room for the bodies: \"hollows\" of a fluid");
+  }
+  return out;
 }
 
 }  // namespace truestep::immersion

@@ -57,13 +57,14 @@ Cost fem_cost(const void* def) {
   // Gradients and weights at the points, slots of the element's blocks, pairs of the pattern.
   const double system =
       n.elements * (points * (24 * nodes + 8) + 4 * nodes * nodes + 8 * nodes) + 4 * n.blocks + 120 * n.nodes;
-  // A factor fills in with the logarithm of the nodes in the plane, with their cube root in space; of a strip
-  // with those of a square as wide as it.
+  // A factor fills in with the logarithm of the nodes in the plane, with their cube root in space, each body
+  // for itself; of a strip with those of a square as wide as it.
+  const auto bodies = static_cast<double>(std::max<size_t>(d.copies.size(), 1));
   const auto narrow = d.quad ? static_cast<double>(std::min(d.quad->cells_x, d.quad->cells_y)) : HUGE_VAL;
   const double across = nodes > 4 ? 2 * narrow + 1 : narrow + 1;
   const double fill = kind.dimension == 2
                           ? 0.35 * std::log2(std::clamp(across * across, 2.0, std::max(n.nodes, 2.0)))
-                          : 0.12 * std::cbrt(n.nodes) + 0.5;
+                          : 0.12 * std::cbrt(n.nodes / bodies) + 0.5;
   const double matrices = (76 * 3 + 84 * fill) * n.blocks + 700 * n.nodes;
   const double element_seconds = points * (2e-7 + 6e-9 * nodes * nodes);
   const double factor_seconds = 3e-8 * fill * fill * n.blocks * 10;

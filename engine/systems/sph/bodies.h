@@ -26,6 +26,7 @@ class BodiesIn {
   void set(std::span<ImmersedBody> bodies, const Setting& setting) {
     bodies_ = D == 3 ? bodies : std::span<ImmersedBody>(), setting_ = &setting;
     touching_.resize(bodies_.size()), answer_.resize(bodies_.size()), map_of_.resize(bodies_.size());
+    image_.assign(bodies_.size(), 0), image_arm_.assign(bodies_.size(), Vec3{});
     for (size_t k = 0; k < bodies_.size(); ++k) map_of_[k] = map(bodies_[k].solid);
   }
   bool any() const { return !bodies_.empty(); }
@@ -41,11 +42,17 @@ class BodiesIn {
   void pull(Fluid<D, T>& f, const Vec3& gravity, double h) {
     for (size_t k = 0; k < bodies_.size(); ++k) {
       ImmersedBody& b = bodies_[k];
-      if (!(b.mass > 0)) continue;
+      const double image = image_[k];
+      if (!(b.mass > 0)) {
+        b.give(gravity * (h * image), cross(image_arm_[k], gravity * h));
+        continue;
+      }
       const bool steady = b.pull && norm2(*b.pull) <= kSteady * norm2(gravity);
-      const Vec3 by = (steady ? *b.pull : gravity) * h;
-      b.velocity += by;
-      carry(f, k, {by, {}});
+      const Vec3 alone = (steady ? *b.pull : gravity) * h;
+      const Vec3 by = (alone * b.mass + gravity * (h * image)) / (b.mass + image);
+      b.velocity += alone;
+      change(f, k, (by - alone) * b.mass, cross(image_arm_[k], gravity * h - by), by);
+      carry(f, k, {alone, {}});
     }
   }
   void advance(double h) {
@@ -77,6 +84,7 @@ class BodiesIn {
         push_[k] += force, about_[k] += cross(t.arm, force);
       }
       answer_[k] = bodies_[k].answer(push_[k], about_[k]);
+      if (bodies_[k].mass > 0) answer_[k].velocity *= bodies_[k].mass / (bodies_[k].mass + image_[k]);
     }
     for (const Touch& t : touches_) slot_of(recoil_, t) = 0;
     for (const Touch& t : touches_)
@@ -92,8 +100,8 @@ class BodiesIn {
   /// Carries the last answer out for h s.
   void follow(Fluid<D, T>& f, double h) {
     for (size_t k = 0; k < bodies_.size(); ++k) {
-      bodies_[k].give(push_[k] * h, about_[k] * h);
-      carry(f, k, {answer_[k].velocity * h, answer_[k].spin * h});
+      const Vec3 by = answer_[k].velocity * h;
+      change(f, k, push_[k] * h - by * image_[k], about_[k] * h - cross(image_arm_[k], by), by);
     }
   }
   /// The last answer was to ways instead of accelerations: moves the bodies by it in h s.
@@ -104,12 +112,15 @@ class BodiesIn {
       bodies_[k].orientation = normalized(free_rotation::turn(answer_[k].spin) * bodies_[k].orientation);
     }
   }
-  /// Particles lean on bodies and bodies on them (walls.h) for h s.
+  /// Particles lean on bodies and bodies on them (walls.h) for h s, and the mirror image of the fluid in a
+  /// body gets the body's acceleration: it adds to the body's mass.
   void lean(Fluid<D, T>& f, const Vec3& gravity, double h) {
-    for (const Touch& t : touches_) {
-      const double rests = h * double{f.rests[t.slot]};
-      exchange(f, t, leaning(t.slope, t.normal, t.distance, gravity) * rests);
-      take(t, gravity * (-t.part * rests));
+    for (Touch& t : touches_) {
+      const double rests = double{f.rests[t.slot]};
+      exchange(f, t, leaning(t.slope, t.normal, t.distance, gravity) * (h * rests));
+      t.part *= rests;
+      const double mass = setting_->mass * t.part;
+      image_[t.body] += mass, image_arm_[t.body] += t.arm * mass;
     }
   }
   /// Particles and bodies hold each other by viscosity for h s.
@@ -142,16 +153,24 @@ class BodiesIn {
     return maps_.size() - 1;
   }
 
-  /// Takes from the body the momentum of what a particle's velocity changes by.
-  void take(const Touch& t, const Vec3& by) {
-    const Vec3 back = by * -setting_->mass;
-    bodies_[t.body].give(back, cross(t.arm, back));
+  /// Gives a body an impulse and a twist, and its velocity's change `by` to its image.
+  void change(Fluid<D, T>& f, size_t k, const Vec3& impulse, const Vec3& twist, const Vec3& by) {
+    ImmersedBody& b = bodies_[k];
+    const ImmersedBody::Answer before{b.velocity, b.spin};
+    b.give(impulse, twist);
+    carry(f, k, {b.velocity - before.velocity, b.spin - before.spin});
+    if (!(image_[k] > 0)) return;
+    const double on[3] = {by.x, by.y, by.z};
+    for (const Touch& t : touching_from(k)) {
+      for (size_t a = 0; a < D; ++a) f.v[4 * t.slot + a] += static_cast<T>(t.part * on[a]);
+    }
   }
-  /// Adds to a particle's velocity too.
+  /// Adds to a particle's velocity and takes the momentum from the body.
   void exchange(Fluid<D, T>& f, const Touch& t, const Vec3& by) {
     const double on[3] = {by.x, by.y, by.z};
     for (size_t a = 0; a < D; ++a) f.v[4 * t.slot + a] += static_cast<T>(on[a]);
-    take(t, by);
+    const Vec3 back = by * -setting_->mass;
+    bodies_[t.body].give(back, cross(t.arm, back));
   }
 
   void find(const Fluid<D, T>& f, size_t k) {
@@ -218,6 +237,7 @@ class BodiesIn {
   /// Sums over a body's touches of how strongly each answers all others: no eigenvalue is larger.
   void weigh() {
     push_.resize(bodies_.size()), about_.resize(bodies_.size());
+    image_.assign(bodies_.size(), 0), image_arm_.assign(bodies_.size(), Vec3{});
     for (size_t k = 0, at = 0; k < bodies_.size(); ++k) {
       const ImmersedBody& b = bodies_[k];
       const size_t end = at + touching_[k].size();
@@ -258,6 +278,8 @@ class BodiesIn {
   std::span<ImmersedBody> bodies_;
   std::vector<std::vector<Touch>> touching_;  ///< by body, as found
   std::vector<Touch> touches_;                ///< of all bodies, one after the other
+  std::vector<double> image_;                 ///< kg, of the fluid's image in a body
+  std::vector<Vec3> image_arm_;               ///< kg m, that times its arm
   std::vector<Vec3> push_, about_;            ///< N and N m, of the last answer
   std::vector<ImmersedBody::Answer> answer_;
   Aligned<T> recoil_, give_;  ///< by slot; zero where no body is near

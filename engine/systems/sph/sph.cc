@@ -54,6 +54,11 @@ State Sph::initial_state() const {
   return s;
 }
 
+Ports Sph::ports() const {
+  const SphDef& d = setting_->def;
+  return {.medium = MediumPort{d.dimension, columns::position, d.spacing}};
+}
+
 FieldView Sph::field(const State& s, size_t, size_t which, std::vector<double>& scratch) const {
   const size_t n = setting_->rows;
   const auto inside = [&](State::Column c) {

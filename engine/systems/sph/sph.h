@@ -20,7 +20,7 @@ class Sph final : public StagedSystem {
   void apply(State& state, const Command& command) const override;
   void draw(const State& state, double t, Wish wishes, Drawing& out) const override;
   std::vector<std::string> remedies() const override;
-  Ports ports() const override { return {.medium = setting_->def.dimension}; }
+  Ports ports() const override;
 
   const Setting& setting() const { return *setting_; }
 

@@ -27,6 +27,17 @@ const DefTable& body_table() {
   return t;
 }
 
+const DefTable& hollow_table() {
+  using D = HollowDef;
+  static const DefTable t = TableOf<D>("a hollow in the fluid")
+                                .choice("shape", &D::shape, {"box", "ball"}, "what it leaves out")
+                                .vector("center", &D::center, "m", any(), "of the shape")
+                                .vector("half_extents", &D::half_extents, "m", above(0), "of a box")
+                                .number("radius", &D::radius, "m", above(0), "of a ball")
+                                .build();
+  return t;
+}
+
 Vec3 reach_of(const BodyDef& b) {
   return b.shape == Shape::ball ? Vec3{b.radius, b.radius, b.radius} : b.half_extents;
 }
@@ -75,6 +86,12 @@ void check_def(const SphDef& d, const DefTable::Report& report) {
 
 }  // namespace
 
+bool HollowDef::contains(const Vec3& p) const {
+  const Vec3 from = p - center, e = half_extents;
+  if (shape == Shape::ball) return norm2(from) < radius * radius;
+  return std::abs(from.x) < e.x && std::abs(from.y) < e.y && std::abs(from.z) < e.z;
+}
+
 std::vector<Vec3> places_of(const SphDef& d, const BodyDef& b) {
   // A lattice in step with the shape, its points half a spacing from the faces of a box.
   const Vec3 reach = reach_of(b);
@@ -91,7 +108,8 @@ std::vector<Vec3> places_of(const SphDef& d, const BodyDef& b) {
         if (b.shape == Shape::ball && norm2(x) > b.radius * b.radius) continue;
         Vec3 place = b.center + x;
         if (d.dimension == 2) place.z = 0;
-        out.push_back(place);
+        const auto leaves_out = [&](const HollowDef& h) { return h.contains(place); };
+        if (std::none_of(d.hollows.begin(), d.hollows.end(), leaves_out)) out.push_back(place);
       }
     }
   }
@@ -118,6 +136,8 @@ const DefTable& sph_table() {
         .number("spacing", &D::spacing, "m", above(0), "between particles at rest")
         .objects("bodies", &D::bodies, body_table(), {1, 1000}, "where there is fluid at the start")
         .required()
+        .objects("hollows", &D::hollows, hollow_table(), {0, 1000},
+                 "where there is none at the start, whatever fills the place: room for bodies in the fluid")
         .choice("solver", &D::solver, {"dfsph", "wcsph", "pbf"},
                 "dfsph: pressure solved for constant density and no divergence; wcsph: pressure from density "
                 "by Tait's equation; pbf: positions put where the density is right")

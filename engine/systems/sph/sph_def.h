@@ -24,11 +24,21 @@ struct BodyDef {
   double radius = 0.1;
 };
 
+/// A shape in which there is none.
+struct HollowDef {
+  Shape shape = Shape::box;
+  Vec3 center, half_extents{0.1, 0.1, 0.1};
+  double radius = 0.1;
+
+  bool contains(const Vec3& p) const;
+};
+
 struct SphDef {
   int dimension = 3;
   Vec3 low, high{1, 1, 1};
   double spacing = 0.025;
   std::vector<BodyDef> bodies;
+  std::vector<HollowDef> hollows;
   Method solver = Method::dfsph;
   Smoothing kernel = Smoothing::cubic;
   double support = 2;

@@ -5,6 +5,8 @@
 
 #include "engine/kernels/xpbd/dihedral.h"
 #include "engine/kernels/xpbd/linear.h"
+#include "engine/math/quaternion.h"
+#include "engine/math/trig.h"
 
 namespace truestep::xpbd {
 
@@ -36,6 +38,15 @@ std::vector<double> build_rope(const RopeShape& shape, const Vec3& down, const X
   return share;
 }
 
+std::vector<double> build_helix(const HelixShape& shape, const XpbdDef& def, Body& out) {
+  out.x = helix_points(shape);
+  const double link = helix_link(shape);
+  add_chain(0, out.x.size(), link, def, out);
+  std::vector<double> share(out.x.size(), link);
+  share.front() = share.back() = 0.5 * link;
+  return share;
+}
+
 std::vector<double> build_hair(const HairShape& shape, const XpbdDef& def, Body& out) {
   out.x = hair_points(shape);
   const size_t points = static_cast<size_t>(shape.links) + 1;
@@ -43,9 +54,9 @@ std::vector<double> build_hair(const HairShape& shape, const XpbdDef& def, Body&
   std::vector<double> share(out.x.size(), link);
   for (size_t first = 0; first < out.x.size(); first += points) {
     share[first + points - 1] = 0.5 * link;
-    // Two held points give the root its direction.
+    // Two held points give the root its direction; of a rod its clamp does.
     out.pins.push_back(static_cast<uint32_t>(first));
-    out.pins.push_back(static_cast<uint32_t>(first + 1));
+    if (!def.rod) out.pins.push_back(static_cast<uint32_t>(first + 1));
     add_chain(first, points, link, def, out);
   }
   return share;
@@ -135,9 +146,40 @@ std::vector<double> build_block(const SoftBlockShape& shape, const XpbdDef& def,
   const double scale = def.rest_scale * def.rest_scale * def.rest_scale;
   for (const auto& t : block.tetrahedra) {
     const Vec3 &a = out.x[t[0]], &b = out.x[t[1]], &c = out.x[t[2]], &d = out.x[t[3]];
-    out.tetrahedra.push_back({t, scale * dot(b - a, cross(c - a, d - a)) / 6});
+    const Vec3 e1 = b - a, e2 = c - a, e3 = d - a;
+    const Mat3 edges{{e1.x, e2.x, e3.x, e1.y, e2.y, e3.y, e1.z, e2.z, e3.z}};
+    const Mat3 inverse = (1 / (def.rest_scale * determinant(edges))) * transposed(cofactor(edges));
+    out.tetrahedra.push_back({t, scale * dot(e1, cross(e2, e3)) / 6, inverse});
   }
   return block.share;
+}
+
+/// The same again for every copy, body after body.
+void multiply(const std::vector<CopyDef>& copies, std::vector<double>& share, Body& body) {
+  if (copies.empty()) return;
+  const Body one = std::move(body);
+  const std::vector<double> shares = std::move(share);
+  body = {}, share = {};
+  for (const CopyDef& c : copies) {
+    const auto first = static_cast<uint32_t>(body.x.size());
+    const auto [sine, cosine] = trig::sincos(0.5 * c.angle);
+    const Vec3 axis = normalized(c.axis) * sine;
+    const Rotation turn = rotation(Quat{cosine, axis.x, axis.y, axis.z});
+    for (const Vec3& x : one.x) body.x.push_back(c.position + turn.apply(x));
+    body.velocities.insert(body.velocities.end(), one.x.size(), c.velocity);
+    share.insert(share.end(), shares.begin(), shares.end());
+    const auto add = [first](const auto& from, auto& to) {
+      for (auto member : from) {
+        for (uint32_t& p : member.points) p += first;
+        to.push_back(member);
+      }
+    };
+    for (Link l : one.links) l.a += first, l.b += first, body.links.push_back(l);
+    for (auto t : one.triangles) body.triangles.push_back({t[0] + first, t[1] + first, t[2] + first});
+    add(one.hinges, body.hinges), add(one.angles, body.angles);
+    // Of tetrahedra edges in the frame of the copy: F is what it is turned by, too, which costs nothing.
+    add(one.tetrahedra, body.tetrahedra);
+  }
 }
 
 void add_named_pins(const XpbdDef& def, const std::string& name, Body& out) {
@@ -151,7 +193,7 @@ void add_named_pins(const XpbdDef& def, const std::string& name, Body& out) {
     const auto nx = static_cast<uint32_t>(b.cells_x) + 1, ny = static_cast<uint32_t>(b.cells_y) + 1,
                nz = static_cast<uint32_t>(b.cells_z) + 1;
     for (uint32_t p = 0; p < n; ++p) {
-      const uint32_t i = p % nx, j = p / nx % ny, k = p / nx / ny;
+      const uint32_t i = p % nx, j = p / nx % ny, k = p / nx / ny % nz;
       if ((name == "bottom" && j == 0) || (name == "top" && j + 1 == ny) || (name == "x0" && i == 0) ||
           (name == "x1" && i + 1 == nx) || (name == "z0" && k == 0) || (name == "z1" && k + 1 == nz)) {
         out.pins.push_back(p);
@@ -168,10 +210,13 @@ Body build_body(const XpbdDef& def, const Vec3& down) {
   Body out;
   std::vector<double> share;
   if (def.rope) share = build_rope(*def.rope, down, def, out);
+  if (def.helix) share = build_helix(*def.helix, def, out);
   if (def.hair) share = build_hair(*def.hair, def, out);
   if (def.cloth_grid) share = build_grid(*def.cloth_grid, def, out);
   if (def.mesh) share = build_mesh(*def.mesh, def, out);
   if (def.block) share = build_block(*def.block, def, out);
+
+  multiply(def.copies, share, out);
 
   // A vertex of no triangle has no share: it gets the mass of a point instead.
   for (const double s : share) out.masses.push_back(def.density && s > 0 ? s * *def.density : def.mass);
@@ -179,12 +224,20 @@ Body build_body(const XpbdDef& def, const Vec3& down) {
 
   for (const int64_t i : def.pins) out.pins.push_back(static_cast<uint32_t>(i));
   for (const std::string& name : def.pinned) add_named_pins(def, name, out);
+  if (def.rod && !def.hair) {
+    for (const std::string& name : def.rod->clamped) add_named_pins(def, name, out);
+  }
   std::sort(out.pins.begin(), out.pins.end());
   out.pins.erase(std::unique(out.pins.begin(), out.pins.end()), out.pins.end());
 
+  out.capacity = out.x.size();
+  if (def.tear)
+    out.capacity += static_cast<size_t>(def.tear->most_splits.value_or(static_cast<int64_t>(out.x.size())));
+
   out.stiffness = {def.youngs_modulus.value_or(def.stiffness),
                    def.youngs_modulus.value_or(def.shear_stiffness),
-                   def.rope || def.hair ? def.bending_rigidity : def.flexural_rigidity, def.bulk_modulus};
+                   def.rope || def.helix || def.hair ? def.bending_rigidity : def.flexural_rigidity,
+                   def.block && def.youngs_modulus ? *def.youngs_modulus : def.bulk_modulus};
   return out;
 }
 

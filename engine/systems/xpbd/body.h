@@ -7,12 +7,13 @@
 #include <vector>
 
 #include "engine/core/drawing.h"
+#include "engine/math/mat3.h"
 #include "engine/systems/xpbd/xpbd_def.h"
 
 namespace truestep::xpbd {
 
 /// Rows of the column `stiffness`: N/m (Pa where Young's modulus is given) of links, N m^2 or N m of bends,
-/// Pa.
+/// Pa (of an elastic block Young's modulus).
 enum class Family : uint8_t { structural, shear, bending, volume };
 inline constexpr size_t kFamilies = 4;
 inline double stiffness_of(std::span<const double> column, Family family) {
@@ -42,12 +43,15 @@ struct AngleBend {
 
 struct Tetrahedron {
   std::array<uint32_t, 4> points;
-  double rest;  ///< m^3; alpha = rest / bulk modulus
+  double rest;   ///< m^3; alpha = rest / bulk modulus
+  Mat3 inverse;  ///< 1/m, of the edges from the first point as columns, at rest
 };
 
 struct Body {
-  std::vector<Vec3> x;         ///< m
-  std::vector<double> masses;  ///< kg
+  std::vector<Vec3> x;           ///< m
+  size_t capacity = 0;           ///< rows that there can be: points, and what comes of them by tearing
+  std::vector<double> masses;    ///< kg
+  std::vector<Vec3> velocities;  ///< m/s, of copies at the start, beside that of all; or empty
   std::vector<Link> links;
   std::vector<LinearBend<3>> rods;
   std::vector<LinearBend<4>> hinges;

@@ -172,7 +172,8 @@ std::vector<std::vector<Path>> single_links(const Body& body) {
 
 }  // namespace
 
-Schedule::Schedule(const Body& body, Sweep sweep, int lanes) : lanes(lanes), rows(body.x.size()) {
+Schedule::Schedule(const Body& body, Sweep sweep, int lanes, const TearSurface* tears)
+    : lanes(lanes), rows(body.capacity) {
   const size_t n = body.x.size(), wide = static_cast<size_t>(lanes);
   chains = schedule_paths(sweep == Sweep::chains ? PathFinder(body).find() : single_links(body), wide, rows);
   rods = schedule_set<3>(n, body.rods.size(), wide, rows, [&](uint32_t k) { return body.rods[k].points; });
@@ -181,6 +182,21 @@ Schedule::Schedule(const Body& body, Sweep sweep, int lanes) : lanes(lanes), row
   angles = schedule_set<4>(n, body.angles.size(), 1, rows, [&](uint32_t k) { return body.angles[k].points; });
   volumes = schedule_set<4>(n, body.tetrahedra.size(), wide, rows,
                             [&](uint32_t k) { return body.tetrahedra[k].points; });
+  if (!tears) return;
+  for (uint32_t k = 0; k < body.links.size(); ++k) {
+    for (uint32_t i = 0; i < tears->sides(k); ++i) strand_of.push_back({k, i});
+  }
+  const auto ends = [&](uint32_t s) {
+    const Link& l = body.links[strand_of[s][0]];
+    return std::array<uint32_t, 2>{l.a, l.b};
+  };
+  std::vector<std::vector<Path>> paths;
+  for (const auto& colour : colour_greedily(n, strand_of.size(), ends)) {
+    auto& to = paths.emplace_back();
+    for (const uint32_t s : colour) to.push_back({{ends(s)[0], ends(s)[1]}, {s}});
+  }
+  strands = schedule_paths(std::move(paths), wide, rows);
+  spare_rows = rows, rows += strands.batches.size();
 }
 
 }  // namespace truestep::xpbd

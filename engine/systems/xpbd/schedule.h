@@ -8,7 +8,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "engine/systems/xpbd/body.h"
+#include "engine/systems/xpbd/tear_surface.h"
 
 namespace truestep::xpbd {
 
@@ -41,12 +41,16 @@ struct SetSchedule {
 };
 
 struct Schedule {
-  Schedule(const Body& body, Sweep sweep, int lanes);
+  /// `tears`: null where nothing can tear.
+  Schedule(const Body& body, Sweep sweep, int lanes, const TearSurface* tears = nullptr);
 
   int lanes;
   size_t rows;  ///< points, and behind them one row without inverse mass a batch that has padded lanes
   ChainSchedule chains;
   SetSchedule rods, hinges, angles, volumes;
+  ChainSchedule strands;                           ///< of single links: what may come of each by tearing
+  std::vector<std::array<uint32_t, 2>> strand_of;  ///< link and side of a strand
+  size_t spare_rows = 0;                           ///< a row without inverse mass for every batch of strands
 };
 
 }  // namespace truestep::xpbd

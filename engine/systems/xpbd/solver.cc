@@ -2,10 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <type_traits>
 
 #include "engine/kernels/air.h"
 #include "engine/kernels/xpbd/dihedral.h"
 #include "engine/kernels/xpbd/linear.h"
+#include "engine/kernels/xpbd/neo_hookean.h"
 #include "engine/kernels/xpbd/volume.h"
 
 namespace truestep::xpbd {
@@ -66,7 +68,7 @@ void Solver<T>::predict(const SolverInput& what, const State& s, const StepInput
     T* v = velocity_.data() + 4 * push.who;
     v[0] += static_cast<T>(by.x), v[1] += static_cast<T>(by.y), v[2] += static_cast<T>(by.z);
   }
-  in.arena.for_blocks(what.body.x.size(), kBlockRows, [&](size_t begin, size_t end) {
+  in.arena.for_blocks(points_, kBlockRows, [&](size_t begin, size_t end) {
     T *rows = rows_.data(), *before = before_.data(), *velocity = velocity_.data();
     for (size_t i = begin; i < end; ++i) {
       const T weight = rows[4 * i + 3];
@@ -142,6 +144,9 @@ double Solver<T>::iterate(const SolverInput& what, const State& s, const StepInp
     }
   }
   std::fill(angle_lambda_.begin(), angle_lambda_.end(), 0);
+  cosserat_.forget_multipliers();
+  strands_.forget_multipliers();
+  matcher_.forget_multipliers();
   const double bending = stiffness_of(s.f64(Columns::stiffness), Family::bending);
   for (int k = 0; k < what.options.iterations; ++k) {
     each_batch(schedule.rods, in, [&](size_t b) {
@@ -157,19 +162,36 @@ double Solver<T>::iterate(const SolverInput& what, const State& s, const StepInp
                          per, relax_, rows);
     });
     each_batch(schedule.angles, in, [&](size_t b) {
+      if (angle_torn_[b]) return;
       const AngleBend& bend = what.body.angles[schedule.angles.member[b]];
       const double alpha = compliance(bending * bend.factor) / (h * h);
       solve_dihedral<T>(bend.points, bend.rest, {alpha, 0}, relax_, s.f64(Columns::position).data(), rows,
                         angle_lambda_[b]);
     });
     each_batch(schedule.volumes, in, [&](size_t b) {
+      if (what.options.poisson_ratio) {
+        const T ratio = static_cast<T>(1 - 2 * *what.options.poisson_ratio);
+        solve_neo_hookean<T>(
+            {schedule.volumes.points.data() + 4 * lanes * b, volumes_.k.data() + 9 * lanes * b,
+             volumes_.compliance.data() + lanes * b, ratio, lambda_of(volumes_.lambda, 2 * lanes * b),
+             volumes_.base.data() + 9 * lanes * b},
+            per, rows);
+        return;
+      }
       solve_volumes<T>({schedule.volumes.points.data() + 4 * lanes * b, volumes_.rest.data() + lanes * b,
                         volumes_.compliance.data() + lanes * b, lambda_of(volumes_.lambda, lanes * b),
                         volumes_.base.data() + 9 * lanes * b},
                        per, relax_, rows);
     });
+    if (!what.matches.empty()) {
+      matcher_.solve(what.matches, s.f64(Columns::position).data(), h, relax_, rows, in.arena);
+    }
     if (k == 0) hold_drags(s, h);
-    q = solve_chain_colours(what, in, h);
+    const T strands = what.tears ? strands_.solve(per, before_.data(), relax_, rows, in.arena) : T(0);
+    q = std::max<double>(strands, solve_chain_colours(what, in, h));
+    if constexpr (std::is_same_v<T, double>) {
+      if (!what.rods.empty()) q = std::max(q, cosserat_.solve(what.rods, h, rows, in.arena));
+    }
   }
   return q;
 }
@@ -177,7 +199,7 @@ double Solver<T>::iterate(const SolverInput& what, const State& s, const StepInp
 template <class T>
 void Solver<T>::find_velocities(const SolverInput& what, const StepInput& in, double h) {
   const T per_h = static_cast<T>(1 / h);
-  in.arena.for_blocks(4 * what.body.x.size(), 4 * kBlockRows, [&](size_t begin, size_t end) {
+  in.arena.for_blocks(4 * points_, 4 * kBlockRows, [&](size_t begin, size_t end) {
     const T *rows = rows_.data(), *before = before_.data();
     T* velocity = velocity_.data();
     for (size_t k = begin; k < end; ++k) velocity[k] = (rows[k] - before[k]) * per_h;
@@ -186,7 +208,7 @@ void Solver<T>::find_velocities(const SolverInput& what, const StepInput& in, do
 
 template <class T>
 void Solver<T>::remember_velocities(const StepInput& in) {
-  in.arena.for_blocks(w_.size(), kBlockRows, [&](size_t begin, size_t end) {
+  in.arena.for_blocks(points_, kBlockRows, [&](size_t begin, size_t end) {
     for (size_t i = begin; i < end; ++i) {
       for (size_t k = 0; k < 3; ++k) v_old_[3 * i + k] = velocity_[4 * i + k];
     }
@@ -196,7 +218,7 @@ void Solver<T>::remember_velocities(const StepInput& in) {
 template <class T>
 void Solver<T>::unpack(const SolverInput& what, const State& s, const StepInput& in) {
   const double* start = s.f64(Columns::position).data();
-  in.arena.for_blocks(what.body.x.size(), kBlockRows, [&](size_t begin, size_t end) {
+  in.arena.for_blocks(points_, kBlockRows, [&](size_t begin, size_t end) {
     for (size_t i = begin; i < end; ++i) {
       for (size_t k = 0; k < 3; ++k) {
         x_old_[3 * i + k] = start[3 * i + k] + before_[4 * i + k];
@@ -213,7 +235,7 @@ double Solver<T>::meet_self(const SolverInput& what, const State& s, const StepI
   unpack(what, s, in);
   if (!self_.resolve(*what.folds, what.options.self, {x_old_, x_, w_, h}, in.arena)) return 0;
   double most = 0;
-  for (size_t i = 0; i < w_.size(); ++i) {
+  for (size_t i = 0; i < points_; ++i) {
     if (!self_.moved(i)) continue;
     const Vec3 sought{rows_[4 * i], rows_[4 * i + 1], rows_[4 * i + 2]};
     const Vec3 now = load3(x_.data(), i) - load3(start, i), by = now - sought, dv = by / h;
@@ -228,7 +250,7 @@ double Solver<T>::meet_self(const SolverInput& what, const State& s, const StepI
 template <class T>
 double Solver<T>::collide(const SolverInput& what, const State& s, const StepInput& in, double t, double h) {
   const double* start = s.f64(Columns::position).data();
-  const size_t n = what.body.x.size();
+  const size_t n = points_;
   const T per_h = static_cast<T>(1 / h);
   unpack(what, s, in);
   in.arena.for_blocks(n, kBlockRows, [&](size_t begin, size_t end) {
@@ -236,8 +258,10 @@ double Solver<T>::collide(const SolverInput& what, const State& s, const StepInp
       for (size_t k = 0; k < 3; ++k) v_[3 * i + k] = (rows_[4 * i + k] - before_[4 * i + k]) * per_h;
     }
   });
-  ContactSweep sweep{t, h, x_old_, v_old_, x_, v_};
-  sweep.inverse_mass = w_, sweep.radius = what.options.radius, sweep.surfaces = what.surfaces;
+  const auto now = [n](std::vector<double>& column) { return std::span(column).first(3 * n); };
+  ContactSweep sweep{t, h, now(x_old_), now(v_old_), now(x_), now(v_)};
+  sweep.inverse_mass = std::span(w_).first(n), sweep.radius = what.options.radius,
+  sweep.surfaces = what.surfaces;
   what.colliders.resolve(sweep, in.workspace, in.arena);
   in.arena.for_blocks(n, kBlockRows, [&](size_t begin, size_t end) {
     double most = 0;
@@ -251,17 +275,21 @@ double Solver<T>::collide(const SolverInput& what, const State& s, const StepInp
     }
     put_back_[begin / kBlockRows] = std::sqrt(most);
   });
-  return *std::max_element(put_back_.begin(), put_back_.end());
+  const auto blocks = static_cast<ptrdiff_t>((n + kBlockRows - 1) / kBlockRows);
+  return *std::max_element(put_back_.begin(), put_back_.begin() + blocks);
 }
 
+/// Rods are solved in doubles alone (xpbd_rod_def.cc).
 template <class T>
 void Solver<T>::step(const SolverInput& what, State& s, const StepInput& in) {
+  constexpr bool kRods = std::is_same_v<T, double>;
   const SolverOptions& options = what.options;
   const double longest = in.h / options.substeps, shortest = in.h / kMostSubsteps;
   double& tightness = s.f64(Columns::tightness)[0];
   prepare(what, s);
   load(what, s, in);
   if (what.folds) self_.begin_step(*what.folds);
+  const bool rods = kRods && !what.rods.empty();
   int left = options.substeps;
   for (double done = 0; left > 0; --left) {
     const double rest = in.h - done;
@@ -273,8 +301,13 @@ void Solver<T>::step(const SolverInput& what, State& s, const StepInput& in) {
     if (!what.colliders.empty()) remember_velocities(in);
     if (s.f64(Columns::damping)[0] > 0) weigh(s, in, h);
     if (what.air) blow(what, s, in, in.t + done, h);
+    if constexpr (kRods) {
+      if (rods)
+        cosserat_.measure(what.rods, rows_.data(), in.arena), cosserat_.predict(what.rods, h, in.arena);
+    }
     predict(what, s, in, h);
     double q = iterate(what, s, in, h);
+    if (rods) cosserat_.find_spins(what.rods, h, in.arena);
     if (what.colliders.empty()) {
       find_velocities(what, in, h);
     } else {
@@ -286,6 +319,7 @@ void Solver<T>::step(const SolverInput& what, State& s, const StepInput& in) {
     done += h;
   }
   store(what, s, in);
+  if (rods) cosserat_.store(what.rods, s);
 }
 
 template class Solver<float>;

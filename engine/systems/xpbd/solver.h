@@ -9,49 +9,32 @@
 // Numbers inside are T, displacements since the step's start: floats of them resolve what gravity adds in a
 // substep, h^2 g, which floats of places do not.
 #pragma once
+#include <optional>
 #include <span>
 #include <vector>
 
 #include "engine/base/cache_line.h"
 #include "engine/collision/points/collider_set.h"
 #include "engine/core/system.h"
-#include "engine/core/user_forces.h"
 #include "engine/kernels/xpbd/chain.h"
 #include "engine/systems/xpbd/air_drag.h"
+#include "engine/systems/xpbd/columns.h"
+#include "engine/systems/xpbd/match_solver.h"
+#include "engine/systems/xpbd/rod_solver.h"
 #include "engine/systems/xpbd/schedule.h"
 #include "engine/systems/xpbd/self_contacts.h"
+#include "engine/systems/xpbd/torn_links.h"
 
 namespace truestep::xpbd {
-
-/// Columns of the state, in the order in which they are added.
-struct XpbdColumns {
-  enum : State::Column {
-    position,
-    velocity,
-    inverse_mass,  ///< 1/kg, 0: held
-    stiffness,     ///< a row per Family
-    damping,       ///< N s/m: viscous, internal
-    gravity,       ///< m/s^2
-    drag_row,
-    drag_target,     ///< m
-    drag_stiffness,  ///< N/m
-    push_row,
-    push_force,      ///< N
-    push_remaining,  ///< s
-    tightness,       ///< 1/s^2, q / h^2 of the last substep (kernels/xpbd/chain.h)
-    wind,            ///< m/s; only where a scene gives one
-  };
-  static constexpr UserForces kHands{{push_row, push_force, push_remaining},
-                                     {drag_row, drag_target, drag_stiffness}};
-};
 
 struct SolverOptions {
   Scheme scheme = Scheme::xpbd;
   int substeps = 1, iterations = 1;
   enum class Division : uint8_t { fixed, by_tension } division = Division::fixed;
   double projection = 1;
-  double radius = 0;         ///< m, kept from colliders
-  double shortest_link = 1;  ///< m
+  std::optional<double> poisson_ratio;  ///< of tetrahedra that are elastic; absent: their volume is kept
+  double radius = 0;                    ///< m, kept from colliders
+  double shortest_link = 1;             ///< m
   SelfOptions self;
 };
 
@@ -64,6 +47,9 @@ struct SolverInput {
   std::span<const Surface> surfaces;
   const FoldSurface* folds;  ///< null: nothing meets itself
   const AirDrag* air;        ///< null: there is none
+  const RodSet& rods;
+  const TearSurface* tears;  ///< null: nothing tears
+  const MatchSet& matches;
 };
 
 /// Links of a chain up to which the scratch of a batch lies on the stack, in the first cache.
@@ -86,16 +72,20 @@ class Solver {
   T* lambda_of(Column<T>& lambda, size_t at) { return keeps_ ? lambda.data() + at : nullptr; }
   /// Of a constraint of stiffness k.
   double compliance(double k) const { return !soft_ ? 0 : k > 0 ? 1 / k : kIdle; }
+  /// Whether constants were packed for these corners of triangles.
+  bool same_corners(const SolverInput& what, const State& state);
   void prepare(const SolverInput& what, const State& state);
   static void resize(size_t entries, size_t points, size_t components, Set& out);
-  template <class Bends>
-  void pack_bends(const SetSchedule& schedule, const Bends& bends, double stiffness, Set& out) const;
+  template <class Bends, class Torn>
+  void pack_bends(const SetSchedule& schedule, const Bends& bends, double stiffness, const Torn& torn,
+                  Set& out) const;
   void pack_links(const SolverInput& what, const State& state);
   void load(const SolverInput& what, const State& state, const StepInput& in);
   /// What constraints are at the step's start.
   void load_chains(const SolverInput& what, const double* x, const StepInput& in);
   template <class Bends>
   void load_bends(const SetSchedule& schedule, const Bends& bends, const double* x, Set& out) const;
+  void pack_volumes(const SolverInput& what, const State& state);
   void load_volumes(const SolverInput& what, const double* x);
   void store(const SolverInput& what, State& state, const StepInput& in) const;
   void remember_velocities(const StepInput& in);
@@ -118,8 +108,10 @@ class Solver {
   /// The longest way (m) that the body has put a point of its own back.
   double meet_self(const SolverInput& what, const State& state, const StepInput& in, double h);
 
+  size_t points_ = 0;  // of the state
   const Schedule* built_for_ = nullptr;
   std::vector<double> built_with_;  // stiffnesses, damping
+  std::vector<uint32_t> corners_;   // of a cloth that tears
   T relax_ = 1;
   bool soft_ = true;    // xpbd: constraints give way by their compliance
   bool keeps_ = false;  // multipliers, where there is more than one iteration
@@ -130,10 +122,14 @@ class Solver {
   std::vector<T> q_;  // per batch of chains
   Set rods_, hinges_, volumes_;
   std::vector<double> angle_lambda_;
+  std::vector<uint8_t> angle_torn_;
+  TornLinks<T> strands_;
   std::vector<ChainRow<T>, CacheLineAllocator<ChainRow<T>>> scratch_;
   std::vector<double> x_old_, v_old_, x_, v_, w_;  // for what collides
   std::vector<double> put_back_;                   // per block, m
   SelfContacts self_;
+  RodSolver cosserat_;
+  MatchSolver matcher_;
   std::vector<Vec3> blows_;  // N s, per triangle
 };
 

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "engine/base/hash.h"
+
 namespace truestep::xpbd {
 
 using Columns = XpbdColumns;
@@ -29,6 +31,27 @@ double shortest_link(const Body& body) {
   return shortest < HUGE_VAL ? shortest : 1;
 }
 
+RodSet make_rods(const XpbdDef& def, const Body& body) {
+  if (!def.rod) return {};
+  const size_t links = static_cast<size_t>(def.rope    ? def.rope->links
+                                           : def.helix ? def.helix->links
+                                                       : def.hair->links);
+  const double link_mass = def.density ? *def.density * body.links.front().rest : def.mass;
+  return build_rods(def, body.x, links, link_mass);
+}
+
+bool is_elastic(const XpbdDef& def) {
+  return def.block && def.youngs_modulus;
+}
+
+/// What is solved by itself. Links of rods are solved with their frames; of what is matched or elastic they
+/// are edges alone.
+Body solved(Body body, const XpbdDef& def) {
+  if (def.rod || def.matching || is_elastic(def)) body.links.clear();
+  if (def.matching) body.tetrahedra.clear();
+  return body;
+}
+
 constexpr double kLongestSubstep = 1.0 / 600;  // s
 
 struct Division {
@@ -52,9 +75,15 @@ Xpbd::Xpbd(const XpbdDef& def, const BuildContext& context)
       wind_(def.wind.value_or(Vec3{})),
       damping_{def.damping, def.internal_damping},
       youngs_(def.youngs_modulus.has_value()),
+      elastic_(is_elastic(def)),
+      cosserat_(def.rod.has_value()),
       precision_(def.precision),
       body_(build_body(def, normalized(context.gravity, {0, -1, 0}))),
-      schedule_(body_, def.scheme == Scheme::pbd ? Sweep::links : def.sweep, lanes_of(def.precision)),
+      rods_(make_rods(def, body_)),
+      matches_(def.matching ? build_matches(*def.matching, body_) : MatchSet{}),
+      tears_(def.tear ? std::optional<TearSurface>(body_) : std::nullopt),
+      schedule_(solved(body_, def), def.scheme == Scheme::pbd ? Sweep::links : def.sweep,
+                lanes_of(def.precision), tears_ ? &*tears_ : nullptr),
       colliders_(build_colliders(def.colliders)) {
   const Division division = divide(def, context);
   options_ = {.scheme = def.scheme,
@@ -65,6 +94,7 @@ Xpbd::Xpbd(const XpbdDef& def, const BuildContext& context)
               .radius = 0.5 * def.thickness,
               .shortest_link = shortest_link(body_),
               .self = {.thickness = def.thickness, .friction = def.self_friction}};
+  if (elastic_) options_.poisson_ratio = def.poisson_ratio.value_or(0.3);
   if (def.self_collision) folds_.emplace(body_);
   if (def.wind) {
     const AirOptions air{0.5 * def.air_density * def.drag_coefficient, def.gust, def.gust_period};
@@ -74,6 +104,16 @@ Xpbd::Xpbd(const XpbdDef& def, const BuildContext& context)
     surfaces_.push_back(c.surface);
     surfaces_.back().restitution = def.restitution;
     if (def.friction) surfaces_.back().friction = *def.friction;
+  }
+  if (cosserat_) {
+    const auto wind = static_cast<State::Column>(def.wind ? 1 : 0);
+    rods_.orientation = static_cast<State::Column>(Columns::wind + wind);
+    rods_.spin = static_cast<State::Column>(rods_.orientation + 1);
+  }
+  if (tears_) {
+    const auto first = static_cast<State::Column>(Columns::wind);
+    tears_->columns = {first, first + 1, first + 2};
+    tear_limits_ = {def.tear->strain.value_or(HUGE_VAL), def.tear->force.value_or(HUGE_VAL)};
   }
   plan_stages(def, division.why);
   publish();
@@ -86,6 +126,10 @@ Xpbd::Xpbd(const XpbdDef& def, const BuildContext& context)
 }
 
 void Xpbd::plan_stages(const XpbdDef& def, const std::string& why) {
+  if (cosserat_) {
+    skip_stage("links", std::to_string(rods_.rods) + " Cosserat rods of " + std::to_string(rods_.links) +
+                            " links are solved each as a whole");
+  }
   const size_t bends = body_.rods.size() + body_.hinges.size() + body_.angles.size();
   add_stage(
       "solve",
@@ -106,17 +150,34 @@ void Xpbd::plan_stages(const XpbdDef& def, const std::string& why) {
                                colliders_,
                                surfaces_,
                                folds_ ? &*folds_ : nullptr,
-                               air_ ? &*air_ : nullptr};
+                               air_ ? &*air_ : nullptr,
+                               rods_,
+                               tears_ ? &*tears_ : nullptr,
+                               matches_};
         if (precision_ == Precision::f32) {
           in.workspace.object<Solver<float>>("xpbd.solver").step(what, s, in);
         } else {
           in.workspace.object<Solver<double>>("xpbd.solver").step(what, s, in);
         }
       });
+  if (!matches_.empty()) {
+    skip_stage("links", std::to_string(matches_.groups()) + " bodies are drawn to their shapes as a whole");
+  }
+  if (elastic_) skip_stage("links", "tetrahedra have a material");
+  if (tears_) {
+    add_stage("tear",
+              "links of " + std::to_string(body_.triangles.size()) + " triangles are looked at; at most " +
+                  std::to_string(body_.capacity - body_.x.size()) + " points are split off",
+              [this](State& s, const StepInput& in) {
+                in.workspace.object<Tearing>("xpbd.tearing")
+                    .run(*tears_, body_, tear_limits_, s, s.f64(Columns::stiffness));
+              });
+  }
   add_stage("hands", "ends pushes whose time is over",
             [](State& s, const StepInput& in) { Columns::kHands.count_down(s, in.h); });
   if (colliders_.empty()) skip_stage("contacts", "there are no colliders");
   if (!air_) skip_stage("air", "no wind is given");
+  if (!tears_) skip_stage("tear", "no limit is given");
   if (!folds_) skip_stage("self-collision", "self_collision is not asked for");
   if (bends == 0) skip_stage("bending", "no rigidity is given");
   if (body_.tetrahedra.empty()) skip_stage("volumes", "there are no tetrahedra");
@@ -125,6 +186,7 @@ void Xpbd::plan_stages(const XpbdDef& def, const std::string& why) {
 }
 
 void Xpbd::publish() {
+  if (tears_) return;  // drawn as the state says
   for (const Link& l : body_.links) {
     drawing_.lines.push_back({l.a, l.b});
     drawing_.line_kinds.push_back(l.family == Family::shear ? LineKind::shear : LineKind::structural);
@@ -139,7 +201,7 @@ void Xpbd::name_parts() {
   points.fields = {{"position", "m", Scalar::f64, 3, Meaning::position},
                    {"velocity", "m/s", Scalar::f64, 3, Meaning::velocity},
                    {"strain", "1"}};
-  points.max_rows = body_.x.size();
+  points.max_rows = body_.capacity;
   PartInfo links;
   links.kind = PartInfo::Kind::values;
   links.name = "links";
@@ -171,9 +233,31 @@ State Xpbd::initial_state() const {
     s.add({"wind", "m/s", Scalar::f64, 3}, 1);
     store3(s.f64(Columns::wind).data(), 0, wind_);
   }
+  if (cosserat_) {
+    s.add({"orientation", "1", Scalar::f64, 4}, rods_.frames.size());  // w, x, y, z; walls and links
+    s.add({"spin", "rad/s", Scalar::f64, 3}, rods_.frames.size());     // in a frame's own axes
+    double* q = s.f64(rods_.orientation).data();
+    for (const Quat& f : rods_.frames) *q++ = f.w, *q++ = f.x, *q++ = f.y, *q++ = f.z;
+  }
+  if (tears_) {
+    s.add({"mass", "kg"}, n);
+    s.add({"origin", "1", Scalar::u32}, n);
+    s.add({"corner", "1", Scalar::u32}, 3 * body_.triangles.size());
+    std::copy(body_.masses.begin(), body_.masses.end(), s.f64(tears_->columns.mass).begin());
+    uint32_t* origin = s.span<uint32_t>(tears_->columns.origin).data();
+    for (uint32_t i = 0; i < n; ++i) origin[i] = i;
+    uint32_t* corner = s.span<uint32_t>(tears_->columns.corner).data();
+    for (const auto& t : body_.triangles) corner = std::copy(t.begin(), t.end(), corner);
+    for (const State::Column c :
+         {State::Column{Columns::position}, State::Column{Columns::velocity},
+          State::Column{Columns::inverse_mass}, tears_->columns.mass, tears_->columns.origin}) {
+      s.reserve(c, body_.capacity);
+    }
+  }
   for (size_t i = 0; i < n; ++i) {
     store3(s.f64(Columns::position).data(), i, body_.x[i]);
-    store3(s.f64(Columns::velocity).data(), i, velocity_);
+    const Vec3 own = body_.velocities.empty() ? Vec3{} : body_.velocities[i];
+    store3(s.f64(Columns::velocity).data(), i, velocity_ + own);
     s.f64(Columns::inverse_mass)[i] = 1 / body_.masses[i];
   }
   for (const uint32_t p : body_.pins) {
@@ -190,12 +274,45 @@ State Xpbd::initial_state() const {
   return s;
 }
 
-void Xpbd::draw(const State&, double t, Wish wishes, Drawing& out) const {
+std::span<const double> Xpbd::masses(const State& s) const {
+  return tears_ ? s.f64(tears_->columns.mass) : std::span<const double>(body_.masses);
+}
+
+Strand Xpbd::strand(const State& s, size_t link, size_t side) const {
+  if (tears_) return tears_->strand(s.span<uint32_t>(tears_->columns.corner), link, side);
+  return {body_.links[link].a, body_.links[link].b, 1};
+}
+
+void Xpbd::draw(const State& s, double t, Wish wishes, Drawing& out) const {
   if (wants(wishes, Wish::constant)) {
     out.parts.resize(parts().size());
-    out.parts[0] = drawing_;
+    PartDrawing& to = out.parts[0] = drawing_;
+    if (tears_) {
+      const auto corners = s.span<uint32_t>(tears_->columns.corner);
+      for (size_t c = 0; c < corners.size(); c += 3) {
+        to.triangles.push_back({corners[c], corners[c + 1], corners[c + 2]});
+      }
+      for (size_t k = 0; k < body_.links.size(); ++k) {
+        for (size_t i = 0; i < strands(k); ++i) {
+          const Strand strand = this->strand(s, k, i);
+          if (!(strand.share > 0)) continue;
+          to.lines.push_back({strand.a, strand.b});
+          to.line_kinds.push_back(body_.links[k].family == Family::shear ? LineKind::shear
+                                                                         : LineKind::structural);
+        }
+      }
+    }
   }
   if (wants(wishes, Wish::obstacles)) out.obstacles = colliders_.drawn(t);
+}
+
+uint32_t Xpbd::drawing_version(const State& s) const {
+  if (!tears_ || s.rows(Columns::position) == body_.x.size()) return 1;
+  // What is torn may be torn elsewhere, by as many points.
+  const auto corners = s.span<uint32_t>(tears_->columns.corner);
+  Hasher hash;
+  hash.bytes(corners.data(), corners.size_bytes());
+  return static_cast<uint32_t>(hash.value() | 2);
 }
 
 Ports Xpbd::ports() const {
@@ -205,7 +322,10 @@ Ports Xpbd::ports() const {
                               .inverse_mass = Columns::inverse_mass,
                               .id = std::nullopt,
                               .radius = options_.radius},
-          .solids = {body_.triangles, segments_},
+          .solids = tears_ ? PublishedSolids{.triangles = {},
+                                             .segments = {},
+                                             .balls = PublishedSolids::Balls::every_point}
+                           : PublishedSolids{body_.triangles, segments_},
           .bodies = std::nullopt,
           .answers = nullptr};
 }
@@ -218,6 +338,20 @@ void Xpbd::check(StateCheck& check, double) const {
     for (const uint32_t row : check.state().span<uint32_t>(column))
       check.require(row < points, "a hand's row");
   }
+  if (!tears_) return;
+  const auto& c = tears_->columns;
+  check
+      .together({Columns::position, Columns::velocity, Columns::inverse_mass, c.mass, c.origin},
+                body_.capacity)
+      .below(c.corner, points)
+      .below(c.origin, body_.x.size())
+      .require(points >= body_.x.size(), "the number of points");
+  const auto origin = check.state().span<uint32_t>(c.origin), corner = check.state().span<uint32_t>(c.corner);
+  for (size_t k = 0; k < corner.size(); ++k) {
+    check.require(corner[k] < points && origin[corner[k]] == body_.triangles[k / 3][k % 3],
+                  "the row of a triangle's corner");
+  }
+  for (const double m : check.state().f64(c.mass)) check.require(m > 0, "a mass");
 }
 
 std::vector<std::string> Xpbd::remedies() const {

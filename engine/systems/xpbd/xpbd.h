@@ -26,12 +26,14 @@ class Xpbd final : public StagedSystem {
   void check(StateCheck& check, double t) const override;
   void apply(State& state, const Command& command) const override;
   void draw(const State& state, double t, Wish wishes, Drawing& out) const override;
+  uint32_t drawing_version(const State& state) const override;
   Ports ports() const override;
   std::optional<double> limit(Limit which, const State& state, double h) const override;
   std::optional<Energy> energy(const State& state, double t, Workspace& workspace,
                                const ThreadArena& arena) const override;
   std::vector<std::string> remedies() const override;
 
+  const RodSet& rods() const { return rods_; }
   const Body& body() const { return body_; }
   int substeps() const { return options_.substeps; }
   int iterations() const { return options_.iterations; }
@@ -39,19 +41,31 @@ class Xpbd final : public StagedSystem {
 
  private:
   void name_parts();
+  /// kg, of every row.
+  std::span<const double> masses(const State& state) const;
+  size_t strands(size_t link) const { return tears_ ? tears_->sides(link) : 1; }
+  Strand strand(const State& state, size_t link, size_t side) const;
   void plan_stages(const XpbdDef& def, const std::string& why);
   void publish();
-  double strain(const double* x, const Link& link) const;
+  static double strain(const double* x, const Link& link, const Strand& strand);
   double elastic(const State& state) const;
+  /// J, of stretch and shear, of bending, of twist.
+  Vec3 rod_energies(const State& state) const;
   Energy energies(const State& state) const;
   double default_drag(const State& state, size_t row) const;
   void set_parameter(State& state, const Command& command) const;
 
   Vec3 gravity_, velocity_, wind_;
   double damping_[2];
-  bool youngs_;  // stiffnesses of links are moduli
+  bool youngs_;    // stiffnesses of links are moduli
+  bool elastic_;   // tetrahedra are of a material, and there are no links
+  bool cosserat_;  // links are those of rods, whose moduli stay
   Precision precision_;
   Body body_;
+  RodSet rods_;
+  MatchSet matches_;
+  std::optional<TearSurface> tears_;
+  TearLimits tear_limits_;
   Schedule schedule_;
   SolverOptions options_;
   ColliderSet colliders_;

@@ -17,12 +17,13 @@ constexpr PointCommands kPoints({Columns::velocity, Columns::inverse_mass, Colum
 
 void Xpbd::apply(State& s, const Command& c) const {
   const auto stiffness = [&](size_t row) { return default_drag(s, row); };
-  if (!kPoints.apply(s, c, body_.masses, stiffness)) set_parameter(s, c);
+  if (!kPoints.apply(s, c, masses(s), stiffness)) set_parameter(s, c);
 }
 
 double Xpbd::default_drag(const State& s, size_t row) const {
   // As stiff as the stiffest link at the point, so that it follows the hand.
   double k = 0;
+  if (tears_) row = s.span<uint32_t>(tears_->columns.origin)[row];
   for (const Link& l : body_.links) {
     if (l.a != row && l.b != row) continue;
     k = std::max(k, s.f64(Columns::stiffness)[static_cast<size_t>(l.family)] * l.factor);
@@ -39,11 +40,18 @@ void Xpbd::set_parameter(State& s, const Command& c) const {
   const auto has = [&](Family family) {
     return std::any_of(body_.links.begin(), body_.links.end(), [&](auto& l) { return l.family == family; });
   };
+  if (cosserat_ && (c.name == "stiffness" || c.name == "shear_stiffness" || c.name == "youngs_modulus")) {
+    refuse_command("name", "unknown_parameter", "the moduli of rods stay as the scene gives them");
+  }
   const bool rods = !body_.rods.empty() && body_.triangles.empty();
   const bool plates =
       !body_.triangles.empty() && !(body_.rods.empty() && body_.hinges.empty() && body_.angles.empty());
+  if (!matches_.empty() && (c.name == "stiffness" || c.name == "bulk_modulus")) {
+    refuse_command("name", "unknown_parameter", "what is matched has neither links nor volumes");
+  }
   if (c.name == "stiffness") return set(Family::structural, !youngs_);
   if (c.name == "shear_stiffness") return set(Family::shear, !youngs_ && has(Family::shear));
+  if (elastic_ && c.name == "youngs_modulus") return set(Family::volume, true);
   if (c.name == "youngs_modulus") {
     set(Family::structural, youngs_);
     stiffness[static_cast<size_t>(Family::shear)] = c.value;
@@ -51,7 +59,7 @@ void Xpbd::set_parameter(State& s, const Command& c) const {
   }
   if (c.name == "bending_rigidity") return set(Family::bending, rods);
   if (c.name == "flexural_rigidity") return set(Family::bending, plates);
-  if (c.name == "bulk_modulus") return set(Family::volume, !body_.tetrahedra.empty());
+  if (c.name == "bulk_modulus") return set(Family::volume, !body_.tetrahedra.empty() && !elastic_);
   if (c.name == "wind") {
     if (!air_)
       refuse_command("name", "unknown_parameter", "this scene has no air",

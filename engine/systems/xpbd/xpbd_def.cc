@@ -21,24 +21,24 @@ std::vector<std::string> pin_names(const XpbdDef& d) {
     return {"corners", "corner_00", "corner_10", "corner_01", "corner_11", "edge_u0",
             "edge_u1", "edge_v0",   "edge_v1",   "border",    "first",     "last"};
   }
-  if (d.rope) return {"first", "last", "ends"};
+  if (d.rope || d.helix) return {"first", "last", "ends"};
   if (d.hair) return {"roots"};
   if (d.block) return {"bottom", "top", "x0", "x1", "z0", "z1"};
   return {"first", "last"};
 }
 
 void check_rigidities(const XpbdDef& d, const DefTable::Report& report) {
-  if (d.bending_rigidity > 0 && !d.rope && !d.hair) {
+  if (d.bending_rigidity > 0 && !d.rope && !d.helix && !d.hair) {
     report("/bending_rigidity", "only ropes and hair have one; of cloth it is flexural_rigidity");
   }
   if (d.flexural_rigidity > 0 && !d.cloth_grid && !d.mesh) {
     report("/flexural_rigidity", "only cloth has one; of ropes and hair it is bending_rigidity");
   }
-  if (d.youngs_modulus && (d.mesh || d.block)) {
-    report("/youngs_modulus",
-           "only ropes, hair and cloth grids have one; of a mesh or a block give stiffness");
+  if (d.youngs_modulus && d.mesh) {
+    report("/youngs_modulus", "only ropes, hair, cloth grids and blocks have one; of a mesh give stiffness");
   }
-  if (d.youngs_modulus && !(d.thickness > 0)) report("/youngs_modulus", "needs a thickness above 0");
+  if (d.youngs_modulus && !d.block && !(d.thickness > 0))
+    report("/youngs_modulus", "needs a thickness above 0");
   if (!d.cloth_grid || (!(d.flexural_rigidity > 0) && !d.youngs_modulus)) return;
   if (const char* fault = plate_fault(*d.cloth_grid)) {
     report(d.youngs_modulus ? "/youngs_modulus" : "/flexural_rigidity", fault);
@@ -48,6 +48,7 @@ void check_rigidities(const XpbdDef& d, const DefTable::Report& report) {
 /// m, between neighbours; of a mesh the mean.
 double spacing(const XpbdDef& d) {
   if (d.rope) return rope_link(*d.rope);
+  if (d.helix) return helix_link(*d.helix);
   if (d.hair) return d.hair->length / d.hair->links;
   if (d.cloth_grid) {
     return std::min(norm(d.cloth_grid->edge_u) / (d.cloth_grid->nx - 1.0),
@@ -83,13 +84,16 @@ void check_self_collision(const XpbdDef& d, const DefTable::Report& report) {
 }
 
 void check_def(const XpbdDef& d, const DefTable::Report& report) {
-  const int shapes = d.rope.has_value() + d.hair.has_value() + d.cloth_grid.has_value() + d.mesh.has_value() +
-                     d.block.has_value();
+  const int shapes = d.rope.has_value() + d.helix.has_value() + d.hair.has_value() +
+                     d.cloth_grid.has_value() + d.mesh.has_value() + d.block.has_value();
   if (shapes != 1) {
-    return report(
-        "", "give exactly one of rope, hair, cloth_grid, mesh and block, not " + std::to_string(shapes));
+    return report("", "give exactly one of rope, helix, hair, cloth_grid, mesh and block, not " +
+                          std::to_string(shapes));
   }
   check_rigidities(d, report);
+  check_rod(d, report);
+  check_tear(d, report);
+  check_soft(d, report);
   check_self_collision(d, report);
   if (d.scheme == Scheme::xpbd && d.projection != 1) {
     report("/projection", "only the scheme pbd has one; of xpbd give stiffness");
@@ -118,6 +122,9 @@ void check_def(const XpbdDef& d, const DefTable::Report& report) {
 XpbdCounts xpbd_counts(const XpbdDef& d) {
   if (d.rope)
     return {d.rope->links + 1.0, d.rope->links + 0.0, d.bending_rigidity > 0 ? d.rope->links : 0.0, 0};
+  if (d.helix) {
+    return {d.helix->links + 1.0, d.helix->links + 0.0, d.bending_rigidity > 0 ? d.helix->links : 0.0, 0};
+  }
   if (d.hair) {
     const double links = static_cast<double>(d.hair->strands) * d.hair->links;
     return {links + d.hair->strands, links, d.bending_rigidity > 0 ? links : 0, 0};
@@ -129,16 +136,17 @@ XpbdCounts xpbd_counts(const XpbdDef& d) {
                                                                         : 0;
     return {points, points * (2 + diagonals), d.flexural_rigidity > 0 ? 4 * points : 0, 0};
   }
+  const double copies = std::max<double>(1, static_cast<double>(d.copies.size()));
   if (d.mesh) {
-    const double triangles = static_cast<double>(d.mesh->triangles.size()) / 3;
-    return {static_cast<double>(d.mesh->vertices.size()), 3 * triangles,
+    const double triangles = copies * static_cast<double>(d.mesh->triangles.size()) / 3;
+    return {copies * static_cast<double>(d.mesh->vertices.size()), 3 * triangles,
             d.flexural_rigidity > 0 ? 1.5 * triangles : 0, 0};
   }
   if (d.block) {
     const SoftBlockShape& b = *d.block;
     const double cells = static_cast<double>(b.cells_x) * b.cells_y * b.cells_z;
     const double points = (b.cells_x + 1.0) * (b.cells_y + 1.0) * (b.cells_z + 1.0);
-    return {points, 6 * points, 0, 5 * cells};
+    return {copies * points, copies * 6 * points, 0, copies * 5 * cells};
   }
   return {};
 }
@@ -148,6 +156,7 @@ const DefTable& xpbd_table() {
     using D = XpbdDef;
     TableOf<D> table("cloth, ropes, hair and soft blocks by position-based dynamics");
     table.object("rope", &D::rope, rope_shape_table(), "a rope")
+        .object("helix", &D::helix, helix_shape_table(), "a coil, an arc or a ring")
         .object("hair", &D::hair, hair_shape_table(), "a bundle of hair, held at its roots")
         .object("cloth_grid", &D::cloth_grid, cloth_grid_shape_table(), "a rectangular cloth")
         .object("mesh", &D::mesh, mesh_shape_table(), "a cloth of any form")
@@ -162,8 +171,17 @@ const DefTable& xpbd_table() {
                 "of a diagonal link of a cloth grid; 0: there are none")
         .number(
             "youngs_modulus", &D::youngs_modulus, "Pa", above(0),
-            "in place of both: of a rope or hair of round section, of a cloth grid with Poisson ratio 1/3; "
-            "thickness counts")
+            "in place of both: of a rope or hair of round section, of a cloth grid with Poisson ratio 1/3, "
+            "where thickness counts; of a block, which is then stable Neo-Hookean")
+        .number("poisson_ratio", &D::poisson_ratio, "1", between(-0.9, 0.4999),
+                "of a block with youngs_modulus; default 0.3")
+        .object("rod", &D::rod, rod_table(),
+                "makes Cosserat rods of rope, helix or hair: they stretch, shear, bend and twist")
+        .objects("copies", &D::copies, copy_table(), {0, 10'000},
+                 "bodies of the mesh or block in place of one; rows come body after body")
+        .object("matching", &D::matching, match_table(),
+                "in place of links and volumes: shape matching of mesh or block")
+        .object("tear", &D::tear, tear_table(), "lets cloth tear: points split where links bear too much")
         .number("bulk_modulus", &D::bulk_modulus, "Pa", above(0), "of a block: pressure per change of volume")
         .number("bending_rigidity", &D::bending_rigidity, "N m^2", at_least(0),
                 "of a rope or hair: E I, moment per curvature; straight at rest")

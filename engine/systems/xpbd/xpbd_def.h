@@ -21,12 +21,47 @@ struct LoadDef {
   double mass = 1;  // kg
 };
 
+/// What makes Cosserat rods of a rope, a helix or hair; see kernels/xpbd/rod_strain.h.
+struct RodDef {
+  double youngs_modulus = 1e6;          // Pa
+  double poisson_ratio = 0.3;           // of G = E / 2 (1 + nu)
+  std::optional<double> shear_modulus;  // Pa, instead
+  std::optional<double> width, height;  // m, along d1 and d2 of a rectangle; absent: round, of the thickness
+  std::optional<double> torsion_constant;  // m^4
+  enum class Natural : uint8_t { as_shaped, straight } natural = Natural::as_shaped;
+  double twist = 0;         // rad, from the first to the last section at the start
+  double twist_rate = 0;    // rad/s, of the clamped last section about the rod
+  double damping_time = 0;  // s, internal: moments and forces of strain rates over those of strains
+  Vec3 up{0, 1, 0};         // which d2 of the first section is next to
+  std::vector<std::string> clamped;
+};
+
+/// Limits beyond which links between neighbours of a cloth give way; see tear_surface.h.
+struct TearDef {
+  std::optional<double> strain, force;  // 1, N
+  std::optional<int64_t> most_splits;   // default: the number of points
+};
+
+/// One more body of a shape: turned about the origin, then moved.
+struct CopyDef {
+  Vec3 position, axis{0, 0, 1}, velocity;  // m, -, m/s
+  double angle = 0;                        // rad
+};
+
+/// Shape matching; see kernels/xpbd/shape_match.h.
+struct MatchDef {
+  std::optional<double> frequency;  // Hz; absent: rigid
+  double linear = 0;
+};
+
 struct XpbdDef {
   std::optional<RopeShape> rope;
+  std::optional<HelixShape> helix;
   std::optional<HairShape> hair;
   std::optional<ClothGridShape> cloth_grid;
   std::optional<MeshShape> mesh;
   std::optional<SoftBlockShape> block;
+  std::vector<CopyDef> copies;  // of mesh and block
 
   double mass = 0.01;             // kg per point
   std::optional<double> density;  // kg/m, kg/m^2 or kg/m^3, instead of mass
@@ -34,6 +69,7 @@ struct XpbdDef {
   double stiffness = 10000;  // N/m
   double shear_stiffness = 1000;
   std::optional<double> youngs_modulus;  // Pa, instead of both
+  std::optional<double> poisson_ratio;   // of an elastic block
   double bulk_modulus = 1e5;             // Pa, of a block
   double bending_rigidity = 0;           // N m^2, EI of a rope or hair
   double flexural_rigidity = 0;          // N m, D of cloth
@@ -43,6 +79,9 @@ struct XpbdDef {
   Vec3 velocity;                // m/s, initial
   std::vector<int64_t> pins;
   std::vector<std::string> pinned;
+  std::optional<RodDef> rod;
+  std::optional<TearDef> tear;
+  std::optional<MatchDef> matching;
   std::optional<Vec3> wind;  // m/s
   double gust = 0, gust_period = 2;
   double air_density = 1.2, drag_coefficient = 1.2;
@@ -61,6 +100,17 @@ struct XpbdDef {
 };
 
 const DefTable& xpbd_table();
+const DefTable& rod_table();
+/// What a rod and the rest of the scene say against each other.
+void check_rod(const XpbdDef& def, const DefTable::Report& report);
+const DefTable& copy_table();
+const DefTable& match_table();
+/// What copies, matching and the material of a block say against each other.
+void check_soft(const XpbdDef& def, const DefTable::Report& report);
+const DefTable& tear_table();
+void check_tear(const XpbdDef& def, const DefTable::Report& report);
+/// Names of the ends that this shape's rods have.
+std::vector<std::string> clamp_names(const XpbdDef& def);
 const Outputs& xpbd_outputs();
 Cost xpbd_cost(const void* def);
 /// Numbers of points and of constraints of every kind, from counts alone (an upper bound for meshes).

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "engine/kernels/xpbd/dihedral.h"
+#include "engine/kernels/xpbd/neo_hookean.h"
 #include "engine/kernels/xpbd/volume.h"
 #include "engine/systems/xpbd/xpbd.h"
 
@@ -11,8 +12,8 @@ namespace truestep::xpbd {
 
 using Columns = XpbdColumns;
 
-double Xpbd::strain(const double* x, const Link& l) const {
-  return norm(load3(x, l.b) - load3(x, l.a)) / l.rest - 1;
+double Xpbd::strain(const double* x, const Link& l, const Strand& strand) {
+  return norm(load3(x, strand.b) - load3(x, strand.a)) / l.rest - 1;
 }
 
 double Xpbd::elastic(const State& s) const {
@@ -20,12 +21,27 @@ double Xpbd::elastic(const State& s) const {
   const auto stiffness = s.f64(Columns::stiffness);
   const double bending = stiffness[static_cast<size_t>(Family::bending)];
   double v = 0;
-  for (const Link& l : body_.links) {
-    const double c = norm(load3(x, l.b) - load3(x, l.a)) - l.rest;
-    v += 0.5 * stiffness[static_cast<size_t>(l.family)] * l.factor * c * c;
+  if (cosserat_) {
+    const Vec3 e = rod_energies(s);
+    return e.x + e.y + e.z;
   }
+  if (!matches_.empty()) return matches_.energy(x);
+  for (size_t k = 0; k < body_.links.size() && !elastic_; ++k) {
+    const Link& l = body_.links[k];
+    for (size_t i = 0; i < strands(k); ++i) {
+      const Strand strand = this->strand(s, k, i);
+      const double c = norm(load3(x, strand.b) - load3(x, strand.a)) - l.rest;
+      v += 0.5 * stiffness[static_cast<size_t>(l.family)] * l.factor * strand.share * c * c;
+    }
+  }
+  const auto torn = [&](const auto& points) {
+    return tears_ && std::any_of(points.begin(), points.end(), [&](uint32_t p) {
+             return tears_->split(s.span<uint32_t>(tears_->columns.corner), p);
+           });
+  };
   const auto add_linear = [&](const auto& bends) {
     for (const auto& b : bends) {
+      if (torn(b.points)) continue;
       Vec3 c;
       for (size_t i = 0; i < b.points.size(); ++i) c += load3(x, b.points[i]) * b.k[i];
       v += 0.5 * bending * b.factor * norm2(c);
@@ -34,6 +50,7 @@ double Xpbd::elastic(const State& s) const {
   add_linear(body_.rods);
   add_linear(body_.hinges);
   for (const AngleBend& b : body_.angles) {
+    if (torn(b.points)) continue;
     const auto& p = b.points;
     const Dihedral d = dihedral(load3(x, p[0]), load3(x, p[1]), load3(x, p[2]), load3(x, p[3]));
     const double c = turned(d.angle, b.rest);
@@ -41,30 +58,70 @@ double Xpbd::elastic(const State& s) const {
   }
   for (const Tetrahedron& t : body_.tetrahedra) {
     const auto& p = t.points;
+    if (elastic_) {
+      const double nu = *options_.poisson_ratio;
+      const double mu = 0.5 * stiffness[static_cast<size_t>(Family::volume)] / (1 + nu);
+      const Vec3 o = load3(x, p[0]), a = load3(x, p[1]) - o, b = load3(x, p[2]) - o, c = load3(x, p[3]) - o;
+      const Mat3 edges{{a.x, b.x, c.x, a.y, b.y, c.y, a.z, b.z, c.z}};
+      v += neo_hookean_energy(edges * t.inverse, t.rest, mu, 1 - 2 * nu);
+      continue;
+    }
     const double c = volume(load3(x, p[0]), load3(x, p[1]), load3(x, p[2]), load3(x, p[3])) - t.rest;
     v += 0.5 * stiffness[static_cast<size_t>(Family::volume)] / t.rest * c * c;
   }
   return v;
 }
 
+Vec3 Xpbd::rod_energies(const State& s) const {
+  Vec3 out;
+  if (!cosserat_) return out;
+  const double *x = s.f64(Columns::position).data(), *q = s.f64(rods_.orientation).data();
+  const auto w = s.f64(Columns::inverse_mass);
+  const auto frame = [&](size_t i) { return Quat{q[4 * i], q[4 * i + 1], q[4 * i + 2], q[4 * i + 3]}; };
+  const Vec3 k = rods_.stretching(), b = rods_.bending();
+  for (size_t r = 0; r < rods_.rods; ++r) {
+    const size_t p = rods_.first_point(r), f = rods_.first_frame(r);
+    for (size_t j = 0; j <= rods_.links; ++j) {
+      if (rods_.holds(j, w[p + j])) {
+        const double l = rods_.joint_length(r, j);
+        const Vec3 o =
+            bend_and_twist(frame(f + j), frame(f + j + 1), l) - rods_.rest[rods_.first_joint(r) + j];
+        out.y += 0.5 * l * (b.x * o.x * o.x + b.y * o.y * o.y), out.z += 0.5 * l * b.z * o.z * o.z;
+      }
+      if (j == rods_.links) break;
+      const double l = rods_.length[r * rods_.links + j];
+      const Vec3 g = stretch_and_shear(load3(x, p + j + 1) - load3(x, p + j), frame(f + j + 1), l);
+      out.x += 0.5 * l * (k.x * g.x * g.x + k.y * g.y * g.y + k.z * g.z * g.z);
+    }
+  }
+  return out;
+}
+
 Energy Xpbd::energies(const State& s) const {
   const double *x = s.f64(Columns::position).data(), *v = s.f64(Columns::velocity).data();
-  const auto w = s.f64(Columns::inverse_mass);
+  const auto w = s.f64(Columns::inverse_mass), masses = this->masses(s);
   const Vec3 g = load3(s.f64(Columns::gravity).data(), 0);
   Energy e;
   for (size_t i = 0; i < w.size(); ++i) {
-    if (w[i] > 0) e.kinetic += 0.5 * body_.masses[i] * norm2(load3(v, i));
-    e.potential -= body_.masses[i] * dot(g, load3(x, i));
+    if (w[i] > 0) e.kinetic += 0.5 * masses[i] * norm2(load3(v, i));
+    e.potential -= masses[i] * dot(g, load3(x, i));
   }
   if (options_.scheme == Scheme::xpbd) e.potential += elastic(s);
+  for (size_t r = 0; r < rods_.rods; ++r) {
+    for (size_t j = 0; j < rods_.links; ++j) {
+      const Vec3 o = load3(s.f64(rods_.spin).data(), rods_.first_frame(r) + j + 1);
+      const Vec3& i = rods_.inertia[r * rods_.links + j];
+      e.kinetic += 0.5 * (i.x * o.x * o.x + i.y * o.y * o.y + i.z * o.z * o.z);
+    }
+  }
   for (size_t k = 0; k < Columns::kHands.drags(s); ++k) {
     const UserForces::Drag drag = Columns::kHands.drag(s, k);
     e.potential += 0.5 * drag.stiffness * norm2(drag.target - load3(x, drag.who));
   }
   // Of chains by themselves alone what they store is what they were given: where sweeps do not converge in a
   // substep, stiff links are stretched by what is left, and that energy is none of the motion's.
-  const bool alone =
-      schedule_.chains.colours.size() == 1 && body_.rods.empty() && options_.scheme == Scheme::xpbd;
+  const bool alone = !cosserat_ && matches_.empty() && !elastic_ && schedule_.chains.colours.size() == 1 &&
+                     body_.rods.empty() && options_.scheme == Scheme::xpbd;
   const bool driven = Columns::kHands.any(s) || !colliders_.empty() || folds_ || air_ || !alone;
   e.exchange = driven ? Energy::Exchange::open : Energy::Exchange::closed;
   return e;
@@ -80,12 +137,18 @@ std::optional<double> Xpbd::limit(Limit which, const State&, double) const {
 
 void Xpbd::observe(const State& s, double, Observables& out) const {
   const double *x = s.f64(Columns::position).data(), *v = s.f64(Columns::velocity).data();
-  const auto w = s.f64(Columns::inverse_mass);
+  const auto w = s.f64(Columns::inverse_mass), masses = this->masses(s);
   const Energy e = energies(s);
   out.add("energy.kinetic", e.kinetic, "J");
   if (options_.scheme == Scheme::xpbd) {
     out.add("energy.potential", e.potential, "J");
     out.add("energy.total", e.kinetic + e.potential, "J");
+  }
+  if (cosserat_) {
+    const Vec3 rods = rod_energies(s);
+    out.add("energy.stretch", rods.x, "J");
+    out.add("energy.bending", rods.y, "J");
+    out.add("energy.twist", rods.z, "J");
   }
   Vec3 p, l;
   size_t pins = 0;
@@ -94,8 +157,15 @@ void Xpbd::observe(const State& s, double, Observables& out) const {
       ++pins;
       continue;
     }
-    const Vec3 mv = body_.masses[i] * load3(v, i);
+    const Vec3 mv = masses[i] * load3(v, i);
     p += mv, l += cross(load3(x, i), mv);
+  }
+  for (size_t f = 0; f < rods_.frames.size(); ++f) {
+    const size_t r = f / (rods_.links + 2), j = f % (rods_.links + 2);
+    if (j == 0 || j > rods_.links) continue;
+    const double* q = s.f64(rods_.orientation).data() + 4 * f;
+    const Vec3 o = load3(s.f64(rods_.spin).data(), f), &i = rods_.inertia[r * rods_.links + j - 1];
+    l += rotation(Quat{q[0], q[1], q[2], q[3]}).apply({i.x * o.x, i.y * o.y, i.z * o.z});
   }
   out.add("momentum.x", p.x, "kg m/s");
   out.add("momentum.y", p.y, "kg m/s");
@@ -105,29 +175,53 @@ void Xpbd::observe(const State& s, double, Observables& out) const {
   out.add("angular_momentum.z", l.z, "kg m^2/s");
   double largest = 0, squares = 0;
   size_t count = 0;
-  for (const Link& link : body_.links) {
-    if (link.family != Family::structural) continue;
-    const double c = std::abs(strain(x, link));
-    largest = std::max(largest, c), squares += c * c, ++count;
+  for (size_t k = 0; k < body_.links.size(); ++k) {
+    if (body_.links[k].family != Family::structural) continue;
+    for (size_t i = 0; i < strands(k); ++i) {
+      const Strand strand = this->strand(s, k, i);
+      if (!(strand.share > 0)) continue;
+      const double c = std::abs(strain(x, body_.links[k], strand));
+      largest = std::max(largest, c), squares += c * c, ++count;
+    }
   }
   out.add("strain.max", largest, "1");
   out.add("strain.rms", count > 0 ? std::sqrt(squares / static_cast<double>(count)) : 0, "1");
+  if (!body_.tetrahedra.empty()) {
+    double volumes = 0;
+    for (const Tetrahedron& t : body_.tetrahedra) {
+      const auto& q = t.points;
+      volumes += volume(load3(x, q[0]), load3(x, q[1]), load3(x, q[2]), load3(x, q[3]));
+    }
+    out.add("volume", volumes, "m^3");
+  }
   out.add("pins", static_cast<double>(pins), "1");
+  if (tears_) out.add("splits", static_cast<double>(w.size() - body_.x.size()), "1");
 }
 
 FieldView Xpbd::field(const State& s, size_t part, size_t which, std::vector<double>& scratch) const {
   const double* x = s.f64(Columns::position).data();
-  const size_t n = body_.x.size();
+  const size_t n = s.rows(Columns::position);
   if (part == 1) {
-    scratch.resize(body_.links.size());
-    for (size_t k = 0; k < scratch.size(); ++k) scratch[k] = strain(x, body_.links[k]);
+    scratch.assign(body_.links.size(), 0);
+    for (size_t k = 0; k < scratch.size(); ++k) {
+      for (size_t i = 0; i < strands(k); ++i) {
+        const Strand strand = this->strand(s, k, i);
+        if (!(strand.share > 0)) continue;
+        const double c = strain(x, body_.links[k], strand);
+        if (std::abs(c) >= std::abs(scratch[k])) scratch[k] = c;
+      }
+    }
     return {scratch.data(), Scalar::f64, scratch.size(), 1};
   }
   if (which < 2) return {s.f64(which == 0 ? Columns::position : Columns::velocity).data(), Scalar::f64, n, 3};
   scratch.assign(n, 0);
-  for (const Link& l : body_.links) {
-    const double c = std::abs(strain(x, l));
-    for (const uint32_t p : {l.a, l.b}) scratch[p] = std::max(scratch[p], c);
+  for (size_t k = 0; k < body_.links.size(); ++k) {
+    for (size_t i = 0; i < strands(k); ++i) {
+      const Strand strand = this->strand(s, k, i);
+      if (!(strand.share > 0)) continue;
+      const double c = std::abs(strain(x, body_.links[k], strand));
+      for (const uint32_t p : {strand.a, strand.b}) scratch[p] = std::max(scratch[p], c);
+    }
   }
   return {scratch.data(), Scalar::f64, n, 1};
 }

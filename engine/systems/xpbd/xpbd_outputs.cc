@@ -21,6 +21,9 @@ const Outputs& xpbd_outputs() {
       .observables = {{"energy.kinetic", "J", "of motion"},
                       {"energy.potential", "J", "of gravity, hands and all constraints; scheme xpbd alone"},
                       {"energy.total", "J", "their sum; scheme xpbd alone"},
+                      {"energy.stretch", "J", "of stretch and shear; rods alone"},
+                      {"energy.bending", "J", "rods alone"},
+                      {"energy.twist", "J", "rods alone"},
                       {"momentum.x", "kg m/s", "of all that moves freely"},
                       {"momentum.y", "kg m/s", ""},
                       {"momentum.z", "kg m/s", ""},
@@ -29,7 +32,9 @@ const Outputs& xpbd_outputs() {
                       {"angular_momentum.z", "kg m^2/s", ""},
                       {"strain.max", "1", "largest |length / rest length - 1| of links between neighbours"},
                       {"strain.rms", "1", "root of the mean square of the same"},
-                      {"pins", "1", "points that are held"}}};
+                      {"pins", "1", "points that are held"},
+                      {"volume", "m^3", "of all tetrahedra of blocks"},
+                      {"splits", "1", "points that tearing has split off; with tear alone"}}};
   return kOutputs;
 }
 
@@ -61,17 +66,32 @@ Cost xpbd_cost(const void* def) {
   const bool chain = d.rope && d.scheme == Scheme::xpbd && d.sweep == Sweep::chains;
   const double lane = !chain ? 0 : single ? 28 * 7 : 48 * 3;
   const double scratch = chain && n.links > kShortChain ? 224 : 0;
-  return {.state_bytes = 56 * n.points,
-          .workspace_bytes = (single ? 130 : 180) * n.points +
-                             ((single ? 85 : 105) + lane + scratch) * n.links +
-                             (single ? 130 : 175) * (n.bends + n.volumes) +
-                             (collides || d.self_collision ? 104 * n.points : 0) +
-                             (d.self_collision ? 2100 * n.points : 0) + (d.wind ? 48 * n.points : 0),
-          .elements = n.points + constraints,
-          .seconds_per_step =
-              substeps_of(d, n.points) *
-              (3e-9 * n.points + (collides ? 2e-8 * n.points : 0) + (d.self_collision ? 1e-6 * n.points : 0) +
-               (d.wind ? 6e-8 * n.points : 0) + iterations * (single ? 4e-9 : 8e-9) * constraints)};
+  // Of a rod's link frames, spins, what is packed of its strains (8 Wide numbers a strain's row) and its
+  // scratch, in whole lanes: of a single rod four times its own.
+  const double lanes = !d.rod ? 0 : d.hair ? 1 : 4, rod = d.rod ? n.links * (170 + 620 * lanes) : 0;
+  // Of cloth that tears: rows of what may be split off, corners, and two strands a link with what is packed
+  // of them.
+  const double splits =
+      !d.tear ? 0 : static_cast<double>(d.tear->most_splits.value_or(static_cast<int64_t>(n.points)));
+  const bool elastic = d.block && d.youngs_modulus;
+  const double soft = (d.matching ? 90 * n.points : 0) + (elastic ? 90 * n.volumes : 0);
+  const double tears = d.tear ? 250 * splits + (single ? 160 : 260) * 2 * n.links : 0;
+  return {
+      .state_bytes = 56 * n.points + (d.rod ? 56 * n.links : 0) + (d.tear ? 68 * splits + 36 * n.points : 0),
+      .workspace_bytes = rod + tears + soft + (single ? 130 : 180) * n.points +
+                         ((single ? 85 : 105) + lane + scratch) * n.links +
+                         (single ? 130 : 175) * (n.bends + n.volumes) +
+                         (collides || d.self_collision ? 104 * n.points : 0) +
+                         (d.self_collision ? 2100 * n.points : 0) + (d.wind ? 48 * n.points : 0),
+      .elements = n.points + constraints,
+      .seconds_per_step =
+          substeps_of(d, n.points) *
+          (3e-9 * n.points + (collides ? 2e-8 * n.points : 0) + (d.self_collision ? 1e-6 * n.points : 0) +
+           (d.wind ? 6e-8 * n.points : 0) + iterations * (d.rod ? 1.3e-7 : 0) * n.links +
+           iterations * (d.matching ? 3e-8 * n.points
+                         : elastic  ? 2e-8 * n.volumes
+                                    : 0) +
+           iterations * (single ? 4e-9 : 8e-9) * constraints)};
 }
 
 }  // namespace truestep::xpbd

@@ -16,9 +16,9 @@ const drawings: [RegExp, string][] = [
 /** Chapters in their order; a scene is in the first whose tags it has. */
 const chapters: [string, RegExp][] = [
   ["Things that meet", /^coupling$/],
-  ["Elastic bodies", /^finite elements$/],
+  ["Elastic bodies", /^(finite elements|shape matching|elastic block)$/],
   ["Snow, sand, water and jelly", /^material point method$/],
-  ["Cloth, ropes and hair", /^(cloth|rope|hair|springs|stability|integrators)$/],
+  ["Cloth, ropes and hair", /^(cloth|rope|rod|hair|springs|stability|integrators)$/],
   ["Rigid bodies", /^rigid bodies$/],
   ["Rigid bodies in the plane", /^rigid2d$/],
   ["Animation", /^animation$/],

@@ -1,0 +1,41 @@
+// Shape matching (Mueller, Heidelberger, Teschner, Gross 2005, "Meshless deformations based on shape
+// matching", sections 3 and 4.2): goals g_i = c + T q_i of points with places q_i about their centre of mass
+// at rest. With A_pq = sum m (x - c) q^T and A_qq = sum m q q^T
+//   T = (1 - beta) R + beta A / det(A)^(1/3),   A = A_pq A_qq^-1,
+// where R is the rotation of the polar decomposition of A_pq. Both parts leave the centre and exert no
+// moment, as R^T A_pq and A A_qq A^T are symmetric, so that moving all points by one share of their way to
+// their goals keeps both momenta.
+#pragma once
+#include "engine/math/svd3.h"
+#include "engine/math/trig.h"
+
+namespace truestep::xpbd {
+
+/// `inverse`: A_qq^-1; zero where points lie in a plane, which are then rotated alone.
+inline Mat3 match_transform(const Mat3& apq, const Mat3& inverse, double beta) {
+  const Svd3 d = svd3(apq);
+  const Mat3 turn = d.u * transposed(d.v);
+  if (!(beta > 0)) return turn;
+  const Mat3 a = apq * inverse;
+  // What is turned inside out, or nearly flat, has no volume to keep.
+  constexpr double kLeast = 1e-3;
+  const double det = determinant(a);
+  if (!(det > kLeast)) return turn;
+  return (1 - beta) * turn + (beta / trig::pow(det, 1.0 / 3)) * a;
+}
+
+/// A^-1 of a symmetric positive matrix; zero where it is singular.
+inline Mat3 inverse_or_zero(const Mat3& a) {
+  constexpr double kSingular = 1e-9;
+  const double det = determinant(a), size = trace(a) / 3;
+  if (!(det > kSingular * size * size * size)) return {};
+  return (1 / det) * transposed(cofactor(a));
+}
+
+/// Share of the way to its goal that a point takes: an implicit Euler step of h (s) of a spring that swings
+/// by itself with omega2 (1/s^2), as 1 / (w m omega2 h^2) of its way is left, w and m in 1/kg and kg.
+inline double match_softness(double omega2, double mass, double h) {
+  return 1 / (omega2 * mass * h * h);
+}
+
+}  // namespace truestep::xpbd
