@@ -214,8 +214,9 @@ Cost grid_fluid_cost(const void* def) {
   const double solids = d.obstacles.empty() ? 0 : components + 1;
   Cost c;
   c.state_bytes = 8 * padded * (components + 1 + (ab2 ? components : 0) + (d.scalar ? 1 : 0)) + 4e3;
-  // Rates, right-hand sides and transforms; fractions and levels where there are solids.
-  c.workspace_bytes = 8 * padded * (3 * components + 4 + 4 * solids) + 3e5;
+  // Rates, right-hand sides and transforms; ways there and back of the scalar; fractions and levels where
+  // there are solids.
+  c.workspace_bytes = 8 * padded * (3 * components + 4 + 4 * solids + (d.scalar ? 5 : 0)) + 3e5;
   c.elements = cell_count(d);
   // Measured on one core: a substep's transforms and differences.
   c.seconds_per_step = 1e-5 + 1.5e-7 * padded;
