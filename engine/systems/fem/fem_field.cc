@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 
+#include "engine/math/trig.h"
 namespace truestep::fem {
 
 using Columns = FemColumns;
@@ -104,7 +105,7 @@ Material FemField::material(const State& s) const {
 double FemField::cell_size() const {
   double volume = 0;
   for (const double w : body_.weights) volume += w;
-  return std::cbrt(volume / static_cast<double>(body_.mesh.cells()));
+  return trig::pow(volume / static_cast<double>(body_.mesh.cells()), 1.0 / 3);
 }
 
 double FemField::contact_stiffness(const State& s) const {
