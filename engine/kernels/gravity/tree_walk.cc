@@ -1,0 +1,308 @@
+#include "engine/kernels/gravity/tree_walk.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <cstring>
+#include <memory>
+
+#include "engine/kernels/gravity/far_sums.h"
+#include "engine/kernels/gravity/local_field.h"
+
+namespace truestep::gravity {
+
+namespace {
+
+using Lanes = Wide<float>;
+using Eight = Lanes::Mask;
+constexpr size_t kPending = 512;  // sources that are gathered before they are summed
+constexpr float kTiny = 1e-24f;   // scaled; its root's third power times a mass is still a float
+constexpr double kTiny64 = 1e-180;
+
+unsigned bits(Eight mask) {
+#if defined(__AVX2__)
+  return static_cast<unsigned>(_mm256_movemask_ps((__m256)mask));
+#else
+  unsigned r = 0;
+  for (int k = 0; k < 8; ++k) r |= (mask[k] ? 1u : 0u) << k;
+  return r;
+#endif
+}
+
+Lanes load(const std::vector<float>& column, size_t at) {
+  Lanes r;
+  std::memcpy(&r, column.data() + at, sizeof r);
+  return r;
+}
+
+/// The box around a group's bodies.
+struct Place {
+  std::array<double, 3> center;
+  std::array<float, 3> half;
+  float radius = 0;  // no body is farther from the centre
+
+  Place(const BodyTree& tree, const BodyTree::Group& group) {
+    std::array<double, 3> low{HUGE_VAL, HUGE_VAL, HUGE_VAL}, high{-HUGE_VAL, -HUGE_VAL, -HUGE_VAL};
+    for (size_t i = group.begin; i < group.end; ++i) {
+      const BodyTree::Point& p = tree.point(i);
+      const std::array<double, 3> x{p.x, p.y, p.z};
+      for (size_t c = 0; c < 3; ++c) low[c] = std::min(low[c], x[c]), high[c] = std::max(high[c], x[c]);
+    }
+    for (size_t c = 0; c < 3; ++c) {
+      center[c] = 0.5 * (low[c] + high[c]);
+      half[c] = static_cast<float>(0.5 * (high[c] - low[c]) * (1 + 1e-6));
+    }
+    double far2 = 0;
+    for (size_t i = group.begin; i < group.end; ++i) {
+      const BodyTree::Point& p = tree.point(i);
+      const double x = p.x - center[0], y = p.y - center[1], z = p.z - center[2];
+      far2 = std::max(far2, x * x + y * y + z * z);
+    }
+    radius = static_cast<float>(std::sqrt(far2) * (1 + 1e-6));
+  }
+};
+
+/// Where a group lies and how much error it bears.
+struct Box {
+  Lanes x, y, z, half_x, half_y, half_z, radius, bearable;
+  float clear;  // no node may be nearer
+};
+
+/// How eight nodes may stand for their bodies, a bit each: for every body of the group, or even for the group
+/// as a whole.
+struct Standing {
+  unsigned near, far;
+};
+
+Standing standing(const BodyTree::Columns& c, size_t first, const Box& box) {
+  constexpr float kApart = 1.6f, kFar = 4;
+  const Lanes x = load(c.x, first) - box.x, y = load(c.y, first) - box.y, z = load(c.z, first) - box.z;
+  const Lanes r = load(c.radius, first), both = r + box.radius, least(box.clear);
+  const auto fifth = [](Lanes square) { return square * square * sqrt(square); };
+  const Lanes s2 = madd(x, x, madd(y, y, z * z)), wide = both * Lanes(kApart) + least;
+  const Lanes s = sqrt(s2), gap = s - both;
+  const auto far = (s > wide) & (Lanes(kFar) * load(c.mass, first) * both * both * both <
+                                 box.bearable * s2 * s * gap * gap);
+  const auto beyond = [](Lanes a, Lanes half) { return max(max(a, -a) - half, Lanes::zero()); };
+  const Lanes dx = beyond(x, box.half_x), dy = beyond(y, box.half_y), dz = beyond(z, box.half_z);
+  const Lanes d2 = madd(dx, dx, madd(dy, dy, dz * dz)), enough = max(r, least);
+  const auto near = (d2 > enough * enough) & (load(c.strength, first) < box.bearable * fifth(d2));
+  return {bits(near), bits(far)};
+}
+
+/// Size of the acceleration at the middle of a group by a coarse walk of monopoles; not less than a share of
+/// the sum of the sizes of its parts, which cancel where the group is in the middle of everything.
+float coarse_acceleration(const BodyTree& tree, const Place& place, float eps2, std::vector<uint32_t>& open) {
+  constexpr float kShare = 0.1f;
+  const auto& c = tree.columns();
+  Lanes ax = Lanes::zero(), ay = ax, az = ax, all = ax;
+  open.assign(1, 0);
+  while (!open.empty()) {
+    const BodyTree::Node& n = tree.nodes()[open.back()];
+    open.pop_back();
+    const size_t first = n.first_child;
+    const Lanes x = load(c.x, first) - Lanes(place.center[0]), y = load(c.y, first) - Lanes(place.center[1]),
+                z = load(c.z, first) - Lanes(place.center[2]);
+    const Lanes r = load(c.radius, first), d2 = madd(x, x, madd(y, y, z * z));
+    unsigned near = ~bits(d2 > r * r * Lanes(2.25f)) & ((1u << n.children) - 1);
+    Lanes m = Lanes::zero();
+    for (unsigned k = 0; k < n.children; ++k) {
+      const BodyTree::Node& child = tree.nodes()[first + k];
+      const bool is_far =
+          !(near >> k & 1) || child.children == 0 || child.end - child.begin <= BodyTree::kMostInGroup;
+      if (is_far) m.set(static_cast<int>(k), static_cast<float>(tree.center(first + k).m));
+      if (!is_far) open.push_back(static_cast<uint32_t>(first + k));
+    }
+    const Lanes inverse = inverse_root(d2 + r * r * Lanes(0.5f) + Lanes(eps2 + kTiny));
+    const Lanes w = inverse * inverse * inverse * m;
+    ax = madd(w, x, ax), ay = madd(w, y, ay), az = madd(w, z, az), all = madd(w, sqrt(d2), all);
+  }
+  const auto sum = [](Lanes a) { return ((a[0] + a[4]) + (a[1] + a[5])) + ((a[2] + a[6]) + (a[3] + a[7])); };
+  const float x = sum(ax), y = sum(ay), z = sum(az);
+  return std::max(std::sqrt(x * x + y * y + z * z), kShare * sum(all));
+}
+
+/// One group's way through the tree. T: of the sums over bodies; nodes are summed in floats.
+template <class T, class BodyLaw, Sums kSums>
+class Walk {
+ public:
+  Walk(const BodyTree& tree, const TreeSettings& settings, double eps)
+      : tree_(tree),
+        settings_(settings),
+        eps2_(static_cast<float>(eps * eps)),
+        clear_(settings.softening.kind == SofteningKind::spline ? static_cast<float>(kSplineSupport * eps)
+                                                                : 0),
+        body_law_(eps, static_cast<T>(sizeof(T) == 4 ? kTiny : kTiny64)),
+        node_law_(settings.softening.kind == SofteningKind::spline ? 0 : eps, kTiny) {}
+
+  TreeWork run(const BodyTree::Group& group, const TreeSums& out) {
+    const size_t bodies = group.end - group.begin;
+    const Place at(tree_, group);
+    center_ = at.center;
+    place(near_, group), place(far_, group), local_.clear();
+    const double bearable =
+        settings_.opening * static_cast<double>(coarse_acceleration(tree_, at, eps2_, open_));
+    descend({Lanes(center_[0]), Lanes(center_[1]), Lanes(center_[2]), Lanes(at.half[0]), Lanes(at.half[1]),
+             Lanes(at.half[2]), Lanes(at.radius), Lanes(bearable), clear_});
+    sum_bodies(), sum_nodes();
+    local_.template add_to<kSums>(far_, node_law_);
+    finish(group, out);
+    const TreeWork work{static_cast<double>(met_bodies_ * bodies), static_cast<double>(met_nodes_ * bodies),
+                        static_cast<double>(met_far_ * bodies)};
+    met_bodies_ = met_nodes_ = met_far_ = 0;
+    return work;
+  }
+
+ private:
+  template <class U>
+  void place(GroupSums<U, BodyTree::kMostInGroup>& g, const BodyTree::Group& group) {
+    g.clear(group.end - group.begin);
+    for (size_t i = 0; i < g.rows; ++i) {
+      const auto& p = tree_.point(std::min<size_t>(group.begin + i, group.end - 1));
+      g.x[i] = static_cast<U>(p.x - center_[0]), g.y[i] = static_cast<U>(p.y - center_[1]);
+      g.z[i] = static_cast<U>(p.z - center_[2]);
+    }
+  }
+
+  /// From the root down, the near ones' children after all others of their parents.
+  void descend(const Box& box) {
+    if (tree_.nodes()[0].children == 0) return take_bodies(0, tree_.nodes()[0].end);
+    open_.assign(1, 0);
+    while (!open_.empty()) {
+      next_.clear();
+      for (const uint32_t parent : open_) judge(tree_.nodes()[parent], box);
+      std::swap(open_, next_);
+    }
+  }
+
+  void judge(const BodyTree::Node& parent, const Box& box) {
+    const size_t first = parent.first_child;
+    const unsigned there = (1u << parent.children) - 1;
+    const Standing seen = standing(tree_.columns(), first, box);
+    const unsigned far = seen.far & there, near = seen.near & there & ~far;
+    for (unsigned b = far; b != 0; b &= b - 1)
+      take_far_node(first + static_cast<size_t>(std::countr_zero(b)));
+    for (unsigned b = near; b != 0; b &= b - 1) take_node(first + static_cast<size_t>(std::countr_zero(b)));
+    for (unsigned b = there & ~far & ~near; b != 0; b &= b - 1) {
+      const size_t child = first + static_cast<size_t>(std::countr_zero(b));
+      const BodyTree::Node& n = tree_.nodes()[child];
+      if (n.children == 0) {
+        take_bodies(n.begin, n.end);
+      } else {
+        next_.push_back(static_cast<uint32_t>(child));
+      }
+    }
+  }
+
+  void take_node(size_t node) {
+    if (nodes_ == kPending) sum_nodes();
+    const auto& c = tree_.center(node);
+    NodeSource& s = node_sources_[nodes_++];
+    s.x = static_cast<float>(c.x - center_[0]), s.y = static_cast<float>(c.y - center_[1]);
+    s.z = static_cast<float>(c.z - center_[2]), s.m = static_cast<float>(c.m);
+    s.s = tree_.moments(node).s;
+  }
+
+  void take_far_node(size_t node) {
+    const auto& c = tree_.center(node);
+    local_.add({static_cast<float>(c.x - center_[0]), static_cast<float>(c.y - center_[1]),
+                static_cast<float>(c.z - center_[2]), static_cast<float>(c.m), tree_.moments(node).s},
+               node_law_);
+    ++met_far_;
+  }
+
+  void take_bodies(size_t begin, size_t end) {
+    for (size_t i = begin; i < end; ++i) {
+      if (bodies_ == kPending) sum_bodies();
+      const auto& p = tree_.point(i);
+      body_sources_[bodies_++] = {static_cast<T>(p.x - center_[0]), static_cast<T>(p.y - center_[1]),
+                                  static_cast<T>(p.z - center_[2]), static_cast<T>(p.m)};
+    }
+  }
+
+  void sum_bodies() {
+    add_sources<kSums>(near_, body_sources_.data(), bodies_, body_law_);
+    met_bodies_ += bodies_, bodies_ = 0;
+  }
+  void sum_nodes() {
+    add_sources<kSums>(far_, node_sources_.data(), nodes_, node_law_);
+    met_nodes_ += nodes_, nodes_ = 0;
+  }
+
+  void finish(const BodyTree::Group& group, const TreeSums& out) {
+    const double length = tree_.length_scale(), mass = tree_.mass_scale();
+    const double force = length * length / mass, potential = length / mass;
+    for (size_t i = 0; i < group.end - group.begin; ++i) {
+      const size_t row = tree_.row(group.begin + i);
+      const auto sum = [i](const auto& a, const auto& b) {
+        return static_cast<double>(a[i]) + static_cast<double>(b[i]);
+      };
+      out.a[3 * row] = force * sum(near_.ax, far_.ax);
+      out.a[3 * row + 1] = force * sum(near_.ay, far_.ay);
+      out.a[3 * row + 2] = force * sum(near_.az, far_.az);
+      if constexpr (kSums == Sums::accelerations) continue;
+      // The group's bodies have met themselves at distance 0.
+      Wide<T> own;
+      body_law_(Wide<T>::zero(), own);
+      const auto m = static_cast<T>(tree_.point(group.begin + i).m);
+      out.p[row] = potential * (sum(near_.p, far_.p) - static_cast<double>(own[0] * m));
+    }
+  }
+
+  const BodyTree& tree_;
+  const TreeSettings& settings_;
+  float eps2_, clear_;
+  BodyLaw body_law_;
+  PlummerLaw<float> node_law_;
+  std::array<double, 3> center_{};
+  GroupSums<T, BodyTree::kMostInGroup> near_;
+  GroupSums<float, BodyTree::kMostInGroup> far_;
+  alignas(64) std::array<BodySource<T>, kPending> body_sources_;
+  alignas(64) std::array<NodeSource, kPending> node_sources_;
+  size_t bodies_ = 0, nodes_ = 0, met_bodies_ = 0, met_nodes_ = 0, met_far_ = 0;
+  LocalField local_;
+  std::vector<uint32_t> open_, next_;
+};
+
+template <class T, class BodyLaw, Sums kSums>
+TreeWork walk_every_group(const BodyTree& tree, const TreeSettings& settings, const TreeSums& out,
+                          const ThreadArena& arena) {
+  constexpr size_t kShare = 16;  // groups
+  const double eps = settings.softening.length * tree.length_scale();
+  std::vector<TreeWork> work((tree.groups().size() + kShare - 1) / kShare);
+  arena.for_blocks(tree.groups().size(), kShare, [&](size_t begin, size_t end) {
+    const auto walk = std::make_unique<Walk<T, BodyLaw, kSums>>(tree, settings, eps);
+    TreeWork sum;
+    for (size_t k = begin; k < end; ++k) {
+      const TreeWork w = walk->run(tree.groups()[k], out);
+      sum.bodies += w.bodies, sum.nodes += w.nodes, sum.far_nodes += w.far_nodes;
+    }
+    work[begin / kShare] = sum;
+  });
+  TreeWork mean;
+  for (const TreeWork& w : work)
+    mean.bodies += w.bodies, mean.nodes += w.nodes, mean.far_nodes += w.far_nodes;
+  const auto n = static_cast<double>(tree.size());
+  return {mean.bodies / n, mean.nodes / n, mean.far_nodes / n};
+}
+
+template <class T, class BodyLaw>
+TreeWork walk_all(const BodyTree& tree, const TreeSettings& settings, const TreeSums& out,
+                  const ThreadArena& arena) {
+  if (out.p.empty()) return walk_every_group<T, BodyLaw, Sums::accelerations>(tree, settings, out, arena);
+  return walk_every_group<T, BodyLaw, Sums::accelerations_and_potentials>(tree, settings, out, arena);
+}
+
+}  // namespace
+
+TreeWork tree_sums(const BodyTree& tree, const TreeSettings& settings, const TreeSums& out,
+                   const ThreadArena& arena) {
+  // Without softening near bodies pull as hard as doubles can tell; softened ones are as exact in floats as
+  // the nodes.
+  if (settings.softening.length == 0) return walk_all<double, PlummerLaw<double>>(tree, settings, out, arena);
+  if (settings.softening.kind == SofteningKind::spline)
+    return walk_all<float, SplineLaw<float>>(tree, settings, out, arena);
+  return walk_all<float, PlummerLaw<float>>(tree, settings, out, arena);
+}
+
+}  // namespace truestep::gravity
