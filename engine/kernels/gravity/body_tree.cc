@@ -78,6 +78,8 @@ void BodyTree::sort(const Bodies& bodies, const ThreadArena& arena) {
 }
 
 void BodyTree::divide() {
+  // Enough for bodies that move later, so that their tree allocates nothing.
+  nodes_.reserve(size() / 2 + 1024), groups_.reserve(size() / 8 + 64), depth_ends_.reserve(kDepths + 2);
   nodes_.assign(1, {0, static_cast<uint32_t>(size())});
   depth_ends_.assign(1, 1);
   size_t begin = 0;
@@ -216,9 +218,12 @@ void BodyTree::sum_moments(const ThreadArena& arena) {
   const size_t rows = nodes_.size() + kMostChildren;
   for (auto* column :
        {&columns_.x, &columns_.y, &columns_.z, &columns_.mass, &columns_.radius, &columns_.strength}) {
+    column->reserve(nodes_.capacity() + kMostChildren);
     column->resize(rows);
     std::fill(column->begin() + static_cast<ptrdiff_t>(nodes_.size()), column->end(), 0.0f);
   }
+  centers_.reserve(nodes_.capacity()), seconds_.reserve(nodes_.capacity()),
+      moments_.reserve(nodes_.capacity());
   centers_.resize(nodes_.size()), seconds_.resize(nodes_.size()), moments_.resize(nodes_.size());
   for (size_t depth = depth_ends_.size(); depth-- > 0;) {
     const size_t from = depth == 0 ? 0 : depth_ends_[depth - 1];

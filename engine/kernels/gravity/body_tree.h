@@ -17,6 +17,7 @@ class BodyTree {
  public:
   static constexpr size_t kMostInGroup = 64, kMostInLeaf = 12;
   static constexpr size_t kMostChildren = 8;
+  static constexpr int kDepths = 21;  ///< of the keys: 63 bits
 
   /// Place relative to the tree's centre, and mass, both scaled.
   struct Point {
@@ -62,7 +63,6 @@ class BodyTree {
   double mass_scale() const { return mass_scale_; }
 
  private:
-  static constexpr int kDepths = 21;  ///< of the keys: 63 bits
   struct Keyed {
     uint64_t key;
     uint32_t row;

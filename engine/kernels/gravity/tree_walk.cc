@@ -4,7 +4,6 @@
 #include <bit>
 #include <cmath>
 #include <cstring>
-#include <memory>
 
 #include "engine/kernels/gravity/far_sums.h"
 #include "engine/kernels/gravity/local_field.h"
@@ -62,6 +61,18 @@ struct Place {
   }
 };
 
+/// Nodes that wait to be opened: of every depth of the tree at most seven behind the one that is open.
+class OpenNodes {
+ public:
+  bool empty() const { return count_ == 0; }
+  void push(size_t node) { nodes_[count_++] = static_cast<uint32_t>(node); }
+  uint32_t pop() { return nodes_[--count_]; }
+
+ private:
+  std::array<uint32_t, (BodyTree::kDepths + 1) * BodyTree::kMostChildren> nodes_;
+  size_t count_ = 0;
+};
+
 /// Where a group lies and how much error it bears.
 struct Box {
   Lanes x, y, z, half_x, half_y, half_z, radius, bearable;
@@ -92,14 +103,14 @@ Standing standing(const BodyTree::Columns& c, size_t first, const Box& box) {
 
 /// Size of the acceleration at the middle of a group by a coarse walk of monopoles; not less than a share of
 /// the sum of the sizes of its parts, which cancel where the group is in the middle of everything.
-float coarse_acceleration(const BodyTree& tree, const Place& place, float eps2, std::vector<uint32_t>& open) {
+float coarse_acceleration(const BodyTree& tree, const Place& place, float eps2) {
   constexpr float kShare = 0.1f;
   const auto& c = tree.columns();
   Lanes ax = Lanes::zero(), ay = ax, az = ax, all = ax;
-  open.assign(1, 0);
+  OpenNodes open;
+  open.push(0);
   while (!open.empty()) {
-    const BodyTree::Node& n = tree.nodes()[open.back()];
-    open.pop_back();
+    const BodyTree::Node& n = tree.nodes()[open.pop()];
     const size_t first = n.first_child;
     const Lanes x = load(c.x, first) - Lanes(place.center[0]), y = load(c.y, first) - Lanes(place.center[1]),
                 z = load(c.z, first) - Lanes(place.center[2]);
@@ -111,7 +122,7 @@ float coarse_acceleration(const BodyTree& tree, const Place& place, float eps2, 
       const bool is_far =
           !(near >> k & 1) || child.children == 0 || child.end - child.begin <= BodyTree::kMostInGroup;
       if (is_far) m.set(static_cast<int>(k), static_cast<float>(tree.center(first + k).m));
-      if (!is_far) open.push_back(static_cast<uint32_t>(first + k));
+      if (!is_far) open.push(first + k);
     }
     const Lanes inverse = inverse_root(d2 + r * r * Lanes(0.5f) + Lanes(eps2 + kTiny));
     const Lanes w = inverse * inverse * inverse * m;
@@ -136,19 +147,17 @@ class Walk {
         node_law_(settings.softening.kind == SofteningKind::spline ? 0 : eps, kTiny) {}
 
   TreeWork run(const BodyTree::Group& group, const TreeSums& out) {
-    const size_t bodies = group.end - group.begin;
     const Place at(tree_, group);
     center_ = at.center;
     place(near_, group), place(far_, group), local_.clear();
-    const double bearable =
-        settings_.opening * static_cast<double>(coarse_acceleration(tree_, at, eps2_, open_));
+    const double bearable = settings_.opening * static_cast<double>(coarse_acceleration(tree_, at, eps2_));
     descend({Lanes(center_[0]), Lanes(center_[1]), Lanes(center_[2]), Lanes(at.half[0]), Lanes(at.half[1]),
              Lanes(at.half[2]), Lanes(at.radius), Lanes(bearable), clear_});
     sum_bodies(), sum_nodes();
     local_.template add_to<kSums>(far_, node_law_);
     finish(group, out);
-    const TreeWork work{static_cast<double>(met_bodies_ * bodies), static_cast<double>(met_nodes_ * bodies),
-                        static_cast<double>(met_far_ * bodies)};
+    const TreeWork work{static_cast<double>(met_bodies_), static_cast<double>(met_nodes_),
+                        static_cast<double>(met_far_)};
     met_bodies_ = met_nodes_ = met_far_ = 0;
     return work;
   }
@@ -164,18 +173,14 @@ class Walk {
     }
   }
 
-  /// From the root down, the near ones' children after all others of their parents.
   void descend(const Box& box) {
     if (tree_.nodes()[0].children == 0) return take_bodies(0, tree_.nodes()[0].end);
-    open_.assign(1, 0);
-    while (!open_.empty()) {
-      next_.clear();
-      for (const uint32_t parent : open_) judge(tree_.nodes()[parent], box);
-      std::swap(open_, next_);
-    }
+    OpenNodes open;
+    open.push(0);
+    while (!open.empty()) judge(tree_.nodes()[open.pop()], box, open);
   }
 
-  void judge(const BodyTree::Node& parent, const Box& box) {
+  void judge(const BodyTree::Node& parent, const Box& box, OpenNodes& open) {
     const size_t first = parent.first_child;
     const unsigned there = (1u << parent.children) - 1;
     const Standing seen = standing(tree_.columns(), first, box);
@@ -189,7 +194,7 @@ class Walk {
       if (n.children == 0) {
         take_bodies(n.begin, n.end);
       } else {
-        next_.push_back(static_cast<uint32_t>(child));
+        open.push(child);
       }
     }
   }
@@ -261,48 +266,39 @@ class Walk {
   alignas(64) std::array<NodeSource, kPending> node_sources_;
   size_t bodies_ = 0, nodes_ = 0, met_bodies_ = 0, met_nodes_ = 0, met_far_ = 0;
   LocalField local_;
-  std::vector<uint32_t> open_, next_;
 };
 
 template <class T, class BodyLaw, Sums kSums>
-TreeWork walk_every_group(const BodyTree& tree, const TreeSettings& settings, const TreeSums& out,
-                          const ThreadArena& arena) {
+void walk_every_group(const BodyTree& tree, const TreeSettings& settings, const TreeSums& out,
+                      const ThreadArena& arena) {
   constexpr size_t kShare = 16;  // groups
   const double eps = settings.softening.length * tree.length_scale();
-  std::vector<TreeWork> work((tree.groups().size() + kShare - 1) / kShare);
   arena.for_blocks(tree.groups().size(), kShare, [&](size_t begin, size_t end) {
-    const auto walk = std::make_unique<Walk<T, BodyLaw, kSums>>(tree, settings, eps);
-    TreeWork sum;
+    Walk<T, BodyLaw, kSums> walk(tree, settings, eps);
     for (size_t k = begin; k < end; ++k) {
-      const TreeWork w = walk->run(tree.groups()[k], out);
-      sum.bodies += w.bodies, sum.nodes += w.nodes, sum.far_nodes += w.far_nodes;
+      const TreeWork work = walk.run(tree.groups()[k], out);
+      if (!out.work.empty()) out.work[k] = work;
     }
-    work[begin / kShare] = sum;
   });
-  TreeWork mean;
-  for (const TreeWork& w : work)
-    mean.bodies += w.bodies, mean.nodes += w.nodes, mean.far_nodes += w.far_nodes;
-  const auto n = static_cast<double>(tree.size());
-  return {mean.bodies / n, mean.nodes / n, mean.far_nodes / n};
 }
 
 template <class T, class BodyLaw>
-TreeWork walk_all(const BodyTree& tree, const TreeSettings& settings, const TreeSums& out,
-                  const ThreadArena& arena) {
+void walk_all(const BodyTree& tree, const TreeSettings& settings, const TreeSums& out,
+              const ThreadArena& arena) {
   if (out.p.empty()) return walk_every_group<T, BodyLaw, Sums::accelerations>(tree, settings, out, arena);
-  return walk_every_group<T, BodyLaw, Sums::accelerations_and_potentials>(tree, settings, out, arena);
+  walk_every_group<T, BodyLaw, Sums::accelerations_and_potentials>(tree, settings, out, arena);
 }
 
 }  // namespace
 
-TreeWork tree_sums(const BodyTree& tree, const TreeSettings& settings, const TreeSums& out,
-                   const ThreadArena& arena) {
+void tree_sums(const BodyTree& tree, const TreeSettings& settings, const TreeSums& out,
+               const ThreadArena& arena) {
   // Without softening near bodies pull as hard as doubles can tell; softened ones are as exact in floats as
   // the nodes.
   if (settings.softening.length == 0) return walk_all<double, PlummerLaw<double>>(tree, settings, out, arena);
   if (settings.softening.kind == SofteningKind::spline)
     return walk_all<float, SplineLaw<float>>(tree, settings, out, arena);
-  return walk_all<float, PlummerLaw<float>>(tree, settings, out, arena);
+  walk_all<float, PlummerLaw<float>>(tree, settings, out, arena);
 }
 
 }  // namespace truestep::gravity

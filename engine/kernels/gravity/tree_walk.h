@@ -18,20 +18,21 @@ struct TreeSettings {
   double opening = 1e-3;  ///< the criterion's `error`
 };
 
-/// a (n x 3, m/s^2) and, where asked for, p_i = sum_j mu_j p(r_ij) (n, m^2/s^2), without that of the body
-/// itself.
-struct TreeSums {
-  std::span<double> a, p;
-};
-
-/// What the sums took.
+/// What attracts the bodies of a group: how many sources each of them on its own, how many through the field
+/// of the group.
 struct TreeWork {
-  /// By how many a body was attracted, on average: by each on its own, or through the field of its group.
   double bodies = 0, nodes = 0, far_nodes = 0;
 };
 
+/// a (n x 3, m/s^2) and, unless they are empty, p_i = sum_j mu_j p(r_ij) without the body's own (n, m^2/s^2)
+/// and what a group took (as many as groups).
+struct TreeSums {
+  std::span<double> a, p = {};
+  std::span<TreeWork> work = {};
+};
+
 /// Attraction of all bodies that the tree was built from.
-TreeWork tree_sums(const BodyTree& tree, const TreeSettings& settings, const TreeSums& out,
-                   const ThreadArena& arena);
+void tree_sums(const BodyTree& tree, const TreeSettings& settings, const TreeSums& out,
+               const ThreadArena& arena);
 
 }  // namespace truestep::gravity
