@@ -173,8 +173,9 @@ double potential(const Bodies& bodies, const Law& law, DirectScratch& scratch, c
 /// use(law) with the law of this softening.
 template <class Use>
 auto with_law(const Softening& s, const Use& use) {
-  if (s.kind == SofteningKind::spline && s.length > 0) return use(SplineLaw<double>(s.length, kTiny));
-  return use(PlummerLaw<double>(s.length, kTiny));
+  if (s.length == 0) return use(NewtonLaw<double>(kTiny));
+  if (s.kind == SofteningKind::spline) return use(SplineLaw<double>(s.length, kTiny));
+  return use(PlummerLaw<double>(s.length));
 }
 
 }  // namespace

@@ -22,15 +22,24 @@ struct Softening {
 /// Radius of the spline's support over its eps.
 inline constexpr double kSplineSupport = 2.8;
 
-/// w and p of eight or four pairs at the squared distances r2. `tiny`: below the square of any distance that
-/// is not 0.
+/// w and p (left in `inverse`) of eight or four pairs at the squared distances r2; eps > 0.
 template <class T>
 struct PlummerLaw {
   Wide<T> eps2;
-  PlummerLaw(double eps, T tiny) : eps2(static_cast<T>(eps * eps) + tiny) {}
-  /// w; p is left in `inverse`.
+  explicit PlummerLaw(double eps) : eps2(static_cast<T>(eps * eps)) {}
   Wide<T> operator()(Wide<T> r2, Wide<T>& inverse) const {
     inverse = inverse_root(r2 + eps2);
+    return inverse * inverse * inverse;
+  }
+};
+
+/// Without softening; w = p = 0 at distance 0. `tiny` (m^2) is below the square of any other distance.
+template <class T>
+struct NewtonLaw {
+  Wide<T> tiny;
+  explicit NewtonLaw(T least) : tiny(least) {}
+  Wide<T> operator()(Wide<T> r2, Wide<T>& inverse) const {
+    inverse = select(r2 > tiny, inverse_root(r2 + tiny), Wide<T>::zero());
     return inverse * inverse * inverse;
   }
 };

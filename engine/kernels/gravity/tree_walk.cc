@@ -4,6 +4,7 @@
 #include <bit>
 #include <cmath>
 #include <cstring>
+#include <type_traits>
 
 #include "engine/kernels/gravity/far_sums.h"
 #include "engine/kernels/gravity/local_field.h"
@@ -133,18 +134,26 @@ float coarse_acceleration(const BodyTree& tree, const Place& place, float eps2) 
   return std::max(std::sqrt(x * x + y * y + z * z), kShare * sum(all));
 }
 
+template <class T, class Law>
+Law law_of(double eps) {
+  constexpr T kLeast = sizeof(T) == 4 ? T{kTiny} : T{kTiny64};
+  if constexpr (std::is_same_v<Law, NewtonLaw<T>>) return Law(kLeast);
+  if constexpr (std::is_same_v<Law, SplineLaw<T>>) return Law(eps, kLeast);
+  if constexpr (std::is_same_v<Law, PlummerLaw<T>>) return Law(eps);
+}
+
 /// One group's way through the tree. T: of the sums over bodies; nodes are summed in floats.
-template <class T, class BodyLaw, Sums kSums>
+template <class T, class BodyLaw, class NodeLaw, Sums kSums>
 class Walk {
  public:
-  Walk(const BodyTree& tree, const TreeSettings& settings, double eps)
+  /// `clear`: distance within which no node may be, eps: of the tree's lengths.
+  Walk(const BodyTree& tree, const TreeSettings& settings, double eps, double clear)
       : tree_(tree),
         settings_(settings),
         eps2_(static_cast<float>(eps * eps)),
-        clear_(settings.softening.kind == SofteningKind::spline ? static_cast<float>(kSplineSupport * eps)
-                                                                : 0),
-        body_law_(eps, static_cast<T>(sizeof(T) == 4 ? kTiny : kTiny64)),
-        node_law_(settings.softening.kind == SofteningKind::spline ? 0 : eps, kTiny) {}
+        clear_(static_cast<float>(clear)),
+        body_law_(law_of<T, BodyLaw>(eps)),
+        node_law_(law_of<float, NodeLaw>(eps)) {}
 
   TreeWork run(const BodyTree::Group& group, const TreeSums& out) {
     const Place at(tree_, group);
@@ -258,7 +267,7 @@ class Walk {
   const TreeSettings& settings_;
   float eps2_, clear_;
   BodyLaw body_law_;
-  PlummerLaw<float> node_law_;
+  NodeLaw node_law_;
   std::array<double, 3> center_{};
   GroupSums<T, BodyTree::kMostInGroup> near_;
   GroupSums<float, BodyTree::kMostInGroup> far_;
@@ -268,13 +277,15 @@ class Walk {
   LocalField local_;
 };
 
-template <class T, class BodyLaw, Sums kSums>
+template <class T, class BodyLaw, class NodeLaw, Sums kSums>
 void walk_every_group(const BodyTree& tree, const TreeSettings& settings, const TreeSums& out,
                       const ThreadArena& arena) {
   constexpr size_t kShare = 16;  // groups
   const double eps = settings.softening.length * tree.length_scale();
+  // Where the bodies' law differs from the nodes', it ends.
+  const double clear = std::is_same_v<BodyLaw, SplineLaw<T>> ? kSplineSupport * eps : 0;
   arena.for_blocks(tree.groups().size(), kShare, [&](size_t begin, size_t end) {
-    Walk<T, BodyLaw, kSums> walk(tree, settings, eps);
+    Walk<T, BodyLaw, NodeLaw, kSums> walk(tree, settings, eps, clear);
     for (size_t k = begin; k < end; ++k) {
       const TreeWork work = walk.run(tree.groups()[k], out);
       if (!out.work.empty()) out.work[k] = work;
@@ -282,23 +293,31 @@ void walk_every_group(const BodyTree& tree, const TreeSettings& settings, const 
   });
 }
 
-template <class T, class BodyLaw>
+template <class T, class BodyLaw, class NodeLaw>
 void walk_all(const BodyTree& tree, const TreeSettings& settings, const TreeSums& out,
               const ThreadArena& arena) {
-  if (out.p.empty()) return walk_every_group<T, BodyLaw, Sums::accelerations>(tree, settings, out, arena);
-  walk_every_group<T, BodyLaw, Sums::accelerations_and_potentials>(tree, settings, out, arena);
+  if (out.p.empty())
+    return walk_every_group<T, BodyLaw, NodeLaw, Sums::accelerations>(tree, settings, out, arena);
+  walk_every_group<T, BodyLaw, NodeLaw, Sums::accelerations_and_potentials>(tree, settings, out, arena);
 }
 
 }  // namespace
 
 void tree_sums(const BodyTree& tree, const TreeSettings& settings, const TreeSums& out,
                const ThreadArena& arena) {
-  // Without softening near bodies pull as hard as doubles can tell; softened ones are as exact in floats as
+  // Bodies that are hardly softened pull as hard as only doubles can tell; others are as exact in floats as
   // the nodes.
-  if (settings.softening.length == 0) return walk_all<double, PlummerLaw<double>>(tree, settings, out, arena);
-  if (settings.softening.kind == SofteningKind::spline)
-    return walk_all<float, SplineLaw<float>>(tree, settings, out, arena);
-  walk_all<float, PlummerLaw<float>>(tree, settings, out, arena);
+  constexpr double kSoft = 1e-5;
+  using enum SofteningKind;
+  const Softening& s = settings.softening;
+  const bool in_doubles = s.length * tree.length_scale() < kSoft;
+  if (s.length == 0) return walk_all<double, NewtonLaw<double>, NewtonLaw<float>>(tree, settings, out, arena);
+  if (s.kind == spline && in_doubles)
+    return walk_all<double, SplineLaw<double>, NewtonLaw<float>>(tree, settings, out, arena);
+  if (s.kind == spline)
+    return walk_all<float, SplineLaw<float>, NewtonLaw<float>>(tree, settings, out, arena);
+  if (in_doubles) return walk_all<double, PlummerLaw<double>, PlummerLaw<float>>(tree, settings, out, arena);
+  walk_all<float, PlummerLaw<float>, PlummerLaw<float>>(tree, settings, out, arena);
 }
 
 }  // namespace truestep::gravity
