@@ -126,7 +126,7 @@ std::span<const CatalogueRow> catalogue() {
        nbody::build_nbody,
        nbody::nbody_cost,
        {"all pairs: force to a few units of the last place, momentum to rounding",
-        "tree: force_error of an acceleration, root mean square over the bodies",
+        "tree: force_error of an acceleration, root mean square over the bodies; momentum to rounding",
         "bodies at one place do not attract each other", "the same bits on any number of threads"},
        "leapfrog",
        &nbody::nbody_outputs(),

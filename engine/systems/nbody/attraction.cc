@@ -18,6 +18,25 @@ std::span<const double> strengths(const State& s, Workspace& workspace) {
   return mu;
 }
 
+/// The tree's errors do not cancel between the two of a pair as forces do: what they add up to is taken from
+/// everybody alike, so that the centre of mass goes straight on.
+void remove_net_force(const gravity::Bodies& bodies, std::span<double> a, const ThreadArena& arena) {
+  const size_t n = bodies.size();
+  const auto total = [&](size_t component) {
+    return arena.sum_blocks(n, kBlockRows, [&](size_t begin, size_t end) {
+      double sum = 0;
+      for (size_t i = begin; i < end; ++i) sum += bodies.mu[i] * (component < 3 ? a[3 * i + component] : 1.0);
+      return sum;
+    });
+  };
+  const double mu = total(3);
+  if (!(mu > 0)) return;
+  const Vec3 mean{total(0) / mu, total(1) / mu, total(2) / mu};
+  arena.for_blocks(n, kBlockRows, [&](size_t begin, size_t end) {
+    for (size_t i = begin; i < end; ++i) store3(a.data(), i, load3(a.data(), i) - mean);
+  });
+}
+
 }  // namespace
 
 gravity::TreeSettings Attraction::settings(const State& s) const {
@@ -37,7 +56,8 @@ void Attraction::accelerations(const State& s, std::span<const double> x, std::s
   }
   auto& tree = workspace.object<gravity::BodyTree>("nbody.tree");
   tree.build(bodies, arena);
-  tree_sums(tree, how, {a, {}}, arena);
+  tree_sums(tree, how, {a}, arena);
+  remove_net_force(bodies, a, arena);
 }
 
 double Attraction::potential(const State& s, std::span<const double> x, Workspace& workspace,
