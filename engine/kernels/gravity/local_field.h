@@ -17,17 +17,17 @@ class LocalField {
     for (Lanes& t : terms_) t = Lanes::zero();
   }
 
-  template <class Law>
-  void add(const NodeSource& n, const Law& law) {
+  /// eps2: the softening's square.
+  void add(const NodeSource& n, float eps2) {
     const float numbers[kNumbers] = {n.x,    n.y,    n.z,    n.m,    n.s[0], n.s[1],
                                      n.s[2], n.s[3], n.s[4], n.s[5], n.s[6]};
     for (size_t k = 0; k < kNumbers; ++k) pending_[k].set(waiting_, numbers[k]);
-    if (++waiting_ == Lanes::kLanes) take_pending(law);
+    if (++waiting_ == Lanes::kLanes) take_pending(eps2);
   }
 
   /// The series at the places of a group's bodies, when all nodes have been added.
-  template <Sums kSums, size_t kMost, class Law>
-  void add_to(GroupSums<float, kMost>& g, const Law& law);
+  template <size_t kMost>
+  void add_to(GroupSums<float, kMost>& g, float eps2);
 
  private:
   using Lanes = Wide<float>;
@@ -55,21 +55,18 @@ class LocalField {
     zzz
   };
 
-  template <class Law>
-  void take_pending(const Law& law);
+  void take_pending(float eps2);
 
   std::array<Lanes, kNumbers> pending_;
   int waiting_ = 0;
   std::array<Lanes, kTerms> terms_;
 };
 
-template <class Law>
-void LocalField::take_pending(const Law& law) {
+inline void LocalField::take_pending(float eps2) {
   const auto c = [](float a) { return Lanes(a); };
   const auto& [sx, sy, sz, m, qxx, qxy, qxz, qyy, qyz, qzz, trace] = pending_;  // q = 3 S, trace = 3/2 tr S
-  Lanes inverse;
-  const Lanes w3 = law(madd(sx, sx, madd(sy, sy, sz * sz)), inverse), w2 = inverse * inverse, w5 = w3 * w2,
-              w7 = w5 * w2;
+  const Lanes r2 = madd(sx, sx, madd(sy, sy, sz * sz)) + c(eps2), inverse = c(1) / sqrt(r2),
+              w2 = inverse * inverse, w3 = w2 * inverse, w5 = w3 * w2, w7 = w5 * w2;
   const Lanes qx = madd(qxx, sx, madd(qxy, sy, qxz * sz)), qy = madd(qxy, sx, madd(qyy, sy, qyz * sz)),
               qz = madd(qxz, sx, madd(qyz, sy, qzz * sz)), q = madd(qx, sx, madd(qy, sy, qz * sz));
   auto& t = terms_;
@@ -90,14 +87,14 @@ void LocalField::take_pending(const Law& law) {
   waiting_ = 0;
 }
 
-template <Sums kSums, size_t kMost, class Law>
-void LocalField::add_to(GroupSums<float, kMost>& g, const Law& law) {
+template <size_t kMost>
+void LocalField::add_to(GroupSums<float, kMost>& g, float eps2) {
   if (waiting_ > 0) {  // filled up with nodes without mass
     for (int k = waiting_; k < Lanes::kLanes; ++k) {
       pending_[0].set(k, 1);
       for (size_t number = 1; number < kNumbers; ++number) pending_[number].set(k, 0);
     }
-    take_pending(law);
+    take_pending(eps2);
   }
   std::array<Lanes, kTerms> t;
   for (size_t k = 0; k < kTerms; ++k) {
@@ -120,13 +117,11 @@ void LocalField::add_to(GroupSums<float, kMost>& g, const Law& law) {
     far_detail::add(&g.ax[at], t[x] + row(t[xx] + hxx, t[xy] + hxy, t[xz] + hxz));
     far_detail::add(&g.ay[at], t[y] + row(t[xy] + hxy, t[yy] + hyy, t[yz] + hyz));
     far_detail::add(&g.az[at], t[z] + row(t[xz] + hxz, t[yz] + hyz, t[zz] + hzz));
-    if constexpr (kSums == Sums::accelerations_and_potentials) {
-      const auto second = [&](const Lanes& a, const Lanes& b) { return madd(a, half, b * Lanes(1.0f / 3)); };
-      const Lanes gx = row(second(t[xx], hxx), second(t[xy], hxy), second(t[xz], hxz)),
-                  gy = row(second(t[xy], hxy), second(t[yy], hyy), second(t[yz], hyz)),
-                  gz = row(second(t[xz], hxz), second(t[yz], hyz), second(t[zz], hzz));
-      far_detail::add(&g.p[at], t[l0] + madd(ux, t[x] + gx, madd(uy, t[y] + gy, uz * (t[z] + gz))));
-    }
+    const auto second = [&](const Lanes& a, const Lanes& b) { return madd(a, half, b * Lanes(1.0f / 3)); };
+    const Lanes gx = row(second(t[xx], hxx), second(t[xy], hxy), second(t[xz], hxz)),
+                gy = row(second(t[xy], hxy), second(t[yy], hyy), second(t[yz], hyz)),
+                gz = row(second(t[xz], hxz), second(t[yz], hyz), second(t[zz], hzz));
+    far_detail::add(&g.p[at], t[l0] + madd(ux, t[x] + gx, madd(uy, t[y] + gy, uz * (t[z] + gz))));
   }
 }
 

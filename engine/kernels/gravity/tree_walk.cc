@@ -4,7 +4,6 @@
 #include <bit>
 #include <cmath>
 #include <cstring>
-#include <type_traits>
 
 #include "engine/kernels/gravity/far_sums.h"
 #include "engine/kernels/gravity/local_field.h"
@@ -125,7 +124,7 @@ float coarse_acceleration(const BodyTree& tree, const Place& place, float eps2) 
       if (is_far) m.set(static_cast<int>(k), static_cast<float>(tree.center(first + k).m));
       if (!is_far) open.push(first + k);
     }
-    const Lanes inverse = inverse_root(d2 + r * r * Lanes(0.5f) + Lanes(eps2 + kTiny));
+    const Lanes inverse = Lanes(1) / sqrt(d2 + r * r * Lanes(0.5f) + Lanes(eps2 + kTiny));
     const Lanes w = inverse * inverse * inverse * m;
     ax = madd(w, x, ax), ay = madd(w, y, ay), az = madd(w, z, az), all = madd(w, sqrt(d2), all);
   }
@@ -134,36 +133,35 @@ float coarse_acceleration(const BodyTree& tree, const Place& place, float eps2) 
   return std::max(std::sqrt(x * x + y * y + z * z), kShare * sum(all));
 }
 
-template <class T, class Law>
-Law law_of(double eps) {
-  constexpr T kLeast = sizeof(T) == 4 ? T{kTiny} : T{kTiny64};
-  if constexpr (std::is_same_v<Law, NewtonLaw<T>>) return Law(kLeast);
-  if constexpr (std::is_same_v<Law, SplineLaw<T>>) return Law(eps, kLeast);
-  if constexpr (std::is_same_v<Law, PlummerLaw<T>>) return Law(eps);
-}
+/// What a way through the tree needs to know of its laws, in the tree's lengths.
+struct Laws {
+  const LawLoops& bodies;
+  const LawLoops& nodes;
+  double eps;    ///< of both; the nodes' is 0 where the bodies' law ends before them
+  double clear;  ///< distance within which no node may be
+  Sums sums;
+};
 
 /// One group's way through the tree. T: of the sums over bodies; nodes are summed in floats.
-template <class T, class BodyLaw, class NodeLaw, Sums kSums>
+template <class T>
 class Walk {
  public:
-  /// `clear`: distance within which no node may be, eps: of the tree's lengths.
-  Walk(const BodyTree& tree, const TreeSettings& settings, double eps, double clear)
+  Walk(const BodyTree& tree, const TreeSettings& settings, const Laws& laws)
       : tree_(tree),
         settings_(settings),
-        eps2_(static_cast<float>(eps * eps)),
-        clear_(static_cast<float>(clear)),
-        body_law_(law_of<T, BodyLaw>(eps)),
-        node_law_(law_of<float, NodeLaw>(eps)) {}
+        laws_(laws),
+        node_eps2_(static_cast<float>(laws.clear > 0 ? 0 : laws.eps * laws.eps)) {}
 
   TreeWork run(const BodyTree::Group& group, const TreeSums& out) {
     const Place at(tree_, group);
     center_ = at.center;
     place(near_, group), place(far_, group), local_.clear();
-    const double bearable = settings_.opening * static_cast<double>(coarse_acceleration(tree_, at, eps2_));
+    const double bearable = settings_.opening * static_cast<double>(coarse_acceleration(
+                                                    tree_, at, static_cast<float>(laws_.eps * laws_.eps)));
     descend({Lanes(center_[0]), Lanes(center_[1]), Lanes(center_[2]), Lanes(at.half[0]), Lanes(at.half[1]),
-             Lanes(at.half[2]), Lanes(at.radius), Lanes(bearable), clear_});
+             Lanes(at.half[2]), Lanes(at.radius), Lanes(bearable), static_cast<float>(laws_.clear)});
     sum_bodies(), sum_nodes();
-    local_.template add_to<kSums>(far_, node_law_);
+    local_.add_to(far_, node_eps2_ + kTiny);
     finish(group, out);
     const TreeWork work{static_cast<double>(met_bodies_), static_cast<double>(met_nodes_),
                         static_cast<double>(met_far_)};
@@ -208,20 +206,24 @@ class Walk {
     }
   }
 
+  NodeSource source(size_t node) const {
+    const auto& c = tree_.center(node);
+    NodeSource s{static_cast<float>(c.x - center_[0]),
+                 static_cast<float>(c.y - center_[1]),
+                 static_cast<float>(c.z - center_[2]),
+                 static_cast<float>(c.m),
+                 {}};
+    std::memcpy(s.s, tree_.moments(node).s.data(), sizeof s.s);
+    return s;
+  }
+
   void take_node(size_t node) {
     if (nodes_ == kPending) sum_nodes();
-    const auto& c = tree_.center(node);
-    NodeSource& s = node_sources_[nodes_++];
-    s.x = static_cast<float>(c.x - center_[0]), s.y = static_cast<float>(c.y - center_[1]);
-    s.z = static_cast<float>(c.z - center_[2]), s.m = static_cast<float>(c.m);
-    s.s = tree_.moments(node).s;
+    node_sources_[nodes_++] = source(node);
   }
 
   void take_far_node(size_t node) {
-    const auto& c = tree_.center(node);
-    local_.add({static_cast<float>(c.x - center_[0]), static_cast<float>(c.y - center_[1]),
-                static_cast<float>(c.z - center_[2]), static_cast<float>(c.m), tree_.moments(node).s},
-               node_law_);
+    local_.add(source(node), node_eps2_ + kTiny);
     ++met_far_;
   }
 
@@ -235,11 +237,17 @@ class Walk {
   }
 
   void sum_bodies() {
-    add_sources<kSums>(near_, body_sources_.data(), bodies_, body_law_);
+    const LawNumbers law{laws_.eps, sizeof(T) == 4 ? static_cast<double>(kTiny) : kTiny64};
+    if constexpr (sizeof(T) == 4) {
+      laws_.bodies.bodies.of(laws_.sums)(near_.columns(), body_sources_.data(), bodies_, law);
+    } else {
+      laws_.bodies.near_bodies.of(laws_.sums)(near_.columns(), body_sources_.data(), bodies_, law);
+    }
     met_bodies_ += bodies_, bodies_ = 0;
   }
   void sum_nodes() {
-    add_sources<kSums>(far_, node_sources_.data(), nodes_, node_law_);
+    laws_.nodes.nodes.of(laws_.sums)(far_.columns(), node_sources_.data(), nodes_,
+                                     {laws_.eps, static_cast<double>(kTiny)});
     met_nodes_ += nodes_, nodes_ = 0;
   }
 
@@ -254,20 +262,17 @@ class Walk {
       out.a[3 * row] = force * sum(near_.ax, far_.ax);
       out.a[3 * row + 1] = force * sum(near_.ay, far_.ay);
       out.a[3 * row + 2] = force * sum(near_.az, far_.az);
-      if constexpr (kSums == Sums::accelerations) continue;
-      // The group's bodies have met themselves at distance 0.
-      Wide<T> own;
-      body_law_(Wide<T>::zero(), own);
-      const auto m = static_cast<T>(tree_.point(group.begin + i).m);
-      out.p[row] = potential * (sum(near_.p, far_.p) - static_cast<double>(own[0] * m));
+      if (laws_.sums == Sums::accelerations) continue;
+      // The group's bodies have met themselves at distance 0, where every softening is as deep.
+      const double own = laws_.eps > 0 ? tree_.point(group.begin + i).m / laws_.eps : 0;
+      out.p[row] = potential * (sum(near_.p, far_.p) - own);
     }
   }
 
   const BodyTree& tree_;
   const TreeSettings& settings_;
-  float eps2_, clear_;
-  BodyLaw body_law_;
-  NodeLaw node_law_;
+  const Laws& laws_;
+  float node_eps2_;
   std::array<double, 3> center_{};
   GroupSums<T, BodyTree::kMostInGroup> near_;
   GroupSums<float, BodyTree::kMostInGroup> far_;
@@ -277,28 +282,23 @@ class Walk {
   LocalField local_;
 };
 
-template <class T, class BodyLaw, class NodeLaw, Sums kSums>
+template <class T>
 void walk_every_group(const BodyTree& tree, const TreeSettings& settings, const TreeSums& out,
                       const ThreadArena& arena) {
   constexpr size_t kShare = 16;  // groups
+  const PairLoops& all = pair_loops();
+  const bool ends = settings.softening.kind == SofteningKind::spline && settings.softening.length > 0;
   const double eps = settings.softening.length * tree.length_scale();
-  // Where the bodies' law differs from the nodes', it ends.
-  const double clear = std::is_same_v<BodyLaw, SplineLaw<T>> ? kSplineSupport * eps : 0;
+  const Laws laws{settings.softening.loops(all), ends ? all.newton : settings.softening.loops(all), eps,
+                  ends ? kSplineSupport * eps : 0,
+                  out.p.empty() ? Sums::accelerations : Sums::accelerations_and_potentials};
   arena.for_blocks(tree.groups().size(), kShare, [&](size_t begin, size_t end) {
-    Walk<T, BodyLaw, NodeLaw, kSums> walk(tree, settings, eps, clear);
+    Walk<T> walk(tree, settings, laws);
     for (size_t k = begin; k < end; ++k) {
       const TreeWork work = walk.run(tree.groups()[k], out);
       if (!out.work.empty()) out.work[k] = work;
     }
   });
-}
-
-template <class T, class BodyLaw, class NodeLaw>
-void walk_all(const BodyTree& tree, const TreeSettings& settings, const TreeSums& out,
-              const ThreadArena& arena) {
-  if (out.p.empty())
-    return walk_every_group<T, BodyLaw, NodeLaw, Sums::accelerations>(tree, settings, out, arena);
-  walk_every_group<T, BodyLaw, NodeLaw, Sums::accelerations_and_potentials>(tree, settings, out, arena);
 }
 
 }  // namespace
@@ -308,16 +308,11 @@ void tree_sums(const BodyTree& tree, const TreeSettings& settings, const TreeSum
   // Bodies that are hardly softened pull as hard as only doubles can tell; others are as exact in floats as
   // the nodes.
   constexpr double kSoft = 1e-5;
-  using enum SofteningKind;
-  const Softening& s = settings.softening;
-  const bool in_doubles = s.length * tree.length_scale() < kSoft;
-  if (s.length == 0) return walk_all<double, NewtonLaw<double>, NewtonLaw<float>>(tree, settings, out, arena);
-  if (s.kind == spline && in_doubles)
-    return walk_all<double, SplineLaw<double>, NewtonLaw<float>>(tree, settings, out, arena);
-  if (s.kind == spline)
-    return walk_all<float, SplineLaw<float>, NewtonLaw<float>>(tree, settings, out, arena);
-  if (in_doubles) return walk_all<double, PlummerLaw<double>, PlummerLaw<float>>(tree, settings, out, arena);
-  walk_all<float, PlummerLaw<float>, PlummerLaw<float>>(tree, settings, out, arena);
+  if (settings.softening.length * tree.length_scale() < kSoft) {
+    walk_every_group<double>(tree, settings, out, arena);
+  } else {
+    walk_every_group<float>(tree, settings, out, arena);
+  }
 }
 
 }  // namespace truestep::gravity

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 
 #include "engine/base/short_number.h"
 
@@ -23,11 +24,12 @@ std::span<const double> strengths(const State& s, Workspace& workspace) {
 void remove_net_force(const gravity::Bodies& bodies, std::span<double> a, const ThreadArena& arena) {
   const size_t n = bodies.size();
   const auto total = [&](size_t component) {
-    return arena.sum_blocks(n, kBlockRows, [&](size_t begin, size_t end) {
+    const auto block = [&](size_t begin, size_t end) {
       double sum = 0;
       for (size_t i = begin; i < end; ++i) sum += bodies.mu[i] * (component < 3 ? a[3 * i + component] : 1.0);
       return sum;
-    });
+    };
+    return arena.sum_blocks(n, kBlockRows, std::ref(block));  // by reference: nothing to allocate
   };
   const double mu = total(3);
   if (!(mu > 0)) return;
