@@ -10,9 +10,6 @@ namespace truestep::nbody {
 namespace {
 
 constexpr const char* kBefore = "nbody.before";
-/// Few bodies are planets or the like: what counts is where they are, and near passages need short steps.
-constexpr size_t kFewBodies = 32;
-
 /// m: seen from where everything is in the picture, a dot. Most bodies decide, not the farthest.
 double dot_radius(const State& s) {
   const auto x = s.f64(Columns::position);

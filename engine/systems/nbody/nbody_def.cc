@@ -212,7 +212,7 @@ double direct_seconds(const NbodyDef& d, double n) {
 double tree_seconds(const NbodyDef& d, double n) {
   // A body meets some 250 more for every ten times as many, and (1/error)^0.6.
   const double met = (400 + 140 * std::log10(std::max(n, 1e3) / 1e3)) * std::pow(2e-3 / d.force_error, 0.6);
-  return n * (5e-8 + 1.6e-9 * std::min(met, 0.8 * n) * (d.softening > 0 ? 1 : 1.4));
+  return n * (5e-8 + 1.25e-9 * std::min(met, 0.8 * n) * (d.softening > 0 ? 1 : 1.4));
 }
 
 }  // namespace
@@ -231,7 +231,12 @@ Cost nbody_cost(const void* def) {
   c.state_bytes = n * 80 + 2e3;
   c.workspace_bytes = n * (direct ? 60 + 24 * std::clamp(n / 256, 1.0, 8.0) : 280);
   c.elements = n;
-  c.seconds_per_step = 1e-6 + n * 6e-9 + (direct ? direct_seconds(d, n) : tree_seconds(d, n));
+  if (d.collisions) c.workspace_bytes += 130 * n;
+  // ias15 has seven stages, which it goes through two or three times.
+  const bool by_itself = d.integrator.empty() && body_count(d) <= kFewBodies;
+  const double evaluations = by_itself || d.integrator == "ias15" ? 20 : 1;
+  if (evaluations > 1) c.state_bytes += 400 * n;
+  c.seconds_per_step = 1e-6 + evaluations * (n * 1e-8 + (direct ? direct_seconds(d, n) : tree_seconds(d, n)));
   return c;
 }
 

@@ -82,6 +82,8 @@ struct NbodyDef : IntegratorParams {
 };
 
 inline constexpr int64_t kMostBodies = 4'000'000;
+/// Few bodies are planets or the like: what counts is where they are, and near passages need short steps.
+inline constexpr size_t kFewBodies = 32;
 
 const DefTable& nbody_table();
 const Outputs& nbody_outputs();
