@@ -11,6 +11,7 @@
 #include "engine/systems/keyframes/keyframes.h"
 #include "engine/systems/mass_spring/mass_spring.h"
 #include "engine/systems/mpm/mpm.h"
+#include "engine/systems/nbody/nbody.h"
 #include "engine/systems/ode/ode.h"
 #include "engine/systems/oscillator/oscillator.h"
 #include "engine/systems/particles/particles.h"
@@ -118,6 +119,18 @@ std::span<const CatalogueRow> catalogue() {
         "no point passes a collider, however thin or fast", "points at rest stay at rest to the bit"},
        "leapfrog",
        &particles::particles_outputs()},
+      {"nbody",
+       "points",
+       "bodies that attract each other: planets, star clusters, galaxies, rings, with collisions",
+       &nbody::nbody_table(),
+       nbody::build_nbody,
+       nbody::nbody_cost,
+       {"all pairs: force to a few units of the last place, momentum to rounding",
+        "tree: force_error of an acceleration, root mean square over the bodies; momentum to rounding",
+        "bodies at one place do not attract each other", "the same bits on any number of threads"},
+       "leapfrog",
+       &nbody::nbody_outputs(),
+       1e13},
       {"flocking",
        "points",
        "flocks, schools and herds that steer by their neighbours, after Reynolds, Vicsek or Cucker and Smale",

@@ -16,6 +16,7 @@
 #include "engine/systems/xpbd/xpbd.h"
 #include "tests/support/field_run.h"
 #include "tests/support/grid_flow.h"
+#include "tests/support/nbody_run.h"
 #include "tests/support/shallow_run.h"
 #include "tests/unit/sph_rig.h"
 
@@ -256,6 +257,20 @@ TEST(Allocation, LiquidsAtRestAndBodiesInThemAllocateNothing) {
     for (int k = 0; k < 10; ++k) step();
     EXPECT_EQ(allocations - before, 0u) << static_cast<int>(solver);
     EXPECT_NE(bodies[0].impulse.y, 0) << "control: the ball is in the water";
+  }
+}
+
+TEST(Allocation, StepsOfBodiesAllocateNothingAfterTheFirst) {
+  for (const nbody::Method method : {nbody::Method::direct, nbody::Method::tree}) {
+    nbody::NbodyDef d = testing_rig::model_units();
+    d.groups = {nbody::PlummerDef{.count = 2000}};
+    d.softening = 0.05, d.radius = 1e-3, d.method = method;
+    d.collisions = nbody::CollisionsDef{nbody::Response::bounce, 0.5};
+    testing_rig::NbodyRun run(d, 0.02);
+    run.step(3);
+    const uint64_t before = allocations;
+    run.step(10);
+    EXPECT_EQ(allocations - before, 0u) << static_cast<int>(method);
   }
 }
 

@@ -22,6 +22,7 @@ const chapters: [string, RegExp][] = [
   ["Rigid bodies", /^rigid bodies$/],
   ["Rigid bodies in the plane", /^rigid2d$/],
   ["Animation", /^animation$/],
+  ["Stars and planets", /^gravity$/],
   ["Flocks", /^flocking$/],
   ["Particles", /^particles$/],
   ["Fluids", /^fluid$/],

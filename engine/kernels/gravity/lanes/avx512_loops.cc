@@ -1,0 +1,21 @@
+// The loops for processors with AVX-512; this file alone is compiled for them. It includes nothing that could
+// leave a function behind which others call too.
+#include <immintrin.h>
+
+#include "engine/kernels/gravity/lanes/pair_kernels.h"
+
+namespace truestep::gravity {
+
+namespace avx512 {
+namespace {
+#include "engine/kernels/gravity/lanes/lanes_avx512.h"
+#include "engine/kernels/gravity/lanes/pair_loops.h"
+}  // namespace
+}  // namespace avx512
+
+const PairLoops& avx512_pair_loops();
+const PairLoops& avx512_pair_loops() {
+  return avx512::kLoops;
+}
+
+}  // namespace truestep::gravity

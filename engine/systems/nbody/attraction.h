@@ -1,0 +1,34 @@
+// Accelerations and potential of all bodies by whichever way the def asks for: all pairs, or a tree.
+#pragma once
+#include <vector>
+
+#include "engine/core/workspace.h"
+#include "engine/kernels/gravity/tree_walk.h"
+#include "engine/systems/nbody/groups.h"
+
+namespace truestep::nbody {
+
+class Attraction {
+ public:
+  explicit Attraction(const NbodyDef& def) : def_(def) {}
+
+  /// a (n x 3, m/s^2) of bodies at x (n x 3, m).
+  void accelerations(const State& s, std::span<const double> x, std::span<double> a, Workspace& workspace,
+                     const ThreadArena& arena) const;
+  /// J; with the tree to the error of its sums.
+  double potential(const State& s, std::span<const double> x, Workspace& workspace,
+                   const ThreadArena& arena) const;
+  /// Why n bodies are summed as they are, for the plan.
+  std::string reason(size_t n) const;
+
+ private:
+  struct Problem;
+  gravity::TreeSettings settings(const State& s) const;
+
+  NbodyDef def_;
+};
+
+/// m/s^2, of bodies among themselves.
+std::vector<Vec3> attraction_at_start(const std::vector<Body>& bodies, const NbodyDef& def);
+
+}  // namespace truestep::nbody

@@ -1,0 +1,110 @@
+#include "engine/systems/nbody/nbody.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "engine/systems/nbody/collisions.h"
+
+namespace truestep::nbody {
+
+namespace {
+
+constexpr const char* kBefore = "nbody.before";
+/// m: seen from where everything is in the picture, a dot. Most bodies decide, not the farthest.
+double dot_radius(const State& s) {
+  const auto x = s.f64(Columns::position);
+  const size_t n = x.size() / 3;
+  Vec3 middle;
+  for (size_t i = 0; i < n; ++i) middle += load3(x.data(), i) / static_cast<double>(n);
+  std::vector<double> r;
+  for (size_t i = 0; i < n; ++i) r.push_back(norm(load3(x.data(), i) - middle));
+  std::nth_element(r.begin(), r.begin() + static_cast<ptrdiff_t>(9 * (n - 1) / 10), r.end());
+  const double reach = r[9 * (n - 1) / 10];
+  return (reach > 0 ? reach : 1) * (n <= kFewBodies ? 0.03 : n <= 1000 ? 0.012 : 0.006);
+}
+
+}  // namespace
+
+Nbody::Nbody(std::unique_ptr<const NbodyField> field, const ChosenMethod& method, const NbodyDef& def)
+    : ForceSystem(std::move(field), method.row, def.choice().options),
+      bodies_(static_cast<const NbodyField&>(force_field())),
+      draw_radius_(def.draw_radius.value_or(dot_radius(bodies_.initial_state()))) {
+  auto& fields = main_part().fields;
+  fields.push_back({"speed", "m/s"});
+  fields.push_back({"mass", "kg"});
+  fields.push_back({"id", "1", Scalar::u64});
+  plan_stages(method.why);
+}
+
+std::unique_ptr<const Nbody> Nbody::make(const NbodyDef& def, const BuildContext& context) {
+  auto field = std::make_unique<const NbodyField>(def, context.seed);
+  const bool few = body_count(def) <= kFewBodies;
+  const ChosenMethod method =
+      settle_method(def.choice(), {.usual = few ? "ias15" : "leapfrog"}, *field, context.dt);
+  return std::unique_ptr<const Nbody>(new Nbody(std::move(field), method, def));
+}
+
+void Nbody::plan_stages(const std::string& why_this_method) {
+  const NbodyDef& d = bodies_.def();
+  const std::string sums = bodies_.attraction().reason(main_part().max_rows);
+  if (d.collisions) {
+    add_stage("remember", "collisions need the step's start", [](State& s, const StepInput& in) {
+      const auto x = s.f64(Columns::position);
+      std::copy(x.begin(), x.end(), in.workspace.doubles(kBefore, x.size()).begin());
+    });
+  }
+  add_integration_stage(why_this_method.empty() ? sums : why_this_method + "; " + sums);
+  if (d.collisions) {
+    add_stage("collisions", "given", [this](State& s, const StepInput& in) {
+      const size_t n = 3 * s.rows(Columns::position);
+      collide(s, *bodies_.def().collisions, in.workspace.doubles(kBefore, n).first(n), in.h, in.workspace);
+    });
+  } else {
+    skip_stage("collisions", "none given: bodies pass through each other");
+  }
+  add_stage("hands", "pushes whose time is over", [](State& s, const StepInput& in) {
+    Columns::kHands.count_down(s, in.h, [&](uint64_t id) { return row_of(s, id).has_value(); });
+  });
+}
+
+FieldView Nbody::field(const State& s, size_t part, size_t which, std::vector<double>& scratch) const {
+  if (which < 2) return ForceSystem::field(s, part, which, scratch);
+  const size_t n = s.rows(Columns::position);
+  if (which == 3) return {s.bytes(Columns::mass).data(), Scalar::f64, n, 1};
+  if (which == 4) return {s.bytes(Columns::id).data(), Scalar::u64, n, 1};
+  scratch.resize(n);
+  const double* v = s.f64(Columns::velocity).data();
+  for (size_t i = 0; i < n; ++i) scratch[i] = norm(load3(v, i));
+  return {scratch.data(), Scalar::f64, n, 1};
+}
+
+void Nbody::check(StateCheck& check, double) const {
+  check.together(Columns::position, Columns::per_body_end, parts()[0].max_rows)
+      .together({Columns::push_id, Columns::push_force, Columns::push_remaining})
+      .together({Columns::drag_id, Columns::drag_target, Columns::drag_stiffness});
+}
+
+void Nbody::draw(const State&, double, Wish wishes, Drawing& out) const {
+  if (!wants(wishes, Wish::constant)) return;
+  const NbodyDef& d = bodies_.def();
+  PartDrawing& t = out.parts.emplace_back();
+  t.point_radius = draw_radius_;
+  if (d.color) t.color = {d.color->x, d.color->y, d.color->z};
+}
+
+std::vector<std::string> Nbody::remedies() const {
+  std::vector<std::string> out{"a shorter step, or ias15, which finds its own"};
+  if (bodies_.def().softening == 0) out.push_back("softening, if the bodies stand for many");
+  return out;
+}
+
+Energy::Exchange Nbody::exchange(const State& s) const {
+  return bodies_.def().collisions || Columns::kHands.any(s) ? Energy::Exchange::open
+                                                            : Energy::Exchange::closed;
+}
+
+std::unique_ptr<const System> build_nbody(const void* def, const BuildContext& context) {
+  return Nbody::make(*static_cast<const NbodyDef*>(def), context);
+}
+
+}  // namespace truestep::nbody

@@ -1,0 +1,37 @@
+// The system type "nbody": bodies that attract each other (nbody_field.h), advanced by any explicit method,
+// then collisions. Commands: push, impulse, drag, release, set_parameter (gravitational_constant, softening).
+#pragma once
+#include "engine/core/force_system.h"
+#include "engine/integrators/table/default_method.h"
+#include "engine/systems/nbody/nbody_field.h"
+
+namespace truestep::nbody {
+
+class Nbody final : public ForceSystem {
+ public:
+  /// Error "scene_invalid" when the integrator is unknown or does not fit.
+  static std::unique_ptr<const Nbody> make(const NbodyDef& def, const BuildContext& context);
+
+  /// Besides the energies: momentum and angular_momentum .x/y/z, center .x/y/z, virial_ratio,
+  /// half_mass_radius, count, collisions.
+  void observe(const State& state, double t, Observables& out) const override;
+  /// position, velocity, speed (m/s), mass (kg), id.
+  FieldView field(const State& state, size_t part, size_t field, std::vector<double>& scratch) const override;
+  void check(StateCheck& check, double t) const override;
+  void apply(State& state, const Command& command) const override;
+  void draw(const State& state, double t, Wish wishes, Drawing& out) const override;
+  std::vector<std::string> remedies() const override;
+  /// Open where bodies collide and while hands hold them.
+  Energy::Exchange exchange(const State& state) const override;
+
+ private:
+  Nbody(std::unique_ptr<const NbodyField> field, const ChosenMethod& method, const NbodyDef& def);
+  void plan_stages(const std::string& why_this_method);
+
+  const NbodyField& bodies_;
+  double draw_radius_;
+};
+
+std::unique_ptr<const System> build_nbody(const void* def, const BuildContext& context);
+
+}  // namespace truestep::nbody

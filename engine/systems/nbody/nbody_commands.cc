@@ -1,0 +1,70 @@
+// What commands do to bodies; errors name the member of the command that is wrong. A body named by its row is
+// remembered by its id, since rows move when bodies merge.
+#include "engine/core/command_checks.h"
+#include "engine/systems/nbody/nbody.h"
+
+namespace truestep::nbody {
+
+namespace {
+
+/// Row of the command's body, which a force can move.
+size_t massive_row(const State& s, const Command& c) {
+  const size_t i = checked_command_row(c, s.rows(Columns::position), "body");
+  if (!(s.f64(Columns::mass)[i] > 0)) {
+    refuse_command("index", "massless",
+                   "body " + std::to_string(i) + " has no mass, so that no force moves it",
+                   "a body with a mass");
+  }
+  return i;
+}
+
+uint64_t id_of(const State& s, size_t row) {
+  return s.span<uint64_t>(Columns::id)[row];
+}
+
+void set_parameter(State& s, const Command& c) {
+  const bool constant = c.name == "gravitational_constant";
+  if (!constant && c.name != "softening") {
+    refuse_command("name", "unknown_parameter", "there is no parameter \"" + c.name + "\" to set",
+                   "gravitational_constant, softening");
+  }
+  if (c.value < 0) refuse_command("value", "out_of_range", c.name + " must be at least 0", "at least 0");
+  const Parameter place = constant ? Parameter::gravitational_constant : Parameter::softening;
+  s.f64(Columns::parameters)[static_cast<size_t>(place)] = c.value;
+}
+
+}  // namespace
+
+void Nbody::apply(State& s, const Command& c) const {
+  check_command_numbers(c);
+  refuse_place(c, "body");
+  switch (c.kind) {
+    case CommandKind::push:
+      return Columns::kHands.add_push(s, {id_of(s, massive_row(s, c)), c.vector, {}}, c.duration);
+    case CommandKind::impulse: {
+      const size_t i = massive_row(s, c);
+      double* v = s.f64(Columns::velocity).data();
+      return store3(v, i, load3(v, i) + c.vector / s.f64(Columns::mass)[i]);
+    }
+    case CommandKind::drag: {
+      const size_t i = massive_row(s, c);
+      if (c.value < 0) refuse_command("value", "out_of_range", "the stiffness must be at least 0");
+      if (c.value == 0) {
+        // What nature's own scale of time is here nobody can say from outside.
+        refuse_command("value", "missing", "a drag of a body needs its stiffness", "N/m, above 0");
+      }
+      return Columns::kHands.set_drag(s, id_of(s, i), c.vector, c.value, std::nullopt);
+    }
+    case CommandKind::release:
+      return Columns::kHands.release(
+          s, c.index == -1 ? std::nullopt : std::optional(id_of(s, massive_row(s, c))));
+    case CommandKind::set_parameter:
+      return set_parameter(s, c);
+    default:
+      break;
+  }
+  refuse_command("kind", "unsupported_command", "bodies can be pushed, hit, dragged and released",
+                 "push, impulse, drag, release, set_parameter");
+}
+
+}  // namespace truestep::nbody

@@ -1,0 +1,54 @@
+#include "engine/systems/nbody/nbody_field.h"
+
+#include <cmath>
+
+namespace truestep::nbody {
+
+NbodyField::NbodyField(const NbodyDef& def, uint64_t seed)
+    : def_(def),
+      attraction_(def),
+      start_(nbody_state(bodies_at_start(def, seed), def.gravitational_constant, def.softening)) {
+  // Only the numbers are needed from here on.
+  for (auto* list : {&def_.positions, &def_.velocities}) list->clear(), list->shrink_to_fit();
+}
+
+Dependence NbodyField::dependence() const {
+  // A drag is damped, but it is a person's hand: no method is refused for it.
+  return Dependence::position;
+}
+
+void NbodyField::acceleration(const Phase& at, std::span<double> a, Evaluation& e) const {
+  const State& s = at.state;
+  attraction_.accelerations(s, at.x, a, e.workspace, e.arena);
+  const auto mass = s.f64(Columns::mass);
+  const auto add = [&](size_t i, const Vec3& force) {
+    store3(a.data(), i, load3(a.data(), i) + force / mass[i]);
+  };
+  for (size_t k = 0; k < Columns::kHands.pushes(s); ++k) {
+    const UserForces::Push p = Columns::kHands.push(s, k);
+    if (const auto i = row_of(s, p.who)) add(*i, p.force);
+  }
+  for (size_t k = 0; k < Columns::kHands.drags(s); ++k) {
+    const UserForces::Drag d = Columns::kHands.drag(s, k);
+    const auto i = row_of(s, d.who);
+    if (!i) continue;
+    // Critically damped, so that the body follows the hand without swinging.
+    add(*i, (d.target - load3(at.x.data(), *i)) * d.stiffness -
+                (at.v.empty() ? Vec3{} : load3(at.v.data(), *i)) * (2 * std::sqrt(d.stiffness * mass[*i])));
+  }
+}
+
+std::optional<double> NbodyField::potential(const Phase& at, Evaluation& e) const {
+  return attraction_.potential(at.state, at.x, e.workspace, e.arena);
+}
+
+double NbodyField::kinetic(const Phase& at, Evaluation& e) const {
+  const double* mass = at.state.f64(Columns::mass).data();
+  return e.arena.sum_blocks(at.v.size() / 3, kBlockRows, [&](size_t begin, size_t end) {
+    double sum = 0;
+    for (size_t i = begin; i < end; ++i) sum += 0.5 * mass[i] * norm2(load3(at.v.data(), i));
+    return sum;
+  });
+}
+
+}  // namespace truestep::nbody

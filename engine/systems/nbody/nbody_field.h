@@ -1,0 +1,30 @@
+// Newton's attraction of bodies and what hands do to them:
+//   x_i'' = G sum_j m_j (x_j - x_i) w(|x_j - x_i|) + pushes and drags,   V = -G sum_{i<j} m_i m_j p(|x_i -
+//   x_j|)
+// with w, p of kernels/gravity/softening.h.
+#pragma once
+#include "engine/core/force_field.h"
+#include "engine/systems/nbody/attraction.h"
+
+namespace truestep::nbody {
+
+class NbodyField final : public ForceField {
+ public:
+  NbodyField(const NbodyDef& def, uint64_t seed);
+
+  State initial_state() const override { return start_; }
+  void acceleration(const Phase& at, std::span<double> a, Evaluation& e) const override;
+  Dependence dependence() const override;
+  std::optional<double> potential(const Phase& at, Evaluation& e) const override;
+  double kinetic(const Phase& at, Evaluation& e) const override;
+
+  const NbodyDef& def() const { return def_; }
+  const Attraction& attraction() const { return attraction_; }
+
+ private:
+  NbodyDef def_;
+  Attraction attraction_;
+  State start_;
+};
+
+}  // namespace truestep::nbody

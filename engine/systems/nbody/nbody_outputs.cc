@@ -1,0 +1,36 @@
+// What the system type "nbody" gives out, in words.
+#include "engine/systems/nbody/nbody_def.h"
+
+namespace truestep::nbody {
+
+const Outputs& nbody_outputs() {
+  static const Outputs kOutputs{
+      .rows =
+          "a body, those of positions first, then those of the groups; rows of bodies that merge with others "
+          "are closed up (id "
+          "tells them apart)",
+      .fields = {{"position", "m", 3, ""},
+                 {"velocity", "m/s", 3, ""},
+                 {"speed", "m/s", 1, "magnitude of the velocity"},
+                 {"mass", "kg", 1, ""},
+                 {"id", "1", 1, "row at t = 0"}},
+      .observables = {{"energy.kinetic", "J", "of motion"},
+                      {"energy.potential", "J", "of the bodies' attraction, negative"},
+                      {"energy.total", "J", "their sum"},
+                      {"momentum.x", "kg m/s", ""},
+                      {"momentum.y", "kg m/s", ""},
+                      {"momentum.z", "kg m/s", ""},
+                      {"angular_momentum.x", "kg m^2/s", "about the origin"},
+                      {"angular_momentum.y", "kg m^2/s", ""},
+                      {"angular_momentum.z", "kg m^2/s", ""},
+                      {"center.x", "m", "centre of mass"},
+                      {"center.y", "m", ""},
+                      {"center.z", "m", ""},
+                      {"virial_ratio", "1", "2 K / |W|: 1 in balance"},
+                      {"half_mass_radius", "m", "around the centre of mass"},
+                      {"count", "1", "bodies that there are"},
+                      {"collisions", "1", "touches so far"}}};
+  return kOutputs;
+}
+
+}  // namespace truestep::nbody

@@ -1,0 +1,45 @@
+// Bodies come out with the same bits on any number of threads, without a workspace, and from a copy of a
+// state.
+#include "tests/support/nbody_run.h"
+
+namespace truestep::nbody {
+namespace {
+
+using testing_rig::model_units;
+using testing_rig::NbodyRun;
+
+NbodyDef cluster(Method method) {
+  NbodyDef d = model_units();
+  d.groups = {PlummerDef{.count = 3000}};
+  d.softening = 0.02, d.method = method;
+  if (method == Method::tree) d.radius = 0.004, d.collisions = CollisionsDef{};
+  return d;
+}
+
+TEST(NbodyDeterminism, AnyNumberOfThreadsGivesTheSameBits) {
+  for (const Method method : {Method::direct, Method::tree}) {
+    NbodyRun one(cluster(method), 0.01, 1), four(cluster(method), 0.01, 4), other(cluster(method), 0.0101, 1);
+    one.step(5), four.step(5), other.step(5);
+    EXPECT_EQ(one.state.hash(), four.state.hash());
+    EXPECT_NE(one.state.hash(), other.state.hash());
+  }
+}
+
+TEST(NbodyDeterminism, AStateIsAllThatAStepNeeds) {
+  for (const Method method : {Method::direct, Method::tree}) {
+    NbodyRun run(cluster(method), 0.01), copy(cluster(method), 0.01);
+    run.step(5);
+    copy.state = State::deserialize(run.state.serialize()), copy.steps = run.steps;
+    for (int k = 0; k < 5; ++k) {
+      run.workspace.clear();
+      run.step(), copy.step();
+    }
+    EXPECT_EQ(run.state.hash(), copy.state.hash());
+    if (method == Method::tree) {
+      EXPECT_GT(run.observe("collisions"), 0);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace truestep::nbody

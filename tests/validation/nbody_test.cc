@@ -1,0 +1,154 @@
+// Bodies beside published and closed solutions: the figure-eight, the outer planets, Plummer's sphere and the
+// cold collapse of a ball (reference cases ode.figure8 and nbody.*).
+#include "tests/support/nbody_run.h"
+
+namespace truestep::nbody {
+namespace {
+
+using testing_rig::model_units;
+using testing_rig::NbodyRun;
+using testing_rig::spiral_plummer;
+
+constexpr double kPeriod = 6.32591398292621167758900033397;
+
+/// Largest distance of a body from where it started, after a period of the figure-eight in `steps` steps.
+double closure(const char* method, double tolerance, uint64_t steps) {
+  constexpr double p = 0.34711688811892693824277692032, q = 0.532724945388030229262027987692;
+  NbodyDef d = model_units();
+  d.positions = {{-1, 0, 0}, {1, 0, 0}, {0, 0, 0}};
+  d.velocities = {{p, q, 0}, {p, q, 0}, {-2 * p, -2 * q, 0}};
+  d.integrator = method;
+  if (tolerance > 0) d.tolerance = tolerance;
+  NbodyRun run(d, kPeriod / static_cast<double>(steps));
+  run.step(steps);
+  double worst = 0;
+  for (size_t i = 0; i < 3; ++i) worst = std::max(worst, norm(run.x(i) - d.positions[i]));
+  return worst;
+}
+
+TEST(NbodyValidation, TheFigureEightCloses) {
+  // The case: 1e-9 at a tolerance of 1e-12, good codes 1e-13.
+  EXPECT_LT(closure("ias15", 0, 10), 1e-13);
+  EXPECT_LT(closure("dop853", 1e-12, 10), 1e-9);
+  // Control: leapfrog with 200 steps does not, its error goes as h^2.
+  const double coarse = closure("leapfrog", 0, 200), fine = closure("leapfrog", 0, 400);
+  EXPECT_GT(coarse, 1e-5);
+  EXPECT_NEAR(std::log2(coarse / fine), 2, 0.2);
+}
+
+NbodyDef outer_planets() {
+  NbodyDef d;
+  d.gravitational_constant = 0.000295912208286;  // AU^3 / (Msun day^2)
+  d.masses = {1.00000597682,     0.000954786104043, 0.000285583733151,
+              4.37273164546e-05, 5.17759138449e-05, 1 / 1.3e8};
+  d.positions = {{0, 0, 0},
+                 {-3.5023653, -3.8169847, -1.5507963},
+                 {9.0755314, -3.0458353, -1.6483708},
+                 {8.310142, -16.2901086, -7.2521278},
+                 {11.4707666, -25.7294829, -10.8169456},
+                 {-15.5387357, -25.2225594, -3.1902382}};
+  d.velocities = {{0, 0, 0},
+                  {0.00565429, -0.0041249, -0.00190589},
+                  {0.00168318, 0.00483525, 0.00192462},
+                  {0.00354178, 0.00137102, 0.00055029},
+                  {0.0028893, 0.00114527, 0.00039677},
+                  {0.00276725, -0.00170702, -0.00136504}};
+  return d;
+}
+
+TEST(NbodyValidation, TheOuterPlanetsAfter200000Days) {
+  const Vec3 reference[] = {{1.23584254235460873, -0.489943821144274976, -0.24610536181432131},
+                            {2.61107957011286336, -5.07952549678798696, -2.24472067785305724},
+                            {-7.66913624739130926, -4.0520522454878258, -1.33111566971138147},
+                            {-5.82474394984774333, 15.3371737535725234, 6.78246340991760849},
+                            {20.6639802475150218, 20.5829560424598647, 7.89479541474820209},
+                            {36.5669506988226044, -13.7676844012596253, -15.0434692218232635}};
+  const auto fault = [&](NbodyDef d, double dt) {
+    NbodyRun run(d, dt);
+    const double before = run.observe("energy.total");
+    run.step(static_cast<uint64_t>(std::llround(200000 / dt)));
+    double worst = 0;
+    for (size_t i = 0; i < 6; ++i) worst = std::max(worst, norm(run.x(i) - reference[i]));
+    return std::pair(worst, std::abs(run.observe("energy.total") / before - 1));
+  };
+  // Six bodies: ias15 by itself. The case allows methods of its class 1e-10 AU.
+  const auto [position, energy] = fault(outer_planets(), 100);
+  EXPECT_LT(position, 1e-10);
+  EXPECT_LT(energy, 1e-14) << "2e-15 where rounding is a random walk";
+  // Control: leapfrog at 10 days, for which the case gives 5e-6 of energy and 0.1 AU.
+  NbodyDef d = outer_planets();
+  d.integrator = "leapfrog";
+  const auto [far, drift] = fault(d, 10);
+  EXPECT_GT(far, 0.01);
+  EXPECT_LT(drift, 5e-6);
+}
+
+/// J, of the def's start.
+double potential(NbodyDef d) {
+  d.method = Method::direct;
+  return NbodyRun(d, 0.01).observe("energy.potential");
+}
+
+TEST(NbodyValidation, PotentialAndForcesOfThePlummerSpiral) {
+  // Compensated double sums of the cases; 1e-12 is theirs.
+  EXPECT_NEAR(potential(spiral_plummer(1024)) / -0.29103289167732854, 1, 1e-12);
+  EXPECT_NEAR(potential(spiral_plummer(4096)) / -0.2935478495474635, 1, 1e-12);
+  NbodyDef soft = spiral_plummer(4096);
+  soft.softening = 0.05;
+  EXPECT_NEAR(potential(soft) / -0.29268077366106293, 1, 1e-12);
+  // Control: another softening is another energy.
+  soft.softening = 0.051;
+  EXPECT_GT(std::abs(potential(soft) / -0.29268077366106293 - 1), 1e-5);
+
+  const NbodyDef d = spiral_plummer(1024);
+  NbodyRun run(d, 0.01);
+  std::vector<double> a(3 * 1024);
+  Attraction(d).accelerations(run.state, run.state.f64(Columns::position), a, run.workspace, run.arena);
+  const Vec3 reference{-0.0054868172333514985, -0.0055760082719986045, -0.043364336045992394};
+  EXPECT_LT(norm(load3(a.data(), 0) - reference), 1e-12 * norm(reference));
+  double mean = 0;
+  for (size_t i = 0; i < 1024; ++i) mean += norm(load3(a.data(), i)) / 1024;
+  EXPECT_NEAR(mean / 0.24832263957986395, 1, 1e-12);
+}
+
+TEST(NbodyValidation, PlummersSphereIsInBalance) {
+  NbodyDef d = model_units();
+  constexpr double kN = 20000;
+  d.groups = {PlummerDef{.count = static_cast<int64_t>(kN), .cut = 300}};
+  d.softening = 1e-3;
+  NbodyRun run(d, 0.01);
+  // E = -3 pi/64, W = -3 pi/32; a sum of N draws differs by 1/sqrt(N) of its spread, here at most 2 of it.
+  const double w = run.observe("energy.potential"), e = run.observe("energy.total");
+  EXPECT_NEAR(w / -0.29452431127404311611, 1, 4 / std::sqrt(kN));
+  EXPECT_NEAR(e / -0.14726215563702155805, 1, 4 / std::sqrt(kN));
+  EXPECT_NEAR(run.observe("virial_ratio"), 1, 4 / std::sqrt(kN));
+  EXPECT_NEAR(run.observe("half_mass_radius"), 1.3047660265041067002, 0.03);
+  // Control: a ball of even density with the same mass and radius is none.
+  d.groups = {SphereDef{.count = static_cast<int64_t>(kN)}};
+  EXPECT_GT(std::abs(NbodyRun(d, 0.01).observe("energy.potential") / -0.2945 - 1), 0.5);
+}
+
+/// Half-mass radius at time t of a cold ball, G = M = R = 1.
+double collapsed_to(double t, double force_error) {
+  NbodyDef d = model_units();
+  d.groups = {SphereDef{.count = 20000}};
+  d.softening = 0.02, d.force_error = force_error, d.method = Method::tree;
+  NbodyRun run(d, 0.005);
+  run.step(static_cast<uint64_t>(std::llround(t / 0.005)));
+  return run.observe("half_mass_radius");
+}
+
+TEST(NbodyValidation, AColdBallFallsIntoItself) {
+  // Every shell falls as r = r0 cos^2 b, t = t_ff (2/pi) (b + sin(2b)/2), t_ff = 1.1107; at b = pi/4 r = r0/2
+  // at t = 0.909.
+  constexpr double kFree = 1.1107207345395915618;
+  const double b = 0.7853981633974483, t = kFree * (2 / 3.141592653589793) * (b + 0.5 * std::sin(2 * b));
+  const double before = collapsed_to(0, 1e-3), half = collapsed_to(t, 1e-3);
+  EXPECT_NEAR(before, std::pow(0.5, 1.0 / 3), 0.01);
+  // The case's 2 % of a time: of the radius at that moment dr/dt = 1.4/s times 0.02 t_ff = 0.03; softening
+  // and the grain of 20,000 bodies take less.
+  EXPECT_NEAR(half, 0.5 * before, 0.015);
+}
+
+}  // namespace
+}  // namespace truestep::nbody
