@@ -37,6 +37,16 @@ TEST(NbodyScene, SaysWhatDoesNotFit) {
   EXPECT_EQ(faults(d), Faults{"/groups"});
 }
 
+TEST(NbodyScene, WisdomAndHolmanNeedASun) {
+  NbodyDef d = two({});
+  d.integrator = "wisdom_holman";
+  EXPECT_THROW(NbodyRun(d, 0.1), Error);
+  d.masses = {31, 3};
+  NbodyRun run(d, 0.1);
+  run.step(3);
+  EXPECT_FALSE(run.state.first_bad());
+}
+
 std::string refused(NbodyRun& run, const Command& c) {
   try {
     run.system->apply(run.state, c);

@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "engine/base/errors.h"
 #include "engine/systems/nbody/collisions.h"
+#include "engine/systems/nbody/wisdom_holman.h"
 
 namespace truestep::nbody {
 
@@ -23,6 +25,19 @@ double dot_radius(const State& s) {
   return (reach > 0 ? reach : 1) * (n <= kFewBodies ? 0.03 : n <= 1000 ? 0.012 : 0.006);
 }
 
+/// Error "scene_invalid" where no body outweighs the others.
+const Integrator& checked_wisdom_holman(const NbodyField& field) {
+  const State s = field.initial_state();
+  const auto mass = s.f64(Columns::mass);
+  double others = 0;
+  for (size_t i = 1; i < mass.size(); ++i) others += mass[i];
+  if (mass.size() >= 2 && mass[0] > 10 * others) return wisdom_holman();
+  const std::string why = "the first body must outweigh all others ten times";
+  throw Error("scene_invalid", "integrator wisdom_holman: " + why,
+              {{"/integrator", "unsuitable_integrator", why, "\"wisdom_holman\"",
+                "ias15, leapfrog and others", "", ""}});
+}
+
 }  // namespace
 
 Nbody::Nbody(std::unique_ptr<const NbodyField> field, const ChosenMethod& method, const NbodyDef& def)
@@ -40,7 +55,9 @@ std::unique_ptr<const Nbody> Nbody::make(const NbodyDef& def, const BuildContext
   auto field = std::make_unique<const NbodyField>(def, context.seed);
   const bool few = body_count(def) <= kFewBodies;
   const ChosenMethod method =
-      settle_method(def.choice(), {.usual = few ? "ias15" : "leapfrog"}, *field, context.dt);
+      def.integrator == kWisdomHolmanName
+          ? ChosenMethod{checked_wisdom_holman(*field), "named by the scene"}
+          : settle_method(def.choice(), {.usual = few ? "ias15" : "leapfrog"}, *field, context.dt);
   return std::unique_ptr<const Nbody>(new Nbody(std::move(field), method, def));
 }
 

@@ -1,5 +1,6 @@
 #include "engine/systems/nbody/nbody_field.h"
 
+#include <algorithm>
 #include <cmath>
 
 namespace truestep::nbody {
@@ -49,6 +50,25 @@ double NbodyField::kinetic(const Phase& at, Evaluation& e) const {
     for (size_t i = begin; i < end; ++i) sum += 0.5 * mass[i] * norm2(load3(at.v.data(), i));
     return sum;
   });
+}
+
+std::optional<ForceField::Stiffness> NbodyField::stiffness(const State& s) const {
+  const auto x = s.f64(Columns::position);
+  const size_t n = x.size() / 3;
+  if (n <= kFewBodies) return std::nullopt;
+  static const ThreadArena kSerial(1);
+  Workspace workspace;
+  std::vector<double> a(3 * n), r(n);
+  attraction_.accelerations(s, x, a, workspace, kSerial);
+  double most = 0;
+  Vec3 middle;
+  for (size_t i = 0; i < n; ++i) {
+    most = std::max(most, norm(load3(a.data(), i))), middle += load3(x.data(), i) / static_cast<double>(n);
+  }
+  for (size_t i = 0; i < n; ++i) r[i] = norm(load3(x.data(), i) - middle);
+  std::nth_element(r.begin(), r.begin() + static_cast<ptrdiff_t>(n / 2), r.end());
+  const double softening = parameter(s, Parameter::softening), length = softening > 0 ? softening : r[n / 2];
+  return Stiffness{length > 0 ? std::sqrt(most / length) : 0, 0};
 }
 
 }  // namespace truestep::nbody

@@ -17,6 +17,9 @@ class NbodyField final : public ForceField {
   Dependence dependence() const override;
   std::optional<double> potential(const Phase& at, Evaluation& e) const override;
   double kinetic(const Phase& at, Evaluation& e) const override;
+  /// Of many bodies: free fall across a softening, or across half the mass, under the strongest pull there
+  /// is. Of few it is not known.
+  std::optional<Stiffness> stiffness(const State& state) const override;
 
   const NbodyDef& def() const { return def_; }
   const Attraction& attraction() const { return attraction_; }
