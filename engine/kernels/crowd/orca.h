@@ -10,6 +10,9 @@
 
 namespace truestep::crowd {
 
+/// Sine of the least angle by which a way out of a head-on collision leads aside.
+inline constexpr double kAside = 0.05;
+
 /// p: from A to B (m). dv = v_A - v_B. reach: sum of the radii. horizon: tau (s); dt: the time in which an
 /// overlap is to go (s). share: of u that A takes, 1/2 among equals. fallback: unit, A's way out where both
 /// are at one place.
@@ -19,10 +22,14 @@ inline HalfPlane orca_plane(const Vec3& p, const Vec3& v_a, const Vec3& v_b, dou
   const double p2 = norm2(p);
   Vec3 n, u;
   const auto leave_disc = [&](double time) {
-    const Vec3 w = dv - p / time;
+    Vec3 w = dv - p / time;
+    // Two who meet head-on would only slow down, for ever. The tangent a little aside excludes the collisions
+    // too.
+    const double across = p.x * w.y - p.y * w.x, least = kAside * std::sqrt(p2 * norm2(w));
+    if (std::abs(across) < least) w += Vec3{-p.y, p.x, 0} * (((across >= 0 ? least : -least) - across) / p2);
     const double size = norm(w);
     n = size > 0 ? w / size : p2 > 0 ? p / -std::sqrt(p2) : fallback;
-    u = n * (reach / time - size);
+    u = n * (reach / time - dot(dv - p / time, n));
   };
   const Vec3 w = dv - p / horizon;
   const double back = dot(w, p);

@@ -68,10 +68,14 @@ Crowd::Crowd(const CrowdDef& def, const BuildContext& context)
               {"velocity", "m/s", Scalar::f64, 3, Meaning::velocity},
               {"speed", "m/s"},
               {"radius", "m"},
-              {"group", "1"},
               {"pressure", "N/m"}};
-  p.max_rows = people_;
-  set_parts({p});
+  std::vector<PartInfo> parts;
+  for (const GroupDef& g : def.groups) {
+    if (!parts.empty()) p.name = "group" + std::to_string(parts.size());
+    p.max_rows = people_of(g);
+    parts.push_back(p);
+  }
+  set_parts(std::move(parts));
 }
 
 void Crowd::check_ways() const {
@@ -113,14 +117,7 @@ void Crowd::move(State& s, size_t i, const Vec3& v, double h) const {
   // Nobody crosses a wall: what would carry through one is taken from the velocity, twice in a corner, then
   // all.
   for (int attempt = 0; attempt < 3; ++attempt) {
-    const Segment way{from, from + u * h};
-    const Segment* hit = nullptr;
-    for (const uint32_t k : walls_.near(from)) {
-      if (crossing(way, walls_.pieces()[k]) != 0) {
-        hit = &walls_.pieces()[k];
-        break;
-      }
-    }
+    const Segment* hit = walls_.crossed(from, from + u * h);
     if (!hit) break;
     const Vec3 along = normalized(hit->b - hit->a);
     u = attempt < 2 ? along * dot(u, along) : Vec3{};
@@ -212,6 +209,8 @@ std::vector<std::string> Crowd::remedies() const {
 
 void Crowd::check(StateCheck& check, double) const {
   check.together(Columns::position, Columns::group + 1, people_).below(Columns::group, def_.groups.size());
+  const auto group = check.state().span<uint32_t>(Columns::group);
+  check.require(std::is_sorted(group.begin(), group.end()), "people stand in the order of their groups");
 }
 
 std::unique_ptr<const System> build_crowd(const void* def, const BuildContext& context) {

@@ -38,7 +38,6 @@ class Crowd final : public StagedSystem {
   FieldView field(const State& state, size_t part, size_t field, std::vector<double>& scratch) const override;
   void apply(State& state, const Command& command) const override;
   void draw(const State& state, double t, Wish wishes, Drawing& out) const override;
-  uint32_t drawing_version(const State& state) const override;
   std::optional<double> limit(Limit which, const State& state, double h) const override;
   std::vector<std::string> remedies() const override;
   void check(StateCheck& check, double t) const override;

@@ -196,7 +196,7 @@ const DefTable& crowd_table() {
               "model", &D::model, {"social_force", "orca"},
               "forces that push, press and rub (Helbing, Farkas, Vicsek 2000), or velocities that avoid each "
               "other by agreement (van den Berg, Guy, Lin, Manocha 2011)")
-          .objects("groups", &D::groups, group_table(), {1, 1000}, "who is there")
+          .objects("groups", &D::groups, group_table(), {1, 100}, "who is there")
           .required()
           .objects("walls", &D::walls, wall_table(), {0, 10'000}, "lines that nobody crosses")
           .objects("doors", &D::doors, door_table(), {0, 100}, "gaps in walls, where crossings are counted")
@@ -241,13 +241,13 @@ const DefTable& crowd_table() {
 
 const Outputs& crowd_outputs() {
   static const Outputs kOutputs{
-      .rows = "a person who is still there, in the order of the groups",
+      .rows = "a person of the first group who is still there; of part group<k>, one of group k",
       .fields = {{"position", "m", 3, ""},
                  {"velocity", "m/s", 3, ""},
                  {"speed", "m/s", 1, "magnitude of the velocity"},
                  {"radius", "m", 1, ""},
-                 {"group", "1", 1, "number of the group, from 0"},
-                 {"pressure", "N/m", 1, "radial forces over circumference; of orca 0"}},
+                 {"pressure", "N/m", 1, "radial forces over circumference; of orca 0"},
+                 {"group<k>.position", "m", 3, "of part group<k>: those of group k, from 1; and so on"}},
       .observables = {{"people", "1", "still there"},
                       {"left", "1", "have arrived and left"},
                       {"arrived", "1", "are at their goals or have left"},

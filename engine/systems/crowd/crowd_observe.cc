@@ -81,32 +81,30 @@ void Crowd::observe(const State& s, double, Observables& out) const {
   }
 }
 
-FieldView Crowd::field(const State& s, size_t, size_t which, std::vector<double>& scratch) const {
-  const size_t n = s.rows(Columns::position);
-  if (which == 0) return {s.f64(Columns::position).data(), Scalar::f64, n, 3};
-  if (which == 1) return {s.f64(Columns::velocity).data(), Scalar::f64, n, 3};
-  if (which == 3) return {s.f64(Columns::radius).data(), Scalar::f64, n, 1};
+FieldView Crowd::field(const State& s, size_t part, size_t which, std::vector<double>& scratch) const {
+  // Groups are runs of rows, in their order.
+  const auto group = s.span<uint32_t>(Columns::group);
+  const auto [from, to] = std::equal_range(group.begin(), group.end(), static_cast<uint32_t>(part));
+  const size_t first = static_cast<size_t>(from - group.begin()), n = static_cast<size_t>(to - from);
+  if (which == 0) return {s.f64(Columns::position).data() + 3 * first, Scalar::f64, n, 3};
+  if (which == 1) return {s.f64(Columns::velocity).data() + 3 * first, Scalar::f64, n, 3};
+  if (which == 3) return {s.f64(Columns::radius).data() + first, Scalar::f64, n, 1};
   scratch.assign(n, 0);
   if (which == 2) {
-    for (size_t i = 0; i < n; ++i) scratch[i] = norm(load3(s.f64(Columns::velocity).data(), i));
-  } else if (which == 4) {
-    for (size_t i = 0; i < n; ++i) scratch[i] = s.span<uint32_t>(Columns::group)[i];
+    for (size_t i = 0; i < n; ++i) scratch[i] = norm(load3(s.f64(Columns::velocity).data(), first + i));
   } else if (def_.model == Model::social_force) {
     Sorted sorted;
     sorted.build(s, reach_);
-    for (size_t slot = 0; slot < n; ++slot) {
-      const Load l = load(sorted, s, slot);
-      if (sorted.r[slot] > 0) scratch[l.row] = l.radial / (2 * kPi * sorted.r[slot]);
+    for (size_t slot = 0; slot < sorted.grid.size(); ++slot) {
+      const size_t row = sorted.grid.point(slot);
+      if (row < first || row >= first + n || !(sorted.r[slot] > 0)) continue;
+      scratch[row - first] = load(sorted, s, slot).radial / (2 * kPi * sorted.r[slot]);
     }
   }
   return {scratch.data(), Scalar::f64, n, 1};
 }
 
-uint32_t Crowd::drawing_version(const State& s) const {
-  return 1 + static_cast<uint32_t>(people_ - s.rows(Columns::position));
-}
-
-void Crowd::draw(const State& s, double, Wish wishes, Drawing& out) const {
+void Crowd::draw(const State&, double, Wish wishes, Drawing& out) const {
   if (wants(wishes, Wish::obstacles)) {
     constexpr double kThick = 0.05, kHigh = 0.5;
     for (const Segment& w : walls_.pieces()) {
@@ -121,31 +119,11 @@ void Crowd::draw(const State& s, double, Wish wishes, Drawing& out) const {
     }
   }
   if (!wants(wishes, Wish::constant)) return;
-  PartDrawing& p = out.parts.emplace_back();
-  p.space = PartDrawing::Space::plane;
-  // A few sizes per group look as well as all.
-  constexpr size_t kSizes = 5;
-  for (uint32_t g = 0; g < def_.groups.size(); ++g) {
-    const GroupDef& group = def_.groups[g];
-    for (size_t k = 0; k < kSizes; ++k) {
-      Visual visual;
-      visual.shape.kind = DrawnShape::Kind::sphere;
-      const double r =
-          group.radius + group.radius_deviation * ((2.0 * static_cast<double>(k) + 1) / kSizes - 1);
-      visual.shape.size = {std::max(r, 0.05), 0, 0};
-      if (group.color) visual.color = {group.color->x, group.color->y, group.color->z};
-      visual.group = g;
-      p.visuals.push_back(visual);
-    }
-  }
-  for (uint32_t i = 0; i < s.rows(Columns::position); ++i) {
-    const uint32_t g = s.span<uint32_t>(Columns::group)[i];
-    const GroupDef& group = def_.groups[g];
-    double share = 0;
-    if (group.radius_deviation > 0)
-      share = (s.f64(Columns::radius)[i] - group.radius) / (2 * group.radius_deviation) + 0.5;
-    const auto size = static_cast<uint32_t>(std::clamp(share * kSizes, 0.0, kSizes - 1.0));
-    p.instances.push_back({i, g * static_cast<uint32_t>(kSizes) + size});
+  for (const GroupDef& g : def_.groups) {
+    PartDrawing& p = out.parts.emplace_back();
+    p.space = PartDrawing::Space::plane;
+    p.point_radius = std::max(g.radius, 0.05);
+    if (g.color) p.color = {g.color->x, g.color->y, g.color->z};
   }
 }
 

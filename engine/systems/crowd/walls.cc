@@ -140,16 +140,15 @@ bool Walls::blocked(const Vec3& a, const Vec3& b, double clearance) const {
   // Whoever stands beside a wall may walk off it, or along it, and so at the goal.
   const double room = std::min({clearance, distance(a), distance(b)}) - 1e-9;
   const Segment way{a, b};
-  // Looks every so far along the way see together all that is nearer to it than the clearance.
-  const double step = 2 * (reach_ - clearance), length = norm(b - a);
-  const long looks = static_cast<long>(length / step) + 1;
-  for (long i = 0; i < looks; ++i) {
-    const Vec3 at = a + (b - a) * ((static_cast<double>(i) + 0.5) / static_cast<double>(looks));
-    for (const uint32_t k : near(at)) {
-      if (segment_distance(way, pieces_[k]) < room || crossing(way, pieces_[k]) != 0) return true;
-    }
-  }
-  return false;
+  return along(a, b, clearance,
+               [&](const Segment& s) { return segment_distance(way, s) < room || crossing(way, s) != 0; });
+}
+
+const Segment* Walls::crossed(const Vec3& a, const Vec3& b) const {
+  const Segment way{a, b};
+  const Segment* hit = nullptr;
+  along(a, b, 0, [&](const Segment& s) { return crossing(way, s) != 0 && (hit = &s) != nullptr; });
+  return hit;
 }
 
 }  // namespace truestep::crowd

@@ -37,8 +37,26 @@ class Walls {
   /// Whether a straight way from a to b crosses a wall, or comes nearer to one than `clearance` (m, below the
   /// reach) and than its ends are.
   bool blocked(const Vec3& a, const Vec3& b, double clearance) const;
+  /// A piece that the straight way from a to b crosses, or null.
+  const Segment* crossed(const Vec3& a, const Vec3& b) const;
 
  private:
+  /// visit(piece) until it is true, over all pieces within `clearance` of the way, and others; whether it
+  /// was.
+  template <class Visit>
+  bool along(const Vec3& a, const Vec3& b, double clearance, Visit&& visit) const {
+    // Looks every so far see together all that is nearer to the way than the clearance.
+    const double step = 2 * (reach_ - clearance);
+    const long looks = static_cast<long>(norm(b - a) / step) + 1;
+    for (long i = 0; i < looks; ++i) {
+      const Vec3 at = a + (b - a) * ((static_cast<double>(i) + 0.5) / static_cast<double>(looks));
+      for (const uint32_t k : near(at)) {
+        if (visit(pieces_[k])) return true;
+      }
+    }
+    return false;
+  }
+
   static constexpr uint32_t kNone = ~0u;
   /// Whether the piece `other`, which shares `corner` with piece k, already speaks for what x sees there.
   bool hidden(uint32_t other, const Vec3& corner, const Vec3& x, uint32_t k) const;
