@@ -137,7 +137,7 @@ std::span<const CatalogueRow> catalogue() {
        &crowd::crowd_table(),
        crowd::build_crowd,
        crowd::crowd_cost,
-       {"nobody crosses a wall", "nobody overlaps while all of orca's half-planes can be kept",
+       {"nobody crosses a wall", "by orca nobody overlaps who did not at the start",
         "a lone walker comes to the wanted speed exponentially, exactly",
         "the same bits on any number of threads"},
        "",

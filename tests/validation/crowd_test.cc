@@ -38,14 +38,31 @@ Swap swap_places(const CrowdDef& model, double seconds) {
 TEST(CrowdValidation, AHundredChangePlacesAndNobodyTouchesAnybody) {
   CrowdDef d;
   d.model = Model::orca, d.max_speed = 1.6, d.noise = 0.05;
-  const Swap s = swap_places(d, 100);
+  const Swap s = swap_places(d, 120);
   EXPECT_EQ(s.arrived, 100);
-  // Where all half-planes can be kept nobody overlaps; in the middle of the circle they cannot, for moments,
-  // and the least lack of a horizon of 2 s is a fraction of a centimetre over a step.
-  EXPECT_GT(s.smallest, -0.01);
-  // Control: who looks a tenth of a second ahead overlaps by more than the tolerance.
-  d.horizon = 0.03, d.neighbour_distance = 0.01;
-  EXPECT_LT(swap_places(d, 20).smallest, -0.01);
+  // Nobody takes more than half of a gap in a step: what remains is rounding of velocities (1e-10 m/s).
+  EXPECT_GT(s.smallest, -1e-9);
+  // Control: social forces let those in the middle press each other.
+  d.model = Model::social_force;
+  EXPECT_LT(swap_places(d, 30).smallest, -1e-3);
+}
+
+TEST(CrowdValidation, NobodyOverlapsByAgreementWhateverTheStep) {
+  for (const double h : {1.0 / 60, 0.1, 0.5}) {
+    CrowdDef d;
+    d.model = Model::orca, d.groups.resize(1), d.horizon = 0.1, d.margin = 0;
+    GroupDef& g = d.groups[0];
+    g.count = 80, g.half_extents = {6, 6, 0}, g.goal = {0, 0, 0}, g.speed = 3;
+    d.walls = {{{{-3, -3, 0}, {3, -3, 0}, {3, 3, 0}}}};
+    CrowdRun run(d, h);
+    double smallest = HUGE_VAL;
+    for (int k = 0; k < 20 / h; ++k) {
+      run.step(), smallest = std::min(smallest, run.observe("separation.smallest"));
+    }
+    EXPECT_GT(smallest, -1e-9) << h;
+    // They do come together: the bound is reached.
+    EXPECT_LT(smallest, 1e-3) << h;
+  }
 }
 
 CrowdDef corridor() {
@@ -112,10 +129,10 @@ double flow(const CrowdDef& d, double most) {
 TEST(CrowdValidation, FasterIsSlowerAtADoor) {
   const double calm = flow(room(0.8), 100), best = flow(room(1.5), 100), hasty = flow(room(4), 100);
   // Published: 0.73 people a second at 0.8 m/s through a door that is effectively 1 m wide, to which the
-  // parameters were fitted. Of the same law and a clear width of 1 m come 1.1: right within a factor of 1.7,
-  // and no better.
-  EXPECT_GT(calm, 0.73 / 1.7);
-  EXPECT_LT(calm, 0.73 * 1.7);
+  // parameters were fitted. The first half of 200 is pressed by those behind and goes faster than all of them
+  // (0.82).
+  EXPECT_GT(calm, 0.73);
+  EXPECT_LT(calm, 2 * 0.73);
   // Figure 1 c: those who want to walk at 1.5 m/s are out first, faster ones press and rub.
   EXPECT_GT(best, 1.1 * calm);
   EXPECT_GT(best, 1.2 * hasty);

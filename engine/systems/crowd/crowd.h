@@ -1,12 +1,10 @@
 // The system type "crowd": pedestrians as discs in the plane z = 0 that make for their goals around walls.
-//   social_force  m v' = m (v0 e - v)/tau + sum f_ij + sum f_iW (Helbing, Farkas, Vicsek, Nature 407:487,
-//   2000): the drive
-//                 solved exactly, v <- w + (v - w) exp(-h/tau) with w = v0 e + tau F/m, then x <- x + h v; a
-//                 step is divided as contacts want it
-//   orca          v = what is closest to the wanted velocity in the half-planes of the neighbours and walls
-//   (van den
-//                 Berg, Guy, Lin, Manocha 2011), x <- x + h v
-// e comes from navigation.h. Who arrives may leave: its row goes. Commands: impulse (social_force),
+//   social_force  m v' = m (v0 e - v)/tau + sum f_ij + sum f_iW  (Helbing, Farkas, Vicsek 2000): the drive
+//                 exactly, v <- w + (v - w) exp(-h/tau), w = v0 e + tau F/m, then x <- x + h v; in as many
+//                 substeps as contacts want
+//   orca          v = closest to the wanted velocity in the half-planes of neighbours and walls (van den
+//                 Berg, Guy, Lin, Manocha 2011), x <- x + h v; nobody takes more than half of a gap in a step
+// e comes from navigation.h. Who arrives may leave: the row goes. Commands: impulse (social_force),
 // set_parameter speed_factor.
 #pragma once
 #include <memory>

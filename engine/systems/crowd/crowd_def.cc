@@ -223,9 +223,10 @@ const DefTable& crowd_table() {
           .number("horizon", &D::horizon, "s", above(0), "orca: time without a collision with others")
           .number("wall_horizon", &D::wall_horizon, "s", above(0),
                   "orca: time without a collision with walls")
+          .number("margin", &D::margin, "m", at_least(0), "orca: kept between rims where there is room")
           .number("neighbour_distance", &D::neighbour_distance, "m", above(0),
-                  "orca: of the rims of those looked at")
-          .integer("max_neighbours", &D::max_neighbours, between(1, 64),
+                  "orca: of the rims of those looked at, and twice the longest way of a step")
+          .integer("max_neighbours", &D::max_neighbours, between(1, 36),
                    "orca: the nearest that are looked at")
           .number("max_speed", &D::max_speed, "m/s", above(0), "orca: nobody is faster, unless wanting to")
           .number("clearance", &D::clearance, "m", at_least(0), "from walls that ways keep where they can")

@@ -52,6 +52,7 @@ struct CrowdDef {
   int64_t max_substeps = 1000;
 
   double horizon = 2, wall_horizon = 0.5;  // s
+  double margin = 0.1;                     // m
   double neighbour_distance = 5;           // m
   int64_t max_neighbours = 24;
   double max_speed = 2;  // m/s

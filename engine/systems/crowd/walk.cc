@@ -17,19 +17,22 @@ constexpr size_t kBlock = 64;
 /// Streams of random numbers up to here belong to the start.
 constexpr uint64_t kFirstPerson = 2;
 
-/// Half-planes of the neighbours that are nearest so far.
+/// The neighbours that are nearest so far, in order; of equals the one that came first.
 struct Nearest {
-  std::array<HalfPlane, 64> planes;
-  std::array<double, 64> gaps;
+  static constexpr size_t kMost = 36;
+  struct One {
+    double gap;  ///< m, between the rims
+    uint32_t slot;
+    Vec3 d;  ///< m, on the way there
+  };
+  std::array<One, kMost> ones;
   size_t count = 0;
 
-  /// Keeps the `most` nearest, in order; of equals the one that came first.
-  template <class Make>
-  void offer(double gap, size_t most, Make&& make) {
-    if (count == most && !(gap < gaps[count - 1])) return;
-    size_t at = count < most ? count++ : count - 1;
-    for (; at > 0 && gap < gaps[at - 1]; --at) gaps[at] = gaps[at - 1], planes[at] = planes[at - 1];
-    gaps[at] = gap, planes[at] = make();
+  void offer(const One& one) {
+    if (count == kMost && !(one.gap < ones[count - 1].gap)) return;
+    size_t at = count < kMost ? count++ : count - 1;
+    for (; at > 0 && one.gap < ones[at - 1].gap; --at) ones[at] = ones[at - 1];
+    ones[at] = one;
   }
 };
 
@@ -156,34 +159,43 @@ void Crowd::choose(State& s, const StepInput& in) const {
       const size_t i = sorted.grid.point(slot);
       const Vec3 x = sorted.grid.position(slot), v = load3(sorted.v.data(), slot);
       const double r = sorted.r[slot];
-      std::array<HalfPlane, kMostHalfPlanes> planes;
-      size_t hard = 0;
-      walls_.faces(x, [&](const Vec3& normal, double distance) {
-        if (hard < kMostHalfPlanes / 3)
-          planes[hard++] = wall_plane(normal, distance, r, def_.wall_horizon, out);
-      });
       Nearest nearest;
-      const double reach = r + largest_radius_ + def_.neighbour_distance;
-      images(x, reach, [&](const Vec3& shift) {
+      images(x, r + largest_radius_ + def_.neighbour_distance, [&](const Vec3& shift) {
         const Vec3 p = x + shift;
         sorted.grid.near(p, [&](size_t from, size_t to) {
           for (size_t q = from; q < to; ++q) {
-            if (q == slot) continue;
             const Vec3 d = sorted.grid.position(q) - p;
             const double sum = r + sorted.r[q], d2 = norm2(d), range = sum + def_.neighbour_distance;
-            if (d2 > range * range) continue;
-            nearest.offer(std::sqrt(d2) - sum, most, [&] {
-              const Vec3 aside{sorted.person[slot] < sorted.person[q] ? 1.0 : -1.0, 0, 0};
-              return orca_plane(d, v, load3(sorted.v.data(), q), sum, def_.horizon, out, 0.5, aside);
-            });
+            if (q == slot || d2 > range * range) continue;
+            nearest.offer({std::sqrt(d2) - sum, static_cast<uint32_t>(q), d});
           }
         });
       });
-      const size_t near = std::min(nearest.count, kMostHalfPlanes - hard);
-      std::copy_n(nearest.planes.begin(), near, planes.begin() + static_cast<long>(hard));
+      // Who is not looked at is not met within a step, either.
       const Vec3 w = load3<double>(wishes.data(), i);
-      const double speed = std::max(def_.max_speed, norm(w));
-      store3(chosen.data(), i, choose_velocity({planes.data(), hard + near}, hard, speed, w).velocity);
+      const double seen = nearest.count < Nearest::kMost ? def_.neighbour_distance : nearest.ones.back().gap;
+      const double speed = std::min(std::max(def_.max_speed, norm(w)), std::max(0.0, 0.5 * seen / in.h));
+      std::array<HalfPlane, kMostHalfPlanes> planes;
+      size_t count = 0;
+      walls_.faces(x, [&](const Vec3& normal, double distance) {
+        if (count + 2 * Nearest::kMost == kMostHalfPlanes) return;
+        planes[count++] = wall_plane(normal, distance, r, std::max(def_.wall_horizon, in.h), out);
+      });
+      const auto aside = [&](uint32_t q) {
+        return Vec3{sorted.person[slot] < sorted.person[q] ? 1.0 : -1.0, 0, 0};
+      };
+      // Whatever becomes of the rest, nobody takes more than half of a gap.
+      for (size_t k = 0; k < nearest.count && nearest.ones[k].gap < 2 * in.h * speed; ++k) {
+        const auto& [gap, q, d] = nearest.ones[k];
+        planes[count++] = wall_plane(apart(-d, norm(d), aside(q)), 0.5 * gap, 0, in.h, out);
+      }
+      const size_t hard = count;
+      for (size_t k = 0; k < std::min(nearest.count, most); ++k) {
+        const auto& [gap, q, d] = nearest.ones[k];
+        const double sum = r + sorted.r[q] + def_.margin;
+        planes[count++] = orca_plane(d, v, load3(sorted.v.data(), q), sum, def_.horizon, out, 0.5, aside(q));
+      }
+      store3(chosen.data(), i, choose_velocity({planes.data(), count}, hard, speed, w).velocity);
     }
   });
   in.arena.for_blocks(n, kBlock, [&](size_t begin, size_t end) {
