@@ -119,27 +119,33 @@ CrowdDef room(double speed) {
   return d;
 }
 
-/// People a second through the door while `most` leave.
+/// People a second through the door until `most` have left.
 double flow(const CrowdDef& d, double most) {
   CrowdRun run(d);
-  for (int k = 0; k < 60 * 200 && run.state.f64(Columns::doors)[0] < most; ++k) run.step();
+  for (int k = 0; k < 60 * 330 && run.state.f64(Columns::doors)[0] < most; ++k) run.step();
   return run.observe("door.exit.flow");
 }
 
-TEST(CrowdValidation, FasterIsSlowerAtADoor) {
-  const double calm = flow(room(0.8), 100), best = flow(room(1.5), 100), hasty = flow(room(4), 100);
+TEST(CrowdValidation, TheFlowThroughADoorAtEase) {
   // Published: 0.73 people a second at 0.8 m/s through a door that is effectively 1 m wide, to which the
-  // parameters were fitted. The first half of 200 is pressed by those behind and goes faster than all of them
-  // (0.82).
-  EXPECT_GT(calm, 0.73);
-  EXPECT_LT(calm, 2 * 0.73);
+  // parameters were fitted. Starts of other seeds differ by 3 % (0.79 to 0.82); what "effectively" takes off
+  // the width is not said, and a clear width that is 0.1 m less is worth a quarter of the flow.
+  EXPECT_NEAR(flow(room(0.8), 199), 0.73, 0.2 * 0.73);
+  // Control: a door twice as wide.
+  CrowdDef wide = room(0.8);
+  wide.doors[0].from.y = 1, wide.doors[0].to.y = -1;
+  EXPECT_GT(flow(wide, 199), 1.2 * 0.73);
+}
+
+TEST(CrowdValidation, FasterIsSlowerAtADoor) {
+  const double calm = flow(room(0.8), 60), best = flow(room(1.5), 60), hasty = flow(room(4), 60);
   // Figure 1 c: those who want to walk at 1.5 m/s are out first, faster ones press and rub.
   EXPECT_GT(best, 1.1 * calm);
   EXPECT_GT(best, 1.2 * hasty);
   // Control: without friction whoever pushes harder is out sooner.
   CrowdDef smooth = room(4);
   smooth.sliding_friction = 0;
-  EXPECT_GT(flow(smooth, 100), best);
+  EXPECT_GT(flow(smooth, 60), best);
 }
 
 }  // namespace

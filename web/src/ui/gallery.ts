@@ -22,7 +22,7 @@ const chapters: [string, RegExp][] = [
   ["Rigid bodies", /^rigid bodies$/],
   ["Rigid bodies in the plane", /^rigid2d$/],
   ["Animation", /^animation$/],
-  ["Flocks", /^flocking$/],
+  ["Flocks and crowds", /^(flocking|crowd)$/],
   ["Particles", /^particles$/],
   ["Fluids", /^fluid$/],
   ["Heat and waves", /^(heat|wave|grid)$/],
