@@ -22,7 +22,7 @@ double weight(const State& s, Weight w) {
 
 }  // namespace
 
-Vec3 Flocking::avoidance(const State& s, const Vec3& x) const {
+Vec3 Flocking::avoidance(const State& s, const Vec3& x, double t) const {
   Vec3 a;
   if (box_.sides == Sides::walls) {
     const auto away = [this](double at, double low, double high) {
@@ -32,6 +32,11 @@ Vec3 Flocking::avoidance(const State& s, const Vec3& x) const {
     };
     a.x = away(x.x, box_.low.x, box_.high.x), a.y = away(x.y, box_.low.y, box_.high.y);
     if (!box_.plane) a.z = away(x.z, box_.low.z, box_.high.z);
+  }
+  if (!colliders_.empty()) {
+    const NearSurface near = colliders_.nearest(x, t);
+    a += near.normal * (def_.wall_strength * std::max(0.0, 1 - near.distance / def_.wall_margin));
+    if (box_.plane) a.z = 0;
   }
   const double to_goal = weight(s, Weight::goal_strength);
   if (to_goal > 0) a += normalized(load3(s.f64(Columns::goal).data(), 0) - x, Vec3{}) * to_goal;
@@ -68,7 +73,7 @@ void Flocking::steer(State& s, const StepInput& in) const {
         sorted.grid.near(p, [&](size_t from, size_t to) { g.add(p, from, to); });
       });
       g.finish();
-      Vec3 sum = g.away * apart + avoidance(s, at);
+      Vec3 sum = g.away * apart + avoidance(s, at, in.t);
       if (g.with > 0) sum += g.mean_v * (along / g.with);
       if (g.near > 0) sum += g.mean_x * (joined / g.near);
       const double size = norm(sum);
