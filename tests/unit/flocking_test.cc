@@ -139,6 +139,21 @@ TEST(Flocking, ACloseColliderIsSteeredClearOf) {
   EXPECT_LT(nearest_to_ball(d, {}, 0.02), 0.01);
 }
 
+TEST(Flocking, WhoMeetsAColliderHeadOnGetsAroundIt) {
+  FlockingDef d;
+  d.positions = {{-4, 0, 0}}, d.velocities = {{1, 0, 0}}, d.wall_strength = 8;
+  d.goal = {20, 0, 0}, d.goal_strength = 2;
+  SphereColliderDef ball;
+  ball.radius = 1;
+  d.colliders = {ball};
+  for (const Space space : {Space::plane, Space::solid}) {
+    d.space = space;
+    FlockRun run(d, 0.02);
+    run.step(500);
+    EXPECT_GT(run.position(0).x, 3);
+  }
+}
+
 TEST(Flocking, CommandsAreChecked) {
   FlockingDef d;
   FlockRun run(d, 0.02);

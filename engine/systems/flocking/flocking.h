@@ -54,7 +54,7 @@ class Flocking final : public StagedSystem {
   void chase(State& state, const StepInput& in) const;
   void remember(State& state, const StepInput& in) const;
   void touch(State& state, const StepInput& in) const;
-  Vec3 avoidance(const State& state, const Vec3& x, double t) const;
+  Vec3 avoidance(const State& state, const Vec3& x, const Vec3& heading, double t) const;
   void hold(double* x, double* v, size_t row) const;
 
   FlockingDef def_;

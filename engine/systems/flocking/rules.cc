@@ -22,7 +22,7 @@ double weight(const State& s, Weight w) {
 
 }  // namespace
 
-Vec3 Flocking::avoidance(const State& s, const Vec3& x, double t) const {
+Vec3 Flocking::avoidance(const State& s, const Vec3& x, const Vec3& heading, double t) const {
   Vec3 a;
   if (box_.sides == Sides::walls) {
     const auto away = [this](double at, double low, double high) {
@@ -35,7 +35,12 @@ Vec3 Flocking::avoidance(const State& s, const Vec3& x, double t) const {
   }
   if (!colliders_.empty()) {
     const NearSurface near = colliders_.nearest(x, t);
-    a += near.normal * (def_.wall_strength * std::max(0.0, 1 - near.distance / def_.wall_margin));
+    const double push = def_.wall_strength * std::max(0.0, 1 - near.distance / def_.wall_margin);
+    const double into = dot(heading, near.normal);
+    // Who heads for the surface is turned aside along it, too: off alone would be stopped in front of it.
+    if (push > 0 && into < 0)
+      a += normalized(heading - near.normal * into, perpendicular(near.normal)) * push;
+    a += near.normal * push;
     if (box_.plane) a.z = 0;
   }
   const double to_goal = weight(s, Weight::goal_strength);
@@ -67,13 +72,14 @@ void Flocking::steer(State& s, const StepInput& in) const {
     for (size_t slot = begin; slot < end; ++slot) {
       const Vec3 at = sorted.grid.position(slot);
       const double* v4 = &sorted.v4[4 * slot];
-      g.begin(slot, normalized(Vec3{v4[0], v4[1], v4[2]}, Vec3{}));
+      const Vec3 heading = normalized(Vec3{v4[0], v4[1], v4[2]}, Vec3{});
+      g.begin(slot, heading);
       box_.images(at, reach_, [&](const Vec3& shift) {
         const Vec3 p = at + shift;
         sorted.grid.near(p, [&](size_t from, size_t to) { g.add(p, from, to); });
       });
       g.finish();
-      Vec3 sum = g.away * apart + avoidance(s, at, in.t);
+      Vec3 sum = g.away * apart + avoidance(s, at, heading, in.t);
       if (g.with > 0) sum += g.mean_v * (along / g.with);
       if (g.near > 0) sum += g.mean_x * (joined / g.near);
       const double size = norm(sum);
