@@ -1,6 +1,7 @@
 #include "engine/systems/flocking/gather.h"
 
-#include <algorithm>
+#include <array>
+#include <bit>
 #include <cmath>
 
 namespace truestep::flocking {
@@ -23,26 +24,38 @@ void Sorted::build_wide(const double* x, const double* velocities, size_t n, dou
   }
 }
 
+namespace {
+
+/// Places of the bits that are set, in order; behind them anything.
+constexpr auto kPacked = [] {
+  std::array<std::array<uint32_t, 4>, 16> out{};
+  for (unsigned bits = 0; bits < 16; ++bits) {
+    size_t n = 0;
+    for (uint32_t k = 0; k < 4; ++k) {
+      if (bits >> k & 1) out[bits][n++] = k;
+    }
+  }
+  return out;
+}();
+
+}  // namespace
+
 void Gather::begin(size_t slot, const Vec3& heading) {
-  heading_ = heading, u_ = Lanes4::load(&sorted_.v4[4 * slot]);
+  heading_ = heading, u_ = Lanes4::load(&sorted_.v4[4 * slot]), at_ = Lanes4::load(&sorted_.x4[4 * slot]);
   away_ = v_ = x_ = Lanes4::zero(), with = near = 0, count_ = 0;
 }
 
+void Gather::look_from(const Vec3& p) {
+  // The list's places are seen from the one before.
+  sum();
+  const double at[4] = {p.x, p.y, p.z, 0};
+  at_ = Lanes4::load(at);
+}
+
 void Gather::add(const Vec3& p, size_t from, size_t to) {
-  if (!(p == place_)) {
-    // Another image: the list's places are seen from the one before.
-    sum();
-    const double at[4] = {p.x, p.y, p.z, 0};
-    place_ = p, at_ = Lanes4::load(at);
-  }
   const Lanes4 px = Lanes4::all(p.x), py = Lanes4::all(p.y), pz = Lanes4::all(p.z);
   const double *xs = sorted_.xs.data(), *ys = sorted_.ys.data(), *zs = sorted_.zs.data();
-  const double reach2 = sight_.reach2;
-  const auto distances = [&](size_t q, double* r2) {
-    const Lanes4 dx = Lanes4::load(xs + q) - px, dy = Lanes4::load(ys + q) - py,
-                 dz = Lanes4::load(zs + q) - pz;
-    (dx * dx + dy * dy + dz * dz).store(r2);
-  };
+  const Lanes4 reach2 = Lanes4::all(sight_.reach2);
   size_t n = count_;
   for (size_t q = from; q < to; q += kAtOnce) {
     if (n > kList - kAtOnce) {
@@ -50,12 +63,12 @@ void Gather::add(const Vec3& p, size_t from, size_t to) {
       sum();
       n = 0;
     }
-    double r2[kAtOnce];
-    distances(q, r2), distances(q + 4, r2 + 4);
-    for (size_t k = 0; k < kAtOnce; ++k) {
-      list_[n] = static_cast<uint32_t>(q + k);
-      n += static_cast<size_t>(r2[k] < reach2) & static_cast<size_t>(q + k < to);
-    }
+    const Lanes4 dx = Lanes4::load(xs + q) - px, dy = Lanes4::load(ys + q) - py,
+                 dz = Lanes4::load(zs + q) - pz;
+    const unsigned there = q + kAtOnce <= to ? 15u : (1u << (to - q)) - 1;
+    const unsigned bits = below(dx * dx + dy * dy + dz * dz, reach2) & there;
+    for (size_t k = 0; k < kAtOnce; ++k) list_[n + k] = static_cast<uint32_t>(q) + kPacked[bits][k];
+    n += static_cast<size_t>(std::popcount(bits));
   }
   count_ = n;
 }
@@ -63,17 +76,21 @@ void Gather::add(const Vec3& p, size_t from, size_t to) {
 void Gather::sum() {
   Lanes4 away = away_, v = v_, x = x_;
   const Lanes4 at = at_, u = u_;
+  const bool cone = sight_.field == Sight::Field::cone;
+  // A hair more than the square: the root decides.
+  const double near2 = sight_.apart * sight_.apart * (1 + 1e-12);
   for (size_t k = 0; k < count_; ++k) {
     const size_t q = list_[k];
     const Lanes4 d = Lanes4::load(&sorted_.x4[4 * q]) - at;
     double c[4];
     d.store(c);
-    const double r2 = c[0] * c[0] + c[1] * c[1] + c[2] * c[2], r = std::sqrt(r2);
-    if (sight_.field == Sight::Field::cone &&
-        heading_.x * c[0] + heading_.y * c[1] + heading_.z * c[2] < sight_.cos_view * r)
-      continue;
-    // 1 where they meet, 0 from the radius on, along the unit way here.
-    if (r > 0 && r < sight_.apart) away = away - d * Lanes4::all((1 - r / sight_.apart) / r);
+    const double r2 = c[0] * c[0] + c[1] * c[1] + c[2] * c[2];
+    if (cone || r2 < near2) {
+      const double r = std::sqrt(r2);
+      if (cone && heading_.x * c[0] + heading_.y * c[1] + heading_.z * c[2] < sight_.cos_view * r) continue;
+      // 1 where they meet, 0 from the radius on, along the unit way here.
+      if (r > 0 && r < sight_.apart) away = away - d * Lanes4::all((1 - r / sight_.apart) / r);
+    }
     if (r2 < sight_.align2) v = v + (Lanes4::load(&sorted_.v4[4 * q]) - u), with += 1;
     if (r2 < sight_.join2) x = x + d, near += 1;
   }

@@ -1,5 +1,5 @@
 // Members in the order of a grid's slots, and what one of them sums up over its neighbours after Reynolds.
-// Neighbours are first listed, eight candidates at a time and without a branch, since most of them are none;
+// Neighbours are first listed, four candidates at a time and without a branch, since most of them are none;
 // sums follow the list's order, which is that of the slots.
 #pragma once
 #include <cstdint>
@@ -10,14 +10,13 @@
 
 namespace truestep::flocking {
 
-/// Candidates that are looked at together: as many as most runs of cells hold, so that no loop has to be
-/// guessed.
-inline constexpr size_t kAtOnce = 8;
+/// Candidates that are looked at together.
+inline constexpr size_t kAtOnce = 4;
 
 struct Sorted {
   PointGrid grid;
   std::vector<double> v;           ///< n x 3
-  std::vector<double> xs, ys, zs;  ///< n, and room to read eight at a time
+  std::vector<double> xs, ys, zs;  ///< n, and room to read four at a time
   std::vector<double> x4, v4;      ///< n x 4, the last one 0
 
   /// Velocities as n x 3 only.
@@ -39,7 +38,9 @@ class Gather {
 
   /// Begins anew, for the member in a slot.
   void begin(size_t slot, const Vec3& heading);
-  /// Those of the slots [from, to) that p sees; the member itself among them.
+  /// Looks from another place than the member's own from here on: from an image of it.
+  void look_from(const Vec3& p);
+  /// Those of the slots [from, to) that p, where it looks from, sees; the member itself among them.
   void add(const Vec3& p, size_t from, size_t to);
   /// To be called last.
   void finish();
@@ -55,7 +56,6 @@ class Gather {
   size_t count_ = 0;
   Vec3 heading_;
   Lanes4 u_, at_, away_, v_, x_;
-  Vec3 place_;
   uint32_t list_[kList + kAtOnce];
 };
 

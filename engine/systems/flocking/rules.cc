@@ -76,6 +76,7 @@ void Flocking::steer(State& s, const StepInput& in) const {
       g.begin(slot, heading);
       box_.images(at, reach_, [&](const Vec3& shift) {
         const Vec3 p = at + shift;
+        if (!(shift == Vec3{})) g.look_from(p);
         sorted.grid.near(p, [&](size_t from, size_t to) { g.add(p, from, to); });
       });
       g.finish();
