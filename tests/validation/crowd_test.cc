@@ -137,6 +137,26 @@ TEST(CrowdValidation, TheFlowThroughADoorAtEase) {
   EXPECT_GT(flow(wide, 199), 1.2 * 0.73);
 }
 
+TEST(CrowdValidation, ThoseWhoAgreeLeaveTooAndNobodyIsTouched) {
+  CrowdDef d = room(1.34);
+  d.model = Model::orca;
+  CrowdRun run(d);
+  double smallest = HUGE_VAL;
+  for (int k = 0; k < 60 * 40; ++k) {
+    run.step();
+    if (k % 10 == 0) smallest = std::min(smallest, run.observe("separation.smallest"));
+  }
+  // Discs without friction come through about as fast as people with it: three starts give 1.1 to 1.3 a
+  // second.
+  EXPECT_GT(run.observe("door.exit.flow"), 0.8);
+  EXPECT_GT(smallest, -1e-9);
+  // Control: who looks ahead for everybody around and stays off walls by half a second blocks the door.
+  d.max_neighbours = 24, d.wall_horizon = 0.5;
+  CrowdRun stuck(d);
+  stuck.step(60 * 40);
+  EXPECT_LT(stuck.observe("left"), 0.7 * run.observe("left"));
+}
+
 TEST(CrowdValidation, FasterIsSlowerAtADoor) {
   const double calm = flow(room(0.8), 60), best = flow(room(1.5), 60), hasty = flow(room(4), 60);
   // Figure 1 c: those who want to walk at 1.5 m/s are out first, faster ones press and rub.

@@ -227,7 +227,7 @@ const DefTable& crowd_table() {
           .number("neighbour_distance", &D::neighbour_distance, "m", above(0),
                   "orca: of the rims of those looked at, and twice the longest way of a step")
           .integer("max_neighbours", &D::max_neighbours, between(1, 36),
-                   "orca: the nearest that are looked at")
+                   "orca: the nearest that are looked ahead for; who looks at all of a throng stands still")
           .number("max_speed", &D::max_speed, "m/s", above(0), "orca: nobody is faster, unless wanting to")
           .number("clearance", &D::clearance, "m", at_least(0), "from walls that ways keep where they can")
           .number("grid_spacing", &D::grid_spacing, "m", at_least(0),

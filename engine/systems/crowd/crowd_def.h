@@ -51,10 +51,10 @@ struct CrowdDef {
   double reach = 1.2;                                       // m between the rims
   int64_t max_substeps = 1000;
 
-  double horizon = 2, wall_horizon = 0.5;  // s
+  double horizon = 2, wall_horizon = 0.1;  // s
   double margin = 0.1;                     // m
   double neighbour_distance = 5;           // m
-  int64_t max_neighbours = 24;
+  int64_t max_neighbours = 6;
   double max_speed = 2;  // m/s
 
   double clearance = 0.4;     // m
