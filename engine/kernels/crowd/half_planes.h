@@ -3,6 +3,7 @@
 // Geometry, chapter 4), and where there is none the point that violates the softer of them least, which is
 // the programme in three dimensions of van den Berg, Guy, Lin, Manocha 2011, section 5.3.
 #pragma once
+#include <cstdint>
 #include <span>
 
 #include "engine/math/vec3.h"
