@@ -185,6 +185,12 @@ TEST(CrowdSegment, CrossingsHaveASide) {
   EXPECT_EQ(crossing({{1, 1, 0}, {1, -1, 0}}, door), -1);
   EXPECT_EQ(crossing({{3, -1, 0}, {3, 1, 0}}, door), 0);
   EXPECT_EQ(crossing({{1, 1, 0}, {1, 2, 0}}, door), 0);
+  // Of a wall: nobody ends on it, and who starts on it may leave.
+  EXPECT_TRUE(runs_into({{1, -1, 0}, {1, 0, 0}}, door));
+  EXPECT_TRUE(runs_into({{1, 1, 0}, {1, -1, 0}}, door));
+  EXPECT_FALSE(runs_into({{1, 0, 0}, {1, 1, 0}}, door));
+  EXPECT_FALSE(runs_into({{1, 0, 0}, {1, -1, 0}}, door));
+  EXPECT_FALSE(runs_into({{3, 1, 0}, {3, -1, 0}}, door));
   EXPECT_EQ(segment_distance({{1, -1, 0}, {1, 1, 0}}, door), 0);
   EXPECT_EQ(segment_distance({{3, -1, 0}, {3, 1, 0}}, door), 1);
 }

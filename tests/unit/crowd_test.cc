@@ -163,7 +163,16 @@ TEST(Crowd, NobodyCrossesAWallHoweverFastOrLong) {
   }
 }
 
-TEST(Crowd, CoincidentResting_AndWithoutSize) {
+TEST(Crowd, WhoStartsOnAWallLeavesIt) {
+  CrowdDef d = lone(Model::social_force);
+  d.walls = {{{{0, -5, 0}, {0, 5, 0}}}};
+  CrowdRun run(d);
+  run.step(300);
+  // By its left side, seen along: the side is a matter of the wall alone.
+  EXPECT_LT(run.position(0).x, -1);
+}
+
+TEST(Crowd, CoincidentRestingAndWithoutSize) {
   for (const Model model : {Model::social_force, Model::orca}) {
     for (const double radius : {0.0, 0.3}) {
       CrowdDef d;

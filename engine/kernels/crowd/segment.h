@@ -36,6 +36,16 @@ inline int crossing(const Segment& p, const Segment& q) {
   return share >= 0 && share <= norm2(d) ? (to > 0 ? 1 : -1) : 0;
 }
 
+/// Whether the way from p.a to p.b ends on q or beyond it. One that starts on q is free to leave to either
+/// side.
+inline bool runs_into(const Segment& p, const Segment& q) {
+  const Vec3 d = q.b - q.a;
+  const double from = cross2(d, p.a - q.a), to = cross2(d, p.b - q.a);
+  if (!((from < 0 && to >= 0) || (from > 0 && to <= 0))) return false;
+  const double share = dot(p.a + (p.b - p.a) * (from / (from - to)) - q.a, d);
+  return share >= 0 && share <= norm2(d);
+}
+
 /// Shortest distance between two segments; 0 where they cross.
 inline double segment_distance(const Segment& p, const Segment& q) {
   if (crossing(p, q) != 0) return 0;

@@ -147,7 +147,7 @@ bool Walls::blocked(const Vec3& a, const Vec3& b, double clearance) const {
 const Segment* Walls::crossed(const Vec3& a, const Vec3& b) const {
   const Segment way{a, b};
   const Segment* hit = nullptr;
-  along(a, b, 0, [&](const Segment& s) { return crossing(way, s) != 0 && (hit = &s) != nullptr; });
+  along(a, b, 0, [&](const Segment& s) { return runs_into(way, s) && (hit = &s) != nullptr; });
   return hit;
 }
 

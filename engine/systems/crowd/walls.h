@@ -37,7 +37,7 @@ class Walls {
   /// Whether a straight way from a to b crosses a wall, or comes nearer to one than `clearance` (m, below the
   /// reach) and than its ends are.
   bool blocked(const Vec3& a, const Vec3& b, double clearance) const;
-  /// A piece that the straight way from a to b crosses, or null.
+  /// A piece that the straight way from a to b runs into, or null.
   const Segment* crossed(const Vec3& a, const Vec3& b) const;
 
  private:
