@@ -33,6 +33,10 @@ struct Lanes4 {
   friend Lanes4 operator/(Lanes4 a, Lanes4 b) { return {_mm256_div_pd(a.v, b.v)}; }
   friend Lanes4 operator-(Lanes4 a) { return {_mm256_xor_pd(a.v, _mm256_set1_pd(-0.0))}; }
   friend Lanes4 sqrt(Lanes4 a) { return {_mm256_sqrt_pd(a.v)}; }
+  /// Bit k is set where lane k of a is below that of b.
+  friend unsigned below(Lanes4 a, Lanes4 b) {
+    return static_cast<unsigned>(_mm256_movemask_pd(_mm256_cmp_pd(a.v, b.v, _CMP_LT_OQ)));
+  }
 };
 
 #else
@@ -75,6 +79,11 @@ struct Lanes4 {
   friend Lanes4 sqrt(Lanes4 a) {
     for (int k = 0; k < 4; ++k) a.v[k] = std::sqrt(a.v[k]);
     return a;
+  }
+  friend unsigned below(Lanes4 a, Lanes4 b) {
+    unsigned bits = 0;
+    for (int k = 0; k < 4; ++k) bits |= (a.v[k] < b.v[k] ? 1u : 0u) << k;
+    return bits;
   }
 };
 

@@ -38,6 +38,7 @@ void PointGrid::build(std::span<const double> x, double reach) {
   nx_ = static_cast<long>(wx), ny_ = static_cast<long>(wy), nz_ = static_cast<long>(wz);
 
   // Counting sort: stable, so that slots within a cell follow the points' own order.
+  start_.reserve(static_cast<size_t>(most) + 1);
   start_.assign(static_cast<size_t>(nx_ * ny_ * nz_) + 1, 0);
   cell_of_.resize(n);
   size_t inside = 0;

@@ -3,6 +3,7 @@
 #include "engine/reference/engines.h"
 #include "engine/systems/articulation/articulation_def.h"
 #include "engine/systems/blend_shapes/blend_shapes.h"
+#include "engine/systems/crowd/crowd.h"
 #include "engine/systems/fem/fem.h"
 #include "engine/systems/flocking/flocking.h"
 #include "engine/systems/grid_fluid/grid_fluid.h"
@@ -142,6 +143,18 @@ std::span<const CatalogueRow> catalogue() {
         "Cucker and Smale's mean velocity does not change", "the same bits on any number of threads"},
        "",
        &flocking::flocking_outputs()},
+      {"crowd",
+       "points",
+       "pedestrians that make for their goals around walls, by social forces or by avoiding each other's "
+       "velocities",
+       &crowd::crowd_table(),
+       crowd::build_crowd,
+       crowd::crowd_cost,
+       {"nobody crosses a wall", "by orca nobody overlaps who did not at the start",
+        "a lone walker comes to the wanted speed exponentially, exactly",
+        "the same bits on any number of threads"},
+       "",
+       &crowd::crowd_outputs()},
       {"mass_spring",
        "springs",
        "points joined by springs: ropes, hair, cloth on a grid or a mesh, free networks",

@@ -18,6 +18,7 @@
 #include "tests/support/grid_flow.h"
 #include "tests/support/nbody_run.h"
 #include "tests/support/shallow_run.h"
+#include "tests/unit/crowd_rig.h"
 #include "tests/unit/sph_rig.h"
 
 namespace {
@@ -358,6 +359,24 @@ TEST(Allocation, EquationsEventsAndTracersAllocateNothingAfterTheFirstSteps) {
     const uint64_t before = allocations;
     for (uint64_t n = 30; n < 100; ++n) step(n);
     EXPECT_EQ(allocations - before, 0u) << with_tracers;
+  }
+}
+
+TEST(Allocation, CrowdsThatLeaveAllocateNothingAfterTheFirstStep) {
+  for (const crowd::Model model : {crowd::Model::social_force, crowd::Model::orca}) {
+    crowd::CrowdDef d;
+    d.model = model, d.noise = 0.1, d.walls = {{{{-5, -5, 0}, {0, -5, 0}, {0, 5, 0}, {-5, 5, 0}}, true}};
+    d.doors = {{"exit", {0, 1, 0}, {0, -1, 0}}};
+    d.groups.resize(1);
+    crowd::GroupDef& g = d.groups[0];
+    g.count = 60, g.center = {-2.5, 0, 0}, g.half_extents = {2.2, 4.5, 0}, g.radius = 0.2;
+    g.goal = {3, 0, 0}, g.leave = true;
+    testing_rig::CrowdRun run(d);
+    run.step();
+    const uint64_t before = allocations;
+    run.step(360);
+    EXPECT_EQ(allocations - before, 0u) << static_cast<int>(model);
+    EXPECT_LT(run.people(), 60u);
   }
 }
 

@@ -11,6 +11,9 @@ FlockingDef flock(Rule rule) {
   FlockingDef d;
   d.rule = rule, d.count = 1500, d.sides = rule == Rule::vicsek ? Sides::periodic : Sides::open;
   d.predators = rule == Rule::reynolds ? 1 : 0;
+  SphereColliderDef ball;
+  ball.radius = 1;
+  d.colliders = {ball};
   return d;
 }
 constexpr Rule kRules[] = {Rule::reynolds, Rule::vicsek, Rule::cucker_smale};

@@ -93,6 +93,67 @@ TEST(Flocking, MembersFleeAPredator) {
   EXPECT_GT(run.velocity(0).x, alone.velocity(0).x + 0.1);
 }
 
+/// Smallest distance of anybody from a ball of 1 m about `center` over 200 steps.
+double nearest_to_ball(FlockingDef d, const Vec3& center, double h) {
+  FlockRun run(d, h);
+  double least = HUGE_VAL;
+  for (int k = 0; k < 200; ++k) {
+    run.step();
+    for (size_t i = 0; i < run.state.rows(Columns::position); ++i) {
+      least = std::min(least, norm(run.position(i) - center) - 1);
+      if (d.rule == Rule::vicsek) EXPECT_NEAR(norm(run.velocity(i)), d.speed, 1e-14);
+      if (d.rule == Rule::reynolds) EXPECT_GE(norm(run.velocity(i)), d.min_speed - 1e-14);
+    }
+  }
+  EXPECT_FALSE(run.state.first_bad().has_value());
+  return least;
+}
+
+TEST(Flocking, NobodyFliesThroughAColliderNorStartsInOne) {
+  for (const Rule rule : {Rule::reynolds, Rule::vicsek, Rule::cucker_smale}) {
+    for (const Sides sides : {Sides::open, Sides::periodic}) {
+      if (rule == Rule::cucker_smale && sides == Sides::periodic) continue;
+      FlockingDef d;
+      d.rule = rule, d.sides = sides, d.count = 200, d.half_extents = {3, 3, 3}, d.wall_strength = 20;
+      SphereColliderDef ball;
+      ball.center = {1.5, 0, 0}, ball.radius = 1;
+      d.colliders = {ball};
+      // Long steps, so that many fly further than the ball is thick.
+      EXPECT_GE(nearest_to_ball(d, ball.center, 0.5), 0) << static_cast<int>(rule);
+      // Control: where there is no ball they fly through its place.
+      d.colliders.clear();
+      EXPECT_LT(nearest_to_ball(d, ball.center, 0.5), -0.5);
+    }
+  }
+}
+
+TEST(Flocking, ACloseColliderIsSteeredClearOf) {
+  FlockingDef d;
+  d.positions = {{-4, 0.2, 0}}, d.velocities = {{1, 0, 0}}, d.wall_strength = 8;
+  SphereColliderDef ball;
+  ball.radius = 1;
+  d.colliders = {ball};
+  // Turned aside before it would touch, where bouncing off alone touches.
+  EXPECT_GT(nearest_to_ball(d, {}, 0.02), 0.05);
+  d.wall_strength = 0;
+  EXPECT_LT(nearest_to_ball(d, {}, 0.02), 0.01);
+}
+
+TEST(Flocking, WhoMeetsAColliderHeadOnGetsAroundIt) {
+  FlockingDef d;
+  d.positions = {{-4, 0, 0}}, d.velocities = {{1, 0, 0}}, d.wall_strength = 8;
+  d.goal = {20, 0, 0}, d.goal_strength = 2;
+  SphereColliderDef ball;
+  ball.radius = 1;
+  d.colliders = {ball};
+  for (const Space space : {Space::plane, Space::solid}) {
+    d.space = space;
+    FlockRun run(d, 0.02);
+    run.step(500);
+    EXPECT_GT(run.position(0).x, 3);
+  }
+}
+
 TEST(Flocking, CommandsAreChecked) {
   FlockingDef d;
   FlockRun run(d, 0.02);

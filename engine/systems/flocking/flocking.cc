@@ -46,7 +46,12 @@ Flocking::Flocking(const FlockingDef& def, const BuildContext& context)
       reach_(reach_of(def)),
       cos_view_(trig::cos(0.5 * def.view_angle)),
       box_{def.sides, def.center - def.half_extents, def.center + def.half_extents,
-           def.space == Space::plane} {
+           def.space == Space::plane},
+      colliders_(build_colliders(def.colliders)) {
+  if (!colliders_.empty()) {
+    add_stage("remember", "where everybody was, for contacts",
+              [this](State& s, const StepInput& in) { remember(s, in); });
+  }
   switch (def.rule) {
     case Rule::reynolds:
       add_stage("steer", "separation, alignment and cohesion of " + std::to_string(boids_) + " members",
@@ -66,6 +71,12 @@ Flocking::Flocking(const FlockingDef& def, const BuildContext& context)
               [this](State& s, const StepInput& in) { chase(s, in); });
   } else {
     skip_stage("chase", "there are no predators");
+  }
+  if (colliders_.empty()) {
+    skip_stage("contacts", "no colliders given");
+  } else {
+    add_stage("contacts", std::to_string(def.colliders.size()) + " colliders",
+              [this](State& s, const StepInput& in) { touch(s, in); });
   }
   if (def.sides == Sides::open) skip_stage("sides", "they are open");
   PartInfo members;
@@ -101,6 +112,12 @@ State Flocking::initial_state() const {
     speed *= i < boids_ ? def_.speed : def_.predator_speed;
     if (!def_.velocities.empty() && i < boids_) speed = def_.velocities[i];
     if (box_.plane) at.z = speed.z = 0;
+    // Who would start in a collider starts on it, of two that overlap on the one that is nearer.
+    for (int k = 0; k < 4 && !colliders_.empty(); ++k) {
+      const NearSurface near = colliders_.nearest(at, 0);
+      if (near.distance >= kContactSlop) break;
+      at += near.normal * (2 * kContactSlop - near.distance);
+    }
     store3(x, i, at), store3(v, i, speed);
     hold(x, v, i);
   }
@@ -124,6 +141,48 @@ void Flocking::hold(double* x, double* v, size_t row) const {
   bounce(at.x, u.x, box_.low.x, box_.high.x), bounce(at.y, u.y, box_.low.y, box_.high.y);
   if (!box_.plane) bounce(at.z, u.z, box_.low.z, box_.high.z);
   store3(x, row, at), store3(v, row, u);
+}
+
+void Flocking::remember(State& s, const StepInput& in) const {
+  auto before = in.workspace.doubles("flocking.before", 6 * rows_);
+  std::copy_n(s.f64(Columns::position).data(), 3 * rows_, before.data());
+  std::copy_n(s.f64(Columns::velocity).data(), 3 * rows_, before.data() + 3 * rows_);
+}
+
+void Flocking::touch(State& s, const StepInput& in) const {
+  auto before = in.workspace.doubles("flocking.before", 6 * rows_);
+  double *x = s.f64(Columns::position).data(), *v = s.f64(Columns::velocity).data();
+  if (box_.sides == Sides::periodic) {
+    // Whoever went through a side came from beside it.
+    const Vec3 size = box_.high - box_.low;
+    const auto beside = [](double& was, double is, double edge) {
+      if (edge > 0) was += edge * std::floor((is - was) / edge + 0.5);
+    };
+    for (size_t i = 0; i < rows_; ++i) {
+      beside(before[3 * i], x[3 * i], size.x), beside(before[3 * i + 1], x[3 * i + 1], size.y);
+      if (!box_.plane) beside(before[3 * i + 2], x[3 * i + 2], size.z);
+    }
+  }
+  colliders_.resolve({.t = in.t,
+                      .h = in.h,
+                      .x_old = before.first(3 * rows_),
+                      .v_old = before.subspan(3 * rows_, 3 * rows_),
+                      .x = s.f64(Columns::position),
+                      .v = s.f64(Columns::velocity)},
+                     in.workspace, in.arena);
+  for (size_t i = 0; i < rows_; ++i) {
+    Vec3 at = load3(x, i), u = load3(v, i);
+    if (box_.plane) at.z = u.z = 0;
+    // Who has bounced goes on at a speed of the rule's.
+    if (def_.rule != Rule::cucker_smale) {
+      const double fastest = i < boids_ ? def_.max_speed : def_.predator_speed,
+                   slowest = i < boids_ ? def_.min_speed : def_.predator_speed, size = norm(u);
+      const double speed = def_.rule == Rule::vicsek ? def_.speed : std::clamp(size, slowest, fastest);
+      if (speed != size) u = normalized(u, normalized(load3<double>(before.data() + 3 * rows_, i))) * speed;
+    }
+    store3(x, i, at), store3(v, i, u);
+    hold(x, v, i);
+  }
 }
 
 void Flocking::apply(State& s, const Command& c) const {
@@ -150,7 +209,8 @@ void Flocking::apply(State& s, const Command& c) const {
   s.f64(Columns::weights)[static_cast<size_t>(at - std::begin(kWeightNames))] = c.value;
 }
 
-void Flocking::draw(const State&, double, Wish wishes, Drawing& out) const {
+void Flocking::draw(const State&, double t, Wish wishes, Drawing& out) const {
+  if (wants(wishes, Wish::obstacles)) out.obstacles = colliders_.drawn(t);
   if (!wants(wishes, Wish::constant)) return;
   out.parts.resize(parts().size());
   for (PartDrawing& d : out.parts) {

@@ -52,7 +52,9 @@ class Flocking final : public StagedSystem {
   void align(State& state, const StepInput& in) const;
   void approach(State& state, const StepInput& in) const;
   void chase(State& state, const StepInput& in) const;
-  Vec3 avoidance(const State& state, const Vec3& x) const;
+  void remember(State& state, const StepInput& in) const;
+  void touch(State& state, const StepInput& in) const;
+  Vec3 avoidance(const State& state, const Vec3& x, const Vec3& heading, double t) const;
   void hold(double* x, double* v, size_t row) const;
 
   FlockingDef def_;
@@ -60,6 +62,7 @@ class Flocking final : public StagedSystem {
   size_t boids_, rows_;
   double reach_, cos_view_;
   Box box_;
+  ColliderSet colliders_;
 };
 
 template <class Visit>

@@ -54,61 +54,72 @@ double reach_of(const FlockingDef& d) {
 
 const DefTable& flocking_table() {
   using D = FlockingDef;
-  static const DefTable t =
-      TableOf<D>("flocks, schools and herds: many that steer by their neighbours")
-          .choice(
-              "rule", &D::rule, {"reynolds", "vicsek", "cucker_smale"},
-              "separation, alignment and cohesion; constant speed along the neighbours' mean heading with "
-              "noise, once a step; or velocities that approach each other by distance")
-          .choice("space", &D::space, {"plane", "solid"}, "z = 0 alone, or three directions")
-          .choice("sides", &D::sides, {"open", "walls", "periodic"},
-                  "no box; a box that holds them; or one whose opposite sides are one")
-          .integer("count", &D::count, between(1, kMost), "members, spread at random over the box")
-          .vectors("positions", &D::positions, "m", any(), {0, kMost}, "of every member, instead of count")
-          .vectors("velocities", &D::velocities, "m/s", any(), {0, kMost},
-                   "one per position; absent: speed along heading")
-          .vector("center", &D::center, "m", any(), "of the box")
-          .vector("half_extents", &D::half_extents, "m", at_least(0), "half edges of the box")
-          .vector("start_center", &D::start_center, "m", any(), "where they start; absent: in the whole box")
-          .vector("start_half_extents", &D::start_half_extents, "m", at_least(0),
-                  "of the region where they start")
-          .number("speed", &D::speed, "m/s", at_least(0), "at the start; of vicsek always")
-          .vector("heading", &D::heading, "1", any(), "of all at the start; absent: each its own, at random")
-          .number("separation_radius", &D::separation_radius, "m", above(0), "nearer ones are kept away from")
-          .number("alignment_radius", &D::alignment_radius, "m", above(0), "nearer ones are flown along with")
-          .number("cohesion_radius", &D::cohesion_radius, "m", above(0), "nearer ones are joined")
-          .number("separation", &D::separation, "m/s^2", at_least(0), "away from one that is met")
-          .number("alignment", &D::alignment, "1/s", at_least(0), "times the difference to the mean velocity")
-          .number("cohesion", &D::cohesion, "1/s^2", at_least(0), "times the way to the mean place")
-          .number("view_angle", &D::view_angle, "rad", between(0, kTurn),
-                  "full angle about the heading within which neighbours are seen")
-          .number("min_speed", &D::min_speed, "m/s", at_least(0), "nobody is slower")
-          .number("max_speed", &D::max_speed, "m/s", above(0), "nobody is faster")
-          .number("max_acceleration", &D::max_acceleration, "m/s^2", above(0), "of all steering together")
-          .number("max_turn_rate", &D::max_turn_rate, "rad/s", above(0), "of the heading")
-          .number("wall_margin", &D::wall_margin, "m", above(0), "distance from which walls are avoided")
-          .number("wall_strength", &D::wall_strength, "m/s^2", at_least(0), "away from a wall that is met")
-          .vector("goal", &D::goal, "m", any(), "place that all make for; absent: none")
-          .number("goal_strength", &D::goal_strength, "m/s^2", at_least(0), "towards the goal")
-          .integer("predators", &D::predators, between(0, 100),
-                   "that chase whoever is nearest; a part of their own")
-          .number("predator_speed", &D::predator_speed, "m/s", above(0), "always")
-          .number("predator_turn_rate", &D::predator_turn_rate, "rad/s", above(0), "of a predator's heading")
-          .number("flight_radius", &D::flight_radius, "m", above(0), "nearer predators are fled from")
-          .number("flight_strength", &D::flight_strength, "m/s^2", at_least(0),
-                  "away from a predator that is met")
-          .number("radius", &D::radius, "m", above(0),
-                  "vicsek: of the neighbours whose headings are averaged")
-          .number("noise", &D::noise, "rad", between(0, kTurn),
-                  "vicsek: full angle over which the heading is disturbed every step")
-          .number("coupling", &D::coupling, "1/s", at_least(0), "cucker_smale: K")
-          .number("influence_range", &D::influence_range, "m", above(0),
-                  "cucker_smale: sigma of (1 + r^2 / sigma^2)^-decay")
-          .number("decay", &D::decay, "1", between(0, 10), "cucker_smale: beta; 0: all count alike")
-          .number("draw_radius", &D::draw_radius, "m", at_least(0), "size in pictures")
-          .vector("color", &D::color, "1", between(0, 1), "linear red, green, blue")
-          .check(check)
-          .build();
+  static const DefTable t = [] {
+    auto table =
+        TableOf<D>("flocks, schools and herds: many that steer by their neighbours")
+            .choice(
+                "rule", &D::rule, {"reynolds", "vicsek", "cucker_smale"},
+                "separation, alignment and cohesion; constant speed along the neighbours' mean heading with "
+                "noise, once a step; or velocities that approach each other by distance")
+            .choice("space", &D::space, {"plane", "solid"}, "z = 0 alone, or three directions")
+            .choice("sides", &D::sides, {"open", "walls", "periodic"},
+                    "no box; a box that holds them; or one whose opposite sides are one")
+            .integer("count", &D::count, between(1, kMost), "members, spread at random over the box")
+            .vectors("positions", &D::positions, "m", any(), {0, kMost}, "of every member, instead of count")
+            .vectors("velocities", &D::velocities, "m/s", any(), {0, kMost},
+                     "one per position; absent: speed along heading")
+            .vector("center", &D::center, "m", any(), "of the box")
+            .vector("half_extents", &D::half_extents, "m", at_least(0), "half edges of the box")
+            .vector("start_center", &D::start_center, "m", any(),
+                    "where they start; absent: in the whole box")
+            .vector("start_half_extents", &D::start_half_extents, "m", at_least(0),
+                    "of the region where they start")
+            .number("speed", &D::speed, "m/s", at_least(0), "at the start; of vicsek always")
+            .vector("heading", &D::heading, "1", any(),
+                    "of all at the start; absent: each its own, at random")
+            .number("separation_radius", &D::separation_radius, "m", above(0),
+                    "nearer ones are kept away from")
+            .number("alignment_radius", &D::alignment_radius, "m", above(0),
+                    "nearer ones are flown along with")
+            .number("cohesion_radius", &D::cohesion_radius, "m", above(0), "nearer ones are joined")
+            .number("separation", &D::separation, "m/s^2", at_least(0), "away from one that is met")
+            .number("alignment", &D::alignment, "1/s", at_least(0),
+                    "times the difference to the mean velocity")
+            .number("cohesion", &D::cohesion, "1/s^2", at_least(0), "times the way to the mean place")
+            .number("view_angle", &D::view_angle, "rad", between(0, kTurn),
+                    "full angle about the heading within which neighbours are seen")
+            .number("min_speed", &D::min_speed, "m/s", at_least(0), "nobody is slower")
+            .number("max_speed", &D::max_speed, "m/s", above(0), "nobody is faster")
+            .number("max_acceleration", &D::max_acceleration, "m/s^2", above(0), "of all steering together")
+            .number("max_turn_rate", &D::max_turn_rate, "rad/s", above(0), "of the heading")
+            .number("wall_margin", &D::wall_margin, "m", above(0),
+                    "distance from which walls and colliders are avoided")
+            .number("wall_strength", &D::wall_strength, "m/s^2", at_least(0),
+                    "away from a wall or a collider that is met")
+            .vector("goal", &D::goal, "m", any(), "place that all make for; absent: none")
+            .number("goal_strength", &D::goal_strength, "m/s^2", at_least(0), "towards the goal")
+            .integer("predators", &D::predators, between(0, 100),
+                     "that chase whoever is nearest; a part of their own")
+            .number("predator_speed", &D::predator_speed, "m/s", above(0), "always")
+            .number("predator_turn_rate", &D::predator_turn_rate, "rad/s", above(0),
+                    "of a predator's heading")
+            .number("flight_radius", &D::flight_radius, "m", above(0), "nearer predators are fled from")
+            .number("flight_strength", &D::flight_strength, "m/s^2", at_least(0),
+                    "away from a predator that is met")
+            .number("radius", &D::radius, "m", above(0),
+                    "vicsek: of the neighbours whose headings are averaged")
+            .number("noise", &D::noise, "rad", between(0, kTurn),
+                    "vicsek: full angle over which the heading is disturbed every step")
+            .number("coupling", &D::coupling, "1/s", at_least(0), "cucker_smale: K")
+            .number("influence_range", &D::influence_range, "m", above(0),
+                    "cucker_smale: sigma of (1 + r^2 / sigma^2)^-decay")
+            .number("decay", &D::decay, "1", between(0, 10), "cucker_smale: beta; 0: all count alike")
+            .number("draw_radius", &D::draw_radius, "m", at_least(0), "size in pictures")
+            .vector("color", &D::color, "1", between(0, 1), "linear red, green, blue")
+            .check(check);
+    add_collider_rows(table, &D::colliders);
+    return table.build();
+  }();
   return t;
 }
 

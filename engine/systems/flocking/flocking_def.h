@@ -3,6 +3,7 @@
 #include <optional>
 #include <vector>
 
+#include "engine/collision/points/collider_def.h"
 #include "engine/core/build.h"
 #include "engine/core/def.h"
 #include "engine/core/outputs.h"
@@ -30,6 +31,7 @@ struct FlockingDef {
   double min_speed = 0.5, max_speed = 2;                                      // m/s
   double max_acceleration = 10, max_turn_rate = 6.283185307179586;            // m/s^2, rad/s
   double wall_margin = 1, wall_strength = 5;                                  // m, m/s^2
+  ColliderDefs colliders;
   std::optional<Vec3> goal;
   double goal_strength = 1;  // m/s^2
   int64_t predators = 0;

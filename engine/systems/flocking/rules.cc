@@ -6,6 +6,7 @@
 #include "engine/base/random.h"
 #include "engine/kernels/flocking/steering.h"
 #include "engine/systems/flocking/flocking.h"
+#include "engine/systems/flocking/gather.h"
 
 namespace truestep::flocking {
 namespace {
@@ -15,25 +16,13 @@ constexpr double kHalfTurn = 3.141592653589793;
 /// Streams of random numbers up to here belong to the start.
 constexpr uint64_t kFirstRow = 2;
 
-/// Members in the order of the grid's slots.
-struct Sorted {
-  PointGrid grid;
-  std::vector<double> v;
-
-  void build(const double* x, const double* velocities, size_t n, double reach) {
-    grid.build({x, 3 * n}, reach);
-    v.resize(3 * grid.size());
-    for (size_t k = 0; k < grid.size(); ++k) store3(v.data(), k, load3(velocities, grid.point(k)));
-  }
-};
-
 double weight(const State& s, Weight w) {
   return s.f64(Columns::weights)[static_cast<size_t>(w)];
 }
 
 }  // namespace
 
-Vec3 Flocking::avoidance(const State& s, const Vec3& x) const {
+Vec3 Flocking::avoidance(const State& s, const Vec3& x, const Vec3& heading, double t) const {
   Vec3 a;
   if (box_.sides == Sides::walls) {
     const auto away = [this](double at, double low, double high) {
@@ -43,6 +32,16 @@ Vec3 Flocking::avoidance(const State& s, const Vec3& x) const {
     };
     a.x = away(x.x, box_.low.x, box_.high.x), a.y = away(x.y, box_.low.y, box_.high.y);
     if (!box_.plane) a.z = away(x.z, box_.low.z, box_.high.z);
+  }
+  if (!colliders_.empty()) {
+    const NearSurface near = colliders_.nearest(x, t);
+    const double push = def_.wall_strength * std::max(0.0, 1 - near.distance / def_.wall_margin);
+    const double into = dot(heading, near.normal);
+    // Who heads for the surface is turned aside along it, too: off alone would be stopped in front of it.
+    if (push > 0 && into < 0)
+      a += normalized(heading - near.normal * into, perpendicular(near.normal)) * push;
+    a += near.normal * push;
+    if (box_.plane) a.z = 0;
   }
   const double to_goal = weight(s, Weight::goal_strength);
   if (to_goal > 0) a += normalized(load3(s.f64(Columns::goal).data(), 0) - x, Vec3{}) * to_goal;
@@ -57,38 +56,33 @@ Vec3 Flocking::avoidance(const State& s, const Vec3& x) const {
 void Flocking::steer(State& s, const StepInput& in) const {
   double *x = s.f64(Columns::position).data(), *v = s.f64(Columns::velocity).data();
   auto& sorted = in.workspace.object<Sorted>("flocking.sorted");
-  sorted.build(x, v, boids_, reach_);
+  sorted.build_wide(x, v, boids_, reach_);
   const double apart = weight(s, Weight::separation), along = weight(s, Weight::alignment),
                joined = weight(s, Weight::cohesion);
-  const double r2_align = def_.alignment_radius * def_.alignment_radius,
-               r2_join = def_.cohesion_radius * def_.cohesion_radius, reach2 = reach_ * reach_;
-  const bool sees_all = def_.view_angle >= 2 * kHalfTurn;
+  const Sight sight{.reach2 = reach_ * reach_,
+                    .align2 = def_.alignment_radius * def_.alignment_radius,
+                    .join2 = def_.cohesion_radius * def_.cohesion_radius,
+                    .apart = def_.separation_radius,
+                    .cos_view = cos_view_,
+                    .field = def_.view_angle >= 2 * kHalfTurn ? Sight::Field::all : Sight::Field::cone};
   const trig::SinCos turn = trig::sincos(std::min(kHalfTurn, def_.max_turn_rate * in.h));
   auto a = in.workspace.doubles("flocking.acceleration", 3 * boids_);
   in.arena.for_blocks(sorted.grid.size(), kBlock, [&](size_t begin, size_t end) {
+    Gather g(sorted, sight);
     for (size_t slot = begin; slot < end; ++slot) {
-      const Vec3 at = sorted.grid.position(slot), u = load3(sorted.v.data(), slot);
-      const Vec3 heading = normalized(u, Vec3{});
-      Vec3 away, mean_v, mean_x;
-      double with = 0, near = 0;
+      const Vec3 at = sorted.grid.position(slot);
+      const double* v4 = &sorted.v4[4 * slot];
+      const Vec3 heading = normalized(Vec3{v4[0], v4[1], v4[2]}, Vec3{});
+      g.begin(slot, heading);
       box_.images(at, reach_, [&](const Vec3& shift) {
         const Vec3 p = at + shift;
-        sorted.grid.near(p, [&](size_t from, size_t to) {
-          for (size_t q = from; q < to; ++q) {
-            const Vec3 d = sorted.grid.position(q) - p;
-            const double r2 = norm2(d);
-            if (r2 >= reach2 || q == slot) continue;
-            const double r = std::sqrt(r2);
-            if (!sees_all && dot(heading, d) < cos_view_ * r) continue;
-            away += separation(-d, r, def_.separation_radius);
-            if (r2 < r2_align) mean_v += load3(sorted.v.data(), q) - u, with += 1;
-            if (r2 < r2_join) mean_x += d, near += 1;
-          }
-        });
+        if (!(shift == Vec3{})) g.look_from(p);
+        sorted.grid.near(p, [&](size_t from, size_t to) { g.add(p, from, to); });
       });
-      Vec3 sum = away * apart + avoidance(s, at);
-      if (with > 0) sum += mean_v * (along / with);
-      if (near > 0) sum += mean_x * (joined / near);
+      g.finish();
+      Vec3 sum = g.away * apart + avoidance(s, at, heading, in.t);
+      if (g.with > 0) sum += g.mean_v * (along / g.with);
+      if (g.near > 0) sum += g.mean_x * (joined / g.near);
       const double size = norm(sum);
       store3(a.data(), sorted.grid.point(slot),
              size > def_.max_acceleration ? sum * (def_.max_acceleration / size) : sum);

@@ -23,7 +23,7 @@ const chapters: [string, RegExp][] = [
   ["Rigid bodies in the plane", /^rigid2d$/],
   ["Animation", /^animation$/],
   ["Stars and planets", /^gravity$/],
-  ["Flocks", /^flocking$/],
+  ["Flocks and crowds", /^(flocking|crowd)$/],
   ["Particles", /^particles$/],
   ["Fluids", /^fluid$/],
   ["Heat and waves", /^(heat|wave|grid)$/],
