@@ -1,0 +1,37 @@
+// The system type "molecular": a MolecularField advanced by any integrator of the table, velocity Verlet by
+// default. Before the step the list of neighbours is renewed where somebody may have moved half a skin.
+#pragma once
+#include "engine/core/force_system.h"
+#include "engine/integrators/table/default_method.h"
+#include "engine/systems/molecular/molecular_field.h"
+
+namespace truestep::molecular {
+
+class Molecular final : public ForceSystem {
+ public:
+  /// Error "scene_invalid" when the def's integrator is unknown or does not fit.
+  static std::unique_ptr<const Molecular> make(const MolecularDef& def, const BuildContext& context);
+
+  /// Besides the energies (J): temperature (K), pressure (Pa), virial (J), the tails of energy and pressure,
+  /// momentum.x/y/z (kg m/s), displacement (m^2, mean square since t = 0).
+  void observe(const State& state, double t, Observables& out) const override;
+  /// position (m, in the box), velocity, speed; of part "distribution" the distance and g(r).
+  FieldView field(const State& state, size_t part, size_t field, std::vector<double>& scratch) const override;
+  void apply(State& state, const Command& command) const override;
+  void draw(const State& state, double t, Wish wishes, Drawing& out) const override;
+  Energy::Exchange exchange(const State&) const override { return Energy::Exchange::closed; }
+
+  const MolecularField& atoms() const { return atoms_; }
+  /// K
+  double temperature(double kinetic) const;
+
+ private:
+  Molecular(std::unique_ptr<const MolecularField> field, const ChosenMethod& method);
+  void distribution(const State& state, std::vector<double>& out) const;
+
+  const MolecularField& atoms_;
+};
+
+std::unique_ptr<const System> build_molecular(const void* def, const BuildContext& context);
+
+}  // namespace truestep::molecular

@@ -1,0 +1,60 @@
+// What a scene says about atoms and molecules; units and bounds stand in the tables (molecular_def.cc).
+// Any coherent units do, as nothing but `boltzmann` and `coulomb_constant` knows which: in reduced ones mass,
+// sigma, epsilon and boltzmann are 1.
+#pragma once
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "engine/core/build.h"
+#include "engine/core/def.h"
+#include "engine/core/integrator_def.h"
+#include "engine/core/outputs.h"
+#include "engine/kernels/molecular/lennard_jones.h"
+#include "engine/systems/molecular/cell.h"
+
+namespace truestep::molecular {
+
+struct KindDef {
+  std::string name;
+  double mass = 6.6335209e-26;                // kg: argon
+  double sigma = 0, epsilon = 0, charge = 0;  // m, J, C
+};
+
+struct LatticeDef {
+  enum class Arrangement : uint8_t { fcc, sc } arrangement = Arrangement::fcc;
+  std::vector<std::string> kinds;  // of the sites in turn
+  std::vector<int64_t> cells{4, 4, 4};
+  std::optional<double> number_density, lattice_constant;  // 1/m^3, m
+  Vec3 center;
+};
+
+struct MolecularDef : IntegratorParams {
+  std::vector<KindDef> kinds;
+  std::optional<LatticeDef> lattice;
+  std::vector<Vec3> positions, velocities;
+  std::vector<std::string> position_kinds;
+  std::string xyz;
+  double xyz_unit = 1e-10;  // m
+
+  Sides sides = Sides::periodic;
+  std::optional<Vec3> box;  // m, edges
+  Vec3 center;
+
+  double cutoff = 1e-9, skin = 1e-10;  // m
+  std::optional<double> switch_from;   // m
+  Truncation truncation = Truncation::truncated;
+  std::optional<double> temperature;  // K
+  double boltzmann = 1.380649e-23;    // J/K
+
+  int64_t distribution_bins = 100;
+  std::optional<double> distribution_range;  // m
+  double draw_radius = 1e-10;
+  std::optional<Vec3> color;
+};
+
+const DefTable& molecular_table();
+const Outputs& molecular_outputs();
+Cost molecular_cost(const void* def);
+
+}  // namespace truestep::molecular

@@ -1,0 +1,165 @@
+#include "engine/systems/molecular/molecular_field.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace truestep::molecular {
+namespace {
+
+/// Of half a skin: what a step may be expected to leave over.
+constexpr double kMargin = 0.95;
+
+/// Largest squared distance, over the atoms, of x + h v from where they were.
+double largest_move2(std::span<const double> x, const double* v, double h, const double* from,
+                     const ThreadArena& arena, std::span<double> blocks) {
+  const size_t n = x.size() / 3;
+  arena.for_blocks(n, kBlockRows, [&](size_t begin, size_t end) {
+    double most = 0;
+    for (size_t i = begin; i < end; ++i) {
+      Vec3 d = load3(x.data(), i) - load3(from, i);
+      if (v) d += load3(v, i) * h;
+      const double d2 = norm2(d);
+      // What is not a number has moved, too.
+      most = d2 <= most ? most : d2;
+    }
+    blocks[begin / kBlockRows] = most;
+  });
+  double most = 0;
+  for (size_t b = 0; b < (n + kBlockRows - 1) / kBlockRows; ++b) most = blocks[b] <= most ? most : blocks[b];
+  return most;
+}
+
+size_t block_count(size_t rows) {
+  return (rows + kBlockRows - 1) / kBlockRows + 1;
+}
+
+}  // namespace
+
+MolecularField::MolecularField(const MolecularDef& def, const BuildContext& context)
+    : def_(def), start_(make_atoms(def, context.seed)) {
+  setting_.reach = def.cutoff + def.skin;
+  setting_.kinds = start_.kinds;
+  for (const uint32_t k : start_.kinds) {
+    setting_.charges.push_back(def.kinds[k].charge);
+    masses_.push_back(def.kinds[k].mass), inverse_masses_.push_back(1 / def.kinds[k].mass);
+  }
+  make_law();
+  forces_ = pair_sum_function(law_, Wanted::forces), energies_ = pair_sum_function(law_, Wanted::energies);
+}
+
+void MolecularField::make_law() {
+  law_.kinds = def_.kinds.size(), law_.truncation = def_.truncation;
+  law_.cutoff2 = def_.cutoff * def_.cutoff;
+  const double from = def_.switch_from.value_or(0.9 * def_.cutoff);
+  law_.from2 = from * from;
+  const double least = shortest_distance(def_);
+  law_.floor2 = least * least;
+  for (const KindDef& p : def_.kinds) {
+    for (const KindDef& q : def_.kinds) {
+      LjPair pair = mix_lorentz_berthelot(p.sigma, p.epsilon, q.sigma, q.epsilon);
+      if (def_.truncation == Truncation::shifted) pair.shift = lj_potential(pair, law_.cutoff2);
+      law_.table.insert(law_.table.end(), {pair.c12, pair.c6, pair.shift, 0});
+    }
+  }
+}
+
+State MolecularField::initial_state() const {
+  State s;
+  const size_t n = size();
+  s.add({"position", "m", Scalar::f64, 3, Role::position}, n);
+  s.add({"velocity", "m/s", Scalar::f64, 3, Role::velocity}, n);
+  s.add({"neighbours.reference", "m", Scalar::f64, 3}, n);
+  s.add({"start", "m", Scalar::f64, 3}, n);
+  s.add({"box", "m", Scalar::f64, 3}, 1);
+  for (size_t i = 0; i < n; ++i) {
+    for (const auto c : {Columns::position, Columns::reference, Columns::start}) {
+      store3(s.f64(c).data(), i, start_.positions[i]);
+    }
+    store3(s.f64(Columns::velocity).data(), i, start_.velocities[i]);
+  }
+  store3(s.f64(Columns::box).data(), 0, start_.cell.edges);
+  return s;
+}
+
+Cell MolecularField::cell(const State& state) const {
+  if (def_.sides == Sides::open) return {};
+  // A box of another size keeps its centre.
+  const Vec3 edges = load3(state.f64(Columns::box).data(), 0);
+  return {Sides::periodic, start_.cell.low + (start_.cell.edges - edges) * 0.5, edges};
+}
+
+const NeighbourList& MolecularField::list(const Phase& at, Evaluation& e) const {
+  const auto reference = at.state.f64(Columns::reference);
+  const auto blocks = e.workspace.doubles("molecular.blocks", block_count(size()));
+  const double moved = largest_move2(at.x, nullptr, 0, reference.data(), e.arena, blocks);
+  const bool near = moved <= 0.25 * def_.skin * def_.skin;
+  auto& list = e.workspace.object<NeighbourList>(near ? "molecular.list" : "molecular.stage_list");
+  list.update(setting_, near ? reference : at.x, cell(at.state), e.arena);
+  list.place(at.x.data(), e.arena);
+  return list;
+}
+
+void MolecularField::renew_reference(State& s, double h, const ThreadArena& arena,
+                                     Workspace& workspace) const {
+  const auto x = s.f64(Columns::position);
+  const auto blocks = workspace.doubles("molecular.blocks", block_count(size()));
+  const double moved =
+      largest_move2(x, s.f64(Columns::velocity).data(), h, s.f64(Columns::reference).data(), arena, blocks);
+  const double most = 0.5 * kMargin * def_.skin;
+  if (!(moved <= most * most)) std::copy(x.begin(), x.end(), s.f64(Columns::reference).begin());
+}
+
+void MolecularField::acceleration(const Phase& at, std::span<double> a, Evaluation& e) const {
+  const NeighbourList& near = list(at, e);
+  const PairRows rows = near.rows();
+  std::fill(a.begin(), a.end(), 0.0);
+  e.arena.for_blocks(near.size(), NeighbourList::kBlock, [&](size_t begin, size_t end) {
+    for (size_t k = begin; k < end; ++k) {
+      const auto entry = near.entry(k);
+      const Vec3 f = forces_(law_, rows, entry.row, entry.list, entry.count).force;
+      store3(a.data(), entry.atom, f * inverse_masses_[entry.atom]);
+    }
+  });
+}
+
+Energies MolecularField::energies(const Phase& at, Evaluation& e) const {
+  const NeighbourList& near = list(at, e);
+  const PairRows rows = near.rows();
+  const size_t blocks = (near.size() + NeighbourList::kBlock - 1) / NeighbourList::kBlock;
+  const auto sums = e.workspace.doubles("molecular.energies", 2 * blocks);
+  e.arena.for_blocks(near.size(), NeighbourList::kBlock, [&](size_t begin, size_t end) {
+    double energy = 0, virial = 0;
+    for (size_t k = begin; k < end; ++k) {
+      const auto entry = near.entry(k);
+      const PairSum sum = energies_(law_, rows, entry.row, entry.list, entry.count);
+      energy += sum.energy, virial += sum.virial;
+    }
+    sums[2 * (begin / NeighbourList::kBlock)] = energy,
+                      sums[2 * (begin / NeighbourList::kBlock) + 1] = virial;
+  });
+  Energies out;
+  for (size_t b = 0; b < blocks; ++b) out.pairs += sums[2 * b], out.virial += sums[2 * b + 1];
+  return out;
+}
+
+std::optional<double> MolecularField::potential(const Phase& at, Evaluation& e) const {
+  return energies(at, e).pairs;
+}
+
+double MolecularField::kinetic(const Phase& at, Evaluation& e) const {
+  return e.arena.sum_blocks(size(), kBlockRows, [&](size_t begin, size_t end) {
+    double sum = 0;
+    for (size_t i = begin; i < end; ++i) sum += 0.5 * masses_[i] * norm2(load3(at.v.data(), i));
+    return sum;
+  });
+}
+
+std::optional<ForceField::Stiffness> MolecularField::stiffness(const State&) const {
+  double omega2 = 0;
+  for (const KindDef& k : def_.kinds) {
+    if (k.sigma > 0) omega2 = std::max(omega2, 8 * 57.15 * k.epsilon / (k.sigma * k.sigma * k.mass));
+  }
+  return Stiffness{std::sqrt(omega2), 0};
+}
+
+}  // namespace truestep::molecular
