@@ -19,11 +19,42 @@ Molecular::Molecular(std::unique_ptr<const MolecularField> field, const ChosenMe
     all.push_back(g);
   }
   set_parts(std::move(all));
+  plan_stages(method.why);
+  bound_speed();
+}
+
+void Molecular::plan_stages(const std::string& why) {
+  using Method = ThermostatDef::Method;
+  const MolecularDef& d = atoms_.def();
+  const auto holds = [&](Method m) { return d.thermostat && d.thermostat->method == m; };
+  const auto chain = [this](State& s, const StepInput& in) { half_chain(s, in); };
   add_stage(
       "neighbours", "a new list where somebody may have moved half a skin",
       [this](State& s, const StepInput& in) { atoms_.renew_reference(s, in.h, in.arena, in.workspace); });
-  add_integration_stage(method.why);
-  bound_speed();
+  if (holds(Method::nose_hoover)) add_stage("chain before", "half a step of the thermostat", chain);
+  if (holds(Method::langevin)) {
+    add_stage("integrate", "kick, drift, friction and noise, drift, kick: a step of the thermostat's own",
+              [this](State& s, const StepInput& in) { advance_langevin(s, in); });
+  } else {
+    add_integration_stage(why);
+  }
+  if (holds(Method::nose_hoover)) add_stage("chain after", "the other half", chain);
+  if (holds(Method::velocity_rescaling)) {
+    add_stage("thermostat", "the kinetic energy follows the canonical distribution",
+              [this](State& s, const StepInput& in) { rescale(s, in); });
+  }
+  if (!d.thermostat) skip_stage("thermostat", "none given: the energy stays");
+  if (d.barostat) {
+    add_stage("barostat",
+              "the box follows the pressure, every " + std::to_string(d.barostat->every) + " steps",
+              [this](State& s, const StepInput& in) { change_box(s, in); });
+  } else {
+    skip_stage("barostat", "none given: the box stays");
+  }
+}
+
+Energy::Exchange Molecular::exchange(const State&) const {
+  return atoms_.def().thermostat ? Energy::Exchange::open : Energy::Exchange::closed;
 }
 
 std::unique_ptr<const Molecular> Molecular::make(const MolecularDef& def, const BuildContext& context) {
@@ -32,9 +63,20 @@ std::unique_ptr<const Molecular> Molecular::make(const MolecularDef& def, const 
   return std::unique_ptr<const Molecular>(new Molecular(std::move(field), method));
 }
 
-void Molecular::apply(State&, const Command& c) const {
+void Molecular::apply(State& s, const Command& c) const {
   check_command_numbers(c);
-  refuse_command("kind", "not_possible", "atoms take no commands");
+  if (c.kind != CommandKind::set_parameter) {
+    refuse_command("kind", "not_possible", "atoms take no commands but this one", "set_parameter");
+  }
+  const MolecularDef& d = atoms_.def();
+  const bool temperature = c.name == "temperature" && d.thermostat,
+             pressure = c.name == "pressure" && d.barostat;
+  if (!temperature && !pressure) {
+    refuse_command("name", "unknown_parameter", "there is no parameter \"" + c.name + "\" to set",
+                   "temperature of a thermostat, pressure of a barostat");
+  }
+  if (temperature && !(c.value > 0)) refuse_command("value", "out_of_range", "the value must be above 0");
+  s.f64(Columns::bath)[static_cast<size_t>(temperature ? Bath::temperature : Bath::pressure)] = c.value;
 }
 
 void Molecular::draw(const State&, double, Wish wishes, Drawing& out) const {

@@ -19,7 +19,8 @@ class Molecular final : public ForceSystem {
   FieldView field(const State& state, size_t part, size_t field, std::vector<double>& scratch) const override;
   void apply(State& state, const Command& command) const override;
   void draw(const State& state, double t, Wish wishes, Drawing& out) const override;
-  Energy::Exchange exchange(const State&) const override { return Energy::Exchange::closed; }
+  /// Open where a bath gives or takes energy.
+  Energy::Exchange exchange(const State&) const override;
 
   const MolecularField& atoms() const { return atoms_; }
   /// K
@@ -27,6 +28,15 @@ class Molecular final : public ForceSystem {
 
  private:
   Molecular(std::unique_ptr<const MolecularField> field, const ChosenMethod& method);
+  void plan_stages(const std::string& why_this_method);
+  /// Velocities by a factor; the heat that this gave.
+  void scale_velocities(State& state, double factor, const ThreadArena& arena) const;
+  double kinetic(const State& state, const StepInput& in) const;
+  void rescale(State& state, const StepInput& in) const;
+  void half_chain(State& state, const StepInput& in) const;
+  void change_box(State& state, const StepInput& in) const;
+  /// Velocity Verlet with friction and noise between two halves of the drift.
+  void advance_langevin(State& state, const StepInput& in) const;
   void distribution(const State& state, std::vector<double>& out) const;
 
   const MolecularField& atoms_;

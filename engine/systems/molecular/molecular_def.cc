@@ -36,7 +36,45 @@ const DefTable& lattice_table() {
   return t;
 }
 
+const DefTable& thermostat_table() {
+  using D = ThermostatDef;
+  static const DefTable t =
+      TableOf<D>("what holds the temperature")
+          .choice("method", &D::method, {"velocity_rescaling", "langevin", "nose_hoover"},
+                  "all velocities by one random factor; friction and noise on every atom; or a chain of "
+                  "Nose and Hoover, without random numbers")
+          .number("temperature", &D::temperature, "K", above(0), "that is held")
+          .number("time", &D::time, "s", above(0),
+                  "relaxation time; of langevin 1 / friction, of nose_hoover that of the chain's masses")
+          .integer("chain", &D::chain, between(1, 10), "links of nose_hoover")
+          .build();
+  return t;
+}
+
+const DefTable& barostat_table() {
+  using D = BarostatDef;
+  static const DefTable t =
+      TableOf<D>("what holds the pressure of a periodic box: its size, by stochastic cell rescaling")
+          .number("pressure", &D::pressure, "Pa", any(), "that is held")
+          .number("time", &D::time, "s", above(0), "relaxation time")
+          .number("compressibility", &D::compressibility, "1/Pa", above(0),
+                  "of the substance, roughly: only the relaxation time depends on it")
+          .integer("every", &D::every, between(1, 1000), "steps between two changes of the box")
+          .build();
+  return t;
+}
+
+void check_baths(const MolecularDef& d, const DefTable::Report& report) {
+  if (d.barostat && d.sides == Sides::open) report("/barostat", "only a periodic box has a pressure");
+  if (d.barostat && !d.thermostat) report("/barostat", "needs a thermostat, whose temperature its noise has");
+  const bool langevin = d.thermostat && d.thermostat->method == ThermostatDef::Method::langevin;
+  if (langevin && !d.integrator.empty() && d.integrator != "velocity_verlet") {
+    report("/integrator", "langevin has a step of its own, which becomes velocity_verlet without friction");
+  }
+}
+
 void check(const MolecularDef& d, const DefTable::Report& report) {
+  check_baths(d, report);
   if (d.switch_from && !(*d.switch_from < d.cutoff)) report("/switch_from", "is below the cut-off");
   if (d.switch_from && d.truncation != Truncation::switched) {
     report("/switch_from", "only a switched potential has one");
@@ -71,6 +109,8 @@ const DefTable& molecular_table() {
         .number("temperature", &D::temperature, "K", at_least(0),
                 "of the start: random velocities without momentum; absent: at rest")
         .number("boltzmann", &D::boltzmann, "J/K", above(0), "Boltzmann's constant; 1 in reduced units")
+        .object("thermostat", &D::thermostat, thermostat_table(), "absent: the energy stays")
+        .object("barostat", &D::barostat, barostat_table(), "absent: the box stays")
         .integer("distribution_bins", &D::distribution_bins, between(1, 100'000), "rows of part distribution")
         .number("distribution_range", &D::distribution_range, "m", above(0),
                 "of part distribution, at most half an edge; absent: the cut-off")
@@ -93,6 +133,8 @@ const Outputs& molecular_outputs() {
       .observables = {{"energy.kinetic", "J", ""},
                       {"energy.potential", "J", "within the cut-off"},
                       {"energy.total", "J", ""},
+                      {"energy.conserved", "J",
+                       "energy.total without what the thermostat gave; of nose_hoover with its chain's"},
                       {"energy.tail", "J", "of what is beyond the cut-off, were it spread evenly"},
                       {"temperature", "K", ""},
                       {"virial", "J", "sum over pairs of r . f"},

@@ -29,6 +29,25 @@ struct LatticeDef {
   Vec3 center;
 };
 
+/// What holds the temperature.
+struct ThermostatDef {
+  enum class Method : uint8_t {
+    velocity_rescaling,
+    langevin,
+    nose_hoover
+  } method = Method::velocity_rescaling;
+  double temperature = 300;  // K
+  double time = 1e-13;       // s
+  int64_t chain = 3;
+};
+/// What holds the pressure: stochastic cell rescaling.
+struct BarostatDef {
+  double pressure = 101325;          // Pa
+  double time = 1e-12;               // s
+  double compressibility = 4.5e-10;  // 1/Pa
+  int64_t every = 10;                // steps
+};
+
 struct MolecularDef : IntegratorParams {
   std::vector<KindDef> kinds;
   std::optional<LatticeDef> lattice;
@@ -46,6 +65,9 @@ struct MolecularDef : IntegratorParams {
   Truncation truncation = Truncation::truncated;
   std::optional<double> temperature;  // K
   double boltzmann = 1.380649e-23;    // J/K
+
+  std::optional<ThermostatDef> thermostat;
+  std::optional<BarostatDef> barostat;
 
   int64_t distribution_bins = 100;
   std::optional<double> distribution_range;  // m

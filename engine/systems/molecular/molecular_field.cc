@@ -36,13 +36,15 @@ size_t block_count(size_t rows) {
 }  // namespace
 
 MolecularField::MolecularField(const MolecularDef& def, const BuildContext& context)
-    : def_(def), start_(make_atoms(def, context.seed)) {
+    : def_(def), start_(make_atoms(def, context.seed)), seed_(context.seed) {
   setting_.reach = def.cutoff + def.skin;
   setting_.kinds = start_.kinds;
   for (const uint32_t k : start_.kinds) {
     setting_.charges.push_back(def.kinds[k].charge);
     masses_.push_back(def.kinds[k].mass), inverse_masses_.push_back(1 / def.kinds[k].mass);
   }
+  const bool langevin = def.thermostat && def.thermostat->method == ThermostatDef::Method::langevin;
+  freedoms_ = 3 * static_cast<double>(size()) - (size() > 1 && !langevin ? 3 : 0);
   make_law();
   forces_ = pair_sum_function(law_, Wanted::forces), energies_ = pair_sum_function(law_, Wanted::energies);
 }
@@ -71,6 +73,12 @@ State MolecularField::initial_state() const {
   s.add({"neighbours.reference", "m", Scalar::f64, 3}, n);
   s.add({"start", "m", Scalar::f64, 3}, n);
   s.add({"box", "m", Scalar::f64, 3}, 1);
+  s.add({"bath", "SI"}, static_cast<size_t>(Bath::count));
+  const bool chain = def_.thermostat && def_.thermostat->method == ThermostatDef::Method::nose_hoover;
+  s.add({"thermostat.chain", "SI"}, chain ? 2 * static_cast<size_t>(def_.thermostat->chain) : 0);
+  const auto bath = s.f64(Columns::bath);
+  if (def_.thermostat) bath[static_cast<size_t>(Bath::temperature)] = def_.thermostat->temperature;
+  if (def_.barostat) bath[static_cast<size_t>(Bath::pressure)] = def_.barostat->pressure;
   for (size_t i = 0; i < n; ++i) {
     for (const auto c : {Columns::position, Columns::reference, Columns::start}) {
       store3(s.f64(c).data(), i, start_.positions[i]);

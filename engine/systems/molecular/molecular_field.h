@@ -14,12 +14,20 @@ namespace truestep::molecular {
 
 /// Columns of the state, in the order in which initial_state adds them.
 struct Columns {
-  static constexpr State::Column position = 0,  ///< m, in no particular image
-      velocity = 1,
-                                 reference = 2,  ///< m, positions that the list of neighbours belongs to
-      start = 3,                                 ///< m, positions at t = 0, for the mean square displacement
-      box = 4;                                   ///< m, edges; 0 where there are none
+  enum : State::Column {
+    position,  ///< m, in no particular image
+    velocity,
+    reference,  ///< m, positions that the list of neighbours belongs to
+    start,      ///< m, positions at t = 0, for the mean square displacement
+    box,        ///< m, edges; 0 where there are none
+    bath,       ///< see Bath
+    chain,      ///< places (1) and velocities (1/s) of a chain of Nose and Hoover
+  };
 };
+
+/// Rows of the column `bath`: temperature (K) and pressure (Pa) that are held, heat (J) that the thermostat
+/// gave.
+enum class Bath : uint8_t { temperature, pressure, heat, count };
 
 /// Energy and virial of the forces, J.
 struct Energies {
@@ -49,6 +57,9 @@ class MolecularField final : public ForceField {
   const std::vector<double>& masses() const { return masses_; }
   const std::vector<uint32_t>& kinds() const { return setting_.kinds; }
   size_t size() const { return masses_.size(); }
+  uint64_t seed() const { return seed_; }
+  /// Degrees of freedom: without those of the whole where nothing disturbs its momentum.
+  double freedoms() const { return freedoms_; }
   Cell cell(const State& state) const;
 
  private:
@@ -57,6 +68,8 @@ class MolecularField final : public ForceField {
 
   MolecularDef def_;
   Atoms start_;
+  uint64_t seed_;
+  double freedoms_ = 0;
   ListSetting setting_;
   std::vector<double> masses_, inverse_masses_;
   PairLaw law_;

@@ -3,7 +3,7 @@
 //   g(r) = (neighbours between r and r + dr) / (4/3 pi ((r + dr)^3 - r^3) (N - 1) / V), mean over atoms
 #include <cmath>
 
-#include "engine/neighbours/point_grid.h"
+#include "engine/kernels/molecular/thermostat.h"
 #include "engine/systems/molecular/molecular.h"
 
 namespace truestep::molecular {
@@ -26,12 +26,20 @@ LjTail tails(const MolecularField& atoms, double volume) {
   return {kTurn / volume * sum.energy, -kTurn / (3 * volume * volume) * sum.virial};
 }
 
+/// J, of a thermostat of Nose and Hoover; 0 of others.
+double energy_of_chain(const State& s, const MolecularField& atoms) {
+  const auto chain = s.f64(Columns::chain);
+  if (chain.empty()) return 0;
+  const double kt = atoms.def().boltzmann * s.f64(Columns::bath)[static_cast<size_t>(Bath::temperature)];
+  const size_t links = chain.size() / 2;
+  return chain_energy(chain.first(links), chain.subspan(links),
+                      {atoms.freedoms(), kt, atoms.def().thermostat->time});
+}
+
 }  // namespace
 
 double Molecular::temperature(double kinetic) const {
-  const size_t n = atoms_.size();
-  const double freedoms = n > 1 ? 3.0 * static_cast<double>(n - 1) : 3;
-  return 2 * kinetic / (freedoms * atoms_.def().boltzmann);
+  return 2 * kinetic / (atoms_.freedoms() * atoms_.def().boltzmann);
 }
 
 void Molecular::observe(const State& s, double t, Observables& out) const {
@@ -45,6 +53,8 @@ void Molecular::observe(const State& s, double t, Observables& out) const {
   out.add("energy.kinetic", kinetic, "J");
   out.add("energy.potential", energies.pairs, "J");
   out.add("energy.total", kinetic + energies.pairs, "J");
+  const double heat = s.f64(Columns::bath)[static_cast<size_t>(Bath::heat)];
+  out.add("energy.conserved", kinetic + energies.pairs - heat + energy_of_chain(s, atoms_), "J");
   out.add("temperature", temperature(kinetic), "K");
   out.add("virial", energies.virial, "J");
   const Cell cell = atoms_.cell(s);

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cstring>
 
+#include "engine/kernels/molecular/near_rows.h"
+
 namespace truestep::molecular {
 namespace {
 
@@ -82,7 +84,7 @@ void NeighbourList::sort(const ListSetting& setting) {
   grid_.build(points_, setting.reach);
   // Without those whose place is not finite, which nothing is near.
   const size_t all = grid_.size();
-  for (auto* column : {&px_, &py_, &pz_}) make_room(*column, all), column->resize(all);
+  for (auto* column : {&px_, &py_, &pz_}) make_room(*column, all + 4), column->resize(all + 4);
   make_room(shift_, 3 * all), make_room(owner_, all), make_room(kinds_, all + 1);
   if (rows_.capacity() < 4 * all + 4) rows_.reserve(6 * all + 256);
   rows_.resize(4 * all + 4), shift_.resize(3 * all), owner_.resize(all), kinds_.resize(all + 1);
@@ -105,29 +107,22 @@ void NeighbourList::sort(const ListSetting& setting) {
 void NeighbourList::find(const ListSetting& setting, size_t begin, size_t end) {
   std::vector<uint32_t>& out = blocks_[begin / kBlock];
   const double reach2 = setting.reach * setting.reach;
+  const PlaceColumns places{px_.data(), py_.data(), pz_.data()};
   const bool first = out.empty();
   const auto far = static_cast<uint32_t>(owner_.size());
   size_t used = 0;
   for (size_t k = begin; k < end; ++k) {
     const uint32_t row = centres_[k];
-    const double x = px_[row], y = py_[row], z = pz_[row];
+    const Vec3 at{px_[row], py_[row], pz_[row]};
     const size_t start = used;
-    grid_.near({x, y, z}, [&](size_t from, size_t to) {
+    grid_.near(at, [&](size_t from, size_t to) {
       if (out.size() < used + (to - from) + 4) out.resize(2 * out.size() + (to - from) + 64);
       uint32_t* list = out.data();
-      constexpr size_t kChunk = 64;
-      double r2[kChunk];
-      for (size_t c = from; c < to; c += kChunk) {
-        const size_t m = std::min(kChunk, to - c);
-        for (size_t j = 0; j < m; ++j) {
-          const double dx = px_[c + j] - x, dy = py_[c + j] - y, dz = pz_[c + j] - z;
-          r2[j] = dx * dx + dy * dy + dz * dz;
-        }
-        for (size_t j = 0; j < m; ++j) {
-          list[used] = static_cast<uint32_t>(c + j);
-          used += (r2[j] < reach2) & (c + j != row);
-        }
-      }
+      const size_t before = used;
+      used = append_near(places, from, to, at, reach2, list, used);
+      if (row < from || row >= to) return;
+      // An atom is no neighbour of itself.
+      used = static_cast<size_t>(std::remove(list + before, list + used, row) - list);
     });
     used = start + keep_allowed(setting, owner_[row], out.data() + start, used - start);
     while ((used - start) % 4 != 0) out[used++] = far;
