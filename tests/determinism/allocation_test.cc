@@ -17,6 +17,7 @@
 #include "tests/support/field_run.h"
 #include "tests/support/grid_flow.h"
 #include "tests/support/shallow_run.h"
+#include "tests/unit/molecular_rig.h"
 #include "tests/unit/sph_rig.h"
 
 namespace {
@@ -103,6 +104,23 @@ TEST(Allocation, PositionBasedStepsAllocateNothingAfterTheFirst) {
       if (n > 0) later += allocations - before;
     }
     EXPECT_EQ(later, 0u);
+  }
+}
+
+TEST(Allocation, AtomsAllocateNothingAfterTheFirstStep) {
+  using Method = molecular::ThermostatDef::Method;
+  for (const Method method : {Method::velocity_rescaling, Method::langevin, Method::nose_hoover}) {
+    molecular::MolecularDef d = testing_rig::liquid(6);
+    d.thermostat.emplace();
+    d.thermostat->method = method, d.thermostat->temperature = 1.4, d.thermostat->time = 0.1;
+    d.barostat.emplace();
+    d.barostat->pressure = 5, d.barostat->time = 1, d.barostat->compressibility = 0.1;
+    testing_rig::AtomRun run(d, 0.005);
+    run.step();
+    const uint64_t before = allocations;
+    // The crystal melts and many lists are made within these.
+    run.step(100);
+    EXPECT_EQ(allocations - before, 0u) << static_cast<int>(method);
   }
 }
 

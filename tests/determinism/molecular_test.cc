@@ -24,6 +24,19 @@ std::vector<MolecularDef> cases() {
   out.back().barostat->compressibility = 0.1;
   out.push_back(liquid(6));
   out.back().sides = Sides::open, out.back().integrator = "yoshida4";
+  // Rigid water with friction, noise and Ewald's sum.
+  MolecularDef w;
+  KindDef o, h;
+  o.name = "O", o.mass = 16, o.sigma = 0.3166, o.epsilon = 0.65, o.charge = -0.8476;
+  h.name = "H", h.mass = 1, h.charge = 0.4238;
+  w.kinds = {o, h}, w.water.emplace();
+  w.water->cells = {4, 4, 4}, w.water->spacing = 3.107, w.water->length = 1;
+  w.kinds[0].sigma = 3.166, w.box = Vec3{12.43, 12.43, 12.43}, w.cutoff = 5, w.skin = 0.05;
+  w.boltzmann = 0.83, w.coulomb_constant = 1389, w.coulomb = Coulomb::ewald, w.temperature = 300;
+  w.thermostat.emplace();
+  w.thermostat->method = Method::langevin;
+  w.thermostat->time = 0.1;
+  out.push_back(w);
   return out;
 }
 

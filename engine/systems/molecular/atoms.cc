@@ -6,13 +6,14 @@
 #include "engine/base/short_number.h"
 #include "engine/kernels/molecular/normal.h"
 #include "engine/neighbours/point_grid.h"
+#include "engine/systems/molecular/topology.h"
 #include "engine/systems/molecular/xyz.h"
 
 namespace truestep::molecular {
 namespace {
 
 /// Streams of random numbers.
-constexpr uint64_t kVelocities = 0;
+constexpr uint64_t kVelocities = 0, kTurns = uint64_t{1} << 62;
 
 constexpr Vec3 kFccSites[4] = {{0, 0, 0}, {0.5, 0.5, 0}, {0.5, 0, 0.5}, {0, 0.5, 0.5}};
 
@@ -67,6 +68,63 @@ void fill_given(const MolecularDef& def, Atoms& out) {
   }
 }
 
+/// visit(place) for every molecule of water.
+template <class Visit>
+void for_waters(const WaterDef& d, Visit&& visit) {
+  const auto at = [&](int64_t k, int64_t n) { return (double(k) - 0.5 * double(n - 1)) * d.spacing; };
+  for (int64_t z = 0; z < d.cells[2]; ++z) {
+    for (int64_t y = 0; y < d.cells[1]; ++y) {
+      for (int64_t x = 0; x < d.cells[0]; ++x) {
+        const Vec3 off{at(x, d.cells[0]), at(y, d.cells[1]), at(z, d.cells[2])};
+        if (!d.radius || norm2(off) <= *d.radius * *d.radius) visit(d.center + off);
+      }
+    }
+  }
+}
+
+void fill_water(const MolecularDef& def, uint64_t seed, Atoms& out) {
+  const WaterDef& d = *def.water;
+  const WaterShape shape = water_shape(def);
+  const auto o = static_cast<uint32_t>(kind_index(def, d.oxygen)),
+             h = static_cast<uint32_t>(kind_index(def, d.hydrogen));
+  uint64_t molecule = 0;
+  for_waters(d, [&](const Vec3& at) {
+    const Vec3 axis = normalized(normal3(seed, kTurns, 2 * molecule));
+    const Vec3 side = normalized(cross(axis, normal3(seed, kTurns, 2 * molecule + 1)), {0, 1, 0});
+    ++molecule;
+    const auto row = static_cast<uint32_t>(out.size());
+    out.waters.push_back({row, row + 1, row + 2});
+    const Vec3 down = axis * shape.height(), half = side * (0.5 * shape.hh);
+    out.positions.insert(out.positions.end(), {at, at + down + half, at + down - half});
+    out.kinds.insert(out.kinds.end(), {o, h, h});
+  });
+}
+
+/// Normal velocities without momentum and without parts along rigid sides, of the def's temperature exactly.
+void set_temperature(const MolecularDef& def, uint64_t seed, Atoms& out) {
+  const auto mass = [&](size_t i) { return def.kinds[out.kinds[i]].mass; };
+  double total = 0, twice = 0;
+  Vec3 momentum;
+  for (size_t i = 0; i < out.size(); ++i) {
+    out.velocities[i] = normal3(seed, kVelocities, i) * std::sqrt(def.boltzmann * *def.temperature / mass(i));
+  }
+  for (const auto& w : out.waters) {
+    const Triangle v =
+        settle_velocities(water_shape(def), {out.positions[w[0]], out.positions[w[1]], out.positions[w[2]]},
+                          {out.velocities[w[0]], out.velocities[w[1]], out.velocities[w[2]]});
+    for (size_t k = 0; k < 3; ++k) out.velocities[w[k]] = v[k];
+  }
+  for (size_t i = 0; i < out.size(); ++i) momentum += out.velocities[i] * mass(i), total += mass(i);
+  for (size_t i = 0; i < out.size(); ++i) {
+    if (out.size() > 1) out.velocities[i] -= momentum / total;
+    twice += mass(i) * norm2(out.velocities[i]);
+  }
+  const double freedoms =
+      3.0 * static_cast<double>(out.size() - out.waters.size()) - (out.size() > 1 ? 3 : 0);
+  const double scale = twice > 0 ? std::sqrt(freedoms * def.boltzmann * *def.temperature / twice) : 0;
+  for (Vec3& v : out.velocities) v *= scale;
+}
+
 Cell cell_of(const MolecularDef& d) {
   const Vec3 edges = d.box ? *d.box : d.lattice ? extent(*d.lattice) : Vec3{};
   const Vec3 center = d.box || !d.lattice ? d.center : d.lattice->center;
@@ -79,6 +137,8 @@ void check_places(const MolecularDef& d, const DefTable::Report& report) {
   atoms.cell = cell_of(d);
   fill_given(d, atoms);
   if (d.lattice) fill_lattice(d, atoms);
+  if (d.water) fill_water(d, 0, atoms);
+  check_topology(d, atoms.size(), report);
   std::vector<double> flat;
   for (const Vec3& x : atoms.positions) {
     const Vec3 at = atoms.cell.wrapped(x);
@@ -131,6 +191,10 @@ bool check_sources(const MolecularDef& d, const DefTable::Report& report) {
     }
     check_names(d, l.kinds, "/lattice/kinds", fault);
   }
+  if (d.water) {
+    check_names(d, {d.water->oxygen}, "/water/oxygen", fault);
+    check_names(d, {d.water->hydrogen}, "/water/hydrogen", fault);
+  }
   if (d.position_kinds.size() > 1 && d.position_kinds.size() != d.positions.size()) {
     fault("/position_kinds", "one for all, or as many as positions");
   }
@@ -157,6 +221,12 @@ size_t kind_index(const MolecularDef& def, std::string_view name) {
   return static_cast<size_t>(std::find_if(def.kinds.begin(), def.kinds.end(), is) - def.kinds.begin());
 }
 
+WaterShape water_shape(const MolecularDef& def) {
+  const WaterDef& d = *def.water;
+  return {def.kinds[kind_index(def, d.oxygen)].mass, def.kinds[kind_index(def, d.hydrogen)].mass, d.length,
+          2 * d.length * trig::sin(0.5 * d.angle)};
+}
+
 double shortest_distance(const MolecularDef& def) {
   double sigma = 0;
   for (const KindDef& k : def.kinds) sigma = std::max(sigma, k.sigma);
@@ -169,6 +239,10 @@ size_t atom_count(const MolecularDef& d) {
     const auto& c = d.lattice->cells;
     n += double(c[0]) * double(c[1]) * double(c[2]) * static_cast<double>(sites(*d.lattice));
   }
+  if (d.water && d.water->cells.size() == 3) {
+    const auto& c = d.water->cells;
+    n += 3 * double(c[0]) * double(c[1]) * double(c[2]) * (d.water->radius ? 0.6 : 1);
+  }
   // What the text says of itself, without reading the rest.
   if (!d.xyz.empty()) n += static_cast<double>(std::count(d.xyz.begin(), d.xyz.end(), '\n'));
   return static_cast<size_t>(std::min(n, 1e15));
@@ -178,7 +252,7 @@ void check_atoms(const MolecularDef& d, const DefTable::Report& report) {
   constexpr size_t kMost = 4'000'000;
   if (!check_sources(d, report)) return;
   const size_t n = atom_count(d);
-  if (n == 0) return report("", "there are no atoms: lattice, positions or xyz");
+  if (n == 0) return report("", "there are no atoms: lattice, positions, xyz or water");
   if (n > kMost) return report("/lattice/cells", "there are more than " + std::to_string(kMost) + " atoms");
   if (!d.velocities.empty() && d.velocities.size() != d.positions.size()) {
     return report("/velocities", "as many velocities as positions, or none");
@@ -202,25 +276,9 @@ Atoms make_atoms(const MolecularDef& def, uint64_t seed) {
   // Those with positions come first: theirs are the first rows.
   fill_given(def, out);
   if (def.lattice) fill_lattice(def, out);
+  if (def.water) fill_water(def, seed, out);
   out.velocities.assign(out.size(), {});
-  const auto mass = [&](size_t i) { return def.kinds[out.kinds[i]].mass; };
-  if (def.temperature) {
-    double total = 0;
-    Vec3 momentum;
-    for (size_t i = 0; i < out.size(); ++i) {
-      out.velocities[i] =
-          normal3(seed, kVelocities, i) * std::sqrt(def.boltzmann * *def.temperature / mass(i));
-      momentum += out.velocities[i] * mass(i), total += mass(i);
-    }
-    double twice = 0;
-    for (size_t i = 0; i < out.size(); ++i) {
-      if (out.size() > 1) out.velocities[i] -= momentum / total;
-      twice += mass(i) * norm2(out.velocities[i]);
-    }
-    const double freedoms = out.size() > 1 ? 3.0 * static_cast<double>(out.size() - 1) : 3;
-    const double scale = twice > 0 ? std::sqrt(freedoms * def.boltzmann * *def.temperature / twice) : 0;
-    for (Vec3& v : out.velocities) v *= scale;
-  }
+  if (def.temperature) set_temperature(def, seed, out);
   for (size_t i = 0; i < def.velocities.size(); ++i) out.velocities[i] = def.velocities[i];
   return out;
 }

@@ -1,9 +1,10 @@
 // What holds temperature and pressure (kernels/molecular/thermostat.h). Random numbers are functions of seed,
 // row and step.
+#include <algorithm>
 #include <cmath>
+#include <functional>
 
 #include "engine/base/errors.h"
-#include "engine/integrators/control/last_force.h"
 #include "engine/kernels/molecular/thermostat.h"
 #include "engine/systems/molecular/molecular.h"
 
@@ -49,31 +50,24 @@ void Molecular::half_chain(State& s, const StepInput& in) const {
   scale_velocities(s, factor, in.arena);
 }
 
-void Molecular::advance_langevin(State& s, const StepInput& in) const {
-  Motion m(atoms_, s, in);
-  const auto a = m.scratch("integrator.k1", m.v.size());
-  LastForce& last = in.workspace.object<LastForce>("integrator.last_force");
-  if (!last.holds(m, in.t)) m.acceleration(in.t, m.x, m.v, a);
-  const double half = 0.5 * in.h, c = trig::exp(-in.h / atoms_.def().thermostat->time);
-  const double kt = atoms_.def().boltzmann * bath(s, Bath::temperature), gain = std::sqrt((1 - c * c) * kt);
-  double *x = m.x.data(), *v = m.v.data();
-  const double* pa = a.data();
-  const double* inverse_mass = atoms_.inverse_mass(s).data();
-  const double heat = in.arena.sum_blocks(atoms_.size(), kBlockRows, [&](size_t begin, size_t end) {
+double Molecular::add_noise(Motion& m) const {
+  const double c = trig::exp(-m.input.h / atoms_.def().thermostat->time);
+  const double kt = atoms_.def().boltzmann * bath(m.state, Bath::temperature),
+               gain = std::sqrt((1 - c * c) * kt);
+  const double* inverse_mass = atoms_.inverse_mass(m.state).data();
+  double* v = m.v.data();
+  const auto block = [&](size_t begin, size_t end) {
     double sum = 0;
     for (size_t i = begin; i < end; ++i) {
-      Vec3 u = load3(v, i) + load3(pa, i) * half, at = load3(x, i) + u * half;
-      const double before = norm2(u);
-      u = u * c + normal3(atoms_.seed(), kRows + i, in.step) * (gain * std::sqrt(inverse_mass[i]));
-      sum += 0.5 / inverse_mass[i] * (norm2(u) - before);
-      store3(v, i, u), store3(x, i, at + u * half);
+      const Vec3 u = load3<double>(v, i);
+      const Vec3 w =
+          u * c + normal3(atoms_.seed(), kRows + i, m.input.step) * (gain * std::sqrt(inverse_mass[i]));
+      sum += 0.5 / inverse_mass[i] * (norm2(w) - norm2(u));
+      store3(v, i, w);
     }
     return sum;
-  });
-  s.f64(Columns::bath)[static_cast<size_t>(Bath::heat)] += heat;
-  m.acceleration(in.t + in.h, m.x, m.v, a);
-  m.loop(m.v.size(), [=](size_t k) { v[k] += half * pa[k]; });
-  last.keep(m, in.t + in.h);
+  };
+  return m.input.arena.sum_blocks(atoms_.size(), kBlockRows, std::ref(block));
 }
 
 void Molecular::change_box(State& s, const StepInput& in) const {

@@ -32,9 +32,12 @@ void Molecular::plan_stages(const std::string& why) {
       "neighbours", "a new list where somebody may have moved half a skin",
       [this](State& s, const StepInput& in) { atoms_.renew_reference(s, in.h, in.arena, in.workspace); });
   if (holds(Method::nose_hoover)) add_stage("chain before", "half a step of the thermostat", chain);
-  if (holds(Method::langevin)) {
-    add_stage("integrate", "kick, drift, friction and noise, drift, kick: a step of the thermostat's own",
-              [this](State& s, const StepInput& in) { advance_langevin(s, in); });
+  if (has_own_step()) {
+    const std::string noise =
+        holds(Method::langevin) ? ", friction and noise in the middle of the drift" : "";
+    const std::string rigid = d.water ? ", rigid molecules by SETTLE" : "";
+    add_stage("integrate", "velocity_verlet" + noise + rigid,
+              [this](State& s, const StepInput& in) { advance_own(s, in); });
   } else {
     add_integration_stage(why);
   }
@@ -51,6 +54,15 @@ void Molecular::plan_stages(const std::string& why) {
   } else {
     skip_stage("barostat", "none given: the box stays");
   }
+}
+
+bool Molecular::has_own_step() const {
+  const MolecularDef& d = atoms_.def();
+  return d.water || (d.thermostat && d.thermostat->method == ThermostatDef::Method::langevin);
+}
+
+Integration Molecular::integration() const {
+  return has_own_step() ? Integration{} : ForceSystem::integration();
 }
 
 Energy::Exchange Molecular::exchange(const State&) const {

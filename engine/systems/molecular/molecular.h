@@ -2,6 +2,7 @@
 // default. Before the step the list of neighbours is renewed where somebody may have moved half a skin.
 #pragma once
 #include "engine/core/force_system.h"
+#include "engine/integrators/motion.h"
 #include "engine/integrators/table/default_method.h"
 #include "engine/systems/molecular/molecular_field.h"
 
@@ -23,6 +24,8 @@ class Molecular final : public ForceSystem {
   Energy::Exchange exchange(const State&) const override;
 
   const MolecularField& atoms() const { return atoms_; }
+  /// None where the step is an own one.
+  Integration integration() const override;
   /// K
   double temperature(double kinetic) const;
 
@@ -35,8 +38,18 @@ class Molecular final : public ForceSystem {
   void rescale(State& state, const StepInput& in) const;
   void half_chain(State& state, const StepInput& in) const;
   void change_box(State& state, const StepInput& in) const;
-  /// Velocity Verlet with friction and noise between two halves of the drift.
-  void advance_langevin(State& state, const StepInput& in) const;
+  /// Velocity Verlet (rigid.cc) that keeps rigid molecules, and of langevin with friction and noise between
+  /// two halves of the drift.
+  void advance_own(State& state, const StepInput& in) const;
+  bool has_own_step() const;
+  /// x += h v, rigid molecules by SETTLE.
+  void drift(Motion& m, double h) const;
+  /// Velocities without parts along rigid sides.
+  void settle(Motion& m) const;
+  /// The heat given.
+  double add_noise(Motion& m) const;
+  /// J: 2 K + r . f of rigid molecules about their centres, which their sides take up.
+  double within_molecules(const Phase& at, Evaluation& e) const;
   void distribution(const State& state, std::vector<double>& out) const;
 
   const MolecularField& atoms_;

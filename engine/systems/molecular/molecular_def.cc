@@ -1,5 +1,8 @@
 #include "engine/systems/molecular/molecular_def.h"
 
+#include <algorithm>
+
+#include "engine/kernels/molecular/ewald.h"
 #include "engine/systems/molecular/atoms.h"
 
 namespace truestep::molecular {
@@ -36,6 +39,60 @@ const DefTable& lattice_table() {
   return t;
 }
 
+const DefTable& water_table() {
+  using D = WaterDef;
+  static const DefTable t =
+      TableOf<D>("rigid molecules of water on a cubic lattice, turned at random; SPC/E by default")
+          .integers("cells", &D::cells, between(1, 1000), {3, 3}, "molecules along x, y, z")
+          .number("radius", &D::radius, "m", above(0), "only those within a ball of this radius")
+          .number("spacing", &D::spacing, "m", above(0), "of the lattice")
+          .vector("center", &D::center, "m", any(), "of the lattice and the ball")
+          .text("oxygen", &D::oxygen, "its kind")
+          .text("hydrogen", &D::hydrogen, "its kind")
+          .number("length", &D::length, "m", above(0), "of the side from oxygen to hydrogen")
+          .number("angle", &D::angle, "rad", between(0.1, 3), "at the oxygen")
+          .build();
+  return t;
+}
+
+const DefTable& bond_table() {
+  using D = BondDef;
+  static const DefTable t = TableOf<D>("k/2 (r - L)^2 between two atoms")
+                                .integer("a", &D::a, at_least(0), "an atom")
+                                .integer("b", &D::b, at_least(0), "the other")
+                                .number("length", &D::length, "m", at_least(0), "L")
+                                .number("stiffness", &D::stiffness, "N/m", at_least(0), "k")
+                                .build();
+  return t;
+}
+
+const DefTable& angle_table() {
+  using D = AngleDef;
+  static const DefTable t = TableOf<D>("k/2 (theta - theta0)^2 at b between a and c")
+                                .integer("a", &D::a, at_least(0), "an atom")
+                                .integer("b", &D::b, at_least(0), "the one at the angle")
+                                .integer("c", &D::c, at_least(0), "the other end")
+                                .number("angle", &D::angle, "rad", between(0, 3.141592653589793), "theta0")
+                                .number("stiffness", &D::stiffness, "J", at_least(0), "k, per rad^2")
+                                .build();
+  return t;
+}
+
+const DefTable& dihedral_table() {
+  using D = DihedralDef;
+  static const DefTable t =
+      TableOf<D>("k (1 + cos(n phi - delta)) of the planes a b c and b c d; phi = 0: a and d on one side")
+          .integer("a", &D::a, at_least(0), "an end")
+          .integer("b", &D::b, at_least(0), "an atom of the axis")
+          .integer("c", &D::c, at_least(0), "the other one")
+          .integer("d", &D::d, at_least(0), "the other end")
+          .number("stiffness", &D::stiffness, "J", any(), "k")
+          .number("phase", &D::phase, "rad", any(), "delta")
+          .integer("multiplicity", &D::multiplicity, between(1, 12), "n")
+          .build();
+  return t;
+}
+
 const DefTable& thermostat_table() {
   using D = ThermostatDef;
   static const DefTable t =
@@ -67,19 +124,42 @@ const DefTable& barostat_table() {
 void check_baths(const MolecularDef& d, const DefTable::Report& report) {
   if (d.barostat && d.sides == Sides::open) report("/barostat", "only a periodic box has a pressure");
   if (d.barostat && !d.thermostat) report("/barostat", "needs a thermostat, whose temperature its noise has");
+  if (d.barostat && d.water) report("/barostat", "would stretch rigid molecules: not possible yet");
   const bool langevin = d.thermostat && d.thermostat->method == ThermostatDef::Method::langevin;
-  if (langevin && !d.integrator.empty() && d.integrator != "velocity_verlet") {
-    report("/integrator", "langevin has a step of its own, which becomes velocity_verlet without friction");
+  if ((langevin || d.water) && !d.integrator.empty() && d.integrator != "velocity_verlet") {
+    report("/integrator",
+           "langevin and rigid molecules have a step of their own, which is a velocity_verlet");
+  }
+}
+
+void check_charges(const MolecularDef& d, const DefTable::Report& report) {
+  if (d.coulomb == Coulomb::ewald && d.sides == Sides::open) {
+    report("/coulomb", "Ewald's sum is one over images: sides are periodic");
+  }
+  if (d.dielectric && d.coulomb != Coulomb::reaction_field) {
+    report("/dielectric", "only a reaction field has one");
   }
 }
 
 void check(const MolecularDef& d, const DefTable::Report& report) {
   check_baths(d, report);
+  check_charges(d, report);
   if (d.switch_from && !(*d.switch_from < d.cutoff)) report("/switch_from", "is below the cut-off");
   if (d.switch_from && d.truncation != Truncation::switched) {
     report("/switch_from", "only a switched potential has one");
   }
   check_atoms(d, report);
+}
+
+bool charged(const MolecularDef& d) {
+  return std::any_of(d.kinds.begin(), d.kinds.end(), [](const KindDef& k) { return k.charge != 0; });
+}
+
+/// Wave vectors of Ewald's sum: half a ball of radius k_max in a lattice of 2 pi / edge.
+double ewald_waves(const MolecularDef& d) {
+  if (d.coulomb != Coulomb::ewald || !charged(d) || !d.box) return 0;
+  const double k = ewald_setting(1, d.cutoff, d.ewald_accuracy).k_max / 6.283185307179586;
+  return 2.1 * k * k * k * d.box->x * d.box->y * d.box->z;
 }
 
 }  // namespace
@@ -97,6 +177,11 @@ const DefTable& molecular_table() {
         .vectors("velocities", &D::velocities, "m/s", any(), {0, 4'000'000}, "one per position, or none")
         .text("xyz", &D::xyz, "atoms in the text format XYZ: their number, a comment, then name x y z a line")
         .number("xyz_unit", &D::xyz_unit, "m", above(0), "length that is 1 in the text; default an angstrom")
+        .object("water", &D::water, water_table(), "rigid molecules of water")
+        .objects("bonds", &D::bonds, bond_table(), {0, 1'000'000},
+                 "atoms joined by springs; they and second neighbours along bonds have no other force")
+        .objects("angles", &D::angles, angle_table(), {0, 1'000'000}, "springs of angles")
+        .objects("dihedrals", &D::dihedrals, dihedral_table(), {0, 1'000'000}, "turns about bonds")
         .choice("sides", &D::sides, {"open", "periodic"}, "no box, or one whose opposite sides are one")
         .vector("box", &D::box, "m", above(0), "edges; absent: the lattice's extent")
         .vector("center", &D::center, "m", any(), "of the box, where that is given")
@@ -106,6 +191,14 @@ const DefTable& molecular_table() {
                 "how Lennard-Jones ends: as it is, shifted to 0, or switched to 0 with its force from "
                 "switch_from on")
         .number("switch_from", &D::switch_from, "m", at_least(0), "absent: 0.9 of the cut-off")
+        .choice("coulomb", &D::coulomb, {"shifted", "reaction_field", "ewald"},
+                "charges: with a force that falls to 0 at the cut-off, with a polarised surrounding beyond "
+                "it, or with all periodic images")
+        .number("coulomb_constant", &D::coulomb_constant, "N m^2/C^2", above(0), "1 / (4 pi epsilon0)")
+        .number("dielectric", &D::dielectric, "1", at_least(1),
+                "of the surrounding of a reaction field; absent: a conductor")
+        .number("ewald_accuracy", &D::ewald_accuracy, "1", between(1e-14, 1e-2),
+                "where both of Ewald's sums end")
         .number("temperature", &D::temperature, "K", at_least(0),
                 "of the start: random velocities without momentum; absent: at rest")
         .number("boltzmann", &D::boltzmann, "J/K", above(0), "Boltzmann's constant; 1 in reduced units")
@@ -123,7 +216,7 @@ const DefTable& molecular_table() {
 
 const Outputs& molecular_outputs() {
   static const Outputs kOutputs{
-      .rows = "an atom: positions first, then xyz, then lattice",
+      .rows = "an atom: positions first, then xyz, lattice, water (O H H)",
       .fields = {{"position", "m", 3, "within the box"},
                  {"velocity", "m/s", 3, ""},
                  {"speed", "m/s", 1, "magnitude of the velocity"},
@@ -131,14 +224,17 @@ const Outputs& molecular_outputs() {
                   "of part distribution, in a periodic box: middle of a shell"},
                  {"distribution.density", "1", 1, "g(r): density about an atom over the mean one"}},
       .observables = {{"energy.kinetic", "J", ""},
-                      {"energy.potential", "J", "within the cut-off"},
+                      {"energy.potential", "J", "of pairs within the cut-off, molecules and Ewald's sum"},
+                      {"energy.bonds", "J", "part of energy.potential: bonds, angles, dihedrals"},
                       {"energy.total", "J", ""},
                       {"energy.conserved", "J",
                        "energy.total without what the thermostat gave; of nose_hoover with its chain's"},
                       {"energy.tail", "J", "of what is beyond the cut-off, were it spread evenly"},
                       {"temperature", "K", ""},
                       {"virial", "J", "sum over pairs of r . f"},
-                      {"pressure", "Pa", "(2 energy.kinetic + virial) / 3 V, of a periodic box"},
+                      {"pressure", "Pa",
+                       "(2 energy.kinetic + virial) / 3 V, of a periodic box; of rigid molecules with those "
+                       "of their centres"},
                       {"pressure.tail", "Pa", "as energy.tail"},
                       {"volume", "m^3", "of a periodic box"},
                       {"momentum.x", "kg m/s", ""},
@@ -158,7 +254,7 @@ Cost molecular_cost(const void* def) {
   return {.state_bytes = 96 * n,
           .workspace_bytes = (300 + 6 * near) * n,
           .elements = n,
-          .seconds_per_step = (3e-8 + 3e-9 * near) * n};
+          .seconds_per_step = (3e-8 + (charged(d) ? 8e-9 : 3e-9) * near + 1e-9 * ewald_waves(d)) * n};
 }
 
 }  // namespace truestep::molecular

@@ -29,6 +29,31 @@ struct LatticeDef {
   Vec3 center;
 };
 
+/// Rigid water: an oxygen and two hydrogens a molecule, on a cubic lattice, turned at random.
+struct WaterDef {
+  std::vector<int64_t> cells{4, 4, 4};
+  std::optional<double> radius;  // m, of a ball of them
+  double spacing = 3.107e-10;    // m: 997 kg/m^3
+  Vec3 center;
+  std::string oxygen = "O", hydrogen = "H";
+  double length = 1e-10, angle = 1.9106332362490186;  // m, rad: SPC/E
+};
+
+struct BondDef {
+  int64_t a = 0, b = 0;
+  double length = 1e-10, stiffness = 500;  // m, N/m
+};
+struct AngleDef {
+  int64_t a = 0, b = 0, c = 0;
+  double angle = 1.9, stiffness = 5e-19;  // rad, J
+};
+struct DihedralDef {
+  int64_t a = 0, b = 0, c = 0, d = 0;
+  double stiffness = 1e-20, phase = 0;  // J, rad
+  int64_t multiplicity = 1;
+};
+enum class Coulomb : uint8_t { shifted, reaction_field, ewald };
+
 /// What holds the temperature.
 struct ThermostatDef {
   enum class Method : uint8_t {
@@ -56,6 +81,11 @@ struct MolecularDef : IntegratorParams {
   std::string xyz;
   double xyz_unit = 1e-10;  // m
 
+  std::optional<WaterDef> water;
+  std::vector<BondDef> bonds;
+  std::vector<AngleDef> angles;
+  std::vector<DihedralDef> dihedrals;
+
   Sides sides = Sides::periodic;
   std::optional<Vec3> box;  // m, edges
   Vec3 center;
@@ -63,6 +93,10 @@ struct MolecularDef : IntegratorParams {
   double cutoff = 1e-9, skin = 1e-10;  // m
   std::optional<double> switch_from;   // m
   Truncation truncation = Truncation::truncated;
+  Coulomb coulomb = Coulomb::shifted;
+  double coulomb_constant = 8.9875517862e9;  // N m^2/C^2
+  std::optional<double> dielectric;          // 1, absent: a conductor
+  double ewald_accuracy = 1e-6;
   std::optional<double> temperature;  // K
   double boltzmann = 1.380649e-23;    // J/K
 

@@ -44,8 +44,12 @@ MolecularField::MolecularField(const MolecularDef& def, const BuildContext& cont
     masses_.push_back(def.kinds[k].mass), inverse_masses_.push_back(1 / def.kinds[k].mass);
   }
   const bool langevin = def.thermostat && def.thermostat->method == ThermostatDef::Method::langevin;
-  freedoms_ = 3 * static_cast<double>(size()) - (size() > 1 && !langevin ? 3 : 0);
+  const double rigid = 3 * static_cast<double>(start_.waters.size());
+  freedoms_ = 3 * static_cast<double>(size()) - rigid - (size() > 1 && !langevin ? 3 : 0);
+  excluded_ = excluded_pairs(def, start_);
+  if (!excluded_.empty()) setting_.exclusions = exclusions(excluded_, size());
   make_law();
+  make_coulomb();
   forces_ = pair_sum_function(law_, Wanted::forces), energies_ = pair_sum_function(law_, Wanted::energies);
 }
 
@@ -62,6 +66,25 @@ void MolecularField::make_law() {
       if (def_.truncation == Truncation::shifted) pair.shift = lj_potential(pair, law_.cutoff2);
       law_.table.insert(law_.table.end(), {pair.c12, pair.c6, pair.shift, 0});
     }
+  }
+}
+
+void MolecularField::make_coulomb() {
+  const auto has_charge = [](const KindDef& k) { return k.charge != 0; };
+  if (std::none_of(def_.kinds.begin(), def_.kinds.end(), has_charge)) return;
+  const double rc = def_.cutoff;
+  law_.coulomb = def_.coulomb_constant, law_.charges = PairLaw::Charges::cutoff;
+  if (def_.coulomb == Coulomb::shifted) {
+    // The force is 1/r^2 - 1/rc^2.
+    law_.b = 1 / (rc * rc), law_.c = -2 / rc;
+  } else if (def_.coulomb == Coulomb::reaction_field) {
+    const double strength = def_.dielectric ? (*def_.dielectric - 1) / (2 * *def_.dielectric + 1) : 0.5;
+    law_.a = strength / (rc * rc * rc), law_.c = -1 / rc - law_.a * rc * rc;
+  } else {
+    law_.charges = PairLaw::Charges::ewald;
+    ewald_ = ewald_setting(def_.coulomb_constant, rc, def_.ewald_accuracy);
+    law_.alpha = ewald_.alpha;
+    law_.erf = ErfSeries(1.001 * law_.alpha * law_.alpha * law_.cutoff2);
   }
 }
 
@@ -99,6 +122,8 @@ Cell MolecularField::cell(const State& state) const {
 const NeighbourList& MolecularField::list(const Phase& at, Evaluation& e) const {
   const auto reference = at.state.f64(Columns::reference);
   const auto blocks = e.workspace.doubles("molecular.blocks", block_count(size()));
+  // Asked for by the barostat in later steps, too.
+  e.workspace.doubles("molecular.energies", 2 * (size() / NeighbourList::kBlock + 1));
   const double moved = largest_move2(at.x, nullptr, 0, reference.data(), e.arena, blocks);
   const bool near = moved <= 0.25 * def_.skin * def_.skin;
   auto& list = e.workspace.object<NeighbourList>(near ? "molecular.list" : "molecular.stage_list");
@@ -117,6 +142,10 @@ void MolecularField::renew_reference(State& s, double h, const ThreadArena& aren
   if (!(moved <= most * most)) std::copy(x.begin(), x.end(), s.f64(Columns::reference).begin());
 }
 
+bool MolecularField::has_more() const {
+  return !def_.bonds.empty() || !def_.angles.empty() || !def_.dihedrals.empty() || ewald_.alpha > 0;
+}
+
 void MolecularField::acceleration(const Phase& at, std::span<double> a, Evaluation& e) const {
   const NeighbourList& near = list(at, e);
   const PairRows rows = near.rows();
@@ -128,6 +157,15 @@ void MolecularField::acceleration(const Phase& at, std::span<double> a, Evaluati
       store3(a.data(), entry.atom, f * inverse_masses_[entry.atom]);
     }
   });
+  if (!has_more()) return;
+  const auto force = e.workspace.doubles("molecular.force", 3 * size()).first(3 * size());
+  std::fill(force.begin(), force.end(), 0.0);
+  const Cell box = cell(at.state);
+  add_bonds(at, box, force);
+  add_waves(at, box, force, e);
+  for (size_t i = 0; i < size(); ++i) {
+    store3(a.data(), i, load3<double>(a.data(), i) + load3<double>(force.data(), i) * inverse_masses_[i]);
+  }
 }
 
 Energies MolecularField::energies(const Phase& at, Evaluation& e) const {
@@ -142,16 +180,20 @@ Energies MolecularField::energies(const Phase& at, Evaluation& e) const {
       const PairSum sum = energies_(law_, rows, entry.row, entry.list, entry.count);
       energy += sum.energy, virial += sum.virial;
     }
-    sums[2 * (begin / NeighbourList::kBlock)] = energy,
-                      sums[2 * (begin / NeighbourList::kBlock) + 1] = virial;
+    sums[2 * (begin / NeighbourList::kBlock)] = energy;
+    sums[2 * (begin / NeighbourList::kBlock) + 1] = virial;
   });
   Energies out;
   for (size_t b = 0; b < blocks; ++b) out.pairs += sums[2 * b], out.virial += sums[2 * b + 1];
+  if (!has_more()) return out;
+  const Cell box = cell(at.state);
+  const Energies bonds = add_bonds(at, box, {}), waves = add_waves(at, box, {}, e);
+  out.bonds = bonds.bonds, out.waves = waves.waves, out.virial += bonds.virial + waves.virial;
   return out;
 }
 
 std::optional<double> MolecularField::potential(const Phase& at, Evaluation& e) const {
-  return energies(at, e).pairs;
+  return energies(at, e).potential();
 }
 
 double MolecularField::kinetic(const Phase& at, Evaluation& e) const {
@@ -166,6 +208,11 @@ std::optional<ForceField::Stiffness> MolecularField::stiffness(const State&) con
   double omega2 = 0;
   for (const KindDef& k : def_.kinds) {
     if (k.sigma > 0) omega2 = std::max(omega2, 8 * 57.15 * k.epsilon / (k.sigma * k.sigma * k.mass));
+  }
+  for (const BondDef& b : def_.bonds) {
+    const double light =
+        inverse_masses_[static_cast<size_t>(b.a)] + inverse_masses_[static_cast<size_t>(b.b)];
+    omega2 = std::max(omega2, 2 * b.stiffness * light);
   }
   return Stiffness{std::sqrt(omega2), 0};
 }

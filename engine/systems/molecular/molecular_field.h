@@ -1,14 +1,17 @@
-// Forces between atoms: m a = sum over pairs within the cut-off (kernels/molecular/pair_law.h).
-// Lists of neighbours belong to the column of reference positions, so that they are functions of the state;
-// an integrator's stage that is further away than half a skin has a list of its own.
+// Forces between atoms: m a = sum over pairs within the cut-off (kernels/molecular/pair_law.h) + bonds,
+// angles and dihedrals (bonded.h) + Ewald's waves (ewald.h). Lists of neighbours belong to the column of
+// reference positions, so that they are functions of the state; an integrator's stage that is further away
+// than half a skin has a list of its own.
 #pragma once
 #include <memory>
 #include <vector>
 
 #include "engine/core/force_field.h"
+#include "engine/kernels/molecular/ewald.h"
 #include "engine/kernels/molecular/pair_law.h"
 #include "engine/systems/molecular/atoms.h"
 #include "engine/systems/molecular/neighbour_list.h"
+#include "engine/systems/molecular/topology.h"
 
 namespace truestep::molecular {
 
@@ -31,7 +34,8 @@ enum class Bath : uint8_t { temperature, pressure, heat, count };
 
 /// Energy and virial of the forces, J.
 struct Energies {
-  double pairs = 0, virial = 0;
+  double pairs = 0, bonds = 0, waves = 0, virial = 0;
+  double potential() const { return pairs + bonds + waves; }
 };
 
 class MolecularField final : public ForceField {
@@ -55,6 +59,7 @@ class MolecularField final : public ForceField {
   const MolecularDef& def() const { return def_; }
   const PairLaw& law() const { return law_; }
   const std::vector<double>& masses() const { return masses_; }
+  const Atoms& start() const { return start_; }
   const std::vector<uint32_t>& kinds() const { return setting_.kinds; }
   size_t size() const { return masses_.size(); }
   uint64_t seed() const { return seed_; }
@@ -65,6 +70,12 @@ class MolecularField final : public ForceField {
  private:
   const NeighbourList& list(const Phase& at, Evaluation& e) const;
   void make_law();
+  void make_coulomb();
+  /// Adds forces (N) of bonds, angles and dihedrals unless `force` is empty; their energy and virial.
+  Energies add_bonds(const Phase& at, const Cell& cell, std::span<double> force) const;
+  /// Ewald's smooth part, without that of the pairs that are left out.
+  Energies add_waves(const Phase& at, const Cell& cell, std::span<double> force, Evaluation& e) const;
+  bool has_more() const;
 
   MolecularDef def_;
   Atoms start_;
@@ -73,6 +84,8 @@ class MolecularField final : public ForceField {
   ListSetting setting_;
   std::vector<double> masses_, inverse_masses_;
   PairLaw law_;
+  EwaldSetting ewald_;
+  std::vector<std::array<uint32_t, 2>> excluded_;
   PairSumFunction forces_, energies_;
 };
 

@@ -42,6 +42,25 @@ double Molecular::temperature(double kinetic) const {
   return 2 * kinetic / (atoms_.freedoms() * atoms_.def().boltzmann);
 }
 
+double Molecular::within_molecules(const Phase& at, Evaluation& e) const {
+  const auto& mass = atoms_.masses();
+  std::vector<double> a(at.v.size());
+  atoms_.acceleration(at, a, e);
+  double sum = 0;
+  for (const auto& w : atoms_.start().waters) {
+    Vec3 center, mean;
+    double total = 0;
+    for (const uint32_t i : w) {
+      center += load3(at.x.data(), i) * mass[i], mean += load3(at.v.data(), i) * mass[i], total += mass[i];
+    }
+    for (const uint32_t i : w) {
+      const Vec3 u = load3(at.v.data(), i) - mean / total;
+      sum += mass[i] * (norm2(u) + dot(load3<double>(a.data(), i), load3(at.x.data(), i) - center / total));
+    }
+  }
+  return sum;
+}
+
 void Molecular::observe(const State& s, double t, Observables& out) const {
   Workspace workspace;
   static const ThreadArena kSerial(1);
@@ -51,17 +70,21 @@ void Molecular::observe(const State& s, double t, Observables& out) const {
   const double kinetic = atoms_.kinetic(at, e);
   const Energies energies = atoms_.energies(at, e);
   out.add("energy.kinetic", kinetic, "J");
-  out.add("energy.potential", energies.pairs, "J");
-  out.add("energy.total", kinetic + energies.pairs, "J");
+  out.add("energy.potential", energies.potential(), "J");
+  const MolecularDef& d = atoms_.def();
+  if (!d.bonds.empty() || !d.angles.empty() || !d.dihedrals.empty())
+    out.add("energy.bonds", energies.bonds, "J");
+  out.add("energy.total", kinetic + energies.potential(), "J");
   const double heat = s.f64(Columns::bath)[static_cast<size_t>(Bath::heat)];
-  out.add("energy.conserved", kinetic + energies.pairs - heat + energy_of_chain(s, atoms_), "J");
+  out.add("energy.conserved", kinetic + energies.potential() - heat + energy_of_chain(s, atoms_), "J");
   out.add("temperature", temperature(kinetic), "K");
   out.add("virial", energies.virial, "J");
   const Cell cell = atoms_.cell(s);
   if (cell.sides == Sides::periodic) {
     const double volume = cell.volume();
     const LjTail tail = tails(atoms_, volume);
-    out.add("pressure", (2 * kinetic + energies.virial) / (3 * volume), "Pa");
+    const double within = d.water ? within_molecules(at, e) : 0;
+    out.add("pressure", (2 * kinetic + energies.virial - within) / (3 * volume), "Pa");
     out.add("energy.tail", tail.energy, "J");
     out.add("pressure.tail", tail.virial, "Pa");
     out.add("volume", volume, "m^3");
