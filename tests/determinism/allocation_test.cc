@@ -111,10 +111,8 @@ TEST(Allocation, AtomsAllocateNothingAfterTheFirstStep) {
   using Method = molecular::ThermostatDef::Method;
   for (const Method method : {Method::velocity_rescaling, Method::langevin, Method::nose_hoover}) {
     molecular::MolecularDef d = testing_rig::liquid(6);
-    d.thermostat.emplace();
-    d.thermostat->method = method, d.thermostat->temperature = 1.4, d.thermostat->time = 0.1;
-    d.barostat.emplace();
-    d.barostat->pressure = 5, d.barostat->time = 1, d.barostat->compressibility = 0.1;
+    d.thermostat = molecular::ThermostatDef{method, 1.4, 0.1, 3};
+    d.barostat = molecular::BarostatDef{5, 1, 0.1, 10};
     testing_rig::AtomRun run(d, 0.005);
     run.step();
     const uint64_t before = allocations;

@@ -1,5 +1,7 @@
 #include "engine/systems/molecular/molecular.h"
 
+#include <algorithm>
+
 #include "engine/core/command_checks.h"
 
 namespace truestep::molecular {
@@ -93,9 +95,28 @@ void Molecular::apply(State& s, const Command& c) const {
 
 void Molecular::draw(const State&, double, Wish wishes, Drawing& out) const {
   if (!wants(wishes, Wish::constant)) return;
+  const MolecularDef& d = atoms_.def();
   out.parts.resize(parts().size());
-  out.parts[0].point_radius = atoms_.def().draw_radius;
-  if (const auto& c = atoms_.def().color) out.parts[0].color = {c->x, c->y, c->z};
+  PartDrawing& t = out.parts[0];
+  const auto color = [](const std::optional<Vec3>& c) {
+    return c ? std::optional(std::array{c->x, c->y, c->z}) : std::nullopt;
+  };
+  t.color = color(d.color);
+  const auto row = [](int64_t i) { return static_cast<uint32_t>(i); };
+  for (const BondDef& b : d.bonds) t.lines.push_back({row(b.a), row(b.b)});
+  for (const auto& [o, h, k] : atoms_.start().waters) t.lines.push_back({o, h}), t.lines.push_back({o, k});
+  const auto looks = [](const KindDef& k) { return k.draw_radius || k.color; };
+  if (std::none_of(d.kinds.begin(), d.kinds.end(), looks)) {
+    t.point_radius = d.draw_radius;
+    return;
+  }
+  for (const KindDef& k : d.kinds) {
+    Visual& v = t.visuals.emplace_back();
+    v.shape.size = {k.draw_radius.value_or(d.draw_radius), 0, 0};
+    v.color = color(k.color ? k.color : d.color), v.group = static_cast<uint32_t>(t.visuals.size());
+  }
+  const auto& kinds = atoms_.kinds();
+  for (uint32_t i = 0; i < kinds.size(); ++i) t.instances.push_back({i, kinds[i]});
 }
 
 std::unique_ptr<const System> build_molecular(const void* def, const BuildContext& context) {

@@ -18,6 +18,8 @@ const DefTable& kind_table() {
           .number("sigma", &D::sigma, "m", at_least(0), "distance at which the Lennard-Jones potential is 0")
           .number("epsilon", &D::epsilon, "J", at_least(0), "depth of the Lennard-Jones potential")
           .number("charge", &D::charge, "C", any(), "of an atom")
+          .number("draw_radius", &D::draw_radius, "m", at_least(0), "size in pictures; absent: the system's")
+          .vector("color", &D::color, "1", between(0, 1), "red, green, blue; absent: the system's")
           .build();
   return t;
 }
@@ -191,9 +193,10 @@ const DefTable& molecular_table() {
                 "how Lennard-Jones ends: as it is, shifted to 0, or switched to 0 with its force from "
                 "switch_from on")
         .number("switch_from", &D::switch_from, "m", at_least(0), "absent: 0.9 of the cut-off")
-        .choice("coulomb", &D::coulomb, {"shifted", "reaction_field", "ewald"},
+        .choice("coulomb", &D::coulomb, {"shifted", "reaction_field", "ewald", "truncated"},
                 "charges: with a force that falls to 0 at the cut-off, with a polarised surrounding beyond "
-                "it, or with all periodic images")
+                "it, with "
+                "all periodic images, or as they are up to the cut-off (clusters smaller than that)")
         .number("coulomb_constant", &D::coulomb_constant, "N m^2/C^2", above(0), "1 / (4 pi epsilon0)")
         .number("dielectric", &D::dielectric, "1", at_least(1),
                 "of the surrounding of a reaction field; absent: a conductor")

@@ -19,6 +19,8 @@ struct KindDef {
   std::string name;
   double mass = 6.6335209e-26;                // kg: argon
   double sigma = 0, epsilon = 0, charge = 0;  // m, J, C
+  std::optional<double> draw_radius;          // m
+  std::optional<Vec3> color;
 };
 
 struct LatticeDef {
@@ -52,7 +54,7 @@ struct DihedralDef {
   double stiffness = 1e-20, phase = 0;  // J, rad
   int64_t multiplicity = 1;
 };
-enum class Coulomb : uint8_t { shifted, reaction_field, ewald };
+enum class Coulomb : uint8_t { shifted, reaction_field, ewald, truncated };
 
 /// What holds the temperature.
 struct ThermostatDef {

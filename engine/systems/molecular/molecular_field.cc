@@ -80,7 +80,7 @@ void MolecularField::make_coulomb() {
   } else if (def_.coulomb == Coulomb::reaction_field) {
     const double strength = def_.dielectric ? (*def_.dielectric - 1) / (2 * *def_.dielectric + 1) : 0.5;
     law_.a = strength / (rc * rc * rc), law_.c = -1 / rc - law_.a * rc * rc;
-  } else {
+  } else if (def_.coulomb == Coulomb::ewald) {
     law_.charges = PairLaw::Charges::ewald;
     ewald_ = ewald_setting(def_.coulomb_constant, rc, def_.ewald_accuracy);
     law_.alpha = ewald_.alpha;
