@@ -1,7 +1,5 @@
 #include "engine/systems/molecular/molecular.h"
 
-#include <algorithm>
-
 #include "engine/core/command_checks.h"
 
 namespace truestep::molecular {
@@ -12,6 +10,8 @@ Molecular::Molecular(std::unique_ptr<const MolecularField> field, const ChosenMe
       atoms_(static_cast<const MolecularField&>(force_field())) {
   const MolecularDef& d = atoms_.def();
   main_part().fields.push_back({"speed", "m/s"});
+  // What draws solids turns them.
+  if (d.has_looks()) main_part().fields.push_back({"orientation", "1", Scalar::f64, 4, Meaning::orientation});
   std::vector<PartInfo> all{main_part()};
   if (d.sides == Sides::periodic) {
     PartInfo g;
@@ -105,8 +105,7 @@ void Molecular::draw(const State&, double, Wish wishes, Drawing& out) const {
   const auto row = [](int64_t i) { return static_cast<uint32_t>(i); };
   for (const BondDef& b : d.bonds) t.lines.push_back({row(b.a), row(b.b)});
   for (const auto& [o, h, k] : atoms_.start().waters) t.lines.push_back({o, h}), t.lines.push_back({o, k});
-  const auto looks = [](const KindDef& k) { return k.draw_radius || k.color; };
-  if (std::none_of(d.kinds.begin(), d.kinds.end(), looks)) {
+  if (!d.has_looks()) {
     t.point_radius = d.draw_radius;
     return;
   }

@@ -223,6 +223,7 @@ const Outputs& molecular_outputs() {
       .fields = {{"position", "m", 3, "within the box"},
                  {"velocity", "m/s", 3, ""},
                  {"speed", "m/s", 1, "magnitude of the velocity"},
+                 {"orientation", "1", 4, "1 0 0 0, where kinds are drawn in sizes or colours of their own"},
                  {"distribution.distance", "m", 1,
                   "of part distribution, in a periodic box: middle of a shell"},
                  {"distribution.density", "1", 1, "g(r): density about an atom over the mean one"}},

@@ -2,6 +2,7 @@
 // Any coherent units do, as nothing but `boltzmann` and `coulomb_constant` knows which: in reduced ones mass,
 // sigma, epsilon and boltzmann are 1.
 #pragma once
+#include <algorithm>
 #include <optional>
 #include <string>
 #include <vector>
@@ -109,6 +110,12 @@ struct MolecularDef : IntegratorParams {
   std::optional<double> distribution_range;  // m
   double draw_radius = 1e-10;
   std::optional<Vec3> color;
+
+  /// Whether kinds are drawn in sizes or colours of their own.
+  bool has_looks() const {
+    const auto looks = [](const KindDef& k) { return k.draw_radius || k.color; };
+    return std::any_of(kinds.begin(), kinds.end(), looks);
+  }
 };
 
 const DefTable& molecular_table();

@@ -160,6 +160,11 @@ FieldView Molecular::field(const State& s, size_t part, size_t which, std::vecto
     for (size_t i = 0; i < n; ++i) store3(scratch.data(), i, cell.wrapped(load3(x, i)));
     return {scratch.data(), Scalar::f64, n, 3};
   }
+  if (which == 3) {
+    scratch.assign(4 * n, 0.0);
+    for (size_t i = 0; i < n; ++i) scratch[4 * i] = 1;
+    return {scratch.data(), Scalar::f64, n, 4};
+  }
   scratch.resize(n);
   const double* v = s.f64(Columns::velocity).data();
   for (size_t i = 0; i < n; ++i) scratch[i] = norm(load3(v, i));

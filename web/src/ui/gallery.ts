@@ -23,6 +23,7 @@ const chapters: [string, RegExp][] = [
   ["Rigid bodies in the plane", /^rigid2d$/],
   ["Animation", /^animation$/],
   ["Flocks", /^flocking$/],
+  ["Atoms and molecules", /^molecular$/],
   ["Particles", /^particles$/],
   ["Fluids", /^fluid$/],
   ["Heat and waves", /^(heat|wave|grid)$/],
