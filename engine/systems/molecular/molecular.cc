@@ -4,9 +4,9 @@
 
 namespace truestep::molecular {
 
-Molecular::Molecular(std::unique_ptr<const MolecularField> field, const ChosenMethod& method)
-    : ForceSystem(std::move(field), method.row,
-                  static_cast<const MolecularField&>(*field).def().choice().options),
+Molecular::Molecular(std::unique_ptr<const MolecularField> field, const ChosenMethod& method,
+                     const IntegratorOptions& options)
+    : ForceSystem(std::move(field), method.row, options),
       atoms_(static_cast<const MolecularField&>(force_field())) {
   const MolecularDef& d = atoms_.def();
   main_part().fields.push_back({"speed", "m/s"});
@@ -74,7 +74,7 @@ Energy::Exchange Molecular::exchange(const State&) const {
 std::unique_ptr<const Molecular> Molecular::make(const MolecularDef& def, const BuildContext& context) {
   auto field = std::make_unique<const MolecularField>(def, context);
   const ChosenMethod method = settle_method(def.choice(), {.usual = "velocity_verlet"}, *field, context.dt);
-  return std::unique_ptr<const Molecular>(new Molecular(std::move(field), method));
+  return std::unique_ptr<const Molecular>(new Molecular(std::move(field), method, def.choice().options));
 }
 
 void Molecular::apply(State& s, const Command& c) const {

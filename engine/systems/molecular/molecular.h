@@ -30,7 +30,8 @@ class Molecular final : public ForceSystem {
   double temperature(double kinetic) const;
 
  private:
-  Molecular(std::unique_ptr<const MolecularField> field, const ChosenMethod& method);
+  Molecular(std::unique_ptr<const MolecularField> field, const ChosenMethod& method,
+            const IntegratorOptions& options);
   void plan_stages(const std::string& why_this_method);
   /// Velocities by a factor; the heat that this gave.
   void scale_velocities(State& state, double factor, const ThreadArena& arena) const;
