@@ -37,18 +37,18 @@ inline Terms lennard_jones(const PairLaw& law, W r2, W i2, W c12, W c6, W shift)
   return t;
 }
 
-template <PairLaw::Charges charges>
+template <PairLaw::Charges charges, Wanted wanted>
 inline void add_coulomb(const PairLaw& law, W r2, W i2, W qq, Terms& t) {
   if constexpr (charges == PairLaw::Charges::none) return;
-  const W i1 = sqrt(i2);
+  const W i1 = sqrt(r2) * i2;
   if constexpr (charges == PairLaw::Charges::cutoff) {
     t.s += qq * (i1 * i2 - W(2 * law.a) - W(law.b) * i1);
     t.u += qq * (i1 + W(law.a) * r2 + W(law.b) * (r2 * i1) + W(law.c));
   } else {
     const double a2 = law.alpha * law.alpha;
-    const auto e = law.erf.at(min(r2, W(law.cutoff2)) * W(a2));
-    t.s += qq * (i1 * i2 - W(law.alpha * a2) * e.g);
-    t.u += qq * (i1 - W(law.alpha) * e.e);
+    const W u = min(r2, W(law.cutoff2)) * W(a2);
+    t.s += qq * (i1 * i2 - W(law.alpha * a2) * law.erf.g(u));
+    if constexpr (wanted == Wanted::energies) t.u += qq * (i1 - W(law.alpha) * law.erf.e(u));
   }
 }
 
@@ -75,7 +75,7 @@ PairSum pair_sum(const PairLaw& law, const PairRows& p, uint32_t i, const uint32
       c12 = c[0], c6 = c[1], shift = c[2];
     }
     Terms t = lennard_jones<taper, wanted>(law, safe2, i2, c12, c6, shift);
-    add_coulomb<charges>(law, safe2, i2, q * row[3], t);
+    add_coulomb<charges, wanted>(law, safe2, i2, q * row[3], t);
     const W s = select(near, t.s, W::zero());
     fx = madd(s, dx, fx), fy = madd(s, dy, fy), fz = madd(s, dz, fz);
     if constexpr (wanted == Wanted::energies) {
