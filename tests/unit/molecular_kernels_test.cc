@@ -202,6 +202,68 @@ TEST(Molecular, CoincidentAtomsHaveAForce) {
   EXPECT_LT(run.acceleration()[0], 0);
 }
 
+/// Values of a field of part "distribution".
+std::vector<double> distribution(const AtomRun& run, size_t field) {
+  std::vector<double> scratch;
+  const FieldView v = run.system->field(run.state, 1, field, scratch);
+  const auto* p = static_cast<const double*>(v.data);
+  return {p, p + v.rows};
+}
+
+TEST(Molecular, DistributionOfACrystal) {
+  // Face-centred cubic of constant a: 12 neighbours at a / sqrt(2), 6 at a, 24 at a sqrt(3/2).
+  MolecularDef d = testing_rig::liquid(4);
+  const double a = std::cbrt(4 / 0.8442);
+  d.distribution_bins = 250;
+  const AtomRun run(d, 0.005);
+  const auto r = distribution(run, 0), g = distribution(run, 1);
+  const auto count = [&](double at) {
+    double sum = 0;
+    for (size_t b = 0; b < r.size(); ++b) {
+      const double half = 0.005, low = r[b] - half, high = r[b] + half;
+      const double shell = 4 * M_PI / 3 * (std::pow(high, 3) - std::pow(low, 3));
+      if (std::abs(r[b] - at) < 0.02) sum += g[b] * shell * 0.8442 * 255 / 256;
+    }
+    return sum;
+  };
+  EXPECT_NEAR(count(a / std::sqrt(2)), 12, 1e-9);
+  EXPECT_NEAR(count(a), 6, 1e-9);
+  EXPECT_NEAR(count(a * std::sqrt(1.5)), 24, 1e-9);
+  EXPECT_EQ(count(1.1 * a), 0);
+}
+
+TEST(Molecular, DisplacementCountsThroughTheSides) {
+  MolecularDef d = testing_rig::liquid(4);
+  d.kinds[0].epsilon = 0, d.temperature = 0;
+  AtomRun run(d, 0.01);
+  double* v = run.state.f64(Columns::velocity).data();
+  for (size_t i = 0; i < 256; ++i) v[3 * i] = 30;
+  run.step(100);
+  // 30 in every direction of x: four boxes further.
+  EXPECT_NEAR(run.observe("displacement"), 900, 1e-9);
+  std::vector<double> scratch;
+  const FieldView x = run.system->field(run.state, 0, 0, scratch);
+  const double edge = 0.5 * std::cbrt(256 / 0.8442);
+  for (size_t k = 0; k < 768; ++k)
+    EXPECT_LE(std::abs(static_cast<const double*>(x.data)[k]), edge * (1 + 1e-12));
+}
+
+TEST(Molecular, TakesItsBathsByCommand) {
+  MolecularDef d = testing_rig::liquid(4);
+  d.thermostat.emplace();
+  AtomRun run(d, 0.005);
+  Command c{.kind = CommandKind::set_parameter, .system = "s"};
+  c.name = "temperature", c.value = 2;
+  run.system->apply(run.state, c);
+  EXPECT_EQ(run.state.f64(Columns::bath)[0], 2);
+  c.value = 0;
+  EXPECT_THROW(run.system->apply(run.state, c), Error);
+  c.value = 1, c.name = "pressure";
+  EXPECT_THROW(run.system->apply(run.state, c), Error);
+  c.kind = CommandKind::push;
+  EXPECT_THROW(run.system->apply(run.state, c), Error);
+}
+
 /// Pointers of what is wrong with a def.
 std::vector<std::string> faults(const MolecularDef& d) {
   std::vector<std::string> out;

@@ -31,6 +31,8 @@ EwaldSetting ewald_setting(double coulomb, double cutoff, double accuracy) {
 }
 
 void EwaldSum::plan(const EwaldSetting& s, const Vec3& edges) {
+  if (s == planned_ && edges == edges_) return;
+  planned_ = s, edges_ = edges;
   rows_.clear(), weight_.clear(), waves_ = 0;
   const double volume = edges.x * edges.y * edges.z;
   for (int a = 0; a < 3; ++a) most_[a] = static_cast<int>(s.k_max * component(edges, a) / kTurn);
@@ -97,6 +99,7 @@ EwaldEnergy EwaldSum::add(const EwaldSetting& setting, const Vec3& edges, std::s
     fill(edges, x, begin, end, t);
     double* out = sums_.data() + 2 * waves_ * (begin / kBlock);
     Plane p;
+    const size_t fours = (end - begin + 3) / 4 * 4;
     for (const Row& row : rows_) {
       plane(row, t, charge.data() + begin, end - begin, p);
       for (int nz = row.from; nz < row.to; ++nz) {
@@ -104,7 +107,7 @@ EwaldEnergy EwaldSum::add(const EwaldSetting& setting, const Vec3& edges, std::s
         const double *cz = t.c[2].data() + at, *sz = t.s[2].data() + at;
         const W sign(nz < 0 ? -1.0 : 1.0);
         W re = W::zero(), im = W::zero();
-        for (size_t i = 0; i < kBlock; i += 4) {
+        for (size_t i = 0; i < fours; i += 4) {
           const W c = load(cz + i), s = load(sz + i) * sign, pc = load(p.c + i), ps = load(p.s + i);
           re = madd(pc, c, nmadd(ps, s, re)), im = madd(ps, c, madd(pc, s, im));
         }
@@ -137,6 +140,7 @@ EwaldEnergy EwaldSum::add(const EwaldSetting& setting, const Vec3& edges, std::s
     const Tables& t = tables_[begin / kBlock];
     double fx[kBlock] = {}, fy[kBlock] = {}, fz[kBlock] = {};
     Plane p;
+    const size_t fours = (end - begin + 3) / 4 * 4;
     for (const Row& row : rows_) {
       plane(row, t, charge.data() + begin, end - begin, p);
       const double kx = kTurn * row.nx / edges.x, ky = kTurn * row.ny / edges.y;
@@ -146,7 +150,7 @@ EwaldEnergy EwaldSum::add(const EwaldSetting& setting, const Vec3& edges, std::s
         const double *cz = t.c[2].data() + at, *sz = t.s[2].data() + at;
         const double sign = nz < 0 ? -1 : 1, kz = kTurn * nz / edges.z;
         const double re = 2 * weight_[k] * sums_[2 * k], im = 2 * weight_[k] * sums_[2 * k + 1];
-        for (size_t i = 0; i < kBlock; ++i) {
+        for (size_t i = 0; i < fours; ++i) {
           const double s = sign * sz[i];
           const double pull = re * (p.s[i] * cz[i] + p.c[i] * s) - im * (p.c[i] * cz[i] - p.s[i] * s);
           fx[i] += kx * pull, fy[i] += ky * pull, fz[i] += kz * pull;

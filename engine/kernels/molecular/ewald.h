@@ -18,6 +18,7 @@ struct EwaldSetting {
   double coulomb = 0;  ///< N m^2/C^2
   double alpha = 0;    ///< 1/m
   double k_max = 0;    ///< 1/m, longest wave vector
+  friend bool operator==(const EwaldSetting&, const EwaldSetting&) = default;
 };
 /// alpha and k_max such that erfc-like ends of both sums are about `accuracy` at the cut-off (m).
 EwaldSetting ewald_setting(double coulomb, double cutoff, double accuracy);
@@ -47,6 +48,8 @@ class EwaldSum {
   void plan(const EwaldSetting& s, const Vec3& edges);
   void fill(const Vec3& edges, std::span<const double> x, size_t begin, size_t end, Tables& t) const;
 
+  EwaldSetting planned_;
+  Vec3 edges_;
   std::vector<Row> rows_;
   size_t waves_ = 0;
   int most_[3] = {};

@@ -126,7 +126,7 @@ void set_temperature(const MolecularDef& def, uint64_t seed, Atoms& out) {
 }
 
 Cell cell_of(const MolecularDef& d) {
-  const Vec3 edges = d.box ? *d.box : d.lattice ? extent(*d.lattice) : Vec3{};
+  const Vec3 edges = box_edges(d);
   const Vec3 center = d.box || !d.lattice ? d.center : d.lattice->center;
   if (d.sides == Sides::open) return {};
   return {d.sides, center - edges * 0.5, edges};
@@ -144,6 +144,9 @@ void check_places(const MolecularDef& d, const DefTable::Report& report) {
     const Vec3 at = atoms.cell.wrapped(x);
     flat.insert(flat.end(), {at.x, at.y, at.z});
   }
+  // Many atoms come from crystals, and reading a scene is to be quick.
+  constexpr size_t kMostCompared = 200'000;
+  if (atoms.size() > kMostCompared) return;
   const double least = shortest_distance(d);
   PointGrid grid;
   grid.build(flat, std::max(least, 0.1 * d.cutoff));
@@ -192,8 +195,10 @@ bool check_sources(const MolecularDef& d, const DefTable::Report& report) {
     check_names(d, l.kinds, "/lattice/kinds", fault);
   }
   if (d.water) {
-    check_names(d, {d.water->oxygen}, "/water/oxygen", fault);
-    check_names(d, {d.water->hydrogen}, "/water/hydrogen", fault);
+    for (const auto& [name, pointer] :
+         {std::pair(d.water->oxygen, "/water/oxygen"), std::pair(d.water->hydrogen, "/water/hydrogen")}) {
+      if (kind_index(d, name) == d.kinds.size()) fault(pointer, "there is no kind \"" + name + "\"");
+    }
   }
   if (d.position_kinds.size() > 1 && d.position_kinds.size() != d.positions.size()) {
     fault("/position_kinds", "one for all, or as many as positions");
@@ -231,6 +236,11 @@ double shortest_distance(const MolecularDef& def) {
   double sigma = 0;
   for (const KindDef& k : def.kinds) sigma = std::max(sigma, k.sigma);
   return sigma > 0 ? 0.01 * sigma : 1e-3 * def.cutoff;
+}
+
+Vec3 box_edges(const MolecularDef& d) {
+  if (d.box) return *d.box;
+  return d.lattice && d.lattice->cells.size() == 3 ? extent(*d.lattice) : Vec3{};
 }
 
 size_t atom_count(const MolecularDef& d) {

@@ -17,6 +17,8 @@ struct Atoms {
   size_t size() const { return positions.size(); }
 };
 
+/// m, of the box that is given or that the lattice has; 0 where there is none.
+Vec3 box_edges(const MolecularDef& def);
 /// Number of atoms, from counts alone.
 size_t atom_count(const MolecularDef& def);
 /// Everything about the start that tables cannot say. `report` as in DefTable.

@@ -73,7 +73,9 @@ Energy::Exchange Molecular::exchange(const State&) const {
 
 std::unique_ptr<const Molecular> Molecular::make(const MolecularDef& def, const BuildContext& context) {
   auto field = std::make_unique<const MolecularField>(def, context);
-  const ChosenMethod method = settle_method(def.choice(), {.usual = "velocity_verlet"}, *field, context.dt);
+  // Too long a step is an error that names a shorter one: adaptive methods would take millions for it.
+  const ChosenMethod method{choose_integrator(def.choice(), "velocity_verlet", *field),
+                            def.integrator.empty() ? "the default" : "named by the scene"};
   return std::unique_ptr<const Molecular>(new Molecular(std::move(field), method, def.choice().options));
 }
 

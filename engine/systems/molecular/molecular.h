@@ -24,6 +24,10 @@ class Molecular final : public ForceSystem {
   Energy::Exchange exchange(const State&) const override;
 
   const MolecularField& atoms() const { return atoms_; }
+  std::vector<std::string> remedies() const override {
+    return {"a step of at most a twentieth of the fastest vibration's period",
+            "a start whose atoms do not overlap"};
+  }
   /// None where the step is an own one.
   Integration integration() const override;
   /// K

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "engine/base/short_number.h"
 #include "engine/kernels/molecular/ewald.h"
 #include "engine/systems/molecular/atoms.h"
 
@@ -134,9 +135,26 @@ void check_baths(const MolecularDef& d, const DefTable::Report& report) {
   }
 }
 
+bool charged(const MolecularDef& d) {
+  return std::any_of(d.kinds.begin(), d.kinds.end(), [](const KindDef& k) { return k.charge != 0; });
+}
+
+/// Wave vectors of Ewald's sum: half a ball of radius k_max in a lattice of 2 pi / edge.
+double ewald_waves(const MolecularDef& d) {
+  if (d.coulomb != Coulomb::ewald || !charged(d) || d.sides == Sides::open) return 0;
+  const double k = ewald_setting(1, d.cutoff, d.ewald_accuracy).k_max / 6.283185307179586;
+  const Vec3 edges = box_edges(d);
+  return 2.1 * k * k * k * edges.x * edges.y * edges.z;
+}
+
 void check_charges(const MolecularDef& d, const DefTable::Report& report) {
   if (d.coulomb == Coulomb::ewald && d.sides == Sides::open) {
     report("/coulomb", "Ewald's sum is one over images: sides are periodic");
+  }
+  constexpr double kMostTerms = 2e9;
+  if (ewald_waves(d) * static_cast<double>(atom_count(d)) > kMostTerms) {
+    report("/coulomb",
+           "Ewald's sum has " + short_number(ewald_waves(d)) + " waves here, too many for so many atoms");
   }
   if (d.dielectric && d.coulomb != Coulomb::reaction_field) {
     report("/dielectric", "only a reaction field has one");
@@ -151,17 +169,6 @@ void check(const MolecularDef& d, const DefTable::Report& report) {
     report("/switch_from", "only a switched potential has one");
   }
   check_atoms(d, report);
-}
-
-bool charged(const MolecularDef& d) {
-  return std::any_of(d.kinds.begin(), d.kinds.end(), [](const KindDef& k) { return k.charge != 0; });
-}
-
-/// Wave vectors of Ewald's sum: half a ball of radius k_max in a lattice of 2 pi / edge.
-double ewald_waves(const MolecularDef& d) {
-  if (d.coulomb != Coulomb::ewald || !charged(d) || !d.box) return 0;
-  const double k = ewald_setting(1, d.cutoff, d.ewald_accuracy).k_max / 6.283185307179586;
-  return 2.1 * k * k * k * d.box->x * d.box->y * d.box->z;
 }
 
 }  // namespace
@@ -256,7 +263,7 @@ Cost molecular_cost(const void* def) {
   for (const KindDef& k : d.kinds) sigma = k.sigma > 0 && k.sigma < sigma ? k.sigma : sigma;
   const double reach = (d.cutoff + d.skin) / sigma, near = std::min(n, 3.8 * reach * reach * reach);
   return {.state_bytes = 96 * n,
-          .workspace_bytes = (300 + 6 * near) * n,
+          .workspace_bytes = (300 + 6 * near + 0.25 * ewald_waves(d)) * n,
           .elements = n,
           .seconds_per_step = (3e-8 + (charged(d) ? 8e-9 : 3e-9) * near + 1e-9 * ewald_waves(d)) * n};
 }
