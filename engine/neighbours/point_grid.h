@@ -14,6 +14,10 @@ class PointGrid {
  public:
   /// Sorts n x 3 positions. Points that are not finite are left out of the cells.
   void build(std::span<const double> x, double reach);
+  /// Sets memory aside for so many points, so that building with fewer allocates nothing for them.
+  void reserve(size_t points) {
+    order_.reserve(points), cell_of_.reserve(points), sorted_.reserve(3 * points);
+  }
 
   size_t size() const { return order_.size(); }
   /// Index of the point in a slot.

@@ -11,6 +11,7 @@
 #include "engine/systems/heightfield_wave/heightfield_wave.h"
 #include "engine/systems/keyframes/keyframes.h"
 #include "engine/systems/mass_spring/mass_spring.h"
+#include "engine/systems/molecular/molecular.h"
 #include "engine/systems/mpm/mpm.h"
 #include "engine/systems/nbody/nbody.h"
 #include "engine/systems/ode/ode.h"
@@ -155,6 +156,17 @@ std::span<const CatalogueRow> catalogue() {
         "the same bits on any number of threads"},
        "",
        &crowd::crowd_outputs()},
+      {"molecular",
+       "points",
+       "atoms and molecules that attract and repel each other: gases, liquids, crystals, droplets",
+       &molecular::molecular_table(),
+       molecular::build_molecular,
+       molecular::molecular_cost,
+       {"energies and forces are those of the reference configurations to rounding",
+        "momentum is conserved to rounding", "lists of neighbours are functions of the state",
+        "the same bits on any number of threads"},
+       "velocity_verlet",
+       &molecular::molecular_outputs()},
       {"mass_spring",
        "springs",
        "points joined by springs: ropes, hair, cloth on a grid or a mesh, free networks",

@@ -19,6 +19,7 @@
 #include "tests/support/nbody_run.h"
 #include "tests/support/shallow_run.h"
 #include "tests/unit/crowd_rig.h"
+#include "tests/unit/molecular_rig.h"
 #include "tests/unit/sph_rig.h"
 
 namespace {
@@ -105,6 +106,21 @@ TEST(Allocation, PositionBasedStepsAllocateNothingAfterTheFirst) {
       if (n > 0) later += allocations - before;
     }
     EXPECT_EQ(later, 0u);
+  }
+}
+
+TEST(Allocation, AtomsAllocateNothingAfterTheFirstStep) {
+  using Method = molecular::ThermostatDef::Method;
+  for (const Method method : {Method::velocity_rescaling, Method::langevin, Method::nose_hoover}) {
+    molecular::MolecularDef d = testing_rig::liquid(6);
+    d.thermostat = molecular::ThermostatDef{method, 1.4, 0.1, 3};
+    d.barostat = molecular::BarostatDef{5, 1, 0.1, 10};
+    testing_rig::AtomRun run(d, 0.005);
+    run.step();
+    const uint64_t before = allocations;
+    // The crystal melts and many lists are made within these.
+    run.step(100);
+    EXPECT_EQ(allocations - before, 0u) << static_cast<int>(method);
   }
 }
 

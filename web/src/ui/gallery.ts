@@ -24,6 +24,7 @@ const chapters: [string, RegExp][] = [
   ["Animation", /^animation$/],
   ["Stars and planets", /^gravity$/],
   ["Flocks and crowds", /^(flocking|crowd)$/],
+  ["Atoms and molecules", /^molecular$/],
   ["Particles", /^particles$/],
   ["Fluids", /^fluid$/],
   ["Heat and waves", /^(heat|wave|grid)$/],

@@ -1,0 +1,271 @@
+#include "engine/systems/molecular/molecular_def.h"
+
+#include <algorithm>
+
+#include "engine/base/short_number.h"
+#include "engine/kernels/molecular/ewald.h"
+#include "engine/systems/molecular/atoms.h"
+
+namespace truestep::molecular {
+namespace {
+
+const DefTable& kind_table() {
+  using D = KindDef;
+  static const DefTable t =
+      TableOf<D>("a kind of atom; two kinds mix by Lorentz and Berthelot")
+          .text("name", &D::name, "as in positions and texts")
+          .required()
+          .number("mass", &D::mass, "kg", above(0), "of an atom; default argon")
+          .number("sigma", &D::sigma, "m", at_least(0), "distance at which the Lennard-Jones potential is 0")
+          .number("epsilon", &D::epsilon, "J", at_least(0), "depth of the Lennard-Jones potential")
+          .number("charge", &D::charge, "C", any(), "of an atom")
+          .number("draw_radius", &D::draw_radius, "m", at_least(0), "size in pictures; absent: the system's")
+          .vector("color", &D::color, "1", between(0, 1), "red, green, blue; absent: the system's")
+          .build();
+  return t;
+}
+
+const DefTable& lattice_table() {
+  using D = LatticeDef;
+  static const DefTable t =
+      TableOf<D>("atoms on a crystal; its extent is the periodic box unless that is given")
+          .choice("arrangement", &D::arrangement, {"fcc", "sc"},
+                  "face-centred cubic (4 a cell) or simple cubic")
+          .texts("kinds", &D::kinds, {0, 64}, "of the sites in turn; absent: the first kind")
+          .integers("cells", &D::cells, between(1, 1000), {3, 3}, "along x, y, z")
+          .number("number_density", &D::number_density, "1/m^3", above(0),
+                  "atoms per volume, or lattice_constant")
+          .number("lattice_constant", &D::lattice_constant, "m", above(0),
+                  "edge of a cell, or number_density")
+          .vector("center", &D::center, "m", any(), "of the crystal")
+          .build();
+  return t;
+}
+
+const DefTable& water_table() {
+  using D = WaterDef;
+  static const DefTable t =
+      TableOf<D>("rigid molecules of water on a cubic lattice, turned at random; SPC/E by default")
+          .integers("cells", &D::cells, between(1, 1000), {3, 3}, "molecules along x, y, z")
+          .number("radius", &D::radius, "m", above(0), "only those within a ball of this radius")
+          .number("spacing", &D::spacing, "m", above(0), "of the lattice")
+          .vector("center", &D::center, "m", any(), "of the lattice and the ball")
+          .text("oxygen", &D::oxygen, "its kind")
+          .text("hydrogen", &D::hydrogen, "its kind")
+          .number("length", &D::length, "m", above(0), "of the side from oxygen to hydrogen")
+          .number("angle", &D::angle, "rad", between(0.1, 3), "at the oxygen")
+          .build();
+  return t;
+}
+
+const DefTable& bond_table() {
+  using D = BondDef;
+  static const DefTable t = TableOf<D>("k/2 (r - L)^2 between two atoms")
+                                .integer("a", &D::a, at_least(0), "an atom")
+                                .integer("b", &D::b, at_least(0), "the other")
+                                .number("length", &D::length, "m", at_least(0), "L")
+                                .number("stiffness", &D::stiffness, "N/m", at_least(0), "k")
+                                .build();
+  return t;
+}
+
+const DefTable& angle_table() {
+  using D = AngleDef;
+  static const DefTable t = TableOf<D>("k/2 (theta - theta0)^2 at b between a and c")
+                                .integer("a", &D::a, at_least(0), "an atom")
+                                .integer("b", &D::b, at_least(0), "the one at the angle")
+                                .integer("c", &D::c, at_least(0), "the other end")
+                                .number("angle", &D::angle, "rad", between(0, 3.141592653589793), "theta0")
+                                .number("stiffness", &D::stiffness, "J", at_least(0), "k, per rad^2")
+                                .build();
+  return t;
+}
+
+const DefTable& dihedral_table() {
+  using D = DihedralDef;
+  static const DefTable t =
+      TableOf<D>("k (1 + cos(n phi - delta)) of the planes a b c and b c d; phi = 0: a and d on one side")
+          .integer("a", &D::a, at_least(0), "an end")
+          .integer("b", &D::b, at_least(0), "an atom of the axis")
+          .integer("c", &D::c, at_least(0), "the other one")
+          .integer("d", &D::d, at_least(0), "the other end")
+          .number("stiffness", &D::stiffness, "J", any(), "k")
+          .number("phase", &D::phase, "rad", any(), "delta")
+          .integer("multiplicity", &D::multiplicity, between(1, 12), "n")
+          .build();
+  return t;
+}
+
+const DefTable& thermostat_table() {
+  using D = ThermostatDef;
+  static const DefTable t =
+      TableOf<D>("what holds the temperature")
+          .choice("method", &D::method, {"velocity_rescaling", "langevin", "nose_hoover"},
+                  "all velocities by one random factor; friction and noise on every atom; or a chain of "
+                  "Nose and Hoover, without random numbers")
+          .number("temperature", &D::temperature, "K", above(0), "that is held")
+          .number("time", &D::time, "s", above(0),
+                  "relaxation time; of langevin 1 / friction, of nose_hoover that of the chain's masses")
+          .integer("chain", &D::chain, between(1, 10), "links of nose_hoover")
+          .build();
+  return t;
+}
+
+const DefTable& barostat_table() {
+  using D = BarostatDef;
+  static const DefTable t =
+      TableOf<D>("what holds the pressure of a periodic box: its size, by stochastic cell rescaling")
+          .number("pressure", &D::pressure, "Pa", any(), "that is held")
+          .number("time", &D::time, "s", above(0), "relaxation time")
+          .number("compressibility", &D::compressibility, "1/Pa", above(0),
+                  "of the substance, roughly: only the relaxation time depends on it")
+          .integer("every", &D::every, between(1, 1000), "steps between two changes of the box")
+          .build();
+  return t;
+}
+
+void check_baths(const MolecularDef& d, const DefTable::Report& report) {
+  if (d.barostat && d.sides == Sides::open) report("/barostat", "only a periodic box has a pressure");
+  if (d.barostat && !d.thermostat) report("/barostat", "needs a thermostat, whose temperature its noise has");
+  if (d.barostat && d.water) report("/barostat", "would stretch rigid molecules: not possible yet");
+  const bool langevin = d.thermostat && d.thermostat->method == ThermostatDef::Method::langevin;
+  if ((langevin || d.water) && !d.integrator.empty() && d.integrator != "velocity_verlet") {
+    report("/integrator",
+           "langevin and rigid molecules have a step of their own, which is a velocity_verlet");
+  }
+}
+
+bool charged(const MolecularDef& d) {
+  return std::any_of(d.kinds.begin(), d.kinds.end(), [](const KindDef& k) { return k.charge != 0; });
+}
+
+/// Wave vectors of Ewald's sum: half a ball of radius k_max in a lattice of 2 pi / edge.
+double ewald_waves(const MolecularDef& d) {
+  if (d.coulomb != Coulomb::ewald || !charged(d) || d.sides == Sides::open) return 0;
+  const double k = ewald_setting(1, d.cutoff, d.ewald_accuracy).k_max / 6.283185307179586;
+  const Vec3 edges = box_edges(d);
+  return 2.1 * k * k * k * edges.x * edges.y * edges.z;
+}
+
+void check_charges(const MolecularDef& d, const DefTable::Report& report) {
+  if (d.coulomb == Coulomb::ewald && d.sides == Sides::open) {
+    report("/coulomb", "Ewald's sum is one over images: sides are periodic");
+  }
+  constexpr double kMostTerms = 2e9;
+  if (ewald_waves(d) * static_cast<double>(atom_count(d)) > kMostTerms) {
+    report("/coulomb",
+           "Ewald's sum has " + short_number(ewald_waves(d)) + " waves here, too many for so many atoms");
+  }
+  if (d.dielectric && d.coulomb != Coulomb::reaction_field) {
+    report("/dielectric", "only a reaction field has one");
+  }
+}
+
+void check(const MolecularDef& d, const DefTable::Report& report) {
+  check_baths(d, report);
+  check_charges(d, report);
+  if (d.switch_from && !(*d.switch_from < d.cutoff)) report("/switch_from", "is below the cut-off");
+  if (d.switch_from && d.truncation != Truncation::switched) {
+    report("/switch_from", "only a switched potential has one");
+  }
+  check_atoms(d, report);
+}
+
+}  // namespace
+
+const DefTable& molecular_table() {
+  using D = MolecularDef;
+  static const DefTable t = [] {
+    TableOf<D> table("atoms that attract and repel each other: gases, liquids, crystals, droplets");
+    table.objects("kinds", &D::kinds, kind_table(), {1, 64}, "kinds of atoms")
+        .required()
+        .object("lattice", &D::lattice, lattice_table(), "atoms on a crystal")
+        .vectors("positions", &D::positions, "m", any(), {0, 4'000'000}, "of atoms; their rows come first")
+        .texts("position_kinds", &D::position_kinds, {0, 4'000'000},
+               "one per position, or one for all; absent: the first kind")
+        .vectors("velocities", &D::velocities, "m/s", any(), {0, 4'000'000}, "one per position, or none")
+        .text("xyz", &D::xyz, "atoms in the text format XYZ: their number, a comment, then name x y z a line")
+        .number("xyz_unit", &D::xyz_unit, "m", above(0), "length that is 1 in the text; default an angstrom")
+        .object("water", &D::water, water_table(), "rigid molecules of water")
+        .objects("bonds", &D::bonds, bond_table(), {0, 1'000'000},
+                 "atoms joined by springs; they and second neighbours along bonds have no other force")
+        .objects("angles", &D::angles, angle_table(), {0, 1'000'000}, "springs of angles")
+        .objects("dihedrals", &D::dihedrals, dihedral_table(), {0, 1'000'000}, "turns about bonds")
+        .choice("sides", &D::sides, {"open", "periodic"}, "no box, or one whose opposite sides are one")
+        .vector("box", &D::box, "m", above(0), "edges; absent: the lattice's extent")
+        .vector("center", &D::center, "m", any(), "of the box, where that is given")
+        .number("cutoff", &D::cutoff, "m", above(0), "no force between pairs beyond")
+        .number("skin", &D::skin, "m", above(0), "neighbours are listed up to cutoff + skin")
+        .choice("truncation", &D::truncation, {"truncated", "shifted", "switched"},
+                "how Lennard-Jones ends: as it is, shifted to 0, or switched to 0 with its force from "
+                "switch_from on")
+        .number("switch_from", &D::switch_from, "m", at_least(0), "absent: 0.9 of the cut-off")
+        .choice("coulomb", &D::coulomb, {"shifted", "reaction_field", "ewald", "truncated"},
+                "charges: with a force that falls to 0 at the cut-off, with a polarised surrounding beyond "
+                "it, with "
+                "all periodic images, or as they are up to the cut-off (clusters smaller than that)")
+        .number("coulomb_constant", &D::coulomb_constant, "N m^2/C^2", above(0), "1 / (4 pi epsilon0)")
+        .number("dielectric", &D::dielectric, "1", at_least(1),
+                "of the surrounding of a reaction field; absent: a conductor")
+        .number("ewald_accuracy", &D::ewald_accuracy, "1", between(1e-14, 1e-2),
+                "where both of Ewald's sums end")
+        .number("temperature", &D::temperature, "K", at_least(0),
+                "of the start: random velocities without momentum; absent: at rest")
+        .number("boltzmann", &D::boltzmann, "J/K", above(0), "Boltzmann's constant; 1 in reduced units")
+        .object("thermostat", &D::thermostat, thermostat_table(), "absent: the energy stays")
+        .object("barostat", &D::barostat, barostat_table(), "absent: the box stays")
+        .integer("distribution_bins", &D::distribution_bins, between(1, 100'000), "rows of part distribution")
+        .number("distribution_range", &D::distribution_range, "m", above(0),
+                "of part distribution, at most half an edge; absent: the cut-off")
+        .number("draw_radius", &D::draw_radius, "m", at_least(0), "size in pictures")
+        .vector("color", &D::color, "1", between(0, 1), "linear red, green, blue");
+    return add_integrator_rows(table).check(check).build();
+  }();
+  return t;
+}
+
+const Outputs& molecular_outputs() {
+  static const Outputs kOutputs{
+      .rows = "an atom: positions first, then xyz, lattice, water (O H H)",
+      .fields = {{"position", "m", 3, "within the box"},
+                 {"velocity", "m/s", 3, ""},
+                 {"speed", "m/s", 1, "magnitude of the velocity"},
+                 {"orientation", "1", 4, "1 0 0 0, where kinds are drawn in sizes or colours of their own"},
+                 {"distribution.distance", "m", 1,
+                  "of part distribution, in a periodic box: middle of a shell"},
+                 {"distribution.density", "1", 1, "g(r): density about an atom over the mean one"}},
+      .observables = {{"energy.kinetic", "J", ""},
+                      {"energy.potential", "J", "of pairs within the cut-off, molecules and Ewald's sum"},
+                      {"energy.bonds", "J", "part of energy.potential: bonds, angles, dihedrals"},
+                      {"energy.total", "J", ""},
+                      {"energy.conserved", "J",
+                       "energy.total without what the thermostat gave; of nose_hoover with its chain's"},
+                      {"energy.tail", "J", "of what is beyond the cut-off, were it spread evenly"},
+                      {"temperature", "K", ""},
+                      {"virial", "J", "sum over pairs of r . f"},
+                      {"pressure", "Pa",
+                       "(2 energy.kinetic + virial) / 3 V, of a periodic box; of rigid molecules with those "
+                       "of their centres"},
+                      {"pressure.tail", "Pa", "as energy.tail"},
+                      {"volume", "m^3", "of a periodic box"},
+                      {"momentum.x", "kg m/s", ""},
+                      {"momentum.y", "kg m/s", ""},
+                      {"momentum.z", "kg m/s", ""},
+                      {"displacement", "m^2", "mean square since the start"}}};
+  return kOutputs;
+}
+
+Cost molecular_cost(const void* def) {
+  const auto& d = *static_cast<const MolecularDef*>(def);
+  const double n = static_cast<double>(atom_count(d));
+  // Neighbours at a liquid's density, one atom in 1.1 sigma^3.
+  double sigma = 0.3 * d.cutoff;
+  for (const KindDef& k : d.kinds) sigma = k.sigma > 0 && k.sigma < sigma ? k.sigma : sigma;
+  const double reach = (d.cutoff + d.skin) / sigma, near = std::min(n, 3.8 * reach * reach * reach);
+  return {.state_bytes = 96 * n,
+          .workspace_bytes = (300 + 6 * near + 0.25 * ewald_waves(d)) * n,
+          .elements = n,
+          .seconds_per_step = (3e-8 + (charged(d) ? 8e-9 : 3e-9) * near + 1e-9 * ewald_waves(d)) * n};
+}
+
+}  // namespace truestep::molecular
