@@ -24,7 +24,7 @@ void PointGrid::build(std::span<const double> x, double reach) {
   if (!(low.x <= high.x)) low = high = {};
   low_ = low;
   // At most a few cells per point; every try makes them larger by a quarter.
-  const double most = 4.0 * static_cast<double>(n) + 64;
+  const auto most = static_cast<double>(most_cells(n));
   double size = reach, wx, wy, wz;
   // Points at both ends of what a double holds are further apart than one.
   const auto apart = [](double a, double b) { return std::min(b - a, std::numeric_limits<double>::max()); };
@@ -38,7 +38,8 @@ void PointGrid::build(std::span<const double> x, double reach) {
   nx_ = static_cast<long>(wx), ny_ = static_cast<long>(wy), nz_ = static_cast<long>(wz);
 
   // Counting sort: stable, so that slots within a cell follow the points' own order.
-  start_.reserve(static_cast<size_t>(most) + 1);
+  // Points may spread later.
+  start_.reserve(most_cells(n) + 1);
   start_.assign(static_cast<size_t>(nx_ * ny_ * nz_) + 1, 0);
   cell_of_.resize(n);
   size_t inside = 0;

@@ -17,6 +17,7 @@ class PointGrid {
   /// Sets memory aside for so many points, so that building with fewer allocates nothing for them.
   void reserve(size_t points) {
     order_.reserve(points), cell_of_.reserve(points), sorted_.reserve(3 * points);
+    start_.reserve(most_cells(points) + 1);
   }
 
   size_t size() const { return order_.size(); }
@@ -38,6 +39,7 @@ class PointGrid {
   }
 
  private:
+  static constexpr size_t most_cells(size_t points) { return 4 * points + 64; }
   long cell(double offset, long n) const {
     const double c = offset * per_cell_;
     if (!(c > 0)) return 0;

@@ -373,7 +373,9 @@ DrawList draw_list_of(const World& world, const Frame& frame, const PictureLook&
   // Names stand outside a plot's frame: there is room for them in a picture that is framed anew.
   if (!list.labels.empty() && list.camera) frame_as(list, *std::exchange(list.camera, std::nullopt));
   char time[48];
-  std::snprintf(time, sizeof time, "t = %.3f s", frame.time);
+  // Planets take years, atoms picoseconds.
+  const bool usual = frame.time == 0 || (frame.time >= 0.001 && frame.time < 1e5);
+  std::snprintf(time, sizeof time, usual ? "t = %.3f s" : "t = %.4g s", frame.time);
   const std::string& name = header.title.empty() ? header.name : header.title;
   list.caption = name.empty() ? time : name + "   " + time;
   return list;
