@@ -278,7 +278,8 @@ TEST(Allocation, LiquidsAtRestAndBodiesInThemAllocateNothing) {
 }
 
 TEST(Allocation, StepsOfBodiesAllocateNothingAfterTheFirst) {
-  for (const nbody::Method method : {nbody::Method::direct, nbody::Method::tree}) {
+  using nbody::Method;
+  for (const Method method : {Method::direct, Method::tree, Method::fmm}) {
     nbody::NbodyDef d = testing_rig::model_units();
     d.groups = {nbody::PlummerDef{.count = 2000}};
     d.softening = 0.05, d.radius = 1e-3, d.method = method;

@@ -17,7 +17,7 @@ NbodyDef cluster(Method method) {
 }
 
 TEST(NbodyDeterminism, AnyNumberOfThreadsGivesTheSameBits) {
-  for (const Method method : {Method::direct, Method::tree}) {
+  for (const Method method : {Method::direct, Method::tree, Method::fmm}) {
     NbodyRun one(cluster(method), 0.01, 1), four(cluster(method), 0.01, 4), other(cluster(method), 0.0101, 1);
     one.step(5), four.step(5), other.step(5);
     EXPECT_EQ(one.state.hash(), four.state.hash());
@@ -26,7 +26,7 @@ TEST(NbodyDeterminism, AnyNumberOfThreadsGivesTheSameBits) {
 }
 
 TEST(NbodyDeterminism, AStateIsAllThatAStepNeeds) {
-  for (const Method method : {Method::direct, Method::tree}) {
+  for (const Method method : {Method::direct, Method::tree, Method::fmm}) {
     NbodyRun run(cluster(method), 0.01), copy(cluster(method), 0.01);
     run.step(5);
     copy.state = State::deserialize(run.state.serialize()), copy.steps = run.steps;

@@ -3,7 +3,8 @@
 
 #include <algorithm>
 
-#include "engine/kernels/gravity/tree_walk.h"
+#include "engine/kernels/gravity/fast_multipole.h"
+#include "engine/kernels/gravity/local_field.h"
 #include "tests/support/nbody_run.h"
 
 namespace truestep::gravity {
@@ -27,15 +28,19 @@ struct Errors {
   double mean = 0, rms = 0, potential = 0, met = 0;
 };
 
+enum class Way : uint8_t { walks, multipoles };
+
 /// Of the tree's sums over those of all pairs.
-Errors errors(const Cloud& cloud, const TreeSettings& settings) {
+Errors errors(const Cloud& cloud, const TreeSettings& settings, Way way = Way::walks) {
   const ThreadArena one(1);
   const size_t n = cloud.mu.size();
   BodyTree tree;
   tree.build(cloud.bodies(), one);
   std::vector<double> a(3 * n), p(n), exact(3 * n);
   std::vector<TreeWork> work(tree.groups().size());
-  tree_sums(tree, settings, {a, p, work}, one);
+  MultipoleScratch multipoles;
+  if (way == Way::walks) tree_sums(tree, settings, {a, p, work}, one);
+  if (way == Way::multipoles) multipole_sums(tree, settings, {a, p, work}, multipoles, one);
   DirectScratch scratch;
   direct_accelerations(cloud.bodies(), settings.softening, exact, scratch, one);
   Errors e;
@@ -138,6 +143,51 @@ TEST(GravityTree, EverySofteningAndBothSums) {
   }
 }
 
+TEST(GravityTree, TheFastMultipoleMethodErrsAsTheTreeDoesWithLess) {
+  const Cloud cloud = plummer(20000);
+  for (const Softening s : {Softening{SofteningKind::plummer, 0.02},
+                            {SofteningKind::plummer, 0.0},
+                            {SofteningKind::spline, 0.02}}) {
+    const Errors walks = errors(cloud, {s, 3e-3}), shared = errors(cloud, {s, 3e-3}, Way::multipoles);
+    // What is shared by groups is borne by the one among them that bears least, from farther away: the errors
+    // are of one size.
+    EXPECT_LT(shared.rms, 1.3 * walks.rms) << s.length;
+    EXPECT_LT(shared.rms, 1.5e-3) << s.length;
+    EXPECT_LT(shared.potential, 2e-4) << s.length;
+    EXPECT_LT(shared.met, 0.9 * walks.met) << "nodes that groups meet themselves";
+  }
+  // Opened everywhere it is the sum over all pairs; control: it is not when it is not.
+  EXPECT_LT(errors(plummer(3000), {{SofteningKind::plummer, 0.01}, 0}, Way::multipoles).rms, 1e-6);
+  EXPECT_GT(errors(plummer(3000), {{SofteningKind::plummer, 0.01}, 0.1}, Way::multipoles).rms, 1e-4);
+}
+
+TEST(GravityTree, SeriesMoveWithoutLosingAnything) {
+  LocalField field;
+  field.clear();
+  for (int k = 0; k < 5; ++k) {
+    const auto f = static_cast<float>(k);
+    field.add({2 + f, 1 - f, 3, 0.5f, {0.1f, 0.02f, 0.01f, 0.2f, 0.03f, 0.15f, 0.225f, 0}}, 0.01f);
+  }
+  const FieldSeries here = field.series(0.01f), there = here.shifted(0.3f, -0.2f, 0.1f);
+  GroupSums<float, 64> a, b;
+  a.clear(8), b.clear(8);
+  for (size_t i = 0; i < 16; ++i) {
+    const float u = 0.05f * static_cast<float>(i);
+    a.x[i] = u, a.y[i] = -u, a.z[i] = 0.5f * u;
+    b.x[i] = u - 0.3f, b.y[i] = -u + 0.2f, b.z[i] = 0.5f * u - 0.1f;
+  }
+  here.add_to(a), there.add_to(b);
+  for (size_t i = 0; i < 8; ++i) {
+    // A polynomial of third order about another place is the same polynomial: rounding of some twenty terms
+    // of size 1.
+    EXPECT_NEAR(a.p[i], b.p[i], 2e-6f);
+    EXPECT_NEAR(a.ax[i], b.ax[i], 2e-6f);
+    EXPECT_NEAR(a.ay[i], b.ay[i], 2e-6f);
+    EXPECT_NEAR(a.az[i], b.az[i], 2e-6f);
+  }
+  EXPECT_GT(std::abs(a.ax[7] - a.ax[0]), 1e-3f) << "control: it is no constant";
+}
+
 TEST(GravityTree, BodiesAtOnePlaceDoNotAttractEachOther) {
   Cloud cloud{std::vector<double>(3 * 500, 0.5), std::vector<double>(500, 1.0)};
   for (const double eps : {0.0, 0.1}) {
@@ -146,6 +196,9 @@ TEST(GravityTree, BodiesAtOnePlaceDoNotAttractEachOther) {
     tree.build(cloud.bodies(), one);
     std::vector<double> a(1500, 1.0), exact(1500, 1.0);
     DirectScratch scratch;
+    MultipoleScratch multipoles;
+    multipole_sums(tree, {{SofteningKind::plummer, eps}, 1e-3}, {exact}, multipoles, one);
+    for (const double v : exact) EXPECT_EQ(v, 0);
     tree_sums(tree, {{SofteningKind::plummer, eps}, 1e-3}, {a}, one);
     direct_accelerations(cloud.bodies(), {SofteningKind::plummer, eps}, exact, scratch, one);
     for (size_t k = 0; k < 1500; ++k) {

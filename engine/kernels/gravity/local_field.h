@@ -1,4 +1,4 @@
-// The field of far nodes around the middle of a group, as a Taylor series in the place u of a body:
+// The field of far nodes around a place, as a Taylor series in the place u of a body:
 //   p(u) = sum m/R = L0 + L1.u + 1/2 L2:uu + 1/6 L3:uuu,    a = grad p = L1 + L2 u + 1/2 L3:uu
 //   L0 = M psi + 1/2 S:D2,  L1 = -(M D1 + 1/2 S:D3),  L2 = M D2,  L3 = -M D3,   D_n the n-th gradient of psi
 //   = 1/R at s,
@@ -10,6 +10,30 @@
 
 namespace truestep::gravity {
 
+/// L0 to L3, a number each: 1, x y z, xx xy xz yy yz zz, xxx xxy xxz xyy xyz xzz yyy yyz yzz zzz.
+struct FieldSeries {
+  static constexpr size_t kTerms = 20;
+  // clang-format off
+  enum Term : size_t { l0, x, y, z, xx, xy, xz, yy, yz, zz, xxx, xxy, xxz, xyy, xyz, xzz, yyy, yyz, yzz, zzz };
+  // clang-format on
+  std::array<float, kTerms> t{};
+
+  FieldSeries& operator+=(const FieldSeries& other) {
+    for (size_t k = 0; k < kTerms; ++k) t[k] += other.t[k];
+    return *this;
+  }
+  /// The same field about the place (ux, uy, uz).
+  FieldSeries shifted(float ux, float uy, float uz) const;
+  /// Adds the field at the places of a group's bodies to their sums.
+  template <size_t kMost>
+  void add_to(GroupSums<float, kMost>& g) const;
+
+ private:
+  template <class L>
+  struct At;
+};
+
+/// Sums the series of many nodes about one place.
 class LocalField {
  public:
   void clear() {
@@ -25,35 +49,13 @@ class LocalField {
     if (++waiting_ == Lanes::kLanes) take_pending(eps2);
   }
 
-  /// The series at the places of a group's bodies, when all nodes have been added.
-  template <size_t kMost>
-  void add_to(GroupSums<float, kMost>& g, float eps2);
+  /// Of all nodes that have been added.
+  FieldSeries series(float eps2);
 
  private:
   using Lanes = Wide<float>;
-  static constexpr size_t kNumbers = 11, kTerms = 20;
-  enum Term : size_t {
-    l0,
-    x,
-    y,
-    z,
-    xx,
-    xy,
-    xz,
-    yy,
-    yz,
-    zz,
-    xxx,
-    xxy,
-    xxz,
-    xyy,
-    xyz,
-    xzz,
-    yyy,
-    yyz,
-    yzz,
-    zzz
-  };
+  using enum FieldSeries::Term;
+  static constexpr size_t kNumbers = 11, kTerms = FieldSeries::kTerms;
 
   void take_pending(float eps2);
 
@@ -87,8 +89,7 @@ inline void LocalField::take_pending(float eps2) {
   waiting_ = 0;
 }
 
-template <size_t kMost>
-void LocalField::add_to(GroupSums<float, kMost>& g, float eps2) {
+inline FieldSeries LocalField::series(float eps2) {
   if (waiting_ > 0) {  // filled up with nodes without mass
     for (int k = waiting_; k < Lanes::kLanes; ++k) {
       pending_[0].set(k, 1);
@@ -96,32 +97,56 @@ void LocalField::add_to(GroupSums<float, kMost>& g, float eps2) {
     }
     take_pending(eps2);
   }
-  std::array<Lanes, kTerms> t;
+  FieldSeries out;
   for (size_t k = 0; k < kTerms; ++k) {
     const Lanes& v = terms_[k];
-    t[k] = Lanes(((v[0] + v[4]) + (v[1] + v[5])) + ((v[2] + v[6]) + (v[3] + v[7])));
+    out.t[k] = ((v[0] + v[4]) + (v[1] + v[5])) + ((v[2] + v[6]) + (v[3] + v[7]));
   }
-  const Lanes half(0.5f);
+  return out;
+}
+
+/// The series' value, slope and so on at u, for one place or eight.
+template <class L>
+struct FieldSeries::At {
+  L p, gx, gy, gz;                 // value and slope
+  L hxx, hxy, hxz, hyy, hyz, hzz;  // 1/2 L3:u
+
+  At(const std::array<L, kTerms>& t, const L& ux, const L& uy, const L& uz, const L& half,
+     const L& third_part) {
+    const auto third = [&](Term a, Term b, Term c) { return (t[a] * ux + (t[b] * uy + t[c] * uz)) * half; };
+    hxx = third(xxx, xxy, xxz), hxy = third(xxy, xyy, xyz), hxz = third(xxz, xyz, xzz);
+    hyy = third(xyy, yyy, yyz), hyz = third(xyz, yyz, yzz), hzz = third(xzz, yzz, zzz);
+    const auto row = [&](const L& a, const L& b, const L& c) { return a * ux + (b * uy + c * uz); };
+    gx = t[x] + row(t[xx] + hxx, t[xy] + hxy, t[xz] + hxz),
+    gy = t[y] + row(t[xy] + hxy, t[yy] + hyy, t[yz] + hyz);
+    gz = t[z] + row(t[xz] + hxz, t[yz] + hyz, t[zz] + hzz);
+    const auto second = [&](const L& a, const L& b) { return a * half + b * third_part; };
+    p = t[l0] + (ux * (t[x] + row(second(t[xx], hxx), second(t[xy], hxy), second(t[xz], hxz))) +
+                 (uy * (t[y] + row(second(t[xy], hxy), second(t[yy], hyy), second(t[yz], hyz))) +
+                  uz * (t[z] + row(second(t[xz], hxz), second(t[yz], hyz), second(t[zz], hzz)))));
+  }
+};
+
+inline FieldSeries FieldSeries::shifted(float ux, float uy, float uz) const {
+  const At<float> at(t, ux, uy, uz, 0.5f, 1.0f / 3);
+  FieldSeries out = *this;
+  out.t[l0] = at.p, out.t[x] = at.gx, out.t[y] = at.gy, out.t[z] = at.gz;
+  out.t[xx] += 2 * at.hxx, out.t[xy] += 2 * at.hxy, out.t[xz] += 2 * at.hxz;
+  out.t[yy] += 2 * at.hyy, out.t[yz] += 2 * at.hyz, out.t[zz] += 2 * at.hzz;
+  return out;
+}
+
+template <size_t kMost>
+void FieldSeries::add_to(GroupSums<float, kMost>& g) const {
+  using Lanes = Wide<float>;
+  std::array<Lanes, kTerms> wide;
+  for (size_t k = 0; k < kTerms; ++k) wide[k] = Lanes(t[k]);
   for (size_t at = 0; at < g.rows; at += Lanes::kLanes) {
-    const Lanes ux = far_detail::load(&g.x[at]), uy = far_detail::load(&g.y[at]),
-                uz = far_detail::load(&g.z[at]);
-    // 1/2 L3:u, a symmetric matrix, then L2 + it, times u.
-    const auto third = [&](Term a, Term b, Term c) {
-      return madd(t[a], ux, madd(t[b], uy, t[c] * uz)) * half;
-    };
-    const Lanes hxx = third(xxx, xxy, xxz), hxy = third(xxy, xyy, xyz), hxz = third(xxz, xyz, xzz);
-    const Lanes hyy = third(xyy, yyy, yyz), hyz = third(xyz, yyz, yzz), hzz = third(xzz, yzz, zzz);
-    const auto row = [&](const Lanes& a, const Lanes& b, const Lanes& c) {
-      return madd(a, ux, madd(b, uy, c * uz));
-    };
-    far_detail::add(&g.ax[at], t[x] + row(t[xx] + hxx, t[xy] + hxy, t[xz] + hxz));
-    far_detail::add(&g.ay[at], t[y] + row(t[xy] + hxy, t[yy] + hyy, t[yz] + hyz));
-    far_detail::add(&g.az[at], t[z] + row(t[xz] + hxz, t[yz] + hyz, t[zz] + hzz));
-    const auto second = [&](const Lanes& a, const Lanes& b) { return madd(a, half, b * Lanes(1.0f / 3)); };
-    const Lanes gx = row(second(t[xx], hxx), second(t[xy], hxy), second(t[xz], hxz)),
-                gy = row(second(t[xy], hxy), second(t[yy], hyy), second(t[yz], hyz)),
-                gz = row(second(t[xz], hxz), second(t[yz], hyz), second(t[zz], hzz));
-    far_detail::add(&g.p[at], t[l0] + madd(ux, t[x] + gx, madd(uy, t[y] + gy, uz * (t[z] + gz))));
+    const At<Lanes> here(wide, far_detail::load(&g.x[at]), far_detail::load(&g.y[at]),
+                         far_detail::load(&g.z[at]), Lanes(0.5f), Lanes(1.0f / 3));
+    far_detail::add(&g.ax[at], here.gx), far_detail::add(&g.ay[at], here.gy),
+        far_detail::add(&g.az[at], here.gz);
+    far_detail::add(&g.p[at], here.p);
   }
 }
 

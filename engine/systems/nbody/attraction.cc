@@ -48,36 +48,40 @@ gravity::TreeSettings Attraction::settings(const State& s) const {
           kOpening * def_.force_error * std::sqrt(def_.force_error)};
 }
 
+void Attraction::tree_sums(const gravity::Bodies& bodies, const State& s, const gravity::TreeSums& out,
+                           Workspace& workspace, const ThreadArena& arena) const {
+  auto& tree = workspace.object<gravity::BodyTree>("nbody.tree");
+  tree.build(bodies, arena);
+  if (chosen_method(def_, bodies.size()) == Method::tree)
+    return gravity::tree_sums(tree, settings(s), out, arena);
+  multipole_sums(tree, settings(s), out, workspace.object<gravity::MultipoleScratch>("nbody.multipoles"),
+                 arena);
+}
+
 void Attraction::accelerations(const State& s, std::span<const double> x, std::span<double> a,
                                Workspace& workspace, const ThreadArena& arena) const {
   const gravity::Bodies bodies{x, strengths(s, workspace)};
-  const gravity::TreeSettings how = settings(s);
-  if (sums_directly(def_, bodies.size())) {
-    return direct_accelerations(bodies, how.softening, a,
-                                workspace.object<gravity::DirectScratch>("nbody.direct"), arena);
+  if (chosen_method(def_, bodies.size()) == Method::direct) {
+    auto& scratch = workspace.object<gravity::DirectScratch>("nbody.direct");
+    return direct_accelerations(bodies, settings(s).softening, a, scratch, arena);
   }
-  auto& tree = workspace.object<gravity::BodyTree>("nbody.tree");
-  tree.build(bodies, arena);
-  tree_sums(tree, how, {a}, arena);
+  tree_sums(bodies, s, {a}, workspace, arena);
   remove_net_force(bodies, a, arena);
 }
 
 double Attraction::potential(const State& s, std::span<const double> x, Workspace& workspace,
                              const ThreadArena& arena) const {
   const gravity::Bodies bodies{x, strengths(s, workspace)};
-  const gravity::TreeSettings how = settings(s);
   const double g = parameter(s, Parameter::gravitational_constant);
   if (g == 0) return 0;
-  if (sums_directly(def_, bodies.size())) {
-    auto& scratch = workspace.object<gravity::DirectScratch>("nbody.direct");
-    return -direct_potential(bodies, how.softening, scratch, arena) / g;
-  }
   const size_t n = bodies.size();
-  auto& tree = workspace.object<gravity::BodyTree>("nbody.tree");
-  tree.build(bodies, arena);
+  if (chosen_method(def_, n) == Method::direct) {
+    auto& scratch = workspace.object<gravity::DirectScratch>("nbody.direct");
+    return -direct_potential(bodies, settings(s).softening, scratch, arena) / g;
+  }
   const auto a = workspace.doubles("nbody.unused", 3 * n).first(3 * n),
              p = workspace.doubles("nbody.p", n).first(n);
-  tree_sums(tree, how, {a, p}, arena);
+  tree_sums(bodies, s, {a, p}, workspace, arena);
   return -0.5 / g * arena.sum_blocks(n, kBlockRows, [&](size_t begin, size_t end) {
     double sum = 0;
     for (size_t i = begin; i < end; ++i) sum += bodies.mu[i] * p[i];
@@ -87,9 +91,10 @@ double Attraction::potential(const State& s, std::span<const double> x, Workspac
 
 std::string Attraction::reason(size_t n) const {
   const std::string bodies = std::to_string(n) + " bodies";
-  if (!sums_directly(def_, n)) {
-    return bodies + " by a tree with quadrupoles, error " + short_number(def_.force_error) +
-           " of an acceleration";
+  const Method method = chosen_method(def_, n);
+  if (method != Method::direct) {
+    return bodies + (method == Method::tree ? " by a tree" : " by the fast multipole method") + ", error " +
+           short_number(def_.force_error) + " of an acceleration";
   }
   return bodies + ", every pair" + (def_.method == Method::automatic ? ": no tree is faster" : "");
 }

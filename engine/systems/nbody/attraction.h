@@ -1,9 +1,10 @@
-// Accelerations and potential of all bodies by whichever way the def asks for: all pairs, or a tree.
+// Accelerations and potential of all bodies by whichever way the def asks for: all pairs, a tree, or the fast
+// multipole method.
 #pragma once
 #include <vector>
 
 #include "engine/core/workspace.h"
-#include "engine/kernels/gravity/tree_walk.h"
+#include "engine/kernels/gravity/fast_multipole.h"
 #include "engine/systems/nbody/groups.h"
 
 namespace truestep::nbody {
@@ -22,8 +23,9 @@ class Attraction {
   std::string reason(size_t n) const;
 
  private:
-  struct Problem;
   gravity::TreeSettings settings(const State& s) const;
+  void tree_sums(const gravity::Bodies& bodies, const State& s, const gravity::TreeSums& out,
+                 Workspace& workspace, const ThreadArena& arena) const;
 
   NbodyDef def_;
 };

@@ -175,10 +175,11 @@ const DefTable& nbody_table() {
         .choice("softening_kind", &D::softening_kind, {"plummer", "spline"},
                 "how attraction weakens near a body: everywhere a little, or within 2.8 softenings only")
         .number("softening", &D::softening, "m", at_least(0), "length below which attraction weakens")
-        .choice("method", &D::method, {"auto", "direct", "tree"},
-                "all pairs, exact, or a tree of bodies for many; auto: whatever is faster for force_error")
+        .choice("method", &D::method, {"auto", "direct", "tree", "fmm"},
+                "all pairs, exact; a tree of bodies, for many; the fast multipole method, for very many; "
+                "auto: whatever is fastest for force_error")
         .number("force_error", &D::force_error, "1", between(1e-6, 0.05),
-                "for the tree: error of an acceleration over its size, root mean square over the bodies")
+                "but for direct: error of an acceleration over its size, root mean square over the bodies")
         .object("collisions", &D::collisions, collisions_table(), "absent: bodies pass through each other")
         .number("draw_radius", &D::draw_radius, "m", at_least(0),
                 "size in pictures; absent: by the scene's size")
@@ -217,16 +218,19 @@ double tree_seconds(const NbodyDef& d, double n) {
 
 }  // namespace
 
-bool sums_directly(const NbodyDef& d, size_t n) {
-  if (d.method != Method::automatic) return d.method == Method::direct;
+Method chosen_method(const NbodyDef& d, size_t n) {
+  // Measured: from there on what groups share is worth the way down.
+  constexpr size_t kShared = 50'000;
+  if (d.method != Method::automatic) return d.method;
   const auto bodies = static_cast<double>(n);
-  return direct_seconds(d, bodies) <= tree_seconds(d, bodies);
+  if (direct_seconds(d, bodies) <= tree_seconds(d, bodies)) return Method::direct;
+  return n < kShared ? Method::tree : Method::fmm;
 }
 
 Cost nbody_cost(const void* def) {
   const auto& d = *static_cast<const NbodyDef*>(def);
   const auto n = static_cast<double>(body_count(d));
-  const bool direct = sums_directly(d, body_count(d));
+  const bool direct = chosen_method(d, body_count(d)) == Method::direct;
   Cost c;
   c.state_bytes = n * 80 + 2e3;
   c.workspace_bytes = n * (direct ? 60 + 24 * std::clamp(n / 256, 1.0, 8.0) : 280);

@@ -58,7 +58,7 @@ struct OrbitDef {
 
 using GroupDef = std::variant<PlummerDef, SphereDef, GalaxyDef, RingDef, OrbitDef>;
 
-enum class Method : uint8_t { automatic, direct, tree };
+enum class Method : uint8_t { automatic, direct, tree, fmm };
 enum class Response : uint8_t { merge, bounce, stop };
 
 struct CollisionsDef {
@@ -90,7 +90,7 @@ const Outputs& nbody_outputs();
 Cost nbody_cost(const void* def);
 /// Bodies at t = 0.
 size_t body_count(const NbodyDef& def);
-/// Whether n bodies are summed pair by pair: as asked, or because that takes no longer than the tree.
-bool sums_directly(const NbodyDef& def, size_t n);
+/// How n bodies are summed: as asked, or in the way that takes the least time; never automatic.
+Method chosen_method(const NbodyDef& def, size_t n);
 
 }  // namespace truestep::nbody
