@@ -193,10 +193,10 @@ void Session::after_step(Output output) {
 // --- the clock
 
 void Session::play(double speed) {
-  if (!(speed > 0) || speed > 1000) {
+  if (!(speed >= kLeastSpeed && speed <= kMostSpeed)) {
     throw Error(
-        "bad_request", "speed is a number above 0 and at most 1000",
-        {{"/speed", "out_of_range", "the value is outside the allowed range", "", "(0, 1000]", "", "1"}});
+        "bad_request", "speed is a number from 1e-18 to 1e15",
+        {{"/speed", "out_of_range", "the value is outside the allowed range", "", "1e-18 to 1e15", "", "1"}});
   }
   if (failure_) throw Error("instability", failure_->detail);
   if (!playing_ || speed != speed_) pace_ = {}, achieved_speed_.reset();

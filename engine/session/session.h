@@ -99,6 +99,7 @@ class Session {
 
   // --- the clock
   /// Simulated seconds a second of wall time; Error "bad_request" unless 0 < speed <= 1000.
+  static constexpr double kLeastSpeed = 1e-18, kMostSpeed = 1e15;  ///< atoms, galaxies
   void play(double speed);
   void pause();
   bool playing() const { return playing_; }

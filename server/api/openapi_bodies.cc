@@ -83,7 +83,7 @@ constexpr std::string_view kRequests = R"json({
     "oneOf": [{"required": ["steps"]}, {"required": ["seconds"]}, {"required": ["until"]},
       {"not": {"anyOf": [{"required": ["steps"]}, {"required": ["seconds"]}, {"required": ["until"]}]}}]},
   "PlayRequest": {"type": "object", "additionalProperties": false,
-    "properties": {"speed": {"type": "number", "minimum": 1e-6, "maximum": 1000, "default": 1,
+    "properties": {"speed": {"type": "number", "minimum": 1e-18, "maximum": 1e15, "default": 1,
       "description": "simulated seconds a second"},
       "keep_running": {"type": "boolean", "default": false, "description": "go on when the last viewer has left"}}},
   "RunRequest": {"type": "object", "additionalProperties": false,

@@ -50,7 +50,7 @@ TEST(SessionClock, ShortStepsAreNotLate) {
 
 TEST(SessionClock, BadSpeedsAreRefused) {
   Session s = make_session(R"({"dt": 0.01})");
-  for (const double speed : {0.0, -1.0, 1001.0, std::nan(""), HUGE_VAL})
+  for (const double speed : {0.0, -1.0, 1e16, 1e-19, std::nan(""), HUGE_VAL})
     EXPECT_THROW(s.play(speed), Error) << speed;
 }
 

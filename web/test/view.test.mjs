@@ -91,6 +91,9 @@ test("speeds fit the scene's step, up to a thousand", () => {
   // Two hundredths of a second last five seconds at least, and an hour half a minute at most.
   assert.ok(0.02 / speedAtFirst(5e-4, 0.02) >= 5);
   assert.ok(2000 / speedAtFirst(5, 2000) <= 36);
+  // Five years of planets, thirty picoseconds of atoms.
+  assert.ok(1.6e8 / speedAtFirst(432000, 1.6e8) <= 36 && 1.6e8 / speedAtFirst(432000, 1.6e8) > 5);
+  assert.ok(3e-11 / speedAtFirst(5e-15, 3e-11) >= 5 && !speedsFor(5e-15).includes(1));
 });
 
 test("an address makes the scene again", async () => {

@@ -57,7 +57,7 @@ export class Readout {
   }
 
   private set(time: number, step: number, seq: number, dropped: number): void {
-    this.time.textContent = `${time.toFixed(3)} s`;
+    this.time.textContent = `${time === 0 || (time >= 1e-3 && time < 1e6) ? time.toFixed(3) : time.toPrecision(4)} s`;
     this.step.textContent = group(step);
     this.frame.textContent = group(seq);
     this.dropped.textContent = group(dropped);

@@ -1,16 +1,24 @@
 // How fast a scene may be played, and how fast it is at first.
-const all = [0.001, 0.002, 0.005, 0.01, 0.02, 0.05, 0.1, 0.25, 0.5, 1, 2, 5, 10, 20, 50, 100, 200, 500, 1000];
+const near = [0.001, 0.002, 0.005, 0.01, 0.02, 0.05, 0.1, 0.25, 0.5, 1, 2, 5, 10, 20, 50, 100, 200, 500, 1000];
+/** Atoms move in picoseconds and planets in years. */
+const all = [...steps(-18, -3), ...near, ...steps(3, 14).slice(1)];
+
+function steps(from: number, to: number): number[] {
+  const out: number[] = [];
+  for (let k = from; k < to; ++k) for (const digit of [1, 2, 5]) out.push(Number(`${digit}e${k}`));
+  return out;
+}
 
 const kLeast = 0.5; // steps a second of the slowest speed
 const kMost = 20000; // of the fastest
 const kShort = 5; // s that a run should last at least
 const kLong = 90; // and at most
 
-/** Speeds whose steps of `dt` (s) come neither one by one nor by the ten thousand; 1 is always among them. */
+/** Speeds whose steps of `dt` (s) come neither one by one nor by the ten thousand; 1 is among them where it means anything. */
 export function speedsFor(dt: number | undefined): number[] {
   if (!dt || !(dt > 0)) return all.filter((speed) => speed >= 0.05 && speed <= 100);
-  const some = all.filter((speed) => speed === 1 || (speed / dt >= kLeast && speed / dt <= kMost));
-  return some;
+  const some = all.filter((speed) => speed / dt >= kLeast && speed / dt <= kMost);
+  return dt >= 1e-4 && dt <= 10 && !some.includes(1) ? [...some, 1].sort((a, b) => a - b) : some;
 }
 
 /** The speed that shows a run of `duration` (s) neither in a blink nor in an afternoon; 1 where it does. */
@@ -23,4 +31,5 @@ export function speedAtFirst(dt: number | undefined, duration: number | undefine
 }
 
 /** 0.05 and 1,000 as a person reads them. */
-export const speedText = (speed: number): string => `${speed.toLocaleString("en-US", { maximumSignificantDigits: 3 })}×`;
+export const speedText = (speed: number): string =>
+  speed >= 1e-3 && speed < 1e6 ? `${speed.toLocaleString("en-US", { maximumSignificantDigits: 3 })}×` : `${speed.toExponential(0).replace("e+", "e")}×`;
