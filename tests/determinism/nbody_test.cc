@@ -41,5 +41,19 @@ TEST(NbodyDeterminism, AStateIsAllThatAStepNeeds) {
   }
 }
 
+TEST(NbodyDeterminism, BlockTimeStepsTakeNothingOver) {
+  NbodyDef d = model_units();
+  d.groups = {PlummerDef{.count = 300}};
+  d.softening = 1e-3, d.integrator = "hermite";
+  NbodyRun one(d, 0.05, 1), four(d, 0.05, 4), other(d, 0.051, 1), copy(d, 0.05);
+  one.step(4), four.step(4), other.step(4);
+  EXPECT_EQ(one.state.hash(), four.state.hash());
+  EXPECT_NE(one.state.hash(), other.state.hash());
+  copy.step(2);
+  copy.state = State::deserialize(copy.state.serialize()), copy.workspace.clear();
+  copy.step(2);
+  EXPECT_EQ(one.state.hash(), copy.state.hash());
+}
+
 }  // namespace
 }  // namespace truestep::nbody

@@ -41,7 +41,11 @@ TEST(NbodyScene, WisdomAndHolmanNeedASun) {
   NbodyDef d = two({});
   d.integrator = "wisdom_holman";
   EXPECT_THROW(NbodyRun(d, 0.1), Error);
-  d.masses = {31, 3};
+  d.integrator = "hermite", d.softening = 0.1;
+  EXPECT_NO_THROW(NbodyRun(d, 0.1));
+  d.softening_kind = gravity::SofteningKind::spline;
+  EXPECT_THROW(NbodyRun(d, 0.1), Error);
+  d.integrator = "wisdom_holman", d.masses = {31, 3};
   NbodyRun run(d, 0.1);
   run.step(3);
   EXPECT_FALSE(run.state.first_bad());

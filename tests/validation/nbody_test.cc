@@ -30,6 +30,10 @@ TEST(NbodyValidation, TheFigureEightCloses) {
   // The case: 1e-9 at a tolerance of 1e-12, good codes 1e-13.
   EXPECT_LT(closure("ias15", 0, 10), 1e-13);
   EXPECT_LT(closure("dop853", 1e-12, 10), 1e-9);
+  // Order 4 of Hermite's scheme in its steps, which are as the root of eta: eta^2.
+  const double loose = closure("hermite", 1e-3, 10), tight = closure("hermite", 1e-4, 10);
+  EXPECT_LT(tight, 1e-6);
+  EXPECT_NEAR(std::log10(loose / tight), 2, 0.7) << "steps are powers of two";
   // Control: leapfrog with 200 steps does not, its error goes as h^2.
   const double coarse = closure("leapfrog", 0, 200), fine = closure("leapfrog", 0, 400);
   EXPECT_GT(coarse, 1e-5);
@@ -117,6 +121,37 @@ TEST(NbodyValidation, WisdomAndHolmansSplittingOfTheOuterPlanets) {
   EXPECT_LT(fine[2], 1e-8);
   // Control: leapfrog with 10 days is worse than this with 100.
   EXPECT_GT(planets_by("leapfrog", 10)[2], 5 * coarse[2]);
+}
+
+/// Largest relative error of energy over ten times, G = M = 1, of 200 stars, two of which circle each other
+/// closely.
+double cluster_drift(const char* method, double setting) {
+  NbodyDef d = model_units();
+  d.groups = {PlummerDef{.count = 200, .cut = 10}};
+  d.positions = {{3, 0, 0}, {3.004, 0, 0}}, d.mass = 0.01;
+  d.velocities = {{0, 0.5 - std::sqrt(0.02 / 0.004) / 2, 0}, {0, 0.5 + std::sqrt(0.02 / 0.004) / 2, 0}};
+  d.softening = 1e-4, d.integrator = method, d.method = Method::direct;
+  const bool own_steps = std::string_view(method) == "hermite";
+  if (own_steps) d.tolerance = setting;
+  NbodyRun run(d, own_steps ? 0.125 : setting);
+  const double before = run.observe("energy.total");
+  double worst = 0;
+  for (int k = 0; k < 4; ++k) {
+    run.step(static_cast<uint64_t>(0.25 / run.h));
+    worst = std::max(worst, std::abs(run.observe("energy.total") / before - 1));
+  }
+  return worst;
+}
+
+TEST(NbodyValidation, BlockTimeStepsFollowAClosePair) {
+  // A pair at 0.004 turns 90 times a unit of time, a star crosses the cluster in two. Aarseth's eta is the
+  // square of a step over the motion's time, and the scheme has order 4: eta^2.
+  const double usual = cluster_drift("hermite", 0.01), fine = cluster_drift("hermite", 0.0025);
+  EXPECT_LT(usual, 1e-4);
+  EXPECT_LT(fine, usual / 8);
+  // Control: one step for all, 500 to the pair's turn like theirs, is a method of second order; 20 to the
+  // turn lose the pair.
+  EXPECT_GT(cluster_drift("leapfrog", 1.0 / 2048), 10 * fine);
 }
 
 /// J, of the def's start.

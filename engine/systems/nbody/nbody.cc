@@ -5,6 +5,7 @@
 
 #include "engine/base/errors.h"
 #include "engine/systems/nbody/collisions.h"
+#include "engine/systems/nbody/hermite.h"
 #include "engine/systems/nbody/wisdom_holman.h"
 
 namespace truestep::nbody {
@@ -25,23 +26,50 @@ double dot_radius(const State& s) {
   return (reach > 0 ? reach : 1) * (n <= kFewBodies ? 0.03 : n <= 1000 ? 0.012 : 0.006);
 }
 
+[[noreturn]] void refuse(std::string_view integrator, const std::string& why) {
+  const std::string name(integrator);
+  throw Error("scene_invalid", "integrator " + name + ": " + why,
+              {{"/integrator", "unsuitable_integrator", why, '"' + name + '"', "ias15, leapfrog and others",
+                "", ""}});
+}
+
 /// Error "scene_invalid" where no body outweighs the others.
 const Integrator& checked_wisdom_holman(const NbodyField& field) {
   const State s = field.initial_state();
   const auto mass = s.f64(Columns::mass);
   double others = 0;
   for (size_t i = 1; i < mass.size(); ++i) others += mass[i];
-  if (mass.size() >= 2 && mass[0] > 10 * others) return wisdom_holman();
-  const std::string why = "the first body must outweigh all others ten times";
-  throw Error("scene_invalid", "integrator wisdom_holman: " + why,
-              {{"/integrator", "unsuitable_integrator", why, "\"wisdom_holman\"",
-                "ias15, leapfrog and others", "", ""}});
+  if (mass.size() < 2 || !(mass[0] > 10 * others))
+    refuse(kWisdomHolmanName, "the first body must outweigh all others ten times");
+  return wisdom_holman();
+}
+
+const Integrator& checked_hermite(const NbodyDef& def) {
+  if (def.softening_kind == gravity::SofteningKind::spline && def.softening > 0)
+    refuse(kHermiteName, "it serves Plummer's softening, not the spline's");
+  if (def.method != Method::automatic && def.method != Method::direct)
+    refuse(kHermiteName, "it sums over all pairs: method direct or auto");
+  return hermite();
+}
+
+ChosenMethod method_of(const NbodyDef& def, const NbodyField& field, double dt) {
+  if (def.integrator == kWisdomHolmanName) return {checked_wisdom_holman(field), "named by the scene"};
+  if (def.integrator == kHermiteName) return {checked_hermite(def), "named by the scene"};
+  const bool few = body_count(def) <= kFewBodies;
+  return settle_method(def.choice(), {.usual = few ? "ias15" : "leapfrog"}, field, dt);
+}
+
+IntegratorOptions options_of(const NbodyDef& def) {
+  constexpr double kAarseth = 0.01;  // eta, as is usual
+  IntegratorOptions out = def.choice().options;
+  if (def.integrator == kHermiteName) out.tolerance = def.tolerance.value_or(kAarseth);
+  return out;
 }
 
 }  // namespace
 
 Nbody::Nbody(std::unique_ptr<const NbodyField> field, const ChosenMethod& method, const NbodyDef& def)
-    : ForceSystem(std::move(field), method.row, def.choice().options),
+    : ForceSystem(std::move(field), method.row, options_of(def)),
       bodies_(static_cast<const NbodyField&>(force_field())),
       draw_radius_(def.draw_radius.value_or(dot_radius(bodies_.initial_state()))) {
   auto& fields = main_part().fields;
@@ -53,11 +81,7 @@ Nbody::Nbody(std::unique_ptr<const NbodyField> field, const ChosenMethod& method
 
 std::unique_ptr<const Nbody> Nbody::make(const NbodyDef& def, const BuildContext& context) {
   auto field = std::make_unique<const NbodyField>(def, context.seed);
-  const bool few = body_count(def) <= kFewBodies;
-  const ChosenMethod method =
-      def.integrator == kWisdomHolmanName
-          ? ChosenMethod{checked_wisdom_holman(*field), "named by the scene"}
-          : settle_method(def.choice(), {.usual = few ? "ias15" : "leapfrog"}, *field, context.dt);
+  const ChosenMethod method = method_of(def, *field, context.dt);
   return std::unique_ptr<const Nbody>(new Nbody(std::move(field), method, def));
 }
 

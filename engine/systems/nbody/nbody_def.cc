@@ -238,7 +238,8 @@ Cost nbody_cost(const void* def) {
   if (d.collisions) c.workspace_bytes += 130 * n;
   // ias15 has seven stages, which it goes through two or three times.
   const bool by_itself = d.integrator.empty() && body_count(d) <= kFewBodies;
-  const double evaluations = by_itself || d.integrator == "ias15" ? 20 : 1;
+  const bool divides = by_itself || d.integrator == "ias15" || d.integrator == "hermite";
+  const double evaluations = divides ? 20 : 1;
   if (evaluations > 1) c.state_bytes += 400 * n;
   c.seconds_per_step = 1e-6 + evaluations * (n * 1e-8 + (direct ? direct_seconds(d, n) : tree_seconds(d, n)));
   return c;

@@ -22,12 +22,23 @@ struct PairColumns {
   double *ax, *ay, *az;
 };
 
+/// Velocities as well, for the rate of the acceleration; and one body's sums.
+struct MotionColumns {
+  const double *x, *y, *z, *vx, *vy, *vz, *mu;
+  size_t rows;  ///< whole units
+};
+struct JerkSums {
+  double a[3], j[3];
+};
+
 /// Loops over the bodies [i0, i1) and [j0, j1), all of which start and end with a unit.
 struct DirectLoops {
   void (*cross)(const PairColumns&, const LawNumbers&, size_t i0, size_t i1, size_t j0, size_t j1);
   void (*own)(const PairColumns&, const LawNumbers&, size_t i0, size_t i1);
   /// sum_j mu_j p(r_ij) over the bodies of [j0, j1) from `first` on.
   double (*potential)(const PairColumns&, const LawNumbers&, size_t i, size_t first, size_t j0, size_t j1);
+  /// Acceleration of body i and its rate of change; not for the spline.
+  JerkSums (*jerk)(const MotionColumns&, const LawNumbers&, size_t i);
 };
 
 /// Places of a group's bodies relative to its centre, and their sums; `rows` is a whole number of units of 64

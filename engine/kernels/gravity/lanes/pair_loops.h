@@ -154,6 +154,28 @@ double row_potential(const PairColumns& c, const LawNumbers& numbers, size_t i, 
   return sum(total);
 }
 
+/// a = sum mu w d,  da/dt = sum mu w (u - 3 (d.u)/R^2 d), of the laws whose w is R^-3 (Makino & Aarseth 1992,
+/// eqs. 1 and 2).
+template <class Law>
+JerkSums row_jerk(const MotionColumns& c, const LawNumbers& numbers, size_t i) {
+  const Law law(numbers);
+  const auto at = [i](const double* column) { return Doubles::all(column[i]); };
+  const Doubles xi = at(c.x), yi = at(c.y), zi = at(c.z), ui = at(c.vx), vi = at(c.vy), wi = at(c.vz),
+                zero = Doubles::all(0);
+  Doubles ax = zero, ay = zero, az = zero, jx = zero, jy = zero, jz = zero, inverse;
+  for (size_t j = 0; j < c.rows; j += 8) {
+    const Doubles x = Doubles::load(c.x + j) - xi, y = Doubles::load(c.y + j) - yi,
+                  z = Doubles::load(c.z + j) - zi;
+    const Doubles u = Doubles::load(c.vx + j) - ui, v = Doubles::load(c.vy + j) - vi,
+                  w = Doubles::load(c.vz + j) - wi;
+    const Doubles f = law(madd(x, x, madd(y, y, z * z)), inverse) * Doubles::load(c.mu + j);
+    const Doubles s = Doubles::all(3) * madd(x, u, madd(y, v, z * w)) * (inverse * inverse);
+    ax = madd(f, x, ax), ay = madd(f, y, ay), az = madd(f, z, az);
+    jx = madd(f, nmadd(s, x, u), jx), jy = madd(f, nmadd(s, y, v), jy), jz = madd(f, nmadd(s, z, w), jz);
+  }
+  return {{sum(ax), sum(ay), sum(az)}, {sum(jx), sum(jy), sum(jz)}};
+}
+
 // --- a group of the tree's bodies and its sources, in floats or doubles
 
 template <class L>
@@ -209,7 +231,8 @@ void meet_all(const GroupColumns<T>& g, const Source* sources, size_t count, con
 
 template <template <class> class Law>
 constexpr DirectLoops direct_loops() {
-  return {cross_pairs<Law<Doubles>>, own_pairs<Law<Doubles>>, row_potential<Law<Doubles>>};
+  return {cross_pairs<Law<Doubles>>, own_pairs<Law<Doubles>>, row_potential<Law<Doubles>>,
+          row_jerk<Law<Doubles>>};
 }
 
 template <class L, class T, template <class> class Law, class Source>
