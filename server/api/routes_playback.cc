@@ -87,7 +87,9 @@ asio::awaitable<Response> play(App& app, const Request& request) {
   const bool keep = boolean_member(body, "keep_running");
   co_return co_await with_session(app, entry, [&](SessionEntry& e) {
     if (e.session.failure()) return instability(request, e.session);
-    e.session.play(body.contains("speed") ? number_member(body, "speed", Session::kLeastSpeed, Session::kMostSpeed) : 1.0);
+    e.session.play(body.contains("speed")
+                       ? number_member(body, "speed", Session::kLeastSpeed, Session::kMostSpeed)
+                       : 1.0);
     e.played(keep);
     app.runner.keep_playing(entry);
     e.publish();

@@ -1,6 +1,8 @@
 #include "engine/systems/nbody/nbody_def.h"
 
-#include <cmath>
+#include <algorithm>
+
+#include "engine/math/trig.h"
 
 namespace truestep::nbody {
 
@@ -212,7 +214,7 @@ double direct_seconds(const NbodyDef& d, double n) {
 }
 double tree_seconds(const NbodyDef& d, double n) {
   // A body meets some 250 more for every ten times as many, and (1/error)^0.6.
-  const double met = (400 + 140 * std::log10(std::max(n, 1e3) / 1e3)) * std::pow(2e-3 / d.force_error, 0.6);
+  const double met = (400 + 61 * trig::log(std::max(n, 1e3) / 1e3)) * trig::pow(2e-3 / d.force_error, 0.6);
   return n * (5e-8 + 1.25e-9 * std::min(met, 0.8 * n) * (d.softening > 0 ? 1 : 1.4));
 }
 
