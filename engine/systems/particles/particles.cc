@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "engine/base/errors.h"
+#include "engine/systems/particles/boris.h"
 #include "engine/systems/particles/emission.h"
 
 namespace truestep::particles {
@@ -29,6 +31,15 @@ std::span<const Surface> surfaces(const State& s, Workspace& workspace) {
   return out;
 }
 
+/// Error "scene_invalid" where the method cannot serve the particles.
+const Integrator& checked_boris(const ParticlesDef& def) {
+  const auto why = boris_refusal(def);
+  if (!why) return boris();
+  throw Error(
+      "scene_invalid", "integrator boris: " + *why,
+      {{"/integrator", "unsuitable_integrator", *why, "\"boris\"", "leapfrog, rk4 and others", "", ""}});
+}
+
 }  // namespace
 
 Particles::Particles(std::unique_ptr<const ParticlesField> field, const ChosenMethod& method,
@@ -46,7 +57,10 @@ Particles::Particles(std::unique_ptr<const ParticlesField> field, const ChosenMe
 
 std::unique_ptr<const Particles> Particles::make(const ParticlesDef& def, const BuildContext& context) {
   auto field = std::make_unique<const ParticlesField>(def, context.gravity, context.seed);
-  const ChosenMethod method = settle_method(def.choice(), {.usual = kDefaultIntegrator}, *field, context.dt);
+  const ChosenMethod method =
+      def.integrator == kBorisName
+          ? ChosenMethod{checked_boris(def), "named by the scene"}
+          : settle_method(def.choice(), {.usual = kDefaultIntegrator}, *field, context.dt);
   return std::unique_ptr<const Particles>(new Particles(std::move(field), method, def, context.seed));
 }
 

@@ -226,7 +226,8 @@ const DefTable& particles_table() {
                 "force -quadratic_drag |v - wind| (v - wind)")
         .vector("wind", &D::wind, "m/s", any(), "velocity of the air")
         .vector("electric_field", &D::electric_field, "V/m", any(), "force charge E")
-        .vector("magnetic_field", &D::magnetic_field, "T", any(), "force charge v x B")
+        .vector("magnetic_field", &D::magnetic_field, "T", any(),
+                "force charge v x B; integrator \"boris\" turns about it exactly, at any step")
         .objects("attractors", &D::attractors, attractor_table(), {0, 256}, "point gravity")
         .variants("pair_forces", &D::pair_forces,
                   {{"power_law", &power_law_table()},

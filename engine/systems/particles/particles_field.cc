@@ -92,9 +92,32 @@ BodyForces ParticlesField::body_forces(const State& s) const {
 }
 
 void ParticlesField::acceleration(const Phase& at, std::span<double> a, Evaluation& e) const {
+  sum_forces(body_forces(at.state), at, a, e);
+}
+
+UniformFields ParticlesField::uniform_fields(const State& s) const {
+  return {vector_parameter(s, Parameter::gravity), vector_parameter(s, Parameter::electric_field),
+          vector_parameter(s, Parameter::magnetic_field), def_.charge};
+}
+
+bool ParticlesField::varies(const State& s) const {
+  return s.rows(columns::attractors) > 0 || parameter(s, Parameter::linear_drag) != 0 ||
+         parameter(s, Parameter::quadratic_drag) != 0 || parameter(s, Parameter::thrust) != 0 ||
+         expression_.outputs() > 0 || !pair_laws_.empty() || s.rows(columns::spring_rows) > 0 ||
+         columns::kHands.any(s);
+}
+
+void ParticlesField::varying_acceleration(const Phase& at, std::span<double> a, Evaluation& e) const {
+  BodyForces body = body_forces(at.state);
+  body.gravity = {};
+  body.charge = 0;
+  sum_forces(body, at, a, e);
+}
+
+void ParticlesField::sum_forces(const BodyForces& body, const Phase& at, std::span<double> a,
+                                Evaluation& e) const {
   const State& s = at.state;
   const ParticleArrays arrays{at.x.data(), at.v.data(), s.f64(columns::mass).data()};
-  const BodyForces body = body_forces(s);
   e.arena.for_blocks(a.size() / 3, kBlockRows, [&](size_t begin, size_t end) {
     body_accelerations(body, arrays, a.data(), begin, end);
     if (expression_.outputs() > 0) add_expression(at, arrays.mass, a.data(), begin, end);

@@ -10,6 +10,12 @@
 
 namespace truestep::particles {
 
+/// Gravity (m/s^2), electric (V/m) and magnetic (T) field, and the charge (C) that they act on.
+struct UniformFields {
+  Vec3 gravity, electric, magnetic;
+  double charge = 0;
+};
+
 class ParticlesField final : public ForceField {
  public:
   /// Error "scene_invalid" with an Issue when an expression does not parse.
@@ -22,6 +28,12 @@ class ParticlesField final : public ForceField {
   double kinetic(const Phase& at, Evaluation& e) const override;
   std::optional<Stiffness> stiffness(const State& state) const override;
 
+  /// What is the same everywhere, and whether there is anything else; the rest of `acceleration`, for methods
+  /// that take the uniform part exactly.
+  UniformFields uniform_fields(const State& state) const;
+  bool varies(const State& state) const;
+  void varying_acceleration(const Phase& at, std::span<double> a, Evaluation& e) const;
+
   /// Acceleration of one particle by the forces that act on it alone, at its birth.
   Vec3 single_acceleration(const State& state, double t, const Vec3& x, const Vec3& v, double mass) const;
 
@@ -31,6 +43,7 @@ class ParticlesField final : public ForceField {
 
  private:
   BodyForces body_forces(const State& s) const;
+  void sum_forces(const BodyForces& body, const Phase& at, std::span<double> a, Evaluation& e) const;
   void add_springs(const Phase& at, std::span<double> a) const;
   void add_expression(const Phase& at, const double* mass, double* a, size_t begin, size_t end) const;
   void add_commands(const Phase& at, std::span<double> a) const;
