@@ -12,20 +12,20 @@ namespace {
 
 constexpr size_t kTurnBlock = 1024;
 
-/// Half a turn of all rows; particles of one mass share their numbers.
+/// Half a turn of all rows; particles of one charge and mass share their numbers.
 void turn(const UniformFields& f, std::span<const double> mass, std::span<double> x, std::span<double> v,
           double s, const ThreadArena& arena) {
   const double strength = norm(f.magnetic);
   const Vec3 unit = strength > 0 ? f.magnetic / strength : Vec3{0, 0, 1};
   arena.for_blocks(mass.size(), kTurnBlock, [&](size_t begin, size_t end) {
-    double m = mass[begin];
-    UniformTurn turn(unit, f.charge * strength / m, s);
-    Vec3 a = f.gravity + f.electric * (f.charge / m);
+    double share = f.charge[begin] / mass[begin];
+    UniformTurn turn(unit, share * strength, s);
+    Vec3 a = f.gravity + f.electric * share;
     for (size_t i = begin; i < end; ++i) {
-      if (mass[i] != m) {
-        m = mass[i];
-        turn = UniformTurn(unit, f.charge * strength / m, s);
-        a = f.gravity + f.electric * (f.charge / m);
+      if (const double next = f.charge[i] / mass[i]; next != share) {
+        share = next;
+        turn = UniformTurn(unit, share * strength, s);
+        a = f.gravity + f.electric * share;
       }
       Vec3 xi = load3(x.data(), i), vi = load3(v.data(), i);
       turn.apply(xi, vi, a);
@@ -88,7 +88,7 @@ void UniformTurn::apply(Vec3& x, Vec3& v, const Vec3& a) const {
 }
 
 std::optional<std::string> boris_refusal(const ParticlesDef& d) {
-  if (d.charge == 0) return "the particles have no charge";
+  if (d.charge == 0 && d.charges.empty()) return "the particles have no charge";
   if (d.linear_drag > 0 || d.quadratic_drag > 0) return "drag depends on the velocity";
   if (d.propulsion && d.propulsion->along == PropulsionDef::Along::velocity) {
     return "thrust along the velocity depends on it";

@@ -70,7 +70,18 @@ void Particles::plan_stages(const std::string& why_this_method) {
     add_stage("remember", "contacts need the step's start",
               [this](State& s, const StepInput& in) { remember(s, in); });
   }
-  add_integration_stage(why_this_method);
+  if (integrator().name == kDefaultIntegrator && d.pair_forces.empty() && !d.coulomb && d.springs.empty()) {
+    add_stage("integrate",
+              "advances position and velocity with leapfrog in one pass, particles being each alone" +
+                  (why_this_method.empty() ? "" : ": " + why_this_method),
+              [this](State& s, const StepInput& in) {
+                // A hand that pulls is looked up among all rows.
+                if (particles_.each_alone(s)) return particles_.leapfrog_alone(s, in);
+                integrator().step(particles_, s, in, options());
+              });
+  } else {
+    add_integration_stage(why_this_method);
+  }
   if (!d.colliders.empty()) {
     add_stage("contacts", std::to_string(d.colliders.size()) + " colliders",
               [this](State& s, const StepInput& in) { collide(s, in); });
@@ -102,7 +113,8 @@ void Particles::plan_stages(const std::string& why_this_method) {
   if (d.springs.empty()) skip_stage("springs", "none given");
   if (!d.propulsion) skip_stage("propulsion", "none given");
   if (!d.expression) skip_stage("expression", "none given");
-  if (d.charge == 0) skip_stage("Lorentz force", "charge is 0");
+  if (!d.coulomb) skip_stage("electrostatics", "no coulomb given");
+  if (d.charge == 0 && d.charges.empty()) skip_stage("Lorentz force", "charge is 0");
 }
 
 State Particles::initial_state() const {
@@ -207,7 +219,7 @@ void Particles::add_newborn(State& s, const StepInput& in, const EmitterDef& e, 
     particles_.colliders().resolve(sweep, in.workspace, in.arena);
     x = load3(x1, 0), v = load3(v1, 0);
   }
-  append_particle(s, {x, v, mass, born, born + b.lifetime});
+  append_particle(s, {x, v, mass, born, born + b.lifetime, d.charge});
   ++counter(s, Counter::emitted);
 }
 
@@ -320,6 +332,7 @@ Cost particles_cost(const void* def) {
   const double pairs = d.pair_forces.empty() ? 0
                                              : 5e-7 + 1e-8 * expected_neighbours(d, n) *
                                                           static_cast<double>(d.pair_forces.size());
+  const double charged = d.coulomb ? 5e-10 * n : 0;  // each pair once
   const double own = d.expression ? 6e-8 : 0;
   // Measured with every particle near the colliders; walls of a container are near for most.
   double walls = 0;
@@ -327,9 +340,9 @@ Cost particles_cost(const void* def) {
     const auto* box = std::get_if<BoxColliderDef>(&any);
     walls += box && box->container ? 1.3e-7 : 4e-8;
   }
-  c.seconds_per_step = 8e-7 +
-                       n * (6e-9 + 3e-9 * static_cast<double>(d.attractors.size()) + walls + pairs + own) +
-                       1e-8 * static_cast<double>(d.springs.size());
+  c.seconds_per_step =
+      8e-7 + n * (6e-9 + 3e-9 * static_cast<double>(d.attractors.size()) + walls + pairs + own + charged) +
+      1e-8 * static_cast<double>(d.springs.size());
   return c;
 }
 

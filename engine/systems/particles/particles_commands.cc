@@ -64,7 +64,7 @@ void Particles::apply(State& s, const Command& c) const {
                        std::to_string(particles_.capacity()));
       }
       append_particle(s, {c.vector, c.velocity, particles_.def().mass, s.f64(columns::time)[0],
-                          std::numeric_limits<double>::infinity()});
+                          std::numeric_limits<double>::infinity(), particles_.def().charge});
       ++s.span<uint64_t>(columns::counters)[static_cast<size_t>(Counter::emitted)];
       return;
     }
