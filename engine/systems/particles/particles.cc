@@ -31,6 +31,11 @@ std::span<const Surface> surfaces(const State& s, Workspace& workspace) {
   return out;
 }
 
+/// Whether no particle acts on another.
+bool each_alone(const ParticlesDef& d) {
+  return d.pair_forces.empty() && !d.coulomb && d.springs.empty();
+}
+
 /// Error "scene_invalid" where the method cannot serve the particles.
 const Integrator& checked_boris(const ParticlesDef& def) {
   const auto why = boris_refusal(def);
@@ -70,7 +75,7 @@ void Particles::plan_stages(const std::string& why_this_method) {
     add_stage("remember", "contacts need the step's start",
               [this](State& s, const StepInput& in) { remember(s, in); });
   }
-  if (integrator().name == kDefaultIntegrator && d.pair_forces.empty() && !d.coulomb && d.springs.empty()) {
+  if (integrator().name == kDefaultIntegrator && each_alone(d)) {
     add_stage("integrate",
               "advances position and velocity with leapfrog in one pass, particles being each alone" +
                   (why_this_method.empty() ? "" : ": " + why_this_method),
@@ -325,9 +330,13 @@ Cost particles_cost(const void* def) {
   const auto n = static_cast<double>(largest_count(d));
   Cost c;
   c.state_bytes = n * 80 + static_cast<double>(d.springs.size()) * 32;
-  // Two accelerations or velocities, and the step's start where there are contacts; what expressions compute
-  // in.
-  c.workspace_bytes = n * ((d.colliders.empty() ? 70 : 120) + (d.expression ? 80 : 0));
+  // Two accelerations or velocities and what methods of many stages need, unless one pass or one kick will
+  // do; the step's start where there are contacts.
+  const bool usual = d.integrator.empty() || d.integrator == kDefaultIntegrator;
+  const double stages = d.integrator == kBorisName ? 24
+                        : usual && each_alone(d)   ? 14
+                                                   : 70 + (d.expression ? 80 : 0);
+  c.workspace_bytes = n * (stages + (d.colliders.empty() ? 0 : 50));
   c.elements = n + static_cast<double>(d.springs.size());
   const double pairs = d.pair_forces.empty() ? 0
                                              : 5e-7 + 1e-8 * expected_neighbours(d, n) *
