@@ -167,21 +167,54 @@ bool held_by(const SweptCollider& c, const Vec3& b) {
 
 namespace {
 
+/// What the forces are in the frame of a turning solid, in the axes of the moment `f.from`: the centrifugal
+/// and Coriolis accelerations of a point with the velocity u there, `later` (s) on.
+Vec3 acceleration_in_frame(const SweptCollider& c, const PointFlight& f, const Vec3& u, double later) {
+  const Vec3 r = f.x - pose_at(c, f.from).position + u * later;
+  // The forces turn backwards in that frame.
+  const Vec3 a = f.a - cross(c.spin, f.a) * later;
+  return a - cross(c.spin, u) * 2 - cross(c.spin, cross(c.spin, r));
+}
+
+/// Carries `f` on a turning solid: support in the solid's own frame under the acceleration at the middle of
+/// what is left (s), then the parabola in the world with the same end and the same velocity there. Where it
+/// is and how fast is of second order; in the world's frame the velocity would be that of a step ago.
+void carry_round(const SweptCollider& c, PointFlight& f, const Vec3& n, const Vec3& relative, double left) {
+  const double friction = c.surface.friction;
+  Vec3 a = acceleration_in_frame(c, f, relative - n * dot(relative, n), 0);
+  Support<double> held = support(relative, a, n, friction, left);
+  const Vec3 middle = held.velocity + held.acceleration * (0.5 * left);
+  a = acceleration_in_frame(c, f, middle, 0.5 * left);
+  held = support(relative, a, n, friction, left);
+
+  const Pose pose = pose_at(c, f.from);
+  const Rotation then = rotation_at(c, pose, f.from);
+  const auto at_end = [&](const Vec3& u) { return c.end_rotation.apply(then.apply_inverse(u)); };
+  const Vec3 way = held.velocity * left + held.acceleration * (0.5 * left * left);
+  const Vec3 x = c.end.position + at_end(f.x - pose.position + way);
+  const Vec3 v = surface_velocity(c, x, 1) + at_end(held.velocity + held.acceleration * left);
+  f.a = (v * left - (x - f.x)) * (2 / (left * left));
+  f.v = v - f.a * left;
+}
+
 /// Velocity and acceleration of `f`, which touches `c`, after the contact; says whether the wall now carries
 /// it.
 enum class Outcome : uint8_t { bounced, carried };
 Outcome answer(const SweptCollider& c, PointFlight& f, const WorldDistance& w, const Vec3* resting_velocity,
                Vec3& offset, double h) {
   const Vec3 surface = surface_velocity(c, f.x, f.from);
-  const double left = (1 - f.from) * h, pull = -dot(f.a, w.n);
+  const bool turns = c.spin != Vec3{};
+  const double left = (1 - f.from) * h;
+  Vec3 relative = f.v - surface;
+  double pull = -dot(turns ? acceleration_in_frame(c, f, relative, 0) : f.a, w.n);
   const auto rests = [&](double approach) {
     // A bounce whose flight 2 e v / a ends within the step counts as rest.
     return approach <= c.surface.rest_speed || c.surface.restitution * approach <= 0.51 * pull * h;
   };
-  Vec3 relative = f.v - surface;
   if (resting_velocity && rests(-dot(*resting_velocity - surface, w.n))) {
     // The point lay here when the step began: its own velocity, not the integrator's free path, counts.
     relative = *resting_velocity - surface;
+    if (turns) pull = -dot(acceleration_in_frame(c, f, relative, 0), w.n);
     offset = {};
   }
   const double approach = -dot(relative, w.n);
@@ -190,6 +223,11 @@ Outcome answer(const SweptCollider& c, PointFlight& f, const WorldDistance& w, c
     return Outcome::bounced;
   }
   f.v = surface + relative;
+  if (turns && left > 0 && (pull > 0 || approach > 0)) {
+    carry_round(c, f, w.n, relative, left);
+    offset -= w.n * dot(offset, w.n);
+    return Outcome::carried;
+  }
   if (pull > 0 || approach > 0) {
     const Support<double> held = support(relative, f.a, w.n, c.surface.friction, left);
     f.v = surface + held.velocity;

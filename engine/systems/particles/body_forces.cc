@@ -42,7 +42,8 @@ void lorentz(const BodyForces& f, const ParticleArrays& p, double* __restrict a,
   const Vec3 e = f.electric, b = f.magnetic;
   const double* __restrict v = p.v;
   for (size_t i = begin; i < end; ++i) {
-    const double s = f.charge / p.mass[i], x = v[3 * i], y = v[3 * i + 1], z = v[3 * i + 2];
+    const double s = (f.charges.empty() ? f.charge : f.charges[i]) / p.mass[i], x = v[3 * i],
+                 y = v[3 * i + 1], z = v[3 * i + 2];
     a[3 * i] += s * (e.x + y * b.z - z * b.y);
     a[3 * i + 1] += s * (e.y + z * b.x - x * b.z);
     a[3 * i + 2] += s * (e.z + x * b.y - y * b.x);
@@ -68,7 +69,7 @@ void body_accelerations(const BodyForces& f, const ParticleArrays& p, double* a,
     gravity_alone(f.gravity, a, begin, end);
   }
   for (size_t k = 0; k + 5 <= f.attractors.size(); k += 5) attract(&f.attractors[k], p.x, a, begin, end);
-  if (f.charge != 0) lorentz(f, p, a, begin, end);
+  if (f.charge != 0 || !f.charges.empty()) lorentz(f, p, a, begin, end);
   if (f.thrust != 0) propel(f, p, a, begin, end);
 }
 
@@ -82,7 +83,7 @@ double body_potential(const BodyForces& f, const ParticleArrays& p, size_t begin
       const double r2 = norm2(load3(row, 0) - x) + row[4] * row[4];
       if (r2 > 0) per_mass -= row[3] / std::sqrt(r2);
     }
-    sum += p.mass[i] * per_mass - f.charge * dot(f.electric, x);
+    sum += p.mass[i] * per_mass - (f.charges.empty() ? f.charge : f.charges[i]) * dot(f.electric, x);
   }
   return sum;
 }

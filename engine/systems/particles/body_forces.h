@@ -21,6 +21,7 @@ struct BodyForces {
   double linear_drag = 0, quadratic_drag = 0;
   std::span<const double> attractors;  ///< rows of 5: position, mu, softening
   double charge = 0;
+  std::span<const double> charges;  ///< one per row, in place of `charge`; empty: none
   Vec3 electric, magnetic;
   double thrust = 0;
   std::optional<Vec3> thrust_direction;  ///< unit vector; nothing: along the velocity

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "engine/base/errors.h"
+#include "engine/systems/particles/boris.h"
 #include "engine/systems/particles/emission.h"
 
 namespace truestep::particles {
@@ -29,6 +31,20 @@ std::span<const Surface> surfaces(const State& s, Workspace& workspace) {
   return out;
 }
 
+/// Whether no particle acts on another.
+bool each_alone(const ParticlesDef& d) {
+  return d.pair_forces.empty() && !d.coulomb && d.springs.empty();
+}
+
+/// Error "scene_invalid" where the method cannot serve the particles.
+const Integrator& checked_boris(const ParticlesDef& def) {
+  const auto why = boris_refusal(def);
+  if (!why) return boris();
+  throw Error(
+      "scene_invalid", "integrator boris: " + *why,
+      {{"/integrator", "unsuitable_integrator", *why, "\"boris\"", "leapfrog, rk4 and others", "", ""}});
+}
+
 }  // namespace
 
 Particles::Particles(std::unique_ptr<const ParticlesField> field, const ChosenMethod& method,
@@ -46,7 +62,10 @@ Particles::Particles(std::unique_ptr<const ParticlesField> field, const ChosenMe
 
 std::unique_ptr<const Particles> Particles::make(const ParticlesDef& def, const BuildContext& context) {
   auto field = std::make_unique<const ParticlesField>(def, context.gravity, context.seed);
-  const ChosenMethod method = settle_method(def.choice(), {.usual = kDefaultIntegrator}, *field, context.dt);
+  const ChosenMethod method =
+      def.integrator == kBorisName
+          ? ChosenMethod{checked_boris(def), "named by the scene"}
+          : settle_method(def.choice(), {.usual = kDefaultIntegrator}, *field, context.dt);
   return std::unique_ptr<const Particles>(new Particles(std::move(field), method, def, context.seed));
 }
 
@@ -56,7 +75,18 @@ void Particles::plan_stages(const std::string& why_this_method) {
     add_stage("remember", "contacts need the step's start",
               [this](State& s, const StepInput& in) { remember(s, in); });
   }
-  add_integration_stage(why_this_method);
+  if (integrator().name == kDefaultIntegrator && each_alone(d)) {
+    add_stage("integrate",
+              "advances position and velocity with leapfrog in one pass, particles being each alone" +
+                  (why_this_method.empty() ? "" : ": " + why_this_method),
+              [this](State& s, const StepInput& in) {
+                // A hand that pulls is looked up among all rows.
+                if (particles_.each_alone(s)) return particles_.leapfrog_alone(s, in);
+                integrator().step(particles_, s, in, options());
+              });
+  } else {
+    add_integration_stage(why_this_method);
+  }
   if (!d.colliders.empty()) {
     add_stage("contacts", std::to_string(d.colliders.size()) + " colliders",
               [this](State& s, const StepInput& in) { collide(s, in); });
@@ -88,7 +118,8 @@ void Particles::plan_stages(const std::string& why_this_method) {
   if (d.springs.empty()) skip_stage("springs", "none given");
   if (!d.propulsion) skip_stage("propulsion", "none given");
   if (!d.expression) skip_stage("expression", "none given");
-  if (d.charge == 0) skip_stage("Lorentz force", "charge is 0");
+  if (!d.coulomb) skip_stage("electrostatics", "no coulomb given");
+  if (d.charge == 0 && d.charges.empty()) skip_stage("Lorentz force", "charge is 0");
 }
 
 State Particles::initial_state() const {
@@ -193,7 +224,7 @@ void Particles::add_newborn(State& s, const StepInput& in, const EmitterDef& e, 
     particles_.colliders().resolve(sweep, in.workspace, in.arena);
     x = load3(x1, 0), v = load3(v1, 0);
   }
-  append_particle(s, {x, v, mass, born, born + b.lifetime});
+  append_particle(s, {x, v, mass, born, born + b.lifetime, d.charge});
   ++counter(s, Counter::emitted);
 }
 
@@ -299,13 +330,18 @@ Cost particles_cost(const void* def) {
   const auto n = static_cast<double>(largest_count(d));
   Cost c;
   c.state_bytes = n * 80 + static_cast<double>(d.springs.size()) * 32;
-  // Two accelerations or velocities, and the step's start where there are contacts; what expressions compute
-  // in.
-  c.workspace_bytes = n * ((d.colliders.empty() ? 70 : 120) + (d.expression ? 80 : 0));
+  // Two accelerations or velocities and what methods of many stages need, unless one pass or one kick will
+  // do; the step's start where there are contacts.
+  const bool usual = d.integrator.empty() || d.integrator == kDefaultIntegrator;
+  const double stages = d.integrator == kBorisName ? 24
+                        : usual && each_alone(d)   ? 14
+                                                   : 70 + (d.expression ? 80 : 0);
+  c.workspace_bytes = n * (stages + (d.colliders.empty() ? 0 : 50));
   c.elements = n + static_cast<double>(d.springs.size());
   const double pairs = d.pair_forces.empty() ? 0
                                              : 5e-7 + 1e-8 * expected_neighbours(d, n) *
                                                           static_cast<double>(d.pair_forces.size());
+  const double charged = d.coulomb ? 5e-10 * n : 0;  // each pair once
   const double own = d.expression ? 6e-8 : 0;
   // Measured with every particle near the colliders; walls of a container are near for most.
   double walls = 0;
@@ -313,9 +349,9 @@ Cost particles_cost(const void* def) {
     const auto* box = std::get_if<BoxColliderDef>(&any);
     walls += box && box->container ? 1.3e-7 : 4e-8;
   }
-  c.seconds_per_step = 8e-7 +
-                       n * (6e-9 + 3e-9 * static_cast<double>(d.attractors.size()) + walls + pairs + own) +
-                       1e-8 * static_cast<double>(d.springs.size());
+  c.seconds_per_step =
+      8e-7 + n * (6e-9 + 3e-9 * static_cast<double>(d.attractors.size()) + walls + pairs + own + charged) +
+      1e-8 * static_cast<double>(d.springs.size());
   return c;
 }
 

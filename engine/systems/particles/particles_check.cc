@@ -13,6 +13,7 @@ void Particles::check(StateCheck& check, double t) const {
       .together({columns::spring_rows, columns::spring_values}, particles_.def().springs.size())
       .together({columns::push_id, columns::push_force, columns::push_remaining})
       .together({columns::drag_id, columns::drag_target, columns::drag_stiffness});
+  if (has_charges(s)) check.together({columns::position, columns::charge});
   for (const uint32_t row : s.span<uint32_t>(columns::spring_rows))
     check.require(row < s.rows(columns::position), "spring.rows");
   const auto next = s.span<uint64_t>(columns::next_particle);

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "engine/core/command_checks.h"
+#include "engine/systems/particles/boris.h"
 #include "engine/systems/particles/particles.h"
 
 namespace truestep::particles {
@@ -63,7 +64,7 @@ void Particles::apply(State& s, const Command& c) const {
                        std::to_string(particles_.capacity()));
       }
       append_particle(s, {c.vector, c.velocity, particles_.def().mass, s.f64(columns::time)[0],
-                          std::numeric_limits<double>::infinity()});
+                          std::numeric_limits<double>::infinity(), particles_.def().charge});
       ++s.span<uint64_t>(columns::counters)[static_cast<size_t>(Counter::emitted)];
       return;
     }
@@ -90,6 +91,10 @@ void Particles::set_parameter(State& s, const Command& c) const {
   for (const Settable& p : kSettable) {
     allowed += std::string(p.name) + ", ";
     if (p.name != c.name) continue;
+    const bool drag = p.place == Parameter::linear_drag || p.place == Parameter::quadratic_drag;
+    if (drag && c.value != 0 && integrator().name == kBorisName) {
+      refuse_command("value", "out_of_range", "the integrator boris serves no drag", "0");
+    }
     double* place = s.f64(columns::parameters).data() + static_cast<size_t>(p.place);
     if (p.kind == Settable::Kind::vector) return store3(place, 0, c.vector);
     if (p.kind == Settable::Kind::not_negative && c.value < 0) {

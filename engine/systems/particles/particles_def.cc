@@ -5,7 +5,7 @@
 namespace truestep::particles {
 namespace {
 
-constexpr size_t kMostParticles = 10'000'000;
+constexpr size_t kMostParticles = 10'000'000, kMostCharges = 100'000;
 
 const DefTable& fill_table() {
   using D = FillDef;
@@ -133,6 +133,16 @@ const DefTable& propulsion_table() {
   return t;
 }
 
+const DefTable& coulomb_table() {
+  using D = CoulombDef;
+  static const DefTable t =
+      TableOf<D>("force constant q_i q_j / r^2 between all particles, over every pair")
+          .number("constant", &D::constant, "N m^2/C^2", any(), "1/(4 pi eps_0); negative: likes attract")
+          .number("softening", &D::softening, "m", at_least(0), "r^2 + softening^2 in place of r^2")
+          .build();
+  return t;
+}
+
 const DefTable& constant_table() {
   using D = NamedNumberDef;
   static const DefTable t = TableOf<D>("a constant of the expressions")
@@ -188,7 +198,16 @@ void check(const ParticlesDef& d, const DefTable::Report& report) {
   if (!d.masses.empty() && d.masses.size() != d.positions.size()) {
     report("/masses", "as many masses as positions, or none");
   }
+  if (!d.charges.empty() && d.charges.size() != d.positions.size()) {
+    report("/charges", "as many charges as positions, or none");
+  }
   const size_t n = initial_count(d);
+  if (d.coulomb && d.charge == 0 && d.charges.empty()) {
+    report("/coulomb", "particles without a charge do not act on each other");
+  }
+  if (d.coulomb && largest_count(d) > kMostCharges) {
+    report("/coulomb", "every pair is summed: at most 100,000 particles");
+  }
   for (size_t i = 0; i < d.springs.size(); ++i) {
     const PairSpringDef& s = d.springs[i];
     const std::string at = "/springs/" + std::to_string(i);
@@ -213,6 +232,8 @@ const DefTable& particles_table() {
                  "one per position; absent: at rest")
         .numbers("masses", &D::masses, "kg", above(0), {0, kMostParticles},
                  "one per position; absent: the system's mass")
+        .numbers("charges", &D::charges, "C", any(), {0, kMostParticles},
+                 "one per position; absent: the system's charge")
         .objects("fill", &D::fill, fill_table(), {0, 100}, "regions filled with particles at t = 0")
         .objects("emitters", &D::emitters, emitter_table(), {0, 256}, "sources of particles")
         .integer("max_particles", &D::max_particles, between(1, kMostParticles),
@@ -226,7 +247,8 @@ const DefTable& particles_table() {
                 "force -quadratic_drag |v - wind| (v - wind)")
         .vector("wind", &D::wind, "m/s", any(), "velocity of the air")
         .vector("electric_field", &D::electric_field, "V/m", any(), "force charge E")
-        .vector("magnetic_field", &D::magnetic_field, "T", any(), "force charge v x B")
+        .vector("magnetic_field", &D::magnetic_field, "T", any(),
+                "force charge v x B; integrator \"boris\" turns about it exactly, at any step")
         .objects("attractors", &D::attractors, attractor_table(), {0, 256}, "point gravity")
         .variants("pair_forces", &D::pair_forces,
                   {{"power_law", &power_law_table()},
@@ -234,6 +256,7 @@ const DefTable& particles_table() {
                    {"viscosity", &viscosity_table()}},
                   {0, 16}, "forces between near particles")
         .objects("springs", &D::springs, spring_table(), {0, 1'000'000}, "springs between particles")
+        .object("coulomb", &D::coulomb, coulomb_table(), "electrostatics between all particles")
         .object("propulsion", &D::propulsion, propulsion_table(), "a motor in every particle")
         .object("expression", &D::expression, expression_table(), "a force of your own")
         .objects("kill_planes", &D::kill_planes, kill_plane_table(), {0, 64},

@@ -70,6 +70,11 @@ struct PropulsionDef {
   Vec3 direction{0, 1, 0};
 };
 
+/// Electrostatics between all particles.
+struct CoulombDef {
+  double constant = 8.9875517873681764e9, softening = 0;
+};
+
 struct NamedNumberDef {
   std::string name;
   double value = 0;
@@ -90,7 +95,7 @@ struct KillBoxDef {
 
 struct ParticlesDef : IntegratorParams {
   std::vector<Vec3> positions, velocities;
-  std::vector<double> masses;
+  std::vector<double> masses, charges;
   std::vector<FillDef> fill;
   std::vector<EmitterDef> emitters;
   double mass = 1, radius = 0, charge = 0;
@@ -100,6 +105,7 @@ struct ParticlesDef : IntegratorParams {
   std::vector<AttractorDef> attractors;
   std::vector<PairForceDef> pair_forces;
   std::vector<PairSpringDef> springs;
+  std::optional<CoulombDef> coulomb;
   std::optional<PropulsionDef> propulsion;
   std::optional<ExpressionDef> expression;
   ColliderDefs colliders;

@@ -12,7 +12,7 @@ namespace {
 
 Dependence dependence_of(const ParticlesDef& d) {
   bool on_velocity = d.linear_drag > 0 || d.quadratic_drag > 0 || d.expression.has_value() ||
-                     (d.charge != 0 && d.magnetic_field != Vec3{}) ||
+                     ((d.charge != 0 || !d.charges.empty()) && d.magnetic_field != Vec3{}) ||
                      (d.propulsion && d.propulsion->along == PropulsionDef::Along::velocity);
   for (const PairSpringDef& s : d.springs) on_velocity |= s.damping > 0;
   for (const PairForceDef& p : d.pair_forces) on_velocity |= std::holds_alternative<ViscosityDef>(p);
@@ -74,6 +74,10 @@ State ParticlesField::initial_state() const {
   return particles_at_start(def_, colliders_, gravity_, seed_, capacity_);
 }
 
+Charges ParticlesField::charges(const State& s) const {
+  return {has_charges(s) ? s.f64(columns::charge) : std::span<const double>(), def_.charge};
+}
+
 BodyForces ParticlesField::body_forces(const State& s) const {
   BodyForces f;
   f.gravity = vector_parameter(s, Parameter::gravity);
@@ -83,7 +87,9 @@ BodyForces ParticlesField::body_forces(const State& s) const {
   f.attractors = s.f64(columns::attractors);
   f.electric = vector_parameter(s, Parameter::electric_field);
   f.magnetic = vector_parameter(s, Parameter::magnetic_field);
-  if (f.electric != Vec3{} || f.magnetic != Vec3{}) f.charge = def_.charge;
+  if (f.electric != Vec3{} || f.magnetic != Vec3{}) {
+    f.charge = def_.charge, f.charges = charges(s).each;
+  }
   f.thrust = parameter(s, Parameter::thrust);
   if (def_.propulsion && def_.propulsion->along == PropulsionDef::Along::direction) {
     f.thrust_direction = normalized(def_.propulsion->direction, {0, 1, 0});
@@ -92,14 +98,38 @@ BodyForces ParticlesField::body_forces(const State& s) const {
 }
 
 void ParticlesField::acceleration(const Phase& at, std::span<double> a, Evaluation& e) const {
+  sum_forces(body_forces(at.state), at, a, e);
+}
+
+UniformFields ParticlesField::uniform_fields(const State& s) const {
+  return {vector_parameter(s, Parameter::gravity), vector_parameter(s, Parameter::electric_field),
+          vector_parameter(s, Parameter::magnetic_field), charges(s)};
+}
+
+bool ParticlesField::varies(const State& s) const {
+  return s.rows(columns::attractors) > 0 || parameter(s, Parameter::linear_drag) != 0 ||
+         parameter(s, Parameter::quadratic_drag) != 0 || parameter(s, Parameter::thrust) != 0 ||
+         expression_.outputs() > 0 || def_.coulomb || !pair_laws_.empty() ||
+         s.rows(columns::spring_rows) > 0 || columns::kHands.any(s);
+}
+
+void ParticlesField::varying_acceleration(const Phase& at, std::span<double> a, Evaluation& e) const {
+  BodyForces body = body_forces(at.state);
+  body.gravity = {};
+  body.charge = 0, body.charges = {};
+  sum_forces(body, at, a, e);
+}
+
+void ParticlesField::sum_forces(const BodyForces& body, const Phase& at, std::span<double> a,
+                                Evaluation& e) const {
   const State& s = at.state;
   const ParticleArrays arrays{at.x.data(), at.v.data(), s.f64(columns::mass).data()};
-  const BodyForces body = body_forces(s);
   e.arena.for_blocks(a.size() / 3, kBlockRows, [&](size_t begin, size_t end) {
     body_accelerations(body, arrays, a.data(), begin, end);
     if (expression_.outputs() > 0) add_expression(at, arrays.mass, a.data(), begin, end);
   });
   if (!pair_laws_.empty()) add_pair_forces(pair_laws_, at, arrays.mass, a, e);
+  if (def_.coulomb) add_coulomb(*def_.coulomb, charges(s), at, arrays.mass, a, e);
   if (s.rows(columns::spring_rows) > 0) add_springs(at, a);
   if (columns::kHands.any(s)) add_commands(at, a);
 }
@@ -162,6 +192,7 @@ std::optional<double> ParticlesField::potential(const Phase& at, Evaluation& e) 
     return body_potential(body, arrays, begin, end);
   });
   if (!pair_laws_.empty()) sum += pair_potential_energy(pair_laws_, at, e);
+  if (def_.coulomb) sum += coulomb_energy(*def_.coulomb, charges(s), at, e);
   const auto rows = s.span<uint32_t>(columns::spring_rows);
   const double* values = s.f64(columns::spring_values).data();
   for (size_t k = 0; k < rows.size() / 2; ++k) {
@@ -209,7 +240,9 @@ Vec3 ParticlesField::single_acceleration(const State& s, double t, const Vec3& x
                                          double mass) const {
   const double xs[3] = {x.x, x.y, x.z}, vs[3] = {v.x, v.y, v.z};
   double a[3];
-  body_accelerations(body_forces(s), {xs, vs, &mass}, a, 0, 1);
+  BodyForces body = body_forces(s);
+  body.charges = {};  // it has no row yet, and the system's charge
+  body_accelerations(body, {xs, vs, &mass}, a, 0, 1);
   if (expression_.outputs() > 0) add_expression({t, xs, vs, s}, &mass, a, 0, 1);
   return load3(a, 0);
 }

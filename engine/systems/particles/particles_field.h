@@ -2,13 +2,21 @@
 // (pair_forces.h), springs, user expressions, and what commands push and drag.
 #pragma once
 #include "engine/core/force_field.h"
+#include "engine/core/system.h"
 #include "engine/kernels/pair_force.h"
 #include "engine/math/expression/names.h"
 #include "engine/math/expression/rows.h"
 #include "engine/systems/particles/body_forces.h"
+#include "engine/systems/particles/coulomb.h"
 #include "engine/systems/particles/particles_state.h"
 
 namespace truestep::particles {
+
+/// Gravity (m/s^2), electric (V/m) and magnetic (T) field, and the charge (C) that they act on.
+struct UniformFields {
+  Vec3 gravity, electric, magnetic;
+  Charges charge;
+};
 
 class ParticlesField final : public ForceField {
  public:
@@ -22,6 +30,16 @@ class ParticlesField final : public ForceField {
   double kinetic(const Phase& at, Evaluation& e) const override;
   std::optional<Stiffness> stiffness(const State& state) const override;
 
+  /// What is the same everywhere, and whether there is anything else; the rest of `acceleration`, for methods
+  /// that take the uniform part exactly.
+  UniformFields uniform_fields(const State& state) const;
+  bool varies(const State& state) const;
+  void varying_acceleration(const Phase& at, std::span<double> a, Evaluation& e) const;
+
+  /// Whether no particle acts on another and no hand on one; then a step of the leapfrog in one pass.
+  bool each_alone(const State& state) const;
+  void leapfrog_alone(State& state, const StepInput& in) const;
+
   /// Acceleration of one particle by the forces that act on it alone, at its birth.
   Vec3 single_acceleration(const State& state, double t, const Vec3& x, const Vec3& v, double mass) const;
 
@@ -31,6 +49,8 @@ class ParticlesField final : public ForceField {
 
  private:
   BodyForces body_forces(const State& s) const;
+  Charges charges(const State& s) const;
+  void sum_forces(const BodyForces& body, const Phase& at, std::span<double> a, Evaluation& e) const;
   void add_springs(const Phase& at, std::span<double> a) const;
   void add_expression(const Phase& at, const double* mass, double* a, size_t begin, size_t end) const;
   void add_commands(const Phase& at, std::span<double> a) const;

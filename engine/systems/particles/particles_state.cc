@@ -12,7 +12,7 @@ namespace {
 
 constexpr double kForever = std::numeric_limits<double>::infinity();
 
-void fill_region(State& s, const FillDef& f, double mass, uint64_t seed, uint64_t stream) {
+void fill_region(State& s, const FillDef& f, double mass, double charge, uint64_t seed, uint64_t stream) {
   const auto count = static_cast<size_t>(f.count);
   const Vec3 half = f.shape == FillDef::Shape::box ? f.half_extents : Vec3{f.radius, f.radius, f.radius};
   const LatticeShape lattice = lattice_shape(count, half);
@@ -31,7 +31,7 @@ void fill_region(State& s, const FillDef& f, double mass, uint64_t seed, uint64_
     }
     Vec3 v = f.velocity + cross(f.spin, p);
     if (f.speed_spread > 0) v += point_in_ball(uniform4(seed, stream + 1, i)) * f.speed_spread;
-    append_particle(s, {f.center + p, v, mass, 0, kForever});
+    append_particle(s, {f.center + p, v, mass, 0, kForever, charge});
   }
 }
 
@@ -71,6 +71,7 @@ void add_columns(State& s, const ParticlesDef& def, size_t colliders) {
   s.add({"drag.id", "1", S::u64, 1}, 0);
   s.add({"drag.target", "m", S::f64, 3}, 0);
   s.add({"drag.stiffness", "N/m", S::f64, 1}, 0);
+  if (!def.charges.empty()) s.add({"charge", "C", S::f64, 1}, 0);
 }
 
 }  // namespace
@@ -80,6 +81,7 @@ State particles_at_start(const ParticlesDef& def, const ColliderSet& colliders, 
   State s;
   add_columns(s, def, colliders.colliders().size());
   for (State::Column c = 0; c < columns::per_particle_end; ++c) s.reserve(c, capacity);
+  if (has_charges(s)) s.reserve(columns::charge, capacity);
 
   const auto set = [&s](Parameter p, const Vec3& v) {
     store3(s.f64(columns::parameters).data() + static_cast<size_t>(p), 0, v);
@@ -95,11 +97,12 @@ State particles_at_start(const ParticlesDef& def, const ColliderSet& colliders, 
 
   for (size_t i = 0; i < def.positions.size(); ++i) {
     append_particle(s, {def.positions[i], def.velocities.empty() ? Vec3{} : def.velocities[i],
-                        def.masses.empty() ? def.mass : def.masses[i], 0, kForever});
+                        def.masses.empty() ? def.mass : def.masses[i], 0, kForever,
+                        def.charges.empty() ? def.charge : def.charges[i]});
   }
   // Streams of random numbers: emitters use those from 0 on, fills those from the top half.
   for (size_t k = 0; k < def.fill.size(); ++k) {
-    fill_region(s, def.fill[k], def.mass, seed, (uint64_t{1} << 63) + 2 * k);
+    fill_region(s, def.fill[k], def.mass, def.charge, seed, (uint64_t{1} << 63) + 2 * k);
   }
 
   double* attractors = s.f64(columns::attractors).data();
@@ -125,6 +128,10 @@ uint64_t append_particle(State& s, const NewParticle& p) {
   s.f64(columns::mass)[n] = p.mass;
   s.f64(columns::birth)[n] = p.birth;
   s.f64(columns::death)[n] = p.death;
+  if (has_charges(s)) {
+    s.resize(columns::charge, n + 1);
+    s.f64(columns::charge)[n] = p.charge;
+  }
   uint64_t& next = s.span<uint64_t>(columns::counters)[static_cast<size_t>(Counter::next_id)];
   return s.span<uint64_t>(columns::id)[n] = next++;
 }

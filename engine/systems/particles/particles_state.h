@@ -32,6 +32,7 @@ enum : State::Column {
   drag_id,                  ///< u64
   drag_target,              ///< f64 x 3, m
   drag_stiffness,           ///< f64, N/m
+  charge,                   ///< f64 per particle, C; only where the scene gives charges
 };
 inline constexpr UserForces kHands{{push_id, push_force, push_remaining},
                                    {drag_id, drag_target, drag_stiffness}};
@@ -65,7 +66,12 @@ State particles_at_start(const ParticlesDef& def, const ColliderSet& colliders, 
 struct NewParticle {
   Vec3 x, v;
   double mass, birth, death;
+  double charge = 0;  ///< kept where particles have charges of their own
 };
+/// Whether the state has the column of charges.
+inline bool has_charges(const State& s) {
+  return s.columns() > columns::charge && s.info(columns::charge).name == "charge";
+}
 uint64_t append_particle(State& s, const NewParticle& p);
 
 /// Row of the particle with this id, or nothing.

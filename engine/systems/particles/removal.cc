@@ -77,7 +77,8 @@ void remove_rows(State& s, std::span<const uint8_t> dead, size_t dead_count, Wor
     const ColumnInfo& info = s.info(c);
     const bool carried = info.name.starts_with("integrator.") && s.rows(c) == n &&
                          info.width == s.info(columns::position).width;
-    if (c < columns::per_particle_end || carried) compact(s, c, runs, kept);
+    const bool charge = c == columns::charge && has_charges(s);
+    if (c < columns::per_particle_end || carried || charge) compact(s, c, runs, kept);
   }
   if (s.rows(columns::spring_rows) > 0) remap_springs(s, runs, before);
 }
