@@ -213,7 +213,7 @@ double direct_seconds(const NbodyDef& d, double n) {
   return n * n * (spline ? 1.4e-9 : 0.75e-9);
 }
 double tree_seconds(const NbodyDef& d, double n) {
-  // A body meets some 250 more for every ten times as many, and (1/error)^0.6.
+  // A body meets some 140 more for every ten times as many, and (1/error)^0.6.
   const double met = (400 + 61 * trig::log(std::max(n, 1e3) / 1e3)) * trig::pow(2e-3 / d.force_error, 0.6);
   return n * (5e-8 + 1.25e-9 * std::min(met, 0.8 * n) * (d.softening > 0 ? 1 : 1.4));
 }
