@@ -272,7 +272,7 @@ Cost crowd_cost(const void* def) {
   // Measured: orca 4 to 5 us a person; social forces 0.6 to 2.3, and several times that in a throng, by its
   // substeps.
   return {.state_bytes = 120 * n,
-          .workspace_bytes = 200 * n + nodes * (24 * goals + 16),
+          .workspace_bytes = 200 * n + nodes * (10 * goals + 7),
           .elements = n,
           .seconds_per_step = (d.model == Model::orca ? 5e-6 : 4e-6) * n};
 }

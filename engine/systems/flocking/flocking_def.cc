@@ -148,7 +148,7 @@ Cost flocking_cost(const void* def) {
   const bool pairs = d.rule == Rule::cucker_smale;
   // Grid: order, cell, sorted places and velocities, up to four cells; Runge-Kutta: five rows of vectors.
   return {.state_bytes = 48 * all,
-          .workspace_bytes = pairs ? 192 * n : 96 * n,
+          .workspace_bytes = (pairs ? 192 : 96 + (d.colliders.empty() ? 0 : 120)) * n,
           .elements = all,
           .seconds_per_step = pairs ? (d.decay > 0 ? 1.2e-7 * n * n : 2e-8 * n) : 3e-7 * n};
 }

@@ -261,7 +261,7 @@ Cost molecular_cost(const void* def) {
   // Neighbours at a liquid's density, one atom in 1.1 sigma^3.
   double sigma = 0.3 * d.cutoff;
   for (const KindDef& k : d.kinds) sigma = k.sigma > 0 && k.sigma < sigma ? k.sigma : sigma;
-  const double reach = (d.cutoff + d.skin) / sigma, near = std::min(n, 3.8 * reach * reach * reach);
+  const double reach = (d.cutoff + d.skin) / sigma, near = std::min(0.6 * n, 3.8 * reach * reach * reach);
   return {.state_bytes = 96 * n,
           .workspace_bytes = (300 + 6 * near + 0.25 * ewald_waves(d)) * n,
           .elements = n,

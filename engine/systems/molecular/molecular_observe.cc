@@ -72,8 +72,7 @@ void Molecular::observe(const State& s, double t, Observables& out) const {
   out.add("energy.kinetic", kinetic, "J");
   out.add("energy.potential", energies.potential(), "J");
   const MolecularDef& d = atoms_.def();
-  if (!d.bonds.empty() || !d.angles.empty() || !d.dihedrals.empty())
-    out.add("energy.bonds", energies.bonds, "J");
+  out.add("energy.bonds", energies.bonds, "J");
   out.add("energy.total", kinetic + energies.potential(), "J");
   const double heat = s.f64(Columns::bath)[static_cast<size_t>(Bath::heat)];
   out.add("energy.conserved", kinetic + energies.potential() - heat + energy_of_chain(s, atoms_), "J");

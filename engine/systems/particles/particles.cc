@@ -337,6 +337,8 @@ Cost particles_cost(const void* def) {
                         : usual && each_alone(d)   ? 14
                                                    : 70 + (d.expression ? 80 : 0);
   c.workspace_bytes = n * (stages + (d.colliders.empty() ? 0 : 50));
+  if (d.coulomb)
+    c.workspace_bytes += n * (60 + 24 * std::clamp(n / 256, 1.0, 8.0));  // sums over all pairs, by strips
   c.elements = n + static_cast<double>(d.springs.size());
   const double pairs = d.pair_forces.empty() ? 0
                                              : 5e-7 + 1e-8 * expected_neighbours(d, n) *
