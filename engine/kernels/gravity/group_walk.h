@@ -295,9 +295,7 @@ class Walk {
       out.a[3 * row + 1] = force * sum(near_.ay, far_.ay);
       out.a[3 * row + 2] = force * sum(near_.az, far_.az);
       if (laws_.sums == Sums::accelerations) continue;
-      // The group's bodies have met themselves at distance 0, where every softening is as deep.
-      const double own = laws_.eps > 0 ? tree_.point(group.begin + i).m / laws_.eps : 0;
-      out.p[row] = potential * (sum(near_.p, far_.p) - own);
+      out.p[row] = potential * sum(near_.p, far_.p);
     }
   }
 

@@ -24,8 +24,8 @@ struct TreeWork {
   double bodies = 0, nodes = 0, far_nodes = 0;
 };
 
-/// a (n x 3, m/s^2) and, unless they are empty, p_i = sum_j mu_j p(r_ij) without the body's own (n, m^2/s^2)
-/// and what a group took (as many as groups).
+/// a (n x 3, m/s^2) and, unless they are empty, p_i = sum_j mu_j p(r_ij) without the body's own and those at
+/// its place (n, m^2/s^2) and what a group took (as many as groups).
 struct TreeSums {
   std::span<double> a, p = {};
   std::span<TreeWork> work = {};

@@ -140,8 +140,9 @@ std::vector<Body> make(const GalaxyDef& d, uint64_t seed, size_t group, const Nb
     const Vec3 across = b.x - frame.axis * dot(b.x, frame.axis);
     const double r = norm(across), inward = -dot(a[i], across) / std::max(r, 1e-300);
     const double speed = std::sqrt(std::max(inward, 0.0) * r), sigma = d.dispersion * speed;
+    const Vec3 u{draw.normal(), draw.normal(), draw.normal()};  // in braces: in this order everywhere
     b.v = normalized(cross(frame.axis, across)) * speed +
-          (frame.a * draw.normal() + frame.b * draw.normal() + frame.axis * draw.normal()) * sigma;
+          (frame.a * u.x + frame.b * u.y + frame.axis * u.z) * sigma;
   }
   center_on(out, d);
   return out;

@@ -194,9 +194,13 @@ template <Sums kSums, class L, class Law, class T>
 inline void meet(Targets<L>& t, const BodySource<T>& b, const Law& law) {
   const L x = L::all(b.x) - t.x, y = L::all(b.y) - t.y, z = L::all(b.z) - t.z, m = L::all(b.m);
   L inverse;
-  const L f = law(madd(x, x, madd(y, y, z * z)), inverse) * m;
+  const L r2 = madd(x, x, madd(y, y, z * z)), f = law(r2, inverse) * m;
   t.ax = madd(f, x, t.ax), t.ay = madd(f, y, t.ay), t.az = madd(f, z, t.az);
-  if constexpr (kSums == Sums::accelerations_and_potentials) t.p = madd(inverse, m, t.p);
+  if constexpr (kSums == Sums::accelerations_and_potentials) {
+    // The bodies of the group meet themselves: to be taken off later, that would have to be known to the last
+    // place.
+    t.p = madd(where_above(r2, L::all(0), inverse, L::all(0)), m, t.p);
+  }
 }
 
 template <Sums kSums, class Law>
