@@ -83,6 +83,16 @@ TEST(NbodyCommands, PushHitDragAndWhatIsRefused) {
   EXPECT_EQ(parameter(run.state, Parameter::gravitational_constant), 2);
 }
 
+TEST(NbodyCommands, HermitesSchemeTakesNoOtherForces) {
+  NbodyDef d = two({});
+  d.integrator = "hermite";
+  NbodyRun run(d, 0.1);
+  EXPECT_EQ(refused(run, {.kind = CommandKind::push, .index = 0, .vector = {0, 5, 0}, .duration = 1}),
+            "/kind");
+  EXPECT_EQ(refused(run, {.kind = CommandKind::drag, .index = 0, .vector = {9, 0, 0}, .value = 4}), "/kind");
+  EXPECT_EQ(refused(run, {.kind = CommandKind::impulse, .index = 0, .vector = {2, 0, 0}}), "") << "control";
+}
+
 TEST(NbodyCollisions, MergeBounceAndStopKeepMomentum) {
   // They touch at t = 0.9 between steps of 0.25: 1 kg and 3 kg at 1 m/s each towards the other.
   for (const Response response : {Response::merge, Response::bounce, Response::stop}) {

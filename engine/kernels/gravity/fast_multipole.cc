@@ -28,7 +28,7 @@ struct MultipoleScratch::Parts {
   std::vector<float> accelerations;
   std::vector<Task> tasks;
   size_t task_count = 0;
-  std::vector<Levels> levels;  // of each task, the last one for what is above them
+  std::vector<Levels> levels;  // the first for what is above the tasks, then each task's
 };
 
 MultipoleScratch::MultipoleScratch() : parts_(std::make_unique<Parts>()) {}

@@ -1,6 +1,7 @@
 // What commands do to bodies; errors name the member of the command that is wrong. A body named by its row is
 // remembered by its id, since rows move when bodies merge.
 #include "engine/core/command_checks.h"
+#include "engine/systems/nbody/hermite.h"
 #include "engine/systems/nbody/nbody.h"
 
 namespace truestep::nbody {
@@ -38,6 +39,10 @@ void set_parameter(State& s, const Command& c) {
 void Nbody::apply(State& s, const Command& c) const {
   check_command_numbers(c);
   refuse_place(c, "body");
+  if (integrator().name == kHermiteName && (c.kind == CommandKind::push || c.kind == CommandKind::drag)) {
+    refuse_command("kind", "unsupported_command", "the integrator hermite serves no forces but gravity",
+                   "impulse, release, set_parameter");
+  }
   switch (c.kind) {
     case CommandKind::push:
       return Columns::kHands.add_push(s, {id_of(s, massive_row(s, c)), c.vector, {}}, c.duration);
