@@ -101,8 +101,11 @@ double nearest_to_ball(FlockingDef d, const Vec3& center, double h) {
     run.step();
     for (size_t i = 0; i < run.state.rows(Columns::position); ++i) {
       least = std::min(least, norm(run.position(i) - center) - 1);
-      if (d.rule == Rule::vicsek) EXPECT_NEAR(norm(run.velocity(i)), d.speed, 1e-14);
-      if (d.rule == Rule::reynolds) EXPECT_GE(norm(run.velocity(i)), d.min_speed - 1e-14);
+      if (d.rule == Rule::vicsek) {
+        EXPECT_NEAR(norm(run.velocity(i)), d.speed, 1e-14);
+      } else if (d.rule == Rule::reynolds) {
+        EXPECT_GE(norm(run.velocity(i)), d.min_speed - 1e-14);
+      }
     }
   }
   EXPECT_FALSE(run.state.first_bad().has_value());
