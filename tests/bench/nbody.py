@@ -77,6 +77,7 @@ def measure(n, runner, folder):
         other = peer(angle)
         if angle == 0:
             compare(f"all pairs of {n}, CPU s", ours("direct")[0], other)
+            compare(f"all pairs of {n}, most in floats, CPU s", ours("mixed")[0], other)
             continue
         # The coarsest of ours that errs no more than the peer.
         good = [t for t in trees if t["error"] <= other["error"]]

@@ -5,6 +5,7 @@
 
 #include "engine/kernels/gravity/fast_multipole.h"
 #include "engine/kernels/gravity/local_field.h"
+#include "engine/kernels/gravity/mixed_sums.h"
 #include "tests/support/nbody_run.h"
 
 namespace truestep::gravity {
@@ -59,6 +60,35 @@ Errors errors(const Cloud& cloud, const TreeSettings& settings, Way way = Way::w
     e.met += share * (work[k].bodies + work[k].nodes + work[k].far_nodes);
   }
   return e;
+}
+
+TEST(MixedSums, AllPairsToTheRoundingOfFloats) {
+  const ThreadArena one(1), four(4);
+  for (const double eps : {0.0, 0.01}) {
+    for (const size_t n : {3, 70, 4096}) {
+      const Cloud cloud = plummer(n);
+      BodyTree tree;
+      tree.build(cloud.bodies(), one);
+      std::vector<double> a(3 * n), exact(3 * n), again(3 * n);
+      DirectScratch scratch;
+      const Softening softening{SofteningKind::plummer, eps};
+      mixed_accelerations(tree, softening, a, one), mixed_accelerations(tree, softening, again, four);
+      EXPECT_EQ(a, again) << "the same bits on any number of threads";
+      direct_accelerations(cloud.bodies(), softening, exact, scratch, one);
+      double square = 0, worst = 0;
+      for (size_t i = 0; i < n; ++i) {
+        const double e = norm(load3(a.data(), i) - load3(exact.data(), i)) / norm(load3(exact.data(), i));
+        square += e * e / static_cast<double>(n), worst = std::max(worst, e);
+      }
+      // A pair is good to some 1e-7; in the middle ten times as much cancels.
+      EXPECT_LT(std::sqrt(square), 3e-7) << n;
+      EXPECT_LT(worst, 1e-5) << n;
+      // Control: floats they are.
+      if (n == 4096) {
+        EXPECT_GT(std::sqrt(square), 1e-9);
+      }
+    }
+  }
 }
 
 TEST(GravityTree, HoldsEveryBodyOnceAndItsMoments) {

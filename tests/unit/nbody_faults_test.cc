@@ -45,10 +45,18 @@ TEST(NbodyScene, WisdomAndHolmanNeedASun) {
   EXPECT_NO_THROW(NbodyRun(d, 0.1));
   d.softening_kind = gravity::SofteningKind::spline;
   EXPECT_THROW(NbodyRun(d, 0.1), Error);
-  d.integrator = "wisdom_holman", d.masses = {31, 3};
-  NbodyRun run(d, 0.1);
-  run.step(3);
-  EXPECT_FALSE(run.state.first_bad());
+  d.integrator = "mercurius";
+  EXPECT_THROW(NbodyRun(d, 0.1), Error);
+  d.softening_kind = gravity::SofteningKind::plummer;
+  EXPECT_THROW(NbodyRun(d, 0.1), Error) << "two alike";
+  for (const char* method : {"wisdom_holman", "mercurius"}) {
+    d.integrator = method, d.masses = {31, 3};
+    NbodyRun run(d, 0.1);
+    run.step(3);
+    EXPECT_FALSE(run.state.first_bad());
+  }
+  d.collisions = CollisionsDef{};
+  EXPECT_THROW(NbodyRun(d, 0.1), Error) << "mercurius steps over them";
 }
 
 std::string refused(NbodyRun& run, const Command& c) {

@@ -34,6 +34,10 @@ TEST(MolecularCharges, MadelungConstantOfRockSalt) {
   // Both sums end where their terms are 1e-12 of the first ones, of which there are some thousand.
   EXPECT_NEAR(per_pair(salt(4, 1e-12)), kMadelung, 1e-9);
   EXPECT_NEAR(per_pair(salt(6, 1e-12)), kMadelung, 1e-9);
+  // The same through a mesh, to its own accuracy.
+  MolecularDef mesh = salt(6, 1e-7);
+  mesh.ewald_method = EwaldMethod::mesh;
+  EXPECT_NEAR(per_pair(mesh), kMadelung, 1e-6);
   // Control: ends at 1e-4 are not good for that.
   EXPECT_GT(std::abs(per_pair(salt(4, 1e-4)) - kMadelung), 1e-8);
 }

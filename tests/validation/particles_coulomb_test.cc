@@ -63,6 +63,64 @@ TEST(ParticlesCoulomb, ForcesAndEnergyAreThoseOfADoubleLoop) {
   EXPECT_GT(norm(summed(like, 0) - summed(d, 0)), 0.1 * norm(summed(d, 0)));
 }
 
+/// Root mean square over some particles of the tree's error over what the charges of either sign do alone.
+double tree_error(ParticlesDef d, double asked) {
+  d.coulomb->method = CoulombMethod::tree, d.coulomb->force_error = asked;
+  ParticlesRun r(d);
+  const size_t n = d.positions.size();
+  std::vector<double> a(3 * n);
+  Evaluation e{r.workspace, r.arena};
+  const Phase at{0, r.state.f64(particles::columns::position), r.state.f64(particles::columns::velocity),
+                 r.state};
+  r.system->force_field().acceleration(at, a, e);
+  Vec3 net;
+  double sizes = 0;
+  for (size_t i = 0; i < n; ++i) {
+    const Vec3 force = load3(a.data(), i) * d.masses[i];
+    net += force, sizes += norm(force);
+  }
+  EXPECT_LT(norm(net), 1e-13 * sizes) << "what the tree's forces add up to is taken away";
+  ParticlesDef positive = d, negative = d;
+  for (size_t i = 0; i < n; ++i) (d.charges[i] > 0 ? negative : positive).charges[i] = 0;
+  double sum = 0;
+  constexpr size_t kSome = 200;
+  for (size_t k = 0; k < kSome; ++k) {
+    const size_t i = k * (n / kSome);
+    const double q = d.charges[i];
+    positive.charges[i] = negative.charges[i] = q;
+    const Vec3 repelled = summed(positive, i), attracted = summed(negative, i);
+    (q > 0 ? negative : positive).charges[i] = 0;
+    const double size = norm(repelled) + norm(attracted);
+    const double fault = norm(load3(a.data(), i) * d.masses[i] - repelled - attracted) / size;
+    sum += fault * fault / kSome;
+  }
+  return std::sqrt(sum);
+}
+
+TEST(ParticlesCoulomb, ATreeOfEitherSignKeepsToTheErrorAskedFor) {
+  const ParticlesDef both = plasma(6000);
+  ParticlesDef like = both;
+  for (double& q : like.charges) q = std::fabs(q);
+  for (const ParticlesDef& d : {both, like}) {
+    EXPECT_LT(tree_error(d, 1e-3), 1e-3);
+    EXPECT_LT(tree_error(d, 1e-4), 1e-4);
+    // Control: it is a tree.
+    EXPECT_GT(tree_error(d, 3e-2), 1e-3);
+  }
+}
+
+TEST(ParticlesCoulomb, EnergyByTheTree) {
+  ParticlesDef d = plasma(6000);
+  for (double& q : d.charges) q = std::fabs(q);
+  d.coulomb->method = CoulombMethod::direct;
+  const double exact = ParticlesRun(d).observed("energy.potential");
+  d.coulomb->method = CoulombMethod::automatic;
+  const double by_tree = ParticlesRun(d).observed("energy.potential");
+  // An error of 1e-3 of a force is less of a potential, which falls more slowly.
+  EXPECT_NEAR(by_tree / exact, 1, 1e-3);
+  EXPECT_NE(by_tree, exact) << "6,000 are summed by the tree";
+}
+
 TEST(ParticlesCoulomb, KeepsEnergyAndMomentum) {
   const auto drift = [](double h, uint64_t steps) {
     ParticlesRun r(plasma(100), h);
@@ -142,6 +200,10 @@ TEST(ParticlesCoulomb, FaultsAreNamed) {
   EXPECT_EQ(where(d), std::vector<std::string>{"/charges"});
   d.charges.clear();
   EXPECT_EQ(where(d), std::vector<std::string>{"/coulomb"});
+  d = plasma(100'001);
+  EXPECT_TRUE(where(d).empty()) << "a tree sums them";
+  d.coulomb->method = CoulombMethod::direct;
+  EXPECT_EQ(where(d), std::vector<std::string>{"/coulomb/method"});
 }
 
 }  // namespace

@@ -52,8 +52,11 @@ Energies MolecularField::add_waves(const Phase& at, const Cell& cell, std::span<
                                    Evaluation& e) const {
   Energies out;
   if (!(ewald_.alpha > 0)) return out;
-  auto& sum = e.workspace.object<EwaldSum>("molecular.ewald");
-  const EwaldEnergy waves = sum.add(ewald_, cell.edges, at.x, setting_.charges, force, e.arena);
+  const auto& charges = setting_.charges;
+  const EwaldEnergy waves = mesh_ ? e.workspace.object<MeshEwald>("molecular.mesh")
+                                        .add(*mesh_, cell.edges, at.x, charges, force, e.arena)
+                                  : e.workspace.object<EwaldSum>("molecular.ewald")
+                                        .add(ewald_, cell.edges, at.x, charges, force, e.arena);
   out.waves = waves.energy, out.virial = waves.virial;
   const double a = ewald_.alpha;
   for (const auto& [i, j] : excluded_) {

@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "engine/base/short_number.h"
-#include "engine/kernels/molecular/ewald.h"
+#include "engine/kernels/molecular/mesh_ewald.h"
 #include "engine/systems/molecular/atoms.h"
 
 namespace truestep::molecular {
@@ -147,13 +147,27 @@ double ewald_waves(const MolecularDef& d) {
   return 2.1 * k * k * k * edges.x * edges.y * edges.z;
 }
 
+double mesh_points(const MolecularDef& d) {
+  const MeshSetting mesh =
+      mesh_setting(ewald_setting(1, d.cutoff, d.ewald_accuracy), box_edges(d), d.ewald_accuracy);
+  return static_cast<double>(mesh.points[0] * mesh.points[1]) * static_cast<double>(mesh.points[2]);
+}
+
+/// s, of Ewald's smooth part in one step, measured on one core.
+double waves_seconds(const MolecularDef& d) {
+  return 5e-9 * ewald_waves(d) * static_cast<double>(atom_count(d));
+}
+double mesh_seconds(const MolecularDef& d) {
+  return 1e-6 * static_cast<double>(atom_count(d)) + 3e-8 * mesh_points(d);
+}
+
 void check_charges(const MolecularDef& d, const DefTable::Report& report) {
   if (d.coulomb == Coulomb::ewald && d.sides == Sides::open) {
     report("/coulomb", "Ewald's sum is one over images: sides are periodic");
   }
   constexpr double kMostTerms = 2e9;
-  if (ewald_waves(d) * static_cast<double>(atom_count(d)) > kMostTerms) {
-    report("/coulomb",
+  if (!by_mesh(d) && ewald_waves(d) * static_cast<double>(atom_count(d)) > kMostTerms) {
+    report("/ewald_method",
            "Ewald's sum has " + short_number(ewald_waves(d)) + " waves here, too many for so many atoms");
   }
   if (d.dielectric && d.coulomb != Coulomb::reaction_field) {
@@ -172,6 +186,11 @@ void check(const MolecularDef& d, const DefTable::Report& report) {
 }
 
 }  // namespace
+
+bool by_mesh(const MolecularDef& d) {
+  if (d.ewald_method != EwaldMethod::automatic) return d.ewald_method == EwaldMethod::mesh;
+  return mesh_seconds(d) < waves_seconds(d);
+}
 
 const DefTable& molecular_table() {
   using D = MolecularDef;
@@ -209,6 +228,9 @@ const DefTable& molecular_table() {
                 "of the surrounding of a reaction field; absent: a conductor")
         .number("ewald_accuracy", &D::ewald_accuracy, "1", between(1e-14, 1e-2),
                 "where both of Ewald's sums end")
+        .choice(
+            "ewald_method", &D::ewald_method, {"auto", "waves", "mesh"},
+            "of Ewald's smooth part: wave by wave; through a mesh, for many atoms; auto: whatever is faster")
         .number("temperature", &D::temperature, "K", at_least(0),
                 "of the start: random velocities without momentum; absent: at rest")
         .number("boltzmann", &D::boltzmann, "J/K", above(0), "Boltzmann's constant; 1 in reduced units")
@@ -262,10 +284,14 @@ Cost molecular_cost(const void* def) {
   double sigma = 0.3 * d.cutoff;
   for (const KindDef& k : d.kinds) sigma = k.sigma > 0 && k.sigma < sigma ? k.sigma : sigma;
   const double reach = (d.cutoff + d.skin) / sigma, near = std::min(0.6 * n, 3.8 * reach * reach * reach);
+  const bool ewald = ewald_waves(d) > 0, mesh = ewald && by_mesh(d);
   return {.state_bytes = 96 * n,
-          .workspace_bytes = (300 + 6 * near + 0.25 * ewald_waves(d)) * n,
+          .workspace_bytes =
+              (300 + 6 * near + (mesh ? 440 : 0.25 * ewald_waves(d))) * n + (mesh ? 18 * mesh_points(d) : 0),
           .elements = n,
-          .seconds_per_step = (3e-8 + (charged(d) ? 8e-9 : 3e-9) * near + 1e-9 * ewald_waves(d)) * n};
+          .seconds_per_step = (3e-8 + (charged(d) ? 8e-9 : 3e-9) * near) * n + (mesh    ? mesh_seconds(d)
+                                                                                : ewald ? waves_seconds(d)
+                                                                                        : 0)};
 }
 
 }  // namespace truestep::molecular

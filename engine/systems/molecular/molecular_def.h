@@ -56,6 +56,8 @@ struct DihedralDef {
   int64_t multiplicity = 1;
 };
 enum class Coulomb : uint8_t { shifted, reaction_field, ewald, truncated };
+/// How Ewald's smooth part is summed: wave by wave, or through a mesh.
+enum class EwaldMethod : uint8_t { automatic, waves, mesh };
 
 /// What holds the temperature.
 struct ThermostatDef {
@@ -100,6 +102,7 @@ struct MolecularDef : IntegratorParams {
   double coulomb_constant = 8.9875517862e9;  // N m^2/C^2
   std::optional<double> dielectric;          // 1, absent: a conductor
   double ewald_accuracy = 1e-6;
+  EwaldMethod ewald_method = EwaldMethod::automatic;
   std::optional<double> temperature;  // K
   double boltzmann = 1.380649e-23;    // J/K
 
@@ -119,6 +122,8 @@ struct MolecularDef : IntegratorParams {
 };
 
 const DefTable& molecular_table();
+/// Whether Ewald's smooth part, if there is one, goes through a mesh.
+bool by_mesh(const MolecularDef& def);
 const Outputs& molecular_outputs();
 Cost molecular_cost(const void* def);
 

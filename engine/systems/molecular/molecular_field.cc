@@ -84,6 +84,7 @@ void MolecularField::make_coulomb() {
     law_.charges = PairLaw::Charges::ewald;
     ewald_ = ewald_setting(def_.coulomb_constant, rc, def_.ewald_accuracy);
     law_.alpha = ewald_.alpha;
+    if (by_mesh(def_)) mesh_ = mesh_setting(ewald_, start_.cell.edges, def_.ewald_accuracy);
     // The series is far better than the sums' ends.
     law_.erf = ErfSeries(1.001 * law_.alpha * law_.alpha * law_.cutoff2,
                          std::max(2e-16, 1e-7 * def_.ewald_accuracy));

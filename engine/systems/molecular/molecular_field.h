@@ -4,10 +4,11 @@
 // than half a skin has a list of its own.
 #pragma once
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "engine/core/force_field.h"
-#include "engine/kernels/molecular/ewald.h"
+#include "engine/kernels/molecular/mesh_ewald.h"
 #include "engine/kernels/molecular/pair_law.h"
 #include "engine/systems/molecular/atoms.h"
 #include "engine/systems/molecular/neighbour_list.h"
@@ -85,6 +86,7 @@ class MolecularField final : public ForceField {
   std::vector<double> masses_, inverse_masses_;
   PairLaw law_;
   EwaldSetting ewald_;
+  std::optional<MeshSetting> mesh_;
   std::vector<std::array<uint32_t, 2>> excluded_;
   PairSumFunction forces_, energies_;
 };

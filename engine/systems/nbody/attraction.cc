@@ -5,6 +5,7 @@
 #include <functional>
 
 #include "engine/base/short_number.h"
+#include "engine/kernels/gravity/mixed_sums.h"
 
 namespace truestep::nbody {
 
@@ -52,8 +53,9 @@ void Attraction::tree_sums(const gravity::Bodies& bodies, const State& s, const 
                            Workspace& workspace, const ThreadArena& arena) const {
   auto& tree = workspace.object<gravity::BodyTree>("nbody.tree");
   tree.build(bodies, arena);
-  if (chosen_method(def_, bodies.size()) == Method::tree)
-    return gravity::tree_sums(tree, settings(s), out, arena);
+  const Method method = chosen_method(def_, bodies.size());
+  if (method == Method::mixed) return mixed_accelerations(tree, settings(s).softening, out.a, arena);
+  if (method == Method::tree) return gravity::tree_sums(tree, settings(s), out, arena);
   multipole_sums(tree, settings(s), out, workspace.object<gravity::MultipoleScratch>("nbody.multipoles"),
                  arena);
 }
@@ -75,7 +77,8 @@ double Attraction::potential(const State& s, std::span<const double> x, Workspac
   const double g = parameter(s, Parameter::gravitational_constant);
   if (g == 0) return 0;
   const size_t n = bodies.size();
-  if (chosen_method(def_, n) == Method::direct) {
+  const Method method = chosen_method(def_, n);
+  if (method == Method::direct || method == Method::mixed) {
     auto& scratch = workspace.object<gravity::DirectScratch>("nbody.direct");
     return -direct_potential(bodies, settings(s).softening, scratch, arena) / g;
   }
@@ -92,6 +95,7 @@ double Attraction::potential(const State& s, std::span<const double> x, Workspac
 std::string Attraction::reason(size_t n) const {
   const std::string bodies = std::to_string(n) + " bodies";
   const Method method = chosen_method(def_, n);
+  if (method == Method::mixed) return bodies + ", every pair, most in floats";
   if (method != Method::direct) {
     return bodies + (method == Method::tree ? " by a tree" : " by the fast multipole method") + ", error " +
            short_number(def_.force_error) + " of an acceleration";

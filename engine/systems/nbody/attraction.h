@@ -1,5 +1,5 @@
-// Accelerations and potential of all bodies by whichever way the def asks for: all pairs, a tree, or the fast
-// multipole method.
+// Accelerations and potential of all bodies by whichever way the def asks for: all pairs in doubles or mostly
+// in floats, a tree, or the fast multipole method.
 #pragma once
 #include <vector>
 

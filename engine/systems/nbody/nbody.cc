@@ -6,6 +6,7 @@
 #include "engine/base/errors.h"
 #include "engine/systems/nbody/collisions.h"
 #include "engine/systems/nbody/hermite.h"
+#include "engine/systems/nbody/mercurius.h"
 #include "engine/systems/nbody/wisdom_holman.h"
 
 namespace truestep::nbody {
@@ -34,14 +35,26 @@ double dot_radius(const State& s) {
 }
 
 /// Error "scene_invalid" where no body outweighs the others.
-const Integrator& checked_wisdom_holman(const NbodyField& field) {
+void check_sun(std::string_view integrator, const NbodyField& field) {
   const State s = field.initial_state();
   const auto mass = s.f64(Columns::mass);
   double others = 0;
   for (size_t i = 1; i < mass.size(); ++i) others += mass[i];
   if (mass.size() < 2 || !(mass[0] > 10 * others))
-    refuse(kWisdomHolmanName, "the first body must outweigh all others ten times");
-  return wisdom_holman();
+    refuse(integrator, "the first body must outweigh all others ten times");
+}
+
+/// Error "scene_invalid" where it would not be true to the scene.
+void check_mercurius(const NbodyDef& def, const NbodyField& field) {
+  check_sun(kMercuriusName, field);
+  if (def.softening_kind == gravity::SofteningKind::spline && def.softening > 0)
+    refuse(kMercuriusName, "it serves Plummer's softening, not the spline's");
+  if (def.method != Method::automatic && def.method != Method::direct)
+    refuse(kMercuriusName, "it sums over all pairs: method direct or auto");
+  if (def.collisions) {
+    refuse(kMercuriusName,
+           "collisions are looked for on straight lines between steps, and its paths are none");
+  }
 }
 
 const Integrator& checked_hermite(const NbodyDef& def) {
@@ -53,7 +66,14 @@ const Integrator& checked_hermite(const NbodyDef& def) {
 }
 
 ChosenMethod method_of(const NbodyDef& def, const NbodyField& field, double dt) {
-  if (def.integrator == kWisdomHolmanName) return {checked_wisdom_holman(field), "named by the scene"};
+  if (def.integrator == kWisdomHolmanName) {
+    check_sun(kWisdomHolmanName, field);
+    return {wisdom_holman(), "named by the scene"};
+  }
+  if (def.integrator == kMercuriusName) {
+    check_mercurius(def, field);
+    return {mercurius(), "named by the scene"};
+  }
   if (def.integrator == kHermiteName) return {checked_hermite(def), "named by the scene"};
   const bool few = body_count(def) <= kFewBodies;
   return settle_method(def.choice(), {.usual = few ? "ias15" : "leapfrog"}, field, dt);
@@ -63,6 +83,8 @@ IntegratorOptions options_of(const NbodyDef& def) {
   constexpr double kAarseth = 0.01;  // eta, as is usual
   IntegratorOptions out = def.choice().options;
   if (def.integrator == kHermiteName) out.tolerance = def.tolerance.value_or(kAarseth);
+  // ias15's polynomials end at 1e-8 of the acceleration then, which is rounding after its fifteenth order.
+  if (def.integrator == kMercuriusName) out.tolerance = def.tolerance.value_or(1e-16);
   return out;
 }
 

@@ -2,6 +2,7 @@
 // remembered by its id, since rows move when bodies merge.
 #include "engine/core/command_checks.h"
 #include "engine/systems/nbody/hermite.h"
+#include "engine/systems/nbody/mercurius.h"
 #include "engine/systems/nbody/nbody.h"
 
 namespace truestep::nbody {
@@ -39,8 +40,11 @@ void set_parameter(State& s, const Command& c) {
 void Nbody::apply(State& s, const Command& c) const {
   check_command_numbers(c);
   refuse_place(c, "body");
-  if (integrator().name == kHermiteName && (c.kind == CommandKind::push || c.kind == CommandKind::drag)) {
-    refuse_command("kind", "unsupported_command", "the integrator hermite serves no forces but gravity",
+  const std::string method(integrator().name);
+  if ((method == kHermiteName || method == kMercuriusName) &&
+      (c.kind == CommandKind::push || c.kind == CommandKind::drag)) {
+    refuse_command("kind", "unsupported_command",
+                   "the integrator " + method + " serves no forces but gravity",
                    "impulse, release, set_parameter");
   }
   switch (c.kind) {

@@ -177,11 +177,12 @@ const DefTable& nbody_table() {
         .choice("softening_kind", &D::softening_kind, {"plummer", "spline"},
                 "how attraction weakens near a body: everywhere a little, or within 2.8 softenings only")
         .number("softening", &D::softening, "m", at_least(0), "length below which attraction weakens")
-        .choice("method", &D::method, {"auto", "direct", "tree", "fmm"},
-                "all pairs, exact; a tree of bodies, for many; the fast multipole method, for very many; "
-                "auto: whatever is fastest for force_error")
+        .choice("method", &D::method, {"auto", "direct", "mixed", "tree", "fmm"},
+                "all pairs, exact; all pairs, most in floats, error some 1e-7; a tree of bodies, for many; "
+                "the fast "
+                "multipole method, for very many; auto: whatever is fastest for force_error")
         .number("force_error", &D::force_error, "1", between(1e-6, 0.05),
-                "but for direct: error of an acceleration over its size, root mean square over the bodies")
+                "of tree and fmm: error of an acceleration over its size, root mean square over the bodies")
         .object("collisions", &D::collisions, collisions_table(), "absent: bodies pass through each other")
         .number("draw_radius", &D::draw_radius, "m", at_least(0),
                 "size in pictures; absent: by the scene's size")
@@ -232,7 +233,11 @@ Method chosen_method(const NbodyDef& d, size_t n) {
 Cost nbody_cost(const void* def) {
   const auto& d = *static_cast<const NbodyDef*>(def);
   const auto n = static_cast<double>(body_count(d));
-  const bool direct = chosen_method(d, body_count(d)) == Method::direct;
+  const Method method = chosen_method(d, body_count(d));
+  const bool direct = method == Method::direct;
+  const double sums = direct                    ? direct_seconds(d, n)
+                      : method == Method::mixed ? n * n * 3e-10
+                                                : tree_seconds(d, n);
   Cost c;
   c.state_bytes = n * 80 + 2e3;
   c.workspace_bytes = n * (direct ? 60 + 24 * std::clamp(n / 256, 1.0, 8.0) : 280);
@@ -243,7 +248,7 @@ Cost nbody_cost(const void* def) {
   const bool divides = by_itself || d.integrator == "ias15" || d.integrator == "hermite";
   const double evaluations = divides ? 20 : 1;
   if (evaluations > 1) c.state_bytes += 400 * n;
-  c.seconds_per_step = 1e-6 + evaluations * (n * 1e-8 + (direct ? direct_seconds(d, n) : tree_seconds(d, n)));
+  c.seconds_per_step = 1e-6 + evaluations * (n * 1e-8 + sums);
   return c;
 }
 

@@ -58,7 +58,7 @@ struct OrbitDef {
 
 using GroupDef = std::variant<PlummerDef, SphereDef, GalaxyDef, RingDef, OrbitDef>;
 
-enum class Method : uint8_t { automatic, direct, tree, fmm };
+enum class Method : uint8_t { automatic, direct, mixed, tree, fmm };
 enum class Response : uint8_t { merge, bounce, stop };
 
 struct CollisionsDef {

@@ -3,12 +3,33 @@
 #include <algorithm>
 #include <cmath>
 
+#include "engine/math/trig.h"
+
 namespace truestep::nbody {
+
+namespace {
+
+std::vector<NbodyField::Orbit> orbits_of(const State& s) {
+  const auto x = s.f64(Columns::position), v = s.f64(Columns::velocity), mass = s.f64(Columns::mass);
+  const double mu = parameter(s, Parameter::gravitational_constant) * mass[0];
+  std::vector<NbodyField::Orbit> out(mass.size());
+  for (size_t i = 1; i < mass.size() && mu > 0; ++i) {
+    const double r = norm(load3(x.data(), i) - load3(x.data(), 0)),
+                 v2 = norm2(load3(v.data(), i) - load3(v.data(), 0)), beta = 2 * mu / r - v2;
+    if (!(r > 0)) continue;
+    const double a = beta > 0 ? mu / beta : r;
+    out[i] = {a * trig::pow(mass[i] / (3 * mass[0]), 1.0 / 3), std::sqrt(mu / a)};
+  }
+  return out;
+}
+
+}  // namespace
 
 NbodyField::NbodyField(const NbodyDef& def, uint64_t seed)
     : def_(def),
       attraction_(def),
-      start_(nbody_state(bodies_at_start(def, seed), def.gravitational_constant, def.softening)) {
+      start_(nbody_state(bodies_at_start(def, seed), def.gravitational_constant, def.softening)),
+      orbits_(orbits_of(start_)) {
   // Only the numbers are needed from here on.
   for (auto* list : {&def_.positions, &def_.velocities}) list->clear(), list->shrink_to_fit();
 }

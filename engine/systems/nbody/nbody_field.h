@@ -21,6 +21,14 @@ class NbodyField final : public ForceField {
   /// is. Of few it is not known.
   std::optional<Stiffness> stiffness(const State& state) const override;
 
+  /// What the orbit of a body about the first one says at t = 0; 0 of the first.
+  struct Orbit {
+    double hill_radius = 0,
+           circular_speed = 0;  ///< m, m/s; of the semi-major axis, or where unbound of the distance
+  };
+  /// By row at t = 0.
+  const std::vector<Orbit>& orbits() const { return orbits_; }
+
   const NbodyDef& def() const { return def_; }
   const Attraction& attraction() const { return attraction_; }
 
@@ -28,6 +36,7 @@ class NbodyField final : public ForceField {
   NbodyDef def_;
   Attraction attraction_;
   State start_;
+  std::vector<Orbit> orbits_;
 };
 
 }  // namespace truestep::nbody

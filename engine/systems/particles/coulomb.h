@@ -1,9 +1,11 @@
-// Electrostatics between all particles, summed over every pair in f64 (kernels/gravity/direct_sums.h, whose
-// strengths may have either sign):
+// Electrostatics between all particles:
 //   F_i = k q_i sum_j q_j (x_i - x_j) / (r_ij^2 + eps^2)^(3/2),   V = k sum_{i<j} q_i q_j / (r^2 +
 //   eps^2)^(1/2)
-// Both ends of a pair feel the same force, so momentum is kept to rounding. Not here: a tree, whose moments
-// about a centre of mass have no meaning for charges that sum to zero.
+// over every pair in f64 (kernels/gravity/direct_sums.h, whose strengths may have either sign), both ends of
+// a pair alike, so that momentum is kept to rounding; or by the tree of gravity
+// (kernels/gravity/tree_walk.h), once for the positive charges as sources and once for the negative ones,
+// because moments about a centre of charge have no meaning where charges sum to zero. Its error is a share of
+// what either sign does alone; what its forces add up to is taken from everybody alike.
 #pragma once
 #include <span>
 
@@ -19,10 +21,13 @@ struct Charges {
   double operator[](size_t i) const { return each.empty() ? common : each[i]; }
 };
 
+/// Whether n particles are summed by the tree.
+bool by_tree(const CoulombDef& def, size_t n);
+
 /// Adds the accelerations to a (n x 3, m/s^2); mass in kg.
 void add_coulomb(const CoulombDef& def, const Charges& charges, const Phase& at, const double* mass,
                  std::span<double> a, Evaluation& e);
-/// J.
+/// J; with the tree to the error of its sums.
 double coulomb_energy(const CoulombDef& def, const Charges& charges, const Phase& at, Evaluation& e);
 
 }  // namespace truestep::particles

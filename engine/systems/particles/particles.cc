@@ -337,13 +337,14 @@ Cost particles_cost(const void* def) {
                         : usual && each_alone(d)   ? 14
                                                    : 70 + (d.expression ? 80 : 0);
   c.workspace_bytes = n * (stages + (d.colliders.empty() ? 0 : 50));
-  if (d.coulomb)
-    c.workspace_bytes += n * (60 + 24 * std::clamp(n / 256, 1.0, 8.0));  // sums over all pairs, by strips
+  const bool tree = d.coulomb && by_tree(*d.coulomb, largest_count(d));
+  if (d.coulomb)  // the tree with what it says of either sign; sums over all pairs, by strips
+    c.workspace_bytes += n * (tree ? 330 : 60 + 24 * std::clamp(n / 256, 1.0, 8.0));
   c.elements = n + static_cast<double>(d.springs.size());
   const double pairs = d.pair_forces.empty() ? 0
                                              : 5e-7 + 1e-8 * expected_neighbours(d, n) *
                                                           static_cast<double>(d.pair_forces.size());
-  const double charged = d.coulomb ? 5e-10 * n : 0;  // each pair once
+  const double charged = tree ? 1.5e-6 : d.coulomb ? 5e-10 * n : 0;  // each pair once
   const double own = d.expression ? 6e-8 : 0;
   // Measured with every particle near the colliders; walls of a container are near for most.
   double walls = 0;

@@ -136,9 +136,15 @@ const DefTable& propulsion_table() {
 const DefTable& coulomb_table() {
   using D = CoulombDef;
   static const DefTable t =
-      TableOf<D>("force constant q_i q_j / r^2 between all particles, over every pair")
+      TableOf<D>("force constant q_i q_j / r^2 between all particles")
           .number("constant", &D::constant, "N m^2/C^2", any(), "1/(4 pi eps_0); negative: likes attract")
           .number("softening", &D::softening, "m", at_least(0), "r^2 + softening^2 in place of r^2")
+          .choice("method", &D::method, {"auto", "direct", "tree"},
+                  "every pair; a tree of the charges of either sign; auto: pairs to 5,000 particles")
+          .number(
+              "force_error", &D::force_error, "1", between(1e-6, 0.05),
+              "by the tree: error of what the charges of one sign do to a particle over its size, root mean "
+              "square")
           .build();
   return t;
 }
@@ -205,8 +211,8 @@ void check(const ParticlesDef& d, const DefTable::Report& report) {
   if (d.coulomb && d.charge == 0 && d.charges.empty()) {
     report("/coulomb", "particles without a charge do not act on each other");
   }
-  if (d.coulomb && largest_count(d) > kMostCharges) {
-    report("/coulomb", "every pair is summed: at most 100,000 particles");
+  if (d.coulomb && d.coulomb->method == CoulombMethod::direct && largest_count(d) > kMostCharges) {
+    report("/coulomb/method", "every pair is summed: at most 100,000 particles");
   }
   for (size_t i = 0; i < d.springs.size(); ++i) {
     const PairSpringDef& s = d.springs[i];

@@ -71,8 +71,11 @@ struct PropulsionDef {
 };
 
 /// Electrostatics between all particles.
+enum class CoulombMethod : uint8_t { automatic, direct, tree };
 struct CoulombDef {
   double constant = 8.9875517873681764e9, softening = 0;
+  CoulombMethod method = CoulombMethod::automatic;
+  double force_error = 1e-3;
 };
 
 struct NamedNumberDef {

@@ -1,6 +1,6 @@
 // Our side of nbody.py: reads bodies (n x 4 doubles: x, y, z, G m), evaluates their attraction once in the
-// way that is asked, and says what it took. runner FILE SOFTENING direct | runner FILE SOFTENING tree
-// OPENING...; writes a (n x 3 doubles) to FILE.a after each.
+// way that is asked, and says what it took. runner FILE SOFTENING direct | mixed | tree OPENING...; writes a
+// (n x 3 doubles) to FILE.a after each.
 #include <algorithm>
 #include <cstdio>
 #include <cstdlib>
@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "engine/kernels/gravity/mixed_sums.h"
 #include "engine/kernels/gravity/tree_walk.h"
 
 using namespace truestep;
@@ -66,6 +67,17 @@ int main(int count, char** words) {
     const double seconds = median_seconds(
         [&] {
           direct_accelerations({x, mu}, softening, a, scratch, one);
+        },
+        n);
+    report(0, seconds, {static_cast<double>(n), 0, 0});
+    return 0;
+  }
+  if (words[3] == std::string("mixed")) {
+    BodyTree tree;
+    const double seconds = median_seconds(
+        [&] {
+          tree.build({x, mu}, one);
+          mixed_accelerations(tree, softening, a, one);
         },
         n);
     report(0, seconds, {static_cast<double>(n), 0, 0});
