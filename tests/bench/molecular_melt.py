@@ -19,7 +19,6 @@ SCENE = {
     "systems": [{"type": "molecular", "id": "melt", "boltzmann": 1, "cutoff": 2.5, "skin": 0.3, "temperature": 1.44,
                  "kinds": [{"name": "A", "mass": 1, "sigma": 1, "epsilon": 1}],
                  "lattice": {"cells": [CELLS] * 3, "number_density": 0.8442}}],
-    "observables": ["energy"],
 }
 PEER = """
 import resource, sys
