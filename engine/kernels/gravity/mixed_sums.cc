@@ -12,25 +12,18 @@ constexpr double kNear = 3;  // radii of a group within which bodies meet it in 
 
 class MixedGroup {
  public:
-  MixedGroup(const BodyTree& tree, const LawLoops& loops, double eps)
-      : tree_(tree), loops_(loops), eps_(eps) {}
+  MixedGroup(const BodyTree& tree, const MixedScratch& scratch, const LawLoops& loops, double eps)
+      : tree_(tree), places_(scratch.places), loops_(loops), eps_(eps) {}
 
-  void run(const BodyTree::Group& group, std::span<double> a) {
-    const walk::Place at(tree_, group);
-    place(near_, group, at), place(far_, group, at);
+  void run(size_t own, std::span<double> a) {
+    const BodyTree::Group& group = tree_.groups()[own];
+    at_ = places_[own];
+    place(near_, group), place(far_, group);
     sum_.fill({});
-    const double reach = kNear * static_cast<double>(at.radius), reach2 = reach * reach;
-    for (size_t i = 0; i < tree_.size(); ++i) {
-      const BodyTree::Point& p = tree_.point(i);
-      const double x = p.x - at.center[0], y = p.y - at.center[1], z = p.z - at.center[2];
-      if (x * x + y * y + z * z > reach2) {
-        if (fars_ == walk::kPending) sum_far(group);
-        far_sources_[fars_++] = {static_cast<float>(x), static_cast<float>(y), static_cast<float>(z),
-                                 static_cast<float>(p.m)};
-      } else {
-        if (nears_ == walk::kPending) sum_near();
-        near_sources_[nears_++] = {x, y, z, p.m};
-      }
+    for (size_t k = 0; k < places_.size(); ++k) {
+      const BodyTree::Group& other = tree_.groups()[k];
+      is_near(places_[k]) ? take(other, nears_, near_sources_, [&] { sum_near(); })
+                          : take(other, fars_, far_sources_, [&] { sum_far(group); });
     }
     sum_near(), sum_far(group);
     const double length = tree_.length_scale(), force = length * length / tree_.mass_scale();
@@ -41,13 +34,29 @@ class MixedGroup {
   }
 
  private:
+  bool is_near(const std::array<double, 4>& other) const {
+    const double x = other[0] - at_[0], y = other[1] - at_[1], z = other[2] - at_[2];
+    const double reach = kNear * at_[3] + other[3];
+    return x * x + y * y + z * z <= reach * reach;
+  }
+  template <class Source, class Full>
+  void take(const BodyTree::Group& group, size_t& count, std::array<Source, walk::kPending>& sources,
+            const Full& full) {
+    using T = decltype(Source::x);
+    if (count + kMost > walk::kPending) full();
+    for (size_t i = group.begin; i < group.end; ++i) {
+      const BodyTree::Point& p = tree_.point(i);
+      sources[count++] = {static_cast<T>(p.x - at_[0]), static_cast<T>(p.y - at_[1]),
+                          static_cast<T>(p.z - at_[2]), static_cast<T>(p.m)};
+    }
+  }
   template <class T>
-  void place(GroupSums<T, kMost>& g, const BodyTree::Group& group, const walk::Place& at) {
+  void place(GroupSums<T, kMost>& g, const BodyTree::Group& group) {
     g.clear(group.end - group.begin);
     for (size_t i = 0; i < g.rows; ++i) {
       const BodyTree::Point& p = tree_.point(std::min<size_t>(group.begin + i, group.end - 1));
-      g.x[i] = static_cast<T>(p.x - at.center[0]), g.y[i] = static_cast<T>(p.y - at.center[1]);
-      g.z[i] = static_cast<T>(p.z - at.center[2]);
+      g.x[i] = static_cast<T>(p.x - at_[0]), g.y[i] = static_cast<T>(p.y - at_[1]);
+      g.z[i] = static_cast<T>(p.z - at_[2]);
     }
   }
   void sum_near() {
@@ -64,8 +73,10 @@ class MixedGroup {
   }
 
   const BodyTree& tree_;
+  const std::vector<std::array<double, 4>>& places_;
   const LawLoops& loops_;
   double eps_;
+  std::array<double, 4> at_{};
   GroupSums<double, kMost> near_;
   GroupSums<float, kMost> far_;
   std::array<Vec3, kMost> sum_;
@@ -77,12 +88,18 @@ class MixedGroup {
 }  // namespace
 
 void mixed_accelerations(const BodyTree& tree, const Softening& softening, std::span<double> a,
-                         const ThreadArena& arena) {
+                         MixedScratch& scratch, const ThreadArena& arena) {
   constexpr size_t kShare = 16;  // groups
+  const size_t groups = tree.groups().size();
+  scratch.places.resize(groups);
+  for (size_t k = 0; k < groups; ++k) {
+    const walk::Place at(tree, tree.groups()[k]);
+    scratch.places[k] = {at.center[0], at.center[1], at.center[2], static_cast<double>(at.radius)};
+  }
   const LawLoops& loops = softening.loops(pair_loops());
-  arena.for_blocks(tree.groups().size(), kShare, [&](size_t begin, size_t end) {
-    MixedGroup group(tree, loops, softening.length * tree.length_scale());
-    for (size_t k = begin; k < end; ++k) group.run(tree.groups()[k], a);
+  arena.for_blocks(groups, kShare, [&](size_t begin, size_t end) {
+    MixedGroup group(tree, scratch, loops, softening.length * tree.length_scale());
+    for (size_t k = begin; k < end; ++k) group.run(k, a);
   });
 }
 

@@ -54,7 +54,9 @@ void Attraction::tree_sums(const gravity::Bodies& bodies, const State& s, const 
   auto& tree = workspace.object<gravity::BodyTree>("nbody.tree");
   tree.build(bodies, arena);
   const Method method = chosen_method(def_, bodies.size());
-  if (method == Method::mixed) return mixed_accelerations(tree, settings(s).softening, out.a, arena);
+  if (method == Method::mixed)
+    return mixed_accelerations(tree, settings(s).softening, out.a,
+                               workspace.object<gravity::MixedScratch>("nbody.mixed"), arena);
   if (method == Method::tree) return gravity::tree_sums(tree, settings(s), out, arena);
   multipole_sums(tree, settings(s), out, workspace.object<gravity::MultipoleScratch>("nbody.multipoles"),
                  arena);

@@ -74,10 +74,11 @@ int main(int count, char** words) {
   }
   if (words[3] == std::string("mixed")) {
     BodyTree tree;
+    MixedScratch scratch;
     const double seconds = median_seconds(
         [&] {
           tree.build({x, mu}, one);
-          mixed_accelerations(tree, softening, a, one);
+          mixed_accelerations(tree, softening, a, scratch, one);
         },
         n);
     report(0, seconds, {static_cast<double>(n), 0, 0});
