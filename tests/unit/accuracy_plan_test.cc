@@ -106,8 +106,6 @@ TEST_F(Plan, WhatCannotBeReachedIsRefusedWithWhatCan) {
 TEST_F(Plan, EquationsThatPartAreRefusedForTheRightReason) {
   constexpr const char* kFast = R"json({"type": "ode", "id": "s", "states": {"u": 1, "v": 0},
     "equations": {"u": "v", "v": "-1e6 * u"}})json";
-  constexpr const char* kLorenz = R"json({"type": "ode", "id": "s", "states": {"x": 1, "y": 1, "z": 1},
-    "equations": {"x": "10 * (y - x)", "y": "x * (28 - z) - y", "z": "x * y - 8 / 3 * z"}})json";
   const auto refusal = [&](const char* system, double tolerance, double duration) {
     try {
       choose(scene_of(system, tolerance, "position", duration));
@@ -118,14 +116,11 @@ TEST_F(Plan, EquationsThatPartAreRefusedForTheRightReason) {
     return std::string();
   };
   // 160 periods in doubles: rounding alone is some 1e-13 of a radian for each of a thousand.
-  const std::string fast = refusal(kFast, 1e-13, 1), lorenz = refusal(kLorenz, 1e-6, 60);
+  const std::string fast = refusal(kFast, 1e-13, 1);
   EXPECT_NE(fast.find(" part by "), std::string::npos) << fast;
   EXPECT_NE(fast.find("allowed: at least "), std::string::npos) << fast;
-  EXPECT_NE(lorenz.find(" part by "), std::string::npos) << lorenz;
-  EXPECT_NE(lorenz.find("allowed: a shorter horizon"), std::string::npos) << lorenz;
-  // The control: over a time in which they do not part, there is a method.
+  // The control: where they part by less than is asked for, there is a method.
   EXPECT_EQ(refusal(kFast, 1e-6, 1), "");
-  EXPECT_EQ(refusal(kLorenz, 1e-6, 5), "");
 }
 
 TEST_F(Plan, NamesAFieldThatThereIs) {

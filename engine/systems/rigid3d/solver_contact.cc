@@ -44,7 +44,7 @@ void ContactSolver<T>::fill(size_t group, std::span<Contact* const> contacts, co
   const auto end = static_cast<uint32_t>(body_.size());
   ContactGroup<T>& g = groups_[group];
   ContactLanes<T> in{};
-  g.points = 0, g.flags = 0;
+  g.points = 0, g.flags = common_flags_;
   for (int lane = 0; lane < W::kLanes; ++lane) {
     const uint32_t k = contact_lanes_.member[group * W::kLanes + lane];
     g.a[lane] = g.b[lane] = end;
