@@ -41,7 +41,7 @@ struct alignas(64) ContactGroup {
 
   uint32_t a[W::kLanes], b[W::kLanes];  ///< records, `end` for bodies that contacts do not move
   int points = 0;                       ///< most points of a lane
-  enum : uint32_t { kBounces = 1, kRolls = 2, kDrifts = 4 };
+  enum : uint32_t { kBounces = 1, kRolls = 2, kDrifts = 4, kSpins = 8 };
   uint32_t flags = 0;
 
   W normal[3], tangent[2][3], root_a, root_b;  ///< axes; 1/sqrt(m)

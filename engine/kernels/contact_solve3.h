@@ -63,6 +63,19 @@ template <class T>
   for (int k = 0; k < 6; ++k) v[k] = madd(g.k[at(k, which)], impulse, v[k]);
 }
 
+/// Share of the impulse to rest that friction aside may have where the surfaces turn on one another in spite
+/// of friction. Then slip at the speed s changes the friction of points that turn at w r by no more than s /
+/// (w r), so that slide is a drag, slide = -most s / (w r), taken implicitly; at a centre of pressure beside
+/// the axis the whole of it would drive what spins in place round in circles.
+template <class T>
+Wide<T> grip(const ContactGroup<T>& g, const Wide<T> v[6], const Wide<T>& torque, const Wide<T>& most) {
+  using W = Wide<T>;
+  const W one(1), turn = v[3] + g.twist_drift, mass = W(T(0.5)) * (g.slide_inverse[0] + g.slide_inverse[2]);
+  // 1 / (1 + mass w r / most), where r = torque / most.
+  const W r = torque / most, held = mass * max(turn, -turn) * r / most;
+  return where_positive(most, one / (one + held), one);
+}
+
 /// Rolling, twist and slide of a group, for the normal impulses as they are.
 template <class T>
 void solve_friction(ContactGroup<T>& g, Wide<T> v[6], Wide<T> f[6]) {
@@ -92,7 +105,12 @@ void solve_friction(ContactGroup<T>& g, Wide<T> v[6], Wide<T> f[6]) {
     for (int t = 0; t < 2; ++t) slip[t] = v[1 + t] + g.slide_drift[t];
     change[0] = -madd(g.slide_inverse[1], slip[1], g.slide_inverse[0] * slip[0]);
     change[1] = -madd(g.slide_inverse[2], slip[1], g.slide_inverse[1] * slip[0]);
-    r::clip(g.slide, change, g.friction * pressure, added);
+    const W most = g.friction * pressure;
+    if (g.flags & ContactGroup<T>::kSpins) {
+      const W lost = W(1) - grip(g, v, torque, most);
+      for (int t = 0; t < 2; ++t) change[t] = nmadd(lost, g.slide[t] + change[t], change[t]);
+    }
+    r::clip(g.slide, change, most, added);
     for (int t = 0; t < 2; ++t) add_impulse(g, 1 + t, added[t], v, f);
   }
 }

@@ -32,7 +32,8 @@ double mix_rolling(const btCollisionObject* a, const btCollisionObject* b) {
   return std::max(kind_of(a).rolling, kind_of(b).rolling);
 }
 double mix_spinning(const btCollisionObject* a, const btCollisionObject* b) {
-  return std::max(kind_of(a).spinning, kind_of(b).spinning);
+  const double mu = mix_friction(a, b);
+  return std::max(kind_of(a).spin_arm(mu), kind_of(b).spin_arm(mu));
 }
 
 constexpr State::Column kPoses[] = {columns::position, columns::velocity, columns::orientation,
@@ -82,7 +83,7 @@ void BulletWorld::add_body(const State& s, size_t i) {
   info.m_angularDamping = 1 - trig::exp(-k.angular_damping);
   auto b = std::make_unique<btRigidBody>(info);
   // Set, so that the callbacks above are asked for these too.
-  b->setRollingFriction(k.rolling), b->setSpinningFriction(k.spinning);
+  b->setRollingFriction(k.rolling), b->setSpinningFriction(k.spin_arm(k.friction));
   b->setUserPointer(const_cast<BodyKind*>(&k));
   b->setUserIndex(static_cast<int>(i));
   b->setLinearVelocity(bullet(load3(s.f64(columns::velocity).data(), i)));

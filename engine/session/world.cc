@@ -5,21 +5,12 @@
 #include <limits>
 
 #include "engine/base/errors.h"
-#include "engine/base/interrupt.h"
 #include "engine/core/configuration.h"
 #include "engine/core/lattice.h"
 #include "engine/integrators/table/integrators.h"
 #include "engine/scene/json_write.h"
-#include "engine/session/immersed.h"
 
 namespace truestep {
-
-namespace {
-
-/// Turns of every coupling's guard per substep at most: guards that undo each other must end.
-constexpr size_t kGuardRounds = 4;
-
-}  // namespace
 
 CoupledStates World::sides(WorldState& state, size_t k) const {
   const SceneCoupling& c = scene_.couplings[k];
@@ -146,67 +137,6 @@ std::optional<Energy> World::energy_together(const WorldState& state, size_t i, 
       sum.potential += couplings_[k]->stored_energy(sides(state, k));
   }
   return sum;
-}
-
-void World::step(WorldState& state, Workspace& workspace, const ThreadArena& arena,
-                 std::span<Profile> profiles) const {
-  const double h = scene_.substep();
-  const auto substeps = static_cast<uint64_t>(scene_.substeps());
-  const auto named = [&](size_t i, auto&& body) {
-    try {
-      body();
-      if (const auto bad = state.systems[i].first_bad(speed_limits_[i])) reject(i, state.systems[i], *bad);
-    } catch (Instability& e) {
-      e.system = id(i);
-      e.step = static_cast<long long>(state.step);
-      throw;
-    }
-  };
-  if (state.watch.size() != systems_.size()) {
-    state.watch.assign(systems_.size(), {});
-    look(state, state.step, workspace, arena);
-  }
-  for (uint64_t k = 0; k < substeps; ++k) {
-    interruption_point();
-    const uint64_t n = state.step * substeps + k;
-    const auto input = [&](const std::string& name, size_t profile) -> StepInput {
-      return {static_cast<double>(n) * h,        h,     n,
-              workspace.object<Workspace>(name), arena, profiles.empty() ? nullptr : &profiles[profile]};
-    };
-    const auto coupling_input = [&](size_t c) { return input(scene_.couplings[c].id, size() + c); };
-    for (size_t c = 0; c < couplings_.size(); ++c) couplings_[c]->begin(sides(state, c), coupling_input(c));
-    auto& immersed = workspace.object<Immersed>("immersed");
-    if (!couplings_.empty()) {
-      immersed.gather(systems_.size(), couplings_.size(), [&](size_t c, std::vector<ImmersedBody>& out) {
-        couplings_[c]->immerse(sides(std::as_const(state), c), coupling_input(c), out);
-        return scene_.couplings[c].b;
-      });
-    }
-    for (size_t i = 0; i < systems_.size(); ++i) {
-      named(i, [&] {
-        StepInput in = input(id(i), i);
-        if (!couplings_.empty()) in.bodies = immersed.of(i);
-        systems_[i]->step(state.systems[i], in);
-      });
-    }
-    for (size_t c = 0; c < couplings_.size(); ++c) couplings_[c]->midway(sides(state, c), coupling_input(c));
-    for (size_t c = couplings_.size(); c-- > 0;) {
-      couplings_[c]->emerge(sides(state, c), coupling_input(c), immersed.by(c));
-      couplings_[c]->end(sides(state, c), coupling_input(c));
-    }
-    // One guard's change is for all others to look at.
-    const size_t n_couplings = couplings_.size(), most = kGuardRounds * n_couplings;
-    for (size_t quiet = 0, turn = 0; quiet < n_couplings && turn < most; ++turn) {
-      const size_t c = turn % n_couplings;
-      quiet = couplings_[c]->guard(sides(state, c), coupling_input(c)) ? 1 : quiet + 1;
-    }
-  }
-  if (!couplings_.empty()) {
-    for (size_t i = 0; i < systems_.size(); ++i) named(i, [] {});
-  }
-  if (watched(state.step + 1)) look(state, state.step + 1, workspace, arena);
-  if (finer_) finer_->step(state.finer.at(0), workspace.object<Workspace>("finer"), arena, {});
-  ++state.step;
 }
 
 void World::apply(WorldState& state, const Command& command) const {

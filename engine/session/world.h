@@ -122,6 +122,20 @@ class World {
   [[noreturn]] void reject(size_t i, const State& state, const State::BadValue& bad) const;
   void find_joined();
   void list_plan();
+  /// Substeps of h (s), numbered from `first` on.
+  struct Pace {
+    double h;
+    uint64_t first, count;
+  };
+  void substeps(WorldState& state, const Pace& pace, Workspace& workspace, const ThreadArena& arena,
+                std::span<Profile> profiles) const;
+  /// The same in parts where systems that are tied together would gain energy that nothing brings.
+  void substeps_of_tied(WorldState& state, const Pace& pace, Workspace& workspace, const ThreadArena& arena,
+                        std::span<Profile> profiles) const;
+  /// Times what a step may add that tied systems have gained since `before`; 0: no more than that.
+  double gained(const WorldState& state, std::span<const std::optional<Energy>> before, double t,
+                Workspace& workspace, const ThreadArena& arena) const;
+  void find_tied();
   /// At everything in all systems at the end of a step.
   void look(WorldState& state, uint64_t step, Workspace& workspace, const ThreadArena& arena) const;
   /// Throws Instability when the energy of system i is not finite or when it and what couplings join to it
@@ -146,6 +160,7 @@ class World {
   std::unique_ptr<const World> finer_;
   PartTable parts_;
   std::vector<size_t> joined_to_;     ///< per system, the first of those that couplings join it to
+  std::vector<size_t> tied_;          ///< the firsts of systems with points that answer together
   std::vector<double> speed_limits_;  ///< per system, infinity where there is none
   std::vector<PlanEntry> plan_;
 };

@@ -68,7 +68,7 @@ World::World(Scene scene) : scene_(std::move(scene)) {
   constexpr double kNone = std::numeric_limits<double>::infinity();
   for (const auto& s : systems_) speed_limits_.push_back(s->limit(Limit::speed, {}, dt()).value_or(kNone));
   parts_ = PartTable(scene_, systems_);
-  find_joined();
+  find_joined(), find_tied();
   if (scene_.header.accuracy) build_finer();
   list_plan();
 }

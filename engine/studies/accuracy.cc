@@ -75,15 +75,23 @@ const MeasuredMethod* closest(const std::vector<MeasuredMethod>& measured) {
 
 [[noreturn]] void refuse(double tolerance, const MethodAnswer& answer) {
   const MeasuredMethod* nearest = closest(answer.measured);
-  const bool any = nearest != nullptr;
-  // With the share that a choice leaves for the rest of the path.
-  const std::string reachable = any ? "at least " + rounded(2 * nearest->error) : "";
-  throw Error("accuracy_unreachable",
-              any ? "no method meets the tolerance; the closest measured error is " + rounded(nearest->error)
-                  : "no method gets through this scene, so that no accuracy can be promised",
-              {{"/accuracy/tolerance", "unreachable",
-                any ? nearest->integrator + " comes closest" : "every method failed on this scene",
-                write_json(tolerance), reachable, "", ""}});
+  std::string detail = "no method gets through this scene, so that no accuracy can be promised",
+              message = "every method failed on this scene", reachable;
+  if (nearest) {
+    detail = "no method meets the tolerance; the closest measured error is " + rounded(nearest->error);
+    message = nearest->integrator + " comes closest";
+    // With the share that a choice leaves for the rest of the path.
+    reachable = "at least " + rounded(2 * nearest->error);
+  }
+  if (nearest && answer.reference && answer.reference->uncertainty > tolerance) {
+    const Reference& r = *answer.reference;
+    detail = "no error as small as the tolerance can be told: " + r.method + " and " + r.checked_by +
+             " part by " + rounded(r.uncertainty) + " before the horizon";
+    message = "two accurate methods part further than this";
+    if (!(2 * nearest->error <= 1)) reachable = "a shorter horizon";
+  }
+  throw Error("accuracy_unreachable", detail,
+              {{"/accuracy/tolerance", "unreachable", message, write_json(tolerance), reachable, "", ""}});
 }
 
 }  // namespace

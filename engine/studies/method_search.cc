@@ -51,7 +51,11 @@ class Search {
         }
         try_method(name);
         // One is enough to say what is reachable.
-        if (below_rounding_ && !answer_.measured.empty()) break;
+        if (beyond_reach_ && std::ranges::any_of(answer_.measured, [](const MeasuredMethod& m) {
+              return std::isfinite(m.error);
+            })) {
+          break;
+        }
       }
     }
     return std::move(answer_);
@@ -68,6 +72,7 @@ class Search {
     const World own = build_world(document_, context_);
     const double built = thread_cpu_seconds() - started_;
     const Scene& scene = own.scene();
+    has_energy_ = own.observe(own.initial_state()).find("energy.total").has_value();
     dt_ = scene.header.time.dt;
     // The one that the scene has as it stands.
     const Integrator* method = own.system(question_.system).integration().method;
@@ -120,12 +125,13 @@ class Search {
       return;
     }
     answer_.reference = std::move(found.reference);
-    // Below this two accurate runs part by rounding alone.
+    // Below this two accurate runs part by rounding alone. Beyond it, equations without an energy leave
+    // nothing to judge by.
     constexpr double kRounding = 1e-10;
     const double unsure = answer_.reference->uncertainty;
     if (unsure > question_.tolerance) {
-      if (unsure < kRounding) {
-        below_rounding_ = true;
+      if (unsure < kRounding || !has_energy_) {
+        beyond_reach_ = true;
       } else {
         answer_.judged_by = JudgedBy::energy;
       }
@@ -137,7 +143,7 @@ class Search {
     const Integrator* row = find_integrator(name);
     const bool adaptive = row->stepping == Integrator::Stepping::adaptive;
     double setting = adaptive ? std::max(1e-13, 0.1 * question_.tolerance) : dt_;
-    for (int tries = 0; tries < (below_rounding_ ? 1 : 4) && left() > 0; ++tries) {
+    for (int tries = 0; tries < (beyond_reach_ ? 1 : 4) && left() > 0; ++tries) {
       const auto run = measure(name, setting, adaptive);
       if (!run) return;
       answer_.measured.push_back(*run);
@@ -250,7 +256,7 @@ class Search {
   const MethodQuestion& question_;
   const StudyContext& context_;
   double started_, limit_ = 0, dt_ = 0, growth_ = 1;
-  bool stiff_ = false, below_rounding_ = false;
+  bool stiff_ = false, beyond_reach_ = false, has_energy_ = false;
   TraceRequest request_;
   MethodAnswer answer_;
 };

@@ -102,6 +102,27 @@ TEST_F(Plan, WhatCannotBeReachedIsRefusedWithWhatCan) {
   }
 }
 
+// Equations have no energy to be judged by where two accurate runs part: all methods were said to fail.
+TEST_F(Plan, EquationsThatPartAreRefusedForTheRightReason) {
+  constexpr const char* kFast = R"json({"type": "ode", "id": "s", "states": {"u": 1, "v": 0},
+    "equations": {"u": "v", "v": "-1e6 * u"}})json";
+  const auto refusal = [&](const char* system, double tolerance, double duration) {
+    try {
+      choose(scene_of(system, tolerance, "position", duration));
+    } catch (const Error& e) {
+      EXPECT_EQ(e.code(), "accuracy_unreachable");
+      return std::string(e.what()) + "; allowed: " + e.issues().at(0).allowed;
+    }
+    return std::string();
+  };
+  // 160 periods in doubles: rounding alone is some 1e-13 of a radian for each of a thousand.
+  const std::string fast = refusal(kFast, 1e-13, 1);
+  EXPECT_NE(fast.find(" part by "), std::string::npos) << fast;
+  EXPECT_NE(fast.find("allowed: at least "), std::string::npos) << fast;
+  // The control: where they part by less than is asked for, there is a method.
+  EXPECT_EQ(refusal(kFast, 1e-6, 1), "");
+}
+
 TEST_F(Plan, NamesAFieldThatThereIs) {
   try {
     choose(scene_of(kLotka, 1e-6, "temperature"));

@@ -39,6 +39,9 @@ Solid part_solid(const AnyPartDef& d) {
 
 // Distances are compared by their squares, which underflow or overflow beyond these.
 constexpr double kSmallest = 1e-150, kLargest = 1e150;  // m
+/// Radius of the patch on which balls and ends of capsules touch, of their own: what hard balls of a
+/// centimetre to a metre have under loads of their weight (Hertz).
+constexpr double kPatchShare = 0.01;
 
 std::vector<uint32_t> checked_triangles(const MeshBodyDef& d) {
   if (d.triangles.size() % 3 != 0) throw Error("bad_mesh", "triangles need three indices each");
@@ -94,7 +97,7 @@ BodyKind build_kind(const AnyBodyDef& any, const Rigid3dDef& def) {
   k.friction = d.friction.value_or(def.friction);
   k.restitution = d.restitution.value_or(def.restitution);
   k.rolling = d.rolling_resistance.value_or(def.rolling_resistance);
-  k.spinning = d.spinning_resistance.value_or(def.spinning_resistance);
+  k.spinning = d.spinning_resistance ? d.spinning_resistance : def.spinning_resistance;
   k.linear_damping = d.linear_damping, k.angular_damping = d.angular_damping;
   k.gravity_scale = d.gravity_scale;
   k.category = static_cast<uint32_t>(d.category), k.mask = static_cast<uint32_t>(d.mask);
@@ -126,6 +129,9 @@ BodyKind build_kind(const AnyBodyDef& any, const Rigid3dDef& def) {
   const bool sized = is_convex(k.solid.kind) || k.solid.kind == SolidKind::compound;
   if (sized && !(k.inner >= kSmallest && k.reach <= kLargest))
     throw Error("bad_solid", "a body's size must lie between 1e-150 and 1e150 m");
+  if (k.solid.kind == SolidKind::sphere || k.solid.kind == SolidKind::capsule) {
+    k.patch = kPatchShare * k.solid.size.x;
+  }
   k.turned_round = k.solid.kind == SolidKind::cylinder;
   if (k.solid.kind == SolidKind::compound) {
     for (const Compound::Part& p : k.solid.compound->parts()) {

@@ -19,7 +19,9 @@ struct BodyKind {
   Vec3 center;                  ///< m, centre of mass in the frame of the scene's shape
   Quat axes;                    ///< principal axes in that frame
   double reach = 0, inner = 0;  ///< m, of the balls that hold it and that it holds
-  double friction = 0, restitution = 0, rolling = 0, spinning = 0;
+  double friction = 0, restitution = 0, rolling = 0;
+  std::optional<double> spinning;  ///< m, where it is given
+  double patch = 0;                ///< m, radius of what a round body touches with
   double linear_damping = 0, angular_damping = 0, gravity_scale = 1;
   Vec3 force, torque;        ///< N, N m, constant, in the world or in the body's axes
   bool force_turns = false;  ///< with the body
@@ -28,6 +30,9 @@ struct BodyKind {
   bool turned_round = false;  ///< is a cylinder or has one
   std::optional<Vec3> color;
 
+  /// m, torque against spinning on the spot per normal force in a contact with this coefficient of friction:
+  /// without a given one that of even stiffness under a round patch (Hertz), 3 pi / 16 mu a.
+  double spin_arm(double mu) const { return spinning.value_or(0.589048622548086 * mu * patch); }
   bool moved_by_forces() const { return mass > 0; }
   bool forced() const { return norm2(force) + norm2(torque) > 0; }
   /// Pose of centre and principal axes when the scene's shape has this one, and back.

@@ -13,6 +13,9 @@ struct SolverSettings {
   double push_out_speed = 3;
   std::optional<double> contact_hertz;  ///< absent: a fixed share of the substeps' rate
   double contact_damping_ratio = 10;
+  /// Whether what touches turns far in a step: friction of faces that spin on one another then grips less
+  /// aside.
+  enum class Turning : uint8_t { slow, fast } turning = Turning::slow;
 };
 
 /// rad/s of contacts as springs, for substeps of h (s).

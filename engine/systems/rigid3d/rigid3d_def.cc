@@ -82,8 +82,10 @@ TableOf<D>& add_common(TableOf<D>& t) {
               "share of the normal speed kept; the larger counts")
       .number("rolling_resistance", rolling, "m", at_least(0),
               "torque against rolling per normal force; the larger counts")
-      .number("spinning_resistance", spinning, "m", at_least(0),
-              "torque against spinning on the spot per normal force")
+      .number(
+          "spinning_resistance", spinning, "m", at_least(0),
+          "torque against spinning on the spot per normal force; absent: that of friction under a patch of "
+          "a hundredth of a ball's or capsule's radius; the larger counts")
       .integer("category", category, between(0, 0xffffffff), "bits of what it is")
       .also("group")
       .integer("mask", mask, between(0, 0xffffffff), "bits of what it touches")
@@ -320,7 +322,7 @@ const DefTable& rigid3d_table() {
           .number("rolling_resistance", &D::rolling_resistance, "m", at_least(0),
                   "of bodies that do not say otherwise")
           .number("spinning_resistance", &D::spinning_resistance, "m", at_least(0),
-                  "of bodies that do not say otherwise")
+                  "of bodies that do not say otherwise; 0: balls spin on for ever")
           .number("contact_hertz", &D::contact_hertz, "Hz", above(0),
                   "of contacts as springs; 0.13 of the substeps' rate unless given")
           .number("contact_damping_ratio", &D::contact_damping_ratio, "1", above(0),

@@ -110,7 +110,8 @@ struct Rigid3dDef {
   enum class Precision : uint8_t { f32, f64 } precision = Precision::f32;
   double friction = 0.5, restitution = 0;
   std::optional<double> restitution_speed;
-  double rolling_resistance = 0, spinning_resistance = 0;
+  double rolling_resistance = 0;
+  std::optional<double> spinning_resistance;
   std::optional<double> contact_hertz;
   double contact_damping_ratio = 10, push_out_speed = 3;
   bool sleeping = true;

@@ -103,8 +103,8 @@ class ContactSolver {
   std::vector<uint32_t> listed_;
   std::vector<uint8_t> many_;  // contacts of more than two points
   std::vector<Bearing> bearings_;
-  uint32_t flags_ = 0;
-  std::vector<uint8_t> held_, sprung_;  // per place: something else acts on it; springs alone do
+  uint32_t flags_ = 0, common_flags_ = 0;  // of any group, of all
+  std::vector<uint8_t> held_, sprung_;     // per place: something else acts on it; springs alone do
   bool damped_ = false, springs_ = false, jointed_ = false;
 };
 

@@ -44,7 +44,7 @@ void ContactSolver<T>::fill(size_t group, std::span<Contact* const> contacts, co
   const auto end = static_cast<uint32_t>(body_.size());
   ContactGroup<T>& g = groups_[group];
   ContactLanes<T> in{};
-  g.points = 0, g.flags = 0;
+  g.points = 0, g.flags = common_flags_;
   for (int lane = 0; lane < W::kLanes; ++lane) {
     const uint32_t k = contact_lanes_.member[group * W::kLanes + lane];
     g.a[lane] = g.b[lane] = end;
@@ -82,7 +82,7 @@ void ContactSolver<T>::fill(size_t group, std::span<Contact* const> contacts, co
     const double friction = std::sqrt(ka.friction * kb.friction);
     in.friction.set(lane, T(friction));
     in.restitution.set(lane, T(std::max(ka.restitution, kb.restitution)));
-    in.spinning.set(lane, T(std::max(ka.spinning, kb.spinning)));
+    in.spinning.set(lane, T(std::max(ka.spin_arm(friction), kb.spin_arm(friction))));
     const double rolling = std::max(ka.rolling, kb.rolling);
     in.rolling.set(lane, T(rolling));
     set3(in.slide, lane, c.slide), set3(in.roll, lane, c.roll);
