@@ -23,9 +23,10 @@ inline double depth_of_fill(double fill) {
   return 1 - std::sqrt(2 * std::max(1 - fill, 0.0));
 }
 
-/// 1 / the share of the way between two centres that lies in the liquid; at most 20.
+/// 1 / the share of the way between two centres that lies in the liquid; at most 1e6, so that a surface that
+/// passes a centre moves nothing.
 inline double surface_factor(double depth_inside, double depth_outside) {
-  constexpr double kLeast = 0.05;
+  constexpr double kLeast = 1e-6;
   const double share = depth_inside / (depth_inside - depth_outside);
   return 1 / std::max(share, kLeast);
 }

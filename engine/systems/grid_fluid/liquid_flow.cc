@@ -31,7 +31,10 @@ void LiquidFlow::bind(const FlowModel& m, size_t rows, const ThreadArena& arena)
     known_[c].assign(n, 0);
     const auto mirrors = m.mirrors(c);
     for (size_t a = 0; a < 3; ++a) {
-      for (size_t end = 0; end < 2; ++end) sides_[c][a][end].mirror = mirrors[a][end];
+      for (size_t end = 0; end < 2; ++end) {
+        const bool own = a == c && mirrors[a][end] == mac::Mirror::given;
+        sides_[c][a][end].mirror = own ? mac::Mirror::even : mirrors[a][end];
+      }
     }
     force_[c].clear();
   }
@@ -183,161 +186,6 @@ void LiquidFlow::spread(LiquidFields& f) {
   }
   for (size_t c = 0; c < D; ++c) mac::fold_periodic(g, mass_[c].data()), mac::fold_periodic(g, u_[c].data());
   mac::fold_periodic(g, f.fill);
-}
-
-template <class F>
-void LiquidFlow::for_faces(size_t c, F&& f) const {
-  const mac::MacGrid& g = model_->grid;
-  const size_t s = g.stride(c), n = g.cells[c];
-  mac::for_rows(g, c, *arena_, [&](size_t at, size_t j, size_t k, size_t count) {
-    for (size_t i = 0; i < count; ++i) {
-      const size_t place = c == 0 ? i : c == 1 ? j : k;
-      f(at + i, at + i - s, !g.periodic[c] && (place == 0 || place == n));
-    }
-  });
-}
-
-// Momentum over mass; faces that no particle reaches by their neighbours; what acts from outside.
-void LiquidFlow::settle_faces(double t, double h) {
-  const mac::MacGrid& g = model_->grid;
-  const double along[] = {model_->gravity.x, model_->gravity.y, model_->gravity.z};
-  for (size_t c = 0; c < g.dimensions; ++c) {
-    double* u = u_[c].data();
-    const double* mass = mass_[c].data();
-    uint8_t* known = known_[c].data();
-    for_faces(c, [&](size_t at, size_t, bool side) {
-      known[at] = side || mass[at] > 0;
-      u[at] = side || mass[at] == 0 ? 0 : u[at] / mass[at];
-    });
-    mac::extrapolate(g, c, 2, u, known, work_.data(), fresh_.data(), *arena_);
-    fill_sides(c, u);
-    std::copy_n(u, g.size(), before_[c].data());
-    const Program& program = model_->texts.force[c];
-    std::vector<double>& force = force_[c];
-    if (!program.zero && (force.empty() || program.time)) {
-      force.resize(g.size());
-      model_->texts.sample(program, g, c, t, force.data());
-    }
-    for_faces(c, [&](size_t at, size_t, bool side) {
-      if (!side) u[at] += h * (along[c] + (program.zero ? 0 : force[at]));
-    });
-  }
-}
-
-void LiquidFlow::find_surface(LiquidFields& f) {
-  const mac::MacGrid& g = model_->grid;
-  // A cell that an obstacle nearly fills says little about the liquid around it.
-  constexpr double kLeastRoom = 0.2;
-  mac::for_rows(g, kCentre, *arena_, [&](size_t at, size_t, size_t, size_t n) {
-    for (size_t i = at; i < at + n; ++i) {
-      f.fill[i] = f.fill[i] / std::max(room_[i], kLeastRoom * whole_);
-      depth_[i] = mac::depth_of_fill(f.fill[i]);
-      liquid_[i] = depth_[i] > 0;
-    }
-  });
-  mac::wrap_periodic(g, depth_.data()), mac::wrap_periodic(g, liquid_.data());
-  for (size_t c = 0; c < g.dimensions; ++c)
-    mac::surface_faces(g, c, liquid_.data(), depth_.data(), factor_[c].data(), *arena_);
-  if (model_->solids.any()) {
-    for (size_t c = 0; c < g.dimensions; ++c) {
-      // Between the matrix and the differences of pressure: shares of faces belong to the matrix alone.
-      const double* open = model_->solids.open[c].data();
-      for_faces(c, [&](size_t at, size_t, bool) { shift_[c][at] = factor_[c][at] * open[at]; });
-      mac::wrap_periodic(g, shift_[c].data());
-    }
-  }
-  for (size_t c = 0; c < g.dimensions; ++c) mac::wrap_periodic(g, factor_[c].data());
-  const auto& open = model_->solids.any() ? shift_ : factor_;
-  solver_->set({open[0].data(), open[1].data(), open[2].data()}, liquid_.data(), *arena_);
-}
-
-void LiquidFlow::project(LiquidFields& f, double h, LiquidReport& report) {
-  const mac::MacGrid& g = model_->grid;
-  double* phi = f.pressure;
-  const bool solid = model_->solids.any();
-  for (size_t c = 0; c < g.dimensions; ++c) mac::wrap_periodic(g, u_[c].data());
-  mac::for_rows(g, kCentre, *arena_, [&](size_t at, size_t, size_t, size_t n) {
-    for (size_t i = at; i < at + n; ++i) {
-      double sum = 0;
-      for (size_t c = 0; c < g.dimensions; ++c) {
-        const size_t high = i + g.stride(c);
-        const double* open = solid ? model_->solids.open[c].data() : nullptr;
-        sum += ((open ? open[high] : 1) * u_[c][high] - (open ? open[i] : 1) * u_[c][i]) / g.spacing[c];
-      }
-      phi[i] = liquid_[i] ? sum : 0;
-    }
-  });
-  report.pressure = solver_->solve(phi, model_->def.tolerance, *arena_);
-  mac::fill_ghosts(g, kCentre, cell_sides_, phi, *arena_);
-  for (size_t c = 0; c < g.dimensions; ++c) {
-    const double scale = 1 / g.spacing[c];
-    const double* open = solid ? model_->solids.open[c].data() : nullptr;
-    for_faces(c, [&](size_t at, size_t low, bool side) {
-      const bool wet = liquid_[at] || liquid_[low];
-      if (!side) u_[c][at] -= scale * factor_[c][at] * (phi[at] - phi[low]);
-      if (wet && open && open[at] == 0) u_[c][at] = 0;
-      // Spray keeps what its particles have brought.
-      known_[c][at] = side || wet || (mass_[c][at] > 0 && !(open && open[at] == 0));
-    });
-  }
-  const double per = 1 / h;
-  mac::for_rows(g, kCentre, *arena_, [&](size_t at, size_t, size_t, size_t n) {
-    for (size_t i = at; i < at + n; ++i) phi[i] *= per;
-  });
-}
-
-// shift_ becomes the displacement of what crosses each face, in cells.
-void LiquidFlow::take_back_compression(LiquidFields& f, LiquidReport& report) {
-  const mac::MacGrid& g = model_->grid;
-  double* psi = work_.data();
-  double sum = 0, most = 0, cells = 0;
-  // Beside the surface a cell is less than full of its own accord; inside, gaps close again.
-  mac::for_rows(g, kCentre, *arena_, [&](size_t at, size_t, size_t, size_t n) {
-    for (size_t i = at; i < at + n; ++i) {
-      bool inside = liquid_[i];
-      for (size_t a = 0; a < g.dimensions && inside; ++a) {
-        for (const size_t m : {i - g.stride(a), i + g.stride(a)})
-          inside = inside && (liquid_[m] || room_[m] == 0);
-      }
-      constexpr double kMost = 0.5;
-      const double excess = f.fill[i] - 1;
-      psi[i] = !liquid_[i] ? 0 : -std::clamp(excess, inside ? -kMost : 0, kMost);
-    }
-  });
-  for (size_t k = 0; k < g.cells[2]; ++k) {
-    for (size_t j = 0; j < g.cells[1]; ++j) {
-      const size_t at = g.at(0, j, k);
-      for (size_t i = at; i < at + g.cells[0]; ++i) {
-        if (!liquid_[i]) continue;
-        const double excess = std::max(f.fill[i] - 1, 0.0);
-        sum += excess, most = std::max(most, excess), cells += 1;
-      }
-    }
-  }
-  report.mean_compression = cells > 0 ? sum / cells : 0, report.max_compression = most;
-  constexpr double kTolerance = 1e-2, kFarthest = 0.25;
-  report.density = solver_->solve(psi, kTolerance, *arena_);
-  mac::fill_ghosts(g, kCentre, cell_sides_, psi, *arena_);
-  for (size_t c = 0; c < g.dimensions; ++c) {
-    const double scale = 1 / (g.spacing[c] * g.spacing[c]);
-    const double* open = model_->solids.any() ? model_->solids.open[c].data() : nullptr;
-    for_faces(c, [&](size_t at, size_t low, bool side) {
-      const bool shut = side || (open && open[at] == 0);
-      shift_[c][at] =
-          shut ? 0 : std::clamp(-scale * factor_[c][at] * (psi[at] - psi[low]), -kFarthest, kFarthest);
-    });
-    fill_sides(c, shift_[c].data());
-  }
-}
-
-void LiquidFlow::continue_outwards() {
-  const mac::MacGrid& g = model_->grid;
-  const auto layers = static_cast<int>(std::ceil(model_->def.cfl.value_or(1))) + 2;
-  for (size_t c = 0; c < g.dimensions; ++c) {
-    for_faces(c, [&](size_t at, size_t, bool) { u_[c][at] = known_[c][at] ? u_[c][at] : 0; });
-    mac::extrapolate(g, c, layers, u_[c].data(), known_[c].data(), work_.data(), fresh_.data(), *arena_);
-    fill_sides(c, u_[c].data());
-  }
 }
 
 void LiquidFlow::clear_of_obstacles(double* x, double* v) const {

@@ -51,11 +51,13 @@ class LiquidFlow {
   void find_surface(LiquidFields& f);
   void project(LiquidFields& f, double h, LiquidReport& report);
   void take_back_compression(LiquidFields& f, LiquidReport& report);
+  void accelerate_beside(size_t c);
   void continue_outwards();
   void measure_room();
   void fill_sides(size_t c, double* u) { mac::fill_ghosts(model_->grid, c, sides_[c], u, *arena_); }
   double* particle(Array& from, size_t p) const { return from.data() + width_ * p; }
-  /// f(offset, low cell's offset, whether a side closes it) for the faces of a component.
+  /// f(offset, low cell's offset, side) for the faces of a component; side: the sign of inwards on the box's
+  /// sides, 0 elsewhere.
   template <class F>
   void for_faces(size_t c, F&& f) const;
   void clear_of_obstacles(double* x, double* v) const;
@@ -64,17 +66,29 @@ class LiquidFlow {
   const ThreadArena* arena_ = nullptr;
   size_t rows_ = 0, width_ = 0;  ///< numbers a particle: place in cells, velocity, slopes
   bool affine_ = false;
-  std::array<mac::Sides, 3> sides_;
+  std::array<mac::Sides, 3> sides_;  ///< faces on the box's sides keep their values
   mac::Sides cell_sides_;
   Array now_, sorted_;  ///< particles, in any order and in that of cells
   std::vector<uint32_t> row_, rows_sorted_, cell_, first_;
   std::array<Array, 3> u_, before_, mass_, factor_, shift_;  ///< on faces
-  std::array<std::vector<uint8_t>, 3> known_;
+  std::array<std::vector<uint8_t>, 3> known_;                ///< faces that have a velocity
   std::vector<uint8_t> liquid_, fresh_;
   Array room_, depth_, work_;  ///< room: what the weights of liquid at rest add up to in a cell
   double whole_ = 1;           ///< the same far from everything
   std::array<std::vector<double>, 3> force_;
   std::optional<lattice::CutPoisson> solver_;
 };
+
+template <class F>
+void LiquidFlow::for_faces(size_t c, F&& f) const {
+  const mac::MacGrid& g = model_->grid;
+  const size_t s = g.stride(c), n = g.cells[c];
+  mac::for_rows(g, c, *arena_, [&](size_t at, size_t j, size_t k, size_t count) {
+    for (size_t i = 0; i < count; ++i) {
+      const size_t place = c == 0 ? i : c == 1 ? j : k;
+      f(at + i, at + i - s, g.periodic[c] ? 0 : place == 0 ? 1 : place == n ? -1 : 0);
+    }
+  });
+}
 
 }  // namespace truestep::grid_fluid
