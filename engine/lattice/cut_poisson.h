@@ -20,6 +20,14 @@ class CutPoisson {
   /// closed.
   CutPoisson(const mac::MacGrid& grid, const std::array<std::array<mac::Mirror, 2>, 3>& mirrors,
              const std::array<Vector, 3>& open);
+  /// Without an open face until `set`.
+  CutPoisson(const mac::MacGrid& grid, const std::array<std::array<mac::Mirror, 2>, 3>& mirrors);
+
+  /// Other shares of the faces, which may be greater than 1: what a difference of values counts beside that
+  /// of an open face. `liquid` (of cells, in the grid's own arrays; null: all): the others hold 0, and a
+  /// coarse cell with one of them next to the liquid does so too (McAdams, Sifakis, Teran 2010, "A parallel
+  /// multigrid Poisson solver for fluids simulation on large grids", section 3.3). Allocates nothing.
+  void set(const std::array<const double*, 3>& open, const uint8_t* liquid, const ThreadArena& arena);
 
   struct Outcome {
     int iterations = 0;
@@ -47,6 +55,7 @@ class CutPoisson {
     std::array<bool, 3> halved{};              ///< to the next level
     std::array<Vector, 3> k;                   ///< m^(d-2)
     Vector inverse, x, b, r;
+    std::vector<uint8_t> held;  ///< next to the liquid and 0; empty where there is none
     std::array<Axis, 3> to_coarser;
     size_t stride(size_t a) const { return a == 0 ? 1 : a == 1 ? padded[0] : padded[0] * padded[1]; }
     size_t at(size_t i, size_t j, size_t l) const { return base + i + stride(1) * j + stride(2) * l; }
@@ -54,8 +63,10 @@ class CutPoisson {
     size_t base = 0;
   };
   void shape(Level& l) const;
-  void finish(Level& l) const;
+  void invert(Level& l, const ThreadArena& arena) const;
+  /// The shape of the next level; false where there is none.
   bool coarsen();
+  void fill_coarser(const Level& fine, Level& coarse, const ThreadArena& arena) const;
   void wrap(const Level& l, double* x) const;
   void relax(const Level& l, size_t colour, const double* b, double* x, const ThreadArena& arena) const;
   /// r = b - A x, or A x where b is null.
@@ -68,7 +79,8 @@ class CutPoisson {
   void rows(const Level& l, const ThreadArena& arena, F&& f) const;
 
   mac::MacGrid grid_;
-  bool singular_ = true;
+  std::array<std::array<mac::Mirror, 2>, 3> mirrors_;
+  bool singular_ = true, surface_ = false;
   double fluid_cells_ = 0;
   std::vector<Level> levels_;
   Vector b_, r_, z_, p_, q_;

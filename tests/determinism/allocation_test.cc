@@ -16,6 +16,7 @@
 #include "engine/systems/xpbd/xpbd.h"
 #include "tests/support/field_run.h"
 #include "tests/support/grid_flow.h"
+#include "tests/support/liquid_grid.h"
 #include "tests/support/nbody_run.h"
 #include "tests/support/shallow_run.h"
 #include "tests/unit/crowd_rig.h"
@@ -310,6 +311,25 @@ TEST(Allocation, StepsOfAFlowOnAGridAllocateNothingAfterTheFirst) {
       const uint64_t before = allocations;
       run.steps(5);
       EXPECT_EQ(allocations - before, 0u) << solid;
+    }
+  }
+}
+
+TEST(Allocation, StepsOfALiquidOnAGridAllocateNothingAfterTheFirst) {
+  using grid_fluid::GridFluidDef;
+  for (const bool space : {false, true}) {
+    for (const auto advection : {GridFluidDef::Advection::flip, GridFluidDef::Advection::apic}) {
+      GridFluidDef d = test::water(
+          advection, space ? std::vector<int64_t>{16, 12, 8} : std::vector<int64_t>{32, 24}, 1.0 / 24);
+      d.bodies = {test::box_of_liquid({0, 0, -1}, {0.25, 0.4, 1})};
+      d.obstacles = {grid_fluid::ObstacleDef{.center = {0.4, 0, 0.2}, .radius = 0.1}};
+      d.force = {"sin(t)", "0"};
+      if (space) d.force.emplace_back("0");
+      test::LiquidRun run(d, 0.01);
+      run.steps(2);
+      const uint64_t before = allocations;
+      run.steps(10);
+      EXPECT_EQ(allocations - before, 0u) << space;
     }
   }
 }

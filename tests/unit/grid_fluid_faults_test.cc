@@ -3,6 +3,7 @@
 
 #include "engine/base/errors.h"
 #include "tests/support/grid_flow.h"
+#include "tests/support/liquid_grid.h"
 
 namespace truestep::test {
 namespace {
@@ -55,6 +56,62 @@ TEST(GridFluidFaults, MembersThatDoNotFitAreReported) {
   d.sides = {};
   d.force = {"1", "0", "0"};
   EXPECT_EQ(reported(d), List{"/force"});
+}
+
+TEST(GridFluidFaults, LiquidsAreRefusedWhatTheyDoNotHave) {
+  using List = std::vector<std::string>;
+  using A = GridFluidDef::Advection;
+  const auto apic = [] {
+    GridFluidDef d = water(A::apic, {8, 8}, 0.125);
+    d.bodies = {box_of_liquid({0, 0, -1}, {0.5, 0.5, 1})};
+    return d;
+  };
+  GridFluidDef d = apic();
+  EXPECT_EQ(reported(d), List{});
+  d.bodies.clear();
+  EXPECT_EQ(reported(d), List{"/bodies"});
+  d = apic(), d.advection = A::central;
+  EXPECT_EQ(reported(d), List{"/bodies"});
+  d = apic(), d.viscosity = 1;
+  EXPECT_EQ(reported(d), List{"/viscosity"});
+  d = apic(), d.scalar = ScalarDef{};
+  EXPECT_EQ(reported(d), List{"/scalar"});
+  d = apic(), d.size = {1, 2};
+  EXPECT_EQ(reported(d), List{"/size"});
+  d = apic(), d.sides.x_max = FlowSideDef{SideKind::outflow, {}};
+  EXPECT_EQ(reported(d), List{"/sides/x_max/kind"});
+  d = apic(), d.bodies[0].velocity = {0, 0, 1};
+  EXPECT_EQ(reported(d), List{"/bodies/0/velocity"});
+  // Outside of the box.
+  d = apic(), d.bodies[0].center = {5, 5, 0};
+  EXPECT_EQ(pointer_of([&] { LiquidRun run(d, 0.1); }), "/bodies");
+}
+
+TEST(GridFluidFaults, CommandsToALiquidAreRefused) {
+  GridFluidDef d = water(GridFluidDef::Advection::flip, {8, 8}, 0.125);
+  d.bodies = {box_of_liquid({0, 0, -1}, {0.5, 0.5, 1})};
+  LiquidRun run(d, 0.1);
+  const auto refused = [&](Command c) { return pointer_of([&] { run.system->apply(run.state, c); }); };
+  EXPECT_EQ(refused({.kind = CommandKind::set_parameter, .value = 1, .name = "viscosity"}), "/kind");
+  EXPECT_EQ(refused({.kind = CommandKind::impulse, .index = 0, .vector = {1, 0, 1}}), "/vector");
+}
+
+TEST(GridFluidFaults, AStepAThousandTimesTooLongSaysWhatWorks) {
+  GridFluidDef d = water(GridFluidDef::Advection::flip, {8, 8}, 0.125);
+  d.bodies = {box_of_liquid({0, 0, -1}, {0.5, 0.5, 1})};
+  d.bodies[0].velocity = {1, 0, 0};
+  LiquidRun run(d, 1000);
+  try {
+    run.steps(1);
+    ADD_FAILURE() << "nothing was refused";
+  } catch (const Instability& e) {
+    // 9.81 m/s^2 for a step of 10 s cross 785 cells.
+    EXPECT_GT(e.suggested_dt, 0.01);
+    EXPECT_LT(e.suggested_dt, 10);
+    LiquidRun again(d, e.suggested_dt);
+    again.steps(1);
+    EXPECT_GT(again.observed("energy.kinetic"), 0);
+  }
 }
 
 TEST(GridFluidFaults, CommandsAreRefused) {

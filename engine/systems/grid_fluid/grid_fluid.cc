@@ -6,6 +6,7 @@
 #include "engine/base/errors.h"
 #include "engine/base/short_number.h"
 #include "engine/core/command_checks.h"
+#include "engine/systems/grid_fluid/liquid.h"
 
 namespace truestep::grid_fluid {
 
@@ -189,7 +190,9 @@ std::vector<std::string> GridFluid::remedies() const {
 }
 
 std::unique_ptr<const System> build_grid_fluid(const void* def, const BuildContext& context) {
-  return std::make_unique<GridFluid>(*static_cast<const GridFluidDef*>(def), context);
+  const auto& d = *static_cast<const GridFluidDef*>(def);
+  if (d.liquid()) return std::make_unique<Liquid>(d, context);
+  return std::make_unique<GridFluid>(d, context);
 }
 
 }  // namespace truestep::grid_fluid

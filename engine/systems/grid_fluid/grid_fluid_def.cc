@@ -1,12 +1,15 @@
 #include "engine/systems/grid_fluid/grid_fluid_def.h"
 
+#include <algorithm>
 #include <cmath>
+
+#include "engine/systems/grid_fluid/solids.h"
 
 namespace truestep::grid_fluid {
 
 namespace {
 constexpr const char* kSideNames[3][2] = {{"x_min", "x_max"}, {"y_min", "y_max"}, {"z_min", "z_max"}};
-constexpr double kMostCells = 5e7;
+constexpr double kMostCells = 5e7, kMostParticles = 2e7;
 
 double cell_count(const GridFluidDef& d) {
   double n = 1;
@@ -68,6 +71,19 @@ const DefTable& obstacle_table() {
   return kTable;
 }
 
+const DefTable& body_table() {
+  using D = LiquidBodyDef;
+  static const DefTable kTable =
+      TableOf<D>("liquid at the start")
+          .choice("shape", &D::shape, {"sphere", "box"}, "what it fills; a sphere is a disk in the plane")
+          .vector("center", &D::center, "m", any(), "its middle")
+          .number("radius", &D::radius, "m", above(0), "of a sphere")
+          .vector("half_extents", &D::half, "m", above(0), "of a box")
+          .vector("velocity", &D::velocity, "m/s", any(), "at the start, added to `initial`")
+          .build();
+  return kTable;
+}
+
 void check_sides(const GridFluidDef& d, const DefTable::Report& report) {
   for (size_t a = 0; a < 3; ++a) {
     for (size_t end = 0; end < 2; ++end) {
@@ -91,6 +107,43 @@ void check_sides(const GridFluidDef& d, const DefTable::Report& report) {
   }
 }
 
+// What is not there for liquids with a surface is refused by name.
+void check_liquid(const GridFluidDef& d, const DefTable::Report& report) {
+  if (!d.liquid()) {
+    if (!d.bodies.empty()) report("/bodies", "only advection by flip or apic has a surface to fill up to");
+    return;
+  }
+  if (d.bodies.empty()) report("/bodies", "flip and apic need to know where there is liquid");
+  if (d.viscosity > 0) report("/viscosity", "flip and apic step liquids without viscosity");
+  if (d.scalar) report("/scalar", "flip and apic carry nothing but the liquid");
+  if (!d.exact.empty()) report("/exact", "flip and apic compare with nothing exact");
+  if (d.vorticity_confinement > 0) report("/vorticity_confinement", "not with flip and apic");
+  const mac::MacGrid g = make_grid(d);
+  for (size_t a = 0; a < g.dimensions; ++a) {
+    if (std::abs(g.spacing[a] - g.spacing[0]) > 1e-6 * g.spacing[0] && d.size.size() == d.cells.size()) {
+      report("/size",
+             "flip and apic need cells that are as long as wide: size / cells alike along every axis");
+      break;
+    }
+  }
+  for (size_t a = 0; a < g.dimensions; ++a) {
+    for (size_t end = 0; end < 2; ++end) {
+      const FlowSideDef& side = side_of(d, a, end);
+      const std::string at = side_pointer(d, a, end);
+      if (side.kind == SideKind::inflow || side.kind == SideKind::outflow) {
+        report(at + "/kind", "sides around a liquid are wall, slip or periodic");
+      } else if (!side.velocity.empty()) {
+        report(at + "/velocity", "sides around a liquid stand still");
+      }
+    }
+  }
+  if (expected_particles(d) > kMostParticles) report("/bodies", "more than 2e7 particles");
+  for (size_t k = 0; k < d.bodies.size(); ++k) {
+    if (g.dimensions == 2 && d.bodies[k].velocity.z != 0)
+      report("/bodies/" + std::to_string(k) + "/velocity", "a plane liquid moves in the plane z = 0");
+  }
+}
+
 void check_flow(const GridFluidDef& d, const DefTable::Report& report) {
   if (!d.size.empty() && d.size.size() != d.cells.size())
     report("/size", "as many lengths as cells has numbers");
@@ -101,6 +154,7 @@ void check_flow(const GridFluidDef& d, const DefTable::Report& report) {
   };
   components(d.initial, "/initial"), components(d.force, "/force"), components(d.exact, "/exact");
   check_sides(d, report);
+  check_liquid(d, report);
   using A = GridFluidDef::Advection;
   if (d.advection != A::central && d.viscous == GridFluidDef::Viscous::explicit_) {
     report("/viscous", "advection along paths takes viscosity implicitly");
@@ -138,6 +192,57 @@ mac::MacGrid make_grid(const GridFluidDef& d) {
   return g;
 }
 
+std::vector<StartingPlace> starting_places(const GridFluidDef& d) {
+  const mac::MacGrid g = make_grid(d);
+  const auto per = static_cast<size_t>(d.particles_per_axis);
+  std::vector<StartingPlace> out;
+  std::vector<ObstacleDef> shapes;
+  for (const LiquidBodyDef& b : d.bodies)
+    shapes.push_back({.shape = b.shape, .center = b.center, .radius = b.radius, .half = b.half});
+  const auto place = [&](size_t a, size_t i) {
+    return a < g.dimensions
+               ? g.origin[a] + g.spacing[a] * (static_cast<double>(i) + 0.5) / static_cast<double>(per)
+               : 0.0;
+  };
+  for (size_t k = 0; k < (g.dimensions == 3 ? per * g.cells[2] : 1); ++k) {
+    for (size_t j = 0; j < per * g.cells[1]; ++j) {
+      for (size_t i = 0; i < per * g.cells[0]; ++i) {
+        const Vec3 at{place(0, i), place(1, j), place(2, k)};
+        size_t body = 0;
+        while (body < shapes.size() && distance_to({&shapes[body], 1}, at, g.dimensions) > 0) ++body;
+        if (body == shapes.size() || distance_to(d.obstacles, at, g.dimensions) <= 0) continue;
+        out.push_back({at, body});
+      }
+    }
+  }
+  return out;
+}
+
+double expected_particles(const GridFluidDef& d) {
+  const mac::MacGrid g = make_grid(d);
+  constexpr double kPi = 3.14159265358979323846;
+  double volume = 0, all = 1;
+  for (size_t a = 0; a < g.dimensions; ++a) all *= g.extent(a);
+  for (const LiquidBodyDef& b : d.bodies) {
+    const bool plane = g.dimensions == 2;
+    const double r = b.radius;
+    if (b.shape == ObstacleDef::Shape::sphere) {
+      volume += plane ? kPi * r * r : 4 * kPi / 3 * r * r * r;
+      continue;
+    }
+    // The part of a box that lies in the grid.
+    const double center[] = {b.center.x, b.center.y, b.center.z}, half[] = {b.half.x, b.half.y, b.half.z};
+    double part = 1;
+    for (size_t a = 0; a < g.dimensions; ++a) {
+      const double low = std::max(center[a] - half[a], g.origin[a]);
+      part *= std::max(0.0, std::min(center[a] + half[a], g.origin[a] + g.extent(a)) - low);
+    }
+    volume += part;
+  }
+  return std::min(volume, all) / g.cell_volume() *
+         std::pow(static_cast<double>(d.particles_per_axis), static_cast<double>(g.dimensions));
+}
+
 const DefTable& grid_fluid_table() {
   using D = GridFluidDef;
   static const DefTable kTable =
@@ -151,10 +256,12 @@ const DefTable& grid_fluid_table() {
           .object("sides", &D::sides, sides_table(), "single sides")
           .number("viscosity", &D::viscosity, "m^2/s", at_least(0), "kinematic viscosity")
           .number("density", &D::density, "kg/m^3", above(0), "mass per volume (area in the plane)")
-          .choice("advection", &D::advection, {"central", "semi_lagrangian", "maccormack", "bfecc"},
-                  "central: differences of second order that keep energy, for smooth flows; the others trace "
-                  "paths "
-                  "backwards and hold any step: of first order, or corrected to second with limits")
+          .choice("advection", &D::advection,
+                  {"central", "semi_lagrangian", "maccormack", "bfecc", "flip", "apic"},
+                  "central: differences of second order that keep energy, for smooth flows; the next three "
+                  "trace paths backwards and hold any step: of first order, or corrected to second with "
+                  "limits; flip and apic: liquids with a surface, carried by particles that keep what the "
+                  "grid changes of their velocity (flip) or its slopes (apic)")
           .choice("stepping", &D::stepping, {"rk3", "ab2"},
                   "of central advection: Runge and Kutta's of three stages, or Adams and Bashforth's of two "
                   "steps")
@@ -163,7 +270,7 @@ const DefTable& grid_fluid_table() {
               "how viscosity is stepped; automatic: explicit with central advection where the step holds it")
           .number("cfl", &D::cfl, "1", between(1e-3, 100),
                   "cells that anything may cross in a substep; without it 1.2 for rk3, 0.5 for ab2, 3 along "
-                  "paths")
+                  "paths, 1 for flip and apic")
           .texts("initial", &D::initial, {0, 3}, "m/s, velocity at the start: expressions of x, y, z")
           .texts("force", &D::force, {0, 3}, "m/s^2, acceleration: expressions of x, y, z and t")
           .texts("exact", &D::exact, {0, 3}, "m/s, velocity that is known: expressions of x, y, z and t")
@@ -173,8 +280,14 @@ const DefTable& grid_fluid_table() {
               "strength of the force that gives small eddies back what advection along paths takes from them")
           .objects("obstacles", &D::obstacles, obstacle_table(), {0, 1000}, "solids that stand in the flow")
           .number("tolerance", &D::tolerance, "1", between(1e-14, 0.1),
-                  "to which the pressure's residual falls where obstacles stand; elsewhere it is solved to "
-                  "rounding")
+                  "to which the pressure's residual falls where obstacles stand or there is a surface; "
+                  "elsewhere it is solved to rounding")
+          .objects("bodies", &D::bodies, body_table(), {0, 1000},
+                   "of flip and apic: where there is liquid at the start")
+          .integer("particles_per_axis", &D::particles_per_axis, between(1, 4),
+                   "of flip and apic, in a cell: 2 makes 4 in the plane, 8 in space")
+          .number("flip", &D::flip, "1", between(0, 1),
+                  "of flip: what particles keep of their own velocity; 0 is PIC")
           .check(check_flow)
           .build();
   return kTable;
@@ -182,13 +295,15 @@ const DefTable& grid_fluid_table() {
 
 const Outputs& grid_fluid_outputs() {
   static const Outputs kOutputs{
-      .rows = "a cell, x running fastest",
+      .rows = "a cell, x running fastest; of a liquid a particle",
       .fields = {{"velocity", "m/s", 3, "velocity in the cell's centre"},
                  {"speed", "m/s", 1, "its magnitude"},
                  {"pressure", "Pa", 1, "pressure"},
                  {"vorticity", "1/s", 1,
                   "curl of the velocity: along z in the plane, its magnitude in space"},
-                 {"scalar", "1", 1, "what the flow carries"}},
+                 {"scalar", "1", 1, "what the flow carries"},
+                 {"fill", "1", 1, "of a liquid: what of the cell around the particle it fills"},
+                 {"position", "m", 3, "of a liquid's particle"}},
       .observables = {
           {"energy.kinetic", "J", "of the fluid in the box"},
           {"enstrophy", "1/s^2", "half the square of the vorticity, integrated over the box"},
@@ -201,14 +316,50 @@ const Outputs& grid_fluid_outputs() {
           {"scalar.total", "1", "integral of what the flow carries"},
           {"obstacle.drag", "N", "force of the fluid on the obstacles along x, over the last substep"},
           {"obstacle.lift", "N", "the same along y"},
+          {"energy.gravity", "J", "of a liquid: potential, about the origin"},
+          {"energy.total", "J", "of a liquid: its sum with the kinetic energy"},
+          {"momentum.x", "kg m/s", "of a liquid"},
+          {"momentum.y", "kg m/s", ""},
+          {"momentum.z", "kg m/s", ""},
+          {"centre.x", "m", "of a liquid's mass"},
+          {"centre.y", "m", ""},
+          {"centre.z", "m", ""},
+          {"low.x", "m", "least coordinate of a liquid's particles"},
+          {"low.y", "m", ""},
+          {"low.z", "m", ""},
+          {"high.x", "m", "greatest coordinate of a liquid's particles"},
+          {"high.y", "m", ""},
+          {"high.z", "m", ""},
+          {"mass", "kg", "of all particles of a liquid"},
+          {"density.mean_error", "1", "of a liquid: mean compression of its cells in the last substep"},
+          {"density.max_error", "1", "the largest"},
+          {"density.iterations", "1", "of the solve that takes it back"},
           {"error.exact", "m/s", "distance from the scene's exact velocity, root mean square"}}};
   return kOutputs;
 }
+
+namespace {
+// Faces, cells and the levels of the pressure's solver; particles in the state, twice in the order of cells.
+Cost liquid_cost(const GridFluidDef& d, double padded) {
+  const auto dim = static_cast<double>(d.cells.size());
+  const double n = expected_particles(d),
+               affine = d.advection == GridFluidDef::Advection::apic ? dim * dim : 0;
+  Cost c;
+  c.state_bytes = 8 * padded * 2 + 8 * n * (6 + affine) + 4e3;
+  const double solver = (dim == 2 ? 4.0 / 3 : 8.0 / 7) * (8 * (dim + 4) + 1) + 8 * 5;
+  c.workspace_bytes =
+      padded * (8 * (5 * dim + 3) + dim + 2 + solver) + n * (16 * (2 * dim + affine) + 12) + 3e5;
+  c.elements = n;
+  c.seconds_per_step = 1e-4 + 1e-6 * padded + 6e-7 * n;
+  return c;
+}
+}  // namespace
 
 Cost grid_fluid_cost(const void* def) {
   const auto& d = *static_cast<const GridFluidDef*>(def);
   double padded = 1;
   for (const int64_t c : d.cells) padded *= static_cast<double>(c) + 2.0 * mac::kGhosts + 1;
+  if (d.liquid()) return liquid_cost(d, padded);
   const double components = static_cast<double>(d.cells.size());
   const bool ab2 = d.stepping == GridFluidDef::Stepping::ab2;
   const double solids = d.obstacles.empty() ? 0 : components + 1;

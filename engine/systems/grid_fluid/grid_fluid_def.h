@@ -41,6 +41,15 @@ struct ObstacleDef {
   Vec3 half{0.1, 0.1, 0.1};  ///< m
 };
 
+/// Where there is liquid at the start.
+struct LiquidBodyDef {
+  ObstacleDef::Shape shape = ObstacleDef::Shape::box;
+  Vec3 center;
+  double radius = 0.1;       ///< m
+  Vec3 half{0.1, 0.1, 0.1};  ///< m
+  Vec3 velocity;             ///< m/s, beside `initial`
+};
+
 struct GridFluidDef {
   std::vector<int64_t> cells = {64, 64};
   std::vector<double> size;    ///< m; empty: 1 along every axis
@@ -53,7 +62,9 @@ struct GridFluidDef {
     central,
     semi_lagrangian,
     maccormack,
-    bfecc
+    bfecc,
+    flip,
+    apic
   } advection = Advection::central;
   enum class Stepping : uint8_t { rk3, ab2 } stepping = Stepping::rk3;
   enum class Viscous : uint8_t { automatic, explicit_, implicit } viscous = Viscous::automatic;
@@ -63,6 +74,12 @@ struct GridFluidDef {
   double vorticity_confinement = 0;
   std::vector<ObstacleDef> obstacles;
   double tolerance = 1e-6;  ///< of the pressure where obstacles stand
+  std::vector<LiquidBodyDef> bodies;
+  int particles_per_axis = 2;
+  double flip = 0.97;
+
+  /// A liquid with a surface, carried by particles.
+  bool liquid() const { return advection == Advection::flip || advection == Advection::apic; }
 };
 
 const DefTable& grid_fluid_table();
@@ -72,6 +89,15 @@ const Resolution& grid_fluid_resolution();
 
 /// Grid and sides as the scene says them.
 mac::MacGrid make_grid(const GridFluidDef& d);
+/// m, where the particles of a liquid are at the start: middles of the grid's cells divided by
+/// particles_per_axis that lie in a body and in no obstacle; with the number of the body.
+struct StartingPlace {
+  Vec3 at;
+  size_t body;
+};
+std::vector<StartingPlace> starting_places(const GridFluidDef& d);
+/// The same number, by the volumes of the bodies.
+double expected_particles(const GridFluidDef& d);
 const FlowSideDef& side_of(const GridFluidDef& d, size_t axis, size_t end);
 /// "/sides/x_min", or "/side" where that decides.
 std::string side_pointer(const GridFluidDef& d, size_t axis, size_t end);

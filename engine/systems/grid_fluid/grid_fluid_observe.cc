@@ -4,6 +4,7 @@
 #include <limits>
 
 #include "engine/systems/grid_fluid/grid_fluid.h"
+#include "engine/systems/grid_fluid/liquid.h"
 
 namespace truestep::grid_fluid {
 
@@ -144,7 +145,11 @@ void GridFluid::draw(const State&, double, Wish wishes, Drawing& out) const {
     if (model_.grid.dimensions == 2) out.parts[0].space = PartDrawing::Space::plane;
   }
   if (!wants(wishes, Wish::obstacles)) return;
-  for (const ObstacleDef& o : model_.def.obstacles) {
+  draw_obstacles(model_.def, out);
+}
+
+void draw_obstacles(const GridFluidDef& def, Drawing& out) {
+  for (const ObstacleDef& o : def.obstacles) {
     DrawnShape shape;
     const bool sphere = o.shape == ObstacleDef::Shape::sphere;
     shape.kind = sphere ? DrawnShape::Kind::sphere : DrawnShape::Kind::box;

@@ -5,7 +5,7 @@
 
 namespace truestep::grid_fluid {
 
-double distance_to(const std::vector<ObstacleDef>& obstacles, const Vec3& at, size_t dimensions) {
+double distance_to(std::span<const ObstacleDef> obstacles, const Vec3& at, size_t dimensions) {
   double nearest = 1e300;
   for (const ObstacleDef& o : obstacles) {
     double d[3] = {at.x - o.center.x, at.y - o.center.y, dimensions == 3 ? at.z - o.center.z : 0};

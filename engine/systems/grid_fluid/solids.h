@@ -2,6 +2,7 @@
 // volumes around faces that are solid, in which the fluid is at rest.
 #pragma once
 #include <array>
+#include <span>
 #include <vector>
 
 #include "engine/base/cache_line.h"
@@ -19,6 +20,6 @@ struct Solids {
 };
 
 /// m, from the nearest obstacle's surface, negative inside; exact outside.
-double distance_to(const std::vector<ObstacleDef>& obstacles, const Vec3& at, size_t dimensions);
+double distance_to(std::span<const ObstacleDef> obstacles, const Vec3& at, size_t dimensions);
 
 }  // namespace truestep::grid_fluid

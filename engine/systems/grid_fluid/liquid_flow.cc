@@ -1,0 +1,274 @@
+#include "engine/systems/grid_fluid/liquid_flow.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "engine/kernels/mac/particles.h"
+
+namespace truestep::grid_fluid {
+
+using mac::kCentre;
+
+namespace {
+// Cells along the last axis that one task spreads to at a time; tasks of one colour never meet.
+constexpr size_t kSlab = 4;
+constexpr size_t kParticles = 1024;  // a task, where none touches another's values
+}  // namespace
+
+void LiquidFlow::bind(const FlowModel& m, size_t rows, const ThreadArena& arena) {
+  arena_ = &arena;
+  if (model_ == &m) return;
+  model_ = &m, rows_ = rows;
+  const mac::MacGrid& g = m.grid;
+  const size_t d = g.dimensions, n = g.size();
+  affine_ = m.def.advection == GridFluidDef::Advection::apic;
+  width_ = 2 * d + (affine_ ? d * d : 0);
+  now_.assign(rows * width_, 0), sorted_.assign(rows * width_, 0);
+  row_.assign(rows, 0), rows_sorted_.assign(rows, 0), cell_.assign(rows, 0);
+  first_.assign(g.cell_count() + 1, 0);
+  for (size_t c = 0; c < d; ++c) {
+    for (Array* a : {&u_[c], &before_[c], &mass_[c], &factor_[c], &shift_[c]}) a->assign(n, 0);
+    known_[c].assign(n, 0);
+    const auto mirrors = m.mirrors(c);
+    for (size_t a = 0; a < 3; ++a) {
+      for (size_t end = 0; end < 2; ++end) {
+        const bool own = a == c && mirrors[a][end] == mac::Mirror::given;
+        sides_[c][a][end].mirror = own ? mac::Mirror::even : mirrors[a][end];
+      }
+    }
+    force_[c].clear();
+  }
+  const auto mirrors = m.mirrors(kPressure);
+  for (size_t a = 0; a < 3; ++a) {
+    for (size_t end = 0; end < 2; ++end) cell_sides_[a][end].mirror = mirrors[a][end];
+  }
+  liquid_.assign(n, 0), fresh_.assign(n, 0);
+  for (Array* a : {&room_, &depth_, &work_}) a->assign(n, 0);
+  solver_.emplace(g, mirrors);
+  measure_room();
+}
+
+// What the weights of particles that stand everywhere outside of obstacles add up to in each cell.
+void LiquidFlow::measure_room() {
+  const mac::MacGrid& g = model_->grid;
+  const auto per = static_cast<size_t>(model_->def.particles_per_axis);
+  const bool space = g.dimensions == 3;
+  std::fill(room_.begin(), room_.end(), 0.0);
+  const auto at = [&](size_t i) { return (static_cast<double>(i) + 0.5) / static_cast<double>(per); };
+  for (size_t k = 0; k < (space ? per * g.cells[2] : 1); ++k) {
+    for (size_t j = 0; j < per * g.cells[1]; ++j) {
+      for (size_t i = 0; i < per * g.cells[0]; ++i) {
+        const double x[] = {at(i), at(j), at(k)};
+        if (model_->solids.any()) {
+          const Vec3 place{g.origin[0] + g.spacing[0] * x[0], g.origin[1] + g.spacing[1] * x[1],
+                           space ? g.origin[2] + g.spacing[2] * x[2] : 0};
+          if (distance_to(model_->def.obstacles, place, g.dimensions) <= 0) continue;
+        }
+        if (space) {
+          mac::scatter<3>(g, mac::around_particle<3>(g, kCentre, x), room_.data());
+        } else {
+          mac::scatter<2>(g, mac::around_particle<2>(g, kCentre, x), room_.data());
+        }
+      }
+    }
+  }
+  mac::fold_periodic(g, room_.data());
+  // Beyond the box there is none.
+  std::copy(room_.begin(), room_.end(), work_.begin());
+  std::fill(room_.begin(), room_.end(), 0.0);
+  mac::for_rows(g, kCentre, *arena_,
+                [&](size_t at, size_t, size_t, size_t n) { std::copy_n(&work_[at], n, &room_[at]); });
+  mac::wrap_periodic(g, room_.data());
+  whole_ = 1;
+  for (size_t a = 0; a < g.dimensions; ++a) whole_ *= static_cast<double>(per);
+}
+
+void LiquidFlow::load(const LiquidFields& f) {
+  const mac::MacGrid& g = model_->grid;
+  const size_t d = g.dimensions;
+  arena_->for_blocks(rows_, kParticles, [&](size_t begin, size_t end) {
+    for (size_t p = begin; p < end; ++p) {
+      double* to = particle(now_, p);
+      for (size_t a = 0; a < d; ++a) {
+        const auto n = static_cast<double>(g.cells[a]);
+        to[a] = std::clamp((f.position[3 * p + a] - g.origin[a]) / g.spacing[a], 0.0, n);
+        to[d + a] = f.velocity[3 * p + a];
+      }
+      if (affine_) std::copy_n(f.affine + d * d * p, d * d, to + 2 * d);
+      row_[p] = static_cast<uint32_t>(p);
+    }
+  });
+}
+
+void LiquidFlow::store(LiquidFields& f) {
+  const mac::MacGrid& g = model_->grid;
+  const size_t d = g.dimensions;
+  arena_->for_blocks(rows_, kParticles, [&](size_t begin, size_t end) {
+    for (size_t p = begin; p < end; ++p) {
+      const double* from = particle(now_, p);
+      const size_t row = row_[p];
+      for (size_t a = 0; a < d; ++a) {
+        f.position[3 * row + a] = g.origin[a] + g.spacing[a] * from[a];
+        f.velocity[3 * row + a] = from[d + a];
+      }
+      if (affine_) std::copy_n(from + 2 * d, d * d, f.affine + d * d * row);
+    }
+  });
+}
+
+double LiquidFlow::crossing_rate() const {
+  const mac::MacGrid& g = model_->grid;
+  const size_t d = g.dimensions;
+  double most = 0;
+  for (size_t p = 0; p < rows_; ++p) {
+    const double* v = now_.data() + width_ * p + d;
+    double sum = 0;
+    for (size_t a = 0; a < d; ++a) sum += std::abs(v[a]) / g.spacing[a];
+    // What is not finite is found too.
+    most = sum <= most ? most : sum;
+  }
+  return most;
+}
+
+// Particles in the order of their cells, those of one cell in the order that they had.
+template <size_t D>
+void LiquidFlow::sort() {
+  const mac::MacGrid& g = model_->grid;
+  arena_->for_blocks(rows_, kParticles, [&](size_t begin, size_t end) {
+    for (size_t p = begin; p < end; ++p) {
+      const double* x = particle(now_, p);
+      size_t cell = 0;
+      for (size_t a = D; a-- > 0;)
+        cell = cell * g.cells[a] + std::min(static_cast<size_t>(x[a]), g.cells[a] - 1);
+      cell_[p] = static_cast<uint32_t>(cell);
+    }
+  });
+  std::fill(first_.begin(), first_.end(), 0u);
+  for (const uint32_t c : cell_) ++first_[c + 1];
+  for (size_t c = 1; c < first_.size(); ++c) first_[c] += first_[c - 1];
+  for (size_t p = 0; p < rows_; ++p) cell_[p] = first_[cell_[p]]++;
+  // Each cell's end has become the next one's beginning.
+  for (size_t c = first_.size() - 1; c > 0; --c) first_[c] = first_[c - 1];
+  first_[0] = 0;
+  arena_->for_blocks(rows_, kParticles, [&](size_t begin, size_t end) {
+    for (size_t p = begin; p < end; ++p) {
+      std::copy_n(particle(now_, p), width_, particle(sorted_, cell_[p]));
+      rows_sorted_[cell_[p]] = row_[p];
+    }
+  });
+  now_.swap(sorted_), row_.swap(rows_sorted_);
+}
+
+template <size_t D>
+void LiquidFlow::spread(LiquidFields& f) {
+  const mac::MacGrid& g = model_->grid;
+  for (size_t c = 0; c < D; ++c) {
+    std::fill(mass_[c].begin(), mass_[c].end(), 0.0);
+    std::fill(u_[c].begin(), u_[c].end(), 0.0);
+  }
+  std::fill_n(f.fill, g.size(), 0.0);
+  const size_t last = g.cells[D - 1], layer = g.cell_count() / last;
+  const size_t slabs = (last + kSlab - 1) / kSlab;
+  for (size_t colour = 0; colour < 2; ++colour) {
+    arena_->for_blocks((slabs + 1 - colour) / 2, 1, [&](size_t begin, size_t end) {
+      for (size_t s = begin; s < end; ++s) {
+        const size_t low = (2 * s + colour) * kSlab, high = std::min(low + kSlab, last);
+        for (size_t p = first_[low * layer]; p < first_[high * layer]; ++p) {
+          const double* x = particle(now_, p);
+          for (size_t c = 0; c < D; ++c) {
+            mac::scatter<D>(g, mac::around_particle<D>(g, c, x), x[D + c],
+                            affine_ ? x + 2 * D + D * c : nullptr, mass_[c].data(), u_[c].data());
+          }
+          mac::scatter<D>(g, mac::around_particle<D>(g, kCentre, x), f.fill);
+        }
+      }
+    });
+  }
+  for (size_t c = 0; c < D; ++c) mac::fold_periodic(g, mass_[c].data()), mac::fold_periodic(g, u_[c].data());
+  mac::fold_periodic(g, f.fill);
+}
+
+void LiquidFlow::clear_of_obstacles(double* x, double* v) const {
+  const mac::MacGrid& g = model_->grid;
+  const size_t d = g.dimensions;
+  const auto distance = [&](const double* cells) {
+    double p[3] = {};
+    for (size_t a = 0; a < d; ++a) p[a] = g.origin[a] + g.spacing[a] * cells[a];
+    return distance_to(model_->def.obstacles, {p[0], p[1], p[2]}, d);
+  };
+  const double deep = distance(x);
+  if (deep >= 0) return;
+  double normal[3] = {}, length = 0;
+  constexpr double kStep = 1e-3;  // cells
+  for (size_t a = 0; a < d; ++a) {
+    double low[3] = {x[0], x[1], d == 3 ? x[2] : 0}, high[3] = {x[0], x[1], d == 3 ? x[2] : 0};
+    low[a] -= kStep, high[a] += kStep;
+    normal[a] = distance(high) - distance(low), length += normal[a] * normal[a];
+  }
+  if (length == 0) return;
+  length = std::sqrt(length);
+  double into = 0;
+  for (size_t a = 0; a < d; ++a) normal[a] /= length, into += v[a] * normal[a];
+  for (size_t a = 0; a < d; ++a) {
+    x[a] -= deep / g.spacing[a] * normal[a];
+    if (into < 0) v[a] -= into * normal[a];
+  }
+}
+
+template <size_t D>
+void LiquidFlow::carry(double h) {
+  const mac::MacGrid& g = model_->grid;
+  const double keep = model_->def.flip;
+  arena_->for_blocks(rows_, kParticles, [&](size_t begin, size_t end) {
+    for (size_t p = begin; p < end; ++p) {
+      double *x = particle(now_, p), *v = x + D;
+      double middle[D], shift[D];
+      for (size_t c = 0; c < D; ++c) {
+        const auto around = mac::around_particle<D>(g, c, x);
+        const double u = mac::gather<D>(g, around, u_[c].data());
+        if (affine_) {
+          v[c] = u;
+          mac::gather_slopes<D>(g, around, u_[c].data(), x + 2 * D + D * c);
+        } else {
+          v[c] = u + keep * (v[c] - mac::gather<D>(g, around, before_[c].data()));
+        }
+        shift[c] = mac::gather<D>(g, around, shift_[c].data());
+        middle[c] = x[c] + 0.5 * h * u / g.spacing[c];
+      }
+      const auto hold = [&](double* q) {
+        for (size_t a = 0; a < D; ++a) {
+          const auto n = static_cast<double>(g.cells[a]);
+          if (!g.periodic[a]) {
+            q[a] = std::clamp(q[a], 0.0, n);
+          } else {
+            q[a] -= n * std::floor(q[a] / n);
+            if (!(q[a] < n)) q[a] = 0;
+          }
+        }
+      };
+      hold(middle);
+      for (size_t c = 0; c < D; ++c) {
+        const double u = mac::gather<D>(g, mac::around_particle<D>(g, c, middle), u_[c].data());
+        x[c] += h * u / g.spacing[c] + shift[c];
+      }
+      if (model_->solids.any()) clear_of_obstacles(x, v);
+      hold(x);
+    }
+  });
+}
+
+LiquidReport LiquidFlow::substep(LiquidFields& f, double t, double h) {
+  const bool plane = model_->grid.dimensions == 2;
+  LiquidReport report;
+  plane ? sort<2>() : sort<3>();
+  plane ? spread<2>(f) : spread<3>(f);
+  settle_faces(t, h);
+  find_surface(f);
+  project(f, h, report);
+  take_back_compression(f, report);
+  continue_outwards();
+  plane ? carry<2>(h) : carry<3>(h);
+  return report;
+}
+
+}  // namespace truestep::grid_fluid

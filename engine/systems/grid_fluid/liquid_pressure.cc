@@ -1,0 +1,179 @@
+// What the grid does to a liquid: velocities on its faces, its surface, its pressure, and the displacement
+// that takes compression back.
+#include <algorithm>
+#include <cmath>
+
+#include "engine/systems/grid_fluid/liquid_flow.h"
+
+namespace truestep::grid_fluid {
+
+using mac::kCentre;
+
+// Momentum over mass; faces that no particle reaches by their neighbours; what acts from outside.
+void LiquidFlow::settle_faces(double t, double h) {
+  const mac::MacGrid& g = model_->grid;
+  const double along[] = {model_->gravity.x, model_->gravity.y, model_->gravity.z};
+  for (size_t c = 0; c < g.dimensions; ++c) {
+    double* u = u_[c].data();
+    const double* mass = mass_[c].data();
+    uint8_t* known = known_[c].data();
+    for_faces(c, [&](size_t at, size_t, int side) {
+      known[at] = side || mass[at] > 0;
+      u[at] = mass[at] > 0 ? u[at] / mass[at] : 0;
+    });
+    mac::extrapolate(g, c, 2, u, known, work_.data(), fresh_.data(), *arena_);
+    fill_sides(c, u);
+    std::copy_n(u, g.size(), before_[c].data());
+    const Program& program = model_->texts.force[c];
+    std::vector<double>& force = force_[c];
+    if (!program.zero && (force.empty() || program.time)) {
+      force.resize(g.size());
+      model_->texts.sample(program, g, c, t, force.data());
+    }
+    for_faces(c, [&](size_t at, size_t, int) { u[at] += h * (along[c] + (program.zero ? 0 : force[at])); });
+  }
+}
+
+void LiquidFlow::find_surface(LiquidFields& f) {
+  const mac::MacGrid& g = model_->grid;
+  // A cell that an obstacle nearly fills says little about the liquid around it.
+  constexpr double kLeastRoom = 0.2;
+  mac::for_rows(g, kCentre, *arena_, [&](size_t at, size_t, size_t, size_t n) {
+    for (size_t i = at; i < at + n; ++i) {
+      f.fill[i] = f.fill[i] / std::max(room_[i], kLeastRoom * whole_);
+      depth_[i] = mac::depth_of_fill(f.fill[i]);
+      liquid_[i] = depth_[i] > 0;
+    }
+  });
+  mac::wrap_periodic(g, depth_.data()), mac::wrap_periodic(g, liquid_.data());
+  for (size_t c = 0; c < g.dimensions; ++c)
+    mac::surface_faces(g, c, liquid_.data(), depth_.data(), factor_[c].data(), *arena_);
+  if (model_->solids.any()) {
+    for (size_t c = 0; c < g.dimensions; ++c) {
+      // Between the matrix and the differences of pressure: shares of faces belong to the matrix alone.
+      const double* open = model_->solids.open[c].data();
+      for_faces(c, [&](size_t at, size_t, int) { shift_[c][at] = factor_[c][at] * open[at]; });
+      mac::wrap_periodic(g, shift_[c].data());
+    }
+  }
+  for (size_t c = 0; c < g.dimensions; ++c) mac::wrap_periodic(g, factor_[c].data());
+  const auto& open = model_->solids.any() ? shift_ : factor_;
+  solver_->set({open[0].data(), open[1].data(), open[2].data()}, liquid_.data(), *arena_);
+}
+
+void LiquidFlow::project(LiquidFields& f, double h, LiquidReport& report) {
+  const mac::MacGrid& g = model_->grid;
+  double* phi = f.pressure;
+  const bool solid = model_->solids.any();
+  for (size_t c = 0; c < g.dimensions; ++c) {
+    // Sides hold liquid back; drops may leave them.
+    for_faces(c, [&](size_t at, size_t low, int side) {
+      if (side == 0) return;
+      const bool away = u_[c][at] * side > 0 && mass_[c][at] > 0;
+      if (liquid_[at] || liquid_[low] || !away) u_[c][at] = 0;
+    });
+    mac::wrap_periodic(g, u_[c].data());
+  }
+  mac::for_rows(g, kCentre, *arena_, [&](size_t at, size_t, size_t, size_t n) {
+    for (size_t i = at; i < at + n; ++i) {
+      double sum = 0;
+      for (size_t c = 0; c < g.dimensions; ++c) {
+        const size_t high = i + g.stride(c);
+        const double* open = solid ? model_->solids.open[c].data() : nullptr;
+        sum += ((open ? open[high] : 1) * u_[c][high] - (open ? open[i] : 1) * u_[c][i]) / g.spacing[c];
+      }
+      phi[i] = liquid_[i] ? sum : 0;
+    }
+  });
+  report.pressure = solver_->solve(phi, model_->def.tolerance, *arena_);
+  mac::fill_ghosts(g, kCentre, cell_sides_, phi, *arena_);
+  for (size_t c = 0; c < g.dimensions; ++c) {
+    const double scale = 1 / g.spacing[c];
+    const double* open = solid ? model_->solids.open[c].data() : nullptr;
+    for_faces(c, [&](size_t at, size_t low, int side) {
+      const bool wet = liquid_[at] || liquid_[low];
+      if (!side) u_[c][at] -= scale * factor_[c][at] * (phi[at] - phi[low]);
+      if (wet && open && open[at] == 0) u_[c][at] = 0;
+      known_[c][at] = side || wet;
+    });
+    accelerate_beside(c);
+  }
+  const double per = 1 / h;
+  mac::for_rows(g, kCentre, *arena_, [&](size_t at, size_t, size_t, size_t n) {
+    for (size_t i = at; i < at + n; ++i) phi[i] *= per;
+  });
+}
+
+// Faces that particles reach but no pressure: beside the liquid they are accelerated as it is (a still
+// surface would rain otherwise), further away they fall freely.
+void LiquidFlow::accelerate_beside(size_t c) {
+  const mac::MacGrid& g = model_->grid;
+  double *change = shift_[c].data(), *u = u_[c].data();
+  uint8_t* known = known_[c].data();
+  const double *before = before_[c].data(), *mass = mass_[c].data();
+  const double* open = model_->solids.any() ? model_->solids.open[c].data() : nullptr;
+  for_faces(c, [&](size_t at, size_t, int) { change[at] = known[at] ? u[at] - before[at] : 0; });
+  mac::extrapolate(g, c, 1, change, known, work_.data(), fresh_.data(), *arena_);
+  // Those that the last layer found.
+  for_faces(c, [&](size_t at, size_t low, int side) {
+    if (side || liquid_[at] || liquid_[low]) return;
+    if (fresh_[at]) u[at] = before[at] + change[at];
+    known[at] = mass[at] > 0 && !(open && open[at] == 0);
+  });
+}
+
+// shift_ becomes the displacement of what crosses each face, in cells.
+void LiquidFlow::take_back_compression(LiquidFields& f, LiquidReport& report) {
+  const mac::MacGrid& g = model_->grid;
+  double* psi = work_.data();
+  double sum = 0, most = 0, cells = 0;
+  // Beside the surface a cell is less than full of its own accord; inside, gaps close again.
+  mac::for_rows(g, kCentre, *arena_, [&](size_t at, size_t, size_t, size_t n) {
+    for (size_t i = at; i < at + n; ++i) {
+      bool inside = liquid_[i];
+      for (size_t a = 0; a < g.dimensions && inside; ++a) {
+        for (const size_t m : {i - g.stride(a), i + g.stride(a)})
+          inside = inside && (liquid_[m] || room_[m] == 0);
+      }
+      constexpr double kMost = 0.5;
+      const double excess = f.fill[i] - 1;
+      psi[i] = !liquid_[i] ? 0 : -std::clamp(excess, inside ? -kMost : 0, kMost);
+    }
+  });
+  for (size_t k = 0; k < g.cells[2]; ++k) {
+    for (size_t j = 0; j < g.cells[1]; ++j) {
+      const size_t at = g.at(0, j, k);
+      for (size_t i = at; i < at + g.cells[0]; ++i) {
+        if (!liquid_[i]) continue;
+        const double excess = std::max(f.fill[i] - 1, 0.0);
+        sum += excess, most = std::max(most, excess), cells += 1;
+      }
+    }
+  }
+  report.mean_compression = cells > 0 ? sum / cells : 0, report.max_compression = most;
+  constexpr double kTolerance = 1e-2, kFarthest = 0.25;
+  report.density = solver_->solve(psi, kTolerance, *arena_);
+  mac::fill_ghosts(g, kCentre, cell_sides_, psi, *arena_);
+  for (size_t c = 0; c < g.dimensions; ++c) {
+    const double scale = 1 / (g.spacing[c] * g.spacing[c]);
+    const double* open = model_->solids.any() ? model_->solids.open[c].data() : nullptr;
+    for_faces(c, [&](size_t at, size_t low, int side) {
+      const bool shut = side || (open && open[at] == 0);
+      shift_[c][at] =
+          shut ? 0 : std::clamp(-scale * factor_[c][at] * (psi[at] - psi[low]), -kFarthest, kFarthest);
+    });
+    fill_sides(c, shift_[c].data());
+  }
+}
+
+void LiquidFlow::continue_outwards() {
+  const mac::MacGrid& g = model_->grid;
+  const auto layers = static_cast<int>(std::ceil(model_->def.cfl.value_or(1))) + 2;
+  for (size_t c = 0; c < g.dimensions; ++c) {
+    for_faces(c, [&](size_t at, size_t, int) { u_[c][at] = known_[c][at] ? u_[c][at] : 0; });
+    mac::extrapolate(g, c, layers, u_[c].data(), known_[c].data(), work_.data(), fresh_.data(), *arena_);
+    fill_sides(c, u_[c].data());
+  }
+}
+
+}  // namespace truestep::grid_fluid
