@@ -46,6 +46,8 @@ class BodyAccess : public BodyOwner {
   /// Bodies of the plane are prisms along z: their corners are edges, and one place of each is enough.
   enum class Space : uint8_t { space, plane };
   virtual Space space() const { return Space::space; }
+  /// Somebody begins to look: what was kept in `memory` of other states, or of this one before a step, goes.
+  virtual void forget(Workspace& memory) const {}
   /// Rows, always the same.
   virtual size_t count() const = 0;
   /// Index into the port's forms.
@@ -61,8 +63,9 @@ class BodyAccess : public BodyOwner {
                        Workspace& memory) const = 0;
   /// Wakes the row, too.
   virtual void push(State& state, size_t row, const BodyImpulse& on, Workspace& memory) const = 0;
-  /// Moves all rows as far as `push` would change their velocities. Momentum stays, angular momentum about
-  /// the origin changes by P x v - gained, v the velocity of the row's centre before, where nothing holds.
+  /// Moves all rows about as far as `push` would change their velocities. Momentum stays, angular momentum
+  /// about the origin changes by P x v - gained, v the velocity of the row's centre before, where nothing
+  /// holds.
   virtual void shift(State& state, size_t row, const BodyImpulse& by, const Vec3& gained,
                      Workspace& memory) const = 0;
 };

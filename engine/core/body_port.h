@@ -56,7 +56,9 @@ class BodiesOf {
   BodiesOf(StateRef s, const BodyPort& port, Workspace* memory = nullptr)
       : state_(s), port_(port), access_(port.access()), memory_(memory) {
     if (access_) {
-      if (memory_) lookup_ = &memory_->template object<BodyLookup>("bodies.lookup"), lookup_->fresh = false;
+      if (!memory_) return;
+      access_->forget(*memory_);
+      lookup_ = &memory_->template object<BodyLookup>("bodies.lookup"), lookup_->fresh = false;
       return;
     }
     place_ = {s, port.position}, velocity_ = {s, port.velocity};

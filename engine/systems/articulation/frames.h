@@ -20,8 +20,9 @@ inline Quat quaternion(const Rotation& r) {
 }
 
 /// Of the place `center` (m, in the node's frame) of a node that stands in `at` and moves with v there.
-inline BodyMotion motion_of(const spatial::Frame& at, const spatial::Motion& v, const Vec3& center) {
-  return {at.R.apply(center) + at.p, quaternion(at.R), at.R.apply(v.v + cross(v.w, center)), at.R.apply(v.w)};
+inline BodyMotion motion_of(const spatial::Frame& at, const Quat& turn, const spatial::Motion& v,
+                            const Vec3& center) {
+  return {at.R.apply(center) + at.p, turn, at.R.apply(v.v + cross(v.w, center)), at.R.apply(v.w)};
 }
 
 /// The same by the nodes from this one to the ground alone, without memory.

@@ -1,20 +1,49 @@
 #include "engine/systems/articulation/link_bodies.h"
 
 #include <algorithm>
+#include <array>
 
 #include "engine/systems/articulation/frames.h"
 
 namespace truestep::articulation {
 
+/// What unit impulses on a link change: N s along and N m s about the three axes.
+struct LinkResponse {
+  uint64_t version = 0;         ///< of the places that it was made at; 0: never
+  std::vector<double> columns;  ///< 6 x velocities: of q'
+  std::array<BodyTwist, 6> own{};
+
+  static std::array<double, 6> numbers(const BodyImpulse& on) {
+    return {on.impulse.x, on.impulse.y, on.impulse.z, on.twist.x, on.twist.y, on.twist.z};
+  }
+  void add(const BodyImpulse& on, std::span<double> change) const {
+    const auto by = numbers(on);
+    const size_t n = change.size();
+    for (size_t k = 0; k < 6; ++k) {
+      for (size_t i = 0; i < n; ++i) change[i] += by[k] * columns[k * n + i];
+    }
+  }
+};
+
 struct LinkBodies::Scratch {
   Work work;
   std::vector<spatial::Frame> frames;
+  std::vector<Quat> turns;  ///< of the links
   std::vector<Push> pushes;
   std::vector<double> none, change, rate;
   ClosureWork closures;
+  std::vector<LinkResponse> responses;
+  uint64_t version = 1;  ///< of the places
+  bool posed = false;    ///< frames and turns are those of the state
 
   static Scratch& of(Workspace& memory) { return memory.object<Scratch>("articulation.bodies"); }
 };
+
+void LinkBodies::forget(Workspace& memory) const {
+  Scratch& scratch = Scratch::of(memory);
+  scratch.posed = false;
+  for (LinkResponse& r : scratch.responses) r.version = 0;
+}
 
 LinkBodies::LinkBodies(const ArticulationField& field) : field_(field) {
   const Model& m = field.model();
@@ -50,15 +79,27 @@ BodyMotion LinkBodies::motion(const State& s, size_t row) const {
                      m.links[row].center);
 }
 
+void LinkBodies::pose(const State& s, Scratch& scratch) const {
+  if (scratch.posed) return;
+  const Model& m = field_.model();
+  scratch.work.resize(m.tree.nodes.size()), scratch.frames.resize(m.tree.nodes.size());
+  scratch.turns.resize(m.links.size());
+  move(m.tree, s.f64(Columns::kPosition), {}, scratch.work);
+  world_frames(m.tree, scratch.work, scratch.frames);
+  for (size_t i = 0; i < m.links.size(); ++i) {
+    scratch.turns[i] = quaternion(scratch.frames[size_t(m.links[i].node)].R);
+  }
+  scratch.posed = true;
+}
+
 void LinkBodies::motions(const State& s, std::span<BodyMotion> out, Workspace& memory) const {
   const Model& m = field_.model();
   Scratch& scratch = Scratch::of(memory);
-  scratch.work.resize(m.tree.nodes.size()), scratch.frames.resize(m.tree.nodes.size());
-  move(m.tree, s.f64(Columns::kPosition), s.f64(Columns::kVelocity), scratch.work);
-  world_frames(m.tree, scratch.work, scratch.frames);
+  pose(s, scratch);
+  velocities(m.tree, s.f64(Columns::kVelocity), scratch.work);
   for (size_t i = 0; i < out.size(); ++i) {
     const auto node = size_t(m.links[i].node);
-    out[i] = motion_of(scratch.frames[node], scratch.work[node].v, m.links[i].center);
+    out[i] = motion_of(scratch.frames[node], scratch.turns[i], scratch.work[node].v, m.links[i].center);
   }
 }
 
@@ -90,11 +131,34 @@ BodyTwist LinkBodies::twist_of(size_t row, Scratch& scratch) const {
   return {R.apply(a.v + cross(a.w, l.center)), R.apply(a.w)};
 }
 
+const LinkResponse& LinkBodies::response(const State& s, size_t row, Scratch& scratch) const {
+  const size_t n = field_.model().tree.velocities;
+  if (scratch.responses.empty()) {
+    scratch.responses.resize(forms_.size());
+    for (LinkResponse& each : scratch.responses) each.columns.resize(6 * n);
+  }
+  LinkResponse& r = scratch.responses[row];
+  for (size_t k = 0; k < 6; ++k) {
+    const Vec3 unit{double(k % 3 == 0), double(k % 3 == 1), double(k % 3 == 2)};
+    scratch.pushes.assign(1, push_of(row, k < 3 ? BodyImpulse{unit, {}} : BodyImpulse{{}, unit}));
+    std::ranges::copy(respond(s, scratch), r.columns.begin() + static_cast<ptrdiff_t>(k * n));
+    r.own[k] = twist_of(row, scratch);
+  }
+  r.version = scratch.version;
+  return r;
+}
+
+const LinkResponse& LinkBodies::response_now(const State& s, size_t row, Scratch& scratch) const {
+  const bool known = row < scratch.responses.size() && scratch.responses[row].version == scratch.version;
+  return known ? scratch.responses[row] : response(s, row, scratch);
+}
+
 BodyTwist LinkBodies::answer(const State& s, size_t row, const BodyImpulse& on, Workspace& memory) const {
-  Scratch& scratch = Scratch::of(memory);
-  scratch.pushes.assign(1, push_of(row, on));
-  respond(s, scratch);
-  return twist_of(row, scratch);
+  const LinkResponse& r = response_now(s, row, Scratch::of(memory));
+  const auto by = LinkResponse::numbers(on);
+  BodyTwist out;
+  for (size_t k = 0; k < 6; ++k) out.velocity += r.own[k].velocity * by[k], out.spin += r.own[k].spin * by[k];
+  return out;
 }
 
 void LinkBodies::answers(const State& s, std::span<const BodyImpulse> on, std::span<BodyTwist> out,
@@ -109,19 +173,14 @@ void LinkBodies::answers(const State& s, std::span<const BodyImpulse> on, std::s
 }
 
 void LinkBodies::push(State& s, size_t row, const BodyImpulse& on, Workspace& memory) const {
-  Scratch& scratch = Scratch::of(memory);
-  scratch.pushes.assign(1, push_of(row, on));
-  const auto change = respond(s, scratch);
-  const auto v = s.f64(Columns::kVelocity);
-  for (size_t i = 0; i < v.size(); ++i) v[i] += change[i];
+  response_now(s, row, Scratch::of(memory)).add(on, s.f64(Columns::kVelocity));
 }
 
 // Of a root's tree: kg m/s, and kg m^2/s about the origin.
 spatial::Force LinkBodies::momentum(const State& s, int32_t root, Scratch& scratch) const {
   const Tree& tree = field_.model().tree;
-  scratch.work.resize(tree.nodes.size()), scratch.frames.resize(tree.nodes.size());
-  move(tree, s.f64(Columns::kPosition), s.f64(Columns::kVelocity), scratch.work);
-  world_frames(tree, scratch.work, scratch.frames);
+  pose(s, scratch);
+  velocities(tree, s.f64(Columns::kVelocity), scratch.work);
   spatial::Force sum;
   for (size_t i = 0; i < tree.nodes.size(); ++i) {
     if (root_of_[i] == root) sum += scratch.frames[i].out(tree.nodes[i].inertia * scratch.work[i].v);
@@ -140,13 +199,17 @@ void LinkBodies::shift(State& s, size_t row, const BodyImpulse& by, const Vec3& 
     wanted = momentum(s, root, scratch);
     wanted.n += cross(by.impulse, motion(s, row).velocity) - gained;
   }
-  scratch.pushes.assign(1, push_of(row, by));
-  const auto way = respond(s, scratch);
+  // Along the answer of where somebody began to look: ways are short, and who wants a gap looks again.
+  const bool known = row < scratch.responses.size() && scratch.responses[row].version > 0;
+  const LinkResponse& r = known ? scratch.responses[row] : response(s, row, scratch);
+  scratch.change.assign(m.tree.velocities, 0.0);
+  r.add(by, scratch.change);
   const auto q = s.f64(Columns::kPosition);
   scratch.rate.resize(q.size());
-  position_rate(m.tree, q, way, scratch.rate);
+  position_rate(m.tree, q, scratch.change, scratch.rate);
   for (size_t i = 0; i < q.size(); ++i) q[i] += scratch.rate[i];
   normalise(m.tree, q);
+  scratch.posed = false, ++scratch.version;
   if (carrier == kGround) return;
   const spatial::Force missing = wanted - momentum(s, root, scratch);
   const Vec3 origin = scratch.frames[size_t(carrier)].p;

@@ -13,6 +13,8 @@
 
 namespace truestep::articulation {
 
+struct LinkResponse;
+
 class LinkBodies final : public BodyAccess {
  public:
   explicit LinkBodies(const ArticulationField& field);
@@ -21,6 +23,7 @@ class LinkBodies final : public BodyAccess {
   std::span<const BodyForm> forms() const { return forms_; }
 
   void wake(State&, size_t) const override {}
+  void forget(Workspace& memory) const override;
   size_t count() const override { return forms_.size(); }
   uint32_t form(const State&, size_t row) const override { return static_cast<uint32_t>(row); }
   BodyMotion motion(const State& state, size_t row) const override;
@@ -34,6 +37,9 @@ class LinkBodies final : public BodyAccess {
 
  private:
   struct Scratch;
+  void pose(const State& state, Scratch& scratch) const;
+  const LinkResponse& response(const State& state, size_t row, Scratch& scratch) const;
+  const LinkResponse& response_now(const State& state, size_t row, Scratch& scratch) const;
   Push push_of(size_t row, const BodyImpulse& on) const;
   std::span<double> respond(const State& state, Scratch& scratch) const;
   BodyTwist twist_of(size_t row, Scratch& scratch) const;

@@ -191,6 +191,15 @@ void move(const Tree& tree, std::span<const double> q, std::span<const double> v
   }
 }
 
+void velocities(const Tree& tree, std::span<const double> v, std::span<NodeWork> work) {
+  for (size_t i = 0; i < tree.nodes.size(); ++i) {
+    const Node& n = tree.nodes[i];
+    NodeWork& w = work[i];
+    const Motion own = joint_motion(n, v.data());
+    w.v = n.parent == kGround ? own : w.frame.into(work[size_t(n.parent)].v) + own;
+  }
+}
+
 void accelerations(const Tree& tree, std::span<const double> q, std::span<const double> v,
                    std::span<const double> tau, const Vec3& gravity, std::span<const Push> pushes,
                    std::span<NodeWork> work, std::span<double> qdd) {
