@@ -34,8 +34,7 @@ struct MovedBodies {
             .angular_velocity = angular_velocity,
             .form = form,
             .id = id,
-            .forms = forms,
-            .sleepers = nullptr};
+            .forms = forms};
   }
 };
 

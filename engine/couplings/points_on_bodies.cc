@@ -15,33 +15,37 @@ Vec3 shape(const AnsweredLink& l, const Vec3& y) {
 
 /// What impulses do to a body.
 struct BodyChange {
-  Vec3 impulse, twist, gained;
+  BodyImpulse on;
+  Vec3 gained;
 };
 
 }  // namespace
 
 /// Both sides, with impulses on them and what these change.
 struct PointsOnBodies::Work {
-  Work(const PointsOnBodies& p, State& points_state, State& bodies_state, Workspace& memory)
+  Work(const PointsOnBodies& p, State& points_state, State& bodies_state, Workspace& whole)
       : points_state(points_state),
         points(points_state, p.points_),
-        bodies(bodies_state, p.bodies_),
-        memory(memory),
+        bodies(bodies_state, p.bodies_, &whole),
+        memory(whole.object<Workspace>("links")),
         impulse(memory.doubles("links.impulse", 3 * points.count)),
         dv(memory.doubles("links.dv", 3 * points.count)),
-        on_bodies(memory.object<std::vector<BodyChange>>("links.bodies")) {
+        on_bodies(memory.object<std::vector<BodyChange>>("links.bodies")),
+        answers(memory.object<std::vector<BodyTwist>>("links.answers")) {
     std::fill(impulse.begin(), impulse.end(), 0.0);
     std::fill(dv.begin(), dv.end(), 0.0);
     on_bodies.assign(bodies.count(), {});
+    if (!bodies.free()) answers.assign(bodies.count(), {});
   }
   Vec3 change(const AnsweredLink& l) const {
     const uint32_t b = l.link.body;
     const Vec3 arm = l.link.arm(points, bodies);
     const BodyForm& f = bodies.form(b);
     const Vec3 u = l.link.blend([&](size_t i) { return load3(dv.data(), i); });
+    if (!bodies.free()) return u - answers[b].velocity - cross(answers[b].spin, arm);
     if (!(f.mass > 0)) return u;
-    const Vec3 dw = free_rotation::spin_of(bodies.orientation(b), on_bodies[b].twist, f.moments);
-    return u - on_bodies[b].impulse / f.mass - cross(dw, arm);
+    const Vec3 dw = free_rotation::spin_of(bodies.orientation(b), on_bodies[b].on.twist, f.moments);
+    return u - on_bodies[b].on.impulse / f.mass - cross(dw, arm);
   }
 
   State& points_state;
@@ -50,6 +54,7 @@ struct PointsOnBodies::Work {
   Workspace& memory;
   std::span<double> impulse, dv;
   std::vector<BodyChange>& on_bodies;
+  std::vector<BodyTwist>& answers;  ///< of bodies that answer together
 };
 
 template <class ImpulseOf>
@@ -69,7 +74,13 @@ void PointsOnBodies::respond(Work& work, const StepInput& in, AnswersImpulses::A
       store3(work.impulse.data(), row, load3(work.impulse.data(), row) + j * b);
     });
     BodyChange& body = work.on_bodies[l.link.body];
-    body.impulse -= j, body.twist -= cross(l.link.arm(work.points, work.bodies), j);
+    body.on.impulse -= j, body.on.twist -= cross(l.link.arm(work.points, work.bodies), j);
+  }
+  if (!work.bodies.free()) {
+    auto& on = work.memory.object<std::vector<BodyImpulse>>("links.on_bodies");
+    on.resize(work.on_bodies.size());
+    for (size_t b = 0; b < on.size(); ++b) on[b] = work.on_bodies[b].on;
+    work.bodies.answers(on, work.answers);
   }
   if (together_) {
     const StepInput own{in.t, in.h, in.step, work.memory, in.arena, nullptr};
@@ -84,7 +95,7 @@ void PointsOnBodies::respond(Work& work, const StepInput& in, AnswersImpulses::A
 
 void PointsOnBodies::solve(State& points, State& bodies, const StepInput& in,
                            std::vector<AnsweredLink>& links, double accuracy, size_t most) const {
-  Work work(*this, points, bodies, in.workspace.object<Workspace>("links"));
+  Work work(*this, points, bodies, in.workspace);
   const size_t n = links.size();
   // The matrix, which what follows goes on with.
   respond(work, in, AnswersImpulses::Answer::first, links, [](size_t) { return Vec3{}; });
@@ -102,7 +113,10 @@ void PointsOnBodies::solve(State& points, State& bodies, const StepInput& in,
 void PointsOnBodies::move(State& points, State& bodies, const StepInput& in,
                           std::vector<AnsweredLink>& links) const {
   if (links.empty()) return;
-  Work work(*this, points, bodies, in.workspace.object<Workspace>("links"));
+  Work work(*this, points, bodies, in.workspace);
+  auto& arms = work.memory.object<std::vector<Vec3>>("links.arms");
+  arms.clear();
+  for (const AnsweredLink& l : links) arms.push_back(l.link.arm(work.points, work.bodies));
   respond(work, in, AnswersImpulses::Answer::again, links, [&](size_t k) { return links[k].impulse; });
   for (AnsweredLink& l : links) l.change = work.change(l);
   const auto move_point = [&](size_t row) {
@@ -114,7 +128,7 @@ void PointsOnBodies::move(State& points, State& bodies, const StepInput& in,
   // Velocities of the bodies first: what their corrections of place gain depends on them.
   for (uint32_t b = 0; b < work.on_bodies.size(); ++b) {
     const BodyChange& c = work.on_bodies[b];
-    if (norm2(c.impulse) + norm2(c.twist) > 0) work.bodies.push_and_turn(b, c.impulse, c.twist);
+    if (!c.on.none()) work.bodies.push_and_turn(b, c.on.impulse, c.on.twist);
   }
   if (together_) {
     for (size_t i = 0; i < work.points.count; ++i) move_point(i);
@@ -122,6 +136,17 @@ void PointsOnBodies::move(State& points, State& bodies, const StepInput& in,
     for (const AnsweredLink& l : links) {
       for (uint32_t i = 0; i < l.link.count; ++i) move_point(l.link.rows[i]);
     }
+  }
+  if (!work.bodies.free()) {
+    // One after the other: each changes the velocities that the next one's gain is made of.
+    for (size_t k = 0; k < links.size(); ++k) {
+      const BodyLink& l = links[k].link;
+      const Vec3 p = links[k].impulse * in.h;
+      work.bodies.shift(l.body, arms[k], -p, together_ ? Vec3{} : l.gained(work.points, work.bodies, p));
+    }
+    return;
+  }
+  if (!together_) {
     for (const AnsweredLink& l : links) {
       work.on_bodies[l.link.body].gained += l.link.gained(work.points, work.bodies, l.impulse * in.h);
     }
@@ -129,9 +154,9 @@ void PointsOnBodies::move(State& points, State& bodies, const StepInput& in,
   for (uint32_t b = 0; b < work.on_bodies.size(); ++b) {
     const BodyChange& c = work.on_bodies[b];
     const BodyForm& f = work.bodies.form(b);
-    if (!(f.mass > 0) || !(norm2(c.impulse) + norm2(c.twist) > 0)) continue;
-    const Vec3 turn = free_rotation::spin_of(work.bodies.orientation(b), c.twist, f.moments);
-    work.bodies.move(b, c.impulse * (in.h / f.mass), turn * in.h, c.gained);
+    if (!(f.mass > 0) || c.on.none()) continue;
+    const Vec3 turn = free_rotation::spin_of(work.bodies.orientation(b), c.on.twist, f.moments);
+    work.bodies.move(b, c.on.impulse * (in.h / f.mass), turn * in.h, c.gained);
   }
 }
 

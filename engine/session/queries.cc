@@ -150,7 +150,7 @@ class Things {
     const State& state = session_.state().systems[part.system];
     const std::string_view system = world.id(part.system);
     const Ports ports = world.system(part.system).ports();
-    if (part.index == 0 && ports.bodies) {
+    if (part.index == 0 && ports.bodies && !ports.bodies->access()) {
       const ConstBodies bodies(state, *ports.bodies);
       for (size_t k = 0; k < bodies.count(); ++k) {
         if (bodies.form(k).solid)

@@ -72,6 +72,9 @@ Reference compare(Attempt taken, const Attempt& other) {
   Reference r;
   for (size_t i = 0; i < taken.trace.values.size(); ++i)
     r.uncertainty = std::max(r.uncertainty, relative_error(other.trace.values[i], taken.trace.values[i]));
+  if (!taken.trace.observed.empty() && !taken.trace.observed.back().empty()) {
+    r.observed_difference = std::abs(taken.trace.observed.back()[0] - other.trace.observed.back()[0]);
+  }
   r.method = std::move(taken.method);
   r.checked_by = other.method;
   r.trace = std::move(taken.trace);

@@ -14,6 +14,8 @@ struct Reference {
   std::string method;      ///< e.g. "cvode_bdf at 1e-12"
   std::string checked_by;  ///< the other one
   double uncertainty = 0;  ///< largest relative difference of the two over the samples
+  /// Difference of the two in the request's first observable at the end, in its unit.
+  std::optional<double> observed_difference;
   /// Errors below ten times the uncertainty say nothing about the method measured.
   double floor() const { return 10 * uncertainty; }
   /// The two agree so badly that the trajectory means nothing at this horizon: the motion is chaotic, or

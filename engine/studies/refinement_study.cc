@@ -213,7 +213,12 @@ class Study {
         note_ = "the budget reaches " + std::to_string(k) + " resolutions; a larger one reaches finer ones";
         return false;
       }
-      uncertainty_ = std::max(uncertainty_, found->uncertainty);
+      // Of the error against an exact solution in that error's own norm: a front that time moves by a part of
+      // a cell is little in the mean and much in the mean square.
+      const double size = root_mean_square(found->trace.values.back());
+      uncertainty_ =
+          std::max(uncertainty_, found->observed_difference && size > 0 ? *found->observed_difference / size
+                                                                        : found->uncertainty);
       methods_ = found->method + ", checked by " + found->checked_by;
       t = std::move(found->trace);
     } else {

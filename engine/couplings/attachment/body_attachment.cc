@@ -111,22 +111,32 @@ void BodyAttachment::each(const auto& points, const auto& bodies, auto&& visit) 
 }
 
 std::vector<BodyAttachment::Live>& BodyAttachment::live(const Points& points, const Bodies& bodies,
-                                                        const StepInput& in) const {
+                                                        const StepInput& in, When when) const {
   auto& out = in.workspace.object<std::vector<Live>>("body_attachment.live");
   out.clear();
   each(points, bodies, [&](size_t k, uint32_t i, uint32_t j) {
-    Live l{k, {}, pairs_[k].place, pairs_[k].rest, {}};
+    Live l{k, {}, pairs_[k].place, pairs_[k].rest, {}, false};
     l.link.rows[0] = i, l.link.body = j;
+    if (!rigid()) {
+      // What is kicked at the start is so at the end; answers of jointed bodies change with the way.
+      double& kicked = in.workspace.doubles("body_attachment.kicked", pairs_.size())[k];
+      if (when == When::start) kicked = may_be_kicked(l, points, bodies, in.h);
+      l.kicked = kicked != 0;
+    }
     out.push_back(l);
   });
   return out;
 }
 
-bool BodyAttachment::kicked(const Live& l, const Points& points, const Bodies& bodies, double h) const {
+bool BodyAttachment::may_be_kicked(const Live& l, const Points& points, const Bodies& bodies,
+                                   double h) const {
   // At most one over the mass and one over the inertia of what hangs at its arm.
   const uint32_t b = l.link.body;
   double k = l.link.inverse_mass(points);
-  if (bodies.dynamic(b)) {
+  if (!bodies.free()) {
+    const Vec3 arm = arm_of(bodies, b, l.place);
+    for (const Vec3& n : {Vec3{1, 0, 0}, Vec3{0, 1, 0}, Vec3{0, 0, 1}}) k += bodies.inverse_mass(b, arm, n);
+  } else if (bodies.dynamic(b)) {
     const BodyForm& f = bodies.form(b);
     const double least = std::min({f.moments.x, f.moments.y, f.moments.z});
     k += 1 / f.mass + norm2(l.place) / least;
@@ -141,9 +151,9 @@ void BodyAttachment::begin(const CoupledStates& s, const StepInput& in) const {
   Exchange sum;
   {
     Points points(this->points(s), sides_.points());
-    Bodies bodies(this->bodies(s), sides_.bodies());
+    Bodies bodies(this->bodies(s), sides_.bodies(), &in.workspace);
     if (!rigid()) {
-      const auto& pairs = live(points, bodies, in);
+      const auto& pairs = live(points, bodies, in, When::start);
       pull(pairs, points, bodies, in.h, sum);
       damp(pairs, points, bodies, in.h, sum);
     }
@@ -161,7 +171,7 @@ void BodyAttachment::begin(const CoupledStates& s, const StepInput& in) const {
 void BodyAttachment::pull(const std::vector<Live>& live, Points& points, Bodies& bodies, double h,
                           Exchange& sum) const {
   for (const Live& l : live) {
-    if (!kicked(l, points, bodies, h)) continue;
+    if (!l.kicked) continue;
     const Vec3 r = separation(points, l.link.rows[0], bodies, l.link.body, l.place);
     const Vec3 stretch = l.rest == 0 ? r : r - normalized(r) * l.rest,
                j = stretch * (-0.5 * h * def_.stiffness);
@@ -175,7 +185,7 @@ void BodyAttachment::damp(const std::vector<Live>& live, Points& points, Bodies&
                           Exchange& sum) const {
   if (def_.damping == 0) return;
   for (const Live& l : live) {
-    if (!kicked(l, points, bodies, h)) continue;
+    if (!l.kicked) continue;
     const uint32_t b = l.link.body;
     const Vec3 r = separation(points, l.link.rows[0], bodies, b, l.place),
                u = l.link.relative(points, bodies);
@@ -193,6 +203,7 @@ void BodyAttachment::give(const BodyLink& link, const Vec3& j, Points& points, B
   const uint32_t b = link.body;
   const Vec3 v = bodies.velocity(b), w = bodies.spin(b);
   link.push(points, bodies, j);
+  if (!bodies.free()) return bodies.shift(b, link.arm(points, bodies), j * (0.5 * h), {});
   if (bodies.dynamic(b)) {
     bodies.move(b, (bodies.velocity(b) - v) * (-0.5 * h), (bodies.spin(b) - w) * (-0.5 * h));
   }
@@ -201,7 +212,7 @@ void BodyAttachment::give(const BodyLink& link, const Vec3& j, Points& points, B
 // Forces last about as long as many steps do.
 void BodyAttachment::give_last(const CoupledStates& s, const StepInput& in, Exchange& sum) const {
   Points points(this->points(s), sides_.points());
-  Bodies bodies(this->bodies(s), sides_.bodies());
+  Bodies bodies(this->bodies(s), sides_.bodies(), &in.workspace);
   const auto columns = s.own.find("pair_impulse");
   if (!columns) return;
   double* last = s.own.f64(*columns).data();
@@ -219,10 +230,10 @@ void BodyAttachment::give_last(const CoupledStates& s, const StepInput& in, Exch
 // that hung loose for a step would be straightened by its load along directions that it no longer has.
 void BodyAttachment::give_first(const CoupledStates& s, const StepInput& in, Exchange& sum) const {
   Points points(this->points(s), sides_.points());
-  Bodies bodies(this->bodies(s), sides_.bodies());
+  Bodies bodies(this->bodies(s), sides_.bodies(), &in.workspace);
   double* given = in.workspace.doubles("body_attachment.given", 3 * pairs_.size()).data();
   for (const Live& l : live(points, bodies, in)) {
-    if (kicked(l, points, bodies, in.h)) continue;
+    if (l.kicked) continue;
     const Vec3 r = separation(points, l.link.rows[0], bodies, l.link.body, l.place);
     const double stretch = norm(r) - l.rest;
     const Vec3 j = stretch > 0 ? normalized(r) * (-in.h * def_.stiffness * stretch) : Vec3{};
@@ -236,7 +247,7 @@ void BodyAttachment::give_first(const CoupledStates& s, const StepInput& in, Exc
 void BodyAttachment::end(const CoupledStates& s, const StepInput& in) const {
   const ProfileScope scope(in.profile, pass());
   Points points(this->points(s), sides_.points());
-  Bodies bodies(this->bodies(s), sides_.bodies());
+  Bodies bodies(this->bodies(s), sides_.bodies(), &in.workspace);
   Exchange sum;
   std::vector<Live>& pairs = live(points, bodies, in);
   const double* start = in.workspace.doubles("body_attachment.start", 3 * pairs_.size()).data();
@@ -260,14 +271,14 @@ void BodyAttachment::end(const CoupledStates& s, const StepInput& in) const {
 void BodyAttachment::solve_springs(const CoupledStates& s, const StepInput& in, std::vector<Live>& all,
                                    Exchange& sum) const {
   Points points(this->points(s), sides_.points());
-  Bodies bodies(this->bodies(s), sides_.bodies());
+  Bodies bodies(this->bodies(s), sides_.bodies(), &in.workspace);
   auto& links = in.workspace.object<std::vector<AnsweredLink>>("body_attachment.links");
   links.clear();
   const double k = def_.stiffness, c = def_.damping, h = in.h;
   const double* given =
       sides_.together() ? in.workspace.doubles("body_attachment.given", 3 * pairs_.size()).data() : nullptr;
   for (const Live& l : all) {
-    if (kicked(l, points, bodies, h)) continue;
+    if (l.kicked) continue;
     const Vec3 r = separation(points, l.link.rows[0], bodies, l.link.body, l.place);
     const Vec3 u = l.link.relative(points, bodies), j0 = given ? load3(given, l.pair) : Vec3{};
     AnsweredLink a;
@@ -298,7 +309,7 @@ void BodyAttachment::solve_springs(const CoupledStates& s, const StepInput& in, 
 void BodyAttachment::solve_links(const CoupledStates& s, const StepInput& in, std::vector<Live>& all,
                                  Exchange& sum) const {
   Points points(this->points(s), sides_.points());
-  Bodies bodies(this->bodies(s), sides_.bodies());
+  Bodies bodies(this->bodies(s), sides_.bodies(), &in.workspace);
   auto& links = in.workspace.object<std::vector<AnsweredLink>>("body_attachment.links");
   const auto column = s.own.find("pair_impulse");
   double* last = column ? s.own.f64(*column).data() : nullptr;

@@ -47,6 +47,7 @@ class BodyAttachment final : public Coupling {
     Vec3 place;
     double rest;
     Vec3 start;  ///< m, r at the substep's start
+    bool kicked = false;
   };
   BodyAttachment(const AttachmentDef& def, const PointsOnBodies& sides) : def_(def), sides_(sides) {}
   State& points(const CoupledStates& s) const { return bodies_first_ ? s.b : s.a; }
@@ -55,8 +56,11 @@ class BodyAttachment final : public Coupling {
   const char* pass() const { return rigid() ? "links" : "springs"; }
   /// Visits every pair that is there: visit(index, point row, body row).
   void each(const auto& points, const auto& bodies, auto&& visit) const;
-  std::vector<Live>& live(const Points& points, const Bodies& bodies, const StepInput& in) const;
-  bool kicked(const Live& l, const Points& points, const Bodies& bodies, double h) const;
+  enum class When : uint8_t { start, later };
+  std::vector<Live>& live(const Points& points, const Bodies& bodies, const StepInput& in,
+                          When when = When::later) const;
+  /// Whether a spring is soft enough for a kick at either end of a substep.
+  bool may_be_kicked(const Live& l, const Points& points, const Bodies& bodies, double h) const;
   void pull(const std::vector<Live>& live, Points& points, Bodies& bodies, double h, Exchange& sum) const;
   void damp(const std::vector<Live>& live, Points& points, Bodies& bodies, double h, Exchange& sum) const;
   static void give(const BodyLink& link, const Vec3& impulse, Points& points, Bodies& bodies, double h);

@@ -88,7 +88,9 @@ std::unique_ptr<const BodyContact> BodyContact::make(const ContactDef& def, cons
       !out->hulls_.triangles.empty() ||
       std::ranges::any_of(out->hulls_.segments, [](const auto& s) { return s[0] != s[1]; });
   out->reach_ = columns.radius + kContactSlop;
-  for (const BodyForm& f : on_bodies.bodies->forms) out->forms_.push_back(touch_form(f));
+  const BodyAccess* access = on_bodies.bodies->access();
+  const auto space = access ? access->space() : BodyAccess::Space::space;
+  for (const BodyForm& f : on_bodies.bodies->forms) out->forms_.push_back(touch_form(f, space));
   return out;
 }
 
@@ -110,7 +112,7 @@ void BodyContact::begin(const CoupledStates& s, const StepInput& in) const {
   ConstPoints points(this->points(s), point_columns_);
   points.copy_singles(scratch.singles);
   scratch.start.store(points);
-  scratch.body_start.store(ConstBodies(bodies(s), body_columns_));
+  scratch.body_start.store(ConstBodies(bodies(s), body_columns_, &in.workspace));
 }
 
 void BodyContact::midway(const CoupledStates& s, const StepInput& in) const {
@@ -119,16 +121,16 @@ void BodyContact::midway(const CoupledStates& s, const StepInput& in) const {
   ConstPoints points(this->points(s), point_columns_);
   points.copy_singles(scratch.singles);
   scratch.start.follow(points);
-  scratch.body_start.follow(ConstBodies(bodies(s), body_columns_));
+  scratch.body_start.follow(ConstBodies(bodies(s), body_columns_, &in.workspace));
 }
 
 void BodyContact::end(const CoupledStates& s, const StepInput& in) const {
   auto& scratch = in.workspace.object<Scratch>("body_contact");
   Exchange sum;
   Points points(this->points(s), point_columns_);
-  Bodies bodies(this->bodies(s), body_columns_);
-  const auto forms = std::as_const(this->bodies(s)).span<uint32_t>(body_columns_.form);
-  scratch.form_of.assign(forms.begin(), forms.end());
+  Bodies bodies(this->bodies(s), body_columns_, &in.workspace);
+  scratch.form_of.resize(bodies.count());
+  for (size_t i = 0; i < bodies.count(); ++i) scratch.form_of[i] = bodies.form_index(i);
   s.own.span<uint64_t>(kContacts)[0] = answer(s, in, scratch, BodyTouchSolver::Bounces::yes, sum);
   s.own.f64(kDeepest)[0] = scratch.deepest;
   book_sum(s.own, sum);
@@ -138,7 +140,7 @@ void BodyContact::end(const CoupledStates& s, const StepInput& in) const {
 size_t BodyContact::answer(const CoupledStates& s, const StepInput& in, Scratch& scratch,
                            BodyTouchSolver::Bounces bounces, Exchange& sum) const {
   Points points(this->points(s), point_columns_);
-  Bodies bodies(this->bodies(s), body_columns_);
+  Bodies bodies(this->bodies(s), body_columns_, &in.workspace);
   const BodyTouchQuery query = scratch.query(*this, points, bodies);
   BodyTouchSolver solver(def_, points, bodies, in.h);
   size_t acted = 0;
@@ -164,7 +166,7 @@ bool BodyContact::guard(const CoupledStates& s, const StepInput& in) const {
   const ProfileScope scope(in.profile, "guard");
   {
     Points points(this->points(s), point_columns_);
-    Bodies bodies(this->bodies(s), body_columns_);
+    Bodies bodies(this->bodies(s), body_columns_, &in.workspace);
     if (scratch.as_left(points, bodies)) return false;
     if (!Scratch::passed(scratch.search.run(scratch.query(*this, points, bodies), in.arena), points,
                          bodies)) {

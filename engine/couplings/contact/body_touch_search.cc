@@ -61,6 +61,13 @@ void add_corners(const Solid& s, const Transform& at, std::vector<BodyCorner>& o
   }
 }
 
+/// Corners of prisms are edges along z, of which one place is enough in the plane; of capsules it is the
+/// middle.
+void flatten(TouchForm& form) {
+  std::erase_if(form.corners, [](const BodyCorner& c) { return c.radius > 0 ? c.at.z != 0 : c.at.z < 0; });
+  for (BodyCorner& c : form.corners) c.at.z = 0;
+}
+
 /// On which sides of a box another one lies wholly, a bit each.
 uint8_t sides(const Box& b, const Box& of) {
   return static_cast<uint8_t>((b.high.x < of.low.x) | (b.low.x > of.high.x) << 1 |
@@ -76,10 +83,12 @@ double closes_at(double before, double after) {
 
 }  // namespace
 
-TouchForm touch_form(const BodyForm& form) {
+TouchForm touch_form(const BodyForm& form, BodyAccess::Space space) {
   TouchForm out;
+  out.in = space;
   if (!form.solid) return out;
   add_corners(*form.solid, {}, out.corners);
+  if (space == BodyAccess::Space::plane) flatten(out);
   out.inner = inner_radius(*form.solid), out.reach = bounding_radius(*form.solid);
   return out;
 }
@@ -166,8 +175,16 @@ std::optional<BodyTouch> BodyTouchSearch::touch(const BodyTouchQuery& q, uint32_
   BodyTouch t;
   t.link.rows[0] = point, t.link.body = body, t.reach = q.reach;
   Vec3 n;  // in the body's frame
-  const auto found = [&](const Vec3& normal, const Vec3& place, std::optional<double> s) {
+  const bool flat = q.forms[q.form_of[body]].in == BodyAccess::Space::plane;
+  const auto found = [&](const Vec3& normal, const Vec3& place,
+                         std::optional<double> s) -> std::optional<BodyTouch> {
     n = normal, t.place = place;
+    if (flat) {
+      // Over a prism's end there is nothing.
+      n.z = 0;
+      if (!(norm2(n) > 0.25)) return std::nullopt;
+      n = normalized(n);
+    }
     t.s = s.value_or(closes_at(dot(n, p0 - place) - q.reach, dot(n, p1 - place) - q.reach));
     t.n = m.end.direction(n);
     t.from = p0 + (p1 - p0) * t.s;
@@ -180,14 +197,14 @@ std::optional<BodyTouch> BodyTouchSearch::touch(const BodyTouchQuery& q, uint32_
   const bool surface = is_surface(solid.kind);
   const double moved = norm(p1 - p0);
   if (solid.kind == SolidKind::plane || (!surface && moved <= kFar * q.forms[q.form_of[body]].inner)) {
-    return end ? std::optional(at_end(*end)) : std::nullopt;
+    return end ? at_end(*end) : std::nullopt;
   }
   if (const auto start = point_distance(solid, p0, within)) {
     // What touches from the start stays on its side; what only comes near is looked for on its way.
     const Vec3 place = p0 - start->normal * start->distance;
     const double ends = dot(start->normal, p1 - place) - q.reach;
     if ((surface || start->distance <= q.reach) && ends < 0) return found(start->normal, place, std::nullopt);
-    if (surface || start->distance <= q.reach) return end ? std::optional(at_end(*end)) : std::nullopt;
+    if (surface || start->distance <= q.reach) return end ? at_end(*end) : std::nullopt;
   }
   Solid dot_solid;
   dot_solid.size = {};
@@ -198,7 +215,7 @@ std::optional<BodyTouch> BodyTouchSearch::touch(const BodyTouchQuery& q, uint32_
     const Vec3 at = then.inverse_point(x0 + way.move * hit->t);
     return found(normal, at - normal * hit->gap, hit->t);
   }
-  return end ? std::optional(at_end(*end)) : std::nullopt;
+  return end ? at_end(*end) : std::nullopt;
 }
 
 void BodyTouchSearch::look_at_point(const BodyTouchQuery& q, uint32_t point,
@@ -231,8 +248,9 @@ void BodyTouchSearch::look_at_hull(const BodyTouchQuery& q, uint32_t hull,
     for (size_t k = 0; k < corners.size(); ++k) {
       const BodyCorner& corner = corners[k];
       const auto& [y0, y1, room] = corners_[m.corners + k];
-      // A line has no face that a corner could pass; a ball is wider than it.
-      if (!room.overlaps(box) || (c.count < 3 && corner.radius == 0)) continue;
+      // A line in space has no face that a corner could pass; a ball is wider than it.
+      const bool flat = q.forms[q.form_of[body]].in == BodyAccess::Space::plane;
+      if (!room.overlaps(box) || (c.count < 3 && corner.radius == 0 && !flat)) continue;
       const HullPath way{y0, y1 - y0, {}};
       const double reach = q.reach + corner.radius;
       if (c.count == 3 && stays_clear(way, paths, kRoom * reach)) continue;

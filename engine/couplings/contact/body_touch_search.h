@@ -25,8 +25,9 @@ struct BodyCorner {
 struct TouchForm {
   std::vector<BodyCorner> corners;
   double inner = 0, reach = 0;  ///< m, of the balls that it holds and that hold it
+  BodyAccess::Space in = BodyAccess::Space::space;
 };
-TouchForm touch_form(const BodyForm& form);
+TouchForm touch_form(const BodyForm& form, BodyAccess::Space space);
 
 /// Poses and velocities of all bodies at the substep's start, and velocities after the systems' own step.
 class BodyMemory {

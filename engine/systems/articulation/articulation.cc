@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "engine/core/command_checks.h"
+#include "engine/systems/articulation/frames.h"
 
 namespace truestep::articulation {
 
@@ -18,18 +19,6 @@ void end_push(State& s, const StepInput& in) {
 
 bool all_have_shapes(const ArticulationDef& d) {
   return std::ranges::none_of(d.links, [](const LinkDef& l) { return l.shapes.empty(); });
-}
-
-// Of a proper rotation matrix (Shepperd 1978): the largest of the four numbers by a root, the rest by
-// quotients.
-Quat quaternion(const Rotation& r) {
-  const double xx = r.row[0].x, yy = r.row[1].y, zz = r.row[2].z, trace = xx + yy + zz;
-  const Vec3 odd{r.row[2].y - r.row[1].z, r.row[0].z - r.row[2].x, r.row[1].x - r.row[0].y};
-  const double xy = r.row[0].y + r.row[1].x, xz = r.row[0].z + r.row[2].x, yz = r.row[1].z + r.row[2].y;
-  if (trace > std::max({xx, yy, zz})) return normalized(Quat{1 + trace, odd.x, odd.y, odd.z});
-  if (xx > std::max(yy, zz)) return normalized(Quat{odd.x, 1 + xx - yy - zz, xy, xz});
-  if (yy > zz) return normalized(Quat{odd.y, xy, 1 + yy - zz - xx, yz});
-  return normalized(Quat{odd.z, xz, yz, 1 + zz - xx - yy});
 }
 
 std::vector<spatial::Frame> frames_of(const Tree& tree, const Work& work) {
@@ -79,6 +68,14 @@ Articulation::Articulation(std::unique_ptr<const ArticulationField> field, const
                {"velocity", "m/s", Scalar::f64, 3, Meaning::velocity}},
               2 * n,
               {}}});
+}
+
+Ports Articulation::ports() const {
+  std::call_once(reached_, [this] { links_ = std::make_unique<const LinkBodies>(tree_); });
+  Ports out;
+  out.bodies.emplace().forms = links_->forms();
+  out.bodies->owner = links_.get();
+  return out;
 }
 
 Energy::Exchange Articulation::exchange(const State& s) const {

@@ -1,9 +1,11 @@
 // System "articulation": a tree of rigid links in the coordinates of its joints, stepped by any integrator.
 // Rows of position and velocity are the centres of mass of all links, then their joints.
 #pragma once
+#include <mutex>
+
 #include "engine/core/force_system.h"
 #include "engine/integrators/table/default_method.h"
-#include "engine/systems/articulation/articulation_field.h"
+#include "engine/systems/articulation/link_bodies.h"
 
 namespace truestep::articulation {
 
@@ -15,6 +17,8 @@ class Articulation final : public ForceSystem {
   void observe(const State& state, double t, Observables& out) const override;
   /// Parts: the links at their centres of mass, and "skeleton": centres, then joints, which lines connect.
   FieldView field(const State& state, size_t part, size_t field, std::vector<double>& scratch) const override;
+  /// The links; their solids are made when somebody asks for the first time.
+  Ports ports() const override;
   void check(StateCheck& check, double t) const override;
   void apply(State& state, const Command& command) const override;
   void draw(const State& state, double t, Wish wishes, Drawing& out) const override;
@@ -29,6 +33,8 @@ class Articulation final : public ForceSystem {
   const ArticulationField& tree_;
   double point_radius_;
   std::optional<Vec3> color_;
+  mutable std::once_flag reached_;
+  mutable std::unique_ptr<const LinkBodies> links_;
 };
 
 }  // namespace truestep::articulation

@@ -6,6 +6,7 @@
 #include <algorithm>
 
 #include "engine/math/trig.h"
+#include "engine/systems/articulation/frames.h"
 
 namespace truestep::articulation {
 
@@ -190,6 +191,15 @@ void move(const Tree& tree, std::span<const double> q, std::span<const double> v
   }
 }
 
+void velocities(const Tree& tree, std::span<const double> v, std::span<NodeWork> work) {
+  for (size_t i = 0; i < tree.nodes.size(); ++i) {
+    const Node& n = tree.nodes[i];
+    NodeWork& w = work[i];
+    const Motion own = joint_motion(n, v.data());
+    w.v = n.parent == kGround ? own : w.frame.into(work[size_t(n.parent)].v) + own;
+  }
+}
+
 void accelerations(const Tree& tree, std::span<const double> q, std::span<const double> v,
                    std::span<const double> tau, const Vec3& gravity, std::span<const Push> pushes,
                    std::span<NodeWork> work, std::span<double> qdd) {
@@ -310,6 +320,27 @@ Frame world_frame(const Tree& tree, std::span<const NodeWork> work, int32_t node
     f = {product(x.R, f.R), x.R.apply(f.p) + x.p};
   }
   return f;
+}
+
+// Velocities add up from the node to the ground: what a joint adds to a place is v + w x r there.
+BodyMotion link_motion(const Tree& tree, std::span<const double> q, std::span<const double> v, int32_t node,
+                       const Vec3& center) {
+  Frame f;
+  Motion sum;
+  Vec3 place = center;
+  Vec3 velocity;
+  for (int32_t i = node; i != kGround; i = tree.nodes[size_t(i)].parent) {
+    const Node& n = tree.nodes[size_t(i)];
+    const Motion own = joint_motion(n, v.data());
+    velocity += own.v + truestep::cross(own.w, place);
+    sum.w += own.w;
+    // On to the parent's frame.
+    const Frame x = frame_of(n, q.data());
+    place = x.R.apply(place) + x.p;
+    velocity = x.R.apply(velocity), sum.w = x.R.apply(sum.w);
+    f = {product(x.R, f.R), {}};
+  }
+  return {place, quaternion(f.R), velocity, sum.w};
 }
 
 void world_frames(const Tree& tree, std::span<const NodeWork> work, std::span<Frame> out) {

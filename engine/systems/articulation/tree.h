@@ -69,6 +69,9 @@ struct Push {
 /// Frames and velocities of all nodes into `work` (as many elements as nodes); v may be empty: at rest.
 void move(const Tree& tree, std::span<const double> q, std::span<const double> v, std::span<NodeWork> work);
 
+/// Velocities alone, after `move`; v is not empty.
+void velocities(const Tree& tree, std::span<const double> v, std::span<NodeWork> work);
+
 /// q'' of the tree under joint forces tau, by the articulated body algorithm. Leaves frames, velocities and
 /// accelerations in `work`. A node without inertia in its direction gives infinities.
 void accelerations(const Tree& tree, std::span<const double> q, std::span<const double> v,

@@ -85,6 +85,14 @@ State Rigid2d::initial_state() const {
   return state_at_start(model_, gravity_);
 }
 
+Ports Rigid2d::ports() const {
+  std::call_once(reached_, [this] { reach_ = std::make_unique<const FlatBodies>(model_); });
+  Ports out;
+  out.bodies.emplace().forms = reach_->forms();
+  out.bodies->owner = reach_.get();
+  return out;
+}
+
 double Rigid2d::restitution_speed(double gravity, double dt) const {
   return settings_.restitution_speed.value_or(slowest_bounce(gravity, dt));
 }

@@ -8,6 +8,7 @@
 
 #include "engine/core/build.h"
 #include "engine/core/system.h"
+#include "engine/systems/rigid2d/flat_bodies.h"
 #include "engine/systems/rigid2d/model.h"
 #include "engine/systems/rigid2d/solver.h"
 
@@ -18,6 +19,8 @@ class Rigid2d final : public StagedSystem {
   Rigid2d(const Rigid2dDef& def, const BuildContext& context);
 
   State initial_state() const override;
+  /// The bodies; their solids are made when somebody asks for the first time.
+  Ports ports() const override;
   /// energy.kinetic/potential/total (J), momentum.x/y (kg m/s), momentum.angular (kg m^2/s, about the
   /// origin), contacts, penetration.max (m), joint.gap (m), joints.broken, awake, sensor.overlaps.
   void observe(const State& state, double t, Observables& out) const override;
@@ -62,6 +65,8 @@ class Rigid2d final : public StagedSystem {
   Model model_;
   mutable std::once_flag drawn_made_;  ///< meshes are made when somebody looks for the first time
   mutable PartDrawing drawn_;
+  mutable std::once_flag reached_;
+  mutable std::unique_ptr<const FlatBodies> reach_;
   Vec3 gravity_;
   double dt_;
   double speed_limit_;  ///< m/s and rad/s

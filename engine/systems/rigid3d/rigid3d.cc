@@ -85,7 +85,7 @@ Ports Rigid3d::ports() const {
                         .form = columns::kind,
                         .id = columns::id,
                         .forms = forms_,
-                        .sleepers = this};
+                        .owner = this};
   return out;
 }
 

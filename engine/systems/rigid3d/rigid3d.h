@@ -14,7 +14,7 @@
 
 namespace truestep::rigid3d {
 
-class Rigid3d final : public StagedSystem, public WakesBodies {
+class Rigid3d final : public StagedSystem, public BodyOwner {
  public:
   Rigid3d(const Rigid3dDef& def, const BuildContext& context);
 
