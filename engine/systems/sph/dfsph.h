@@ -81,7 +81,7 @@ class Dfsph {
         T own = f.stiffness[i];
         if constexpr (A == Answer::mirror) {
           const T *pull = f.pull.data() + 4 * i, *wall = f.wall.data() + 4 * i;
-          for (size_t k = 0; k < D; ++k) own += wall[k] * (2 * pull[k] + wall[k]);
+          for (size_t k = 0; k < D; ++k) own += f.lightness(i) * wall[k] * (2 * pull[k] + wall[k]);
         }
         if (any) rest += bodies.recoil(i), own += bodies.template give<A>(i);
         // Where there is pressure, expansion is an error too.
@@ -92,7 +92,7 @@ class Dfsph {
         return std::array<double, 2>{wrong * error, double{rest} * double{way}};
       });
       ++out.iterations;
-      out.mean = left.sum / static_cast<double>(f.n), out.most = left.most;
+      out.mean = left.sum / std::max(static_cast<double>(f.n), 1.0), out.most = left.most;
       const bool good = out.iterations >= kLeastIterations && out.mean <= set_.def.density_error &&
                         out.most <= kMostOverMean * set_.def.density_error;
       if (good || out.iterations >= set_.def.max_iterations) break;

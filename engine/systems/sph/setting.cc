@@ -86,6 +86,17 @@ std::unique_ptr<const Setting> settle(const SphDef& def, const std::string& id, 
   out->relaxation = 0.75 / largest_symbol(def.kernel, def.dimension, def.support);
   out->wall.set(def.kernel, def.dimension, h, s);
   out->colliders = build_colliders(def.colliders);
+  for (const BodyDef& b : def.bodies) {
+    out->lightest = std::min(out->lightest, b.density.value_or(def.density) / def.density);
+  }
+  for (const InletDef& e : def.emitters) {
+    out->inlets.emplace_back(def, e);
+    out->lightest = std::min(out->lightest, out->inlets.back().ratio);
+  }
+  out->capacity = def.changes() ? largest_count(def, out->rows) : out->rows;
+  State::Column next = columns::report + 1;
+  if (def.layered()) out->ratio = next++;
+  if (def.changes()) out->layers = next++, out->counts = next++;
   return out;
 }
 
