@@ -129,10 +129,9 @@ struct Fluid {
   Aligned<T> drive;              ///< 1/s, of density by walls that move
   Aligned<T> light;              ///< 1, density of the system over the particle's; 0: nothing moves it
   Aligned<T> rest, way, image, scale, hold;  ///< of the solve for viscosity, four a row (viscosity.h)
-  Aligned<T> normal;          ///< four a row: of the surface, and whether there is one (tension.h)
-  bool weighted = false;      ///< whether light is there; else it is 1 everywhere
-  std::vector<uint8_t> held;  ///< by what nozzle, from 1 on; 0: by none
-  Aligned<T> rests;           ///< 1, how far a particle's pressure is that of a fluid at rest
+  bool weighted = false;                     ///< whether light is there; else it is 1 everywhere
+  std::vector<uint8_t> held;                 ///< by what nozzle, from 1 on; 0: by none
+  Aligned<T> rests;                          ///< 1, how far a particle's pressure is that of a fluid at rest
   std::vector<Chunk<T>> chunks;
   std::vector<double> partial;  ///< by chunk or block
 

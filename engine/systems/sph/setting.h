@@ -40,6 +40,7 @@ struct Setting {
   double lightest = 1;                              ///< the least density over the system's
   std::vector<Inlet> inlets;
   double volume = 0, mass = 0;        ///< m^3 and kg of a particle
+  double cohesion = 0;                ///< m/s^2, of a pair at its strongest (tension.h)
   double support = 0;                 ///< m, radius of the kernel
   double kernel_w = 0, kernel_s = 0;  ///< volume times the kernel's factors of w and of s (1, 1/m^2)
   double sound = 0;                   ///< m/s, of wcsph

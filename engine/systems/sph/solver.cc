@@ -191,7 +191,7 @@ class SolverOf final : public Solver {
       }
     });
     if (d.surface_tension > 0) {
-      draw_surface(f, static_cast<T>(d.surface_tension / d.density), static_cast<T>(set_.support), arena);
+      draw_together(f, static_cast<T>(set_.cohesion), static_cast<T>(set_.support), arena);
     }
     kick(f, h, arena);
     if (d.vorticity > 0) {
