@@ -69,6 +69,9 @@ class Dfsph {
     const T least = static_cast<T>(1e-6 / (set_.support * set_.support));
     T relaxation = static_cast<T>(set_.relaxation);
     SolveResult out;
+    for (size_t i = 0; f.weighted && i < f.n; ++i) {
+      if (f.fixed(i)) q[i] = 0;
+    }
     std::copy(q.begin(), q.end(), f.iterate.begin());
     double best = HUGE_VAL;
     int run = 0;
@@ -77,6 +80,10 @@ class Dfsph {
       if (any) bodies.template answer<A>(q);
       const T beyond = static_cast<T>(run) / static_cast<T>(run + 3);
       const auto left = f.tally(arena, [&](size_t i, const Chunk<T>& c, size_t begin, size_t end) {
+        if (f.fixed(i)) {
+          f.iterate[i] = f.next[i] = 0;
+          return std::array<double, 2>{0, 0};
+        }
         T rest = scale * f.source[i] + compression<A, D, T>(f, f.a, i, c, begin, end);
         T own = f.stiffness[i];
         if constexpr (A == Answer::mirror) {

@@ -135,6 +135,8 @@ struct Fluid {
   std::vector<Chunk<T>> chunks;
   std::vector<double> partial;  ///< by chunk or block
 
+  /// Whether nothing moves a particle. It has no pressure either: what it cannot yield, others would have to.
+  bool fixed(size_t i) const { return weighted && light[i] == 0; }
   T lightness(size_t i) const { return weighted ? light[i] : T{1}; }
 
   /// Room for so many rows: no later `resize` to as many allocates.

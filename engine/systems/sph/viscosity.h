@@ -30,7 +30,7 @@ class ImplicitViscosity {
     const double start = sum_of(f, arena, [&](size_t i, size_t k) {
       T left = f.v[k] - f.image[k];
       if (holds()) left += f.hold[kHold * i + 6 + k % 4];
-      f.rest[k] = fixed(f, i) ? T{0} : left;
+      f.rest[k] = f.fixed(i) ? T{0} : left;
       f.way[k] = f.scale[k] * f.rest[k];
       return double{f.rest[k]} * double{f.way[k]};
     });
@@ -40,7 +40,7 @@ class ImplicitViscosity {
     while (now > enough && iterations < set_.def.max_iterations) {
       multiply(f, f.way, static_cast<T>(strength), arena);
       const double across = sum_of(f, arena, [&](size_t i, size_t k) {
-        if (fixed(f, i)) f.image[k] = 0;
+        if (f.fixed(i)) f.image[k] = 0;
         return double{f.way[k]} * double{f.image[k]};
       });
       if (!(across > 0)) break;
@@ -68,7 +68,6 @@ class ImplicitViscosity {
 
   bool turns() const { return set_.def.viscosity_step == Viscous::weiler2018; }
   bool holds() const { return set_.def.walls == Walls::no_slip; }
-  static bool fixed(const Fluid<D, T>& f, size_t i) { return f.weighted && f.light[i] == 0; }
 
   /// Sum of body(row, component) over all rows, of each weighted by its density.
   template <class Body>
