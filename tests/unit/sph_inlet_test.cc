@@ -49,13 +49,13 @@ TEST(SphInlet, AJetKeepsItsSpeed) {
   EXPECT_NEAR(most, 2, 0.02);
 }
 
-// A nozzle pours against what presses on it: a basin fills by its rate.
+// A basin fills by the rate of the nozzle above it, until there are as many particles as there may be.
 TEST(SphInlet, FillsABasinAtItsRate) {
   SphDef d;
   d.dimension = 2, d.spacing = 0.025, d.high = {1, 1, 1};
   d.bodies = {{.center = {0.5, 0.15, 0}, .half_extents = {0.5, 0.15, 1}}};
   InletDef e;
-  e.position = {0.5, 0.1, 0}, e.radius = 0.05, e.speed = 0.5;
+  e.position = {0.5, 0.7, 0}, e.direction = {0, -1, 0}, e.radius = 0.05, e.speed = 0.5;
   d.emitters = {e}, d.max_particles = 1000;
   SphRun run(d, 1.0 / 60, {0, -9.81, 0});
   const double before = run.observe("count");
@@ -85,6 +85,23 @@ TEST(SphInlet, WhatIsInAKillRegionGoes) {
     none.seconds(1);
     EXPECT_EQ(none.observe("count"), 0) << "and nothing can be stepped";
     EXPECT_EQ(none.observe("density.mean_error"), 0);
+  }
+}
+
+// A nozzle under water pushes out what is in it and doubles nothing, whatever presses on it: it is a pump.
+TEST(SphInlet, PumpsUnderWater) {
+  SphDef d;
+  d.dimension = 2, d.spacing = 0.025, d.high = {1, 1, 1};
+  d.bodies = {{.center = {0.5, 0.15, 0}, .half_extents = {0.5, 0.15, 1}}};
+  InletDef e;
+  e.position = {0.5, 0.1, 0}, e.radius = 0.05, e.speed = 0.5;
+  d.emitters = {e}, d.max_particles = 1000;
+  for (const Method solver : {Method::dfsph, Method::wcsph, Method::pbf}) {
+    d.solver = solver;
+    SphRun run(d, 1.0 / 60, {0, -9.81, 0});
+    run.seconds(1);
+    EXPECT_LT(run.observe("speed.max"), 3) << static_cast<int>(solver) << ": sqrt(2 g) m is 4.4 m/s";
+    EXPECT_LT(run.observe("compression.mean"), 0.03) << static_cast<int>(solver);
   }
 }
 

@@ -8,24 +8,13 @@
 namespace truestep::sph {
 namespace {
 
+using testing_rig::middle_speed;
 using testing_rig::SphRun;
 
-/// The channel of Morris, Fox & Zhu 1997 (cases sph.couette and sph.poiseuille).
 SphDef channel() {
-  SphDef d;
-  d.dimension = 2, d.high = {5e-4, 1e-3, 1}, d.spacing = 2.5e-5, d.precision = Precision::f64;
-  d.xsph = 0, d.viscosity = 1e-6, d.viscosity_step = Viscous::implicit_step, d.walls = Walls::no_slip;
-  d.periodic = Periodic::x;
-  d.bodies = {{.center = {2.5e-4, 5e-4, 0}, .half_extents = {2.5e-4, 5e-4, 1}}};
+  SphDef d = testing_rig::channel(Method::dfsph);
+  d.viscosity_step = Viscous::implicit_step;
   return d;
-}
-double middle_speed(const SphRun& run) {
-  double sum = 0;
-  int count = 0;
-  for (size_t i = 0; i < run.system.setting().rows; ++i) {
-    if (std::abs(run.position(i).y - 5e-4) < 1.3e-5) sum += run.velocity(i).x, ++count;
-  }
-  return sum / count;
 }
 
 // The explicit step is limited to 0.03 (2 spacings)^2 / nu = 7.5e-5 s; these are 33 times as long. Backward
