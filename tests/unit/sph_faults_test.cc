@@ -45,6 +45,28 @@ TEST(SphScene, SaysWhatDoesNotFit) {
   d = piece();
   d.lid_velocity.y = 1;
   EXPECT_EQ(faults(d), Faults{"/lid_velocity"});
+  d = piece();
+  d.bodies.clear();
+  EXPECT_EQ(faults(d), Faults{"/bodies"}) << "nothing at all";
+  d = piece();
+  d.bodies[0].density = 2e6;
+  EXPECT_EQ(faults(d), Faults{"/bodies/0/density"}) << "2000 times the system's";
+  d = piece();
+  d.max_particles = 3;
+  EXPECT_EQ(faults(d), Faults{"/max_particles"});
+  InletDef nozzle;
+  nozzle.position = {0.5, 0.5, 0};
+  d = piece();
+  d.emitters = {nozzle};
+  EXPECT_EQ(faults(d), Faults{});
+  d.emitters[0].position.y = 0.03;
+  EXPECT_EQ(faults(d), Faults{"/emitters/0/position"}) << "its back is below the floor";
+  d.emitters = {nozzle}, d.emitters[0].radius = 0.001;
+  EXPECT_EQ(faults(d), Faults{"/emitters/0/radius"}) << "no particle";
+  d.emitters = {nozzle}, d.emitters[0].radius = 1e9;
+  EXPECT_EQ(faults(d), Faults{"/emitters/0/radius"}) << "too many";
+  d.emitters = {nozzle}, d.emitters[0].direction = {0, 0, 1};
+  EXPECT_EQ(faults(d), Faults{"/emitters/0/direction"}) << "out of the plane";
 }
 
 TEST(SphScene, ExpectsAsManyParticlesAsThereAre) {

@@ -3,6 +3,7 @@
 
 #include <cmath>
 
+#include "engine/kernels/sph/cohesion.h"
 #include "engine/kernels/sph/half_space.h"
 
 namespace truestep::sph {
@@ -59,6 +60,34 @@ TEST(SphWalls, CompleteTheFluid) {
       }
       EXPECT_GT(wall.at(0.5).slope, 10 * wall.at(2.3).slope) << "control: slopes differ";
     }
+  }
+}
+
+// Akinci, Akinci & Teschner 2013: the work that parts a pair is what the force gives up on its way, and the
+// bonds of a lattice much finer than the kernel have the tension of a continuum (Fowler 1937): in space pi /
+// 2 n^2 times the integral of r^3 and the work, in the plane n^2 times that of r^2.
+TEST(SphCohesion, IsStrongAsTheTensionSays) {
+  for (double q = 0.02; q < 1; q += 0.07) {
+    const double slope = (cohesion_work(q - 1e-4) - cohesion_work(q + 1e-4)) / 2e-4;
+    EXPECT_NEAR(slope, cohesion(Wide<double>::all(q))[0], 1e-6) << q;
+  }
+  EXPECT_EQ(cohesion_work(1), 0);
+  EXPECT_LT(cohesion(Wide<double>::all(0.1))[0], 0) << "too close";
+  constexpr double kTension = 0.07, kRho = 1000, kSupport = 0.1;
+  for (const int dimension : {2, 3}) {
+    const auto tension_of = [&](double spacing) {
+      const double strength = cohesion_strength(kTension, kRho, dimension, spacing, kSupport);
+      const double n = dimension == 2 ? 1 / (spacing * spacing) : 1 / (spacing * spacing * spacing);
+      double sum = 0;
+      for (double q = 0.0005; q < 1; q += 0.001) {
+        const double r = q * kSupport, bond = kRho / n * strength * kSupport * cohesion_work(q);
+        sum += (dimension == 2 ? r * r : kPi / 2 * r * r * r) * bond * 0.001 * kSupport;
+      }
+      return n * n * sum;
+    };
+    EXPECT_NEAR(tension_of(kSupport / 10), kTension, 0.01 * kTension) << dimension;
+    EXPECT_GT(std::abs(tension_of(kSupport / 1.5) - kTension), 0.05 * kTension)
+        << "control: a coarse lattice";
   }
 }
 

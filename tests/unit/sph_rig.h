@@ -2,6 +2,7 @@
 #pragma once
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <memory>
 
 #include "engine/core/medium.h"
@@ -42,5 +43,24 @@ struct SphRun {
   double h;
   uint64_t steps = 0;
 };
+
+/// The channel of Morris, Fox & Zhu 1997 (cases sph.couette and sph.poiseuille), at 40 particles across.
+inline sph::SphDef channel(sph::Method solver) {
+  sph::SphDef d;
+  d.dimension = 2, d.low = {0, 0, 0}, d.high = {5e-4, 1e-3, 1}, d.spacing = 2.5e-5;
+  d.precision = sph::Precision::f64, d.solver = solver;
+  d.xsph = 0, d.viscosity = 1e-6, d.walls = sph::Walls::no_slip, d.periodic = sph::Periodic::x;
+  d.bodies = {{.center = {2.5e-4, 5e-4, 0}, .half_extents = {2.5e-4, 5e-4, 1}}};
+  return d;
+}
+/// m/s, in its middle.
+inline double middle_speed(const SphRun& run) {
+  double sum = 0;
+  int count = 0;
+  for (size_t i = 0; i < run.system.setting().rows; ++i) {
+    if (std::abs(run.position(i).y - 5e-4) < 1.3e-5) sum += run.velocity(i).x, ++count;
+  }
+  return sum / count;
+}
 
 }  // namespace truestep::testing_rig

@@ -8,6 +8,8 @@
 namespace truestep::sph {
 namespace {
 
+using testing_rig::channel;
+using testing_rig::middle_speed;
 using testing_rig::SphRun;
 constexpr double kPi = 3.14159265358979323846;
 constexpr Method kEvery[] = {Method::dfsph, Method::wcsph, Method::pbf};
@@ -41,25 +43,8 @@ TEST(SphValidation, ADiskIsPulledToAnEllipse) {
   }
 }
 
-// Morris, Fox & Zhu 1997 (cases sph.couette and sph.poiseuille), as published, at 40 particles across. Places
-// that are corrected one by one (pbf) cannot be told from a motion as slow as this.
-SphDef channel(Method solver) {
-  SphDef d;
-  d.dimension = 2, d.low = {0, 0, 0}, d.high = {5e-4, 1e-3, 1}, d.spacing = 2.5e-5,
-  d.precision = Precision::f64;
-  d.solver = solver, d.xsph = 0, d.viscosity = 1e-6, d.walls = Walls::no_slip, d.periodic = Periodic::x;
-  d.bodies = {{.center = {2.5e-4, 5e-4, 0}, .half_extents = {2.5e-4, 5e-4, 1}}};
-  return d;
-}
-double middle_speed(const SphRun& run) {
-  double sum = 0;
-  int count = 0;
-  for (size_t i = 0; i < run.system.setting().rows; ++i) {
-    if (std::abs(run.position(i).y - 5e-4) < 1.3e-5) sum += run.velocity(i).x, ++count;
-  }
-  return sum / count;
-}
-
+// Cases sph.couette and sph.poiseuille, as published. Places that are corrected one by one (pbf) cannot be
+// told from a motion as slow as this.
 TEST(SphValidation, ALidDragsAChannelAlong) {
   constexpr double kTimes[] = {0.0225, 0.045, 0.1125, 0.225};
   constexpr double kSpeeds[] = {2.30276568155e-7, 1.19475164053e-6, 3.62844098707e-6, 5.38628727324e-6};

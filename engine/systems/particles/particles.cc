@@ -93,9 +93,8 @@ void Particles::plan_stages(const std::string& why_this_method) {
   } else {
     skip_stage("contacts", "no colliders given");
   }
-  const bool ends =
-      !d.kill_planes.empty() || !d.kill_boxes.empty() ||
-      std::any_of(d.emitters.begin(), d.emitters.end(), [](auto& e) { return e.lifetime.has_value(); });
+  const bool ends = d.any_regions() || std::any_of(d.emitters.begin(), d.emitters.end(),
+                                                   [](auto& e) { return e.lifetime.has_value(); });
   if (ends) {
     add_stage("removal", "lifetimes or kill regions",
               [this](State& s, const StepInput& in) { end_lives(s, in); });
@@ -165,27 +164,15 @@ void Particles::end_lives(State& s, const StepInput& in) const {
   const double count = in.arena.sum_blocks(n, kBlockRows, [&](size_t begin, size_t end) {
     uint8_t* flag = dead.data();
     for (size_t i = begin; i < end; ++i) flag[i] = death[i] <= now;
-    for (const KillPlaneDef& k : d.kill_planes) {
-      const double level = dot(k.normal, k.point);
-      for (size_t i = begin; i < end; ++i) flag[i] |= dot(k.normal, load3(x, i)) < level;
-    }
-    for (const KillBoxDef& k : d.kill_boxes) {
-      const Vec3 low = k.center - k.half_extents, high = k.center + k.half_extents;
-      const bool kills_inside = k.where == KillBoxDef::Where::inside;
-      for (size_t i = begin; i < end; ++i) {
-        const Vec3 p = load3(x, i);
-        const bool inside =
-            (p.x > low.x) & (p.y > low.y) & (p.z > low.z) & (p.x < high.x) & (p.y < high.y) & (p.z < high.z);
-        flag[i] |= inside == kills_inside;
-      }
-    }
+    flag_killed(
+        d, begin, end, [x](size_t i) { return load3(x, i); }, flag);
     size_t sum = 0;
     for (size_t i = begin; i < end; ++i) sum += flag[i];
     return static_cast<double>(sum);
   });
   if (count == 0) return;
   counter(s, Counter::killed) += static_cast<uint64_t>(count);
-  remove_rows(s, {dead.data(), n}, static_cast<size_t>(count), in.workspace);
+  remove_rows(s, {dead.data(), n}, in.workspace);
 }
 
 void Particles::emit(State& s, const StepInput& in) const {
@@ -278,7 +265,7 @@ uint32_t Particles::drawing_version(const State& s) const {
 
 Energy::Exchange Particles::exchange(const State& s) const {
   const ParticlesDef& d = particles_.def();
-  const bool changing = !d.emitters.empty() || !d.kill_planes.empty() || !d.kill_boxes.empty();
+  const bool changing = !d.emitters.empty() || d.any_regions();
   const bool blown =
       vector_parameter(s, Parameter::wind) != Vec3{} &&
       (parameter(s, Parameter::linear_drag) != 0 || parameter(s, Parameter::quadratic_drag) != 0);

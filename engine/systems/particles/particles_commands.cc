@@ -72,7 +72,7 @@ void Particles::apply(State& s, const Command& c) const {
       std::vector<uint8_t> dead(s.rows(columns::position));
       dead[checked_row(s, c)] = 1;
       Workspace workspace;
-      remove_rows(s, dead, 1, workspace);
+      remove_rows(s, dead, workspace);
       ++s.span<uint64_t>(columns::counters)[static_cast<size_t>(Counter::killed)];
       return;
     }

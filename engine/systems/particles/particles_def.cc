@@ -27,43 +27,38 @@ const DefTable& fill_table() {
 
 const DefTable& emitter_table() {
   using D = EmitterDef;
-  static const DefTable t =
-      TableOf<D>("a source of particles, born at exact times between steps")
-          .choice("shape", &D::shape, {"point", "disk", "box", "sphere", "line"}, "where they are born")
-          .vector("position", &D::position, "m", any(), "centre, or one end of the line")
-          .vector("direction", &D::direction, "1", any(), "axis of the cone and of the disk; any length")
-          .number("radius", &D::radius, "m", at_least(0), "of the disk or ball")
-          .vector("half_extents", &D::half_extents, "m", at_least(0), "half edges of the box")
-          .vector("end", &D::end, "m", any(), "other end of the line")
-          .number("rate", &D::rate, "1/s", between(0, 1e7),
-                  "particles per second; either rate or bursts, not both")
-          .number("start", &D::start, "s", at_least(0), "time of the first particle")
-          .number("stop", &D::stop, "s", at_least(0), "no particle from then on; absent: goes on")
-          .numbers("bursts", &D::bursts, "s", at_least(0), {0, 10000},
-                   "times at which burst_count are born at once, ascending; either bursts or rate, not both")
-          .integer("burst_count", &D::burst_count, between(1, kMostParticles), "particles per burst")
-          .number("speed", &D::speed, "m/s", any(), "mean speed")
-          .number("speed_spread", &D::speed_spread, "m/s", at_least(0), "uniform in speed +- this")
-          .number("cone", &D::cone, "rad", between(0, 3.141592653589793),
-                  "half angle about the direction, uniform in solid angle")
-          .number("lifetime", &D::lifetime, "s", above(0), "mean lifetime; absent: for ever")
-          .number("lifetime_spread", &D::lifetime_spread, "s", at_least(0), "uniform in lifetime +- this")
-          .number("mass", &D::mass, "kg", above(0), "of each particle; absent: the system's mass")
-          .check([](const D& d, const DefTable::Report& report) {
-            if (!(norm(d.direction) > 0)) report("/direction", "the direction must not be zero");
-            if (d.rate > 0 && !d.bursts.empty())
-              report("/bursts", "an emitter has a rate or bursts, not both");
-            if (static_cast<double>(d.bursts.size()) * static_cast<double>(d.burst_count) > kMostParticles) {
-              report("/burst_count", "all bursts together are more than ten million particles");
-            }
-            if (!std::is_sorted(d.bursts.begin(), d.bursts.end())) {
-              report("/bursts", "the burst times must be ascending");
-            }
-            if (d.lifetime && d.lifetime_spread >= *d.lifetime) {
-              report("/lifetime_spread", "the spread must be smaller than the lifetime");
-            }
-          })
-          .build();
+  static const DefTable t = [] {
+    TableOf<D> table("a source of particles, born at exact times between steps");
+    table.choice("shape", &D::shape, {"point", "disk", "box", "sphere", "line"}, "where they are born");
+    return add_source_rows(table)
+        .vector("half_extents", &D::half_extents, "m", at_least(0), "half edges of the box")
+        .vector("end", &D::end, "m", any(), "other end of the line")
+        .number("rate", &D::rate, "1/s", between(0, 1e7),
+                "particles per second; either rate or bursts, not both")
+        .numbers("bursts", &D::bursts, "s", at_least(0), {0, 10000},
+                 "times at which burst_count are born at once, ascending; either bursts or rate, not both")
+        .integer("burst_count", &D::burst_count, between(1, kMostParticles), "particles per burst")
+        .number("speed_spread", &D::speed_spread, "m/s", at_least(0), "uniform in speed +- this")
+        .number("cone", &D::cone, "rad", between(0, 3.141592653589793),
+                "half angle about the direction, uniform in solid angle")
+        .number("lifetime", &D::lifetime, "s", above(0), "mean lifetime; absent: for ever")
+        .number("lifetime_spread", &D::lifetime_spread, "s", at_least(0), "uniform in lifetime +- this")
+        .number("mass", &D::mass, "kg", above(0), "of each particle; absent: the system's mass")
+        .check([](const D& d, const DefTable::Report& report) {
+          check_source(d, report);
+          if (d.rate > 0 && !d.bursts.empty()) report("/bursts", "an emitter has a rate or bursts, not both");
+          if (static_cast<double>(d.bursts.size()) * static_cast<double>(d.burst_count) > kMostParticles) {
+            report("/burst_count", "all bursts together are more than ten million particles");
+          }
+          if (!std::is_sorted(d.bursts.begin(), d.bursts.end())) {
+            report("/bursts", "the burst times must be ascending");
+          }
+          if (d.lifetime && d.lifetime_spread >= *d.lifetime) {
+            report("/lifetime_spread", "the spread must be smaller than the lifetime");
+          }
+        })
+        .build();
+  }();
   return t;
 }
 
@@ -174,29 +169,6 @@ const DefTable& expression_table() {
   return t;
 }
 
-const DefTable& kill_plane_table() {
-  using D = KillPlaneDef;
-  static const DefTable t = TableOf<D>("removes every particle below a plane")
-                                .vector("point", &D::point, "m", any(), "a point of the plane")
-                                .vector("normal", &D::normal, "1", any(), "towards where particles live")
-                                .check([](const D& d, const DefTable::Report& report) {
-                                  if (!(norm(d.normal) > 0)) report("/normal", "the normal must not be zero");
-                                })
-                                .build();
-  return t;
-}
-
-const DefTable& kill_box_table() {
-  using D = KillBoxDef;
-  static const DefTable t =
-      TableOf<D>("removes every particle inside or outside a box")
-          .vector("center", &D::center, "m", any(), "centre")
-          .vector("half_extents", &D::half_extents, "m", above(0), "half of each edge")
-          .choice("where", &D::where, {"inside", "outside"}, "where particles are removed")
-          .build();
-  return t;
-}
-
 void check(const ParticlesDef& d, const DefTable::Report& report) {
   if (!d.velocities.empty() && d.velocities.size() != d.positions.size()) {
     report("/velocities", "as many velocities as positions, or none");
@@ -264,11 +236,8 @@ const DefTable& particles_table() {
         .objects("springs", &D::springs, spring_table(), {0, 1'000'000}, "springs between particles")
         .object("coulomb", &D::coulomb, coulomb_table(), "electrostatics between all particles")
         .object("propulsion", &D::propulsion, propulsion_table(), "a motor in every particle")
-        .object("expression", &D::expression, expression_table(), "a force of your own")
-        .objects("kill_planes", &D::kill_planes, kill_plane_table(), {0, 64},
-                 "planes below which particles end")
-        .objects("kill_boxes", &D::kill_boxes, kill_box_table(), {0, 64},
-                 "boxes that particles may not leave or enter")
+        .object("expression", &D::expression, expression_table(), "a force of your own");
+    add_kill_rows(table)
         .number("draw_radius", &D::draw_radius, "m", at_least(0),
                 "size in pictures; radius when that is larger")
         .vector("color", &D::color, "1", between(0, 1), "linear red, green, blue");

@@ -6,8 +6,10 @@
 #include <vector>
 
 #include "engine/collision/points/collider_def.h"
+#include "engine/collision/points/kill_def.h"
 #include "engine/core/integrator_def.h"
 #include "engine/core/outputs.h"
+#include "engine/core/source_def.h"
 
 namespace truestep::particles {
 
@@ -23,16 +25,13 @@ struct FillDef {
 };
 
 /// A source of particles: a pure function of (seed, emitter, particle number).
-struct EmitterDef {
+struct EmitterDef : SourceDef {
   enum class Shape { point, disk, box, sphere, line } shape = Shape::point;
-  Vec3 position, direction{0, 1, 0};
-  double radius = 0.1;
   Vec3 half_extents{0.1, 0.1, 0.1}, end{1, 0, 0};
-  double rate = 0, start = 0;
-  std::optional<double> stop;
+  double rate = 0;
   std::vector<double> bursts;
   int64_t burst_count = 100;
-  double speed = 1, speed_spread = 0, cone = 0;
+  double speed_spread = 0, cone = 0;
   std::optional<double> lifetime;
   double lifetime_spread = 0;
   std::optional<double> mass;
@@ -88,15 +87,7 @@ struct ExpressionDef {
   std::vector<NamedNumberDef> constants;
 };
 
-struct KillPlaneDef {
-  Vec3 point, normal{0, 1, 0};
-};
-struct KillBoxDef {
-  Vec3 center, half_extents{1, 1, 1};
-  enum class Where { inside, outside } where = Where::outside;
-};
-
-struct ParticlesDef : IntegratorParams {
+struct ParticlesDef : IntegratorParams, KillDefs {
   std::vector<Vec3> positions, velocities;
   std::vector<double> masses, charges;
   std::vector<FillDef> fill;
@@ -112,8 +103,6 @@ struct ParticlesDef : IntegratorParams {
   std::optional<PropulsionDef> propulsion;
   std::optional<ExpressionDef> expression;
   ColliderDefs colliders;
-  std::vector<KillPlaneDef> kill_planes;
-  std::vector<KillBoxDef> kill_boxes;
   std::optional<int64_t> max_particles;
   double draw_radius = 0.02;
   std::optional<Vec3> color;

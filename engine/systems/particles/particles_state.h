@@ -79,6 +79,6 @@ std::optional<size_t> row_of(const State& s, uint64_t id);
 
 /// Removes the rows whose flag is not zero, keeping the order of the others: every per-particle column and
 /// the integrator's columns of the same length, springs with a removed end.
-void remove_rows(State& s, std::span<const uint8_t> dead, size_t dead_count, Workspace& workspace);
+void remove_rows(State& s, std::span<const uint8_t> dead, Workspace& workspace);
 
 }  // namespace truestep::particles

@@ -69,6 +69,9 @@ class Dfsph {
     const T least = static_cast<T>(1e-6 / (set_.support * set_.support));
     T relaxation = static_cast<T>(set_.relaxation);
     SolveResult out;
+    for (size_t i = 0; f.weighted && i < f.n; ++i) {
+      if (f.fixed(i)) q[i] = 0;
+    }
     std::copy(q.begin(), q.end(), f.iterate.begin());
     double best = HUGE_VAL;
     int run = 0;
@@ -77,11 +80,15 @@ class Dfsph {
       if (any) bodies.template answer<A>(q);
       const T beyond = static_cast<T>(run) / static_cast<T>(run + 3);
       const auto left = f.tally(arena, [&](size_t i, const Chunk<T>& c, size_t begin, size_t end) {
+        if (f.fixed(i)) {
+          f.iterate[i] = f.next[i] = 0;
+          return std::array<double, 2>{0, 0};
+        }
         T rest = scale * f.source[i] + compression<A, D, T>(f, f.a, i, c, begin, end);
         T own = f.stiffness[i];
         if constexpr (A == Answer::mirror) {
           const T *pull = f.pull.data() + 4 * i, *wall = f.wall.data() + 4 * i;
-          for (size_t k = 0; k < D; ++k) own += wall[k] * (2 * pull[k] + wall[k]);
+          for (size_t k = 0; k < D; ++k) own += f.lightness(i) * wall[k] * (2 * pull[k] + wall[k]);
         }
         if (any) rest += bodies.recoil(i), own += bodies.template give<A>(i);
         // Where there is pressure, expansion is an error too.
@@ -92,7 +99,7 @@ class Dfsph {
         return std::array<double, 2>{wrong * error, double{rest} * double{way}};
       });
       ++out.iterations;
-      out.mean = left.sum / static_cast<double>(f.n), out.most = left.most;
+      out.mean = left.sum / std::max(static_cast<double>(f.n), 1.0), out.most = left.most;
       const bool good = out.iterations >= kLeastIterations && out.mean <= set_.def.density_error &&
                         out.most <= kMostOverMean * set_.def.density_error;
       if (good || out.iterations >= set_.def.max_iterations) break;

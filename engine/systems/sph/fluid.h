@@ -127,15 +127,28 @@ struct Fluid {
   Aligned<T> pull;               ///< four a row: sum of gradients over neighbours and walls (1/m)
   Aligned<T> wall;               ///< four a row: gradient of the walls' share (1/m); the share
   Aligned<T> drive;              ///< 1/s, of density by walls that move
-  Aligned<T> rests;              ///< 1, how far a particle's pressure is that of a fluid at rest
+  Aligned<T> light;              ///< 1, density of the system over the particle's; 0: nothing moves it
+  Aligned<T> rest, way, image, scale, hold;  ///< of the solve for viscosity, four a row (viscosity.h)
+  bool weighted = false;                     ///< whether light is there; else it is 1 everywhere
+  std::vector<uint8_t> held;                 ///< by what nozzle, from 1 on; 0: by none
+  Aligned<T> rests;                          ///< 1, how far a particle's pressure is that of a fluid at rest
   std::vector<Chunk<T>> chunks;
   std::vector<double> partial;  ///< by chunk or block
 
+  /// Whether nothing moves a particle. It has no pressure either: what it cannot yield, others would have to.
+  bool fixed(size_t i) const { return weighted && light[i] == 0; }
+  T lightness(size_t i) const { return weighted ? light[i] : T{1}; }
+
+  /// Room for so many rows: no later `resize` to as many allocates.
+  void reserve(size_t rows) {
+    if (n == 0) resize(rows);
+  }
   void resize(size_t rows) {
     n = rows;
     for (auto& c : x) c.resize(n + kLanes);
     for (auto* c : {&v, &a, &pull, &wall}) c->resize(4 * n);
     for (auto* c : {&delta, &push, &flow, &iterate, &next, &stiffness, &source, &drive, &rests}) c->resize(n);
+    if (weighted) light.resize(n), held.resize(n);
     row.resize(n), cell_of.resize(n);
     chunks.resize((n + kChunk - 1) / kChunk);
   }

@@ -167,11 +167,18 @@ class Neighbours {
       const SmoothingValue<T> value = smoothing<K, T>(q);
       const W w = kw * value.w, s = ks * value.s;
       density += w;
+      W square = W::zero();
       for (int a = 0; a < D; ++a) {
         const W g = s * load(chunk.g[a].data() + k);
         store(chunk.g[a].data() + k, g);
-        pull[a] += g, squares = madd(g, g, squares);
+        pull[a] += g;
+        if (f.weighted) {
+          square = madd(g, g, square);
+        } else {
+          squares = madd(g, g, squares);
+        }
       }
+      if (f.weighted) squares = madd(square, gather(f.light.data(), chunk.slot.data() + k), squares);
       if (extras == Extras::slopes) store(chunk.s.data() + k, s), store(chunk.w.data() + k, w);
     }
     const SmoothingValue<T> self = smoothing<K, T>(W::zero());
@@ -183,7 +190,7 @@ class Neighbours {
     for (int a = 0; a < 3; ++a) {
       const T inside = a < D ? sum(pull[a]) : T{0}, outside = a < D ? wall[a] : T{0};
       total[a] = inside + outside;
-      both += total[a] * total[a];
+      both += f.lightness(i) * total[a] * total[a];
     }
     f.stiffness[i] = both;
   }

@@ -25,6 +25,8 @@ inline void push_by(Fluid<D, T>& f, const Aligned<T>& q, const ThreadArena& aren
     out[2] = out[3] = 0;
     for (size_t a = 0; a < D; ++a)
       out[a] = -(own * (A == Answer::mirror ? pull[a] + wall[a] : pull[a]) + sum(sums[a]));
+    if (!f.weighted) return;
+    for (size_t a = 0; a < D; ++a) out[a] *= f.light[i];
   });
 }
 
@@ -50,6 +52,14 @@ inline T compression(const Fluid<D, T>& f, const Aligned<T>& u, size_t i, const 
     for (size_t a = 0; a < D; ++a) out += f.wall[4 * i + a] * own[a];
   }
   return out - sum(sums[0] + sums[1]);
+}
+
+/// Of what two particles of different density do to each other's velocities, as a share of what two alike do,
+/// the part of particle i: 2 rho_j / (rho_i + rho_j), so that momentum is kept. 0 for what nothing moves.
+template <int D, class T>
+inline Wide<T> part_of_pair(const Fluid<D, T>& f, size_t i, const uint32_t* slot) {
+  const Wide<T> own = Wide<T>::all(f.light[i]), other = gather(f.light.data(), slot);
+  return (own + own) / (own + other + Wide<T>::all(static_cast<T>(1e-9)));
 }
 
 /// v += h a.

@@ -27,8 +27,8 @@ class Pbf {
       if (k > 0) renew(f, bodies, t, arena);
       arena.for_blocks(f.n, kBlockRows, [&](size_t begin, size_t end) {
         for (size_t i = begin; i < end; ++i) {
-          f.push[i] = std::max(f.delta[i] - 1, T{0}) /
-                      (f.stiffness[i] + relief + (any ? bodies.template give<Answer::rest>(i) : T{0}));
+          const T over = f.fixed(i) ? T{0} : std::max(f.delta[i] - 1, T{0});
+          f.push[i] = over / (f.stiffness[i] + relief + (any ? bodies.template give<Answer::rest>(i) : T{0}));
         }
       });
       push_by<Answer::rest, D, T>(f, f.push, arena);

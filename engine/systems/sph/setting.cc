@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "engine/kernels/sph/cohesion.h"
 #include "engine/math/trig.h"
 
 namespace truestep::sph {
@@ -84,8 +85,22 @@ std::unique_ptr<const Setting> settle(const SphDef& def, const std::string& id, 
   out->kernel_s = out->kernel_w / (h * h);
   out->sound = def.sound_speed > 0 ? def.sound_speed : std::max(10 * fastest_start(def, gravity), 1e-6);
   out->relaxation = 0.75 / largest_symbol(def.kernel, def.dimension, def.support);
+  if (def.surface_tension > 0) {
+    out->cohesion = cohesion_strength(def.surface_tension, def.density, def.dimension, s, h);
+  }
   out->wall.set(def.kernel, def.dimension, h, s);
   out->colliders = build_colliders(def.colliders);
+  for (const BodyDef& b : def.bodies) {
+    out->lightest = std::min(out->lightest, b.density.value_or(def.density) / def.density);
+  }
+  for (const InletDef& e : def.emitters) {
+    out->inlets.emplace_back(def, e);
+    out->lightest = std::min(out->lightest, out->inlets.back().ratio);
+  }
+  out->capacity = def.changes() ? largest_count(def, out->rows) : out->rows;
+  State::Column next = columns::report + 1;
+  if (def.layered()) out->ratio = next++;
+  if (def.changes()) out->layers = next++, out->counts = next++;
   return out;
 }
 

@@ -7,6 +7,8 @@
 #include "engine/systems/sph/dfsph.h"
 #include "engine/systems/sph/neighbours.h"
 #include "engine/systems/sph/pbf.h"
+#include "engine/systems/sph/tension.h"
+#include "engine/systems/sph/viscosity.h"
 #include "engine/systems/sph/vorticity.h"
 #include "engine/systems/sph/walls.h"
 #include "engine/systems/sph/wcsph.h"
@@ -24,21 +26,26 @@ class SolverOf final : public Solver {
         walls_(setting),
         dfsph_(setting),
         wcsph_(setting),
-        pbf_(setting, neighbours_, walls_) {
+        pbf_(setting, neighbours_, walls_),
+        viscosity_(setting, walls_) {
     const SphDef& d = setting.def;
-    viscous_ = d.viscosity > 0;
-    if (viscous_ || d.xsph > 0 || d.solver != Method::dfsph) extras_ = Extras::slopes;
+    implicit_ = d.solves_viscosity();
+    viscous_ = d.viscosity > 0 && !implicit_;
+    const bool pairs = d.viscosity > 0 || d.xsph > 0 || d.surface_tension > 0;
+    if (pairs || d.solver != Method::dfsph) extras_ = Extras::slopes;
   }
 
   void step(State& s, const StepInput& in) const override {
     auto& f = in.workspace.object<Fluid<D, T>>("sph.fluid");
-    f.resize(set_.rows);
+    f.weighted = set_.lightest < 1 || set_.ratio || !set_.inlets.empty();
+    f.reserve(set_.capacity);
     auto& bodies = in.workspace.object<BodiesIn<D, T>>("sph.bodies");
     bodies.set(in.bodies, set_);
     const Vec3 gravity = load3(std::as_const(s).f64(columns::gravity).data(), 0);
     Tracks tracks;
     double left = in.h;
     for (int64_t k = 0; left > 0; ++k) {
+      f.resize(s.rows(columns::position));
       const double allowed = limit(s, f, bodies.fastest(), gravity, in.arena);
       const double parts = std::ceil(left / allowed);
       if (!(parts + static_cast<double>(k) <= set_.def.max_substeps)) refuse(allowed);
@@ -53,12 +60,13 @@ class SolverOf final : public Solver {
     r[report::substeps] = tracks.substeps, r[report::courant] = tracks.courant;
     r[report::density_iterations] = tracks.density / tracks.substeps;
     r[report::flow_iterations] = tracks.flow / tracks.substeps;
+    if (implicit_) r[report::viscous_iterations] = tracks.viscous / tracks.substeps;
   }
 
  private:
   using Extras = typename Neighbours<D, T>::Extras;
   struct Tracks {
-    double mean = 0, most = 0, substeps = 0, density = 0, flow = 0, courant = 0;
+    double mean = 0, most = 0, substeps = 0, density = 0, flow = 0, viscous = 0, courant = 0;
   };
 
   /// s that the fastest particle, the sound and the viscosity allow.
@@ -77,10 +85,11 @@ class SolverOf final : public Solver {
       f.partial[begin / kBlockRows] = most;
     });
     double most = bodies * bodies;
+    for (const Inlet& inlet : set_.inlets) most = std::max(most, inlet.speed * inlet.speed);
     for (const double square : f.partial) {
       if (!(square <= most)) most = square;
     }
-    const double sound = d.solver == Method::wcsph ? set_.sound : 0;
+    const double sound = d.solver == Method::wcsph ? set_.sound / std::sqrt(set_.lightest) : 0;
     const double half = 0.5 * (std::sqrt(most) + sound), reach = d.courant * d.spacing;
     // Spacings crossed by a particle that gravity makes faster on its way.
     const double way = half + std::sqrt(half * half + norm(gravity) * reach);
@@ -88,17 +97,21 @@ class SolverOf final : public Solver {
     if (const double g = norm(gravity); g > 0 && d.solver != Method::wcsph) {
       out = std::min(out, kFall * std::sqrt(d.spacing / g));
     }
+    if (d.surface_tension > 0) {
+      const double inertia = d.density * set_.lightest * d.spacing * d.spacing * d.spacing;
+      out = std::min(out, kCapillary * std::sqrt(inertia / d.surface_tension));
+    }
     if (viscous_) out = std::min(out, kDiffusion * set_.support * set_.support / d.viscosity);
     return out;
   }
 
-  /// One substep of h s that ends at `t`.
+  /// One substep of h s that begins at `t`.
   void substep(State& s, Fluid<D, T>& f, BodiesIn<D, T>& bodies, const Vec3& gravity, const StepInput& in,
                double t, double h, Tracks& tracks) const {
     const SphDef& d = set_.def;
     const bool places = d.solver == Method::pbf;
     if (places) {
-      fall(s, gravity, t + h, static_cast<T>(h), in.arena);
+      fall(s, gravity, t, static_cast<T>(h), in.arena);
       bodies.pull(f, gravity, h), bodies.advance(h);
     }
     {
@@ -106,6 +119,7 @@ class SolverOf final : public Solver {
       neighbours_.sort(f, s.span<T>(columns::position).data(), in.arena);
       walls_.shares(f, places ? t + h : t, in.arena);
       if (bodies.any()) bodies.touch(f, in.arena);
+      if (f.weighted) weigh(s, f, t, in.arena);
       neighbours_.list(f, extras_, in.arena);
       load(s, f, norm(gravity), in.arena);
     }
@@ -115,6 +129,7 @@ class SolverOf final : public Solver {
       tracks.density += d.pbf_iterations;
     }
     forces(f, places ? Vec3{} : gravity, t, static_cast<T>(h), in.arena);
+    if (implicit_) tracks.viscous += viscosity_.solve(f, t, h, in.arena);
     if (!places) bodies.lean(f, gravity, h), bodies.pull(f, gravity, h);
     if (viscous_ && d.walls == Walls::no_slip) bodies.hold(f, h);
     if (d.solver == Method::wcsph) wcsph_.advance(f, bodies, gravity, h, in.arena);
@@ -129,10 +144,11 @@ class SolverOf final : public Solver {
         const double e = double{f.delta[i]} - 1;
         return std::array<double, 2>{both ? std::abs(e) : std::max(e, 0.0), 0};
       });
-      tracks.mean = error.sum / static_cast<double>(f.n), tracks.most = error.most;
+      tracks.mean = error.sum / std::max(static_cast<double>(f.n), 1.0), tracks.most = error.most;
     }
     move(s, f, t + h, static_cast<T>(h), in.arena);
     if (!places) bodies.advance(h);
+    if (!set_.inlets.empty()) pour(set_, s, t + h, in.workspace);
   }
 
   /// Gravity and viscosity.
@@ -141,7 +157,7 @@ class SolverOf final : public Solver {
     const SphDef& d = set_.def;
     const bool leans = norm2(gravity) > 0;
     const bool holds = viscous_ && d.walls == Walls::no_slip;
-    const T viscosity = static_cast<T>(2 * d.viscosity), blend = static_cast<T>(60 * d.xsph);
+    const T viscosity = static_cast<T>(viscous_ ? 2 * d.viscosity : 0), blend = static_cast<T>(60 * d.xsph);
     f.each(arena, [&](size_t i, const Chunk<T>& c, size_t begin, size_t end) {
       T* out = f.a.data() + 4 * i;
       const T* v = f.v.data() + 4 * i;
@@ -153,8 +169,9 @@ class SolverOf final : public Solver {
         for (size_t k = begin; k < end; k += W::kLanes) {
           W other[4];
           gather_rows4(f.v.data(), c.slot.data() + k, other);
-          const W share =
+          W share =
               W::all(-viscosity) * sph::load(c.s.data() + k) + W::all(blend) * sph::load(c.w.data() + k);
+          if (f.weighted) share = share * part_of_pair(f, i, c.slot.data() + k);
           for (size_t a = 0; a < D; ++a) sums[a] = madd(share, other[a] - W::all(v[a]), sums[a]);
         }
         for (size_t a = 0; a < D; ++a) out[a] += sum(sums[a]);
@@ -173,21 +190,58 @@ class SolverOf final : public Solver {
         if constexpr (D == 3) out[2] += static_cast<T>(drag.z);
       }
     });
+    if (d.surface_tension > 0) {
+      draw_together(f, static_cast<T>(set_.cohesion), static_cast<T>(set_.support), arena);
+    }
     kick(f, h, arena);
     if (d.vorticity > 0) {
       confine_vorticity(f, static_cast<T>(d.vorticity), static_cast<T>(d.spacing), h, arena);
     }
+    if (!set_.inlets.empty()) keep_held(f, arena);
   }
 
-  /// Velocities and places after h s under gravity alone; t is the end.
+  /// How light particles are, and which are in a nozzle.
+  void weigh(const State& s, Fluid<D, T>& f, double t, const ThreadArena& arena) const {
+    const T* ratio = set_.ratio ? s.span<T>(set_.ratio).data() : nullptr;
+    arena.for_blocks(f.n, kBlockRows, [&](size_t begin, size_t end) {
+      for (size_t k = begin; k < end; ++k) {
+        f.held[k] = nozzle_at({double{f.x[0][k]}, double{f.x[1][k]}, D == 3 ? double{f.x[2][k]} : 0}, t);
+        f.light[k] = f.held[k] ? T{0} : ratio ? 1 / ratio[f.row[k]] : T{1};
+      }
+    });
+  }
+  /// Nozzle that holds what is at x, from 1 on; 0: none.
+  uint8_t nozzle_at(const Vec3& x, double t) const {
+    for (size_t k = 0; k < set_.inlets.size(); ++k) {
+      if (set_.inlets[k].holds(x, t)) return static_cast<uint8_t>(k + 1);
+    }
+    return 0;
+  }
+  /// The velocities of what nozzles hold.
+  void keep_held(Fluid<D, T>& f, const ThreadArena& arena) const {
+    arena.for_blocks(f.n, kBlockRows, [&](size_t begin, size_t end) {
+      for (size_t k = begin; k < end; ++k) {
+        if (!f.held[k]) continue;
+        const Vec3 u = set_.inlets[f.held[k] - 1u].velocity();
+        f.v[4 * k] = static_cast<T>(u.x), f.v[4 * k + 1] = static_cast<T>(u.y);
+        if (D == 3) f.v[4 * k + 2] = static_cast<T>(u.z);
+      }
+    });
+  }
+
+  /// Velocities and places after h s from t on under gravity alone.
   void fall(State& s, const Vec3& gravity, double t, T h, const ThreadArena& arena) const {
+    const double after = t + double{h};
     T *x = s.span<T>(columns::position).data(), *v = s.span<T>(columns::velocity).data();
     const T g[3] = {static_cast<T>(gravity.x), static_cast<T>(gravity.y), static_cast<T>(gravity.z)};
-    arena.for_blocks(set_.rows, kBlockRows, [&](size_t begin, size_t end) {
+    arena.for_blocks(s.rows(columns::position), kBlockRows, [&](size_t begin, size_t end) {
       for (size_t i = begin; i < end; ++i) {
         T unused[3] = {}, place[3] = {};
-        for (size_t a = 0; a < D; ++a) place[a] = x[3 * i + a] + h * (v[3 * i + a] + h * g[a]);
-        walls_.keep_inside(place, unused, t);
+        const bool free = set_.inlets.empty() ||
+                          !nozzle_at({double{x[3 * i]}, double{x[3 * i + 1]}, double{x[3 * i + 2]}}, t);
+        for (size_t a = 0; a < D; ++a)
+          place[a] = x[3 * i + a] + h * (v[3 * i + a] + (free ? h * g[a] : T{0}));
+        walls_.keep_inside(place, unused, after);
         for (size_t a = 0; a < D; ++a) v[3 * i + a] = (place[a] - x[3 * i + a]) / h;
         walls_.wrap(place);
         for (size_t a = 0; a < D; ++a) x[3 * i + a] = place[a];
@@ -209,7 +263,8 @@ class SolverOf final : public Solver {
         f.push[k] = push[i], f.flow[k] = flow[i];
         if (carried) f.delta[k] = density[i];
         const T under = carried ? tait(f.delta[k], sound) : f.push[k] + f.flow[k];
-        f.rests[k] = weight > 0 ? std::min(std::max(under * per_layer, T{0}), T{1}) : T{0};
+        const T layers = f.weighted ? under * per_layer * f.light[k] : under * per_layer;
+        f.rests[k] = weight > 0 ? std::min(std::max(layers, T{0}), T{1}) : T{0};
       }
     });
   }
@@ -248,6 +303,8 @@ class SolverOf final : public Solver {
     throw failure;
   }
 
+  /// Of the period of the shortest wave of surface tension: sqrt(rho s^3 / (2 pi sigma)) over 2.5.
+  static constexpr double kCapillary = 0.16;
   /// Of the time in which a particle falls by half a spacing: longer substeps keep a pool from resting.
   static constexpr double kFall = 0.09;
   static constexpr double kDiffusion = 0.03;  ///< of the support's square: Morris, Fox & Zhu 1997
@@ -258,7 +315,9 @@ class SolverOf final : public Solver {
   Dfsph<D, T> dfsph_;
   Wcsph<D, T> wcsph_;
   Pbf<D, T> pbf_;
-  bool viscous_ = false;
+  ImplicitViscosity<D, T> viscosity_;
+  bool viscous_ = false;   ///< by substeps that are short enough
+  bool implicit_ = false;  ///< by a solve
   Extras extras_ = Extras::none;
 };
 

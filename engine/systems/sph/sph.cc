@@ -14,6 +14,14 @@ Sph::Sph(const SphDef& def, const BuildContext& context)
                         ? "no divergence, forces, density at rest: as many as the fastest particle asks for"
                         : "pressure by density, explicit: as many as sound asks for";
   add_stage("substeps", why, [this](State& s, const StepInput& in) { solver_->step(s, in); });
+  if (def.any_regions()) {
+    add_stage("removal", "kill regions",
+              [this](State& s, const StepInput& in) { remove_killed(*setting_, s, in); });
+  } else {
+    skip_stage("removal", "no kill regions given");
+  }
+  if (def.emitters.empty()) skip_stage("births", "no emitters given");
+  if (def.surface_tension == 0) skip_stage("surface tension", "it is 0");
   if (def.colliders.empty()) skip_stage("colliders", "none given");
   const Scalar real = def.precision == Precision::f32 ? Scalar::f32 : Scalar::f64;
   PartInfo points;
@@ -22,7 +30,7 @@ Sph::Sph(const SphDef& def, const BuildContext& context)
                    {"density", "kg/m^3"},
                    {"pressure", "Pa", real},
                    {"speed", "m/s"}};
-  points.max_rows = setting_->rows;
+  points.max_rows = setting_->capacity;
   set_parts({std::move(points)});
 }
 
@@ -38,7 +46,15 @@ State Sph::initial_state() const {
   s.add({"push", "m^2/s^2", real}, n);
   s.add({"flow", "m^2/s^2", real}, n);
   s.add({"gravity", "m/s^2", Scalar::f64, 3}, 1);
-  s.add({"report", "1", Scalar::f64, static_cast<uint32_t>(report::count)}, 1);
+  s.add({"report", "1", Scalar::f64, static_cast<uint32_t>(report::count + (d.solves_viscosity() ? 1 : 0))},
+        1);
+  if (setting_->ratio) s.add({"ratio", "1", real}, n);
+  if (setting_->counts) {
+    s.add({"emitter.next_layer", "1", Scalar::u64}, setting_->inlets.size());
+    s.add({"counts", "1", Scalar::u64}, counts::count);
+    for (State::Column c = 0; c < columns::per_particle_end; ++c) s.reserve(c, setting_->capacity);
+    if (setting_->ratio) s.reserve(setting_->ratio, setting_->capacity);
+  }
   store3(s.f64(columns::gravity).data(), 0, gravity_);
   RealColumn<double> x(s, columns::position), v(s, columns::velocity), density(s, columns::density);
   size_t i = 0;
@@ -48,7 +64,10 @@ State Sph::initial_state() const {
       x.set_vector(i, place);
       v.set_vector(
           i, b.velocity + cross(b.spin, r) + Vec3{b.strain.x * r.x, b.strain.y * r.y, b.strain.z * r.z});
-      density.set(i++, 1);
+      density.set(i, 1);
+      if (setting_->ratio)
+        RealColumn<double>(s, setting_->ratio).set(i, b.density.value_or(d.density) / d.density);
+      ++i;
     }
   }
   return s;
@@ -56,11 +75,13 @@ State Sph::initial_state() const {
 
 Ports Sph::ports() const {
   const SphDef& d = setting_->def;
+  // What bodies do to the liquid is written for one density, and for drag that is not solved for.
+  if (d.layered() || (d.solves_viscosity() && d.walls == Walls::no_slip)) return {};
   return {.medium = MediumPort{d.dimension, columns::position, d.spacing}};
 }
 
 FieldView Sph::field(const State& s, size_t, size_t which, std::vector<double>& scratch) const {
-  const size_t n = setting_->rows;
+  const size_t n = s.rows(columns::position);
   const auto inside = [&](State::Column c) {
     return FieldView{s.bytes(c).data(), s.info(c).type, n, s.info(c).width};
   };
@@ -70,9 +91,25 @@ FieldView Sph::field(const State& s, size_t, size_t which, std::vector<double>& 
   scratch.resize(n);
   const RealColumn<const double> v(s, columns::velocity), density(s, columns::density);
   for (size_t i = 0; i < n; ++i) {
-    scratch[i] = which == 2 ? setting_->def.density * density.at(i) : norm(v.vector(i));
+    scratch[i] =
+        which == 2 ? setting_->def.density * setting_->ratio_of(s, i) * density.at(i) : norm(v.vector(i));
   }
   return {scratch.data(), Scalar::f64, n, 1};
+}
+
+void Sph::check(StateCheck& check, double t) const {
+  const Setting& set = *setting_;
+  if (!set.counts) return;
+  constexpr uint64_t kMostBehind = 1000;  // layers; a run leaves none behind, but rounds
+  const State& s = check.state();
+  check.together(columns::position, columns::per_particle_end, set.capacity);
+  if (set.ratio) check.together({columns::position, set.ratio}, set.capacity);
+  const auto next = s.span<uint64_t>(set.layers);
+  check.require(next.size() == set.inlets.size(), "emitters");
+  for (size_t k = 0; k < set.inlets.size() && k < next.size(); ++k) {
+    const bool near = next[k] <= UINT64_MAX / 2 && set.inlets[k].birth(next[k] + kMostBehind) >= t;
+    check.require(near, "an emitter is far behind the clock");
+  }
 }
 
 void Sph::apply(State& s, const Command& c) const {
@@ -80,12 +117,12 @@ void Sph::apply(State& s, const Command& c) const {
   const bool plane = setting_->def.dimension == 2;
   if (c.kind == CommandKind::impulse) {
     refuse_place(c, "particle");
-    const size_t row = checked_command_row(c, setting_->rows, "particle");
+    const size_t row = checked_command_row(c, s.rows(columns::position), "particle");
     if (plane && c.vector.z != 0) {
       refuse_command("vector", "out_of_range", "a plane fluid stays in z = 0");
     }
     RealColumn<double> v(s, columns::velocity);
-    v.set_vector(row, v.vector(row) + c.vector / setting_->mass);
+    v.set_vector(row, v.vector(row) + c.vector / (setting_->mass * setting_->ratio_of(s, row)));
     return;
   }
   if (c.kind != CommandKind::set_parameter) {

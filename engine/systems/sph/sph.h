@@ -17,6 +17,7 @@ class Sph final : public StagedSystem {
   void observe(const State& state, double t, Observables& out) const override;
   /// position, velocity, density, pressure.
   FieldView field(const State& state, size_t part, size_t field, std::vector<double>& scratch) const override;
+  void check(StateCheck& check, double t) const override;
   void apply(State& state, const Command& command) const override;
   void draw(const State& state, double t, Wish wishes, Drawing& out) const override;
   std::vector<std::string> remedies() const override;

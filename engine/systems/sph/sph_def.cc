@@ -4,6 +4,8 @@
 #include <array>
 #include <cmath>
 
+#include "engine/systems/sph/inlet.h"
+
 namespace truestep::sph {
 
 namespace {
@@ -23,6 +25,7 @@ const DefTable& body_table() {
           .vector("spin", &D::spin, "rad/s", any(), "initial, about its centre")
           .vector("strain", &D::strain, "1/s", any(),
                   "initial: velocity along each axis per distance from the centre along it")
+          .number("density", &D::density, "kg/m^3", above(0), "at rest; absent: the system's")
           .build();
   return t;
 }
@@ -35,6 +38,21 @@ const DefTable& hollow_table() {
                                 .vector("half_extents", &D::half_extents, "m", above(0), "of a box")
                                 .number("radius", &D::radius, "m", above(0), "of a ball")
                                 .build();
+  return t;
+}
+
+const DefTable& inlet_table() {
+  using D = InletDef;
+  static const DefTable t = [] {
+    TableOf<D> table("a nozzle: a disk, in the plane a line, that liquid leaves in layers a spacing apart");
+    return add_source_rows(table)
+        .number("density", &D::density, "kg/m^3", above(0), "at rest; absent: the system's")
+        .check([](const D& d, const DefTable::Report& report) {
+          check_source(d, report);
+          if (!(d.speed > 0)) report("/speed", "a nozzle pours only at a speed above 0");
+        })
+        .build();
+  }();
   return t;
 }
 
@@ -65,6 +83,32 @@ void check_body(const SphDef& d, const BodyDef& b, const std::string& at, const 
   if (inside && places_of(d, b).empty()) report(at, "is too small for a single particle");
 }
 
+/// The nozzle and what is behind it must lie in the box.
+void check_inlet(const SphDef& d, const InletDef& def, const std::string& at,
+                 const DefTable::Report& report) {
+  const bool plane = d.dimension == 2;
+  if (plane && def.direction.z != 0) return report(at + "/direction", "a plane system moves in z = 0");
+  if (def.radius > std::sqrt(kMostParticles / kPi) * d.spacing) {
+    return report(at + "/radius", "more than ten million particles in a layer");
+  }
+  const Inlet inlet(d, def);
+  if (inlet.places.empty()) return report(at + "/radius", "is too small for a single particle");
+  const double gap = 0.5 * d.spacing;
+  const auto inside = [&](const Vec3& p) {
+    const Vec3 from = p - d.low, to = d.high - p;
+    return std::min({from.x, from.y, to.x, to.y}) >= gap && (plane || std::min(from.z, to.z) >= gap);
+  };
+  for (const Vec3& p : inlet.places) {
+    if (inside(inlet.mouth + p) && inside(inlet.back() + p)) continue;
+    return report(at + "/position",
+                  "the nozzle, as deep behind its position as a kernel reaches, must lie in the box");
+  }
+}
+
+void check_density(double ratio, const std::string& at, const DefTable::Report& report) {
+  if (ratio < 0.001 || ratio > 1000) report(at, "must be within 0.001 to 1000 times the system's density");
+}
+
 void check_def(const SphDef& d, const DefTable::Report& report) {
   const Vec3 size = d.high - d.low;
   const bool plane = d.dimension == 2;
@@ -80,11 +124,37 @@ void check_def(const SphDef& d, const DefTable::Report& report) {
   if (plane && d.lid_velocity.z != 0) return report("/lid_velocity", "a plane system moves in z = 0");
   if (d.lid_velocity.y != 0) return report("/lid_velocity", "the lid slides: y must be 0");
   for (size_t k = 0; k < d.bodies.size(); ++k) {
-    check_body(d, d.bodies[k], "/bodies/" + std::to_string(k), report);
+    const std::string at = "/bodies/" + std::to_string(k);
+    check_body(d, d.bodies[k], at, report);
+    check_density(d.bodies[k].density.value_or(d.density) / d.density, at + "/density", report);
+  }
+  for (size_t k = 0; k < d.emitters.size(); ++k) {
+    const std::string at = "/emitters/" + std::to_string(k);
+    check_inlet(d, d.emitters[k], at, report);
+    check_density(d.emitters[k].density.value_or(d.density) / d.density, at + "/density", report);
+  }
+  if (d.bodies.empty() && d.emitters.empty())
+    report("/bodies", "no bodies and no emitters: nothing to simulate");
+  if (d.max_particles && static_cast<double>(*d.max_particles) < expected_particles(d)) {
+    report("/max_particles", "fewer than the particles at t = 0");
   }
 }
 
 }  // namespace
+
+bool SphDef::layered() const {
+  const auto other = [&](const auto& b) { return b.density && *b.density != density; };
+  return std::any_of(bodies.begin(), bodies.end(), other) ||
+         std::any_of(emitters.begin(), emitters.end(), other);
+}
+
+size_t largest_count(const SphDef& d, size_t start) {
+  if (d.max_particles) return std::max(static_cast<size_t>(*d.max_particles), start);
+  double n = static_cast<double>(start);
+  for (const InletDef& e : d.emitters) n += Inlet(d, e).most();
+  // Without an end in sight: a default that the scene can raise.
+  return n <= kMostParticles ? static_cast<size_t>(n) : std::max<size_t>(start, 100'000);
+}
 
 bool HollowDef::contains(const Vec3& p) const {
   const Vec3 from = p - center, e = half_extents;
@@ -134,10 +204,12 @@ const DefTable& sph_table() {
         .vector("low", &D::low, "m", any(), "corner of the box that holds everything")
         .vector("high", &D::high, "m", any(), "opposite corner; z does not count in the plane")
         .number("spacing", &D::spacing, "m", above(0), "between particles at rest")
-        .objects("bodies", &D::bodies, body_table(), {1, 1000}, "where there is fluid at the start")
-        .required()
+        .objects("bodies", &D::bodies, body_table(), {0, 1000}, "where there is fluid at the start")
         .objects("hollows", &D::hollows, hollow_table(), {0, 1000},
                  "where there is none at the start, whatever fills the place: room for bodies in the fluid")
+        .objects("emitters", &D::emitters, inlet_table(), {0, 64}, "nozzles")
+        .integer("max_particles", &D::max_particles, between(1, kMostParticles),
+                 "most particles at once; absent: what the emitters pour out, 100,000 where that has no end")
         .choice("solver", &D::solver, {"dfsph", "wcsph", "pbf"},
                 "dfsph: pressure solved for constant density and no divergence; wcsph: pressure from density "
                 "by Tait's equation; pbf: positions put where the density is right")
@@ -145,6 +217,12 @@ const DefTable& sph_table() {
         .number("support", &D::support, "1", between(1.5, 4), "radius of the kernel in spacings")
         .number("density", &D::density, "kg/m^3", above(0), "at rest")
         .number("viscosity", &D::viscosity, "m^2/s", at_least(0), "kinematic")
+        .choice(
+            "viscosity_step", &D::viscosity_step, {"explicit", "implicit", "weiler2018"},
+            "explicit: substeps short enough for `viscosity`; implicit: the same forces by a solve in each "
+            "substep of any length; weiler2018: a solve that keeps angular momentum, for thick liquids "
+            "with a free surface")
+        .number("surface_tension", &D::surface_tension, "N/m", at_least(0), "against what is no liquid")
         .number("artificial_viscosity", &D::artificial_viscosity, "1", between(0, 1),
                 "Monaghan's alpha, of solver wcsph")
         .number(
@@ -172,6 +250,7 @@ const DefTable& sph_table() {
         .choice("periodic", &D::periodic, {"none", "x", "z", "xz"},
                 "directions in which what leaves the box comes back on the other side");
     // The rest is shared with every system of points.
+    add_kill_rows(table);
     add_collider_rows(table, &D::colliders);
     table.choice("precision", &D::precision, {"f32", "f64"}, "of the particles");
     return table.check(check_def).build();
@@ -181,7 +260,8 @@ const DefTable& sph_table() {
 
 Cost sph_cost(const void* def) {
   const auto& d = *static_cast<const SphDef*>(def);
-  const double n = expected_particles(d), scalar = d.precision == Precision::f32 ? 4 : 8;
+  const double n = static_cast<double>(largest_count(d, static_cast<size_t>(expected_particles(d)))),
+               scalar = d.precision == Precision::f32 ? 4 : 8;
   const bool plane = d.dimension == 2;
   // Neighbours of a full kernel, in lists with room to grow: an index, a gradient, a slope and a weight.
   const double s = d.support;

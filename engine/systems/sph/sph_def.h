@@ -1,12 +1,15 @@
 // Parameters of the system type "sph".
 #pragma once
+#include <optional>
 #include <vector>
 
 #include "engine/collision/points/collider_def.h"
+#include "engine/collision/points/kill_def.h"
 #include "engine/core/build.h"
 #include "engine/core/def.h"
 #include "engine/core/outputs.h"
 #include "engine/core/resolution.h"
+#include "engine/core/source_def.h"
 #include "engine/kernels/sph/smoothing.h"
 
 namespace truestep::sph {
@@ -15,6 +18,7 @@ enum class Shape : uint8_t { box, ball };
 enum class Method : uint8_t { dfsph, wcsph, pbf };
 enum class Walls : uint8_t { slip, no_slip };
 enum class Periodic : uint8_t { none, x, z, xz };
+enum class Viscous : uint8_t { explicit_step, implicit_step, weiler2018 };
 enum class Precision : uint8_t { f32, f64 };
 
 /// Fluid that fills a shape at the start.
@@ -22,6 +26,12 @@ struct BodyDef {
   Shape shape = Shape::box;
   Vec3 center, half_extents{0.1, 0.1, 0.1}, velocity, spin, strain;
   double radius = 0.1;
+  std::optional<double> density;
+};
+
+/// A nozzle that pours liquid out.
+struct InletDef : SourceDef {
+  std::optional<double> density;
 };
 
 /// A shape in which there is none.
@@ -33,16 +43,20 @@ struct HollowDef {
   bool contains(const Vec3& p) const;
 };
 
-struct SphDef {
+struct SphDef : KillDefs {
   int dimension = 3;
   Vec3 low, high{1, 1, 1};
   double spacing = 0.025;
   std::vector<BodyDef> bodies;
   std::vector<HollowDef> hollows;
+  std::vector<InletDef> emitters;
+  std::optional<int64_t> max_particles;
   Method solver = Method::dfsph;
   Smoothing kernel = Smoothing::cubic;
   double support = 2;
   double density = 1000, viscosity = 1e-6, artificial_viscosity = 0.02, xsph = 0.5, vorticity = 0;
+  Viscous viscosity_step = Viscous::explicit_step;
+  double surface_tension = 0;
   double density_error = 1e-4;
   int max_iterations = 200;
   double sound_speed = 0, density_diffusion = 0.1;
@@ -56,6 +70,12 @@ struct SphDef {
   ColliderDefs colliders;
   Precision precision = Precision::f32;
 
+  /// Whether viscosity is solved for in every substep.
+  bool solves_viscosity() const { return viscosity > 0 && viscosity_step != Viscous::explicit_step; }
+  /// Whether particles come or go.
+  bool changes() const { return !emitters.empty() || any_regions(); }
+  /// Whether not all of the liquid has one density.
+  bool layered() const;
   bool wraps(int axis) const {
     return axis == 0 ? periodic == Periodic::x || periodic == Periodic::xz
                      : axis == 2 && (periodic == Periodic::z || periodic == Periodic::xz);
@@ -68,6 +88,8 @@ Cost sph_cost(const void* def);
 
 /// m, where the particles of a body are at t = 0, in the order of rows.
 std::vector<Vec3> places_of(const SphDef& def, const BodyDef& body);
+/// Most particles that there may be at once, `start` of them from the beginning.
+size_t largest_count(const SphDef& def, size_t start);
 /// Particles of all bodies, by the lattices that fill them.
 double expected_particles(const SphDef& def);
 

@@ -10,16 +10,21 @@ namespace truestep::sph {
 void Sph::observe(const State& s, double, Observables& out) const {
   const RealColumn<const double> x(s, columns::position), v(s, columns::velocity);
   const Vec3 g = load3(s.f64(columns::gravity).data(), 0);
-  const double m = setting_->mass;
   double kinetic = 0, height = 0;
   Vec3 p, l, centre, low{HUGE_VAL, HUGE_VAL, HUGE_VAL}, high = -low;
-  const size_t n = setting_->rows;
-  double fastest = 0;
+  double mass = 0;
+  const size_t n = s.rows(columns::position);
+  double fastest = 0, compression = 0, densest = 0;
+  const RealColumn<const double> density(s, columns::density);
   for (size_t i = 0; i < n; ++i) {
     const Vec3 at = x.vector(i), u = v.vector(i);
+    const double m = setting_->mass * setting_->ratio_of(s, i);
+    mass += m;
+    const double over = std::max(density.at(i) - 1, 0.0);
+    compression += over, densest = std::max(densest, over);
     kinetic += 0.5 * m * norm2(u), height -= m * dot(g, at);
     fastest = std::max(fastest, norm2(u));
-    p += u * m, l += cross(at, u) * m, centre += at;
+    p += u * m, l += cross(at, u) * m, centre += at * m;
     low = {std::min(low.x, at.x), std::min(low.y, at.y), std::min(low.z, at.z)};
     high = {std::max(high.x, at.x), std::max(high.y, at.y), std::max(high.z, at.z)};
   }
@@ -31,56 +36,78 @@ void Sph::observe(const State& s, double, Observables& out) const {
   };
   add("momentum", p, "kg m/s");
   add("angular_momentum", l, "kg m^2/s");
-  add("centre", centre / static_cast<double>(n), "m");
+  if (n == 0) low = high = centre / mass;  // nothing is nowhere: not a number
+  add("centre", centre / mass, "m");
   add("low", low, "m");
   add("high", high, "m");
-  out.add("mass", m * static_cast<double>(n), "kg");
+  out.add("mass", setting_->ratio ? mass : setting_->mass * static_cast<double>(n), "kg");
   out.add("speed.max", std::sqrt(fastest), "m/s");
   const auto r = s.f64(columns::report);
   out.add("density.mean_error", r[report::mean_error], "1");
   out.add("density.max_error", r[report::max_error], "1");
+  out.add("compression.mean", n > 0 ? compression / static_cast<double>(n) : 0, "1");
+  out.add("compression.max", densest, "1");
   out.add("courant", r[report::courant], "1");
   out.add("substeps", r[report::substeps], "1");
   out.add("iterations.density", r[report::density_iterations], "1");
   out.add("iterations.divergence", r[report::flow_iterations], "1");
+  if (r.size() > report::viscous_iterations) {
+    out.add("iterations.viscosity", r[report::viscous_iterations], "1");
+  }
+  if (!setting_->counts) return;
+  const auto c = s.span<uint64_t>(setting_->counts);
+  out.add("count", static_cast<double>(n), "1");
+  out.add("emitted", static_cast<double>(c[counts::emitted]), "1");
+  out.add("killed", static_cast<double>(c[counts::killed]), "1");
+  out.add("refused", static_cast<double>(c[counts::refused]), "1");
 }
 
 const Outputs& sph_outputs() {
   static const Outputs kOutputs{
-      .rows = "a particle, body after body",
+      .rows =
+          "a particle, body after body; rows of particles that are removed are closed up, new ones come at "
+          "the end",
       .fields = {{"position", "m", 3, ""},
                  {"velocity", "m/s", 3, ""},
                  {"density", "kg/m^3", 1, "by the kernel; of wcsph by continuity"},
                  {"pressure", "Pa", 1, "of the last substep"},
                  {"speed", "m/s", 1, ""}},
-      .observables = {{"energy.kinetic", "J", "of the particles' velocities"},
-                      {"energy.gravity", "J", "potential, about the origin"},
-                      {"energy.total", "J", "their sum"},
-                      {"momentum.x", "kg m/s", ""},
-                      {"momentum.y", "kg m/s", ""},
-                      {"momentum.z", "kg m/s", ""},
-                      {"angular_momentum.x", "kg m^2/s", "about the origin"},
-                      {"angular_momentum.y", "kg m^2/s", ""},
-                      {"angular_momentum.z", "kg m^2/s", ""},
-                      {"centre.x", "m", "of mass"},
-                      {"centre.y", "m", ""},
-                      {"centre.z", "m", ""},
-                      {"low.x", "m", "least coordinate of any particle"},
-                      {"low.y", "m", ""},
-                      {"low.z", "m", ""},
-                      {"high.x", "m", "greatest coordinate of any particle"},
-                      {"high.y", "m", ""},
-                      {"high.z", "m", ""},
-                      {"mass", "kg", "of all particles"},
-                      {"speed.max", "m/s", "of the fastest particle"},
-                      {"density.mean_error", "1",
-                       "mean compression that the pressure solve of the last substep left; of wcsph mean "
-                       "deviation of density"},
-                      {"density.max_error", "1", "the largest"},
-                      {"courant", "1", "spacings crossed in a substep by what limits it, at most"},
-                      {"substeps", "1", "of the last step"},
-                      {"iterations.density", "1", "a substep, for constant density"},
-                      {"iterations.divergence", "1", "a substep, for no divergence"}}};
+      .observables = {
+          {"energy.kinetic", "J", "of the particles' velocities"},
+          {"energy.gravity", "J", "potential, about the origin"},
+          {"energy.total", "J", "their sum"},
+          {"momentum.x", "kg m/s", ""},
+          {"momentum.y", "kg m/s", ""},
+          {"momentum.z", "kg m/s", ""},
+          {"angular_momentum.x", "kg m^2/s", "about the origin"},
+          {"angular_momentum.y", "kg m^2/s", ""},
+          {"angular_momentum.z", "kg m^2/s", ""},
+          {"centre.x", "m", "of mass"},
+          {"centre.y", "m", ""},
+          {"centre.z", "m", ""},
+          {"low.x", "m", "least coordinate of any particle"},
+          {"low.y", "m", ""},
+          {"low.z", "m", ""},
+          {"high.x", "m", "greatest coordinate of any particle"},
+          {"high.y", "m", ""},
+          {"high.z", "m", ""},
+          {"mass", "kg", "of all particles"},
+          {"speed.max", "m/s", "of the fastest particle"},
+          {"density.mean_error", "1",
+           "mean compression that the pressure solve of the last substep left; of wcsph mean "
+           "deviation of density"},
+          {"density.max_error", "1", "the largest"},
+          {"compression.mean", "1", "mean of what density had over that at rest when the last substep began"},
+          {"compression.max", "1", "the largest"},
+          {"courant", "1", "spacings crossed in a substep by what limits it, at most"},
+          {"substeps", "1", "of the last step"},
+          {"iterations.density", "1", "a substep, for constant density"},
+          {"iterations.divergence", "1", "a substep, for no divergence"},
+          {"iterations.viscosity", "1", "a substep, where viscosity is solved for"},
+          {"count", "1", "particles that there are, where they come or go"},
+          {"emitted", "1", "particles born from nozzles"},
+          {"killed", "1", "particles removed by kill regions"},
+          {"refused", "1", "births that the most particles allowed left no room for"}}};
   return kOutputs;
 }
 

@@ -41,7 +41,9 @@ class Wcsph {
       }
       const T *pull = f.pull.data() + 4 * i, *wall = f.wall.data() + 4 * i;
       T spread = 2 * sum(sums);
-      for (size_t a = 0; a < D; ++a) spread -= per_sound * g[a] * (pull[a] - wall[a]);
+      // Still liquid is denser by its weight: that part is not spread.
+      const T weight = per_sound / std::max(f.lightness(i), static_cast<T>(1e-3));
+      for (size_t a = 0; a < D; ++a) spread -= weight * g[a] * (pull[a] - wall[a]);
       f.source[i] =
           compression<Answer::mirror, D, T>(f, f.v, i, c, begin, end) + 2 * f.drive[i] + diffusion * spread;
     });
@@ -73,7 +75,8 @@ class Wcsph {
           square = madd(g[a], g[a], square);
         }
         // Gradients point to the neighbour: approaching pairs have a positive product.
-        const W factor = load(c.s.data() + k) * max(along, W::zero()) / square;
+        W factor = load(c.s.data() + k) * max(along, W::zero()) / square;
+        if (f.weighted) factor = factor * part_of_pair(f, i, c.slot.data() + k);
         for (size_t a = 0; a < D; ++a) out[a] = madd(factor, g[a], out[a]);
       }
       for (size_t a = 0; a < D; ++a) f.a[4 * i + a] += alpha * sum(out[a]);

@@ -1,0 +1,40 @@
+// What sources of particles have in common, whatever they pour out: a place, an axis, a disk across it, a
+// speed along it and a time from when to when.
+#pragma once
+#include <optional>
+
+#include "engine/core/def.h"
+#include "engine/math/vec3.h"
+
+namespace truestep {
+
+struct SourceDef {
+  Vec3 position, direction{0, 1, 0};
+  double radius = 0.1, speed = 1, start = 0;
+  std::optional<double> stop;
+};
+
+/// Why the source makes no sense, for a check of a def that is one.
+inline void check_source(const SourceDef& d, const DefTable::Report& report) {
+  if (!(norm(d.direction) > 0)) report("/direction", "the direction must not be zero");
+}
+
+/// The rows of a def that is one.
+template <class D>
+TableOf<D>& add_source_rows(TableOf<D>& table) {
+  Vec3 D::*position = &SourceDef::position;
+  Vec3 D::*direction = &SourceDef::direction;
+  double D::*radius = &SourceDef::radius;
+  double D::*speed = &SourceDef::speed;
+  double D::*start = &SourceDef::start;
+  std::optional<double> D::*stop = &SourceDef::stop;
+  return table.vector("position", position, "m", any(), "centre, or one end of a line")
+      .vector("direction", direction, "1", any(),
+              "in which it pours, axis of a disk and of a cone; any length")
+      .number("radius", radius, "m", at_least(0), "of a disk or ball")
+      .number("speed", speed, "m/s", any(), "mean speed")
+      .number("start", start, "s", at_least(0), "time of the first particle")
+      .number("stop", stop, "s", at_least(0), "no particle from then on; absent: goes on");
+}
+
+}  // namespace truestep
