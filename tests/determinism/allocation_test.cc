@@ -21,6 +21,7 @@
 #include "tests/support/shallow_run.h"
 #include "tests/unit/crowd_rig.h"
 #include "tests/unit/molecular_rig.h"
+#include "tests/unit/mpm_rig.h"
 #include "tests/unit/sph_rig.h"
 
 namespace {
@@ -275,6 +276,33 @@ TEST(Allocation, LiquidsAtRestAndBodiesInThemAllocateNothing) {
     for (int k = 0; k < 10; ++k) step();
     EXPECT_EQ(allocations - before, 0u) << static_cast<int>(solver);
     EXPECT_NE(bodies[0].impulse.y, 0) << "control: the ball is in the water";
+  }
+}
+
+// A block that falls apart, with a ball in it: more blocks of cells are in use than at the start.
+TEST(Allocation, StepsOfMaterialAllocateNothingAfterTheFirst) {
+  const Solid ball = sphere_solid(0.1);
+  for (const mpm::Transfer transfer : {mpm::Transfer::apic, mpm::Transfer::flip}) {
+    mpm::MpmDef d;
+    d.dimension = 3, d.cell = 0.05, d.transfer = transfer;
+    mpm::BodyDef piece;
+    piece.center = {0.3, 0.3, 0.5}, piece.half_extents = {0.2, 0.3, 0.3}, piece.velocity = {3, 0, 0};
+    piece.material = mpm::Law::sand;
+    d.bodies = {piece};
+    d.bodies.push_back(
+        {.center = {0.8, 0.1, 0.5}, .half_extents = {0.1, 0.1, 0.3}, .material = mpm::Law::fluid});
+    testing_rig::MpmRun run(d, 1.0 / 120, {0, -9.81, 0});
+    std::vector<ImmersedBody> bodies(1);
+    bodies[0].solid = &ball, bodies[0].mass = 7, bodies[0].moments = Vec3{1, 1, 1} * (0.4 * 7 * 0.01);
+    bodies[0].place = {0.4, 0.55, 0.5};
+    const auto step = [&] { run.step(1, bodies); };
+    step();
+    const double width = run.observe("high.x");
+    const uint64_t before = allocations;
+    for (int k = 0; k < 20; ++k) step();
+    EXPECT_EQ(allocations - before, 0u) << static_cast<int>(transfer);
+    EXPECT_GT(run.observe("high.x"), std::min(0.95, width)) << "control: it moves";
+    EXPECT_NE(bodies[0].impulse.x, 0) << "control: the ball is in the sand";
   }
 }
 

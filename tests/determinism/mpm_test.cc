@@ -2,6 +2,7 @@
 // workspace, and from a copy of a state.
 #include <gtest/gtest.h>
 
+#include "engine/geometry/solid.h"
 #include "tests/unit/mpm_rig.h"
 
 namespace truestep::mpm {
@@ -47,6 +48,23 @@ TEST(MpmDeterminism, AStateIsAllThatAStepNeeds) {
     run.step(), copy.step();
   }
   EXPECT_EQ(run.state.hash(), copy.state.hash());
+}
+
+TEST(MpmDeterminism, BodiesInTheMaterialAreTheSameOnAnyNumberOfThreads) {
+  const Solid ball = sphere_solid(0.12);
+  MpmDef d = mixture(3, Precision::f32);
+  const auto run_with = [&](int threads, double place) {
+    std::vector<ImmersedBody> bodies(1);
+    bodies[0].solid = &ball, bodies[0].mass = 5, bodies[0].moments = Vec3{1, 1, 1} * 0.03;
+    bodies[0].place = {place, 0.6, 0.5}, bodies[0].velocity = {0, -3, 0};
+    MpmRun run(d, 1.0 / 60, {0, -9.81, 0}, threads);
+    run.step(3, bodies);
+    return std::pair{run.state.hash(), bodies[0].impulse.y};
+  };
+  const auto one = run_with(1, 0.4), two = run_with(2, 0.4), other = run_with(1, 0.41);
+  EXPECT_EQ(one, two);
+  EXPECT_NE(one.first, other.first) << "control";
+  EXPECT_GT(one.second, 0) << "control: it is held up";
 }
 
 }  // namespace

@@ -46,6 +46,48 @@ TEST(MpmStability, AnyModulusHoldsWithTheSubstepsItAsksFor) {
   }
 }
 
+// Pressed to a tenth of its height, then let go: what is stored goes into motion, none is made. A fluid's
+// pressure there is a million times its modulus; it may ask for more substeps than are allowed.
+TEST(MpmStability, WhatIsPressedToATenthComesBackOrIsRefused) {
+  for (const Law law : {Law::fluid, Law::corotated, Law::neo_hookean, Law::snow, Law::sand, Law::foam}) {
+    MpmDef d = thrown(law, 0, 1e5);
+    d.high = {1, 4, 1};
+    MpmRun run(d, 1.0 / 2000);
+    const auto x = run.state.span<float>(columns::position), f = run.state.span<float>(columns::deformation),
+               j = run.state.span<float>(columns::jacobian);
+    for (size_t i = 0; i < j.size(); ++i)
+      x[3 * i + 1] = 0.1f * (x[3 * i + 1] - 0.25f), f[4 * i + 3] = 0.1f, j[i] = 0.1f;
+    const double start = run.observe("energy.total");
+    try {
+      for (int k = 0; k < 20; ++k) {
+        run.step();
+        ASSERT_FALSE(run.state.first_bad(1e4, State::Look::everything)) << static_cast<int>(law);
+        // A tenth is what explicit steps at half their limit swing by.
+        EXPECT_LT(run.observe("energy.total"), 1.1 * start) << static_cast<int>(law);
+      }
+      EXPECT_GT(run.observe("high.y"), 0.035) << "it has grown from 3 cm: " << static_cast<int>(law);
+    } catch (const Instability& refused) {
+      EXPECT_EQ(law, Law::fluid) << refused.what();
+    }
+  }
+}
+
+// A minute on the floor: it neither creeps nor warms up. Its own weight compresses jelly by half a per cent
+// of its height; sideways nothing pulls, so that only rounding of f32 places over 35,000 substeps is left.
+TEST(MpmStability, WhatLiesStillStaysForAMinute) {
+  for (const Law law : {Law::corotated, Law::sand}) {
+    MpmDef d = thrown(law, 0, 1e5);
+    d.bodies[0].center = {0.5, 0.15, 0}, d.wall_friction = 0.5;
+    MpmRun run(d, 1.0 / 60, {0, -9.81, 0});
+    run.seconds(5);
+    const double x = run.observe("centre.x"), y = run.observe("centre.y");
+    run.seconds(55);
+    EXPECT_NEAR(run.observe("centre.x"), x, 1e-3 * d.cell) << static_cast<int>(law);
+    EXPECT_NEAR(run.observe("centre.y"), y, 1e-2 * d.cell) << static_cast<int>(law);
+    EXPECT_LT(run.observe("energy.kinetic"), 1e-6 * 90 * 9.81 * 0.15) << static_cast<int>(law);
+  }
+}
+
 TEST(MpmStability, TooManySubstepsAreRefusedByName) {
   MpmDef d = thrown(Law::corotated, 1, 1e9);
   d.max_substeps = 10;

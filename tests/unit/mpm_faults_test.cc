@@ -45,6 +45,29 @@ TEST(MpmScene, SaysWhatDoesNotFit) {
   EXPECT_EQ(faults(d), Faults{}) << "control: both are right in space";
 }
 
+TEST(MpmScene, SaysWhatDoesNotFitOfTexts) {
+  MpmDef d = piece();
+  d.force = {"x"};
+  EXPECT_EQ(faults(d), Faults{"/force"}) << "one component of two";
+  d.force = {"-x", "t"}, d.exact = {"x", "y", "z"};
+  EXPECT_EQ(faults(d), Faults{"/exact"}) << "three of two";
+  d.exact = {"x", "y + t"};
+  EXPECT_EQ(faults(d), Faults{}) << "control";
+  d.force[1] = "z";
+  try {
+    testing_rig::MpmRun run(d);
+    ADD_FAILURE() << "there is no z in the plane";
+  } catch (const Error& e) {
+    ASSERT_EQ(e.issues().size(), 1u);
+    EXPECT_EQ(e.issues()[0].pointer, "/force/1");
+  }
+  d = piece();
+  d.bodies[0].shape = Shape::ball, d.bodies[0].inner_radius = 0.1;
+  EXPECT_EQ(faults(d), Faults{"/bodies/0/inner_radius"}) << "as large as the ball";
+  d.bodies[0].inner_radius = 0.05;
+  EXPECT_EQ(faults(d), Faults{}) << "control";
+}
+
 // A thread has next to no volume and one particle an axis across: a lattice of 4e7 places along it.
 TEST(MpmScene, CountsWhatAThreadWouldBeMadeOf) {
   MpmDef d = piece();
@@ -66,6 +89,8 @@ TEST(MpmScene, ExpectsAsManyParticlesAsThereAre) {
     // Places within a ball of 38 spacings differ from its volume by less than a shell a tenth of a spacing
     // thick.
     EXPECT_NEAR(expected_particles(d), there(), 0.1 / 38 * 3 * there());
+    d.bodies[0].inner_radius = 0.2;
+    EXPECT_NEAR(expected_particles(d), there(), 0.1 / 26 * 3 * there()) << "hollow";
   }
 }
 

@@ -69,6 +69,55 @@ TEST(MpmMatrix, AMirroredMatrixHasItsSignInTheLastValue) {
   EXPECT_NEAR(d.s[2][0], -1, 1e-14);
 }
 
+// Largest deviation of the nearest rotation from U V^T. Where singular values s and t of opposite sign or
+// both near 0 meet, rounding is divided by s + t: matrices are taken whose least is a hundredth of the
+// largest, or a tenth on the far side of the plane of mirrors.
+template <int D, class T>
+double rotation_fault(const Square<D, T>& a, int lane) {
+  const Svd<D, T> d = svd(a);
+  const Wide<T> one[3] = {Wide<T>(1), Wide<T>(1), Wide<T>(1)};
+  const Square<D, T> expected = compose(d.u, one, d.v), got = nearest_rotation(a);
+  double worst = 0;
+  for (int k = 0; k < D * D; ++k)
+    worst = std::max(worst, std::abs(double{expected.m[k][lane]} - double{got.m[k][lane]}));
+  const double gap = double{d.s[D - 2][lane]} + double{d.s[D - 1][lane]};
+  return worst * std::min(1.0, gap / double{d.s[0][lane]});
+}
+
+template <int D, class T>
+void hard_rotations() {
+  const double list[][9] = {{1, 0, 0, 0, 1, 0, 0, 0, 1},
+                            {0, -1, 0, 1, 0, 0, 0, 0, 1},
+                            {1, 2, 0, 0, 0.5, 1, 0.3, 0, 2},
+                            {0.01, 0, 0, 0, 1, 0, 0, 0, 1},
+                            {-1, 0.2, 0, 0, 3, 0.4, 0, 0, 2},
+                            {1, 0, 0, 0, 1e-6, 0, 0, 0, 1},
+                            {50, 3, 1, 0, 40, 2, 0.5, 0, 60},
+                            {-1, 0, 0, 0, -2, 0, 0, 0, 1},
+                            {1e-3, 2e-4, 0, 0, 1e-3, 1e-4, 0, 0, 2e-3}};
+  for (const auto& m : list) {
+    EXPECT_LT((rotation_fault<D, T>(filled<D, T>(m), 0)), kTolerance<T>)
+        << m[0] << ' ' << m[1] << ' ' << m[4];
+  }
+}
+TEST(MpmMatrix, TheNearestRotationIsThatOfSingularVectors) {
+  hard_rotations<2, float>(), hard_rotations<2, double>();
+  hard_rotations<3, float>(), hard_rotations<3, double>();
+}
+
+// A matrix that needs singular values beside some that do not: no lane may change another.
+TEST(MpmMatrix, LanesDoNotChangeEachOther) {
+  const double plain[9] = {1, 0.1, 0, 0, 1.2, 0.3, 0, 0.1, 0.9}, mirror[9] = {-1, 0, 0, 0, 2, 0, 0, 0, 3};
+  Square<3, double> mixed = filled<3, double>(plain);
+  for (int k = 0; k < 9; ++k) mixed.m[k].set(2, mirror[k]);
+  const auto alone = nearest_rotation(filled<3, double>(plain)),
+             other = nearest_rotation(filled<3, double>(mirror)), both = nearest_rotation(mixed);
+  for (int k = 0; k < 9; ++k) {
+    EXPECT_EQ(both.m[k][0], alone.m[k][0]);
+    EXPECT_EQ(both.m[k][2], other.m[k][0]);
+  }
+}
+
 template <int D, class T>
 double random_fault() {
   double worst = 0;

@@ -4,6 +4,7 @@
 
 #include <memory>
 
+#include "engine/core/medium.h"
 #include "engine/systems/mpm/mpm.h"
 
 namespace truestep::testing_rig {
@@ -15,13 +16,14 @@ struct MpmRun {
         arena(threads),
         h(dt) {}
 
-  void step(uint64_t count = 1) {
+  void step(uint64_t count = 1, std::span<ImmersedBody> bodies = {}) {
     for (uint64_t k = 0; k < count; ++k, ++steps) {
       system.step(state, {.t = h * static_cast<double>(steps),
                           .h = h,
                           .step = steps,
                           .workspace = workspace,
-                          .arena = arena});
+                          .arena = arena,
+                          .bodies = bodies});
     }
   }
   void seconds(double t) { step(static_cast<uint64_t>(t / h + 0.5)); }

@@ -31,6 +31,37 @@ inline constexpr double kLeastVolume = 0.05;
 /// e^(xi (1 - Jp)) stays below this: snow that is pressed without end would need steps without end.
 inline constexpr double kMostHardening = 50;
 
+/// ln of positive floats, from the series of atanh: 2 (s + s^3 / 3 + ...), s = (m - 1) / (m + 1), of what is
+/// left beside the power of 2; the first term left out is below 1e-9 of it.
+inline Wide<float> log(Wide<float> a) {
+  using W = Wide<float>;
+  using Bits = W::Mask;
+  const auto raw = (Bits)a.v;
+  // The power of two nearest below 4/3 of a: m is in [2/3, 4/3).
+  const Bits power = (raw - 0x3f2aaaab) >> 23;
+  const W m((W::Raw)(raw - (power << 23))), e(__builtin_convertvector(power, W::Raw)), one(1);
+  const W s = (m - one) / (m + one), s2 = s * s;
+  W series(1.0 / 9);
+  for (const double k : {1.0 / 7, 1.0 / 5, 1.0 / 3}) series = madd(series, s2, W(k));
+  const W rest = madd(s * s2 * series, W(2), s + s);
+  // ln 2 in two parts, the first so short that its products are exact.
+  return madd(e, W(0.693359375), madd(e, W(-2.12194440054690583e-4), rest));
+}
+/// e^a, for a in [-87, 88]; beyond, as at the ends.
+inline Wide<float> exp(Wide<float> a) {
+  using W = Wide<float>;
+  using Bits = W::Mask;
+  const W x = min(max(a, W(-87)), W(88));
+  // To the nearest whole: the first whole numbers of floats begin at 2^23.
+  const W big(12582912), n = madd(x, W(1.44269504088896341), big) - big;
+  const W r = nmadd(n, W(-2.12194440054690583e-4), nmadd(n, W(0.693359375), x));
+  W series(1.0 / 5040);
+  for (const double k : {1.0 / 720, 1.0 / 120, 1.0 / 24, 1.0 / 6, 0.5, 1.0, 1.0})
+    series = madd(series, r, W(k));
+  const Bits power = __builtin_convertvector(n.v, Bits);
+  return W((W::Raw)((Bits)series.v + (power << 23)));
+}
+
 template <class T>
 Wide<T> log(Wide<T> a) {
   for (int i = 0; i < Wide<T>::kLanes; ++i) a.set(i, static_cast<T>(trig::log(double{a[i]})));
@@ -110,7 +141,41 @@ Response<D, T> neo_hookean_response(const Material& mat, const Square<D, T>& f) 
   return out;
 }
 
-/// The others. `plastic` is Jp of snow and is not looked at by other laws.
+/// Stress of the corotated solid and of snow, from the nearest rotation R: tau = 2 mu (F - R) F^T + lambda
+/// (J - 1) J.
+template <int D, class T>
+Response<D, T> corotated_response(const Material& mat, const Square<D, T>& f, Wide<T> plastic) {
+  using W = Wide<T>;
+  W mu(mat.mu), lambda(mat.lambda);
+  if (mat.law == Law::snow) {
+    const W h = hardening(mat, plastic);
+    mu *= h, lambda *= h;
+  }
+  const W one(1), half(0.5), j = determinant(f), p = lambda * (j - one) * j;
+  Square<D, T> away = nearest_rotation(f);
+  W squares = W::zero(), widest = one;
+  for (int k = 0; k < D * D; ++k) {
+    away.m[k] = f.m[k] - away.m[k];
+    squares = madd(away.m[k], away.m[k], squares);
+  }
+  Response<D, T> out;
+  for (int r = 0; r < D; ++r) {
+    W row = W::zero();
+    for (int c = 0; c < D; ++c) {
+      W t = away(r, 0) * f(c, 0), b = f(r, 0) * f(c, 0);
+      for (int k = 1; k < D; ++k) t = madd(away(r, k), f(c, k), t), b = madd(f(r, k), f(c, k), b);
+      out.tau(r, c) = r == c ? madd(mu + mu, t, p) : (mu + mu) * t;
+      row += abs(b);
+    }
+    // Gershgorin, as above.
+    widest = max(widest, row);
+  }
+  out.energy = madd(mu, squares, half * lambda * (j - one) * (j - one));
+  out.modulus = madd(W(2), mu, lambda) * widest;
+  return out;
+}
+
+/// From singular values. `plastic` is Jp of snow and is not looked at by other laws.
 template <int D, class T>
 Response<D, T> solid_response(const Material& mat, const Svd<D, T>& d, Wide<T> plastic) {
   using W = Wide<T>;
@@ -148,6 +213,7 @@ template <int D, class T>
 Response<D, T> response(const Material& mat, const Square<D, T>& f, Wide<T> j, Wide<T> plastic) {
   if (mat.law == Law::fluid) return fluid_response<D, T>(mat, j);
   if (mat.law == Law::neo_hookean) return neo_hookean_response(mat, f);
+  if (mat.law == Law::corotated || mat.law == Law::snow) return corotated_response(mat, f, plastic);
   return solid_response(mat, svd(f), plastic);
 }
 

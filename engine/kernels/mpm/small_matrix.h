@@ -1,5 +1,6 @@
 // Square matrices of two or three rows, a particle per lane, with a singular value decomposition that has no
-// branch: one-sided Jacobi rotations (Golub, Van Loan 2013, section 8.6.3) in a fixed number of sweeps.
+// branch: one-sided Jacobi rotations (Golub, Van Loan 2013, section 8.6.3) in a fixed number of sweeps; and
+// the nearest rotation, which is cheaper.
 #pragma once
 #include "engine/math/wide.h"
 
@@ -173,6 +174,70 @@ Svd<D, T> svd(const Square<D, T>& a) {
     out.s[k] = sum;
   }
   return out;
+}
+
+/// The rotation nearest to A, U V^T, without singular values; `known` says in which lanes it was found. In
+/// the plane everywhere (in closed form; of what has none nearest it is one of them); in space where A is no
+/// mirror and not nearly singular, by Newton's iteration with scaling (Higham 2008, section 8.6).
+template <int D, class T>
+Square<D, T> nearest_rotation(const Square<D, T>& a, typename Wide<T>::Mask& known) {
+  using W = Wide<T>;
+  const W one(T{1}), zero = W::zero(), half(T{0.5});
+  if constexpr (D == 2) {
+    const W c = a(0, 0) + a(1, 1), s = a(1, 0) - a(0, 1), length = sqrt(madd(c, c, s * s));
+    const auto turns = length > W(sizeof(T) == 4 ? T(1e-18) : T(1e-140));
+    const W over = one / select(turns, length, one);
+    Square<D, T> r;
+    r(0, 0) = r(1, 1) = select(turns, c * over, one);
+    r(1, 0) = select(turns, s * over, zero), r(0, 1) = -r(1, 0);
+    known = one > zero;
+    return r;
+  } else {
+    // Condition numbers up to a hundred come within rounding of a rotation in so many rounds.
+    constexpr int kRounds = sizeof(T) == 4 ? 5 : 7;
+    constexpr double kMostCondition = 100;
+    const auto squares = [](const Square<D, T>& m) {
+      W sum = m.m[0] * m.m[0];
+      for (int k = 1; k < D * D; ++k) sum = madd(m.m[k], m.m[k], sum);
+      return sum;
+    };
+    Square<D, T> x = a, c;
+    for (int round = 0; round < kRounds; ++round) {
+      for (int i = 0; i < 3; ++i) {
+        const int i1 = (i + 1) % 3, i2 = (i + 2) % 3;
+        for (int k = 0; k < 3; ++k) {
+          const int k1 = (k + 1) % 3, k2 = (k + 2) % 3;
+          c(i, k) = nmadd(x(i1, k2), x(i2, k1), x(i1, k1) * x(i2, k2));
+        }
+      }
+      const W det = madd(x(0, 0), c(0, 0), madd(x(0, 1), c(0, 1), x(0, 2) * c(0, 2)));
+      const W of_x = sqrt(squares(x)), of_c = sqrt(squares(c));
+      // |A| |A^-1| = |A| |cofactors| / det.
+      if (round == 0) known = det > of_x * of_c * W(T(1 / kMostCondition));
+      const W safe = max(det, W(sizeof(T) == 4 ? T(1e-30) : T(1e-200)));
+      const W scale = sqrt(of_c / max(safe * of_x, W(sizeof(T) == 4 ? T(1e-30) : T(1e-200))));
+      const W p = half * scale, q = half / max(scale * safe, W(sizeof(T) == 4 ? T(1e-30) : T(1e-200)));
+      for (int k = 0; k < D * D; ++k) x.m[k] = madd(p, x.m[k], q * c.m[k]);
+    }
+    return x;
+  }
+}
+
+/// The same in every lane, from singular values where it has to be.
+template <int D, class T>
+Square<D, T> nearest_rotation(const Square<D, T>& a) {
+  typename Wide<T>::Mask known;
+  Square<D, T> r = nearest_rotation(a, known);
+  if constexpr (D == 3) {
+    bool all = true;
+    for (int i = 0; i < Wide<T>::kLanes; ++i) all = all && known[i] != 0;
+    if (all) return r;
+    const Svd<D, T> d = svd(a);
+    const Wide<T> one[3] = {Wide<T>(T{1}), Wide<T>(T{1}), Wide<T>(T{1})};
+    const Square<D, T> other = compose(d.u, one, d.v);
+    for (int k = 0; k < D * D; ++k) r.m[k] = select(known, r.m[k], other.m[k]);
+  }
+  return r;
 }
 
 }  // namespace truestep::mpm

@@ -5,6 +5,23 @@
 
 namespace truestep::mpm {
 
+/// `f` is the particle's place behind its first node, in cells: in [0.5, 1.5) or [1, 2). F is a number or a
+/// vector of numbers.
+template <int Nodes, class F>
+void spline_weights(F f, F* w) {
+  const F one(1), half(0.5);
+  if constexpr (Nodes == 3) {
+    const F a = F(1.5) - f, b = f - one, c = f - half;
+    w[0] = half * a * a, w[1] = F(0.75) - b * b, w[2] = half * c * c;
+  } else {
+    const F t = f - one, u = one - t, sixth(1.0 / 6), two_thirds(2.0 / 3);
+    w[0] = sixth * u * u * u;
+    w[1] = (half * t - one) * t * t + two_thirds;
+    w[2] = (half * u - one) * u * u + two_thirds;
+    w[3] = sixth * t * t * t;
+  }
+}
+
 /// Nodes that a particle reaches along an axis: 3 for quadratic splines, 4 for cubic ones.
 template <int Nodes, class T>
 struct Spline {
@@ -13,19 +30,7 @@ struct Spline {
   /// From a particle's place in cells to where its first node lies: base = floor(place - kShift).
   static constexpr T kShift = Nodes == 3 ? T(0.5) : T(1);
 
-  /// `f` is the particle's place behind its first node, in cells: in [0.5, 1.5) or [1, 2).
-  static void weights(T f, T* w) {
-    if constexpr (Nodes == 3) {
-      const T a = T(1.5) - f, b = f - 1, c = f - T(0.5);
-      w[0] = T(0.5) * a * a, w[1] = T(0.75) - b * b, w[2] = T(0.5) * c * c;
-    } else {
-      const T t = f - 1, u = 1 - t, sixth = T(1) / 6, two_thirds = T(2) / 3;
-      w[0] = sixth * u * u * u;
-      w[1] = (T(0.5) * t - 1) * t * t + two_thirds;
-      w[2] = (T(0.5) * u - 1) * u * u + two_thirds;
-      w[3] = sixth * t * t * t;
-    }
-  }
+  static void weights(T f, T* w) { spline_weights<Nodes>(f, w); }
 };
 
 }  // namespace truestep::mpm

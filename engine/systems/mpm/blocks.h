@@ -106,49 +106,82 @@ struct Blocks {
     return id;
   }
 
+  /// Sets memory aside for n particles that are in four times as many blocks as now, or in all that there
+  /// are.
+  void reserve(size_t n, size_t bodies, Sorted<D, T>& a, Sorted<D, T>& b) {
+    const size_t own = std::min(table.size(), 4 * owners.size() + 64);
+    const size_t all = std::min(table.size(), 4 * blocks.size() + 256), most = std::min(n, own * bodies);
+    const size_t slots = n + most * (Sorted<D, T>::kLanes - 1);
+    owners.reserve(own), blocks.reserve(all), ids.reserve(all), runs.reserve(most);
+    counts.reserve(own * bodies + 1), keys.reserve(slots);
+    for (Sorted<D, T>* s : {&a, &b}) s->data.reserve(slots * Sorted<D, T>::kCount), s->row.reserve(slots);
+  }
+  size_t reserved() const { return blocks.capacity(); }
+  size_t reserved_owners() const { return owners.capacity(); }
+
+  /// Gives every one of n particles a slot in the order of blocks, bodies and what comes first. `keys` are
+  /// the blocks of all (-1: no particle); afterwards they are the slots.
+  template <class BodyOf, class RowOf>
+  void arrange(size_t n, size_t bodies, const BodyOf& body_of, const RowOf& row_of, Sorted<D, T>& to) {
+    for (const Block& b : blocks) table[static_cast<size_t>(b.id)] = -1;
+    ids.clear(), blocks.clear(), owners.clear();
+    int64_t last = -1;
+    for (size_t s = 0; s < n; ++s) {
+      if (keys[s] < 0 || keys[s] == last || table[static_cast<size_t>(keys[s])] >= 0) continue;
+      last = keys[s];
+      table[static_cast<size_t>(last)] = 1;
+      ids.push_back(last);
+    }
+    add_blocks();
+    counts.assign(owners.size() * bodies + 1, 0);
+    for (size_t s = 0; s < n; ++s) {
+      if (keys[s] < 0) continue;
+      const Block& b = blocks[static_cast<size_t>(table[static_cast<size_t>(keys[s])])];
+      keys[s] = static_cast<int64_t>(static_cast<size_t>(b.tile) * bodies + body_of(s));
+      ++counts[static_cast<size_t>(keys[s])];
+    }
+    add_runs(bodies);
+    to.resize(counts.back());
+    for (size_t s = 0; s < n; ++s) {
+      if (keys[s] < 0) continue;
+      const size_t slot = counts[static_cast<size_t>(keys[s])]++;
+      to.row[slot] = row_of(s);
+      keys[s] = static_cast<int64_t>(slot);
+    }
+  }
+  /// Fills up groups with their last particle.
+  void fill_up(Sorted<D, T>& to) const {
+    for (const Run& r : runs) {
+      for (size_t s = r.end; s % Sorted<D, T>::kLanes != 0; ++s) {
+        for (int c = 0; c < Layout<D>::count; ++c) to.at(s, c) = to.at(r.end - 1, c);
+      }
+    }
+  }
+
   /// Fills `to` from `from`, in the order of blocks, bodies and slots.
   template <class BodyOf>
   void sort(const Sorted<D, T>& from, Sorted<D, T>& to, size_t bodies, const BodyOf& body_of,
             const ThreadArena& arena) {
     const size_t n = from.slots();
-    for (const Block& b : blocks) table[static_cast<size_t>(b.id)] = -1;
-    keys.assign(n, -1), ids.clear(), blocks.clear(), owners.clear();
+    keys.resize(n);
     arena.for_blocks(n, kBlockRows, [&](size_t begin, size_t end) {
       for (size_t s = begin; s < end; ++s) {
+        keys[s] = -1;
         if (from.row[s] == Sorted<D, T>::kNone) continue;
         T x[3];
         for (int a = 0; a < D; ++a) x[a] = from.at(s, Layout<D>::x + a);
         keys[s] = block_of(x);
       }
     });
-    for (size_t s = 0; s < n; ++s) {
-      if (keys[s] < 0 || table[static_cast<size_t>(keys[s])] >= 0) continue;
-      table[static_cast<size_t>(keys[s])] = 1;
-      ids.push_back(keys[s]);
-    }
-    add_blocks();
-    count_runs(from, bodies, body_of);
-    to.resize(counts.back());
-    // Places first, so that particles can be moved by any number of threads.
-    for (size_t s = 0; s < n; ++s) {
-      if (keys[s] < 0) continue;
-      const auto tile = static_cast<size_t>(blocks[static_cast<size_t>(keys[s])].tile);
-      const size_t slot = counts[tile * bodies + body_of(from.row[s])]++;
-      to.row[slot] = from.row[s];
-      keys[s] = static_cast<int64_t>(slot);
-    }
+    arrange(
+        n, bodies, [&](size_t s) { return body_of(from.row[s]); }, [&](size_t s) { return from.row[s]; }, to);
     arena.for_blocks(n, kBlockRows, [&](size_t begin, size_t end) {
       for (size_t s = begin; s < end; ++s) {
         if (keys[s] < 0) continue;
         for (int c = 0; c < Layout<D>::count; ++c) to.at(static_cast<size_t>(keys[s]), c) = from.at(s, c);
       }
     });
-    // What fills up a group repeats its last particle.
-    for (const Run& r : runs) {
-      for (size_t s = r.end; s % Sorted<D, T>::kLanes != 0; ++s) {
-        for (int c = 0; c < Layout<D>::count; ++c) to.at(s, c) = to.at(r.end - 1, c);
-      }
-    }
+    fill_up(to);
   }
 
  private:
@@ -201,16 +234,9 @@ struct Blocks {
       });
     }
   }
-  template <class BodyOf>
-  void count_runs(const Sorted<D, T>& from, size_t bodies, const BodyOf& body_of) {
+  /// Counts of bodies by tile become the first slots of their runs.
+  void add_runs(size_t bodies) {
     constexpr size_t kLanes = Sorted<D, T>::kLanes;
-    counts.assign(owners.size() * bodies + 1, 0);
-    for (size_t s = 0; s < keys.size(); ++s) {
-      if (keys[s] < 0) continue;
-      keys[s] = table[static_cast<size_t>(keys[s])];
-      const auto tile = static_cast<size_t>(blocks[static_cast<size_t>(keys[s])].tile);
-      ++counts[tile * bodies + body_of(from.row[s])];
-    }
     runs.clear();
     size_t slot = 0;
     for (size_t k = 0; k < owners.size(); ++k) {

@@ -10,8 +10,12 @@ namespace truestep::mpm {
 namespace {
 
 std::unique_ptr<const Setting> settle(const MpmDef& def, const std::string& id) {
-  auto out = std::make_unique<Setting>(
-      Setting{.def = def, .pieces = {}, .colliders = build_colliders(def.colliders), .id = id});
+  auto out = std::make_unique<Setting>(Setting{.def = def,
+                                               .pieces = {},
+                                               .colliders = build_colliders(def.colliders),
+                                               .force = Texts(def.force, def.dimension, "/force"),
+                                               .exact = Texts(def.exact, def.dimension, "/exact"),
+                                               .id = id});
   size_t first = 0;
   for (const BodyDef& b : def.bodies) {
     const size_t count = places_of(def, b).size();
@@ -37,6 +41,7 @@ Mpm::Mpm(const MpmDef& def, const BuildContext& context)
             "explicit, as many as the fastest particle or wave asks for: particles to grid and back",
             [this](State& s, const StepInput& in) { solver_->step(s, in); });
   if (def.colliders.empty()) skip_stage("colliders", "none given");
+  if (def.force.empty()) skip_stage("force", "no acceleration by place");
   const Scalar real = def.precision == Precision::f32 ? Scalar::f32 : Scalar::f64;
   PartInfo points;
   points.fields = {{"position", "m", real, 3, Meaning::position},
@@ -156,6 +161,11 @@ void Mpm::draw(const State&, double t, Wish wishes, Drawing& out) const {
   PartDrawing& d = out.parts.emplace_back();
   d.point_radius = 0.5 * setting_->def.cell / setting_->def.particles_per_axis;
   if (setting_->def.dimension == 2) d.space = PartDrawing::Space::plane;
+}
+
+Ports Mpm::ports() const {
+  const MpmDef& d = setting_->def;
+  return {.medium = MediumPort{d.dimension, columns::position, d.cell / d.particles_per_axis}};
 }
 
 std::vector<std::string> Mpm::remedies() const {

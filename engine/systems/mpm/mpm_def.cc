@@ -21,6 +21,7 @@ const DefTable& body_table() {
           .vector("center", &D::center, "m", any(), "of the shape")
           .vector("half_extents", &D::half_extents, "m", above(0), "of a box")
           .number("radius", &D::radius, "m", above(0), "of a ball")
+          .number("inner_radius", &D::inner_radius, "m", at_least(0), "of a ball that is hollow")
           .vector("velocity", &D::velocity, "m/s", any(), "initial, of its centre")
           .vector("spin", &D::spin, "rad/s", any(), "initial, about its centre")
           .choice("material", &D::material, {"fluid", "corotated", "neo_hookean", "snow", "sand", "foam"},
@@ -57,6 +58,11 @@ void check_def(const MpmDef& d, const DefTable::Report& report) {
   const Vec3 size = d.high - d.low;
   const bool plane = d.dimension == 2;
   const double least = plane ? std::min(size.x, size.y) : std::min({size.x, size.y, size.z});
+  const auto components = [&](const std::vector<std::string>& texts, const char* pointer) {
+    if (!texts.empty() && texts.size() != static_cast<size_t>(d.dimension))
+      report(pointer, "as many components as there are dimensions");
+  };
+  components(d.force, "/force"), components(d.exact, "/exact");
   if (!(least >= 4 * d.cell)) return report("/high", "the box must be at least four cells wide");
   if (cells_of(d) > kMostCells) return report("/cell", "more than 1e8 cells");
   if (expected_particles(d) > kMostParticles) return report("/bodies", "more than ten million particles");
@@ -72,7 +78,10 @@ void check_def(const MpmDef& d, const DefTable::Report& report) {
     if (plane && (b.velocity.z != 0 || b.spin.x != 0 || b.spin.y != 0)) {
       report(at + (b.velocity.z != 0 ? "/velocity" : "/spin"), "a plane body moves in the plane z = 0");
     }
-    if (inside && places_of(d, b).empty()) report(at, "is too small for a single particle");
+    if (b.shape == Shape::ball && b.inner_radius >= b.radius) {
+      report(at + "/inner_radius", "must be less than the radius");
+    } else if (inside && places_of(d, b).empty())
+      report(at, "is too small for a single particle");
   }
 }
 
@@ -107,7 +116,9 @@ std::vector<Vec3> places_of(const MpmDef& d, const BodyDef& b) {
           return a < d.dimension ? (static_cast<double>(m) + 0.5) * step[a] - r[a] : 0.0;
         };
         const Vec3 x{at(0, i), at(1, j), at(2, k)};
-        if (b.shape == Shape::ball && norm2(x) > b.radius * b.radius) continue;
+        if (b.shape == Shape::ball &&
+            (norm2(x) > b.radius * b.radius || norm2(x) < b.inner_radius * b.inner_radius))
+          continue;
         Vec3 place = b.center + x;
         if (d.dimension == 2) place.z = 0;
         out.push_back(place);
@@ -121,7 +132,10 @@ double expected_particles(const MpmDef& d) {
   double sum = 0;
   for (const BodyDef& b : d.bodies) {
     const std::array<double, 3> n = lattice_of(d, b);
-    const double share = b.shape == Shape::box ? 1 : d.dimension == 2 ? kPi / 4 : kPi / 6;
+    const double inner = b.inner_radius / b.radius, plane = (1 - inner * inner) * kPi / 4;
+    const double share = b.shape == Shape::box ? 1
+                         : d.dimension == 2    ? plane
+                                               : (1 - inner * inner * inner) * kPi / 6;
     sum += n[0] * n[1] * n[2] * share;
   }
   return sum;
@@ -155,12 +169,36 @@ const DefTable& mpm_table() {
                 "the same of the lower side in y")
         .number("wall_friction", &D::wall_friction, "1", at_least(0),
                 "Coulomb's coefficient of walls that let go")
-        .choice("contact", &D::contact, kinds, "what colliders do; friction is each collider's own")
+        .choice("contact", &D::contact, kinds,
+                "what colliders and bodies in the material do; friction is each collider's own")
+        .number("body_friction", &D::body_friction, "1", at_least(0),
+                "Coulomb's coefficient of bodies in the material (coupling immersion)")
+        .texts("force", &D::force, {0, 3}, "m/s^2, acceleration: expressions of x, y, z and t")
+        .texts("exact", &D::exact, {0, 3},
+               "m, place that is known at t of what starts at x, y, z: expressions; observed as error.exact")
         .choice("precision", &D::precision, {"f32", "f64"}, "of particles and grid");
     add_collider_rows(table, &D::colliders);
     return table.check(check_def).build();
   }();
   return t;
+}
+
+const Resolution& mpm_resolution() {
+  // Particles follow the cells: as many of a cell at every resolution.
+  static const Resolution kCell{
+      .parameter = "cell",
+      .divide = [](void* def, double factor) -> std::optional<std::string> {
+        auto& d = *static_cast<MpmDef*>(def);
+        d.cell /= factor;
+        if (cells_of(d) > kMostCells) return "more than 1e8 cells";
+        if (expected_particles(d) > kMostParticles) return "more than ten million particles";
+        const Vec3 size = d.high - d.low;
+        const double least = d.dimension == 2 ? std::min(size.x, size.y) : std::min({size.x, size.y, size.z});
+        if (!(least >= 4 * d.cell)) return "the box is less than four cells wide";
+        return std::nullopt;
+      },
+      .order = [](const void*) { return 0; }};
+  return kCell;
 }
 
 Cost mpm_cost(const void* def) {
@@ -184,7 +222,7 @@ Cost mpm_cost(const void* def) {
           .workspace_bytes = n * ((plane ? 3 : 3.5) * components * scalar + 28) +
                              blocks * 4 * scalar * (tile + per_block * 5) + 8 * cells_of(d) / 64,
           .elements = n,
-          .seconds_per_step = n * (plane ? 6e-8 : 1.5e-7) * std::max(1.0, substeps_per_second / 60)};
+          .seconds_per_step = n * (plane ? 3.5e-8 : 1.1e-7) * std::max(1.0, substeps_per_second / 60)};
 }
 
 }  // namespace truestep::mpm

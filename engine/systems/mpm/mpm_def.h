@@ -1,6 +1,7 @@
 // Parameters of the system type "mpm".
 #pragma once
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "engine/collision/points/collider_def.h"
@@ -22,7 +23,7 @@ enum class Precision : uint8_t { f32, f64 };
 struct BodyDef {
   Shape shape = Shape::box;
   Vec3 center, half_extents{0.1, 0.1, 0.1}, velocity, spin;
-  double radius = 0.1;
+  double radius = 0.1, inner_radius = 0;
   Law material = Law::corotated;
   double density = 1000, youngs_modulus = 1e5, poisson_ratio = 0.3, bulk_modulus = 1e5;
   double hardening = 10, critical_compression = 0.025, critical_stretch = 0.0075;
@@ -45,12 +46,15 @@ struct MpmDef {
   double wall_friction = 0;
   Contact contact = Contact::separate;
   ColliderDefs colliders;
+  double body_friction = 0.4;
+  std::vector<std::string> force, exact;
   Precision precision = Precision::f32;
 };
 
 const DefTable& mpm_table();
 const Outputs& mpm_outputs();
 Cost mpm_cost(const void* def);
+const Resolution& mpm_resolution();
 
 /// Lame's parameters and what else the law needs.
 Material material_of(const BodyDef& body);

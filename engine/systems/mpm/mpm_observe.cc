@@ -30,9 +30,34 @@ double energy_densities(const Piece& piece, const RealColumn<const double>& f,
   return sum;
 }
 
+/// Root mean square over particles, m.
+double distance_from_exact(const Setting& set, const RealColumn<const double>& x, double t) {
+  constexpr size_t kMost = Texts::kMost;
+  const auto d = static_cast<size_t>(set.def.dimension);
+  double sum = 0, from[3][kMost], to[kMost];
+  for (size_t b = 0; b < set.pieces.size(); ++b) {
+    const std::vector<Vec3> places = places_of(set.def, set.def.bodies[b]);
+    for (size_t first = 0; first < places.size(); first += kMost) {
+      const size_t many = std::min(kMost, places.size() - first);
+      for (size_t k = 0; k < many; ++k) {
+        const Vec3& p = places[first + k];
+        from[0][k] = p.x, from[1][k] = p.y, from[2][k] = p.z;
+      }
+      for (size_t a = 0; a < d; ++a) {
+        set.exact.run(a, t, from[0], from[1], from[2], many, to);
+        for (size_t k = 0; k < many; ++k) {
+          const double off = x.at(3 * (set.pieces[b].first + first + k) + a) - to[k];
+          sum += off * off;
+        }
+      }
+    }
+  }
+  return std::sqrt(sum / static_cast<double>(set.rows()));
+}
+
 }  // namespace
 
-void Mpm::observe(const State& s, double, Observables& out) const {
+void Mpm::observe(const State& s, double t, Observables& out) const {
   const Setting& set = *setting_;
   const RealColumn<const double> x(s, columns::position), v(s, columns::velocity), c(s, columns::affine),
       f(s, columns::deformation), plastic(s, columns::plastic), jacobian(s, columns::jacobian);
@@ -81,6 +106,7 @@ void Mpm::observe(const State& s, double, Observables& out) const {
   out.add("plastic.mean", strain / mass, "1");
   out.add("jacobian.min", least, "1");
   out.add("jacobian.max", most, "1");
+  if (!set.exact.empty()) out.add("error.exact", distance_from_exact(set, x, t), "m");
 }
 
 const Outputs& mpm_outputs() {
@@ -113,7 +139,10 @@ const Outputs& mpm_outputs() {
                       {"high.z", "m", ""},
                       {"plastic.mean", "1", "plastic_strain, by mass"},
                       {"jacobian.min", "1", "least volume ratio"},
-                      {"jacobian.max", "1", "greatest volume ratio"}}};
+                      {"jacobian.max", "1", "greatest volume ratio"},
+                      {"error.exact", "m",
+                       "distance of particles from where the scene knows them to be, "
+                       "root mean square"}}};
   return kOutputs;
 }
 

@@ -20,13 +20,15 @@ class SolverOf final : public Solver {
 
   void step(State& s, const StepInput& in) const override {
     auto& grid = in.workspace.object<Grid<D, Nodes, T>>("mpm.grid");
-    if (grid.blocks.table.empty()) grid.blocks.set(set_.def.low, set_.def.high, set_.def.cell);
-    load_rows(s, grid.next, in.arena);
-    sort(grid, in);
+    const bool first = grid.blocks.table.empty();
+    if (first) grid.blocks.set(set_.def.low, set_.def.high, set_.def.cell);
+    load_rows(s, grid, in);
+    if (first) grid.reserve(set_);
     {
       const ProfileScope scope(in.profile, "mpm stresses");
       grid.stresses(set_, in.arena);
     }
+    grid.bodies.begin(in.bodies);
     const Vec3 gravity = load3(std::as_const(s).f64(columns::gravity).data(), 0);
     double left = in.h, drift = 0;
     for (int64_t k = 0; left > 0; ++k) {
@@ -35,6 +37,7 @@ class SolverOf final : public Solver {
       if (!(parts + static_cast<double>(k) <= set_.def.max_substeps)) refuse(allowed);
       drift = substep(grid, gravity, in, parts > 1 ? left / parts : left, drift, left);
     }
+    grid.bodies.end(in.bodies);
     store_rows(s, grid.now, in.arena);
   }
 
@@ -43,7 +46,8 @@ class SolverOf final : public Solver {
 
   /// s that the fastest particle or wave allows.
   double limit(const Grid<D, Nodes, T>& grid) const {
-    const double speed = std::sqrt(std::max(grid.largest(grid.fastest), grid.largest(grid.modulus)));
+    const double own = std::sqrt(std::max(grid.largest(grid.fastest), grid.largest(grid.modulus)));
+    const double speed = std::max(own, grid.bodies.fastest());
     return speed > 0 ? set_.def.courant * set_.def.cell / speed : HUGE_VAL;
   }
 
@@ -66,7 +70,9 @@ class SolverOf final : public Solver {
       double speed;
       {
         const ProfileScope scope(in.profile, "mpm nodes");
-        speed = grid.move_nodes(set_, gravity, in.t + in.h - left, length, in.arena);
+        const double t = in.t + in.h - left;
+        speed = grid.move_nodes(set_, gravity, t, length, in.arena);
+        if (grid.bodies.any()) speed = std::max(speed, grid.touch_bodies(set_, gravity, t, length));
       }
       // Nodes may be faster than any particle was: tiles hold a cell of drift, no more.
       if (!(drift + speed * h / cell <= kMostDrift)) {
@@ -81,6 +87,7 @@ class SolverOf final : public Solver {
         const ProfileScope scope(in.profile, "mpm gather");
         grid.gather_all(set_, length, in.arena);
       }
+      grid.bodies.accept(h);
       left = h < left ? left - h : 0;
       return drift + speed * h / cell;
     }
@@ -103,26 +110,38 @@ class SolverOf final : public Solver {
     throw failure;
   }
 
-  void load_rows(const State& s, Sorted<D, T>& to, const ThreadArena& arena) const {
+  /// Particles in the order of blocks, bodies and rows.
+  void load_rows(const State& s, Grid<D, Nodes, T>& grid, const StepInput& in) const {
+    const ProfileScope scope(in.profile, "mpm sort");
     const size_t n = set_.rows();
-    to.resize((n + to.kLanes - 1) / to.kLanes * to.kLanes);
+    auto& blocks = grid.blocks;
+    Sorted<D, T>& to = grid.now;
     const T *x = s.span<T>(columns::position).data(), *v = s.span<T>(columns::velocity).data(),
             *c = s.span<T>(columns::affine).data(), *f = s.span<T>(columns::deformation).data(),
             *plastic = s.span<T>(columns::plastic).data(), *j = s.span<T>(columns::jacobian).data();
-    arena.for_blocks(n, kBlockRows, [&](size_t begin, size_t end) {
-      for (size_t i = begin; i < end; ++i) {
-        to.row[i] = static_cast<uint32_t>(i);
+    blocks.keys.resize(n);
+    in.arena.for_blocks(n, kBlockRows, [&](size_t begin, size_t end) {
+      for (size_t i = begin; i < end; ++i) blocks.keys[i] = blocks.block_of(x + 3 * i);
+    });
+    const auto row_of = [](size_t i) { return static_cast<uint32_t>(i); };
+    blocks.arrange(
+        n, set_.pieces.size(), [&](size_t i) { return set_.piece_of(row_of(i)); }, row_of, to);
+    in.arena.for_blocks(to.slots(), kBlockRows, [&](size_t begin, size_t end) {
+      for (size_t k = begin; k < end; ++k) {
+        if (to.row[k] == Sorted<D, T>::kNone) continue;
+        const size_t i = to.row[k];
         for (int a = 0; a < D; ++a) {
-          to.at(i, L::x + a) = x[3 * i + static_cast<size_t>(a)];
-          to.at(i, L::v + a) = v[3 * i + static_cast<size_t>(a)];
+          to.at(k, L::x + a) = x[3 * i + static_cast<size_t>(a)];
+          to.at(k, L::v + a) = v[3 * i + static_cast<size_t>(a)];
         }
-        for (size_t k = 0; k < D * D; ++k) {
-          to.at(i, L::c + static_cast<int>(k)) = c[D * D * i + k];
-          to.at(i, L::f + static_cast<int>(k)) = f[D * D * i + k];
+        for (size_t m = 0; m < D * D; ++m) {
+          to.at(k, L::c + static_cast<int>(m)) = c[D * D * i + m];
+          to.at(k, L::f + static_cast<int>(m)) = f[D * D * i + m];
         }
-        to.at(i, L::plastic) = plastic[i], to.at(i, L::jacobian) = j[i];
+        to.at(k, L::plastic) = plastic[i], to.at(k, L::jacobian) = j[i];
       }
     });
+    blocks.fill_up(to);
   }
 
   void store_rows(State& s, const Sorted<D, T>& from, const ThreadArena& arena) const {

@@ -2,6 +2,7 @@
 // with stresses from particles to tiles of nodes, tiles to blocks in a fixed order, velocities of nodes with
 // gravity and boundaries, and back to particles, whose deformation follows and flows.
 #pragma once
+#include <algorithm>
 #include <memory>
 #include <span>
 #include <vector>
@@ -9,6 +10,7 @@
 #include "engine/core/state.h"
 #include "engine/core/system.h"
 #include "engine/systems/mpm/mpm_def.h"
+#include "engine/systems/mpm/texts.h"
 
 namespace truestep::mpm {
 
@@ -28,13 +30,15 @@ struct Setting {
   MpmDef def;
   std::vector<Piece> pieces;
   ColliderSet colliders;
+  Texts force, exact;  ///< m/s^2; m, of a particle that starts at x, y, z
   std::string id;
 
   size_t rows() const { return pieces.back().last; }
   uint32_t piece_of(size_t row) const {
-    uint32_t k = 0;
-    while (row >= pieces[k].last) ++k;
-    return k;
+    if (pieces.size() == 1) return 0;
+    const auto at = std::upper_bound(pieces.begin(), pieces.end(), row,
+                                     [](size_t r, const Piece& p) { return r < p.last; });
+    return static_cast<uint32_t>(at - pieces.begin());
   }
 };
 

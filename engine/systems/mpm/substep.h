@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "engine/systems/mpm/blocks.h"
+#include "engine/systems/mpm/bodies_in.h"
 #include "engine/systems/mpm/solver.h"
 #include "engine/systems/mpm/transfer.h"
 
@@ -28,9 +29,11 @@ struct Grid {
   using L = Layout<D>;
   using W = Wide<T>;
   static constexpr size_t kBlockNumbers = 4 * Size::kBlockNodes, kTileNumbers = 4 * Size::kTileNodes;
+  static constexpr size_t kRowNumbers = (D + 1) * 4 * W::kLanes;  ///< of a group at its nodes
 
   Blocks<D, Nodes, T> blocks;
   Sorted<D, T> now, next;
+  BodiesIn bodies;
   Aligned<T> tiles, nodes;
   Aligned<T> impulses,
       changes;  ///< of FLIP: tiles of stress alone; of nodes, what the substep adds to velocities
@@ -43,6 +46,16 @@ struct Grid {
     return most;
   }
 
+  /// After particles were sorted for the first time: memory for the run.
+  void reserve(const Setting& set) {
+    blocks.reserve(set.rows(), set.pieces.size(), now, next);
+    const bool flip = set.def.transfer == Transfer::flip;
+    tiles.reserve(blocks.reserved_owners() * kTileNumbers);
+    nodes.reserve(blocks.reserved() * kBlockNumbers);
+    if (flip) impulses.reserve(tiles.capacity()), changes.reserve(nodes.capacity());
+    fastest.reserve(blocks.reserved()), modulus.reserve(blocks.reserved());
+  }
+
   static Square<D, T> load_square(const T* group, int component) {
     Square<D, T> out;
     for (int k = 0; k < D * D; ++k) out.m[k] = load(group + (component + k) * W::kLanes);
@@ -52,10 +65,26 @@ struct Grid {
     for (int k = 0; k < D * D; ++k) store(group + (component + k) * W::kLanes, a.m[k]);
   }
 
+  static T largest_lane(W a) {
+    T most = 0;
+    for (int i = 0; i < W::kLanes; ++i) most = std::max(most, a[i]);
+    return most;
+  }
+  /// A pressure alone.
+  static T respond_fluid(const Material& mat, T* group) {
+    const Response<D, T> r = fluid_response<D, T>(mat, load(group + L::jacobian * W::kLanes));
+    int c = L::tau;
+    for (int i = 0; i < D; ++i) {
+      for (int k = i; k < D; ++k) store(group + c++ * W::kLanes, i == k ? r.tau(0, 0) : W::zero());
+    }
+    return largest_lane(r.modulus);
+  }
+
   /// Stress of a group; `flows` says whether its deformation goes back to what the law allows. Returns the
   /// largest modulus.
   static T respond(const Piece& piece, T* group, bool flows) {
     const Material& mat = piece.material;
+    if (mat.law == Law::fluid) return respond_fluid(mat, group);
     const W j = load(group + L::jacobian * W::kLanes);
     W plastic = load(group + L::plastic * W::kLanes);
     const Square<D, T> f = load_square(group, L::f);
@@ -73,9 +102,7 @@ struct Grid {
     for (int i = 0; i < D; ++i) {
       for (int k = i; k < D; ++k) store(group + c++ * W::kLanes, r.tau(i, k));
     }
-    T most = 0;
-    for (int i = 0; i < W::kLanes; ++i) most = std::max(most, r.modulus[i]);
-    return most;
+    return largest_lane(r.modulus);
   }
 
   /// Stress of all particles from their deformation, and what limits the first substep.
@@ -103,20 +130,37 @@ struct Grid {
       const W v = load(group + (L::v + a) * W::kLanes);
       sum = madd(v, v, sum);
     }
-    T most = 0;
-    for (int i = 0; i < W::kLanes; ++i) most = std::max(most, sum[i]);
-    return double{most};
+    return double{largest_lane(sum)};
   }
 
-  Stencil<D, Nodes, T> stencil(const Block& b, const T* group, size_t lane, T dx) const {
-    T place[D];
+  /// Where the particles of a group are in the tile of their block.
+  void locate(const Block& b, const T* group, T dx, Stencils<D, Nodes, T>& out) const {
+    W place[D];
     for (int a = 0; a < D; ++a) {
-      place[a] =
-          blocks.place(group[(L::x + a) * W::kLanes + lane], a) - static_cast<T>(b.at[a] * Size::kBlock - 1);
+      const T first = static_cast<T>(Size::kPad - b.at[a] * Size::kBlock + 1);
+      place[a] = (load(group + (L::x + a) * W::kLanes) - W(blocks.low[a])) * W(blocks.inverse_dx) + W(first);
     }
-    Stencil<D, Nodes, T> s;
-    s.template set<Size::kReach, Size::kRow>(place, dx);
-    return s;
+    out.template set<Size::kReach, Size::kRow>(place, dx);
+  }
+
+  /// Rows of numbers that a group gives to its nodes: mass and momentum, then columns of `keep` m C + `push`
+  /// tau (transfer.h).
+  static void contributions(const T* group, T mass, T keep, T push, T* rows) {
+    const W zero = W::zero();
+    const auto number = [&](int c) { return load(group + c * W::kLanes); };
+    W four[4] = {W(mass), zero, zero, zero};
+    for (int i = 0; i < D; ++i) four[i + 1] = W(mass) * number(L::v + i);
+    to_rows(four, rows);
+    W tau[D][D];
+    int c = L::tau;
+    for (int i = 0; i < D; ++i) {
+      for (int q = i; q < D; ++q) tau[i][q] = tau[q][i] = W(push) * number(c++);
+    }
+    four[0] = zero;
+    for (int q = 0; q < D; ++q) {
+      for (int i = 0; i < D; ++i) four[i + 1] = madd(W(keep), number(L::c + D * i + q), tau[i][q]);
+      to_rows(four, rows + (q + 1) * 4 * W::kLanes);
+    }
   }
 
   void scatter_all(const Setting& set, T h, const ThreadArena& arena) {
@@ -126,6 +170,9 @@ struct Grid {
     if (!affine) impulses.resize(tiles.size());
     const T second = Spline<Nodes, T>::kSecond * dx * dx;
     arena.for_blocks(blocks.owners.size(), 4, [&](size_t begin, size_t end) {
+      Stencils<D, Nodes, T> at;
+      alignas(64) T rows[kRowNumbers];
+      alignas(64) T still[kRowNumbers] = {};
       for (size_t k = begin; k < end; ++k) {
         T* tile = tiles.data() + k * kTileNumbers;
         std::fill(tile, tile + kTileNumbers, T{0});
@@ -137,26 +184,19 @@ struct Grid {
           const Piece& piece = set.pieces[run.body];
           const T mass = static_cast<T>(piece.mass), keep = affine ? mass : T{0};
           const T push = -h * static_cast<T>(piece.volume) / second;
-          for (size_t s = run.begin; s < run.end; ++s) {
-            const T* group = now.group(s);
-            const size_t lane = s % W::kLanes;
-            const auto number = [&](int c) { return group[static_cast<size_t>(c) * W::kLanes + lane]; };
-            T p[4] = {mass, 0, 0, 0}, a[D][4] = {};
-            for (int i = 0; i < D; ++i) p[i + 1] = mass * number(L::v + i);
-            int c = L::tau;
-            for (int i = 0; i < D; ++i) {
-              for (int q = i; q < D; ++q) a[q][i + 1] = a[i][q + 1] = push * number(c++);
+          for (size_t s = run.begin; s < run.end; s += W::kLanes) {
+            const int many = static_cast<int>(std::min<size_t>(W::kLanes, run.end - s));
+            locate(b, now.group(s), dx, at);
+            contributions(now.group(s), mass, keep, push, rows);
+            if (impulse) {
+              // Momentum and what changes it go to nodes of their own.
+              std::copy(rows, rows + 4 * W::kLanes, still);
+              std::fill(rows, rows + 4 * W::kLanes, T{0});
             }
-            for (int i = 0; i < D; ++i) {
-              for (int q = 0; q < D; ++q) a[q][i + 1] += keep * number(L::c + D * i + q);
-            }
-            const auto at = stencil(b, group, lane, dx);
-            if (affine) {
-              scatter<D, Nodes, Size::kReach, Size::kRow>(at, p, a, tile);
-            } else {
-              const T none[D][4] = {}, nothing[4] = {};
-              scatter<D, Nodes, Size::kReach, Size::kRow>(at, p, none, tile);
-              scatter<D, Nodes, Size::kReach, Size::kRow>(at, nothing, a, impulse);
+            T* first = impulse ? impulse : tile;
+            for (int lane = 0; lane < many; ++lane) {
+              scatter<D, Nodes, Size::kReach, Size::kRow>(at, lane, rows, first);
+              if (impulse) scatter<D, Nodes, Size::kReach, Size::kRow>(at, lane, still, tile);
             }
           }
         }
@@ -222,12 +262,59 @@ struct Grid {
     return std::sqrt(largest(fastest));
   }
 
+  /// No node of the block is at a wall.
+  bool is_inside(const MpmDef& def, const Block& b) const {
+    const double far[3] = {def.high.x, def.high.y, def.high.z};
+    for (int a = 0; a < D; ++a) {
+      const int first = b.at[a] * Size::kBlock - Size::kPad;
+      if (first <= 0 || blocks.low[a] + (first + Size::kBlock) * def.cell >= far[a]) return false;
+    }
+    return true;
+  }
+  /// Velocities from momenta where nothing holds a node. Returns the square of the largest.
+  static double move_free(const T* g, T h, T* own) {
+    const W zero = W::zero();
+    W gain = zero, mask = zero, most = zero;
+    for (int i = 0; i < W::kLanes; ++i) {
+      const int c = i & 3;
+      mask.set(i, c > 0 && c <= D ? T{1} : T{0});
+      gain.set(i, c > 0 && c <= D ? g[c - 1] * h : T{0});
+    }
+    for (size_t n = 0; n < kBlockNumbers; n += W::kLanes) {
+      const W node = load(own + n), mass = first_of_four(node);
+      const auto there = mass > zero;
+      const W v = select(there, madd(node * mask, W(1) / select(there, mass, W(1)), gain), zero);
+      // The mass stays beside the velocity.
+      store(own + n, select(mask > zero, v, node));
+      most = max(most, sums_of_four(v * v));
+    }
+    return double{largest_lane(most)};
+  }
+  static W first_of_four(W a) {
+    if constexpr (W::kLanes == 8) {
+      return {__builtin_shufflevector(a.v, a.v, 0, 0, 0, 0, 4, 4, 4, 4)};
+    } else {
+      return {__builtin_shufflevector(a.v, a.v, 0, 0, 0, 0)};
+    }
+  }
+  static W sums_of_four(W a) {
+    if constexpr (W::kLanes == 8) {
+      a += W(__builtin_shufflevector(a.v, a.v, 1, 0, 3, 2, 5, 4, 7, 6));
+      return a + W(__builtin_shufflevector(a.v, a.v, 2, 3, 0, 1, 6, 7, 4, 5));
+    } else {
+      a += W(__builtin_shufflevector(a.v, a.v, 1, 0, 3, 2));
+      return a + W(__builtin_shufflevector(a.v, a.v, 2, 3, 0, 1));
+    }
+  }
+
   double move_block(const Setting& set, const Block& b, const Vec3& gravity, double t, T h, T* own,
                     T* change) const {
     const MpmDef& def = set.def;
     const T g[3] = {static_cast<T>(gravity.x), static_cast<T>(gravity.y), static_cast<T>(gravity.z)};
-    const double far[3] = {def.high.x, def.high.y, def.high.z};
-    const Contact floor = def.floor == MpmDef::Floor::as_walls ? def.walls : static_cast<Contact>(def.floor);
+    if (!change && set.colliders.empty() && set.force.empty() && is_inside(def, b))
+      return move_free(g, h, own);
+    double push[3][Size::kBlockNodes];
+    if (!set.force.empty()) push_of(set, b, t, push);
     double most = 0;
     for (size_t n = 0; n < Size::kBlockNodes; ++n) {
       T* node = own + 4 * n;
@@ -239,39 +326,115 @@ struct Grid {
         const T* impulse = change + 4 * n;
         v += Vec3T<T>{impulse[1], impulse[2], D == 3 ? impulse[3] : T{0}} * inverse;
       }
-      double x[3] = {};
-      size_t rest = n;
-      for (int a = D - 1; a >= 0; --a, rest /= Size::kBlock) {
-        const int at = b.at[a] * Size::kBlock + static_cast<int>(rest % Size::kBlock) - Size::kPad;
-        x[a] = blocks.low[a] + at * def.cell;
+      if (!set.force.empty()) {
+        v += Vec3T<T>{static_cast<T>(push[0][n]), static_cast<T>(push[1][n]),
+                      D == 3 ? static_cast<T>(push[2][n]) : T{0}} *
+             h;
       }
-      if (!set.colliders.empty()) {
-        const NearSurface near = set.colliders.nearest({x[0], x[1], x[2]}, t);
-        if (near.collider != NearSurface::kNone && near.distance < 0) {
-          const auto single = [](const Vec3& a) {
-            return Vec3T<T>{static_cast<T>(a.x), static_cast<T>(a.y), D == 3 ? static_cast<T>(a.z) : T{0}};
-          };
-          const double mu = set.colliders.colliders()[near.collider].surface.friction;
-          v = bounded(v, single(near.normal), single(near.velocity), def.contact, static_cast<T>(mu));
-        }
-      }
-      const T slack = static_cast<T>(1e-6 * def.cell), mu = static_cast<T>(def.wall_friction);
-      for (int a = 0; a < D; ++a) {
-        const bool below = x[a] <= blocks.low[a] + slack, above = x[a] >= far[a] - slack;
-        if (!below && !above) continue;
-        const T side = below ? T{1} : T{-1};
-        const Vec3T<T> n_wall{a == 0 ? side : 0, a == 1 ? side : 0, a == 2 ? side : 0};
-        v = bounded(v, n_wall, {}, below && a == 1 ? floor : def.walls, mu);
-      }
+      v = held(set, place_of(def, b, n), t, v);
       if (change) {
         T* c = change + 4 * n;
         c[0] = 0, c[1] = v.x - before.x, c[2] = v.y - before.y, c[3] = v.z - before.z;
       }
-      node[0] = 0, node[1] = v.x, node[2] = v.y, node[3] = v.z;
+      node[1] = v.x, node[2] = v.y, node[3] = v.z;
       const double speed = double{norm2(v)};
       if (!(speed <= most)) most = speed;
     }
     return most;
+  }
+
+  /// m, of a node of a block.
+  Vec3 place_of(const MpmDef& def, const Block& b, size_t n) const {
+    double x[3] = {};
+    for (int a = D - 1; a >= 0; --a, n /= Size::kBlock) {
+      const int at = b.at[a] * Size::kBlock + static_cast<int>(n % Size::kBlock) - Size::kPad;
+      x[a] = blocks.low[a] + at * def.cell;
+    }
+    return {x[0], x[1], x[2]};
+  }
+  /// m/s^2 at the nodes of a block.
+  void push_of(const Setting& set, const Block& b, double t, double (*out)[Size::kBlockNodes]) const {
+    static_assert(Size::kBlockNodes <= Texts::kMost);
+    double x[3][Size::kBlockNodes];
+    for (size_t n = 0; n < Size::kBlockNodes; ++n) {
+      const Vec3 at = place_of(set.def, b, n);
+      x[0][n] = at.x, x[1][n] = at.y, x[2][n] = at.z;
+    }
+    for (size_t a = 0; a < D; ++a) set.force.run(a, t, x[0], x[1], x[2], Size::kBlockNodes, out[a]);
+  }
+  /// Velocity of a node at place x as colliders and walls let it.
+  Vec3T<T> held(const Setting& set, const Vec3& place, double t, Vec3T<T> v) const {
+    const MpmDef& def = set.def;
+    const double x[3] = {place.x, place.y, place.z}, far[3] = {def.high.x, def.high.y, def.high.z};
+    const Contact floor = def.floor == MpmDef::Floor::as_walls ? def.walls : static_cast<Contact>(def.floor);
+    if (!set.colliders.empty()) {
+      const NearSurface near = set.colliders.nearest(place, t);
+      if (near.collider != NearSurface::kNone && near.distance < 0) {
+        const auto single = [](const Vec3& a) {
+          return Vec3T<T>{static_cast<T>(a.x), static_cast<T>(a.y), D == 3 ? static_cast<T>(a.z) : T{0}};
+        };
+        const double mu = set.colliders.colliders()[near.collider].surface.friction;
+        v = bounded(v, single(near.normal), single(near.velocity), def.contact, static_cast<T>(mu));
+      }
+    }
+    const T slack = static_cast<T>(1e-6 * def.cell), mu = static_cast<T>(def.wall_friction);
+    for (int a = 0; a < D; ++a) {
+      const bool below = x[a] <= blocks.low[a] + slack, above = x[a] >= far[a] - slack;
+      if (!below && !above) continue;
+      const T side = below ? T{1} : T{-1};
+      const Vec3T<T> n_wall{a == 0 ? side : 0, a == 1 ? side : 0, a == 2 ? side : 0};
+      v = bounded(v, n_wall, {}, below && a == 1 ? floor : def.walls, mu);
+    }
+    return v;
+  }
+
+  /// Nodes and the bodies in them, before the substep is taken. Returns the speed of the fastest such node.
+  double touch_bodies(const Setting& set, const Vec3& gravity, double t, T h) {
+    const MpmDef& def = set.def;
+    const bool flip = def.transfer == Transfer::flip;
+    const auto visit = [&](const Box& box, const auto& see) {
+      const double lows[3] = {box.low.x, box.low.y, box.low.z},
+                   highs[3] = {box.high.x, box.high.y, box.high.z};
+      int first[3] = {}, last[3] = {};
+      for (int a = 0; a < D; ++a) {
+        const auto node = [&](double x) {
+          return std::clamp((x - blocks.low[a]) * blocks.inverse_dx + Size::kPad, 0.0,
+                            static_cast<double>(blocks.extent[a]) * Size::kBlock);
+        };
+        first[a] = static_cast<int>(node(lows[a])) / Size::kBlock;
+        last[a] = static_cast<int>(node(highs[a])) / Size::kBlock;
+      }
+      for (size_t k = 0; k < blocks.blocks.size(); ++k) {
+        const Block& b = blocks.blocks[k];
+        bool near = true;
+        for (int a = 0; a < D; ++a) near = near && b.at[a] >= first[a] && b.at[a] <= last[a];
+        if (!near) continue;
+        for (size_t n = 0; n < Size::kBlockNodes; ++n) {
+          const size_t handle = k * kBlockNumbers + 4 * n;
+          const T* node = nodes.data() + handle;
+          if (!(node[0] > 0)) continue;
+          const Vec3 x = place_of(def, b, n);
+          if (!box.contains({x, x})) continue;
+          see(x, double{node[0]}, Vec3{double{node[1]}, double{node[2]}, double{node[3]}}, handle);
+        }
+      }
+    };
+    // Walls have the last word; what they take is not the body's.
+    const auto settle = [&](size_t handle, const Vec3& to) {
+      T* node = nodes.data() + handle;
+      const Vec3 before{double{node[1]}, double{node[2]}, double{node[3]}};
+      const Vec3T<T> v{static_cast<T>(to.x), static_cast<T>(to.y), static_cast<T>(to.z)};
+      const Vec3 got = Vec3{double{v.x}, double{v.y}, double{v.z}} - before;
+      const Block& b = blocks.blocks[handle / kBlockNumbers];
+      const Vec3T<T> end = held(set, place_of(def, b, handle % kBlockNumbers / 4), t, v);
+      if (flip) {
+        T* c = changes.data() + handle;
+        c[1] += end.x - node[1], c[2] += end.y - node[2], c[3] += end.z - node[3];
+      }
+      node[1] = end.x, node[2] = end.y, node[3] = end.z;
+      return got;
+    };
+    return bodies.push(def, gravity, double{h}, visit, settle);
   }
 
   /// Velocities of the nodes around a block as its particles see them.
@@ -290,13 +453,20 @@ struct Grid {
   /// Velocities, places, deformations and stresses of all particles from the nodes.
   void gather_all(const Setting& set, T h, const ThreadArena& arena) {
     const MpmDef& def = set.def;
-    const T dx = static_cast<T>(def.cell), per_second = 1 / (Spline<Nodes, T>::kSecond * dx * dx);
+    const T dx = static_cast<T>(def.cell);
+    const W per_second(1 / (Spline<Nodes, T>::kSecond * dx * dx)), hh(h), share(def.flip);
     const bool flip = def.transfer == Transfer::flip;
     fastest.assign(blocks.owners.size(), 0), modulus.assign(blocks.owners.size(), 0);
     const double lows[3] = {def.low.x, def.low.y, def.low.z}, highs[3] = {def.high.x, def.high.y, def.high.z};
+    double nearest[3], farthest[3];
+    // A hundredth of a cell off the sides.
+    for (int i = 0; i < 3; ++i)
+      nearest[i] = lows[i] + 0.01 * def.cell, farthest[i] = highs[i] - 0.01 * def.cell;
     arena.for_blocks(blocks.owners.size(), 4, [&](size_t begin, size_t end) {
       alignas(64) T tile[kTileNumbers];
       alignas(64) T change[kTileNumbers];
+      alignas(64) T rows[kRowNumbers], more[kRowNumbers];
+      Stencils<D, Nodes, T> at;
       for (size_t k = begin; k < end; ++k) {
         const Block& b = blocks.blocks[blocks.owners[k]];
         fill_tile(b, nodes, tile);
@@ -306,34 +476,27 @@ struct Grid {
           const Piece& piece = set.pieces[run.body];
           for (size_t s = run.begin; s < run.end; s += W::kLanes) {
             T* group = now.group(s);
-            for (size_t lane = 0; lane < static_cast<size_t>(W::kLanes); ++lane) {
-              const auto at = stencil(b, group, lane, dx);
-              T v[4], moment[D][4];
-              gather<D, Nodes, Size::kReach, Size::kRow>(at, tile, v, moment);
+            locate(b, group, dx, at);
+            for (int lane = 0; lane < W::kLanes; ++lane) {
+              gather<D, Nodes, Size::kReach, Size::kRow>(at, lane, tile, rows);
+              if (flip) gather<D, Nodes, Size::kReach, Size::kRow>(at, lane, change, more);
+            }
+            W v[4], dv[4], moment[4];
+            from_rows(rows, v);
+            if (flip) from_rows(more, dv);
+            for (int i = 0; i < D; ++i) {
+              T *x = group + (L::x + i) * W::kLanes, *u = group + (L::v + i) * W::kLanes;
+              store(x, min(max(madd(hh, v[i + 1], load(x)), W(nearest[i])), W(farthest[i])));
+              // FLIP keeps its share of what the particle had, and of the nodes takes what they gained.
+              store(u, flip ? madd(share, load(u) + dv[i + 1], (W(1) - share) * v[i + 1]) : v[i + 1]);
+            }
+            for (int q = 0; q < D; ++q) {
+              from_rows(rows + (q + 1) * 4 * W::kLanes, moment);
               for (int i = 0; i < D; ++i) {
-                for (int q = 0; q < D; ++q) {
-                  group[(L::c + D * i + q) * W::kLanes + static_cast<int>(lane)] =
-                      moment[q][i + 1] * per_second;
-                }
-                T& x = group[(L::x + i) * W::kLanes + static_cast<int>(lane)];
-                T& u = group[(L::v + i) * W::kLanes + static_cast<int>(lane)];
-                // A hundredth of a cell off the sides.
-                const T low = static_cast<T>(lows[i] + 0.01 * def.cell),
-                        high = static_cast<T>(highs[i] - 0.01 * def.cell);
-                x = std::min(std::max(x + h * v[i + 1], low), high);
-                if (!flip) u = v[i + 1];
-              }
-              if (flip) {
-                const T share = static_cast<T>(def.flip);
-                T dv[4], unused[D][4];
-                gather<D, Nodes, Size::kReach, Size::kRow>(at, change, dv, unused);
-                for (int i = 0; i < D; ++i) {
-                  T& u = group[(L::v + i) * W::kLanes + static_cast<int>(lane)];
-                  u = share * (u + dv[i + 1]) + (1 - share) * v[i + 1];
-                }
+                store(group + (L::c + D * i + q) * W::kLanes, moment[i + 1] * per_second);
               }
             }
-            deform(group, h);
+            deform(piece, group, h);
             modulus[k] = std::max(modulus[k], double{respond(piece, group, true)} / piece.density);
             fastest[k] = std::max(fastest[k], speed2(group));
           }
@@ -342,14 +505,14 @@ struct Grid {
     });
   }
 
-  /// F and the volume ratio follow the gradient of the velocity.
-  static void deform(T* group, T h) {
+  /// F and the volume ratio follow the gradient of the velocity; a fluid has no F.
+  static void deform(const Piece& piece, T* group, T h) {
     Square<D, T> c = load_square(group, L::c);
     const W hh(h);
     for (int k = 0; k < D * D; ++k) {
       c.m[k] = madd(hh, c.m[k], W(k % (D + 1) == 0 ? T{1} : T{0}));
     }
-    store_square(group, L::f, c * load_square(group, L::f));
+    if (piece.material.law != Law::fluid) store_square(group, L::f, c * load_square(group, L::f));
     const W j = load(group + L::jacobian * W::kLanes) * determinant(c);
     store(group + L::jacobian * W::kLanes, max(j, W(kLeastVolume)));
   }

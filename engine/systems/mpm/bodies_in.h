@@ -1,0 +1,83 @@
+// Rigid bodies in the material (core/medium.h): nodes inside a body and the body push each other
+// (kernels/mpm/ touch.h); what the nodes get the body gives. A body thinner than a cell or two is not seen by
+// the nodes.
+#pragma once
+#include <vector>
+
+#include "engine/collision/point_distance.h"
+#include "engine/core/medium.h"
+#include "engine/kernels/mpm/touch.h"
+#include "engine/systems/mpm/solver.h"
+
+namespace truestep::mpm {
+
+class BodiesIn {
+ public:
+  void begin(std::span<const ImmersedBody> given) { bodies_.assign(given.begin(), given.end()); }
+  void end(std::span<ImmersedBody> given) const { std::copy(bodies_.begin(), bodies_.end(), given.begin()); }
+  bool any() const { return !bodies_.empty(); }
+
+  /// m/s, of the fastest place of any body.
+  double fastest() const {
+    double out = 0;
+    for (const ImmersedBody& b : bodies_)
+      out = std::max(out, norm(b.velocity) + norm(b.spin) * bounding_radius(*b.solid));
+    return out;
+  }
+
+  /// A substep that may yet be taken back: `grid` visits the nodes with mass in a box, its nodes' velocities
+  /// are changed. visit(box, f) calls f(place, mass, velocity&, handle); settle(handle, velocity) writes.
+  /// Returns the speed of the fastest node that was touched.
+  template <class Visit, class Settle>
+  double push(const MpmDef& def, const Vec3& gravity, double h, const Visit& visit, const Settle& settle) {
+    trial_ = bodies_;
+    double fastest = 0;
+    for (ImmersedBody& b : trial_) {
+      if (b.mass > 0) {
+        // What pulls more is a blow and does not last.
+        const bool steady = b.pull && norm2(*b.pull) <= kSteady * norm2(gravity);
+        b.velocity += (steady ? *b.pull : gravity) * h;
+      }
+      const Transform frame = b.frame();
+      nodes_.clear(), handles_.clear();
+      visit(bounds(*b.solid, frame), [&](const Vec3& x, double mass, const Vec3& v, size_t handle) {
+        const auto near = point_distance(*b.solid, frame.inverse_point(x), 0);
+        if (!near || near->distance >= 0) return;
+        nodes_.push_back({mass, x - b.place, frame.direction(near->normal), v, {}, false});
+        handles_.push_back(handle);
+      });
+      if (nodes_.empty()) continue;
+      const auto momentum_of = [&](const Vec3& spin) {
+        return free_rotation::momentum({b.orientation, spin}, b.moments);
+      };
+      TouchedBody body{b.mass,
+                       {momentum_of({1, 0, 0}), momentum_of({0, 1, 0}), momentum_of({0, 0, 1})},
+                       b.velocity,
+                       b.spin};
+      touch(nodes_, body, static_cast<Hold>(def.contact), def.body_friction);
+      Vec3 impulse, twist;
+      for (size_t k = 0; k < nodes_.size(); ++k) {
+        // What a node of this precision really gets.
+        const Vec3 got = settle(handles_[k], nodes_[k].velocity) * nodes_[k].mass;
+        impulse -= got, twist -= cross(nodes_[k].arm, got);
+        fastest = std::max(fastest, norm2(nodes_[k].velocity));
+      }
+      b.give(impulse, twist);
+    }
+    return std::sqrt(fastest);
+  }
+  /// The substep of `push` is taken.
+  void accept(double h) {
+    bodies_.swap(trial_);
+    for (ImmersedBody& b : bodies_) b.advance(h);
+  }
+
+ private:
+  /// Of the square of gravity.
+  static constexpr double kSteady = 2;
+  std::vector<ImmersedBody> bodies_, trial_;
+  std::vector<TouchedNode> nodes_;
+  std::vector<size_t> handles_;
+};
+
+}  // namespace truestep::mpm
