@@ -8,6 +8,7 @@
 #include <string>
 
 #include "engine/core/system.h"
+#include "engine/geometry/shape.h"
 #include "engine/kernels/animation/blend.h"
 
 namespace truestep {

@@ -6,6 +6,7 @@
 
 #include "engine/base/errors.h"
 #include "engine/scene/admission.h"
+#include "engine/session/describe.h"
 #include "engine/session/session.h"
 #include "engine/sinks/motion/motion_export.h"
 #include "server/cli/exit_codes.h"

@@ -112,14 +112,18 @@ TEST(PosePrior, NaturalPosesWinAmongManySolutions) {
     natural = std::max(natural, prior.distance(found, scratch)),
     odd += prior.distance(plain, scratch) / kTargets;
   }
-  std::printf("pose error: with %.4f without %.4f rad; distance: with at most %.2f, without %.2f\n",
-              with / kTargets, without / kTargets, natural, odd);
+  std::printf(
+      "pose error: with %.4f without %.4f rad; distance: with at most %.2f more than the truth, without "
+      "%.2f\n",
+      with / kTargets, without / kTargets, natural, odd);
   EXPECT_LT(farthest, 1e-6) << "the goal is reached as exactly as without";
   // Three coordinates of the end tell the two numbers that the pose is made of: what is left is the noise of
   // 0.01 rad in each of 18 coordinates (0.017 rad a joint), magnified where the end hardly moves with a
   // number. Without a prior the end says three of eighteen coordinates.
   EXPECT_LT(with, 0.3 * without);
-  EXPECT_LT(natural, 3) << "of deviations of the poses learnt from";
+  // The way from within the spread of 1 mm to the goal is not by the prior: a deviation of 0.01 rad in a
+  // joint.
+  EXPECT_LT(natural, 0.2);
   EXPECT_GT(odd, 3) << "the control: the nearest solution is none of the family";
 }
 

@@ -536,7 +536,7 @@ GltfModel read_gltf(std::span<const std::byte> bytes) {
 
 GltfModel read_gltf(std::span<const std::string> lines) {
   std::string all;
-  for (const std::string& line : lines) all += line, all += '\n';
+  for (const std::string& line : lines) all += line;
   const size_t first = all.find_first_not_of(" \t\r\n");
   if (first == std::string::npos) throw GltfFault("byte 0: there is nothing");
   if (all[first] == '{') return read_gltf(std::as_bytes(std::span(all)));

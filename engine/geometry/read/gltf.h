@@ -64,7 +64,7 @@ struct GltfModel {
 
 /// Bytes of a .glb, or the text of a .gltf. Throws GltfFault.
 GltfModel read_gltf(std::span<const std::byte> bytes);
-/// Lines as a scene has them: the text of a .gltf, or a .glb in base64. Throws GltfFault.
+/// Lines as a scene has them, broken anywhere: the text of a .gltf, or a .glb in base64. Throws GltfFault.
 GltfModel read_gltf(std::span<const std::string> lines);
 
 }  // namespace truestep

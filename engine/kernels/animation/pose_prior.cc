@@ -184,8 +184,9 @@ void solve_symmetric(double* a, double* y, size_t n) {
 
 }  // namespace
 
-IkResult PosePrior::solve(std::span<const Joint> joints, const Pose& root, std::span<const IkGoal> goals,
-                          double spread, int most, std::span<JointMotion> motion, IkWork& ik, Work& w) const {
+IkResult PosePrior::descend(std::span<const Joint> joints, const Pose& root, std::span<const IkGoal> goals,
+                            double spread, int most, std::span<JointMotion> motion, IkWork& ik,
+                            Work& w) const {
   using enum IkResult::End;
   constexpr double kShrink = 0.3;    // of the error, as spread
   constexpr double kSettled = 1e-7;  // rad or m, of x in an iteration
@@ -277,6 +278,41 @@ IkResult PosePrior::solve(std::span<const Joint> joints, const Pose& root, std::
   }
   forward_kinematics(joints, motion, root, ik.poses);
   out.error = ik::error_of(goals, ik.poses);
+  return out;
+}
+
+IkResult PosePrior::solve(std::span<const Joint> joints, const Pose& root, std::span<const IkGoal> goals,
+                          double spread, int most, std::span<JointMotion> motion, IkWork& ik, Work& w) const {
+  constexpr double kNatural = 2;  // deviations
+  constexpr size_t kComponents = 2;
+  const auto cost = [&](const IkResult& r) {
+    read(motion, w.x.data());
+    return r.error * r.error / (spread * spread) + energy(w.x.data());
+  };
+  w.start.assign(motion.begin(), motion.end());
+  IkResult out = descend(joints, root, goals, spread, most, motion, ik, w);
+  double least = cost(out);
+  if (least < kNatural * kNatural * static_cast<double>(size_)) return out;
+  w.best.assign(motion.begin(), motion.end());
+  const auto others = static_cast<int>(2 * std::min(kComponents, deviations_.size()));
+  for (int k = 0; k <= others; ++k) {
+    std::copy(w.start.begin(), w.start.end(), motion.begin());
+    std::ranges::fill(w.x, 0.0);
+    for (size_t i = 0; k > 0 && i < size_; ++i) {
+      const auto c = static_cast<size_t>((k - 1) / 2);
+      w.x[i] = (k % 2 == 0 ? -1 : 1) * 1.5 * deviations_[c] * components_[c * size_ + i];
+    }
+    write(w.x.data(), motion);
+    for (const Coordinate& c : coordinates_) apply_limits(joints[c.joint], motion[c.joint]);
+    const IkResult r = descend(joints, root, goals, spread, most, motion, ik, w);
+    out.iterations += r.iterations;
+    const double here = cost(r);
+    if (!(here < least)) continue;
+    least = here, out.error = r.error, out.end = r.end;
+    std::copy(motion.begin(), motion.end(), w.best.begin());
+  }
+  std::copy(w.best.begin(), w.best.end(), motion.begin());
+  forward_kinematics(joints, motion, root, ik.poses);
   return out;
 }
 

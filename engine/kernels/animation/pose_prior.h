@@ -33,14 +33,18 @@ class PosePrior {
 
   struct Work {
     std::vector<double> x, target, tried, jacobian, gram, residual, spread, projected;
-    std::vector<JointMotion> motion;
+    std::vector<JointMotion> motion, start, best;
   };
   /// Towards the most natural pose whose places are at the goals to within `spread` (m) or so; orientations
-  /// count. Limits hold. Poses of the result are in `ik.poses`.
+  /// count. Limits hold. Where it ends in a pose that is not natural or not at the goals, it begins again
+  /// from the mean pose and from those a deviation of the first two components off it, and the best is taken.
+  /// Poses of the result are in `ik.poses`.
   IkResult solve(std::span<const Joint> joints, const Pose& root, std::span<const IkGoal> goals,
                  double spread, int most, std::span<JointMotion> motion, IkWork& ik, Work& work) const;
 
  private:
+  IkResult descend(std::span<const Joint> joints, const Pose& root, std::span<const IkGoal> goals,
+                   double spread, int most, std::span<JointMotion> motion, IkWork& ik, Work& work) const;
   struct Coordinate {
     uint32_t joint = 0;
     size_t first = 0;  ///< in x: three of a ball, one of others

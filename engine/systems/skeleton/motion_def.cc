@@ -80,7 +80,7 @@ const DefTable& motion_table() {
       TableOf<D>("recorded motion: a BVH or glTF file line by line, or markers")
           .texts("bvh", &D::bvh, {0, 1'000'000}, "lines of a BVH file")
           .texts("gltf", &D::gltf, {0, 1'000'000},
-                 "lines of a .gltf file with its data in it, or a .glb file in base64")
+                 "a .gltf file with its data in it, or a .glb file in base64, in lines broken anywhere")
           .text("animation", &D::animation, "of the glTF file; absent: its first")
           .number("rate", &D::rate, "1/s", between(0.1, 10'000), "at which the glTF file is sampled")
           .object("markers", &D::markers, markers_table(), "optical markers instead of a file")
