@@ -4,6 +4,7 @@
 #include "engine/couplings/contact/contact.h"
 #include "engine/couplings/drive/drive.h"
 #include "engine/couplings/immersion/immersion.h"
+#include "engine/couplings/ragdoll/ragdoll.h"
 
 namespace truestep {
 
@@ -39,6 +40,13 @@ std::span<const CouplingRow> coupling_catalogue() {
        {"what one side gains in momentum the other loses",
         "pressure and bodies are solved for together: light bodies stay calm",
         "a body is in the water to the depth of its weight"}},
+      {"ragdoll",
+       "rigid bodies of b that a skeleton, a, carries until a time or an impact, and that then carry it",
+       &ragdoll::ragdoll_table(),
+       ragdoll::build_ragdoll,
+       ragdoll::ragdoll_cost,
+       {"bodies go on with the velocities of their bones", "an impact keeps its momentum",
+        "bones lie in their bodies to the gap of the joints between those"}},
   };
   return kRows;
 }

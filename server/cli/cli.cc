@@ -9,6 +9,7 @@
 #include "server/cli/describe_commands.h"
 #include "server/cli/exit_codes.h"
 #include "server/cli/input.h"
+#include "server/cli/motion.h"
 #include "server/cli/recording_commands.h"
 #include "server/cli/render.h"
 #include "server/cli/replay.h"
@@ -28,7 +29,8 @@ int exit_code_of(const Error& e) {
     return kExitInvalidScene;
   if (c == "interrupted") return kExitInterrupted;
   if (c == "instability") return kExitUnstable;
-  if (c == "not_found" || c == "bad_request" || c == "unknown_format" || c == "unknown_system")
+  if (c == "not_found" || c == "bad_request" || c == "unknown_format" || c == "unknown_system" ||
+      c == "unsuitable_system")
     return kExitUsage;
   return kExitServer;
 }
@@ -62,6 +64,7 @@ int run_command_line(int argc, char** argv) {
   add_recording_commands(app, exit_code);
   add_replay_command(app, exit_code);
   add_render_command(app, exit_code);
+  add_motion_command(app, exit_code);
   add_completion_command(app, exit_code);
   if (const std::string word = argc > 1 ? argv[1] : "-"; !word.starts_with('-') && !is_command(app, word))
     return refuse_command(app, word);

@@ -5,10 +5,10 @@
 //   gauss_newton          q += J^+ r of least norm, halved until E falls
 //   damped_least_squares  q += J^T (J J^T + l I)^-1 r, l by the ratio of gained to promised (Nielsen 1999)
 //   ccd                   joint by joint from the end to the base, each turned as far as it helps (Wang, Chen
-//   1991) fabrik                places by reaching forwards and backwards (Aristidou, Lasenby 2011), then the
-//   turns that
-//                         lead to them; with joints that are no free balls, turns and limits in every
-//                         iteration
+//                         1991)
+//   fabrik                places by reaching forwards and backwards (Aristidou, Lasenby 2011), then the
+//                         turns that lead to them; with joints that are no free balls, turns and limits in
+//                         every iteration; one free chain with Aitken's relaxation of the target
 //   two_link              the two closed solutions of a base, a middle and an end
 // Goals of priority k > 0 move in what those before leave free (null space of their Jacobian; Siciliano,
 // Slotine 1991); gauss_newton and damped_least_squares alone. Limits hold after every iteration; least
@@ -61,6 +61,9 @@ struct IkWork {
   std::vector<Vec3> places, proposals;
   std::vector<uint32_t> counts, path;
   std::vector<double> lengths;
+  std::vector<uint32_t> row;     ///< of a single chain, base first
+  std::vector<Vec3> row_places;  ///< in its order
+  std::vector<double> row_lengths;
   std::vector<IkGoal> sorted;
 };
 

@@ -214,6 +214,17 @@ std::vector<std::string> BlendShapes::remedies() const {
   return {"weights that stay finite at every time"};
 }
 
+Morphed::Port BlendShapes::morph() const {
+  return {base_, triangles_, names_, targets_};
+}
+
+Pose BlendShapes::morph_at(const State& s, double t, std::span<double> weights) const {
+  Driver::Scratch scratch;
+  const auto out = driver_.outputs_at(t, s.f64(kControl), scratch);
+  for (size_t k = 0; k < targets_.size(); ++k) weights[k] = out[weights_[k]];
+  return {load3(&out[position_], 0), euler_rotation(order_, load3(&out[rotation_], 0))};
+}
+
 std::unique_ptr<const System> build_blend_shapes(const void* def, const BuildContext& context) {
   return std::make_unique<BlendShapes>(*static_cast<const BlendShapesDef*>(def), context);
 }

@@ -8,6 +8,7 @@
 
 #include "engine/animation/driver.h"
 #include "engine/core/build.h"
+#include "engine/core/morph_port.h"
 #include "engine/core/outputs.h"
 #include "engine/core/system.h"
 #include "engine/kernels/animation/blend.h"
@@ -40,7 +41,7 @@ const DefTable& blend_shapes_table();
 const Outputs& blend_shapes_outputs();
 Cost blend_shapes_cost(const void* def);
 
-class BlendShapes final : public StagedSystem {
+class BlendShapes final : public StagedSystem, public Morphed {
  public:
   BlendShapes(const BlendShapesDef& def, const BuildContext& context);
 
@@ -51,6 +52,8 @@ class BlendShapes final : public StagedSystem {
   void draw(const State& state, double t, Wish wishes, Drawing& out) const override;
   Ports ports() const override;
   std::vector<std::string> remedies() const override;
+  Morphed::Port morph() const override;
+  Pose morph_at(const State& state, double t, std::span<double> weights) const override;
 
  private:
   struct Scratch;

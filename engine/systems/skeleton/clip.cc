@@ -7,16 +7,42 @@ namespace truestep::skeleton {
 
 using namespace animation;
 
-SkeletonDef with_file(SkeletonDef def, std::optional<BvhMotion>& file) {
-  if (!def.motion) return def;
+std::optional<Recording> read_recording(const MotionDef& def, const std::string& where) {
+  if (def.markers) return std::nullopt;
+  const auto refuse = [](const std::string& at, const char* code, const std::string& why) {
+    throw Error("scene_invalid", why, {{at, code, why, "", "", "", ""}});
+  };
   try {
-    file = read_bvh(def.motion->bvh);
+    if (def.gltf.empty()) return recording_of(read_bvh(def.bvh));
+    return recording_of(read_gltf(def.gltf), def.animation, def.rate);
   } catch (const BvhFault& f) {
-    const std::string at = "/motion/bvh/" + std::to_string(std::min(f.line, def.motion->bvh.size()) - 1);
-    throw Error("scene_invalid", f.what(), {{at, "bad_bvh", f.what(), "", "", "", ""}});
+    refuse(where + "/bvh/" + std::to_string(std::min(f.line, def.bvh.size()) - 1), "bad_bvh", f.what());
+  } catch (const GltfFault& f) {
+    refuse(where + "/gltf", "bad_gltf", f.what());
   }
-  if (!def.joints.empty()) return def;
-  for (const BvhJoint& b : file->joints) {
+  return std::nullopt;
+}
+
+namespace {
+
+void take_skin(const MotionDef& motion, SkinDef& skin) {
+  try {
+    const RecordedSkin s = skin_of(read_gltf(motion.gltf), motion.animation);
+    for (const Vec3& x : s.vertices) skin.vertices.push_back(x * motion.scale);
+    for (const auto& t : s.triangles) skin.triangles.insert(skin.triangles.end(), t.begin(), t.end());
+    skin.file_weights = s.weights;
+  } catch (const GltfFault& f) {
+    throw Error("scene_invalid", f.what(), {{"/motion/gltf", "bad_gltf", f.what(), "", "", "", ""}});
+  }
+}
+
+}  // namespace
+
+SkeletonDef with_file(SkeletonDef def, std::optional<Recording>& file) {
+  if (!def.motion) return def;
+  file = read_recording(*def.motion, "/motion");
+  if (!file || !def.joints.empty()) return def;
+  for (const RecordedJoint& b : file->joints) {
     JointDef j;
     j.id = b.name;
     for (int n = 2; std::ranges::any_of(def.joints, [&](const JointDef& o) { return o.id == j.id; }); ++n) {
@@ -25,9 +51,11 @@ SkeletonDef with_file(SkeletonDef def, std::optional<BvhMotion>& file) {
     if (b.parent >= 0) j.parent = def.joints[static_cast<size_t>(b.parent)].id;
     // Where the root is comes from its channels alone.
     j.offset = b.offset * def.motion->scale;
+    j.rest_rotation = free_rotation::rotation_vector(b.rest);
     if (b.end) j.end = *b.end * def.motion->scale;
     def.joints.push_back(std::move(j));
   }
+  if (def.skin && def.skin->source == SkinDef::Source::motion_file) take_skin(*def.motion, *def.skin);
   return def;
 }
 
@@ -49,21 +77,22 @@ double smooth_step(double x) {
 
 }  // namespace
 
-Clip::Clip(const MotionDef& def, const BvhMotion& file, const Model& model, Driver& driver)
+Clip::Clip(const MotionDef& def, const Recording& file, const Model& model, Driver& driver,
+           const std::string& where)
     : frames_(file.frames), frame_time_(file.frame_time), extend_(def.extend) {
-  const double theirs = def.scale * size_of(file.joints, [](const BvhJoint& j) { return j.offset; });
+  const double theirs = def.scale * size_of(file.joints, [](const RecordedJoint& j) { return j.offset; });
   const double ours = size_of(model.joints, [](const Joint& j) { return j.rest.position; });
   const double ratio = def.root_scale.value_or(theirs > 0 && ours > 0 ? ours / theirs : 1);
   std::vector<std::string> names;
-  for (const BvhJoint& b : file.joints) names.push_back(b.name);
+  for (const RecordedJoint& b : file.joints) names.push_back(b.name);
   for (const NamedText& n : def.names) {
     if (std::ranges::find(names, n.name) == names.end()) {
-      driver.fault({"/motion/names/" + n.name, "unknown_name", "the file has no joint \"" + n.name + "\"",
+      driver.fault({where + "/names/" + n.name, "unknown_name", "the file has no joint \"" + n.name + "\"",
                     n.name, "", "", ""});
     }
     if (!model.find(n.text)) {
-      driver.fault({"/motion/names/" + n.name, "unknown_name", "there is no joint \"" + n.text + "\"", n.text,
-                    "", "", ""});
+      driver.fault({where + "/names/" + n.name, "unknown_name", "there is no joint \"" + n.text + "\"",
+                    n.text, "", "", ""});
     }
   }
   // Joints of the file come in the order of those that they are made of, also where names repeat.
@@ -77,20 +106,24 @@ Clip::Clip(const MotionDef& def, const BvhMotion& file, const Model& model, Driv
     }
     auto joint = model.find(to);
     if (own && !joint) joint = b;
-    if (!joint || model.joints[*joint].kind != JointKind::ball) continue;
+    if (!joint) continue;
+    const bool ball = model.joints[*joint].kind == JointKind::ball;
+    if (!ball && (file.values.empty() || model.joints[*joint].kind == JointKind::fixed)) continue;
     Track t;
     t.joint = static_cast<uint32_t>(*joint);
-    const bool moves =
-        std::ranges::any_of(file.joints[b].channels, [](BvhChannel c) { return static_cast<int>(c) < 3; });
     for (size_t f = 0; f < frames_; ++f) {
-      const Pose local = file.local(f, b);
-      t.turns.push_back(f > 0 ? nearer(t.turns.back(), local.orientation) : local.orientation);
-      if (moves) t.shifts.push_back((local.position - file.joints[b].offset) * (def.scale * ratio));
+      const size_t row = f * file.joints.size() + b;
+      if (ball) {
+        t.turns.push_back(f > 0 ? nearer(t.turns.back(), file.turns[row]) : file.turns[row]);
+      } else {
+        t.values.push_back(file.values[row]);
+      }
+      if (file.joints[b].moves) t.shifts.push_back(file.shifts[row] * (def.scale * ratio));
     }
     tracks_.push_back(std::move(t));
   }
   if (tracks_.empty()) {
-    driver.fault({"/motion/names", "unknown_name",
+    driver.fault({where + "/names", "unknown_name",
                   "no joint of the file is mapped to a ball of this skeleton", "",
                   "\"names\": {\"joint of the file\": \"joint of this skeleton\"}", "", ""});
     return;
@@ -102,7 +135,7 @@ Clip::Clip(const MotionDef& def, const BvhMotion& file, const Model& model, Driv
     const std::string& id = def.foot_lock->joints[k];
     const auto j = model.find(id);
     if (!j || model.joints[*j].parent < 0) {
-      driver.fault({"/motion/foot_lock/joints/" + std::to_string(k), "unknown_name",
+      driver.fault({where + "/foot_lock/joints/" + std::to_string(k), "unknown_name",
                     "there is no joint \"" + id + "\" with bones above it", id, "", "", ""});
       continue;
     }
@@ -122,14 +155,17 @@ void Clip::smooth(double width) {
   for (Track& t : tracks_) {
     const std::vector<Quat> turns = t.turns;
     const std::vector<Vec3> shifts = t.shifts;
+    const std::vector<double> values = t.values;
     for (int64_t f = 0; f < n; ++f) {
-      const Quat& here = turns[static_cast<size_t>(f)];
+      const Quat here = turns.empty() ? Quat{} : turns[static_cast<size_t>(f)];
+      double value = 0;
       Quat sum{0, 0, 0, 0};
       Vec3 place;
       double weights = 0;
       for (int64_t k = -reach; k <= reach; ++k) {
         const double x = static_cast<double>(k) / width, w = trig::exp(-0.5 * x * x);
-        const Quat q = nearer(here, turns[frame(f + k)]);
+        const Quat q = turns.empty() ? here : nearer(here, turns[frame(f + k)]);
+        if (!values.empty()) value += w * values[frame(f + k)];
         sum = {sum.w + w * q.w, sum.x + w * q.x, sum.y + w * q.y, sum.z + w * q.z};
         // A loop may travel: only what leaves the line from its start to its end is smoothed.
         if (!shifts.empty()) {
@@ -142,7 +178,8 @@ void Clip::smooth(double width) {
         }
         weights += w;
       }
-      t.turns[static_cast<size_t>(f)] = normalized(sum);
+      if (!turns.empty()) t.turns[static_cast<size_t>(f)] = normalized(sum);
+      if (!values.empty()) t.values[static_cast<size_t>(f)] = value / weights;
       if (!shifts.empty()) t.shifts[static_cast<size_t>(f)] = place / weights;
     }
   }
@@ -156,10 +193,7 @@ void Clip::find_contacts(const FootLockDef& def, const Model& model, const std::
     pose(static_cast<double>(f) * frame_time_, motion);
     // The last frame of a loop is the first again.
     if (f + 1 == frames_) {
-      for (const Track& t : tracks_) {
-        motion[t.joint].turn = t.turns[f];
-        if (!t.shifts.empty()) motion[t.joint].shift = t.shifts[f];
-      }
+      frame(f, motion);
     }
     forward_kinematics(model.joints, motion, {}, poses);
     for (size_t k = 0; k < feet.size(); ++k) places[k].push_back(poses[feet[k]].position);
@@ -213,19 +247,48 @@ Clip::Between Clip::between(double at) const {
 }
 
 void Clip::pose(double t, std::span<JointMotion> motion) const {
+  for (const Track& track : tracks_) pose_of(track, t, motion[track.joint]);
+}
+
+void Clip::pose_of(const Track& track, double t, JointMotion& m) const {
   const auto [f, share] = between(t);
-  const double last = static_cast<double>(frames_ - 1) * frame_time_;
+  const size_t next = share > 0 ? f + 1 : f;
+  if (!track.turns.empty()) m.turn = slerp(track.turns[f], track.turns[next], share);
+  if (!track.values.empty()) m.value = track.values[f] + (track.values[next] - track.values[f]) * share;
+  if (track.shifts.empty()) return;
   // A loop whose root travels goes on from where it was.
+  const double last = static_cast<double>(frames_ - 1) * frame_time_;
   const double rounds = extend_ == Extend::loop && last > 0 ? std::floor(t / last) : 0;
+  Vec3 travel = (track.shifts.back() - track.shifts.front()) * rounds;
+  travel.y = 0;
+  m.shift = track.shifts[f] + (track.shifts[next] - track.shifts[f]) * share + travel;
+}
+
+void Clip::blend(double t, double share, LayerDef::Mode mode, std::span<JointMotion> motion) const {
+  const bool adds = mode == LayerDef::Mode::additive;
   for (const Track& track : tracks_) {
     JointMotion& m = motion[track.joint];
-    const size_t next = share > 0 ? f + 1 : f;
-    m.turn = slerp(track.turns[f], track.turns[next], share);
-    if (track.shifts.empty()) continue;
-    Vec3 travel = (track.shifts.back() - track.shifts.front()) * rounds;
-    travel.y = 0;
-    m.shift = track.shifts[f] + (track.shifts[next] - track.shifts[f]) * share + travel;
+    JointMotion own = m;
+    pose_of(track, t, own);
+    if (!track.turns.empty()) {
+      const Quat way = adds ? conjugate(track.turns[0]) * own.turn : conjugate(m.turn) * own.turn;
+      m.turn = normalized(m.turn * slerp({}, nearer({}, way), share));
+    }
+    if (!track.values.empty()) m.value += share * (own.value - (adds ? track.values[0] : m.value));
+    if (!track.shifts.empty()) m.shift += (own.shift - (adds ? track.shifts[0] : m.shift)) * share;
   }
+}
+
+void Clip::frame(size_t f, std::span<JointMotion> motion) const {
+  for (const Track& t : tracks_) {
+    if (!t.turns.empty()) motion[t.joint].turn = t.turns[f];
+    if (!t.values.empty()) motion[t.joint].value = t.values[f];
+    if (!t.shifts.empty()) motion[t.joint].shift = t.shifts[f];
+  }
+}
+
+void Clip::mark(std::span<uint8_t> known) const {
+  for (const Track& t : tracks_) known[t.joint] = 1;
 }
 
 Clip::Hold Clip::hold(size_t k, double t) const {

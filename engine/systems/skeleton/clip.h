@@ -5,23 +5,32 @@
 // the way there and back over a blend (Kovar, Schreiner, Gleicher 2002, without their change of bone
 // lengths).
 #pragma once
-#include "engine/geometry/read/bvh.h"
 #include "engine/systems/skeleton/model.h"
+#include "engine/systems/skeleton/recording.h"
 
 namespace truestep::skeleton {
 
-/// A scene whose joints are those of the motion file where it has none of its own. Error "scene_invalid" with
-/// the file's line.
-SkeletonDef with_file(SkeletonDef def, std::optional<BvhMotion>& file);
+/// What a motion's file holds; nothing where it comes from markers. Error "scene_invalid" with the file's
+/// line or byte and pointers below `where`.
+std::optional<Recording> read_recording(const MotionDef& def, const std::string& where);
+/// A scene whose joints, and skin, are those of the motion file where it has none of its own.
+SkeletonDef with_file(SkeletonDef def, std::optional<Recording>& file);
 
 class Clip {
  public:
   Clip() = default;
   /// Faults go to the driver.
-  Clip(const MotionDef& def, const BvhMotion& file, const Model& model, animation::Driver& driver);
+  Clip(const MotionDef& def, const Recording& file, const Model& model, animation::Driver& driver,
+       const std::string& where);
 
   /// Turns and shifts of the mapped joints at t (s).
   void pose(double t, std::span<animation::JointMotion> motion) const;
+  /// Of that, a share from what `motion` is; or as much of its way from its first frame on top of that.
+  void blend(double t, double share, LayerDef::Mode mode, std::span<animation::JointMotion> motion) const;
+  /// The pose of a frame.
+  void frame(size_t f, std::span<animation::JointMotion> motion) const;
+  /// Sets what it says something about to 1, per joint.
+  void mark(std::span<uint8_t> known) const;
   /// Where locked feet are to be at t: goals for the foot's origin; nothing to do where the weight is 0.
   struct Hold {
     uint32_t foot = 0, base = 0;
@@ -36,7 +45,8 @@ class Clip {
   struct Track {
     uint32_t joint = 0;
     std::vector<Quat> turns;
-    std::vector<Vec3> shifts;  ///< none: stays
+    std::vector<Vec3> shifts;    ///< none: stays
+    std::vector<double> values;  ///< of a hinge or slide, instead of turns
   };
   struct Foot {
     uint32_t joint = 0, base = 0;
@@ -47,6 +57,7 @@ class Clip {
     double share = 0;
   };
   Between between(double t) const;
+  void pose_of(const Track& track, double t, animation::JointMotion& motion) const;
   void smooth(double width);
   void find_contacts(const FootLockDef& def, const Model& model, const std::vector<uint32_t>& feet);
 

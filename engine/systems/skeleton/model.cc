@@ -236,6 +236,10 @@ void build_skin(const SkinDef& def, Model& m, Driver& driver) {
     m.triangles.push_back(t);
   }
   if (def.vertices.empty()) return;
+  if (!def.file_weights.empty()) {
+    m.weights.insert(m.weights.end(), def.file_weights.begin(), def.file_weights.end());
+    return;
+  }
   std::vector<BoneSegment> segments;
   std::vector<uint32_t> joint_of_segment;
   for (const Bone& b : m.bones) {

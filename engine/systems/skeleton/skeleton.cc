@@ -1,6 +1,4 @@
-#include "engine/systems/skeleton/skeleton.h"
-
-#include <algorithm>
+#include "engine/systems/skeleton/scratch.h"
 
 namespace truestep::skeleton {
 
@@ -12,33 +10,13 @@ namespace {
 constexpr MovedBodies kBones = MovedBodies::from(0);
 constexpr size_t kBlock = 512;  // vertices
 
-JointMotion read_motion(const double* c) {
-  return {c[0], {c[1], c[2], c[3], c[4]}, {c[5], c[6], c[7]}};
-}
-void write_motion(const JointMotion& m, double* c) {
-  const double all[] = {m.value, m.turn.w, m.turn.x, m.turn.y, m.turn.z, m.shift.x, m.shift.y, m.shift.z};
-  std::ranges::copy(all, c);
-}
-
 }  // namespace
-
-struct Skeleton::Scratch {
-  Driver::Scratch driver;
-  std::vector<JointMotion> motion;
-  Pose root;
-  std::vector<IkGoal> goals;
-  IkWork ik;
-  std::vector<BoneMatrix> matrices;
-  std::vector<DualQuat> duals;
-  std::vector<double> skin;
-  const ThreadArena* arena = nullptr;
-};
 
 Skeleton::Skeleton(const SkeletonDef& given, const BuildContext& context)
     : driver_(given, context.id), dt_(context.dt), publish_(given.publish), color_(given.color) {
   const SkeletonDef def = with_file(given, file_);
   model_ = build_model(def, driver_);
-  if (def.motion && !model_.joints.empty()) clip_ = Clip(*def.motion, *file_, model_, driver_);
+  take_motions(def);
   if (def.skin && !model_.joints.empty()) {
     build_skin(*def.skin, model_, driver_);
     skinning_ = def.skin->method, skin_color_ = def.skin->color;
@@ -51,25 +29,69 @@ Skeleton::Skeleton(const SkeletonDef& given, const BuildContext& context)
   for (const Bone& b : model_.bones) {
     solids_.push_back(capsule_solid(b.radius, 0.5 * norm(b.end)));
     bone_poses_.push_back({b.end * 0.5, rotation_between({0, 1, 0}, normalized(b.end))});
+    joint_of_bone_.push_back(b.joint);
   }
   for (const Solid& s : solids_) forms_.push_back({&s, 0, {}});
   plan_stages(def);
   name_parts();
 }
 
+void Skeleton::take_motions(const SkeletonDef& def) {
+  if (model_.joints.empty()) return;
+  if (def.motion && def.motion->markers) {
+    MotionDef motion = *def.motion;
+    markers_.emplace();
+    // The markers are scaled, not what is fitted to them.
+    file_ = recording_of(*motion.markers, motion.scale, model_, "/motion/markers", *markers_);
+    motion.scale = 1, motion.root_scale = 1;
+    clip_ = Clip(motion, *file_, model_, driver_, "/motion");
+  } else if (def.motion) {
+    clip_ = Clip(*def.motion, *file_, model_, driver_, "/motion");
+  }
+  for (size_t k = 0; k < def.layers.size(); ++k) {
+    const std::string at = "/layers/" + std::to_string(k);
+    const LayerDef& d = def.layers[k];
+    const Recording file = *read_recording(d.motion, at + "/motion");
+    layers_.push_back({Clip(d.motion, file, model_, driver_, at + "/motion"),
+                       driver_.add(at + "/weight", d.weight), d.mode});
+  }
+  if (def.prior) learn(*def.prior);
+}
+
+void Skeleton::learn(const PriorDef& def) {
+  const Recording file = *read_recording(def.motion, "/prior/motion");
+  const Clip clip(def.motion, file, model_, driver_, "/prior/motion");
+  const size_t n = model_.joints.size();
+  std::vector<uint8_t> known(n, 0);
+  clip.mark(known);
+  std::vector<JointMotion> poses(n * clip.frames());
+  for (size_t f = 0; f < clip.frames(); ++f) clip.frame(f, std::span(poses).subspan(f * n, n));
+  if (clip.frames() < 2) {
+    driver_.fault(
+        {"/prior/motion", "too_short", "a prior is learnt from two frames at least", "", "", "", ""});
+    return;
+  }
+  prior_ = PosePrior(model_.joints, poses, known, static_cast<size_t>(def.components), def.variation);
+  prior_spread_ = def.spread;
+}
+
 void Skeleton::plan_stages(const SkeletonDef& def) {
-  const auto scratch = [](const StepInput& in) -> Scratch& {
-    auto& s = in.workspace.object<Scratch>("skeleton");
-    s.arena = &in.arena;
-    return s;
+  // While bodies lead it, it is they who move it.
+  const auto stage = [this](auto&& run) {
+    return [this, run](State& s, const StepInput& in) {
+      if (is_led(s)) return;
+      auto& scratch = in.workspace.object<Scratch>("skeleton");
+      scratch.arena = &in.arena;
+      run(s, in, scratch);
+    };
   };
   add_stage("drive",
             std::to_string(model_.joints.size()) + " joints" +
                 (file_ ? ", recorded motion of " + std::to_string(clip_.frames()) + " frames" : ""),
-            [this, scratch](State& s, const StepInput& in) { drive(s, in.t + in.h, scratch(in)); });
+            stage([this](State& s, const StepInput& in, Scratch& w) { drive(s, in.t + in.h, w); }));
   if (clip_.feet() > 0) {
     add_stage("foot lock", "feet that stand are held",
-              [this, scratch](State& s, const StepInput& in) { hold_feet(s, in.t + in.h, scratch(in)); });
+              stage([this](State& s, const StepInput& in, Scratch& w) { hold_feet(s, in.t + in.h, w); }));
   } else {
     skip_stage("foot lock", "no feet are named");
   }
@@ -77,14 +99,17 @@ void Skeleton::plan_stages(const SkeletonDef& def) {
             model_.goals.empty() ? "only when a joint is dragged"
                                  : std::to_string(model_.goals.size()) + " goals, at most " +
                                        std::to_string(def.max_iterations) + " iterations",
-            [this, scratch](State& s, const StepInput& in) { reach(s, scratch(in)); });
+            stage([this](State& s, const StepInput&, Scratch& w) { reach(s, w); }));
   add_stage("bones", "forward kinematics and velocities",
-            [this, scratch](State& s, const StepInput& in) { write(s, in.h, scratch(in)); });
+            stage([this](State& s, const StepInput& in, Scratch& w) {
+              blend_back(s, in.t + in.h, w);
+              write(s, in.h, w);
+            }));
   if (!model_.skin.empty()) {
     add_stage("skin",
               std::to_string(model_.skin.size()) + " vertices by " +
                   (skinning_ == SkinDef::Method::linear ? "matrices" : "dual quaternions"),
-              [this, scratch](State& s, const StepInput& in) { follow(s, in.h, scratch(in)); });
+              stage([this](State& s, const StepInput& in, Scratch& w) { cover(s, in.h, w); }));
   } else {
     skip_stage("skin", "there is no skin");
   }
@@ -150,15 +175,25 @@ void Skeleton::update(State& s, double t, double h, Scratch& scratch) const {
   if (clip_.feet() > 0) hold_feet(s, t, scratch);
   reach(s, scratch);
   write(s, h, scratch);
-  if (!model_.skin.empty()) follow(s, h, scratch);
+  if (!model_.skin.empty()) cover(s, h, scratch);
 }
 
 void Skeleton::drive(const State& s, double t, Scratch& scratch) const {
+  drive_at(s, own_time(s, t), scratch);
+  if (const double* lead = lead_rows(s)) scratch.root = read_pose(lead + LeadRows::placement) * scratch.root;
+}
+
+void Skeleton::drive_at(const State& s, double t, Scratch& scratch) const {
   const auto out = driver_.evaluate(t, s.f64(C::kControl), scratch.driver);
   scratch.motion.resize(model_.joints.size());
   const double* c = s.f64(C::kCoordinates).data();
   for (size_t j = 0; j < model_.joints.size(); ++j) scratch.motion[j] = read_motion(c + 8 * j);
+  // Shifts are of recorded motion, or of bodies that led it here.
+  if (lead_rows(s)) {
+    for (JointMotion& m : scratch.motion) m.shift = {};
+  }
   if (file_) clip_.pose(t, scratch.motion);
+  for (const Layer& l : layers_) l.clip.blend(t, std::clamp(out[l.weight], 0.0, 1.0), l.mode, scratch.motion);
   for (size_t j = 0; j < model_.joints.size(); ++j) {
     JointMotion& m = scratch.motion[j];
     const JointDrive& d = model_.drives[j];
@@ -172,7 +207,8 @@ void Skeleton::drive(const State& s, double t, Scratch& scratch) const {
                   euler_rotation(model_.root_order, load3(&out[model_.root_rotation], 0))};
 }
 
-void Skeleton::hold_feet(State& s, double t, Scratch& scratch) const {
+void Skeleton::hold_feet(State& s, double at, Scratch& scratch) const {
+  const double t = own_time(s, at);
   IkWork& w = scratch.ik;
   w.poses.resize(model_.joints.size());
   forward_kinematics(model_.joints, scratch.motion, scratch.root, w.poses);
@@ -211,9 +247,16 @@ void Skeleton::reach(State& s, Scratch& scratch) const {
   IkWork& w = scratch.ik;
   scratch.goals.clear();
   for (const GoalDrive& g : model_.goals) scratch.goals.push_back(goal(g, scratch.driver.outputs));
+  int natural = 0;
+  if (!prior_.empty()) {
+    natural = prior_
+                  .solve(model_.joints, scratch.root, scratch.goals, prior_spread_, options_.most,
+                         scratch.motion, w, scratch.prior)
+                  .iterations;
+  }
   const IkResult r = solve_ik(model_.joints, scratch.root, scratch.goals, options_, scratch.motion, w);
   s.f64(C::kSolved)[0] = r.error;
-  s.f64(C::kSolved)[1] = r.iterations;
+  s.f64(C::kSolved)[1] = r.iterations + natural;
   s.f64(C::kSolved)[2] = r.error <= options_.tolerance ? 1 : 0;
   const int32_t dragged = s.span<int32_t>(C::kDragJoint)[0];
   if (dragged < 0) return;
@@ -243,7 +286,7 @@ void Skeleton::write(State& s, double h, Scratch& scratch) const {
   }
 }
 
-void Skeleton::follow(State& s, double h, Scratch& scratch) const {
+void Skeleton::cover(State& s, double h, Scratch& scratch) const {
   const size_t n = model_.joints.size(), vertices = model_.skin.size();
   scratch.skin.resize(3 * vertices);
   const bool linear = skinning_ == SkinDef::Method::linear;
@@ -286,6 +329,21 @@ Ports Skeleton::ports() const {
                          .radius = 0};
   out.solids = {model_.triangles, {}};
   return out;
+}
+
+RigPort Skeleton::rig() const {
+  return {.names = model_.ids,
+          .joints = model_.joints,
+          .position = C::kJointPosition,
+          .orientation = C::kJointOrientation,
+          .bones = kBones.port(forms_),
+          .joint_of_bone = joint_of_bone_,
+          .bone_in_joint = bone_poses_,
+          .skin = model_.skin,
+          .weights = model_.weights,
+          .triangles = model_.triangles,
+          .rest = model_.rest,
+          .follower = this};
 }
 
 std::unique_ptr<const System> build_skeleton(const void* def, const BuildContext& context) {

@@ -8,8 +8,11 @@
 #include <memory>
 
 #include "engine/animation/moved_bodies.h"
+#include "engine/core/rig_port.h"
 #include "engine/core/system.h"
+#include "engine/kernels/animation/pose_prior.h"
 #include "engine/systems/skeleton/clip.h"
+#include "engine/systems/skeleton/markers.h"
 
 namespace truestep::skeleton {
 
@@ -20,7 +23,7 @@ struct SkeletonColumns {
     kJointPosition,     ///< m
     kJointVelocity,     ///< m/s
     kJointOrientation,  ///< w x y z
-    kCoordinates,       ///< value (rad or m), turn (w x y z), shift (m)
+    kCoordinates,       ///< value (rad or m), turn (w x y z), shift (m); more rows where it is led (lead.h)
     kDragJoint,         ///< -1: none
     kDragTarget,        ///< m
     kSolved,            ///< ik error (m), iterations, reached, error of held feet (m)
@@ -30,7 +33,7 @@ struct SkeletonColumns {
   };
 };
 
-class Skeleton final : public StagedSystem {
+class Skeleton final : public StagedSystem, public FollowsBones, public Rigged {
  public:
   Skeleton(const SkeletonDef& def, const BuildContext& context);
 
@@ -42,27 +45,50 @@ class Skeleton final : public StagedSystem {
   void draw(const State& state, double t, Wish wishes, Drawing& out) const override;
   Ports ports() const override;
   std::vector<std::string> remedies() const override;
+  RigPort rig() const override;
+  void prepare(State& state) const override;
+  void follow(State& state, std::span<const Pose> bones, std::span<const uint8_t> given, double h,
+              Workspace& workspace) const override;
+  void resume(State& state, double t, const PoseMatch& match, Workspace& workspace) const override;
 
   const Model& model() const { return model_; }
 
  private:
   struct Scratch;
   void plan_stages(const SkeletonDef& def);
+  void take_motions(const SkeletonDef& def);
+  void learn(const PriorDef& def);
   void name_parts();
   /// Everything as it is at t, h after it was where the state says.
   void update(State& state, double t, double h, Scratch& scratch) const;
   void drive(const State& state, double t, Scratch& scratch) const;
+  /// Its own motion at a time of its own, where nothing has moved it.
+  void drive_at(const State& state, double own_time, Scratch& scratch) const;
   void reach(State& state, Scratch& scratch) const;
   void hold_feet(State& state, double t, Scratch& scratch) const;
+  bool is_led(const State& state) const;
+  double own_time(const State& state, double t) const;
+  /// From the pose that bodies left it in to its own.
+  void blend_back(State& state, double t, Scratch& scratch) const;
   void write(State& state, double h, Scratch& scratch) const;
-  void follow(State& state, double h, Scratch& scratch) const;
+  /// The skin on the bones.
+  void cover(State& state, double h, Scratch& scratch) const;
   animation::IkGoal goal(const GoalDrive& g, std::span<const double> out) const;
 
   animation::Driver driver_;
   double dt_;
-  std::optional<BvhMotion> file_;
+  std::optional<Recording> file_;
   Model model_;
   Clip clip_;
+  struct Layer {
+    Clip clip;
+    size_t weight = 0;  ///< output
+    LayerDef::Mode mode = LayerDef::Mode::cross_fade;
+  };
+  std::vector<Layer> layers_;
+  std::optional<MarkerReport> markers_;
+  animation::PosePrior prior_;
+  double prior_spread_ = 0;
   animation::IkOptions options_;
   SkinDef::Method skinning_ = SkinDef::Method::dual_quaternion;
   SkeletonDef::Publish publish_;
@@ -70,6 +96,7 @@ class Skeleton final : public StagedSystem {
   std::vector<Solid> solids_;
   std::vector<BodyForm> forms_;
   std::vector<Pose> bone_poses_;  ///< in their joints' frames
+  std::vector<uint32_t> joint_of_bone_;
 };
 
 std::unique_ptr<const System> build_skeleton(const void* def, const BuildContext& context);

@@ -2,11 +2,11 @@
 
 #include <algorithm>
 
+#include "engine/systems/skeleton/motion_def.h"
+
 namespace truestep::skeleton {
 
 namespace {
-
-constexpr size_t kMostJoints = 10'000;
 
 const DefTable& joint_table() {
   using D = JointDef;
@@ -97,50 +97,23 @@ const DefTable& skin_table() {
           .integers("triangles", &D::triangles, at_least(0), {0, 6'000'000}, "three vertices each")
           .choice("method", &D::method, {"linear", "dual_quaternion"},
                   "means of matrices, which collapse where bones twist, or of dual quaternions, which do not")
+          .choice("source", &D::source, {"scene", "motion_file"},
+                  "motion_file: the mesh and weights of the glTF file that the motion comes from")
           .number("falloff", &D::falloff, "1", between(0.5, 64),
                   "power of the distance by which the weight of a bone falls")
           .vector("color", &D::color, "1", between(0, 1), "linear red, green, blue")
           .check([](const D& d, const DefTable::Report& report) {
-            if (d.tubes.empty() && d.vertices.empty()) report("", "a skin has tubes or vertices");
+            const bool from_file = d.source == SkinDef::Source::motion_file;
+            if (d.tubes.empty() && d.vertices.empty() && !from_file)
+              report("", "a skin has tubes or vertices, or comes from the motion's file");
+            if (from_file && !d.vertices.empty())
+              report("/vertices", "the skin comes from the motion's file");
             if (d.triangles.size() % 3 != 0) report("/triangles", "three vertices a triangle");
             for (size_t i = 0; i < d.triangles.size(); ++i) {
               if (static_cast<size_t>(d.triangles[i]) < d.vertices.size()) continue;
               return report("/triangles/" + std::to_string(i), "there is no such vertex");
             }
           })
-          .build();
-  return t;
-}
-
-const DefTable& foot_lock_table() {
-  using D = FootLockDef;
-  static const DefTable t =
-      TableOf<D>("holds feet where they stand: low and slow joints are kept in place by two bones above them")
-          .texts("joints", &D::joints, {1, 16}, "the feet")
-          .required()
-          .number("height", &D::height, "m", any(), "a foot that stands is below this")
-          .number("speed", &D::speed, "m/s", above(0), "and slower than this")
-          .number("blend", &D::blend, "s", at_least(0), "over which a foot comes to be held or let go")
-          .build();
-  return t;
-}
-
-const DefTable& motion_table() {
-  using D = MotionDef;
-  static const DefTable t =
-      TableOf<D>("recorded motion, a BVH file line by line")
-          .texts("bvh", &D::bvh, {1, 1'000'000}, "lines of the file")
-          .required()
-          .number("scale", &D::scale, "m", above(0),
-                  "length of the file's unit: 0.01 where it is a centimetre")
-          .named_texts(
-              "names", &D::names, {0, kMostJoints},
-              "joint of the file: joint of this skeleton, to which its turns go; absent: the same names")
-          .number("root_scale", &D::root_scale, "1", above(0),
-                  "of the root's way; absent: the ratio of the two skeletons' sizes")
-          .choice("extend", &D::extend, {"clamp", "loop", "ping_pong"}, "after the last frame")
-          .number("smoothing", &D::smoothing, "s", at_least(0), "width of a Gaussian mean over time")
-          .object("foot_lock", &D::foot_lock, foot_lock_table(), "feet that stand still")
           .build();
   return t;
 }
@@ -160,36 +133,75 @@ void check(const SkeletonDef& d, const DefTable::Report& report) {
       report(at + "/priority", "priorities need gauss_newton or damped_least_squares");
     }
   }
+  if (d.prior && d.goals.empty())
+    report("/prior", "a prior says which of the poses that reach goals is taken: give goals");
+  if (d.prior && !squares) report("/prior", "a prior needs gradient, gauss_newton or damped_least_squares");
+  if (d.skin && d.skin->source == SkinDef::Source::motion_file &&
+      (!d.motion || d.motion->gltf.empty() || !d.joints.empty()))
+    report("/skin/source", "the joints and the motion come from a glTF file, too");
+  if (d.motion && d.motion->markers && d.joints.empty())
+    report("/joints", "markers are fitted to joints that the scene gives");
   if (d.publish == SkeletonDef::Publish::skin && !d.skin) report("/publish", "there is no skin to publish");
 }
 
 }  // namespace
 
-const DefTable& skeleton_table() {
+namespace {
+
+DefTable table_for(const char* sentence, void (*needs)(const SkeletonDef&, const DefTable::Report&)) {
   using D = SkeletonDef;
-  static const DefTable t = [] {
-    TableOf<D> table("a tree of joints that moves by expressions, keys, a motion file or towards goals");
-    table.objects("joints", &D::joints, joint_table(), {0, kMostJoints}, "parents first")
-        .texts("root_position", &D::root_position, {0, 3},
-               "x, y and z (m) as expressions; a missing one is 0")
-        .texts("root_rotation", &D::root_rotation, {0, 3}, "angles (rad) about x, y and z as expressions")
-        .choice("root_order", &D::root_order, animation::kEulerOrders, "of the root's angles")
-        .objects("goals", &D::goals, goal_table(), {0, 256}, "where places should be: inverse kinematics")
-        .choice("solver", &D::solver,
-                {"gradient", "gauss_newton", "damped_least_squares", "ccd", "fabrik", "two_link"},
-                "method of inverse kinematics")
-        .number("tolerance", &D::tolerance, "m", above(0), "distance at which a goal is reached")
-        .integer("max_iterations", &D::max_iterations, between(1, 1'000'000), "of the solver in a step")
-        .choice("elbow", &D::elbow, {"positive", "negative"},
-                "of two_link without a pole: side to which a revolute middle bends")
-        .object("motion", &D::motion, motion_table(), "recorded motion")
-        .object("skin", &D::skin, skin_table(), "a surface around the bones")
-        .number("bone_radius", &D::bone_radius, "m", above(0), "of bones, which are capsules")
-        .choice("publish", &D::publish, {"bones", "skin"}, "what others collide with")
-        .vector("color", &D::color, "1", between(0, 1), "linear red, green, blue of the bones");
-    animation::add_driver_rows(table);
-    return table.check(check).build();
-  }();
+  TableOf<D> table(sentence);
+  table.objects("joints", &D::joints, joint_table(), {0, kMostJoints}, "parents first")
+      .texts("root_position", &D::root_position, {0, 3}, "x, y and z (m) as expressions; a missing one is 0")
+      .texts("root_rotation", &D::root_rotation, {0, 3}, "angles (rad) about x, y and z as expressions")
+      .choice("root_order", &D::root_order, animation::kEulerOrders, "of the root's angles")
+      .objects("goals", &D::goals, goal_table(), {0, 256}, "where places should be: inverse kinematics")
+      .choice("solver", &D::solver,
+              {"gradient", "gauss_newton", "damped_least_squares", "ccd", "fabrik", "two_link"},
+              "method of inverse kinematics")
+      .number("tolerance", &D::tolerance, "m", above(0), "distance at which a goal is reached")
+      .integer("max_iterations", &D::max_iterations, between(1, 1'000'000), "of the solver in a step")
+      .choice("elbow", &D::elbow, {"positive", "negative"},
+              "of two_link without a pole: side to which a revolute middle bends")
+      .object("motion", &D::motion, motion_table(), "recorded motion")
+      .objects("layers", &D::layers, layer_table(), {0, 64}, "more recorded motions, blended in their order")
+      .object("prior", &D::prior, prior_table(), "which of the poses that reach the goals are natural")
+      .object("skin", &D::skin, skin_table(), "a surface around the bones")
+      .number("bone_radius", &D::bone_radius, "m", above(0), "of bones, which are capsules")
+      .choice("publish", &D::publish, {"bones", "skin"}, "what others collide with")
+      .vector("color", &D::color, "1", between(0, 1), "linear red, green, blue of the bones");
+  animation::add_driver_rows(table);
+  return table
+      .check([needs](const D& d, const DefTable::Report& report) {
+        check(d, report);
+        if (needs) needs(d, report);
+      })
+      .build();
+}
+
+}  // namespace
+
+const DefTable& skeleton_table() {
+  static const DefTable t =
+      table_for("a tree of joints that moves by expressions, keys, a motion file or towards goals", nullptr);
+  return t;
+}
+
+const DefTable& ik_table() {
+  static const DefTable t = table_for("a skeleton whose places reach for goals",
+                                      [](const SkeletonDef& d, const DefTable::Report& report) {
+                                        if (d.goals.empty())
+                                          report("/goals", "inverse kinematics have goals");
+                                      });
+  return t;
+}
+
+const DefTable& motion_capture_table() {
+  static const DefTable t = table_for("a skeleton that moves as a motion file or markers say",
+                                      [](const SkeletonDef& d, const DefTable::Report& report) {
+                                        if (!d.motion)
+                                          report("/motion", "motion capture has a recorded motion");
+                                      });
   return t;
 }
 
@@ -210,6 +222,11 @@ const Outputs& skeleton_outputs() {
           {"joint.<id>.x", "m", "where a joint is, of skeletons of at most 32"},
           {"joint.<id>.y", "m", ""},
           {"joint.<id>.z", "m", ""},
+          {"prior.distance", "1", "from the mean pose, in deviations of the prior's motion; with a prior"},
+          {"prior.explained", "1", "share of that motion's variance in the components; with a prior"},
+          {"markers.error", "m", "root of the mean square distance of markers from the fit; with markers"},
+          {"markers.seen", "1", "share of markers in sight; with markers"},
+          {"markers.residual", "1", "pixels, what is left in the pictures; with markers from cameras"},
           {"foot_lock.slide", "m", "largest way of a standing foot in the recording, before it is held"},
           {"foot_lock.error", "m", "largest distance of a foot from where it is held"}}};
   return kOutputs;
@@ -218,11 +235,27 @@ const Outputs& skeleton_outputs() {
 Cost skeleton_cost(const void* def) {
   const auto& d = *static_cast<const SkeletonDef*>(def);
   double joints = static_cast<double>(d.joints.size()), text = 0;
+  const auto letters = [](const MotionDef& m) {
+    double sum = 0;
+    for (const auto* lines : {&m.bvh, &m.gltf}) {
+      for (const std::string& line : *lines) sum += static_cast<double>(line.size());
+    }
+    if (!m.markers) return sum;
+    for (const auto* lines : {&m.markers->trc, &m.markers->images}) {
+      for (const std::string& line : *lines) sum += static_cast<double>(line.size());
+    }
+    return sum;
+  };
   if (d.motion) {
-    for (const std::string& line : d.motion->bvh) text += static_cast<double>(line.size());
+    text += letters(*d.motion);
     // A joint takes some hundred letters of a file, a number eight.
-    if (d.joints.empty()) joints = std::min(static_cast<double>(d.motion->bvh.size()) / 4, text / 80);
+    if (d.joints.empty() && !d.motion->bvh.empty())
+      joints = std::min(static_cast<double>(d.motion->bvh.size()) / 4, text / 80);
+    if (d.joints.empty() && !d.motion->gltf.empty()) joints = std::min(text / 400, 200.0);
   }
+  for (const LayerDef& l : d.layers) text += letters(l.motion);
+  double prior = 0;
+  if (d.prior) text += letters(d.prior->motion), prior = 1;
   double vertices = 0;
   if (d.skin) {
     vertices = static_cast<double>(d.skin->vertices.size());
@@ -235,7 +268,8 @@ Cost skeleton_cost(const void* def) {
           .workspace_bytes = 8192 + 1400 * joints + 200 * vertices + 32 * keys + 400 * controls + 1.2 * text +
                              goals * joints * 300,
           .elements = joints + vertices + goals,
-          .seconds_per_step = 2e-6 + 4e-7 * joints + 2e-8 * vertices + goals * 2e-5 + 1e-6 * joints * goals};
+          .seconds_per_step = 2e-6 + 4e-7 * joints + 2e-8 * vertices + goals * 2e-5 + 1e-6 * joints * goals +
+                              prior * goals * 3e-6 * joints};
 }
 
 }  // namespace truestep::skeleton

@@ -5,6 +5,7 @@
 #include "engine/core/build.h"
 #include "engine/core/outputs.h"
 #include "engine/kernels/animation/inverse_kinematics.h"
+#include "engine/kernels/animation/skinning.h"
 
 namespace truestep::skeleton {
 
@@ -43,6 +44,8 @@ struct SkinDef {
   enum class Method : uint8_t { linear, dual_quaternion } method = Method::dual_quaternion;
   double falloff = 4;
   std::optional<Vec3> color;
+  enum class Source : uint8_t { scene, motion_file } source = Source::scene;
+  std::vector<animation::SkinWeights> file_weights;  ///< of `vertices`, where a file gave them
 };
 
 /// Feet that stand still where the motion file lets them slide.
@@ -51,14 +54,49 @@ struct FootLockDef {
   double height = 0.05, speed = 0.3, blend = 0.1;
 };
 
+struct PlacementDef {
+  std::string marker, joint;
+  Vec3 point;
+};
+struct CameraDef {
+  std::string name;
+  Vec3 position, target, up{0, 1, 0};
+  double focal = 1000, middle_u = 0, middle_v = 0;
+};
+/// Optical markers, in a file or in pictures.
+struct MarkersDef {
+  std::vector<std::string> trc;
+  std::vector<CameraDef> cameras;
+  std::vector<std::string> images;
+  double rate = 60;
+  std::vector<PlacementDef> placements;
+};
+
 struct MotionDef {
-  std::vector<std::string> bvh;
+  std::vector<std::string> bvh, gltf;
+  std::string animation;
+  double rate = 30;
+  std::optional<MarkersDef> markers;
   double scale = 1;
   std::vector<NamedText> names;
   std::optional<double> root_scale;
   animation::Extend extend = animation::Extend::clamp;
   double smoothing = 0;
   std::optional<FootLockDef> foot_lock;
+};
+
+/// A recorded motion over what comes before it.
+struct LayerDef {
+  MotionDef motion;
+  std::string weight;
+  enum class Mode : uint8_t { cross_fade, additive } mode = Mode::cross_fade;
+};
+
+/// Poses that goals prefer.
+struct PriorDef {
+  MotionDef motion;
+  int components = 6;
+  double variation = 0.02, spread = 0.001;
 };
 
 struct SkeletonDef : animation::DriverDef {
@@ -71,6 +109,8 @@ struct SkeletonDef : animation::DriverDef {
   int max_iterations = 100;
   enum class Elbow : uint8_t { positive, negative } elbow = Elbow::positive;
   std::optional<MotionDef> motion;
+  std::vector<LayerDef> layers;
+  std::optional<PriorDef> prior;
   std::optional<SkinDef> skin;
   double bone_radius = 0.03;
   enum class Publish : uint8_t { bones, skin } publish = Publish::bones;
@@ -78,6 +118,9 @@ struct SkeletonDef : animation::DriverDef {
 };
 
 const DefTable& skeleton_table();
+/// The same for those who look for inverse kinematics, with goals, or for recorded motion.
+const DefTable& ik_table();
+const DefTable& motion_capture_table();
 const Outputs& skeleton_outputs();
 Cost skeleton_cost(const void* def);
 

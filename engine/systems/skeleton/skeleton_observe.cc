@@ -1,6 +1,6 @@
 // What a skeleton shows and what commands do to it.
 #include "engine/core/command_checks.h"
-#include "engine/systems/skeleton/skeleton.h"
+#include "engine/systems/skeleton/scratch.h"
 
 namespace truestep::skeleton {
 
@@ -12,7 +12,8 @@ constexpr MovedBodies kBones = MovedBodies::from(0);
 constexpr size_t kMostNamed = 32;  // joints whose places are observables
 }  // namespace
 
-void Skeleton::observe(const State& s, double t, Observables& out) const {
+void Skeleton::observe(const State& s, double at, Observables& out) const {
+  const double t = own_time(s, at);
   driver_.observe(t, s.f64(C::kControl), out);
   const auto solved = s.f64(C::kSolved);
   const double* x = s.f64(C::kJointPosition).data();
@@ -27,6 +28,18 @@ void Skeleton::observe(const State& s, double t, Observables& out) const {
       const Vec3 place = load3(x, g.goal.joint) + rotate({q[0], q[1], q[2], q[3]}, g.goal.point);
       out.add("goal." + g.id + ".error", norm(goal(g, outputs).target - place), "m");
     }
+  }
+  if (!prior_.empty()) {
+    std::vector<JointMotion> motion(model_.joints.size());
+    std::vector<double> scratch;
+    for (size_t j = 0; j < motion.size(); ++j) motion[j] = read_motion(&s.f64(C::kCoordinates)[8 * j]);
+    out.add("prior.distance", prior_.distance(motion, scratch), "1");
+    out.add("prior.explained", prior_.explained(), "1");
+  }
+  if (markers_) {
+    out.add("markers.error", markers_->error, "m");
+    out.add("markers.seen", markers_->seen, "1");
+    if (markers_->residual > 0) out.add("markers.residual", markers_->residual, "1");
   }
   if (clip_.feet() > 0) {
     out.add("foot_lock.slide", clip_.slide(), "m");
@@ -84,7 +97,11 @@ void Skeleton::apply(State& s, const Command& c) const {
 }
 
 void Skeleton::check(StateCheck& check, double) const {
-  check.below(kBones.form, model_.bones.size()).below(C::kDragJoint, model_.joints.size());
+  const size_t n = model_.joints.size(), led = 2 * n + LeadRows::rows,
+               rows = check.state().rows(C::kCoordinates);
+  check.below(kBones.form, model_.bones.size()).below(C::kDragJoint, n);
+  check.together({C::kCoordinates}, led)
+      .require(rows == n || rows == led, "coordinates are those of all joints");
 }
 
 void Skeleton::draw(const State&, double, Wish wishes, Drawing& out) const {

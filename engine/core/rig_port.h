@@ -1,0 +1,65 @@
+// RigPort: where couplings and writers of files reach a skeleton without knowing its system: its tree of
+// joints, the columns of where they are, its bones as bodies, its skin; and how it is led, when something
+// else (a ragdoll) says where its bones are. Few systems have one, so that it is asked for by rig_of and
+// stands beside Ports.
+#pragma once
+#include <array>
+#include <cstdint>
+#include <span>
+#include <string>
+
+#include "engine/core/body_port.h"
+#include "engine/core/system.h"
+#include "engine/kernels/animation/skinning.h"
+
+namespace truestep {
+
+/// How a skeleton goes back to its own motion.
+struct PoseMatch {
+  double blend = 0;         ///< s, from the pose that it was led to
+  double from = 0, to = 0;  ///< s, times of its own motion among which the most alike pose is looked for; the
+                            ///< same: its motion goes on as if it had never been led
+};
+
+/// A skeleton that something else leads.
+class FollowsBones {
+ public:
+  virtual ~FollowsBones() = default;
+  /// Makes room in the state for what being led takes. Once, before the others.
+  virtual void prepare(State& state) const = 0;
+  /// Bones are where `poses` (world, one per bone) say, where `given` is 1; other joints keep their
+  /// coordinates. Velocities are those of the way there in h (s), and stay where h is 0. From now on it does
+  /// not move by itself.
+  virtual void follow(State& state, std::span<const Pose> poses, std::span<const uint8_t> given, double h,
+                      Workspace& workspace) const = 0;
+  /// At t (s) it moves by itself again. Its motion goes on where the skeleton is, turned about y and shifted
+  /// to it.
+  virtual void resume(State& state, double t, const PoseMatch& match, Workspace& workspace) const = 0;
+};
+
+struct RigPort {
+  std::span<const std::string> names;  ///< of joints
+  std::span<const animation::Joint> joints;
+  State::Column position = 0, orientation = 0;  ///< of joints, in the world
+  BodyPort bones;
+  std::span<const uint32_t> joint_of_bone;
+  std::span<const Pose> bone_in_joint;
+  std::span<const Vec3> skin;  ///< m, at rest
+  std::span<const animation::SkinWeights> weights;
+  std::span<const std::array<uint32_t, 3>> triangles;
+  std::span<const Pose> rest;  ///< of the joints, to which the skin belongs
+  const FollowsBones* follower = nullptr;
+};
+
+/// A system with a skeleton. Valid while the system lives.
+class Rigged {
+ public:
+  virtual ~Rigged() = default;
+  virtual RigPort rig() const = 0;
+};
+inline std::optional<RigPort> rig_of(const System& system) {
+  const auto* rigged = dynamic_cast<const Rigged*>(&system);
+  return rigged ? std::optional(rigged->rig()) : std::nullopt;
+}
+
+}  // namespace truestep

@@ -1,0 +1,70 @@
+// glTF 2.0 (Khronos 2017, ISO/IEC 12113): nodes with their places, meshes with skin weights and morph
+// targets, skins and animations, out of a .glb (a container of a JSON chunk and a binary one) or of a .gltf
+// whose buffers are data URIs. Not read: materials, cameras, sparse accessors, compressed meshes, files
+// beside it. What is wrong is a fault with the byte, or with the JSON pointer into the file's document.
+#pragma once
+#include <array>
+#include <cstdint>
+#include <span>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "engine/geometry/shape.h"
+
+namespace truestep {
+
+class GltfFault : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+struct GltfNode {
+  std::string name;
+  int32_t parent = -1, mesh = -1, skin = -1;
+  Pose local;
+  double scale = 1;  ///< even in all directions
+};
+
+struct GltfMesh {
+  std::string name;
+  std::vector<Vec3> positions;
+  std::vector<std::array<uint32_t, 3>> triangles;
+  std::vector<std::array<uint32_t, 4>> joints;  ///< numbers in the skin; empty without one
+  std::vector<std::array<double, 4>> weights;
+  std::vector<std::vector<Vec3>> targets;  ///< offsets of the positions
+  std::vector<std::string> target_names;   ///< empty, or one each
+};
+
+struct GltfSkin {
+  std::vector<uint32_t> joints;               ///< nodes
+  std::vector<std::array<double, 16>> binds;  ///< inverse bind matrices, columns; empty: identity
+};
+
+struct GltfChannel {
+  enum class Path : uint8_t { translation, rotation, scale, weights } path = Path::translation;
+  enum class Between : uint8_t { linear, step, cubic } between = Between::linear;
+  uint32_t node = 0;
+  std::vector<double> times;
+  std::vector<double> values;  ///< times (x 3 where cubic: slope in, value, slope out) x width
+  size_t width = 3;
+};
+struct GltfAnimation {
+  std::string name;
+  std::vector<GltfChannel> channels;
+};
+
+struct GltfModel {
+  std::vector<GltfNode> nodes;  ///< in the file's order; no cycles
+  std::vector<GltfMesh> meshes;
+  std::vector<GltfSkin> skins;
+  std::vector<GltfAnimation> animations;
+};
+
+/// Bytes of a .glb, or the text of a .gltf. Throws GltfFault.
+GltfModel read_gltf(std::span<const std::byte> bytes);
+/// Lines as a scene has them, broken anywhere: the text of a .gltf, or a .glb in base64. Throws GltfFault.
+GltfModel read_gltf(std::span<const std::string> lines);
+
+}  // namespace truestep

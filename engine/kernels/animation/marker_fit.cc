@@ -1,0 +1,193 @@
+#include "engine/kernels/animation/marker_fit.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace truestep::animation {
+
+namespace {
+
+constexpr uint32_t kShift = 3;  // freedoms 3 to 5 of the first joint: its shift
+constexpr double kHeld = 1e-8;  // m^2: a radian from the start counts as a tenth of a millimetre of a marker
+
+Vec3 axis_of(size_t k) {
+  return {k == 0 ? 1.0 : 0.0, k == 1 ? 1.0 : 0.0, k == 2 ? 1.0 : 0.0};
+}
+
+class Fit {
+ public:
+  Fit(std::span<const Joint> joints, std::span<const MarkerPlacement> markers, std::span<const Vec3> places,
+      std::span<const uint8_t> seen, std::span<JointMotion> motion, MarkerWork& w)
+      : joints_(joints), markers_(markers), places_(places), seen_(seen), motion_(motion), w_(w) {
+    w.joint_of.clear(), w.freedom_of.clear();
+    for (uint32_t k = 0; k < 3; ++k) w.joint_of.push_back(0), w.freedom_of.push_back(kShift + k);
+    for (uint32_t j = 0; j < joints.size(); ++j) {
+      for (uint32_t k = 0; k < freedoms(joints[j].kind); ++k)
+        w.joint_of.push_back(j), w.freedom_of.push_back(k);
+    }
+    n_ = w.joint_of.size();
+    w.normal.resize(n_ * n_), w.factor.resize(n_ * n_), w.gradient.resize(n_), w.step.resize(n_);
+    w.column.resize(3 * n_), w.pulled.assign(n_, 0);
+    w.poses.resize(joints.size()), w.tried_poses.resize(joints.size());
+    w.tried.assign(motion.begin(), motion.end());
+    forward_kinematics(joints, motion, {}, w.poses);
+  }
+  size_t freedoms_count() const { return n_; }
+
+  double squares(std::span<const Pose> poses) const {
+    double sum = 0;
+    for (size_t i = 0; i < markers_.size(); ++i) {
+      if (seen_[i]) sum += norm2(places_[i] - place(poses, i));
+    }
+    return sum;
+  }
+  /// J^T J and J^T r.
+  void differentiate() {
+    std::ranges::fill(w_.normal, 0.0);
+    std::ranges::fill(w_.gradient, 0.0);
+    for (size_t i = 0; i < markers_.size(); ++i) {
+      if (!seen_[i]) continue;
+      const Vec3 at = place(w_.poses, i), r = places_[i] - at;
+      // Columns of the freedoms on the marker's way, in their order.
+      on_way_.clear();
+      for (size_t c = n_; c-- > 0;) {
+        if (!is_above(w_.joint_of[c], markers_[i].joint)) continue;
+        const Joint& joint = joints_[w_.joint_of[c]];
+        const Pose& pose = w_.poses[w_.joint_of[c]];
+        Vec3 move;
+        if (w_.freedom_of[c] >= kShift) {
+          move = rotate(joints_[0].rest.orientation, axis_of(w_.freedom_of[c] - kShift));
+        } else {
+          const Vec3 axis = freedom_axis(joint, pose, w_.freedom_of[c]);
+          move = joint.kind == JointKind::prismatic ? axis : cross(axis, at - pose.position);
+        }
+        store3(w_.column.data(), c, move);
+        on_way_.push_back(static_cast<uint32_t>(c));
+        w_.gradient[c] += dot(move, r);
+      }
+      for (const uint32_t a : on_way_) {
+        const Vec3 ca = load3(w_.column.data(), a);
+        for (const uint32_t b : on_way_) {
+          if (b <= a) w_.normal[a * n_ + b] += dot(ca, load3(w_.column.data(), b));
+        }
+      }
+    }
+    // How far this is from where the fit began is in w_.pulled.
+    for (size_t c = 0; c < n_; ++c) {
+      const double held = w_.freedom_of[c] >= kShift ? 1e-2 * kHeld : kHeld;
+      w_.normal[c * n_ + c] += held, w_.gradient[c] -= held * w_.pulled[c];
+    }
+  }
+  double information(size_t c) const { return w_.normal[c * n_ + c] - kHeld; }
+
+  /// Squares after the damped step, which is tried.
+  double attempt(double damping) {
+    std::ranges::copy(w_.normal, w_.factor.begin());
+    for (size_t c = 0; c < n_; ++c) w_.factor[c * n_ + c] *= 1 + damping;
+    double* a = w_.factor.data();
+    double* y = w_.step.data();
+    std::ranges::copy(w_.gradient, w_.step.begin());
+    for (size_t r = 0; r < n_; ++r) {
+      for (size_t c = 0; c <= r; ++c) {
+        double s = a[r * n_ + c];
+        for (size_t k = 0; k < c; ++k) s -= a[r * n_ + k] * a[c * n_ + k];
+        a[r * n_ + c] = r == c ? std::sqrt(std::max(s, 1e-300)) : s / a[c * n_ + c];
+      }
+    }
+    for (size_t r = 0; r < n_; ++r) {
+      for (size_t k = 0; k < r; ++k) y[r] -= a[r * n_ + k] * y[k];
+      y[r] /= a[r * n_ + r];
+    }
+    for (size_t r = n_; r-- > 0;) {
+      for (size_t k = r + 1; k < n_; ++k) y[r] -= a[k * n_ + r] * y[k];
+      y[r] /= a[r * n_ + r];
+    }
+    constexpr double kLongest = 0.8;
+    double most = 0;
+    for (size_t c = 3; c < n_; ++c) most = std::max(most, std::abs(y[c]));
+    if (most > kLongest) {
+      for (size_t c = 3; c < n_; ++c) y[c] *= kLongest / most;
+    }
+    std::ranges::copy(motion_, w_.tried.begin());
+    for (size_t c = 0; c < n_; ++c) {
+      JointMotion& m = w_.tried[w_.joint_of[c]];
+      if (w_.freedom_of[c] >= kShift) {
+        (&m.shift.x)[w_.freedom_of[c] - kShift] += y[c];
+      } else if (joints_[w_.joint_of[c]].kind == JointKind::ball) {
+        m.turn = normalized(m.turn * free_rotation::turn({y[c], y[c + 1], y[c + 2]}));
+        c += 2;
+      } else {
+        m.value += y[c];
+      }
+    }
+    for (size_t j = 0; j < joints_.size(); ++j) apply_limits(joints_[j], w_.tried[j]);
+    forward_kinematics(joints_, w_.tried, {}, w_.tried_poses);
+    return squares(w_.tried_poses);
+  }
+  double accept() {
+    double most = 0;
+    for (size_t c = 0; c < n_; ++c) w_.pulled[c] += w_.step[c], most = std::max(most, std::abs(w_.step[c]));
+    std::ranges::copy(w_.tried, motion_.begin());
+    std::swap(w_.poses, w_.tried_poses);
+    return most;
+  }
+
+ private:
+  Vec3 place(std::span<const Pose> poses, size_t i) const {
+    const Pose& p = poses[markers_[i].joint];
+    return p.position + rotate(p.orientation, markers_[i].point);
+  }
+  bool is_above(uint32_t joint, uint32_t of) const {
+    auto j = static_cast<int32_t>(of);
+    while (j > static_cast<int32_t>(joint)) j = joints_[static_cast<size_t>(j)].parent;
+    return j == static_cast<int32_t>(joint);
+  }
+
+  std::span<const Joint> joints_;
+  std::span<const MarkerPlacement> markers_;
+  std::span<const Vec3> places_;
+  std::span<const uint8_t> seen_;
+  std::span<JointMotion> motion_;
+  MarkerWork& w_;
+  size_t n_ = 0;
+  std::vector<uint32_t> on_way_;
+};
+
+}  // namespace
+
+MarkerFit fit_markers(std::span<const Joint> joints, std::span<const MarkerPlacement> markers,
+                      std::span<const Vec3> places, std::span<const uint8_t> seen,
+                      std::span<JointMotion> motion, std::span<uint8_t> known, MarkerWork& w) {
+  constexpr int kMost = 100;
+  constexpr double kSettled = 1e-9;  // rad or m
+  Fit fit(joints, markers, places, seen, motion, w);
+  double e = fit.squares(w.poses), damping = 1e-3;
+  MarkerFit out;
+  bool settled = false;
+  while (out.iterations < kMost && !settled) {
+    fit.differentiate();
+    ++out.iterations;
+    settled = true;
+    for (int k = 0; k < 12; ++k) {
+      const double after = fit.attempt(damping);
+      if (after < e) {
+        settled = fit.accept() < kSettled || e - after < 1e-12 * e;
+        e = after, damping = std::max(0.1 * damping, 1e-12);
+        break;
+      }
+      damping *= 10;
+    }
+  }
+  fit.differentiate();
+  constexpr double kTold = 1e-6;  // m^2: a radian moves a marker by a millimetre
+  std::ranges::fill(known, uint8_t{0});
+  for (size_t c = 0; c < fit.freedoms_count(); ++c) {
+    if (w.freedom_of[c] < kShift && fit.information(c) > kTold) known[w.joint_of[c]] = 1;
+  }
+  size_t count = 0;
+  for (const uint8_t s : seen) count += s;
+  out.error = count > 0 ? std::sqrt(e / static_cast<double>(count)) : 0;
+  return out;
+}
+
+}  // namespace truestep::animation

@@ -1,0 +1,41 @@
+// A recorded motion, whatever file it came from: joints as the file has them, and for every frame and joint
+// how it is turned and shifted from its rest.
+#pragma once
+#include "engine/geometry/read/bvh.h"
+#include "engine/geometry/read/gltf.h"
+#include "engine/kernels/animation/skinning.h"
+
+namespace truestep::skeleton {
+
+struct RecordedJoint {
+  std::string name;
+  int32_t parent = -1;
+  Vec3 offset;              ///< the file's unit, in the parent's frame
+  Quat rest;                ///< in the parent's frame
+  std::optional<Vec3> end;  ///< of its bone where no joint follows
+  bool moves = false;       ///< whether the file says where it is
+};
+
+struct Recording {
+  std::vector<RecordedJoint> joints;  ///< parents first
+  size_t frames = 0;
+  double frame_time = 1.0 / 30;  ///< s
+  std::vector<Quat> turns;       ///< frames x joints, from rest
+  std::vector<Vec3> shifts;      ///< frames x joints, in the joint's frame at rest, the file's unit
+  std::vector<double> values;    ///< frames x joints, of hinges and slides; empty where the file has none
+};
+
+Recording recording_of(const BvhMotion& motion);
+/// The joints of the file's first skin (without one, all nodes that move or have moved children) and one of
+/// its animations, by name or the first, sampled at `rate` (1/s). Throws GltfFault.
+Recording recording_of(const GltfModel& model, const std::string& animation, double rate);
+
+/// The mesh that follows the file's first skin, in the file's unit, in the pose that its joints have at rest.
+struct RecordedSkin {
+  std::vector<Vec3> vertices;
+  std::vector<animation::SkinWeights> weights;  ///< by joints of the recording
+  std::vector<std::array<uint32_t, 3>> triangles;
+};
+RecordedSkin skin_of(const GltfModel& model, const std::string& animation);
+
+}  // namespace truestep::skeleton
