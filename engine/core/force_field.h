@@ -16,7 +16,9 @@ namespace truestep {
 class BlockSparse;        // math/: matrix of small dense blocks
 class FieldLinearSolver;  // core/linear_solver.h
 class LaggedDissipation;  // core/lagged_dissipation.h
+class PointForces;        // core/point_forces.h
 class SofteningForces;    // core/softening_forces.h
+class StiffnessBound;     // core/stiffness_bound.h
 
 /// Where a right-hand side is evaluated. x and v are an integrator's stage values; the rest of the state
 /// (masses, rest lengths, drag targets ...) is the one at the step's start.
@@ -90,6 +92,8 @@ class ForceField {
   /// What else implicit methods may ask of this field, or null.
   virtual const LaggedDissipation* lagged_dissipation() const { return nullptr; }
   virtual const SofteningForces* softening_forces() const { return nullptr; }
+  virtual const StiffnessBound* stiffness_bound() const { return nullptr; }
+  virtual const PointForces* point_forces() const { return nullptr; }
 
   /// Largest angular frequency (1/s) and damping rate (1/s) of the linearised field, for step suggestions.
   struct Stiffness {

@@ -30,6 +30,7 @@ struct IntegratorOptions {
   double tolerance = 1e-6;          ///< adaptive methods: what the two below are where they are not given
   double newton_tolerance = 1e-10;  ///< implicit methods: relative residual at which Newton stops
   int max_newton_iterations = 200;
+  int descent_iterations = 10;  ///< projective_dynamics, vertex_block_descent: in one step
   /// Adaptive methods: the error of a step per unknown against absolute + relative |y|.
   std::optional<double> relative_tolerance = {}, absolute_tolerance = {};
   StructuralDamping damping = {};

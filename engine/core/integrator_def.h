@@ -10,7 +10,7 @@ struct IntegratorParams {
   std::string integrator;
   std::optional<double> tolerance, newton_tolerance, relative_tolerance, absolute_tolerance;
   std::optional<double> spectral_radius, newmark_beta, newmark_gamma;
-  std::optional<int> max_internal_steps;
+  std::optional<int> max_internal_steps, descent_iterations;
 
   IntegratorChoice choice() const {
     IntegratorChoice c;
@@ -22,6 +22,7 @@ struct IntegratorParams {
     if (newmark_beta) c.options.damping.newmark_beta = *newmark_beta;
     if (newmark_gamma) c.options.damping.newmark_gamma = *newmark_gamma;
     if (max_internal_steps) c.options.max_internal_steps = *max_internal_steps;
+    if (descent_iterations) c.options.descent_iterations = *descent_iterations;
     return c;
   }
 };
@@ -39,6 +40,7 @@ TableOf<D>& add_integrator_rows(TableOf<D>& table) {
   std::optional<double> D::*beta = &IntegratorParams::newmark_beta;
   std::optional<double> D::*gamma = &IntegratorParams::newmark_gamma;
   std::optional<int> D::*most = &IntegratorParams::max_internal_steps;
+  std::optional<int> D::*descents = &IntegratorParams::descent_iterations;
   return table
       .text("integrator", integrator, "time integration method; GET /v1/systems/{type} lists those that fit")
       .number(
@@ -60,7 +62,9 @@ TableOf<D>& add_integrator_rows(TableOf<D>& table) {
               "newmark: the same in the velocity; default 1/2, more damps and leaves order 1")
       .integer("max_internal_steps", most, between(1, 1e7),
                "adaptive methods: internal steps that one step may take before the run is given up; default "
-               "100000");
+               "100000")
+      .integer("descent_iterations", descents, between(1, 1e5),
+               "projective_dynamics, vertex_block_descent: iterations of a step; default 10");
 }
 
 }  // namespace truestep

@@ -12,7 +12,7 @@ std::span<const Integrator> integrators() {
   static const std::vector<Integrator> kTable = [] {
     std::vector<Integrator> all;
     for (const auto rows : {classical_rows(), composition_rows(), runge_kutta_rows(), second_order_rows(),
-                            implicit_rows(), stiff_rows(), cvode_rows()}) {
+                            implicit_rows(), descent_rows(), stiff_rows(), cvode_rows()}) {
       all.insert(all.end(), rows.begin(), rows.end());
     }
     return all;

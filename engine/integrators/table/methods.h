@@ -42,4 +42,10 @@ RefusalFunction refuses_without_jacobian;                      // implicit.cc
 PrepareFunction prepare_implicit_euler;                        // implicit.cc
 ObserveFunction observe_implicit_euler;                        // implicit.cc
 
+StepFunction step_projective_dynamics;         // projective_dynamics.cc
+RefusalFunction refuses_without_bound;         // projective_dynamics.cc
+StepFunction step_vertex_block_descent;        // vertex_block_descent.cc
+PrepareFunction prepare_vertex_block_descent;  // vertex_block_descent.cc
+RefusalFunction refuses_without_point_forces;  // vertex_block_descent.cc
+
 }  // namespace truestep

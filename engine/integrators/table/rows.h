@@ -14,6 +14,7 @@ std::span<const Integrator> runge_kutta_rows();
 std::span<const Integrator> second_order_rows();
 std::span<const Integrator> implicit_rows();
 std::span<const Integrator> stiff_rows();
+std::span<const Integrator> descent_rows();
 std::span<const Integrator> cvode_rows();
 
 }  // namespace truestep

@@ -232,6 +232,34 @@ void BlockLdlt::solve_blocks(std::span<const double> b, std::span<double> x) {
   }
 }
 
+void BlockLdlt::solve_three(std::span<const double> b, std::span<double> x) {
+  if (block_size_ != 1) throw Error("bad_pattern", "three right-hand sides are for blocks of one number");
+  if (rhs_.size() < 4 * n_) rhs_.resize(4 * n_);
+  double* y = rhs_.data();
+  for (size_t k = 0; k < n_; ++k) {
+    const double* from = b.data() + 3 * size_t{order_[k]};
+    y[4 * k] = from[0], y[4 * k + 1] = from[1], y[4 * k + 2] = from[2], y[4 * k + 3] = 0;
+  }
+  for (size_t i = 0; i < n_; ++i) {
+    const Lanes4 yi = Lanes4::load(y + 4 * i);
+    for (size_t p = column_begin_[i]; p < column_begin_[i + 1]; ++p) {
+      double* to = y + 4 * size_t{column_row_[p]};
+      Lanes4::load(to).minus(yi, lower_[p]).store(to);
+    }
+  }
+  for (size_t i = n_; i-- > 0;) {
+    Lanes4 sum = Lanes4::zero().plus(Lanes4::load(y + 4 * i), inverse_[i]);
+    for (size_t p = column_begin_[i]; p < column_begin_[i + 1]; ++p) {
+      sum = sum.minus(Lanes4::load(y + 4 * size_t{column_row_[p]}), lower_[p]);
+    }
+    sum.store(y + 4 * i);
+  }
+  for (size_t k = 0; k < n_; ++k) {
+    double* to = x.data() + 3 * size_t{order_[k]};
+    to[0] = y[4 * k], to[1] = y[4 * k + 1], to[2] = y[4 * k + 2];
+  }
+}
+
 BlockLdlt::Outcome BlockLdlt::factorize(const BlockSparse& a) {
   analyze(a);
   return block_size_ == 1 ? factorize_blocks<1>(a) : factorize_blocks<3>(a);

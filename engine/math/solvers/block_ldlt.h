@@ -26,6 +26,8 @@ class BlockLdlt {
   Outcome factorize(const BlockSparse& a);
   /// x = A^-1 b after a factorisation that was not singular; x may be b.
   void solve(std::span<const double> b, std::span<double> x);
+  /// Three right-hand sides of a matrix of single numbers at once, row by row: b and x are 3 per row.
+  void solve_three(std::span<const double> b, std::span<double> x);
 
  private:
   template <int B>

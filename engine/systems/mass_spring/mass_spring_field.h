@@ -10,7 +10,9 @@
 #include "engine/core/build.h"
 #include "engine/core/force_field.h"
 #include "engine/core/lagged_dissipation.h"
+#include "engine/core/point_forces.h"
 #include "engine/core/softening_forces.h"
+#include "engine/core/stiffness_bound.h"
 #include "engine/core/user_forces.h"
 #include "engine/kernels/bending.h"
 #include "engine/kernels/spring.h"
@@ -41,7 +43,11 @@ struct MassSpringColumns {
                                      {drag_row, drag_target, drag_stiffness}};
 };
 
-class MassSpringField final : public ForceField, public LaggedDissipation, public SofteningForces {
+class MassSpringField final : public ForceField,
+                              public LaggedDissipation,
+                              public SofteningForces,
+                              public StiffnessBound,
+                              public PointForces {
  public:
   MassSpringField(const MassSpringDef& def, const BuildContext& context);
 
@@ -83,6 +89,16 @@ class MassSpringField final : public ForceField, public LaggedDissipation, publi
   Lengths shift(const Phase& at, State& state, double share, Evaluation& e) const override;
   void restore(State& state, Evaluation& e) const override;
 
+  const StiffnessBound* stiffness_bound() const override { return this; }
+  const PointForces* point_forces() const override { return this; }
+  /// Bends count as at the start, the air not at all.
+  void bound_pattern(BlockSparse& out) const override;
+  void bound(const State& state, double h, BlockSparse& out) const override;
+  const PointColours& colours() const override { return colours_; }
+  Vec3 free_acceleration(const State& state) const override;
+  void point_slopes(const Phase& at, std::span<const double> x_lagged, double h,
+                    std::span<const uint32_t> points, std::span<PointSlope> out) const override;
+
   const Network& network() const { return network_; }
   const SpringSchedule& schedule() const { return schedule_; }
   const std::vector<double>& masses() const { return masses_; }
@@ -121,6 +137,9 @@ class MassSpringField final : public ForceField, public LaggedDissipation, publi
   void hand_forces(const Rows& rows, const State& state, const Scratch& s, Forces which) const;
   void build_rows();
   void build_bends(const BlockSparse& pattern);
+  void colour_points();
+  void air_slope(const Phase& at, std::span<const double> x_lagged, double h, size_t i,
+                 PointSlope& out) const;
   void add_bending_slopes(const Phase& at, BlockSparse& dfdx, BendSlope slope) const;
   Vec3 wind_at(const Phase& at) const;
 
@@ -158,6 +177,7 @@ class MassSpringField final : public ForceField, public LaggedDissipation, publi
   std::vector<std::array<uint32_t, 9>> bend_slots_;  // of the blocks (corner, corner)
   std::vector<uint32_t> point_triangles_begin_;
   std::vector<PointTriangle> point_triangles_;  // triangles at every point
+  PointColours colours_;
 };
 
 }  // namespace truestep::mass_spring

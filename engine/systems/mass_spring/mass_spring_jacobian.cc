@@ -77,6 +77,7 @@ void MassSpringField::build_rows() {
       for (size_t k = 0; k < 3; ++k) entry.slots[k] = pattern.slot(p, corners[k]);
     }
   }
+  colour_points();
 }
 
 void MassSpringField::build_bends(const BlockSparse& pattern) {

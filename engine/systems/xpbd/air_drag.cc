@@ -4,18 +4,26 @@
 
 namespace truestep::xpbd {
 
-AirDrag::AirDrag(const Body& body, const AirOptions& options, double thickness)
-    : options_(options), triangles_(body.triangles), begin_(body.x.size() + 1) {
-  for (const auto& t : triangles_) {
-    for (const uint32_t p : t) ++begin_[p + 1];
+void AirFaces::build(std::span<const uint32_t> corners, size_t rows) {
+  triangles.resize(corners.size() / 3), at.resize(corners.size());
+  // Counted two places on, so that `begin` is right when the lists have been filled.
+  begin.assign(rows + 2, 0);
+  for (const uint32_t p : corners) ++begin[p + 2];
+  for (size_t i = 2; i < begin.size(); ++i) begin[i] += begin[i - 1];
+  for (uint32_t f = 0; f < triangles.size(); ++f) {
+    for (uint32_t k = 0; k < 3; ++k) {
+      const uint32_t p = triangles[f][k] = corners[3 * f + k];
+      at[begin[p + 1]++] = f;
+    }
   }
-  for (size_t i = 1; i < begin_.size(); ++i) begin_[i] += begin_[i - 1];
-  at_.resize(begin_.back());
-  auto next = begin_;
-  for (uint32_t f = 0; f < triangles_.size(); ++f) {
-    for (const uint32_t p : triangles_[f]) at_[next[p]++] = f;
+  begin.pop_back();
+}
+
+AirDrag::AirDrag(const Body& body, const AirOptions& options, double thickness) : options_(options) {
+  if (!body.triangles.empty()) {
+    faces_.build({body.triangles.front().data(), 3 * body.triangles.size()}, body.x.size());
+    return;
   }
-  if (!triangles_.empty()) return;
   // Every point carries half of the links beside it.
   section_.assign(body.x.size(), 0);
   for (const Link& l : body.links) {
@@ -25,7 +33,8 @@ AirDrag::AirDrag(const Body& body, const AirOptions& options, double thickness)
 
 template <class T>
 void AirDrag::blow(const Vec3& wind, const Vec3& gravity, double h, const AirRows<T>& on,
-                   std::vector<Vec3>& impulses, const ThreadArena& arena) const {
+                   const AirFaces* torn, std::vector<Vec3>& impulses, const ThreadArena& arena) const {
+  const AirFaces& faces = torn ? *torn : faces_;
   const double q = options_.factor;
   const auto weight = [&](uint32_t p) { return double{on.rows[4 * size_t{p} + 3]}; };
   // Gravity comes with the same step, so that a terminal velocity is that of the balance.
@@ -42,7 +51,7 @@ void AirDrag::blow(const Vec3& wind, const Vec3& gravity, double h, const AirRow
     T* v = on.velocity + 4 * size_t{p};
     v[0] += static_cast<T>(by.x), v[1] += static_cast<T>(by.y), v[2] += static_cast<T>(by.z);
   };
-  if (triangles_.empty()) {
+  if (faces.triangles.empty()) {
     arena.for_blocks(section_.size(), kBlockRows, [&](size_t begin, size_t end) {
       for (size_t i = begin; i < end; ++i) {
         const auto p = static_cast<uint32_t>(i);
@@ -55,11 +64,11 @@ void AirDrag::blow(const Vec3& wind, const Vec3& gravity, double h, const AirRow
     return;
   }
   // A point gives way to all its triangles, which push about as this one does.
-  const auto gives = [&](uint32_t p) { return weight(p) * (begin_[p + 1] - begin_[p]); };
-  impulses.resize(triangles_.size());
-  arena.for_blocks(triangles_.size(), kBlockRows, [&](size_t begin, size_t end) {
+  const auto gives = [&](uint32_t p) { return weight(p) * (faces.begin[p + 1] - faces.begin[p]); };
+  impulses.resize(faces.triangles.size());
+  arena.for_blocks(faces.triangles.size(), kBlockRows, [&](size_t begin, size_t end) {
     for (size_t f = begin; f < end; ++f) {
-      const auto [a, b, c] = triangles_[f];
+      const auto [a, b, c] = faces.triangles[f];
       const Vec3 x = place(a), area2 = cross(place(b) - x, place(c) - x);
       const Vec3 u = wind - (velocity(a) + velocity(b) + velocity(c)) * (1.0 / 3);
       const double yields =
@@ -67,18 +76,18 @@ void AirDrag::blow(const Vec3& wind, const Vec3& gravity, double h, const AirRow
       impulses[f] = air::plate_force(area2, u, q) * (h / 3 / (1 + yields));
     }
   });
-  arena.for_blocks(begin_.size() - 1, kBlockRows, [&](size_t begin, size_t end) {
+  arena.for_blocks(faces.begin.size() - 1, kBlockRows, [&](size_t begin, size_t end) {
     for (size_t i = begin; i < end; ++i) {
       Vec3 sum;
-      for (uint32_t k = begin_[i]; k < begin_[i + 1]; ++k) sum += impulses[at_[k]];
+      for (uint32_t k = faces.begin[i]; k < faces.begin[i + 1]; ++k) sum += impulses[faces.at[k]];
       add(static_cast<uint32_t>(i), sum);
     }
   });
 }
 
-template void AirDrag::blow(const Vec3&, const Vec3&, double, const AirRows<float>&, std::vector<Vec3>&,
-                            const ThreadArena&) const;
-template void AirDrag::blow(const Vec3&, const Vec3&, double, const AirRows<double>&, std::vector<Vec3>&,
-                            const ThreadArena&) const;
+template void AirDrag::blow(const Vec3&, const Vec3&, double, const AirRows<float>&, const AirFaces*,
+                            std::vector<Vec3>&, const ThreadArena&) const;
+template void AirDrag::blow(const Vec3&, const Vec3&, double, const AirRows<double>&, const AirFaces*,
+                            std::vector<Vec3>&, const ThreadArena&) const;
 
 }  // namespace truestep::xpbd

@@ -24,23 +24,32 @@ struct AirRows {
   T* velocity;
 };
 
+/// Triangles and, of every row, those that it belongs to.
+struct AirFaces {
+  std::vector<std::array<uint32_t, 3>> triangles;
+  std::vector<uint32_t> begin, at;
+
+  /// `corners`: three rows a triangle. Allocates when there are more rows than ever before.
+  void build(std::span<const uint32_t> corners, size_t rows);
+};
+
 class AirDrag {
  public:
   AirDrag(const Body& body, const AirOptions& options, double thickness);
 
   /// What air at velocity `wind` makes of velocities in h seconds, beside gravity: the force at the start,
   /// lessened by what it would itself take from the motion (one Newton step of implicit Euler), so that it
-  /// slows light cloth without turning it round. `impulses`: scratch.
+  /// slows light cloth without turning it round. `torn`: the faces where they are not those of the start, or
+  /// null. `impulses`: scratch.
   template <class T>
-  void blow(const Vec3& wind, const Vec3& gravity, double h, const AirRows<T>& on,
+  void blow(const Vec3& wind, const Vec3& gravity, double h, const AirRows<T>& on, const AirFaces* torn,
             std::vector<Vec3>& impulses, const ThreadArena& arena) const;
   const AirOptions& options() const { return options_; }
 
  private:
   AirOptions options_;
-  std::vector<std::array<uint32_t, 3>> triangles_;
-  std::vector<uint32_t> begin_, at_;  // triangles of every point
-  std::vector<double> section_;       // m^2 per point; empty where there are triangles
+  AirFaces faces_;
+  std::vector<double> section_;  // m^2 per point; empty where there are triangles
 };
 
 }  // namespace truestep::xpbd

@@ -74,21 +74,24 @@ std::vector<double> build_grid(const ClothGridShape& shape, const XpbdDef& def, 
   const double cell = norm(cross(shape.edge_u, shape.edge_v)) / ((shape.nx - 1.0) * (shape.ny - 1.0));
   const auto nx = static_cast<uint32_t>(shape.nx), last = static_cast<uint32_t>(shape.ny - 1) * nx;
   const auto add = [&](Family family, int di, int dj, double weight) {
-    if (def.youngs_modulus && !(weight > 0)) return;
+    const bool rods = def.youngs_modulus && !is_membrane(def);
+    if (rods && !(weight > 0)) return;
     for (const auto& [a, b] : grid_pairs(shape, di, dj)) {
       const double length = norm(out.x[b] - out.x[a]);
       // A link on the border has a cell on one side only.
       const bool border =
           (dj == 0 && (a < nx || a >= last)) || (di == 0 && (a % nx == 0 || a % nx == nx - 1));
-      const double factor =
-          def.youngs_modulus ? membrane(weight, def.thickness, border ? cell / 2 : cell, length * length) : 1;
+      const double factor = rods ? membrane(weight, def.thickness, border ? cell / 2 : cell, length * length)
+                            : is_membrane(def) ? def.thickness
+                                               : 1;
       out.links.push_back({a, b, family, def.rest_scale * length, factor});
     }
   };
   add(Family::structural, 1, 0, w.u);
   add(Family::structural, 0, 1, w.v);
-  const bool shear = def.youngs_modulus || (def.shear_stiffness > 0 && shape.shear != ShearSprings::none);
-  const bool both = def.youngs_modulus || shape.shear == ShearSprings::both;
+  const bool modulus = def.youngs_modulus && !is_membrane(def);
+  const bool shear = modulus || (def.shear_stiffness > 0 && shape.shear != ShearSprings::none);
+  const bool both = modulus || shape.shear == ShearSprings::both;
   if (shear) add(Family::shear, 1, 1, w.diagonal);
   if (shear && both) add(Family::shear, -1, 1, w.diagonal);
   if (def.flexural_rigidity > 0) {
@@ -127,11 +130,12 @@ std::vector<double> build_mesh(const MeshShape& shape, const XpbdDef& def, Body&
   out.x = shape.vertices;
   out.triangles = mesh_triangles(shape);
   const auto edges = sorted_edges(out.triangles);
+  const double factor = is_membrane(def) ? def.thickness : 1;
   for (size_t i = 0; i < edges.size(); ++i) {
     const auto& e = edges[i];
     if (i > 0 && edges[i - 1][0] == e[0] && edges[i - 1][1] == e[1]) continue;
     out.links.push_back(
-        {e[0], e[1], Family::structural, def.rest_scale * norm(out.x[e[1]] - out.x[e[0]]), 1});
+        {e[0], e[1], Family::structural, def.rest_scale * norm(out.x[e[1]] - out.x[e[0]]), factor});
   }
   if (def.flexural_rigidity > 0) add_hinges(edges, out);
   return mesh_shares(shape);
@@ -182,6 +186,19 @@ void multiply(const std::vector<CopyDef>& copies, std::vector<double>& share, Bo
   }
 }
 
+/// Triangles without area make no membrane.
+void build_sheet(const XpbdDef& def, Body& out) {
+  const double scale = def.rest_scale;
+  for (const auto& t : out.triangles) {
+    const Vec3 e1 = (out.x[t[1]] - out.x[t[0]]) * scale, e2 = (out.x[t[2]] - out.x[t[0]]) * scale;
+    const double area2 = norm(cross(e1, e2)), l1 = norm(e1);
+    if (!(area2 > 0)) continue;
+    // In the plane e1 = (l1, 0), e2 = (c, area2 / l1).
+    const double c = dot(e1, e2) / l1;
+    out.sheet.push_back({t, 0.5 * area2 * def.thickness, {1 / l1, -c / area2, 0, l1 / area2}});
+  }
+}
+
 void add_named_pins(const XpbdDef& def, const std::string& name, Body& out) {
   const auto n = static_cast<uint32_t>(out.x.size());
   if (def.cloth_grid) {
@@ -206,6 +223,11 @@ void add_named_pins(const XpbdDef& def, const std::string& name, Body& out) {
 
 }  // namespace
 
+std::array<Vec3, 2> deformation(const SheetTriangle& t, const double* x) {
+  const Vec3 o = load3(x, t.points[0]), e1 = load3(x, t.points[1]) - o, e2 = load3(x, t.points[2]) - o;
+  return {e1 * t.inverse[0] + e2 * t.inverse[2], e1 * t.inverse[1] + e2 * t.inverse[3]};
+}
+
 Body build_body(const XpbdDef& def, const Vec3& down) {
   Body out;
   std::vector<double> share;
@@ -217,6 +239,7 @@ Body build_body(const XpbdDef& def, const Vec3& down) {
   if (def.block) share = build_block(*def.block, def, out);
 
   multiply(def.copies, share, out);
+  if (is_membrane(def)) build_sheet(def, out);
 
   // A vertex of no triangle has no share: it gets the mass of a point instead.
   for (const double s : share) out.masses.push_back(def.density && s > 0 ? s * *def.density : def.mass);

@@ -47,6 +47,14 @@ struct Tetrahedron {
   Mat3 inverse;  ///< 1/m, of the edges from the first point as columns, at rest
 };
 
+/// Of a membrane.
+struct SheetTriangle {
+  std::array<uint32_t, 3> points;
+  double volume;  ///< m^3, area at rest times thickness
+  std::array<double, 4>
+      inverse;  ///< 1/m, of the edges from the first point in their plane at rest, row by row
+};
+
 struct Body {
   std::vector<Vec3> x;           ///< m
   size_t capacity = 0;           ///< rows that there can be: points, and what comes of them by tearing
@@ -57,11 +65,14 @@ struct Body {
   std::vector<LinearBend<4>> hinges;
   std::vector<AngleBend> angles;
   std::vector<Tetrahedron> tetrahedra;
+  std::vector<SheetTriangle> sheet;
   std::vector<std::array<uint32_t, 3>> triangles;
   std::vector<uint32_t> pins;  ///< ascending, each once
   std::array<double, kFamilies> stiffness{};
 };
 
+/// F of a triangle at places x, column by column.
+std::array<Vec3, 2> deformation(const SheetTriangle& t, const double* x);
 /// `down` is the direction in which a slack rope sags.
 Body build_body(const XpbdDef& def, const Vec3& down);
 

@@ -182,6 +182,7 @@ Schedule::Schedule(const Body& body, Sweep sweep, int lanes, const TearSurface* 
   angles = schedule_set<4>(n, body.angles.size(), 1, rows, [&](uint32_t k) { return body.angles[k].points; });
   volumes = schedule_set<4>(n, body.tetrahedra.size(), wide, rows,
                             [&](uint32_t k) { return body.tetrahedra[k].points; });
+  sheet = schedule_set<3>(n, body.sheet.size(), wide, rows, [&](uint32_t k) { return body.sheet[k].points; });
   if (!tears) return;
   for (uint32_t k = 0; k < body.links.size(); ++k) {
     for (uint32_t i = 0; i < tears->sides(k); ++i) strand_of.push_back({k, i});

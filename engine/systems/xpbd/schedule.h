@@ -47,7 +47,7 @@ struct Schedule {
   int lanes;
   size_t rows;  ///< points, and behind them one row without inverse mass a batch that has padded lanes
   ChainSchedule chains;
-  SetSchedule rods, hinges, angles, volumes;
+  SetSchedule rods, hinges, angles, volumes, sheet;
   ChainSchedule strands;                           ///< of single links: what may come of each by tearing
   std::vector<std::array<uint32_t, 2>> strand_of;  ///< link and side of a strand
   size_t spare_rows = 0;                           ///< a row without inverse mass for every batch of strands

@@ -19,8 +19,6 @@ namespace {
 // Substeps that tension may ask for in a step, and the q that it may reach: 2 is the limit of stability.
 constexpr int kMostSubsteps = 1000;
 constexpr double kMostQ = 0.5;
-// Links, lanes together, that a task is worth.
-constexpr size_t kTaskLinks = 4096;
 
 }  // namespace
 
@@ -53,7 +51,8 @@ void Solver<T>::blow(const SolverInput& what, const State& s, const StepInput& i
   const AirOptions& air = what.air->options();
   const Vec3 wind = air::gusty(load3(s.f64(Columns::wind).data(), 0), air.gust, air.gust_period, t);
   const AirRows<T> on{s.f64(Columns::position).data(), rows_.data(), velocity_.data()};
-  what.air->blow(wind, load3(s.f64(Columns::gravity).data(), 0), h, on, blows_, in.arena);
+  what.air->blow(wind, load3(s.f64(Columns::gravity).data(), 0), h, on, what.tears ? &torn_faces_ : nullptr,
+                 blows_, in.arena);
 }
 
 template <class T>
@@ -96,16 +95,6 @@ void Solver<T>::hold_drags(const State& s, double h) {
 }
 
 template <class T>
-template <class Solve>
-void Solver<T>::each_batch(const SetSchedule& schedule, const StepInput& in, const Solve& solve) {
-  for (const Colour& c : schedule.colours) {
-    in.arena.for_blocks(c.end - c.begin, kTaskLinks / 8, [&](size_t begin, size_t end) {
-      for (size_t b = c.begin + begin; b < c.begin + end; ++b) solve(b);
-    });
-  }
-}
-
-template <class T>
 double Solver<T>::solve_chain_colours(const SolverInput& what, const StepInput& in, double h) {
   const ChainSchedule& chains = what.schedule.chains;
   const auto lanes = static_cast<size_t>(what.schedule.lanes);
@@ -139,7 +128,7 @@ double Solver<T>::iterate(const SolverInput& what, const State& s, const StepInp
   T* rows = rows_.data();
   double q = 0;
   if (keeps_) {
-    for (Column<T>* lambda : {&lambda_, &rods_.lambda, &hinges_.lambda, &volumes_.lambda}) {
+    for (Column<T>* lambda : {&lambda_, &rods_.lambda, &hinges_.lambda, &volumes_.lambda, &sheet_.lambda}) {
       std::fill(lambda->begin(), lambda->end(), T(0));
     }
   }
@@ -188,10 +177,11 @@ double Solver<T>::iterate(const SolverInput& what, const State& s, const StepInp
     }
     if (k == 0) hold_drags(s, h);
     const T strands = what.tears ? strands_.solve(per, before_.data(), relax_, rows, in.arena) : T(0);
-    q = std::max<double>(strands, solve_chain_colours(what, in, h));
+    q = std::max<double>({strands, solve_chain_colours(what, in, h), solve_sheet(what, in, h)});
     if constexpr (std::is_same_v<T, double>) {
       if (!what.rods.empty()) q = std::max(q, cosserat_.solve(what.rods, h, rows, in.arena));
     }
+    hold_tethers(what, s, in);
   }
   return q;
 }

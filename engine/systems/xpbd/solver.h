@@ -23,6 +23,7 @@
 #include "engine/systems/xpbd/rod_solver.h"
 #include "engine/systems/xpbd/schedule.h"
 #include "engine/systems/xpbd/self_contacts.h"
+#include "engine/systems/xpbd/tether.h"
 #include "engine/systems/xpbd/torn_links.h"
 
 namespace truestep::xpbd {
@@ -33,8 +34,10 @@ struct SolverOptions {
   enum class Division : uint8_t { fixed, by_tension } division = Division::fixed;
   double projection = 1;
   std::optional<double> poisson_ratio;  ///< of tetrahedra that are elastic; absent: their volume is kept
-  double radius = 0;                    ///< m, kept from colliders
-  double shortest_link = 1;             ///< m
+  Membrane membrane = Membrane::links;
+  double sheet_ratio = 0.3;  ///< Poisson's, of a membrane
+  double radius = 0;         ///< m, kept from colliders
+  double shortest_link = 1;  ///< m
   SelfOptions self;
 };
 
@@ -50,10 +53,13 @@ struct SolverInput {
   const RodSet& rods;
   const TearSurface* tears;  ///< null: nothing tears
   const MatchSet& matches;
+  std::span<const Tether> tethers;
 };
 
 /// Links of a chain up to which the scratch of a batch lies on the stack, in the first cache.
 inline constexpr uint32_t kShortChain = 128;
+/// Links, lanes together, that a task is worth.
+inline constexpr size_t kTaskLinks = 4096;
 
 /// Scratch of one system: constants packed lane by lane, which follow from the state's stiffnesses and the
 /// step, and what lives for a step only.
@@ -87,6 +93,11 @@ class Solver {
   void load_bends(const SetSchedule& schedule, const Bends& bends, const double* x, Set& out) const;
   void pack_volumes(const SolverInput& what, const State& state);
   void load_volumes(const SolverInput& what, const double* x);
+  void pack_sheet(const SolverInput& what, const State& state);
+  void load_sheet(const SolverInput& what, const double* x);
+  /// The largest q.
+  double solve_sheet(const SolverInput& what, const StepInput& in, double h);
+  void hold_tethers(const SolverInput& what, const State& state, const StepInput& in);
   void store(const SolverInput& what, State& state, const StepInput& in) const;
   void remember_velocities(const StepInput& in);
   /// Inverse masses under viscous damping c, 1 / (m + h c): what an implicit Euler step makes of -c v.
@@ -119,8 +130,8 @@ class Solver {
 
   Column<T> rows_, before_, velocity_;  // 4 a row: (dx, dy, dz, inverse mass), (vx, vy, vz, -)
   Column<T> rest_, compliance_, damping_, lambda_, base_;
-  std::vector<T> q_;  // per batch of chains
-  Set rods_, hinges_, volumes_;
+  std::vector<T> q_, sheet_q_;  // per batch of chains, of triangles
+  Set rods_, hinges_, volumes_, sheet_;
   std::vector<double> angle_lambda_;
   std::vector<uint8_t> angle_torn_;
   TornLinks<T> strands_;
@@ -131,7 +142,18 @@ class Solver {
   RodSolver cosserat_;
   MatchSolver matcher_;
   std::vector<Vec3> blows_;  // N s, per triangle
+  AirFaces torn_faces_;      // of a cloth that tears
 };
+
+template <class T>
+template <class Solve>
+void Solver<T>::each_batch(const SetSchedule& schedule, const StepInput& in, const Solve& solve) {
+  for (const Colour& c : schedule.colours) {
+    in.arena.for_blocks(c.end - c.begin, kTaskLinks / 8, [&](size_t begin, size_t end) {
+      for (size_t b = c.begin + begin; b < c.begin + end; ++b) solve(b);
+    });
+  }
+}
 
 extern template class Solver<float>;
 extern template class Solver<double>;

@@ -134,11 +134,16 @@ void Solver<T>::prepare(const SolverInput& what, const State& s) {
   for (size_t e = 0; e < angle_torn_.size(); ++e) {
     angle_torn_[e] = torn(what.body.angles[schedule.angles.member[e]].points);
   }
+  if (what.tears && what.air) {
+    torn_faces_.begin.reserve(what.body.capacity + 2);
+    torn_faces_.build(corners_, s.rows(Columns::position));
+  }
   if (what.tears) {
     strands_.pack(*what.tears, what.body, schedule, s, {stiffness, damping[1], soft_, keeps_});
   }
 
   pack_volumes(what, s);
+  pack_sheet(what, s);
   matcher_.prepare(what.matches, keeps_);
   if (what.colliders.empty() && !what.folds) return;
   for (auto* column : {&x_old_, &v_old_, &x_, &v_}) column->resize(3 * what.body.capacity);
@@ -211,6 +216,7 @@ void Solver<T>::load(const SolverInput& what, const State& s, const StepInput& i
   load_bends(what.schedule.rods, what.body.rods, x, rods_);
   load_bends(what.schedule.hinges, what.body.hinges, x, hinges_);
   load_volumes(what, x);
+  load_sheet(what, x);
 }
 
 template void Solver<float>::pack_volumes(const SolverInput&, const State&);

@@ -48,9 +48,14 @@ bool is_elastic(const XpbdDef& def) {
 /// What is solved by itself. Links of rods are solved with their frames; of what is matched or elastic they
 /// are edges alone.
 Body solved(Body body, const XpbdDef& def) {
-  if (def.rod || def.matching || is_elastic(def)) body.links.clear();
+  if (def.rod || def.matching || is_elastic(def) || is_membrane(def)) body.links.clear();
   if (def.matching) body.tetrahedra.clear();
   return body;
+}
+
+/// Whether constraints bear load at rest, so that what sweeps leave out is as stiff as the material.
+bool stiff_at_rest(const XpbdDef& def) {
+  return is_elastic(def) || (is_membrane(def) && def.membrane == Membrane::neo_hookean);
 }
 
 constexpr double kLongestSubstep = 1.0 / 600;  // s
@@ -64,16 +69,28 @@ struct Division {
 /// stiff as the material: h^2 V (mu + l) sum w |grad|^2 stays below kMostGeometric
 /// (kernels/xpbd/neo_hookean.h).
 double longest_elastic(const XpbdDef& def, const Body& body) {
-  if (!is_elastic(def)) return HUGE_VAL;
-  const double nu = def.poisson_ratio.value_or(0.3), mu = 0.5 * *def.youngs_modulus / (1 + nu);
+  const double nu = def.poisson_ratio.value_or(0.3);
   double most = 0;
+  constexpr double kMostGeometric = 4;  // measured: 8 bears everything from 1e2 to 1e9 Pa, 100 not
+  if (stiff_at_rest(def) && !is_elastic(def)) {
+    const double mu = 0.5 * *def.youngs_modulus / (1 + nu), l = mu * (1 + nu) / (1 - nu);
+    for (const SheetTriangle& t : body.sheet) {
+      const auto& b = t.inverse;
+      const Vec3 g[2] = {{b[0], b[1], 0}, {b[2], b[3], 0}};
+      double sum = norm2(g[0] + g[1]) / body.masses[t.points[0]];
+      for (size_t i = 0; i < 2; ++i) sum += norm2(g[i]) / body.masses[t.points[i + 1]];
+      most = std::max(most, t.volume * (mu + l) * sum);
+    }
+    return most > 0 ? std::sqrt(kMostGeometric / most) : HUGE_VAL;
+  }
+  if (!is_elastic(def)) return HUGE_VAL;
+  const double mu = 0.5 * *def.youngs_modulus / (1 + nu);
   for (const Tetrahedron& t : body.tetrahedra) {
     const Vec3 g[3] = {t.inverse.row(0), t.inverse.row(1), t.inverse.row(2)};
     double sum = norm2(g[0] + g[1] + g[2]) / body.masses[t.points[0]];
     for (size_t i = 0; i < 3; ++i) sum += norm2(g[i]) / body.masses[t.points[i + 1]];
     most = std::max(most, t.rest * (mu + mu / (1 - 2 * nu)) * sum);
   }
-  constexpr double kMostGeometric = 4;  // measured: 8 bears everything from 1e2 to 1e9 Pa, 100 not
   return std::sqrt(kMostGeometric / most);
 }
 
@@ -84,14 +101,14 @@ Division divide(const XpbdDef& def, const BuildContext& context, const Body& bod
   constexpr double kMost = 1000;
   const double longest = std::min(kLongestSubstep, longest_elastic(def, body));
   const double n = std::max(1.0, std::ceil(context.dt / longest * (1 - 1e-9)));
-  if (n > kMost && is_elastic(def)) {
-    const std::string message = "so stiff a block needs " + std::to_string(static_cast<int64_t>(n)) +
+  if (n > kMost && stiff_at_rest(def)) {
+    const std::string message = "so stiff a material needs " + std::to_string(static_cast<int64_t>(n)) +
                                 " substeps in a step, of at most 1000: make it softer, its cells larger or "
                                 "time.dt shorter, or use fem";
     throw Error("scene_invalid", "/youngs_modulus: " + message,
                 {{"/youngs_modulus", "too_stiff", message, std::to_string(*def.youngs_modulus), "", "", ""}});
   }
-  if (is_elastic(def)) return {static_cast<int>(n), fixed, "as short as its stiffness asks for"};
+  if (stiff_at_rest(def)) return {static_cast<int>(n), fixed, "as short as its stiffness asks for"};
   return {static_cast<int>(std::min(n, kMost)), by_tension,
           "and more while tension would turn links too far in one"};
 }
@@ -105,11 +122,14 @@ Xpbd::Xpbd(const XpbdDef& def, const BuildContext& context)
       damping_{def.damping, def.internal_damping},
       youngs_(def.youngs_modulus.has_value()),
       elastic_(is_elastic(def)),
+      membrane_(is_membrane(def)),
       cosserat_(def.rod.has_value()),
       precision_(def.precision),
       body_(build_body(def, normalized(context.gravity, {0, -1, 0}))),
       rods_(make_rods(def, body_)),
       matches_(def.matching ? build_matches(*def.matching, body_) : MatchSet{}),
+      tethers_(def.tether_slack ? build_tethers(body_, *def.tether_slack) : std::vector<Tether>{}),
+      attachments_(def.attachments),
       tears_(def.tear ? std::optional<TearSurface>(body_) : std::nullopt),
       schedule_(solved(body_, def), def.scheme == Scheme::pbd ? Sweep::links : def.sweep,
                 lanes_of(def.precision), tears_ ? &*tears_ : nullptr),
@@ -124,6 +144,7 @@ Xpbd::Xpbd(const XpbdDef& def, const BuildContext& context)
               .shortest_link = shortest_link(body_),
               .self = {.thickness = def.thickness, .friction = def.self_friction}};
   if (elastic_) options_.poisson_ratio = def.poisson_ratio.value_or(0.3);
+  if (membrane_) options_.membrane = def.membrane, options_.sheet_ratio = def.poisson_ratio.value_or(0.3);
   if (def.self_collision) folds_.emplace(body_);
   if (def.wind) {
     const AirOptions air{0.5 * def.air_density * def.drag_coefficient, def.gust, def.gust_period};
@@ -140,7 +161,7 @@ Xpbd::Xpbd(const XpbdDef& def, const BuildContext& context)
     rods_.spin = static_cast<State::Column>(rods_.orientation + 1);
   }
   if (tears_) {
-    const auto first = static_cast<State::Column>(Columns::wind);
+    const auto first = static_cast<State::Column>(Columns::wind + (def.wind ? 1 : 0));
     tears_->columns = {first, first + 1, first + 2};
     tear_limits_ = {def.tear->strain.value_or(HUGE_VAL), def.tear->force.value_or(HUGE_VAL)};
   }
@@ -184,7 +205,8 @@ void Xpbd::plan_stages(const XpbdDef& def, const std::string& why) {
                                air_ ? &*air_ : nullptr,
                                rods_,
                                tears_ ? &*tears_ : nullptr,
-                               matches_};
+                               matches_,
+                               tethers_};
         if (precision_ == Precision::f32) {
           in.workspace.object<Solver<float>>("xpbd.solver").step(what, s, in);
         } else {
@@ -195,6 +217,8 @@ void Xpbd::plan_stages(const XpbdDef& def, const std::string& why) {
     skip_stage("links", std::to_string(matches_.groups()) + " bodies are drawn to their shapes as a whole");
   }
   if (elastic_) skip_stage("links", "tetrahedra have a material");
+  if (membrane_) skip_stage("links", std::to_string(body_.sheet.size()) + " triangles have a material");
+  if (tethers_.empty()) skip_stage("tethers", "no tether_slack is given or nothing is held");
   if (tears_) {
     add_stage("tear",
               "links of " + std::to_string(body_.triangles.size()) + " triangles are looked at; at most " +
@@ -298,6 +322,11 @@ State Xpbd::initial_state() const {
   std::copy_n(body_.stiffness.data(), kFamilies, s.f64(Columns::stiffness).data());
   std::copy_n(damping_, 2, s.f64(Columns::damping).data());
   store3(s.f64(Columns::gravity).data(), 0, gravity_);
+  for (const AttachmentDef& a : attachments_) {
+    const auto p = static_cast<uint64_t>(a.point);
+    Columns::kHands.set_drag(s, p, a.target.value_or(body_.x[p]), a.stiffness.value_or(default_drag(s, p)),
+                             {});
+  }
   // Nothing is known yet of the tensions: as if the lightest point carried the whole weight on both sides.
   double weight = 0, lightest = HUGE_VAL;
   for (const double m : body_.masses) weight += m * norm(gravity_), lightest = std::min(lightest, m);

@@ -61,11 +61,14 @@ class Xpbd final : public StagedSystem {
   double damping_[2];
   bool youngs_;    // stiffnesses of links are moduli
   bool elastic_;   // tetrahedra are of a material, and there are no links
+  bool membrane_;  // triangles are of a material, and there are no links
   bool cosserat_;  // links are those of rods, whose moduli stay
   Precision precision_;
   Body body_;
   RodSet rods_;
   MatchSet matches_;
+  std::vector<Tether> tethers_;
+  std::vector<AttachmentDef> attachments_;
   std::optional<TearSurface> tears_;
   TearLimits tear_limits_;
   Schedule schedule_;

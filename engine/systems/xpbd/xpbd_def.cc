@@ -34,14 +34,15 @@ void check_rigidities(const XpbdDef& d, const DefTable::Report& report) {
   if (d.flexural_rigidity > 0 && !d.cloth_grid && !d.mesh) {
     report("/flexural_rigidity", "only cloth has one; of ropes and hair it is bending_rigidity");
   }
-  if (d.youngs_modulus && d.mesh) {
-    report("/youngs_modulus", "only ropes, hair, cloth grids and blocks have one; of a mesh give stiffness");
+  if (d.youngs_modulus && d.mesh && !is_membrane(d)) {
+    report("/youngs_modulus",
+           "only ropes, hair, cloth grids, blocks and membranes have one; of a mesh of links give stiffness");
   }
   if (d.youngs_modulus && !d.block && !(d.thickness > 0))
     report("/youngs_modulus", "needs a thickness above 0");
-  if (!d.cloth_grid || (!(d.flexural_rigidity > 0) && !d.youngs_modulus)) return;
+  if (!d.cloth_grid || (!(d.flexural_rigidity > 0) && (!d.youngs_modulus || is_membrane(d)))) return;
   if (const char* fault = plate_fault(*d.cloth_grid)) {
-    report(d.youngs_modulus ? "/youngs_modulus" : "/flexural_rigidity", fault);
+    report(d.youngs_modulus && !is_membrane(d) ? "/youngs_modulus" : "/flexural_rigidity", fault);
   }
 }
 
@@ -94,6 +95,7 @@ void check_def(const XpbdDef& d, const DefTable::Report& report) {
   check_rod(d, report);
   check_tear(d, report);
   check_soft(d, report);
+  check_sheet(d, report);
   check_self_collision(d, report);
   if (d.scheme == Scheme::xpbd && d.projection != 1) {
     report("/projection", "only the scheme pbd has one; of xpbd give stiffness");
@@ -105,6 +107,9 @@ void check_def(const XpbdDef& d, const DefTable::Report& report) {
     report(at, "there are only " + std::to_string(static_cast<int64_t>(counts.points)) + " points");
   };
   for (size_t i = 0; i < d.pins.size(); ++i) check_row("/pins/" + std::to_string(i), d.pins[i]);
+  for (size_t i = 0; i < d.attachments.size(); ++i) {
+    check_row("/attachments/" + std::to_string(i) + "/point", d.attachments[i].point);
+  }
   for (size_t i = 0; i < d.loads.size(); ++i) {
     check_row("/loads/" + std::to_string(i) + "/point", d.loads[i].point);
   }
@@ -174,7 +179,16 @@ const DefTable& xpbd_table() {
             "in place of both: of a rope or hair of round section, of a cloth grid with Poisson ratio 1/3, "
             "where thickness counts; of a block, which is then stable Neo-Hookean")
         .number("poisson_ratio", &D::poisson_ratio, "1", between(-0.9, 0.4999),
-                "of a block with youngs_modulus; default 0.3")
+                "of a block with youngs_modulus and of a membrane; default 0.3")
+        .choice("membrane", &D::membrane, {"links", "st_venant_kirchhoff", "neo_hookean"},
+                "what resists stretching in cloth: links between points, or triangles of a material with "
+                "youngs_modulus, poisson_ratio and thickness; with pbd st_venant_kirchhoff is strain-based "
+                "dynamics, which has no modulus")
+        .objects("attachments", &D::attachments, attachment_table(), {0, 100'000},
+                 "springs from points to places; release lets go of them")
+        .number("tether_slack", &D::tether_slack, "1", at_least(0),
+                "long-range attachments: no free point gets further from the nearest held one than the way "
+                "along links at rest times one plus this; absent: there are none")
         .object("rod", &D::rod, rod_table(),
                 "makes Cosserat rods of rope, helix or hair: they stretch, shear, bend and twist")
         .objects("copies", &D::copies, copy_table(), {0, 10'000},

@@ -14,6 +14,8 @@ namespace truestep::xpbd {
 enum class Scheme : uint8_t { xpbd, pbd };
 enum class Sweep : uint8_t { chains, links };
 enum class Precision : uint8_t { f64, f32 };
+/// What resists stretching and shearing in cloth; see kernels/xpbd/membrane.h.
+enum class Membrane : uint8_t { links, st_venant_kirchhoff, neo_hookean };
 
 /// Mass added to a point, as of something hung there.
 struct LoadDef {
@@ -40,6 +42,13 @@ struct RodDef {
 struct TearDef {
   std::optional<double> strain, force;  // 1, N
   std::optional<int64_t> most_splits;   // default: the number of points
+};
+
+/// A point held to a place by a spring.
+struct AttachmentDef {
+  int64_t point = 0;
+  std::optional<Vec3> target{};       // m; absent: where the point is at the start
+  std::optional<double> stiffness{};  // N/m; absent: that of a drag
 };
 
 /// One more body of a shape: turned about the origin, then moved.
@@ -69,10 +78,11 @@ struct XpbdDef {
   double stiffness = 10000;  // N/m
   double shear_stiffness = 1000;
   std::optional<double> youngs_modulus;  // Pa, instead of both
-  std::optional<double> poisson_ratio;   // of an elastic block
-  double bulk_modulus = 1e5;             // Pa, of a block
-  double bending_rigidity = 0;           // N m^2, EI of a rope or hair
-  double flexural_rigidity = 0;          // N m, D of cloth
+  std::optional<double> poisson_ratio;   // of an elastic block or a membrane
+  Membrane membrane = Membrane::links;
+  double bulk_modulus = 1e5;     // Pa, of a block
+  double bending_rigidity = 0;   // N m^2, EI of a rope or hair
+  double flexural_rigidity = 0;  // N m, D of cloth
   double rest_scale = 1;
   double damping = 0;           // N s/m per point
   double internal_damping = 0;  // N s/m per link
@@ -81,6 +91,8 @@ struct XpbdDef {
   std::vector<std::string> pinned;
   std::optional<RodDef> rod;
   std::optional<TearDef> tear;
+  std::vector<AttachmentDef> attachments;
+  std::optional<double> tether_slack;  // 1, of long-range attachments; absent: there are none
   std::optional<MatchDef> matching;
   std::optional<Vec3> wind;  // m/s
   double gust = 0, gust_period = 2;
@@ -107,6 +119,12 @@ const DefTable& copy_table();
 const DefTable& match_table();
 /// What copies, matching and the material of a block say against each other.
 void check_soft(const XpbdDef& def, const DefTable::Report& report);
+const DefTable& attachment_table();
+/// What membranes, attachments and tethers and the rest of the scene say against each other.
+void check_sheet(const XpbdDef& def, const DefTable::Report& report);
+inline bool is_membrane(const XpbdDef& def) {
+  return def.membrane != Membrane::links && (def.cloth_grid || def.mesh);
+}
 const DefTable& tear_table();
 void check_tear(const XpbdDef& def, const DefTable::Report& report);
 /// Names of the ends that this shape's rods have.

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "engine/kernels/xpbd/dihedral.h"
+#include "engine/kernels/xpbd/membrane.h"
 #include "engine/kernels/xpbd/neo_hookean.h"
 #include "engine/kernels/xpbd/volume.h"
 #include "engine/systems/xpbd/xpbd.h"
@@ -26,7 +27,7 @@ double Xpbd::elastic(const State& s) const {
     return e.x + e.y + e.z;
   }
   if (!matches_.empty()) return matches_.energy(x);
-  for (size_t k = 0; k < body_.links.size() && !elastic_; ++k) {
+  for (size_t k = 0; k < body_.links.size() && !elastic_ && !membrane_; ++k) {
     const Link& l = body_.links[k];
     for (size_t i = 0; i < strands(k); ++i) {
       const Strand strand = this->strand(s, k, i);
@@ -55,6 +56,12 @@ double Xpbd::elastic(const State& s) const {
     const Dihedral d = dihedral(load3(x, p[0]), load3(x, p[1]), load3(x, p[2]), load3(x, p[3]));
     const double c = turned(d.angle, b.rest);
     v += 0.5 * bending * b.factor * c * c;
+  }
+  for (const SheetTriangle& t : body_.sheet) {
+    const auto [f1, f2] = deformation(t, x);
+    const auto& energy =
+        options_.membrane == Membrane::neo_hookean ? neo_hookean_membrane : st_venant_kirchhoff_membrane;
+    v += stiffness_of(stiffness, Family::structural) * t.volume * energy(f1, f2, options_.sheet_ratio);
   }
   for (const Tetrahedron& t : body_.tetrahedra) {
     const auto& p = t.points;
@@ -120,8 +127,9 @@ Energy Xpbd::energies(const State& s) const {
   }
   // Of chains by themselves alone what they store is what they were given: where sweeps do not converge in a
   // substep, stiff links are stretched by what is left, and that energy is none of the motion's.
-  const bool alone = !cosserat_ && matches_.empty() && !elastic_ && schedule_.chains.colours.size() == 1 &&
-                     body_.rods.empty() && options_.scheme == Scheme::xpbd;
+  const bool alone = !cosserat_ && matches_.empty() && !elastic_ && tethers_.empty() &&
+                     schedule_.chains.colours.size() == 1 && body_.rods.empty() &&
+                     options_.scheme == Scheme::xpbd;
   const bool driven = Columns::kHands.any(s) || !colliders_.empty() || folds_ || air_ || !alone;
   e.exchange = driven ? Energy::Exchange::open : Energy::Exchange::closed;
   return e;

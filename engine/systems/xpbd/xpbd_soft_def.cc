@@ -41,7 +41,9 @@ void check_soft(const XpbdDef& d, const DefTable::Report& report) {
     if (elastic) report("/youngs_modulus", "what is matched has no material: give matching/frequency");
     if (d.flexural_rigidity > 0) report("/flexural_rigidity", "what is matched does not bend by itself");
   }
-  if (!elastic && d.poisson_ratio) report("/poisson_ratio", "only a block with youngs_modulus has one");
+  if (!elastic && !is_membrane(d) && d.poisson_ratio) {
+    report("/poisson_ratio", "only a block with youngs_modulus and a membrane have one");
+  }
   if ((d.matching || elastic) && d.internal_damping > 0) {
     report("/internal_damping", "it is along links, and here are none: give damping");
   }

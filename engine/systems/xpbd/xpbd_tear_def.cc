@@ -25,7 +25,6 @@ void check_tear(const XpbdDef& d, const DefTable::Report& report) {
   if (!d.cloth_grid && !d.mesh) return report("/tear", "only cloth_grid and mesh tear");
   if (d.self_collision)
     report("/self_collision", "what tears cannot be kept from itself: leave one of them out");
-  if (d.wind) report("/wind", "air does not follow what tears: leave tear or wind out");
   if (d.scheme == Scheme::pbd && d.tear->force) report("/tear/force", "links of pbd have none: give strain");
 }
 
