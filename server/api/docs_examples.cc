@@ -29,7 +29,11 @@ constexpr RouteExample kExamples[] = {
      R"(printf '[[0, 0, 0], [1, 0, 0], [2, 1, 0]]' > places.json
 sum=$(sha256sum places.json | cut -c1-64)
 curl -sf -T places.json -H 'Content-Type: application/json' $base/v1/assets/$sum
-curl -sf --json '{"systems": [{"type": "particles", "id": "p", "positions": {"asset": "'$sum'"}}]}' $base/v1/scenes/validate)"},
+curl -sf --json '{"systems": [{"type": "particles", "id": "p", "positions": {"asset": "'$sum'"}}]}' $base/v1/scenes/validate
+printf 'v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 1 4 3\n' > solid.obj
+mesh=$(sha256sum solid.obj | cut -c1-64)
+curl -sf -T solid.obj -H 'Content-Type: application/octet-stream' $base/v1/assets/$mesh
+curl -sf --json '{"systems": [{"type": "xpbd", "id": "c", "mesh": {"asset": "'$mesh'", "scale": 0.1}}]}' $base/v1/scenes/validate)"},
     {M::get, "/v1/assets/{sha256}", "curl -sf $base/v1/assets/$sum"},
     {M::delete_, "/v1/assets/{sha256}", "curl -sf -X DELETE $base/v1/assets/$sum"},
     {M::post, "/v1/sessions",

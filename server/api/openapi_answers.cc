@@ -27,6 +27,7 @@ constexpr RouteAnswer kAnswers[] = {
     {M::put, "/v1/assets/{sha256}", 201, kJson, "Asset", "it is kept"},
     {M::put, "/v1/assets/{sha256}", 200, kJson, "Asset", "it was there"},
     {M::get, "/v1/assets/{sha256}", 200, kJson, "Value", "the JSON value"},
+    {M::get, "/v1/assets/{sha256}", 200, kBytes, "", "the file"},
     {M::delete_, "/v1/assets/{sha256}", 204, "", "", "it is gone"},
     {M::get, "/v1/gallery", 200, kJson, "Gallery", "all scenes"},
     {M::get, "/v1/gallery/{name}", 200, kJson, "GalleryScene", "one scene"},

@@ -162,15 +162,15 @@ json::object body_of(const net::Route& route) {
     return as_json({{"oneOf", json::array{scene, schema_reference("GalleryChoice")}}});
   if (p == "/v1/scenes/validate") return as_json(scene);
   if (p == "/v1/runs") return as_json(schema_reference("RunRequest"));
-  if (p == "/v1/assets/{sha256}") return as_json(schema_reference("Value"));
   if (p.ends_with("/queries")) return as_json(schema_reference("Query"));
   if (p == "/v1/studies") return as_json(schema_reference("StudyRequest"));
   if (p.ends_with("/step")) return as_json(schema_reference("StepRequest"));
   if (p.ends_with("/play")) return as_json(schema_reference("PlayRequest"));
   if (p.ends_with("/seek")) return as_json(schema_reference("SeekRequest"));
   if (p.ends_with("/commands")) return as_json(schema_reference("Command"));
-  json::object media = as_json(schema_reference("Nothing"));
-  if (p.ends_with("/snapshots")) media["application/octet-stream"] = json::object{};
+  const bool asset = p == "/v1/assets/{sha256}";
+  json::object media = as_json(schema_reference(asset ? "Value" : "Nothing"));
+  if (asset || p.ends_with("/snapshots")) media["application/octet-stream"] = json::object{};
   return media;
 }
 

@@ -1,4 +1,4 @@
-// /v1/assets/{sha256}: JSON values that scenes refer to.
+// /v1/assets/{sha256}: JSON values, mesh and motion files that scenes refer to.
 #include "engine/scene/json_write.h"
 #include "server/api/requests.h"
 
@@ -15,11 +15,12 @@ namespace {
 constexpr size_t kMostAsset = size_t{64} << 20;  // bytes
 
 asio::awaitable<Response> put(App& app, const Request& request) {
-  require_media(request, "application/json");
+  const auto kind = is_json(request) ? AssetStore::Kind::json : AssetStore::Kind::file;
+  require_media(request, kind == AssetStore::Kind::json ? "application/json" : "application/octet-stream");
   const std::string sha256(request.param("sha256"));
   const auto lease = app.memory.lease(3.5 * static_cast<double>(request.body.size()), "reading the body");
-  auto keep = [&app, &request, sha256] {
-    const bool fresh = app.assets.put(sha256, request.body);
+  auto keep = [&app, &request, sha256, kind] {
+    const bool fresh = app.assets.put(sha256, request.body, kind);
     const std::string self = "/v1/assets/" + sha256;
     Response r = json_response(
         json::object{
@@ -37,12 +38,15 @@ void add_asset_routes(net::Router& router, App& app) {
   const std::string asset = "/v1/assets/{sha256}";
   router
       .add(Method::put, asset,
-           "Keeps a JSON value under its SHA-256: scenes say {\"asset\": sha256} where it is to stand",
+           "Keeps a JSON value, or a file (OBJ, STL, PLY, MSH, BVH, text), under its SHA-256: scenes say "
+           "{\"asset\": sha256} where it is to stand",
            [&app](const Request& r) { return put(app, r); })
       .max_body = kMostAsset;
   router.add(Method::get, asset, "An asset", [&app](const Request& r) -> asio::awaitable<Response> {
     auto read = [&app, sha256 = std::string(r.param("sha256"))] {
-      return Response::json(app.assets.get(sha256));
+      AssetStore::Asset asset = app.assets.get(sha256);
+      if (asset.kind == AssetStore::Kind::json) return Response::json(std::move(asset.bytes));
+      return Response::text(asset.bytes, "application/octet-stream");
     };
     co_return co_await net::offload(app.runner.pool(), std::move(read));
   });

@@ -7,6 +7,7 @@
 
 #include "engine/base/errors.h"
 #include "engine/base/nearest_name.h"
+#include "engine/scene/file_references.h"
 #include "engine/scene/gallery.h"
 #include "engine/scene/json.h"
 
@@ -28,7 +29,10 @@ boost::json::value load_scene_document(const std::string& path_or_name) {
     require_file(path_or_name);
     text << std::ifstream(path_or_name, std::ios::binary).rdbuf();
   }
-  return parse_json(text.str());
+  boost::json::value document = parse_json(text.str());
+  const fs::path file = fs::absolute(path_or_name);  // "-": in the working folder
+  resolve_paths(document, file.parent_path());
+  return document;
 }
 
 std::string did_you_mean(const std::string& name, std::span<const std::string> names) {

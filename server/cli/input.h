@@ -10,7 +10,8 @@
 
 namespace truestep {
 
-/// The file's document, standard input for "-", or the gallery's scene when no such file exists and the name
+/// Files that the document refers to by {"path": ...} from the scene file's folder are put in. The file's
+/// document, standard input for "-", or the gallery's scene when no such file exists and the name
 /// is one of the gallery's. Error "not_found" or "bad_json".
 boost::json::value load_scene_document(const std::string& path_or_name);
 

@@ -106,6 +106,29 @@ class Routes(Case):
         (block,) = self.service.get(s["links"]["latest_frame"]).json()["blocks"]
         self.assertEqual(block["values"][2], [2, 1, 0])
 
+    def test_mesh_files_stand_where_scenes_refer_to_them(self):
+        text = "v 0 0 0\nv 10 0 0\nv 0 10 0\nv 0 0 10\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 1 4 3\n"
+        name = hashlib.sha256(text.encode()).hexdigest()
+        link, kind = "/v1/assets/" + name, {"Content-Type": "application/octet-stream"}
+        self.assertEqual(self.service.request("PUT", link, text, kind).status, 201)
+        back = self.service.get(link)
+        self.assertEqual((back.body.decode(), back.headers["Content-Type"]), (text, "application/octet-stream"))
+        cloth = lambda reference: {"systems": [{"type": "xpbd", "id": "c", "mesh": reference}]}
+        s = self.service.create(cloth({"asset": name, "scale": 0.1}))
+        scene = self.service.get(s["links"]["scene"]).json()
+        self.assertEqual(scene["systems"][0]["mesh"]["triangles"][:3], [0, 2, 1])
+        (block,) = self.service.get(s["links"]["latest_frame"]).json()["blocks"]
+        self.assertEqual(block["values"][3], [0, 0, 1])
+        bad = self.issue(self.service.post("/v1/sessions", cloth({"asset": name, "as": "solid"})), 422)
+        self.assertEqual((bad["pointer"], bad["allowed"]), ("/systems/0/mesh/as", "surface, cells, vertices, triangles, text, lines"))
+        bad = self.issue(self.service.post("/v1/sessions", cloth({"asset": name, "as": "cells"})), 422)
+        self.assertEqual((bad["pointer"], bad["code"]), ("/systems/0/mesh/asset", "bad_file"))
+        self.assertEqual(self.issue(self.service.post("/v1/sessions", cloth({"path": "a.obj"})), 422)["pointer"], "/systems/0/mesh/path")
+        broken = text + "f 1 2 9\n"
+        answer = self.service.request("PUT", "/v1/assets/" + hashlib.sha256(broken.encode()).hexdigest(), broken, kind)
+        self.assertEqual(answer.status, 400, answer.body)
+        self.assertIn("line 9: a face has vertex 9", answer.body.decode())
+
     def test_a_run_gives_observables_over_time(self):
         answer = self.service.post("/v1/runs", {"scene": OSCILLATOR, "duration": 0.5, "observables": ["energy"]})
         self.assertEqual(answer.status, 202, answer.body)

@@ -93,6 +93,75 @@ TEST(FemScene, SaysWhatContradicts) {
   EXPECT_EQ(faults(d), Faults{"/second_share"});
 }
 
+TEST(FemScene, SaysWhatAMeshOfAFileCannotBe) {
+  FemDef d = tetrahedron();
+  d.element = Cell::automatic, d.mesh->form = Form::tetrahedra;
+  EXPECT_EQ(faults(d), Faults{}) << "of first order where no element is named";
+  EXPECT_EQ(cell_of(d), Cell::tet4);
+  d.element = Cell::tet10;
+  EXPECT_EQ(faults(d), Faults{});
+  d.element = Cell::hex8;
+  EXPECT_EQ(faults(d), (Faults{"/element", "/mesh/cells"}));
+  d = tetrahedron();
+  d.mesh->sets = {{"foot", {0, 4}, {}, {}}};
+  EXPECT_EQ(faults(d), Faults{"/mesh/sets/0/points/1"}) << "there are four vertices";
+  d.mesh->sets = {{"foot", {0, 1}, {}, {}}};
+  d.pinned = {"foot"};
+  EXPECT_EQ(faults(d), Faults{});
+  d.sets = {{"foot", {2}, {}, {}}};
+  EXPECT_EQ(faults(d), Faults{"/sets/0/name"});
+  d = tetrahedron();
+  d.mesh->sets = {{"all", {0}, {}, {}}};
+  EXPECT_EQ(faults(d), Faults{"/mesh/sets"}) << "every body has a set of that name";
+  // Three tetrahedra on one face.
+  d = tetrahedron();
+  d.mesh->vertices.insert(d.mesh->vertices.end(), {{0, 0, -1}, {0.1, 0.1, 2}});
+  d.mesh->cells.insert(d.mesh->cells.end(), {0, 2, 1, 4, 0, 1, 2, 5});
+  EXPECT_EQ(faults(d), Faults{"/mesh/cells/8"});
+}
+
+FemDef sheet() {
+  FemDef d;
+  d.quad = QuadShape{.cells_x = 2, .cells_y = 2};
+  d.element = Cell::tri6, d.plane = Plane::shell, d.plane_thickness = 0.01;
+  return d;
+}
+
+TEST(FemScene, SaysWhatASheetCannotBe) {
+  EXPECT_EQ(faults(sheet()), Faults{});
+  FemDef d = sheet();
+  d.element = Cell::quad9;
+  EXPECT_EQ(faults(d), Faults{"/element"}) << "shells are of tri6";
+  d.plane = Plane::membrane;
+  EXPECT_EQ(faults(d), Faults{});
+  d.clamped = {"x0"};
+  EXPECT_EQ(faults(d), Faults{"/clamped"});
+  d = sheet();
+  d.clamped = {"left"};
+  EXPECT_EQ(faults(d), Faults{"/clamped/0"});
+  d = sheet();
+  d.material = Law::linear;
+  EXPECT_EQ(faults(d), Faults{"/material"});
+  d = sheet();
+  d.contact = Meeting::barrier;
+  EXPECT_EQ(faults(d), Faults{"/contact"});
+  d = block();
+  d.plane = Plane::shell;
+  EXPECT_EQ(faults(d), Faults{"/plane"});
+  d = sheet();
+  d.loads = {{.on = "x1", .pressure = 3}};
+  EXPECT_EQ(faults(d), Faults{"/loads/0/pressure"}) << "an edge has no area";
+  d.loads = {{.on = "x1", .force = Vec3{0, 0, 1}}, {.on = "all", .pressure = 3}};
+  EXPECT_EQ(faults(d), Faults{});
+  // A triangle without area, in space, and three triangles on an edge.
+  d = sheet();
+  d.quad.reset();
+  d.mesh = CellsShape{{{0, 0, 0}, {1, 0, 1}, {0, 1, 0}, {2, 0, 2}}, {0, 1, 2, 0, 1, 3}};
+  EXPECT_EQ(faults(d), Faults{"/mesh/cells/3"});
+  d.mesh = CellsShape{{{0, 0, 0}, {1, 0, 1}, {0, 1, 0}, {0, -1, 0}, {0, 0, 1}}, {0, 1, 2, 1, 0, 3, 0, 1, 4}};
+  EXPECT_EQ(faults(d), Faults{"/mesh/cells/6"});
+}
+
 FemDef ball() {
   FemDef d;
   d.fill = FillShape{.ball = BallRegion{{}, 0.2}, .cylinder = {}, .surface = {}, .spacing = 0.1};

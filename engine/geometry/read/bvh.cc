@@ -4,6 +4,7 @@
 #include <cmath>
 #include <string_view>
 
+#include "engine/geometry/read/text_lines.h"
 #include "engine/math/trig.h"
 
 namespace truestep {
@@ -15,15 +16,6 @@ constexpr double kMostValue = 1e9;
 constexpr double kDegree = 0.017453292519943295;
 constexpr const char* kChannelNames[] = {"Xposition", "Yposition", "Zposition",
                                          "Xrotation", "Yrotation", "Zrotation"};
-
-bool same_word(std::string_view a, std::string_view b) {
-  if (a.size() != b.size()) return false;
-  for (size_t k = 0; k < a.size(); ++k) {
-    const auto lower = [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c + 32) : c; };
-    if (lower(a[k]) != lower(b[k])) return false;
-  }
-  return true;
-}
 
 class Reader {
  public:

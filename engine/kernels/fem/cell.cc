@@ -22,6 +22,30 @@ Mat3 gradient_of(const CellRule& rule, const Vec3* x, size_t point) {
   return f;
 }
 
+// Axes of a membrane where F is its gradient: along the image of the first coordinate, across it in the
+// tangent plane, and the normal. What has collapsed to a line or a point has some.
+Mat3 frame_of(const Mat3& f) {
+  const auto unit = [](const Vec3& v, const Vec3& otherwise) {
+    const double size = norm(v);
+    return size > 0 ? v / size : otherwise;
+  };
+  const Vec3 e = unit(f.column(0), {1, 0, 0});
+  const Vec3 aside = std::abs(e.x) < 0.7 ? Vec3{1, 0, 0} : Vec3{0, 1, 0};
+  const Vec3 n = unit(cross(e, f.column(1)), normalized(cross(e, aside))), t = cross(n, e);
+  return {{e.x, t.x, n.x, e.y, t.y, n.y, e.z, t.z, n.z}};
+}
+
+// In that frame: upper triangular, the thickness kept.
+Mat3 seen_in(const Mat3& frame, const Mat3& f) {
+  Mat3 out = transposed(frame) * f;
+  out.m[2] = out.m[5] = out.m[6] = out.m[7] = 0, out.m[8] = 1;
+  return out;
+}
+
+bool is_thin(Across across) {
+  return across == Across::plane_stress || across == Across::membrane;
+}
+
 // F_zz with P_zz = 0: Newton's method from 1, halved towards 0 and never below it.
 double free_thickness(const Material& material, Mat3 f) {
   constexpr int kMost = 60;
@@ -51,6 +75,50 @@ void condense(Mat9& h) {
   for (size_t k = 0; k < 9; ++k) {
     for (size_t l = 0; l < 9; ++l) h[9 * k + l] -= across[k] * across[l] / stiff;
   }
+}
+
+// Slopes of a membrane in space from those in its frame: out of its plane there is what its stress resists,
+//   d2 psi (n (x) v) = v . S v,  S = F^-1 P   (with Definite, of what pulls alone).
+Mat9 turned_membrane(const Mat3& frame, const Mat3& f, const Mat3& p, Definite definite, const Mat9& flat) {
+  const double det = f(0, 0) * f(1, 1) - f(0, 1) * f(1, 0);
+  double s00 = 0, s01 = 0, s11 = 0;
+  if (std::abs(det) > 0) {
+    s00 = (f(1, 1) * p(0, 0) - f(0, 1) * p(1, 0)) / det;
+    s01 = (f(1, 1) * p(0, 1) - f(0, 1) * p(1, 1)) / det;
+    s11 = (f(0, 0) * p(1, 1) - f(1, 0) * p(0, 1)) / det;
+  }
+  if (definite == Definite::yes) {
+    const double middle = 0.5 * (s00 + s11), half = std::sqrt(0.25 * (s00 - s11) * (s00 - s11) + s01 * s01);
+    const double high = std::max(middle + half, 0.0), low = std::max(middle - half, 0.0);
+    // Of the matrix with these eigenvalues and the same axes.
+    const double tilt = half > 0 ? 0.5 * (high - low) / half : 0, mean = 0.5 * (high + low);
+    s00 = mean + tilt * (s00 - middle), s11 = mean + tilt * (s11 - middle), s01 *= tilt;
+  }
+  Mat9 local{};
+  for (size_t r = 0; r < 2; ++r) {
+    for (size_t c = 0; c < 2; ++c) {
+      for (size_t i = 0; i < 2; ++i) {
+        for (size_t j = 0; j < 2; ++j) local[9 * (3 * r + c) + 3 * i + j] = flat[9 * (3 * r + c) + 3 * i + j];
+      }
+    }
+  }
+  local[9 * 6 + 6] = s00, local[9 * 6 + 7] = local[9 * 7 + 6] = s01, local[9 * 7 + 7] = s11;
+  Mat9 half{}, out{};
+  for (size_t i = 0; i < 3; ++i) {
+    for (size_t c = 0; c < 2; ++c) {
+      for (size_t l = 0; l < 9; ++l) {
+        for (size_t r = 0; r < 3; ++r) half[9 * (3 * i + c) + l] += frame(i, r) * local[9 * (3 * r + c) + l];
+      }
+    }
+  }
+  for (size_t k = 0; k < 9; ++k) {
+    for (size_t i = 0; i < 3; ++i) {
+      for (size_t c = 0; c < 2; ++c) {
+        for (size_t r = 0; r < 3; ++r) out[9 * k + 3 * i + c] += frame(i, r) * half[9 * k + 3 * r + c];
+      }
+    }
+  }
+  return out;
 }
 
 double mean_theta(const CellRule& rule, const Response* at) {
@@ -104,7 +172,8 @@ struct Pulls {
 
 Mat3 deformation(const Material& material, const CellRule& rule, const Vec3* x, size_t point) {
   Mat3 f = gradient_of(rule, x, point);
-  if (rule.across == Across::plane_stress) f.m[8] = free_thickness(material, f);
+  if (rule.across == Across::membrane) f = seen_in(frame_of(f), f);
+  if (is_thin(rule.across)) f.m[8] = free_thickness(material, f);
   return f;
 }
 
@@ -122,7 +191,8 @@ double cell_forces(const Material& material, const CellRule& rule, const Vec3* x
     if (!rule.mean_volume) u = volumetric(material, at[q].theta);
     energy += w * u.u;
     if (!forces) continue;
-    const Mat3 p = w * (at[q].p + u.du * at[q].dtheta);
+    Mat3 p = w * (at[q].p + u.du * at[q].dtheta);
+    if (rule.across == Across::membrane) p = frame_of(gradient_of(rule, x, q)) * p;
     const Vec3* g = rule.gradients + q * rule.nodes;
     for (size_t a = 0; a < rule.nodes; ++a) forces[a] -= p * g[a];
   }
@@ -199,7 +269,11 @@ Pulls add_points(const Material& material, const CellRule& rule, const Vec3* x, 
   for (size_t q = 0; q < rule.points; ++q) {
     const Dilatation d{rule.mean_volume ? out.u : volumetric(material, at[q].theta), !rule.mean_volume};
     Mat9 h = definite == Definite::yes ? definite_slope(material, f[q], d) : slope(material, f[q], d);
-    if (rule.across == Across::plane_stress) condense(h);
+    if (is_thin(rule.across)) condense(h);
+    if (rule.across == Across::membrane) {
+      const Mat3 p = at[q].p + d.u.du * at[q].dtheta;
+      h = turned_membrane(frame_of(gradient_of(rule, x, q)), f[q], p, definite, h);
+    }
     const Vec3* g = rule.gradients + q * rule.nodes;
     add_point(rule, g, rule.weights[q], h, k);
     for (size_t a = 0; a < rule.nodes; ++a) out.slope_of_mean[a] += rule.weights[q] * (at[q].dtheta * g[a]);
@@ -212,7 +286,7 @@ Pulls add_points(const Material& material, const CellRule& rule, const Vec3* x, 
 void cell_stiffness(const Material& material, const CellRule& rule, const Vec3* x, Definite definite,
                     double* k) {
   std::fill_n(k, 9 * rule.nodes * rule.nodes, 0.0);
-  const bool linear = material.law == Law::linear, condensed = rule.across == Across::plane_stress;
+  const bool linear = material.law == Law::linear, condensed = is_thin(rule.across);
   const Pulls pulls = condensed                   ? add_points(material, rule, x, definite, k)
                       : linear                    ? add_linear_points(material, rule, k)
                       : definite == Definite::yes ? add_definite_points(material, rule, x, k)

@@ -15,7 +15,9 @@ namespace truestep::fem {
 
 inline constexpr size_t kMostNodes = 27, kMostPoints = 27;
 
-enum class Across : uint8_t { space, plane_strain, plane_stress };
+/// Membrane: a sheet in space, whose gradients are of coordinates in its own plane (z is 0); across it there
+/// is no stress.
+enum class Across : uint8_t { space, plane_strain, plane_stress, membrane };
 struct CellRule {
   size_t nodes, points;
   const Vec3* gradients;  ///< 1/m, [point * nodes + a]
@@ -24,7 +26,8 @@ struct CellRule {
   bool mean_volume = false;
 };
 
-/// F of a point; with plane stress F_zz follows from the material.
+/// F of a point; with plane stress F_zz follows from the material. Of a membrane: as seen in its own plane,
+/// the first axis along the image of x.
 Mat3 deformation(const Material& material, const CellRule& rule, const Vec3* x, size_t point);
 
 /// Adds -dE/dx_a (N) to `forces` where that is not null; E (J).

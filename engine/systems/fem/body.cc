@@ -69,7 +69,7 @@ void set_geometry(const FemDef& def, Body& b) {
 // integral of N_a over a facet at rest, times the traction there; the area.
 double add_traction(const Body& b, const Facet& f, const ExpressionRows* traction, uint8_t axes,
                     const Vec3& even, std::vector<double>& out) {
-  const Element& face = *b.mesh.kind->faces[f.face].kind;
+  const Element& face = b.mesh.facet_kind(f);
   const size_t n = face.size();
   double whole = 0;
   for (size_t q = 0; q < face.points.size(); ++q) {
@@ -81,7 +81,8 @@ double add_traction(const Body& b, const Facet& f, const ExpressionRows* tractio
       across += face.gradient[q * n + a].y * x;
     }
     if (b.plane) across = {0, 0, b.thickness};
-    const double area = face.weights[q] * norm(cross(along, across));
+    const bool rim = b.mesh.sheet && f.face != Facet::kWhole;
+    const double area = face.weights[q] * (rim ? b.thickness * norm(along) : norm(cross(along, across)));
     whole += area;
     double t[3] = {even.x, even.y, even.z};
     if (traction) {
@@ -125,6 +126,9 @@ void set_loads(const FemDef& def, Body& b) {
              '"' + load.on + '"');
     }
     if (load.pressure) {
+      if (b.mesh.sheet && facets.front().face != Facet::kWhole)
+        refuse(pointer + "/pressure", "no_surface", "no element has all of its nodes in this set",
+               '"' + load.on + '"');
       for (const Facet& f : facets) b.pressures.push_back({f, *load.pressure});
       continue;
     }
@@ -191,9 +195,11 @@ void set_holds(const FemDef& def, Body& b) {
     b.holds.push_back(std::move(hold));
   }
   for (const int64_t p : def.pins) b.pins.push_back(static_cast<uint32_t>(p));
-  for (const std::string& name : def.pinned) {
-    const auto& nodes = b.mesh.find(name)->nodes;
-    b.pins.insert(b.pins.end(), nodes.begin(), nodes.end());
+  for (const auto* names : {&def.pinned, &def.clamped}) {
+    for (const std::string& name : *names) {
+      const auto& nodes = b.mesh.find(name)->nodes;
+      b.pins.insert(b.pins.end(), nodes.begin(), nodes.end());
+    }
   }
   std::sort(b.pins.begin(), b.pins.end());
   b.pins.erase(std::unique(b.pins.begin(), b.pins.end()), b.pins.end());
@@ -239,6 +245,14 @@ void set_groups(Body& b) {
   }
 }
 
+std::vector<uint8_t> clamped_nodes(const FemDef& def, const Mesh& mesh) {
+  std::vector<uint8_t> out(mesh.x.size(), 0);
+  for (const std::string& name : def.clamped) {
+    for (const uint32_t p : mesh.find(name)->nodes) out[p] = 1;
+  }
+  return out;
+}
+
 void set_pattern(Body& b) {
   const size_t n = b.size();
   for (size_t k = 0; k < b.mesh.cells(); ++k) {
@@ -248,6 +262,7 @@ void set_pattern(Body& b) {
         b.pairs.push_back({std::min(nodes[i], nodes[j]), std::max(nodes[i], nodes[j])});
     }
   }
+  b.bending.add_pairs(b.pairs);
   std::sort(b.pairs.begin(), b.pairs.end());
   b.pairs.erase(std::unique(b.pairs.begin(), b.pairs.end()), b.pairs.end());
   b.pairs.shrink_to_fit();
@@ -259,6 +274,7 @@ void set_pattern(Body& b) {
       for (const uint32_t j : b.mesh.cell(k)) b.slots.push_back(pattern.slot(i, j));
     }
   }
+  b.bending.find_slots(pattern);
 }
 
 }  // namespace
@@ -269,10 +285,11 @@ Body build_body(const FemDef& def) {
   b.plane = in_plane(def);
   b.plane_stress = b.plane && def.plane == Plane::stress;
   b.mean_volume = def.volume == Volume::mean;
-  if (b.plane) b.thickness = def.plane_thickness;
+  if (b.mesh.kind->dimension == 2) b.thickness = def.plane_thickness;
   set_geometry(def, b);
   set_loads(def, b);
   set_holds(def, b);
+  if (def.plane == Plane::shell) b.bending = Bending(b.mesh, clamped_nodes(def, b.mesh), def.poisson_ratio);
   set_groups(b);
   set_pattern(b);
   return b;

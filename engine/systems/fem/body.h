@@ -3,6 +3,7 @@
 #pragma once
 #include "engine/math/block_sparse.h"
 #include "engine/math/expression/rows.h"
+#include "engine/systems/fem/bending.h"
 #include "engine/systems/fem/mesh.h"
 
 namespace truestep::fem {
@@ -22,7 +23,7 @@ struct PressureFacet {
 struct Body {
   Mesh mesh;
   bool plane = false, plane_stress = false, mean_volume = false;
-  double thickness = 1;         ///< m, of a plane body
+  double thickness = 1;         ///< m, of a plane body or a sheet
   std::vector<Vec3> gradients;  ///< dN_a / dX, 1/m, at [(cell * points + q) * nodes + a]
   std::vector<double> weights;  ///< m^3 of point q, at [cell * points + q]
   std::vector<double> masses;   ///< kg, lumped
@@ -39,6 +40,8 @@ struct Body {
   std::vector<BlockSparse::Pair> pairs;  ///< of nodes with an element in common
   std::vector<BlockSparse::Slot>
       slots;  ///< of node pair (a, b) of a cell, at [(cell * nodes + a) * nodes + b]
+
+  Bending bending;  ///< of a shell
 
   size_t points() const { return mesh.kind->points.size(); }
   size_t size() const { return mesh.kind->size(); }

@@ -21,16 +21,38 @@ std::string listed(const std::vector<std::string>& names) {
 
 using Report = DefTable::Report;
 
+constexpr const char* kForms[] = {"", "triangles: tri3, tri6", "quadrangles: quad4, quad9",
+                                  "tetrahedra: tet4, tet10", "hexahedra: hex8, hex27"};
+Form form_of(const Element& kind) {
+  if (kind.dimension == 2) return kind.simplex ? Form::triangles : Form::quadrangles;
+  return kind.simplex ? Form::tetrahedra : Form::hexahedra;
+}
+
+void check_sheet(const FemDef& d, const Report& report) {
+  if (d.plane == Plane::shell && cell_of(d) != Cell::tri6)
+    report("/element", "a shell is made of tri6: a membrane may be of others");
+  if (d.plane == Plane::membrane && !d.clamped.empty())
+    report("/clamped", "a membrane has no direction to be held: take plane shell, or pinned");
+  if (d.material == Law::linear)
+    report("/material", "a sheet turns in space: take corotated, the same for small strains");
+  if (d.volume == Volume::mean)
+    report("/volume", "a sheet gets thinner as it is stretched and nothing locks: leave it pointwise");
+  if (d.contact == Meeting::barrier) report("/contact", "sheets have no barrier");
+}
+
 void check_element(const FemDef& d, const Report& report) {
   const Element& kind = element_of(kind_of(cell_of(d)));
   if (d.block && kind.dimension == 2) report("/element", "a block is made of tet4, tet10, hex8 or hex27");
   if (d.fill && !(kind.simplex && kind.dimension == 3))
     report("/element", "a region is filled with tet4 or tet10");
   if (d.quad && kind.dimension == 3) report("/element", "a quad is made of tri3, tri6, quad4 or quad9");
-  if (d.mesh && d.element == Cell::automatic)
+  if (d.mesh && d.mesh->form == Form::as_element && d.element == Cell::automatic)
     report("/element", "name the element that a mesh is made of: " + listed(kCells));
-  if (kind.dimension == 3 && d.plane == Plane::stress)
-    report("/plane", "only plane bodies have plane stress");
+  if (d.mesh && d.mesh->form != Form::as_element && form_of(kind) != d.mesh->form)
+    report("/element", std::string("the mesh is made of ") + kForms[static_cast<size_t>(d.mesh->form)]);
+  if (kind.dimension == 3 && d.plane != Plane::strain)
+    report("/plane", "only bodies of tri3, tri6, quad4 or quad9 are plane or sheets");
+  if (is_sheet(d)) check_sheet(d, report);
   if (d.volume != Volume::mean) return;
   if (kind.points.size() == 1) {
     report("/volume", "an element with one point has no other mean: take tri6, quad4, tet10, hex8 ...");
@@ -55,10 +77,10 @@ void check_material(const FemDef& d, const Report& report) {
 }
 
 bool check_rows(const FemDef& d, const Report& report) {
-  const double vertices =
-      d.fill && !d.pins.empty() ? static_cast<double>(build_mesh(d).x.size())
-      : d.mesh ? static_cast<double>(d.mesh->vertices.size() * std::max<size_t>(1, d.copies.size()))
-               : fem_counts(d).nodes;
+  double vertices = d.fill && !d.pins.empty() ? static_cast<double>(build_mesh(d).x.size())
+                    : d.mesh
+                        ? static_cast<double>(d.mesh->vertices.size() * std::max<size_t>(1, d.copies.size()))
+                        : fem_counts(d).nodes;
   bool good = true;
   const auto check = [&](const std::vector<int64_t>& rows, const std::string& at) {
     for (size_t i = 0; i < rows.size(); ++i) {
@@ -73,7 +95,11 @@ bool check_rows(const FemDef& d, const Report& report) {
   check(d.pins, "/pins");
   for (size_t k = 0; k < d.sets.size(); ++k)
     check(d.sets[k].points, "/sets/" + std::to_string(k) + "/points");
-  if (d.mesh) check(d.mesh->cells, "/mesh/cells");
+  if (!d.mesh) return good;
+  vertices = static_cast<double>(d.mesh->vertices.size());
+  check(d.mesh->cells, "/mesh/cells");
+  for (size_t k = 0; k < d.mesh->sets.size(); ++k)
+    check(d.mesh->sets[k].points, "/mesh/sets/" + std::to_string(k) + "/points");
   return good;
 }
 
@@ -83,7 +109,7 @@ void check_cells(const FemDef& d, const Report& report) {
     return report("/mesh/cells", std::string(kind.name) + " has " + std::to_string(kind.corners) +
                                      " corners: their number is no multiple of that");
   }
-  if (kind.dimension == 2) {
+  if (in_plane(d)) {
     for (size_t i = 0; i < d.mesh->vertices.size(); ++i) {
       if (d.mesh->vertices[i].z == 0) continue;
       return report("/mesh/vertices/" + std::to_string(i), "a plane body lies in z = 0");
@@ -96,6 +122,12 @@ void check_cells(const FemDef& d, const Report& report) {
         "/mesh/cells/" + std::to_string(bad * kind.corners),
         "element " + std::to_string(bad) + " is flat or turned inside out: number its corners as VTK does");
   }
+  if (const auto crowded = first_crowded_face(mesh)) {
+    return report("/mesh/cells/" + std::to_string((*crowded)[2] * kind.corners),
+                  "elements " + std::to_string((*crowded)[0]) + ", " + std::to_string((*crowded)[1]) +
+                      " and " + std::to_string((*crowded)[2]) + " share " +
+                      (kind.dimension == 2 ? "an edge" : "a face") + ": two can");
+  }
   std::vector<uint8_t> used(mesh.x.size(), 0);
   for (const uint32_t p : mesh.nodes) used[p] = 1;
   for (size_t p = 0; p < used.size(); ++p) {
@@ -106,11 +138,20 @@ void check_cells(const FemDef& d, const Report& report) {
 
 void check_names(const FemDef& d, const Report& report) {
   const std::vector<std::string> names = set_names(d);
+  for (size_t k = 0; k < names.size(); ++k) {
+    const size_t own = names.size() - d.sets.size();
+    if (std::find(names.begin(), names.begin() + static_cast<ptrdiff_t>(k), names[k]) ==
+        names.begin() + static_cast<ptrdiff_t>(k))
+      continue;
+    report(k >= own ? "/sets/" + std::to_string(k - own) + "/name" : "/mesh/sets",
+           "there is another set named \"" + names[k] + '"');
+  }
   const auto check = [&](const std::string& at, const std::string& name) {
     if (std::find(names.begin(), names.end(), name) == names.end())
       report(at, "the sets are: " + listed(names));
   };
   for (size_t k = 0; k < d.pinned.size(); ++k) check("/pinned/" + std::to_string(k), d.pinned[k]);
+  for (size_t k = 0; k < d.clamped.size(); ++k) check("/clamped/" + std::to_string(k), d.clamped[k]);
   for (size_t k = 0; k < d.holds.size(); ++k) check("/holds/" + std::to_string(k) + "/on", d.holds[k].on);
   for (size_t k = 0; k < d.loads.size(); ++k) {
     const LoadDef& l = d.loads[k];
@@ -195,7 +236,8 @@ void check_def(const FemDef& d, const Report& report) {
   check_element(d, report);
   check_material(d, report);
   if (!check_rows(d, report)) return;
-  if (d.mesh && d.element != Cell::automatic) check_cells(d, report);
+  const bool known = d.mesh && (d.element != Cell::automatic || d.mesh->form != Form::as_element);
+  if (known) check_cells(d, report);
   if (d.fill && build_mesh(d).cells() == 0)
     return report("/fill/spacing", "the region is finer than this: nothing of the lattice is left inside");
   check_names(d, report);
@@ -206,7 +248,7 @@ void check_def(const FemDef& d, const Report& report) {
   if (d.motion == Motion::quasi_static) {
     if (!d.integrator.empty())
       report("/integrator", "a quasi-static body is in equilibrium: it has no integrator");
-    if (d.pins.empty() && d.pinned.empty() && d.holds.empty()) {
+    if (d.pins.empty() && d.pinned.empty() && d.clamped.empty() && d.holds.empty()) {
       report("/motion", "nothing holds the body: quasi-static motion needs pins, pinned or holds");
     }
     if (!d.colliders.empty()) report("/colliders", "quasi-static bodies meet no colliders");
@@ -221,16 +263,24 @@ ElementKind kind_of(Cell cell) {
 }
 Cell cell_of(const FemDef& d) {
   if (d.element != Cell::automatic) return d.element;
+  if (d.mesh) {
+    constexpr Cell kFirst[] = {Cell::quad4, Cell::tri3, Cell::quad4, Cell::tet4, Cell::hex8};
+    return kFirst[static_cast<size_t>(d.mesh->form)];
+  }
   return d.block ? Cell::hex8 : d.fill ? Cell::tet4 : Cell::quad4;
 }
 bool in_plane(const FemDef& d) {
-  return element_of(kind_of(cell_of(d))).dimension == 2;
+  return d.plane <= Plane::stress && element_of(kind_of(cell_of(d))).dimension == 2;
+}
+bool is_sheet(const FemDef& d) {
+  return d.plane >= Plane::membrane && element_of(kind_of(cell_of(d))).dimension == 2;
 }
 
 std::vector<std::string> set_names(const FemDef& d) {
   std::vector<std::string> out;
   if (d.block || d.quad) out = {"x0", "x1", "y0", "y1", "bottom", "top"};
   if (d.block) out.insert(out.end(), {"z0", "z1"});
+  for (size_t k = 0; d.mesh && k < d.mesh->sets.size(); ++k) out.push_back(d.mesh->sets[k].name);
   out.insert(out.end(), {"border", "all"});
   for (const SetDef& s : d.sets) out.push_back(s.name);
   return out;
@@ -272,8 +322,9 @@ FemCounts fem_counts(const FemDef& d) {
   // Neighbours of a node, inside a large lattice.
   const double each = kind.dimension == 2 ? (second ? (kind.simplex ? 12 : 16) : (kind.simplex ? 7 : 9))
                                           : (second ? (kind.simplex ? 27 : 64) : (kind.simplex ? 14 : 27));
+  const double across = d.plane == Plane::shell ? 1.8 : 1;  // edges join the nodes of both their sides
   const double copies = std::max<double>(1, static_cast<double>(d.copies.size()));
-  return {copies * corners, copies * cells, copies * each * corners};
+  return {copies * corners, copies * cells, copies * each * across * corners};
 }
 
 const DefTable& fem_table() {
@@ -292,9 +343,10 @@ const DefTable& fem_table() {
         .choice("element", &D::element, kCells,
                 "kind of the elements; auto: hex8 of a block, quad4 of a quad; of second order: tri6, quad9, "
                 "tet10, hex27")
-        .choice("plane", &D::plane, {"strain", "stress"},
-                "what a plane body keeps across its plane: its thickness, or no stress")
-        .number("plane_thickness", &D::plane_thickness, "m", above(0), "of a plane body")
+        .choice("plane", &D::plane, {"strain", "stress", "membrane", "shell"},
+                "what a plane body keeps across its plane: its thickness (strain), or no stress; membrane: a "
+                "sheet in space that resists stretching; shell: and bending, of tri6")
+        .number("plane_thickness", &D::plane_thickness, "m", above(0), "of a plane body or a sheet")
         .objects("sets", &D::sets, set_table(), {0, 1000},
                  "further sets of nodes, beside the sides, border and all")
         .choice("material", &D::material,
@@ -314,6 +366,8 @@ const DefTable& fem_table() {
         .vector("velocity", &D::velocity, "m/s", any(), "initial, of every node that is not held")
         .integers("pins", &D::pins, at_least(0), {}, "indices of nodes that are held")
         .texts("pinned", &D::pinned, {}, "sets that are held: x0, bottom, border ...")
+        .texts("clamped", &D::clamped, {},
+               "sets of a shell that are held, and whose edges along its rim keep their direction")
         .objects("holds", &D::holds, hold_table(), {0, 1000},
                  "displacements that are prescribed, also moving ones")
         .objects("loads", &D::loads, load_table(), {0, 1000},

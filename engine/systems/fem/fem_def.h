@@ -15,7 +15,8 @@
 
 namespace truestep::fem {
 
-enum class Plane : uint8_t { strain, stress };
+/// Strain and stress: bodies in the plane z = 0. Membrane and shell: sheets in space.
+enum class Plane : uint8_t { strain, stress, membrane, shell };
 enum class Volume : uint8_t { pointwise, mean };
 enum class Motion : uint8_t { dynamic, quasi_static };
 enum class Meeting : uint8_t { nodes, barrier };
@@ -26,11 +27,6 @@ ElementKind kind_of(Cell cell);
 struct QuadShape {
   std::vector<Vec3> corners{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}};  // m, anticlockwise
   int cells_x = 4, cells_y = 4;
-};
-
-struct CellsShape {
-  std::vector<Vec3> vertices;  // m
-  std::vector<int64_t> cells;  // corners of every element, one after another
 };
 
 struct BallRegion {
@@ -56,6 +52,16 @@ struct SetDef {
   std::string name;
   std::vector<int64_t> points;
   std::optional<Vec3> low, high;  // m
+};
+
+/// What the cells of a mesh are.
+enum class Form : uint8_t { as_element, triangles, quadrangles, tetrahedra, hexahedra };
+
+struct CellsShape {
+  std::vector<Vec3> vertices;  // m
+  std::vector<int64_t> cells;  // corners of every element, one after another
+  Form form = Form::as_element;
+  std::vector<SetDef> sets;
 };
 
 /// Components of the displacement of a set; expressions of t, X, Y, Z.
@@ -97,7 +103,7 @@ struct FemDef : IntegratorParams {
 
   Vec3 velocity;
   std::vector<int64_t> pins;
-  std::vector<std::string> pinned;
+  std::vector<std::string> pinned, clamped;
   std::vector<HoldDef> holds;
   std::vector<LoadDef> loads;
   double load_time = 0;  // s
@@ -119,6 +125,8 @@ const Resolution& fem_resolution();
 /// Never automatic.
 Cell cell_of(const FemDef& def);
 bool in_plane(const FemDef& def);
+/// Of triangles or quadrangles in space.
+bool is_sheet(const FemDef& def);
 /// What a def fills; null: nothing.
 std::unique_ptr<Region> region_of(const FemDef& def);
 /// Names of sets that the def has, without those that no shape gives.

@@ -118,7 +118,8 @@ CellRule FemField::rule(size_t cell) const {
           points,
           body_.gradients.data() + cell * points * n,
           body_.weights.data() + cell * points,
-          !body_.plane         ? Across::space
+          body_.mesh.sheet     ? Across::membrane
+          : !body_.plane       ? Across::space
           : body_.plane_stress ? Across::plane_stress
                                : Across::plane_strain,
           body_.mean_volume};
@@ -153,6 +154,12 @@ void FemField::elastic_forces(const Phase& at, std::span<double> f, Evaluation& 
       store3(f.data(), p, load3(f.data(), p) + forces[a++]);
     }
   });
+  if (!body_.bending.empty()) body_.bending.add_forces(flexural_rigidity(at.state), at.x, f, e.arena);
+}
+
+double FemField::flexural_rigidity(const State& s) const {
+  const double h = body_.thickness;
+  return s.f64(Columns::parameters)[0] * h * h * h / (12 * (1 - poisson_ * poisson_));
 }
 
 double FemField::load_share(double t) const {
@@ -203,7 +210,9 @@ void FemField::acceleration(const Phase& at, std::span<double> a, Evaluation& e)
 
 double FemField::elastic(const Phase& at, const ThreadArena& arena) const {
   const Material m = material(at.state);
-  return arena.sum_blocks(body_.mesh.cells(), kBlockCells, [&](size_t begin, size_t end) {
+  const double bent =
+      body_.bending.empty() ? 0 : body_.bending.energy(flexural_rigidity(at.state), at.x, arena);
+  return bent + arena.sum_blocks(body_.mesh.cells(), kBlockCells, [&](size_t begin, size_t end) {
     double sum = 0;
     std::array<Vec3, kMostNodes> x;
     for (size_t k = begin; k < end; ++k) {
@@ -302,6 +311,10 @@ void FemField::derivatives(const Phase& at, Definite definite, BlockSparse& dfdx
     const BlockSparse::Slot* slots = body_.slots.data() + cell * n * n;
     for (size_t ab = 0; ab < n * n; ++ab) dfdx.add_block(slots[ab], k + 9 * ab, -1);
   });
+  if (!body_.bending.empty()) {
+    const BentSlope bent = definite == Definite::yes ? BentSlope::definite : BentSlope::exact;
+    body_.bending.add_stiffness(flexural_rigidity(at.state), at.x, bent, dfdx, e.arena);
+  }
   if (!body_.pressures.empty() && definite == Definite::no) add_pressure_slope(at, dfdx);
   const State& s = at.state;
   for (size_t k = 0; k < Columns::kHands.drags(s); ++k) {

@@ -57,6 +57,8 @@ class FemField final : public ForceField {
   /// J, of deformation; of gravity, loads and drags.
   double elastic(const Phase& at, const ThreadArena& arena) const;
   double external(const Phase& at) const;
+  /// N m, of a shell.
+  double flexural_rigidity(const State& state) const;
   /// What loads, and gravity in quasi-static motion, are multiplied by at time t.
   double load_share(double t) const;
   /// m, of an element of mean volume.

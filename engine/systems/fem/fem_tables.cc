@@ -22,6 +22,18 @@ const DefTable& quad_table() {
   return t;
 }
 
+const DefTable& set_table() {
+  static const DefTable t =
+      TableOf<SetDef>("points with a name, given one by one or by a box or both")
+          .text("name", &SetDef::name, "of the set")
+          .required()
+          .integers("points", &SetDef::points, at_least(0), {0, 1'000'000}, "indices of nodes")
+          .vector("low", &SetDef::low, "m", any(), "smallest corner of the box; absent: it has no lower end")
+          .vector("high", &SetDef::high, "m", any(), "largest corner of the box; absent: it has no upper end")
+          .build();
+  return t;
+}
+
 const DefTable& cells_table() {
   static const DefTable t =
       TableOf<CellsShape>("elements of any form")
@@ -31,6 +43,11 @@ const DefTable& cells_table() {
                     "corners of every element, one after another, in VTK's order: 3 a triangle, 4 a quad or "
                     "tetrahedron, 8 a hexahedron; nodes between them are added")
           .required()
+          .choice("form", &CellsShape::form,
+                  {"as_element", "triangles", "quadrangles", "tetrahedra", "hexahedra"},
+                  "what the cells are, as mesh files say; where no element is named they are of first order")
+          .objects("sets", &CellsShape::sets, set_table(), {0, 10'000},
+                   "vertices with a name, as groups of mesh files are; further ones beside the mesh")
           .build();
   return t;
 }
@@ -58,18 +75,6 @@ const DefTable& fill_table() {
           .object("surface", &FillShape::surface, mesh_shape_table(),
                   "what closed surfaces hold, whose triangles all run the same way round")
           .number("spacing", &FillShape::spacing, "m", above(0), "of the lattice of elements")
-          .build();
-  return t;
-}
-
-const DefTable& set_table() {
-  static const DefTable t =
-      TableOf<SetDef>("points with a name, given one by one or by a box or both")
-          .text("name", &SetDef::name, "of the set")
-          .required()
-          .integers("points", &SetDef::points, at_least(0), {0, 1'000'000}, "indices of nodes")
-          .vector("low", &SetDef::low, "m", any(), "smallest corner of the box; absent: it has no lower end")
-          .vector("high", &SetDef::high, "m", any(), "largest corner of the box; absent: it has no upper end")
           .build();
   return t;
 }

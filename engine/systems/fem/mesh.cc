@@ -21,6 +21,21 @@ struct Coarse {
   Bits sets;
 };
 
+// Points of a set, ascending.
+std::vector<uint32_t> points_of(const SetDef& d, const std::vector<Vec3>& points) {
+  std::vector<uint32_t> out;
+  for (const int64_t p : d.points) out.push_back(static_cast<uint32_t>(p));
+  for (uint32_t p = 0; (d.low || d.high) && p < points.size(); ++p) {
+    const Vec3 &x = points[p], low = d.low.value_or(x), high = d.high.value_or(x);
+    const bool in =
+        low.x <= x.x && x.x <= high.x && low.y <= x.y && x.y <= high.y && low.z <= x.z && x.z <= high.z;
+    if (in) out.push_back(p);
+  }
+  std::sort(out.begin(), out.end());
+  out.erase(std::unique(out.begin(), out.end()), out.end());
+  return out;
+}
+
 void add_lattice_sets(const std::array<uint32_t, 3>& counts, int dimension, Bits& out) {
   const char* names[] = {"x0", "x1", "y0", "y1", "z0", "z1"};
   const uint32_t n = counts[0] * counts[1] * counts[2];
@@ -130,16 +145,17 @@ void elevate(const Coarse& coarse, Mesh& out, Bits& sets) {
   }
 }
 
-// Faces of one element only, in the order of the elements.
-std::vector<Facet> surface_of(const Mesh& mesh) {
-  struct Known {
-    std::vector<uint32_t> corners;
-    Facet facet;
-  };
-  std::vector<Known> faces;
+struct Face {
+  std::vector<uint32_t> corners;  // ascending
+  Facet facet;
+};
+
+// Faces of all elements, those of the same corners one after another in the order of their elements.
+std::vector<Face> sorted_faces(const Mesh& mesh) {
+  std::vector<Face> faces;
   for (uint32_t k = 0; k < mesh.cells(); ++k) {
     for (uint32_t f = 0; f < mesh.kind->faces.size(); ++f) {
-      Known face{{}, {k, f}};
+      Face face{{}, {k, f}};
       const uint32_t corners = mesh.kind->faces[f].kind->corners;
       for (size_t a = 0; a < corners; ++a) face.corners.push_back(mesh.facet_node({k, f}, a));
       std::sort(face.corners.begin(), face.corners.end());
@@ -147,6 +163,12 @@ std::vector<Facet> surface_of(const Mesh& mesh) {
     }
   }
   std::stable_sort(faces.begin(), faces.end(), [](auto& a, auto& b) { return a.corners < b.corners; });
+  return faces;
+}
+
+// Faces of one element only, in the order of the elements.
+std::vector<Facet> outer_faces(const Mesh& mesh) {
+  const std::vector<Face> faces = sorted_faces(mesh);
   std::vector<Facet> out;
   for (size_t i = 0; i < faces.size(); ++i) {
     const bool twin = (i > 0 && faces[i - 1].corners == faces[i].corners) ||
@@ -168,9 +190,8 @@ void add_sets(const FemDef& def, const Bits& sets, Mesh& mesh) {
     mesh.sets.push_back(std::move(set));
   }
   std::vector<uint32_t> border;
-  for (const Facet& f : mesh.surface) {
-    for (size_t a = 0; a < mesh.kind->faces[f.face].nodes.size(); ++a)
-      border.push_back(mesh.facet_node(f, a));
+  for (const Facet& f : mesh.sheet ? mesh.rim : mesh.surface) {
+    for (size_t a = 0; a < mesh.facet_kind(f).size(); ++a) border.push_back(mesh.facet_node(f, a));
   }
   std::sort(border.begin(), border.end());
   border.erase(std::unique(border.begin(), border.end()), border.end());
@@ -178,16 +199,7 @@ void add_sets(const FemDef& def, const Bits& sets, Mesh& mesh) {
   mesh.sets.push_back({"all", {}});
   for (uint32_t p = 0; p < mesh.x.size(); ++p) mesh.sets.back().nodes.push_back(p);
   for (const SetDef& d : def.sets) {
-    Mesh::Set set{d.name, {}};
-    for (const int64_t p : d.points) set.nodes.push_back(static_cast<uint32_t>(p));
-    for (uint32_t p = 0; (d.low || d.high) && p < mesh.x.size(); ++p) {
-      const Vec3 &x = mesh.x[p], low = d.low.value_or(x), high = d.high.value_or(x);
-      const bool in =
-          low.x <= x.x && x.x <= high.x && low.y <= x.y && x.y <= high.y && low.z <= x.z && x.z <= high.z;
-      if (in) set.nodes.push_back(p);
-    }
-    std::sort(set.nodes.begin(), set.nodes.end());
-    set.nodes.erase(std::unique(set.nodes.begin(), set.nodes.end()), set.nodes.end());
+    Mesh::Set set{d.name, points_of(d, mesh.x)};
     mesh.sets.push_back(std::move(set));
   }
 }
@@ -207,11 +219,15 @@ std::vector<Facet> Mesh::facets_of(const Set& set) const {
   std::vector<uint8_t> in(x.size(), 0);
   for (const uint32_t p : set.nodes) in[p] = 1;
   std::vector<Facet> out;
-  for (const Facet& f : surface) {
-    bool all = true;
-    for (size_t a = 0; a < kind->faces[f.face].nodes.size(); ++a) all = all && in[facet_node(f, a)];
-    if (all) out.push_back(f);
-  }
+  const auto add_inside = [&](const std::vector<Facet>& facets) {
+    for (const Facet& f : facets) {
+      bool all = true;
+      for (size_t a = 0; a < facet_kind(f).size(); ++a) all = all && in[facet_node(f, a)];
+      if (all) out.push_back(f);
+    }
+  };
+  add_inside(surface);
+  if (out.empty()) add_inside(rim);
   return out;
 }
 
@@ -246,6 +262,11 @@ Mesh build_mesh(const FemDef& def) {
   if (def.mesh) {
     coarse.x = def.mesh->vertices;
     for (const int64_t p : def.mesh->cells) coarse.nodes.push_back(static_cast<uint32_t>(p));
+    for (const SetDef& d : def.mesh->sets) {
+      std::vector<uint8_t> in(coarse.x.size(), 0);
+      for (const uint32_t p : points_of(d, coarse.x)) in[p] = 1;
+      coarse.sets.emplace_back(d.name, std::move(in));
+    }
   }
   if (def.fill) {
     Stuffing filled = stuff(*region_of(def), def.fill->spacing);
@@ -255,7 +276,13 @@ Mesh build_mesh(const FemDef& def) {
   multiply(def.copies, coarse);
   out.x = coarse.x;
   elevate(coarse, out, coarse.sets);
-  out.surface = surface_of(out);
+  out.sheet = is_sheet(def);
+  out.surface = outer_faces(out);
+  if (out.sheet) {
+    out.rim = std::move(out.surface);
+    out.surface.clear();
+    for (uint32_t k = 0; k < out.cells(); ++k) out.surface.push_back({k, Facet::kWhole});
+  }
   add_sets(def, coarse.sets, out);
   return out;
 }
@@ -271,9 +298,24 @@ Jacobian jacobian(const Mesh& mesh, size_t cell, size_t point) {
       for (size_t c = 0; c < 3; ++c) out.j(r, c) += xs[r] * gs[c];
     }
   }
+  if (mesh.sheet) {
+    const Vec3 a = out.j.column(0), b = out.j.column(1), n = cross(a, b);
+    if (!(norm2(n) > 0)) return out;
+    const Vec3 e = normalized(a), f = normalized(cross(n, e));
+    out.j = {{dot(a, e), dot(b, e), 0, 0, dot(b, f), 0, 0, 0, 0}};
+  }
   if (kind.dimension == 2) out.j(2, 2) = 1;
   out.size = determinant(out.j);
   return out;
+}
+
+std::optional<std::array<size_t, 3>> first_crowded_face(const Mesh& mesh) {
+  const std::vector<Face> faces = sorted_faces(mesh);
+  for (size_t i = 2; i < faces.size(); ++i) {
+    if (faces[i].corners != faces[i - 2].corners) continue;
+    return std::array<size_t, 3>{faces[i - 2].facet.cell, faces[i - 1].facet.cell, faces[i].facet.cell};
+  }
+  return std::nullopt;
 }
 
 size_t first_bad_cell(const Mesh& mesh) {

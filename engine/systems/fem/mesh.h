@@ -1,5 +1,7 @@
 // Nodes, elements, surface and named sets of a body at rest.
 #pragma once
+#include <array>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -8,8 +10,9 @@
 
 namespace truestep::fem {
 
-/// A face of an element that no other element has.
+/// A face of an element that no other element has; of a sheet a whole element.
 struct Facet {
+  static constexpr uint32_t kWhole = 0xffffffff;
   uint32_t cell, face;
 };
 
@@ -17,7 +20,9 @@ struct Mesh {
   const Element* kind = nullptr;
   std::vector<Vec3> x;          ///< m; of second order: corners first
   std::vector<uint32_t> nodes;  ///< of element k from k * kind->size()
+  bool sheet = false;           ///< of elements of two dimensions, in space
   std::vector<Facet> surface;
+  std::vector<Facet> rim;  ///< of a sheet: edges that one element has
   struct Set {
     std::string name;
     std::vector<uint32_t> nodes;  ///< ascending
@@ -27,9 +32,14 @@ struct Mesh {
   size_t cells() const { return nodes.size() / kind->size(); }
   std::span<const uint32_t> cell(size_t k) const { return {nodes.data() + k * kind->size(), kind->size()}; }
   /// Nodes of a facet in the order of its face.
-  uint32_t facet_node(const Facet& f, size_t a) const { return cell(f.cell)[kind->faces[f.face].nodes[a]]; }
+  uint32_t facet_node(const Facet& f, size_t a) const {
+    return cell(f.cell)[f.face == Facet::kWhole ? a : kind->faces[f.face].nodes[a]];
+  }
+  const Element& facet_kind(const Facet& f) const {
+    return f.face == Facet::kWhole ? *kind : *kind->faces[f.face].kind;
+  }
   const Set* find(std::string_view name) const;
-  /// Facets all of whose nodes belong to a set.
+  /// Facets all of whose nodes belong to a set; of a sheet where there are none, edges of its rim.
   std::vector<Facet> facets_of(const Set& set) const;
   /// m, of the box around all nodes.
   double diagonal() const;
@@ -39,12 +49,16 @@ struct Mesh {
 
 Mesh build_mesh(const FemDef& def);
 
-/// d x / d xi at a point of the rule and its determinant (area or volume over the reference one).
+/// d x / d xi at a point of the rule and its determinant (area or volume over the reference one). Of a sheet
+/// x is measured in its own plane, along the image of xi first.
 struct Jacobian {
   Mat3 j;
   double size;
 };
 Jacobian jacobian(const Mesh& mesh, size_t cell, size_t point);
+/// Three elements that share a face (an edge in the plane), which lie on two sides of it at most; nothing
+/// where there are none.
+std::optional<std::array<size_t, 3>> first_crowded_face(const Mesh& mesh);
 /// The first element that is turned inside out or has no size somewhere; npos: none.
 size_t first_bad_cell(const Mesh& mesh);
 

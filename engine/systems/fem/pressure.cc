@@ -12,7 +12,7 @@ struct Tangents {
   Vec3 along, across;
 };
 Tangents tangents(const Body& b, const Facet& f, const double* x, size_t q) {
-  const Element& face = *b.mesh.kind->faces[f.face].kind;
+  const Element& face = b.mesh.facet_kind(f);
   Tangents out;
   for (size_t a = 0; a < face.size(); ++a) {
     const Vec3 at = load3(x, b.mesh.facet_node(f, a)), g = face.gradient[q * face.size() + a];
@@ -27,7 +27,7 @@ Tangents tangents(const Body& b, const Facet& f, const double* x, size_t q) {
 void FemField::add_pressure(const Phase& at, std::span<double> f) const {
   const double share = load_share(at.t);
   for (const PressureFacet& p : body_.pressures) {
-    const Element& face = *body_.mesh.kind->faces[p.facet.face].kind;
+    const Element& face = body_.mesh.facet_kind(p.facet);
     for (size_t q = 0; q < face.points.size(); ++q) {
       const Tangents t = tangents(body_, p.facet, at.x.data(), q);
       const Vec3 push = (-share * p.pressure * face.weights[q]) * cross(t.along, t.across);
@@ -42,7 +42,7 @@ void FemField::add_pressure(const Phase& at, std::span<double> f) const {
 void FemField::add_pressure_slope(const Phase& at, BlockSparse& dfdx) const {
   const double share = load_share(at.t);
   for (const PressureFacet& p : body_.pressures) {
-    const Element& face = *body_.mesh.kind->faces[p.facet.face].kind;
+    const Element& face = body_.mesh.facet_kind(p.facet);
     const size_t n = face.size();
     for (size_t q = 0; q < face.points.size(); ++q) {
       const Tangents t = tangents(body_, p.facet, at.x.data(), q);

@@ -261,7 +261,8 @@ void Rigid3d::stop_fast_bodies(State& s, const StepInput& in) const {
     if (now[i].part != Part::active) continue;
     const BodyKind& k = bodies_.kinds[kind[i]];
     const double move = norm(load3(x, i) - scratch.before[i].position);
-    if (k.sensor || !may_pass_through(move + in.h * now[i].turn_speed, k.inner)) continue;
+    // A surface has no core that could be swept.
+    if (k.sensor || !(k.inner > 0) || !may_pass_through(move + in.h * now[i].turn_speed, k.inner)) continue;
     Box box = bounds(k.solid, now[i].at);
     box.cover(bounds(k.solid, transform_of(pose(i))));
     scratch.near.clear();

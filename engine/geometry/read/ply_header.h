@@ -1,0 +1,38 @@
+// The header of a PLY file: what its elements are called, how many there are and what each of them has.
+#pragma once
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "engine/geometry/read/text_lines.h"
+
+namespace truestep {
+
+enum class PlyFormat : uint8_t { ascii, binary_little_endian, binary_big_endian };
+enum class PlyType : uint8_t { i8, u8, i16, u16, i32, u32, f32, f64 };
+size_t size_of(PlyType type);
+
+struct PlyProperty {
+  std::string name;
+  PlyType type = PlyType::f32;
+  std::optional<PlyType> count;  ///< of a list: the type of its length
+};
+
+struct PlyElement {
+  std::string name;
+  size_t count = 0;
+  std::vector<PlyProperty> properties;
+  /// Least bytes of one: a list may be empty.
+  size_t least_size(PlyFormat format) const;
+};
+
+struct PlyHeader {
+  PlyFormat format = PlyFormat::ascii;
+  std::vector<PlyElement> elements;
+};
+
+/// Leaves `lines` at the line end_header. Throws MeshFault: a count that what is left of the text cannot hold
+/// is one.
+PlyHeader read_ply_header(TextLines& lines);
+
+}  // namespace truestep

@@ -1,0 +1,145 @@
+#include "engine/scene/file_value.h"
+
+#include <algorithm>
+#include <boost/json.hpp>
+
+#include "engine/base/utf8.h"
+#include "engine/geometry/read/msh.h"
+#include "engine/geometry/read/obj.h"
+#include "engine/geometry/read/ply.h"
+#include "engine/geometry/read/stl.h"
+#include "engine/geometry/read/text_lines.h"
+#include "engine/scene/json.h"
+
+namespace truestep {
+
+namespace json = boost::json;
+
+namespace {
+
+enum class Format : uint8_t { json, obj, stl, ply, msh, bvh, unknown };
+
+// By how it begins, and binary STL by its length.
+Format format_of(std::string_view bytes) {
+  if (is_binary_stl(bytes)) return Format::stl;
+  TextLines lines(bytes);
+  const std::string_view word = lines.next_word();
+  if (word == "ply") return Format::ply;
+  if (word == "$MeshFormat") return Format::msh;
+  if (same_word(word, "solid")) return Format::stl;
+  if (same_word(word, "HIERARCHY")) return Format::bvh;
+  if (is_obj_statement(word)) return Format::obj;
+  const bool value = word.starts_with("true") || word.starts_with("false") || word.starts_with("null");
+  constexpr std::string_view kBegins = "{[\"-0123456789";
+  if (value || (!word.empty() && kBegins.find(word.front()) != kBegins.npos)) return Format::json;
+  return Format::unknown;
+}
+
+json::array vertices_value(const std::vector<Vec3>& vertices, double scale) {
+  json::array out;
+  out.reserve(vertices.size());
+  for (const Vec3& p : vertices) out.push_back(json::array{p.x * scale, p.y * scale, p.z * scale});
+  return out;
+}
+
+json::array triangles_value(const SurfaceFile& surface) {
+  json::array out;
+  out.reserve(3 * surface.triangles.size());
+  for (const auto& [a, b, c] : surface.triangles) {
+    if (a == b || b == c || c == a) continue;
+    for (const uint32_t p : {a, b, c}) out.push_back(static_cast<int64_t>(p));
+  }
+  return out;
+}
+
+json::object cells_value(const CellFile& mesh, double scale) {
+  json::array cells, sets;
+  cells.reserve(mesh.cells.size());
+  for (const uint32_t p : mesh.cells) cells.push_back(static_cast<int64_t>(p));
+  for (const CellFile::Group& g : mesh.groups) {
+    json::array points;
+    points.reserve(g.vertices.size());
+    for (const uint32_t p : g.vertices) points.push_back(static_cast<int64_t>(p));
+    sets.push_back(json::object{{"name", g.name}, {"points", std::move(points)}});
+  }
+  return {{"vertices", vertices_value(mesh.vertices, scale)},
+          {"cells", std::move(cells)},
+          {"form", name_of(mesh.form)},
+          {"sets", std::move(sets)}};
+}
+
+SurfaceFile surface_file(Format format, std::string_view bytes) {
+  switch (format) {
+    case Format::obj:
+      return read_obj(bytes);
+    case Format::stl:
+      return read_stl(bytes);
+    case Format::ply:
+      return read_ply(bytes);
+    case Format::msh:
+      return surface_of(read_msh(bytes));
+    case Format::json:
+    case Format::bvh:
+    case Format::unknown:
+      break;
+  }
+  throw FileFault("the file is no mesh: OBJ, STL, PLY and MSH are");
+}
+
+json::value mesh_value(Format format, std::string_view bytes, FileUse use, double scale) {
+  if (use == FileUse::cells && format != Format::msh)
+    throw FileFault("only MSH files have elements: fill the surface of this one");
+  if (format == Format::msh && (use == FileUse::automatic || use == FileUse::cells)) {
+    const CellFile mesh = read_msh(bytes);
+    for (const CellFile::Group& g : mesh.groups) {
+      if (!valid_utf8(g.name)) throw FileFault("the name of a group is not valid UTF-8");
+    }
+    return cells_value(mesh, scale);
+  }
+  const SurfaceFile surface = surface_file(format, bytes);
+  if (use == FileUse::vertices) return vertices_value(surface.vertices, scale);
+  json::array triangles = triangles_value(surface);
+  if (triangles.empty()) throw FileFault("the file has vertices and no triangles");
+  if (use == FileUse::triangles) return triangles;
+  return json::object{{"vertices", vertices_value(surface.vertices, scale)},
+                      {"triangles", std::move(triangles)}};
+}
+
+json::array lines_value(std::string_view text) {
+  json::array out;
+  TextLines lines(text);
+  while (lines.next()) out.push_back(json::string(lines.whole()));
+  return out;
+}
+
+}  // namespace
+
+bool is_mesh_file(std::string_view bytes) {
+  const Format format = format_of(bytes);
+  return format == Format::obj || format == Format::stl || format == Format::ply || format == Format::msh;
+}
+
+json::value file_value(std::string_view bytes, FileUse use, double scale) {
+  const Format format = format_of(bytes);
+  const bool lines = use == FileUse::lines || (use == FileUse::automatic && format == Format::bvh);
+  if (lines || use == FileUse::text) {
+    if (!valid_utf8(bytes)) {
+      throw FileFault("byte " + std::to_string(find_invalid_utf8(bytes) + 1) +
+                      ": a text is valid UTF-8, and this file is not");
+    }
+    return lines ? json::value(lines_value(bytes)) : json::value(json::string(bytes));
+  }
+  if (use == FileUse::automatic && format == Format::json) return parse_json(bytes);
+  if (use == FileUse::automatic && format == Format::unknown) {
+    throw FileFault(
+        "the file is none of JSON, OBJ, STL, PLY, MSH and BVH: for a text say what it is to be, \"as\": "
+        "\"text\" or \"lines\"");
+  }
+  try {
+    return mesh_value(format, bytes, use, scale);
+  } catch (const MeshFault& fault) {
+    throw FileFault(fault.what());
+  }
+}
+
+}  // namespace truestep

@@ -1,0 +1,56 @@
+// Bending of a shell (kernels/fem/bending.h) put together: a constant matrix over its nodes, the same for x,
+// y and z, what edges that are held in their direction add in places alone, and edges that are bent at rest.
+//   E / D = 1/2 x . Q x - c . x + sum over points of bent edges w j (M - eta / h J) . n(x) + E_0,  0 at rest
+#pragma once
+#include <array>
+#include <span>
+#include <vector>
+
+#include "engine/base/parallel.h"
+#include "engine/kernels/fem/bending.h"
+#include "engine/math/block_sparse.h"
+#include "engine/systems/fem/mesh.h"
+
+namespace truestep::fem {
+
+class Bending {
+ public:
+  Bending() = default;
+  /// `clamped`: nodes whose edges along the rim keep their direction.
+  Bending(const Mesh& mesh, const std::vector<uint8_t>& clamped, double poisson);
+
+  bool empty() const { return row_begin_.empty(); }
+  void add_pairs(std::vector<BlockSparse::Pair>& pairs) const;
+  void find_slots(const BlockSparse& pattern);
+
+  /// J, of the flexural rigidity D (N m).
+  double energy(double rigidity, std::span<const double> x, const ThreadArena& arena) const;
+  /// -dE/dx added to f.
+  void add_forces(double rigidity, std::span<const double> x, std::span<double> f,
+                  const ThreadArena& arena) const;
+  /// -d2E/dx2 added to dfdx.
+  void add_stiffness(double rigidity, std::span<const double> x, BentSlope kind, BlockSparse& dfdx,
+                     const ThreadArena& arena) const;
+
+ private:
+  /// A point of an edge that is bent at rest.
+  struct BentPoint {
+    std::vector<uint32_t> nodes;
+    std::vector<std::array<double, 3>> sums;  ///< of every node: in L, t, c
+    double weight, penalty;                   ///< w j; eta j / h
+    std::vector<BlockSparse::Slot> slots;     ///< nodes x nodes
+  };
+  std::array<Vec3, 3> sums_of(const BentPoint& p, std::span<const double> x) const;
+  Vec3 row(std::span<const double> x, size_t i) const;
+  void add_edge(const Mesh& mesh, const Facet& one, const Facet* two, double poisson);
+
+  std::vector<std::pair<BlockSparse::Pair, double>> entries_;  // while it is put together
+  std::vector<uint32_t> row_begin_, columns_;
+  std::vector<double> values_;
+  std::vector<BlockSparse::Slot> slots_;
+  std::vector<Vec3> constant_;  // c
+  std::vector<BentPoint> bent_;
+  double at_rest_ = 0;  // J / (N m)
+};
+
+}  // namespace truestep::fem
