@@ -9,7 +9,7 @@
 namespace truestep {
 namespace {
 
-/// A kilogram in a hundred grams of rope that hangs loose, and swings round at 30 steps a second.
+/// Five kilograms on thirty grams of rope that hang down from the side, at 30 steps a second.
 Scene swinging(const char* method) {
   return parse_scene(
       std::string(R"({"gravity": [0, -9.81, 0], "time": {"dt": 0.03333333333333333}, "systems": [
@@ -21,8 +21,8 @@ Scene swinging(const char* method) {
      "a_points": [-1], "b_points": [0], "link": "spring", "stiffness": 1200}]})");
 }
 
-struct Run {
-  explicit Run(const char* method) : world(swinging(method)), state(world.initial_state()) {}
+struct SwingRun {
+  explicit SwingRun(const char* method) : world(swinging(method)), state(world.initial_state()) {}
   void steps(int n) {
     for (int k = 0; k < n; ++k) {
       world.step(state, workspace, arena, {});
@@ -38,7 +38,7 @@ struct Run {
 };
 
 TEST(TiedSteps, GainNoEnergy) {
-  Run run("linear_implicit_euler");
+  SwingRun run("linear_implicit_euler");
   const double start = run.world.observe(run.state).find("energy.total").value();
   run.steps(150);
   // 143 J fall and swing; the first step's rounding of the rope is far below a hundredth of that.
@@ -47,7 +47,7 @@ TEST(TiedSteps, GainNoEnergy) {
 
 TEST(TiedSteps, GoOnWithTheSameBitsFromARestoredState) {
   for (const int before : {60, 84, 90}) {
-    Run whole("linear_implicit_euler"), again("linear_implicit_euler");
+    SwingRun whole("linear_implicit_euler"), again("linear_implicit_euler");
     whole.steps(before);
     again.state = WorldState::deserialize(whole.state.serialize());
     whole.steps(40), again.steps(40);
