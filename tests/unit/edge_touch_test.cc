@@ -81,17 +81,13 @@ std::string over(const std::string& points, const std::string& body, const char*
          R"(}]}], "couplings": [{"type": "contact", "id": "c", "a": "a", "b": "b", "friction": 1, "restitution": 0}]})";
 }
 
-/// Least height of the lines between the points over x = 0.
+/// Least height over x = 0 of the lines between the two middle points along x.
 double height_over_ridge(const SceneRun& run) {
-  const Ports ports = run.world->system(0).ports();
-  const ConstPoints p(run.session.state().systems[0], *ports.points);
+  const ConstPoints p(run.session.state().systems[0], *run.world->system(0).ports().points);
   double least = 1e9;
-  for (uint32_t i = 0; i < p.count; ++i) {
-    for (uint32_t j = 0; j < p.count; ++j) {
-      const Vec3 a = p.place(i), b = p.place(j);
-      if (!(a.x < 0 && b.x > 0) || b.x - a.x > 0.7) continue;
-      least = std::min(least, a.y + (b.y - a.y) * (-a.x / (b.x - a.x)));
-    }
+  for (size_t i = 1; i < p.count; i += 4) {
+    const Vec3 a = p.place(i), b = p.place(i + 1);
+    least = std::min(least, a.y + (b.y - a.y) * (-a.x / (b.x - a.x)));
   }
   return least;
 }
