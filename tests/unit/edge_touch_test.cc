@@ -47,19 +47,19 @@ TEST(EdgeTouch, KeepsTheSideOfTheStart) {
   const auto line = [](double y0, double y1) {
     return contact::MovingEdge{{-1, y0, 0.2}, {1, y0, 0.2}, {-1, y1, 0.2}, {1, y1, 0.2}};
   };
-  const auto comes = edges_meet(line(0.1, 0.01), ridge, up, 0.02);
+  const auto comes = edges_meet(line(0.1, 0.01), ridge, up, 0.02, 0.04);
   ASSERT_TRUE(comes.has_value());
   EXPECT_EQ(comes->n, up);
   EXPECT_NEAR(comes->s, 0.08 / 0.09, 1e-12);
   EXPECT_NEAR(comes->along, 0.5, 1e-15);
-  const auto passes = edges_meet(line(0.1, -0.05), ridge, up, 0.02);
+  const auto passes = edges_meet(line(0.1, -0.05), ridge, up, 0.02, 0.04);
   ASSERT_TRUE(passes.has_value());
   EXPECT_EQ(passes->n, up);
   // Far, and from behind: nothing.
-  EXPECT_FALSE(edges_meet(line(0.1, 0.05), ridge, up, 0.02).has_value());
-  EXPECT_FALSE(edges_meet(line(-0.01, 0.01), ridge, up, 0.02).has_value());
+  EXPECT_FALSE(edges_meet(line(0.1, 0.05), ridge, up, 0.02, 0.04).has_value());
+  EXPECT_FALSE(edges_meet(line(-0.01, 0.01), ridge, up, 0.02, 0.04).has_value());
   // An axis has no behind.
-  EXPECT_TRUE(edges_meet(line(-0.1, -0.01), ridge, {}, 0.02).has_value());
+  EXPECT_TRUE(edges_meet(line(-0.1, -0.01), ridge, {}, 0.02, 0.04).has_value());
 }
 
 constexpr double kRidge = 0.3 * 1.4142135623730951;

@@ -250,7 +250,7 @@ void BodyTouchSearch::look_at_edge(const BodyTouchQuery& q, const PointEdge& edg
       const BodyEdge& e = edges[k];
       const auto meet = edges_meet(
           points, {m.begin.point(e.from), m.begin.point(e.to), m.end.point(e.from), m.end.point(e.to)},
-          m.end.direction(e.outward), q.reach + e.radius);
+          m.end.direction(e.outward), q.reach + e.radius, q.reach + e.radius + std::max(q.reach, kNear));
       if (!meet) continue;
       BodyTouch t;
       t.link = {{edge[0], edge[1], edge[1]}, {1 - meet->along, meet->along, 0}, 2, body};

@@ -5,7 +5,7 @@
 namespace truestep::contact {
 
 std::optional<EdgeMeeting> edges_meet(const MovingEdge& points, const MovingEdge& body, const Vec3& outward,
-                                      double reach) {
+                                      double reach, double within) {
   const auto end = nearest_inside(points.from1, points.to1, body.from1, body.to1);
   if (!end) return std::nullopt;
   const auto start = nearest_inside(points.from0, points.to0, body.from0, body.to0);
@@ -20,7 +20,7 @@ std::optional<EdgeMeeting> edges_meet(const MovingEdge& points, const MovingEdge
   } else if (!outside && !(dot(n, outward) > 0)) {
     return std::nullopt;
   }
-  if (!(norm2(n) > 0) || after > 2 * reach) return std::nullopt;
+  if (!(norm2(n) > 0) || after > within) return std::nullopt;
   EdgeMeeting m;
   m.along = end->a, m.n = n;
   m.place = body.from1 + (body.to1 - body.from1) * end->b;

@@ -20,9 +20,9 @@ struct EdgeMeeting {
   double s = 0;      ///< fraction of the substep at which they touch; 1: they come near only
 };
 
-/// Nothing where the nearest places are ends (those are points and corners), further apart than twice
-/// `reach` (m), or the points are behind the edge. `outward`: zero where all directions are.
+/// Nothing where the nearest places are ends (those are points and corners), further apart than `within` (m),
+/// or the points are behind the edge. `outward`: zero where all directions are.
 std::optional<EdgeMeeting> edges_meet(const MovingEdge& points, const MovingEdge& body, const Vec3& outward,
-                                      double reach);
+                                      double reach, double within);
 
 }  // namespace truestep::contact
