@@ -73,6 +73,8 @@ Refinement::Refinement(const json::value& scene, const std::string& id, const St
       if (coarser == 1 || e.code() == "cancelled") throw;
     }
   }
+  // What cannot be divided is refused before anything is integrated.
+  document(1);
 }
 
 std::string Refinement::subject() const {

@@ -32,7 +32,7 @@ struct BodyContact::Scratch {
   double deepest = 0;
 
   BodyTouchQuery query(const BodyContact& c, const Points& points, const Bodies& bodies) {
-    return {points, start, bodies, body_start, {c.hulls_, 0}, c.reach_, c.forms_, form_of};
+    return {points, start, bodies, body_start, {c.hulls_, 0}, c.reach_, c.forms_, form_of, c.edges_};
   }
   /// Calls `visit` with every number that touches depend on, in order.
   static void each_place(const Points& points, const Bodies& bodies, auto&& visit) {
@@ -91,6 +91,9 @@ std::unique_ptr<const BodyContact> BodyContact::make(const ContactDef& def, cons
   const BodyAccess* access = on_bodies.bodies->access();
   const auto space = access ? access->space() : BodyAccess::Space::space;
   for (const BodyForm& f : on_bodies.bodies->forms) out->forms_.push_back(touch_form(f, space));
+  if (std::ranges::any_of(out->forms_, [](const TouchForm& f) { return !f.edges.empty(); })) {
+    out->edges_ = edges_of(out->hulls_);
+  }
   return out;
 }
 
@@ -198,6 +201,7 @@ std::vector<PlanRow> BodyContact::plan() const {
       {runs, "search", "points of " + points_id_ + " near bodies of " + bodies_id_}};
   if (hulls > 0) {
     rows.back().reason += ", and bodies' corners near " + std::to_string(hulls) + " triangles and capsules";
+    if (!edges_.empty()) rows.back().reason += ", edges near " + std::to_string(edges_.size()) + " lines";
   }
   rows.push_back({runs, "contacts", "impulses on both sides until all touches hold"});
   rows.push_back({runs, "guard", "no point passes a face, whatever other couplings did"});

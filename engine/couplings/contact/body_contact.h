@@ -46,7 +46,8 @@ class BodyContact final : public Coupling {
   std::string points_id_, bodies_id_;
   PublishedSolids hulls_;
   std::vector<TouchForm> forms_;
-  double reach_ = 0;  ///< m
+  std::vector<PointEdge> edges_;  // none where no body has any
+  double reach_ = 0;              ///< m
 };
 
 }  // namespace truestep::contact

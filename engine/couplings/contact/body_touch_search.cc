@@ -5,8 +5,7 @@
 
 #include "engine/collision/point_distance.h"
 #include "engine/collision/queries/time_of_impact.h"
-#include "engine/geometry/compound.h"
-#include "engine/math/trig.h"
+#include "engine/couplings/contact/edge_touch.h"
 
 namespace truestep::contact {
 
@@ -21,51 +20,9 @@ constexpr double kRoom = 1.01;
 /// m; conservative advancement stops here at the latest.
 constexpr double kTouch = 1e-6;
 constexpr size_t kBlock = 512;
-/// Corners on each rim of a cylinder.
-constexpr int kRim = 8;
 
 bool is_surface(SolidKind k) {
   return k == SolidKind::mesh || k == SolidKind::height_field;
-}
-
-void add_corners(const Solid& s, const Transform& at, std::vector<BodyCorner>& out) {
-  const auto add = [&](const Vec3& p, double radius) { out.push_back({at.point(p), radius}); };
-  switch (s.kind) {
-    case SolidKind::sphere:
-      return add({}, s.size.x);
-    case SolidKind::capsule:
-      for (const double y : {-1.0, 0.0, 1.0}) add({0, y * s.size.y, 0}, s.size.x);
-      return;
-    case SolidKind::box:
-      for (int k = 0; k < 8; ++k) {
-        add({k & 1 ? s.size.x : -s.size.x, k & 2 ? s.size.y : -s.size.y, k & 4 ? s.size.z : -s.size.z}, 0);
-      }
-      return;
-    case SolidKind::cylinder:
-      for (int k = 0; k < kRim; ++k) {
-        const auto [sin, cos] = trig::sincos(6.283185307179586 * k / kRim);
-        for (const double y : {-s.size.y, s.size.y}) add({s.size.x * cos, y, s.size.x * sin}, 0);
-      }
-      return;
-    case SolidKind::hull:
-      for (const Vec3& v : s.hull->vertices) add(v, 0);
-      return;
-    case SolidKind::compound:
-      for (const Compound::Part& part : s.compound->parts()) add_corners(part.solid, at * part.place, out);
-      return;
-    case SolidKind::triangle:
-    case SolidKind::plane:
-    case SolidKind::mesh:
-    case SolidKind::height_field:
-      return;
-  }
-}
-
-/// Corners of prisms are edges along z, of which one place is enough in the plane; of capsules it is the
-/// middle.
-void flatten(TouchForm& form) {
-  std::erase_if(form.corners, [](const BodyCorner& c) { return c.radius > 0 ? c.at.z != 0 : c.at.z < 0; });
-  for (BodyCorner& c : form.corners) c.at.z = 0;
 }
 
 /// On which sides of a box another one lies wholly, a bit each.
@@ -82,16 +39,6 @@ double closes_at(double before, double after) {
 }
 
 }  // namespace
-
-TouchForm touch_form(const BodyForm& form, BodyAccess::Space space) {
-  TouchForm out;
-  out.in = space;
-  if (!form.solid) return out;
-  add_corners(*form.solid, {}, out.corners);
-  if (space == BodyAccess::Space::plane) flatten(out);
-  out.inner = inner_radius(*form.solid), out.reach = bounding_radius(*form.solid);
-  return out;
-}
 
 void BodyMemory::store(const ConstBodies& b) {
   poses_.resize(b.count()), start_.resize(b.count());
@@ -130,6 +77,7 @@ void BodyTouchSearch::place_bodies(const BodyTouchQuery& q) {
   }
   grid_.build(boxes_);
   if (q.hulls.size() > 0) place_corners(q);
+  if (!q.edges.empty()) place_edges(q);
 }
 
 void BodyTouchSearch::place_points(const BodyTouchQuery& q) {
@@ -155,6 +103,20 @@ void BodyTouchSearch::place_corners(const BodyTouchQuery& q) {
       box.cover(end);
       corners_.push_back({begin, end, box.grown(kRoom * (q.reach + corner.radius))});
       corner_bounds_.cover(corners_.back().box.low), corner_bounds_.cover(corners_.back().box.high);
+    }
+  }
+}
+
+void BodyTouchSearch::place_edges(const BodyTouchQuery& q) {
+  edges_.clear();
+  for (size_t i = 0; i < bodies_.size(); ++i) {
+    Moving& m = bodies_[i];
+    m.edges = edges_.size();
+    if (!q.bodies.form(i).solid) continue;
+    for (const BodyEdge& e : q.forms[q.form_of[i]].edges) {
+      Box box = Box::nothing();
+      for (const Transform* at : {&m.begin, &m.end}) box.cover(at->point(e.from)), box.cover(at->point(e.to));
+      edges_.push_back(box.grown(kRoom * (q.reach + e.radius)));
     }
   }
 }
@@ -273,10 +235,53 @@ void BodyTouchSearch::look_at_hull(const BodyTouchQuery& q, uint32_t hull,
   });
 }
 
+void BodyTouchSearch::look_at_edge(const BodyTouchQuery& q, const PointEdge& edge,
+                                   std::vector<BodyTouch>& out) const {
+  if (sides_[edge[0]] & sides_[edge[1]]) return;
+  Box box = ways_[edge[0]];
+  box.cover(ways_[edge[1]]);
+  const MovingEdge points{load3(q.start.x(), edge[0]), load3(q.start.x(), edge[1]), q.points.place(edge[0]),
+                          q.points.place(edge[1])};
+  near(box, [&](uint32_t body) {
+    const Moving& m = bodies_[body];
+    const std::vector<BodyEdge>& edges = q.forms[q.form_of[body]].edges;
+    for (size_t k = 0; k < edges.size(); ++k) {
+      if (!edges_[m.edges + k].overlaps(box)) continue;
+      const BodyEdge& e = edges[k];
+      const auto meet = edges_meet(
+          points, {m.begin.point(e.from), m.begin.point(e.to), m.end.point(e.from), m.end.point(e.to)},
+          m.end.direction(e.outward), q.reach + e.radius, q.reach + e.radius + std::max(q.reach, kNear));
+      if (!meet) continue;
+      BodyTouch t;
+      t.link = {{edge[0], edge[1], edge[1]}, {1 - meet->along, meet->along, 0}, 2, body};
+      t.n = meet->n, t.reach = q.reach, t.s = meet->s;
+      t.place = m.end.inverse_point(meet->place + meet->n * e.radius);
+      const Vec3 touching = t.link.blend([&](size_t row) {
+        const Vec3 x = load3(q.start.x(), row);
+        return x + (q.points.place(row) - x) * meet->s;
+      });
+      t.from = m.sweep.at(meet->s).inverse_point(touching);
+      out.push_back(t);
+    }
+  });
+}
+
+std::vector<PointEdge> edges_of(const PublishedSolids& hulls) {
+  std::vector<PointEdge> out;
+  const auto add = [&](uint32_t a, uint32_t b) {
+    if (a != b) out.push_back({std::min(a, b), std::max(a, b)});
+  };
+  for (const auto& t : hulls.triangles) add(t[0], t[1]), add(t[1], t[2]), add(t[2], t[0]);
+  for (const auto& s : hulls.segments) add(s[0], s[1]);
+  std::ranges::sort(out);
+  out.erase(std::unique(out.begin(), out.end()), out.end());
+  return out;
+}
+
 const std::vector<BodyTouch>& BodyTouchSearch::run(const BodyTouchQuery& q, const ThreadArena& arena) {
   place_bodies(q);
   place_points(q);
-  const size_t points = q.points.count, all = points + q.hulls.size();
+  const size_t points = q.points.count, hulls = points + q.hulls.size(), all = hulls + q.edges.size();
   found_.resize((all + kBlock - 1) / kBlock);
   arena.for_blocks(all, kBlock, [&](size_t begin, size_t end) {
     std::vector<BodyTouch>& found = found_[begin / kBlock];
@@ -284,8 +289,10 @@ const std::vector<BodyTouch>& BodyTouchSearch::run(const BodyTouchQuery& q, cons
     for (size_t i = begin; i < end; ++i) {
       if (i < points) {
         look_at_point(q, static_cast<uint32_t>(i), found);
-      } else {
+      } else if (i < hulls) {
         look_at_hull(q, static_cast<uint32_t>(i - points), found);
+      } else {
+        look_at_edge(q, q.edges[i - hulls], found);
       }
     }
   });

@@ -2,32 +2,20 @@
 // touch the triangles and capsules between the points. Slow pairs are looked at where they end; a point that
 // moves further than half of what a body is thick by conservative advancement (collision/time_of_impact.h),
 // and the places of bodies on their straight ways (kernels/point_hull.h), so that nothing is passed within a
-// substep. What is found is in an order that depends on the rows alone. Not covered: edges of bodies against
-// edges of triangles, meshes and height fields against the inside of triangles.
+// substep; edges against edges where both stand at the substep's ends (edge_touch.h). What is found is in an
+// order that depends on the rows alone. Not covered: meshes and height fields against the inside of
+// triangles.
 #pragma once
 #include <vector>
 
 #include "engine/collision/broad/box_grid.h"
 #include "engine/collision/queries/sweep.h"
 #include "engine/couplings/contact/contact_search.h"
+#include "engine/couplings/contact/touch_form.h"
 #include "engine/couplings/points_on_bodies.h"
 #include "engine/geometry/solid.h"
 
 namespace truestep::contact {
-
-/// A place of a body that triangles may meet: a ball about it.
-struct BodyCorner {
-  Vec3 at;            ///< m, in the body's frame
-  double radius = 0;  ///< m
-};
-
-/// What the search knows of a form.
-struct TouchForm {
-  std::vector<BodyCorner> corners;
-  double inner = 0, reach = 0;  ///< m, of the balls that it holds and that hold it
-  BodyAccess::Space in = BodyAccess::Space::space;
-};
-TouchForm touch_form(const BodyForm& form, BodyAccess::Space space);
 
 /// Poses and velocities of all bodies at the substep's start, and velocities after the systems' own step.
 class BodyMemory {
@@ -51,6 +39,11 @@ class BodyMemory {
   std::vector<Twist> start_, free_;
 };
 
+/// Two points with a straight line between them.
+using PointEdge = std::array<uint32_t, 2>;
+/// Every line of the hulls once.
+std::vector<PointEdge> edges_of(const PublishedSolids& hulls);
+
 /// A blend of points that meets a body in a plane: n from the body to the points, `place` of the body in it.
 struct BodyTouch {
   BodyLink link;
@@ -69,6 +62,7 @@ struct BodyTouchQuery {
   double reach;     ///< m
   const std::vector<TouchForm>& forms;
   const std::vector<uint32_t>& form_of;  ///< row -> form
+  const std::vector<PointEdge>& edges;   ///< of the hulls
 };
 
 class BodyTouchSearch {
@@ -83,6 +77,7 @@ class BodyTouchSearch {
     Transform begin, end;
     double slack;        ///< m, by which its places leave their chords
     size_t corners = 0;  ///< its first one of `corners_`
+    size_t edges = 0;    ///< the same of `edges_`
   };
   /// Where a corner was and is, and what it may touch on its straight way.
   struct MovingCorner {
@@ -92,14 +87,17 @@ class BodyTouchSearch {
   void place_bodies(const BodyTouchQuery& q);
   void place_points(const BodyTouchQuery& q);
   void place_corners(const BodyTouchQuery& q);
+  void place_edges(const BodyTouchQuery& q);
   template <class Visit>
   void near(const Box& box, Visit&& visit) const;
   void look_at_point(const BodyTouchQuery& q, uint32_t point, std::vector<BodyTouch>& out) const;
   void look_at_hull(const BodyTouchQuery& q, uint32_t hull, std::vector<BodyTouch>& out) const;
+  void look_at_edge(const BodyTouchQuery& q, const PointEdge& edge, std::vector<BodyTouch>& out) const;
   std::optional<BodyTouch> touch(const BodyTouchQuery& q, uint32_t point, uint32_t body) const;
 
   std::vector<Moving> bodies_;
   std::vector<MovingCorner> corners_;  // none where the points have no hulls
+  std::vector<Box> edges_;             // around the ways of bodies' edges
   Box corner_bounds_;
   std::vector<uint8_t> sides_;     // of the corners' bounds that each point's way is on
   std::vector<Box> boxes_, ways_;  // around bodies, and around where each point was and is
