@@ -139,9 +139,12 @@ struct Fluid {
   bool fixed(size_t i) const { return weighted && light[i] == 0; }
   T lightness(size_t i) const { return weighted ? light[i] : T{1}; }
 
-  /// Room for so many rows: no later `resize` to as many allocates.
-  void reserve(size_t rows) {
-    if (n == 0) resize(rows);
+  size_t chunks_in_use() const { return (n + kChunk - 1) / kChunk; }
+  /// Room for so many rows with so many neighbours each: what a fluid that grows would allocate on its way.
+  void reserve(size_t rows, double neighbours) {
+    if (!chunks.empty()) return;
+    resize(rows);
+    for (Chunk<T>& c : chunks) c.need(0, static_cast<size_t>(kChunk * neighbours));
   }
   void resize(size_t rows) {
     n = rows;
@@ -150,13 +153,13 @@ struct Fluid {
     for (auto* c : {&delta, &push, &flow, &iterate, &next, &stiffness, &source, &drive, &rests}) c->resize(n);
     if (weighted) light.resize(n), held.resize(n);
     row.resize(n), cell_of.resize(n);
-    chunks.resize((n + kChunk - 1) / kChunk);
+    if (chunks.size() < chunks_in_use()) chunks.resize(chunks_in_use());
   }
 
   /// body(slot, chunk, begin, end) for every particle and its list, in any order.
   template <class Body>
   void each(const ThreadArena& arena, const Body& body) const {
-    arena.for_blocks(chunks.size(), 4, [&](size_t first, size_t last) {
+    arena.for_blocks(chunks_in_use(), 4, [&](size_t first, size_t last) {
       for (size_t k = first; k < last; ++k) {
         const Chunk<T>& c = chunks[k];
         const size_t low = k * kChunk, high = std::min(n, low + kChunk);
@@ -171,8 +174,8 @@ struct Fluid {
   };
   template <class Body>
   Tally tally(const ThreadArena& arena, const Body& body) {
-    partial.resize(3 * chunks.size());
-    arena.for_blocks(chunks.size(), 4, [&](size_t first, size_t last) {
+    partial.resize(3 * chunks_in_use());
+    arena.for_blocks(chunks_in_use(), 4, [&](size_t first, size_t last) {
       for (size_t k = first; k < last; ++k) {
         const Chunk<T>& c = chunks[k];
         const size_t low = k * kChunk, high = std::min(n, low + kChunk);
@@ -186,7 +189,7 @@ struct Fluid {
       }
     });
     Tally out;
-    for (size_t k = 0; k < chunks.size(); ++k) {
+    for (size_t k = 0; k < chunks_in_use(); ++k) {
       out.sum += partial[3 * k], out.second += partial[3 * k + 2];
       if (!(partial[3 * k + 1] <= out.most)) out.most = partial[3 * k + 1];
     }

@@ -45,7 +45,7 @@ class Neighbours {
   /// The same lists at the places where particles are now.
   void renew(Fluid<D, T>& f, const ThreadArena& arena) const {
     with_kernel([&](auto kernel) {
-      arena.for_blocks(f.chunks.size(), 4, [&](size_t first, size_t last) {
+      arena.for_blocks(f.chunks_in_use(), 4, [&](size_t first, size_t last) {
         for (size_t k = first; k < last; ++k) {
           Chunk<T>& chunk = f.chunks[k];
           const size_t low = k * kChunk, high = std::min(f.n, low + kChunk);
@@ -81,7 +81,7 @@ class Neighbours {
 
   template <Smoothing K>
   void list_with(Fluid<D, T>& f, Extras extras, const ThreadArena& arena) const {
-    arena.for_blocks(f.chunks.size(), 4, [&](size_t first, size_t last) {
+    arena.for_blocks(f.chunks_in_use(), 4, [&](size_t first, size_t last) {
       for (size_t k = first; k < last; ++k) {
         Chunk<T>& chunk = f.chunks[k];
         const size_t low = k * kChunk, high = std::min(f.n, low + kChunk);

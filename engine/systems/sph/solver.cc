@@ -38,7 +38,7 @@ class SolverOf final : public Solver {
   void step(State& s, const StepInput& in) const override {
     auto& f = in.workspace.object<Fluid<D, T>>("sph.fluid");
     f.weighted = set_.lightest < 1 || set_.ratio || !set_.inlets.empty();
-    f.reserve(set_.capacity);
+    if (set_.counts) f.reserve(set_.capacity, expected_neighbours(set_.def));
     auto& bodies = in.workspace.object<BodiesIn<D, T>>("sph.bodies");
     bodies.set(in.bodies, set_);
     const Vec3 gravity = load3(std::as_const(s).f64(columns::gravity).data(), 0);

@@ -90,6 +90,8 @@ Cost sph_cost(const void* def);
 std::vector<Vec3> places_of(const SphDef& def, const BodyDef& body);
 /// Most particles that there may be at once, `start` of them from the beginning.
 size_t largest_count(const SphDef& def, size_t start);
+/// Of a particle in the midst of the fluid, with what lists of them are filled up with.
+double expected_neighbours(const SphDef& def);
 /// Particles of all bodies, by the lattices that fill them.
 double expected_particles(const SphDef& def);
 
