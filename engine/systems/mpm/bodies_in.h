@@ -13,7 +13,14 @@ namespace truestep::mpm {
 
 class BodiesIn {
  public:
-  void begin(std::span<const ImmersedBody> given) { bodies_.assign(given.begin(), given.end()); }
+  void begin(std::span<const ImmersedBody> given, double cell) {
+    bodies_.assign(given.begin(), given.end());
+    // Room for the nodes of the largest, so that no later step needs more.
+    double most = 0;
+    for (const ImmersedBody& b : bodies_) most = std::max(most, 2 * bounding_radius(*b.solid) / cell + 2);
+    const auto room = static_cast<size_t>(std::min(most * most * most, kMostRoom));
+    nodes_.reserve(room), handles_.reserve(room), trial_.reserve(bodies_.size());
+  }
   void end(std::span<ImmersedBody> given) const { std::copy(bodies_.begin(), bodies_.end(), given.begin()); }
   bool any() const { return !bodies_.empty(); }
 
@@ -75,6 +82,7 @@ class BodiesIn {
  private:
   /// Of the square of gravity.
   static constexpr double kSteady = 2;
+  static constexpr double kMostRoom = 1e5;
   std::vector<ImmersedBody> bodies_, trial_;
   std::vector<TouchedNode> nodes_;
   std::vector<size_t> handles_;

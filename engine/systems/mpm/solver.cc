@@ -28,7 +28,7 @@ class SolverOf final : public Solver {
       const ProfileScope scope(in.profile, "mpm stresses");
       grid.stresses(set_, in.arena);
     }
-    grid.bodies.begin(in.bodies);
+    grid.bodies.begin(in.bodies, set_.def.cell);
     const Vec3 gravity = load3(std::as_const(s).f64(columns::gravity).data(), 0);
     double left = in.h, drift = 0;
     for (int64_t k = 0; left > 0; ++k) {
@@ -65,7 +65,7 @@ class SolverOf final : public Solver {
       const T length = static_cast<T>(h);
       {
         const ProfileScope scope(in.profile, "mpm scatter");
-        grid.scatter_all(set_, length, in.arena);
+        grid.scatter_all(set_, in.t + in.h - left, length, in.arena);
       }
       double speed;
       {

@@ -163,7 +163,21 @@ struct Grid {
     }
   }
 
-  void scatter_all(const Setting& set, T h, const ThreadArena& arena) {
+  /// Adds to the momenta in `rows` what the scene's force gives particles from slot s on in h s.
+  void add_force(const Setting& set, double t, T h, T mass, size_t s, T* rows) const {
+    double x[3][W::kLanes] = {}, a[W::kLanes];
+    for (int i = 0; i < D; ++i) {
+      const W at = load(now.group(s) + (L::x + i) * W::kLanes);
+      for (int lane = 0; lane < W::kLanes; ++lane) x[i][lane] = double{at[lane]};
+    }
+    for (size_t i = 0; i < D; ++i) {
+      set.force.run(i, t, x[0], x[1], x[2], W::kLanes, a);
+      for (size_t lane = 0; lane < W::kLanes; ++lane)
+        rows[4 * lane + i + 1] += mass * h * static_cast<T>(a[lane]);
+    }
+  }
+
+  void scatter_all(const Setting& set, double t, T h, const ThreadArena& arena) {
     const T dx = static_cast<T>(set.def.cell);
     tiles.resize(blocks.owners.size() * kTileNumbers);
     const bool affine = set.def.transfer == Transfer::apic;
@@ -193,6 +207,7 @@ struct Grid {
               std::copy(rows, rows + 4 * W::kLanes, still);
               std::fill(rows, rows + 4 * W::kLanes, T{0});
             }
+            if (!set.force.empty()) add_force(set, t, h, mass, s, rows);
             T* first = impulse ? impulse : tile;
             for (int lane = 0; lane < many; ++lane) {
               scatter<D, Nodes, Size::kReach, Size::kRow>(at, lane, rows, first);
@@ -311,10 +326,7 @@ struct Grid {
                     T* change) const {
     const MpmDef& def = set.def;
     const T g[3] = {static_cast<T>(gravity.x), static_cast<T>(gravity.y), static_cast<T>(gravity.z)};
-    if (!change && set.colliders.empty() && set.force.empty() && is_inside(def, b))
-      return move_free(g, h, own);
-    double push[3][Size::kBlockNodes];
-    if (!set.force.empty()) push_of(set, b, t, push);
+    if (!change && set.colliders.empty() && is_inside(def, b)) return move_free(g, h, own);
     double most = 0;
     for (size_t n = 0; n < Size::kBlockNodes; ++n) {
       T* node = own + 4 * n;
@@ -325,11 +337,6 @@ struct Grid {
       if (change) {
         const T* impulse = change + 4 * n;
         v += Vec3T<T>{impulse[1], impulse[2], D == 3 ? impulse[3] : T{0}} * inverse;
-      }
-      if (!set.force.empty()) {
-        v += Vec3T<T>{static_cast<T>(push[0][n]), static_cast<T>(push[1][n]),
-                      D == 3 ? static_cast<T>(push[2][n]) : T{0}} *
-             h;
       }
       v = held(set, place_of(def, b, n), t, v);
       if (change) {
@@ -351,16 +358,6 @@ struct Grid {
       x[a] = blocks.low[a] + at * def.cell;
     }
     return {x[0], x[1], x[2]};
-  }
-  /// m/s^2 at the nodes of a block.
-  void push_of(const Setting& set, const Block& b, double t, double (*out)[Size::kBlockNodes]) const {
-    static_assert(Size::kBlockNodes <= Texts::kMost);
-    double x[3][Size::kBlockNodes];
-    for (size_t n = 0; n < Size::kBlockNodes; ++n) {
-      const Vec3 at = place_of(set.def, b, n);
-      x[0][n] = at.x, x[1][n] = at.y, x[2][n] = at.z;
-    }
-    for (size_t a = 0; a < D; ++a) set.force.run(a, t, x[0], x[1], x[2], Size::kBlockNodes, out[a]);
   }
   /// Velocity of a node at place x as colliders and walls let it.
   Vec3T<T> held(const Setting& set, const Vec3& place, double t, Vec3T<T> v) const {

@@ -98,4 +98,4 @@ run(STEPS)
 cpu, wall = time.process_time() - cpu, time.perf_counter() - wall
 fall = v.to_numpy()[:, 1].astype(float).mean() - before
 print(json.dumps({"particles": N, "cpu": cpu, "wall": wall, "substeps": STEPS, "fall_error": fall + GRAVITY * H * STEPS,
-                  "megabytes": resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024, "version": ti.__version__}))
+                  "megabytes": resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024, "version": ".".join(map(str, ti.__version__))}))
