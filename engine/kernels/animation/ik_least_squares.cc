@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "engine/kernels/animation/cholesky.h"
 #include "engine/kernels/animation/inverse_kinematics.h"
 
 namespace truestep::animation::ik {
@@ -220,23 +221,6 @@ class LeastSquares {
     for (size_t r = 0; r < count; ++r) {
       const double* row = &w_.projected[r * n_];
       for (size_t c = 0; c < n_; ++c) w_.step[c] += y[r] * row[c];
-    }
-  }
-  static void cholesky_solve(double* a, double* y, size_t n) {
-    for (size_t r = 0; r < n; ++r) {
-      for (size_t c = 0; c <= r; ++c) {
-        double s = a[r * n + c];
-        for (size_t k = 0; k < c; ++k) s -= a[r * n + k] * a[c * n + k];
-        a[r * n + c] = r == c ? std::sqrt(std::max(s, 1e-300)) : s / a[c * n + c];
-      }
-    }
-    for (size_t r = 0; r < n; ++r) {
-      for (size_t k = 0; k < r; ++k) y[r] -= a[r * n + k] * y[k];
-      y[r] /= a[r * n + r];
-    }
-    for (size_t r = n; r-- > 0;) {
-      for (size_t k = r + 1; k < n; ++k) y[r] -= a[k * n + r] * y[k];
-      y[r] /= a[r * n + r];
     }
   }
   /// The rows of this level, made orthonormal, are what later ones may not touch.

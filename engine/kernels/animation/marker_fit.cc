@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "engine/kernels/animation/cholesky.h"
+
 namespace truestep::animation {
 
 namespace {
@@ -84,24 +86,9 @@ class Fit {
   double attempt(double damping) {
     std::ranges::copy(w_.normal, w_.factor.begin());
     for (size_t c = 0; c < n_; ++c) w_.factor[c * n_ + c] *= 1 + damping;
-    double* a = w_.factor.data();
     double* y = w_.step.data();
     std::ranges::copy(w_.gradient, w_.step.begin());
-    for (size_t r = 0; r < n_; ++r) {
-      for (size_t c = 0; c <= r; ++c) {
-        double s = a[r * n_ + c];
-        for (size_t k = 0; k < c; ++k) s -= a[r * n_ + k] * a[c * n_ + k];
-        a[r * n_ + c] = r == c ? std::sqrt(std::max(s, 1e-300)) : s / a[c * n_ + c];
-      }
-    }
-    for (size_t r = 0; r < n_; ++r) {
-      for (size_t k = 0; k < r; ++k) y[r] -= a[r * n_ + k] * y[k];
-      y[r] /= a[r * n_ + r];
-    }
-    for (size_t r = n_; r-- > 0;) {
-      for (size_t k = r + 1; k < n_; ++k) y[r] -= a[k * n_ + r] * y[k];
-      y[r] /= a[r * n_ + r];
-    }
+    cholesky_solve(w_.factor.data(), y, n_);
     constexpr double kLongest = 0.8;
     double most = 0;
     for (size_t c = 3; c < n_; ++c) most = std::max(most, std::abs(y[c]));

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "engine/kernels/animation/cholesky.h"
+
 namespace truestep::animation {
 
 using free_rotation::rotation_vector;
@@ -163,25 +165,6 @@ double residual_of(std::span<const IkGoal> goals, std::span<const Pose> poses, d
   return sum;
 }
 
-/// a x = y, a symmetric and positive definite (n x n, its lower half); y becomes x.
-void solve_symmetric(double* a, double* y, size_t n) {
-  for (size_t r = 0; r < n; ++r) {
-    for (size_t c = 0; c <= r; ++c) {
-      double s = a[r * n + c];
-      for (size_t k = 0; k < c; ++k) s -= a[r * n + k] * a[c * n + k];
-      a[r * n + c] = r == c ? std::sqrt(std::max(s, 1e-300)) : s / a[c * n + c];
-    }
-  }
-  for (size_t r = 0; r < n; ++r) {
-    for (size_t k = 0; k < r; ++k) y[r] -= a[r * n + k] * y[k];
-    y[r] /= a[r * n + r];
-  }
-  for (size_t r = n; r-- > 0;) {
-    for (size_t k = r + 1; k < n; ++k) y[r] -= a[k * n + r] * y[k];
-    y[r] /= a[r * n + r];
-  }
-}
-
 }  // namespace
 
 IkResult PosePrior::descend(std::span<const Joint> joints, const Pose& root, std::span<const IkGoal> goals,
@@ -249,7 +232,7 @@ IkResult PosePrior::descend(std::span<const Joint> joints, const Pose& root, std
         w.gram[r * rows + c] = sum;
       }
     }
-    solve_symmetric(w.gram.data(), w.spread.data(), rows);
+    cholesky_solve(w.gram.data(), w.spread.data(), rows);
     std::ranges::fill(w.target, 0.0);
     for (size_t r = 0; r < rows; ++r) {
       for (size_t i = 0; i < size_; ++i) w.target[i] += w.spread[r] * w.projected[r * size_ + i];

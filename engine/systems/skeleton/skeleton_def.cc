@@ -269,7 +269,7 @@ Cost skeleton_cost(const void* def) {
                              goals * joints * 300,
           .elements = joints + vertices + goals,
           .seconds_per_step = 2e-6 + 4e-7 * joints + 2e-8 * vertices + goals * 2e-5 + 1e-6 * joints * goals +
-                              prior * goals * 3e-6 * joints};
+                              prior * goals * 1e-6 * joints};
 }
 
 }  // namespace truestep::skeleton
