@@ -124,6 +124,20 @@ TEST(XpbdMembranes, SayWhatTheyCannotTake) {
   EXPECT_THROW(XpbdRun{d}, Error);
 }
 
+TEST(XpbdMembranes, MeshesThatAreNoSurfaceAreNamed) {
+  XpbdDef d;
+  d.mesh.emplace();
+  d.mesh->vertices = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, -1, 0}, {0.5, 0, 1}};
+  d.mesh->triangles = {0, 1, 2, 0, 1, 3, 0, 1, 4};
+  EXPECT_EQ(faults(d), Names{}) << "links alone know no sides";
+  d.flexural_rigidity = 1e-4;
+  EXPECT_EQ(faults(d), Names{"/mesh/triangles/6"});
+  d.mesh->triangles = {0, 1, 2, 0, 1, 3};
+  EXPECT_EQ(faults(d), Names{});
+  d.mesh->vertices[1] = {0, 0, 0};
+  EXPECT_EQ(faults(d), Names{"/mesh/triangles/0"});
+}
+
 /// A hanging cloth whose links are far from solved by one iteration a step.
 XpbdDef slack_cloth(std::optional<double> slack) {
   XpbdDef d;

@@ -75,12 +75,14 @@ Cost xpbd_cost(const void* def) {
       !d.tear ? 0 : static_cast<double>(d.tear->most_splits.value_or(static_cast<int64_t>(n.points)));
   const bool elastic = d.block && d.youngs_modulus;
   const double soft = (d.matching ? 90 * n.points : 0) + (elastic ? 90 * n.volumes : 0);
+  // Of a membrane's triangle what the body, the order and the solver keep of it.
+  const double sheet = !is_membrane(d) ? 0 : d.mesh ? n.links / 3 : 2 * n.points;
   // What keeps off itself: a sheet folds onto its two sides, blocks meet with some of their outsides.
   const double meets = !d.self_collision ? 0 : d.block ? 900 : 2100;
   const double tears = d.tear ? 250 * splits + (single ? 160 : 260) * 2 * n.links : 0;
   return {
       .state_bytes = 56 * n.points + (d.rod ? 56 * n.links : 0) + (d.tear ? 68 * splits + 36 * n.points : 0),
-      .workspace_bytes = rod + tears + soft + (single ? 130 : 180) * n.points +
+      .workspace_bytes = rod + tears + soft + 200 * sheet + (single ? 130 : 180) * n.points +
                          ((single ? 85 : 105) + lane + scratch) * n.links +
                          (single ? 130 : 175) * (n.bends + n.volumes) +
                          (collides || d.self_collision ? 104 * n.points : 0) + meets * n.points +
@@ -93,7 +95,7 @@ Cost xpbd_cost(const void* def) {
            iterations * (d.matching ? 3e-8 * n.points
                          : elastic  ? 2e-8 * n.volumes
                                     : 0) +
-           iterations * (single ? 4e-9 : 8e-9) * constraints)};
+           iterations * 1.5e-8 * sheet + iterations * (single ? 4e-9 : 8e-9) * constraints)};
 }
 
 }  // namespace truestep::xpbd
