@@ -160,6 +160,11 @@ TEST(FemScene, SaysWhatASheetCannotBe) {
   EXPECT_EQ(faults(d), Faults{"/mesh/cells/3"});
   d.mesh = CellsShape{{{0, 0, 0}, {1, 0, 1}, {0, 1, 0}, {0, -1, 0}, {0, 0, 1}}, {0, 1, 2, 1, 0, 3, 0, 1, 4}};
   EXPECT_EQ(faults(d), Faults{"/mesh/cells/6"});
+  // Both triangles on the same side of their edge: a shell has no normal there, and used to stand still.
+  d.mesh = CellsShape{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0.5, 0.7, 0}}, {0, 1, 2, 1, 0, 3}};
+  EXPECT_EQ(faults(d), Faults{"/mesh/cells/3"});
+  d.mesh->vertices[3].z = 0.5;
+  EXPECT_EQ(faults(d), Faults{});
 }
 
 FemDef ball() {

@@ -68,6 +68,7 @@ void ImplicitSystem::differentiate(double t, std::span<const double> x, std::spa
                                    Derivatives which, std::span<const double> x_rate) {
   Evaluation e{m_.input.workspace, m_.input.arena};
   const Phase at{t, x, u, m_.state};
+  if (width_ == 3) places_ = x;
   if (!x_rate.empty()) {
     // Both matrices come from one call: what comes with the wrong position is made over.
     if (matrices_.unused.empty()) matrices_.dfdv_kept = matrices_.dfdv, matrices_.unused = matrices_.dfdx;
@@ -169,7 +170,8 @@ BlockSolver::Result::Sign ImplicitSystem::solve(std::span<const double> b, std::
                              {.tolerance = accuracy,
                               .condition = condition_,
                               .symmetry = m_.field.symmetric_jacobian() ? BlockSolver::Symmetry::symmetric
-                                                                        : BlockSolver::Symmetry::general},
+                                                                        : BlockSolver::Symmetry::general,
+                              .places = places_},
                              m_.input.arena);
   if (!result.solved) {
     throw Instability("", "velocity", -1,

@@ -83,6 +83,7 @@ class ImplicitSystem {
   Matrices& matrices_;
   std::span<double> partial_;  // one number per block of rows
   double condition_ = 1;
+  std::span<const double> places_;  // m, of the last derivatives
 };
 
 }  // namespace truestep

@@ -13,7 +13,20 @@ namespace {
 constexpr double kIterationCost = 9, kFactorCost = 13;
 // Fewer iterations than this need no thought, and no analysis of the pattern.
 constexpr double kAlwaysIterate = 60;
+// Two grids: rows from which they are looked at, iterations for a reduction by e, products with the matrix of
+// one iteration and of the preparation.
+constexpr size_t kLarge = 12'000;
+constexpr double kTwoGridIterations = 1.6, kProducts = 7, kPreparation = 60;
+
+bool is_large(const BlockSparse& a) {
+  return a.block_size() == 3 && a.block_rows() >= kLarge;
+}
 }  // namespace
+
+void BlockSolver::reserve(const BlockSparse& a) {
+  ldlt_.analyze(a);
+  if (is_large(a)) two_grids_.analyze(a);
+}
 
 BlockSolver::Result BlockSolver::solve(const BlockSparse& a, std::span<const double> b, std::span<double> x,
                                        const Request& request, const ThreadArena& arena) {
@@ -33,6 +46,19 @@ BlockSolver::Result BlockSolver::solve(const BlockSparse& a, std::span<const dou
     iterate = expected * kIterationCost * double(a.blocks()) < kFactorCost * ldlt_.work();
   }
   int spent = 0;
+  if (!(expected <= kAlwaysIterate) && is_large(a) && !request.places.empty()) {
+    two_grids_.analyze(a);
+    const double needed = -kTwoGridIterations * trig::log(request.tolerance);
+    const double cost = (needed * kProducts + kPreparation) * kIterationCost * double(a.blocks()) +
+                        kFactorCost * two_grids_.coarse_work();
+    if (cost < std::min(expected * kIterationCost * double(a.blocks()), kFactorCost * ldlt_.work())) {
+      const int limit = static_cast<int>(4 * needed + 20);
+      const Pcg::Result r = two_grids_.solve(a, request.places, b, x, request.tolerance, limit, arena);
+      last_ = Method::two_grids;
+      if (r.outcome == Pcg::Outcome::converged) return {last_, r.iterations, true};
+      spent = r.iterations, iterate = false;
+    }
+  }
   if (iterate) {
     const int limit = static_cast<int>(std::min(2 * expected + 20, 1e5));
     const Pcg::Result r = pcg_.solve(a, b, x, request.tolerance, limit, arena);
@@ -53,6 +79,8 @@ void BlockSolver::solve_again(const BlockSparse& a, std::span<const double> b, s
                               double tolerance, const ThreadArena& arena) {
   if (last_ == Method::ldlt) {
     ldlt_.solve(b, x);
+  } else if (last_ == Method::two_grids) {
+    two_grids_.solve_again(a, b, x, tolerance, 1000, arena);
   } else {
     pcg_.solve(a, b, x, tolerance, 1000, arena);
   }

@@ -41,6 +41,22 @@ std::vector<Edge> edges_of(const Mesh& mesh) {
 
 }  // namespace
 
+std::optional<std::array<size_t, 2>> first_fold(const Mesh& mesh) {
+  constexpr double kSame = 1 - 1e-9;  // of the cosine between the two sides
+  for (const Edge& e : edges_of(mesh)) {
+    if (e.rim) continue;
+    const Vec3 from = mesh.x[e.ends[0]], along = normalized(mesh.x[e.ends[1]] - from);
+    Vec3 in[2];
+    for (size_t side = 0; side < 2; ++side) {
+      const Facet& f = side == 0 ? e.one : e.two;
+      const Vec3 third = mesh.x[mesh.cell(f.cell)[(f.face + 2) % 3]] - from;
+      in[side] = normalized(third - dot(third, along) * along);
+    }
+    if (dot(in[0], in[1]) > kSame) return std::array<size_t, 2>{e.one.cell, e.two.cell};
+  }
+  return std::nullopt;
+}
+
 Bending::Bending(const Mesh& mesh, const std::vector<uint8_t>& clamped, double poisson)
     : constant_(mesh.x.size()) {
   for (size_t k = 0; k < mesh.cells(); ++k) {

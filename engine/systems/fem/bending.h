@@ -3,6 +3,7 @@
 //   E / D = 1/2 x . Q x - c . x + sum over points of bent edges w j (M - eta / h J) . n(x) + E_0,  0 at rest
 #pragma once
 #include <array>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -12,6 +13,9 @@
 #include "engine/systems/fem/mesh.h"
 
 namespace truestep::fem {
+
+/// Two elements that lie on each other along an edge, where a shell has no direction; nothing: none do.
+std::optional<std::array<size_t, 2>> first_fold(const Mesh& mesh);
 
 class Bending {
  public:

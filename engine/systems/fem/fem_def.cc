@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "engine/systems/fem/bending.h"
 #include "engine/systems/fem/fem_tables.h"
 #include "engine/systems/fem/mesh.h"
 
@@ -127,6 +128,11 @@ void check_cells(const FemDef& d, const Report& report) {
                   "elements " + std::to_string((*crowded)[0]) + ", " + std::to_string((*crowded)[1]) +
                       " and " + std::to_string((*crowded)[2]) + " share " +
                       (kind.dimension == 2 ? "an edge" : "a face") + ": two can");
+  }
+  if (const auto fold = d.plane == Plane::shell ? first_fold(mesh) : std::nullopt) {
+    return report("/mesh/cells/" + std::to_string((*fold)[1] * kind.corners),
+                  "elements " + std::to_string((*fold)[0]) + " and " + std::to_string((*fold)[1]) +
+                      " lie on each other: a shell may be bent at an edge, not folded flat");
   }
   std::vector<uint8_t> used(mesh.x.size(), 0);
   for (const uint32_t p : mesh.nodes) used[p] = 1;
