@@ -4,7 +4,7 @@
 A cube of 0.95 m in a corner of a tank of 3 x 2 x 1 m, kinematic viscosity 0.01, half a second of flow. Both sides say how much
 the density of particles has over that at rest, on the mean and at most, as means over samples each 0.05 s. The peer
 is installed from PyPI into the build folder; ours runs as a program, whose start is measured by a run of one step and
-taken off. One thread on both sides, and ours by two.
+taken off. One thread on both sides.
 """
 import json
 import os
