@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "engine/math/trig.h"
 #include "engine/systems/grid_fluid/solids.h"
 
 namespace truestep::grid_fluid {
@@ -240,7 +241,7 @@ double expected_particles(const GridFluidDef& d) {
     volume += part;
   }
   return std::min(volume, all) / g.cell_volume() *
-         std::pow(static_cast<double>(d.particles_per_axis), static_cast<double>(g.dimensions));
+         trig::pow(static_cast<double>(d.particles_per_axis), static_cast<double>(g.dimensions));
 }
 
 const DefTable& grid_fluid_table() {
