@@ -30,6 +30,7 @@ struct CatalogueRow {
   const Outputs* outputs;                    ///< what can be recorded, probed and observed
   double longest_substep = 10;               ///< s, beyond which nothing that it describes is resolved
   const Resolution* resolution = nullptr;    ///< null: no parameter divides anything
+  std::vector<std::string_view> own_integrators = {};  ///< methods that are in no table and serve it alone
 };
 
 std::span<const CatalogueRow> catalogue();

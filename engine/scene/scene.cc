@@ -77,17 +77,18 @@ void require_new_id(const Scene& scene, const std::string& id, const std::string
   }
 }
 
-// Which methods fit only a built system knows; a name that no method has is wrong in any.
-void check_method_name(const json::object& o, const DefTable& table, const std::string& where,
-                       std::vector<Issue>& errors) {
+// Which methods fit only a built system knows; a name that no method has is wrong in any. True: it is one.
+bool unknown_method(const json::object& o, const CatalogueRow& row, const std::string& where,
+                    std::vector<Issue>& errors) {
   const json::value* given = o.if_contains("integrator");
-  if (!given || !given->is_string() || !table.find("integrator")) return;
+  if (!given || !given->is_string() || !row.table->find("integrator")) return false;
   const std::string name(given->as_string());
-  if (find_integrator(name)) return;
-  std::vector<std::string> names;
+  std::vector<std::string> names(row.own_integrators.begin(), row.own_integrators.end());
   for (const Integrator& m : integrators()) names.emplace_back(m.name);
+  if (name.empty() || std::find(names.begin(), names.end(), name) != names.end()) return false;
   errors.push_back({where + "/integrator", "unknown_integrator", "no integrator has this name",
                     shorten(*given), join_names(names), nearest_name(name, names), ""});
+  return true;
 }
 
 // "type" picks the row; then "id" and the row's own parameters.
@@ -104,8 +105,9 @@ void read_system(const json::value& v, size_t index, Scene& scene, SceneReport& 
   require_new_id(scene, system.id, where, errors);
   constexpr std::string_view kOwn[] = {"type", "id"};
   system.reading = read_params(*row->table, system.def.get(), v.as_object(), where, kOwn, errors);
-  // A sound one is built and says it itself.
-  if (system.reading == Reading::faulty) check_method_name(v.as_object(), *row->table, where, errors);
+  // A sound one is built and says it itself, but for the names of methods that serve this kind alone.
+  const bool asked_here = system.reading == Reading::faulty || !row->own_integrators.empty();
+  if (asked_here && unknown_method(v.as_object(), *row, where, errors)) system.reading = Reading::faulty;
   scene.systems.push_back(std::move(system));
 }
 

@@ -131,6 +131,8 @@ int systems(const Options& options) {
       std::cout << "  " << m.at("name").as_string().c_str() << ": " << m.at("title").as_string().c_str()
                 << ", order " << m.at("order").as_int64() << '\n';
     }
+    for (const std::string_view own : row->own_integrators)
+      std::cout << "  " << own << ": of this system alone\n";
   }
   print_outputs(*row->outputs);
   std::cout << "\nguarantees\n";

@@ -41,6 +41,19 @@ TEST(NbodyDeterminism, AStateIsAllThatAStepNeeds) {
   }
 }
 
+TEST(NbodyDeterminism, EncountersTakeNothingOver) {
+  NbodyDef d = model_units();
+  d.positions = {{0, 0, 0}}, d.masses = {1};
+  d.groups = {OrbitDef{.mass = 1e-4}, OrbitDef{.mass = 1e-4, .semi_major_axis = 1.05, .mean_anomaly = 0.2}};
+  d.integrator = "mercurius";
+  NbodyRun run(d, 0.1), copy(d, 0.1), other(d, 0.101);
+  run.step(60), copy.step(30), other.step(60);
+  copy.state = State::deserialize(copy.state.serialize()), copy.workspace.clear();
+  copy.step(30);
+  EXPECT_EQ(run.state.hash(), copy.state.hash());
+  EXPECT_NE(run.state.hash(), other.state.hash());
+}
+
 TEST(NbodyDeterminism, BlockTimeStepsTakeNothingOver) {
   NbodyDef d = model_units();
   d.groups = {PlummerDef{.count = 300}};

@@ -1,5 +1,7 @@
 // What a scene of bodies may not say, what commands may not do, and collisions.
 #include "engine/base/errors.h"
+#include "engine/scene/json.h"
+#include "engine/session/world.h"
 #include "tests/support/nbody_run.h"
 
 namespace truestep::nbody {
@@ -35,6 +37,35 @@ TEST(NbodyScene, SaysWhatDoesNotFit) {
   EXPECT_EQ(faults(d), Faults{"/groups/0/around"}) << "the second one may stand around the first";
   d.groups = {PlummerDef{.count = 3'000'000}, SphereDef{.count = 3'000'000}};
   EXPECT_EQ(faults(d), Faults{"/groups"});
+}
+
+/// Faults of a scene of one body: "pointer message; allowed".
+std::vector<std::string> scene_faults(const std::string& members) {
+  try {
+    const World world(
+        parse_scene(R"({"systems": [{"type": "nbody", "positions": [[0, 0, 0]], )" + members + "}]}"));
+  } catch (const Error& e) {
+    std::vector<std::string> out;
+    for (const Issue& i : e.issues())
+      out.push_back(i.pointer + ' ' + i.message + "; " + i.allowed + i.did_you_mean);
+    return out;
+  }
+  return {};
+}
+
+TEST(NbodyScene, MethodsOfBodiesAloneAreKnownByName) {
+  // Beside another fault they are no fault of their own.
+  const auto other = scene_faults(R"("mass": -1, "integrator": "leapfrog")");
+  ASSERT_EQ(other.size(), 1u);
+  for (const char* own : {"wisdom_holman", "mercurius", "hermite"}) {
+    EXPECT_EQ(scene_faults(R"("mass": -1, "integrator": ")" + std::string(own) + '"'), other) << own;
+  }
+  // A wrong name is told of them, once.
+  const auto wrong = scene_faults(R"("integrator": "mercuriu")");
+  ASSERT_EQ(wrong.size(), 1u);
+  for (const char* own : {"wisdom_holman", "mercurius", "hermite", "ias15"}) {
+    EXPECT_NE(wrong[0].find(own), std::string::npos) << wrong[0];
+  }
 }
 
 TEST(NbodyScene, WisdomAndHolmanNeedASun) {

@@ -37,6 +37,7 @@ class Step {
     eps2_ = eps * eps;
     w_.x.resize(n_), w_.v.resize(n_), w_.x1.resize(n_), w_.v1.resize(n_);
     w_.mu.resize(n_), w_.reach.resize(n_), w_.meets.resize(n_);
+    w_.encounter.mu.reserve(n_), w_.encounter.reach.reserve(n_), w_.encounter.y.reserve(6 * n_);
     for (size_t i = 0; i < n_; ++i) {
       w_.mu[i] = g * s.f64(Columns::mass)[i];
       const NbodyField::Orbit& o = field.orbits()[i];
