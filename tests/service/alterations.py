@@ -133,6 +133,7 @@ ALTERED = {
         "test_queries": [body("POST .*/queries$", lambda o: [h.update(distance=h["distance"] + 1e-5) for h in o.get("hits", [])])],
         "test_contacts_of_a_body_at_rest": [body("POST .*/queries$", lambda o: [c.update(force=1.1 * c["force"]) for c in o["contacts"]])],
         "test_assets_stand_where_scenes_refer_to_them": [answer("GET /v1/assets/", text(b"2, 1", b"2, 2"))],
+        "test_mesh_files_stand_where_scenes_refer_to_them": [answer("GET /v1/assets/", text(b"v 10", b"v 11"))],
         "test_a_run_gives_observables_over_time": [body("GET .*/result$", lambda o: o["summary"].update(state_hash="0" * 16))],
     },
     "ending_test.Ending": {

@@ -205,13 +205,23 @@ Cost mpm_cost(const void* def) {
   const auto& d = *static_cast<const MpmDef*>(def);
   const double n = expected_particles(d), scalar = d.precision == Precision::f32 ? 4 : 8;
   const bool plane = d.dimension == 2;
-  // Columns in the order of blocks, before and after they are sorted, with room to grow; rows, ids and keys;
-  // a block's tile and its nodes.
-  const double components = plane ? 17 : 32;
-  const double per_block = 64, tile = plane ? 12.0 * 13 : 8.0 * 8 * 9;
-  const double fill =
-      per_block * d.particles_per_axis * d.particles_per_axis * (plane ? 1 : d.particles_per_axis);
-  const double blocks = 1.5 * n / fill + 8;
+  // What blocks.h and substep.h set aside: for four times the blocks that the particles are in and reach (or
+  // all of the box), a tile and nodes of four numbers; columns in the order of blocks before and after they
+  // are sorted, whose groups of lanes are filled up for every block and body.
+  const double components = plane ? 17 : 32, block = plane ? 8 : 4, lanes = 32 / scalar;
+  const double tile = plane ? 12.0 * 13 : 8.0 * 8 * 9;
+  const double per_cell = std::pow(d.particles_per_axis, d.dimension);
+  const double owners = 1.2 * n / (64 * per_cell) + 4;
+  const double side = plane ? std::sqrt(owners) : std::cbrt(owners);
+  double table = 1;
+  for (int a = 0; a < d.dimension; ++a) {
+    const double size = a == 0 ? d.high.x - d.low.x : a == 1 ? d.high.y - d.low.y : d.high.z - d.low.z;
+    table *= (size / d.cell + 4 * block) / block + 1;
+  }
+  const double own = std::min(table, 4 * owners + 64);
+  const double all = std::min(table, 4 * std::pow(side + 2, d.dimension) + 256);
+  const double slots = n + std::min(n, own * static_cast<double>(d.bodies.size())) * (lanes - 1);
+  const double flip = d.transfer == Transfer::flip ? 2 : 1;
   // Laws that flow take singular values and logarithms; snow that is packed hardens, which more than doubles
   // the speed of its waves.
   double fastest = 0, law = 1;
@@ -223,8 +233,8 @@ Cost mpm_cost(const void* def) {
   }
   const double substeps_per_second = fastest / (d.courant * d.cell);
   return {.state_bytes = n * scalar * (plane ? 16 : 26),
-          .workspace_bytes = n * ((plane ? 3 : 3.5) * components * scalar + 28) +
-                             blocks * 4 * scalar * (tile + per_block * 5) + 8 * cells_of(d) / 64,
+          .workspace_bytes = slots * (2 * components * scalar + 16) + n * (plane ? 24 : 30) * scalar +
+                             flip * 4 * scalar * (own * tile + all * 64) + 180 * all + 4 * table,
           .elements = n,
           .seconds_per_step = n * law * (plane ? 3.5e-8 : 1.1e-7) * std::max(1.0, substeps_per_second / 60)};
 }
