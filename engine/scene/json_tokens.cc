@@ -17,7 +17,7 @@ constexpr bool is_plain(unsigned char c) {
   return c >= 0x20 && c < 0x80 && c != '"' && c != '\\';
 }
 
-// Line and column, from 1, of what follows `before`; a column is a character.
+// Line and column, counted from 1, of the text after `before`; columns count characters.
 std::string place_of(std::string_view before) {
   const auto line = 1 + std::count(before.begin(), before.end(), '\n');
   const std::string_view rest = before.substr(before.rfind('\n') + 1);
@@ -47,7 +47,7 @@ void JsonTokens::fail_at(const char* where, const char* code, const std::string&
   std::string_view near(where, std::min<size_t>(20, static_cast<size_t>(end_ - where)));
   near = near.substr(0, std::min({near.size(), find_invalid_utf8(near), near.find_first_of("\r\n")}));
   issue.value = std::string(near);
-  // Too deep is a limit of this service and no fault of the document's syntax.
+  // Excessive depth is a limit of this service, not a syntax error.
   const bool limit = std::string_view(code) == "too_deep";
   throw Error(limit ? "too_large" : "bad_json", "not acceptable as JSON: " + issue.message, {issue});
 }
@@ -189,7 +189,7 @@ void JsonTokens::read_number(json::value& out) {
   double v = 0;
   const auto r = std::from_chars(start, p_, v);
   if (r.ec == std::errc::result_out_of_range) {
-    // Too small becomes zero as in every other reader; too large has no value at all.
+    // Underflow gives zero as in other readers; overflow has no value at all.
     if (!underflows(first)) fail_at(start, "number_overflow", "a number is beyond the range of a double");
     v = negative ? -0.0 : 0.0;
   }
@@ -213,8 +213,8 @@ bool JsonTokens::read_integer(json::value& out, const char* start, bool negative
   return true;
 }
 
-// Of a number already known to be out of range: is it below the smallest double rather than above the
-// largest? Decimal exponent of the first non-zero digit, saturating.
+// Whether a number known to be out of range is below the smallest double rather than above the largest. Uses
+// the decimal exponent of the first non-zero digit, saturating.
 bool JsonTokens::underflows(const char* p) const {
   long long position = 0;
   bool seen_point = false, seen_digit = false;

@@ -1,5 +1,5 @@
-// The tokens of a JSON text, from its start to its end: strings, numbers, words; and the fault at a place of
-// it. Shared by json.cc, which knows the structure, and json_tokens.cc.
+// The tokens of a JSON text: strings, numbers, words; and errors with their position. Shared by json.cc,
+// which knows the structure, and json_tokens.cc.
 #pragma once
 #include <boost/json/value.hpp>
 #include <cstddef>
@@ -15,7 +15,7 @@ class JsonTokens {
   explicit JsonTokens(std::string_view text)
       : begin_(text.data()), p_(text.data()), end_(text.data() + text.size()) {}
 
-  /// Where in the document the cursor is: a member or an element on every level.
+  /// The path to the cursor: a member or an element on every level.
   struct Step {
     boost::json::string_view key;  ///< of an object's member; data() is null inside an array
     size_t index;
@@ -28,11 +28,11 @@ class JsonTokens {
   void skip_space() {
     while (p_ != end_ && (*p_ == ' ' || *p_ == '\n' || *p_ == '\r' || *p_ == '\t')) ++p_;
   }
-  /// Takes the word, which must come next.
+  /// Consumes the word, which must come next.
   void literal(std::string_view word);
-  /// The decoded string; a view into the text when nothing had to be decoded, else into scratch_.
+  /// The decoded string: a view into the text if nothing needed decoding, otherwise into scratch_.
   std::string_view read_string();
-  /// An int64 or a uint64 where it is an integer that fits, otherwise a double, rounded correctly.
+  /// Gives an int64 or uint64 for an integer that fits, otherwise a correctly rounded double.
   void read_number(boost::json::value& out);
 
   const char* begin_;
@@ -41,7 +41,7 @@ class JsonTokens {
   std::vector<Step> path_;
 
  private:
-  /// End of the run of characters that need no decoding; clears `ascii` when it saw others.
+  /// End of the run of characters that need no decoding; clears `ascii` if any was not ASCII.
   const char* plain_run(const char* p, bool& ascii) const;
   void check_utf8(std::string_view s, bool ascii);
   void read_escape();

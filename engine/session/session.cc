@@ -12,7 +12,7 @@ namespace truestep {
 
 namespace {
 
-// Energies and probes are always kept. What a scene names is worth every step to it.
+// Energies and probes are always kept. Observables named by the scene are kept at every step.
 Series series_of(const SceneHeader& header) {
   constexpr size_t kUnasked = 2048;
   std::vector<std::string> wanted = header.observables;
@@ -56,7 +56,7 @@ void Session::examine() {
   }
 }
 
-// The owner who has nobody waiting.
+// For an owner without readers that wait.
 bool Session::one_step() {
   StepOutcome outcome = step_in_place(Output::aloud);
   if (outcome == StepOutcome::unstable) {
@@ -93,12 +93,12 @@ uint64_t Session::accrue(double wall_seconds) {
   accumulator_ += std::max(wall_seconds, 0.0) * speed_;
   const double dt = world_->dt();
   const auto owed = static_cast<uint64_t>(std::min(accumulator_ / dt, 1e15));
-  // The steps of one sixtieth of a second are never "late", however small dt is.
+  // The steps of a sixtieth of a second never count as "late", however small dt is.
   const double display = std::ceil(speed_ / (60 * dt));
   const double most = std::max(static_cast<double>(world_->scene().header.time.max_catchup_steps), display);
   const auto bound = static_cast<uint64_t>(std::min(most, 1e15));
   const uint64_t due = std::min(owed, bound);
-  // Time beyond the bound is given up, not saved: a late session must not fall further behind.
+  // Time beyond the bound is dropped, not saved: a late session must not fall further behind.
   skipped_ += owed - due;
   pace_.wall += std::max(wall_seconds, 0.0);
   pace_.wanted += std::max(wall_seconds, 0.0) * speed_;
@@ -118,7 +118,7 @@ uint64_t Session::advance(double wall_seconds) {
   return done;
 }
 
-// --- what comes out
+// --- output
 
 void Session::add_sink(std::shared_ptr<Sink> sink) {
   sinks_.push_back(std::move(sink));

@@ -18,7 +18,7 @@ uint64_t Session::command(const Command& command) {
   drain_queue();
   replay_commands();
   const uint64_t sequence = next_sequence_++;
-  // A new command makes a new future: what was journalled for later steps no longer holds.
+  // A new command makes a new future: entries journalled for later steps no longer hold.
   journal_.resize(journal_cursor_);
   mark_journal();
   if (journal_.size() >= options_.journal_entries) shorten_journal();
@@ -39,8 +39,8 @@ uint64_t Session::command(const Command& command) {
   return sequence;
 }
 
-// A long run of commands is divided by snapshots, or there would be nothing to shorten the journal at but the
-// present. They are taken before a step's first command, as all snapshots are.
+// Divides a long run of commands by snapshots; otherwise the journal could only be cut at the present. Like
+// all snapshots, they are taken before a step's first command.
 void Session::mark_journal() {
   if (!journal_.empty() && journal_.back().step >= state_.step) return;
   const WorldState* s = history_.at_or_before(state_.step);
@@ -50,8 +50,9 @@ void Session::mark_journal() {
   if (static_cast<size_t>(journal_.end() - since) >= options_.journal_entries / 8) history_.keep(state_);
 }
 
-// The older half of the journal goes, up to a snapshot of that time; where there is none near, all of it: the
-// past then begins at the present state. `command` is about to add an entry, and all entries are carried out.
+// Drops the older half of the journal, up to a snapshot of about that time; if there is none, all of it: the
+// past then begins at the present state. `command` is about to add an entry, and all entries have been
+// carried out.
 void Session::shorten_journal() {
   const WorldState* s = history_.at_or_before(journal_[journal_.size() / 2].step);
   const auto kept = std::find_if(journal_.begin(), journal_.end(),

@@ -1,4 +1,4 @@
-// The past of a session: resets, restores, seeks, and earlier states computed beside the present one.
+// The past of a session: reset, restore, seek, and earlier states computed beside the present one.
 #include <algorithm>
 #include <string>
 #include <utility>
@@ -33,7 +33,7 @@ void Session::resume(std::optional<WorldState> origin, std::vector<JournalEntry>
   journal_ = std::move(journal);
 }
 
-// A failed step whose remedies nobody has looked for yet belongs to a state that is left.
+// A failed step whose remedies have not been searched yet belongs to a state that is being left.
 void Session::abandon_aside() {
   aside_ = false;
   unstable_.reset();
@@ -114,7 +114,7 @@ WorldState Past::compute() const {
   Workspace scratch;
   size_t cursor = 0;
   while (true) {
-    // Like the session itself: a step's commands come first, and those of the wanted step count.
+    // As in the session itself: a step's commands come first, and those of the requested step are included.
     for (; cursor < commands.size() && commands[cursor].step <= state.step; ++cursor) {
       world->apply(state, commands[cursor].command);
     }
@@ -123,7 +123,7 @@ WorldState Past::compute() const {
   }
 }
 
-// The present step, too, from its snapshot: in-place steps that failed left nothing else of it.
+// Also the present step, from its snapshot: after a failed in-place step nothing else is left of it.
 WorldState Session::replayed(uint64_t step) const {
   Past past{world_, arena_, snapshot_at_or_before(step), {}, step};
   for (const JournalEntry& e : journal_) {

@@ -1,4 +1,4 @@
-// Steps of a session: in place, or computed beside the state that readers see; and what follows a step that
+// Steps of a session: in place, or computed beside the state that readers see; and diagnosis when a step
 // fails.
 #include <algorithm>
 #include <chrono>
@@ -21,14 +21,14 @@ double seconds_since(std::chrono::steady_clock::time_point start) {
 
 StepOutcome Session::step_in_place(Output output) {
   {
-    // Commands are carried out as a whole.
+    // Commands are not interruptible.
     const InterruptScope undisturbed(nullptr);
     drain_queue();
     replay_commands();
   }
   const uint64_t good = state_.step;
-  // A step that a snapshot may follow is timed, for the history to know what it may cost; the clock costs as
-  // much as a step of the smallest worlds, so not every step is.
+  // A step that a snapshot may follow is timed, to tell the history what it may cost; reading the clock takes
+  // as long as a step of the smallest worlds, so not every step is timed.
   const bool timed = history_.due(good + 1) || step_seconds_ > 1e-4 || step_seconds_ == 0;
   const auto start = timed ? std::chrono::steady_clock::now() : std::chrono::steady_clock::time_point{};
   const auto recover = [&] {
@@ -144,7 +144,7 @@ Failure Session::diagnose(const Instability& e) const {
              (e.index >= 0 ? " (row " + std::to_string(e.index) + ")" : "") + " in step " +
              std::to_string(f.step) + " (t = " + time + " s)";
   try {
-    // Remedies are tried from some way before the last good step.
+    // Remedies are tried from some steps before the last good one.
     const uint64_t good = f.last_good_step, first = first_step();
     const WorldState before = replayed(good - std::min(good - first, trial_steps_before(*world_)));
     const auto hint = e.suggested_dt > 0 ? std::optional(e.suggested_dt) : world_->stable_dt(state_);
@@ -157,7 +157,7 @@ Failure Session::diagnose(const Instability& e) const {
     f.suggested_dt = remedies.dt;
     f.remedies = std::move(remedies.sentences);
   } catch (const Interrupted&) {
-    // Whoever interrupts wants no remedies; the failure stands.
+    // An interrupted search gives no remedies; the failure stands.
   }
   for (size_t i = 0; i < f.remedies.size(); ++i) f.detail += (i ? ", or " : "; try ") + f.remedies[i];
   return f;

@@ -13,7 +13,7 @@ namespace {
 
 constexpr const char* kStart = "attachment.start";
 
-/// Id of the point that an index of the scene names.
+/// Id of the point with an index from the scene.
 uint64_t named_point(int64_t index, const CouplingSide& side, const PointPort& columns,
                      const std::string& pointer) {
   const ConstPoints points(side.state, columns);
@@ -147,7 +147,7 @@ void Attachment::damp(Points& a, Points& b, const std::vector<Live>& live, doubl
   }
 }
 
-// SHAKE's part: every correction of place is one of velocity, 1/h times it, too.
+// SHAKE's part: every position correction also changes the velocity, by 1/h times as much.
 void Attachment::restore_lengths(Points& a, Points& b, const std::vector<Live>& live, const double* start,
                                  double h, Exchange& sum) {
   for (int sweep = 0; sweep < kMostSweeps; ++sweep) {

@@ -1,5 +1,5 @@
-// Pairs of points that are solved for together with all that is tied to them: links where a side is solved
-// implicitly, and springs too stiff for impulses at both ends of a substep.
+// Pairs of points solved together with everything tied to them: links with an implicitly solved side, and
+// springs too stiff for impulses at both ends of a substep.
 #include <algorithm>
 #include <cmath>
 
@@ -11,13 +11,13 @@ namespace truestep::attachment {
 
 namespace {
 
-/// rad by which directions at the substep's end may be off.
+/// rad, tolerance of directions at the substep's end.
 constexpr double kSameDirection = 1e-6;
 
 }  // namespace
 
-// Forces last about as long as many steps do: both sides take the last step's into their own, curved answer,
-// and the straight one (answered_pairs.h) is left with what has changed since.
+// Forces typically last for many steps: both sides include the last step's impulses in their own, nonlinear
+// step, and the linear response (answered_pairs.h) only has to cover what has changed since.
 void Attachment::give_last(const CoupledStates& s, Points& a, Points& b,
                            const std::vector<Live>& live) const {
   const double* last = pair_impulses(s.own);
@@ -25,12 +25,11 @@ void Attachment::give_last(const CoupledStates& s, Points& a, Points& b,
   for (const Live& p : live) exchange_impulse(a, p.a, p.wa, b, p.b, p.wb, lasting(last, p.pair));
 }
 
-// What is asked of a pair that has come to r and u without its impulse J, in the direction n that it ends in;
-// r' = r + h W J and u' = u + W J.
+// The equation for a pair at r and u without its impulse J, in the direction n at its end; r' = r + h W J and
+// u' = u + W J.
 //   link    |r'| = L: n.(W J) = (L - n.r) / h, J along n
 //   spring  J = -h f(r', u') with f = K r' - k L n + c (u'.n) n, K = k n n^T + k (1 - L / |r'|) (1 - n n^T),
-//   the
-//           second part where it is stretched. With B = h (h K + c n n^T) and J = sqrt(B) y
+//           the second part only when stretched. With B = h (h K + c n n^T) and J = sqrt(B) y
 //           (1 + sqrt(B) W sqrt(B)) y = -h sqrt(B)^-1 f(r, u)
 void Attachment::ask(AnsweredPair& q, double rest, const Vec3& r, const Vec3& u, double h) const {
   const Vec3 ends = r + q.change * h;
@@ -53,8 +52,8 @@ void Attachment::ask(AnsweredPair& q, double rest, const Vec3& r, const Vec3& u,
       q.n * (-h / q.along * (k * (dot(r, q.n) - rest) + c * dot(u, q.n))) - (r - q.n * dot(r, q.n)) * across;
 }
 
-// Newton's method for the directions at the end: with both sides' answers the step of implicit Euler on the
-// two systems as one.
+// Newton's method for the directions at the end: together with the responses of both sides, a step of
+// implicit Euler on the two systems as one.
 void Attachment::solve_pairs(const CoupledStates& s, const StepInput& in, const std::vector<Live>& live,
                              Exchange& sum) const {
   if (live.empty()) return;
@@ -94,7 +93,7 @@ void Attachment::solve_pairs(const CoupledStates& s, const StepInput& in, const 
   if (def_.link == AttachmentDef::Link::rigid) close_lengths(s, in, live, pairs, sum);
 }
 
-// What rounding and the last turn of the links have left of their lengths.
+// Removes what rounding and the last rotation of the links have left of their length errors.
 void Attachment::close_lengths(const CoupledStates& s, const StepInput& in, const std::vector<Live>& live,
                                std::vector<AnsweredPair>& pairs, Exchange& sum) const {
   Points a(s.a, a_), b(s.b, b_);

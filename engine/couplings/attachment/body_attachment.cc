@@ -16,7 +16,7 @@ namespace {
   throw Error("scene_invalid", why, {{pointer, code, why, value, allowed, "", ""}});
 }
 
-/// Row that an index of the scene names.
+/// Row with an index from the scene.
 size_t named_row(int64_t index, size_t rows, const std::string& id, const char* noun,
                  const std::string& pointer) {
   const auto n = static_cast<int64_t>(rows);
@@ -86,7 +86,8 @@ std::vector<BodyAttachment::Live>& BodyAttachment::live(const Points& points, co
     Live l{k, {}, pairs_[k].place, pairs_[k].rest, {}, false};
     l.link.rows[0] = i, l.link.body = j;
     if (!rigid()) {
-      // What is kicked at the start is so at the end; answers of jointed bodies change with the way.
+      // A spring kicked at the start is also kicked at the end; responses of jointed bodies change along the
+      // way.
       double& kicked = in.workspace.doubles("body_attachment.kicked", pairs_.size())[k];
       if (when == When::start) kicked = may_be_kicked(l, points, bodies, in.h);
       l.kicked = kicked != 0;
@@ -117,7 +118,7 @@ void BodyAttachment::begin(const CoupledStates& s, const StepInput& in) const {
   book_sum(s.own, sum);
 }
 
-// A body takes its part as a force that acts throughout the step.
+// A body takes its part as a force acting throughout the step.
 void BodyAttachment::give(const BodyLink& link, const Vec3& j, Points& points, Bodies& bodies, double h) {
   const uint32_t b = link.body;
   const Vec3 v = bodies.velocity(b), w = bodies.spin(b);

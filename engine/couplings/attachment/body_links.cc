@@ -1,4 +1,5 @@
-// Rigid links between points and places on bodies: lengths, velocities along them, and the two sides as one.
+// Rigid links between points and places on bodies: lengths, velocities along them, and both sides solved as
+// one.
 #include <algorithm>
 #include <cmath>
 
@@ -10,12 +11,12 @@ namespace truestep::attachment {
 
 namespace {
 
-/// Accuracy of every one of Newton's steps.
+/// Accuracy of each Newton step.
 constexpr double kAccuracy = 1e-12;
 
 }  // namespace
 
-// Forces last about as long as many steps do.
+// Forces typically last for many steps: both sides include the last impulses in their own step.
 void BodyAttachment::give_last(const CoupledStates& s, const StepInput& in, Exchange& sum) const {
   Points points(this->points(s), sides_.points());
   Bodies bodies(this->bodies(s), sides_.bodies(), &in.workspace);
@@ -61,8 +62,9 @@ void BodyAttachment::solve_links(const CoupledStates& s, const StepInput& in, st
   }
 }
 
-// SHAKE's part: every correction of place is one of velocity, 1/h times it, too. The impulse acts on the body
-// where the link does; what that and the correction leave of the angular momentum is of second order.
+// SHAKE's part: every position correction also changes the velocity, by 1/h times as much. The impulse acts
+// on the body where the link does; the error in angular momentum left by it and the correction is of second
+// order.
 void BodyAttachment::restore_lengths(const std::vector<Live>& live, Points& points, Bodies& bodies, double h,
                                      Exchange& sum) const {
   for (int sweep = 0; sweep < kMostSweeps; ++sweep) {
@@ -88,7 +90,7 @@ void BodyAttachment::restore_lengths(const std::vector<Live>& live, Points& poin
   }
 }
 
-// RATTLE's part: u.n = 0, or u = 0 where two places are one: then the directions are taken one by one.
+// RATTLE's part: u.n = 0, or u = 0 when the two places coincide: then one direction at a time.
 void BodyAttachment::match_velocities(const std::vector<Live>& live, Points& points, Bodies& bodies,
                                       Exchange& sum) const {
   for (int sweep = 0; sweep < kMostSweeps; ++sweep) {

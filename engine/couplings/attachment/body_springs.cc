@@ -1,5 +1,5 @@
-// Springs between points and places on bodies: impulses at both ends of a substep, or solved for as one with
-// both sides where they are too stiff for that.
+// Springs between points and places on bodies: impulses at both ends of a substep, or solved together with
+// both sides when too stiff for that.
 #include <algorithm>
 #include <cmath>
 
@@ -10,16 +10,17 @@ namespace truestep::attachment {
 
 namespace {
 
-/// Accuracy of the solution.
+/// Relative accuracy of the solution.
 constexpr double kAccuracy = 1e-12;
-/// Stretch from which a spring's turning is solved for: what it was given at the start has a direction, too.
+/// Smallest stretch for which a spring's transverse part is solved: the impulse given at the start has a
+/// direction, too.
 constexpr double kLeastTurned = 1e-9;
 
 }  // namespace
 
 bool BodyAttachment::may_be_kicked(const Live& l, const Points& points, const Bodies& bodies,
                                    double h) const {
-  // At most one over the mass and one over the inertia of what hangs at its arm.
+  // Bound: one over the mass plus one over the inertia at the arm.
   const uint32_t b = l.link.body;
   double k = l.link.inverse_mass(points);
   if (!bodies.free()) {
@@ -35,7 +36,7 @@ bool BodyAttachment::may_be_kicked(const Live& l, const Points& points, const Bo
   return h * h * def_.stiffness * k * share <= (sides_.together() ? kMostKickedTogether : kMostKicked);
 }
 
-// Half of a substep's impulse of soft springs: J = -h/2 k (|r| - L) n.
+// Half a substep's impulse of soft springs: J = -h/2 k (|r| - L) n.
 void BodyAttachment::pull(const std::vector<Live>& live, Points& points, Bodies& bodies, double h,
                           Exchange& sum) const {
   for (const Live& l : live) {
@@ -66,8 +67,8 @@ void BodyAttachment::damp(const std::vector<Live>& live, Points& points, Bodies&
   }
 }
 
-// What a stretched spring pulls with at the start, so that what it holds is loaded while it moves: a rope
-// that hung loose for a step would be straightened by its load along directions that it no longer has.
+// The pull of a stretched spring at the start, so that whatever it holds is loaded while it moves: a rope
+// left slack for a step would be straightened by its load along directions that it no longer has.
 void BodyAttachment::give_first(const CoupledStates& s, const StepInput& in, Exchange& sum) const {
   Points points(this->points(s), sides_.points());
   Bodies bodies(this->bodies(s), sides_.bodies(), &in.workspace);
@@ -84,7 +85,7 @@ void BodyAttachment::give_first(const CoupledStates& s, const StepInput& in, Exc
   }
 }
 
-// J = -h f(r', u') with f = K r' - k L n + c (u'.n) n: couplings/attachment.cc has the equations.
+// J = -h f(r', u') with f = K r' - k L n + c (u'.n) n; the equations are in attachment_solve.cc.
 void BodyAttachment::solve_springs(const CoupledStates& s, const StepInput& in, std::vector<Live>& all,
                                    Exchange& sum) const {
   Points points(this->points(s), sides_.points());

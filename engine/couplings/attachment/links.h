@@ -1,4 +1,4 @@
-// What links and springs have in common, between points and between points and bodies.
+// What links and springs share, whether between points or between points and bodies.
 #pragma once
 #include <algorithm>
 #include <cmath>
@@ -7,27 +7,28 @@
 
 namespace truestep::attachment {
 
-/// Links are swept until each is within this part of its length (or of a metre); rounding itself is 1e-16.
+/// Links are swept until each is within this fraction of its length (or of a metre); rounding itself is
+/// 1e-16.
 inline constexpr double kLengthTolerance = 1e-13;
 inline constexpr int kMostSweeps = 200;
-/// Newton steps towards the lengths and directions at the substep's end at most.
+/// Maximum number of Newton steps for the lengths and directions at the substep's end.
 inline constexpr int kMostSolutions = 30;
 
-/// Column of the impulses in the last two substeps, where a side answers as a whole.
+/// Column of the impulses in the last two substeps, when a side responds as a whole.
 inline constexpr const char* kPairImpulse = "pair_impulse";
-/// The column; null in states of the same scene by other methods, which remedies are tried on.
+/// The column; null in states of the same scene under other methods, on which remedies are tried.
 inline double* pair_impulses(State& own) {
   const auto c = own.find(kPairImpulse);
   return c ? own.f64(*c).data() : nullptr;
 }
-/// What the last two impulses of a pair have in common: forces last, blows do not.
+/// The common part of a pair's last two impulses: forces last, blows do not.
 inline Vec3 lasting(const double* last, size_t pair) {
   const Vec3 j = load3(last, 2 * pair), before = load3(last, 2 * pair + 1);
   const double d = dot(j, before), jj = norm2(j);
   return d > 0 ? j * std::min(1.0, d / jj) : Vec3{};
 }
 
-/// Place and velocity of point j of b as seen from point i of a.
+/// Position and velocity of point j of b relative to point i of a.
 template <class Real>
 Vec3 separation(const PointsOf<Real>& a, size_t i, const PointsOf<Real>& b, size_t j) {
   return b.place(j) - a.place(i);
@@ -38,7 +39,7 @@ Vec3 approach(const PointsOf<Real>& a, size_t i, const PointsOf<Real>& b, size_t
 }
 
 /// Correction of r that restores |r| = L along the direction d of the substep's start (the root near zero of
-/// a quadratic); along r itself where the link has turned too far for that.
+/// a quadratic), or along r itself when the link has turned too far for that.
 inline Vec3 length_correction(const Vec3& r, const Vec3& d, double rest) {
   if (rest == 0) return -r;
   const double rd = dot(r, d), dd = norm2(d), excess = norm2(r) - rest * rest;

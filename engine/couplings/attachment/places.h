@@ -1,4 +1,4 @@
-// A place on a body and a point: the arm to it, and the point as seen from there.
+// A place on a body and a point: the arm to the place, and the point relative to it.
 #pragma once
 #include <cstdint>
 
@@ -6,7 +6,7 @@
 
 namespace truestep::attachment {
 
-/// From the centre of mass to a place in the body's frame, in that of the world.
+/// The world vector from the centre of mass to a place given in the body's frame.
 inline Vec3 arm_of(const auto& bodies, uint32_t body, const Vec3& place) {
   return rotation(bodies.orientation(body)).apply(place);
 }
