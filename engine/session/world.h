@@ -157,7 +157,7 @@ class World {
   Scene scene_;
   std::vector<std::unique_ptr<const System>> systems_;
   std::vector<std::unique_ptr<const Coupling>> couplings_;
-  /// Scenes with "accuracy": the same scene computed more finely beside it, which is what "error.estimate" is
+  /// Scenes with "accuracy": the same scene computed more finely in parallel, from which "error.estimate" is
   /// made of (step doubling over the whole run: Hairer, Norsett, Wanner 1993, section II.4). Null otherwise.
   std::unique_ptr<const World> finer_;
   PartTable parts_;

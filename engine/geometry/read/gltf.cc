@@ -50,7 +50,7 @@ GltfAnimation read_animation(const Value& v, const Buffers& buffers, size_t node
     } else if (path == "weights") {
       c.path = P::weights, c.width = 1;
     } else {
-      continue;  // an extension's
+      continue;  // belongs to an extension
     }
     const Value sampler = samplers[channels[k].member("sampler").index(samplers.size(), "sampler")];
     c.times = buffers.numbers(sampler.member("input"), 1, false);

@@ -1,4 +1,4 @@
-// The buffers of a glTF document and the numbers that its accessors find in them.
+// The buffers of a glTF document, and the numbers that accessors refer to.
 #pragma once
 #include <cstddef>
 #include <span>
@@ -10,15 +10,15 @@
 
 namespace truestep::gltf {
 
-/// Bytes of a text in base64, white space left out; faults say `where`.
+/// Decodes base64, ignoring white space; faults are reported at `where`.
 std::vector<std::byte> from_base64(std::string_view text, const std::string& where);
 
 class Buffers {
  public:
-  /// `binary`: what the first buffer holds when it names no URI.
+  /// `binary`: the contents of the first buffer when it has no URI.
   Buffers(const Value& document, std::span<const std::byte> binary);
 
-  /// All numbers of an accessor, row by row; `width` 0: any.
+  /// All numbers of an accessor, row by row; `width` 0 accepts any width.
   std::vector<double> numbers(const Value& reference, size_t width, bool normalised_integers) const;
   std::vector<Vec3> vectors(const Value& reference) const;
 

@@ -79,7 +79,7 @@ std::vector<GltfNode> read_nodes(const Value& document) {
       child.parent = static_cast<int32_t>(k);
     }
   }
-  // Every node has one parent at most: a way up that is longer than there are nodes is a cycle.
+  // Every node has at most one parent, so a chain of parents longer than the number of nodes is a cycle.
   std::vector<uint8_t> sound(n, 0);
   for (size_t k = 0; k < n; ++k) {
     size_t steps = 0;

@@ -1,4 +1,4 @@
-// The nodes of a glTF document: their parents and their places.
+// The nodes of a glTF document: their parents and poses.
 #pragma once
 #include <vector>
 
@@ -6,8 +6,8 @@
 
 namespace truestep::gltf {
 
-/// In the file's order, without meshes and skins; a cycle, or a place that no pose and one scale make, is a
-/// fault.
+/// In the file's order, without meshes and skins; a cycle, or a transform that is not a pose with a uniform
+/// scale, is a fault.
 std::vector<GltfNode> read_nodes(const Value& document);
 
 }  // namespace truestep::gltf

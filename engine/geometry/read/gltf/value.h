@@ -1,4 +1,4 @@
-// The values of a glTF document with where they stand, so that every fault names its JSON pointer.
+// Values of a glTF document together with their location, so that every fault names its JSON pointer.
 #pragma once
 #include <boost/json.hpp>
 #include <cmath>
@@ -16,7 +16,7 @@ inline constexpr double kMostValue = 1e12;
   throw GltfFault(where + ": " + why);
 }
 
-/// One value of the document, or the place where there is none.
+/// One value of the document, or the location of a missing one.
 class Value {
  public:
   Value(const boost::json::value* v, std::string where) : v_(v), where_(std::move(where)) {}
@@ -56,7 +56,7 @@ class Value {
     return x;
   }
   double number_or(double otherwise) const { return v_ ? number() : otherwise; }
-  /// A whole number from 0 to below `count`.
+  /// An integer from 0 to below `count`.
   size_t index(size_t count, const char* what) const {
     const double x = number();
     if (!(x >= 0 && x < static_cast<double>(count)) || x != std::floor(x)) {
