@@ -1,4 +1,4 @@
-// Texts become nodes while they are read; the grammar is in names.h. Shared by reader*.cc: levels of
+// Converts texts to nodes while reading them; the grammar is in names.h. Implemented in reader*.cc: levels of
 // precedence, names and values, indices, sums.
 #pragma once
 #include <string>
@@ -17,7 +17,7 @@ class ExpressionReader {
   using Node = ExpressionGraph::Node;
   using Symbol = ExpressionNames::Symbol;
 
-  /// `visible`: number of symbols that the text may name; `depth`: of the texts around it.
+  /// `visible`: number of symbols that the text may name; `depth`: of the enclosing texts.
   ExpressionReader(const ExpressionNames& names, ExpressionGraph& graph, std::string_view text,
                    ExpressionNames::Bindings bindings, size_t visible, int depth)
       : names_(names),
@@ -38,7 +38,7 @@ class ExpressionReader {
   void skip_spaces() {
     while (at_ < text_.size() && lexis::blank(text_[at_])) ++at_;
   }
-  /// Takes the token when it comes next.
+  /// Consumes the token if it comes next.
   bool take(std::string_view token) {
     skip_spaces();
     if (text_.substr(at_, token.size()) != token) return false;
@@ -77,9 +77,9 @@ class ExpressionReader {
   int64_t index_product();
   int64_t index_atom();
 
-  /// Commas between here and the parenthesis that ends the sum.
+  /// Commas between here and the closing parenthesis of the sum.
   int commas_ahead() const;
-  /// Length of the arrays that stand with [index] between here and the end of the sum.
+  /// Length of the arrays indexed with [index] between here and the end of the sum.
   int64_t range_of(const std::string& index) const;
   Node sum_over();
 

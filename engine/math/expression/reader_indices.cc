@@ -1,5 +1,4 @@
-// Indices of an expression: integers, made of numbers, index names and lengths, and known while the text is
-// read.
+// Indices in an expression: integers made of numbers, index names and lengths, known while the text is read.
 #include "engine/math/expression/reader.h"
 
 namespace truestep {
@@ -43,7 +42,7 @@ int64_t ExpressionReader::index_product() {
       const bool division = text_[at_ - 1] == '/';
       const int64_t d = index_atom();
       if (d <= 0) fail(start, "an index is divided by a number that is not positive");
-      // Rounded down, so that (i - 1) % n runs round a ring.
+      // Rounded down, so that (i - 1) % n wraps around a ring.
       const int64_t rest = ((v % d) + d) % d;
       v = division ? (v - rest) / d : rest;
     } else {

@@ -1,4 +1,4 @@
-// What an expression is made of: numbers, names, functions, elements of arrays and of definitions.
+// Atoms of an expression: numbers, names, functions, elements of arrays and of definitions.
 #include <charconv>
 #include <cmath>
 

@@ -81,7 +81,7 @@ Shown shown_of(const PartInfo& part, size_t field, const FrameValues& values, co
   return s;
 }
 
-/// Pieces of lines with a radius that shows.
+/// Line segments with a visible radius.
 DrawPoints strokes(const Color& color, double radius) {
   DrawPoints out;
   out.color = color;
