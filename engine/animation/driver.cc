@@ -36,7 +36,7 @@ Driver::Driver(const DriverDef& def, std::string system)
     std::vector<double> values;
     for (const Vec3& p : d.points) values.insert(values.end(), {p.x, p.y, p.z});
     const bool even = d.even_speed && d.times.size() > 1;
-    // The way through it is looked up between its ends alone.
+    // With even speed, the curve is evaluated between its ends only.
     Keys keys{.width = 3, .times = d.times, .values = values};
     keys.interpolation = d.interpolation, keys.extend = even ? Extend::clamp : d.extend;
     Path path{KeyCurve(keys), std::nullopt, d.extend};

@@ -1,6 +1,5 @@
-// Controls, paths and turns of a scene, compiled: what they are at a time, and all expressions of them as one
-// program. A control that a command has set keeps that value; the column of such values is the only state
-// there is.
+// A scene's controls, paths and turns, compiled: their values at a time, with all expressions as one program.
+// A control set by a command keeps that value; the column of set values is the only state.
 #pragma once
 #include <array>
 #include <span>
@@ -21,18 +20,18 @@ namespace truestep::animation {
 
 class Driver {
  public:
-  /// Of the system with this id. Faults are collected; see finish.
+  /// For the system with this id. Faults are collected; see finish.
   Driver(const DriverDef& def, std::string system);
 
   /// The number of an output for the text at this JSON pointer; before finish.
   size_t add(const std::string& pointer, const std::string& text);
-  /// Three in a row; fewer texts mean 0, more are a fault.
+  /// Three consecutive outputs; missing texts mean 0, more than three are a fault.
   size_t add_vector(const std::string& pointer, const std::vector<std::string>& texts);
-  /// The turn of this name; a fault at the pointer when there is none.
+  /// The turn with this name; a fault at the pointer when there is none.
   size_t turn(const std::string& pointer, const std::string& name);
   void fault(Issue issue) { issues_.push_back(std::move(issue)); }
-  /// Compiles. Throws Error "scene_invalid" with every fault so far, and with every text that is not finite
-  /// at t = 0.
+  /// Compiles. Throws Error "scene_invalid" with all faults collected so far and every text that is not
+  /// finite at t = 0.
   void finish();
 
   size_t controls() const { return names_of_.size(); }
@@ -48,12 +47,12 @@ class Driver {
   };
   /// Outputs at time t (s); `set`: the column of set values. Throws Instability where one is not finite.
   std::span<const double> evaluate(double t, std::span<const double> set, Scratch& scratch) const;
-  /// The same, whatever they are.
+  /// The same without the check.
   std::span<const double> outputs_at(double t, std::span<const double> set, Scratch& scratch) const;
-  /// The turn at time t, which is that of a frame where there are frames.
+  /// The turn at time t, or at the frame that t falls in when there is a frame rate.
   Quat turn_at(size_t turn, double t) const { return turns_[turn].sample(frame_time(t, frame_rate_)); }
 
-  /// set_parameter of a control: true when `name` is one. A value of another kind is refused by its caller.
+  /// set_parameter of a control: true when `name` is one. The caller refuses values of another kind.
   bool apply(State& state, State::Column column, const Command& command) const;
   /// Values of all controls, as control.<name>.
   void observe(double t, std::span<const double> set, Observables& out) const;
@@ -63,7 +62,7 @@ class Driver {
   using Node = ExpressionGraph::Node;
   struct Control {
     std::optional<KeyCurve> keys;
-    ExpressionProgram program;  ///< where there are no keys
+    ExpressionProgram program;  ///< used when there are no keys
   };
   struct Path {
     KeyCurve curve;

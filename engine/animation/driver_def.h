@@ -11,7 +11,7 @@
 
 namespace truestep::animation {
 
-/// A named number: an expression of t and of what stands before it, or keys.
+/// A named number: keys, or an expression of t and of the names before it.
 struct ControlDef {
   std::string name, value;
   std::vector<double> times, values, slopes_in, slopes_out, handles;
@@ -44,7 +44,7 @@ struct DriverDef {
   std::optional<double> frame_rate;
 };
 
-/// Euler's angles, the first named axis first, each about the axis as already turned.
+/// Euler angles, the first named axis first, each about the axis as already turned.
 enum class EulerOrder : uint8_t { xyz, xzy, yxz, yzx, zxy, zyx };
 inline const std::vector<std::string> kEulerOrders{"xyz", "xzy", "yxz", "yzx", "zxy", "zyx"};
 Quat euler_rotation(EulerOrder order, const Vec3& angles);
@@ -53,7 +53,7 @@ const DefTable& control_table();
 const DefTable& path_table();
 const DefTable& turn_table();
 
-/// Rows of DriverDef, for the table of a struct that has one as base.
+/// Rows of DriverDef, for the table of a struct that derives from it.
 template <class D>
 void add_driver_rows(TableOf<D>& table) {
   table

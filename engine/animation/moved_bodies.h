@@ -1,6 +1,6 @@
-// Rows that something else than forces moves: poses, and the velocities that take them from one step's end to
-// the next, v = (x1 - x0) / h and w = rotation_vector(q1 q0*) / h, so that what is in their way meets the
-// motion that happens. Columns are those of a BodyPort, whose forms have no mass: no impulse moves them.
+// Rows moved by something other than forces: poses, and the velocities that lead from one step's end to the
+// next, v = (x1 - x0) / h and w = rotation_vector(q1 q0*) / h, so that whatever they hit sees the actual
+// motion. The columns are those of a BodyPort whose forms have no mass: impulses do not move them.
 #pragma once
 #include <string>
 
@@ -15,7 +15,7 @@ struct MovedBodies {
 
   /// Adds the columns; row k has form k.
   static MovedBodies add(State& s, const std::string& prefix, size_t rows);
-  /// Columns that `add` made first of all, in a row.
+  /// For columns that `add` created first of all, consecutively.
   static constexpr MovedBodies from(State::Column first) {
     return {first, first + 1, first + 2, first + 3, first + 4, first + 5};
   }
@@ -25,7 +25,7 @@ struct MovedBodies {
     const double* q = s.f64(orientation).data() + 4 * row;
     return {load3(s.f64(position).data(), row), {q[0], q[1], q[2], q[3]}};
   }
-  /// Where the row is after a step of h (s); h = 0: it is put there, velocities stay.
+  /// Sets the row's pose after a step of h (s); with h = 0 it is only placed and keeps its velocities.
   void place(State& s, size_t row, const Pose& pose, double h) const;
   BodyPort port(std::span<const BodyForm> forms) const {
     return {.position = position,
@@ -38,7 +38,7 @@ struct MovedBodies {
   }
 };
 
-/// Points likewise: x1 (n x 3) becomes their place.
+/// The same for points: x1 (n x 3) becomes their position.
 void place_points(std::span<double> x, std::span<double> v, std::span<const double> x1, double h);
 
 }  // namespace truestep::animation

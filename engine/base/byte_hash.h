@@ -1,5 +1,5 @@
-// Hash of one stretch of bytes, without the allocation of a Hasher: for looking in a step whether something
-// has changed since.
+// Hash of one contiguous range of bytes, without the allocation of a Hasher: for checking within a step
+// whether something has changed.
 #pragma once
 #include <cstddef>
 #include <cstdint>

@@ -1,5 +1,5 @@
-// Errors that users see. Every one has a machine-readable code, the JSON pointer of the value it is
-// about (empty when it is about no input), and what would have been allowed.
+// Errors that users see. Each has a machine-readable code, the JSON pointer of the offending value (empty
+// when no input is involved), and what would have been allowed.
 #pragma once
 #include <stdexcept>
 #include <string>
@@ -41,9 +41,9 @@ class Instability : public Error {
         index(index) {}
   std::string system;       ///< id of the system that failed
   std::string quantity;     ///< column that is non-finite
-  long long index;          ///< row of the first bad value; -1: `quantity` is no column of rows
+  long long index;          ///< row of the first bad value; -1: `quantity` is not a column of rows
   long long step = -1;      ///< step that failed (filled in by the world)
-  double suggested_dt = 0;  ///< step that the method would have held, 0 if unknown
+  double suggested_dt = 0;  ///< step that the method would have survived, 0 if unknown
 };
 
 }  // namespace truestep

@@ -1,6 +1,6 @@
-// Work that can be told to stop. Whoever starts long work puts an Interrupt in scope of its thread; the work
-// passes interruption points (between substeps, loops over rows, iterations) that throw once it is raised.
-// What was being computed is then of no use; what it was computed from is untouched.
+// Work that can be told to stop. The caller of long work puts an Interrupt in scope of its thread; the work
+// passes interruption points (between substeps, loops over rows, iterations), which throw once it is raised.
+// The partial result is then worthless; the input is untouched.
 #pragma once
 #include <atomic>
 #include <cstdint>
@@ -9,7 +9,7 @@
 
 namespace truestep {
 
-/// Raised from any thread, looked at by the one that works.
+/// Raised from any thread, checked by the working thread.
 class Interrupt {
  public:
   void raise() { raised_.store(true, std::memory_order_relaxed); }
@@ -31,8 +31,8 @@ namespace interrupt_detail {
 inline thread_local const std::atomic<bool>* in_scope = nullptr;
 }
 
-/// While it lives, this thread's interruption points obey the flag; scopes nest, the innermost counts. Null:
-/// nothing interrupts, as for work that must be finished once it is begun.
+/// While alive, this thread's interruption points obey the flag; scopes nest, the innermost counts. Null:
+/// nothing interrupts, for work that must be finished once begun.
 class InterruptScope {
  public:
   explicit InterruptScope(const std::atomic<bool>* flag) : outer_(interrupt_detail::in_scope) {
@@ -47,7 +47,7 @@ class InterruptScope {
   const std::atomic<bool>* outer_;
 };
 
-/// Throws Interrupted when this thread's work has been interrupted; some nanoseconds otherwise.
+/// Throws Interrupted when this thread's work has been interrupted; otherwise costs a few nanoseconds.
 inline void interruption_point() {
   const std::atomic<bool>* flag = interrupt_detail::in_scope;
   if (flag && flag->load(std::memory_order_relaxed)) throw Interrupted();

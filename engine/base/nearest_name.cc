@@ -7,7 +7,7 @@ namespace truestep {
 
 namespace {
 
-// Optimal string alignment: Levenshtein's distance with swaps of neighbours.
+// Optimal string alignment: Levenshtein distance with transpositions of neighbours.
 size_t edit_distance(std::string_view a, std::string_view b) {
   std::vector<size_t> before(b.size() + 1), last(b.size() + 1), row(b.size() + 1);
   for (size_t j = 0; j <= b.size(); ++j) last[j] = j;

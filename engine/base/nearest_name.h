@@ -1,4 +1,4 @@
-// "Did you mean": the nearest of the names that would have been right.
+// "Did you mean": the nearest of the valid names.
 #pragma once
 #include <span>
 #include <string>
@@ -6,9 +6,10 @@
 
 namespace truestep {
 
-/// Nearest of `names` in edits (a letter more, less, changed, or two neighbours swapped), at most a third of
-/// the longer name's length and at least one; else the shortest name that begins or ends with at least three
-/// letters given. Empty when none is near.
+/// The nearest of `names` by edit distance (a letter inserted, deleted or changed, or two neighbours
+/// swapped), with at most a third of the longer name's length in edits and at least one allowed; otherwise
+/// the shortest name that begins or ends with the given letters, if there are at least three. Empty when none
+/// is near.
 std::string nearest_name(std::string_view name, std::span<const std::string> names);
 
 }  // namespace truestep

@@ -24,7 +24,7 @@ void ThreadArena::run_blocks(size_t n, size_t block, const std::function<void(si
   const size_t blocks = (n + block - 1) / block;
   const auto run = [&](size_t b) { body(b * block, std::min(n, (b + 1) * block)); };
 #ifdef TRUESTEP_PLAIN_THREADS
-  // oneTBB is not built with the thread sanitizer, which then takes its hand-over of tasks for races.
+  // oneTBB is not built with the thread sanitizer, which reports its hand-over of tasks as races.
   std::atomic<size_t> next = 0;
   std::vector<std::jthread> team;
   for (int k = 0; k < threads_; ++k) {

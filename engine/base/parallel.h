@@ -31,7 +31,7 @@ class ThreadArena {
     }
   }
 
-  /// Sum of body(begin, end) over all blocks, added in block order whatever the number of threads.
+  /// Sum of body(begin, end) over all blocks, added in block order for any number of threads.
   double sum_blocks(size_t n, size_t block, const std::function<double(size_t, size_t)>& body) const;
 
  private:
@@ -41,7 +41,7 @@ class ThreadArena {
   std::unique_ptr<Impl> impl_;
 };
 
-/// Rows a block holds by default: small enough to balance, large enough that a task is worth starting.
+/// Default rows per block: small enough to balance, large enough to be worth a task.
 inline constexpr size_t kBlockRows = 2048;
 
 }  // namespace truestep

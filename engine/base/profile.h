@@ -23,7 +23,7 @@ class Profile {
   std::vector<Row> rows_;
 };
 
-/// Adds its own lifetime to a pass; a null profile costs one branch.
+/// Adds its own lifetime to a pass; with a null profile it costs one branch.
 class ProfileScope {
  public:
   ProfileScope(Profile* profile, std::string_view name) : profile_(profile), name_(name) {

@@ -1,4 +1,4 @@
-// Numbers in sentences.
+// Numbers for use in sentences.
 #pragma once
 #include <charconv>
 #include <string>

@@ -13,9 +13,9 @@ namespace truestep {
 
 namespace {
 
-/// Looks at the ticket before a helper lets others have its core.
+/// How often a helper checks the ticket before it yields its core.
 constexpr int kPatience = 2000;
-/// A ticket is: number of the loop, blocks in it, blocks taken.
+/// A ticket packs: number of the loop, its blocks, blocks taken.
 constexpr int kBits = 24;
 constexpr uint64_t kMask = (uint64_t{1} << kBits) - 1;
 
@@ -35,7 +35,7 @@ struct ThreadTeam::Work {
   alignas(64) std::atomic<bool> over = false;
   std::atomic<int> called = 0;
   tbb::task_arena helpers;
-  // Written before the ticket of a loop, read by those who took a block of it.
+  // Written before the ticket of a loop, read by the threads that took a block of it.
   size_t n = 0, block = 0;
   Call call = nullptr;
   void* body = nullptr;
@@ -73,7 +73,7 @@ ThreadTeam::Gathering ThreadTeam::gather(const ThreadArena& arena) {
   if (gathered_ && !work_) work_ = std::make_shared<Work>();
   if (gathered_) {
     work_->over = false;
-    // Whoever was called last time and comes only now is welcome.
+    // Helpers that were called last time and arrive only now may join.
     while (work_->called < arena.threads() - 1) {
       ++work_->called;
 #ifdef TRUESTEP_PLAIN_THREADS  // see parallel.cc

@@ -1,7 +1,7 @@
-// Threads that stay at hand for many short loops in a row. ThreadArena wakes its threads for every loop,
-// which costs more than a loop of some microseconds is worth; a team's helpers wait for the next loop awake,
-// and only as long as they are gathered. Blocks are those of ThreadArena: the same bits for any number of
-// threads. Helpers take blocks as they come; if none ever arrives, the caller does them all.
+// Threads kept ready for many short loops in a row. ThreadArena wakes its threads for every loop, which costs
+// more than a loop of a few microseconds is worth; a team's helpers spin between loops, but only while they
+// are gathered. Blocks are those of ThreadArena: the same bits for any number of threads. Helpers take blocks
+// as they arrive; if none ever arrives, the caller does them all.
 #pragma once
 #include <algorithm>
 #include <cstddef>
@@ -19,7 +19,7 @@ class ThreadTeam {
   ThreadTeam(const ThreadTeam&) = delete;
   ThreadTeam& operator=(const ThreadTeam&) = delete;
 
-  /// Helpers wait for loops while this lives.
+  /// Helpers wait for loops while this object lives.
   class Gathering {
    public:
     explicit Gathering(ThreadTeam& team) : team_(team) {}
@@ -30,7 +30,7 @@ class ThreadTeam {
    private:
     ThreadTeam& team_;
   };
-  /// As many threads as the arena may use; none but the caller's when that is one.
+  /// Gathers as many threads as the arena may use; only the caller's when that is one.
   [[nodiscard]] Gathering gather(const ThreadArena& arena);
 
   /// body(begin, end) for every block of at most `block` elements of [0, n). It must not throw. One loop at a

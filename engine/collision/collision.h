@@ -10,7 +10,7 @@
 //                                                             overload with a vector takes meshes and the
 //                                                             like
 //              Points have a separation along the normal (a to b), negative when they overlap; a contact
-//              row holds  separation + h n . (v_b - v_a) >= 0, so with margin >= h |v| nothing enters.
+//              row holds  separation + h n . (v_b - v_a) >= 0, so with margin >= h |v| nothing penetrates.
 //              Match a pair's points of the last step by id for warm starting (all its manifolds); keep what
 //              you match in the State, here nothing is remembered.
 //   fast ones  bodies that move further than inner_radius(s) in a step: time_of_impact.h from pose to pose,

@@ -43,7 +43,7 @@ std::shared_ptr<const DrawnMesh> hull_mesh(const Hull& hull) {
   return creased_mesh(hull.vertices, triangles);
 }
 
-/// Corners at the same place become one point.
+/// Merges corners at the same position.
 std::shared_ptr<const DrawnMesh> surface_mesh(const TriangleMesh& mesh) {
   std::map<std::array<double, 3>, uint32_t> known;
   std::vector<Vec3> points;
@@ -99,7 +99,7 @@ std::shared_ptr<const DrawnMesh> creased_mesh(std::span<const Vec3> points,
   }
   const Around around(points.size(), triangles);
   auto mesh = std::make_shared<DrawnMesh>();
-  // A point appears once per normal that it is seen with.
+  // A point appears once per normal it needs.
   struct Corner {
     Vec3 normal;
     uint32_t index = 0;

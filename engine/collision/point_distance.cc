@@ -26,7 +26,7 @@ PointDistance cylinder_distance(const Vec3& p, double r, double half) {
   return {d, (side * a + end * b) / d};
 }
 
-// Inside, the nearest face's plane; outside, the distance of two convex sets, one a point.
+// Inside, the plane of the nearest face; outside, the distance of two convex sets, one a point.
 std::optional<PointDistance> hull_distance_of(const Solid& s, const Vec3& p, double within) {
   PointDistance best{-HUGE_VAL, {0, 1, 0}};
   for (const HullFace& f : s.hull->faces) {

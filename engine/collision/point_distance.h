@@ -1,5 +1,5 @@
-// Signed distance of a point to a solid in the solid's own frame, for any solid: what the contact of many
-// points asks. Allocates nothing.
+// Signed distance of a point to a solid in the solid's own frame, for any solid: used by contacts of many
+// points. Does not allocate.
 #pragma once
 #include <optional>
 
@@ -12,7 +12,7 @@ struct PointDistance {
   Vec3 normal;          ///< unit, outward
 };
 
-/// Nothing beyond `within` (m); of a mesh or height field the triangles that the point is in front of.
+/// Empty beyond `within` (m); for a mesh or height field, only triangles that the point is in front of count.
 std::optional<PointDistance> point_distance(const Solid& solid, const Vec3& p, double within);
 
 }  // namespace truestep

@@ -1,10 +1,10 @@
-// BodyPort: where couplings reach rigid bodies in space without knowing their system. A body answers an
-// impulse J at the arm r from its centre of mass by
+// BodyPort: where couplings reach rigid bodies in space without knowing their system. An impulse J at the arm
+// r from a body's centre of mass changes its motion by
 //   dv = J / m,   dw = I^-1 (r x J),   K J = dv + dw x r   (what the place there gets);
-// a correction of place P there moves and turns it as far. P alone would change the angular momentum of what
-// it acts between by P x (v_q - v) (q: the other's place); the spin takes that back, so that corrections keep
-// it. Bodies whose rows are not free (links of a tree, bodies of the plane) answer through BodyAccess
-// instead: an impulse on one may move others, and the tree's momentum is what corrections keep.
+// a position correction P there moves and turns it by the same amounts. P alone would change the angular
+// momentum of the pair by P x (v_q - v) (q: the other's place); the spin compensates, so that corrections
+// conserve it. Bodies whose rows are not free (links of a tree, bodies of the plane) answer through
+// BodyAccess instead: an impulse on one may move others, and corrections conserve the tree's momentum.
 #pragma once
 #include <algorithm>
 #include <optional>
@@ -19,15 +19,15 @@ namespace truestep {
 
 struct Solid;
 
-/// What bodies of a kind have in common.
+/// Properties shared by bodies of one kind.
 struct BodyForm {
-  const Solid* solid = nullptr;  ///< in the frame of centre and principal axes; null: touches nothing
-  double mass = 0;               ///< kg; 0: no impulse moves it
-  Vec3 moments;                  ///< kg m^2; nobody asks where bodies have an access
+  const Solid* solid = nullptr;  ///< in the frame of centre and principal axes; null: collides with nothing
+  double mass = 0;               ///< kg; 0: impulses do not move it
+  Vec3 moments;                  ///< kg m^2; unused when the bodies have an access
 };
 
-/// Columns of a state that hold its bodies, f64 or f32, and the table of their forms. Where the owner
-/// answers for the bodies no column is looked at, and a row is its own id.
+/// The columns of a state that hold its bodies, f64 or f32, and the table of their forms. When the owner
+/// provides an access, no column is read and a row is its own id.
 struct BodyPort {
   State::Column position = 0, velocity = 0;             ///< rows x 3, of the centre of mass
   State::Column orientation = 0, angular_velocity = 0;  ///< rows x 4, of the principal axes; rows x 3, world
@@ -40,14 +40,14 @@ struct BodyPort {
   const BodyAccess* access() const { return owner ? owner->access() : nullptr; }
 };
 
-/// What was looked up of bodies with an access, shared by all who look at the same state.
+/// Cached lookups of bodies with an access, shared by all users of the same state.
 struct BodyLookup {
   std::vector<BodyMotion> motions;
   bool fresh = false;
 };
 
 /// The bodies of one state; Real is double or const double. Valid until rows are added or removed. Bodies
-/// with an access keep what they look up in `memory`, which writing needs.
+/// with an access cache lookups in `memory`, which writing requires.
 template <class Real>
 class BodiesOf {
  public:
@@ -71,7 +71,7 @@ class BodiesOf {
   uint32_t form_index(size_t row) const { return access_ ? access_->form(state_, row) : form_[row]; }
   const BodyForm& form(size_t row) const { return port_.forms[form_index(row)]; }
   bool dynamic(size_t row) const { return form(row).mass > 0; }
-  /// Whether rows answer by a mass and moments of their own.
+  /// Whether rows respond by a mass and moments of their own.
   bool free() const { return !access_; }
   uint64_t id_of(size_t row) const { return access_ ? row : ids_[row]; }
   std::optional<size_t> row_of(uint64_t id) const {
@@ -86,7 +86,7 @@ class BodiesOf {
   Vec3 spin(size_t row) const { return access_ ? now(row).spin : spin_.vector(row); }
   /// m/s, of the body's place at this arm from its centre.
   Vec3 velocity_at(size_t row, const Vec3& arm) const { return velocity(row) + cross(spin(row), arm); }
-  /// K J; zero for what no impulse moves.
+  /// K J; zero for a body that impulses do not move.
   Vec3 answer(size_t row, const Vec3& arm, const Vec3& impulse) const {
     const BodyForm& f = form(row);
     if (!(f.mass > 0)) return {};
@@ -97,7 +97,7 @@ class BodiesOf {
     return impulse / f.mass +
            cross(free_rotation::spin_of(orientation(row), cross(arm, impulse), f.moments), arm);
   }
-  /// What impulses on all rows at once change of every row; of bodies with an access.
+  /// How simultaneous impulses on all rows change every row; for bodies with an access.
   void answers(std::span<const BodyImpulse> impulses, std::span<BodyTwist> out) const {
     access_->answers(state_, impulses, out, *memory_);
   }
@@ -122,8 +122,8 @@ class BodiesOf {
     velocity_.set_vector(row, velocity(row) + impulse / f.mass);
     spin_.set_vector(row, spin(row) + free_rotation::spin_of(orientation(row), twist, f.moments));
   }
-  /// Moves by `by` (m) and turns by a rotation vector (rad), with the angular momentum kept less `gained`
-  /// (kg m^2/s). Of free bodies.
+  /// Moves by `by` (m) and turns by a rotation vector (rad), keeping the angular momentum less `gained` (kg
+  /// m^2/s). For free bodies.
   void move(size_t row, const Vec3& by, const Vec3& turn, const Vec3& gained = {}) {
     const BodyForm& f = form(row);
     if (!(f.mass > 0)) return;
@@ -133,11 +133,12 @@ class BodiesOf {
     orientation_.set_quaternion(row, turned);
     spin_.set_vector(row, free_rotation::spin_of(turned, momentum, f.moments));
   }
-  /// Correction P (kg m) at an arm; `gained`: angular momentum that it gives to all that it acts between.
+  /// Position correction P (kg m) at an arm; `gained`: the angular momentum that P adds to the pair it acts
+  /// on.
   void shift(size_t row, const Vec3& arm, const Vec3& p, const Vec3& gained) {
     shift_and_turn(row, p, cross(arm, p), gained);
   }
-  /// Corrections of place (kg m) and of direction (kg m^2 rad) about the centre.
+  /// Corrections of position (kg m) and orientation (kg m^2 rad) about the centre.
   void shift_and_turn(size_t row, const Vec3& p, const Vec3& twist, const Vec3& gained) {
     const BodyForm& f = form(row);
     if (!(f.mass > 0)) return;
@@ -152,7 +153,7 @@ class BodiesOf {
   }
 
  private:
-  /// Of a body with an access.
+  /// For a body with an access.
   BodyMotion now(size_t row) const {
     if (!lookup_) return access_->motion(state_, row);
     if (!lookup_->fresh) {

@@ -1,4 +1,4 @@
-// What a system's factory is told besides its own parameters, and what it says about its cost beforehand.
+// What a system's factory is given besides its own parameters, and the cost that it estimates in advance.
 #pragma once
 #include <cstdint>
 #include <optional>
@@ -15,8 +15,8 @@ struct BuildContext {
   Vec3 gravity{0, -9.81, 0};  ///< m/s^2
   double dt = 1.0 / 60;       ///< s, length of one substep of this scene
   uint64_t seed = 0;          ///< already mixed with the system's index: systems draw different numbers
-  /// Whether a coupling lets its points touch bodies: a default method then lets each point answer for
-  /// itself.
+  /// Whether a coupling lets its points touch bodies: the default method is then one in which each point
+  /// responds for itself.
   bool meets_bodies = false;
 };
 
@@ -25,7 +25,7 @@ struct Cost {
   double state_bytes = 0;
   double workspace_bytes = 0;
   double elements = 0;          ///< particles + springs + ...
-  double seconds_per_step = 0;  ///< on one core of a present-day server
+  double seconds_per_step = 0;  ///< on one core of a current server
 };
 
 /// Integrator part of a scene's system object: "integrator": "rk4" with its settings.

@@ -18,7 +18,7 @@ enum class CommandKind : uint8_t {
   unpin,          ///< lets row `index` go
   set_parameter,  ///< parameter `name` := `value` (SI) or `vector`
   spawn,          ///< new element at `vector` with `velocity`
-  remove,         ///< takes row `index` away
+  remove,         ///< removes row `index`
 };
 
 struct Command {
@@ -29,7 +29,7 @@ struct Command {
   double value = 0;
   double duration = 0;     ///< s
   std::string name;        ///< parameter of set_parameter
-  std::optional<Vec3> at;  ///< m, where on a body a push, an impulse or a drag acts; none: its centre of mass
+  std::optional<Vec3> at;  ///< m, where on a body a push, impulse or drag acts; none: the centre of mass
 };
 
 }  // namespace truestep

@@ -1,4 +1,4 @@
-// Refusing a command: every system names the member that is wrong, and what it would have taken.
+// Refusing commands: the error names the member that is wrong and what is accepted.
 #pragma once
 #include <cmath>
 #include <string>
@@ -34,7 +34,8 @@ inline void refuse_place(const Command& c, const std::string& noun) {
   if (c.at) refuse_command("at", "not_a_body", "a " + noun + " has no extent to act on", "absent");
 }
 
-/// The command's row, refused unless it is one of `rows`; `noun` is what a row is ("point", "particle").
+/// The command's row; refused unless it is below `rows`. `noun` is what a row is called ("point",
+/// "particle").
 inline size_t checked_command_row(const Command& c, size_t rows, const std::string& noun) {
   if (c.index < 0 || static_cast<size_t>(c.index) >= rows) {
     refuse_command("index", "out_of_range", "there is no " + noun + " " + std::to_string(c.index),

@@ -1,6 +1,5 @@
-// The numbers that say where a system is: every f64 column of role position, one after another. Unlike the
-// fields that are drawn they hold nothing derived (trails, copies), so two runs of one scene may be compared
-// by them.
+// The numbers that say where a system is: every f64 column of role position, concatenated. Unlike the drawn
+// fields they contain nothing derived (trails, copies), so they are what two runs of a scene are compared by.
 #pragma once
 #include <vector>
 

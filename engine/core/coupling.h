@@ -1,6 +1,6 @@
 // What two systems do to each other. Const like a system: a coupling reads both states at the boundaries of a
-// substep and writes equal and opposite impulses (and corrections of place that keep the centre of mass) to
-// them; what it has to remember for later steps lives in a State of its own.
+// substep and writes equal and opposite impulses (and position corrections that keep the centre of mass) to
+// them; whatever it must remember for later steps lives in a State of its own.
 //
 //   for each coupling, in order: begin      kicks of the first half, and a look at where everything is
 //   for each coupling, in order: immerse    bodies for a medium, which moves them with itself
@@ -37,33 +37,33 @@ class Coupling {
   virtual State initial_state() const = 0;
   /// Before both sides advance by input.h.
   virtual void begin(const CoupledStates& s, const StepInput& input) const = 0;
-  /// After all couplings have begun: appends the bodies that b, a medium, has in it for input.h.
+  /// After all couplings have begun: appends the bodies immersed in b, a medium, for input.h.
   virtual void immerse(const ConstCoupledStates& s, const StepInput& input,
                        std::vector<ImmersedBody>& out) const {}
-  /// Before `end`: what the medium has done to them.
+  /// Before `end`: takes back what the medium has done to them.
   virtual void emerge(const CoupledStates& s, const StepInput& input,
                       std::span<const ImmersedBody> bodies) const {}
-  /// After both sides have advanced by input.h, before any coupling has ended: nothing is written to them.
+  /// After both sides have advanced by input.h and before any coupling has ended. Must not write to them.
   virtual void midway(const CoupledStates& s, const StepInput& input) const {}
   /// After both sides have advanced by input.h.
   virtual void end(const CoupledStates& s, const StepInput& input) const = 0;
-  /// After all couplings have ended: restores what must never be broken, and returns whether it changed
+  /// After all couplings have ended: restores what must never be violated, and returns whether it changed
   /// anything.
   virtual bool guard(const CoupledStates& s, const StepInput& input) const { return false; }
   /// Adds what was exchanged: impulses, energy lost, energy stored ("energy.potential", J).
   virtual void observe(const ConstCoupledStates& s, Observables& out) const = 0;
-  /// J that it holds in this state. Asked for every few steps, and allocates nothing.
+  /// Energy in J stored by the coupling in this state. Called every few steps; must not allocate.
   virtual double stored_energy(const ConstCoupledStates& s) const { return 0; }
-  /// Appends what a person sees of it; ends in part 0 are rows of a's first part, in part 1 of b's. Where
-  /// rows change places, the drawing's version of their system changes.
+  /// Appends what is drawn of it; ends in part 0 are rows of a's first part, in part 1 of b's. When rows
+  /// change places, the drawing version of their system changes.
   virtual void draw(const ConstCoupledStates& s, std::vector<DrawnString>& out) const {}
   /// Passes of `begin` and `end`, then what this scene does not need.
   virtual std::vector<PlanRow> plan() const = 0;
-  /// Largest substep (s) that the coupling is known to hold; nothing when unknown or unlimited.
+  /// Largest substep (s) that the coupling is known to tolerate; empty when unknown or unlimited.
   virtual std::optional<double> stable_h(const ConstCoupledStates& s) const { return std::nullopt; }
 };
 
-/// What a coupling's factory is told: its sides with their states at t = 0.
+/// What a coupling's factory is given: its sides with their states at t = 0.
 struct CouplingSide {
   std::string id;
   const System& system;

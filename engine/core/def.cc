@@ -28,7 +28,7 @@ ParamRow& TableBuilder::value(ParamKind kind, const Words& words, size_t offset,
 ParamRow& TableBuilder::choice(const Words& words, size_t offset, ChoiceAccess access,
                                std::vector<std::string> choices) {
   ParamRow& r = row(ParamKind::choice, words, any());
-  // "a|b": b is read as a. What is written comes first.
+  // "a|b": b is read as a synonym of a, which is the form written.
   std::vector<size_t> meant;
   for (size_t k = 0; k < choices.size(); ++k) r.choices.push_back(first_word(choices[k])), meant.push_back(k);
   for (size_t k = 0; k < choices.size(); ++k) {

@@ -29,7 +29,7 @@ enum class ParamKind : uint8_t {
   integer,
   boolean,
   text,
-  expression,  // a text, which may also be given as a number
+  expression,  // text that may also be given as a number
   choice,
   vector,  // one value
   numbers,
@@ -38,7 +38,7 @@ enum class ParamKind : uint8_t {
   texts,     // arrays of values
   object,    // a nested struct
   objects,   // an array of nested structs
-  variants,  // an array of objects told apart by their "type"
+  variants,  // an array of objects distinguished by their "type"
   named_numbers,
   named_texts,  // objects whose keys are the user's own names
 };
@@ -91,13 +91,13 @@ struct DefTable;
 /// One alternative of a `variants` parameter.
 struct ParamVariant {
   std::string type;
-  std::vector<std::string> also;  ///< other words for it, which are read but not written
+  std::vector<std::string> also;  ///< synonyms, which are read but never written
   const DefTable* table = nullptr;
   std::function<void*(void* owner)> append;                    ///< new element's struct
   std::function<const void*(const void* owner, size_t i)> at;  ///< null when element i is another type
 };
 
-/// Of "revolute|hinge|pin": "revolute", and {"hinge", "pin"}.
+/// Splits "revolute|hinge|pin" into "revolute" and {"hinge", "pin"}.
 std::string first_word(const std::string& words);
 std::vector<std::string> other_words(const std::string& words);
 
@@ -106,12 +106,12 @@ enum class Presence : uint8_t { optional, required };
 struct ParamRow {
   std::string name;
   ParamKind kind = ParamKind::number;
-  std::string unit;  ///< SI; empty where it makes no sense, "1" for a pure number
+  std::string unit;  ///< SI; empty where a unit makes no sense, "1" for a pure number
   Limits limits;
   Count count;
   std::string sentence;
   Presence presence = Presence::optional;
-  std::vector<std::string> also;  ///< other words for it, which are read but not written
+  std::vector<std::string> also;  ///< synonyms, which are read but never written
   std::vector<std::string> choices;
   const DefTable* nested = nullptr;
   std::vector<ParamVariant> variants;
@@ -136,8 +136,8 @@ struct DefTable {
   const ParamRow* find(std::string_view name) const;
 };
 
-/// How the members of one type are written and read, wherever their struct lies: compiled once a type, not
-/// once a table.
+/// How members of one type are written and read, wherever their struct lies: compiled once per type, not once
+/// per table.
 struct ValueAccess {
   void (*set)(void* member, ParamValue v);
   ParamValue (*get)(const void* member);
@@ -173,8 +173,8 @@ struct NestedAccess {
   const void* (*at)(const void* member, size_t i);
 };
 
-/// Adds rows to a table; what does not depend on the struct's type. `offset` is where the member lies in its
-/// struct.
+/// Adds rows to a table; the part that does not depend on the struct's type. `offset` is the member's offset
+/// in its struct.
 class TableBuilder {
  protected:
   struct Words {
@@ -237,16 +237,16 @@ class TableOf : TableBuilder {
   TableOf& texts(const char* name, std::vector<std::string> D::*m, Count count, const char* sentence) {
     return array(ParamKind::texts, {name, "", sentence}, m, any(), count);
   }
-  /// An object of the user's own names with numbers or arrays of at most `count.max` numbers, in their order.
+  /// An object with user-chosen names and numbers or arrays of at most `count.max` numbers, in order.
   TableOf& named_numbers(const char* name, std::vector<NamedNumbers> D::*m, Limits limits, Count count,
                          const char* sentence) {
     return array(ParamKind::named_numbers, {name, "", sentence}, m, limits, count);
   }
-  /// An object of the user's own names with texts, in their order.
+  /// An object with user-chosen names and texts, in order.
   TableOf& named_texts(const char* name, std::vector<NamedText> D::*m, Count count, const char* sentence) {
     return array(ParamKind::named_texts, {name, "", sentence}, m, any(), count);
   }
-  /// Enumeration E whose values 0, 1, 2 ... are named by `choices` in that order.
+  /// Enumeration E whose values 0, 1, 2 ... have the names in `choices`, in that order.
   template <class E>
   TableOf& choice(const char* name, E D::*m, std::vector<std::string> choices, const char* sentence) {
     static constexpr ChoiceAccess access = {
@@ -255,7 +255,7 @@ class TableOf : TableBuilder {
     TableBuilder::choice({name, "", sentence}, offset(m), access, std::move(choices));
     return *this;
   }
-  /// A nested struct that is always there.
+  /// A nested struct that is always present.
   template <class N>
   TableOf& object(const char* name, N D::*m, const DefTable& table, const char* sentence) {
     static constexpr NestedAccess access = {[](void* member) { return member; },
@@ -289,8 +289,8 @@ class TableOf : TableBuilder {
     nested(ParamKind::objects, {name, "", sentence}, offset(m), access, &table).count = count;
     return *this;
   }
-  /// An array of structs told apart by "type"; types and tables in the order of the std::variant. Other words
-  /// for a type follow it behind bars: "revolute|hinge|pin".
+  /// An array of structs distinguished by "type"; types and tables in the order of the std::variant. Synonyms
+  /// of a type follow it after bars: "revolute|hinge|pin".
   template <class... N>
   TableOf& variants(const char* name, std::vector<std::variant<N...>> D::*m,
                     std::vector<std::pair<std::string, const DefTable*>> alternatives, Count count,
@@ -302,12 +302,12 @@ class TableOf : TableBuilder {
     return *this;
   }
 
-  /// The row added last must be given.
+  /// Makes the last row mandatory.
   TableOf& required() {
     table_.rows.back().presence = Presence::required;
     return *this;
   }
-  /// Another word for the last parameter: accepted, and echoed as the parameter's name.
+  /// A synonym for the last parameter: accepted, and echoed under the parameter's name.
   TableOf& also(const char* word) {
     table_.rows.back().also.emplace_back(word);
     return *this;
@@ -322,7 +322,7 @@ class TableOf : TableBuilder {
   DefTable build() { return std::move(table_); }
 
  private:
-  /// Bytes from the struct's start to the member. No D is made: only the addresses count.
+  /// Byte offset of the member in the struct. No D is constructed: only addresses are used.
   template <class M>
   static size_t offset(M D::*m) {
     alignas(D) static const char room[sizeof(D)] = {};

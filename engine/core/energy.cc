@@ -7,7 +7,7 @@ namespace truestep {
 
 void EnergyWatch::begin(const Energy& e) {
   reference = e.kinetic + e.potential;
-  // The zero of a potential is anybody's choice: where it is far away the watch is only less strict.
+  // The zero of a potential is arbitrary: if it is far away, the check is merely less strict.
   available = std::max(available, e.kinetic + std::abs(e.potential));
   phase = e.exchange == Energy::Exchange::closed ? Phase::watching : Phase::open;
 }
@@ -21,10 +21,10 @@ void EnergyWatch::command(const Energy& before, const Energy& after) {
 
 bool EnergyWatch::holds(const Energy& now) {
   if (phase != Phase::watching || now.exchange == Energy::Exchange::open) return begin(now), true;
-  // Where energy is kept, this is what the potential has given or taken so far.
+  // For a closed system this is what the potential has given or taken so far.
   available = std::max(available, reference - now.potential);
   const double gain = now.kinetic + now.potential - reference;
-  // Of things at rest whose energy is all rounding.
+  // For things at rest whose energy is all rounding.
   constexpr double kRounding = 1e-9;
   return gain <= std::max(kRounding, now.swing * std::max(available, now.slack));
 }

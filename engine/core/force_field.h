@@ -48,7 +48,7 @@ class ForceField {
   /// a = M^-1 f(x, v, t), as long as v. Rows with inverse mass 0 get 0.
   virtual void acceleration(const Phase& at, std::span<double> a, Evaluation& e) const = 0;
   /// dx/dt = G(x) v, as long as x: either written to `rate`, which is then returned, or the velocity itself
-  /// where G is the identity, as in the default.
+  /// when G is the identity, which is the default.
   virtual std::span<const double> position_rate(const Phase& at, std::span<double> rate, Evaluation& e) const;
   /// Brings a stepped (x, v) back to its manifold (unit quaternions ...). The default does nothing.
   virtual void project(std::span<double> x, std::span<double> v, const State& state) const {}
@@ -56,11 +56,11 @@ class ForceField {
   virtual Dependence dependence() const = 0;
   /// V(x, t) in J when the forces have one (dissipative parts left out); nothing otherwise.
   virtual std::optional<double> potential(const Phase& at, Evaluation& e) const { return std::nullopt; }
-  /// J, the size of terms of V that cancel each other, so that their rounding is not taken for a change of
-  /// it; |V| itself counts anyway.
+  /// J, the size of terms of V that cancel, so that their rounding is not mistaken for a change of V; |V|
+  /// itself is always included.
   virtual double cancelling_terms(const State& state) const { return 0; }
-  /// R(x, v, t) in W of all forces that the potential leaves out (damping, air, prescribed forces), so that
-  /// f = -dV/dx - dR/dv; nothing when there is no such function or nobody has written it.
+  /// R(x, v, t) in W of all forces not in the potential (damping, air, prescribed forces), so that f = -dV/dx
+  /// - dR/dv; empty when there is no such function or it is not implemented.
   virtual std::optional<double> dissipation(const Phase& at, Evaluation& e) const { return std::nullopt; }
   /// T in J.
   virtual double kinetic(const Phase& at, Evaluation& e) const = 0;
@@ -79,17 +79,17 @@ class ForceField {
   /// Overwrites the values of df/dx (N/m) and df/dv (N s/m) at `at`; exact, including compressed springs.
   virtual void jacobian(const Phase& at, BlockSparse& dfdx, BlockSparse& dfdv, Evaluation& e) const;
 
-  /// The same with the parts left out that make -df/dx indefinite (compressed springs push sideways), for
-  /// methods that solve with M - h^2 df/dx and would be thrown off by them. The default is the exact one.
+  /// The same without the parts that make -df/dx indefinite (compressed springs push sideways), for methods
+  /// that solve with M - h^2 df/dx and would fail on them. The default is the exact one.
   virtual void definite_jacobian(const Phase& at, BlockSparse& dfdx, BlockSparse& dfdv, Evaluation& e) const {
     jacobian(at, dfdx, dfdv, e);
   }
 
-  /// Means of its own to solve the linear systems of implicit methods, for one user; null: none. It refers to
-  /// this field.
+  /// The field's own solver for the linear systems of implicit methods, for one user; null: none. It refers
+  /// to this field.
   virtual std::unique_ptr<FieldLinearSolver> linear_solver() const;
 
-  /// What else implicit methods may ask of this field, or null.
+  /// What else implicit methods may use, or null.
   virtual const LaggedDissipation* lagged_dissipation() const { return nullptr; }
   virtual const SofteningForces* softening_forces() const { return nullptr; }
   virtual const StiffnessBound* stiffness_bound() const { return nullptr; }

@@ -12,14 +12,13 @@ namespace truestep {
 class ForceSystem : public StagedSystem {
  public:
   State initial_state() const override;
-  /// energy.kinetic, energy.potential and energy.total (J) where the field has them, and what the method has
-  /// counted.
+  /// energy.kinetic, energy.potential and energy.total (J) if the field has them, and the method's counters.
   void observe(const State& state, double t, Observables& out) const override;
-  /// position and velocity as they stand in the state, the first two fields of the main part.
+  /// position and velocity straight from the state: the first two fields of the main part.
   FieldView field(const State& state, size_t part, size_t field, std::vector<double>& scratch) const override;
   /// The stable dt from the field's stiffness and the method's stability interval.
   std::optional<double> limit(Limit which, const State& state, double h) const override;
-  /// The field's, where it has a potential.
+  /// The field's energy, if it has a potential.
   std::optional<Energy> energy(const State& state, double t, Workspace& workspace,
                                const ThreadArena& arena) const override;
 
@@ -30,14 +29,14 @@ class ForceSystem : public StagedSystem {
   const IntegratorOptions& options() const { return options_; }
 
  protected:
-  /// Whether the field's forces are those of its potential and of friction alone in this state.
+  /// Whether the only forces in this state are those of the potential and friction.
   virtual Energy::Exchange exchange(const State& state) const { return Energy::Exchange::open; }
-  /// Adds no stage yet: derived constructors call add_integration_stage where it belongs.
+  /// Adds no stage: derived constructors call add_integration_stage in the right place.
   ForceSystem(std::unique_ptr<const ForceField> field, const Integrator& method, IntegratorOptions options);
-  /// `why`: this method, for the plan.
+  /// `why`: the reason for this method, for the plan.
   void add_integration_stage(const std::string& why = "");
-  /// For systems that only exchange the energy they start with: a limit of a thousand times the speeds that
-  /// the start, its accelerations and its fastest oscillation could give.
+  /// For systems that only exchange their initial energy: a limit of a thousand times the speeds that the
+  /// initial state, its accelerations and its fastest oscillation could produce.
   void bound_speed();
 
  private:

@@ -1,5 +1,5 @@
-// What a system of points may offer in its ports: how all of them answer to impulses on some, where its
-// method solves for them together. Points of other systems answer each by its own mass.
+// What a system of points may offer in its ports: how all its points respond to impulses on some, when its
+// method solves for them together. Otherwise each point responds by its own mass.
 #pragma once
 #include <span>
 
@@ -10,15 +10,16 @@ namespace truestep {
 class AnswersImpulses {
  public:
   virtual ~AnswersImpulses() = default;
-  /// What impulses (N s, 3 per point), had forces given them in the step input.h that ends in `state`, would
-  /// have changed there: velocities by `dv` (m/s, 3 per point), places by h dv. Linear, symmetric and never
-  /// negative in the impulses. `again`: with the matrix of the first call in this workspace.
+  /// The change that impulses (N s, 3 per point) would have made, had forces applied them during the step
+  /// input.h that ends in `state`: velocities by `dv` (m/s, 3 per point), positions by h dv. Linear,
+  /// symmetric and positive semidefinite in the impulses. `again`: with the matrix of the first call in this
+  /// workspace.
   enum class Answer : uint8_t { first, again };
   virtual void answer(State& state, const StepInput& input, Answer which, std::span<const double> impulses,
                       std::span<double> dv) const = 0;
 };
 
-/// The system's answers; null where its points answer each for itself.
+/// The system's answers; null when each of its points responds for itself.
 inline const AnswersImpulses* answers_together(const System& system) {
   return system.ports().answers;
 }

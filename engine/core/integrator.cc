@@ -1,4 +1,4 @@
-// What rows of the table say about a system: where they are stable, and whom they serve.
+// What the table's rows say about a system: where they are stable, and which systems they serve.
 #include "engine/core/integrator.h"
 
 #include <algorithm>

@@ -1,11 +1,11 @@
-// The rows every force system's table has for its integrator.
+// The rows for the integrator in the table of every force system.
 #pragma once
 #include "engine/core/build.h"
 #include "engine/core/def.h"
 
 namespace truestep {
 
-/// Members that add_integrator_rows expects; systems' structs derive from it.
+/// Members that add_integrator_rows expects; the systems' structs derive from it.
 struct IntegratorParams {
   std::string integrator;
   std::optional<double> tolerance, newton_tolerance, relative_tolerance, absolute_tolerance;

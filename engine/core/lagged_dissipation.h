@@ -1,4 +1,4 @@
-// What a field can do whose dissipative forces may be taken elsewhere than its others: with
+// Interface of fields whose dissipative forces can be evaluated at other positions than the rest: with
 //   f = -dV/dx(x) - dR/du(x_l, u),  x_l held,
 // a step of an implicit method is the minimum of a potential, which a line search always finds.
 #pragma once

@@ -1,4 +1,4 @@
-// Places in a lattice: the rows around one and their weights for multilinear interpolation.
+// Positions in a lattice: the surrounding rows and their weights for multilinear interpolation.
 #pragma once
 #include <algorithm>
 #include <cmath>
@@ -13,7 +13,8 @@ struct LatticePlace {
   double weights[8];  ///< their sum is 1
 };
 
-/// Nothing for a place outside. Between the outermost cells' centres and the grid's edge the edge row counts.
+/// Empty for a position outside. Between the outermost cell centres and the grid's edge, the edge row is
+/// used.
 inline std::optional<LatticePlace> locate(const Lattice& l, const Vec3& at) {
   const double place[3] = {at.x, at.y, at.z}, origin[3] = {l.origin.x, l.origin.y, l.origin.z},
                spacing[3] = {l.spacing.x, l.spacing.y, l.spacing.z};
@@ -25,7 +26,7 @@ inline std::optional<LatticePlace> locate(const Lattice& l, const Vec3& at) {
     low[axis] = high[axis] = 0, share[axis] = 0;
     if (n == 1) continue;
     const double last = static_cast<double>(n - 1), u = (place[axis] - origin[axis]) / spacing[axis];
-    constexpr double kRounding = 1e-9;  // a place on the edge is inside
+    constexpr double kRounding = 1e-9;  // a position on the edge counts as inside
     if (!(u >= -margin - kRounding && u <= last + margin + kRounding)) return std::nullopt;
     const double inside = std::clamp(u, 0.0, last);
     low[axis] = std::min(static_cast<size_t>(inside), n - 2);

@@ -1,5 +1,5 @@
-// A surface that is a weighted sum of shapes, for writers of files: its base, its targets and their weights
-// at a state. Stands beside Ports, as rig_of does.
+// A surface that is a weighted sum of shapes, for file writers: its base, its targets and their weights in a
+// state. Separate from Ports, like rig_of.
 #pragma once
 #include <array>
 #include <cstdint>
@@ -23,7 +23,7 @@ class Morphed {
   };
   virtual ~Morphed() = default;
   virtual Port morph() const = 0;
-  /// Weights of the targets, and where the whole is, at t (s).
+  /// Weights of the targets, and the pose of the whole, at t (s).
   virtual Pose morph_at(const State& state, double t, std::span<double> weights) const = 0;
 };
 

@@ -1,6 +1,5 @@
-// What a kind of system gives out, in words: its rows, its fields and its observables, for the descriptions
-// that people and programs read. Parts in angle brackets stand for names of the scene's own
-// ("joint.<id>.force").
+// What a kind of system outputs, in words: its rows, its fields and its observables, for descriptions read by
+// people and programs. Parts in angle brackets stand for names from the scene ("joint.<id>.force").
 #pragma once
 #include <string_view>
 #include <vector>
@@ -22,7 +21,7 @@ struct FieldOutput {
 };
 
 struct Outputs {
-  std::string_view rows;  ///< what row k is: what a probe's or a command's index counts
+  std::string_view rows;  ///< what row k is: the index of a probe or command counts these
   std::vector<FieldOutput> fields;
   std::vector<OutputInfo> observables;
 };

@@ -1,6 +1,6 @@
 // What a system has to show: parts, which are rows that belong together, and their fields, which say what
-// their numbers mean, so that nobody recognises a field by its name. Streams, recordings, pictures, probes
-// and the viewer iterate parts and know no system.
+// their numbers mean, so that no field is recognised by its name. Streams, recordings, pictures, probes and
+// the viewer iterate parts without knowing any system.
 #pragma once
 #include <algorithm>
 #include <array>
@@ -16,17 +16,17 @@
 
 namespace truestep {
 
-/// What the numbers of a field are for whoever draws or compares them.
+/// What the numbers of a field mean to code that draws or compares them.
 enum class Meaning : uint8_t {
   value,        ///< nothing in particular
   position,     ///< m, width 3: where the row is
   velocity,     ///< m/s, width 3
   orientation,  ///< unit quaternion (w, x, y, z) of the row's frame
-  angle,        ///< rad, width 1: turn of a row that lies in the plane
-  asleep        ///< not 0: the row is not computed until something wakes it
+  angle,        ///< rad, width 1: rotation of a row that lies in the plane
+  asleep        ///< not 0: the row is not computed until it is woken
 };
 
-/// Something that may be streamed, recorded or drawn.
+/// Something that can be streamed, recorded or drawn.
 struct FieldInfo {
   std::string name;
   std::string unit;
@@ -35,7 +35,7 @@ struct FieldInfo {
   Meaning meaning = Meaning::value;
 };
 
-/// rows x width elements of a field, either inside the state or inside the scratch that was handed over.
+/// rows x width elements of a field, either inside the state or inside the scratch passed in.
 struct FieldView {
   const void* data = nullptr;
   Scalar type = Scalar::f64;
@@ -46,8 +46,8 @@ struct FieldView {
 /// Where the rows of a grid are: row x + counts[0] * (y + counts[1] * z) lies at origin + (x, y, z) *
 /// spacing.
 struct Lattice {
-  std::array<uint32_t, 3> counts{1, 1, 1};  ///< along a direction that the grid does not have: 1
-  Vec3 origin;                              ///< m, place of row 0: a node, or the centre of a cell
+  std::array<uint32_t, 3> counts{1, 1, 1};  ///< 1 along a direction that the grid does not have
+  Vec3 origin;                              ///< m, position of row 0: a node, or the centre of a cell
   Vec3 spacing{1, 1, 1};                    ///< m
   enum class Centring : uint8_t { nodes, cells } centring = Centring::nodes;
 
@@ -58,17 +58,16 @@ struct Lattice {
 
 struct PartInfo {
   enum class Kind : uint8_t {
-    points,  ///< rows with a place: particles, nodes, bodies; the first field is their position
+    points,  ///< rows with a position: particles, nodes, bodies; the first field is their position
     grid,    ///< cells or nodes of `lattice`
-    values   ///< rows without a place: elements, joints, components
+    values   ///< rows without a position: elements, joints, components
   } kind = Kind::points;
-  std::string name;  ///< empty: the main part, with the system's id; else its id is <system>.<name>
+  std::string name;  ///< empty: the main part, with the system's id; otherwise its id is <system>.<name>
   std::vector<FieldInfo> fields;  ///< all have the same rows
-  size_t max_rows = 0;            ///< upper bound of what the rows may grow to
+  size_t max_rows = 0;            ///< upper bound of the number of rows
   Lattice lattice;                ///< of a grid
-  size_t trail =
-      0;  ///< rows that follow each row of its own and say where that one was: its path, newest first
-  /// Row k of values is the k-th line or triangle that the main part draws, which its colours then show.
+  size_t trail = 0;  ///< rows that follow each row and record where it was: its trail, newest first
+  /// Row k of values belongs to the k-th line or triangle drawn by the main part, which is coloured by it.
   enum class Elements : uint8_t { none, lines, triangles } elements = Elements::none;
 
   std::optional<size_t> find(std::string_view field) const {
@@ -76,7 +75,7 @@ struct PartInfo {
     const auto at = std::find_if(fields.begin(), fields.end(), is);
     return at == fields.end() ? std::nullopt : std::optional(static_cast<size_t>(at - fields.begin()));
   }
-  /// The first field of this meaning.
+  /// The first field with this meaning.
   std::optional<size_t> find(Meaning meaning) const {
     const auto is = [&](const FieldInfo& f) { return f.meaning == meaning; };
     const auto at = std::find_if(fields.begin(), fields.end(), is);

@@ -1,5 +1,5 @@
-// What commands do to a system whose rows are points of a fixed number: push, impulse, drag, release, pin and
-// unpin; errors name the member of the command that is wrong.
+// Commands for systems with a fixed number of points: push, impulse, drag, release, pin and unpin; errors
+// name the offending member of the command.
 #pragma once
 #include <span>
 #include <string_view>
@@ -15,15 +15,15 @@ class PointCommands {
     State::Column velocity, inverse_mass;
     UserForces hands;
   };
-  /// `row` is what a row is called, "point"; `others` why rows neither come nor go. `masses` (kg) are what
-  /// unpinned rows have again.
+  /// `row` is what a row is called, "point"; `others` says why rows cannot be added or removed. `masses` (kg)
+  /// are restored to unpinned rows.
   constexpr PointCommands(const Columns& columns, std::string_view row, std::string_view others)
       : columns_(columns), row_(row), others_(others) {}
 
-  /// Row of the command. Errors: no such row.
+  /// Row of the command. Error: no such row.
   size_t row(const State& s, const Command& c) const;
-  /// Whether that was all: false of set_parameter, which is left to the system. `stiffness(row)` (N/m) is
-  /// that of a drag that says none.
+  /// Returns false for set_parameter, which is left to the system. `stiffness(row)` (N/m) is the default
+  /// stiffness of a drag.
   template <class Stiffness>
   bool apply(State& s, const Command& c, std::span<const double> masses, const Stiffness& stiffness) const {
     check(c);

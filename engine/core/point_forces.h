@@ -1,5 +1,5 @@
-// What a field can do that knows the force on one point and how it changes as that point alone moves. Points
-// of a colour do not act on each other, so that all of them may move at once.
+// Interface of fields that know the force on one point and how it changes as that point alone moves. Points
+// of one colour do not act on each other, so all of them may move at once.
 #pragma once
 #include <vector>
 
@@ -14,8 +14,7 @@ struct PointSlope {
   double stiffness[6] = {};
 };
 
-/// Points whose index is within [begin[c], begin[c + 1]) of `points` have colour c; ascending within a
-/// colour.
+/// Points with index in [begin[c], begin[c + 1]) of `points` have colour c; ascending within a colour.
 struct PointColours {
   std::vector<uint32_t> points, begin;
   size_t count() const { return begin.size() - 1; }
@@ -25,7 +24,7 @@ class PointForces {
  public:
   virtual ~PointForces() = default;
   virtual const PointColours& colours() const = 0;
-  /// Acceleration of a point on which nothing else acts, m/s^2.
+  /// Acceleration of a point without interactions, m/s^2.
   virtual Vec3 free_acceleration(const State& state) const = 0;
   /// out[k] = slope of points[k]; dissipative forces take positions from `x_lagged`.
   virtual void point_slopes(const Phase& at, std::span<const double> x_lagged, double h,

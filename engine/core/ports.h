@@ -1,6 +1,6 @@
-// Ports: where couplings reach into a state without knowing its system. Views all of them: what a coupling
-// writes through a port (impulses into the velocity column, corrections into the position column) is the
-// system's state itself.
+// Ports: where couplings reach into a state without knowing its system. All of them are views: what a
+// coupling writes through a port (impulses into the velocity column, corrections into the position column)
+// changes the system's state itself.
 #pragma once
 #include <algorithm>
 #include <array>
@@ -21,7 +21,7 @@ struct PointPort {
   State::Column position = 0, velocity = 1;   ///< rows x 3, m and m/s
   std::optional<State::Column> mass;          ///< kg
   std::optional<State::Column> inverse_mass;  ///< 1/kg, 0: held
-  /// u64, ascending and never used twice, where rows move when points go; otherwise a row is its own id.
+  /// u64, ascending and never reused, when rows move as points are removed; otherwise a row is its own id.
   std::optional<State::Column> id;
   double radius = 0;  ///< m, of every point
 };
@@ -47,7 +47,7 @@ class PointsOf {
   void accelerate(size_t row, const Vec3& by) { set_velocity(row, velocity(row) + by); }
   /// 1/kg; 0: held.
   double inverse_mass(size_t row) const { return inverse_mass_ ? inverse_mass_.at(row) : 1 / mass_.at(row); }
-  /// The row of a point, or nothing when it is gone.
+  /// The row of a point, or empty when it is gone.
   std::optional<size_t> row_of(uint64_t id) const {
     if (ids.empty()) return id < count ? std::optional<size_t>(id) : std::nullopt;
     const auto at = std::lower_bound(ids.begin(), ids.end(), id);
@@ -56,7 +56,7 @@ class PointsOf {
   }
   uint64_t id_of(size_t row) const { return ids.empty() ? row : ids[row]; }
 
-  /// Makes `x` and `v` of f32 columns good for reading: copies, kept in `memory`.
+  /// Makes `x` and `v` readable for f32 columns: copies, kept in `memory`.
   void copy_singles(std::vector<double>& memory) {
     if (x) return;
     memory.resize(6 * count);
@@ -64,7 +64,7 @@ class PointsOf {
       memory[k] = places_.at(k), memory[3 * count + k] = velocities_.at(k);
     x = memory.data(), v = memory.data() + 3 * count;
   }
-  /// What was written to the copies, back into the columns.
+  /// Writes the copies back into the columns.
   void write_back() {
     if (places_.doubles()) return;
     for (size_t k = 0; k < 3 * count; ++k) places_.set(k, x[k]), velocities_.set(k, v[k]);
@@ -75,15 +75,15 @@ class PointsOf {
   RealColumn<const double> mass_, inverse_mass_;
 
  public:
-  Real *x, *v;  ///< rows x 3; null where the columns are f32 and were not copied
+  Real *x, *v;  ///< rows x 3; null when the columns are f32 and were not copied
   size_t count;
-  std::span<const uint64_t> ids;  ///< empty where a row is its own id
+  std::span<const uint64_t> ids;  ///< empty when a row is its own id
 };
 using Points = PointsOf<double>;
 using ConstPoints = PointsOf<const double>;
 
-/// Solids that a system publishes: the convex hulls of its points, thickened by their radius. An impulse on a
-/// solid goes to its corners by the barycentric weights of the place that it acts on.
+/// Solids that a system publishes: convex hulls of its points, thickened by their radius. An impulse on a
+/// solid is distributed to its corners by the barycentric weights of the point of application.
 struct PublishedSolids {
   std::span<const std::array<uint32_t, 3>> triangles;
   std::span<const std::array<uint32_t, 2>> segments;  ///< capsules; the same row twice: a ball
@@ -98,7 +98,7 @@ class AnswersImpulses;  // core/impulse_answer.h
 /// A medium that fills space and takes bodies (core/medium.h).
 struct MediumPort {
   int dimension = 3;
-  State::Column place = 0;  ///< rows x 3, m, of its parcels, f64 or f32
+  State::Column place = 0;  ///< rows x 3, m, positions of its parcels, f64 or f32
   double spacing = 0;       ///< m, between them
 };
 
@@ -107,7 +107,7 @@ struct Ports {
   PublishedSolids solids;  ///< with which points of other systems collide
   std::optional<BodyPort> bodies;
   std::optional<MediumPort> medium;
-  /// How all points answer impulses on some; null: each by its own mass.
+  /// How all points respond to impulses on some; null: each by its own mass.
   const AnswersImpulses* answers = nullptr;
 };
 

@@ -1,5 +1,5 @@
-// A floating column of a state, f32 or f64, read and written as doubles: what reaches into states that it
-// does not know asks no more.
+// A floating-point column of a state, f32 or f64, read and written as doubles, for code that reaches into
+// states of unknown systems.
 #pragma once
 #include <type_traits>
 
@@ -8,7 +8,7 @@
 
 namespace truestep {
 
-/// Real is double or const double; nothing where it was not given a column. Valid until rows change.
+/// Real is double or const double; empty when no column was given. Valid until rows change.
 template <class Real>
 class RealColumn {
  public:

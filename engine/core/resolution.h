@@ -1,5 +1,5 @@
-// How finely the parameters of a system divide its object, and how they change when the same object is
-// divided more finely. Convergence in space and run time against error over resolution follow from it.
+// How finely a system's parameters divide its object, and how they change when the same object is divided
+// more finely. Convergence in space and run time against error over resolution follow from it.
 #pragma once
 #include <optional>
 #include <string>
@@ -12,11 +12,11 @@ namespace truestep {
 
 struct Resolution {
   std::string_view parameter;  ///< as scenes name it: "cells"
-  /// Changes the system's def to the same object divided `factor` times as finely along each of its
-  /// directions (a power of two, below 1 too), or says why that is not possible: counts that would not be
-  /// whole, or parameters that belong to points instead of the object.
+  /// Changes the system's def to the same object divided `factor` times as finely along each direction (a
+  /// power of two, also below 1), or says why that is impossible: counts that would not be whole, or
+  /// parameters that belong to points instead of the object.
   std::optional<std::string> (*divide)(void* def, double factor);
-  /// Order of the error in space that this def promises; 0: none.
+  /// Order of the spatial error that this def promises; 0: none.
   int (*order)(const void* def);
   /// Where the rows of the main part lie in the undeformed object: the same place at every resolution, in any
   /// unit. Null: the main part is a grid.

@@ -1,7 +1,7 @@
-// RigPort: where couplings and writers of files reach a skeleton without knowing its system: its tree of
-// joints, the columns of where they are, its bones as bodies, its skin; and how it is led, when something
-// else (a ragdoll) says where its bones are. Few systems have one, so that it is asked for by rig_of and
-// stands beside Ports.
+// RigPort: where couplings and file writers reach a skeleton without knowing its system: its tree of joints,
+// the columns with their poses, its bones as bodies, its skin; and how it is led when something else (a
+// ragdoll) determines where its bones are. Few systems have one, so it is obtained by rig_of, separately from
+// Ports.
 #pragma once
 #include <array>
 #include <cstdint>
@@ -14,26 +14,26 @@
 
 namespace truestep {
 
-/// How a skeleton goes back to its own motion.
+/// How a skeleton returns to its own motion.
 struct PoseMatch {
-  double blend = 0;         ///< s, from the pose that it was led to
+  double blend = 0;         ///< s, from the pose it was led to
   double from = 0, to = 0;  ///< s, times of its own motion among which the most alike pose is looked for; the
                             ///< same: its motion goes on as if it had never been led
 };
 
-/// A skeleton that something else leads.
+/// A skeleton that can be led by something else.
 class FollowsBones {
  public:
   virtual ~FollowsBones() = default;
-  /// Makes room in the state for what being led takes. Once, before the others.
+  /// Adds to the state what being led needs. Once, before the others.
   virtual void prepare(State& state) const = 0;
-  /// Bones are where `poses` (world, one per bone) say, where `given` is 1; other joints keep their
-  /// coordinates. Velocities are those of the way there in h (s), and stay where h is 0. From now on it does
-  /// not move by itself.
+  /// Sets the bones to `poses` (world, one per bone) where `given` is 1; other joints keep their coordinates.
+  /// Velocities are those of the way there in h (s), and are kept when h is 0. From now on it does not move
+  /// by itself.
   virtual void follow(State& state, std::span<const Pose> poses, std::span<const uint8_t> given, double h,
                       Workspace& workspace) const = 0;
-  /// At t (s) it moves by itself again. Its motion goes on where the skeleton is, turned about y and shifted
-  /// to it.
+  /// From t (s) on it moves by itself again. Its motion continues where the skeleton is, turned about y and
+  /// shifted to it.
   virtual void resume(State& state, double t, const PoseMatch& match, Workspace& workspace) const = 0;
 };
 

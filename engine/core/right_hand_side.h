@@ -1,7 +1,7 @@
-// Ordinary differential equations of first order, y' = f(t, y), as methods of integration see them: ode
-// systems and studies hand them in directly, force fields through an adapter (y = positions, then
-// velocities). One virtual call evaluates all components. Jacobians are optional; where a right-hand side has
-// none, methods form coloured finite differences on the pattern that `jacobian_shape` names.
+// First-order ordinary differential equations, y' = f(t, y), as integration methods see them: ode systems and
+// studies pass them directly, force fields through an adapter (y = positions, then velocities). One virtual
+// call evaluates all components. Jacobians are optional; without one, methods form coloured finite
+// differences on the pattern given by `jacobian_shape`.
 #pragma once
 #include <cstddef>
 #include <cstdint>
@@ -30,9 +30,9 @@ struct MatrixShape {
   }
 };
 
-/// Equations of second order behind a right-hand side: y = (x, v), x' = v, v' = a(t, x, v), each half as
-/// long. Methods that know the structure (symplectic, Nystroem, Newmark ...) need it; implicit ones solve
-/// systems of half the size.
+/// Second-order equations behind a right-hand side: y = (x, v), x' = v, v' = a(t, x, v), each half as long.
+/// Methods that know the structure (symplectic, Nystroem, Newmark ...) need it; implicit ones solve systems
+/// of half the size.
 class SecondOrder {
  public:
   virtual ~SecondOrder() = default;
@@ -56,8 +56,8 @@ class RightHandSide {
   /// dydt = f(t, y). The arrays do not overlap.
   virtual void rate(double t, const double* y, double* dydt) const = 0;
 
-  /// y += h f(t, y) in one pass over y, where equations are limited by memory rather than arithmetic. False:
-  /// not offered, y is as it was.
+  /// y += h f(t, y) in one pass over y, for equations limited by memory rather than arithmetic. False: not
+  /// supported, y is unchanged.
   virtual bool euler_in_place(double t, double h, double* y) const { return false; }
 
   virtual MatrixShape jacobian_shape() const { return {}; }
@@ -69,16 +69,16 @@ class RightHandSide {
   /// True: f does not depend on t. False: Rosenbrock methods difference df/dt.
   virtual bool autonomous() const { return false; }
 
-  /// A bound of the largest |eigenvalue| of df/dy at (t, y), 1/s, where that is cheap to know; nothing:
-  /// methods that need it find it by power iteration.
+  /// An upper bound of the largest |eigenvalue| of df/dy at (t, y), 1/s, when cheaply known; empty: methods
+  /// that need it use power iteration.
   virtual std::optional<double> spectral_radius(double t, const double* y) const { return std::nullopt; }
 
-  /// The equations of second order behind this, or null. Implicit methods then ask for their derivatives and
+  /// The second-order equations behind this, or null. Implicit methods then ask for their derivatives and
   /// never for df/dy.
   virtual const SecondOrder* second_order() const { return nullptr; }
 
-  /// Means of its own to solve (I - z J) x = b, or null; `linearise` brings them to (t, y). Methods then ask
-  /// for no derivatives.
+  /// A solver of its own for (I - z J) x = b, or null; `linearise` moves it to (t, y). Methods then ask for
+  /// no derivatives.
   virtual LinearSolver* linear_solver() const { return nullptr; }
   virtual void linearise(double t, const double* y) const {}
 };

@@ -1,4 +1,4 @@
-// How a scene writes the shapes of ropes, hair, cloth and soft blocks, shared by every system that is made of
+// How a scene describes the shapes of ropes, hair, cloth and soft blocks, shared by every system made of
 // points.
 #pragma once
 #include "engine/core/def.h"

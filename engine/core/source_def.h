@@ -1,5 +1,5 @@
-// What sources of particles have in common, whatever they pour out: a place, an axis, a disk across it, a
-// speed along it and a time from when to when.
+// What all particle sources have in common: a place, an axis, a disk across it, a speed along it and a time
+// interval.
 #pragma once
 #include <optional>
 
@@ -14,12 +14,12 @@ struct SourceDef {
   std::optional<double> stop;
 };
 
-/// Why the source makes no sense, for a check of a def that is one.
+/// Reports why the source makes no sense, as the check of a def derived from it.
 inline void check_source(const SourceDef& d, const DefTable::Report& report) {
   if (!(norm(d.direction) > 0)) report("/direction", "the direction must not be zero");
 }
 
-/// The rows of a def that is one.
+/// The rows of a def derived from it.
 template <class D>
 TableOf<D>& add_source_rows(TableOf<D>& table) {
   Vec3 D::*position = &SourceDef::position;

@@ -162,7 +162,7 @@ State State::deserialize(std::span<const std::byte> bytes) {
   if (r.get<uint32_t>() != kMagic) throw Error("bad_snapshot", "these bytes are no serialised state");
   State state;
   const auto count = r.get<uint32_t>();
-  // More than any system has; columns are told apart one by one.
+  // More than any system has; columns are distinguished one by one.
   constexpr uint32_t kMostColumns = 1024;
   if (count > kMostColumns) throw Error("bad_snapshot", "the snapshot has too many columns");
   for (uint32_t i = 0; i < count; ++i) {
@@ -193,7 +193,7 @@ size_t State::memory_bytes() const {
 
 namespace {
 
-// Sums of term(v) in many lanes, so that the additions of one do not wait for each other.
+// Sums of term(v) in many lanes, so that the additions do not wait for each other.
 template <class T, class Term>
 T lane_sum(std::span<const T> values, Term term) {
   constexpr size_t kLanes = 32;

@@ -17,7 +17,7 @@
 namespace truestep {
 
 enum class Scalar : uint8_t { f64, f32, i32, u32, u64 };
-/// `sentinel` is internal too, but NaN and infinity mean something there (never, unlimited, nothing yet).
+/// `sentinel` is internal too, but NaN and infinity have a meaning there (never, unlimited, nothing yet).
 enum class Role : uint8_t { position, velocity, internal, sentinel };
 
 /// Bytes of one element.
@@ -74,9 +74,9 @@ class State {
   size_t rows(Column c) const { return columns_[c].rows; }
   /// Keeps the first rows, fills new ones with zero.
   void resize(Column c, size_t rows);
-  /// Row `from` over row `to`.
+  /// Copies row `from` over row `to`.
   void copy_row(Column c, size_t from, size_t to);
-  /// Sets aside memory so that growing up to `rows` allocates nothing.
+  /// Reserves memory so that growing up to `rows` does not allocate.
   void reserve(Column c, size_t rows);
 
   /// Takes rows and values of a column of the same type and width.
@@ -107,7 +107,7 @@ class State {
 
   /// Little-endian bytes that `deserialize` turns back into an equal state.
   std::vector<std::byte> serialize() const;
-  /// Error "bad_snapshot" when the bytes are no serialised state.
+  /// Error "bad_snapshot" when the bytes are not a serialised state.
   static State deserialize(std::span<const std::byte> bytes);
 
   size_t memory_bytes() const;
@@ -116,7 +116,11 @@ class State {
     Column column;
     size_t row;
   };
-  enum class Look : uint8_t { motion, everything };  ///< at positions and velocities, or at internal ones too
+  enum class Look : uint8_t {
+    motion,
+    everything
+  };  ///< only positions and velocities, or internal columns
+      ///< too
   /// First NaN or infinity in a floating column, or velocity beyond `speed_limit` in magnitude.
   std::optional<BadValue> first_bad(double speed_limit = std::numeric_limits<double>::infinity(),
                                     Look look = Look::motion) const;

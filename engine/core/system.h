@@ -1,5 +1,5 @@
-// A physical system: immutable once built. Every member is const and all change happens in the State it is
-// handed, so two states advanced alternately by one system do not notice each other.
+// A physical system: immutable once built. Every member is const and all change happens in the State passed
+// in, so one system can advance two states alternately without interference.
 #pragma once
 #include <cstdint>
 #include <functional>
@@ -29,11 +29,11 @@ struct Integrator;         // core/integrator.h
 struct IntegratorOptions;  // the same
 struct ImmersedBody;       // core/medium.h
 
-/// How a system moves on in time, as far as the table of methods knows; see System::integration.
+/// How a system is integrated in time, as far as the table of methods knows; see System::integration.
 struct Integration {
   const Integrator* method = nullptr;          ///< null: the system has a step of its own
-  const IntegratorOptions* options = nullptr;  ///< where there is a method
-  const ForceField* field = nullptr;           ///< what it advances, where that is made of forces
+  const IntegratorOptions* options = nullptr;  ///< set when there is a method
+  const ForceField* field = nullptr;           ///< what it advances, if that is made of forces
 };
 
 /// What a step is given. Time is step * h exactly, never an accumulated sum.
@@ -43,20 +43,20 @@ struct StepInput {
   uint64_t step = 0;  ///< number of this (sub)step since the beginning, from 0
   Workspace& workspace;
   const ThreadArena& arena;
-  Profile* profile = nullptr;           ///< null: nobody asked where the time goes
-  std::span<ImmersedBody> bodies = {};  ///< those in a medium (Ports::medium), for it to move and push
+  Profile* profile = nullptr;           ///< null: no profiling
+  std::span<ImmersedBody> bodies = {};  ///< those in a medium (Ports::medium), which it moves and pushes
 };
 
-/// A pass of a step, or one that this scene does not need, with the reason either way.
+/// A pass of a step, or one that this scene does not need, with the reason in either case.
 struct PlanRow {
   enum class Status : uint8_t { runs, skipped } status = Status::runs;
   std::string name;
   std::string reason;
 };
 
-/// What may be known of how far a system's method goes; `System::limit` says where it is.
+/// What may be known about the limits of a system's method; `System::limit` gives the value.
 enum class Limit : uint8_t {
-  stable_dt,    ///< s, largest step that the method is known to hold in this state
+  stable_dt,    ///< s, largest step that the method is known to tolerate in this state
   speed,        ///< velocity, in its own unit, that nothing in the system's energy explains, in any of its
                 ///< states: a step that leaves one beyond it has failed
   step_seconds  ///< s on one core that a step of h from this state takes, where building the system tells
@@ -70,7 +70,7 @@ class System {
   virtual State initial_state() const = 0;
   /// Advances the state by input.h. Throws Instability when it cannot.
   virtual void step(State& state, const StepInput& input) const = 0;
-  /// Adds energies, momenta, residuals of this state (t in s). What has no value yet is NaN, so that the
+  /// Adds energies, momenta, residuals of this state (t in s). Values not yet defined are NaN, so that the
   /// names are the same throughout a run.
   virtual void observe(const State& state, double t, Observables& out) const = 0;
   /// Carries out a command between two steps. Error "bad_command" (with an Issue) when it makes no sense.
@@ -78,14 +78,14 @@ class System {
   /// Passes of this system's step in order, then what this scene does not need.
   virtual std::vector<PlanRow> plan() const = 0;
 
-  /// What there is to stream, record, draw and probe; the main part first.
+  /// What can be streamed, recorded, drawn and probed; the main part first.
   const std::vector<PartInfo>& parts() const { return parts_; }
-  /// The first field of this name, main part first.
+  /// The first field with this name, main part first.
   std::optional<FieldPlace> find_field(std::string_view name) const;
-  /// Values of a field of a part; nothing is computed for fields nobody asks for.
+  /// Values of a field of a part; fields that nobody asks for are not computed.
   virtual FieldView field(const State& state, size_t part, size_t field,
                           std::vector<double>& scratch) const = 0;
-  /// Adds to an empty drawing what is wished for, at time t (s).
+  /// Adds what was requested to an empty drawing, at time t (s).
   virtual void draw(const State& state, double t, Wish wishes, Drawing& out) const {}
   /// Changes when the constant part of the drawing does.
   virtual uint32_t drawing_version(const State& state) const { return 1; }
@@ -94,27 +94,27 @@ class System {
   virtual Integration integration() const { return {}; }
   /// Where couplings reach into this system's states. Valid while the system lives.
   virtual Ports ports() const { return {}; }
-  /// Nothing where it is unknown or there is none. `h` (s) is looked at for `step_seconds` alone.
+  /// Empty when unknown or there is none. `h` (s) is used only for `step_seconds`.
   virtual std::optional<double> limit(Limit which, const State& state, double h) const {
     return std::nullopt;
   }
-  /// What helps when a step fails, one sentence each, in this system's own words; empty: a shorter step,
+  /// What helps when a step fails, one sentence each, in this system's own terms; empty: a shorter step,
   /// another method or softer forces.
   virtual std::vector<std::string> remedies() const { return {}; }
-  /// Energies of this state at time t (s); nothing when the system knows none. Asked for every few steps, and
-  /// allocates nothing after the first time.
+  /// Energies of this state at time t (s); empty when the system knows none. Called every few steps; must not
+  /// allocate after the first call.
   virtual std::optional<Energy> energy(const State& state, double t, Workspace& workspace,
                                        const ThreadArena& arena) const {
     return std::nullopt;
   }
-  /// Names the columns that grow or point to rows, with what they may hold, for a state at time t (s) that
-  /// came from outside: whatever passes can be stepped, observed and drawn.
+  /// Names the columns that grow or hold row indices, with their bounds, for a state from outside at time t
+  /// (s): whatever passes can be stepped, observed and drawn.
   virtual void check(StateCheck& check, double t) const {}
 
  protected:
-  /// Once, by the constructor.
+  /// Called once, by the constructor.
   void set_parts(std::vector<PartInfo> parts) { parts_ = std::move(parts); }
-  /// The main part, for constructors that know more of it than their bases.
+  /// The main part, for constructors that know more about it than their bases.
   PartInfo& main_part() { return parts_.at(0); }
 
  private:

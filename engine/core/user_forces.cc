@@ -18,7 +18,7 @@ void set_who(State& s, State::Column c, size_t k, uint64_t who) {
   }
 }
 
-// Points have as many components as the system's space; a column that is not there holds the centre of mass.
+// Points have as many components as the system's space; a missing column means the centre of mass.
 Vec3 place_of(const State& s, State::Column c, size_t k) {
   if (c == UserForces::kNone) return {};
   const auto at = s.f64(c);
@@ -41,7 +41,7 @@ size_t append(State& s, const std::array<State::Column, N>& columns) {
   return k;
 }
 
-/// Keeps the rows k of all columns for which keep(k), in their order.
+/// In all columns, keeps the rows k with keep(k), in order.
 template <size_t N, class Keep>
 void keep_rows(State& s, const std::array<State::Column, N>& columns, const Keep& keep) {
   size_t kept = 0;

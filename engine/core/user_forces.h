@@ -1,6 +1,6 @@
-// What a person's hand does to rows of a state for longer than a step: pushes, forces that act for a time,
-// and drags, springs from a row to a point of space. They live in columns of the state, a row each, so that
-// they outlive the step, a snapshot and a restore. Where they act on a body is kept in the body's frame.
+// What a user does to rows of a state for longer than a step: pushes, forces that act for a time, and drags,
+// springs from a row to a point in space. They live in columns of the state, one row each, so that they
+// survive steps, snapshots and restores. On a body, the point where they act is kept in the body's frame.
 #pragma once
 #include <cstdint>
 #include <optional>
@@ -14,8 +14,8 @@ class UserForces {
  public:
   static constexpr State::Column kNone = ~State::Column{0};
 
-  /// Columns of a system. `who` is u32 or u64: a row, or an id where rows move. `at` has the components of
-  /// the system's space, two or three. `impulse` is what a solver remembers of a drag.
+  /// Columns of a system. `who` is u32 or u64: a row, or an id when rows move. `at` has as many components as
+  /// the system's space, two or three. `impulse` is what a solver remembers about a drag.
   struct PushColumns {
     State::Column who, force, remaining, at = kNone;
   };
@@ -32,23 +32,22 @@ class UserForces {
     uint64_t who;
     Vec3 target;       ///< m
     double stiffness;  ///< N/m
-    Vec3 at;           ///< m, as of a push
+    Vec3 at;           ///< m, as for a push
   };
 
   constexpr UserForces(const PushColumns& push, const DragColumns& drag) : push_(push), drag_(drag) {}
 
   void add_push(State& s, const Push& p, double duration) const;
-  /// One drag a row: a further one takes its place, and without `at` keeps the point that the first took hold
-  /// of.
+  /// One drag per row: a new one replaces it, and without `at` keeps the point grabbed first.
   void set_drag(State& s, uint64_t who, const Vec3& target, double stiffness, std::optional<Vec3> at) const;
   /// Ends the drag of one row, or all.
   void release(State& s, std::optional<uint64_t> who) const;
-  /// Ends what acts on a row that goes away.
+  /// Ends whatever acts on a row that is removed.
   void forget(State& s, uint64_t who) const;
-  /// A step of h (s) is over. A push ends with the step in which its time is used up; half a step of
+  /// Called after a step of h (s). A push ends with the step in which its time is used up; half a step of
   /// tolerance hides the rounding of counting down.
   void count_down(State& s, double h) const;
-  /// As above; `there` says whether a row still is.
+  /// The same; `there` says whether a row still exists.
   template <class There>
   void count_down(State& s, double h, const There& there) const {
     count_down(s, h);

@@ -1,5 +1,5 @@
-// Scratch memory of a session. It may be thrown away between any two steps without changing a bit: what it
-// holds is either rewritten before it is read, or a cache of something the state determines.
+// Scratch memory of a session. It may be discarded between any two steps without changing a bit: its contents
+// are either rewritten before they are read, or a cache of something the state determines.
 #pragma once
 #include <memory>
 #include <span>

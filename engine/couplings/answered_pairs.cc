@@ -9,7 +9,8 @@ namespace truestep {
 
 namespace {
 
-/// Relative residual at which the impulses are good enough, and the most iterations beyond one per unknown.
+/// Relative residual at which the impulses are accurate enough, and the maximum number of iterations beyond
+/// one per unknown.
 constexpr double kAccuracy = 1e-13;
 constexpr size_t kSpare = 5, kMostIterations = 300;
 
@@ -19,7 +20,7 @@ Vec3 shape(const AnsweredPair& p, const Vec3& y) {
 
 }  // namespace
 
-/// The points of one system, with impulses on them and what these change.
+/// The points of one system, with impulses on them and the resulting changes.
 struct AnsweredPairs::Side {
   Side(const AnswersImpulses* system, State& state, const PointPort& columns, Workspace& scratch)
       : system(system),
@@ -123,7 +124,7 @@ void AnsweredPairs::move(const CoupledStates& s, const StepInput& in,
       for (size_t i = 0; i < side.points.count; ++i) side.move(i, in.h);
       return;
     }
-    // A point that answers alone moves once, however many pairs hold on to it.
+    // A point that responds alone moves once, however many pairs are attached to it.
     const auto once = [&](size_t row) {
       side.move(row, in.h);
       store3(side.dv.data(), row, Vec3{});

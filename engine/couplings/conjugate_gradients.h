@@ -1,5 +1,5 @@
-// Impulses that give what is asked for, by conjugate gradients (Saad 2003, algorithm 6.18): A y = right for a
-// symmetric A that is not negative, three numbers per link, started from y = 0.
+// Impulses from a linear system by conjugate gradients (Saad 2003, algorithm 6.18): A y = right for a
+// symmetric positive semidefinite A, three numbers per link, starting from y = 0.
 #pragma once
 #include <span>
 
@@ -9,12 +9,12 @@
 namespace truestep {
 
 struct GradientLimits {
-  double accuracy = 0;  ///< relative residual at which it ends
+  double accuracy = 0;  ///< relative residual at which it stops
   size_t iterations = 0;
 };
 
-/// y, 3 n numbers in `memory`. right(k): what link k asks for; apply(d): looks at what impulses along d do;
-/// product(k, d_k): link k of A d after that.
+/// y, 3 n numbers in `memory`. right(k): right-hand side of link k; apply(d): evaluates the effect of
+/// impulses along d; product(k, d_k): link k of A d after that.
 template <class Right, class Apply, class Product>
 std::span<double> conjugate_gradients(size_t n, Workspace& memory, const GradientLimits& limits, Right right,
                                       Apply apply, Product product) {
@@ -35,7 +35,7 @@ std::span<double> conjugate_gradients(size_t n, Workspace& memory, const Gradien
       store3(q.data(), k, qk);
       dq += dot(dk, qk);
     }
-    // Nothing gives way in this direction: what is asked for there cannot be had.
+    // Nothing yields in this direction: the equation cannot be satisfied there.
     if (!(dq > 0)) break;
     const double alpha = rr / dq, before = rr;
     rr = 0;

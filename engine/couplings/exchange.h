@@ -8,11 +8,11 @@ namespace truestep {
 
 /// Sums over one substep, added to the state at its end.
 struct Exchange {
-  Vec3 impulse;            ///< N s, that a gave to b
+  Vec3 impulse;            ///< N s, given by a to b
   double magnitudes = 0;   ///< N s, sum of the impulses' magnitudes
   double energy_lost = 0;  ///< J
 
-  /// One impulse on b (the opposite on a), and the kinetic energy that it took away.
+  /// Adds an impulse on b (the opposite on a), and the kinetic energy that it removed.
   void add(const Vec3& on_b, double lost) {
     impulse += on_b;
     magnitudes += norm(on_b);
@@ -24,7 +24,7 @@ namespace exchange_columns {
 enum : State::Column { impulse, magnitudes, energy_lost, end };
 }
 
-/// The columns, zero.
+/// The columns, filled with zero.
 inline State exchange_state() {
   State s;
   s.add({"impulse", "N s", Scalar::f64, 3}, 1);
@@ -49,7 +49,7 @@ inline void observe_impulses(const State& own, Observables& out) {
   out.add("impulse.sum", own.f64(exchange_columns::magnitudes)[0], "N s");
 }
 
-/// These and energy.lost (J) since t = 0.
+/// Those and energy.lost (J) since t = 0.
 inline void observe_exchange(const State& own, Observables& out) {
   observe_impulses(own, out);
   out.add("energy.lost", own.f64(exchange_columns::energy_lost)[0], "J");

@@ -13,7 +13,7 @@ Vec3 shape(const AnsweredLink& l, const Vec3& y) {
   return y * l.across + l.n * ((l.along - l.across) * dot(l.n, y));
 }
 
-/// What impulses do to a body.
+/// The effect of impulses on a body.
 struct BodyChange {
   BodyImpulse on;
   Vec3 gained;
@@ -21,7 +21,7 @@ struct BodyChange {
 
 }  // namespace
 
-/// Both sides, with impulses on them and what these change.
+/// Both sides, with impulses on them and their effects.
 struct PointsOnBodies::Work {
   Work(const PointsOnBodies& p, State& points_state, State& bodies_state, Workspace& whole)
       : points_state(points_state),
@@ -54,7 +54,7 @@ struct PointsOnBodies::Work {
   Workspace& memory;
   std::span<double> impulse, dv;
   std::vector<BodyChange>& on_bodies;
-  std::vector<BodyTwist>& answers;  ///< of bodies that answer together
+  std::vector<BodyTwist>& answers;  ///< for bodies that respond together
 };
 
 template <class ImpulseOf>
@@ -97,7 +97,7 @@ void PointsOnBodies::solve(State& points, State& bodies, const StepInput& in,
                            std::vector<AnsweredLink>& links, double accuracy, size_t most) const {
   Work work(*this, points, bodies, in.workspace);
   const size_t n = links.size();
-  // The matrix, which what follows goes on with.
+  // Builds the matrix, which the following calls reuse.
   respond(work, in, AnswersImpulses::Answer::first, links, [](size_t) { return Vec3{}; });
   const auto y = conjugate_gradients(
       n, in.workspace.object<Workspace>("links.solve"), {accuracy, most},
@@ -125,7 +125,7 @@ void PointsOnBodies::move(State& points, State& bodies, const StepInput& in,
     work.points.shift(row, d * in.h);
     store3(work.dv.data(), row, Vec3{});
   };
-  // Velocities of the bodies first: what their corrections of place gain depends on them.
+  // Velocities of the bodies first: the gain of their position corrections depends on them.
   for (uint32_t b = 0; b < work.on_bodies.size(); ++b) {
     const BodyChange& c = work.on_bodies[b];
     if (!c.on.none()) work.bodies.push_and_turn(b, c.on.impulse, c.on.twist);
@@ -138,7 +138,7 @@ void PointsOnBodies::move(State& points, State& bodies, const StepInput& in,
     }
   }
   if (!work.bodies.free()) {
-    // One after the other: each changes the velocities that the next one's gain is made of.
+    // One after the other: each changes the velocities on which the next one's gain depends.
     for (size_t k = 0; k < links.size(); ++k) {
       const BodyLink& l = links[k].link;
       const Vec3 p = links[k].impulse * in.h;

@@ -1,10 +1,10 @@
-// Impulses between points and bodies, where points may answer together with all that is tied to them
-// (core/impulse_answer.h) and bodies by their mass and inertia. A link joins a blend of points,
-// q = sum b_i x_i, to a place on a body; u = q' less the velocity of that place, J the impulse on the points,
-// -J on the body at q, W J the change of u by all impulses:
+// Impulses between points and bodies, where points may respond together with everything tied to them
+// (core/impulse_answer.h) and bodies by their mass and inertia. A link joins a blend of points, q = sum b_i
+// x_i, to a place on a body; u = q' less the velocity of that place, J the impulse on the points, -J on the
+// body at q, W J the change of u by all impulses:
 //   J = S y,  (give + S W S) y = right,   S = along n n^T + across (1 - n n^T) for every link,
-// symmetric and not negative, by conjugate gradients (Saad 2003, algorithm 6.18), one solution of the points'
-// equations an iteration.
+// symmetric positive semidefinite, solved by conjugate gradients (Saad 2003, algorithm 6.18) with one solve
+// of the points' equations per iteration.
 #pragma once
 #include <array>
 #include <vector>
@@ -14,7 +14,7 @@
 
 namespace truestep {
 
-/// Points and a body, as an impulse between them sees them.
+/// Points and a body, as seen by an impulse between them.
 struct BodyLink {
   std::array<uint32_t, 3> rows{};
   std::array<double, 3> weights{1, 0, 0};
@@ -29,7 +29,7 @@ struct BodyLink {
     return blend([&](size_t i) { return points.place(i); });
   }
   Vec3 arm(const auto& points, const auto& bodies) const { return place(points) - bodies.place(body); }
-  /// m/s, of the points as seen from the body where they are.
+  /// m/s, velocity of the points relative to the body at their place.
   Vec3 relative(const auto& points, const auto& bodies) const {
     return blend([&](size_t i) { return points.velocity(i); }) -
            bodies.velocity_at(body, arm(points, bodies));
@@ -40,21 +40,21 @@ struct BodyLink {
     for (uint32_t i = 0; i < count; ++i) k += weights[i] * weights[i] * points.inverse_mass(rows[i]);
     return k;
   }
-  /// Impulse (N s) on the points, the opposite on the body, through the points' place.
+  /// Impulse (N s) on the points and the opposite on the body, at the points' place.
   void push(Points& points, Bodies& bodies, const Vec3& j) const {
     bodies.push(body, arm(points, bodies), -j);
     for (uint32_t i = 0; i < count; ++i) {
       points.accelerate(rows[i], j * (weights[i] * points.inverse_mass(rows[i])));
     }
   }
-  /// Correction (kg m) likewise; angular momentum stays.
+  /// Position correction (kg m) likewise; angular momentum is conserved.
   void shift(Points& points, Bodies& bodies, const Vec3& p) const {
     bodies.shift(body, arm(points, bodies), -p, gained(points, bodies, p));
     for (uint32_t i = 0; i < count; ++i) {
       points.shift(rows[i], p * (weights[i] * points.inverse_mass(rows[i])));
     }
   }
-  /// Angular momentum (kg m^2/s) that a correction gives to what it acts between.
+  /// Angular momentum (kg m^2/s) that a correction adds to the pair.
   Vec3 gained(const Points& points, const Bodies& bodies, const Vec3& p) const {
     Vec3 v = -bodies.velocity(body);
     for (uint32_t i = 0; i < count; ++i) {
@@ -66,11 +66,11 @@ struct BodyLink {
 
 struct AnsweredLink {
   BodyLink link;
-  Vec3 n = {};  ///< unit where along and across differ
+  Vec3 n = {};  ///< unit vector, if along and across differ
   double along = 1, across = 1, give = 0;
-  Vec3 right = {};    ///< what is asked for
+  Vec3 right = {};    ///< the right-hand side
   Vec3 impulse = {};  ///< N s on the points, out
-  Vec3 change = {};   ///< m/s of u by all impulses, out
+  Vec3 change = {};   ///< m/s, change of u by all impulses, out
 };
 
 class PointsOnBodies {
@@ -78,16 +78,16 @@ class PointsOnBodies {
   PointsOnBodies(const System& points, PointPort point_columns, BodyPort body_columns)
       : together_(answers_together(points)), points_(point_columns), bodies_(body_columns) {}
 
-  /// Whether the points answer as a whole.
+  /// Whether the points respond as a whole.
   bool together() const { return together_ != nullptr; }
   const PointPort& points() const { return points_; }
   const BodyPort& bodies() const { return bodies_; }
 
-  /// Impulses for `right`, and what they change; nothing moves. Ends at the relative residual `accuracy` or
+  /// Solves for the impulses and their effects; nothing moves. Stops at the relative residual `accuracy` or
   /// after `most` iterations.
   void solve(State& points, State& bodies, const StepInput& in, std::vector<AnsweredLink>& links,
              double accuracy, size_t most) const;
-  /// Moves both sides by the links' impulses: velocities by dv, places by h dv. After solve.
+  /// Moves both sides by the links' impulses: velocities by dv, positions by h dv. Call after solve.
   void move(State& points, State& bodies, const StepInput& in, std::vector<AnsweredLink>& links) const;
 
  private:
@@ -96,7 +96,7 @@ class PointsOnBodies {
   void respond(Work& work, const StepInput& in, AnswersImpulses::Answer which,
                const std::vector<AnsweredLink>& links, ImpulseOf impulse_of) const;
 
-  const AnswersImpulses* together_;  // null: each point for itself
+  const AnswersImpulses* together_;  // null: each point responds for itself
   PointPort points_;
   BodyPort bodies_;
 };

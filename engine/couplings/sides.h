@@ -1,4 +1,4 @@
-// What factories of couplings check about the two systems.
+// Checks on the two systems shared by the couplings' factories, and exchanges between their points.
 #pragma once
 #include "engine/base/errors.h"
 #include "engine/core/coupling.h"
@@ -20,7 +20,7 @@ inline void exchange_impulse(Points& a, size_t row_a, double wa, Points& b, size
   a.accelerate(row_a, -on_b * wa);
   b.accelerate(row_b, on_b * wb);
 }
-/// Moves a row by `on_b` (kg m) over its mass and another the opposite way.
+/// Moves a row by `on_b` (kg m) over its mass and the other row the opposite way.
 inline void exchange_shift(Points& a, size_t row_a, double wa, Points& b, size_t row_b, double wb,
                            const Vec3& on_b) {
   a.shift(row_a, -on_b * wa);

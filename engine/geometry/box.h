@@ -34,7 +34,7 @@ struct Box {
     return std::isfinite(low.x) && std::isfinite(low.y) && std::isfinite(low.z) && std::isfinite(high.x) &&
            std::isfinite(high.y) && std::isfinite(high.z);
   }
-  /// A box that holds nothing; covering something makes it that.
+  /// The empty box; extending it by something gives that thing's box.
   static Box nothing() {
     constexpr double kHuge = std::numeric_limits<double>::infinity();
     return {{kHuge, kHuge, kHuge}, {-kHuge, -kHuge, -kHuge}};

@@ -1,4 +1,4 @@
-// Several solids as one body: parts with their places in the body's frame, in a tree.
+// Several solids as one body: parts with their poses in the body's frame, in a tree.
 #pragma once
 #include <vector>
 

@@ -1,7 +1,7 @@
 // Ground as heights over a square grid in the x-z plane, centred on the origin:
 //   vertex (i, j) = ((i - (nx - 1) / 2) s, h[j nx + i], (j - (nz - 1) / 2) s).
 // Every cell is two triangles, cut from (i, j + 1) to (i + 1, j); triangle 2 (j (nx - 1) + i) is the one at
-// (i, j). Made on the fly, nothing is stored but the heights. A height that is NaN is a hole.
+// (i, j). Triangles are made on the fly; only the heights are stored. A height that is NaN is a hole.
 #pragma once
 #include <optional>
 #include <vector>
@@ -12,8 +12,8 @@ namespace truestep {
 
 class HeightField {
  public:
-  /// Error "bad_solid" when the grid is smaller than 2 x 2, heights are too few, too many or infinite, or the
-  /// spacing (m) is not positive.
+  /// Error "bad_solid" when the grid is smaller than 2 x 2, the number of heights does not match, a height is
+  /// infinite, or the spacing (m) is not positive.
   HeightField(size_t nx, size_t nz, double spacing, std::vector<double> heights);
 
   size_t triangle_count() const { return 2 * (nx_ - 1) * (nz_ - 1); }
@@ -21,12 +21,12 @@ class HeightField {
   size_t columns() const { return nx_; }  ///< vertices along x
   size_t lines() const { return nz_; }    ///< vertices along z
   Vec3 vertex(size_t i, size_t j) const;
-  /// Corners only, absent in a hole.
+  /// Corners only; empty in a hole.
   std::optional<std::array<Vec3, 3>> corners(uint32_t index) const;
   /// With neighbours.
   std::optional<MeshTriangle> triangle(uint32_t index) const;
 
-  /// visit(index) for every triangle, holes included, whose cell lies under or over the box and which may
+  /// visit(index) for every triangle, holes included, whose cell lies under or over the box and that may
   /// reach its heights.
   template <class Visit>
   void overlapping(const Box& b, Visit&& visit) const {

@@ -1,6 +1,6 @@
-// Quickhull (Barber, Dobkin, Huhdanpaa 1996) whose every decision is exact: points are rounded to 40-bit
-// integers, on which the orientation of four points is a 126-bit determinant. So there are no tolerances in
-// the topology and no degenerate triangles; coplanar ones are merged afterwards (hull_faces.cc).
+// Quickhull (Barber, Dobkin, Huhdanpaa 1996) with exact decisions: points are rounded to 40-bit integers, on
+// which the orientation of four points is a 126-bit determinant. So the topology needs no tolerances and has
+// no degenerate triangles; coplanar ones are merged afterwards (hull_faces.cc).
 #include "engine/geometry/hull.h"
 
 #include <algorithm>

@@ -1,5 +1,5 @@
 // Convex polyhedron: vertices, flat faces as loops, edges with the faces on both sides. Built from points
-// with exact arithmetic (hull.cc), or written down by whoever knows the loops (boxes, triangles).
+// with exact arithmetic (hull.cc), or filled in directly where the loops are known (boxes, triangles).
 #pragma once
 #include <cstdint>
 #include <span>
@@ -27,8 +27,8 @@ struct Hull {
   std::vector<uint32_t> loops;
   std::vector<HullEdge> edges;
   Vec3 center;           ///< a point well inside: the mean of the vertices
-  double radius = 0;     ///< m, of the ball about the origin that holds it
-  double thickness = 0;  ///< m, of the ball about the centre that it holds
+  double radius = 0;     ///< m, of the enclosing ball about the origin
+  double thickness = 0;  ///< m, of the inscribed ball about the centre
 };
 
 /// Smallest convex hull of the points, flat faces merged where their corners lie within 1e-9 of the hull's

@@ -1,4 +1,4 @@
-// Between quickhull's triangles and the faces of a Hull; internal to convex_hull().
+// The step from quickhull's triangles to the faces of a Hull; internal to convex_hull().
 #pragma once
 #include <array>
 #include <vector>

@@ -1,6 +1,6 @@
 // Faces of a hull from its triangles: a region grows from the largest triangle over all neighbours within
 // 1e-9 of the extent of its plane; its border becomes the face's loop. A region whose border is not one
-// simple loop stays in triangles, so the result is a closed surface in every case.
+// simple loop stays triangulated, so the result is always a closed surface.
 #include <algorithm>
 #include <limits>
 #include <map>
@@ -41,7 +41,7 @@ std::vector<uint32_t> regions(std::span<const Vec3> points, const std::vector<Hu
         const auto& v = triangles[g].v;
         const bool level = std::all_of(
             v.begin(), v.end(), [&](uint32_t k) { return std::fabs(dot(n, points[k]) - offset) <= flat; });
-        // A sliver's own normal is noise; its corners say enough.
+        // A sliver's own normal is noise; its corners suffice.
         const bool sliver = area[g] <= 4 * flat * norm(points[v[1]] - points[v[0]]);
         if (!level || (!sliver && dot(n, area_vector(points, triangles[g])) <= 0)) continue;
         region[g] = count;
@@ -122,7 +122,7 @@ Hull merge_triangles(std::span<const Vec3> points, const std::vector<HullTriangl
     if (face.count > 2) {
       hull.faces.push_back(face);
     } else {
-      hull.loops.resize(face.first);  // nothing but a sliver along an edge
+      hull.loops.resize(face.first);  // only a sliver along an edge
     }
   }
   complete_hull(hull);

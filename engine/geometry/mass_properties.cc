@@ -18,7 +18,7 @@ MassProperties diagonal(double mass, double x, double y, double z) {
   return {mass, {}, {x, y, z, 0, 0, 0}};
 }
 
-/// m (|d|^2 1 - d d^T): what moving mass m by d adds.
+/// m (|d|^2 1 - d d^T): added by moving mass m by d.
 Symmetric3 steiner(double m, const Vec3& d) {
   return Symmetric3{d.y * d.y + d.z * d.z,
                     d.x * d.x + d.z * d.z,
@@ -186,7 +186,7 @@ PrincipalAxes principal_axes(const Symmetric3& inertia) {
 std::optional<std::string> inertia_fault(const Symmetric3& inertia) {
   const Vec3 m = principal_axes(inertia).moments;
   const double least = std::min({m.x, m.y, m.z}), most = std::max({m.x, m.y, m.z}), sum = m.x + m.y + m.z;
-  // A thin rod lies on the border, and its moments are rounded.
+  // A thin rod lies on the boundary, and its moments are rounded.
   const double slack = 1e-9 * most;
   const auto text = [](const Vec3& v) {
     return short_number(v.x) + ", " + short_number(v.y) + ", " + short_number(v.z) + " kg m^2";

@@ -1,7 +1,6 @@
-// Mass, centre and inertia of solids of uniform density. Closed forms where there are any; polyhedra by exact
-// integrals over the tetrahedra between their triangles and a point inside (Tonon 2004):
-//   V = a . (b x c) / 6,   int x = V s / 4,   int x x^T = V (a a^T + b b^T + c c^T + s s^T) / 20,   s = a + b
-//   + c
+// Mass, centre and inertia of solids of uniform density. Closed forms where possible; polyhedra by exact
+// integrals over the tetrahedra between their triangles and a point inside (Tonon 2004), with s = a + b + c:
+//   V = a . (b x c) / 6,   int x = V s / 4,   int x x^T = V (a a^T + b b^T + c c^T + s s^T) / 20
 #pragma once
 #include <optional>
 #include <string>
@@ -32,11 +31,11 @@ struct MassProperties {
   Symmetric3 inertia;  ///< kg m^2 about the centre, in the solid's axes
 };
 
-/// Of a solid of the given density (kg/m^3). Error "no_mass" for planes, height fields and meshes that are
+/// For a solid of the given density (kg/m^3). Error "no_mass" for planes, height fields and meshes that are
 /// not closed or inside out.
 MassProperties mass_properties(const Solid& solid, double density);
 
-/// The same body after it was placed in another frame.
+/// The same body placed in another frame.
 MassProperties placed(const MassProperties& body, const Transform& at);
 /// Both together as one rigid body.
 MassProperties operator+(const MassProperties& a, const MassProperties& b);
@@ -46,13 +45,13 @@ Symmetric3 inertia_about(const MassProperties& body, const Vec3& point);
 /// I = R(axes) diag(moments) R(axes)^T, by Jacobi's rotations.
 struct PrincipalAxes {
   Vec3 moments;  ///< kg m^2
-  Quat axes;     ///< takes principal axes to the solid's; identity when the matrix is diagonal
+  Quat axes;     ///< rotates principal axes to the solid's; identity when the matrix is diagonal
 };
 PrincipalAxes principal_axes(const Symmetric3& inertia);
 
-/// Nothing when masses can be spread so that this is their inertia: no moment below 0 or, as
-/// integral (y^2 + z^2) dm <= integral (x^2 + z^2) dm + integral (x^2 + y^2) dm, above the sum of the other
-/// two. Else what is wrong, as a sentence.
+/// Empty when some distribution of mass has this inertia: no moment below 0 or, as integral (y^2 + z^2) dm <=
+/// integral (x^2 + z^2) dm + integral (x^2 + y^2) dm, above the sum of the other two. Otherwise what is
+/// wrong, as a sentence.
 std::optional<std::string> inertia_fault(const Symmetric3& inertia);
 
 }  // namespace truestep

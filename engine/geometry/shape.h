@@ -1,6 +1,6 @@
-// Solids that points collide with, their place and their prescribed motion:
-//   position(t) = p0 + velocity t + amplitude (sin(2 pi f t + phase) - sin(phase)),   orientation(t) = R(spin
-//   t) q0
+// Solids that points collide with, their pose and their prescribed motion:
+//   position(t) = p0 + velocity t + amplitude (sin(2 pi f t + phase) - sin(phase)),
+//   orientation(t) = R(spin t) q0
 #pragma once
 #include <cstdint>
 
@@ -40,7 +40,7 @@ inline SurfaceDistance<double> solid_distance(const Shape& s, const Vec3& p) {
   return capsule_distance(p, s.size.x, s.size.y);
 }
 
-/// Radius (m) of the ball about the shape's origin that holds it; infinity for a plane.
+/// Radius (m) of the enclosing ball about the shape's origin; infinity for a plane.
 double bounding_radius(const Shape& s);
 
 /// Motion prescribed as a function of time; all zero: at rest.
@@ -54,7 +54,7 @@ struct ShapeMotion {
   bool at_rest() const;
 };
 
-/// Pose at time t (s) of a shape that is at `start` at t = 0.
+/// Pose at time t (s) of a shape whose pose at t = 0 is `start`.
 Pose moved(const Pose& start, const ShapeMotion& motion, double t);
 
 }  // namespace truestep

@@ -20,7 +20,7 @@ double positive(double size, const char* what) {
   return size;
 }
 
-/// Box around a box that is turned and moved.
+/// Box around a rotated and moved box.
 Box moved_box(const Box& b, const Transform& at) {
   const Vec3 h = (b.high - b.low) * 0.5, c = at.point(b.center());
   const auto reach = [&](const Vec3& row) {

@@ -1,5 +1,5 @@
-// Shapes of rigid bodies in their own frames, as plain values: copying shares hulls, meshes, height fields
-// and compounds, which never change. Axes of capsules and cylinders are y; a height field rises along y.
+// Shapes of rigid bodies in their own frames, as plain values: copies share hulls, meshes, height fields and
+// compounds, which are immutable. Axes of capsules and cylinders are y; a height field rises along y.
 #pragma once
 #include <cstdint>
 #include <memory>
@@ -54,7 +54,7 @@ Solid hull_solid(std::span<const Vec3> points);
 Solid mesh_solid(std::vector<Vec3> vertices, std::vector<uint32_t> triangles);
 /// Heights at (i, j) of an nx x nz grid of the given spacing, centred on the origin (see HeightField).
 Solid height_field_solid(size_t nx, size_t nz, double spacing, std::vector<double> heights);
-/// Convex parts with their places (see Compound).
+/// Convex parts with their poses (see Compound).
 struct SolidPart {
   Solid solid;
   Pose pose;
@@ -64,12 +64,12 @@ Solid compound_solid(std::vector<SolidPart> parts);
 inline bool is_convex(SolidKind kind) {
   return kind <= SolidKind::triangle;
 }
-/// Box around a placed solid; infinite for a plane. Tight for all but rotated meshes, height fields,
+/// Box around a placed solid; infinite for a plane. Tight except for rotated meshes, height fields,
 /// compounds.
 Box bounds(const Solid& solid, const Transform& at);
-/// Radius (m) of the ball about the body's origin that holds it; infinity for a plane.
+/// Radius (m) of the enclosing ball about the body's origin; infinity for a plane.
 double bounding_radius(const Solid& solid);
-/// Half (m) of the thinnest place, roughly: bodies that move further than this in a step want a sweep test
+/// Roughly half the smallest thickness (m): bodies that move farther than this in a step need a sweep test
 /// (time_of_impact.h). Zero for surfaces, infinity for a plane.
 double inner_radius(const Solid& solid);
 

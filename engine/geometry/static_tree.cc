@@ -10,7 +10,7 @@ void StaticTree::build(std::span<const Box> boxes) {
   if (boxes.empty()) return;
   std::vector<uint32_t> order(boxes.size());
   std::iota(order.begin(), order.end(), 0u);
-  // Ranges still to be built, the leftmost on top; every inner node waits for its end to be known.
+  // Ranges still to be built, the leftmost on top; every inner node waits until its end is known.
   struct Range {
     uint32_t begin, end;
   };

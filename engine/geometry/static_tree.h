@@ -13,10 +13,10 @@ namespace truestep {
 class StaticTree {
  public:
   void build(std::span<const Box> boxes);
-  /// Other boxes, as many, in the hierarchy that there is: for a surface that moves but holds together.
+  /// Replaces the boxes, keeping the hierarchy: for a surface that moves but stays in one piece.
   void refit(std::span<const Box> boxes);
   bool empty() const { return nodes_.empty(); }
-  /// Around everything; nothing when empty.
+  /// Around everything; the empty box when there is nothing.
   Box bounds() const { return nodes_.empty() ? Box::nothing() : nodes_[0].box; }
 
   /// visit(index) for every box that overlaps `b`, in an order that depends on the tree alone.

@@ -1,4 +1,4 @@
-// Rigid placement as a matrix, made once a step from a pose:  x_world = R x_body + p.
+// Rigid placement as a matrix, computed once per step from a pose: x_world = R x_body + p.
 #pragma once
 #include "engine/geometry/shape.h"
 #include "engine/math/quaternion.h"
@@ -15,7 +15,7 @@ struct Transform {
   constexpr Vec3 inverse_direction(const Vec3& d) const { return rotation.apply_inverse(d); }
 };
 
-/// Of a pose with a unit orientation.
+/// From a pose with a unit orientation.
 constexpr Transform transform_of(const Pose& pose) {
   return {rotation(pose.orientation), pose.position};
 }
@@ -40,7 +40,7 @@ constexpr Rotation inverse(const Rotation& r) {
 constexpr Transform inverse(const Transform& t) {
   return {inverse(t.rotation), t.inverse_direction(-t.position)};
 }
-/// b as seen from a: inverse(a) * b.
+/// b relative to a: inverse(a) * b.
 constexpr Transform relative(const Transform& a, const Transform& b) {
   return {inverse(a.rotation) * b.rotation, a.inverse_point(b.position)};
 }

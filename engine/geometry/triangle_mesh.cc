@@ -26,7 +26,7 @@ void MeshTriangle::set_neighbor(size_t k, uint32_t index, const Vec3& third) {
 }
 
 bool MeshTriangle::allows(const Vec3& d) const {
-  // A hundredth of a degree: what a body resting on flat ground may lean by rounding.
+  // A hundredth of a degree: rounding may tilt a body resting on flat ground by this much.
   constexpr double kLean = 2e-4;
   if (dot(d, normal) <= 0) return false;
   for (size_t k = 0; k < 3; ++k) {

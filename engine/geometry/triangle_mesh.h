@@ -1,9 +1,9 @@
-// Surface of triangles with a tree and what contacts need to know of neighbours. A triangle is solid on the
-// side from which its corners run clockwise; bodies are pushed out of the other, its front. Inside a surface
-// a contact may not lean over an edge further than the neighbour behind it allows (ghost contacts): the
-// directions allowed at an edge are
+// Triangle surface with a tree and the neighbour data that contacts need. A triangle is solid on the side
+// from which its corners run clockwise; bodies are pushed out on the other side, its front. Inside a surface,
+// a contact's normal may not lean over an edge further than the neighbour across it allows (ghost contacts):
+// the directions allowed at an edge are
 //   { d : d . m_own <= 0 and d . m_neighbour <= 0 },   m: in a triangle's plane, from the edge into it,
-// which for flat and concave edges leaves the triangle's normal alone.
+// which for flat and concave edges leaves only the triangle's normal.
 #pragma once
 #include <array>
 #include <cstdint>
@@ -26,7 +26,7 @@ struct MeshTriangle {
 
   /// Fills normal and inward from the corners. False for a triangle without area.
   bool complete();
-  /// Tells what is across edge k: a triangle whose third corner is `third`.
+  /// Sets the neighbour across edge k: a triangle whose third corner is `third`.
   void set_neighbor(size_t k, uint32_t index, const Vec3& third);
   /// True when a body may be pushed along the unit vector d by this triangle.
   bool allows(const Vec3& d) const;
@@ -34,8 +34,8 @@ struct MeshTriangle {
 
 class TriangleMesh {
  public:
-  /// Triples of vertex indices. Triangles without area are left out. Error "bad_solid" for an index out of
-  /// range, a number that is not finite, or nothing left.
+  /// Triples of vertex indices. Triangles without area are dropped. Error "bad_solid" for an index out of
+  /// range, a number that is not finite, or when nothing is left.
   TriangleMesh(std::vector<Vec3> vertices, std::vector<uint32_t> triangles);
 
   size_t size() const { return triangles_.size(); }

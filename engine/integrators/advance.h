@@ -1,12 +1,11 @@
-// One integration of y' = f(t, y) from t to t_end: what every method of the table's `advance` column is
-// given. A method adds no state of its own beyond `Carry` and `memory`, so a run restored at t_end repeats
-// every choice; its arrays come from the workspace and may vanish between two calls. `memory` belongs to the
-// y that the call left: a method begins anew where y is another one. Adaptive methods accept
-// a step when the weighted root mean square of its error estimate is at most 1:
+// One integration of y' = f(t, y) from t to t_end: the input of every method in the table's `advance` column.
+// A method adds no state of its own beyond `Carry` and `memory`, so a run restored at t_end repeats every
+// choice; its arrays come from the workspace and may vanish between two calls. `memory` belongs to the y that
+// the call left: a method starts anew when y has changed. Adaptive methods accept a step when the weighted
+// root mean square of its error estimate is at most 1:
 //   sqrt(1/n sum_i (e_i / (absolute + relative * max(|y_i|, |y_i new|)))^2) <= 1
-// (Hairer, Norsett, Wanner 1993, eq. II.4.11). They never step over t_end, except where
-// their history is worth more (cvode.cc). Fixed-step methods divide
-// [t, t_end] into `fixed_steps` equal steps.
+// (Hairer, Norsett, Wanner 1993, eq. II.4.11). They never step over t_end, unless their history is worth more
+// (cvode.cc). Fixed-step methods divide [t, t_end] into `fixed_steps` equal steps.
 #pragma once
 #include <cstdint>
 #include <span>
@@ -23,14 +22,14 @@ struct Tolerance {
   std::span<const double> absolute_each = {};  ///< one per component instead of `absolute`, or empty
 };
 
-/// What an adaptive method remembers from one call to the next.
+/// What an adaptive method remembers between calls.
 struct Carry {
   double step = 0;        ///< proposal for the next internal step; 0: choose one
   double last_error = 0;  ///< of the last accepted step, 1 = the tolerance; 0: none yet
 };
 
 struct Statistics {
-  uint64_t steps = 0, rejected = 0;  ///< internal steps that were accepted, and those that were tried again
+  uint64_t steps = 0, rejected = 0;  ///< internal steps accepted, and steps repeated
   uint64_t rates = 0;                ///< evaluations of f (or a)
   uint64_t jacobians = 0, factorisations = 0, solves = 0;
 
@@ -57,13 +56,13 @@ class Interpolant {
   virtual void at(double theta, double* y) const = 0;
 };
 
-/// Told of every accepted internal step: dense output, events, running error estimates.
+/// Notified of every accepted internal step: dense output, events, running error estimates.
 class StepWatcher {
  public:
   virtual ~StepWatcher() = default;
   enum class Verdict : uint8_t { go_on, stop };
-  /// y1 is the solution at t1. On stop the run ends there with `reached` = t1; the watcher may have moved t1
-  /// back into the step and y1 with it (an event).
+  /// y1 is the solution at t1. On stop the run ends there with `reached` = t1; for an event, the watcher may
+  /// have moved t1 and y1 back into the step.
   virtual Verdict accepted(double t0, double& t1, double* y1, const Interpolant& between) = 0;
 };
 
@@ -73,28 +72,28 @@ struct Advance {
   double* y = nullptr;      ///< the solution at t, then at `reached`; f.size() values
   Workspace& workspace;
   Carry& carry;
-  /// Loops over many unknowns are shared by these threads; null: the calling one does them.
+  /// Threads that share loops over many unknowns; null: the calling thread does them alone.
   const ThreadArena* arena = nullptr;
   Tolerance tolerance = {};
   uint64_t fixed_steps = 1;
   uint64_t max_steps = 10'000'000;  ///< accepted + rejected, then Instability
   StructuralDamping damping = {};
   double newton_tolerance = 1e-10;  ///< fixed-step implicit methods: relative change at which Newton stops
-  /// What multistep methods keep from call to call, NaN in front when there is nothing yet; methods that need
-  /// another length start anew.
+  /// What multistep methods keep between calls; NaN at the front when empty. A method that needs a different
+  /// length starts anew.
   std::span<double> memory = {};
-  /// Names everything besides t and y that f depends on, for methods that may have to repeat steps.
+  /// Identifies everything besides t and y that f depends on, for methods that may have to repeat steps.
   uint64_t surroundings = 0;
-  /// Brings a solution back to where it belongs (unit quaternions); null: it stays there by itself. Methods
-  /// with a memory call it on the y that they leave.
+  /// Projects a solution onto its manifold (unit quaternions); null: it has none. Methods with a memory call
+  /// it on the y that they leave.
   void (*project)(const RightHandSide& f, double* y) = nullptr;
   StepWatcher* watcher = nullptr;
   Statistics* statistics = nullptr;
   double reached = 0;  ///< out: t_end, or where a watcher stopped
 };
 
-/// Throws Instability ("the tolerance cannot be met ...", with the index of the first non-finite or else the
-/// worst component) when a method cannot go on.
+/// Throws Instability ("the tolerance cannot be met ...", with the index of the first non-finite or otherwise
+/// the worst component) when a method cannot continue.
 using AdvanceFunction = void(Advance&);
 
 }  // namespace truestep

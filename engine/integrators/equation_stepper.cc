@@ -18,7 +18,7 @@ constexpr const char* kCarry = "integrator.carry";
 constexpr const char* kWork = "integrator.work";
 constexpr const char* kMemory = "integrator.memory";
 
-// Bounds of spectra are close but no promise for what the scene does later.
+// Bounds of spectra are close, but not guaranteed for what the scene does later.
 constexpr double kMargin = 0.9;
 
 std::optional<std::string> why_not(const Integrator& m, const RightHandSide& f) {
@@ -106,7 +106,7 @@ void EquationStepper::step(const RightHandSide& f, double* y, State& state, cons
   count(state, statistics);
 }
 
-// The next step begins exactly where this one ends: lengths that are rounded one by one lose time.
+// The next step begins exactly where this one ends: step lengths rounded one by one would lose time.
 double EquationStepper::end_of(const StepInput& in) {
   const double counted = static_cast<double>(in.step + 1) * in.h, summed = in.t + in.h;
   return std::abs(counted - summed) < 1e-9 * in.h ? counted : summed;

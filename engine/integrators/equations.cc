@@ -31,7 +31,7 @@ template <int N>
 void SmallEquations<N>::differentiate(double t, const double* y, const double* fy) {
   ++this->count_.jacobians;
   const RightHandSide& f = this->a_.f;
-  // Any shape of at most N columns: a band may be wider than the matrix.
+  // Any shape with at most N columns: a band may be wider than the matrix.
   constexpr size_t kRoom = size_t(3 * N * N);
   const SecondOrder* second = f.second_order();
   if (!second && f.has_jacobian()) {

@@ -1,7 +1,7 @@
 // What implicit methods see of an integration: the right-hand side with its linear systems, a fixed number of
 // work arrays, and the weighted norm of errors. Two classes with the same members: SmallEquations<N> for N <=
-// 8 knows its size when it is compiled (arrays on the stack, unrolled loops, dense factors in one or two
-// cache lines), LargeEquations takes the rest. Methods are templates over the two; visit_equations chooses.
+// 8 has a compile-time size (arrays on the stack, unrolled loops, dense factors in one or two cache lines),
+// LargeEquations handles the rest. Methods are templates over the two; visit_equations chooses.
 #pragma once
 #include <algorithm>
 #include <array>
@@ -16,7 +16,7 @@ namespace truestep {
 inline constexpr size_t kWorkArrays = 26;
 inline constexpr size_t kSmallest = 8;  ///< up to this many equations, SmallEquations
 
-/// Size below which a component's changes do not matter: where the absolute tolerance takes over.
+/// Magnitude below which changes of a component do not matter: where the absolute tolerance takes over.
 inline double typical_size(const Tolerance& t) {
   return t.relative > 0 && t.absolute > 0 ? std::clamp(t.absolute / t.relative, 1e-10, 1.0) : 1.0;
 }
@@ -80,7 +80,7 @@ class SmallEquations : public EquationsBase<SmallEquations<N>> {
     for (auto& array : arrays_) array.fill(0);
   }
   static constexpr size_t size() { return N; }
-  /// Elements of every array, those behind size() are 0 or harmless: whole vector registers.
+  /// Elements of every array, in whole vector registers; those beyond size() are 0 or harmless.
   static constexpr size_t padded() { return N <= 2 ? N : (N + 3) / 4 * 4; }
   double* array(size_t k) { return arrays_[k].data(); }
 
@@ -123,7 +123,7 @@ class LargeEquations : public EquationsBase<LargeEquations> {
   explicit LargeEquations(Advance& a)
       : EquationsBase(a),
         n_(a.f.size()),
-        // One cache line more than whole ones, so that arrays of 4096 bytes do not share their sets.
+        // One extra cache line, so that arrays of 4096 bytes do not map to the same cache sets.
         stride_((n_ + 7) / 8 * 8 + 8),
         arrays_(a.workspace.doubles("integrator.implicit_arrays", kWorkArrays * stride_).data()),
         matrix_(a.workspace.object<NewtonMatrix>("integrator.newton_matrix")) {
@@ -161,7 +161,7 @@ class LargeEquations : public EquationsBase<LargeEquations> {
 };
 
 namespace detail {
-// Adds the counts to a.statistics also when body throws.
+// Adds the counts to a.statistics, also when body throws.
 template <class Equations, class Body>
 void run_and_count(Advance& a, Equations&& equations, Body&& body) {
   struct Report {

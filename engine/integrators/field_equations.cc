@@ -27,7 +27,7 @@ void FieldEquations::project(double* y) const {
 
 void FieldEquations::acceleration(double t, const double* x, const double* v, double* a) const {
   const size_t n = motion_.v.size();
-  // A field that does not depend on velocity is still handed one.
+  // A field that does not depend on velocity is still given one.
   motion_.acceleration(t, {x, n}, {v ? v : motion_.v.data(), n}, {a, n});
 }
 
@@ -72,7 +72,7 @@ namespace {
 constexpr std::string_view kInternalStep = "integrator.internal_step";
 constexpr std::string_view kLastError = "integrator.last_error";
 
-// A hash of all columns but those that an integration itself changes, and the time.
+// A hash of the time and of all columns except those that an integration itself changes.
 uint64_t surroundings_of(const State& state) {
   uint64_t hash = 0;
   for (State::Column c = 0; c < state.columns(); ++c) {
@@ -103,7 +103,7 @@ void step_equations(AdvanceFunction* method, const ForceField& field, State& sta
   if (step) carry.step = state.f64(*step)[0];
   if (error) carry.last_error = state.f64(*error)[0];
   if (!(carry.step > 0)) carry.step = in.h;
-  // The next step begins exactly where this one ends: lengths that are rounded one by one lose time.
+  // The next step begins exactly where this one ends: step lengths rounded one by one would lose time.
   const double counted = static_cast<double>(in.step + 1) * in.h, summed = in.t + in.h;
   Advance advance{.f = f,
                   .t = in.t,

@@ -1,6 +1,5 @@
-// A force field as first-order equations, y = (x, v) with the rest of the state as it stands: how methods
-// that only know right-hand sides serve force systems. Where dx/dt is v itself it is an equation of second
-// order.
+// A force field as first-order equations, y = (x, v) with the rest of the state fixed: how methods that only
+// know right-hand sides serve force systems. When dx/dt is v itself, these are second-order equations.
 #pragma once
 #include "engine/integrators/advance.h"
 #include "engine/integrators/linear/field_jacobian.h"
@@ -28,7 +27,7 @@ class FieldEquations final : public RightHandSide, public SecondOrder {
   bool depends_on_velocity() const override {
     return motion_.field.dependence() == Dependence::position_and_velocity;
   }
-  /// The field's own, brought into columns when an implicit method first asks.
+  /// The field's own, converted to columns when an implicit method first asks.
   bool has_jacobian() const override { return plain_ && motion_.field.has_jacobian(); }
   MatrixShape shape() const override;
   using RightHandSide::jacobian;
@@ -44,22 +43,22 @@ class FieldEquations final : public RightHandSide, public SecondOrder {
   bool plain_;
 };
 
-/// The tolerances that options stand for, of forces as of any other equation.
+/// The tolerances given by the options, for forces as for any other equation.
 inline Tolerance tolerance_of(const IntegratorOptions& options) {
   return {.relative = options.relative_tolerance.value_or(options.tolerance),
           .absolute = options.absolute_tolerance.value_or(options.tolerance)};
 }
 
-/// How a method's history comes back after a restore: as numbers of its memory, or by repeating the steps
-/// that made it, for which everything else in the state must be as it was.
+/// How a method's history is restored: as numbers in its memory, or by repeating the steps that made it,
+/// which requires everything else in the state to be unchanged.
 enum class MethodHistory : uint8_t { kept, repeated };
 
 /// Advances a force field's state by one session step with `method`, in as many internal steps as it wants
-/// (one, for fixed-step methods). The carry lives in the columns of prepare_adaptive where these exist.
+/// (one, for fixed-step methods). The carry is kept in the columns of prepare_adaptive if they exist.
 void step_equations(AdvanceFunction* method, const ForceField& field, State& state, const StepInput& in,
                     const IntegratorOptions& options, MethodHistory history);
 
-/// A step function made of an advance function.
+/// Makes a step function from an advance function.
 template <AdvanceFunction* method, MethodHistory history = MethodHistory::kept>
 void step_by(const ForceField& field, State& state, const StepInput& in, const IntegratorOptions& options) {
   step_equations(method, field, state, in, options, history);

@@ -1,5 +1,5 @@
 // A step in progress: flat views of position and velocity, evaluations of the right-hand side, and scratch
-// arrays that the workspace keeps from step to step. Every method is written on top of this.
+// arrays that the workspace keeps from step to step. Every method builds on this.
 #pragma once
 #include <span>
 #include <string_view>
@@ -9,7 +9,7 @@
 
 namespace truestep {
 
-/// Elements a block of a flat loop holds: 16 KiB per array, so that a few arrays stay in the first cache.
+/// Elements per block of a flat loop: 16 KiB per array, so that a few arrays stay in the first-level cache.
 inline constexpr size_t kBlockElements = 2048;
 
 class Motion {
@@ -27,7 +27,7 @@ class Motion {
   const StepInput& input;
   std::span<double> x, v;  ///< the state's own columns
 
-  /// n numbers of scratch under a name of the integrators' own.
+  /// n numbers of scratch under a name used only by the integrators.
   std::span<double> scratch(std::string_view key, size_t n) { return input.workspace.doubles(key, n); }
 
   /// a(x, v, t) into `a`.
@@ -36,7 +36,7 @@ class Motion {
     interruption_point();
     field.acceleration({t, x_at, v_at, state}, a, e_);
   }
-  /// G(x) v: `rate`, or v_at itself where G is the identity.
+  /// G(x) v: in `rate`, or v_at itself if G is the identity.
   std::span<const double> rate(double t, std::span<const double> x_at, std::span<const double> v_at,
                                std::span<double> rate) {
     return field.position_rate({t, x_at, v_at, state}, rate, e_);

@@ -11,8 +11,8 @@
 
 namespace truestep::air {
 
-/// Wind (m/s) of which the part `gust` comes and goes with the period: a wave of two parabolas, smooth enough
-/// and the same bits everywhere.
+/// Wind (m/s) whose fraction `gust` varies with the period: a wave of two parabolas, smooth enough and the
+/// same bits everywhere.
 inline Vec3 gusty(const Vec3& wind, double gust, double period, double t) {
   if (!(gust > 0)) return wind;
   const double p = t / period - std::floor(t / period);

@@ -31,7 +31,7 @@ inline Block3 inverse(const Block3& a) {
 class BlockTridiagonal {
  public:
   void resize(size_t n) { diagonal.resize(n), above.resize(n), inverse_.resize(n); }
-  /// A_jj, and A_{j-1,j} for j >= 1. Symmetric all of them.
+  /// A_jj, and A_{j-1,j} for j >= 1; all symmetric.
   std::vector<Block3> diagonal, above;
 
   /// Prepares solve.

@@ -1,5 +1,5 @@
-// What a contact does to a point's velocity relative to the surface, w, with outward unit normal n.
-// Impact (Newton's restitution, Coulomb's friction as an impulse, Brach 2007 ch. 2):
+// The effect of a contact on a point's velocity w relative to the surface, with outward unit normal n. Impact
+// (Newton's restitution, Coulomb's friction as an impulse, Brach 2007 ch. 2):
 //   w_n' = -e w_n,   w_t' = w_t - min(mu (1 + e) |w_n|, |w_t|) w_t/|w_t|
 // Support over a time tau under a constant acceleration a with a.n < 0 (block on an incline):
 //   w_n' = 0,        w_t' = (w_t + a_t tau) shortened by mu |a_n| tau, at most to zero (stick)
@@ -29,7 +29,8 @@ struct Support {
 };
 
 /// Motion over tau (s) of a point pressed against the surface by a.n < 0. The impulse that stopped the
-/// approach w.n < 0 rubs as well. Displacement is exact for straight sliding that stops within tau.
+/// approach w.n < 0 causes friction as well. Displacement is exact for straight sliding that stops within
+/// tau.
 template <class T>
 Support<T> support(const Vec3T<T>& w, const Vec3T<T>& a, const Vec3T<T>& n, T mu, T tau) {
   const T wn = std::min(dot(w, n), T(0)), an = std::min(dot(a, n), T(0));
@@ -41,8 +42,8 @@ Support<T> support(const Vec3T<T>& w, const Vec3T<T>& a, const Vec3T<T>& n, T mu
   const Vec3T<T> free = wt + at * tau;
   const T reach = norm(free), brake = mu * -an * tau;
   if (brake < reach) return {wt, at - free * (brake / (reach * tau))};
-  // Stops after the part f of tau and stays: x = wt f tau / 2 is the displacement of wt' = f wt stopping at
-  // the end of tau, and what the end velocity needs (zero) comes out of both.
+  // Stops after the fraction f of tau and stays: x = wt f tau / 2 is the displacement of a motion with wt' =
+  // f wt that stops at the end of tau, and both give the required final velocity of zero.
   const T f = brake > 0 ? reach / brake : T(0);
   return {wt * f, wt * (-f / tau)};
 }

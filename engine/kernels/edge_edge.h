@@ -1,4 +1,4 @@
-// Nearest places of two segments where both lie inside: the common perpendicular of their lines,
+// Nearest points of two segments when both are interior: the common perpendicular of their lines,
 //   d1 = a1 - a0, d2 = b1 - b0, r = a0 - b0,   (d1.d1)(d2.d2) - (d1.d2)^2 > 0
 // (Ericson 2005, "Real-Time Collision Detection", section 5.1.9, without the clamped cases).
 #pragma once
@@ -9,11 +9,11 @@
 namespace truestep {
 
 struct NearestInside {
-  double a = 0, b = 0;  ///< shares of the ways from a0 to a1 and from b0 to b1, between 0 and 1
-  Vec3 apart;           ///< m, from the place on b to that on a
+  double a = 0, b = 0;  ///< fractions of the paths from a0 to a1 and from b0 to b1, between 0 and 1
+  Vec3 apart;           ///< m, from the point on b to that on a
 };
 
-/// Nothing where one of them is an end, or the two are parallel to 1e-6.
+/// Empty when one of them is an end, or the segments are parallel to 1e-6.
 inline std::optional<NearestInside> nearest_inside(const Vec3& a0, const Vec3& a1, const Vec3& b0,
                                                    const Vec3& b1) {
   const Vec3 d1 = a1 - a0, d2 = b1 - b0, r = a0 - b0;

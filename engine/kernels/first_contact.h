@@ -13,7 +13,7 @@ namespace truestep {
 inline constexpr int kContactIterations = 60;
 
 /// First s in [0, 1] where the segment p0 -> p0 + dp comes within `target` (m) of the solid whose distance
-/// function is `distance(p)`; nothing when it does not. A start already within `target` is a hit at 0.
+/// function is `distance(p)`; empty when it does not. A start already within `target` is a hit at 0.
 template <class T, class Distance>
 std::optional<T> first_entry(const Distance& distance, const Vec3T<T>& p0, const Vec3T<T>& dp, T target) {
   T s = 0;
@@ -30,8 +30,8 @@ std::optional<T> first_entry(const Distance& distance, const Vec3T<T>& p0, const
   return s;
 }
 
-/// First s in [0, 1] where the segment comes within `target` of the wall from inside (d = -target); nothing
-/// when it ends further inside than that. A start already there is a hit at 0.
+/// First s in [0, 1] where the segment comes within `target` of the wall from inside (d = -target); empty
+/// when it ends farther inside than that. A start already there is a hit at 0.
 template <class T, class Distance>
 std::optional<T> first_exit(const Distance& distance, const Vec3T<T>& p0, const Vec3T<T>& dp, T target) {
   if (distance(p0 + dp).d + target <= 0) return std::nullopt;

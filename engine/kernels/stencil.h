@@ -1,10 +1,10 @@
 // Rows of finite-difference stencils on a lattice with constant coefficients, x running fastest:
 //   out[i] = centre u[i] + x1 (u[i-1] + u[i+1]) + x2 (u[i-2] + u[i+2]) + sum_m w[m] row[m][i].
-// Neighbours along y and z come as pointers to their rows, so that reflection at a side, periodic sides and
-// one-sided weights are a choice of pointers and weights and cost nothing inside the loop. With the identity
-// in `centre` and a step in every weight the same loop is a whole step of explicit Euler.
-// Coefficients of derivatives: Fornberg 1988, "Generation of finite difference formulas on arbitrarily spaced
-// grids", tables 1 and 2.
+// Neighbours along y and z are pointers to their rows, so that reflecting sides, periodic sides and one-sided
+// weights are just a choice of pointers and weights and cost nothing inside the loop. With the identity in
+// `centre` and a step in every weight the same loop is a whole step of explicit Euler. Coefficients of
+// derivatives: Fornberg 1988, "Generation of finite difference formulas on arbitrarily spaced grids", tables
+// 1 and 2.
 #pragma once
 #include <array>
 #include <cstddef>
@@ -29,7 +29,7 @@ struct RowWeights {
 template <int Reach, int Rows>
 inline void combine_row(const double* u, const RowWeights& w, double* out, size_t begin, size_t end) {
   const double centre = w.centre, near = w.near, far = w.far;
-  // Written out, because gcc takes a loop over rows inside the loop over elements for one that it must keep.
+  // Written out, because gcc does not unroll a loop over rows inside the loop over elements.
   [&]<size_t... M>(std::index_sequence<M...>) {
     [[maybe_unused]] const std::array<const double*, Rows> rows = {w.rows[M]...};
     [[maybe_unused]] const std::array<double, Rows> weights = {w.weights[M]...};
@@ -52,9 +52,9 @@ struct Neighbour {
   double scale = 0;  ///< 1 / spacing^2
 };
 
-/// out[i] = identity u[i] + step sum over neighbours of face (neighbour - u[i]) / spacing^2 for i in
-/// [begin, end); face[i] of the row itself lies between i and i + 1. Conservative: what leaves one node
-/// through a face enters the other.
+/// out[i] = identity u[i] + step sum over neighbours of face (neighbour - u[i]) / spacing^2 for i in [begin,
+/// end); face[i] of the row itself lies between i and i + 1. Conservative: whatever leaves one node through a
+/// face enters the other.
 template <int Rows>
 inline void conserve_row(const double* u, const double* face, double scale, const Neighbour* neighbours,
                          double identity, double step, double* out, size_t begin, size_t end) {

@@ -23,8 +23,8 @@ class BlockSparse {
   using Pair = std::array<uint32_t, 2>;
 
   /// Gives the matrix `block_rows` x `block_rows` blocks of `block_size` x `block_size` (1 to 6): the
-  /// diagonal, every (i, j) of `pairs` and every (j, i). Duplicates are welcome; values become zero.
-  /// Error "bad_pattern" when an index or the block size is out of range.
+  /// diagonal, every (i, j) of `pairs` and every (j, i). Duplicates are allowed; values become zero. Error
+  /// "bad_pattern" when an index or the block size is out of range.
   void set_pattern(size_t block_rows, int block_size, std::span<const Pair> pairs);
 
   bool empty() const { return block_rows_ == 0; }
@@ -36,8 +36,8 @@ class BlockSparse {
   /// Changes with every set_pattern of any matrix; equal stamps mean equal patterns.
   uint64_t pattern_stamp() const { return stamp_; }
 
-  /// Where block (i, j) is; stays valid until the next set_pattern. Error "no_such_block" when it is not in
-  /// the pattern. Costs a binary search: force fields look up once and keep the slot.
+  /// Location of block (i, j); valid until the next set_pattern. Error "no_such_block" when it is not in the
+  /// pattern. Costs a binary search: force fields look it up once and keep the slot.
   Slot slot(size_t i, size_t j) const;
   Slot diagonal_slot(size_t i) const { return diagonal_[i]; }
   /// Slots of block row i are row_begin(i) ... row_begin(i + 1) - 1.

@@ -30,7 +30,7 @@ constexpr Complex reciprocal(Complex a) {
 constexpr double reciprocal(double a) {
   return 1 / a;
 }
-/// Size by which pivots are chosen: |re| + |im|.
+/// Magnitude by which pivots are chosen: |re| + |im|.
 constexpr double magnitude(Complex a) {
   return (a.re < 0 ? -a.re : a.re) + (a.im < 0 ? -a.im : a.im);
 }

@@ -35,7 +35,7 @@ inline void append_iso_lines(std::span<const float> values, size_t nx, size_t ny
       }
       if (n == 2) out.push_back({crossing[edges[0]], crossing[edges[1]]});
       if (n != 4) continue;
-      // The middle is of one sign with two opposite corners, which lie in one piece then.
+      // The middle has the sign of two opposite corners, which then belong to one piece.
       const bool joined = (v[0] + v[1] + v[2] + v[3] < 0) == (v[0] < 0);
       out.push_back({crossing[0], crossing[joined ? 1 : 3]});
       out.push_back({crossing[2], crossing[joined ? 3 : 1]});

@@ -1,4 +1,4 @@
-// Four doubles side by side, for kernels over 3 x 3 blocks that a compiler would cut into pieces of two and
+// Four doubles side by side, for kernels over 3 x 3 blocks that a compiler would split into pieces of two and
 // one. The portable variant gives the same bits: every operation is one IEEE operation per lane.
 #pragma once
 #include <cstdint>
@@ -89,7 +89,7 @@ struct Lanes4 {
 
 #endif
 
-/// The first three lanes at p; p[3] keeps what it holds.
+/// Stores the first three lanes at p; p[3] keeps its value.
 inline void store3(const Lanes4& a, double* p) {
   double all[4];
   a.store(all);

@@ -1,5 +1,5 @@
-// Three by three numbers, row after row: m[3 r + c]. Index 3 r + c is also that of a matrix written as nine
-// numbers in a row, as derivatives by matrices need.
+// 3 x 3 matrices, row by row: m[3 r + c]. The same index is used when a matrix is treated as nine numbers, as
+// in derivatives with respect to matrices.
 #pragma once
 #include <array>
 
@@ -47,7 +47,7 @@ constexpr Mat3 transposed(const Mat3& a) {
 constexpr double trace(const Mat3& a) {
   return a.m[0] + a.m[4] + a.m[8];
 }
-/// Sum of products element by element.
+/// Sum of elementwise products.
 constexpr double inner(const Mat3& a, const Mat3& b) {
   double s = 0;
   for (size_t k = 0; k < 9; ++k) s += a.m[k] * b.m[k];
@@ -56,7 +56,7 @@ constexpr double inner(const Mat3& a, const Mat3& b) {
 constexpr double determinant(const Mat3& a) {
   return dot(a.row(0), cross(a.row(1), a.row(2)));
 }
-/// d det / dA; det A times the transposed inverse where that exists.
+/// d det / dA: det A times the transposed inverse, if that exists.
 constexpr Mat3 cofactor(const Mat3& a) {
   const Vec3 x = cross(a.row(1), a.row(2)), y = cross(a.row(2), a.row(0)), z = cross(a.row(0), a.row(1));
   return {{x.x, x.y, x.z, y.x, y.y, y.z, z.x, z.y, z.z}};

@@ -1,5 +1,5 @@
 // Unit quaternions (w, x, y, z) for orientations: q rotates body vectors into the world, q and -q are the
-// same rotation. Only what poses need; integration of orientations lives with the systems that have them.
+// same rotation. Only what poses need; integration of orientations belongs to the systems that have them.
 #pragma once
 #include <array>
 #include <cmath>

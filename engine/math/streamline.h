@@ -15,7 +15,7 @@ struct PlaneField {
   std::span<const float> u, v;
   size_t nx = 0, ny = 0;
 
-  /// Direction at a place inside; (0, 0) outside or where the field vanishes or is not finite.
+  /// Direction at a position inside; (0, 0) outside or where the field vanishes or is not finite.
   std::array<double, 2> direction(double x, double y) const {
     if (!(x >= 0 && y >= 0 && x <= static_cast<double>(nx - 1) && y <= static_cast<double>(ny - 1)))
       return {0, 0};
@@ -31,8 +31,8 @@ struct PlaneField {
   }
 };
 
-/// The line through (x, y) down the field (h > 0) or up it (h < 0), in steps of |h| lattice units: until it
-/// leaves, stands still or has `most` points.
+/// The line through (x, y) along the field (h > 0) or against it (h < 0), in steps of |h| lattice units:
+/// until it leaves, stops or has `most` points.
 inline std::vector<std::array<double, 2>> streamline(const PlaneField& field, double x, double y, double h,
                                                      size_t most) {
   std::vector<std::array<double, 2>> out{{x, y}};

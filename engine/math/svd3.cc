@@ -32,7 +32,7 @@ void set_column(Mat3& a, size_t c, const Vec3& v) {
   a(0, c) = v.x, a(1, c) = v.y, a(2, c) = v.z;
 }
 
-// Any unit vector at right angles to the unit vector a.
+// Any unit vector perpendicular to the unit vector a.
 Vec3 any_normal(const Vec3& a) {
   const Vec3 other = std::abs(a.x) < 0.6 ? Vec3{1, 0, 0} : Vec3{0, 1, 0};
   return normalized(cross(a, other));
@@ -56,7 +56,7 @@ Svd3 svd3(const Mat3& a) {
     }
     if (!turned) break;
   }
-  // Largest first; an exchange that turns one column round stays a rotation.
+  // Largest first; swapping two columns and negating one keeps it a rotation.
   for (const auto& [p, q] : {std::pair<size_t, size_t>{0, 1}, {0, 2}, {1, 2}}) {
     if (norm2(b.column(p)) >= norm2(b.column(q))) continue;
     for (Mat3* m : {&b, &out.v}) {

@@ -64,7 +64,7 @@ Split split(double x) {
   return {k + static_cast<double>(e), std::bit_cast<double>(bits - (e << 52))};
 }
 
-// log x to some 64 bits, for positive finite x: 2 atanh s with s = (m - 1) / (m + 1), two terms exact.
+// log x to about 64 bits, for positive finite x: 2 atanh s with s = (m - 1) / (m + 1), two terms exact.
 Pair log_pair(double x) {
   const auto [k, m] = split(x);
   const double f = m - 1, d = 2 + f, d_lo = f - (d - 2);
@@ -166,7 +166,8 @@ Reduced reduce_huge(double x) {
   const auto bits = std::bit_cast<uint64_t>(x);
   const uint64_t m = (bits & 0xfffffffffffff) | (uint64_t{1} << 52);
   const int e = static_cast<int>(bits >> 52 & 0x7ff) - 1075;  // |x| = m 2^e, e >= -22 here
-  // 192 digits from the one that m 2^e turns into 2: those before it make multiples of 4.
+  // 192 digits starting at the one whose product with 2^e has weight 2: digits before it only add multiples
+  // of 4.
   const auto position = static_cast<size_t>(e - 1 + 63);
   const size_t word = position / 64, shift = position % 64;
   const auto digits = [&](size_t i) {

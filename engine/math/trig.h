@@ -1,8 +1,8 @@
 // Elementary functions with the same bits on every machine. The C library's differ between versions and
-// processors, so nothing on a step's path may call them. Built from + - * / sqrt and fused multiply-add
-// only; polynomials are own minimax fits, arguments are reduced with an error term.
-// Errors, measured against 64-bit mantissas, in units in the last place: sin cos 0.77, exp pow 0.67, log
-// 0.81, atan atan2 acos asin 0.61, tan 2.1. NaN in, NaN out; poles and overflow as in IEEE 754.
+// processors, so nothing on a step's path may call them. Built from + - * / sqrt and fused multiply-add only;
+// polynomials are our own minimax fits, arguments are reduced with an error term. Errors, measured against
+// 64-bit mantissas, in units in the last place: sin cos 0.77, exp pow 0.67, log 0.81, atan atan2 acos asin
+// 0.61, tan 2.1. NaN in, NaN out; poles and overflow as in IEEE 754.
 #pragma once
 #include <bit>
 #include <cmath>
@@ -16,7 +16,7 @@ struct SinCos {
 
 namespace detail {
 
-/// x = k pi/2 + (hi + lo), |hi| <= pi/4 (a hair more); k modulo 4.
+/// x = k pi/2 + (hi + lo), |hi| <= pi/4 (or barely more); k modulo 4.
 struct Reduced {
   double hi, lo;
   int quadrant;
@@ -24,7 +24,7 @@ struct Reduced {
 /// Any finite x, by multiplying with 2/pi to as many bits as needed (Payne, Hanek 1983).
 Reduced reduce_huge(double x);
 
-/// |x| <= 2^30 and the like: pi/2 in four parts of 53 bits (Cody, Waite 1980), error-free products.
+/// |x| <= 2^30 or so: pi/2 in four parts of 53 bits (Cody, Waite 1980), error-free products.
 inline Reduced reduce(double x) {
   constexpr double kP1 = 0x1.921fb54442d18p+0, kP2 = 0x1.1a62633145c07p-54, kP3 = -0x1.f1976b7ed8fbcp-110;
   if (!(std::abs(x) < 0x1p30)) return reduce_huge(x);

@@ -12,7 +12,7 @@
 namespace truestep {
 
 namespace wide_detail {
-// Not members of the template: gcc 12 takes a dependent type with the attribute for one without it.
+// Not members of the template: gcc 12 confuses a dependent type with the attribute with one without it.
 template <class T>
 struct Vectors;
 template <>

@@ -1,5 +1,5 @@
 // Rows of four numbers (x, y, z, w) read into and written from lanes: out[k][i] = rows[4 index[i] + k]. For
-// solvers that meet points in the order of a constraint, a row a point.
+// solvers that visit points in the order of their constraints, one row per point.
 #pragma once
 #include <cstddef>
 #include <cstdint>

@@ -23,10 +23,10 @@ void PointGrid::build(std::span<const double> x, double reach) {
   }
   if (!(low.x <= high.x)) low = high = {};
   low_ = low;
-  // At most a few cells per point; every try makes them larger by a quarter.
+  // At most a few cells per point; every attempt makes them a quarter larger.
   const auto most = static_cast<double>(most_cells(n));
   double size = reach, wx, wy, wz;
-  // Points at both ends of what a double holds are further apart than one.
+  // Points at opposite ends of the range of a double are farther apart than a double holds.
   const auto apart = [](double a, double b) { return std::min(b - a, std::numeric_limits<double>::max()); };
   for (;; size *= 1.25) {
     wx = std::floor(apart(low.x, high.x) / size) + 1;

@@ -1,6 +1,6 @@
 // Points sorted by cell, so that all neighbours within a reach lie in nine runs of consecutive slots. Cells
-// are cubes of at least the reach; where points are scattered far they grow, so memory stays linear in the
-// points. The order is that of (cell, index): a function of the positions alone.
+// are cubes of at least the reach; for widely scattered points they grow, so memory stays linear in the
+// number of points. The order is that of (cell, index): a function of the positions alone.
 #pragma once
 #include <cstdint>
 #include <span>
@@ -12,9 +12,9 @@ namespace truestep {
 
 class PointGrid {
  public:
-  /// Sorts n x 3 positions. Points that are not finite are left out of the cells.
+  /// Sorts n x 3 positions. Points that are not finite are left out.
   void build(std::span<const double> x, double reach);
-  /// Sets memory aside for so many points, so that building with fewer allocates nothing for them.
+  /// Reserves memory for this many points, so that building with fewer does not allocate.
   void reserve(size_t points) {
     order_.reserve(points), cell_of_.reserve(points), sorted_.reserve(3 * points);
     start_.reserve(most_cells(points) + 1);

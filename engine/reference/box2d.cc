@@ -10,7 +10,7 @@
 namespace truestep {
 namespace {
 
-// The library counts its calls in variables of the process: one world steps at a time.
+// The library counts its calls in global variables: only one world steps at a time.
 std::mutex g_library;
 
 class Box2d final : public reference::OwnFace<rigid2d::Rigid2d> {

@@ -15,7 +15,7 @@ void refuse(std::vector<Issue>& issues, const std::string& pointer, const std::s
   issues.push_back({pointer, "no_equivalent", why, "", allowed, "", ""});
 }
 
-/// Number of the plain joint that turns this body about something that does not move: what a gear joins.
+/// Index of the plain joint that hinges this body to something fixed: what a gear connects.
 std::optional<size_t> bearing(const Model& model, uint32_t body) {
   for (size_t i = 0; i < model.joints.size(); ++i) {
     const Joint& j = model.joints[i];

@@ -1,4 +1,4 @@
-// Box2D's joints for those of a rigid2d scene, and what of a scene has no equivalent there.
+// Box2D's joints for those of a rigid2d scene, and the parts of a scene that have no equivalent there.
 #pragma once
 #include <box2d/box2d.h>
 
@@ -10,7 +10,7 @@
 
 namespace truestep::reference {
 
-/// Box2D's number; beyond what its products can bear it is cut off.
+/// As Box2D's float; cut off where its products would overflow.
 inline float real(double x) {
   constexpr double kMost = 1e15;
   return static_cast<float>(x < -kMost ? -kMost : x > kMost ? kMost : x);
@@ -23,7 +23,7 @@ inline b2Vec2 vec(const flat::Vec2& v) {
 void check_box2d_scene(const rigid2d::Rigid2dDef& def, const rigid2d::Model& model,
                        std::vector<Issue>& issues);
 
-/// Adds joint `j` of the model. `joints` are those added before, which a gear may join.
+/// Adds joint `j` of the model. `joints` are those added before, which a gear may connect.
 b2Joint* add_box2d_joint(b2World& world, const rigid2d::Model& model, const rigid2d::Joint& j,
                          std::span<b2Body* const> bodies, std::span<b2Joint* const> joints);
 

@@ -19,7 +19,7 @@ using rigid2d::Motion;
 
 namespace {
 
-// What the library's own examples use.
+// As in the library's own examples.
 constexpr int kVelocityIterations = 8, kPositionIterations = 3;
 
 constexpr State::Column kPoses[] = {columns::position, columns::velocity, columns::angle,
@@ -67,7 +67,7 @@ Box2dWorld::Box2dWorld(std::shared_ptr<const Box2dScene> scene, const State& s) 
   const b2BodyDef ground;
   bodies_.push_back(world_.CreateBody(&ground));
   const auto broken = s.span<uint32_t>(columns::joint_broken);
-  // Gears join joints that are there already.
+  // Gears connect joints that already exist.
   joints_.assign(broken.size(), nullptr);
   for (const bool gears : {false, true}) {
     for (size_t k = 0; k < broken.size(); ++k) {
@@ -169,7 +169,7 @@ bool Box2dWorld::matches(const Box2dScene& scene, const State& s) const {
   return std::equal(broken.begin(), broken.end(), marks_.begin() + static_cast<ptrdiff_t>(k));
 }
 
-/// Pushes as forces, drags as joints of this step.
+/// Pushes as forces, drags as joints for this step.
 std::vector<b2Joint*> Box2dWorld::take_hands(State& s, double h) {
   for (const uint32_t i : scene_->model.forced) {
     const Body& own = scene_->model.bodies[i];
@@ -209,7 +209,7 @@ void Box2dWorld::step(State& s, double h) {
   read_bodies(s);
   read_contacts(s);
   remember(s);
-  // After that, so that the next step builds a world without what broke.
+  // Last, so that the next step builds a world without the broken joints.
   break_joints(s, h);
 }
 
@@ -253,7 +253,7 @@ void Box2dWorld::read_contacts(State& s) {
   }
   std::stable_sort(contacts_.begin(), contacts_.end(),
                    [](const Row& a, const Row& b) { return a.key < b.key; });
-  // A capsule's parts are one shape.
+  // A capsule's parts count as one shape.
   size_t kept = 0;
   for (const Row& r : contacts_) {
     if (kept > 0 && contacts_[kept - 1].key == r.key) {
@@ -285,7 +285,7 @@ void Box2dWorld::PreSolve(b2Contact* c, const b2Manifold* old) {
   const Body &first = scene_->model.bodies[a], &second = scene_->model.bodies[b];
   c->SetTangentSpeed(real(first.surface_speed + second.surface_speed));
   if (!first.one_way && !second.one_way) return;
-  // A platform to jump through holds what comes down on it from outside, and goes on holding it.
+  // A one-way platform holds what lands on it from outside, and keeps holding it.
   const uint64_t key = key_of(*c);
   if (old->pointCount > 0 && !passing_.contains(key)) return;
   b2WorldManifold at;

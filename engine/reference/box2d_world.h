@@ -12,12 +12,13 @@
 
 namespace truestep::reference {
 
-/// What a world is made from and does not change.
+/// What a world is made from; constant.
 struct Box2dScene {
   Box2dScene(const rigid2d::Rigid2dDef& def, const BuildContext& context);
 
   rigid2d::Model model;
-  double restitution_speed, parts;  ///< parts of a step that impulses in the state are of
+  double restitution_speed, parts;  ///< parts: the step length that impulses in the state refer to is dt /
+                                    ///< parts
   bool sleeping;
 };
 
@@ -25,7 +26,7 @@ class Box2dWorld final : private b2ContactFilter, private b2ContactListener {
  public:
   Box2dWorld(std::shared_ptr<const Box2dScene> scene, const State& state);
 
-  /// True when it is this scene's and nothing but sleep differs from what was last read back.
+  /// True when it belongs to this scene and nothing but sleep differs from what was last read back.
   bool matches(const Box2dScene& scene, const State& s) const;
   /// One step of h (s) with the state's gravity, pushes and drags.
   void step(State& s, double h);
@@ -44,9 +45,9 @@ class Box2dWorld final : private b2ContactFilter, private b2ContactListener {
 
   std::shared_ptr<const Box2dScene> scene_;
   b2World world_{b2Vec2(0, 0)};
-  std::vector<b2Body*> bodies_;  ///< the world's own last
+  std::vector<b2Body*> bodies_;  ///< the ground body comes last
   std::vector<b2Joint*> joints_;
-  std::set<uint64_t> passing_;  ///< pairs of shapes of which one lets the other through
+  std::set<uint64_t> passing_;  ///< pairs of shapes, one of which lets the other through
   std::vector<double> read_;
   std::vector<uint32_t> marks_;  ///< pinned, removed; broken
   struct Row {

@@ -11,7 +11,7 @@
 namespace truestep {
 namespace {
 
-// The library counts and times itself in variables of the process: one world steps at a time.
+// The library counts and times itself in global variables: only one world steps at a time.
 std::mutex g_library;
 
 class Bullet final : public reference::OwnFace<rigid3d::Rigid3d> {

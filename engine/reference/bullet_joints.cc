@@ -12,12 +12,12 @@ namespace truestep::reference {
 using namespace rigid3d;
 namespace {
 
-/// What of a joint Bullet has no equivalent of, with its member; nothing when it has all.
+/// The part of a joint that Bullet has no equivalent of, with its member; empty when there is none.
 struct Lack {
   std::string member, why, allowed;
 };
 
-/// Limits, speed motors and springs given in N/m are Bullet's too.
+/// Bullet supports limits, speed motors and springs given in N/m.
 std::optional<Lack> lack_of(const std::string& at, const DriveDef& d) {
   if (d.hertz) return Lack{at + "/hertz", "Bullet's springs are given by stiffness", "stiffness and damping"};
   if (d.motor_target) return Lack{at + "/motor_target", "Bullet's servos are not compared", "motor_speed"};
@@ -73,7 +73,7 @@ btTransform frame(const Vec3& x, const Vec3& y, const Vec3& z, const Vec3& origi
   return btTransform(btMatrix3x3(x.x, y.x, z.x, x.y, y.y, z.y, x.z, y.z, z.z), bullet(origin));
 }
 
-/// The joint's place in both bodies: its axis as Bullet's x.
+/// The joint's frames in both bodies: its axis as Bullet's x.
 struct Frames {
   explicit Frames(const Joint& j) {
     const auto axis = [](const Quat& q, const Vec3& e) { return rotation(q).apply(e); };
@@ -86,7 +86,7 @@ struct Frames {
     };
     a = place(j.turn_a, j.anchor_a), b = place(j.turn_b, j.anchor_b);
     hinge_a = hinge(j.turn_a, j.anchor_a), hinge_b = hinge(j.turn_b, j.anchor_b);
-    // Ours may put the axes of turning in another order than those of sliding.
+    // Our rotation axes may be ordered differently from the sliding axes.
     const Quat& t = j.turn_a;
     slide_a = place(j.slide_frame, j.anchor_a);
     slide_b = place(j.turn_b * Quat{t.w, -t.x, -t.y, -t.z} * j.slide_frame, j.anchor_b);
@@ -108,7 +108,7 @@ struct Make {
   Made operator()(const FixedJointDef&) const {
     return std::make_unique<btFixedConstraint>(a, b, at.a, at.b);
   }
-  /// A way of moving that is free, with what drives it, if anything does.
+  /// A free degree of freedom, with its drive, if any.
   struct Way {
     int row;
     const DriveDef* drive;
@@ -116,16 +116,16 @@ struct Make {
   static bool drives(const DriveDef& d) {
     return d.lower || d.upper || d.stiffness || d.damping || d.motor_speed;
   }
-  /// All ways but those are locked.
+  /// All other degrees of freedom are locked.
   Made generic(std::span<const Way> ways) const { return generic(ways, at.a, at.b); }
   Made generic(std::span<const Way> ways, const btTransform& in_a, const btTransform& in_b) const {
-    // Beyond these there is no limit: metres, and what Bullet's angles reach.
+    // Beyond these there is no limit: metres, and the range of Bullet's angles.
     constexpr double kFar = 1e6, kRound = 3.1;
     constexpr double kAnything = 1e10;  // N or N m
     auto c = std::make_unique<btGeneric6DofSpring2Constraint>(a, b, in_a, in_b);
     for (int row = 0; row < 6; ++row) c->setLimit(row, 0, 0);
     for (const auto& [row, d] : ways) {
-      // Bullet's angles run the other way.
+      // Bullet's angles have the opposite sign.
       const double sign = row < 3 ? 1 : -1, far = row < 3 ? kFar : kRound;
       if (d && (d->lower || d->upper)) {
         const double one = sign * d->lower.value_or(-far), other = sign * d->upper.value_or(far);

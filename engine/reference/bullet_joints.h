@@ -18,7 +18,7 @@ void check_bullet_joints(const rigid3d::Rigid3dDef& def, std::vector<Issue>& iss
 std::unique_ptr<btTypedConstraint> bullet_joint(const rigid3d::AnyJointDef& def, const rigid3d::Joint& joint,
                                                 btRigidBody& a, btRigidBody& b);
 
-/// What every built joint was made from, in their order.
+/// The definition of every built joint, in order.
 std::vector<rigid3d::AnyJointDef> joint_defs(const rigid3d::Rigid3dDef& def);
 
 }  // namespace truestep::reference

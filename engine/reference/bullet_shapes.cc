@@ -9,7 +9,7 @@ namespace truestep::reference {
 using namespace rigid3d;
 namespace {
 
-// Bullet rounds hulls outwards by their margin; small, so that they touch where they are.
+// Bullet rounds hulls outwards by their margin; small, so that contact happens at the true surface.
 constexpr double kHullMargin = 0.001;
 
 void add_triangle(btTriangleMesh& mesh, const std::array<Vec3, 3>& c) {

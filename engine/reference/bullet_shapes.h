@@ -24,10 +24,10 @@ inline Vec3 from_bullet(const btVector3& v) {
   return {v.x(), v.y(), v.z()};
 }
 
-/// Never changes once built; worlds share it.
+/// Immutable once built; worlds share it.
 class BulletShapes {
  public:
-  /// Appends an issue for every kind of body that Bullet cannot hold.
+  /// Appends an issue for every kind of body that Bullet does not support.
   BulletShapes(std::span<const rigid3d::BodyKind> kinds, std::vector<Issue>& issues);
   btCollisionShape* of(uint32_t kind) const { return of_kind_[kind]; }
 
@@ -37,7 +37,7 @@ class BulletShapes {
   btCollisionShape* surface(std::unique_ptr<btTriangleMesh> mesh);
 
   std::vector<std::unique_ptr<btTriangleMesh>> meshes_;
-  std::vector<std::unique_ptr<btCollisionShape>> shapes_;  ///< parts before the compounds that hold them
+  std::vector<std::unique_ptr<btCollisionShape>> shapes_;  ///< parts before the compounds that contain them
   std::vector<btCollisionShape*> of_kind_;
 };
 

@@ -53,7 +53,7 @@ BulletScene::BulletScene(const Rigid3dDef& def, const BuildContext& context, std
 
 BulletWorld::BulletWorld(std::shared_ptr<const BulletScene> scene, const State& s)
     : scene_(std::move(scene)), ground_(0, nullptr, nullptr) {
-  // How surfaces mix is the library's own setting for the whole process, and the same for every world.
+  // How surfaces combine is a global setting of the library, and the same for every world.
   gCalculateCombinedFrictionCallback = mix_friction;
   gCalculateCombinedRestitutionCallback = mix_restitution;
   gCalculateCombinedRollingFrictionCallback = mix_rolling;
@@ -82,7 +82,7 @@ void BulletWorld::add_body(const State& s, size_t i) {
   info.m_linearDamping = 1 - trig::exp(-k.linear_damping);
   info.m_angularDamping = 1 - trig::exp(-k.angular_damping);
   auto b = std::make_unique<btRigidBody>(info);
-  // Set, so that the callbacks above are asked for these too.
+  // Set, so that the callbacks above are called for these too.
   b->setRollingFriction(k.rolling), b->setSpinningFriction(k.spin_arm(k.friction));
   b->setUserPointer(const_cast<BodyKind*>(&k));
   b->setUserIndex(static_cast<int>(i));
@@ -144,7 +144,7 @@ bool BulletWorld::matches(const BulletScene& scene, const State& s) const {
   return true;
 }
 
-/// Kinematic bodies go where their velocity takes them; Bullet sees it in the two poses.
+/// Kinematic bodies move by their velocity; Bullet derives it from the two poses.
 void BulletWorld::drive(const State& s, double h) {
   const double *x = s.f64(columns::position).data(), *q = s.f64(columns::orientation).data();
   const double *v = s.f64(columns::velocity).data(), *w = s.f64(columns::angular_velocity).data();
@@ -196,7 +196,8 @@ void BulletWorld::read_bodies(State& s) {
     const btQuaternion r = b.getWorldTransform().getRotation();
     const Quat before = load_quat(q, i);
     Quat now = normalized({r.w(), r.x(), r.y(), r.z()});
-    // Of the two that mean this rotation the one nearer to the last, so that it goes on without a jump.
+    // Of the two quaternions of this rotation, the one nearer to the last, so that it continues without a
+    // jump.
     if (now.w * before.w + now.x * before.x + now.y * before.y + now.z * before.z < 0) {
       now = {-now.w, -now.x, -now.y, -now.z};
     }
@@ -224,7 +225,7 @@ void BulletWorld::read_contacts(State& s) {
     const bool swapped = r.bodies[0] > r.bodies[1];
     if (swapped) std::swap(r.bodies[0], r.bodies[1]);
     r.points = static_cast<uint32_t>(n), r.depth = -HUGE_VAL;
-    // Bullet's impulses push its first body along the normal; ours push the one of the higher row.
+    // Bullet's impulses push its first body along the normal; ours push the body with the higher row.
     const double sign = swapped ? 1 : -1;
     Vec3 normal, friction;
     for (int p = 0; p < n; ++p) {

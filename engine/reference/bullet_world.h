@@ -11,7 +11,7 @@
 
 namespace truestep::reference {
 
-/// What a world is made from and does not change.
+/// What a world is made from; constant.
 struct BulletScene {
   BulletScene(const rigid3d::Rigid3dDef& def, const BuildContext& context, std::vector<Issue>& issues);
 
@@ -30,7 +30,7 @@ class BulletWorld {
   BulletWorld(const BulletWorld&) = delete;
   BulletWorld& operator=(const BulletWorld&) = delete;
 
-  /// True when it is this scene's and nothing but sleep differs from what was last read back.
+  /// True when it belongs to this scene and nothing but sleep differs from what was last read back.
   bool matches(const BulletScene& scene, const State& s) const;
   /// One step of h (s), in which forces change the velocities by `change` (m/s per row) and the angular
   /// momenta by `twist` (N m s per row, or empty).
@@ -50,7 +50,7 @@ class BulletWorld {
   btDbvtBroadphase broad_phase_;
   btSequentialImpulseConstraintSolver solver_;
   btDiscreteDynamicsWorld world_{&dispatcher_, &broad_phase_, &solver_, &configuration_};
-  btRigidBody ground_;  ///< what joints to the world hold on to
+  btRigidBody ground_;  ///< the body that joints to the world attach to
   std::vector<std::unique_ptr<btRigidBody>> bodies_;
   std::vector<std::unique_ptr<btTypedConstraint>> joints_;  ///< null: broken
   std::vector<double> read_;                                ///< poses and velocities as last read back

@@ -1,6 +1,6 @@
-// Who steps a rigid scene: our own solver, or another one behind the same System ("engine": "bullet",
-// "box2d"). What another engine has no equivalent for is refused with the pointer of the value; an engine
-// that this build was made without is refused at "/engine".
+// Which engine steps a rigid scene: our own solver, or another one behind the same System ("engine":
+// "bullet", "box2d"). Anything without an equivalent there is refused with a pointer to the value; an engine
+// that is not part of this build is refused at "/engine".
 #pragma once
 #include <memory>
 
@@ -9,7 +9,8 @@
 
 namespace truestep {
 
-/// From a Rigid3dDef. Errors as build_rigid3d, and "scene_invalid" for what the named engine cannot do.
+/// From a Rigid3dDef. Errors as build_rigid3d, and "scene_invalid" for anything that the named engine cannot
+/// do.
 std::unique_ptr<const System> build_rigid3d_engine(const void* def, const BuildContext& context);
 /// From a rigid2d::Rigid2dDef, likewise.
 std::unique_ptr<const System> build_rigid2d_engine(const void* def, const BuildContext& context);

@@ -1,5 +1,5 @@
-// What a system shows when another engine steps it: state, observables, fields, commands and drawing are
-// those of our own system of the same scene.
+// The outside of a system stepped by another engine: state, observables, fields, commands and drawing are
+// those of our own system for the same scene.
 #pragma once
 #include "engine/core/system.h"
 
@@ -16,7 +16,7 @@ class OwnFace : public StagedSystem {
   void check(StateCheck& check, double t) const override { own_.check(check, t); }
   void apply(State& s, const Command& c) const override { own_.apply(s, c); }
   uint32_t drawing_version(const State& s) const override { return own_.drawing_version(s); }
-  /// But the contacts, which are ours.
+  /// Without the contacts, which belong to our own solver.
   void draw(const State& s, double t, Wish wishes, Drawing& out) const override {
     own_.draw(s, t, wishes, out);
     out.contacts.clear();

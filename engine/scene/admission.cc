@@ -12,9 +12,9 @@ std::string text(double v) {
   return buffer;
 }
 
-// Measured: what a session and a system of it are beside what they hold.
+// Measured: what a session and each system take besides their contents.
 constexpr double kSessionBytes = 13e3, kSystemBytes = 11.5e3;
-// And what a step takes, and a substep of a system or coupling, however little there is in it.
+// Measured: minimum time of a step, and of a substep of a system or coupling.
 constexpr double kStepSeconds = 1e-6, kRoundSeconds = 2.5e-7;
 
 }  // namespace

@@ -1,4 +1,5 @@
-// What a scene will cost, from counts alone and before anything is allocated, and whether that is allowed.
+// Estimates what a scene will cost, from counts alone and before anything is allocated, and whether that is
+// allowed.
 #pragma once
 #include "engine/base/errors.h"
 #include "engine/core/build.h"
@@ -15,7 +16,7 @@ struct AdmissionLimits {
 /// Sum over the scene's systems and couplings, substeps included.
 Cost estimate(const Scene& scene);
 
-/// Error "too_large" with the estimate and the limit of everything that exceeds one.
+/// Error "too_large" with the estimate and the limit of everything that exceeds its limit.
 void require_admission(const Cost& cost, const AdmissionLimits& limits);
 
 }  // namespace truestep

@@ -1,5 +1,5 @@
-// The explicit table of everything a scene can hold: one row per system type. No plug-ins, no registration at
-// start-up: a new system is a folder and one line in catalogue.cc.
+// The explicit table of everything a scene can contain: one row per system type. No plug-ins, no registration
+// at start-up: a new system is a folder and one line in catalogue.cc.
 #pragma once
 #include <functional>
 #include <memory>
@@ -25,16 +25,17 @@ struct CatalogueRow {
   std::unique_ptr<const System> (*build)(const void* def, const BuildContext& context);
   /// Counts only; never allocates.
   Cost (*cost)(const void* def);
-  std::vector<std::string_view> guarantees;  ///< what tests hold it to, one sentence each
+  std::vector<std::string_view> guarantees;  ///< what tests check, one sentence each
   std::string_view default_integrator;       ///< empty: the system has its own method
   const Outputs* outputs;                    ///< what can be recorded, probed and observed
-  double longest_substep = 10;               ///< s, beyond which nothing that it describes is resolved
-  const Resolution* resolution = nullptr;    ///< null: no parameter divides anything
-  std::vector<std::string_view> own_integrators = {};  ///< methods that are in no table and serve it alone
+  double longest_substep = 10;               ///< s, longest substep that still resolves anything it describes
+  const Resolution* resolution = nullptr;    ///< null: it has no resolution parameter
+  std::vector<std::string_view> own_integrators = {};  ///< methods outside the table that serve only this
+                                                       ///< type
 };
 
 std::span<const CatalogueRow> catalogue();
-/// The row of that type, or null.
+/// The row with that type, or null.
 const CatalogueRow* find_system_type(std::string_view type);
 
 }  // namespace truestep

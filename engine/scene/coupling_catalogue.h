@@ -20,12 +20,12 @@ struct CouplingRow {
   std::unique_ptr<const Coupling> (*build)(const void* def, const CouplingContext& context);
   /// What it adds to the costs of its two sides; counts only, never allocates.
   Cost (*cost)(const void* def, const Cost& a, const Cost& b);
-  std::vector<std::string_view> guarantees;  ///< what tests hold it to, one sentence each
+  std::vector<std::string_view> guarantees;  ///< what tests check, one sentence each
   bool touches = false;                      ///< whether points meet the bodies of the other side
 };
 
 std::span<const CouplingRow> coupling_catalogue();
-/// The row of that type, or null.
+/// The row with that type, or null.
 const CouplingRow* find_coupling_type(std::string_view type);
 
 }  // namespace truestep

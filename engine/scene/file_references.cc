@@ -17,10 +17,10 @@ namespace fs = std::filesystem;
 
 namespace {
 
-constexpr size_t kMostFile = size_t{64} << 20;       // bytes of one
-constexpr size_t kMostResolved = size_t{128} << 20;  // bytes of all that a document refers to
+constexpr size_t kMostFile = size_t{64} << 20;       // bytes of one file
+constexpr size_t kMostResolved = size_t{128} << 20;  // bytes of all files that a document refers to
 
-/// One document's references on the way to their values.
+/// One document's references while they are resolved.
 struct Resolving {
   std::string_view key;
   const std::function<std::string(const std::string&)>& fetch;
@@ -37,7 +37,7 @@ struct Resolving {
         value(member, at);
       }
     } else if (json::array* a = v.if_array()) {
-      // Lists of numbers are long and hold no references.
+      // Lists of numbers are long and contain no references.
       for (size_t i = 0; i < a->size() && ((*a)[i].is_object() || (*a)[i].is_array()); ++i)
         value((*a)[i], pointer + "/" + std::to_string(i));
     }
@@ -101,7 +101,7 @@ std::string read_beside(const fs::path& folder, const std::string& name) {
                       std::none_of(path.begin(), path.end(), [](const fs::path& p) { return p == ".."; });
   if (!inside) throw Error("not_found", "a path leads to a file in the scene file's folder or below it");
   std::error_code failed;
-  // Not out of the folder by a link either.
+  // Links must not lead out of the folder either.
   const fs::path whole = fs::weakly_canonical(folder / path, failed), root = fs::weakly_canonical(folder);
   const auto [end, rest] = std::mismatch(root.begin(), root.end(), whole.begin(), whole.end());
   if (failed || end != root.end())

@@ -1,6 +1,6 @@
-// References of a scene to files: {"asset": "<sha256>"} of what a server keeps, {"path": "part.stl"} of what
-// lies beside a scene file, each with "as" (FileUse) and "scale" where it wants them. The file's value takes
-// the reference's place, so that a session, its snapshots and its bundle hold all they need.
+// References from a scene to files: {"asset": "<sha256>"} for files kept by a server, {"path": "part.stl"}
+// for files next to a scene file, each optionally with "as" (FileUse) and "scale". The reference is replaced
+// by the file's value, so that a session, its snapshots and its bundle hold everything they need.
 #pragma once
 #include <boost/json/value.hpp>
 #include <filesystem>
@@ -9,13 +9,13 @@
 
 namespace truestep {
 
-/// Replaces every reference of a kind, `key` being "asset" or "path". `fetch` gives the bytes of a name;
-/// an Error "not_found" of it becomes the reference's. Error "scene_invalid" with a pointer to all that is
-/// wrong, "too_large" where the files together are larger than 128 MiB.
+/// Replaces every reference of one kind; `key` is "asset" or "path". `fetch` returns the bytes for a name;
+/// its Error "not_found" is reported at the reference. Error "scene_invalid" with a pointer to every fault,
+/// "too_large" when the files together exceed 128 MiB.
 void resolve_files(boost::json::value& document, std::string_view key,
                    const std::function<std::string(const std::string&)>& fetch);
 
-/// References to paths: files in `folder` or below.
+/// Resolves paths: files in `folder` or below.
 void resolve_paths(boost::json::value& document, const std::filesystem::path& folder);
 
 }  // namespace truestep

@@ -19,7 +19,7 @@ namespace {
 
 enum class Format : uint8_t { json, obj, stl, ply, msh, bvh, unknown };
 
-// By how it begins, and binary STL by its length.
+// Recognised by how it begins; binary STL by its length.
 Format format_of(std::string_view bytes) {
   if (is_binary_stl(bytes)) return Format::stl;
   TextLines lines(bytes);

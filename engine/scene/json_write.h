@@ -1,12 +1,12 @@
-// JSON out, with numbers as people write them: 0.01, not 1E-2. Shortest text that reads back as the same
-// double.
+// Writes JSON with numbers as people write them: 0.01, not 1E-2; the shortest text that reads back as the
+// same double.
 #pragma once
 #include <boost/json/value.hpp>
 #include <string>
 
 namespace truestep {
 
-/// The document without white space. A number that is not finite becomes null: JSON has none.
+/// The document without white space. Numbers that are not finite become null, since JSON has none.
 std::string write_json(const boost::json::value& value);
 
 }  // namespace truestep

@@ -1,4 +1,5 @@
-// JSON objects against parameter tables, both ways. Every fault is collected, none stops the reading.
+// Converts between JSON objects and structs described by parameter tables. All faults are collected; none
+// stops the reading.
 #pragma once
 #include <boost/json.hpp>
 #include <span>
@@ -13,12 +14,12 @@
 
 namespace truestep {
 
-/// Whether a struct holds what the document says. Keys that nobody knows are faults of the document, but
-/// leave the struct sound.
+/// Whether a struct holds what the document says. Unknown keys are faults of the document, but the struct is
+/// still sound.
 enum class Reading : uint8_t { sound, faulty };
 
 /// Fills the struct `owner` described by `table` from `object`. `also_allowed` are keys that the caller reads
-/// itself; keys that begin with x_ are free. Faults go to `issues` with pointers below `pointer`.
+/// itself; keys that begin with x_ are ignored. Faults go to `issues` with pointers below `pointer`.
 Reading read_params(const DefTable& table, void* owner, const boost::json::object& object,
                     const std::string& pointer, std::span<const std::string_view> also_allowed,
                     std::vector<Issue>& issues);

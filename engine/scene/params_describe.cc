@@ -1,4 +1,4 @@
-// A table as rows for a person: documentation, the command line, the web form.
+// A table's rows for human readers: documentation, the command line, the web form.
 #include <iterator>
 
 #include "engine/scene/params.h"

@@ -1,4 +1,4 @@
-// Objects whose keys are the user's own names.
+// Objects whose keys are names chosen by the user.
 #include "engine/scene/json_write.h"
 #include "engine/scene/params.h"
 #include "engine/scene/params_reader.h"

@@ -1,4 +1,4 @@
-// Objects against their tables: keys, nested objects, variants; single values are in params_values.cc.
+// Reads objects by their tables: keys, nested objects, variants; single values are in params_values.cc.
 #include <algorithm>
 
 #include "engine/scene/params.h"
@@ -13,7 +13,7 @@ void ParamReader::members(const DefTable& table, void* owner, const json::object
                           const std::string& pointer, std::span<const std::string_view> also_allowed) {
   for (const auto& [key_view, value] : o) {
     const std::string key(key_view);
-    // "x_..." is the user's own, unless it is a parameter ("x_min" of a box's sides).
+    // "x_..." belongs to the user, unless it is a parameter ("x_min" of a box's sides).
     if ((key.starts_with("x_") && !table.find(key)) ||
         std::find(also_allowed.begin(), also_allowed.end(), key) != also_allowed.end()) {
       continue;
@@ -175,7 +175,7 @@ void ParamReader::variant(const ParamRow& r, void* owner, const json::value& e, 
 
 namespace {
 
-// The value below `o` that a relative pointer names, where there is one.
+// The value below `o` that a relative pointer names, if any.
 FoundValue found_at(const json::object& o, const std::string& pointer) {
   const json::value* v = nullptr;
   for (size_t at = 0; at < pointer.size();) {

@@ -13,25 +13,25 @@
 
 namespace truestep {
 
-/// What stands in the document where a fault is; nothing where a value is missing.
+/// The value in the document at a fault; empty when it is missing.
 struct FoundValue {
   std::string text;
   FoundValue() = default;
   FoundValue(const boost::json::value& value) : text(shorten(value)) {}  // NOLINT: implicit on purpose
 };
 
-/// The one fault that leaves every member good.
+/// The only fault that does not spoil a member.
 inline constexpr std::string_view kUnknownKey = "unknown_key";
 
 class ParamReader {
  public:
   explicit ParamReader(std::vector<Issue>& issues) : issues_(issues) {}
 
-  /// Every key of `o` into `owner`, then the table's checks across members where each member is good; see
-  /// read_params.
+  /// Reads every key of `o` into `owner`, then runs the table's checks across members if each member is good;
+  /// see read_params.
   void object(const DefTable& table, void* owner, const boost::json::object& o, const std::string& pointer,
               std::span<const std::string_view> also_allowed);
-  /// Faulty when a member has a value that cannot be taken; a key that nobody knows spoils none.
+  /// Faulty when a member has an unacceptable value; unknown keys do not count.
   Reading reading() const { return bad_members_ == 0 ? Reading::sound : Reading::faulty; }
 
  private:
@@ -41,7 +41,7 @@ class ParamReader {
   void members(const DefTable& table, void* owner, const boost::json::object& o, const std::string& pointer,
                std::span<const std::string_view> also_allowed);
 
-  // One value of a kind; false after a fault.
+  // Reads one value of a kind; false after a fault.
   bool number(const ParamRow& r, const boost::json::value& v, const std::string& where, double& out);
   bool integer(const ParamRow& r, const boost::json::value& v, const std::string& where, int64_t& out);
   bool vector(const ParamRow& r, const boost::json::value& v, const std::string& where, Vec3& out);
@@ -49,7 +49,7 @@ class ParamReader {
   bool named_shape(const ParamRow& r, const boost::json::value& v, const std::string& where);
   bool array_shape(const ParamRow& r, const boost::json::value& v, const std::string& where);
 
-  // The value of a row into its owner.
+  // Reads the value of a row into its owner.
   void row(const ParamRow& r, void* owner, const boost::json::value& v, const std::string& where);
   void named_numbers(const ParamRow& r, void* owner, const boost::json::value& v, const std::string& where);
   void named_texts(const ParamRow& r, void* owner, const boost::json::value& v, const std::string& where);
@@ -61,7 +61,7 @@ class ParamReader {
              ReadOne read_one);
 
   std::vector<Issue>& issues_;
-  size_t bad_members_ = 0;  ///< those with a value that cannot be taken
+  size_t bad_members_ = 0;  ///< members with an unacceptable value
 };
 
 }  // namespace truestep

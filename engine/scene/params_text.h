@@ -1,4 +1,4 @@
-// How parameters, their limits and their kinds are put into words, for faults and descriptions alike.
+// Parameters, their limits and their kinds in words, for faults and descriptions alike.
 #pragma once
 #include <span>
 #include <string>
@@ -13,7 +13,7 @@ std::string join_names(std::span<const std::string> names);
 /// "[0, 1)", "> 0" or "any finite number".
 std::string limits_text(const Limits& limits);
 
-/// What a row takes: "a number > 0", its choices, "an array of [x, y, z]" ...
+/// What a row accepts: "a number > 0", its choices, "an array of [x, y, z]" ...
 std::string kind_text(const ParamRow& row);
 
 }  // namespace truestep

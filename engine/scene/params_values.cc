@@ -25,7 +25,7 @@ void ParamReader::fault(const std::string& pointer, std::string_view code, const
                         const FoundValue& found, const std::string& allowed, const std::string& unit,
                         const std::string& did_you_mean) {
   if (code != kUnknownKey) ++bad_members_;
-  // A document can hold millions of faults; nobody reads more than a screenful.
+  // A document can contain millions of faults; nobody reads more than a screenful.
   if (issues_.size() < 100)
     issues_.push_back({pointer, std::string(code), message, found.text, allowed, did_you_mean, unit});
 }

@@ -1,5 +1,5 @@
-// A struct as JSON, by its table: what reading it again gives the same struct from. Lists that were not given
-// are left out where an empty one could not be read.
+// A struct as JSON, by its table; reading it gives the same struct again. Lists that were not given are left
+// out if an empty one would be refused.
 #include "engine/scene/params.h"
 
 namespace truestep {

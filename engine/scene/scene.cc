@@ -31,7 +31,7 @@ bool good_id(std::string_view id) {
   });
 }
 
-// An object whose "type" names one of the rows; null and a fault otherwise.
+// The row named by the object's "type"; null and a fault otherwise.
 template <class Row>
 const Row* read_type(const json::value& v, const std::string& where, const std::string& noun,
                      std::span<const Row> rows, std::vector<Issue>& errors) {
@@ -52,7 +52,7 @@ const Row* read_type(const json::value& v, const std::string& where, const std::
   return nullptr;
 }
 
-// The object's "id", or `otherwise`; what is no id is a fault.
+// The object's "id", or `otherwise`; an invalid id is a fault.
 std::string read_id(const json::object& o, const std::string& where, std::string otherwise,
                     std::vector<Issue>& errors) {
   const json::value* id = o.if_contains("id");
@@ -77,7 +77,8 @@ void require_new_id(const Scene& scene, const std::string& id, const std::string
   }
 }
 
-// Which methods fit only a built system knows; a name that no method has is wrong in any. True: it is one.
+// Which methods suit a system is known only once it is built; a name that no method has is always a fault.
+// Returns whether it is one.
 bool unknown_method(const json::object& o, const CatalogueRow& row, const std::string& where,
                     std::vector<Issue>& errors) {
   const json::value* given = o.if_contains("integrator");
@@ -105,7 +106,7 @@ void read_system(const json::value& v, size_t index, Scene& scene, SceneReport& 
   require_new_id(scene, system.id, where, errors);
   constexpr std::string_view kOwn[] = {"type", "id"};
   system.reading = read_params(*row->table, system.def.get(), v.as_object(), where, kOwn, errors);
-  // A sound one is built and says it itself, but for the names of methods that serve this kind alone.
+  // A sound system is built and reports its methods itself, except for methods that serve only this type.
   const bool asked_here = system.reading == Reading::faulty || !row->own_integrators.empty();
   if (asked_here && unknown_method(v.as_object(), *row, where, errors)) system.reading = Reading::faulty;
   scene.systems.push_back(std::move(system));
@@ -159,7 +160,7 @@ void read_couplings(const json::value& v, Scene& scene, SceneReport& report) {
   for (size_t i = 0; i < v.as_array().size(); ++i) read_coupling(v.as_array()[i], i, scene, report);
 }
 
-// Schema of one system or coupling: its type and what every row has, then the row's parameters.
+// Schema of one system or coupling: its type and the common members, then the row's parameters.
 json::object typed_schema(std::string_view type, std::string_view sentence, const DefTable& table,
                           json::object properties, std::vector<std::string_view> required) {
   json::object s = schema_of(table);
@@ -176,7 +177,8 @@ json::object typed_schema(std::string_view type, std::string_view sentence, cons
   return s;
 }
 
-// Bodies, points and springs are lost in steps of minutes, and some of their loops run as long as a step is.
+// Bodies, points and springs are not resolved by steps of minutes, and some of their loops take time in
+// proportion to the step.
 void check_substep(const Scene& scene, std::vector<Issue>& errors) {
   for (const SceneSystem& s : scene.systems) {
     if (scene.substep() <= s.row->longest_substep) continue;
@@ -202,7 +204,7 @@ void check_accuracy(const Scene& scene, std::vector<Issue>& errors) {
                     '"' + id.substr(0, 64) + '"', join_names(fit), nearest_name(id, fit), ""});
 }
 
-// Ids of probes, and of the systems that they look at.
+// Ids of probes, and of the systems that they refer to.
 void check_probes(const Scene& scene, SceneReport& report) {
   std::vector<Issue>& errors = report.errors;
   std::vector<std::string> ids;
@@ -213,7 +215,7 @@ void check_probes(const Scene& scene, SceneReport& report) {
   for (size_t i = 0; i < scene.header.probes.size(); ++i) {
     const ProbeParams& p = scene.header.probes[i];
     const std::string where = "/probes/" + std::to_string(i);
-    const std::string owner = p.system.substr(0, p.system.find('.'));  // of the part "owner.part"
+    const std::string owner = p.system.substr(0, p.system.find('.'));  // for the part "owner.part"
     if (std::find(ids.begin(), ids.end(), owner) == ids.end() && !lost(owner)) {
       errors.push_back({where + "/system", "unknown_system", "no system has this id", '"' + p.system + '"',
                         join_names(ids), nearest_name(p.system, ids), ""});

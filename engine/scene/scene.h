@@ -1,4 +1,4 @@
-// A scene: what a client POSTs and `truestep run` reads. The header and every system are read off their
+// A scene: what a client POSTs and `truestep run` reads. The header and every system are read by their
 // parameter tables; all faults are reported at once, each with its JSON pointer.
 //
 // Expectations name a quantity: an observable at the end ("energy.total", "rope.strain.max", a probe's
@@ -28,7 +28,7 @@ inline constexpr double kLongestDt = 1e13, kLongestDuration = 1e13;
 
 struct TimeParams {
   double dt = 1.0 / 60;             ///< s, session step
-  std::optional<int64_t> substeps;  ///< none: one, or what default methods need (World)
+  std::optional<int64_t> substeps;  ///< empty: one, or what default methods need (World)
   double duration = 10;             ///< s, what `run` and expectations cover
   int64_t max_catchup_steps = 8;    ///< steps that a late session may do at once
 };
@@ -36,7 +36,7 @@ struct TimeParams {
 struct ProbeParams {
   std::string id, system;
   int64_t index = 0;       ///< row; negative counts from the end
-  std::optional<Vec3> at;  ///< m, in a grid: instead of index
+  std::optional<Vec3> at;  ///< m, in a grid: instead of an index
   std::vector<std::string> fields{"position"};
 };
 
@@ -51,17 +51,17 @@ struct CameraParams {
   double fov = 0.7;  ///< rad, vertical
 };
 
-/// Where a grid in space is cut to be seen.
+/// Where a 3-D grid is cut to be shown.
 struct SliceParams {
   enum class Axis : uint8_t { x, y, z } axis = Axis::z;
-  std::optional<double> at;  ///< m; none: in the middle
+  std::optional<double> at;  ///< m; empty: in the middle
 };
 
 struct ViewerParams {
   std::optional<CameraParams> camera;
   std::string color_by;  ///< name of a field
   ColorMap color_map = ColorMap::viridis;
-  std::vector<double> range;  ///< lowest and highest value of the colours; empty: of what is shown
+  std::vector<double> range;  ///< lowest and highest value of the colours; empty: those shown
   std::optional<SliceParams> slice;
   std::optional<double> height;  ///< m per unit of the value
   int64_t contours = 0;
@@ -75,12 +75,12 @@ struct ExpectParams {
   std::string source;
 };
 
-/// How accurate a scene wants to be; the service then chooses method and step.
+/// How accurate a scene should be; the service then chooses method and step.
 struct AccuracyParams {
   double tolerance = 1e-4;         ///< relative error of the quantity over the horizon
   std::string system;              ///< empty: the first that takes an integrator
-  std::string quantity = "state";  ///< a field, or everything that says where the system is
-  std::optional<double> horizon;   ///< s; the scene's duration when absent
+  std::string quantity = "state";  ///< a field, or all numbers that say where the system is
+  std::optional<double> horizon;   ///< s; empty: the scene's duration
 };
 
 struct SceneHeader {
@@ -96,7 +96,7 @@ struct SceneHeader {
   std::vector<ProbeParams> probes;
   std::optional<RecordingParams> recording;
   enum class OnInstability { pause, stop } on_instability = OnInstability::pause;
-  bool keep_running = false;  ///< play goes on when the last viewer has left
+  bool keep_running = false;  ///< playing continues when the last viewer has left
   ViewerParams viewer;
   std::vector<ExpectParams> expect;
 };
@@ -129,9 +129,9 @@ struct Scene {
   int64_t substeps() const { return header.time.substeps.value_or(1); }
   /// h = dt / substeps
   double substep() const { return header.time.dt / static_cast<double>(substeps()); }
-  /// Number of the system that takes an integrator: the one named `id`, or the first when the id is empty.
+  /// Index of the system that takes an integrator: the one named `id`, or the first when the id is empty.
   std::optional<size_t> integrated_system(std::string_view id) const;
-  /// What a system of this scene is told.
+  /// What a system of this scene is built with.
   BuildContext context(size_t system) const;
   /// The whole scene with defaults, in SI.
   boost::json::object canonical() const;
@@ -141,8 +141,8 @@ struct Scene {
 struct SceneReport {
   std::optional<Scene> scene;
   std::vector<Issue> errors, warnings;
-  /// Where there is no scene: what could be read of it, for finding the faults that only building shows.
-  /// Systems of unknown type are left out, `lost_ids` are theirs.
+  /// If there is no scene: the parts that could be read, for finding faults that only building reveals.
+  /// Systems of unknown type are left out; `lost_ids` are theirs.
   std::optional<Scene> draft;
   std::vector<std::string> lost_ids;
 };

@@ -19,7 +19,8 @@ constexpr auto kNo = NamedUnit::Prefix::no;
 constexpr auto kYes = NamedUnit::Prefix::yes;
 constexpr double kPi = std::numbers::pi;
 
-// Longer names come first only where one is a prefix of another's prefixed form ("min" against m-in, "deg").
+// A longer name must come first only if a shorter one with a prefix reads the same ("min" against m-in,
+// "deg").
 const NamedUnit kUnits[] = {
     {"1", {1, {}}, kNo},
     {"rad", {1, {}}, kYes},
@@ -107,7 +108,7 @@ std::optional<Unit> parse_unit(std::string_view text) {
     const std::string_view factor = text.substr(0, end);
     if (factor.empty() || !multiply_factor(factor, sign, unit)) return std::nullopt;
     if (end == std::string_view::npos) return unit;
-    // A slash divides by the next factor alone: "N/m s" is (N/m) s, and N/(m s) is written "N/m/s".
+    // A slash divides only by the next factor: "N/m s" is (N/m) s, and N/(m s) is written "N/m/s".
     std::string_view rest = trim(text.substr(end));
     sign = 1;
     if (rest.front() == '/' || rest.front() == '*') {

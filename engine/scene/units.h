@@ -14,7 +14,7 @@ struct Unit {
   std::array<int, 5> powers{};
 };
 
-/// Parses "N/m", "kg m/s^2", "mm", "deg", "1" ...; nothing when a name is unknown.
+/// Parses "N/m", "kg m/s^2", "mm", "deg", "1" ...; empty when a name is unknown.
 std::optional<Unit> parse_unit(std::string_view text);
 
 /// A number followed by a unit, in SI. `error` says what is wrong when there is no value.

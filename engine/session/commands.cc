@@ -11,7 +11,7 @@ namespace {
 using C = Command;
 constexpr Limits kIndex{-1, 9e15};
 
-// Every table describes the same struct; a type shows the members that it uses.
+// All tables describe the same struct; a command type exposes the members that it uses.
 DefTable push_table() {
   return TableOf<C>("a force for some time")
       .text("system", &C::system, "id of the system")

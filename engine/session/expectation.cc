@@ -19,7 +19,7 @@ ExpectedQuantity expected_quantity(const std::string& text) {
 
 namespace {
 
-// Largest |value| among the observables of `name`'s group that have its unit: the parts of a sum set its
+// Largest |value| among the observables in `name`'s group that share its unit: the terms of a sum set its
 // scale, so that a total near zero does not make every drift look large.
 double group_scale(const std::string& name, const Observables& values) {
   const size_t dot = name.rfind('.');

@@ -1,4 +1,4 @@
-// What a run should measure (the scene's `expect`) against what it did measure.
+// Compares what a run should measure (the scene's `expect`) with what it did measure.
 #pragma once
 #include <optional>
 #include <string>
@@ -10,22 +10,22 @@ namespace truestep {
 
 struct Verdict {
   ExpectParams expected;
-  std::optional<double> measured;  ///< nothing when no such quantity exists
+  std::optional<double> measured;  ///< empty when no such quantity exists
   bool met = false;
-  /// What a drift was divided by; 0: nothing, it is absolute. Absent for what is no drift.
+  /// What a drift was divided by; 0: by nothing, it is absolute. Absent for anything but a drift.
   std::optional<double> drift_scale;
 };
 
-/// How a run's values of an observable become one.
+/// How a run's values of an observable are reduced to one.
 enum class Reduction : uint8_t { last, min, max, drift };
 struct ExpectedQuantity {
   Reduction reduction = Reduction::last;
   std::string name;  ///< of an observable
 };
-/// "energy.total", "max(rope.strain.max)", "energy.drift" taken apart.
+/// Parses "energy.total", "max(rope.strain.max)", "energy.drift".
 ExpectedQuantity expected_quantity(const std::string& text);
 
-/// Watches a run. Observables are computed at every step only when an expectation needs the whole run.
+/// Watches a run. Observables are computed at every step only if an expectation needs the whole run.
 class Expectations {
  public:
   explicit Expectations(const Scene& scene);

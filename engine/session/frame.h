@@ -1,4 +1,4 @@
-// A frame: what some sink asked to see of one step. Immutable and shared; it holds the requested fields only.
+// A frame: what some sink asked to see of one step. Immutable and shared; it holds only the requested fields.
 #pragma once
 #include <cstddef>
 #include <cstdint>
@@ -14,7 +14,7 @@
 
 namespace truestep {
 
-/// One field of one part, wanted in a type (f64 fields may be asked for as f32).
+/// One field of one part, requested in a type (f64 fields may be requested as f32).
 struct FieldKey {
   uint32_t part = 0;  ///< index in the world's parts
   uint32_t field = 0;
@@ -25,7 +25,7 @@ struct FieldKey {
 /// What a sink wants in its frames.
 struct FrameRequest {
   std::vector<FieldKey> fields;  ///< sorted, unique
-  /// What costs something and is there only where asked for; a set of bits.
+  /// Optional contents that cost something; a set of bits.
   enum class Extras : uint8_t { none = 0, observables = 1, state_hash = 2 } extras = Extras::none;
   Wish wishes = Wish::none;  ///< of the drawing
   bool wants(Extras what) const { return (static_cast<uint8_t>(extras) & static_cast<uint8_t>(what)) != 0; }
@@ -45,12 +45,13 @@ struct Frame {
   uint64_t step = 0;
   double time = 0;                     ///< s
   double alpha = 0;                    ///< interpolation factor of the accumulator
-  std::optional<uint64_t> state_hash;  ///< when asked for
+  std::optional<uint64_t> state_hash;  ///< if requested
   uint32_t drawing_version = 1;
   std::vector<FrameBlock> blocks;           ///< in the order of the request
-  Observables observables;                  ///< empty unless asked for
-  std::shared_ptr<const Drawing> constant;  ///< what does not change with the version; null unless wished for
-  Drawing moving;                           ///< obstacles and marks where wished for
+  Observables observables;                  ///< empty unless requested
+  std::shared_ptr<const Drawing> constant;  ///< what changes only with the drawing's version; null unless
+                                            ///< requested
+  Drawing moving;                           ///< obstacles and marks, if requested
 
   size_t memory_bytes() const {
     size_t n = sizeof *this;
@@ -71,21 +72,21 @@ using FramePtr = std::shared_ptr<const Frame>;
 
 struct JournalEntry;
 
-/// Takes frames of a session. Called by the thread that advances the session, never by two at once.
+/// Receives a session's frames. Called by the thread that advances the session, never concurrently.
 class Sink {
  public:
   virtual ~Sink() = default;
-  /// Whether this sink would take a frame of this step now; a frame that no sink is due for is not built.
+  /// Whether this sink would take a frame of this step now; if no sink is due, no frame is built.
   virtual bool due(uint64_t step) = 0;
   virtual const FrameRequest& request() const = 0;
   virtual void accept(const FramePtr& frame) = 0;
   /// The session's past or clock changed: reset, seek, play, pause, instability.
   virtual void notify(std::string_view kind, uint64_t step, const std::string& detail) {}
-  /// The session ends, and why: a code that clients know and a sentence.
+  /// The session has ended; `code` is known to clients, the reason is a sentence.
   virtual void bye(std::string_view code, const std::string& reason) {}
   /// A command is about to be carried out.
   virtual void before_command(const JournalEntry& entry) {}
-  /// It made no sense and changed nothing.
+  /// The command was refused and changed nothing.
   virtual void command_refused(const JournalEntry& entry) {}
 };
 

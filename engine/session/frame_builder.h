@@ -1,6 +1,6 @@
-// The one way from a state to what people see of it: frames with the fields, drawings and numbers that a sink
-// asked for. The constant part of a drawing is made when its version changes and shared by all frames
-// between.
+// The one way from a state to what is shown of it: frames with the fields, drawings and numbers that a sink
+// asked for. The constant part of a drawing is built when its version changes and shared by all frames until
+// then.
 #pragma once
 #include <atomic>
 #include <memory>
@@ -17,7 +17,7 @@ class FrameBuilder {
 
   /// A frame of a state of the world. Error "bad_request" for a field that does not exist in the wanted type.
   FramePtr build(const WorldState& state, double alpha, const FrameRequest& request) const;
-  /// Frames built so far; a frame nobody asked for is not built.
+  /// Frames built so far; a frame that nobody asked for is not built.
   uint64_t built() const { return built_; }
 
  private:

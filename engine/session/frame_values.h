@@ -1,4 +1,4 @@
-// Fields of a frame as drawings read them: by part and meaning or name, element by element.
+// A frame's fields as drawings read them: by part and meaning or name, element by element.
 #pragma once
 #include <cstdint>
 #include <cstring>
@@ -10,7 +10,7 @@
 
 namespace truestep {
 
-/// Rows of a field as a frame holds them; without rows where it does not.
+/// Rows of a field in a frame; no rows if the frame does not have it.
 class FrameValues {
  public:
   FrameValues() = default;
@@ -22,7 +22,7 @@ class FrameValues {
   size_t rows() const { return block_ ? block_->rows : 0; }
   uint32_t width() const { return block_ ? block_->width : 0; }
   bool has(size_t row, uint32_t width) const { return row < rows() && this->width() == width; }
-  /// Element k of the rows one after the other.
+  /// Element k of all rows concatenated.
   double at(size_t k) const {
     return element({block_->data.data(), block_->key.type, block_->rows, block_->width}, k);
   }

@@ -5,9 +5,9 @@
 namespace truestep {
 namespace {
 
-constexpr double kShare = 0.005;  // of the run's time for snapshots
+constexpr double kShare = 0.005;  // share of the run's time spent on snapshots
 
-// Seconds of a snapshot, measured into memory touched for the first time: page faults are most of it.
+// Seconds per snapshot, measured on memory touched for the first time: page faults dominate.
 double copy_seconds(size_t bytes) {
   return 1e-6 + 3e-10 * static_cast<double>(bytes);
 }
@@ -15,7 +15,7 @@ double copy_seconds(size_t bytes) {
 }  // namespace
 
 void History::set_cadence(size_t bytes, double step_seconds) {
-  // A step that was interrupted looks long: at most twice the last is believed.
+  // An interrupted step looks long: at most twice the last figure is believed.
   step_seconds_ = step_seconds_ > 0 ? std::min(step_seconds, 2 * step_seconds_) : step_seconds;
   const double wanted = copy_seconds(bytes) / (kShare * step_seconds_);
   while (cadence_ < kMostCadence && static_cast<double>(cadence_) < wanted) cadence_ *= 2;
@@ -32,7 +32,7 @@ void History::keep(const WorldState& state) {
   const bool regular = due(state.step);
   const size_t size = state.memory_bytes();
   WorldState place;
-  // Spare memory that does not fit (states with emitters grow) is given back before the past is thinned.
+  // Spare memory that does not fit (states with emitters grow) is freed before the past is thinned.
   while (!spare_.empty() || !fits(bytes_ + size)) {
     if (spare_.empty()) {
       if (snapshots_.empty()) return;
@@ -51,7 +51,7 @@ void History::keep(const WorldState& state) {
   snapshots_.push_back(std::move(place));
 }
 
-// Only multiples of the doubled spacing stay.
+// Keeps only multiples of the doubled spacing.
 void History::thin_out() {
   spacing_ *= 2;
   const auto gone = std::stable_partition(snapshots_.begin(), snapshots_.end(),

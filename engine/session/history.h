@@ -1,8 +1,8 @@
-// Snapshots of past steps within a bound in bytes. When the bound is reached every other snapshot goes and
+// Snapshots of past steps, bounded in bytes. When the bound is reached every other snapshot is dropped and
 // the interval doubles, so the whole past stays reachable at a cost that grows with its length.
-// Snapshots are as frequent as half a percent of the run's time allows, so that going back costs at most some
-// two hundred times the copying of one state, however dear a step is. When they are taken changes no bit of
-// the states. The memory of one that goes is copied into by the next: after the first thinning a snapshot
+// Snapshots are as frequent as half a percent of the run's time allows, so that going back costs at most
+// about two hundred times the copying of one state, however expensive a step is. When they are taken does not
+// affect the states' bits. The memory of dropped snapshots is reused: after the first thinning a snapshot
 // allocates nothing.
 #pragma once
 #include <algorithm>
@@ -16,17 +16,17 @@ namespace truestep {
 
 class History {
  public:
-  /// Told of the bytes that all snapshots shall take before they are allocated, and when fewer are left:
-  /// false when there is no room for as many. Empty: there always is.
+  /// Called with the bytes that all snapshots will take, before they are allocated and when fewer are left;
+  /// returns false when there is no room. Empty: there always is.
   using Room = std::function<bool(size_t bytes)>;
   explicit History(size_t max_bytes, Room room = {}) : max_bytes_(max_bytes), room_(std::move(room)) {}
 
-  /// Whether a snapshot is wanted at the end of this step: then the step is timed.
+  /// Whether a snapshot is wanted at the end of this step, which is then timed.
   bool due(uint64_t step) const { return step % std::max(cadence_, spacing_) == 0; }
-  /// Copies a due state that is newer than the newest kept, unless its step, which took `step_seconds`, was
-  /// too cheap for a snapshot so soon.
+  /// Copies a due state newer than the newest kept, unless its step, which took `step_seconds`, was too cheap
+  /// for another snapshot so soon.
   void offer(const WorldState& state, double step_seconds);
-  /// Copies a state that is newer than the newest kept, whatever its step has taken.
+  /// Copies a state newer than the newest kept, however long its step took.
   void keep(const WorldState& state);
   /// Newest snapshot at or before `step`, or null.
   const WorldState* at_or_before(uint64_t step) const;
@@ -34,11 +34,11 @@ class History {
   void truncate(uint64_t step);
   /// Forgets snapshots before `step`.
   void forget_before(uint64_t step);
-  /// Forgets all and gives their memory back.
+  /// Forgets everything and frees the memory.
   void clear();
   std::vector<uint64_t> steps() const;
   std::vector<const WorldState*> snapshots() const;
-  /// Of the snapshots and of the memory kept for the next ones; at most the bound.
+  /// Of the snapshots and the spare memory for the next ones; at most the bound.
   size_t memory_bytes() const { return bytes_; }
 
  private:
@@ -50,11 +50,11 @@ class History {
   size_t max_bytes_;
   Room room_;
   size_t bytes_ = 0;                  ///< of `snapshots_` and `spare_`
-  uint64_t cadence_ = kLeastCadence;  ///< steps between snapshots that the time allows
-  uint64_t spacing_ = kLeastCadence;  ///< ... and that the bound in bytes allows; both powers of two
+  uint64_t cadence_ = kLeastCadence;  ///< steps between snapshots allowed by time
+  uint64_t spacing_ = kLeastCadence;  ///< ... and by the bound in bytes; both powers of two
   double step_seconds_ = 0;
   std::vector<WorldState> snapshots_;  ///< by step
-  std::vector<WorldState> spare_;      ///< their contents mean nothing
+  std::vector<WorldState> spare_;      ///< reusable memory; contents meaningless
 };
 
 }  // namespace truestep

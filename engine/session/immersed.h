@@ -1,4 +1,4 @@
-// The bodies that couplings hand to media for a substep, those of a medium beside each other.
+// The bodies that couplings hand to media for a substep, grouped by medium.
 #pragma once
 #include <span>
 #include <vector>

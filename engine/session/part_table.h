@@ -1,5 +1,5 @@
-// The parts of a scene's systems under the names that a scene, a stream and a recording know them by: "water"
-// is the main part of the system of that id, "water.boundary" another one of it.
+// The parts of a scene's systems under their public names, as used by scenes, streams and recordings: "water"
+// is the main part of the system with that id, "water.boundary" another part of it.
 #pragma once
 #include <memory>
 #include <optional>
@@ -26,7 +26,7 @@ class PartTable {
     }
   };
   PartTable() = default;
-  /// Systems that are null have no parts here.
+  /// Systems that are null contribute no parts.
   PartTable(const Scene& scene, std::span<const std::unique_ptr<const System>> systems);
 
   size_t size() const { return entries_.size(); }
@@ -36,9 +36,9 @@ class PartTable {
 
   /// Whether `name` means this part: its own id, or that of its system.
   bool named(size_t part, std::string_view name) const;
-  /// The first field of this name in the parts that `name` means, main parts first.
+  /// The first field with this name in the parts that `name` means, main parts first.
   std::optional<FieldPlace> find(std::string_view name, std::string_view field) const;
-  /// Names of all fields in these parts, each once; empty: of all parts.
+  /// Names of all fields in these parts, each once; for an empty name, of all parts.
   std::vector<std::string> field_names(std::string_view name) const;
   /// Ids of all parts, for messages.
   std::vector<std::string> ids() const;
@@ -47,7 +47,7 @@ class PartTable {
   std::vector<Entry> entries_;
 };
 
-/// Element k of a view, whatever its type.
+/// Element k of a view of any type.
 double element(const FieldView& view, size_t k);
 
 /// Names of a field's components: "tip.position.x", "tip.angle", "tip.orientation.0".

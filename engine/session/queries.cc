@@ -15,7 +15,7 @@ namespace json = boost::json;
 
 namespace {
 
-// Every table describes the same struct; a type shows the members that it uses.
+// All tables describe the same struct; a query type exposes the members that it uses.
 struct Query {
   std::vector<std::string> systems;  ///< ids; empty: all
   Vec3 at, direction{1, 0, 0};
@@ -101,15 +101,15 @@ Solid solid_of(const DrawnShape& s) {
   return mesh_solid(std::move(vertices), s.mesh->triangles);
 }
 
-/// Something to ask: a solid in its place, or (null) a point without extent.
+/// Something that can be found: a placed solid, or (null) a point without extent.
 struct Item {
   const Solid* solid = nullptr;
   Pose pose;
-  std::string_view system, part;  ///< ids; the shape's own where nothing carries it
+  std::string_view system, part;  ///< ids; its own id for a shape that no row carries
   std::optional<size_t> row;
 };
 
-/// All that a state shows. Refers to the session.
+/// Everything that a state shows. Refers to the session.
 class Things {
  public:
   Things(const Session& session, const std::vector<std::string>& systems) : session_(session) {
@@ -124,7 +124,7 @@ class Things {
                          std::find(systems.begin(), systems.end(), world.id(part.system)) != systems.end();
       if (asked && part.info().kind == PartInfo::Kind::points) add_part(p);
     }
-    // What no system's rows carry belongs to all of them.
+    // Shapes that no system's rows carry belong to all systems.
     if (!systems.empty()) return;
     for (const DrawnShape& s : frame_->moving.obstacles) {
       if (s.container) continue;
@@ -189,7 +189,7 @@ class Things {
 
   const Session& session_;
   FramePtr frame_;
-  std::deque<Solid> own_;  ///< keeps its places
+  std::deque<Solid> own_;  ///< keeps its addresses
   std::vector<Item> items_;
 };
 

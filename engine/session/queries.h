@@ -1,7 +1,6 @@
-// Questions about where things are in a state: what a ray meets, what lies nearest, what a box or ball
-// overlaps, what touches. Bodies are asked by their exact solids; other systems by what is drawn of them:
-// their visuals, their obstacles, and points as balls of their drawn radius. Lines and sheets between points
-// are not asked.
+// Spatial queries on a state: what a ray hits, what is nearest, what a box or ball overlaps, what touches.
+// Bodies are queried by their exact solids; other systems by what is drawn of them: their visuals, their
+// obstacles, and points as balls of their drawn radius. Lines and sheets between points are not included.
 #pragma once
 #include <boost/json.hpp>
 #include <span>
@@ -19,8 +18,8 @@ struct QueryType {
 std::span<const QueryType> query_types();
 
 /// The answer to {"type": ..., parameters} in the session's present state: "hits" (ray, nearest: sorted by
-/// distance in m, each with system, index, point and outward normal), "items" (overlap) or "contacts". What
-/// carries no row of a system (an obstacle) has no index. Error "bad_query" with every fault and its pointer.
+/// distance in m, each with system, index, point and outward normal), "items" (overlap) or "contacts". Shapes
+/// that no row carries (obstacles) have no index. Error "bad_query" with every fault and its pointer.
 boost::json::object answer_query(const Session& session, const boost::json::value& query);
 
 }  // namespace truestep

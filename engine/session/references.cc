@@ -18,7 +18,7 @@ std::string quoted(const std::string& text) {
   return '"' + text.substr(0, 64) + '"';
 }
 
-// Names for a message: as many as a person reads.
+// Names for a message, no more than a person reads.
 std::string listed(std::span<const std::string> names) {
   constexpr size_t kMost = 40;
   if (names.size() <= kMost) return join_names(names);
@@ -58,7 +58,7 @@ class Checker {
   }
 
  private:
-  // May name something of a part that is not built.
+  // Whether the name may belong to a part that is not built.
   bool hidden(const std::string& name) const {
     bool whole = !built_.systems.empty() && built_.lost_ids.empty();
     const auto within = [&](const std::string& id) { return name == id || name.starts_with(id + '.'); };
@@ -81,8 +81,7 @@ class Checker {
     return nullptr;
   }
 
-  // Rows come by themselves only where something emits them; commands may bring more, which no scene can
-  // name.
+  // Rows appear by themselves only if something emits them; commands may add more, which a scene cannot name.
   bool emits(const std::string& id) const {
     for (const SceneSystem& s : built_.scene.systems) {
       const ParamRow* emitters = s.id == id ? s.row->table->find("emitters") : nullptr;
@@ -252,12 +251,12 @@ Observables observe_parts(const BuiltScene& parts, std::span<const State> system
     const SceneCoupling& c = parts.scene.couplings[k];
     Observables one;
     parts.couplings[k]->observe({couplings[k], systems[c.a], systems[c.b]}, one);
-    // What a coupling stores belongs to the potential and to the total.
+    // Energy stored by a coupling counts towards the potential and the total.
     const double stored = one.find("energy.potential").value_or(0);
     sums[1] += stored, sums[2] += stored;
     for (const Observation& o : one.rows()) own.add(c.id + "." + o.name, o.value, o.unit);
   }
-  // A sum that leaves out a system would mislead.
+  // A sum that leaves out a system would be misleading.
   for (size_t k = 0; k < 3; ++k) {
     if (known[k]) total.add(kSums[k], sums[k], "J");
   }

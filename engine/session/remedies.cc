@@ -15,16 +15,16 @@ namespace {
 
 namespace json = boost::json;
 
-/// Of estimated time for one trial; a handful of them are made.
+/// Estimated time of one trial; only a few are made.
 constexpr double kTrialSeconds = 0.5;
-constexpr int64_t kMostParts = 4096;  // substeps that are worth a trial
-constexpr size_t kMostMethods = 3;    // that are tried, of each kind
+constexpr int64_t kMostParts = 4096;  // substeps worth a trial
+constexpr size_t kMostMethods = 3;    // tried of each kind
 
 bool unlimited(const Integrator& row, const Integration& s) {
   return std::isinf(stability_interval(row, *s.options).imaginary);
 }
 
-// Methods that hold at any step or choose their own, in the order in which they are worth a trial.
+// Methods that are stable at any step or choose their own, in the order in which they are worth a trial.
 std::vector<const Integrator*> other_methods(const Integration& s) {
   using Kind = Integrator::Kind;
   using Stepping = Integrator::Stepping;
@@ -55,8 +55,8 @@ class Trials {
   }
   uint64_t steps() const { return steps_; }
 
-  /// Whether the scene with this many substeps, and with this method in one of its systems where one is
-  /// given, goes from `before` to the end of the trial.
+  /// Whether the scene, with this many substeps and optionally another method in one of its systems, gets
+  /// from `before` to the end of the trial.
   bool holds(int64_t substeps, size_t system = 0, const Integrator* method = nullptr) {
     json::object d = world_.scene().canonical();
     d.erase("accuracy");
@@ -70,7 +70,7 @@ class Trials {
         if (n > 0) commands_(changed, state);
         changed.step(state, workspace, arena_, {});
       }
-      // What has come a long way since the last look shows itself here.
+      // Energy that has crept up since the last check shows here.
       state.watch.clear();
       changed.step(state, workspace, arena_, {});
     } catch (const Interrupted&) {
@@ -82,7 +82,7 @@ class Trials {
   }
 
  private:
-  // The states of `before`; what belongs to a method alone starts afresh where the methods differ.
+  // The states of `before`; columns that belong to a method start afresh where the methods differ.
   WorldState begin(const World& changed) const {
     WorldState state = changed.initial_state();
     state.step = before_.step;
@@ -125,8 +125,8 @@ Remedies try_remedies(const World& world, const WorldState& before, uint64_t fai
   const int64_t substeps = world.scene().substeps();
   const std::string tried = " (held when tried for " + std::to_string(trials.steps()) + " steps)";
 
-  // Smaller steps: what theory expects to hold, a tenth less (at the limit itself errors may grow as the time
-  // does), or half; then ever fewer seconds.
+  // Smaller steps: what theory expects to be stable, a tenth less (at the limit itself errors may still grow
+  // linearly), or half; then ever smaller.
   const double most =
       std::min(static_cast<double>(kMostParts),
                std::max(8.0, 16 * kTrialSeconds / (each * static_cast<double>(trials.steps()))));

@@ -1,5 +1,5 @@
-// What a user can do about a scene that became unstable: every remedy that is named was tried on the state
-// that failed.
+// What a user can do about a scene that became unstable: every remedy named has been tried on the state that
+// failed.
 #pragma once
 #include <functional>
 #include <optional>
@@ -12,20 +12,20 @@ namespace truestep {
 
 struct Remedies {
   std::vector<std::string> sentences;  ///< at least one
-  std::optional<double> dt;            ///< s, largest session step among those tried that held
+  std::optional<double> dt;            ///< s, largest session step that was tried and stable
 };
 
-/// Steps of a trial before and after the one that failed, at most.
+/// Largest number of steps of a trial before and after the failed one.
 inline constexpr uint64_t kTrialBefore = 128, kTrialAfter = 64;
-/// How far before a failure trials may begin so that all of them cost seconds, whatever the scene.
+/// How far before a failure trials may begin so that together they cost seconds, whatever the scene.
 uint64_t trial_steps_before(const World& world);
 
-/// Carries out what was commanded before the step that follows a state.
+/// Applies the commands given before the step that follows a state.
 using Commands = std::function<void(const World&, WorldState&)>;
 
 /// Tries smaller steps and other methods from `before`, a state of `world` some steps before step `failed`
 /// failed, through that step and at most kTrialAfter more. `hint` (s): a session step that theory expects to
-/// hold.
+/// be stable.
 Remedies try_remedies(const World& world, const WorldState& before, uint64_t failed,
                       const std::string& system, std::optional<double> hint, const Commands& commands,
                       const ThreadArena& arena);

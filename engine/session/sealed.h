@@ -1,6 +1,6 @@
-// The envelope of files that one Truestep writes and another reads (snapshots, bundles): what it is, in which
-// version, how long, and a checksum over all of it, so that a file that is cut, damaged or another's is told
-// from a good one before anything in it is believed. Little-endian:
+// The envelope of files exchanged between Truesteps (snapshots, bundles): kind, version, length, and a
+// checksum over all of it, so that a truncated, damaged or foreign file is recognised before any of its
+// contents is used. Little-endian:
 //   8 bytes name | u32 version | u32 0 | u64 size of the contents | contents | u64 XXH3 of everything before
 #pragma once
 #include <cstddef>
@@ -17,16 +17,17 @@ using Bytes = std::vector<std::byte>;
 /// A kind of file.
 struct SealKind {
   std::string_view name;  ///< 8 characters
-  uint32_t version;       ///< that this build writes and the newest that it reads
-  const char* error;      ///< code of what is thrown
+  uint32_t version;       ///< written by this build, and the newest that it reads
+  const char* error;      ///< code of the errors thrown
   const char* what;       ///< "snapshot"
 };
 
 Bytes seal(const SealKind& kind, std::span<const std::byte> contents);
-/// The contents, which stay where they are. Error of the kind's code.
+/// The contents, as a view into the file. Error with the kind's code.
 std::span<const std::byte> unseal(const SealKind& kind, std::span<const std::byte> file);
 
-/// Reads numbers, texts and blocks off contents; running out of them is Error of the kind's code.
+/// Reads numbers, texts and blocks from the contents; running past their end is an Error with the kind's
+/// code.
 class SealedReader {
  public:
   SealedReader(const SealKind& kind, std::span<const std::byte> contents) : kind_(kind), rest_(contents) {}
@@ -42,7 +43,7 @@ class SealedReader {
   std::span<const std::byte> rest_;
 };
 
-/// Their counterpart.
+/// Writes what SealedReader reads.
 class SealedWriter {
  public:
   void number(uint64_t v);

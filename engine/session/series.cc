@@ -26,7 +26,7 @@ void Series::add(uint64_t step, const Observables& values) {
     size_t k = 0;
     while (k < names_.size() && names_[k] != o.name) ++k;
     if (k == names_.size()) {
-      // A name that appears late (an emitter's first particle) has no past.
+      // A name that appears late (an emitter's first particle) has no earlier values.
       names_.push_back(o.name);
       units_.push_back(o.unit);
       values_.emplace_back(steps_.size() - 1, std::numeric_limits<double>::quiet_NaN());
@@ -36,7 +36,7 @@ void Series::add(uint64_t step, const Observables& values) {
   for (auto& v : values_) v.resize(steps_.size(), std::numeric_limits<double>::quiet_NaN());
 }
 
-// Doubling and halving leave a factor of four between them, so that the stride settles.
+// Doubling and halving are a factor of four apart, so that the stride settles.
 void Series::spent(double observing_seconds, double since_seconds) {
   constexpr double kShare = 0.02;
   if (rate_ != Rate::sparing) return;

@@ -1,7 +1,6 @@
-// Observables over time within a bound in points: when it is full every other point goes and the sampling
-// interval doubles. A sparing series also keeps its distance from the clock: where observing takes more than
-// a fiftieth of the time between two points, the next points lie twice as far apart. Intervals are powers of
-// two.
+// Observables over time, bounded in points: when full, every other point is dropped and the sampling interval
+// doubles. A sparing series also adapts to the clock: when observing takes more than a fiftieth of the time
+// between two points, the next points are twice as far apart. Intervals are powers of two.
 #pragma once
 #include <cstddef>
 #include <cstdint>
@@ -14,18 +13,18 @@ namespace truestep {
 
 class Series {
  public:
-  /// every_step: where the points lie depends on the steps alone.
+  /// every_step: the sampled points depend only on the steps.
   enum class Rate : uint8_t { every_step, sparing };
-  /// Names to keep, or their beginnings up to a dot ("energy" keeps energy.total); empty keeps nothing.
+  /// Names to keep, or their prefixes up to a dot ("energy" keeps energy.total); empty keeps nothing.
   explicit Series(std::vector<std::string> wanted, Rate rate = Rate::every_step, size_t max_points = 4096);
 
   bool active() const { return !wanted_.empty(); }
-  /// Whether this step is one to sample.
+  /// Whether this step is sampled.
   bool due(uint64_t step) const {
     return active() && step % stride_ == 0 && (steps_.empty() || step > steps_.back());
   }
   void add(uint64_t step, const Observables& values);
-  /// What the newest point took, and the time since the one before; a sparing series adapts.
+  /// The time that the newest point took, and the time since the previous one; a sparing series adapts.
   void spent(double observing_seconds, double since_seconds);
   /// Forgets points after `step`.
   void truncate(uint64_t step);
@@ -37,7 +36,7 @@ class Series {
   /// Values of one name, one per step of `steps`.
   const std::vector<double>& values(size_t name) const { return values_[name]; }
   size_t memory_bytes() const;
-  /// What it can come to, given the names that there are.
+  /// Largest memory it may take, given the existing names.
   size_t most_bytes(const std::vector<Observation>& known) const;
 
  private:
@@ -47,8 +46,8 @@ class Series {
   std::vector<std::string> wanted_;
   Rate rate_;
   size_t max_points_;
-  uint64_t interval_ = 1;  ///< of the points that are kept when it is full
-  uint64_t stride_ = 1;    ///< of the points to come, a multiple of it
+  uint64_t interval_ = 1;  ///< of the points kept when full
+  uint64_t stride_ = 1;    ///< of the points to come, a multiple of interval_
   std::vector<uint64_t> steps_;
   std::vector<std::string> names_, units_;
   std::vector<std::vector<double>> values_;

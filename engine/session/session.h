@@ -1,6 +1,6 @@
-// A session: a world that runs. Fixed-dt accumulator, command queue and journal, sinks, and a history of
+// A session: a running world. Fixed-dt accumulator, command queue and journal, sinks, and a history of
 // snapshots for exact seeking. One thread at a time may use it; only `post` may be called from any thread,
-// and whoever may read may do so while another thread is in `compute_aside`.
+// and readers may read while another thread is in `compute_aside`.
 #pragma once
 #include <atomic>
 #include <chrono>
@@ -19,42 +19,42 @@
 namespace truestep {
 
 struct SessionOptions {
-  size_t history_bytes = 32 << 20;  ///< bound of all snapshots kept for seeking
+  size_t history_bytes = 32 << 20;  ///< bound on all snapshots kept for seeking
   History::Room history_room = {};  ///< asked before a snapshot is taken
-  size_t journal_entries = 65536;   ///< more commands shorten the past that can be gone back to
+  size_t journal_entries = 65536;   ///< beyond this many commands, the reachable past gets shorter
 };
 
-/// A command as it was carried out: before the step from `step` to `step + 1`, in the order of `sequence`.
+/// A command as carried out: before the step from `step` to `step + 1`, in the order of `sequence`.
 struct JournalEntry {
   uint64_t step = 0;
   uint64_t sequence = 0;
   Command command;
 };
 
-/// Why a session cannot go on.
+/// Why a session cannot continue.
 struct Failure {
   std::string system, quantity, detail;
   long long index = -1;
-  uint64_t last_good_step = 0, step = 0;  ///< `step` failed
-  double time = 0;                        ///< s, at its end
-  std::optional<double> suggested_dt;     ///< s, a step that held when it was tried
-  std::vector<std::string> remedies;      ///< what helped when it was tried, one sentence each
+  uint64_t last_good_step = 0, step = 0;  ///< `step` is the one that failed
+  double time = 0;                        ///< s, at the end of the failed step
+  std::optional<double> suggested_dt;     ///< s, a step that was tried and stable
+  std::vector<std::string> remedies;      ///< what helped when tried, one sentence each
 };
 
-/// What became of a step.
+/// The outcome of a step.
 enum class StepOutcome : uint8_t {
   done,
-  failed,      ///< the session has a failure now and stays at its last good step
-  unstable,    ///< the step failed; compute_aside finds out why and what would have held
+  failed,      ///< the session has failed and stays at its last good step
+  unstable,    ///< the step failed; compute_aside finds out why and what would have worked
   interrupted  ///< its thread's Interrupt was raised; the session stays where it was
 };
 
-/// The way from a kept state to a later step of the same run: computed without the session.
+/// How to get from a kept state to a later step of the same run, without the session.
 struct Past {
   std::shared_ptr<const World> world;
   std::shared_ptr<const ThreadArena> arena;
   WorldState start;
-  std::vector<JournalEntry> commands;  ///< from the start on
+  std::vector<JournalEntry> commands;  ///< from the start state on
   uint64_t step = 0;
 
   WorldState compute() const;
@@ -72,95 +72,97 @@ class Session {
   double time() const { return static_cast<double>(state_.step) * world_->dt(); }
   uint64_t hash() const;
 
-  /// Carries out waiting commands, then up to n steps with frames to the sinks that are due. Returns how many
-  /// were done: fewer only after a failure. Error "instability" when the session has failed already.
+  /// Carries out waiting commands, then up to n steps, with frames to the sinks that are due. Returns the
+  /// number of steps done: fewer only after a failure. Error "instability" when the session has already
+  /// failed.
   uint64_t step(uint64_t n);
 
-  // --- steps in parts, for owners with a lock around the session and readers who will not wait for a step
-  /// Sinks see a step that is aloud; one that repeats the past on the way to another step is silent.
+  // --- steps in parts, for owners that lock the session and have readers that must not wait for a step
+  /// Sinks see steps that are aloud; steps that repeat the past on the way to another step are silent.
   enum class Output : uint8_t { aloud, silent };
-  /// One step in place, which nobody may look at meanwhile: `done`, `unstable` or `interrupted`.
+  /// One step in place, during which nobody may read the session: `done`, `unstable` or `interrupted`.
   StepOutcome step_in_place(Output output);
-  /// Carries out waiting commands and prepares a step beside the present state (or, after `unstable`, the
-  /// search for remedies). From here to commit_aside the session may only be read.
+  /// Carries out waiting commands and prepares a step in a second state (or, after `unstable`, the search for
+  /// remedies). From here to commit_aside the session may only be read.
   void begin_aside();
-  /// Computes it. Needs no lock; the present state stays as it is.
+  /// Computes that step. Needs no lock; the present state does not change.
   void compute_aside();
-  /// Makes what was computed the present state: `done`, `failed` or `interrupted`. What else the step threw
-  /// is thrown here.
+  /// Makes the result the present state: `done`, `failed` or `interrupted`. Any other exception of the step
+  /// is rethrown here.
   StepOutcome commit_aside(Output output);
   /// Between begin_aside and commit_aside.
   bool computing_aside() const { return aside_; }
   /// s that the last step took, 0 before the first.
   double step_seconds() const { return step_seconds_; }
 
-  /// Looks at the whole state once more, as steps do every so often: a run that ends between two looks.
+  /// Checks the whole state once more, as steps do at intervals; for a run that ends between two checks.
   void examine();
 
   // --- the clock
-  /// Simulated seconds a second of wall time; Error "bad_request" unless 0 < speed <= 1000.
-  static constexpr double kLeastSpeed = 1e-18, kMostSpeed = 1e15;  ///< atoms, galaxies
+  /// Simulated seconds per second of wall time; Error "bad_request" outside [kLeastSpeed, kMostSpeed].
+  static constexpr double kLeastSpeed = 1e-18, kMostSpeed = 1e15;  ///< for atoms and galaxies
   void play(double speed);
   void pause();
   bool playing() const { return playing_; }
   double speed() const { return speed_; }
-  /// Hands the accumulator elapsed wall time; does the steps it buys, at most the scene's catch-up bound.
+  /// Adds elapsed wall time to the accumulator and does the steps that are due, at most the scene's catch-up
+  /// bound.
   uint64_t advance(double wall_seconds);
-  /// The same without doing them: how many are due.
+  /// The same without doing them; returns how many are due.
   uint64_t accrue(double wall_seconds);
   /// Position between the last two steps, in [0, 1).
   double alpha() const { return accumulator_ / world_->dt(); }
-  /// Steps left out because the session could not keep up.
+  /// Steps skipped because the session could not keep up.
   uint64_t skipped_steps() const { return skipped_; }
-  /// Simulated seconds a second that playing came to lately: `speed` less what was left out. Nothing before
-  /// half a second of playing and while paused.
+  /// Simulated seconds per second that playing has recently achieved: `speed` less the skipped time. Empty
+  /// while paused and in the first half second of playing.
   std::optional<double> achieved_speed() const { return playing_ ? achieved_speed_ : std::nullopt; }
 
   // --- commands
   /// Queues a command for the next step boundary; thread-safe. Returns its sequence number.
   uint64_t post(Command command);
-  /// Carries out a command at this boundary, after those waiting; Error when it makes no sense.
+  /// Carries out a command at this boundary, after those waiting; Error when it is invalid.
   uint64_t command(const Command& command);
   const std::vector<JournalEntry>& journal() const { return journal_; }
-  /// Those that have been carried out where the session stands now.
+  /// The entries that have been carried out by the present step.
   std::span<const JournalEntry> journal_done() const { return {journal_.data(), journal_cursor_}; }
-  /// Those that have not: of a future that a seek has gone back from.
+  /// The entries that have not: commands of a future that a seek went back from.
   std::span<const JournalEntry> journal_ahead() const { return std::span(journal_).subspan(journal_cursor_); }
-  /// The number of the newest command.
+  /// Sequence number of the newest command.
   uint64_t last_sequence() const { return next_sequence_ - 1; }
-  /// What the journal begins at: a restored state, or the one that commands beyond the journal's bound have
-  /// moved its beginning to; none: the world's initial state.
+  /// Where the journal begins: a restored state, or the state at which it was cut to its bound; empty: the
+  /// world's initial state.
   const std::optional<WorldState>& origin() const { return origin_; }
-  /// The earliest step that can be gone back to.
+  /// The earliest step that can be reached by going back.
   uint64_t first_step() const { return origin_ ? origin_->step : 0; }
 
   // --- the past
   void reset();
-  /// Goes to a step, back from the nearest snapshot or forward, repeating the journal: exact.
+  /// Goes to a step, back to the nearest snapshot or forward, repeating the journal: exact.
   void seek(uint64_t step);
-  /// A seek in parts: back to the nearest state at or before `step` (or nowhere when it lies ahead), from
-  /// where silent steps lead there, and the word to the sinks that it is over.
+  /// A seek in parts: begin_seek goes back to the nearest state at or before `step` (or nowhere when it lies
+  /// ahead), silent steps lead from there, and end_seek tells the sinks that it is over.
   void begin_seek(uint64_t step);
   void end_seek();
-  /// Continues from a state of this world (Error "bad_snapshot" when its shape is another).
+  /// Continues from a state of this world (Error "bad_snapshot" when its shape differs).
   void restore(WorldState state);
-  /// Takes up a session that was interrupted: its past begins at `origin` (none: at the start), and the
-  /// commands of `journal`, all from there on, are carried out on the way to the steps that follow.
+  /// Resumes an interrupted session: its past begins at `origin` (empty: at the start), and the commands of
+  /// `journal`, all from there on, are carried out as the following steps are repeated.
   void resume(std::optional<WorldState> origin, std::vector<JournalEntry> journal);
-  /// Carries out those of the present step; the next step does so by itself.
+  /// Carries out the journalled commands of the present step; the next step would do so anyway.
   void carry_out_due_commands() { replay_commands(); }
   /// Steps at which a snapshot is kept.
   std::vector<uint64_t> snapshot_steps() const { return history_.steps(); }
-  /// What is kept, each from before the commands of its step.
+  /// The kept snapshots, each taken before the commands of its step.
   std::vector<const WorldState*> snapshots() const { return history_.snapshots(); }
 
-  // --- what comes out
+  // --- output
   void add_sink(std::shared_ptr<Sink> sink);
   void remove_sink(const Sink* sink);
   void remove_sinks() { sinks_.clear(); }
   /// Builds a frame of the present state.
   FramePtr frame(const FrameRequest& request) const;
-  /// The state of an earlier step, computed from the nearest snapshot; the session stays where it is.
+  /// The state at an earlier step, computed from the nearest snapshot; the session does not change.
   WorldState state_at(uint64_t step) const;
   /// How to compute that state elsewhere.
   Past past(uint64_t step) const;
@@ -168,33 +170,33 @@ class Session {
   FramePtr frame_of(const WorldState& state, const FrameRequest& request) const {
     return frames_.build(state, 0, request);
   }
-  /// A frame of an earlier step. Error "not_found" when the step lies before this session's past or ahead.
+  /// A frame of an earlier step. Error "not_found" when the step is not in this session's past.
   FramePtr frame_at(uint64_t step, const FrameRequest& request) const;
-  /// Frames built so far; a frame nobody asked for is not built.
+  /// Frames built so far; a frame that nobody asked for is not built.
   uint64_t frames_built() const { return frames_.built(); }
   Observables observe() const { return world_->observe(state_); }
   /// Tells the sinks that the session ends.
   void say_bye(std::string_view code, const std::string& reason) {
     for (const auto& sink : sinks_) sink->bye(code, reason);
   }
-  /// Energies and probes since the start, and what else the scene names: all of it at every step, or at every
-  /// so many, where the scene names any; otherwise as far apart as it takes to cost a fiftieth of the time.
+  /// Energies and probes since the start, and whatever else the scene names: sampled at every step, or every
+  /// so many, if the scene names any; otherwise as far apart as it takes to cost a fiftieth of the time.
   const Series& series() const { return series_; }
-  /// What they can come to.
+  /// Largest memory that the series may take.
   static double most_series_bytes(const World& world);
   const std::optional<Failure>& failure() const { return failure_; }
-  /// Where the time of steps goes, from now on; the clock is looked at in every pass.
+  /// Profiles the steps from now on; the clock is read in every pass.
   void start_profiling() {
     if (profiles_.empty()) profiles_.resize(world_->profiled());
   }
   void stop_profiling() { profiles_.clear(); }
-  /// Empty unless it was started.
+  /// Empty unless profiling has been started.
   std::span<const Profile> profiles() const { return profiles_; }
-  /// Beside the world and the state itself: history, series, journal.
+  /// Memory besides the world and the state itself: history, series, journal.
   size_t overhead_bytes() const;
-  /// Of that, the history's: what SessionOptions::history_room was asked for.
+  /// The history's part of that, as passed to SessionOptions::history_room.
   size_t history_bytes() const { return history_.memory_bytes(); }
-  /// Throws away scratch memory; it comes back with the next step.
+  /// Frees scratch memory; the next step allocates it again.
   void drop_workspace() { workspace_.clear(); }
 
  private:
@@ -221,10 +223,10 @@ class Session {
   std::optional<WorldState> origin_;  ///< see origin()
   Workspace workspace_;
   std::vector<Profile> profiles_;
-  mutable std::optional<uint64_t> hash_;  ///< of the present state, when somebody asked
+  mutable std::optional<uint64_t> hash_;  ///< of the present state, if requested
   double step_seconds_ = 0;
 
-  // The step beside the present state.
+  // The step computed beside the present state.
   bool aside_ = false;
   WorldState next_;
   std::vector<Profile> next_profiles_;
@@ -236,13 +238,13 @@ class Session {
   FrameBuilder frames_;
   History history_;
   Series series_;
-  std::chrono::steady_clock::time_point observed_{};  ///< the series' newest point
+  std::chrono::steady_clock::time_point observed_{};  ///< time of the series' newest point
 
   bool playing_ = false;
   double speed_ = 1;
   double accumulator_ = 0;  ///< s of simulated time not yet stepped
   uint64_t skipped_ = 0;
-  /// Since achieved_speed_ was last looked at: s of wall time, simulated s wanted and left out.
+  /// Since achieved_speed_ was last computed: s of wall time, simulated s wanted and skipped.
   struct Pace {
     double wall = 0, wanted = 0, skipped = 0;
   } pace_;
@@ -256,7 +258,7 @@ class Session {
   size_t journal_cursor_ = 0;  ///< first entry not yet carried out at this step
 
   std::vector<std::shared_ptr<Sink>> sinks_;
-  std::vector<std::shared_ptr<Sink>> due_;  ///< those of the present step
+  std::vector<std::shared_ptr<Sink>> due_;  ///< of the present step
   std::optional<Failure> failure_;
 };
 

@@ -17,7 +17,7 @@ WorldState read_snapshot(const World& world, std::span<const std::byte> file) {
   SealedReader in(kSnapshotFile, unseal(kSnapshotFile, file));
   if (in.number() != world.fingerprint()) in.fail("it belongs to another scene");
   const uint64_t hash = in.number();
-  in.text();  // for people
+  in.text();  // for human readers
   WorldState state = WorldState::deserialize(in.block());
   if (!in.done()) in.fail("bytes follow its end");
   world.require_state(state);

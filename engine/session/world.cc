@@ -37,7 +37,7 @@ WorldState World::initial_state() const {
   WorldState state;
   for (const auto& s : systems_) state.systems.push_back(s->initial_state());
   for (const auto& c : couplings_) state.couplings.push_back(c->initial_state());
-  // What overflows between a scene's numbers and its start is a fault of the scene.
+  // Overflow between a scene's numbers and its initial state is a fault of the scene.
   constexpr double kNoLimit = std::numeric_limits<double>::infinity();
   std::vector<Issue> issues;
   for (size_t i = 0; i < size(); ++i) {
@@ -85,7 +85,7 @@ void World::watch_energy(WorldState& state, size_t i, double t, Workspace& works
   const auto all = couplings_.empty() ? now : energy_together(state, i, t, workspace, arena);
   if (!all) return;
   EnergyWatch& watch = state.watch[i];
-  // After one step of explicit Euler from rest there is speed, and no potential has given anything yet.
+  // After one step of explicit Euler from rest there is speed although no potential has given anything yet.
   if (watch.phase != EnergyWatch::Phase::fresh && state.step == 0) return;
   const double reference = watch.reference;
   if (!watch.holds(*all)) {
@@ -165,7 +165,7 @@ std::vector<Observation> World::known_observables() const {
 
 namespace {
 
-// A field of doubles, or the configuration for "state" and for "position" where nothing has one; empty when
+// A field of doubles, or the configuration for "state" and for "position" when no part has one; empty when
 // there is no such field.
 std::vector<double> quantity_values(const System& system, const State& state, const std::string& name) {
   if (name == "state") return configuration(state);
@@ -181,8 +181,8 @@ std::vector<double> quantity_values(const System& system, const State& state, co
 
 }  // namespace
 
-// |x - x_finer| / |x_finer| with what Richardson's extrapolation makes of a difference at half the step:
-// 2^p / (2^p - 1) for order p; at a tenth of the tolerance 10/9.
+// |x - x_finer| / |x_finer| times the factor by which Richardson extrapolation scales a difference at half
+// the step: 2^p / (2^p - 1) for order p; 10/9 at a tenth of the tolerance.
 double World::error_estimate(const WorldState& state) const {
   const AccuracyParams& wanted = *scene_.header.accuracy;
   const size_t i = scene_.integrated_system(wanted.system).value();

@@ -1,4 +1,4 @@
-// How a world comes from its scene: systems, couplings, the finer companion, and the plan of a step.
+// How a world is built from its scene: systems, couplings, the finer companion, and the plan of a step.
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -13,12 +13,12 @@ namespace truestep {
 
 namespace {
 
-/// Share of the longest substep that springs hold which a scene gets that does not say its substeps: between
-/// points that are held against bodies they are stiffer (of 400 random scenes 18 gain more than a fiftieth of
-/// the energy at work with 0.8, one with 0.4). And the most of them.
+/// Substeps when the scene does not set them: this share of the longest substep that the springs tolerate,
+/// because points held against bodies make them stiffer (of 400 random scenes 18 gain more than a fiftieth of
+/// the energy at work with 0.8, one with 0.4). And the largest number of substeps.
 constexpr double kOfLongest = 0.4, kMostSubsteps = 10'000;
 
-/// Runs `build`; what it refuses is collected with pointers below `where`.
+/// Runs `build`; refusals are collected with pointers below `where`.
 template <class Build>
 void collecting(std::vector<Issue>& issues, const std::string& where, Build build) {
   try {
@@ -60,7 +60,7 @@ void World::build(std::vector<Issue>& issues, std::span<const std::string> lost_
 World::World(Scene scene) : scene_(std::move(scene)) {
   std::vector<Issue> issues;
   build(issues, {});
-  scene_.header.time.substeps = scene_.substeps();  // the session's document says how many
+  scene_.header.time.substeps = scene_.substeps();  // the session's document states the number
   if (!issues.empty()) {
     const std::string first = issues[0].message;
     throw Error("scene_invalid", first, std::move(issues));
@@ -87,7 +87,7 @@ void World::build_finer() {
   d.erase("accuracy");
   d["time"].as_object()["substeps"] = 2 * scene_.substeps();
   for (boost::json::value& s : d["systems"].as_array()) {
-    // A tolerance that the scene leaves to the method is made explicit, or both would have the same.
+    // A tolerance left to the method is made explicit; otherwise both would use the same.
     boost::json::object& o = s.as_object();
     const boost::json::value* name = o.if_contains("integrator");
     const Integrator* method = name && name->is_string() ? find_integrator(name->as_string()) : nullptr;
@@ -133,7 +133,7 @@ void World::let_bodies_be_met(std::vector<Issue>& issues) {
   for (size_t i = 0; i < systems_.size(); ++i) build_system(i, meets[i], issues);
 }
 
-// Couplings look at their sides, which must both be there.
+// Couplings inspect their sides, so both must exist.
 void World::build_couplings(std::vector<Issue>& issues) {
   std::vector<std::optional<CouplingSide>> sides(size());
   for (size_t i = 0; i < size(); ++i) {

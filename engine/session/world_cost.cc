@@ -1,4 +1,4 @@
-// What a step of a world is expected to cost, once its systems are built.
+// Expected cost of a world's step, once its systems are built.
 #include "engine/core/integrator.h"
 #include "engine/integrators/control/step_work.h"
 #include "engine/integrators/field_equations.h"
@@ -10,7 +10,7 @@ namespace truestep {
 
 namespace {
 
-// Of an implicit method that factorises the field's derivatives.
+// For an implicit method that factorises the field's derivatives.
 std::optional<double> force_step_seconds(const Integration& s, const State& state, double h) {
   if (s.method->kind != Integrator::Kind::implicit || !s.method->advance) return std::nullopt;
   static const ThreadArena kSerial(1);
@@ -23,7 +23,7 @@ std::optional<double> force_step_seconds(const Integration& s, const State& stat
   y.insert(y.end(), motion.v.begin(), motion.v.end());
   const IntegratorOptions& o = *s.options;
   const Tolerance tolerance{o.relative_tolerance.value_or(0), o.absolute_tolerance.value_or(o.tolerance)};
-  // Some 20 operations per number of a point, as in a cloth.
+  // About 20 operations per unknown of a point, as in a cloth.
   constexpr double kPerUnknown = 20;
   const double rate = kPerUnknown * static_cast<double>(y.size());
   const auto work = implicit_step_work(*s.method, f, rate, h, y.data(), tolerance);

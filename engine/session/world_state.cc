@@ -1,4 +1,4 @@
-// The state of a world as bytes, and what a state must be to be one of a world.
+// The state of a world as bytes, and the checks that a state belongs to a world.
 #include <bit>
 #include <cmath>
 #include <cstring>
@@ -25,8 +25,8 @@ std::vector<std::byte> WorldState::serialize() const {
     const auto* b = static_cast<const std::byte*>(p);
     out.insert(out.end(), b, b + n);
   };
-  // Systems in the lower half of the count, couplings in the upper, whose last bits say that the watch on the
-  // energies and a companion follow.
+  // Systems in the lower half of the count, couplings in the upper half, whose last bits flag that the energy
+  // watch and a companion follow.
   const uint64_t count = systems.size() | uint64_t{couplings.size()} << 32 | uint64_t{!watch.empty()} << 62 |
                          uint64_t{!finer.empty()} << 63;
   put(&step, 8);

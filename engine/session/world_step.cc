@@ -1,7 +1,8 @@
-// A step of a world: substeps of its systems between the two halves of its couplings. Where points that are
-// solved for as a whole are tied to something else, each side is linear in the other's impulses, and what a
-// step turns by more than that holds is energy out of nothing: links swing out along tangents, light points
-// are flung. Such a step is taken again in parts, which is a function of the state at its start alone.
+// A step of a world: substeps of its systems between the two halves of its couplings. When points that are
+// solved as a whole are tied to something else, each side is treated as linear in the other's impulses; a
+// step that turns further than this is accurate for gains energy from nothing: links swing out along
+// tangents, light points are flung away. Such a step is repeated in smaller parts, decided from the state at
+// its start alone.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -18,17 +19,18 @@ namespace truestep {
 
 namespace {
 
-/// Turns of every coupling's guard per substep at most: guards that undo each other must end.
+/// Rounds of every coupling's guard per substep, at most: guards that undo each other must end.
 constexpr size_t kGuardRounds = 4;
-/// What a step may add, as shares of what moves and of all that has been available: implicit methods lose.
+/// What a step may add, as shares of the moving energy and of all that has been available: implicit methods
+/// only lose.
 constexpr double kOfMotion = 1e-3, kOfAll = 1e-5;
-/// Numbers of parts that are tried, one after the other; each with memory of its own, which may know h.
+/// Numbers of parts tried, one after the other; each with a workspace of its own, which may depend on h.
 struct Parts {
   uint64_t count;
   const char* memory;
 };
 constexpr std::array<Parts, 3> kParts{{{4, "in 4 parts"}, {16, "in 16 parts"}, {64, "in 64 parts"}}};
-/// Parts that lower the gain by less than this do not pay.
+/// Subdividing that reduces the gain by less than this does not pay.
 constexpr double kWorthwhile = 0.5;
 
 struct StepStart {
@@ -87,7 +89,7 @@ void World::substeps(WorldState& state, const Pace& pace, Workspace& workspace, 
       couplings_[c]->emerge(sides(state, c), coupling_input(c), immersed.by(c));
       couplings_[c]->end(sides(state, c), coupling_input(c));
     }
-    // One guard's change is for all others to look at.
+    // A change by one guard must be checked by all others.
     const size_t n_couplings = couplings_.size(), most = kGuardRounds * n_couplings;
     for (size_t quiet = 0, turn = 0; quiet < n_couplings && turn < most; ++turn) {
       const size_t c = turn % n_couplings;

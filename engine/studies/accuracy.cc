@@ -35,7 +35,7 @@ json::object describe(const MeasuredMethod& p) {
           {"cpu_seconds", p.cpu_seconds}};
 }
 
-// A field of the system; "position" stands for all that says where a system is that draws no points.
+// A field of the system; for a system that draws no points, "position" stands for its whole configuration.
 std::string quantity_of(const AccuracyParams& wanted, const System& system) {
   std::string names = "state";
   for (const PartInfo& part : system.parts()) {
@@ -48,8 +48,8 @@ std::string quantity_of(const AccuracyParams& wanted, const System& system) {
                 '"' + wanted.quantity + '"', names, "", ""}});
 }
 
-// What order and structure promise where nothing could be measured: the best that serves the system, a
-// hundred times finer than asked.
+// The best by order and structure when nothing could be measured: the best method for the system, a hundred
+// times finer than requested.
 std::optional<MeasuredMethod> promised(const json::value& document, size_t system, double tolerance,
                                        const StudyContext& context) {
   for (const char* name : {"dop853", "radau5", "dopri5"}) {
@@ -80,7 +80,7 @@ const MeasuredMethod* closest(const std::vector<MeasuredMethod>& measured) {
   if (nearest) {
     detail = "no method meets the tolerance; the closest measured error is " + rounded(nearest->error);
     message = nearest->integrator + " comes closest";
-    // With the share that a choice leaves for the rest of the path.
+    // Including the margin that a choice leaves for the rest of the path.
     reachable = "at least " + rounded(2 * nearest->error);
   }
   if (nearest && answer.reference && answer.reference->uncertainty > tolerance) {
@@ -101,7 +101,7 @@ AccuracyOutcome choose_method(const json::value& original, double budget, StudyC
   const AccuracyParams& wanted = scene.header.accuracy.value();
   const size_t system = studied_system(scene, wanted.system);
   const double dt = scene.header.time.dt;
-  // The runs that are measured carry no companion of their own.
+  // Measured runs have no companion of their own.
   json::value document = original;
   document.as_object().erase("accuracy");
   const MethodQuestion question{
@@ -116,7 +116,7 @@ AccuracyOutcome choose_method(const json::value& original, double budget, StudyC
   constexpr const char* kJudges[] = {"path", "energy", "order"};
   JudgedBy judged_by = answer.judged_by;
   std::optional<MeasuredMethod> best = answer.best;
-  // One that meets the tolerance with less to spare is better than none.
+  // One that meets the tolerance with less margin is better than none.
   if (!best) {
     const MeasuredMethod* nearest = closest(answer.measured);
     if (nearest && nearest->error <= wanted.tolerance) best = *nearest;
@@ -168,7 +168,7 @@ SettledScene settle_accuracy(const json::value& document, double budget, const T
   const std::atomic<bool> never{false};
   StudyContext context{.arena = arena, .cancelled = never, .progress = [](double, const std::string&) {}};
   context.admit = std::move(admit);
-  // On a busy machine CPU time comes slowly.
+  // On a busy machine, CPU time passes slowly.
   constexpr double kPatience = 3;
   context.deadline =
       std::chrono::steady_clock::now() + std::chrono::duration_cast<std::chrono::steady_clock::duration>(

@@ -1,6 +1,6 @@
-// Accuracy as a request: a scene says how accurate it wants to be instead of naming a method and a step, and
-// gets the cheapest method that was measured to be so on this very scene, together with the measurements.
-// Where paths mean nothing (chaos, contacts) methods are judged by the drift of the energy, and the report
+// Accuracy on request: a scene says how accurate it should be instead of naming a method and a step, and gets
+// the cheapest method that was measured to achieve it on this very scene, together with the measurements.
+// Where trajectories are meaningless (chaos, contacts), methods are judged by energy drift, and the report
 // says so.
 #pragma once
 #include <boost/json.hpp>
@@ -15,19 +15,19 @@ struct AccuracyOutcome {
   boost::json::object report;  ///< what was measured and why this was chosen
 };
 
-/// For a document that has "accuracy"; its session step stays (methods of fixed step divide it into
-/// substeps). Spends at most about `budget` CPU seconds, 0.8 where steps take milliseconds, and ten times
-/// what the scene takes to run; without time to measure, the method is the one whose order promises most.
-/// Error "accuracy_unreachable" with what is reachable when nothing meets it.
+/// For a document with "accuracy"; its session step stays (methods of fixed step divide it into substeps).
+/// Spends at most about `budget` CPU seconds, 0.8 when steps take milliseconds, and ten times what the scene
+/// takes to run; without time to measure, the method is the one whose order promises most. Error
+/// "accuracy_unreachable", saying what is reachable, when nothing meets it.
 AccuracyOutcome choose_method(const boost::json::value& document, double budget, StudyContext& context);
 
 struct SettledScene {
   Scene scene;                 ///< as it will run
-  boost::json::object report;  ///< that of choose_method; empty when the scene asked for no accuracy
+  boost::json::object report;  ///< from choose_method; empty when the scene asks for no accuracy
 };
 
-/// Reads a document and, when it asks for an accuracy, lets choose_method fill in how. Errors of both. What
-/// only reads scenes (validation, schema) does not come here: choosing takes seconds. The clock bounds it,
+/// Reads a document and, if it asks for an accuracy, lets choose_method settle how. Errors of both. Code that
+/// only reads scenes (validation, schema) does not use this: choosing takes seconds. Wall time is bounded
 /// too, at three times the budget. `admit` (may be empty) throws when a scene of that cost may not be built.
 SettledScene settle_accuracy(const boost::json::value& document, double budget, const ThreadArena& arena,
                              std::function<void(const Cost&)> admit = {});

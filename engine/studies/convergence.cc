@@ -14,7 +14,7 @@ namespace json = boost::json;
 
 ObservedOrder observed_order(const std::vector<double>& errors, double floor) {
   ObservedOrder out;
-  std::vector<double> sound;  // the orders of the finest run of halvings above the floor
+  std::vector<double> sound;  // orders of the finest consecutive halvings above the floor
   const double least = std::max(floor, 1e-14);
   for (size_t j = 0; j + 1 < errors.size(); ++j) {
     const double coarse = errors[j], fine = errors[j + 1];
@@ -65,8 +65,7 @@ bool drawable(const WorkPoint& point) {
   return std::isfinite(point.error_end) && point.error_end > 0 && point.error_end < 10;
 }
 
-// An adaptive method chooses its steps: its errors are those of its tolerances, and there is no order to
-// observe.
+// An adaptive method chooses its steps: its errors follow its tolerances, and there is no order to observe.
 StudyResult by_tolerance(const Integrator& method, const ConvergenceParams& p, const WorkMeasurement& m) {
   StudyResult r;
   r.table.columns = {
@@ -102,7 +101,7 @@ StudyResult run_convergence(const json::value& scene, const void* def, StudyCont
   WorkPrecisionParams w;
   w.system = p.system, w.quantity = p.quantity, w.horizon = p.horizon, w.budget = p.budget, w.repeats = 1;
   const double horizon = p.horizon.value_or(read.header.time.duration);
-  // Steps that divide the horizon: the largest one, then its halves.
+  // Steps that divide the horizon: the largest one, then halved repeatedly.
   const double largest = p.step.value_or(8 * read.substep());
   w.samples = static_cast<int64_t>(std::clamp(std::floor(horizon / largest + 1e-9), 1.0, 1000.0));
   const double interval = horizon / static_cast<double>(w.samples);

@@ -54,8 +54,7 @@ Run run_side(const json::value& scene, const CrossCheckSide& side, TraceRequest 
   return r;
 }
 
-// Slope of log(difference) over t where it lies between rounding and saturation; nothing with fewer than 5
-// points.
+// Slope of log(difference) over t between rounding and saturation; empty with fewer than 5 points.
 std::optional<double> growth_rate(const std::vector<double>& t, const std::vector<double>& d) {
   double n = 0, st = 0, sl = 0, stt = 0, stl = 0;
   for (size_t i = 0; i < t.size(); ++i) {
@@ -91,7 +90,7 @@ const DefTable& cross_check_table() {
 
 namespace {
 
-/// The system to compare: named, or the first that a method or an engine can be chosen for.
+/// The system to compare: the named one, or the first for which a method or an engine can be chosen.
 size_t compared_system(const Scene& scene, const std::string& id) {
   std::string ids;
   for (size_t i = 0; i < scene.systems.size(); ++i) {
@@ -109,7 +108,7 @@ bool says_nothing(const CrossCheckSide& s) {
   return s.integrator.empty() && s.engine.empty() && !s.dt && !s.tolerance;
 }
 
-/// The engine that the scene does not run on, where the system has a choice.
+/// The engine that the scene does not use, if the system has a choice.
 std::string other_engine(const json::value& scene, const Scene& read, size_t system) {
   const ParamRow* row = read.systems[system].row->table->find("engine");
   if (!row || row->choices.size() < 2) return "";
@@ -119,7 +118,7 @@ std::string other_engine(const json::value& scene, const Scene& read, size_t sys
   return row->choices[own ? 1 : 0];
 }
 
-/// What is compared beside the poses.
+/// What is compared besides the poses.
 std::vector<std::string> statistics(const CrossCheckParams& p, const System& system, RigidKind kind) {
   Observables now;
   system.observe(system.initial_state(), 0, now);
@@ -142,7 +141,7 @@ std::vector<std::string> statistics(const CrossCheckParams& p, const System& sys
   return out;
 }
 
-/// Means over the samples, last values and the largest difference of every statistic.
+/// Means over the samples, final values and the largest difference of every statistic.
 json::object compare_statistics(const std::vector<std::string>& names, const Trace& a, const Trace& b) {
   json::object out;
   const size_t n = std::min(a.observed.size(), b.observed.size());

@@ -1,9 +1,9 @@
-// Two ways of computing one scene side by side: how far they part over time, and at what rate,
+// Two computations of one scene side by side: how far they diverge over time, and at what rate,
 //   |x_a - x_b|_2 / |x_b|_2 ~ exp(rate t),
 // fitted over the part of the path where the difference grows. A positive rate that does not depend on the
-// methods is the motion's own (its largest Lyapunov exponent); a difference that grows like a power of t is
-// the methods'. Of rigid bodies it also says how far places (m) and angles (rad) lie apart, and compares
-// numbers like energies and penetrations, which is what remains comparable where the motion is chaotic.
+// methods belongs to the motion (its largest Lyapunov exponent); a difference that grows like a power of t
+// comes from the methods. For rigid bodies it also reports distances of positions (m) and angles (rad), and
+// compares quantities like energies and penetrations, which remain comparable when the motion is chaotic.
 #pragma once
 #include <optional>
 #include <string>

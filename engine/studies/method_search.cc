@@ -17,15 +17,17 @@ namespace {
 
 using JudgedBy = MethodAnswer::JudgedBy;
 
-constexpr double kRuns = 10;                 // of the scene at the accuracy asked for, that a search may cost
-constexpr double kLeast = 0.04;              // s, what a session's creation costs anyway
-constexpr double kShort = 0.8;               // s for scenes that step in milliseconds
-constexpr double kPatience = 100;            // steps of slower ones
+constexpr double kRuns = 10;                 // runs of the scene at the requested accuracy that a search may
+                                             // cost
+constexpr double kLeast = 0.04;              // s, less than creating a session costs anyway
+constexpr double kShort = 0.8;               // s, for scenes whose steps take milliseconds
+constexpr double kPatience = 100;            // steps of slower scenes
 constexpr double kWholeSearch = 24;          // runs that a search over the whole horizon takes
-constexpr double kAim = 0.3, kEnough = 0.5;  // of the tolerance: what settings aim at, what is good enough
+constexpr double kAim = 0.3, kEnough = 0.5;  // fractions of the tolerance: target of the settings, and good
+                                             // enough
 constexpr int64_t kMostSubsteps = 512;
 
-// What pays at an error, by the work-precision diagrams of docs/work_precision.md.
+// Methods that pay at a given error, according to the work-precision diagrams of docs/work_precision.md.
 std::vector<std::string_view> worth_trying(double tolerance, bool stiff) {
   if (stiff) {
     if (tolerance > 1e-3) return {"tr_bdf2", "rodas5p", "radau5", "bdf2", "implicit_midpoint"};
@@ -67,14 +69,14 @@ class Search {
     return limit_ - (thread_cpu_seconds() - started_);
   }
 
-  // How fast the scene is, how much of its horizon can be measured, and against what.
+  // Finds out how fast the scene is, how much of its horizon can be measured, and against what.
   void look() {
     const World own = build_world(document_, context_);
     const double built = thread_cpu_seconds() - started_;
     const Scene& scene = own.scene();
     has_energy_ = own.observe(own.initial_state()).find("energy.total").has_value();
     dt_ = scene.header.time.dt;
-    // The one that the scene has as it stands.
+    // The scene's present method.
     const Integrator* method = own.system(question_.system).integration().method;
     stiff_ = method && method->kind == Integrator::Kind::implicit;
     const double steps = std::max(1.0, std::round(question_.horizon / dt_));
@@ -95,7 +97,7 @@ class Search {
     growth_ = std::max(1.0, question_.horizon / answer_.measured_horizon);
     find_the_reference();
   }
-  // CPU seconds that a step takes at the accuracy asked for.
+  // CPU seconds per step at the requested accuracy.
   double accurate_step(const TraceRequest& probe) const {
     for (const std::string_view name : worth_trying(1e-4, stiff_)) {
       json::value d = document_;
@@ -125,7 +127,7 @@ class Search {
       return;
     }
     answer_.reference = std::move(found.reference);
-    // Below this two accurate runs part by rounding alone. Beyond it, equations without an energy leave
+    // Below this, two accurate runs differ by rounding alone. Above it, equations without an energy leave
     // nothing to judge by.
     constexpr double kRounding = 1e-10;
     const double unsure = answer_.reference->uncertainty;
@@ -138,7 +140,7 @@ class Search {
     }
   }
 
-  // At a guessed setting, then at those that its errors suggest.
+  // At a guessed setting, then at those suggested by its errors.
   void try_method(std::string_view name) {
     const Integrator* row = find_integrator(name);
     const bool adaptive = row->stepping == Integrator::Stepping::adaptive;
@@ -147,7 +149,7 @@ class Search {
       const auto run = measure(name, setting, adaptive);
       if (!run) return;
       answer_.measured.push_back(*run);
-      // The rest of the way would cost more than what is already good enough.
+      // Finishing would cost more than the result that is already good enough.
       if (answer_.best && run->cpu_seconds > 2 * answer_.best->cpu_seconds) return;
       const bool good = run->error <= kEnough * question_.tolerance;
       if (good && (!answer_.best || run->cpu_seconds < answer_.best->cpu_seconds)) answer_.best = *run;
@@ -173,7 +175,7 @@ class Search {
     return dt_ / whole;
   }
 
-  /// Nothing when the method does not serve the system.
+  /// Empty when the method does not serve the system.
   std::optional<MeasuredMethod> measure(std::string_view name, double setting, bool adaptive) {
     json::value d = document_;
     set_integrator(d, question_.system, name);
@@ -211,11 +213,11 @@ class Search {
       out.error = std::max(out.error, relative_error(t.values[i], reference[i]));
       if (2 * i <= reference.size()) half = out.error;
     }
-    // A run may equal the reference bit by bit where both take the scene's steps.
+    // A run may equal the reference bit by bit when both take the scene's steps.
     out.error = std::max(out.error, answer_.reference->uncertainty);
     half = std::max(half, answer_.reference->uncertainty);
-    // Over the rest of the horizon as between the half and the end of what was measured, no slower than the
-    // time itself.
+    // Over the rest of the horizon, errors grow as between the half and the end of the measured part, at
+    // least linearly.
     const double power = half > 0 ? std::clamp(std::log2(out.error / half), 1.0, 2.0) : 1.0;
     if (growth_ > 1) out.error *= std::pow(growth_, power);
   }

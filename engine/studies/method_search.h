@@ -1,7 +1,7 @@
-// Finds the cheapest method and setting that keep a scene within an error, in a bounded time: a reference
-// solution, then a handful of methods that are known to pay at such an error, each at a guessed setting that
-// its own measured error corrects (error ~ tolerance, error ~ step^order). Where the time does not reach over
-// the horizon, a part of it is measured and errors are carried on as they grew.
+// Finds the cheapest method and setting that keep a scene within an error, in bounded time: a reference
+// solution, then a handful of methods known to pay at such an error, each at a guessed setting that is
+// corrected by its own measured error (error ~ tolerance, error ~ step^order). When the time does not suffice
+// for the horizon, a part of it is measured and the errors are extrapolated.
 #pragma once
 #include <boost/json.hpp>
 #include <optional>
@@ -18,7 +18,7 @@ struct MethodQuestion {
   std::string quantity = "state";
   double tolerance = 1e-4;  ///< relative error over the horizon
   double horizon = 1;       ///< s
-  double budget = 1;        ///< CPU seconds that the search may take at most
+  double budget = 1;        ///< limit of the search, in CPU seconds
 };
 
 /// One method at one setting.
@@ -26,7 +26,7 @@ struct MeasuredMethod {
   std::string integrator;
   double setting = 0;      ///< tolerance of an adaptive method, step (s) of a fixed one
   double error = 0;        ///< over the horizon; infinity: it failed
-  double cpu_seconds = 0;  ///< of its steps over the part that was measured
+  double cpu_seconds = 0;  ///< of its steps over the measured part
   friend bool operator==(const MeasuredMethod&, const MeasuredMethod&) = default;
 };
 
@@ -35,11 +35,12 @@ struct MethodAnswer {
   enum class JudgedBy : uint8_t { path, energy, nothing } judged_by = JudgedBy::path;
   double measured_horizon = 0;  ///< s
   std::vector<MeasuredMethod> measured;
-  std::optional<MeasuredMethod> best;  ///< meets the tolerance; by energy or nothing: see judged_by
-  bool out_of_time = false;            ///< methods were left untried
+  std::optional<MeasuredMethod> best;  ///< meets the tolerance; judged by energy, or absent: see judged_by
+  bool out_of_time = false;            ///< some methods were not tried
 };
 
-/// Runs at most about `budget` seconds, and ten times what the scene itself takes to run. Error "cancelled".
+/// Runs for at most about `budget` seconds, and ten times what the scene itself takes to run. Error
+/// "cancelled".
 MethodAnswer search_method(const boost::json::value& document, const MethodQuestion& question,
                            const StudyContext& context);
 

@@ -1,6 +1,6 @@
 // Line plots as SVG: axes with round ticks (powers of ten on logarithmic ones), one colour and marker per
-// series, a legend beside the plot that orders the series as they were given. Where y takes names they stand
-// along the side, one line each. Text is real text, so it can be searched.
+// series, a legend beside the plot with the series in the given order. When y takes names, they label the
+// side, one line each. Text is real text, so it can be searched.
 #include <algorithm>
 #include <array>
 #include <charconv>
@@ -20,7 +20,7 @@ constexpr double kPlotRight = kWidth - kLegend, kPlotBottom = kHeight - kBottom;
 constexpr std::array kColours = {"#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#8c564b",
                                  "#5b3f95", "#3d6b21", "#8f1d3f", "#005f73", "#6b6b00", "#b1418f", "#404040"};
 
-// Wider where names stand there.
+// Wider when names are shown there.
 double left_of(const StudyPlot& plot) {
   return plot.y_names.empty() ? 84 : 170;
 }
@@ -34,7 +34,7 @@ class Axis {
  public:
   Axis(StudyPlot::Scale scale, double from, double to)
       : log_(scale == StudyPlot::Scale::logarithmic), a_(from), b_(to) {}
-  /// One place for each name.
+  /// One position per name.
   Axis(const std::vector<std::string>& names, double from, double to)
       : a_(from), b_(to), low_(-0.5), high_(static_cast<double>(names.size()) - 0.5), names_(&names) {}
 

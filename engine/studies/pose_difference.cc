@@ -9,7 +9,7 @@ namespace json = boost::json;
 
 namespace {
 
-/// Angle of the turn from one rotation, four numbers, to the other.
+/// Angle of the rotation from one quaternion to the other.
 double angle_between(const double* p, const double* q) {
   // |p - q| and |p + q| of unit quaternions at half angle a: 2 sin(a / 2) and 2 cos(a / 2) for one sign.
   double less = 0, more = 0;

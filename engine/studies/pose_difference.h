@@ -1,6 +1,5 @@
-// How far the bodies of two runs of one rigid scene lie apart: distances of their centres (m) and angles of
-// the turn from one orientation to the other (rad), as root mean square and largest over the bodies that
-// move.
+// How far apart the bodies of two runs of a rigid scene are: distances of their centres (m) and rotation
+// angles between their orientations (rad), as root mean square and maximum over the bodies that move.
 #pragma once
 #include <boost/json.hpp>
 #include <vector>
@@ -9,7 +8,7 @@
 
 namespace truestep {
 
-/// How a state's configuration holds poses: not at all, x y z angle (plane), x y z and quaternion (space).
+/// How a state's configuration holds poses: none, x y angle (plane), or x y z and quaternion (space).
 enum class RigidKind : uint8_t { none, plane, space };
 RigidKind rigid_kind(const State& state);
 
@@ -20,8 +19,8 @@ struct PoseDifference {
   void take_larger(const PoseDifference& other);
 };
 
-/// Between sample i of both runs (configurations, of which sample 0 is the start); bodies that are where they
-/// began in both do not count.
+/// Between sample i of both runs (configurations; sample 0 is the start); bodies that never moved in either
+/// run do not count.
 PoseDifference pose_difference(RigidKind kind, const std::vector<std::vector<double>>& a,
                                const std::vector<std::vector<double>>& b, size_t i);
 

@@ -27,8 +27,8 @@ class Search {
          const StudyContext& context)
       : document_(document), request_(std::move(request)), dt_(dt), left_(cpu_limit), context_(context) {}
 
-  /// The run with this method, when the system takes it and it gets through in time, in steps of the scene's
-  /// divided by `parts`.
+  /// The run with this method, if the system takes it and it finishes in time, with the scene's steps divided
+  /// by `parts`.
   std::optional<Attempt> tight(std::string_view method, double tolerance, uint64_t parts) {
     if (!find_integrator(method)) return std::nullopt;
     json::value d = document_;
@@ -84,7 +84,7 @@ Reference compare(Attempt taken, const Attempt& other) {
 }  // namespace
 
 bool steps_matter(const World& world) {
-  // What a step may do besides without changing the motion.
+  // Passes besides integration that do not change the motion.
   constexpr std::array<std::string_view, 6> kNeutral = {"integrate", "clock", "hands",
                                                         "path",      "push",  "loops"};
   for (const auto& [system, row, number] : world.plan()) {
@@ -111,13 +111,13 @@ ReferenceSearch find_reference(const json::value& document, const TraceRequest& 
     const double first = effort.first_tolerance;
     auto taken = search.tight(name, first, fine);
     if (!taken) continue;
-    // What got through by an explicit method is not stiff, and implicit ones may be far slower.
+    // What an explicit method gets through is not stiff, and implicit ones may be far slower.
     const bool easy = find_integrator(name)->kind == Integrator::Kind::explicit_;
     for (const std::string_view check : easy ? kExplicit : kImplicit) {
       if (check == name) continue;
       const auto other = search.tight(check, 10 * first, coarse);
       if (!other) continue;
-      // Tighter while the time allows and the two come closer; rounding ends that by itself.
+      // Tightens while time allows and the two get closer; rounding ends that by itself.
       Reference best = compare(std::move(*taken), *other);
       for (double tolerance = 1e-2 * first; tolerance > 0.9e-13; tolerance *= 1e-2) {
         if (best.uncertainty <= effort.enough) break;

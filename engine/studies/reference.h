@@ -1,5 +1,5 @@
-// The solution that a study measures errors against: two different methods at tight tolerances, of which the
-// first is taken and the second says how far it can be trusted.
+// The solution that a study measures errors against: two different methods at tight tolerances; the first is
+// the reference and the second tells how far it can be trusted.
 #pragma once
 #include <boost/json.hpp>
 #include <optional>
@@ -18,33 +18,33 @@ struct Reference {
   std::optional<double> observed_difference;
   /// Errors below ten times the uncertainty say nothing about the method measured.
   double floor() const { return 10 * uncertainty; }
-  /// The two agree so badly that the trajectory means nothing at this horizon: the motion is chaotic, or
+  /// The two disagree so much that the trajectory is meaningless at this horizon: the motion is chaotic, or
   /// contacts make it discontinuous.
   bool meaningless() const { return !(uncertainty < 1e-2); }
 };
 
-/// How a search ended: a reference, or how much of the horizon the best run got through in its time.
+/// How a search ended: with a reference, or how much of the horizon the best run covered in its time.
 struct ReferenceSearch {
   std::optional<Reference> reference;
   double reached = 0;  ///< 0 to 1
 };
 
-/// How much is asked of a reference.
+/// How much effort a reference may take.
 struct ReferenceEffort {
   double first_tolerance = 1e-7;  ///< of the first pair of runs; further pairs are a hundred times tighter
   double enough = 0;              ///< uncertainty at which no further pair is run
   bool stiff = false;             ///< implicit methods come first
 };
 
-/// `steps_per_sample` is that of the scene's own step. Where steps do more than integrate (contacts,
-/// couplings, births), the two runs also differ in their steps, an eighth and a quarter of the scene's, so
-/// that the uncertainty holds what those add.
+/// `steps_per_sample` refers to the scene's own step. When steps do more than integrate (contacts, couplings,
+/// births), the two runs also use different steps, an eighth and a quarter of the scene's, so that the
+/// uncertainty includes the effect of the step.
 ReferenceSearch find_reference(const boost::json::value& document, const TraceRequest& request,
                                double sample_interval, double cpu_limit, const StudyContext& context,
                                const ReferenceEffort& effort = {});
 
-/// Whether the steps of this world do more than integrate, so that the motion depends on their length even
-/// with a perfect method.
+/// Whether this world's steps do more than integrate, so that the motion depends on their length even with a
+/// perfect method.
 bool steps_matter(const World& world);
 
 /// {"method", "checked_by", "uncertainty"}

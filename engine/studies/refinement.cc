@@ -34,7 +34,7 @@ std::string types_with_resolution() {
   throw Error("scene_invalid", why, {{pointer, code, why, value, allowed, "", ""}});
 }
 
-// What only one resolution has a meaning for: rows by number, expected values.
+// Without everything that is meaningful at one resolution only: rows by number, expected values.
 json::object plain(const Scene& scene) {
   json::object o = scene.canonical();
   for (const char* key : {"probes", "expect", "recording", "observables", "viewer", "accuracy"}) o.erase(key);
@@ -59,7 +59,7 @@ Refinement::Refinement(const json::value& scene, const std::string& id, const St
                       : "the scene has no such system with a parameter that divides it more finely",
            id.empty() ? "" : '"' + id.substr(0, 64) + '"', types_with_resolution());
   }
-  // As coarse as a quarter where that is whole and still a scene.
+  // As coarse as a quarter, if that gives whole counts and a valid scene.
   for (const double coarser : {4.0, 2.0, 1.0}) {
     coarsening_ = coarser;
     try {
@@ -73,7 +73,7 @@ Refinement::Refinement(const json::value& scene, const std::string& id, const St
       if (coarser == 1 || e.code() == "cancelled") throw;
     }
   }
-  // What cannot be divided is refused before anything is integrated.
+  // A division that is impossible is refused before anything is integrated.
   document(1);
 }
 
@@ -101,8 +101,8 @@ TraceRequest Refinement::request(const std::string& quantity, const World& coars
   const System& system = coarsest.system(system_);
   TraceRequest r;
   r.field = {system_, quantity == "state" ? system.parts().at(0).fields.at(0).name : quantity};
-  field_values(system, system.initial_state(), r.field.name);  // refuses what it does not have
-  // The exact solution is that of the first field.
+  field_values(system, system.initial_state(), r.field.name);  // refuses a field that does not exist
+  // The exact solution belongs to the first field.
   if (has_exact_ && r.field.name == system.parts()[0].fields[0].name) r.observables = {kExact};
   return r;
 }
@@ -167,7 +167,7 @@ LevelErrors judge_levels(const std::vector<std::vector<double>>& common, const s
     out.against = "the scene's exact solution";
     return out;
   }
-  // Differences of neighbours fall as the errors do, and need no solution.
+  // Differences between neighbouring levels fall as the errors do, and need no solution.
   std::vector<double> differences;
   for (size_t k = 0; k + 1 < common.size(); ++k) {
     differences.push_back(relative_error(common[k], common[k + 1]));

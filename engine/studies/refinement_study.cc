@@ -1,7 +1,7 @@
-// Convergence over resolution. Space: at every resolution the equations that the system makes of its object
-// are integrated like a reference (two methods at tight tolerances), so that what is left is the error in
-// space. Both: one method with a step that shrinks with the spacing, dt ~ dx^r, r the least whole number with
-// r (order in time) >= (order in space), and 2 where an explicit method's border moves like dx^2.
+// Convergence over resolution. Space: at every resolution the system's semi-discrete equations are integrated
+// like a reference (two methods at tight tolerances), so that only the spatial error remains. Both: one
+// method with a step that shrinks with the spacing, dt ~ dx^r, r the smallest integer with r (order in time)
+// >= (order in space), and 2 when an explicit method's limit falls like dx^2.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -22,11 +22,12 @@ namespace json = boost::json;
 namespace {
 
 constexpr int kUsualHalvings = 4;
-constexpr double kStiffSteps = 5000;  // of an explicit method over the horizon: implicit ones come first
-constexpr double kTimeShare = 0.02;   // of the error in space that is expected, which time may add
+constexpr double kStiffSteps = 5000;  // steps of an explicit method over the horizon; beyond that implicit
+                                      // ones come first
+constexpr double kTimeShare = 0.02;   // share of the expected spatial error that time may add
 constexpr double kRounding = 1.001, kWithin = 0.9;  // of a method's largest stable step
-constexpr double kFallsFaster = 2.5;                // at half the spacing
-constexpr double kTimeAtFirst = 1e-7;               // where none is expected yet
+constexpr double kFallsFaster = 2.5;                // factor per halving of the spacing
+constexpr double kTimeAtFirst = 1e-7;               // when no error is expected yet
 
 double root_mean_square(const std::vector<double>& v) {
   double sum = 0;
@@ -43,13 +44,13 @@ bool is_stiff(const World& world, size_t system, double horizon) {
   return limit && horizon / *limit > kStiffSteps;
 }
 
-/// Whether steps (and tolerances) follow the spacing or stay the scene's own.
+/// Whether steps (and tolerances) follow the spacing or stay those of the scene.
 enum class Steps : uint8_t { follow, keep };
 
 class Study {
  public:
   struct Level {
-    double refined = 1;  ///< times the scene's own
+    double refined = 1;  ///< relative to the scene's own
     size_t rows = 0;
     double setting = 0, cpu_seconds = 0;
     std::string status = {};
@@ -77,7 +78,7 @@ class Study {
     for (int k = 0; k <= halvings; ++k) {
       context_.progress(static_cast<double>(k) / static_cast<double>(halvings + 1), name(k));
       const double before = thread_cpu_seconds(), left = p_.budget - (before - started);
-      // Twice as fine costs at least twice as much; what the last one cost more than its own predecessor.
+      // Twice as fine costs at least twice as much; otherwise the growth from the last two levels.
       if (k > 0 && left < last * growth_) {
         note_ = "the budget reaches " + std::to_string(k) + " resolutions; a larger one reaches finer ones";
         break;
@@ -142,7 +143,7 @@ class Study {
   }
   const std::vector<Level>& levels() const { return levels_; }
   const std::vector<std::vector<double>>& common() const { return common_; }
-  /// Relative errors against the exact solution; empty where there is none.
+  /// Relative errors against the exact solution, or empty.
   const std::vector<double>& exact() const { return exact_; }
   double time_uncertainty() const { return uncertainty_; }
   double horizon() const { return horizon_; }
@@ -152,7 +153,7 @@ class Study {
     return "resolution " + short_number(std::ldexp(1 / ladder_.coarsening(), level), 3);
   }
 
-  // Of `both`: the method, and how its step follows the spacing.
+  // For `both`: the method, and how its step follows the spacing.
   void choose_steps() {
     const int own = static_cast<int>(std::log2(ladder_.coarsening()));
     const json::value document = ladder_.document(own);
@@ -179,7 +180,7 @@ class Study {
     }
     power_ = (in_space + in_time - 1) / in_time;
     double largest = p_.step.value_or(std::ldexp(substep_, power_ * own));
-    // An explicit method's border may fall like dx^2, and nothing is gained beyond it.
+    // An explicit method's limit may fall like dx^2; a smaller step gains nothing.
     const double held = limit(own), finer = limit(own + 1), coarsest = limit(0);
     if (power_ == 1 && held > kFallsFaster * finer) {
       power_ = 2;
@@ -190,7 +191,7 @@ class Study {
     first_ = horizon_ / std::max(1.0, std::ceil(horizon_ / largest - 1e-9));
   }
 
-  // s, that the method holds; infinity: any.
+  // s, largest step that the method tolerates; infinity: any.
   double limit(int level) const {
     json::value d = ladder_.document(level);
     if (method_) set_integrator(d, ladder_.system(), method_->name);
@@ -200,7 +201,7 @@ class Study {
         .value_or(INFINITY);
   }
 
-  /// False: it did not get through in time.
+  /// Returns false when it did not finish in time.
   bool add_level(int k, double left) {
     const json::value document = ladder_.document(k);
     const World world = build_world(document, context_);
@@ -213,8 +214,8 @@ class Study {
         note_ = "the budget reaches " + std::to_string(k) + " resolutions; a larger one reaches finer ones";
         return false;
       }
-      // Of the error against an exact solution in that error's own norm: a front that time moves by a part of
-      // a cell is little in the mean and much in the mean square.
+      // Relative to an error against an exact solution in that error's own norm: a front displaced by a
+      // fraction of a cell is little in the mean and much in the mean square.
       const double size = root_mean_square(found->trace.values.back());
       uncertainty_ =
           std::max(uncertainty_, found->observed_difference && size > 0 ? *found->observed_difference / size
@@ -241,7 +242,7 @@ class Study {
     return t.end != Trace::End::over_budget;
   }
 
-  // Of the next level in space, from those that stand.
+  // Spatial error of the next level, extrapolated from the existing ones.
   double expected_error() const {
     const double falls = std::exp2(order_ > 0 ? order_ : 2);
     const size_t n = common_.size();
@@ -250,8 +251,8 @@ class Study {
     return kTimeAtFirst / kTimeShare;
   }
 
-  // The system's equations at this resolution, solved until time adds little: by one method at tighter and
-  // tighter tolerances, or, where steps do more than integrate, as any reference.
+  // The system's equations at this resolution, solved until time adds little: by one method at ever tighter
+  // tolerances, or, when steps do more than integrate, like any reference.
   std::optional<Reference> in_time(const json::value& document, const World& world, double left) {
     const double steps = std::max(1.0, std::round(horizon_ / substep_));
     const bool split = steps_matter(world) || !world.system(ladder_.system()).integration().method;
@@ -284,7 +285,7 @@ class Study {
     }
     return std::nullopt;
   }
-  // Nothing when the method does not serve the system.
+  // Empty when the method does not serve the system.
   std::optional<Trace> with_tolerance(json::value document, const char* name, double tolerance,
                                       double cpu_limit) {
     request_.cpu_limit = cpu_limit;
@@ -318,10 +319,10 @@ class Study {
   TraceRequest request_;
   double horizon_ = 0, substep_ = 0, growth_ = 4, uncertainty_ = 0;
   int order_ = 0, promised_ = 0;
-  const Integrator* method_ = nullptr;  ///< of `both`; null: the system's own step
+  const Integrator* method_ = nullptr;  ///< for `both`; null: the system's own step
   bool adaptive_ = false;
   double first_ = 0;  ///< step or tolerance at the coarsest level
-  int power_ = 1;     ///< of the spacing, that they follow
+  int power_ = 1;     ///< power of the spacing that they follow
   std::vector<Level> levels_;
   std::vector<std::vector<double>> common_;
   std::vector<double> exact_;
@@ -345,12 +346,12 @@ StudyResult run_refinement(const json::value& scene, const ConvergenceParams& p,
 WorkMeasurement measure_refined_work(const json::value& scene, const WorkPrecisionParams& p,
                                      StudyContext& context) {
   WorkMeasurement out;
-  StudyContext quiet = context;  // progress is told by method
+  StudyContext quiet = context;  // progress is reported by method
   quiet.progress = [](double, const std::string&) {};
   ConvergenceParams c;
   c.system = p.system, c.quantity = p.quantity, c.horizon = p.horizon, c.halvings = p.halvings;
   c.refine = Refine::space, c.budget = 0.4 * p.budget;
-  // What everything is measured against, from semi-discrete solutions, unless the scene says it.
+  // What everything is measured against, from semi-discrete solutions, unless the scene knows it.
   Study in_space(scene, c, quiet);
   std::vector<double> limit;
   if (!in_space.says_exact()) {

@@ -9,24 +9,25 @@
 
 namespace truestep {
 
-/// Puts `value` at an RFC 6901 pointer. Missing members of objects are made, elements of arrays must exist
-/// ("-" appends nothing here). Error "bad_pointer" with the pointer otherwise.
+/// Sets `value` at an RFC 6901 pointer. Missing members of objects are created, elements of arrays must exist
+/// ("-" does not append). Error "bad_pointer" with the pointer otherwise.
 void set_at(boost::json::value& document, std::string_view pointer, boost::json::value value);
 
-/// A scene whose session step is dt, not divided further.
+/// Sets the session step to dt, without substeps.
 void set_dt(boost::json::value& document, double dt);
-/// The integrator of system `system` (by number).
+/// Sets the integrator of system `system` (an index).
 void set_integrator(boost::json::value& document, size_t system, std::string_view name);
-/// Error bound of that system's adaptive method: relative, and absolute in the units of its columns.
+/// Sets the error tolerance of that system's adaptive method: relative, and absolute in the units of its
+/// columns.
 void set_tolerance(boost::json::value& document, size_t system, double tolerance);
 
-/// Scene of a document; Error "scene_invalid", or what the study's context throws at its cost.
+/// The scene of a document; Error "scene_invalid", or whatever the study's context throws at its cost.
 Scene read_variant(const boost::json::value& document, const StudyContext& context);
-/// World of a document; the same errors.
+/// The world of a document; the same errors.
 World build_world(const boost::json::value& document, const StudyContext& context);
 
-/// Number of the system a study is about: the one named `id`, or the first that takes an integrator when the
-/// id is empty. Error "scene_invalid" with pointer "/system".
+/// Index of the system that a study is about: the one named `id`, or the first that takes an integrator when
+/// the id is empty. Error "scene_invalid" with pointer "/system".
 size_t studied_system(const Scene& scene, std::string_view id);
 
 }  // namespace truestep

@@ -32,7 +32,7 @@ const DefTable& run_table() {
   return t;
 }
 
-/// The table as it grows.
+/// The table while it grows.
 class Rows {
  public:
   Rows(const World& world, const RunParams& p) {
@@ -61,7 +61,7 @@ class Rows {
   StudyTable table;
 };
 
-// The first quantity and those of its unit, at most eight.
+// The first quantity and others with its unit, at most eight.
 StudyPlot plot_of(const StudyTable& table) {
   StudyPlot plot;
   plot.x_label = "time (s)";
@@ -98,7 +98,7 @@ StudyResult run_once(const json::value& scene, const void* def, StudyContext& co
   const double duration = p.duration.value_or(whole);
   const double most = 1e12;
   const auto steps = static_cast<uint64_t>(std::llround(std::min(duration / dt, most)));
-  // Expectations are about the whole run.
+  // Expectations refer to the whole run.
   if (duration < whole) read.header.expect.clear();
   Expectations expectations(read);
   const auto world = std::make_shared<const World>(std::move(read));

@@ -23,12 +23,12 @@ double largest_move(std::span<const double> x, const std::vector<double>& from) 
   double most = 0;
   for (size_t i = 0; i < x.size(); ++i) {
     const double d = std::abs(x[i] - from[i]);
-    if (!(d <= most)) most = d;  // NaN is the largest
+    if (!(d <= most)) most = d;  // NaN counts as largest
   }
   return most;
 }
 
-/// A border below which steps hold, and spans beyond it where they hold again.
+/// A stability limit, and spans above it where steps are stable again.
 class BorderSearch {
  public:
   BorderSearch(const json::value& scene, const StabilityParams& p, size_t system, std::string method,
@@ -42,14 +42,14 @@ class BorderSearch {
     double dt = 0;
     enum class Kind : uint8_t { limit, always, never, over_budget } kind = Kind::limit;
     int runs = 0;
-    std::vector<Span> again;  ///< stable spans above the first border
+    std::vector<Span> again;  ///< stable spans above the first limit
   };
 
-  /// The first border between `guess` / 256 and 256 `guess`, and what holds again within a factor of four of
-  /// it. Steps are tried from below, `resolution` apart near the guess and near a border, because some
-  /// compositions lose stability over a span of 1.4 % only; every border is then bisected. Runs are
-  /// shortened, to kFewestSteps at most, and then steps set further apart, so that the search ends within
-  /// `cpu_limit` s; where even that is too much, what is known by then is returned.
+  /// The first limit between `guess` / 256 and 256 `guess`, and stable spans within a factor of four above
+  /// it. Steps are tried from below, `resolution` apart near the guess and near a limit, because some
+  /// compositions lose stability over a span of only 1.4 %; every limit is then bisected. Runs are shortened,
+  /// down to kFewestSteps, and then steps set further apart, so that the search ends within `cpu_limit` s; if
+  /// even that is too much, it returns what is known by then.
   Found find(double guess, double cpu_limit) {
     const double begin = thread_cpu_seconds();
     stop_at_ = begin + cpu_limit;
@@ -58,7 +58,7 @@ class BorderSearch {
       plan_runs(guess / 256, cpu_limit);
       if (!stable(guess / 256)) return {guess / 256, Found::Kind::never, runs_, {}};
       double low = guess / 256;
-      // From below in doublings, finely around the guess, in doublings beyond.
+      // From below in doublings, finely around the guess, then in doublings again.
       while (low < guess / kNear && advance(low, 2 * low, found)) {
       }
       while (!border_ && low < kNear * guess && advance(low, low * (1 + resolution_), found)) {
@@ -78,18 +78,18 @@ class BorderSearch {
   }
   /// Steps of a run.
   int64_t steps() const { return steps_; }
-  /// Spans narrower than this share of the step may have been missed.
+  /// Spans narrower than this fraction of the step may have been missed.
   double resolution() const { return resolution_; }
 
  private:
   static constexpr int64_t kFewestSteps = 60;
   static constexpr double kNear = 4;        // finely from guess / 4 to 4 guess
-  static constexpr double kUsualRuns = 60;  // beside the fine ones
+  static constexpr double kUsualRuns = 60;  // besides the fine ones
   static constexpr double kFinest = 0.01, kCoarsest = 0.25;
   struct OverBudget {};
-  struct TooLong {};  ///< scenes take no such step
+  struct TooLong {};  ///< scenes do not accept such a step
 
-  // Fine steps over a factor of kNear^2, and of kNear beyond the border.
+  // Fine steps over a factor of kNear^2, and of kNear beyond the limit.
   static double fine_runs(double resolution) { return 3 * std::log(kNear) / std::log1p(resolution); }
 
   void plan_runs(double dt, double cpu_limit) {
@@ -111,13 +111,13 @@ class BorderSearch {
     reaches_.clear();
     runs_ = 0;
   }
-  // Goes from `low`, which holds, to `next`; false at a border, which is then known.
+  // Advances from `low`, which is stable, to `next`; false at a limit, which is then known.
   bool advance(double& low, double next, Found& found) {
     if (stable(next)) {
       found.dt = low = next;
       return true;
     }
-    // Between the two there may be more than one border: the lowest is wanted.
+    // There may be more than one limit in between: the lowest is wanted.
     double high = next;
     if (next > low * (1 + 1.5 * resolution_)) {
       double step = low;
@@ -130,7 +130,7 @@ class BorderSearch {
     found.dt = bisect(low, high);
     return false;
   }
-  /// `holds` and `fails`: steps on either side of a border. The last step that holds.
+  /// `holds` and `fails`: steps on either side of a limit. Returns the last stable step.
   double bisect(double holds, double fails) {
     while (std::abs(fails - holds) > params_.accuracy * std::min(holds, fails)) {
       const double middle = 0.5 * (holds + fails);
@@ -163,7 +163,7 @@ class BorderSearch {
     try {
       built.emplace(require_scene(read_scene(d)));
     } catch (const Error& e) {
-      // Long steps are refused with a pointer; what is wrong with shorter ones as well is for the caller.
+      // Long steps are refused with a pointer; a fault that shorter steps have as well is left to the caller.
       if (e.code() != "scene_invalid" || runs_ < 3) throw;
       throw TooLong{};
     }
@@ -190,7 +190,7 @@ class BorderSearch {
     return true;
   }
 
-  // Uncoupled systems are left out: what they hold says nothing about this one.
+  // Uncoupled systems are skipped: they say nothing about this one.
   void step(const World& world, WorldState& state, Workspace& workspace) const {
     static const ThreadArena kSerial(1);
     if (!world.couplings().empty()) return world.step(state, workspace, kSerial, {});
@@ -203,7 +203,7 @@ class BorderSearch {
     }
     ++state.step;
   }
-  // A small push on every velocity, so that an unstable mode has something to grow from.
+  // A small push on every velocity gives an unstable mode something to grow from.
   void disturb(State& s) const {
     const auto v = s.f64(s.at("velocity"));
     const auto x = s.f64(s.at("position"));
@@ -215,7 +215,7 @@ class BorderSearch {
     for (const double c : x) most = std::max(most, std::abs(c));
     return most;
   }
-  // How far the motion goes in the time of `steps` steps of dt, from one run at a small step.
+  // How far the motion gets in the time of `steps` steps of dt, from one run at a small step.
   double reach(double dt, const std::vector<double>& start) {
     const double horizon = dt * static_cast<double>(steps_);
     if (reaches_.empty()) follow(start);
@@ -240,7 +240,7 @@ class BorderSearch {
         reaches_.emplace_back(static_cast<double>(n + 1) * world.dt(), most);
       }
     } catch (const Instability&) {
-      // What was seen until then is the motion to compare with.
+      // The motion up to there is what is compared with.
     }
     if (reaches_.empty()) reaches_.emplace_back(0, most);
   }
@@ -253,9 +253,9 @@ class BorderSearch {
   std::vector<std::pair<double, double>> reaches_;
   double stop_at_ = 0;
   int64_t steps_ = 0;
-  double stepping_ = 0;  // s that the steps of the last run that held took
+  double stepping_ = 0;  // s that the steps of the last stable run took
   double resolution_ = kFinest;
-  std::optional<double> border_;  // a step just above the first border
+  std::optional<double> border_;  // a step just above the first limit
   int runs_ = 0;
 };
 
@@ -331,7 +331,7 @@ StudyResult run_stability(const json::value& scene, const void* def, StudyContex
   for (size_t i = 0; i < rows.size(); ++i) {
     const Integrator& row = *rows[i];
     context.progress(static_cast<double>(i) / static_cast<double>(rows.size()), std::string(row.name));
-    // The scene's options stay while its method changes.
+    // The scene's options are kept while its method changes.
     const double limit = stability_interval(row, *own.options).largest_step(spectrum.omega, spectrum.damping);
     const double guess = std::isfinite(limit) && limit > 0 ? limit
                          : spectrum.omega > 0              ? 1 / spectrum.omega
@@ -388,7 +388,7 @@ StudyResult run_stability(const json::value& scene, const void* def, StudyContex
     r.summary["suggested_dt_bound"] = *dt;
   const double suggested =
       stability_interval(*own.method, *own.options).largest_step(spectrum.omega, spectrum.damping);
-  // A tenth below the border: the spectrum is that of the start.
+  // A tenth below the limit: the spectrum is that of the start.
   if (std::isfinite(suggested) && suggested > 0) r.summary["suggested_dt"] = 0.9 * suggested;
   r.plot = {.title = "Largest stable step",
             .x_label = "dt in s",

@@ -1,10 +1,10 @@
-// Largest step up to which each method holds on a scene, beside linear theory:
+// Largest stable step of each method on a scene, compared with linear theory:
 //   dt <= imaginary limit / omega_max  and  dt <= real limit / damping_max,
-// with both rates from a power iteration on the scene's own stiffness (Hairer, Wanner 1996, section IV.2).
-// A step is stable when `steps` steps from a slightly disturbed start stay finite and no row goes farther
-// than ten times as far as the reference motion does in the same time. Steps are tried from below: what is
-// reported is the end of the first stable span, and beside it the spans above where a method holds again
-// (compositions of leapfrog do), which no scene with more than one frequency should rely on.
+// with both rates from a power iteration on the scene's own stiffness (Hairer, Wanner 1996, section IV.2). A
+// step is stable when `steps` steps from a slightly disturbed start stay finite and no row moves more than
+// ten times as far as in the reference motion in the same time. Steps are tried from below: the result is the
+// end of the first stable span, and any spans above where a method is stable again (compositions of leapfrog
+// do), which no scene with more than one frequency should rely on.
 #pragma once
 #include <string>
 #include <vector>
@@ -15,7 +15,7 @@ namespace truestep {
 
 struct StabilityParams {
   std::string system;
-  std::vector<std::string> integrators;  ///< empty: the explicit fixed-step ones that serve the system
+  std::vector<std::string> integrators;  ///< empty: the explicit fixed-step methods that serve the system
   int64_t steps = 1000;
   double accuracy = 1e-3;  ///< relative width at which the bisection ends
   double budget = 40;      ///< s

@@ -108,7 +108,7 @@ StudyRequest read_request_of(const StudyKind& study, const json::value& request)
     const std::string first = issues.front().message;
     throw Error("scene_invalid", first, std::move(issues));
   }
-  // Studies choose methods and steps themselves; a companion run would only be timed along.
+  // Studies choose methods and steps themselves; a companion run would only distort the timing.
   out.scene.as_object().erase("accuracy");
   return out;
 }

@@ -1,6 +1,6 @@
 // Studies: questions about a scene that take many runs of it. Each kind is a parameter table and a function;
-// it gets a scene as a document, because it varies the document, and returns a table, plots and a summary.
-// Times are CPU seconds of the one thread that steps (so that a shared machine distorts them less).
+// it gets the scene as a document, so that it can vary it, and returns a table, plots and a summary. Times
+// are CPU seconds of the one stepping thread (so that a shared machine distorts them less).
 #pragma once
 #include <atomic>
 #include <boost/json.hpp>
@@ -19,7 +19,7 @@
 
 namespace truestep {
 
-/// What a running study tells and asks the outside.
+/// The study's connection to its surroundings.
 struct StudyContext {
   const ThreadArena& arena;  ///< independent runs may share these threads; timed runs never do
   const std::atomic<bool>& cancelled;
@@ -28,13 +28,12 @@ struct StudyContext {
   std::vector<boost::json::object> finished_rows = {};
   /// Sweeps: called once per finished case, from any thread, one call at a time.
   std::function<void(const boost::json::object& row)> row_finished = {};
-  /// Throws when a scene of this cost may not be built; called before that, from any thread, for every
-  /// variant.
+  /// Throws when a scene of this cost may not be built; called first for every variant, from any thread.
   std::function<void(const Cost&)> admit = {};
-  /// Runs are given up as over budget when it has come.
+  /// When it is reached, runs are abandoned as over budget.
   std::chrono::steady_clock::time_point deadline = std::chrono::steady_clock::time_point::max();
 
-  /// Error "cancelled" when somebody asked to stop.
+  /// Error "cancelled" when a stop was requested.
   void check() const;
 };
 
@@ -42,7 +41,7 @@ struct StudyKind {
   std::string_view name;  ///< as in a request's "kind"
   std::string_view sentence;
   const DefTable& (*table)();
-  /// `def` is the struct of `table`. Errors as a session's creation, and "study_failed".
+  /// `def` is the struct of `table`. Errors as for creating a session, and "study_failed".
   StudyResult (*run)(const boost::json::value& scene, const void* def, StudyContext& context);
 };
 
@@ -58,9 +57,9 @@ struct StudyRequest {
 
 /// Error "scene_invalid" with every fault of the scene and of the parameters.
 StudyRequest read_study_request(const boost::json::value& request);
-/// The same for a kind that is known, without "kind".
+/// The same for a given kind, without "kind".
 StudyRequest read_request_of(const StudyKind& kind, const boost::json::value& request);
-/// Runs it; the result's summary names kind and scene.
+/// Runs the study; the result's summary names kind and scene.
 StudyResult run_study(const StudyRequest& request, StudyContext& context);
 
 }  // namespace truestep

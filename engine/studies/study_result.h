@@ -33,7 +33,7 @@ struct StudyPlot {
   };
   std::string title, x_label, y_label;
   Scale x_scale = Scale::logarithmic, y_scale = Scale::logarithmic;
-  /// Not empty: y takes these names, from the top, as 0, 1, 2 ...
+  /// If not empty, y takes these names, from the top, as 0, 1, 2 ...
   std::vector<std::string> y_names = {};
   std::vector<Series> series = {};
 };

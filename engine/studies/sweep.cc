@@ -66,7 +66,7 @@ std::vector<std::vector<double>> cases_of(const SweepParams& p) {
   return cases;
 }
 
-// {"case": n, pointer: value ..., measure: value ..., "status": "ok" | why not}
+// {"case": n, pointer: value ..., measure: value ..., "status": "ok" or the reason why not}
 json::object run_case(const json::value& scene, const SweepParams& p, size_t number,
                       const std::vector<double>& parameters, const StudyContext& context) {
   static const ThreadArena kSerial(1);
@@ -223,7 +223,7 @@ StudyResult run_sweep(const json::value& scene, const void* def, StudyContext& c
             .y_label = p.measure[0],
             .x_scale = log_x ? StudyPlot::Scale::logarithmic : StudyPlot::Scale::linear,
             .y_scale = StudyPlot::Scale::linear};
-  // One curve per combination of the other axes; random draws are points of one cloud.
+  // One curve per combination of the other axes; random draws form one cloud of points.
   std::map<std::string, StudyPlot::Series> curves;
   for (const auto& row : r.table.rows) {
     const auto* x = std::get_if<double>(&row[1]);

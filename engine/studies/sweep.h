@@ -1,6 +1,6 @@
 // Many runs of a scene with other parameters: every combination of given values, or random draws between
-// bounds. Cases are numbered, independent and run in parallel, one thread each; a case's numbers depend on
-// nothing but its own parameters, so a sweep that was interrupted goes on from the rows it had.
+// bounds. Cases are numbered, independent and run in parallel, one thread each; a case's numbers depend only
+// on its own parameters, so an interrupted sweep continues from its existing rows.
 #pragma once
 #include <string>
 #include <vector>
@@ -29,7 +29,7 @@ struct SweepParams {
 const DefTable& sweep_table();
 StudyResult run_sweep(const boost::json::value& scene, const void* def, StudyContext& context);
 
-/// Most cases of one sweep.
+/// Maximum number of cases in a sweep.
 inline constexpr size_t kMaxSweepCases = 100'000;
 
 }  // namespace truestep

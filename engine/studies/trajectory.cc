@@ -52,7 +52,7 @@ Trace trace(const World& world, const TraceRequest& request, const StudyContext&
       row.push_back(now.find(name).value_or(std::numeric_limits<double>::quiet_NaN()));
   };
   sample();
-  uint64_t largest_batch = 1;  // steps between two looks at the clock and the limits
+  uint64_t largest_batch = 1;  // steps between two checks of the clock and the limits
   for (size_t i = 0; i < request.samples; ++i) {
     uint64_t left = request.steps_per_sample;
     while (left > 0) {

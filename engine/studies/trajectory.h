@@ -1,4 +1,4 @@
-// A run of a scene sampled at equal intervals, with the CPU time that its steps took.
+// A run of a scene sampled at equal intervals, with the CPU time of its steps.
 #pragma once
 #include <optional>
 #include <string>
@@ -19,15 +19,15 @@ struct TraceRequest {
   TraceField field;
   uint64_t steps_per_sample = 1;
   size_t samples = 1;
-  double cpu_limit = 1e9;                     ///< s; a run that takes longer is given up
+  double cpu_limit = 1e9;                     ///< s; a run that takes longer is abandoned
   std::vector<std::string> observables = {};  ///< of the same system, recorded beside the field
 };
 
 struct Trace {
   enum class End : uint8_t { complete, unstable, over_budget } end = End::complete;
   std::vector<double> times;                  ///< s; the start is sample 0
-  std::vector<std::vector<double>> values;    ///< flat field at each of them
-  std::vector<std::vector<double>> observed;  ///< the observables at each of them, NaN where there is none
+  std::vector<std::vector<double>> values;    ///< flat field at each time
+  std::vector<std::vector<double>> observed;  ///< the observables at each time, NaN if undefined
   double cpu_seconds = 0;                     ///< of the steps alone
   uint64_t steps = 0;
   std::string detail;  ///< why it ended early
@@ -37,7 +37,7 @@ struct Trace {
 Trace trace(const World& world, const TraceRequest& request, const StudyContext& context);
 
 /// Values of a field as doubles; "state": the whole configuration (core/configuration.h). Error
-/// "scene_invalid" with pointer "/quantity" when the system has no such.
+/// "scene_invalid" with pointer "/quantity" when the system has no such field.
 std::vector<double> field_values(const System& system, const State& state, const std::string& name);
 
 /// |a - b|_2 / |b|_2; infinity when the lengths differ or a number is not finite.

@@ -18,12 +18,12 @@ namespace {
 
 constexpr double kShort = 0.005;  // s
 constexpr int64_t kMostRepeats = 25;
-constexpr double kProbe = 0.02;      // of the budget, to see how fast the scene steps
-constexpr double kFewestSteps = 16;  // of the scene, that a study covers
-constexpr double kMargin = 0.3;      // of what one run reached: a reference takes several
+constexpr double kProbe = 0.02;      // share of the budget for finding out how fast the scene steps
+constexpr double kFewestSteps = 16;  // fewest steps of the scene that a study covers
+constexpr double kMargin = 0.3;      // fraction of what one run reached: a reference takes several
 constexpr std::array kDecades = {1e-2, 1e-4, 1e-6, 1e-8, 1e-10, 1e-12};
 
-// How often an interval between samples is divided: a ladder around the scene's own step, or what was asked.
+// How often an interval between samples is divided: a ladder around the scene's own step, or as requested.
 std::vector<uint64_t> divisions(const WorkPrecisionParams& p, double interval, double scene_dt) {
   std::vector<uint64_t> m;
   const auto add = [&](double dt) {
@@ -89,7 +89,7 @@ class Measurer {
   }
 
  private:
-  // Samples and steps for a horizon; one shorter than was wanted is a whole number of the largest steps.
+  // Samples and steps for a horizon; a shortened one is a whole number of the largest steps.
   void cover(double horizon) {
     size_t samples = static_cast<size_t>(params_.samples);
     if (horizon < out_.duration) {
@@ -109,8 +109,8 @@ class Measurer {
         std::max<uint64_t>(1, static_cast<uint64_t>(std::llround(interval_ / scene_dt_)));
   }
 
-  // How far every method gets at a quarter of the scene's step, if it is as fast as the scene's own; no less
-  // than kFewestSteps.
+  // How far every method gets at a quarter of the scene's step, if it is as fast as the scene's own; at least
+  // kFewestSteps.
   double affordable(size_t methods) const {
     TraceRequest probe = request_;
     probe.cpu_limit = kProbe * params_.budget;
@@ -155,11 +155,11 @@ class Measurer {
           {{"/integrators", "unknown_choice", "there is no such integrator", '"' + name + '"', all, "", ""}});
     }
     const bool adaptive = row->stepping == Integrator::Stepping::adaptive;
-    // From cheap to dear, so that a budget which runs out cuts off the end of the curve.
+    // From cheap to expensive, so that a budget which runs out cuts off the end of the curve.
     double spent = 0, last = 0;
     if (adaptive) {
-      // Steps that do more than integrate are the scene's own, or the runs would solve another problem.
-      // Where the horizon was shortened, the clock is looked at more often too.
+      // Steps that do more than integrate stay the scene's own, or the runs would solve another problem. With
+      // a shortened horizon, the clock is also checked more often.
       const bool own = out_.steps_matter || out_.horizon < out_.duration;
       const double wanted = params_.adaptive_step.value_or(own ? session_dt_ : interval_);
       request_.steps_per_sample =
@@ -177,7 +177,7 @@ class Measurer {
     }
   }
 
-  // False: no further point of this method.
+  // Returns false to end this method's curve.
   bool one(const std::string& name, double setting, double dt, double share, double& spent, double& last) {
     const bool adaptive = find_integrator(name)->stepping == Integrator::Stepping::adaptive;
     WorkPoint p{.integrator = name, .setting = setting};
@@ -196,7 +196,7 @@ class Measurer {
     try {
       const World world = build_world(d, context_);
       Trace t;
-      // Short runs are repeated more often: a clock's own noise is some microseconds.
+      // Short runs are repeated more often: the clock's own noise is a few microseconds.
       double total = 0;
       for (int64_t r = 0; r < params_.repeats || (total < kShort && r < kMostRepeats); ++r) {
         t = trace(world, request_, context_);
@@ -204,7 +204,7 @@ class Measurer {
         times.push_back(t.cpu_seconds);
         if (t.end != Trace::End::complete || spent + t.cpu_seconds > share) break;
       }
-      // Adaptive methods take steps of their own inside those of the session.
+      // Adaptive methods take their own steps within those of the session.
       const double own = t.observed.empty() ? NAN : t.observed.back().front();
       p.steps = adaptive && own > 0 ? static_cast<uint64_t>(own) : t.steps;
       p.cpu_seconds = last = median(times);
@@ -215,7 +215,7 @@ class Measurer {
       return false;
     }
     out_.points.push_back(p);
-    // Finer than the reference shows nothing more.
+    // Finer than the reference shows nothing new.
     return p.status != "over budget" && p.status != "at the floor";
   }
 
@@ -244,7 +244,7 @@ class Measurer {
 json::array cheapest(const WorkMeasurement& m) {
   json::array out;
   for (const double error : kDecades) {
-    // Below its floor the reference cannot tell errors.
+    // Below its floor the reference cannot tell errors apart.
     if (error < m.reference.floor()) break;
     std::string best;
     double cpu = INFINITY;
@@ -268,7 +268,7 @@ std::optional<double> cpu_at_error(const std::vector<WorkPoint>& points, std::st
     if (p.integrator != integrator || !(p.error_end > 0) || !std::isfinite(p.error_end)) continue;
     if (p.error_end <= error) {
       double cpu = p.cpu_seconds;
-      // Between two points the curve is straight in log-log; a first point that is good enough stands as it
+      // Between two points the curve is straight in log-log; a first point that is good enough is taken as it
       // is.
       if (before && before->error_end > error && before->cpu_seconds > 0 && p.cpu_seconds > 0) {
         const double w = std::log(before->error_end / error) / std::log(before->error_end / p.error_end);

@@ -1,5 +1,5 @@
 // Run time against error (work-precision, Hairer, Norsett, Wanner 1993, section II.10): every method at many
-// steps or tolerances on one scene; the CPU time of its steps beside its relative error
+// steps or tolerances on one scene; the CPU time of its steps against its relative error
 //   |x - x_ref|_2 / |x_ref|_2   at the end, and the largest over equally spaced samples of the path.
 #pragma once
 #include <string>
@@ -20,9 +20,8 @@ struct WorkPrecisionParams {
   int64_t samples = 16, repeats = 3;
   double budget = 30;  ///< s of CPU for everything
   Refine refine = Refine::time;
-  int64_t halvings = 4;  ///< of the spacing, where that is refined
-  /// Not asked for by users: s, the steps in which adaptive methods run; left out: as long as the scene
-  /// allows.
+  int64_t halvings = 4;  ///< of the spacing, if that is refined
+  /// Internal: s, the steps in which adaptive methods run; default: as long as the scene allows.
   std::optional<double> adaptive_step = {};
 };
 
@@ -36,7 +35,7 @@ struct WorkPoint {
   double cpu_seconds = 0, error_end = 0, error_path = 0;
   uint64_t steps = 0;
   std::string status = {};  ///< ok, at the floor, unstable, over budget
-  double refined = 1;       ///< resolution, times the scene's own
+  double refined = 1;       ///< resolution relative to the scene's own
 };
 
 struct WorkMeasurement {
@@ -47,7 +46,8 @@ struct WorkMeasurement {
   };
   std::vector<Refusal> refused;
   double horizon = 0;         ///< s
-  double duration = 0;        ///< s, the horizon that was wanted: longer where the budget did not reach
+  double duration = 0;        ///< s, the requested horizon, longer than `horizon` when the budget did not
+                              ///< suffice
   bool steps_matter = false;  ///< steps do more than integrate
 };
 
@@ -56,16 +56,17 @@ struct WorkMeasurement {
 WorkMeasurement measure_work(const boost::json::value& scene, const WorkPrecisionParams& params,
                              StudyContext& context);
 
-/// The same where the system is divided more finely from point to point (refinement.h): errors at the end
-/// alone, against the scene's exact solution or the limit of ever finer ones.
+/// The same with the system divided more finely from point to point (refinement.h): errors at the end only,
+/// against the scene's exact solution or the limit of ever finer ones.
 WorkMeasurement measure_refined_work(const boost::json::value& scene, const WorkPrecisionParams& params,
                                      StudyContext& context);
 
-/// Adds "note" when the horizon is shorter than was wanted, and "warning" when paths mean nothing over it.
+/// Adds "note" when the horizon is shorter than requested, and "warning" when trajectories are meaningless
+/// over it.
 void describe_reach(const WorkMeasurement& measurement, boost::json::object& summary);
 
-/// CPU seconds at which a method reaches `error`, interpolated between its points in log-log; nothing when
-/// its points do not span it.
+/// CPU seconds at which a method reaches `error`, interpolated log-log between its points; empty when its
+/// points do not span it.
 std::optional<double> cpu_at_error(const std::vector<WorkPoint>& points, std::string_view integrator,
                                    double error);
 

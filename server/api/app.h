@@ -24,15 +24,15 @@ struct AppOptions {
   net::Options net;
   StoreLimits limits;
   int workers = 2;  ///< threads that advance sessions
-  /// How long a session plays on when its last viewer has left; none: for ever.
+  /// How long a session keeps playing after its last viewer has left; empty: for ever.
   std::optional<std::chrono::milliseconds> unwatched_grace = std::chrono::seconds(10);
-  std::string data_dir;  ///< where recordings and sessions go; empty: nothing outlives the process
-  std::optional<ArchiveLimits> keep_sessions;  ///< none: they end with the process
+  std::string data_dir;  ///< where recordings and sessions are kept; empty: nothing outlives the process
+  std::optional<ArchiveLimits> keep_sessions;  ///< empty: sessions end with the process
   RecordingLimits recordings;
   double max_asset_bytes = 2e9;  ///< of all assets on disk
 };
 
-/// The sessions that the data folder keeps; null where nothing is kept.
+/// The sessions kept in the data folder; null when nothing is kept.
 std::unique_ptr<SessionArchive> open_archive(const AppOptions& options, MemoryBudget& memory);
 
 struct App {
@@ -55,12 +55,13 @@ struct App {
   IdempotencyKeys idempotency;
   StreamStats stream_stats;
   OperationStore operations{OperationLimits{.per_run = options.limits.per_session}, options.workers, memory};
-  std::atomic<bool> repairing{false};   ///< recordings of an earlier run; no new ones meanwhile
-  Runner runner;                        ///< last: its threads end before what they use
+  std::atomic<bool> repairing{false};   ///< recordings of an earlier run are being repaired; no new ones
+                                        ///< meanwhile
+  Runner runner;                        ///< last, so that its threads end before anything they use
   const net::Server* server = nullptr;  ///< for the metrics page; set before the server starts
 };
 
-/// The whole table of routes. `app` outlives the router.
+/// The complete table of routes. `app` must outlive the router.
 net::Router make_router(App& app);
 
 // Parts of the table, one file each.

@@ -1,4 +1,4 @@
-// The examples of GET /docs. Tests run all of them, from the first to the last.
+// The examples of GET /docs. Tests run all of them in order.
 #include "server/api/docs_page.h"
 
 namespace truestep {

@@ -57,7 +57,7 @@ std::string anchor(std::string_view schema) {
   return "<a href=#schema-" + std::string(schema) + ">" + std::string(schema) + "</a>";
 }
 
-// A schema in a few words: its name, or what stands in it.
+// A schema in a few words: its name or its contents.
 std::string in_words(const json::value& schema) {
   if (const json::object* o = schema.if_object()) {
     if (const json::value* ref = o->if_contains("$ref"); ref && ref->is_string()) {
@@ -128,7 +128,7 @@ std::string all_schemas() {
 
 }  // namespace
 
-// In the order of the examples, which build on each other; what has none comes last.
+// In the order of the examples, which build on each other; routes without one come last.
 std::string docs_page(const net::Router& router) {
   std::string page(kHead);
   const auto example = [](const net::Route& r) {

@@ -1,5 +1,5 @@
-// GET /docs: every request with what it reads, its body, its answers and an example; the stream's protocol;
-// the schemas; the codes of problems. Made of the tables that the machine-readable description is made of.
+// GET /docs: every request with its parameters, body, answers and an example; the protocol of the stream; the
+// schemas; the problem codes. Generated from the same tables as the machine-readable description.
 #pragma once
 #include <span>
 #include <string>
@@ -9,7 +9,7 @@
 
 namespace truestep {
 
-/// A command of a shell that has $base and what the commands before it have set. They run in the order given.
+/// A shell command that uses $base and variables set by the commands before it. They run in the order given.
 struct RouteExample {
   net::Method method;
   std::string_view pattern;
@@ -17,7 +17,7 @@ struct RouteExample {
 };
 std::span<const RouteExample> route_examples();
 
-/// Of a stream in JavaScript, given `base` and `id`.
+/// A stream client in JavaScript, given `base` and `id`.
 std::string_view stream_example();
 
 std::string docs_page(const net::Router& router);

@@ -1,4 +1,4 @@
-// Query parameters that a route does not read are faults of the request: whoever writes one means something.
+// Query parameters that a route does not read are errors of the request: the client meant something by them.
 #pragma once
 #include <functional>
 
@@ -6,9 +6,9 @@
 
 namespace truestep {
 
-/// A check of a row: Error "bad_request" with an issue for every parameter that the route's description does
-/// not list (with what there is and the nearest name) or that comes twice. Empty for the viewer's files,
-/// whose parameters the viewer reads.
+/// A check for a row: Error "bad_request" with an issue for every parameter that is repeated or not in the
+/// route's description (with what is allowed and the nearest name). Empty for the viewer's files, whose
+/// parameters the viewer reads.
 std::function<void(const net::Request&)> query_check(const net::Route& route);
 
 }  // namespace truestep

@@ -27,7 +27,7 @@ std::string lower(std::string_view s) {
   return out;
 }
 
-// "post /v1/sessions/{id}/step" is post_sessions_id_step.
+// "post /v1/sessions/{id}/step" becomes post_sessions_id_step.
 std::string operation_id(const net::Route& route) {
   std::string out = lower(net::method_name(route.method));
   std::string_view rest = route.pattern;
@@ -86,7 +86,7 @@ json::object responses(const net::Route& route) {
   const json::object problem{
       {"application/problem+json", json::object{{"schema", schema_reference("Problem")}}}};
   out["default"] = json::object{{"description", "a problem"}, {"content", problem}};
-  // A status that has an answer of its own can be a problem as well.
+  // A status that has an answer of its own may also be a problem.
   for (auto& [status, answer] : out) {
     if (status[0] == '4')
       answer.as_object()["content"].as_object()["application/problem+json"] = problem.begin()->value();

@@ -8,12 +8,12 @@ namespace truestep {
 
 /// What differs from server to server.
 struct ServiceDescription {
-  bool keys = false;       ///< are asked for
-  size_t max_message = 0;  ///< bytes of a stream's message from a client
+  bool keys = false;       ///< API keys are required
+  size_t max_message = 0;  ///< largest message from a stream's client, in bytes
 };
 
 boost::json::object openapi_document(const net::Router& router, const ServiceDescription& service);
-/// Adds /openapi.json and /docs; call last, so that they describe everything.
+/// Adds /openapi.json and /docs; call last, so that they describe every route.
 void add_description_routes(net::Router& router, const ServiceDescription& service);
 
 }  // namespace truestep

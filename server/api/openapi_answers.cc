@@ -1,5 +1,5 @@
-// What the HTTP description says of answers: which statuses a route has when all is well, in which media
-// types and with which schemas.
+// Answers in the HTTP description: which statuses a route has on success, in which media types and with which
+// schemas.
 #include <algorithm>
 
 #include "engine/scene/json.h"
@@ -16,7 +16,7 @@ constexpr std::string_view kJson = "application/json", kProtobuf = "application/
                            kBytes = "application/octet-stream", kPng = "image/png",
                            kCsv = "text/csv; charset=utf-8", kHtml = "text/html; charset=utf-8";
 
-// By pattern, so that the answers of a route stand together.
+// Sorted by pattern, which keeps the answers of a route together.
 constexpr RouteAnswer kAnswers[] = {
     {M::get, "/", 200, kHtml, "", "the viewer"},
     {M::get, "/docs", 200, kHtml, "", "a page"},
@@ -93,7 +93,7 @@ constexpr RouteAnswer kAnswers[] = {
     {M::get, "/version", 200, kJson, "Version", "version and build"},
 };
 
-// `id` is a UUID and `hash` 16 hexadecimal digits wherever they stand.
+// `id` is always a UUID and `hash` always 16 hexadecimal digits.
 constexpr std::string_view kSchemas = R"json({
   "Anything": {"type": "object"},
   "Health": {"type": "object", "properties": {"status": {"const": "ok"}}, "required": ["status"]},

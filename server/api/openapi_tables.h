@@ -1,5 +1,5 @@
 // What the HTTP description says of each route beyond its pattern and sentence: what it reads and what it
-// answers when all is well. Problems are the same everywhere (net/problem.h).
+// answers on success. Problems are the same everywhere (net/problem.h).
 #pragma once
 #include <boost/json/object.hpp>
 #include <span>
@@ -10,10 +10,10 @@
 namespace truestep {
 
 inline constexpr std::string_view kViewerFile = "A file of the viewer";
-/// Viewer files are no part of the interface.
+/// The viewer's files are not part of the interface.
 bool is_interface(const net::Route& route);
 
-/// One answer of a route. Several rows of one status are its media types; `schema` names one of
+/// One answer of a route. Rows with the same status are its media types; `schema` names one of
 /// `answer_schemas`, or is empty for a text or a file.
 struct RouteAnswer {
   net::Method method;
@@ -42,11 +42,11 @@ boost::json::object schema_reference(std::string_view name);
 /// JSON schema of a {name} in a pattern.
 std::string_view path_parameter_schema(std::string_view pattern, std::string_view name);
 
-/// The body that a route takes: media types with their schemas; empty when it takes none.
+/// The body that a route takes: media types with their schemas; empty when there is none.
 boost::json::object body_of(const net::Route& route);
-/// Whether an empty body says nothing that the route could do.
+/// Whether the route needs a body that is not empty.
 bool body_is_required(const net::Route& route);
-/// Schemas that only bodies refer to.
+/// Schemas used only by bodies.
 boost::json::object body_schemas();
 
 }  // namespace truestep

@@ -10,7 +10,7 @@ namespace truestep {
 
 namespace {
 
-// There is nothing to go on with any more.
+// Ends the newest recording, which can no longer be continued.
 void end_newest(App& app, const std::string& session) {
   const auto last = app.recordings.newest(session);
   if (last && (last->state == RecordingFate::closed || last->state == RecordingFate::repaired))
@@ -30,7 +30,7 @@ void ended(App& app, const std::string& session, const std::string& id, const Re
 void begin(App& app, SessionEntry& entry, std::optional<uint64_t> after) {
   if (!app.recordings.on())
     throw Error("bad_request", "this server has no data directory, so it cannot record");
-  // What is written now must not look like a file that an earlier run left.
+  // Whatever is written now must not look like a file left by an earlier run.
   if (app.repairing) throw Error("starting", "recordings of an earlier run are being repaired");
   const SceneHeader& header = entry.session.world().scene().header;
   const RecordingFacts facts =
@@ -51,7 +51,7 @@ void begin(App& app, SessionEntry& entry, std::optional<uint64_t> after) {
   app.recordings.attach(facts.id, entry.recording);
 }
 
-// What the disk has no room for any more is one thing, what it holds another.
+// Salvages an existing recording; a full disk stops new data, not what it already holds.
 void salvage(App& app, const std::string& id, const RecordingStatus& status) {
   const SalvageReport report = salvage_recording(*app.recording_thread, app.recordings.path(id).string());
   app.recordings.end(id, RecordingFate::incomplete, report.frames, status.message);
@@ -69,7 +69,7 @@ bool recording_goes_on(const App& app, const std::string& session) {
 }
 
 std::optional<uint64_t> last_recorded_step(App& app, const std::string& session) {
-  // The newest may have been cut short before its first frame.
+  // The newest may have been cut off before its first frame.
   for (const RecordingFacts& f : app.recordings.of_session(session)) {
     try {
       RecordingReader reader(app.recording_thread, app.recordings.path(f.id).string());

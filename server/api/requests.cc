@@ -41,7 +41,7 @@ T parse_query(const net::Request& request, std::string_view name, T fallback, T 
 namespace {
 constexpr std::string_view kJsonType = "application/json";
 
-// Without parameters.
+// The media type without its parameters.
 std::string_view media_type(const net::Request& request) {
   const std::string_view sent = request.header("content-type");
   return net::trim(sent.substr(0, sent.find(';')));
@@ -65,7 +65,7 @@ void require_media(const net::Request& request, std::string_view type) {
 json::value json_body(const net::Request& request) {
   if (request.body.empty()) return json::object{};
   require_media(request, kJsonType);
-  // Some 64 MB of memory at most.
+  // About 64 MB of memory.
   constexpr size_t kMostValues = 1'200'000;
   return parse_json(request.body, {.max_values = kMostValues});
 }
@@ -73,7 +73,7 @@ json::value json_body(const net::Request& request) {
 boost::asio::awaitable<json::value> long_json_body(App& app, const net::Request& request) {
   constexpr size_t kShort = 32 << 10;
   if (request.body.size() <= kShort) co_return json_body(request);
-  // A value takes some 25 bytes and is copied once while its array grows.
+  // A value takes about 25 bytes and is copied once while its array grows.
   const auto lease = app.memory.lease(3.5 * static_cast<double>(request.body.size()), "reading the body");
   auto parse = [&request] { return json_body(request); };
   co_return co_await app.runner.long_work(std::move(parse));

@@ -1,4 +1,4 @@
-// What several routes need of a request: its JSON body, numbers in the query, a session under its lock.
+// What several routes read from a request: its JSON body, numbers in the query, a session under its lock.
 #pragma once
 #include <boost/asio/awaitable.hpp>
 #include <boost/json.hpp>
@@ -14,33 +14,33 @@ namespace truestep {
 /// The body as strict JSON. Error unsupported_media unless it says application/json (or is empty, which
 /// counts as {}).
 boost::json::value json_body(const net::Request& request);
-/// The same on a worker when it is long.
+/// The same, on a worker when the body is long.
 boost::asio::awaitable<boost::json::value> long_json_body(App& app, const net::Request& request);
 /// An object; Error bad_request otherwise.
 boost::json::object json_object_body(const net::Request& request);
 boost::json::object object_of(boost::json::value body);
 
-/// The session that the path names, brought back from disk when it is there. Error "unknown_session",
-/// "session_expired", or "creating" while that takes long.
+/// The session named by the path, restored from disk if necessary. Error "unknown_session",
+/// "session_expired", or "creating" while a restore takes long.
 boost::asio::awaitable<EntryPtr> session_of(App& app, const net::Request& request);
-/// The operation that the path names. Error "unknown_operation".
+/// The operation named by the path. Error "unknown_operation".
 OperationPtr operation_of(const App& app, const net::Request& request);
-/// The Idempotency-Key, told apart from other callers' keys; empty without one. Error bad_request unless it
-/// is one of 1 to 255 visible characters of ASCII.
+/// The Idempotency-Key, made unique per caller; empty when there is none. Error "bad_request" unless it has 1
+/// to 255 visible ASCII characters.
 std::string idempotency_key(const net::Request& request);
 
-/// An object with these members only ("step, time"); Error bad_request with a pointer to every other.
-/// Requests that take none are refused when they have some.
+/// An object with only these members ("step, time"); Error "bad_request" with a pointer to every other one. A
+/// route that takes no members refuses any.
 boost::json::object object_body_of(const net::Request& request,
                                    std::initializer_list<std::string_view> members);
-/// A body that was sent as it is. Error unsupported_media for a Content-Encoding, and for any Content-Type
-/// but `type`, "+json" beside JSON included. An empty body has no type.
+/// A body sent without encoding. Error "unsupported_media" for a Content-Encoding, and for any Content-Type
+/// other than `type` (for JSON also "+json"). An empty body has no type.
 void require_media(const net::Request& request, std::string_view type);
 
-/// Does the request say that its body is JSON?
+/// Whether the request says that its body is JSON.
 bool is_json(const net::Request& request);
 
-/// An integer or number from the query; Error bad_request with the pointer "?name" when it is no such thing,
+/// An integer or number from the query; Error "bad_request" with the pointer "?name" when it is malformed,
 /// below `min` (0 for numbers) or above `max`.
 uint64_t query_integer(const net::Request& request, std::string_view name, uint64_t fallback, uint64_t min,
                        uint64_t max);
@@ -50,7 +50,7 @@ std::vector<std::string> query_list(const net::Request& request, std::string_vie
 
 /// A finite number of an object in [min, max]; Error bad_request with its pointer otherwise.
 double number_member(const boost::json::object& o, const char* name, double min, double max);
-/// The same for a whole number, 2.0 included.
+/// The same for an integer; 2.0 is accepted.
 uint64_t integer_member(const boost::json::object& o, const char* name, uint64_t max);
 
 /// True or false; false when it is absent.
@@ -58,12 +58,12 @@ bool boolean_member(const boost::json::object& o, const char* name);
 
 net::Response json_response(const boost::json::value& value, int status = 200);
 
-/// f(entry) under the entry's lock: at once when the lock is free, else on a worker, so that the network
+/// f(entry) under the entry's lock: at once when the lock is free, otherwise on a worker, so that the network
 /// thread never waits for a step.
 template <class F>
 boost::asio::awaitable<net::Response> with_session(App& app, EntryPtr entry, F f) {
   if (std::unique_lock lock(entry->mutex, std::try_to_lock); lock.owns_lock()) co_return f(*entry);
-  // Named: gcc 12 destroys the captures of a closure that is a temporary of a co_await expression twice.
+  // Named, because gcc 12 destroys the captures of a temporary closure in a co_await expression twice.
   auto work = [entry, f = std::move(f)]() mutable {
     const std::lock_guard lock(entry->mutex);
     return f(*entry);
@@ -71,17 +71,17 @@ boost::asio::awaitable<net::Response> with_session(App& app, EntryPtr entry, F f
   co_return co_await net::offload(app.runner.pool(), std::move(work));
 }
 
-/// The same with the session that the path names.
+/// The same with the session named by the path.
 template <class F>
 boost::asio::awaitable<net::Response> with_session(App& app, const net::Request& request, F f) {
   EntryPtr entry = co_await session_of(app, request);
   co_return co_await with_session(app, std::move(entry), std::move(f));
 }
 
-/// The same, always on a worker: for what takes long.
+/// The same, always on a worker: for slow work.
 template <class F>
 boost::asio::awaitable<net::Response> with_session_on_worker(App& app, EntryPtr entry, F f) {
-  // Named: gcc 12 destroys the captures of a closure that is a temporary of a co_await expression twice.
+  // Named, because gcc 12 destroys the captures of a temporary closure in a co_await expression twice.
   auto work = [entry, f = std::move(f)]() mutable {
     const std::lock_guard lock(entry->mutex);
     return f(*entry);
@@ -89,10 +89,10 @@ boost::asio::awaitable<net::Response> with_session_on_worker(App& app, EntryPtr 
   co_return co_await net::offload(app.runner.pool(), std::move(work));
 }
 
-/// f(entry) once everything that was requested of the session has been cut short.
+/// f(entry) after cancelling everything that was requested of the session.
 template <class F>
 boost::asio::awaitable<void> interrupt_and_call(App& app, EntryPtr entry, F f) {
-  // The network thread does not wait for the lock, and the job comes before what is asked for from now on.
+  // The network thread does not wait for the lock, and the job comes before later requests.
   const JobPtr job = Job::between_steps(std::move(f));
   auto work = [&app, entry, job] {
     {

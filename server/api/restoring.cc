@@ -13,14 +13,14 @@ namespace asio = boost::asio;
 
 namespace {
 
-// What is computed for longer belongs to the threads for long work.
+// Anything that computes for longer goes to the threads for long work.
 constexpr double kShortWay = 0.02;  // s
 
 struct Saved {
   SavedSession session;
   SceneDraft draft;
   std::optional<uint64_t> recorded;  ///< last step of its recording
-  bool records = false;              ///< which goes on
+  bool records = false;              ///< and that recording continues
 };
 
 Saved read_saved(App& app, const std::string& id) {
@@ -45,7 +45,7 @@ void prepare(App& app, SessionEntry& e, const Saved& saved) {
     e.keeper = app.archive->keep_on(saved.session, e.session);
     e.keeper->keep_for(e.recording);
     e.session.add_sink(e.keeper);
-    // Its number is that of the record which tells of it.
+    // Its number is that of the log record.
     if (last == LastCommand::refused) e.keeper->command_refused(*saved.session.course.unconfirmed);
   } catch (...) {
     discard_recording(app, e);
@@ -83,7 +83,7 @@ asio::awaitable<EntryPtr> session_of(App& app, const net::Request& request) {
   while (true) {
     const auto [creation, how] = app.store.load(id, request.caller);
     if (how == SessionStore::Begun::How::stored) start_restoring(app, creation);
-    // Others may wait for it as well: whoever leaves ends nothing.
+    // Others may be waiting for it too, so a client that leaves cancels nothing.
     const auto ended = [c = creation] { return c->ended.load(); };
     const auto give_up = [] {};
     co_await net::wait_for_end(creation->done, ended, give_up, deadline);
@@ -112,7 +112,7 @@ void save_sessions(App& app) {
     const std::lock_guard lock(e->mutex);
     if (e->keeper) e->keeper->save();
   }
-  // Once for all of them.
+  // Once for all sessions.
   sync_disk_of(app.options.data_dir);
 }
 

@@ -1,19 +1,18 @@
-// Sessions between memory and disk: brought back when somebody asks for one, put away when nobody has for
-// long.
+// Sessions between memory and disk: restored when a client asks for one, unloaded when unused for long.
 #pragma once
 #include "server/api/app.h"
 
 namespace truestep {
 
-/// How long a request waits for a session that takes long to make or to bring back.
+/// How long a request waits for a session that is slow to create or restore.
 inline constexpr auto kPatience = std::chrono::seconds(5);
 
-/// Begins to bring back what SessionStore::load or begin said is stored.
+/// Starts restoring a session that SessionStore::load or begin reported as stored.
 void start_restoring(App& app, const CreationPtr& creation);
-/// Puts away what SessionStore::expire took out.
+/// Writes to disk what SessionStore::expire removed.
 void unload(App& app, const EntryPtr& entry);
-/// Saves where the sessions stand, at the end of the service. Whoever cannot wait may end the process: the
-/// logs tell the same.
+/// Saves the state of all sessions at shutdown. The process may also be killed without it: the logs hold the
+/// same information.
 void save_sessions(App& app);
 
 }  // namespace truestep

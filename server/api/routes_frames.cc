@@ -1,4 +1,4 @@
-// /v1/sessions/{id}: what comes out - frames, observables, pictures, the stream.
+// /v1/sessions/{id}: output - frames, observables, pictures, the stream.
 #include <algorithm>
 #include <charconv>
 #include <cmath>
@@ -69,7 +69,7 @@ Media media_of(const Request& request) {
   return Media::json;
 }
 
-// Which fields of which systems a request asks for; JSON gives f64 fields in full.
+// The fields of the systems that a request asks for; JSON gives f64 fields at full precision.
 std::vector<WireField> fields_of(const Request& request, const World& world, Media media) {
   return wire_fields(world, query_list(request, "fields"), query_list(request, "systems"),
                      media == Media::json ? WireEncoding::f64 : WireEncoding::f32);
@@ -86,7 +86,7 @@ const char* media_type(Media media) {
   return media == Media::json ? "application/json" : "application/x-protobuf";
 }
 
-// The newest frame. While the session stands still the answer is made once and shared.
+// The newest frame. While the session does not move, the answer is made once and shared.
 Response latest_frame(SessionEntry& e, const Request& request, Media media) {
   const std::string key(request.target);
   const uint64_t version = e.version.load(std::memory_order_acquire);
@@ -101,7 +101,7 @@ Response latest_frame(SessionEntry& e, const Request& request, Media media) {
   return Response::shared(c.body, c.content_type, c.etag);
 }
 
-// The state of a step that the session has had, computed beside it.
+// The state at an earlier step, computed beside the session.
 WorldState state_of(SessionEntry& entry, uint64_t step) {
   std::unique_lock lock(entry.mutex);
   if (step > entry.session.step_index()) throw Error("not_found", "the session has not reached this step");
@@ -135,7 +135,7 @@ asio::awaitable<Response> frame_at(App& app, const Request& request) {
   co_return co_await app.runner.long_work(std::move(compute));
 }
 
-// Poll: frames after a step, waiting up to `wait` seconds for the first one.
+// Polling: frames after a step, waiting up to `wait` seconds for the first one.
 asio::awaitable<Response> poll(App& app, const Request& request) {
   EntryPtr entry = co_await session_of(app, request);
   const Media media = media_of(request);
@@ -150,7 +150,7 @@ asio::awaitable<Response> poll(App& app, const Request& request) {
     Response response = co_await with_session(app, entry, [&](SessionEntry& e) {
       const auto fields = fields_of(request, e.session.world(), media);
       const FrameRequest wanted = request_for(fields, FrameRequest::Extras::state_hash);
-      // The first poll makes the session keep frames for the next ones.
+      // The first poll makes the session keep frames for later ones.
       if (!e.poll || e.poll->expired() || e.poll->request().fields != wanted.fields) {
         if (e.poll) e.session.remove_sink(e.poll.get());
         e.poll = std::make_shared<PollSink>(wanted);
@@ -162,7 +162,7 @@ asio::awaitable<Response> poll(App& app, const Request& request) {
       if (frames.empty() && (any_step || now > after)) frames.push_back(e.session.frame(wanted));
       if (frames.empty()) return Response(204);
       if (media == Media::protobuf) {
-        // One frame to a message: the client asks again for the next.
+        // One frame per message: the client asks again for the next.
         return Response::text(encode(*frames.front(), fields, media), media_type(media));
       }
       std::string body = "{\"frames\":[";
@@ -182,7 +182,7 @@ void append_csv_number(std::string& out, double v) {
   out.append(text, std::to_chars(text, text + sizeof text, v).ptr);
 }
 
-// The series that the session kept, or the present values when the scene names no observables.
+// The series kept by the session, or the present values when the scene names no observables.
 Response observables(SessionEntry& e, const std::vector<std::string>& names, size_t max_points, bool csv) {
   const Session& s = e.session;
   std::vector<std::string> columns, units;
@@ -283,7 +283,7 @@ PictureLook look_of(const Request& request) {
   return look;
 }
 
-/// Pixels: "size=800x600", or width and height.
+/// In pixels, from "size=800x600" or from width and height.
 struct PictureSize {
   int width = 800, height = 600;
 };
@@ -318,7 +318,7 @@ asio::awaitable<Response> picture(App& app, const Request& request) {
   const PictureLook look = look_of(request);
   std::optional<DrawCamera> camera;
   if (look.view == PictureLook::View::scene) camera = camera_of(request.query_value("camera"));
-  // The world of a session never changes.
+  // A session's world never changes.
   if (look.color_by) require_color(entry->session.world(), *look.color_by);
   std::optional<uint64_t> step;
   if (request.query_value("step")) step = query_integer(request, "step", 0, 0, kMostStep);

@@ -71,7 +71,7 @@ asio::awaitable<Response> start_study(App& app, const Request& request) {
     resume = r->as_string();
     body.erase("resume");
   }
-  // A worker reads it: scenes may be large.
+  // Parsed on a worker, since scenes may be large.
   auto work = [&app, body = std::move(body), resume, caller = request.caller]() mutable {
     const std::string text = write_json(body);
     json::value resolved = std::move(body);
@@ -83,14 +83,15 @@ asio::awaitable<Response> start_study(App& app, const Request& request) {
 }
 
 // Server-sent events (WHATWG HTML, section 9.2): "progress" after every change, "end" once, and a comment
-// when nothing has happened for a while, so that a client that has left is noticed.
+// after some silence, so that a client that has left is noticed.
 net::StreamBody events_of(OperationPtr operation) {
   struct Position {
     uint64_t seen = UINT64_MAX;
     bool ended = false;
   };
   auto position = std::make_shared<Position>();
-  // A coroutine's arguments live with it; a closure's captures would have to be kept by hand.
+  // A coroutine's arguments live as long as it does; a closure's captures would have to be kept alive by
+  // hand.
   const auto next = [](OperationPtr o,
                        std::shared_ptr<Position> p) -> asio::awaitable<std::optional<std::string>> {
     if (p->ended) co_return std::nullopt;

@@ -16,7 +16,7 @@ using net::Response;
 
 namespace {
 
-constexpr uint64_t kMostSteps = 1'000'000'000;  // that one request may ask for
+constexpr uint64_t kMostSteps = 1'000'000'000;  // per request
 
 Error too_many_steps(const char* pointer) {
   return {"bad_request",
@@ -47,7 +47,7 @@ uint64_t step_target(const json::object& body, const Session& s) {
   return s.step_index() + static_cast<uint64_t>(steps);
 }
 
-// The clock after a run of steps, or why it did not get there.
+// The clock after a run of steps, or why the run stopped early.
 asio::awaitable<Response> after_run(App& app, const Request& request, EntryPtr entry, JobPtr job) {
   co_return co_await with_session(app, entry, [&](SessionEntry& e) {
     if (e.session.failure()) return instability(request, e.session);

@@ -1,4 +1,4 @@
-// POST /v1/sessions/{id}/queries: where things are.
+// POST /v1/sessions/{id}/queries: spatial queries.
 #include "engine/session/queries.h"
 #include "server/api/requests.h"
 

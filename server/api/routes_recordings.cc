@@ -1,4 +1,4 @@
-// /v1/recordings: all that the data folder holds; /v1/sessions/{id}/recording: the newest of a session.
+// /v1/recordings: every recording in the data folder; /v1/sessions/{id}/recording: a session's newest.
 #include "server/api/recordings.h"
 #include "server/api/requests.h"
 #include "server/net/problem.h"
@@ -29,7 +29,7 @@ json::object describe(const RecordingFacts& f) {
   return o;
 }
 
-// 409 with the way to finish it while it is written; the file afterwards.
+// While it is being written, 409 with a link to finish it; the file afterwards.
 Response file_of(const App& app, const Request& request, const RecordingFacts& f) {
   if (f.state == RecordingFate::live) {
     return net::problem(
@@ -42,7 +42,7 @@ Response file_of(const App& app, const Request& request, const RecordingFacts& f
 }
 
 asio::awaitable<Response> session_recording(App& app, const Request& request) {
-  // Reading what is there brings no session back.
+  // Reading a recording does not restore its session.
   const std::string id(request.param("id"));
   const auto last = app.recordings.newest(id);
   if (last && last->state != RecordingFate::live && last->state != RecordingFate::incomplete &&
@@ -52,7 +52,7 @@ asio::awaitable<Response> session_recording(App& app, const Request& request) {
   co_return co_await with_session_on_worker(app, entry, [&](SessionEntry& e) {
     auto facts = app.recordings.newest(e.id);
     if (!facts) throw Error("not_found", "this session records nothing; give its scene a \"recording\"");
-    // One whose disk is full is brought into the form that readers expect.
+    // A recording that ended on a full disk is brought into the form that readers expect.
     if (facts->state == RecordingFate::incomplete && app.recordings.live(facts->id))
       facts = finish_recording(app, e);
     return file_of(app, request, *facts);

@@ -21,7 +21,7 @@ using net::Response;
 
 namespace {
 
-// One scrape: the counters live where they are counted and are copied into a registry of this moment.
+// One scrape: the counters are copied from where they are counted into a temporary registry.
 std::string metrics_text(App& app) {
   prometheus::Registry registry;
   const auto counter = [&](const char* name, const char* help, double value) {
@@ -33,7 +33,7 @@ std::string metrics_text(App& app) {
   size_t playing = 0, overhead = 0, state = 0;
   uint64_t frames = 0;
   for (const EntryPtr& e : app.store.all()) {
-    // A session in the middle of a step is left out rather than waited for.
+    // A session in the middle of a step is skipped, not waited for.
     const std::unique_lock lock(e->mutex, std::try_to_lock);
     if (!lock.owns_lock()) {
       ++playing;

@@ -59,7 +59,7 @@ json::object describe_creation(const Creation& c) {
           {"links", json::object{{"self", "/v1/sessions/" + c.id}}}};
 }
 
-// Light scenes are built at once, heavy ones by the threads for long work.
+// Light scenes are built at once, heavy ones on the threads for long work.
 void start_making(App& app, const CreationPtr& creation, SceneDraft draft) {
   const bool heavy = draft.heavy();
   const auto shared = std::make_shared<SceneDraft>(std::move(draft));
@@ -96,7 +96,7 @@ asio::awaitable<RememberedAnswer> make_session(App& app, const Request& request,
   SceneDraft draft = co_await net::offload(app.runner.pool(), std::move(read));
   CreationPtr creation;
   const auto deadline = Clock::now() + kPatience;
-  // A session that is just being put away comes back as soon as it is.
+  // A session that is being unloaded is restored as soon as that is done.
   while (!creation || (creation->ended && !creation->entry && !creation->error)) {
     auto [begun, how] = app.store.begin(id, draft.document, request.caller);
     creation = std::move(begun);
@@ -152,7 +152,7 @@ asio::awaitable<Response> describe(App& app, const Request& request) {
                                   [](SessionEntry& e) { return json_response(describe_session(e)); });
 }
 
-// What was made is stopped, what comes from or goes to the disk is waited for.
+// A creation is stopped; loading or unloading is waited for.
 asio::awaitable<Response> end(App& app, const Request& request) {
   const std::string id(request.param("id"));
   if (const CreationPtr c = app.store.creation(id, request.caller); c && !c->ended) {
@@ -170,7 +170,7 @@ asio::awaitable<Response> end(App& app, const Request& request) {
     };
     co_return co_await net::offload(app.runner.pool(), std::move(work));
   }
-  // First from the disk: what is not in memory and not there is gone.
+  // From disk first: a session neither in memory nor on disk is gone.
   auto forget = [&app, found] {
     if (found->keeper) app.archive->remove(found->id);
     return app.store.remove(found);

@@ -1,5 +1,5 @@
-// /v1/sessions/{id}/snapshots, branch and bundle: states that a session, or another one, continues from, and
-// files that repeat it elsewhere.
+// /v1/sessions/{id}/snapshots, branch and bundle: states from which this or another session continues, and
+// files that repeat the session elsewhere.
 #include "engine/base/hash.h"
 #include "engine/session/bundle.h"
 #include "engine/session/snapshot.h"
@@ -18,8 +18,8 @@ using net::Response;
 
 namespace {
 
-constexpr size_t kMostSnapshots = 64;               // of a session
-constexpr size_t kMostUploaded = size_t{64} << 20;  // bytes of one that comes in a body
+constexpr size_t kMostSnapshots = 64;               // per session
+constexpr size_t kMostUploaded = size_t{64} << 20;  // bytes of an uploaded snapshot
 
 std::span<const std::byte> bytes_of(const Request& request) {
   return std::as_bytes(std::span(request.body.data(), request.body.size()));
@@ -32,7 +32,7 @@ Response binary(const Bytes& bytes, const std::string& name) {
   return r;
 }
 
-// The present state, or one that comes in the body.
+// Of the present state, or uploaded in the body.
 asio::awaitable<Response> keep_snapshot(App& app, const Request& request) {
   EntryPtr entry = co_await session_of(app, request);
   const bool uploaded = !request.body.empty() && !is_json(request);
@@ -63,7 +63,7 @@ asio::awaitable<Response> keep_snapshot(App& app, const Request& request) {
   });
 }
 
-// One that came back with its session is read when it is wanted.
+// A snapshot restored with its session is read when it is needed.
 std::shared_ptr<const Snapshot> snapshot_of(App& app, SessionEntry& e, const std::string& sid) {
   if (const auto stored = e.stored_snapshots.find(sid); stored != e.stored_snapshots.end() && e.keeper) {
     const Bytes file = e.keeper->folder().snapshot(sid, stored->second);

@@ -1,5 +1,5 @@
-// GET /v1/gallery/{name}/picture.png: what a gallery scene looks like after its first moments. Drawn when
-// first asked for, by the thread that draws pictures, and kept as long as the server runs.
+// GET /v1/gallery/{name}/picture.png: a gallery scene after its first moments. Drawn on first request by the
+// picture thread, and kept while the server runs.
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -23,8 +23,8 @@ using net::Response;
 namespace {
 
 constexpr int kWidth = 480, kHeight = 304;  // pixels
-constexpr double kMoment = 1.2;             // s of the scene's time
-constexpr double kWork = 0.4;  // s of computing, as estimated, so that every machine draws the same
+constexpr double kMoment = 1.2;             // s of simulated time
+constexpr double kWork = 0.4;  // s of estimated computing time, so that every machine draws the same picture
 
 std::string draw(const GalleryScene& scene) {
   Scene parsed = require_scene(read_scene(parse_json(scene.text)));
@@ -41,7 +41,7 @@ std::string draw(const GalleryScene& scene) {
   return {reinterpret_cast<const char*>(png.data()), png.size()};
 }
 
-// Pictures by scene name; used by the picture thread alone, so there is no lock.
+// Pictures by scene name; only the picture thread uses them, so there is no lock.
 using Drawn = std::map<std::string_view, net::SharedBuffer>;
 
 }  // namespace

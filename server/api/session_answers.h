@@ -1,4 +1,4 @@
-// What several routes answer about a session: its description, its clock, and why it cannot go on.
+// What several routes answer about a session: its description, its clock, and why it stopped.
 #pragma once
 #include <boost/json.hpp>
 #include <string>
@@ -18,7 +18,7 @@ boost::json::object describe_session(SessionEntry& entry);
 /// Step, time, status, speed and hash. Under the entry's lock.
 boost::json::object describe_clock(const SessionEntry& entry);
 
-/// The problem of a request that another one, or the end of the service, cut short. Under the entry's lock.
+/// The problem for a request that another request, or shutdown, cut short. Under the entry's lock.
 net::Response cut_short(const App& app, const net::Request& request, const SessionEntry& entry);
 
 /// The problem "instability" of a session that has failed.

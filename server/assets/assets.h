@@ -17,13 +17,14 @@ struct Asset {
   std::string_view gzip_etag;      ///< strong entity tag of `gzip`, with its quotes
   std::string_view cache_control;  ///< immutable for files named by their content, no-cache for the others
   std::string_view bytes;          ///< the file
-  std::string_view gzip;           ///< the same for Content-Encoding: gzip; empty where that is no smaller
+  std::string_view gzip;           ///< the same for Content-Encoding: gzip; empty when compression does not
+                                   ///< help
 };
 
 /// Every asset, ordered by path.
 std::span<const Asset> all_assets();
 
-/// The asset at an absolute URL path without its query ("/" is "/index.html"); nullptr when there is none.
+/// The asset at an absolute URL path without its query ("/" means "/index.html"); nullptr when there is none.
 const Asset* find_asset(std::string_view path);
 
 }  // namespace truestep

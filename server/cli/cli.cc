@@ -39,7 +39,8 @@ bool is_command(const CLI::App& app, const std::string& word) {
   return !app.get_subcommands([&](const CLI::App* c) { return c->get_name() == word; }).empty();
 }
 
-// A first word that is no command, with the nearest one; the parser would only miss a command.
+// Refuses a first word that is not a command and suggests the nearest one; the parser would only say that a
+// command is missing.
 int refuse_command(const CLI::App& app, const std::string& word) {
   std::vector<std::string> names;
   for (const CLI::App* c : app.get_subcommands([](const CLI::App*) { return true; }))

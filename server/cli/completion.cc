@@ -11,12 +11,12 @@ namespace truestep {
 
 namespace {
 
-/// What a command takes: its options, and the words that may stand where its first argument does.
+/// What a command takes: its options, and the words allowed as its first argument.
 struct Completed {
   std::string name, sentence, options, words;
 };
 
-// Words that a command's argument may be besides a file.
+// Words that a command accepts besides a file.
 std::string words_of(const std::string& command) {
   std::string out;
   const auto add = [&](std::string_view word) { out += (out.empty() ? "" : " ") + std::string(word); };

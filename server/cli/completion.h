@@ -4,7 +4,7 @@
 
 namespace truestep {
 
-/// Adds the subcommand, last of all: it completes those that are there.
+/// Adds the subcommand. Call it last: it completes the commands already added.
 void add_completion_command(CLI::App& app, int& exit_code);
 
 }  // namespace truestep

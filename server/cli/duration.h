@@ -1,4 +1,4 @@
-// Lengths of time as options give them.
+// Durations as given by options.
 #pragma once
 #include <chrono>
 #include <optional>
@@ -6,7 +6,7 @@
 
 namespace truestep {
 
-/// "7d", "12h", "30m", "90s" or "90"; nothing for "forever". Error "bad_request" naming the option otherwise.
+/// "7d", "12h", "30m", "90s" or "90"; empty for "forever". Error "bad_request" naming the option otherwise.
 std::optional<std::chrono::seconds> read_duration(const std::string& option, const std::string& text);
 
 }  // namespace truestep

@@ -8,6 +8,6 @@ enum ExitCode : int {
   kExitUnstable = 4,
   kExitServer = 5,
   kExitMissed = 6,
-  kExitInterrupted = 130,  ///< as shells say it of SIGINT
+  kExitInterrupted = 130,  ///< as shells report SIGINT
 };
 }  // namespace truestep

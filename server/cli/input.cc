@@ -30,7 +30,7 @@ boost::json::value load_scene_document(const std::string& path_or_name) {
     text << std::ifstream(path_or_name, std::ios::binary).rdbuf();
   }
   boost::json::value document = parse_json(text.str());
-  const fs::path file = fs::absolute(path_or_name);  // "-": in the working folder
+  const fs::path file = fs::absolute(path_or_name);  // "-": in the working directory
   resolve_paths(document, file.parent_path());
   return document;
 }

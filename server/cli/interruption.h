@@ -1,11 +1,11 @@
-// Ctrl-C (SIGINT) and SIGTERM of commands that write files: they end what they do in order. A second one ends
-// the process at once.
+// Ctrl-C (SIGINT) and SIGTERM for commands that write files: they finish in an orderly way. A second signal
+// ends the process at once.
 #pragma once
 namespace truestep {
 
-/// From now on the signals are noted instead of ending the process.
+/// From now on the signals are recorded instead of ending the process.
 void note_interruptions();
-/// Whether one came.
+/// Whether a signal has arrived.
 bool interrupted();
 
 }  // namespace truestep

@@ -1,4 +1,4 @@
-// truestep motion: what a skeleton or a blended surface of a scene does, as a file of other programs.
+// truestep motion: exports the motion of a skeleton or blended surface to a file for other programs.
 #pragma once
 #include <CLI/App.hpp>
 

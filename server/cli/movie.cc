@@ -83,7 +83,7 @@ class Film final : public PictureFiles {
                                    "-i",
                                    "-"};
     const bool gif = path.extension() == ".gif";
-    // A palette of its own for each film; players want an even size and halved colours.
+    // GIF: a palette of its own for each film. Video: players want even sizes and subsampled colour.
     const std::vector<std::string> form =
         gif ? std::vector<std::string>{"-filter_complex", "split[a][b];[a]palettegen[p];[b][p]paletteuse"}
             : std::vector<std::string>{"-vf",       "crop=trunc(iw/2)*2:trunc(ih/2)*2",
@@ -103,7 +103,7 @@ class Film final : public PictureFiles {
       const ssize_t n = write(pipe_, rgba.data() + done, rgba.size() - done);
       if (n < 0 && errno == EINTR) continue;
       if (n <= 0) {
-        finish();  // says why ffmpeg ended
+        finish();  // throws with the reason why ffmpeg ended
         throw Error("write_failed", "ffmpeg took no more pictures for " + path_);
       }
       done += static_cast<size_t>(n);
@@ -123,7 +123,7 @@ class Film final : public PictureFiles {
   std::string summary() const override { return path_ + ": " + std::to_string(count_) + " pictures"; }
 
  private:
-  // In a process group of its own, so that Ctrl-C ends the pictures and not the film.
+  // In a process group of its own, so that Ctrl-C stops the rendering but not ffmpeg.
   void start(const std::vector<std::string>& words) {
     int ends[2];
     if (pipe2(ends, O_CLOEXEC) != 0) throw Error("write_failed", "no pipe for ffmpeg");

@@ -12,7 +12,7 @@ namespace truestep {
 
 namespace {
 
-/// `count` numbers with `separator` between them, or nothing.
+/// `count` numbers separated by `separator`; empty when the text is anything else.
 template <class T>
 std::optional<std::vector<T>> numbers(const std::string& text, size_t count, char separator) {
   std::vector<T> out;

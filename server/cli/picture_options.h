@@ -1,4 +1,4 @@
-// How pictures of the command line look: size, camera or side, and marks over bodies.
+// Options for pictures: size, camera or side, and marks on bodies.
 #pragma once
 #include <CLI/App.hpp>
 #include <optional>
@@ -17,15 +17,14 @@ struct PictureOptions {
   std::string size, camera, view, show, theme;
 };
 
-/// Adds --size, --camera, --view, --show and --theme, which are checked when they are read.
+/// Adds --size, --camera, --view, --show and --theme, which are validated when read.
 void add_picture_options(CLI::App& command, PictureOptions& options);
 
 /// "1280x720". Error "bad_request".
 PictureSize picture_size(const PictureOptions& options);
-/// The theme, and the contacts and joints that are shown over bodies.
+/// The theme, and whether contacts and joints are drawn on top of bodies.
 PictureLook picture_look(const PictureOptions& options);
-/// Sets the camera that was asked for, or the side that a camera of the list's own choice looks from. Error
-/// "bad_request".
+/// Sets the requested camera, or the side from which the list's own camera looks. Error "bad_request".
 void aim(const PictureOptions& options, DrawList& list);
 
 }  // namespace truestep

@@ -64,7 +64,7 @@ class RecordingSource final : public PictureSource {
   double begin() const override { return frames_.time(0); }
   double end() const override { return frames_.time(frames_.count() - 1); }
   DrawList at(double t) override {
-    // Half a step of tolerance: times are sums of decimal numbers.
+    // Half a step of tolerance, since times are sums of decimal fractions.
     const double late = t + frames_.world().dt() / 2;
     uint64_t low = 0, high = frames_.count();
     while (high - low > 1) {
@@ -80,7 +80,7 @@ class RecordingSource final : public PictureSource {
   PictureLook look_;
 };
 
-// HDF5 files begin so, whatever their names end in.
+// HDF5 files start like this, whatever their extension.
 bool is_recording(const std::string& path) {
   constexpr std::array<char, 8> kSignature{'\x89', 'H', 'D', 'F', '\r', '\n', '\x1a', '\n'};
   std::array<char, 8> head{};

@@ -1,4 +1,4 @@
-// What can be rendered: a scene, which is simulated as far as it is looked at, or a recording.
+// What can be rendered: a scene, simulated as far as the pictures need, or a recording.
 #pragma once
 #include <memory>
 #include <optional>
@@ -11,17 +11,17 @@ namespace truestep {
 class PictureSource {
  public:
   virtual ~PictureSource() = default;
-  /// Times (s) of the first and the last picture that there can be.
+  /// Times (s) of the first and the last possible picture.
   virtual double begin() const = 0;
   virtual double end() const = 0;
-  /// What is to be seen at time t, or shortly before.
+  /// The drawing at time t, or at the last frame before it.
   virtual DrawList at(double t) = 0;
-  /// Why there is nothing after some time: the scene became unstable.
+  /// Why there are no pictures after some time: the scene became unstable.
   virtual std::optional<std::string> failure() const { return std::nullopt; }
 };
 
-/// A scene file, a name of the gallery, "-", or a recording. `threads` 0: all. Error as load_scene_document
-/// and RecordingReader have it.
+/// A scene file, a gallery name, "-", or a recording. `threads` 0: all. Errors as for load_scene_document and
+/// RecordingReader.
 std::unique_ptr<PictureSource> open_source(const std::string& source, const PictureLook& look, int threads);
 
 }  // namespace truestep

@@ -1,4 +1,4 @@
-// truestep info | export | diff: what recordings hold.
+// truestep info | export | diff: inspect, convert and compare recordings.
 #pragma once
 #include <CLI/App.hpp>
 

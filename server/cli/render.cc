@@ -27,9 +27,9 @@ struct RenderOptions {
   int threads = 0;
 };
 
-constexpr int kLooks = 12;  // at the run, for a camera that sees all of it
+constexpr int kLooks = 12;  // samples of the run, for a camera that sees all of it
 
-// One camera for the whole film: it sees what there is at some moments of it. The run is begun again.
+// One camera for the whole film, framing what is visible at several moments. The run is then started over.
 DrawCamera steady_camera(PictureSource& source, const RenderOptions& o, double from, double to,
                          PictureSize size) {
   DrawList all = source.at(from);
@@ -54,10 +54,10 @@ int render_one(PictureSource& source, const RenderOptions& o, PictureSize size) 
 int render(const RenderOptions& o) {
   const PictureSize size = picture_size(o.picture);
   DrawList unused;
-  aim(o.picture, unused);  // says what is wrong before anything is computed
+  aim(o.picture, unused);  // reports errors before anything is computed
   if (o.at && !o.output.ends_with(".png"))
     throw Error("bad_request", "--at makes one picture: -o must end in .png");
-  // Before the source: what cannot be written need not be simulated.
+  // Before the source: without a writable output there is no point in simulating.
   const auto files = o.at ? nullptr : open_pictures(o.output, size, o.per_second);
   const auto source = open_source(o.source, picture_look(o.picture), o.threads);
   const double from = o.from.value_or(source->begin());

@@ -42,7 +42,7 @@ struct RunOptions {
   bool json = false;
 };
 
-/// Whether the run reached the end that the scene's expectations are about.
+/// Whether the run got to the end, which the scene's expectations refer to.
 enum class Reach : uint8_t { whole, cut_short };
 constexpr const char* kNotJudged = "ended before the duration";
 
@@ -84,7 +84,7 @@ json::array describe_verdicts(const std::vector<Verdict>& verdicts, Reach reach)
 int run(const RunOptions& options) {
   picture_size(options.look);
   DrawList unused;
-  aim(options.look, unused);  // says what is wrong before anything is computed
+  aim(options.look, unused);  // reports errors before anything is computed
   const json::value document = load_scene_document(options.scene);
   const AdmissionLimits limits{.memory_bytes = 16e9, .elements = 1e9, .seconds_per_step = 1e6};
   require_admission(estimate(require_scene(examine_scene(document, limits))), limits);
@@ -94,7 +94,7 @@ int run(const RunOptions& options) {
   auto [scene, accuracy] = settle_accuracy(document, kAccuracySeconds, *arena);
   const double dt = scene.header.time.dt;
   const double duration = scene.header.time.duration;
-  // Expectations are about a run from the scene's start.
+  // Expectations refer to a run from the start of the scene.
   if (!options.from.empty()) scene.header.expect.clear();
   Expectations expectations(scene);
 
@@ -104,7 +104,7 @@ int run(const RunOptions& options) {
   const double seconds = options.seconds >= 0 ? options.seconds : std::max(0.0, duration - session.time());
   const uint64_t steps = options.steps >= 0 ? static_cast<uint64_t>(options.steps)
                                             : static_cast<uint64_t>(std::llround(seconds / dt));
-  note_interruptions();  // files that have begun are completed
+  note_interruptions();  // files already begun are completed
   RunOutputs outputs(session, options.output, {options.picture, options.look});
 
   const auto start = std::chrono::steady_clock::now();
@@ -155,7 +155,7 @@ int run(const RunOptions& options) {
     }
     std::cout << write_json(o) << '\n';
   } else {
-    // Standard output that holds the series holds nothing else.
+    // When the series goes to standard output, the report goes elsewhere.
     std::ostream& report = options.csv == "-" ? std::cerr : std::cout;
     report << "steps   " << session.step_index() << "\ntime    " << session.time() << " s\nwall    " << wall
            << " s\nhash    " << hex64(session.hash()) << '\n';

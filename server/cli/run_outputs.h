@@ -1,4 +1,4 @@
-// Files that `truestep run` writes beside its report: a recording while it runs, a picture at the end.
+// Files that `truestep run` writes besides its report: a recording during the run, a picture at the end.
 #pragma once
 #include <memory>
 #include <string>
@@ -10,7 +10,7 @@ namespace truestep {
 
 class RecordingSink;
 
-/// A picture of the last frame: where to (empty: none), and how it looks.
+/// A picture of the last frame: its path (empty: none) and its look.
 struct PictureWish {
   std::string path;
   PictureOptions look;

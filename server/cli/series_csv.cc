@@ -40,7 +40,7 @@ SeriesCsv::SeriesCsv(const std::string& path, const Choice& choice)
 
 void SeriesCsv::add(uint64_t step, double time, const Observables& values) {
   out_ << step << ',' << number(time);
-  // Both are in the same order, so that the next column is nearly always the next value.
+  // Both are in the same order, so the next column is nearly always the next value.
   const auto& rows = values.rows();
   size_t k = 0;
   for (const Observation& c : columns_) {

@@ -11,19 +11,19 @@ namespace truestep {
 
 class SeriesCsv {
  public:
-  /// The columns: everything that is chosen of what the world can observe.
+  /// The columns: the chosen ones of what the world can observe.
   struct Choice {
     std::vector<Observation> columns;
-    /// Values of the chosen ones only.
+    /// The values of the chosen columns.
     Observables of(const Observables& all) const;
   };
 
   /// Opens the file ("-": standard output) and writes the header: step, time [s], then name [unit] of each
   /// column. Error "write_failed".
   SeriesCsv(const std::string& path, const Choice& choice);
-  /// One line; a value that there is not (the row of a probe that no emitter has filled yet) is left empty.
+  /// Writes one line; a missing value (a probe's row that no emitter has filled yet) is left empty.
   void add(uint64_t step, double time, const Observables& values);
-  /// Error "write_failed" when something could not be written.
+  /// Error "write_failed" when a write has failed.
   void finish();
 
  private:
@@ -33,8 +33,8 @@ class SeriesCsv {
   std::ostream& out_;
 };
 
-/// Entries (names or their beginnings) against what the world observes; none: the scene's list, or all. Error
-/// "bad_request" with an issue per entry that means nothing.
+/// Matches entries (names or prefixes) against what the world observes; without entries, the scene's list, or
+/// everything. Error "bad_request" with an issue per entry that matches nothing.
 SeriesCsv::Choice choose_observables(const World& world, const std::vector<std::string>& entries);
 
 }  // namespace truestep

@@ -85,7 +85,7 @@ std::string default_data_dir() {
   return home && *home ? std::string(home) + "/.local/share/truestep" : "/tmp/truestep";
 }
 
-// Puts away and removes what nobody uses, once in a while.
+// Regularly unloads and removes what nobody uses.
 void sweep_every(asio::steady_timer& timer, App& app) {
   auto pause = std::min(std::chrono::seconds(30), app.options.limits.idle_ttl);
   if (app.options.keep_sessions) pause = std::min(pause, app.options.keep_sessions->keep);
@@ -97,13 +97,13 @@ void sweep_every(asio::steady_timer& timer, App& app) {
       for (const std::string& id : app.archive->sweep()) spdlog::info("session {} is no longer kept", id);
     }
     app.recordings.sweep();
-    // What large sessions and studies have left goes back to the system.
+    // Returns memory freed by large sessions and studies to the operating system.
     malloc_trim(0);
     sweep_every(timer, app);
   });
 }
 
-/// Streams that were open to the end hold their sessions, which hold them.
+/// Open streams hold their sessions and the sessions hold the streams; this breaks the cycle.
 void let_sinks_go(App& app) {
   for (const EntryPtr& entry : app.store.all()) {
     const std::lock_guard lock(entry->mutex);
@@ -111,7 +111,7 @@ void let_sinks_go(App& app) {
   }
 }
 
-/// Ends the process when work that nothing can interrupt outlasts the time that an end may take. By then
+/// Ends the process when work that cannot be interrupted exceeds the time allowed for shutdown. By then
 /// recordings are complete and peers have been told.
 class LastResort {
  public:
@@ -140,8 +140,8 @@ class LastResort {
   std::thread thread_;
 };
 
-/// In this order: nothing new comes in, streams hear of it, work ends, recordings are completed, the network
-/// threads end, then those that hand them answers. Nothing is destroyed that a thread may still use.
+/// In this order: stop accepting, tell the streams, stop the work, complete the recordings, end the network
+/// threads, then the threads that hand them answers. Nothing is destroyed while a thread may use it.
 void shut_down(net::Server& server, App& app) {
   const auto begun = std::chrono::steady_clock::now();
   for (const EntryPtr& entry : app.store.all()) {
@@ -164,7 +164,7 @@ void shut_down(net::Server& server, App& app) {
   let_sinks_go(app);
 }
 
-// The folder becomes "" where nothing can be written.
+// The folder becomes "" when nothing can be written.
 FolderLock lock_data_folder(std::string& folder) {
   try {
     std::error_code failed;
@@ -183,16 +183,17 @@ int serve(const ServeOptions& options) {
   spdlog::set_level(spdlog::level::from_str(options.log_level));
   AppOptions settings = app_options(options);
   if (settings.data_dir.empty()) settings.data_dir = default_data_dir();
-  // Before anything in the folder is looked at: what another server records there is not ours to repair.
+  // Before reading anything in the folder: recordings of another running server must not be repaired.
   const FolderLock folder = lock_data_folder(settings.data_dir);
-  // Declared first, so that it goes last: the server's connections use it.
+  // Declared first and so destroyed last: the server's connections use it.
   App app(settings);
   net::Server server(settings.net, make_router(app));
   app.server = &server;
   asio::io_context main_loop;
-  // Large blocks are mapped one by one, so that freeing one returns it, whatever lies around it.
+  // Large blocks are mapped individually, so that freeing one returns it to the system, whatever surrounds
+  // it.
   mallopt(M_MMAP_THRESHOLD, 1 << 20);
-  // A peer that left, or a log that nobody reads any more, shows itself as an error of the write.
+  // A closed peer or log pipe shows up as an error of write().
   ::signal(SIGPIPE, SIG_IGN);
   spdlog::set_error_handler([](const std::string&) {});
   asio::signal_set signals(main_loop, SIGTERM, SIGINT, SIGHUP);
@@ -218,7 +219,7 @@ int serve(const ServeOptions& options) {
   return kExitOk;
 }
 
-// A GET of /healthz by hand: the container's health check needs no other program.
+// A hand-written GET of /healthz: the container's health check needs no other program.
 int health(const std::string& url) {
   std::string_view rest = url;
   if (rest.starts_with("http://")) rest.remove_prefix(7);

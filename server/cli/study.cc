@@ -1,5 +1,5 @@
-// Writes into the folder of -o: result.json, result.csv, result.svg, and for sweeps rows.jsonl, one finished
-// case a line. A sweep whose folder holds rows.jsonl of the same request goes on from there.
+// Writes into the folder given by -o: result.json, result.csv, result.svg, and for sweeps rows.jsonl with one
+// finished case per line. A sweep whose folder holds rows.jsonl of the same request continues from there.
 #include "server/cli/study.h"
 
 #include <CLI/CLI.hpp>
@@ -40,7 +40,7 @@ void write_file(const fs::path& path, const std::string& text) {
   if (!file.flush()) throw Error("io", "cannot write " + path.string());
 }
 
-// name=value with a JSON value, or a text when it is none.
+// name=value with a JSON value, or plain text when it is not JSON.
 void apply_settings(const std::vector<std::string>& settings, json::object& request) {
   for (const std::string& s : settings) {
     const size_t equals = s.find('=');
@@ -57,7 +57,7 @@ void apply_settings(const std::vector<std::string>& settings, json::object& requ
   }
 }
 
-// The rows of an interrupted study, when its folder belongs to the same request.
+// The rows of an interrupted study, if its folder belongs to the same request.
 std::vector<json::object> earlier_rows(const fs::path& folder, const std::string& request) {
   std::vector<json::object> rows;
   std::ifstream before(folder / "request.json", std::ios::binary);
@@ -69,7 +69,7 @@ std::vector<json::object> earlier_rows(const fs::path& folder, const std::string
       json::value v = parse_json(line);
       if (v.is_object()) rows.push_back(std::move(v.as_object()));
     } catch (const Error&) {
-      break;  // the line that was being written when the run ended
+      break;  // the line being written when the run ended
     }
   }
   return rows;

@@ -29,7 +29,7 @@ std::string holder() {
   return "process " + std::to_string(::getpid()) + " on " + host + ", started " + since + "\n";
 }
 
-// What the holder wrote, in printable characters; it may not have come to that yet.
+// What the holder wrote, in printable characters; empty if it has not written yet.
 std::string read_holder(int fd) {
   char text[400];
   const ssize_t n = ::pread(fd, text, sizeof text, 0);
@@ -61,7 +61,7 @@ FolderLock::FolderLock(const std::string& folder) {
     throw Error("folder_locked", "the data folder " + folder + " is in use by " + by +
                                      "; end that server, or choose another folder with --data-dir");
   }
-  // On a full disk the lock holds all the same; only the holder's name is missing.
+  // On a full disk the lock still holds; only the holder's name is missing.
   const std::string text = holder();
   if (::ftruncate(fd_, 0) == 0) std::ignore = ::pwrite(fd_, text.data(), text.size(), 0);
 }
@@ -74,7 +74,7 @@ FolderLock& FolderLock::operator=(FolderLock&& other) noexcept {
 }
 
 FolderLock::~FolderLock() {
-  // The file stays: removing it would let two servers lock two files of one name.
+  // The file stays: if it were removed, two servers could each lock a file of this name.
   if (fd_ >= 0) ::close(fd_);
 }
 

@@ -1,5 +1,5 @@
-// The lock on a data folder: one server at a time writes, repairs and removes what is in it. It is the lock
-// of flock(2) on a file there, so it ends with its process however that ends; the file says who holds it.
+// The lock on a data folder: only one server at a time writes, repairs and removes what is in it. It uses
+// flock(2) on a file there, so it ends with its process however that dies; the file says who holds it.
 #pragma once
 #include <string>
 
@@ -9,8 +9,8 @@ class FolderLock {
  public:
   /// Locks nothing.
   FolderLock() = default;
-  /// Takes the lock of a folder that exists. Error "folder_locked" names the process, host and start of the
-  /// server that holds it; Error "folder_unusable" when no file can be written or locked there.
+  /// Locks an existing folder. Error "folder_locked" names the process, host and start time of the server
+  /// that holds it; Error "folder_unusable" when no file can be written or locked there.
   explicit FolderLock(const std::string& folder);
   FolderLock(FolderLock&& other) noexcept;
   FolderLock& operator=(FolderLock&& other) noexcept;

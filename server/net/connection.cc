@@ -105,8 +105,8 @@ void Connection::tick(Clock::time_point now) {
   }
 }
 
-// Whether the peer is no longer there to read an answer. One that has only ended its side of the connection
-// may still read: it gets some looks' time.
+// Whether the peer has gone and cannot read an answer. A peer that has only closed its sending side may still
+// be reading: it is given a few checks' time.
 bool Connection::left() {
   char byte;
   const ssize_t n = ::recv(socket_.native_handle(), &byte, 1, MSG_PEEK | MSG_DONTWAIT);
@@ -114,7 +114,7 @@ bool Connection::left() {
   return n < 0 || ++ended_looks_ > kPatientLooks;
 }
 
-// A key that is withdrawn ends the streams that were opened with it.
+// Withdrawing a key ends the streams opened with it.
 void Connection::check_key_again() {
   KeyFile& keys = service_.guard.keys();
   if (!keys.asks() || request_.key_digest.empty()) return;
@@ -287,7 +287,7 @@ asio::awaitable<Response> Connection::wait_for(const Route& route) {
     co_return problem(request_, e);
   } catch (const std::exception& e) {
     if (service_.draining) co_return problem(request_, "draining", "the service is shutting down");
-    // Nobody reads it.
+    // Nobody would read it.
     if (gone_) co_return problem(request_, "request_timeout", "the client has left");
     co_return problem(request_, e);
   }
@@ -306,7 +306,7 @@ Response Connection::no_route(const Router::Match& match) {
   return r;
 }
 
-// Queues a response after which the connection ends although the peer may still be sending.
+// Queues a response after which the connection ends even if the peer is still sending.
 void Connection::deny(Response response) {
   closing_ = true;
   unread_ = true;

@@ -31,13 +31,13 @@ struct Service {
 
 class Connection : public std::enable_shared_from_this<Connection> {
  public:
-  static constexpr size_t kRead = 4096;  ///< bytes that are read at a time
+  static constexpr size_t kRead = 4096;  ///< bytes per read
 
   Connection(Socket socket, Service& service);
 
   /// Serves until the connection ends.
   boost::asio::awaitable<void> run();
-  /// Compares deadlines.
+  /// Checks the deadlines.
   void tick(Clock::time_point now);
   /// Lets a running request finish; an idle connection ends at once, a WebSocket is closed with 1001.
   void drain();

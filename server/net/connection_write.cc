@@ -19,9 +19,9 @@ namespace asio = boost::asio;
 
 namespace {
 
-// Bodies up to here are copied behind their head and leave in one segment.
+// Bodies up to this size are copied behind their head and leave in one segment.
 constexpr size_t kSmallBody = size_t{16} << 10;
-// Answers to pipelined requests are collected up to here.
+// Answers to pipelined requests are collected up to this size.
 constexpr size_t kCollect = size_t{64} << 10;
 
 }  // namespace
@@ -44,7 +44,7 @@ asio::awaitable<bool> Connection::write_out(std::string_view body) {
   co_return true;
 }
 
-// The write time-out starts anew whenever the peer has taken something.
+// The write time-out restarts whenever the peer has taken something.
 asio::awaitable<void> Connection::wait_writable() {
   enter(Phase::write);
   boost::system::error_code ec;
@@ -63,7 +63,7 @@ asio::awaitable<bool> Connection::send_file(const FileBody& file, uint64_t offse
     } else if (sent < 0 && (errno == EAGAIN || errno == EWOULDBLOCK)) {
       co_await wait_writable();
     } else if (sent == 0 || errno != EINTR) {
-      // The file became shorter than announced, or the peer left: only closing tells the truth.
+      // The file became shorter than announced, or the peer left: closing is the only honest answer.
       abort();
     }
     if (!socket_.is_open()) co_return false;
@@ -107,7 +107,7 @@ bool Connection::prepare(Response& r, std::string_view& large_body) {
   } else if (r.status >= 400) {
     service_.stats.errors_4xx++;
   }
-  // Without a complete head nothing is known of the peer's wishes, and the connection ends anyway.
+  // Without a complete head the peer's preferences are unknown, and the connection ends anyway.
   const bool may_continue = parser_->is_header_done() && parser_->keep_alive();
   closing_ = closing_ || r.close || !may_continue || service_.draining.load(std::memory_order_relaxed);
   const bool stream = std::holds_alternative<StreamBody>(r.body);

@@ -21,8 +21,8 @@ class Guard {
 
   /// Nullopt when the request may pass; otherwise the problem to answer.
   std::optional<Response> check_source(const Request& request) const;
-  /// The same for the API key; sets request.caller. WebSocket handshakes may give it as ?access_token=
-  /// because browsers cannot set headers. 429 for an address that guesses.
+  /// The same for the API key; sets request.caller. WebSocket handshakes may pass it as ?access_token=
+  /// because browsers cannot set headers. 429 for an address that keeps guessing.
   std::optional<Response> check_key(Request& request);
   KeyFile& keys() { return keys_; }
 

@@ -11,14 +11,14 @@
 
 namespace truestep::net {
 
-/// Is this the base64 form of exactly 16 bytes?
+/// Whether this is the base64 form of exactly 16 bytes.
 bool is_websocket_key(std::string_view key);
-/// May Beast answer these offers of extensions? It answers server_max_window_bits=8 with 9, which is more
+/// Whether Beast may answer these extension offers. It answers server_max_window_bits=8 with 9, which is more
 /// than the client allows.
 bool is_deflate_offer_safe(std::string_view extensions);
 
-/// The problem to answer, or nullopt when the handshake is good; `subprotocol` is then what was agreed, empty
-/// when the client offered none.
+/// The problem to answer, or nullopt when the handshake is good; `subprotocol` is then the one agreed on,
+/// empty when the client offered none.
 std::optional<Response> check_handshake(const Request& request, const Route& route, std::string& subprotocol);
 
 }  // namespace truestep::net

@@ -52,7 +52,7 @@ size_t KeyThrottle::rows() const {
   return debts_.size() + known_.size();
 }
 
-// What is over goes first, then what ends first.
+// Expired rows go first, then those that expire soonest.
 void KeyThrottle::make_room(Rows& rows, Clock::time_point now) {
   if (rows.size() < kMostRows) return;
   std::erase_if(rows, [now](const auto& row) { return row.second <= now; });

@@ -1,6 +1,6 @@
-// Brakes those who guess keys: an address that has sent some wrong ones waits before it may try another. A
-// key that was right from the same address not long ago is let through meanwhile, so that a guesser behind a
-// shared address shuts out nobody who works there. Bounded in memory, whoever comes.
+// Slows down clients that guess keys: an address that has sent several wrong ones must wait before it may try
+// another. A key that was recently right from the same address is let through meanwhile, so that a guesser
+// behind a shared address locks nobody out. Memory is bounded.
 #pragma once
 #include <chrono>
 #include <cstdint>
@@ -19,7 +19,7 @@ class KeyThrottle {
   static constexpr std::chrono::minutes kRemembered{10};  ///< how long a right key is known at its address
   static constexpr size_t kMostRows = 4096;
 
-  /// Seconds that a peer ("address:port") must wait before this key is looked at; 0: now.
+  /// Seconds that a peer ("address:port") must wait before this key is checked; 0: now.
   int wait(std::string_view remote, std::string_view digest, Clock::time_point now);
   void failed(std::string_view remote, Clock::time_point now);
   void succeeded(std::string_view remote, std::string_view digest, Clock::time_point now);
@@ -34,8 +34,8 @@ class KeyThrottle {
   Rows known_;  ///< by address and digest: until when
 };
 
-/// The part of "address:port" that one person is behind: an IPv4 address, or the first 64 bits of an IPv6
-/// one.
+/// The part of "address:port" that identifies one person: an IPv4 address, or the first 64 bits of an IPv6
+/// address.
 std::string network_of(std::string_view remote);
 
 }  // namespace truestep::net

@@ -13,7 +13,7 @@ namespace truestep::net {
 
 namespace {
 constexpr auto kLookEvery = std::chrono::seconds(1);
-// Two writes within the resolution of a file's time look like one.
+// Two writes within the resolution of a file's time stamp look like one.
 constexpr int64_t kTimeResolution = 2;  // s
 }  // namespace
 

@@ -1,5 +1,5 @@
-// The API keys: who may use the service and what each may see. The file that holds them is looked at again
-// while the server runs, so that keys come and go without a restart.
+// The API keys: who may use the service and what each may see. The key file is re-read while the server runs,
+// so that keys can be added and withdrawn without a restart.
 #pragma once
 #include <atomic>
 #include <chrono>
@@ -13,15 +13,14 @@
 
 namespace truestep::net {
 
-/// The keys of a file. A line is "NAME KEY", "NAME KEY admin" or "KEY", with "sha256:HEX" in place of any
-/// key;
-/// '#' comments. Keys of one name see the same sessions; an admin key sees everybody's. Only digests stay in
-/// memory; every key is compared in constant time.
+/// The keys of a file. A line is "NAME KEY", "NAME KEY admin" or "KEY", where any key may be given as
+/// "sha256:HEX"; '#' starts a comment. Keys of one name see the same sessions; an admin key sees everybody's.
+/// Only digests stay in memory; every key is compared in constant time.
 class KeyRing {
  public:
   /// Throws Error("bad_request") when the file cannot be read, has a malformed line or holds no key.
   static KeyRing load(const std::string& path);
-  /// Who presents a key of this digest (its first 12 digits name a key without a name); null: nobody.
+  /// The owner of the key with this digest (the first 12 digits name a key without a name); null: nobody.
   const Caller* find(std::string_view digest) const;
 
  private:
@@ -32,20 +31,20 @@ class KeyRing {
   std::vector<Key> keys_;
 };
 
-/// A file of keys that may change.
+/// A key file that may change.
 class KeyFile {
  public:
   using Clock = std::chrono::steady_clock;
-  /// Without a path: asks nobody for a key. Error as KeyRing::load.
+  /// Without a path, no key is required. Error as KeyRing::load.
   explicit KeyFile(std::string path);
 
   bool asks() const { return !path_.empty(); }
-  /// The keys as they are now. The file's time is looked at once a second at most; a file that cannot be used
-  /// changes nothing and is reported in the log.
+  /// The current keys. The file's time stamp is checked at most once a second; an unusable file changes
+  /// nothing and is reported in the log.
   std::shared_ptr<const KeyRing> keys();
-  /// Reads the file at once, whatever its time says.
+  /// Reads the file at once, whatever its time stamp says.
   void reload();
-  /// Grows whenever other keys are in force.
+  /// Grows whenever the keys change.
   uint64_t version() const { return version_.load(std::memory_order_acquire); }
 
  private:
@@ -62,8 +61,8 @@ class KeyFile {
   std::atomic<uint64_t> version_{1};
   std::mutex mutex_;
   std::shared_ptr<const KeyRing> ring_;
-  Stamp read_;            ///< of the file when it was read last
-  bool settled_ = false;  ///< a change after that reading shows in the file's time
+  Stamp read_;            ///< of the file when it was last read
+  bool settled_ = false;  ///< a change after that reading would show in the file's time stamp
 };
 
 }  // namespace truestep::net

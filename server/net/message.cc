@@ -156,7 +156,7 @@ void Request::clear() {
   query.clear();
   headers.clear();
   params.clear();
-  // A body of many megabytes is given back; the usual small one is kept for the next request.
+  // A body of many megabytes is freed; the usual small one is kept for the next request.
   if (body.capacity() > 65536) std::string().swap(body);
   body.clear();
   method = Method::other;

@@ -30,9 +30,9 @@ struct Field {
   std::string_view name, value;
 };
 
-/// Who asks, and what of that which others made is shown.
+/// Who is asking, and how much of other callers' data is visible.
 struct Caller {
-  std::string name;  ///< of the key that was presented; empty where no keys are asked for
+  std::string name;  ///< of the presented key; empty when no keys are required
   enum class Scope : uint8_t { own, all } scope = Scope::all;
   bool may_see(std::string_view owner) const { return scope == Scope::all || owner == name; }
 };
@@ -54,8 +54,8 @@ class Request {
   std::vector<Field> params;               ///< what the pattern's {names} matched
   std::string body;                        ///< complete, chunked coding already undone
   std::string_view remote;                 ///< address and port of the peer
-  Caller caller;                           ///< everybody where no keys are asked for
-  std::string key_digest;                  ///< of the key that was presented; empty without one
+  Caller caller;                           ///< everybody when no keys are required
+  std::string key_digest;                  ///< of the presented key; empty without one
   std::chrono::system_clock::time_point received;
   bool http10 = false;
 
@@ -66,9 +66,9 @@ class Request {
   std::optional<std::string_view> query_value(std::string_view name) const;
   /// What {name} in the route's pattern matched; empty when the pattern has no such name.
   std::string_view param(std::string_view name) const;
-  /// Does the list-valued header `name` hold this token (compared without case, parameters ignored)?
+  /// Whether the list-valued header `name` holds this token (case-insensitive, parameters ignored).
   bool header_has_token(std::string_view name, std::string_view token) const;
-  /// Is this media type acceptable to the client (RFC 9110 section 12.5.1; no header accepts all)?
+  /// Whether the client accepts this media type (RFC 9110 section 12.5.1; no header accepts all).
   bool accepts(std::string_view media_type) const;
   /// 32 hexadecimal digits that name this request in logs and problems: the client's traceparent or random.
   const std::string& trace_id() const;
@@ -100,7 +100,7 @@ class FileBody {
   std::string etag_;
 };
 
-/// A body that comes in pieces while it is sent (server-sent events): `next` is awaited until it gives
+/// A body produced in pieces while it is sent (server-sent events): `next` is awaited until it returns
 /// nothing. A piece holds at least one byte.
 struct StreamBody {
   std::function<boost::asio::awaitable<std::optional<std::string>>()> next;
@@ -141,7 +141,7 @@ class Response {
 };
 
 /// Turns a 200 with an etag into 304, 206 or 416 as the request's conditions ask (RFC 9110 sections 13 and
-/// 14). Several ranges at once are answered with the whole body, which the RFC allows.
+/// 14). A request for several ranges gets the whole body, which the RFC allows.
 void apply_conditions(const Request& request, Response& response);
 
 /// ASCII comparison without case.

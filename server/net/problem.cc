@@ -64,7 +64,7 @@ json::string_view view(std::string_view s) {
   return {s.data(), s.size()};
 }
 
-// Text of unknown origin becomes text that JSON may carry.
+// Makes text of unknown origin valid for JSON.
 json::string clean(std::string_view s) {
   return valid_utf8(s) ? json::string(view(s)) : json::string("(not valid UTF-8)");
 }
@@ -123,7 +123,7 @@ Response problem(const Request& request, std::string_view code, std::string_view
   for (const auto& member : extra) o[member.key()] = member.value();
   Response r = Response::text(write_json(o), "application/problem+json", kind.status);
   r.header("Cache-Control", "no-store");
-  // Whoever guesses keys is told by the guard how long to wait.
+  // The guard tells clients that guess keys how long to wait.
   if (kind.status == 503 || (kind.status == 429 && kind.code != "too_many_keys"))
     r.header("Retry-After", "1");
   if (kind.status == 401) r.header("WWW-Authenticate", "Bearer realm=\"truestep\"");

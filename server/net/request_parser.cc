@@ -11,15 +11,15 @@ namespace {
 
 constexpr size_t kMaxFields = 100;
 constexpr std::string_view kDigits = "0123456789";
-// The shortest end of a chunked body, "0" CR LF CR LF. Beast asserts that it has so much when it looks at a
-// last chunk again, and no chunked body can end earlier.
+// The shortest end of a chunked body, "0" CR LF CR LF. Beast asserts that this much is there when it looks at
+// a last chunk again, and no chunked body can end earlier.
 constexpr size_t kLastChunk = 5;
 
 bool consists_of(std::string_view text, std::string_view characters) {
   return text.find_first_not_of(characters) == std::string_view::npos;
 }
 
-// Is the line before the first CR LF well-formed but for a version that is not spoken here?
+// Whether the line before the first CR LF is well-formed except for an unsupported version.
 bool asks_other_version(std::string_view head) {
   const std::string_view line = head.substr(0, head.find('\r'));
   if (line.size() < 9 || std::count(line.begin(), line.end(), ' ') != 2) return false;
@@ -96,7 +96,7 @@ size_t RequestParser::feed(std::string_view data) {
   return stop(used, status_ != 0 ? Progress::refused : Progress::need_more);
 }
 
-// --- from Beast
+// --- callbacks from Beast
 
 void RequestParser::store(std::string_view text) {
   request_.head_ += text;
@@ -112,7 +112,7 @@ void RequestParser::on_request_impl(Verb, text method, text target, int version,
 }
 
 void RequestParser::on_field_impl(Name name, text name_text, text value, error_code& ec) {
-  // Beast unfolds into memory of its own, or skips the first line when that is empty.
+  // Beast unfolds into memory of its own, or skips the first line when it is empty.
   const char* end = input_.data() + input_.size();
   const std::less<const char*> before;
   if (before(value.data(), input_.data()) || before(end, value.data()) ||
@@ -171,7 +171,7 @@ void RequestParser::check_field(Name name, std::string_view value) {
       expects_continue_ = !request_.http10;
       break;
     case Name::content_length:
-      // One header with digits only: lists and repetitions are how smuggling starts.
+      // Exactly one header, digits only: lists and repetitions enable request smuggling.
       if (has_length_ || !consists_of(value, kDigits)) refuse(400, "Content-Length must be one number");
       has_length_ = true;
       break;
@@ -195,7 +195,7 @@ void RequestParser::check_head() {
   r.target = text(1);
   for (size_t i = 2; i < r.ends_.size(); i += 2) r.headers.push_back({text(i), text(i + 1)});
   if (!has_host_ && !r.http10) return refuse(400, "the Host header is missing");
-  // Absolute form: the authority must be the one that Host names, then only path and query count.
+  // Absolute form: the authority must match Host; then only path and query count.
   if (r.target.starts_with("http://") || r.target.starts_with("https://")) {
     std::string_view rest = r.target.substr(r.target.find("//") + 2);
     const size_t path = std::min(rest.find_first_of("/?"), rest.size());

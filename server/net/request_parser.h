@@ -1,7 +1,7 @@
 // One HTTP/1.x request: Boost.Beast parses it, and what Beast lets through is refused here (RFC 9112 sections
 // 2 to 7): obs-fold, transfer codings other than "chunked", several Host headers, repeated and listed
-// Content-Length, Transfer-Encoding in HTTP/1.0, characters that a target must encode, and chunk headers and
-// trailers without bound. Trailer fields are parsed and dropped: no header may be changed by them.
+// Content-Length, Transfer-Encoding in HTTP/1.0, characters that a target must encode, and unbounded chunk
+// headers and trailers. Trailer fields are parsed and dropped, so they cannot change a header.
 #pragma once
 #include <boost/beast/http/basic_parser.hpp>
 #include <cstddef>
@@ -31,14 +31,14 @@ class RequestParser final : public boost::beast::http::basic_parser<true> {
   /// Clears `request` and fills it; `head_limit` in bytes.
   RequestParser(Request& request, size_t head_limit);
 
-  /// Takes bytes from the front of `data` and returns how many; the rest must come again with what follows
-  /// it.
+  /// Takes bytes from the front of `data` and returns how many; the rest must be passed again together with
+  /// what follows.
   size_t feed(std::string_view data);
   Progress progress() const { return progress_; }
 
   bool has_body() const { return !is_done(); }
   bool expects_continue() const { return expects_continue_; }
-  /// Refuses a body that is announced longer than `limit` bytes, or becomes longer.
+  /// Refuses a body that is announced to be longer than `limit` bytes, or becomes longer.
   void set_body_limit(size_t limit);
 
   /// After refused: the status to answer and a sentence.
@@ -71,9 +71,9 @@ class RequestParser final : public boost::beast::http::basic_parser<true> {
   Request& request_;
   size_t head_limit_, body_limit_ = 0;
   Progress progress_ = Progress::need_more;
-  bool empty_line_ = false;  ///< one before the request was skipped
+  bool empty_line_ = false;  ///< an empty line before the request was skipped
   bool has_host_ = false, has_length_ = false, expects_continue_ = false, head_done_ = false;
-  std::string_view input_;  ///< what feed was given, for telling folded values apart
+  std::string_view input_;  ///< what feed was given, to recognise folded values
   int status_ = 0;
   std::string reason_;
 };

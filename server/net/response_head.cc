@@ -51,7 +51,7 @@ void append_head(std::string& out, const Response& r, uint64_t content_length, C
     out += "\r\nX-Content-Type-Options: nosniff\r\n";
   }
   if (std::holds_alternative<StreamBody>(r.body)) {
-    // Until the end of the connection where the client does not know chunks.
+    // Ended by closing the connection when the client does not know chunked coding.
     if (fate != ConnectionFate::close) out += "Transfer-Encoding: chunked\r\n";
   } else if (r.status != 204 && r.status != 304) {
     append_number(out += "Content-Length: ", content_length);

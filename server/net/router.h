@@ -35,10 +35,10 @@ struct Route {
   Handler handler;  ///< exactly one of handler, async_handler and open_websocket is set
   AsyncHandler async_handler;
   WebSocketOpener open_websocket;
-  /// Awaited before it; may throw Error, too.
+  /// Awaited before it; may also throw Error.
   std::function<boost::asio::awaitable<void>(const Request&)> before_open;
   std::vector<std::string> subprotocols;      ///< of a WebSocket, in order of preference
-  std::function<void(const Request&)> check;  ///< before each of them; may throw Error
+  std::function<void(const Request&)> check;  ///< called before each of them; may throw Error
   size_t max_body = 0;                        ///< bytes; 0 = the server's limit
   Access access = Access::key;
 };

@@ -195,7 +195,7 @@ void Server::stop(std::chrono::milliseconds grace) {
   };
   wait_until(Clock::now() + grace);
   for (auto& shard : s.shards) shard->abort_all();
-  // Aborted connections end by themselves; only a handler that still waits for its own work can outlast this.
+  // Aborted connections end by themselves; only a handler still waiting for its own work can outlast this.
   wait_until(Clock::now() + std::chrono::milliseconds(500));
   for (auto& shard : s.shards) {
     if (s.service.stats.connections > 0) shard->stop_loop();

@@ -1,4 +1,4 @@
-// The server: listens, accepts, and runs one event loop per network thread. It knows routes and nothing of
+// The server: listens, accepts, and runs one event loop per network thread. It knows routes but nothing of
 // what they do.
 #pragma once
 #include <atomic>
@@ -28,7 +28,7 @@ class Server {
  public:
   /// Throws Error("bad_request") for unusable options (key file, host).
   Server(Options options, Router router);
-  /// Stops at once when still running.
+  /// Stops at once if still running.
   ~Server();
   Server(const Server&) = delete;
   Server& operator=(const Server&) = delete;
@@ -40,14 +40,14 @@ class Server {
   /// Returns at once.
   void drain();
   /// Stops accepting, lets running requests finish, closes WebSockets with 1001 and joins the threads;
-  /// whatever is still open after `grace` is cut. Not to be called from a handler.
+  /// connections still open after `grace` are cut. Must not be called from a handler.
   void stop(std::chrono::milliseconds grace = std::chrono::milliseconds(3000));
-  /// Reads the file of keys at once (it is looked at once a second anyway). Any thread.
+  /// Reads the key file at once (it is checked once a second anyway). Any thread.
   void reload_keys();
-  /// True from the call of stop() on.
+  /// True once stop() has been called.
   bool draining() const;
 
-  /// The port that is listened on (the real one when 0 was asked for).
+  /// The port being listened on (the real one when 0 was requested).
   uint16_t port() const;
   /// "http://127.0.0.1:8080".
   std::string url() const;

@@ -23,7 +23,7 @@ void Shard::start() {
   thread_ = std::thread([this] { run(); });
 }
 
-// What a handler beneath us throws (no memory is left) costs its connection, not the service.
+// What a handler throws (out of memory) costs its connection, not the service.
 void Shard::run() {
   for (;;) {
     try {
@@ -56,7 +56,7 @@ void Shard::adopt(Socket socket) {
   if (!sweeping_) sweep();
 }
 
-// Runs while there are connections: an idle server wakes nobody.
+// Runs while there are connections, so an idle server never wakes up.
 void Shard::sweep() {
   sweeping_ = !connections_.empty();
   if (!sweeping_) return;

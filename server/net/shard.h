@@ -1,4 +1,4 @@
-// One network thread: an event loop, the connections it serves, and the sweep that compares their deadlines.
+// One network thread: an event loop, the connections it serves, and the sweep that checks their deadlines.
 #pragma once
 #include <boost/asio/executor_work_guard.hpp>
 #include <boost/asio/io_context.hpp>
@@ -21,7 +21,7 @@ class Shard {
   void drain();
   /// Any thread: cuts every connection.
   void abort_all();
-  /// Lets the loop end once nothing is left to do, or at once after `stop_loop`; then joins the thread.
+  /// Lets the loop end when nothing is left to do, or at once after `stop_loop`; then joins the thread.
   void join();
   void stop_loop() { io_.stop(); }
   boost::asio::io_context& io() { return io_; }

@@ -44,7 +44,7 @@ bool decode(std::string_view in, std::string& store, std::string_view& out, Plus
 
 bool split_target(Request& request) {
   request.decoded_.clear();
-  // Decoding never lengthens, so after this the views below stay valid.
+  // Decoding never lengthens, so the views below stay valid.
   request.decoded_.reserve(request.target.size());
   const size_t question = request.target.find('?');
   request.raw_path = request.target.substr(0, question);

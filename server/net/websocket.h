@@ -1,6 +1,6 @@
 // One WebSocket: what a session's stream holds to send, and what it implements to receive. Outgoing messages
-// are shared buffers in a queue bounded in bytes; what to do when the queue is long (drop, skip, close) is
-// the owner's policy: it reads queued_bytes() and is told when the queue has run empty. Pings and pongs are
+// are shared buffers in a queue bounded in bytes; what to do when the queue is long (drop, skip, close) is up
+// to the owner, which reads queued_bytes() and is told when the queue has run empty. Pings and pongs are
 // answered here and overtake waiting messages. Any thread may send and close; the handler is called on the
 // network thread only.
 #pragma once
@@ -38,8 +38,8 @@ class WebSocketHandler {
 struct WebSocketLimits {
   size_t max_message = size_t{1} << 20;    ///< bytes of a received message
   size_t max_queue = size_t{64} << 20;     ///< bytes waiting to be sent
-  std::chrono::seconds stall{120};         ///< nothing could be written for so long: cut
-  std::chrono::seconds ping_interval{20};  ///< after silence; twice that without any byte: cut
+  std::chrono::seconds stall{120};         ///< nothing could be written for this long: cut
+  std::chrono::seconds ping_interval{20};  ///< after silence; twice this without any byte: cut
   std::chrono::seconds close_wait{3};      ///< for the peer's close frame and the last bytes
 };
 
@@ -49,8 +49,8 @@ using MessageParts = std::array<SharedBuffer, 2>;
 class WebSocket {
  public:
   virtual ~WebSocket() = default;
-  /// Queues one message. False, and nothing is queued, when the socket is closing or the queue would exceed
-  /// its limit (one message of any size is accepted into an empty queue).
+  /// Queues one message. Returns false and queues nothing when the socket is closing or the queue would
+  /// exceed its limit (an empty queue accepts a message of any size).
   virtual bool send(MessageKind kind, MessageParts parts) = 0;
   bool send_text(SharedBuffer payload) { return send(MessageKind::text, {std::move(payload), nullptr}); }
   bool send_binary(SharedBuffer payload) { return send(MessageKind::binary, {std::move(payload), nullptr}); }

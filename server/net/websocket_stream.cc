@@ -26,10 +26,10 @@ namespace websocket = boost::beast::websocket;
 
 namespace {
 
-// A received message's memory is given back when it was longer.
+// A receive buffer larger than this is freed after its message.
 constexpr size_t kKeptBuffer = 65536;
-// Room for one read, as much as the message has already: Beast would believe the length that a compressed
-// frame claims, and its own guess asserts where a message ends in the middle of a read.
+// Room for one read, as much as the message already has: Beast would trust the length that a compressed frame
+// claims, and its own guess asserts when a message ends in the middle of a read.
 constexpr size_t kFirstRead = 4096, kReadAtOnce = 65536;
 constexpr uint16_t kNoCode = 1005, kLost = 1006;
 
@@ -122,8 +122,8 @@ class BeastWebSocket final : public ServedWebSocket, public std::enable_shared_f
 void BeastWebSocket::configure() {
   ws_.auto_fragment(false);
   ws_.read_message_max(limits_.max_message);
-  // Only receiving: what is sent goes to many clients from one shared buffer, and loopback and local networks
-  // outrun deflate.
+  // For receiving only: outgoing messages go to many clients from one shared buffer, and loopback and local
+  // networks outrun deflate.
   websocket::permessage_deflate deflate;
   deflate.server_enable = true;
   deflate.server_no_context_takeover = deflate.client_no_context_takeover = true;
@@ -133,7 +133,7 @@ void BeastWebSocket::configure() {
     response.set(http::field::server, "truestep");
     if (!subprotocol_.empty()) response.set(http::field::sec_websocket_protocol, subprotocol_);
   }));
-  // Beast takes codes above 4999 for valid and would echo them; a close that has begun comes first.
+  // Beast considers codes above 4999 valid and would echo them; a close already begun takes precedence.
   ws_.control_callback([this](websocket::frame_type kind, boost::beast::string_view) {
     if (kind != websocket::frame_type::close || ws_.reason().code <= 4999 || closing_.exchange(true)) return;
     end_code_ = 1002;
@@ -183,7 +183,7 @@ void BeastWebSocket::write_next() {
   ws_.async_write(parts, [self = shared_from_this()](const boost::system::error_code& ec, size_t) {
     self->queued_ -= size_of(self->current_.parts);
     self->current_ = {};
-    // After an error nothing more is written; the reader learns of it too and ends.
+    // After an error nothing more is written; the reader sees it too and ends.
     if (!ec) self->write_next();
   });
 }
@@ -253,7 +253,7 @@ asio::awaitable<void> BeastWebSocket::run() {
 }
 
 void BeastWebSocket::deliver(std::string_view message) {
-  // Beast checks while it reads, so an empty last fragment hides that a character is incomplete.
+  // Beast validates while it reads, so an empty last fragment can hide an incomplete character.
   if (ws_.got_text() && !valid_utf8(message)) return close(1007, "the text ends inside a character");
   try {
     handler_->on_message(ws_.got_text() ? MessageKind::text : MessageKind::binary, message);
@@ -287,7 +287,7 @@ void BeastWebSocket::tick(Clock::time_point now) {
   const Wire& wire = ws_.next_layer();
   const bool writing = current_.parts[0] != nullptr;
   if (now > wire.deadline || (writing && now - wire.last_write > limits_.stall)) return abort();
-  // A peer that does not read cannot be expected to answer: the stall limit above is for it.
+  // A peer that does not read cannot be expected to answer: the stall limit above covers it.
   if (!open_ || writing) return;
   const auto silence = now - wire.last_read;
   const bool asked = ping_sent_ > wire.last_read;
@@ -305,8 +305,9 @@ void BeastWebSocket::abort() {
   boost::system::error_code ec;
   closing_ = true;
   ws_.next_layer().close(ec);
-  // A frame that breaks the rules while we close: Beast's reading and closing wait for each other, not for
-  // the socket, and only this ends them. Later, for they may complete at once, and our callers are not done.
+  // A frame that breaks the rules while we are closing: Beast's reading and closing wait for each other, not
+  // for the socket, and only this ends them. Posted, because they may complete at once while our callers are
+  // not done.
   asio::post(ws_.get_executor(), [self = shared_from_this()] {
     self->stop_reading_.emit(asio::cancellation_type::terminal);
     self->stop_closing_.emit(asio::cancellation_type::terminal);

@@ -1,7 +1,7 @@
 // The connection's side of a WebSocket. Boost.Beast speaks the protocol (RFC 6455, permessage-deflate for
-// what is received); here are the queue, the time-outs, and what Beast lacks: close codes above 4999 are
-// refused, text that ends inside a character with an empty last fragment is refused, and a connection is not
-// reset while its close frame is on the way.
+// what is received); this file adds the queue, the time-outs, and what Beast lacks: close codes above 4999
+// are refused, text that ends inside a character with an empty last fragment is refused, and a connection is
+// not reset while its close frame is on the way.
 #pragma once
 #include <boost/asio/awaitable.hpp>
 #include <boost/asio/basic_stream_socket.hpp>
@@ -21,13 +21,13 @@ class ServedWebSocket : public WebSocket {
  public:
   /// Answers the handshake and serves until the end.
   virtual boost::asio::awaitable<void> run() = 0;
-  /// Compares deadlines and keeps alive; called a few times a second.
+  /// Checks deadlines and sends pings; called a few times a second.
   virtual void tick(Clock::time_point now) = 0;
   /// Ends without a handshake.
   virtual void abort() = 0;
 };
 
-/// Serves the handshake in `request`, which check_handshake has found good.
+/// Serves the handshake in `request`, which check_handshake has accepted.
 std::shared_ptr<ServedWebSocket> make_websocket(Socket socket, const Request& request,
                                                 std::shared_ptr<WebSocketHandler> handler,
                                                 WebSocketLimits limits, std::string subprotocol);

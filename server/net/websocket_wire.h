@@ -1,4 +1,4 @@
-// The socket beneath a Beast WebSocket: remembers when bytes moved last, and ends gently. Beast's own
+// The socket beneath a Beast WebSocket: remembers when bytes last moved, and closes gently. Beast's own
 // teardown closes with unread bytes in the socket, and the reset that follows may overtake the close frame.
 #pragma once
 #include <algorithm>
@@ -16,7 +16,7 @@ class Wire : public Socket {
  public:
   Wire(Socket socket, Clock::duration linger) : Socket(std::move(socket)), linger_(linger) {}
 
-  // The next read or write begins when the one before has brought something.
+  // The next read or write starts when the previous one has returned something.
   template <class Buffers, class Handler>
   auto async_read_some(const Buffers& buffers, Handler&& handler) {
     last_read = Clock::now();
@@ -28,7 +28,7 @@ class Wire : public Socket {
     return Socket::async_write_some(buffers, std::forward<Handler>(handler));
   }
 
-  /// Says that nothing more is sent and reads until the peer says so too; the deadline cuts it short.
+  /// Shuts down sending and reads until the peer does the same; cut short by the deadline.
   template <class Handler>
   void async_finish(Handler&& handler) {
     deadline = std::min(deadline, Clock::now() + linger_);
@@ -38,7 +38,7 @@ class Wire : public Socket {
     auto read_on = [this, scratch = std::move(scratch)](auto& self, boost::system::error_code ec = {},
                                                         size_t = 0) mutable {
       if (ec) return self.complete({});
-      // Not a temporary of the call: it is moved from when the handler is.
+      // Not a temporary of the call, which is moved from when the handler is.
       const auto buffer = boost::asio::buffer(*scratch);
       Socket::async_read_some(buffer, std::move(self));
     };

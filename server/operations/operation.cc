@@ -47,7 +47,7 @@ void Operation::run(const ThreadArena& arena, std::vector<boost::json::object> e
           view_.progress = fraction;
           view_.note = note;
         }
-        // Watchers need no more than ten words a second.
+        // Ten updates a second are enough for watchers.
         const auto now = std::chrono::steady_clock::now();
         if (now - last < std::chrono::milliseconds(100)) return;
         last = now;
@@ -60,7 +60,7 @@ void Operation::run(const ThreadArena& arena, std::vector<boost::json::object> e
     rows_.push_back(row);
   };
   try {
-    // Inside a step and while a world is built, too.
+    // Also inside a step and while a world is being built.
     const InterruptScope scope(&cancelled);
     end(OperationStatus::done, std::nullopt,
         std::make_shared<const StudyResult>(run_study(request, context)));

@@ -1,5 +1,4 @@
-// Long-running work that a request started: its progress, its end and its result, watched and cancelled by
-// id.
+// Long-running work started by a request: its progress, end and result, watched and cancelled by id.
 #pragma once
 #include <atomic>
 #include <boost/json.hpp>
@@ -20,7 +19,7 @@ enum class OperationStatus : uint8_t { waiting, running, done, failed, cancelled
 
 std::string_view status_name(OperationStatus status);
 
-/// What is known of an operation at one moment.
+/// What is known about an operation at one moment.
 struct OperationView {
   OperationStatus status = OperationStatus::waiting;
   double progress = 0;  ///< 0 to 1
@@ -38,16 +37,16 @@ class Operation {
   const std::string id;
   std::string owner;  ///< name of the key that started it
   const StudyRequest request;
-  const std::string request_text;  ///< canonical JSON: only the same request may go on with another's rows
+  const std::string request_text;  ///< canonical JSON; rows can be reused only by the same request
   std::atomic<bool> cancelled{false};
   net::Signal changed;  ///< raised after every change of the view
 
   OperationView view() const;
-  /// Rows of a sweep that are finished so far.
+  /// The finished rows of a sweep so far.
   std::vector<boost::json::object> rows() const;
-  /// Asks the work to stop; one that still waits ends at once.
+  /// Asks the work to stop; an operation that is still queued ends at once.
   void cancel();
-  /// Does the work in the calling thread. `earlier` are rows of an interrupted sweep.
+  /// Does the work in the calling thread. `earlier` are the rows of an interrupted sweep.
   void run(const ThreadArena& arena, std::vector<boost::json::object> earlier,
            std::function<void(const Cost&)> admit);
 

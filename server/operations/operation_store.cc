@@ -23,7 +23,7 @@ OperationStore::~OperationStore() {
 
 OperationPtr OperationStore::start(StudyRequest request, const std::string& request_text,
                                    std::string_view resume, const net::Caller& owner) {
-  // A run, the reference that it is compared with, and what both keep to compare.
+  // A run, the reference it is compared with, and what both keep for the comparison.
   constexpr double kCopies = 3;
   const Cost cost = estimate(require_scene(read_scene(request.scene)));
   require_admission(cost, limits_.per_run);

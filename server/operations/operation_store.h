@@ -1,5 +1,5 @@
-// The operations of a server: one runs at a time (timed studies must not disturb each other), the rest wait
-// in order, and the newest ended ones are kept for their results.
+// The operations of a server: one runs at a time (timed studies must not disturb each other), the others wait
+// in order, and the most recent ended ones are kept for their results.
 #pragma once
 #include <boost/asio/thread_pool.hpp>
 #include <deque>
@@ -15,7 +15,7 @@ namespace truestep {
 
 struct OperationLimits {
   size_t waiting = 32;      ///< that have not ended
-  size_t kept = 256;        ///< all; the oldest ended ones are forgotten beyond
+  size_t kept = 256;        ///< in total; beyond this the oldest ended ones are forgotten
   AdmissionLimits per_run;  ///< what one run of the scene may cost
 };
 
@@ -28,13 +28,13 @@ class OperationStore {
   /// quota_exceeded, unknown_operation, or conflict when the earlier request was another.
   OperationPtr start(StudyRequest request, const std::string& request_text, std::string_view resume,
                      const net::Caller& owner);
-  /// Error unknown_operation, also for one that the caller may not see.
+  /// Error unknown_operation, also for an operation that the caller may not see.
   OperationPtr find(std::string_view id, const net::Caller& caller) const;
-  /// Cancels and forgets.
+  /// Cancels and forgets an operation.
   void remove(const OperationPtr& operation);
-  /// Those that the caller may see.
+  /// The operations that the caller may see.
   std::vector<OperationPtr> all(const net::Caller& caller) const;
-  /// Tells everything to stop.
+  /// Asks all of them to stop.
   void cancel_all();
   /// Cancels everything and waits for the thread.
   void stop();

@@ -23,7 +23,7 @@ Error no_asset() {
   return {"not_found", "there is no such asset"};
 }
 
-// What is no JSON is a file that scenes can use, or a text.
+// Bytes that are not JSON are a file that scenes can use, or a text.
 void require_readable(std::string_view bytes) {
   if (bytes.empty()) throw Error("bad_request", "an asset has a byte or more");
   try {

@@ -1,7 +1,7 @@
-// What scenes share - JSON values, mesh and motion files - kept under the SHA-256 of its bytes. A scene says
-// {"asset": "<sha256>"} where the value would stand (engine/scene/file_references.h); the server puts the
-// value there, so that a session, its snapshots and its bundle hold all they need and an asset may go at any
-// time.
+// Assets shared by scenes - JSON values, mesh and motion files - kept under the SHA-256 of their bytes. A
+// scene says {"asset": "<sha256>"} in place of the value (engine/scene/file_references.h); the server
+// substitutes the value, so that a session, its snapshots and its bundle hold everything they need and an
+// asset may be removed at any time.
 #pragma once
 #include <boost/json.hpp>
 #include <filesystem>
@@ -13,7 +13,7 @@ namespace truestep {
 
 class AssetStore {
  public:
-  /// `most_bytes` of all assets. Without a data folder (empty) there are none.
+  /// `most_bytes` bounds all assets together. Without a data folder (empty) there are none.
   AssetStore(const std::string& data_dir, double most_bytes);
 
   enum class Kind : uint8_t { json, file };
@@ -22,17 +22,17 @@ class AssetStore {
     std::string bytes;
   };
 
-  /// Keeps bytes; false: they were there. Error "invalid" when their hash is another, "bad_json" or
-  /// "bad_request" for what no scene could use, "quota_exceeded", "disk_full", "folder_io", or "not_found"
-  /// where nothing can be kept.
+  /// Keeps the bytes; false: already there. Error "invalid" when their hash differs, "bad_json" or
+  /// "bad_request" when no scene could use them, "quota_exceeded", "disk_full", "folder_io", or "not_found"
+  /// when nothing can be kept.
   bool put(const std::string& sha256, std::string_view bytes, Kind kind);
   /// Error "not_found".
   Asset get(const std::string& sha256) const;
   /// Error "not_found".
   void remove(const std::string& sha256);
 
-  /// Puts the assets that the document refers to in their places. Error "scene_invalid" with a pointer to
-  /// every reference that leads nowhere, "too_large" when all of it together is.
+  /// Replaces the document's references by the assets' values. Error "scene_invalid" with a pointer to every
+  /// reference that leads nowhere, "too_large" when the result is.
   void resolve(boost::json::value& document) const;
 
  private:

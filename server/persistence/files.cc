@@ -35,7 +35,7 @@ class Descriptor {
   int fd_;
 };
 
-// Up to `size` bytes; fewer where the file ends.
+// Up to `size` bytes, fewer at the end of the file.
 Bytes read_from(int fd, size_t size, const fs::path& path) {
   Bytes bytes(size);
   size_t done = 0;

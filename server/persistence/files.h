@@ -1,4 +1,5 @@
-// Files of the data folder: written as a whole or not at all, and errors that say what is full or unreadable.
+// Files of the data folder: written completely or not at all, with errors that say what is full or
+// unreadable.
 #pragma once
 #include <filesystem>
 #include <span>
@@ -9,18 +10,19 @@
 
 namespace truestep {
 
-/// What a written file outlives: the end of the process (the system holds it), or a power cut as well.
+/// What a written file survives: the end of the process (the operating system has it), or a power cut as
+/// well.
 enum class Durability : uint8_t { process, power };
 
-/// A file that is written beside the one that it is to replace. Error "disk_full" or "folder_io".
+/// A new version of a file, written next to the one it will replace. Error "disk_full" or "folder_io".
 class FreshFile {
  public:
   FreshFile(std::filesystem::path path, std::span<const std::byte> bytes, Durability durability);
-  /// Removes what was written unless it has taken its place.
+  /// Removes the new file unless it has been committed.
   ~FreshFile();
   FreshFile(const FreshFile&) = delete;
   FreshFile& operator=(const FreshFile&) = delete;
-  /// Takes the place of the old file, at once.
+  /// Replaces the old file atomically.
   void commit();
 
  private:
@@ -28,19 +30,19 @@ class FreshFile {
   bool waits_ = true;
 };
 
-/// Replaces the file `path` at once. Error "disk_full" or "folder_io"; then the old file stands.
+/// Replaces the file `path` atomically. Error "disk_full" or "folder_io"; then the old file remains.
 void write_file(const std::filesystem::path& path, std::span<const std::byte> bytes, Durability durability);
-/// For a file of a folder that nobody knows yet: as it is written.
+/// For a file in a folder that is not published yet: written in place.
 void write_in_fresh_folder(const std::filesystem::path& path, std::span<const std::byte> bytes);
-/// Makes what was written of a file, and its name, outlive a power cut.
+/// Makes the contents and the name of a file survive a power cut.
 void harden_file(const std::filesystem::path& path);
-/// Makes all that was written on the folder's disk outlive a power cut, as far as the disk allows.
+/// Makes everything written to the folder's disk survive a power cut, as far as the disk allows.
 void sync_disk_of(const std::filesystem::path& folder);
 /// The whole file. Error "folder_io" when it cannot be read, "session_damaged" when it is longer than `most`.
 Bytes read_file(const std::filesystem::path& path, size_t most);
-/// Its first bytes, at most so many.
+/// The first bytes of a file, at most this many.
 Bytes read_head(const std::filesystem::path& path, size_t most);
-/// Bytes of all files in a folder and those in it; 0 where there is none.
+/// Bytes of all files in a folder, recursively; 0 when there is none.
 double folder_bytes(const std::filesystem::path& folder);
 /// The error of a system call that failed with `code`.
 [[noreturn]] void throw_file_error(const std::string& what, int code);

@@ -1,5 +1,5 @@
-// Files that are written often, by far more owners than there may be descriptors: those written last stay
-// open, the others are opened again when they are needed.
+// Files that are written often, by far more owners than there may be file descriptors: the most recently
+// written stay open, the others are reopened when needed.
 #pragma once
 #include <filesystem>
 #include <list>
@@ -10,7 +10,7 @@ namespace truestep {
 
 class OpenFile {
  public:
-  /// For writing; made where it is missing. Error "disk_full" or "folder_io".
+  /// Opens for writing; creates the file if it is missing. Error "disk_full" or "folder_io".
   explicit OpenFile(const std::filesystem::path& path);
   ~OpenFile();
   OpenFile(const OpenFile&) = delete;
@@ -24,7 +24,7 @@ class OpenFile {
 class OpenFiles {
  public:
   explicit OpenFiles(size_t most = 32) : most_(most) {}
-  /// The owner's file, which stays open at least as long as the pointer is held. Any thread.
+  /// The owner's file, which stays open at least while the pointer is held. Any thread.
   std::shared_ptr<OpenFile> open(const void* owner, const std::filesystem::path& path);
   void close(const void* owner);
 
@@ -35,7 +35,7 @@ class OpenFiles {
   };
   const size_t most_;
   std::mutex mutex_;
-  std::list<Kept> files_;  ///< the one used last comes first
+  std::list<Kept> files_;  ///< most recently used first
 };
 
 }  // namespace truestep

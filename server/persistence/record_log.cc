@@ -49,7 +49,7 @@ Bytes record_bytes(const LogRecord& record) {
 
 namespace {
 
-// Bytes of the whole record that the bytes begin with; 0 when they begin with none.
+// Size of the complete record that the bytes begin with; 0 when there is none.
 size_t whole_record(std::span<const std::byte> bytes) {
   if (bytes.size() < kUnit) return 0;
   const size_t body = get<uint32_t>(bytes, 0), size = rounded(kHead + body);
@@ -75,7 +75,8 @@ LogContents read_records(std::span<const std::byte> file) {
     r.text = text_of(file.subspan(kHead + kNumbers, get<uint32_t>(file, 0) - kNumbers));
   }
   if (file.empty()) return out;
-  // What a kill cut short is the last; behind something else that is no record there are more.
+  // Only the last record can have been cut short by a kill; anything else invalid is damage, with records
+  // behind it.
   out.end = LogContents::End::torn;
   for (size_t at = kUnit; at < file.size(); at += kUnit) {
     if (whole_record(file.subspan(at)) > 0) out.end = LogContents::End::damaged;

@@ -47,7 +47,7 @@ std::string text_member(const json::object& o, const char* name) {
   return v && v->is_string() ? std::string(v->as_string()) : std::string();
 }
 
-// What the note says; a recording without one was left by a server that wrote none.
+// What the note says; a recording without a note comes from a server that wrote none.
 RecordingFacts read_note(const fs::path& path, const std::string& id) {
   RecordingFacts f;
   f.id = id;
@@ -98,14 +98,14 @@ bool is_recording_id(std::string_view text) {
 RecordingCatalogue::RecordingCatalogue(fs::path folder, RecordingLimits limits)
     : folder_(std::move(folder)), limits_(limits) {}
 
-// --- at the start
+// --- startup
 
 void RecordingCatalogue::read_folder() {
   if (!on()) return;
   const std::lock_guard lock(mutex_);
   std::error_code failed;
   for (fs::directory_iterator it(folder_, failed), end; !failed && it != end; it.increment(failed)) {
-    // A note of what came to no frame.
+    // The note of a recording that has no frame.
     if (it->path().string().ends_with(".vtkhdf.json") &&
         !fs::exists(fs::path(it->path()).replace_extension())) {
       std::error_code ignored;
@@ -126,7 +126,7 @@ void RecordingCatalogue::settle(Row& row, RecordingThread& thread) {
   f.frames = report.frames_kept;
   switch (report.outcome) {
     case RecoveryOutcome::kIntact:
-      // Complete, but nobody came to say so any more.
+      // Complete, but its server ended before it could say so.
       f.state = RecordingFate::closed;
       break;
     case RecoveryOutcome::kRecovered:
@@ -153,7 +153,7 @@ void RecordingCatalogue::repair(RecordingThread& thread) {
   for (Row& row : open) {
     settle(row, thread);
     const std::lock_guard lock(mutex_);
-    // One that was begun to go on with and came to no frame holds nothing that the one before does not.
+    // A continuation that never got a frame holds nothing that its predecessor does not.
     if (row.facts.state == RecordingFate::repaired && row.facts.frames == 0 && number_of(row.facts.id) > 1) {
       rows_.erase(row.facts.id);
       remove_files(row.facts.id);
@@ -164,7 +164,7 @@ void RecordingCatalogue::repair(RecordingThread& thread) {
   }
 }
 
-// --- one that is written
+// --- a recording being written
 
 RecordingFacts RecordingCatalogue::begin(const std::string& session, const std::string& owner,
                                          const std::string& title) {
@@ -180,7 +180,7 @@ RecordingFacts RecordingCatalogue::begin(const std::string& session, const std::
   uint64_t number = 1;
   for (auto it = rows_.lower_bound(session); it != rows_.end() && it->second.facts.session == session; ++it)
     number = std::max(number, number_of(it->first) + 1);
-  // Nor is a name used of which anything is left that no note tells of.
+  // A name is also taken while any file of that name remains, even without a note.
   const auto taken = [&](const std::string& id) {
     for (const char* rest : {"", ".chunks", ".damaged", ".json"}) {
       if (fs::exists(path(id).string() + rest)) return true;
@@ -224,7 +224,7 @@ void RecordingCatalogue::end(const std::string& id, RecordingFate state, uint64_
   write_note(f);
 }
 
-// On a full disk the old note stands, which is looked into at the next start.
+// On a full disk the old note remains and is corrected at the next start.
 void RecordingCatalogue::write_note(const RecordingFacts& f) const {
   const std::string text = write_json(json::object{{"owner", f.owner},
                                                    {"title", f.title},
@@ -239,7 +239,7 @@ void RecordingCatalogue::write_note(const RecordingFacts& f) const {
   }
 }
 
-// --- what there is
+// --- lookup
 
 RecordingFacts RecordingCatalogue::present(const Row& row) const {
   RecordingFacts f = row.facts;

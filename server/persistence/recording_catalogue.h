@@ -1,6 +1,6 @@
-// The recordings that a data folder holds, also of sessions that are gone. NAME.vtkhdf is the recording,
-// NAME.vtkhdf.json says whose it is and what became of it. A session's first recording is named like the
-// session, later ones ID.2, ID.3 ...: no name is used twice as long as anything of that name is there.
+// The recordings in a data folder, including those of removed sessions. NAME.vtkhdf is the recording,
+// NAME.vtkhdf.json says whose it is and what became of it. A session's first recording bears the session's
+// id, later ones are ID.2, ID.3 ...; no name is reused while any file of that name exists.
 #pragma once
 #include <chrono>
 #include <cstdint>
@@ -18,17 +18,18 @@
 namespace truestep {
 
 struct RecordingLimits {
-  double most_bytes = 0;                     ///< of all; then no new ones begin. 0: no limit
-  std::optional<std::chrono::seconds> keep;  ///< finished ones go at this age; none: they stay
+  double most_bytes = 0;                     ///< in total; beyond this no new ones begin. 0: no limit
+  std::optional<std::chrono::seconds> keep;  ///< finished recordings are removed at this age; empty: never
 };
 
 /// What became of a recording.
 enum class RecordingFate : uint8_t {
-  live,        ///< is being written
+  live,        ///< being written
   finished,    ///< complete
-  closed,      ///< complete up to where its session was unloaded or its server ended; the session may go on
-  repaired,    ///< its server died; every frame that was durable is there
-  incomplete,  ///< writing it failed (`note` says why); every frame that was durable is there
+  closed,      ///< complete up to the point where its session was unloaded or its server stopped; the session
+               ///< may continue
+  repaired,    ///< its server was killed; every durable frame is there
+  incomplete,  ///< writing failed (`note` says why); every durable frame is there
   damaged,     ///< cannot be read
 };
 const char* state_name(RecordingFate state);
@@ -42,40 +43,40 @@ struct RecordingFacts {
   std::string note;
 };
 
-/// A recording's name: a session's id, with a number from 2 on behind a dot for later ones.
+/// A recording's id: the session's id, with ".2", ".3" ... for later ones.
 bool is_recording_id(std::string_view text);
 
 class RecordingCatalogue {
  public:
-  /// `folder` is empty where nothing is recorded.
+  /// `folder` is empty when nothing is recorded.
   RecordingCatalogue(std::filesystem::path folder, RecordingLimits limits);
   bool on() const { return !folder_.empty(); }
 
-  /// Reads what earlier servers left; `repair` then brings what they did not finish into order.
+  /// Reads what earlier servers left; `repair` then repairs what they did not finish.
   void read_folder();
   void repair(RecordingThread& thread);
 
-  /// Takes a new name for a recording of the session. Error "quota_exceeded", "disk_full", "recording_io".
+  /// Reserves a new name for a recording of the session. Error "quota_exceeded", "disk_full", "recording_io".
   RecordingFacts begin(const std::string& session, const std::string& owner, const std::string& title);
-  /// Who writes it.
+  /// Sets the sink that writes it.
   void attach(const std::string& id, std::weak_ptr<const RecordingSink> sink);
-  /// It came to nothing: the name is free again.
+  /// The recording has no frame: its name is free again.
   void forget(const std::string& id);
   void end(const std::string& id, RecordingFate state, uint64_t frames, const std::string& note);
 
-  /// Whether nobody has said yet what became of it.
+  /// Whether the recording's fate is still open.
   bool live(const std::string& id) const;
-  /// Error "not_found", also for one that the caller may not see.
+  /// Error "not_found", also for a recording that the caller may not see.
   RecordingFacts find(std::string_view id, const net::Caller& caller) const;
-  /// A session's recordings, the last one first.
+  /// A session's recordings, newest first.
   std::vector<RecordingFacts> of_session(const std::string& session) const;
-  /// The last of a session's recordings.
+  /// The newest of a session's recordings.
   std::optional<RecordingFacts> newest(const std::string& session) const;
   std::vector<RecordingFacts> list(std::string_view after, size_t limit, const net::Caller& caller) const;
   /// Error "conflict" while it is being written.
   void remove(const std::string& id);
   std::filesystem::path path(const std::string& id) const { return folder_ / (id + ".vtkhdf"); }
-  /// Removes what is older than it is kept.
+  /// Removes recordings that have reached the age limit.
   void sweep();
 
  private:

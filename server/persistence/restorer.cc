@@ -45,7 +45,7 @@ LastCommand bring_back(SessionEntry& entry, const SavedSession& saved, std::opti
       last = LastCommand::refused;
     }
   }
-  // A recording can know more than anybody was told: its frames stay those of this session.
+  // A recording can be ahead of what any client was told; its frames still belong to this session.
   const bool went_back = saved.course.step < saved.course.furthest;
   while (recorded && !went_back && session.step_index() < *recorded && !session.failure()) session.step(1);
   entry.restored = Restored{saved.from_step, session.step_index(), saved.complete};

@@ -1,5 +1,5 @@
-// Brings a session back: builds on the state that was saved and repeats what its logs tell, to the step at
-// which somebody was last told that it stood, or to the last frame of its recording.
+// Restores a session: builds on the saved state and replays the logs, up to the last step that a client was
+// told of or to the last frame of its recording.
 #pragma once
 #include <functional>
 
@@ -8,12 +8,12 @@
 
 namespace truestep {
 
-/// What became of the last command, of which the logs do not tell.
+/// What became of the last command when the logs do not say.
 enum class LastCommand : uint8_t { known, refused };
 
-/// Of a new entry whose world is the saved one's. `recorded` is the last step of a recording that goes on.
-/// `before_steps` is called when the session stands at the saved state. May be interrupted. Error
-/// "session_damaged" when what was saved is not of this world.
+/// For a new entry whose world is the saved one's. `recorded` is the last step of a recording that continues.
+/// `before_steps` is called when the session is at the saved state. Interruptible. Error "session_damaged"
+/// when the saved data do not fit this world.
 LastCommand bring_back(SessionEntry& entry, const SavedSession& saved, std::optional<uint64_t> recorded,
                        const std::function<void()>& before_steps);
 

@@ -26,7 +26,7 @@ std::vector<Log> read_logs(const SessionFolder& folder, const std::vector<uint64
   return logs;
 }
 
-/// States to try, the best first. Number 0 is the scene's start, which no file holds.
+/// States to try, best first. Number 0 is the start of the scene, which needs no file.
 struct Candidate {
   uint64_t number = 0, step = 0;
 };
@@ -44,7 +44,7 @@ std::vector<Candidate> candidates(const SessionFolder::Contents& there, std::spa
   }
   const bool from_start = there.states.empty() || (!logs.empty() && logs.front().number == 0);
   if (from_start) (barrier > 0 ? before : fit).push_back({});
-  // What begins too late for the recording: the earlier, the smaller the gap.
+  // States that begin too late for the recording: the earlier, the smaller the gap.
   fit.insert(fit.end(), late.rbegin(), late.rend());
   fit.insert(fit.end(), before.begin(), before.end());
   return fit;
@@ -64,7 +64,7 @@ LoggedCourse follow(const SavedState& state, uint64_t from, std::span<const LogR
     if (r.kind == LogRecord::Kind::continues || r.kind == LogRecord::Kind::anew) continue;
     if (r.step < from || r.step > kMostStep) throw contradiction();
     if (r.kind == LogRecord::Kind::command) {
-      // A command makes a new future, refused or not.
+      // A command discards the recorded future, even if it was refused.
       std::erase_if(c.journal, [&](const JournalEntry& e) { return e.step > r.step; });
       c.journal.push_back({r.step, r.sequence, command_of(r.text)});
       c.last_sequence = std::max(c.last_sequence, r.sequence);
@@ -99,7 +99,7 @@ SavedSession read_saved_session(const SessionFolder& folder, std::optional<uint6
       bool complete = true;
       for (const Log& log : logs) {
         if (log.number < c.number) continue;
-        // Behind this one nothing leads on from here: its state was the next to try.
+        // Nothing leads on past this log: its state would have been the next to try.
         if (log.anew() && log.number > c.number) complete = false;
         if (!complete) break;
         records.insert(records.end(), log.contents.records.begin(), log.contents.records.end());

@@ -1,5 +1,5 @@
-// A state that a session is restored from: a snapshot, or the word that it is the scene's start, and the
-// commands of a future that the session had gone back from. One sealed file (engine/session/sealed.h):
+// A state that a session is restored from: a snapshot, or a mark for the start of the scene, and the commands
+// of a future that the session had gone back from. One sealed file (engine/session/sealed.h):
 //   snapshot (empty: the start) | u64 count | per command u64 step, u64 number, JSON | u64 newest number
 #pragma once
 #include <vector>
@@ -21,7 +21,7 @@ Bytes write_saved_state(const SavedState& state);
 /// Error "session_damaged".
 SavedState read_saved_state(std::span<const std::byte> file);
 
-/// A command as a text of the log, and back. Error "session_damaged".
+/// A command as text in the log, and back. Error "session_damaged".
 std::string command_text(const Command& command);
 Command command_of(std::string_view text);
 

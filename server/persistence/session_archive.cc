@@ -28,7 +28,7 @@ SessionArchive::SessionArchive(fs::path folder, ArchiveLimits limits, MemoryBudg
     try {
       rows_[id].about = SessionFolder(entry.path()).about();
     } catch (const Error& e) {
-      // It stays in no list, since nobody knows whose it is, but its id is taken.
+      // It appears in no list, since its owner is unknown, but its id is taken.
       damage_.emplace_back(e.what());
       rows_[id].about = {id, "", "", 0, 0};
     }
@@ -118,8 +118,8 @@ void SessionArchive::require_room(double bytes) const {
                                     " MB that this server keeps; delete some");
 }
 
-// What a folder takes, and since when nobody used it: the age of its newest file counts where this server has
-// not seen it used.
+// Size of a folder and when it was last used: the age of its newest file counts if this server has not seen
+// it used.
 void SessionArchive::survey(const std::string& id) {
   const fs::path path = root_ / id;
   const double bytes = folder_bytes(path);

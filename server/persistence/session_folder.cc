@@ -30,7 +30,7 @@ std::string hash_of(std::string_view text) {
   return hex64(h.value());
 }
 
-// "12" in "log.12"; nothing for what is no number.
+// "12" in "log.12"; empty when it is not a number.
 std::optional<uint64_t> number_of(std::string_view text) {
   uint64_t v = 0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), v);
@@ -38,7 +38,7 @@ std::optional<uint64_t> number_of(std::string_view text) {
   return v;
 }
 
-// Head and tail of "head.tail", at the last dot.
+// Splits "head.tail" at the last dot.
 std::pair<std::string_view, std::string_view> split(std::string_view name) {
   const size_t dot = name.rfind('.');
   if (dot == std::string_view::npos) return {name, {}};
@@ -84,7 +84,7 @@ void SessionFolder::remove() const {
 }
 
 SessionAbout SessionFolder::about() const {
-  // The scene behind the line may be long, and a list of ten thousand sessions reads only their lines.
+  // The scene behind the first line may be long, and a list of ten thousand sessions reads only those lines.
   const Bytes head = read_head(about_path(), kMostAbout);
   const std::string_view text = text_of(head);
   const size_t end = text.find('\n');

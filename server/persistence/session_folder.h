@@ -3,7 +3,7 @@
 //   state.N.STEP      a state that was saved (saved_state.h), at that step
 //   log.N             what happened since state N, or since log N - 1 (record_log.h)
 //   snapshots/ID.STEP states that clients keep (engine/session/snapshot.h)
-// A folder appears as a whole, by a rename, and goes by one.
+// A folder appears and disappears as a whole, by a rename.
 #pragma once
 #include <boost/json.hpp>
 #include <filesystem>
@@ -18,21 +18,21 @@ namespace truestep {
 
 struct SessionAbout {
   std::string id, owner, title;
-  uint64_t scene_hash = 0;  ///< of the document that created it
+  uint64_t scene_hash = 0;  ///< of the document it was created from
   int64_t created = 0;      ///< s since 1970
 };
 
 class SessionFolder {
  public:
   explicit SessionFolder(std::filesystem::path path) : path_(std::move(path)) {}
-  /// Makes the folder below `root`. Error "disk_full" or "folder_io".
+  /// Creates the folder below `root`. Error "disk_full" or "folder_io".
   static SessionFolder create(const std::filesystem::path& root, const SessionAbout& about,
                               const boost::json::object& scene, const boost::json::object& accuracy);
-  /// Takes the folder away at once, and then its files.
+  /// Moves the folder away at once, then removes its files.
   void remove() const;
 
   const std::filesystem::path& path() const { return path_; }
-  /// The first line alone. Error "session_damaged" or "folder_io", as everything that reads.
+  /// Only the first line. Error "session_damaged" or "folder_io", as for all readers.
   SessionAbout about() const;
   struct Scene {
     boost::json::value document;
@@ -43,7 +43,7 @@ class SessionFolder {
   std::filesystem::path about_path() const { return path_ / "about"; }
   std::filesystem::path state_path(uint64_t number, uint64_t step) const;
   std::filesystem::path log_path(uint64_t number) const;
-  /// What is there, by number; `states` with their steps.
+  /// What the folder holds, by number; `states` with their steps.
   struct Contents {
     std::map<uint64_t, uint64_t> states;
     std::vector<uint64_t> logs;

@@ -12,11 +12,11 @@ namespace {
 
 using SteadyClock = std::chrono::steady_clock;
 
-constexpr double kShare = 0.025;        // of the computing, that saving states may take
-constexpr double kLeastPlaying = 1;     // s of computing between two states at least
+constexpr double kShare = 0.025;        // share of the computing time that saving states may take
+constexpr double kLeastPlaying = 1;     // s of computing time between two states, at least
 constexpr double kLeastPaused = 0.1;    // ... when the session stops
-constexpr double kLittle = 0.01;        // s that are repeated rather than saved at the end
-constexpr uint64_t kMostLog = 4 << 20;  // bytes after which a state takes a log's place
+constexpr double kLittle = 0.01;        // s of steps that are cheaper to repeat than to save at the end
+constexpr uint64_t kMostLog = 4 << 20;  // bytes after which a state replaces the log
 constexpr auto kTellEvery = std::chrono::milliseconds(100);
 constexpr auto kTryEvery = std::chrono::seconds(1);
 
@@ -32,7 +32,7 @@ double cpu_seconds() {
 struct SessionKeeper::Shared {
   std::mutex mutex;
   bool beside = false;  ///< a state is being written from a copy
-  double seconds = 0;   ///< of CPU that the last one took
+  double seconds = 0;   ///< CPU s that the last one took
   std::atomic<bool> written{true};
 };
 
@@ -53,7 +53,7 @@ void SessionKeeper::notify(std::string_view kind, uint64_t step, const std::stri
   if (kind == "reset") {
     save_anew();
   } else if (kind == "seek") {
-    // Logs lead forward only.
+    // Logs only lead forward.
     if (step < base_step_)
       save_anew();
     else
@@ -99,7 +99,7 @@ void SessionKeeper::begin_log(LogRecord::Kind first) {
 
 bool SessionKeeper::write(const LogRecord& record) {
   if (!problem_.empty()) {
-    // What was missed cannot be written afterwards; a state that holds it all can.
+    // What was missed cannot be written later, but a state contains it all.
     if (SteadyClock::now() - tried_at_ > kTryEvery && record.kind == LogRecord::Kind::stands) save_anew();
     return problem_.empty();
   }
@@ -186,7 +186,7 @@ void SessionKeeper::save_beside() {
       files->write(number, step, state->second);
       files->settle(number, step, recorded);
     } catch (const Error& e) {
-      // The logs lead here from the state before.
+      // The logs lead here from the previous state.
       spdlog::warn("session {}: {}", files->folder().path().filename().string(), e.what());
     }
     shared->written.store(true, std::memory_order_relaxed);

@@ -1,9 +1,9 @@
-// What makes a session outlive the process: a sink that writes each command before it is carried out, where
-// the session stands whenever somebody is told, and now and then a state, so that restoring repeats little.
-// Commands and places are handed to the system at once (they outlive the process, kill -9 included); states
-// are made to outlive a power cut by a thread of their own.
-// What cannot be written (a full disk) never stops the session: it goes on, says that it is not kept, and is
-// kept again from the next state that can be written.
+// Makes a session outlive the process: a sink that logs each command before it is carried out, the step
+// whenever a client is told of it, and now and then saves a state, so that restoring repeats little. Commands
+// and steps are handed to the operating system at once (they survive the process, kill -9 included); a thread
+// of its own makes states survive a power cut.
+// What cannot be written (a full disk) never stops the session: it continues, reports that it is not kept,
+// and is kept again from the next state that can be written.
 #pragma once
 #include <atomic>
 #include <chrono>
@@ -30,7 +30,7 @@ struct KeepingMeans {
 
 class SessionKeeper final : public Sink {
  public:
-  /// What there is of the session on disk already.
+  /// What the disk already holds of the session.
   struct Beginning {
     std::map<uint64_t, uint64_t> states;  ///< steps by number
     uint64_t next_number = 0;             ///< of a log or state
@@ -46,28 +46,28 @@ class SessionKeeper final : public Sink {
   void command_refused(const JournalEntry& entry) override;
 
   // --- under the session's lock
-  /// States from before the end of this recording stay.
+  /// Keeps states from before the end of this recording.
   void keep_for(std::weak_ptr<const RecordingSink> recording) { recording_ = std::move(recording); }
-  /// Somebody is told that the session is at the present step.
+  /// A client is told that the session is at the present step.
   void stands();
-  /// The session has stepped for so long (s of computing).
+  /// The session has stepped for this long (s of computing time).
   void worked(double seconds);
-  /// Saves the present state, unless little leads to it from the one before.
+  /// Saves the present state, unless the steps since the last one are quickly repeated.
   void save();
-  /// Saves the present state as the beginning of the session's past.
+  /// Saves the present state as the start of the session's history.
   void save_anew();
-  /// Why the session is not kept at the moment; empty when it is.
+  /// Why the session is not being kept; empty when it is.
   const std::string& problem() const { return problem_; }
 
   // --- any thread
   const SessionFolder& folder() const { return files_->folder(); }
-  /// Whether something was written since the last call.
+  /// Whether anything was written since the last call.
   bool take_written();
-  /// The folder is another's now, or gone: nothing is written there any more.
+  /// The folder now belongs to another keeper, or is gone: nothing more is written to it.
   void abandon() { files_->abandon(); }
 
  private:
-  struct Shared;  // with the thread that writes
+  struct Shared;  // shared with the writer thread
   bool write(const LogRecord& record);
   void lose(const Error& e);
   void begin_log(LogRecord::Kind first);
@@ -84,10 +84,10 @@ class SessionKeeper final : public Sink {
   std::weak_ptr<const RecordingSink> recording_;
   uint64_t number_;
   std::optional<RecordLog> log_;
-  LogRecord::Kind first_ = LogRecord::Kind::continues;  ///< of the log, which is made when it is needed
-  uint64_t base_step_;                                  ///< of the newest state
+  LogRecord::Kind first_ = LogRecord::Kind::continues;  ///< of the log, which is created when needed
+  uint64_t base_step_;                                  ///< step of the newest state
   std::optional<uint64_t> told_step_;
-  double worked_ = 0;  ///< s of computing since the newest state
+  double worked_ = 0;  ///< s of computing time since the newest state
   std::chrono::steady_clock::time_point told_at_{}, tried_at_{};
   std::string problem_;
   const std::shared_ptr<Shared> shared_;

@@ -11,7 +11,7 @@ namespace truestep {
 class StateWriter {
  public:
   StateWriter();
-  /// Does what waits, then ends.
+  /// Finishes the queue, then ends.
   ~StateWriter();
   StateWriter(const StateWriter&) = delete;
   StateWriter& operator=(const StateWriter&) = delete;

@@ -4,7 +4,7 @@ namespace truestep {
 
 bool SceneDraft::heavy() const {
   constexpr double kElements = 2e4;
-  constexpr double kStep = 0.02;  // s: building looks at a step's matrices
+  constexpr double kStep = 0.02;  // s: building a world evaluates a step's matrices
   return !report.scene || report.scene->header.accuracy || !(cost.elements < kElements) ||
          !(cost.seconds_per_step < kStep);
 }

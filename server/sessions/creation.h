@@ -1,5 +1,5 @@
-// A session in the making: large scenes take seconds to build, and those that ask for accuracy are measured
-// first. It has an id from the start; who asks for that hears how far it is.
+// A session being created. Large scenes take seconds to build, and those that ask for accuracy are measured
+// first. The creation has an id from the start; clients that query it are told its progress.
 #pragma once
 #include <atomic>
 #include <exception>
@@ -13,19 +13,19 @@
 
 namespace truestep {
 
-/// A scene document as far as reading it goes, which is quick whatever it describes.
+/// A scene document that has been parsed but not built; parsing is fast whatever the scene describes.
 struct SceneDraft {
   boost::json::value document;
   SceneReport report;
   Cost cost;
-  /// Whether what comes now takes longer than a request should.
+  /// Whether the rest would take longer than a request should.
   bool heavy() const;
 };
 
 SceneDraft read_draft(boost::json::value document);
 
 struct Creation {
-  /// `load` brings a session back from disk, `unload` is on its way there.
+  /// `load` brings a session back from disk, `unload` is writing one there.
   enum class Kind : uint8_t { create, load, unload };
   Creation(std::string id, std::string owner, uint64_t scene_hash, Kind kind = Kind::create)
       : id(std::move(id)), owner(std::move(owner)), scene_hash(scene_hash), kind(kind) {}

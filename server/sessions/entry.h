@@ -1,5 +1,5 @@
-// A session as the server holds it: the engine's session behind a mutex, a signal for those who wait, and
-// what HTTP needs around it. Lock `mutex` for everything but the atomics and the constants.
+// A session as the server holds it: the engine's session behind a mutex, a signal for waiting clients, and
+// what HTTP needs around it. Hold `mutex` for everything except the atomics and the constants.
 #pragma once
 #include <atomic>
 #include <boost/json.hpp>
@@ -24,10 +24,10 @@ namespace truestep {
 
 using Clock = std::chrono::steady_clock;
 
-/// The answer to the last GET of a frame, valid while the session stands still.
+/// The last answer to GET frame, valid until the session changes.
 struct CachedAnswer {
   std::string key;       ///< query and media type that it answers
-  uint64_t version = 0;  ///< SessionEntry::version it was made at
+  uint64_t version = 0;  ///< SessionEntry::version at which it was made
   net::SharedBuffer body;
   std::string content_type, etag;
 };
@@ -37,11 +37,11 @@ class SessionKeeper;
 
 /// How a session came back from disk.
 struct Restored {
-  uint64_t from_step = 0, step = 0;  ///< of the state it was computed from, and where that led
-  bool complete = true;              ///< false: it had been further, and that is lost
+  uint64_t from_step = 0, step = 0;  ///< step of the saved state, and the step reached by replaying from it
+  bool complete = true;              ///< false: the session had got further, and that part is lost
 };
 
-/// A state that a client kept.
+/// A snapshot kept for a client.
 struct Snapshot {
   Snapshot(WorldState state, MemoryBudget::Lease lease) : state(std::move(state)), lease(std::move(lease)) {}
   WorldState state;
@@ -59,63 +59,68 @@ struct SessionEntry {
                 {.history_room = [this](size_t bytes) { return past.resize(static_cast<double>(bytes)); }}) {}
 
   const std::string id;
-  std::string owner;                ///< name of the key that made it; set before anybody can find it
+  std::string owner;                ///< name of the key that created it; set before the session becomes
+                                    ///< visible
   const MemoryBudget::Lease lease;  ///< of world, state and workspace
   const Clock::time_point created = Clock::now();
-  uint64_t scene_hash = 0;       ///< of the document that created it (PUT is idempotent)
+  uint64_t scene_hash = 0;       ///< of the document it was created from (PUT is idempotent)
   boost::json::object accuracy;  ///< how the method was chosen; empty unless the scene asks for accuracy
   std::atomic<Clock::rep> last_used{Clock::now().time_since_epoch().count()};
   std::atomic<int> streams{0};       ///< open WebSockets
-  std::atomic<bool> removed{false};  ///< taken out of the store; jobs stop
+  std::atomic<bool> removed{false};  ///< taken out of the store; its jobs stop
   std::atomic<uint64_t> version{1};  ///< grows whenever the state or its past changes
-  net::Signal changed;               ///< notified with `version`
+  net::Signal changed;               ///< notified together with `version`
 
   FairMutex mutex;
-  MemoryBudget::Lease past;  ///< of the snapshots for going back: without room there are fewer
-  MemoryBudget::Lease kept;  ///< of journal, series and frames, which is what it is
+  MemoryBudget::Lease past;  ///< of the snapshots kept for seeking; without room, fewer are kept
+  MemoryBudget::Lease kept;  ///< of journal, series and frames, counted as they are
   Session session;
   std::map<std::string, std::shared_ptr<const Snapshot>> snapshots;
   std::shared_ptr<PollSink> poll;            ///< keeps frames for clients that poll
   std::shared_ptr<RecordingSink> recording;  ///< null: the scene asks for none, or it has ended
-  std::string recording_id;                  ///< of that
+  std::string recording_id;                  ///< id of that recording
   std::shared_ptr<SessionKeeper> keeper;     ///< null: not kept on disk
   std::optional<Restored> restored;
-  std::map<std::string, uint64_t> stored_snapshots;  ///< steps of those on disk that are not loaded
+  std::map<std::string, uint64_t> stored_snapshots;  ///< snapshots on disk that are not loaded, by id, with
+                                                     ///< their steps
   CachedAnswer cached_frame;
-  EncodedFrames encoded;  ///< of the newest frame that was streamed
+  EncodedFrames encoded;  ///< of the newest streamed frame
 
-  // The runner's.
+  // Used by the runner.
   JobQueue jobs;
-  Interrupt interrupt;  ///< of the step in progress; raised under the lock or by the watch
+  Interrupt interrupt;  ///< of the step in progress; raised under the lock or by the watchdog
   Clock::time_point profiled_until;
-  bool keep_running = false;      ///< playing goes on when nobody watches
-  bool paused_unwatched = false;  ///< nobody has played it since it was paused for that
-  double estimated_step = 0;      ///< s, before the first has been measured
+  bool keep_running = false;      ///< keep playing when nobody is watching
+  bool paused_unwatched = false;  ///< paused because nobody was watching, and not played since
+  double estimated_step = 0;      ///< s, used until the first step has been measured
 
-  /// Playing begins, or goes on, because somebody wants it; under the lock.
+  /// Somebody is watching, over a stream or by polling.
+  bool watched() const { return streams > 0 || (poll && !poll->expired()); }
+  /// Playing starts or continues at a client's request; under the lock.
   void played(bool keep) {
     keep_running = keep || session.world().scene().header.keep_running;
     paused_unwatched = false;
     if (jobs.leaving && (keep_running || streams == 0)) jobs.leaving->cancel(), jobs.leaving.reset();
   }
   void touch() { last_used.store(Clock::now().time_since_epoch().count(), std::memory_order_relaxed); }
-  /// Profiles for as long as somebody asks every now and then; under the lock, between steps.
+  /// Keeps profiling on for `time`; clients that read profiles renew it. Under the lock, between steps.
   void profile_for(std::chrono::seconds time) {
     profiled_until = Clock::now() + time;
     if (!session.computing_aside()) session.start_profiling();
   }
-  /// After some steps, under the lock: tells the budget what is kept and ends what nobody asks for any more.
+  /// After a batch of steps, under the lock: reports memory use to the budget and stops profiling that nobody
+  /// reads.
   void settle() {
     if (!session.profiles().empty() && Clock::now() > profiled_until) session.stop_profiling();
 
     constexpr double kWorthAWord = 64 << 10;
-    // The series have their lease from the start.
+    // The series are leased from the start.
     const double now = static_cast<double>(session.overhead_bytes() - session.history_bytes() -
                                            session.series().memory_bytes() +
                                            (poll ? poll->memory_bytes() : 0) + encoded.memory_bytes());
     if (std::abs(now - kept.bytes()) > kWorthAWord) kept.count(now);
   }
-  /// To be called after every change, with or without the lock.
+  /// Call after every change, with or without the lock.
   void publish() {
     version.fetch_add(1, std::memory_order_release);
     changed.notify();

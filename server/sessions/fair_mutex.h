@@ -1,6 +1,6 @@
-// A mutex that a thread which takes it again and again cannot keep from others: who waits for it holds the
-// way in, so that whoever held it last comes after. A std::mutex goes to the thread that is awake, which
-// between two steps of a session is the one that steps.
+// A fair mutex: a thread that relocks it in a loop cannot starve the others. A waiting thread holds the
+// entrance, so the previous owner queues behind it. A std::mutex goes to whichever thread is awake, which
+// between two steps of a session is always the one that steps.
 #pragma once
 #include <mutex>
 
@@ -12,7 +12,7 @@ class FairMutex {
     const std::lock_guard way_in(way_in_);
     mutex_.lock();
   }
-  /// False also while somebody waits.
+  /// Also false while somebody is waiting.
   bool try_lock() {
     const std::unique_lock way_in(way_in_, std::try_to_lock);
     return way_in && mutex_.try_lock();

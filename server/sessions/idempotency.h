@@ -1,5 +1,5 @@
-// Answers remembered under a client's Idempotency-Key, so that a repeated request is answered and not
-// repeated.
+// Answers remembered under a client's Idempotency-Key, so that a repeated request gets the same answer and is
+// not carried out again.
 #pragma once
 #include <cstdint>
 #include <deque>
@@ -19,8 +19,9 @@ struct RememberedAnswer {
 class IdempotencyKeys {
  public:
   explicit IdempotencyKeys(size_t capacity = 10000) : capacity_(capacity) {}
-  /// The answer given before. Error "idempotency_key_reused" when that was another request, "conflict" when
-  /// the first one is still being answered. Nothing: the key is now taken and remember or forget must follow.
+  /// The answer given before. Error "idempotency_key_reused" when the key belonged to a different request,
+  /// "conflict" while the first one is still being answered. Empty: the key is now reserved, and remember or
+  /// forget must follow.
   std::optional<RememberedAnswer> begin(const std::string& key, uint64_t request_hash);
   void remember(const std::string& key, RememberedAnswer answer);
   void forget(const std::string& key);

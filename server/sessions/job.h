@@ -1,5 +1,4 @@
-// What a client asked a session to do, in the order of asking: to step on, to go to a step, or something that
-// has to come between two steps.
+// What a client asked a session to do, in order: advance, go to a step, or run something between two steps.
 #pragma once
 #include <atomic>
 #include <deque>
@@ -21,11 +20,11 @@ struct Job {
 
   Kind kind = Kind::call;
   // Under the entry's lock, with no step in progress; may throw.
-  Aim aim;  ///< the step to reach, asked when the turn has come
+  Aim aim;  ///< the step to reach, evaluated when the job's turn comes
   std::function<void(SessionEntry&)> call;
-  std::function<void(const Job&)> after;  ///< may be empty; told of the end
+  std::function<void(const Job&)> after;  ///< may be empty; called when the job has ended
 
-  std::atomic<bool> cancelled{false};  ///< any thread: ends soon
+  std::atomic<bool> cancelled{false};  ///< set by any thread; the job ends soon
   static std::shared_ptr<Job> run(Kind kind, Aim aim) {
     auto job = std::make_shared<Job>();
     job->kind = kind;
@@ -38,30 +37,30 @@ struct Job {
     return job;
   }
 
-  // Below: written once by the worker, before `done` is raised.
+  // Below: written once by the worker, before `done` is notified.
   std::atomic<End> end{End::none};
   std::exception_ptr error;
   net::Signal done;
 
-  // The worker's own.
+  // Only the worker touches these.
   bool begun = false;
   uint64_t target = 0;
-  double used = 0;  ///< s of computing so far
+  double used = 0;  ///< s of computing time so far
 };
 
 using JobPtr = std::shared_ptr<Job>;
 
-/// All that was asked of one session and has not ended; guarded by the entry's lock.
+/// Jobs of one session that have not ended; guarded by the entry's lock.
 struct JobQueue {
-  std::deque<JobPtr> calls;  ///< come before the next step
+  std::deque<JobPtr> calls;  ///< run before the next step
   std::deque<JobPtr> runs;
-  bool scheduled = false;                              ///< a turn is waiting or running
-  bool wary = false;                                   ///< the last step took longer than anybody thought
-  double used = 0;                                     ///< weighted s, what turns are ordered by
-  uint64_t due = 0;                                    ///< steps that playing asks for and that are not done
-  std::chrono::steady_clock::time_point clock;         ///< up to which playing has been accounted for
-  std::shared_ptr<boost::asio::steady_timer> waiting;  ///< for the next step of playing
-  std::shared_ptr<boost::asio::steady_timer> leaving;  ///< for a viewer to come back
+  bool scheduled = false;                              ///< a turn is queued or running
+  bool wary = false;                                   ///< the last step took unexpectedly long
+  double used = 0;                                     ///< weighted s; turns are ordered by it
+  uint64_t due = 0;                                    ///< steps that playing still owes
+  std::chrono::steady_clock::time_point clock;         ///< time up to which playing has been accounted for
+  std::shared_ptr<boost::asio::steady_timer> waiting;  ///< until the next step of playing
+  std::shared_ptr<boost::asio::steady_timer> leaving;  ///< until a viewer comes back
 };
 
 }  // namespace truestep

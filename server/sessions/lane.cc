@@ -11,7 +11,7 @@
 namespace truestep {
 
 void yield_to_others(int niceness) {
-  // On Linux this is a property of a thread.
+  // On Linux, niceness is a property of a thread.
   if (niceness != 0) setpriority(PRIO_PROCESS, static_cast<id_t>(syscall(SYS_gettid)), niceness);
 }
 
@@ -57,7 +57,7 @@ void Lane::work(int niceness) {
     } catch (const std::exception& e) {
       spdlog::error("work: {}", e.what());
     }
-    // What the turn held is let go before the lock is taken: it may add turns.
+    // Release what the turn captured before taking the lock: its destructor may add turns.
     next = {};
     lock.lock();
   }

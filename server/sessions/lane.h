@@ -1,5 +1,5 @@
-// Threads for one kind of work, which take turns: what has used least time so far goes first, so that whoever
-// wants little is served soon and nobody waits for ever.
+// Threads for one kind of work. Turns with the least time used so far run first, so that small requests are
+// served soon and nobody starves.
 #pragma once
 #include <atomic>
 #include <condition_variable>
@@ -13,16 +13,17 @@ namespace truestep {
 
 class Lane {
  public:
-  /// `niceness` as of nice(1): threads that compute for long leave the cores to those that answer.
+  /// `niceness` as in nice(1): threads that compute for long yield to those that answer requests.
   Lane(int threads, int niceness);
   ~Lane();
   Lane(const Lane&) = delete;
   Lane& operator=(const Lane&) = delete;
 
-  /// Runs `turn` once. `used` are the (weighted) seconds that its owner has had; a newcomer starts with what
-  /// the least of those waiting has had, which `used` becomes. False, and nothing done, after stop().
+  /// Runs `turn` once. `used` is the (weighted) time in s that its owner has had so far; a newcomer starts at
+  /// the smallest value among those waiting, which is written to `used`. Returns false and does nothing after
+  /// stop().
   bool add(double& used, std::function<void()> turn);
-  /// Runs what waits, which knows that the end has come, and joins the threads.
+  /// Runs the queued turns, which see that the service is stopping, and joins the threads.
   void stop();
 
  private:
@@ -30,12 +31,12 @@ class Lane {
   std::mutex mutex_;
   std::condition_variable wake_;
   std::multimap<double, std::function<void()>> waiting_;
-  double floor_ = 0;  ///< what the last turn counted as
+  double floor_ = 0;  ///< `used` of the turn that ran last
   bool stopping_ = false;
   std::vector<std::thread> threads_;
 };
 
-/// Lets this thread run only when others do not need its core.
+/// Lowers this thread's priority so that it runs only on cores nobody else needs.
 void yield_to_others(int niceness);
 
 }  // namespace truestep

@@ -21,7 +21,7 @@ MemoryBudget::Lease::~Lease() {
   if (budget_) budget_->take(-bytes_);
 }
 
-// Whole bytes: sums of them are exact, and what is taken is given back to the last one.
+// Whole bytes: their sums are exact, so everything taken is given back to the last byte.
 bool MemoryBudget::Lease::resize(double bytes) {
   bytes = std::ceil(bytes);
   if (!budget_ || !budget_->take(bytes - bytes_)) return !budget_;
@@ -45,7 +45,7 @@ void MemoryBudget::Lease::count(double bytes) {
 
 bool MemoryBudget::take(double more) {
   const std::lock_guard lock(mutex_);
-  // Written so that a NaN is refused.
+  // Written so that NaN is refused.
   if (more > 0 && !(used_ + more <= limit_)) return false;
   used_ += more;
   return true;

@@ -1,5 +1,5 @@
-// What the service may use of memory, shared by all that uses much: sessions with their past, snapshots,
-// studies, bodies that are read. Whoever wants some leases it before allocating, by its estimate.
+// The service's memory budget, shared by everything large: sessions with their history, snapshots, studies,
+// request bodies. Memory is leased by estimate before it is allocated.
 #pragma once
 #include <mutex>
 #include <string>
@@ -12,7 +12,7 @@ class MemoryBudget {
   MemoryBudget(const MemoryBudget&) = delete;
   MemoryBudget& operator=(const MemoryBudget&) = delete;
 
-  /// Given back when it goes.
+  /// Returned to the budget on destruction.
   class Lease {
    public:
     Lease() = default;
@@ -20,11 +20,11 @@ class MemoryBudget {
     Lease& operator=(Lease&& other) noexcept;
     ~Lease();
     double bytes() const { return bytes_; }
-    /// False, and nothing changed, when there is no room for more.
+    /// Returns false and changes nothing when there is no room.
     bool resize(double bytes);
-    /// The same or Error "quota_exceeded", naming `what`.
+    /// Like resize, but throws Error "quota_exceeded" naming `what`.
     void require(double bytes, const std::string& what);
-    /// Counts what is there already, room or not.
+    /// Books memory that is already in use, whether or not there is room.
     void count(double bytes);
 
    private:

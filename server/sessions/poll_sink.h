@@ -1,5 +1,5 @@
-// Frames kept for clients that poll, within a bound in bytes. Nobody polls: nothing is kept, so no frame is
-// built; the first poll switches it on and half a minute without one switches it off.
+// Frames kept for clients that poll, bounded in bytes. Without pollers no frame is built or kept: the first
+// poll switches the sink on, and half a minute without one switches it off.
 #pragma once
 #include <chrono>
 #include <deque>
@@ -23,7 +23,7 @@ class PollSink : public Sink {
 
   /// Kept frames after step `after`, oldest first, at most `limit`.
   std::vector<FramePtr> after(uint64_t after, size_t limit) const;
-  /// Frames that were let go because of the bound.
+  /// Frames dropped because of the bound.
   uint64_t dropped() const { return dropped_; }
   size_t memory_bytes() const { return bytes_; }
   void touch() { last_poll_ = std::chrono::steady_clock::now(); }

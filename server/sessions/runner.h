@@ -1,6 +1,6 @@
-// The threads that advance sessions. Three lanes: requests that want little, playing, and whatever takes long
-// (one step at a time, beside the state that readers see). Nothing here runs on a network thread, and no step
-// is computed under a session's lock for longer than a reader would wait.
+// The threads that advance sessions, in three lanes: short requests, playing, and anything slow (one step at
+// a time, computed beside the state that readers see). Nothing here runs on a network thread, and no step
+// holds a session's lock for longer than a reader would wait.
 #pragma once
 #include <array>
 #include <atomic>
@@ -19,48 +19,48 @@ namespace truestep {
 
 class Runner {
  public:
-  /// `grace`: how long a session plays on when its last stream's viewer has left; none: for ever.
+  /// `grace`: how long a session keeps playing after its last stream has closed; empty: for ever.
   Runner(int workers, std::optional<std::chrono::milliseconds> grace);
   ~Runner();
 
-  /// For what takes milliseconds at most.
+  /// For work of a few milliseconds at most.
   boost::asio::thread_pool& pool() { return pool_; }
-  /// Runs f() with the thread that draws (one: a software renderer uses all cores by itself) unless whoever
-  /// awaits this is cancelled before. Error quota_exceeded when too many pictures wait.
+  /// Runs f() on the drawing thread (there is one: a software renderer uses all cores by itself), unless the
+  /// awaiting coroutine is cancelled first. Error "quota_exceeded" when too many pictures are waiting.
   template <class F>
   boost::asio::awaitable<std::invoke_result_t<F>> draw(F f);
 
-  /// Starts the clock of a playing session; after Session::play, with the entry's lock held.
+  /// Starts the clock of a playing session. Call after Session::play, holding the entry's lock.
   void keep_playing(const EntryPtr& entry);
-  /// The last stream of the session has closed: unless somebody looks again, it pauses after the grace. Under
-  /// the entry's lock.
+  /// The session's last stream has closed: unless somebody starts watching again, it pauses after the grace
+  /// period. Under the entry's lock.
   void left_alone(const EntryPtr& entry);
 
-  /// Steps (aloud, or silently for a seek) to where `aim` says when the turn has come, in slices between
-  /// which other sessions and readers of this one get their turn. Whoever stops waiting cancels it. What
-  /// `aim` throws comes out here.
+  /// Steps (aloud, or silently for a seek) to the step that `aim` returns when the job's turn comes, in
+  /// slices between which other sessions and readers of this one get their turn. Cancelled when the caller
+  /// stops waiting. Exceptions from `aim` are rethrown here.
   boost::asio::awaitable<JobPtr> run_to(EntryPtr entry, Job::Kind kind, Aim aim);
-  /// f(entry) between two steps, under the lock; its exceptions come out here.
+  /// Runs f(entry) between two steps, under the lock; its exceptions are rethrown here.
   boost::asio::awaitable<JobPtr> call(EntryPtr entry, std::function<void(SessionEntry&)> f);
   /// Waits for the end of a job that was started.
   boost::asio::awaitable<JobPtr> end_of(EntryPtr entry, JobPtr job);
-  /// Starts one without waiting for its end; `queue` with the entry's lock held.
+  /// Starts a job without waiting for it; `queue` expects the entry's lock to be held.
   JobPtr start(const EntryPtr& entry, JobPtr job);
   void queue(const EntryPtr& entry, const JobPtr& job);
 
-  /// Ends what was requested of the session, a step in progress included. Under the entry's lock.
+  /// Cancels everything requested of the session, including a step in progress. Under the entry's lock.
   void interrupt(SessionEntry& entry);
 
-  /// Runs f() with the threads for long work, under an Interrupt that is raised when whoever awaits this is
-  /// cancelled or the service ends. Exceptions pass through.
+  /// Runs f() on the threads for long work, under an Interrupt that is raised when the awaiting coroutine is
+  /// cancelled or the service stops. Exceptions pass through.
   template <class F>
   boost::asio::awaitable<std::invoke_result_t<F>> long_work(F f);
   /// The same for work that nobody waits for.
   void start_long_work(const std::function<void()>& f);
 
-  /// Tells all work to end; jobs end as cancelled.
+  /// Asks all work to stop; jobs end as cancelled.
   void cancel_all(const std::vector<EntryPtr>& entries);
-  /// Finishes what the lanes and pools still hold and joins their threads.
+  /// Finishes what lanes and pools still hold, then joins their threads.
   void join();
 
   uint64_t steps_done() const { return steps_.load(std::memory_order_relaxed); }
@@ -82,7 +82,7 @@ class Runner {
   void carry_out_calls(SessionEntry& entry);
   void cancel_jobs(SessionEntry& entry);
   void wait_for_clock(const EntryPtr& entry);
-  /// Looks, as long as sessions work, whether a step that runs under its lock takes long, and interrupts it.
+  /// Watchdog: while sessions work, interrupts steps that hold their session's lock for too long.
   void watch();
 
   struct InPlace {
@@ -99,11 +99,11 @@ class Runner {
   std::atomic<bool> watching_{false};
   const std::optional<std::chrono::milliseconds> grace_;
   static constexpr int kMostPictures = 32;
-  std::atomic<int> pictures_{0};  ///< that wait or are drawn
+  std::atomic<int> pictures_{0};  ///< waiting or being drawn
   boost::asio::steady_timer watch_timer_{pool_};
   std::mutex long_mutex_;
   std::vector<std::weak_ptr<Interrupt>> long_interrupts_;
-  Lane express_, playing_, slow_;  ///< last: their threads end before what they use
+  Lane express_, playing_, slow_;  ///< last, so that their threads end before anything they use
 };
 
 namespace runner_detail {

@@ -61,7 +61,7 @@ SessionStore::Begun SessionStore::begin(const std::string& id, const json::value
       return begin_loading(id, about->owner, about->scene_hash);
     }
   }
-  // Failures are remembered for those who were told to ask again, the oldest forgotten first.
+  // Failures are remembered for clients that were told to ask again; the oldest are forgotten first.
   constexpr size_t kMostRemembered = 256;
   constexpr auto kRemembered = std::chrono::minutes(10);
   std::erase_if(creations_, [&](const auto& c) {
@@ -99,7 +99,7 @@ SessionStore::Begun SessionStore::load(std::string_view id, const net::Caller& c
   return begin_loading(about->id, about->owner, about->scene_hash);
 }
 
-// A session that cannot be kept goes on all the same, and says so.
+// A session that cannot be kept on disk runs all the same, and says so.
 void SessionStore::keep(SessionEntry& entry) {
   const SceneHeader& header = entry.session.world().scene().header;
   const SessionAbout about{entry.id, entry.owner, header.title.empty() ? header.name : header.title,
@@ -119,9 +119,9 @@ EntryPtr SessionStore::build(Creation& creation, SceneDraft draft, Accuracy accu
   interruption_point();
   Scene asked = require_scene(examine_further(std::move(draft.report), limits_.per_session));
   require_admission(draft.cost, limits_.per_session);
-  // A scene that asks for accuracy has a companion as large as itself.
+  // A scene that asks for accuracy is measured with a second copy of itself.
   const double copies = asked.header.accuracy ? 2 : 1;
-  // The state twice: slow steps are computed beside it.
+  // The state counts twice: slow steps are computed in a copy.
   const auto bytes = [&](const Cost& c) { return copies * (2 * c.state_bytes + c.workspace_bytes); };
   auto lease = budget_.lease(bytes(draft.cost), "this scene");
   const auto admit = [&](const Cost& c) {
@@ -159,7 +159,7 @@ void SessionStore::make(const CreationPtr& creation, SceneDraft draft, Accuracy 
   {
     const std::lock_guard lock(mutex_);
     if (creation->entry) entries_.emplace(creation->id, creation->entry);
-    // What cannot be loaded is tried again by whoever asks next.
+    // A failed load is tried again by the next client that asks.
     if (creation->entry || creation->kind == Creation::Kind::load) creations_.erase(creation->id);
     creation->ended = true;
   }

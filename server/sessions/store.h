@@ -1,5 +1,4 @@
-// All sessions of a server: created under limits, found by id and owner, forgotten when nobody has used them
-// for long.
+// All sessions of a server: created within limits, found by id and owner, removed when unused for long.
 #pragma once
 #include <boost/json.hpp>
 #include <deque>
@@ -18,11 +17,12 @@ namespace truestep {
 
 struct StoreLimits {
   size_t max_sessions = 10000;
-  double max_memory_bytes = 8e9;  ///< of sessions, studies and whatever else is large
+  double max_memory_bytes = 8e9;  ///< of sessions, studies and everything else that is large
   AdmissionLimits per_session;
-  std::chrono::seconds idle_ttl{3600};  ///< unused, not playing, no stream for so long: removed
+  std::chrono::seconds idle_ttl{3600};  ///< a session unused, not playing and without a stream for this long
+                                        ///< is removed
   int threads_per_session = 1;
-  double accuracy_seconds = 2;  ///< CPU time that choosing a method for "accuracy" may take
+  double accuracy_seconds = 2;  ///< CPU time for choosing a method for "accuracy"
 };
 
 class SessionArchive;
@@ -32,48 +32,50 @@ class SessionStore {
   /// `archive`, which keeps sessions on disk, may be null.
   SessionStore(StoreLimits limits, MemoryBudget& budget, SessionArchive* archive);
 
-  /// What becomes of a scene's "accuracy": a method is chosen by measuring, or the scene comes from a session
-  /// where that was done and runs as it is.
+  /// How a scene's "accuracy" is treated: a method is chosen by measuring, or the scene comes from a session
+  /// where that has been done and runs as it is.
   enum class Accuracy : uint8_t { choose, chosen };
 
-  /// Takes an id for a document. An id that exists with the same document is given as it is (`ended` already
-  /// when it is a session, `stored` when it is one on disk that the caller is now to load); with another one
-  /// it is Error "conflict". Error quota_exceeded.
+  /// Reserves an id for a document. An id that exists with the same document is returned as it is (`ended` if
+  /// it is already a session, `stored` if it is on disk and the caller must load it); with a different
+  /// document, Error "conflict". Error "quota_exceeded".
   struct Begun {
     CreationPtr creation;
     enum class How : uint8_t { anew, before, stored } how = How::anew;
   };
   Begun begin(const std::string& id, const boost::json::value& document, const net::Caller& owner);
-  /// Builds the world and the session, calls `prepare` before anybody can see it, and ends the creation (with
-  /// scene_invalid, too_large, quota_exceeded or what `prepare` threw). Takes as long as the scene needs.
+  /// Builds the world and the session, calls `prepare` before the session becomes visible, and ends the
+  /// creation (with scene_invalid, too_large, quota_exceeded or whatever `prepare` threw). Takes as long as
+  /// the scene needs.
   void make(const CreationPtr& creation, SceneDraft draft, Accuracy accuracy,
             const std::function<void(SessionEntry&)>& prepare);
-  /// Both, in the calling thread: the new session.
+  /// Both, in the calling thread; returns the new session.
   EntryPtr create(boost::json::value document, const std::string& id, const net::Caller& owner,
                   Accuracy accuracy, const std::function<void(SessionEntry&)>& prepare);
-  /// One that goes on or has failed not long ago; null where there is none, or none for this caller.
+  /// A creation in progress or one that failed recently; null when there is none, or none that this caller
+  /// may see.
   CreationPtr creation(std::string_view id, const net::Caller& caller) const;
-  /// Ends one that failed before it could be made.
+  /// Ends a creation that failed before make().
   void fail(const CreationPtr& creation, std::exception_ptr error);
-  /// Stops and forgets it.
+  /// Stops and forgets a creation.
   void forget(const CreationPtr& creation);
-  /// Tells all that are being made to stop.
+  /// Asks all creations to stop.
   void cancel_creations();
 
-  /// The session; null when it is on disk or on its way from or to there: `load` says what to wait for. Error
-  /// "unknown_session", also for a session that the caller may not see, "creating", or "session_expired" when
-  /// it was removed for want of use.
+  /// The session; null when it is on disk or being loaded or unloaded: `load` returns what to wait for. Error
+  /// "unknown_session" (also for a session that the caller may not see), "creating", or "session_expired"
+  /// when it was removed because it was unused.
   EntryPtr find(std::string_view id, const net::Caller& caller);
-  /// What brings such a session into memory; `stored` when the caller is to make it. Errors as for `begin`.
+  /// The creation that loads such a session; `stored` when the caller must make it. Errors as for `begin`.
   Begun load(std::string_view id, const net::Caller& caller);
-  /// Takes a session out.
+  /// Removes a session.
   EntryPtr remove(EntryPtr entry);
-  /// Ids of sessions that the caller may see, loaded or not, in their order, starting after `after`.
+  /// Ids of the sessions that the caller may see, loaded or not, in order, starting after `after`.
   std::vector<std::string> list(std::string_view after, size_t limit, const net::Caller& caller) const;
   std::vector<EntryPtr> all() const;
   size_t size() const;
-  /// Takes out what has been idle for too long. `unloaded` must follow for each: until then those who ask for
-  /// the session wait.
+  /// Removes sessions that have been idle for too long. The caller must call `unloaded` for each; until then,
+  /// clients asking for the session wait.
   std::vector<EntryPtr> expire();
   void unloaded(const EntryPtr& entry);
   const StoreLimits& limits() const { return limits_; }

@@ -1,5 +1,5 @@
-// The encodings of the newest frame, shared by all clients of a session that asked for the same and, where
-// blocks are differences, hold the same earlier frame.
+// The encodings of the newest frame, shared by all clients of a session that asked for the same fields and,
+// where blocks are differences, hold the same earlier frame.
 #pragma once
 #include <algorithm>
 #include <memory>
@@ -29,14 +29,14 @@ class EncodedFrames {
     encodings_.emplace_back(fields, encode_blocks(*frame, fields));
     return {encodings_.back().second, nullptr};
   }
-  /// What is kept, about: a coder holds the frames that its clients have.
+  /// Approximate memory use: a coder keeps the frames that its clients have.
   size_t memory_bytes() const {
     size_t n = 0;
     for (const auto& [fields, bytes] : encodings_) n += bytes->size();
     if (frame_) n += (1 + coders_.size()) * frame_->memory_bytes();
     return n;
   }
-  /// Lets go of the frames' memory; clients get key frames next.
+  /// Frees the frames; clients get key frames next.
   void clear() {
     frame_.reset();
     encodings_.clear();
@@ -46,7 +46,7 @@ class EncodedFrames {
  private:
   static constexpr size_t kCoders = 8;
 
-  // The coder of these fields, moved to the end; the one not used for longest makes room for a new one.
+  // The coder for these fields, moved to the end; the least recently used one makes room for a new one.
   DeltaCoder& coder(const std::vector<WireField>& fields) {
     auto found = std::find_if(coders_.begin(), coders_.end(),
                               [&](const DeltaCoder& c) { return c.fields() == fields; });

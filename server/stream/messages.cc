@@ -237,7 +237,7 @@ v1::ClientMessage client_message_from_wire(std::string_view payload, WireForm fo
     }
     return m;
   }
-  parse_json(payload);  // strict about duplicates, depth and numbers, which the mapping below is not
+  parse_json(payload);  // strict about duplicates, depth and numbers; the mapping below is not
   const auto status = google::protobuf::util::JsonStringToMessage({payload.data(), payload.size()}, &m);
   if (!status.ok()) throw Error("bad_request", std::string(status.message()));
   return m;

@@ -1,4 +1,4 @@
-// Messages of the stream built from what the engine knows, and their two wire forms.
+// Stream messages built from the engine's data, and their two wire formats.
 #pragma once
 #include <string>
 #include <string_view>
@@ -12,11 +12,11 @@ namespace truestep {
 enum class WireForm : uint8_t { protobuf, json };
 
 v1::ServerMessage hello_message(const Session& session, const std::string& id);
-/// Of a frame whose wishes were Wish::constant and Wish::obstacles.
+/// From a frame requested with Wish::constant and Wish::obstacles.
 v1::ServerMessage topology_message(const World& world, const Frame& frame);
-/// Where the obstacles are, as the bytes of Frame.shapes.
+/// Positions of the obstacles, as the bytes of Frame.shapes.
 std::string shapes_fields(const Frame& frame);
-/// The contacts and joints that were wished for, as the bytes of Frame.marks.
+/// The requested contacts and joints, as the bytes of Frame.marks.
 std::string marks_fields(const Frame& frame);
 v1::ServerMessage playback_message(const Session& session);
 v1::ServerMessage bye_message(std::string_view code, std::string_view reason);
@@ -25,7 +25,7 @@ v1::ServerMessage problem_message(std::string_view code, std::string_view detail
 
 /// The bytes of one WebSocket message.
 net::SharedBuffer to_wire(const v1::ServerMessage& message, WireForm form);
-/// Error "bad_request" when the bytes are no ClientMessage.
+/// Error "bad_request" when the bytes are not a ClientMessage.
 v1::ClientMessage client_message_from_wire(std::string_view payload, WireForm form);
 
 }  // namespace truestep

@@ -51,7 +51,7 @@ void StreamClient::on_close(uint16_t, std::string_view) {
   closed_ = true;
   entry_->streams--;
   entry_->touch();
-  // Not through locked(): it does nothing once closed.
+  // Not through locked(), which does nothing once closed.
   asio::post(strand_, [self = shared_from_this()] {
     const std::lock_guard lock(self->entry_->mutex);
     self->entry_->session.remove_sink(self.get());
@@ -66,7 +66,7 @@ void StreamClient::on_drain() {
   if (!refresh_waiting_.exchange(false)) return;
   locked([this] {
     if (!stale_) return;
-    // Armed again before looking: room that comes in between calls here once more.
+    // Set before the check: if room appears in between, this is called once more.
     refresh_waiting_ = true;
     if (has_room()) send_current_frame();
   });
@@ -123,7 +123,7 @@ void StreamClient::handle(const v1::ClientMessage& message) {
   reply(message.request_id());
 }
 
-// Drags come many times a second and nobody waits for their answers.
+// Drags arrive many times a second and nobody waits for their answers.
 void StreamClient::reply(const std::string& request_id) {
   if (request_id.empty()) return;
   v1::ServerMessage reply;
@@ -223,7 +223,7 @@ void StreamClient::control(const v1::Control& control) {
     if (!(value >= 0) || value > 1e15) throw Error("bad_request", action + " takes a number from 0 to 1e15");
     const auto n = static_cast<uint64_t>(value);
     if (action == "seek") {
-      // The newest wish counts: a slider that is dragged asks many times a second.
+      // The latest request wins: dragging a slider sends many a second.
       runner_.interrupt(*entry_);
       run(Job::Kind::seek, [n](SessionEntry&) { return n; });
     } else {
@@ -241,7 +241,7 @@ void StreamClient::control(const v1::Control& control) {
 bool StreamClient::has_room() const {
   if (closed_ || !socket_->is_open()) return false;
   if (flow_ == Flow::credit && credit_ <= 0) return false;
-  // One frame may be on its way while the next is made; more would only make what is seen older.
+  // One frame may be in flight while the next is made; more would only add latency.
   return socket_->queued_bytes() == 0;
 }
 
@@ -257,11 +257,11 @@ bool StreamClient::due(uint64_t) {
     stats_.dropped.fetch_add(1, std::memory_order_relaxed);
     stale_ = true;
     refresh_waiting_ = true;
-    // A drain that came just before the flag was set would be missed.
+    // A drain that happened just before the flag was set would be missed.
     if (has_room()) return true;
     return false;
   }
-  // Keeping to the grid of the interval, not to the last frame, holds the mean rate.
+  // Stepping along the grid of the interval, not from the last frame, keeps the mean rate.
   next_ = next_ + interval_ > now ? next_ + interval_ : now + interval_;
   return true;
 }
@@ -306,7 +306,7 @@ void StreamClient::accept(const FramePtr& frame) {
     }
     send(message);
   }
-  // What playing comes to changes without anybody asking.
+  // The achieved speed changes without a request.
   if (entry_->session.playing() && Clock::now() - playback_sent_ > kPlaybackEvery) send_playback();
 }
 

@@ -1,6 +1,7 @@
-// One client of WS /v1/sessions/{id}/stream: a sink that sends frames as the client and the connection can
-// take them. Policy `latest` drops what cannot be sent at once, counts it, and sends the newest state as soon
-// as there is room; policy `every` queues within the connection's bound and closes with 4408 beyond it.
+// One client of WS /v1/sessions/{id}/stream: a sink that sends frames as fast as the client and the
+// connection take them. Policy `latest` drops what cannot be sent at once, counts it, and sends the newest
+// state as soon as there is room; policy `every` queues within the connection's bound and closes with 4408
+// beyond it.
 #pragma once
 #include <boost/asio/strand.hpp>
 #include <boost/asio/thread_pool.hpp>
@@ -40,7 +41,7 @@ class StreamClient : public net::WebSocketHandler,
   void bye(std::string_view code, const std::string& reason) override;
 
  private:
-  /// Runs f on the pool in the order of the calls, under the entry's lock.
+  /// Runs f on the pool, in the order of the calls, under the entry's lock.
   template <class F>
   void locked(F f);
   void handle(const v1::ClientMessage& message);
@@ -55,9 +56,9 @@ class StreamClient : public net::WebSocketHandler,
   void send_current_frame();
   void send(const v1::ServerMessage& message);
   bool has_room() const;
-  /// Sends what never moves when it is new.
+  /// Sends the constant part of the drawing when it is new.
   void send_topology(const Frame& frame);
-  /// Fields of the Frame message: the shapes when one has moved, and the marks.
+  /// Fields of the Frame message: the shapes if any has moved, and the marks.
   std::string moving_fields(const Frame& frame);
   void send_playback();
 
@@ -75,7 +76,7 @@ class StreamClient : public net::WebSocketHandler,
   Clock::duration interval_{};  ///< shortest time between frames; 0: every step
   Clock::time_point next_{};
   uint64_t seq_ = 0, dropped_ = 0;
-  QuantisedFramePtr base_;  ///< what the client holds after the frame that was sent last
+  QuantisedFramePtr base_;  ///< what the client holds after the last frame sent
   uint64_t base_seq_ = 0;
   std::optional<uint32_t> drawing_version_;  ///< as sent last
   std::string shapes_;                       ///< as sent last

@@ -38,11 +38,11 @@ void BoxGrid::build(std::span<const Box> boxes) {
     bounds_.cover(b);
     sum += w, largest = std::max(largest, w), count += 1;
   }
-  // As wide as the boxes are on average, wide enough that the largest overlaps
-  // few cells and that there are not many more cells than boxes.
+  // As wide as the boxes are on average, but wide enough that the largest overlaps few cells and that there
+  // are not many more cells than boxes.
   double size = count > 0 ? std::max(sum / count, largest / 16) : 1;
   if (!(size > 0)) size = 1;
-  // Boxes at both ends of what a double holds are further apart than one.
+  // Boxes at opposite ends of the range of a double are farther apart than a double holds.
   constexpr double kMost = std::numeric_limits<double>::max();
   Vec3 extent = count > 0 ? bounds_.high - bounds_.low : Vec3{};
   extent = {std::min(extent.x, kMost), std::min(extent.y, kMost), std::min(extent.z, kMost)};

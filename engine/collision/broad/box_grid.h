@@ -13,8 +13,8 @@ namespace truestep {
 
 class BoxGrid {
  public:
-  /// Sorts the boxes in, which must stay where they are while the grid is
-  /// asked. Boxes that are not finite are left out.
+  /// Sorts the boxes, which must stay valid while the grid is queried. Boxes that are not finite are left
+  /// out.
   void build(std::span<const Box> boxes);
   /// Box around all boxes.
   const Box& bounds() const { return bounds_; }
@@ -33,8 +33,7 @@ class BoxGrid {
           for (uint32_t k = start_[c]; k < start_[c + 1]; ++k) {
             const Box& other = boxes_[list_[k]];
             if (!b.overlaps(other)) continue;
-            // A pair meets in many cells; it counts in the one of its common
-            // box's lower corner.
+            // A pair meets in several cells; it counts in the cell with the lower corner of their common box.
             const auto first = [&](double p, double q, double origin, size_t axis) {
               return cell((p > q ? p : q) - origin, axis);
             };

@@ -9,10 +9,11 @@ namespace {
 uint64_t key(uint32_t a, uint32_t b) {
   return a < b ? uint64_t{a} << 32 | b : uint64_t{b} << 32 | a;
 }
-/// Updates that a body is expected to go on as it came, and how many of its sizes that may be.
+/// Number of updates for which a body is expected to keep moving as before, and the most body sizes that this
+/// may be.
 constexpr float kAhead = 4, kMostAhead = 1;
 
-/// Grown ahead by what moved a body since the last update.
+/// The grown box, extended ahead by the body's motion since the last update.
 FloatBox ahead(FloatBox grown, const FloatBox& before, const FloatBox& now) {
   for (int k = 0; k < 3; ++k) {
     const float most = kMostAhead * (now.high[k] - now.low[k]);
@@ -36,7 +37,7 @@ std::span<const BodyPair> BroadPhase::update(std::span<const Box> boxes, std::sp
   return pairs_;
 }
 
-/// Puts bodies that left their grown boxes, came, went or changed mobility where they belong.
+/// Sorts in bodies that left their grown boxes, appeared, disappeared or changed mobility.
 void BroadPhase::sort_in(std::span<const Box> boxes, std::span<const Mobility> mobility, double margin) {
   const size_t n = boxes.size(), before = tight_.size();
   moved_list_.clear();
@@ -53,7 +54,7 @@ void BroadPhase::sort_in(std::span<const Box> boxes, std::span<const Mobility> m
       if (t.holds(i)) t.remove(i), move(i);
     }
   }
-  // Many at once are cheaper built anew than inserted one by one.
+  // Many at once are cheaper to rebuild than to insert one by one.
   size_t entering = 0;
   for (uint32_t i = 0; i < n; ++i) {
     const Box& b = boxes[i];
@@ -93,8 +94,8 @@ void BroadPhase::sort_in(std::span<const Box> boxes, std::span<const Mobility> m
   }
 }
 
-/// Pairs of grown boxes: those of bodies that stayed are still right, those of bodies that moved are asked
-/// for.
+/// Pairs of grown boxes: those of bodies that stayed are still right, those of bodies that moved are queried
+/// again.
 void BroadPhase::renew_candidates(std::span<const Mobility> mobility) {
   if (moved_list_.empty()) return;
   const auto stale = [&](uint64_t k) { return moved_[k >> 32] || moved_[static_cast<uint32_t>(k)]; };

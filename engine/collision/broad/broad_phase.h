@@ -1,7 +1,7 @@
 // Which bodies may touch: all pairs of overlapping boxes, sorted. Two dynamic trees (fixed, moving) hold the
 // boxes grown by a margin and ahead of what moves, so that most bodies cost one comparison; pairs of grown
 // boxes are kept and tested against the true boxes at every update. What comes out is a function of the boxes
-// given, never of earlier updates: the object may be thrown away between any two steps.
+// given, never of earlier updates: the object may be discarded between any two steps.
 #pragma once
 #include <cstdint>
 #include <span>
@@ -22,8 +22,8 @@ enum class Mobility : uint8_t { fixed, moving };
 
 class BroadPhase {
  public:
-  /// All pairs i < j, not both fixed, whose boxes overlap (after rounding outwards to floats), ascending.
-  /// A box with low > high (Box::nothing()) is no body; an infinite one meets everything it overlaps.
+  /// All pairs i < j, not both fixed, whose boxes overlap (after rounding outwards to floats), ascending. A
+  /// box with low > high (Box::nothing()) stands for no body; an infinite one meets everything it overlaps.
   /// `margin` (m): how far a body may move before it is sorted in again; changes speed only. The span is
   /// valid until the next update. No allocation once sizes have settled.
   std::span<const BodyPair> update(std::span<const Box> boxes, std::span<const Mobility> mobility,

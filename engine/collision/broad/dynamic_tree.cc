@@ -41,7 +41,7 @@ int32_t DynamicTree::new_pair() {
   return p;
 }
 
-/// Tells a moved node's leaf or children where it is now.
+/// Updates the links to a moved node in its leaf or children.
 void DynamicTree::adopt(int32_t node) {
   const int32_t child = nodes_[static_cast<size_t>(node)].child;
   if (child < 0) {
@@ -51,7 +51,7 @@ void DynamicTree::adopt(int32_t node) {
   }
 }
 
-/// Greedy descent: stops where making a new parent costs less than any way further down must.
+/// Greedy descent: stops when making a new parent here costs less than any option further down.
 int32_t DynamicTree::best_sibling(const FloatBox& box) const {
   const float own = area(box);
   int32_t at = 0, best = 0;
@@ -147,7 +147,7 @@ void DynamicTree::rotate(int32_t node) {
     if (far.child < 0) continue;
     const float size = area(far.box);
     for (int32_t g = 0; g < 2; ++g) {
-      // near takes the place of the grandchild g, which becomes a child.
+      // near replaces the grandchild g, which becomes a child.
       const float gain = size - area(both(near.box, nodes_[static_cast<size_t>(far.child + 1 - g)].box));
       if (gain > best) best = gain, from = child + k, to = far.child + g;
     }

@@ -45,13 +45,13 @@ class DynamicTree {
   bool holds(uint32_t id) const { return id < leaf_.size() && leaf_[id] >= 0; }
   const FloatBox& box(uint32_t id) const { return nodes_[static_cast<size_t>(leaf_[id])].box; }
   void clear();
-  /// Adds or changes leaf `id` without a place in the hierarchy: rebuild() must follow before anything is
-  /// inserted, removed or asked for by box.
+  /// Adds or changes leaf `id` without placing it in the hierarchy: rebuild() must follow before anything is
+  /// inserted, removed or queried by box.
   void set(uint32_t id, const FloatBox& box);
-  /// Throws the hierarchy away and builds a balanced one over the same leaves: for many moved at once.
+  /// Discards the hierarchy and builds a balanced one over the same leaves: for many moved at once.
   void rebuild();
   size_t size() const { return count_; }
-  /// Sum of the inner boxes' surfaces over the root's: what a query costs, roughly.
+  /// Sum of the inner boxes' surfaces over the root's: roughly the cost of a query.
   double cost() const;
 
   /// visit(id) for every leaf whose box passes and whose ancestors' boxes pass; passes(const FloatBox&).
@@ -79,7 +79,7 @@ class DynamicTree {
   int32_t new_pair();
 
   std::vector<Node> nodes_;     // 0 is the root, pairs begin at even places from 2 on
-  std::vector<int32_t> leaf_;   // node of every id, -1 when not there
+  std::vector<int32_t> leaf_;   // node of every id, -1 when absent
   std::vector<int32_t> spare_;  // free pairs
   struct Leaf {
     FloatBox box;
@@ -97,8 +97,8 @@ class DynamicTree {
 template <class Passes, class Visit>
 void DynamicTree::each(Passes&& passes, Visit&& visit) const {
   if (count_ == 0 || !passes(nodes_[0].box)) return;
-  // A pending node per level is all that a depth-first walk needs; trees deeper than this do not occur
-  // (rotations keep them below 3 log2 n), and if one did the walk would go on in a vector.
+  // One pending node per level is all that a depth-first walk needs; deeper trees do not occur (rotations
+  // keep them below 3 log2 n), and if one did, the walk would continue in a vector.
   constexpr size_t kDepth = 96;
   int32_t stack[kDepth];
   std::vector<int32_t> overflow;

@@ -8,10 +8,11 @@
 namespace truestep::flat {
 namespace {
 
-/// An edge of b is the reference only where it separates by this part of the margin more: it must not
-/// flicker.
+/// An edge of b becomes the reference only if it separates by this fraction of the margin more, so that the
+/// choice does not flicker.
 constexpr double kEdgeBias = 0.025;
-/// Corners of a chain bent by less than this (rad, nearly) count as straight for edges that pass over them.
+/// Corners of a chain bent by less than this (rad, approximately) count as straight for edges that pass over
+/// them.
 constexpr double kStraight = 0.01;
 
 struct Axis {
@@ -19,7 +20,8 @@ struct Axis {
   uint32_t edge = 0;
 };
 
-/// The edge of p (n corners) whose outside holds most of q (m corners); separation of the sharp polygons.
+/// The edge of p (n corners) with most of q (m corners) on its outside, and the separation of the sharp
+/// polygons.
 inline Axis best_axis(const Outline& p, uint32_t corners_p, const Outline& q, uint32_t corners_q) {
   Axis best;
   for (uint32_t i = 0; i < corners_p; ++i) {
@@ -35,12 +37,12 @@ inline Axis best_axis(const Outline& p, uint32_t corners_p, const Outline& q, ui
   return best;
 }
 Axis best_axis(const Outline& p, const Outline& q) {
-  // Boxes are most of what there is: the compiler unrolls for them.
+  // Boxes are the most common case: the compiler unrolls for them.
   if (p.corners == 4 && q.corners == 4) return best_axis(p, 4, q, 4);
   return best_axis(p, p.corners, q, q.corners);
 }
 
-/// Edge of q that faces against n most.
+/// The edge of q that faces most against n.
 uint32_t opposite_edge(const Outline& q, Vec2 n) {
   uint32_t edge = 0;
   double least = HUGE_VAL;
@@ -53,7 +55,7 @@ uint32_t opposite_edge(const Outline& q, Vec2 n) {
 
 enum class Reference : uint8_t { a, b };
 
-/// A corner of a and one of b, whichever of them has the reference edge.
+/// A feature made of a corner of a and one of b, whichever of them has the reference edge.
 uint32_t feature(Reference r, uint32_t on_reference, uint32_t on_other) {
   return r == Reference::a ? on_reference << 8 | on_other : on_other << 8 | on_reference;
 }
@@ -110,7 +112,8 @@ bool edge_edge(const Clip& c, uint32_t edge, uint32_t facing, Contact& out) {
   Vec2 t = c.p.corner[next] - v;
   const double length = norm(t);
   t = (1 / length) * t;
-  // Facing edges of two polygons run opposite ways; a link has its face on the other side of its direction.
+  // Facing edges of two polygons run in opposite directions; a link has its face on the other side of its
+  // direction.
   const bool one_way = c.p.is_link() || c.q.is_link();
   const uint32_t low = one_way ? facing : last, high = one_way ? last : facing;
   const Vec2 w0 = c.q.corner[low], w1 = c.q.corner[high];
@@ -154,7 +157,7 @@ bool against_edge(const Clip& c, uint32_t edge, double separation, Contact& out)
 
 constexpr uint32_t kNoEdge = 0xffffffff;
 
-/// The edge of p that faces along n most, to rounding. Its neighbour may be bent by hardly more than that.
+/// The edge of p that faces most along n, to rounding. Its neighbour may be bent by hardly more than that.
 uint32_t edge_along(const Outline& p, Vec2 n) {
   uint32_t edge = kNoEdge;
   double most = 1 - 1e-9;
@@ -165,7 +168,7 @@ uint32_t edge_along(const Outline& p, Vec2 n) {
   return edge;
 }
 
-/// Sharp polygons apart, touching by their rounding: the nearest points say how.
+/// Sharp polygons that are apart but touch by their rounding: decided by the nearest points.
 bool rounded(const Outline& a, const Outline& b, const CoreDistance& d, double margin, Contact& out) {
   if (d.distance > margin + a.radius + b.radius) return false;
   const Vec2 n = (1 / d.distance) * (d.on_b - d.on_a);
@@ -189,7 +192,7 @@ bool convex(const Outline& a, const Outline& b, double margin, Contact& out) {
   if (on_a.separation > far) return false;
   const Axis on_b = b.corners > 1 ? best_axis(b, a) : Axis{};
   if (on_b.separation > far) return false;
-  // Two segments that overlap nowhere may yet have no axis that parts them: one beyond the other's end.
+  // Two segments that do not overlap may still have no separating axis: one lies beyond the other's end.
   const bool segments = a.corners <= 2 && b.corners <= 2;
   if (a.radius + b.radius > 0 && (segments || std::max(on_a.separation, on_b.separation) > 0)) {
     const CoreDistance d = core_distance(a, b);
@@ -205,16 +208,16 @@ bool has(const Outline& link, Outline::Neighbours which) {
   return (static_cast<unsigned>(link.neighbours) & static_cast<unsigned>(which)) != 0;
 }
 
-/// May a contact at the end corner of the link have normal n? Its own face to the neighbour's, no further.
+/// Whether a contact at the end corner of the link may have normal n: only between its own normal and the
+/// neighbour's.
 bool end_takes(const Outline& link, Vec2 n) {
   if (!has(link, Outline::Neighbours::after)) return true;
   const Vec2 onwards = link.after - link.corner[1];
   return cross(link.corner[1] - link.corner[0], onwards) < 0 && cross(left_of(onwards), n) >= 0;
 }
 
-/// Is p on the left of the chain, as far as this link and its neighbours say? Beyond an end the corner there
-/// decides: left of an outward one is what is left of either link, left of an inward one what is left of
-/// both.
+/// Whether p is on the left of the chain, judged by this link and its neighbours. Beyond an end, the corner
+/// there decides: at an outward corner, left of either link; at an inward one, left of both.
 bool on_left(const Outline& link, Vec2 p) {
   const Vec2 a = link.corner[0], b = link.corner[1], along = b - a;
   const bool own = cross(along, p - a) >= 0;
@@ -230,8 +233,8 @@ bool on_left(const Outline& link, Vec2 p) {
   return own;
 }
 
-/// One side of a link against b in the frame of the link. What belongs to the corner at its start is the
-/// earlier link's: every corner has one owner.
+/// One side of a link against b in the frame of the link. Whatever belongs to the corner at its start is left
+/// to the earlier link: every corner has one owner.
 bool link_touch(const Outline& link, const Outline& b, double margin, Contact& out) {
   const Vec2 a0 = link.corner[0], n = link.normal[0], along = link.corner[1] - a0;
   if (dot(n, b.center - a0) < 0) return false;
@@ -251,7 +254,8 @@ bool link_touch(const Outline& link, const Outline& b, double margin, Contact& o
       const Clip c{b, link, Reference::b, margin};
       if (open_end) return against_edge(c, side.edge, side.separation, out);
       if (turn < -kStraight) {
-        // An outward corner: mine at the end when the normal lies within its fan, the neighbour's otherwise.
+        // An outward corner: handled here at the end if the normal lies within its fan, otherwise by the
+        // neighbour.
         return to_end && end_takes(link, m) && against_edge(c, side.edge, side.separation, out);
       }
     }
@@ -285,7 +289,7 @@ bool touch(const Outline& a, const Outline& b, const Pose& b_in_a, double margin
     const Outline there = moved(b, b_in_a);
     return a.is_link() ? link_side_touch(a, there, margin, out) : convex(a, there, margin, out);
   }
-  // The link is b: work in its frame and come back.
+  // The link is b: work in its frame and transform back.
   const Pose a_in_b = b_in_a.to(Pose{});
   if (!link_side_touch(b, moved(a, a_in_b), margin, out)) return false;
   out.normal = -(b_in_a.q * out.normal);

@@ -9,7 +9,7 @@
 namespace truestep::flat {
 
 struct ContactPoint {
-  Vec2 at;                ///< half way between the two surfaces, in the frame of a
+  Vec2 at;                ///< midway between the two surfaces, in the frame of a
   double separation = 0;  ///< m along the normal, negative where they overlap
   uint32_t id = 0;        ///< the same features of the same two outlines have the same id
 };
@@ -21,8 +21,8 @@ struct Contact {
 };
 
 /// Points of a and b (at pose `b_in_a` seen from a) closer than `margin`; false when there are none. A link
-/// touches what is on the sides that hold, and leaves to its neighbours what is theirs; two links never
-/// touch.
+/// touches only bodies on its solid sides, and leaves contacts of shared corners to the neighbour that owns
+/// them; two links never touch.
 bool touch(const Outline& a, const Outline& b, const Pose& b_in_a, double margin, Contact& out);
 
 }  // namespace truestep::flat

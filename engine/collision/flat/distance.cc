@@ -45,13 +45,13 @@ struct Simplex {
     const double s = along / length2;
     keep({a, b}, {1 - s, s});
   }
-  /// Keeps what holds the nearest point; true when the origin is inside.
+  /// Reduces to the feature with the nearest point; true when the origin is inside.
   bool reduce() {
     if (count == 2) {
       edge(0, 1);
     } else if (count == 3) {
       const double area = cross(v[1].w - v[0].w, v[2].w - v[0].w), sign = area < 0 ? -1 : 1;
-      // Outside of one edge at least; the nearest of the candidates.
+      // Outside at least one edge; takes the nearest of the candidates.
       Simplex best;
       double least = HUGE_VAL;
       bool outside = false;
@@ -160,7 +160,7 @@ std::optional<Impact> time_of_impact(const Outline& a, const Sweep& move_a, cons
     if (d.normal == Vec2{}) return Impact{f, normal};
     normal = pa.q * d.normal;
     if (d.distance <= gap + tolerance) return Impact{f, normal};
-    // How fast the gap can close at most: the nearest points along the normal, anything else by turning.
+    // The fastest that the gap can close: the nearest points along the normal, everything else by rotation.
     const double closing = -dot(slide, normal) + turning;
     if (!(closing > 0)) return std::nullopt;
     f += (d.distance - gap) / closing;

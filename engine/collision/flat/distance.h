@@ -30,11 +30,12 @@ struct RayHit {
   double fraction = 0;  ///< of the ray
   Vec2 normal;          ///< unit, of the surface that was hit
 };
-/// First place where origin + fraction * ray (0 to 1) enters the outline, all in its own frame. Nothing when
-/// the origin is inside. A link is hit from the sides that hold.
+/// First place where origin + fraction * ray (0 to 1) enters the outline, all in its own frame. Empty when
+/// the origin is inside. A link is hit only from its solid sides.
 std::optional<RayHit> ray_cast(const Outline& s, Vec2 origin, Vec2 ray);
 
-/// A motion from one pose to another: straight line of `pivot` (own frame), turning at a steady rate.
+/// A motion from one pose to another: `pivot` (own frame) moves along a straight line, the angle at a
+/// constant rate.
 struct Sweep {
   Pose from;
   double angle = 0;  ///< rad, from `from` to the end
@@ -45,8 +46,8 @@ struct Impact {
   double fraction = 0;
   Vec2 normal;  ///< from a to b, in the world
 };
-/// Largest fraction of both motions after which the surfaces are still `gap` (m) apart; nothing when they
-/// never come that close. At fraction 0 already closer: fraction 0. Links count as two-sided.
+/// Largest fraction of both motions after which the surfaces are still `gap` (m) apart; empty when they never
+/// come that close. If they are closer from the start, the fraction is 0. Links count as two-sided.
 std::optional<Impact> time_of_impact(const Outline& a, const Sweep& move_a, const Outline& b,
                                      const Sweep& move_b, double gap);
 

@@ -117,8 +117,8 @@ Outline reversed(const Outline& link) {
   return r;
 }
 
-// One coordinate after the other: gcc 12 makes fused instructions of both together (tests/determinism
-// watches).
+// One coordinate after the other: gcc 12 would fuse multiply and add for both together (tests/determinism
+// checks).
 Outline moved(const Outline& s, const Pose& at) {
   const Rotation q = at.q;
   Outline r;
@@ -139,8 +139,8 @@ Outline moved(const Outline& s, const Pose& at) {
 Area area_of(const Outline& s) {
   const double r = s.radius;
   if (s.is_link()) return {0, s.center, 0};
-  // The polygon itself by triangles about its first corner, then a strip along every edge and, all sectors of
-  // the corners together, circles' worth of rounding with each sector at its corner.
+  // The polygon itself by triangles around its first corner, then a strip along every edge and, with all
+  // corner sectors adding up to a circle, the rounding with each sector at its corner.
   double area = 0, moment = 0;
   Vec2 first;
   const Vec2 o = s.corner[0];

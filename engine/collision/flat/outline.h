@@ -21,9 +21,9 @@ struct Outline {
   Vec2 center;                              ///< of area
   uint32_t corners = 0;
   double radius = 0;  ///< m
-  /// Which sides of a link hold; `all` for what is no link.
+  /// The solid sides of a link; `all` for anything that is not a link.
   enum class Side : uint8_t { all, left, both } side = Side::all;
-  /// Corners of the neighbouring links; the own ends where there is none.
+  /// Corners of the neighbouring links; its own ends where there is none.
   Vec2 before, after;
   enum class Neighbours : uint8_t { none = 0, before = 1, after = 2, both = 3 } neighbours = Neighbours::none;
 
@@ -38,11 +38,11 @@ Outline box(double hx, double hy, Vec2 center = {}, Rotation q = {}, double radi
 /// Convex hull of the points, thickened by radius. Error "scene_invalid" when the hull has less than three or
 /// more than eight corners.
 Outline polygon(std::span<const Vec2> points, double radius = 0);
-/// Links through the points that hold on the left when walking along them, or on both sides; `loop` joins the
-/// last to the first. Error "scene_invalid" for less than two points or two equal ones in a row.
+/// Links through the points, solid on the left when walking along them, or on both sides; `loop` joins the
+/// last to the first. Error "scene_invalid" for fewer than two points or two equal ones in a row.
 enum class Ends : uint8_t { open, loop };
 std::vector<Outline> chain(std::span<const Vec2> points, Ends ends, Outline::Side side = Outline::Side::left);
-/// The same link walked the other way: its left is the right of this one.
+/// The same link walked in the other direction: its left is this one's right.
 Outline reversed(const Outline& link);
 
 /// The outline moved by a pose.
@@ -58,10 +58,10 @@ Area area_of(const Outline& s);
 
 /// Smallest box of the outline at a pose, flat in z.
 Box bounds(const Outline& s, const Pose& at);
-/// Largest distance of the outline from the point p of its own frame.
+/// Largest distance of the outline from the point p in its own frame.
 double reach(const Outline& s, Vec2 p);
-/// Radius of the largest circle about the centre that fits in: how far a body may move and still overlap
-/// where it was. 0 for a link.
+/// Radius of the largest inscribed circle about the centre: how far a body may move and still overlap its
+/// former place. 0 for a link.
 double inner_radius(const Outline& s);
 
 }  // namespace truestep::flat

@@ -9,9 +9,9 @@
 namespace truestep::flat {
 namespace {
 
-constexpr double kRim = 0.12;  // bevel, part of the inner radius
+constexpr double kRim = 0.12;  // bevel, as a fraction of the inner radius
 constexpr int kDiskParts = 40;
-constexpr double kNotch = 0.07;  // rad, half of it
+constexpr double kNotch = 0.07;  // rad, half the notch's width
 constexpr double kTurn = 2 * std::numbers::pi;
 
 std::vector<Vec2> disk(const Outline& s, double inset) {

@@ -1,5 +1,5 @@
-// Outlines of the plane as solids to look at: prisms along z with a bevelled front rim. A disk has a narrow
-// notch on its own x axis that shows how it is turned; a link of a chain is a strip on its solid side.
+// Outlines of the plane as solids for drawing: prisms along z with a bevelled front rim. A disk has a narrow
+// notch on its own x axis that shows its rotation; a link of a chain is a strip on its solid side.
 #pragma once
 #include <memory>
 

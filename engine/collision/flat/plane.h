@@ -30,7 +30,7 @@ inline double norm(Vec2 a) {
 constexpr Vec2 left_of(Vec2 a) {
   return {-a.y, a.x};
 }
-/// a turned by -90 degrees: outward of an edge of a polygon that runs counter-clockwise.
+/// a rotated by -90 degrees: the outward direction of an edge of a counter-clockwise polygon.
 constexpr Vec2 right_of(Vec2 a) {
   return {a.y, -a.x};
 }

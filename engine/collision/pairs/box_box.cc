@@ -10,9 +10,10 @@
 namespace truestep {
 namespace {
 
-constexpr double kBias = 1e-3;  // of the thinnest half extent: what a face may be worse than an edge
-constexpr double kSlop = 1e-4;  // of a half extent: corners this far over the rim count as on it, so that
-                                // boxes stacked flush keep their corners' ids
+constexpr double kBias = 1e-3;  // fraction of the smallest half extent by which a face may be worse than an
+                                // edge
+constexpr double kSlop = 1e-4;  // fraction of a half extent: corners this far over the rim count as on it, so
+                                // that
 
 /// A corner over the reference face: in-plane place and height.
 struct Corner {
@@ -42,7 +43,7 @@ struct Boxes {
   double a[3], b[3];
 };
 
-/// No more than eight corners are left of a rectangle cut by a rectangle.
+/// A rectangle clipped by a rectangle has at most eight corners.
 struct BoxPoints {
   int count = 0;
   ContactPoint point[10];
@@ -91,8 +92,8 @@ void face_points(const Boxes& x, int axis, double margin, uint32_t tag, Vec3& no
   }
 }
 
-/// Nearest points of the two edges that face each other along the unit normal. Nothing when they are apart
-/// and pass each other by more than `slack`.
+/// Nearest points of the two edges that face each other along the unit normal. Empty when they are apart and
+/// pass each other by more than `slack`.
 void edge_point(const Boxes& x, int i, int j, const Vec3& normal, double slack, Manifold& out) {
   const double n[3] = {normal.x, normal.y, normal.z};
   double p[3], q[3] = {x.t[0], x.t[1], x.t[2]};
@@ -202,7 +203,8 @@ void collide_boxes(const Vec3& ha, const Vec3& hb, const Transform& place, doubl
     }
   }
 
-  // Apart, separating axes know a lower bound only; unless a point proves it right, ask for the distance.
+  // For separated boxes the separating axes give only a lower bound; unless a point proves it tight, compute
+  // the distance.
   const double separation = std::max(best_face, edge[e]);
   if (out.count > 0 && (separation <= 0 || -out.deepest() <= separation + bias)) return;
   const Convex a{SolidKind::box, ha}, b{SolidKind::box, hb};

@@ -8,7 +8,7 @@ namespace truestep {
 
 /// Boxes of half extents a and b (m), all in a's frame, normal from a to b. Points at most `margin` (m >= 0)
 /// apart; out.count = 0 when there are none. The depth is the smallest translation that separates the boxes,
-/// to a thousandth of their thinnest half extent (faces are preferred to edges by that much).
+/// to a thousandth of their smallest half extent (faces are preferred to edges by that much).
 void collide_boxes(const Vec3& a, const Vec3& b, const Transform& b_in_a, double margin, Manifold& out);
 
 }  // namespace truestep

@@ -57,7 +57,7 @@ void collide_capsule(const Convex& a, const Convex& b, const Transform& place, d
   } else {
     at = separating_axis(poly, p, q);
   }
-  // A direction that is a neighbour's: only what lies over the triangle itself counts.
+  // The direction belongs to a neighbour: only points over the triangle itself count.
   const bool own = !poly.triangle || poly.triangle->allows(at.normal);
   if (!own) {
     const Vec3& n = poly.faces[0].normal;

@@ -1,5 +1,5 @@
 // A capsule against a polyhedron (box, hull or triangle): distance of its axis, or separating axes when the
-// axis enters; two points where it lies on a face.
+// axis penetrates; two points when it lies on a face.
 #pragma once
 #include "engine/collision/pairs/convex.h"
 #include "engine/collision/pairs/manifold.h"

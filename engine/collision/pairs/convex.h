@@ -24,7 +24,7 @@ struct Convex {
     }
     return {};
   }
-  /// How large it is, m, roughly.
+  /// Approximate size, m.
   double extent() const {
     if (kind == SolidKind::hull) return hull->radius;
     if (kind == SolidKind::triangle) return norm(triangle->corner[1] - triangle->corner[0]);

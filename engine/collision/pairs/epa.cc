@@ -6,7 +6,7 @@
 namespace truestep {
 namespace {
 
-constexpr double kClose = 1e-7;  // of the size
+constexpr double kClose = 1e-7;  // fraction of the size
 constexpr int kPoints = 96, kFaces = 2 * kPoints + 8, kRim = 96;
 
 class Expansion {
@@ -29,7 +29,7 @@ class Expansion {
     const Vec3 pa = a_.support(d), pb = place_.point(b_.support(place_.inverse_direction(-d)));
     return {pa - pb};
   }
-  /// Remembers the direction in which the set reaches least.
+  /// Remembers the direction with the least extent of the set.
   void consider(const Vec3& unit, const Point& p) {
     const double reach = dot(unit, p.w);
     if (reach < best_.depth) best_.depth = reach, best_.normal = unit, best_.source = source_;
@@ -57,7 +57,7 @@ bool Expansion::add_face(int i, int j, int k) {
   return true;
 }
 
-/// A tetrahedron with the origin in it, from what is left of the distance search.
+/// A tetrahedron containing the origin, from the remaining simplex of the distance search.
 bool Expansion::tetrahedron(const Simplex& start) {
   for (int i = 0; i < start.count; ++i) points_[i] = {start.w[i]};
   int n = start.count;
@@ -101,7 +101,7 @@ bool Expansion::tetrahedron(const Simplex& start) {
   return add_face(0, 1, 2) && add_face(0, 3, 1) && add_face(1, 3, 2) && add_face(2, 3, 0);
 }
 
-/// Takes in a point outside: faces that it sees give way to a fan.
+/// Adds a point outside: faces that it sees are replaced by a fan.
 bool Expansion::expand(const Point& p) {
   if (point_count_ == kPoints) return false;
   const int apex = point_count_++;

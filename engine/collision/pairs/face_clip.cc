@@ -7,8 +7,8 @@ namespace truestep {
 
 namespace {
 
-/// Of the corner that `plane` cuts off the edge that begins at `corner`: 16 bits, unlike those of corners and
-/// of other cuts but for chance.
+/// Id of the corner that `plane` cuts off the edge starting at `corner`: 16 bits, different from those of
+/// corners and of other cuts except by chance.
 constexpr uint32_t name_of_cut(uint32_t corner, uint32_t plane) {
   return (corner * 40503u + (plane + 1) * 25717u) & 0xffff;
 }
@@ -59,8 +59,8 @@ void keep_best(std::span<const ContactPoint> list, const Vec3& normal, Manifold&
     for (int i = 0; i < count; ++i) out.points[out.count++] = all[i];
     return;
   }
-  // The deepest first: it alone decides whether the bodies part. Differences below a thousandth of the
-  // manifold's width are noise that must not make the choice jump, so a fixed direction tips the scale.
+  // The deepest first: it alone decides whether the bodies separate. Differences below a thousandth of the
+  // manifold's width are noise that must not flip the choice, so a fixed direction breaks the tie.
   const Vec3 u =
       normalized(std::fabs(normal.x) < 0.6 ? Vec3{0, -normal.z, normal.y} : Vec3{normal.z, 0, -normal.x});
   double width = 0;

@@ -1,6 +1,6 @@
 // From two faces to contact points: the incident face is cut by the side planes of the reference face
-// (Sutherland, Hodgman 1974), what lies within the margin of the reference plane becomes points, and the
-// best four of them stay.
+// (Sutherland, Hodgman 1974), corners within the margin of the reference plane become points, and the best
+// four of them are kept.
 #pragma once
 #include <span>
 
@@ -8,18 +8,18 @@
 
 namespace truestep {
 
-/// A flat face, an edge (2 corners) or a corner, with numbers for what its corners are.
+/// A flat face, an edge (2 corners) or a corner, with ids that say what its corners are.
 struct FacePolygon {
   static constexpr int kMost = 48;
   int count = 0;
   Vec3 corner[kMost];
   uint32_t id[kMost];
 
-  /// Left out when full.
+  /// Ignored when full.
   void add(const Vec3& p, uint32_t corner_id) {
     if (count < kMost) corner[count] = p, id[count] = corner_id, ++count;
   }
-  /// Keeps what is on the inner side: outward . p <= offset. New corners are named after their edge's first
+  /// Keeps the part on the inner side: outward . p <= offset. New corners are named after their edge's first
   /// corner and `plane`.
   void cut(const Vec3& outward, double offset, uint32_t plane);
 };

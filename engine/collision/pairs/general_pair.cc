@@ -10,7 +10,7 @@
 namespace truestep {
 namespace {
 
-/// What a solid turns towards a direction.
+/// The feature of a solid that faces a direction.
 struct Feature {
   FacePolygon shape;  // face, line (2 corners) or nothing
   Vec3 normal;        // of a face
@@ -19,9 +19,10 @@ struct Feature {
   uint32_t number = 0;
 };
 
-/// Direction and result in the frame that `at` leads to. Faces are given whatever their angle, lines of
-/// cylinders and capsules when the direction is nearly square to them. `beside`: frame of the other solid, by
-/// which places on a rim are counted, so that they stay where they are while a cylinder turns about itself.
+/// Direction and result in the frame that `at` leads to. Faces are returned at any angle, lines of cylinders
+/// and capsules when the direction is nearly perpendicular to them. `beside`: frame of the other solid,
+/// relative to which points on a rim are numbered, so that they stay in place while a cylinder spins about
+/// its axis.
 void feature(const Convex& c, const Transform& at, const Vec3& direction, const Rotation& beside,
              Feature& out) {
   const Vec3 d = at.inverse_direction(direction);
@@ -48,7 +49,7 @@ void feature(const Convex& c, const Transform& at, const Vec3& direction, const 
         }
         return;
       }
-      // Sixteen places on the rim, the nearest of them moved to where it reaches furthest.
+      // Sixteen points on the rim, the nearest of them moved to where it reaches furthest.
       static constexpr double kCos[16] = {1,  0.9238795325112867,  0.7071067811865476,  0.3826834323650898,
                                           0,  -0.3826834323650898, -0.7071067811865476, -0.9238795325112867,
                                           -1, -0.9238795325112867, -0.7071067811865476, -0.3826834323650898,
@@ -90,7 +91,7 @@ void feature(const Convex& c, const Transform& at, const Vec3& direction, const 
   }
 }
 
-/// Directions of faces that may part a from b, in a's frame.
+/// Candidate directions of faces that may separate a from b, in a's frame.
 struct Guesses {
   int count = 0;
   Vec3 direction[24];
@@ -111,7 +112,7 @@ void guess(const Convex& c, const Rotation& to_a, double sign, const Vec3& from_
   }
 }
 
-/// Contact over a face of either; empty when neither looks along n.
+/// Contact over a face of either; empty when neither faces along n.
 void face_contact(const Feature& fa, const Feature& fb, const Vec3& n, double margin, double aligned,
                   Manifold& out) {
   out.count = 0;

@@ -5,7 +5,7 @@
 namespace truestep {
 namespace {
 
-/// Weights of the nearest point to the origin and which points it needs.
+/// Weights of the point nearest to the origin, and which vertices it needs.
 struct Nearest {
   Vec3 point;
   double weight[4];
@@ -52,7 +52,7 @@ Nearest on_faces(const Simplex& s) {
                 nearer(of_triangle(s, 0, 1, 3), of_triangle(s, 0, 1, 2)));
 }
 
-/// The origin is inside when it lies on every face's side of the fourth point.
+/// The origin is inside when it lies on the same side of every face as the fourth point.
 bool holds_origin(const Simplex& s) {
   const auto same_side = [&](int i, int j, int k, int l) {
     const Vec3 n = cross(s.w[j] - s.w[i], s.w[k] - s.w[i]);
@@ -61,7 +61,8 @@ bool holds_origin(const Simplex& s) {
   return same_side(1, 2, 3, 0) && same_side(0, 2, 3, 1) && same_side(0, 1, 3, 2) && same_side(0, 1, 2, 3);
 }
 
-/// `clear`: a plane is known that has the origin on its far side, so a flat tetrahedron's signs do not count.
+/// `clear`: a plane with the origin on its far side is known, so the signs of a flat tetrahedron do not
+/// count.
 enum class Known : uint8_t { nothing, clear };
 Nearest nearest(const Simplex& s, Known known) {
   switch (s.count) {

@@ -5,7 +5,7 @@
 
 namespace truestep {
 
-/// Points of the difference set with where they come from.
+/// Points of the difference set and the points they come from.
 struct Simplex {
   Vec3 w[4], a[4], b[4];  ///< w = a - b
   double weight[4];       ///< of the point nearest the origin
@@ -20,9 +20,9 @@ struct CoreDistance {
   enum class Verdict : uint8_t { separate, overlap } verdict = Verdict::separate;
 };
 
-/// `b_in_a`: where b is, as seen from a. `seed`: roughly from a to b, need not be good. Ends when the
-/// distance is known to 1e-12 of itself, or no longer grows by rounding, at the latest after 128 points. With
-/// `enough` >= 0 it also ends as soon as the distance is known to exceed that (m).
+/// `b_in_a`: the pose of b relative to a. `seed`: rough direction from a to b. Stops when the distance is
+/// known to 1e-12 relative, or no longer grows because of rounding, at the latest after 128 points. With
+/// `enough` >= 0 it also stops as soon as the distance is known to exceed that (m).
 CoreDistance core_distance(const Convex& a, const Convex& b, const Transform& b_in_a, const Vec3& seed,
                            double enough = -1);
 

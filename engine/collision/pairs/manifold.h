@@ -7,7 +7,7 @@
 namespace truestep {
 
 struct ContactPoint {
-  Vec3 position;          ///< m, half way between both surfaces
+  Vec3 position;          ///< m, midway between both surfaces
   double separation = 0;  ///< m along the normal; negative: depth
   uint32_t id = 0;        ///< which features meet; stays the same while they do
 };

@@ -1,4 +1,4 @@
-// A body on fine ground touches many triangles in one plane; to a solver that is one contact.
+// A body on fine ground touches many triangles in one plane; to a solver this is one contact.
 #pragma once
 #include <vector>
 
@@ -6,9 +6,9 @@
 
 namespace truestep {
 
-/// Adds `m` to the manifolds from place `first` on: into one with the same part_b whose normal is the same to
-/// 1e-4 rad, keeping the lower part_a and the best four points, else as a new one. Points nearer than `same`
-/// (m) to one that is there already are dropped.
+/// Adds `m` to the manifolds from index `first` on: merged into one with the same part_b whose normal agrees
+/// to 1e-4 rad, keeping the lower part_a and the best four points, otherwise as a new one. Points closer than
+/// `same` (m) to an existing one are dropped.
 void merge_manifold(const Manifold& m, size_t first, double same, std::vector<Manifold>& all);
 
 /// Id of a point that also tells which parts met, for points that change manifolds.

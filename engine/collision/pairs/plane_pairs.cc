@@ -7,7 +7,7 @@
 namespace truestep {
 namespace {
 
-/// Collects points of b within the margin; when there are too many the highest gives way.
+/// Collects points of b within the margin; when there are too many, the highest is dropped.
 class Below {
  public:
   Below(const Vec3& normal, double margin) : n_(normal), margin_(margin) {}
@@ -39,8 +39,8 @@ class Below {
 void cylinder_points(const Convex& b, const Transform& place, const Vec3& n, Below& below) {
   const Vec3 d = place.inverse_direction(n);
   const double r = b.size.x, l = std::sqrt(d.x * d.x + d.z * d.z), low = d.y > 0 ? -b.size.y : b.size.y;
-  // The lowest point of each rim, and four on which the cylinder stands. They stay where they are when it
-  // turns about itself, so that what they carry stays there too.
+  // The lowest point of each rim, and four on which the cylinder stands. They stay in place when it spins
+  // about its axis, so that their impulses stay with them.
   if (l > 1e-4) {
     const Vec3 down{-d.x / l * r, 0, -d.z / l * r};
     below.add(place.point({down.x, low, down.z}), 1);

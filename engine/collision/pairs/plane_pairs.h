@@ -5,8 +5,8 @@
 
 namespace truestep {
 
-/// Half space below the plane through the origin with the unit normal; the manifold's normal is the same.
-/// b as seen from the plane's frame; points at most `margin` (m) above it; out.count = 0: none.
+/// Half space below the plane through the origin with the given unit normal, which is also the manifold's. b
+/// relative to the plane's frame; points at most `margin` (m) above it; out.count = 0: none.
 void collide_plane(const Vec3& normal, const Convex& b, const Transform& b_in_a, double margin,
                    Manifold& out);
 

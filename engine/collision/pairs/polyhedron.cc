@@ -49,7 +49,7 @@ Polyhedron of_triangle(const MeshTriangle& t, PolyhedronStorage& s) {
   for (uint32_t k = 0; k < 3; ++k) {
     s.vertices[k] = t.corner[k];
     const uint32_t next = (k + 1) % 3;
-    // An edge's directions are almost all around it; which of them may push, MeshTriangle::allows says.
+    // An edge's directions are almost all around it; MeshTriangle::allows decides which of them may push.
     const Vec3 far = normalized(-t.normal - t.inward[k] * 1e-2);
     s.faces[1 + k] = {far, 0, 0, 0};
     s.edges[k] = {k, next, 0, 1 + k};

@@ -1,6 +1,6 @@
 // View of a box, hull or triangle as vertices, faces and edges in its own frame, for separating axes and
-// clipping. A triangle has one face; the normals on the far side of its edges are made up so that an edge
-// answers for every direction around it.
+// clipping. A triangle has one face; the normals on the far side of its edges are chosen so that an edge
+// covers every direction around it.
 #pragma once
 #include "engine/collision/pairs/convex.h"
 #include "engine/collision/pairs/face_clip.h"
@@ -18,7 +18,7 @@ struct Polyhedron {
   const MeshTriangle* triangle = nullptr;
 };
 
-/// Room for what boxes and triangles do not store.
+/// Storage for what boxes and triangles do not have.
 struct PolyhedronStorage {
   Vec3 vertices[8];
   HullFace faces[6];
@@ -28,12 +28,12 @@ struct PolyhedronStorage {
 /// `c` must be a box, hull or triangle; it and `storage` must outlive the view.
 Polyhedron polyhedron(const Convex& c, PolyhedronStorage& storage);
 
-/// Corners of a face moved by `at`; very many are thinned out evenly.
+/// Corners of a face transformed by `at`; large numbers are thinned out evenly.
 void face_polygon(const Polyhedron& p, int face, const Transform& at, FacePolygon& out);
-/// The face that looks most along the unit vector d.
+/// The face whose normal is closest to the unit vector d.
 int face_towards(const Polyhedron& p, const Vec3& d);
-/// The one of those faces that hold the furthest vertex along d: on sharp solids another face may look more
-/// along d and not reach there.
+/// That face among those containing the furthest vertex along d: on sharp solids another face may be closer
+/// to d and not reach there.
 int furthest_face(const Polyhedron& p, const Vec3& d);
 
 }  // namespace truestep

@@ -28,7 +28,7 @@ double lowest_along(const Polyhedron& p, const Vec3& d) {
   return low;
 }
 
-/// The face of p from which q, placed as seen from p, is furthest away; ends early beyond `enough`.
+/// The face of p from which q, placed relative to p, is furthest; stops early beyond `enough`.
 template <class Allowed>
 FaceAxis face_axis(const Polyhedron& p, const Polyhedron& q, const Transform& q_in_p, double enough,
                    Allowed&& allowed, double& separation) {
@@ -79,8 +79,8 @@ EdgeAxis edge_axis(const Polyhedron& a, const Polyhedron& b, const Transform& pl
   return best;
 }
 
-/// Nearest points of two lines p + s d, q + t e that are not parallel, kept on the segments. Nothing when the
-/// edges are apart and pass each other by more than `slack`.
+/// Nearest points of two lines p + s d, q + t e that are not parallel, clamped to the segments. Empty when
+/// the edges are apart and pass each other by more than `slack`.
 void edge_contact(const Vec3& p, const Vec3& d, const Vec3& q, const Vec3& e, const Vec3& normal, uint32_t id,
                   double slack, Manifold& out) {
   const Vec3 r = q - p;
@@ -96,7 +96,7 @@ void edge_contact(const Vec3& p, const Vec3& d, const Vec3& q, const Vec3& e, co
   out.add((x + y) * 0.5, separation, id);
 }
 
-/// When bodies are apart, separating axes know a lower bound only. True when the points found prove it tight.
+/// For separated bodies, separating axes give only a lower bound. True when the points found prove it tight.
 bool tight(const Manifold& m, double bound, double slack) {
   return m.count > 0 && -m.deepest() <= bound + slack;
 }
@@ -125,7 +125,7 @@ void collide_polyhedra(const Convex& ca, const Convex& cb, const Transform& plac
   const EdgeAxis edge = edge_axis(a, b, place, margin, towards_b, separation);
   if (separation > margin) return;
 
-  // Faces make better manifolds than edges, and a's should not alternate with b's.
+  // Faces make better manifolds than edges, and the choice should not alternate between a's and b's.
   const double bias = 1e-3 * std::min(a.thickness, b.thickness);
   const auto from_faces = [&](const FaceAxis& best, FaceOwner owner) {
     FacePolygon reference, incident;
@@ -160,7 +160,7 @@ void collide_polyhedra(const Convex& ca, const Convex& cb, const Transform& plac
   }
   if (separation <= 0 ? out.count > 0 : tight(out, separation, bias)) return;
 
-  // Corner against corner and the like: the exact nearest points, one contact.
+  // Corner against corner and similar: the exact nearest points, one contact.
   const CoreDistance d = core_distance(ca, cb, place, place.point(b.center) - a.center);
   if (d.verdict == CoreDistance::Verdict::separate && d.distance > 0) {
     out.count = 0;
@@ -168,7 +168,7 @@ void collide_polyhedra(const Convex& ca, const Convex& cb, const Transform& plac
     out.normal = d.normal;
     out.add((d.point_a + d.point_b) * 0.5, d.distance, 0xc0000000u);
   } else if (!a.triangle) {
-    // Deep inside one another, the faces of the best axis may not lie over each other.
+    // For deep penetration, the faces of the best axis may not overlap.
     collide_general(ca, cb, place, margin, out);
   }
 }

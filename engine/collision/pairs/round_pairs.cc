@@ -10,7 +10,7 @@
 namespace truestep {
 namespace {
 
-/// A ball against a surface that is nearest at `on`, unit normal n, its centre `distance` above.
+/// A ball against a surface whose nearest point is `on`, unit normal n, with its centre `distance` above.
 void touch(const Vec3& on, const Vec3& n, double distance, double r, double margin, Manifold& out) {
   out.count = 0;
   const double s = distance - r;
@@ -57,7 +57,7 @@ void on_hull(const Convex& a, double r, const Vec3& c, double margin, Manifold& 
   }
   out.count = 0;
   if (most - r > margin) return;
-  // Over the face itself its plane is the answer, as it is for a centre inside.
+  // Over the face itself its plane decides, as it does for a centre inside.
   bool over = true;
   for (uint32_t k = 0; k < face->count && most > 0 && over; ++k) {
     const Vec3 &p = h.vertices[h.loops[face->first + k]],
@@ -78,7 +78,7 @@ void on_triangle(const MeshTriangle& t, double r, const Vec3& c, double margin, 
   const Vec3 on = t.corner[0] * w[0] + t.corner[1] * w[1] + t.corner[2] * w[2], d = c - on;
   const double l = norm(d);
   const Vec3 n = l > 0 && (w[0] == 0 || w[1] == 0 || w[2] == 0) ? d / l : t.normal;
-  // A direction that is a neighbour's: that triangle is nearer and answers.
+  // The direction belongs to a neighbour: that triangle is nearer and handles it.
   if (!t.allows(n)) return;
   touch(on, n, l, r, margin, out);
 }
@@ -116,7 +116,7 @@ void collide_sphere(const Convex& a, double r, const Vec3& c, double margin, Man
 SegmentPair nearest_on_segments(const Vec3& p, const Vec3& d, const Vec3& q, const Vec3& e) {
   const Vec3 r = p - q;
   const double a = norm2(d), b = dot(d, e), c = norm2(e), f = dot(d, r), g = dot(e, r), det = a * c - b * b;
-  // Parallel: any s will do where both overlap; the middle of p's segment is the steadiest.
+  // Parallel: any s will do where both overlap; the middle of p's segment is the most stable.
   double s = det > 1e-14 * a * c ? std::clamp((b * g - c * f) / det, 0.0, 1.0) : 0.5;
   double t = c > 0 ? (b * s + g) / c : 0;
   if (t < 0 || t > 1) {
@@ -154,7 +154,7 @@ void collide_capsules(const Convex& a, const Convex& b, const Transform& place, 
   const Vec3 x = p[0] + d * at.s, y = q[0] + e * at.t, gap = y - x;
   const double l = norm(gap), s = l - a.size.x - b.size.x;
   if (s > margin) return;
-  // Crossing axes: apart along the direction square to both.
+  // Crossing axes: separated along the direction perpendicular to both.
   Vec3 n;
   if (l > 1e-12 * (a.size.y + b.size.y)) {
     n = gap / l;
@@ -164,7 +164,7 @@ void collide_capsules(const Convex& a, const Convex& b, const Transform& place, 
   }
   out.normal = n;
   if (l > 0) line_contact(p, a.size.x, q, b.size.x, n, margin, out);
-  // The line's ends must hold the deepest point.
+  // The deepest point must be among the line's ends.
   if (out.count > 0 && -out.deepest() <= s + 1e-3 * (a.size.x + b.size.x)) return;
   out.count = 0;
   out.add((x + n * a.size.x + y - n * b.size.x) * 0.5, s, 1);

@@ -1,4 +1,4 @@
-// Closed forms for balls and capsules against one another, and balls against boxes, cylinders, hulls and
+// Closed forms for balls and capsules against each other, and balls against boxes, cylinders, hulls and
 // triangles. All in a's frame, normal from a to b, points at most `margin` (m) apart; out.count = 0: none.
 #pragma once
 #include "engine/collision/pairs/convex.h"
@@ -8,7 +8,7 @@ namespace truestep {
 
 /// Balls of the given radii; b's centre as seen from a.
 void collide_spheres(double ra, double rb, const Vec3& center, double margin, Manifold& out);
-/// Any convex a but a plane against a ball of radius r about `center`.
+/// Any convex a except a plane against a ball of radius r about `center`.
 void collide_sphere(const Convex& a, double r, const Vec3& center, double margin, Manifold& out);
 /// Nearly parallel capsules get two points.
 void collide_capsules(const Convex& a, const Convex& b, const Transform& b_in_a, double margin,

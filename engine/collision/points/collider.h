@@ -1,4 +1,4 @@
-// One solid of a scene: shape, place, motion, surface.
+// One solid of a scene: shape, pose, motion, surface.
 #pragma once
 #include <string>
 

@@ -19,7 +19,7 @@ const DefTable& motion_table() {
   return t;
 }
 
-/// Rows that all types share; D derives from ColliderCommonDef.
+/// Rows shared by all types; D derives from ColliderCommonDef.
 template <class D>
 TableOf<D>& add_common(TableOf<D>& t) {
   std::string D::*id = &ColliderCommonDef::id;

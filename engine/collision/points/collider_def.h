@@ -1,5 +1,5 @@
-// How a scene writes colliders: "colliders": [{"type": "plane" | "box" | "sphere" | "capsule", ...}], shared
-// by every system made of points.
+// How a scene describes colliders: "colliders": [{"type": "plane" | "box" | "sphere" | "capsule", ...}],
+// shared by every system made of points.
 #pragma once
 #include <optional>
 #include <string>
@@ -16,7 +16,7 @@ struct MotionDef {
   double frequency = 0, phase = 0;
 };
 
-/// What colliders of every type have.
+/// Members of colliders of every type.
 struct ColliderCommonDef {
   std::string id;
   double friction = 0.3, restitution = 0.5, rest_speed = 0.01;
@@ -48,7 +48,8 @@ using ColliderDefs = std::vector<ColliderDef>;
 /// Names and tables of the alternatives in the order of ColliderDef, for TableOf::variants.
 std::vector<std::pair<std::string, const DefTable*>> collider_variants();
 
-/// The set a scene describes. Colliders without an id are named after their type and place in the list.
+/// Builds the set that a scene describes. Colliders without an id are named after their type and position in
+/// the list.
 ColliderSet build_colliders(const ColliderDefs& defs);
 
 /// Adds the row "colliders" to the table of a struct D with the member `m`.

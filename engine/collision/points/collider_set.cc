@@ -9,10 +9,10 @@
 namespace truestep {
 namespace {
 
-/// Rows whose common box is tested before any row is.
+/// Rows per group, whose common box is tested before any row.
 constexpr size_t kGroup = 64;
 
-/// Box around both ends of rows [begin, end). Lanes hold x y z x y z ..., so the loop is a flat one.
+/// Box around both ends of rows [begin, end). Lanes hold x y z x y z ..., so that the loop is flat.
 void group_bounds(const double* a, const double* b, size_t begin, size_t end, Vec3& low, Vec3& high) {
   constexpr double kHuge = std::numeric_limits<double>::infinity();
   double lo[12], hi[12];
@@ -54,7 +54,7 @@ bool box_clear_of(const SweptCollider& c, const Vec3& low, const Vec3& high) {
 }
 
 /// A group's paths by axis, so that tests against a solid are flat loops: smaller and larger end, end of the
-/// step, and the room left before anything can be touched (a bound; at most 0 means look closer).
+/// step, and the clearance left before anything can be touched (a bound; at most 0 means look closer).
 struct GroupPaths {
   alignas(64) double small[3][kGroup], large[3][kGroup], end[3][kGroup], room[kGroup];
 
@@ -69,7 +69,7 @@ struct GroupPaths {
       room[i] = std::numeric_limits<double>::infinity();
     }
   }
-  // Loops run over the whole group: what lies beyond `count` is computed and ignored.
+  // Loops run over the whole group: results beyond `count` are ignored.
   void against_plane(const SweptCollider& c) {
     const Vec3 n = c.end_normal;
     for (size_t i = 0; i < kGroup; ++i) {

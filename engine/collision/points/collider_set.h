@@ -1,8 +1,8 @@
-// The solids that points of a system collide with, and the contact of moving points with them. A point's
-// path over a step is x_old -> x; contacts are found on the chord in the solid's moving frame (nothing is
-// missed, kernels/first_contact.h), timed on the parabola through both ends, answered with restitution and
-// friction (kernels/contact_response.h), and the rest of the step is flown from there, up to kMaxContacts
-// times. Bounces that would return within the step count as resting, so nothing jitters.
+// The solids that points of a system collide with, and the contact of moving points with them. A point's path
+// over a step is x_old -> x; contacts are found on the chord in the solid's moving frame (nothing is missed,
+// kernels/first_contact.h), timed on the parabola through both ends, answered with restitution and friction
+// (kernels/contact_response.h), and the rest of the step continues from there, up to kMaxContacts times.
+// Bounces that would return within the step count as resting, so nothing jitters.
 #pragma once
 #include <span>
 #include <vector>
@@ -29,12 +29,12 @@ struct ContactSweep {
   std::span<const Surface> surfaces{};     ///< one per collider, or empty: the colliders' own
 };
 
-/// The surface that a place is nearest to, or deepest in.
+/// The surface that a point is nearest to, or deepest in.
 struct NearSurface {
   static constexpr size_t kNone = SIZE_MAX;
   size_t collider = kNone;
-  double distance = 0;  ///< m, negative where no point may be
-  Vec3 normal;          ///< towards where points stay
+  double distance = 0;  ///< m, negative where points are not allowed
+  Vec3 normal;          ///< towards the side where points stay
   Vec3 velocity;        ///< m/s, of the surface there
 };
 
@@ -45,14 +45,15 @@ class ColliderSet {
   bool empty() const { return colliders_.empty(); }
   const std::vector<Collider>& colliders() const { return colliders_; }
 
-  /// Keeps the points of a sweep out of the solids and inside the containers. Points may run concurrently.
+  /// Keeps the points of a sweep outside the solids and inside the containers. Points may be processed
+  /// concurrently.
   void resolve(const ContactSweep& sweep, Workspace& workspace, const ThreadArena& arena) const;
 
-  /// Distance (m) from a point to the nearest surface at time t; negative where no point may be.
+  /// Distance (m) from a point to the nearest surface at time t; negative where points are not allowed.
   double clearance(const Vec3& x, double t) const;
-  /// The nearest of all surfaces at time t; none of an empty set.
+  /// The nearest of all surfaces at time t; empty for an empty set.
   NearSurface nearest(const Vec3& x, double t) const;
-  /// For pictures, at time t.
+  /// For drawing, at time t.
   std::vector<DrawnShape> drawn(double t) const;
 
  private:

@@ -1,5 +1,5 @@
-// Regions in which points end: "kill_planes" and "kill_boxes", shared by the systems whose points come and
-// go.
+// Regions in which points are removed: "kill_planes" and "kill_boxes", shared by systems whose points come
+// and go.
 #pragma once
 #include <vector>
 
@@ -25,7 +25,7 @@ struct KillDefs {
 const DefTable& kill_plane_table();
 const DefTable& kill_box_table();
 
-/// The rows of a def that has both.
+/// The rows of a def that has both members.
 template <class D>
 TableOf<D>& add_kill_rows(TableOf<D>& table) {
   std::vector<KillPlaneDef> D::*planes = &KillDefs::kill_planes;
@@ -34,7 +34,7 @@ TableOf<D>& add_kill_rows(TableOf<D>& table) {
       .objects("kill_boxes", boxes, kill_box_table(), {0, 64}, "boxes that particles may not leave or enter");
 }
 
-/// Sets flag[i] for i in [begin, end) where at(i), a Vec3, is in a region; leaves the other flags.
+/// Sets flag[i] for i in [begin, end) where at(i), a Vec3, is in a region; leaves other flags unchanged.
 template <class At>
 void flag_killed(const KillDefs& d, size_t begin, size_t end, const At& at, uint8_t* flag) {
   for (const KillPlaneDef& k : d.kill_planes) {

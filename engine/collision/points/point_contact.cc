@@ -24,7 +24,7 @@ Rotation rotation_at(const SweptCollider& c, const Pose& pose, double s) {
   return s >= 1 ? c.end_rotation : rotation(pose.orientation);
 }
 
-/// Distance kept and outward normal (towards where points stay) in the world.
+/// Distance kept and outward normal (towards the side where points stay) in the world.
 struct WorldDistance {
   double d;
   Vec3 n;
@@ -48,7 +48,7 @@ std::optional<double> first_touch(const SweptCollider& c, const Vec3& x, const V
   const double side = c.shape.side == PointSide::outside ? 1 : -1;
   const SurfaceDistance<double> start = distance(p0);
   if (side * start.d <= c.gap + kContactSlop) {
-    // On the surface: sliding along it is no contact, pressing into it is one at once.
+    // On the surface: sliding along it is not a contact, pressing into it is an immediate one.
     const double pressed = -side * dot(start.n, dp);
     const double deepest = std::max(c.gap - side * start.d, 0.0);
     return pressed + deepest > 1e-3 * kContactSlop ? std::optional(0.0) : std::nullopt;
@@ -57,7 +57,7 @@ std::optional<double> first_touch(const SweptCollider& c, const Vec3& x, const V
                                             : first_exit(distance, p0, dp, c.gap);
 }
 
-/// Displacement of the remaining chord in the solid's own frame, as seen from the world at `from`.
+/// Displacement of the remaining chord in the solid's own frame, relative to the world at `from`.
 Vec3 chord_in_frame(const SweptCollider& c, const Vec3& x, const Vec3& end, double from) {
   if (c.motion == SweptCollider::Motion::fixed) return end - x;
   const Pose pose = pose_at(c, from);
@@ -66,7 +66,7 @@ Vec3 chord_in_frame(const SweptCollider& c, const Vec3& x, const Vec3& end, doub
   return r.apply(c.end_rotation.apply_inverse(end - c.end.position) - p0);
 }
 
-/// World place of the chord's point at the fraction s of what remains.
+/// World position of the chord's point at the fraction s of the remaining path.
 Vec3 chord_point(const SweptCollider& c, const Vec3& x, const Vec3& end, double from, double s) {
   if (c.spin == Vec3{}) return x + (end - x) * s;
   const Pose pose = pose_at(c, from), then = pose_at(c, from + s * (1 - from));
@@ -79,7 +79,8 @@ Vec3 surface_velocity(const SweptCollider& c, const Vec3& x, double s) {
   return c.velocity + cross(c.spin, x - pose_at(c, s).position);
 }
 
-/// Contact time on the parabola x + v T + a T^2/2 near the chord's s (both fractions of what remains).
+/// Contact time on the parabola x + v T + a T^2/2 near the chord's s (both as fractions of the remaining
+/// path).
 double refined(const SweptCollider& c, const PointFlight& f, double s, double tau) {
   double best = s, t = s;
   for (int i = 0; i < 4; ++i) {
@@ -141,7 +142,7 @@ SweptCollider sweep_collider(const Collider& c, const Surface& surface, double t
   s.safe_low = {kInfinity, kInfinity, kInfinity};
   s.safe_high = -s.safe_low;
   if (c.shape.side == PointSide::inside && s.motion == SweptCollider::Motion::fixed) {
-    // A box's own extents when it is not turned, else the cube that fits into any container.
+    // The box's own extents when it is not rotated, otherwise the cube that fits into any container.
     Vec3 safe{0, 0, 0};
     if (c.shape.kind == ShapeKind::box) {
       const double m = std::min({c.shape.size.x, c.shape.size.y, c.shape.size.z}) / std::sqrt(3.0);
@@ -167,18 +168,18 @@ bool held_by(const SweptCollider& c, const Vec3& b) {
 
 namespace {
 
-/// What the forces are in the frame of a turning solid, in the axes of the moment `f.from`: the centrifugal
-/// and Coriolis accelerations of a point with the velocity u there, `later` (s) on.
+/// The forces in the frame of a rotating solid, in the axes at the moment `f.from`: the centrifugal and
+/// Coriolis accelerations of a point with velocity u there, `later` (s) on.
 Vec3 acceleration_in_frame(const SweptCollider& c, const PointFlight& f, const Vec3& u, double later) {
   const Vec3 r = f.x - pose_at(c, f.from).position + u * later;
-  // The forces turn backwards in that frame.
+  // In that frame the forces rotate backwards.
   const Vec3 a = f.a - cross(c.spin, f.a) * later;
   return a - cross(c.spin, u) * 2 - cross(c.spin, cross(c.spin, r));
 }
 
-/// Carries `f` on a turning solid: support in the solid's own frame under the acceleration at the middle of
-/// what is left (s), then the parabola in the world with the same end and the same velocity there. Where it
-/// is and how fast is of second order; in the world's frame the velocity would be that of a step ago.
+/// Carries `f` along on a rotating solid: support in the solid's own frame under the acceleration at the
+/// middle of the remaining time (s), then the parabola in the world with the same end and the same velocity
+/// there. Position and velocity are second order; in the world's frame the velocity would lag by a step.
 void carry_round(const SweptCollider& c, PointFlight& f, const Vec3& n, const Vec3& relative, double left) {
   const double friction = c.surface.friction;
   Vec3 a = acceleration_in_frame(c, f, relative - n * dot(relative, n), 0);
@@ -197,8 +198,8 @@ void carry_round(const SweptCollider& c, PointFlight& f, const Vec3& n, const Ve
   f.v = v - f.a * left;
 }
 
-/// Velocity and acceleration of `f`, which touches `c`, after the contact; says whether the wall now carries
-/// it.
+/// Velocity and acceleration of `f`, which touches `c`, after the contact; returns whether the wall now
+/// carries it.
 enum class Outcome : uint8_t { bounced, carried };
 Outcome answer(const SweptCollider& c, PointFlight& f, const WorldDistance& w, const Vec3* resting_velocity,
                Vec3& offset, double h) {
@@ -212,7 +213,8 @@ Outcome answer(const SweptCollider& c, PointFlight& f, const WorldDistance& w, c
     return approach <= c.surface.rest_speed || c.surface.restitution * approach <= 0.51 * pull * h;
   };
   if (resting_velocity && rests(-dot(*resting_velocity - surface, w.n))) {
-    // The point lay here when the step began: its own velocity, not the integrator's free path, counts.
+    // The point was resting here when the step began: its own velocity counts, not the integrator's free
+    // path.
     relative = *resting_velocity - surface;
     if (turns) pull = -dot(acceleration_in_frame(c, f, relative, 0), w.n);
     offset = {};
@@ -234,7 +236,7 @@ Outcome answer(const SweptCollider& c, PointFlight& f, const WorldDistance& w, c
     f.a = held.acceleration;
     offset -= w.n * dot(offset, w.n);
   }
-  // A turning solid pushes what it carries: the chord must not enter it.
+  // A rotating solid pushes what it carries: the chord must not enter it.
   const Vec3 end = f.x + f.v * left + f.a * (0.5 * left * left);
   const double enters = -dot(w.n, chord_in_frame(c, f.x, end, f.from));
   if (enters > 0 && left > 0) {
@@ -245,9 +247,9 @@ Outcome answer(const SweptCollider& c, PointFlight& f, const WorldDistance& w, c
   return Outcome::carried;
 }
 
-/// A point that slid along a concave wall ends beyond it: back onto the wall, velocity turned into the wall's
-/// tangent with its energy kept (`work`, J/kg, is what the forces do on the way back to the wall), less the
-/// friction of the turn.
+/// A point that slid along a concave wall ends beyond it: it is moved back onto the wall and its velocity
+/// turned into the wall's tangent, keeping its energy (`work`, J/kg, is the work of the forces on the way
+/// back to the wall) less the friction of the turn.
 void follow_wall(const SweptCollider& c, PointFlight& f, const WorldDistance& w, double work) {
   const Vec3 surface = surface_velocity(c, f.x, 1), relative = f.v - surface;
   const double into = -dot(relative, w.n);
@@ -278,7 +280,7 @@ PointEnd advance_point(std::span<const SweptCollider> colliders, PointFlight f, 
       f.v += f.a * tau;
       break;
     }
-    if (contacts == kMaxContacts) break;  // wedged: waits on the surface for the next step
+    if (contacts == kMaxContacts) break;  // wedged: stays on the surface until the next step
 
     const bool at_start = contacts == 0 && s == 0;
     if (s > 0) {

@@ -19,8 +19,8 @@ struct SweptCollider {
   Vec3 end_normal;           ///< plane: unit normal at the step's end
   double end_level = 0;      ///< plane: end_normal . x beyond which nothing touches, m
   double gap = 0;            ///< m, distance kept: point radius + slop
-  Vec3 low, high;            ///< box that holds every place where a point could touch from outside
-  Vec3 safe_low, safe_high;  ///< box inside which a container holds points anyway (empty when it moves)
+  Vec3 low, high;            ///< box of all positions where a point could touch from outside
+  Vec3 safe_low, safe_high;  ///< box inside which a container holds points in any case (empty when it moves)
   enum class Motion : uint8_t { fixed, moving } motion = Motion::fixed;
 };
 
@@ -29,8 +29,8 @@ SweptCollider sweep_collider(const Collider& c, const Surface& surface, double t
 /// True when a point that ends at b cannot have left the container.
 bool held_by(const SweptCollider& c, const Vec3& b);
 
-/// True when a point that moves straight from a to b during the whole step cannot touch. Without branches
-/// inside: most points are far from most solids, but which ones is anyone's guess.
+/// True when a point that moves straight from a to b during the whole step cannot touch. Branch-free: most
+/// points are far from most solids, but which ones is unpredictable.
 inline bool clear_of(const SweptCollider& c, const Vec3& a, const Vec3& b) {
   if (c.shape.kind == ShapeKind::plane) return dot(c.end_normal, b) > c.end_level;
   if (c.shape.side == PointSide::inside) return held_by(c, b);

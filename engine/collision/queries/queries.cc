@@ -21,7 +21,7 @@ NearestPoints of_point(const Manifold& m) {
 std::optional<NearestPoints> nearest_points(const Solid& a, const Transform& at_a, const Solid& b,
                                             const Transform& at_b, double within) {
   if (is_convex(a.kind) && is_convex(b.kind)) {
-    // Apart, the search for the distance is exact; manifolds prefer faces by a little.
+    // For separated solids the distance search is exact; manifolds slightly prefer faces.
     const Convex ca = view(a), cb = view(b);
     const double ra = ca.radius(), rb = cb.radius();
     const CoreDistance d = core_distance(ca, cb, relative(at_a, at_b),
@@ -45,7 +45,7 @@ std::optional<NearestPoints> nearest_points(const Solid& a, const Transform& at_
 
 std::optional<NearestPoint> nearest_point(const Solid& solid, const Transform& at, const Vec3& point,
                                           double within) {
-  // A ball of no size.
+  // A ball of zero size.
   Solid dot_solid;
   dot_solid.size = {};
   std::vector<Manifold> all;

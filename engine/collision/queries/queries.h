@@ -1,5 +1,5 @@
-// Questions to one solid, two solids, or all bodies of a broad phase: rays (ray_cast.h), casts of a moving
-// solid, nearest points, overlap. Bodies are handed over as a function body(i) -> PlacedSolid.
+// Queries of one solid, two solids, or all bodies of a broad phase: rays (ray_cast.h), casts of a moving
+// solid, nearest points, overlap. Bodies are passed as a function body(i) -> PlacedSolid.
 #pragma once
 #include <algorithm>
 #include <optional>
@@ -12,14 +12,14 @@
 
 namespace truestep {
 
-/// Signed distance between two solids (negative: depth) with the places that show it.
+/// Signed distance between two solids (negative: depth) and the points that attain it.
 struct NearestPoints {
   double distance = 0;    ///< m
   Vec3 point_a, point_b;  ///< on a's and b's surface
   Vec3 normal;            ///< unit, from a to b
 };
 
-/// Nothing when they are further apart than `within` (m), or surfaces both.
+/// Empty when they are farther apart than `within` (m), or both are surfaces.
 std::optional<NearestPoints> nearest_points(const Solid& a, const Transform& at_a, const Solid& b,
                                             const Transform& at_b, double within);
 /// Nearest place on a solid to a point, from the point's side of it; nothing beyond `within` (m) or behind a
@@ -33,7 +33,7 @@ std::optional<NearestPoint> nearest_point(const Solid& solid, const Transform& a
                                           double within);
 /// True when they share a point.
 bool overlap(const Solid& a, const Transform& at_a, const Solid& b, const Transform& at_b);
-/// First touch of a solid (convex or compound) that moves without turning; see time_of_impact.
+/// First touch of a solid (convex or compound) that moves without rotating; see time_of_impact.
 std::optional<Impact> shape_cast(const Solid& moving, const Pose& from, const Vec3& move, const Solid& target,
                                  const Pose& at, double touch);
 
@@ -50,8 +50,7 @@ struct BodyHit {
 /// True when the ray meets the box no later than `most`.
 bool ray_meets(const FloatBox& box, const Ray& ray, double most);
 
-/// First body that the ray meets among those the broad phase knows from its last update; equal distances go
-/// to the lower number.
+/// First body hit by the ray among those in the broad phase's last update; ties go to the lower number.
 template <class Body>
 std::optional<BodyHit> ray_cast(const BroadPhase& broad, Body&& body, const Ray& ray, double most) {
   std::optional<BodyHit> best;
@@ -75,7 +74,7 @@ void overlapping_bodies(const BroadPhase& broad, Body&& body, const Solid& solid
   std::sort(out.begin(), out.end());
 }
 
-/// First body that a convex solid or compound touches on its way (see shape_cast).
+/// First body that a convex solid or compound touches along its path (see shape_cast).
 struct BodyImpact {
   uint32_t body = 0;
   Impact impact;

@@ -34,7 +34,7 @@ class Clip {
   Vec3 normal_;
 };
 
-/// Times at which |o + t d| = r for two- or three-dimensional o and d; nothing when missed. Accurate for far
+/// Times at which |o + t d| = r for two- or three-dimensional o and d; empty when missed. Accurate for far
 /// origins: the nearest approach is found first.
 std::optional<std::pair<double, double>> circle_times(const Vec3& o, const Vec3& d, double r) {
   const double dd = norm2(d);
@@ -99,7 +99,7 @@ std::optional<RayHit> local_cast(const Solid& s, const Ray& ray, double most);
 
 std::optional<RayHit> on_mesh(const TriangleMesh& m, const Ray& ray, double most) {
   std::optional<RayHit> best;
-  // Boxes of flat triangles are flat: a hair around them.
+  // Boxes of flat triangles are flat: enlarged slightly.
   const double hair = 1e-12 * norm(m.tree().bounds().high - m.tree().bounds().low);
   m.tree().each([&](const Box& b) { return meets(b.grown(hair), ray, best ? best->t : most); },
                 [&](uint32_t i) {
@@ -112,7 +112,7 @@ std::optional<RayHit> on_mesh(const TriangleMesh& m, const Ray& ray, double most
 std::optional<RayHit> on_heights(const HeightField& h, const Ray& ray, double most) {
   const Box b = h.bounds().grown(1e-12 * norm(h.bounds().high - h.bounds().low));
   if (!meets(b, ray, most)) return std::nullopt;
-  // In pieces, so that a long ray does not look at the whole field.
+  // In pieces, so that a long ray does not visit the whole field.
   constexpr int kPieces = 64;
   const double across = norm(b.high - b.low) + norm(ray.origin - b.center());
   const double end = std::min(most, 2 * across / norm(ray.direction));

@@ -1,5 +1,5 @@
-// How a body moves during a step: straight, and turning at a constant rate by the shorter way.
-//   x(t) = x0 + t (x1 - x0),   R(t) = exp(t turn) R0,   0 <= t <= 1
+// How a body moves during a step: straight, and rotating at a constant rate the shorter way. x(t) = x0 + t
+// (x1 - x0), R(t) = exp(t turn) R0, 0 <= t <= 1
 #pragma once
 #include "engine/geometry/transform.h"
 
@@ -15,7 +15,7 @@ struct Sweep {
 
 /// Both orientations must be unit.
 Sweep sweep_between(const Pose& from, const Pose& to);
-/// A body that stays.
+/// A body at rest.
 inline Sweep resting(const Pose& pose) {
   return {pose, {}, {}};
 }

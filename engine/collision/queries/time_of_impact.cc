@@ -85,7 +85,7 @@ std::optional<Impact> advance(const Moving& a, const Moving& b, double touch, do
     }
     const double closing = dot(g.normal, approach) + spin;
     if (!(closing > 0)) return std::nullopt;
-    // Halfway into the zone of touch, so that rounds are few and the gap stays open.
+    // Aims halfway into the touch zone, so that few rounds are needed and the gap stays open.
     t += (g.distance - 0.5 * touch) / closing;
     if (!(t <= latest)) return std::nullopt;
     guess = g.normal;
@@ -100,14 +100,14 @@ void each_part(const Solid& s, const Sweep& sweep, Visit&& visit) {
   for (uint32_t i = 0; i < parts.size(); ++i) visit(moving(view(parts[i].solid), parts[i].place, sweep), i);
 }
 
-/// Box, in the frame of a body that sweeps, around all places of another.
+/// Box, in the frame of a sweeping body, around all positions of another.
 Box swept_box(const Solid& b, const Sweep& sb, const Sweep& sa) {
   const Vec3 p0 = sa.at(0).inverse_point(sb.from.position),
              p1 = sa.at(1).inverse_point(sb.from.position + sb.move);
   Box box = Box::nothing();
   box.cover(p0);
   box.cover(p1);
-  // What turning of the frame may add: no more than the arc.
+  // The rotation of the frame adds at most the arc.
   return box.grown(bounding_radius(b) + norm(sa.turn) * std::max(norm(p0), norm(p1)));
 }
 
@@ -118,7 +118,7 @@ void keep_earlier(const std::optional<Impact>& hit, uint32_t part_a, uint32_t pa
   best->part_a = part_a, best->part_b = part_b;
 }
 
-/// When the centre of a part comes to the front of a triangle; nothing when it stays behind.
+/// When the centre of a part reaches the front of a triangle; empty when it stays behind.
 std::optional<double> first_in_front(const MeshTriangle& triangle, const Sweep& surface, const Moving& part) {
   const auto height = [&](double t) {
     const Vec3 center = surface.at(t).inverse_point(part.at(t).point(part.shape.center()));

@@ -4,6 +4,7 @@
 #include <map>
 
 #include "engine/couplings/attachment/body_attachment.h"
+#include "engine/couplings/attachment/links.h"
 #include "engine/couplings/sides.h"
 
 namespace truestep::attachment {
@@ -11,39 +12,8 @@ namespace truestep::attachment {
 namespace {
 
 constexpr const char* kStart = "attachment.start";
-/// Column of the impulses on b in the last two substeps, where a side answers as a whole.
-constexpr const char* kPairImpulse = "pair_impulse";
-/// Links are swept until each is within this part of its length (or of a metre); rounding itself is 1e-16.
-constexpr double kLengthTolerance = 1e-13;
-constexpr int kMostSweeps = 200;
-/// Newton steps towards the lengths and directions at the end at most, and rad by which directions may be
-/// off.
-constexpr int kMostSolutions = 30;
-constexpr double kSameDirection = 1e-6;
 
-template <class Real>
-Vec3 separation(const PointsOf<Real>& a, size_t i, const PointsOf<Real>& b, size_t j) {
-  return b.place(j) - a.place(i);
-}
-template <class Real>
-Vec3 approach(const PointsOf<Real>& a, size_t i, const PointsOf<Real>& b, size_t j) {
-  return b.velocity(j) - a.velocity(i);
-}
-
-/// The column; null in states of the same scene by other methods, which remedies are tried on.
-double* pair_impulses(State& own) {
-  const auto c = own.find(kPairImpulse);
-  return c ? own.f64(*c).data() : nullptr;
-}
-
-/// What the last two impulses have in common: forces last, blows do not.
-Vec3 lasting(const double* last, size_t pair) {
-  const Vec3 j = load3(last, 2 * pair), before = load3(last, 2 * pair + 1);
-  const double d = dot(j, before), jj = norm2(j);
-  return d > 0 ? j * std::min(1.0, d / jj) : Vec3{};
-}
-
-/// Id of the point that an index of the scene names.
+/// Id of the point with an index from the scene.
 uint64_t named_point(int64_t index, const CouplingSide& side, const PointPort& columns,
                      const std::string& pointer) {
   const ConstPoints points(side.state, columns);
@@ -57,16 +27,6 @@ uint64_t named_point(int64_t index, const CouplingSide& side, const PointPort& c
           n > 0 ? std::to_string(-n) + " to " + std::to_string(n - 1) : "no point is there", "", ""}});
   }
   return points.ids.empty() ? static_cast<uint64_t>(row) : points.ids[static_cast<size_t>(row)];
-}
-
-/// Correction of r that restores |r| = L along the direction d of the substep's start (the root near zero of
-/// a quadratic); along r itself where the link has turned too far for that.
-Vec3 length_correction(const Vec3& r, const Vec3& d, double rest) {
-  if (rest == 0) return -r;
-  const double rd = dot(r, d), dd = norm2(d), excess = norm2(r) - rest * rest;
-  const double discriminant = rd * rd - dd * excess;
-  if (rd > 0 && discriminant > 0) return d * (-excess / (rd + std::sqrt(discriminant)));
-  return normalized(r) * rest - r;
 }
 
 }  // namespace
@@ -162,104 +122,6 @@ void Attachment::end(const CoupledStates& s, const StepInput& in) const {
   book(s.own, sum);
 }
 
-// Forces last about as long as many steps do: both sides take the last step's into their own, curved answer,
-// and the straight one (answered_pairs.h) is left with what has changed since.
-void Attachment::give_last(const CoupledStates& s, Points& a, Points& b,
-                           const std::vector<Live>& live) const {
-  const double* last = pair_impulses(s.own);
-  if (!last) return;
-  for (const Live& p : live) exchange_impulse(a, p.a, p.wa, b, p.b, p.wb, lasting(last, p.pair));
-}
-
-// What is asked of a pair that has come to r and u without its impulse J, in the direction n that it ends in;
-// r' = r + h W J and u' = u + W J.
-//   link    |r'| = L: n.(W J) = (L - n.r) / h, J along n
-//   spring  J = -h f(r', u') with f = K r' - k L n + c (u'.n) n, K = k n n^T + k (1 - L / |r'|) (1 - n n^T),
-//   the
-//           second part where it is stretched. With B = h (h K + c n n^T) and J = sqrt(B) y
-//           (1 + sqrt(B) W sqrt(B)) y = -h sqrt(B)^-1 f(r, u)
-void Attachment::ask(AnsweredPair& q, double rest, const Vec3& r, const Vec3& u, double h) const {
-  const Vec3 ends = r + q.change * h;
-  q.n = rest == 0 ? Vec3{} : normalized(ends);
-  if (def_.link == AttachmentDef::Link::rigid) {
-    q.along = 1, q.across = rest == 0 ? 1 : 0;
-    q.right = (rest == 0 ? -r : q.n * (rest - dot(r, q.n))) / h;
-    return;
-  }
-  const double k = def_.stiffness, c = def_.damping;
-  q.give = 1, q.along = std::sqrt(h * (h * k + c));
-  if (rest == 0) {
-    q.across = q.along;
-    q.right = (r * k + u * c) * (-h / q.along);
-    return;
-  }
-  const double across = std::sqrt(k * std::max(0.0, 1 - rest / std::max(norm(ends), rest)));
-  q.across = h * across;
-  q.right =
-      q.n * (-h / q.along * (k * (dot(r, q.n) - rest) + c * dot(u, q.n))) - (r - q.n * dot(r, q.n)) * across;
-}
-
-// Newton's method for the directions at the end: with both sides' answers the step of implicit Euler on the
-// two systems as one.
-void Attachment::solve_pairs(const CoupledStates& s, const StepInput& in, const std::vector<Live>& live,
-                             Exchange& sum) const {
-  if (live.empty()) return;
-  Points a(s.a, a_), b(s.b, b_);
-  double* last = pair_impulses(s.own);
-  auto& pairs = in.workspace.object<std::vector<AnsweredPair>>("attachment.answered");
-  auto& free = in.workspace.object<std::vector<FreePair>>("attachment.free");
-  pairs.clear(), free.clear();
-  for (const Live& p : live) {
-    pairs.push_back({.a = p.a, .b = p.b, .wa = p.wa, .wb = p.wb});
-    if (last) pairs.back().given = lasting(last, p.pair);
-  }
-  answered_.answer_given(s, in, pairs);
-  for (const AnsweredPair& p : pairs) {
-    free.push_back({separation(a, p.a, b, p.b) - p.change * in.h, approach(a, p.a, b, p.b) - p.change});
-  }
-  for (int solution = 0; solution < kMostSolutions; ++solution) {
-    double turn = 0;
-    for (size_t i = 0; i < pairs.size(); ++i) {
-      const Vec3 n = pairs[i].n;
-      ask(pairs[i], live[i].rest, free[i].r, free[i].u, in.h);
-      turn = std::max(turn, norm(pairs[i].n - n));
-    }
-    if (solution > 0 && turn <= kSameDirection) break;
-    answered_.solve(s, in, pairs);
-  }
-  answered_.move(s, in, pairs);
-  for (size_t i = 0; i < pairs.size(); ++i) {
-    const AnsweredPair& p = pairs[i];
-    const Vec3 u = approach(a, p.a, b, p.b);
-    const double u2 = live[i].rest == 0 ? norm2(u) : dot(u, p.n) * dot(u, p.n);
-    sum.add(p.impulse, def_.link == AttachmentDef::Link::spring ? in.h * def_.damping * u2 : 0);
-    if (!last) continue;
-    store3(last, 2 * live[i].pair + 1, load3(last, 2 * live[i].pair));
-    store3(last, 2 * live[i].pair, p.impulse);
-  }
-  if (def_.link == AttachmentDef::Link::rigid) close_lengths(s, in, live, pairs, sum);
-}
-
-// What rounding and the last turn of the links have left of their lengths.
-void Attachment::close_lengths(const CoupledStates& s, const StepInput& in, const std::vector<Live>& live,
-                               std::vector<AnsweredPair>& pairs, Exchange& sum) const {
-  Points a(s.a, a_), b(s.b, b_);
-  for (int solution = 0; solution < kMostSolutions; ++solution) {
-    double worst = 0;
-    for (size_t i = 0; i < pairs.size(); ++i) {
-      AnsweredPair& p = pairs[i];
-      const Vec3 r = separation(a, p.a, b, p.b);
-      p.given = {}, p.change = {};
-      ask(p, live[i].rest, r, {}, in.h);
-      worst = std::max(worst, norm(p.right) * in.h / std::max(live[i].rest, 1.0));
-    }
-    if (worst <= kLengthTolerance) break;
-    answered_.solve(s, in, pairs);
-    answered_.move(s, in, pairs);
-    for (const AnsweredPair& p : pairs) sum.add(p.impulse, 0);
-  }
-}
-
 // J = -half k (|r| - L) n; with L = 0 it needs no direction.
 void Attachment::pull(Points& a, Points& b, const std::vector<Live>& live, double half, Exchange& sum) const {
   for (const Live& p : live) {
@@ -285,7 +147,7 @@ void Attachment::damp(Points& a, Points& b, const std::vector<Live>& live, doubl
   }
 }
 
-// SHAKE's part: every correction of place is one of velocity, 1/h times it, too.
+// SHAKE's part: every position correction also changes the velocity, by 1/h times as much.
 void Attachment::restore_lengths(Points& a, Points& b, const std::vector<Live>& live, const double* start,
                                  double h, Exchange& sum) {
   for (int sweep = 0; sweep < kMostSweeps; ++sweep) {

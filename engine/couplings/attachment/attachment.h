@@ -1,17 +1,15 @@
 // The coupling type "attachment": pairs (i of a, j of b), r = x_j - x_i, u = v_j - v_i, K = w_i + w_j
 // (inverse masses).
-//   spring  J = -h/2 (k (|r| - L) + c u.n) n on j at both ends of the substep, -J on i; the damping part by
-//   the
-//           trapezoid rule, which is stable for every c. Impulse method of Tuckerman, Berne, Martyna 1992,
-//           "Reversible multiple time scale molecular dynamics": order 2, stable for h sqrt(k K) < 2.
-//           Stiffer ones, h sqrt(k K) > 1, are solved for together with both sides: J = -h (k (|r'| - L) + c
-//           u'.n) n with r' and u' at the substep's end, implicit Euler's force of a spring.
-//   rigid   |r| = L: RATTLE (Andersen 1983) across the two systems. After both have moved, places go back to
-//           the link's length along its direction at the substep's start, velocities along with them, and
-//           then u.n = 0. Links that share points are swept until all hold. Where a side is solved
-//           implicitly, the link's impulse is that of the two systems solved as one: points answer with all
-//           that is tied to them (core/impulse_answer.h), because a point that is put in place alone
-//           stretches stiff springs.
+// Spring: J = -h/2 (k (|r| - L) + c u.n) n on j at both ends of the substep, -J on i; the damping by the
+// trapezoid rule, which is stable for every c. Impulse method of Tuckerman, Berne, Martyna 1992, "Reversible
+// multiple time scale molecular dynamics": order 2, stable for h sqrt(k K) < 2. Stiffer springs, h sqrt(k K)
+// > 1, are solved together with both sides: J = -h (k (|r'| - L) + c u'.n) n with r' and u' at the substep's
+// end, the spring force of implicit Euler.
+// Rigid link: |r| = L by RATTLE (Andersen 1983) across the two systems. After both have moved, positions are
+// corrected to the link's length along its direction at the substep's start, velocities along with them, and
+// then u.n = 0. Links that share points are swept until all hold. When a side is solved implicitly, the
+// link's impulse is that of the two systems solved as one: points respond with everything tied to them
+// (core/impulse_answer.h), because moving a point alone would stretch stiff springs.
 // A particle that dies lets go.
 #pragma once
 #include <memory>
@@ -25,7 +23,7 @@ namespace truestep::attachment {
 
 class Attachment final : public Coupling {
  public:
-  /// Error "scene_invalid" when a system has no points to attach or a pair names one that is not there.
+  /// Error "scene_invalid" when a system has no points to attach or a pair names a point that does not exist.
   static std::unique_ptr<const Attachment> make(const AttachmentDef& def, const CouplingContext& context);
 
   State initial_state() const override;
@@ -39,13 +37,13 @@ class Attachment final : public Coupling {
   std::vector<PlanRow> plan() const override;
 
  private:
-  /// Ids of the two points, and how many pairs hold on to each of them.
+  /// Ids of the two points, and how many pairs are attached to each of them.
   struct Pair {
     uint64_t a, b;
     double rest;  ///< m
     double a_share, b_share;
   };
-  /// A pair whose points are both there and not both held.
+  /// A pair whose points both exist and are not both held.
   struct Live {
     size_t pair, a, b;  ///< index of the pair, rows
     double wa, wb, rest;
@@ -61,10 +59,10 @@ class Attachment final : public Coupling {
   static void restore_lengths(Points& a, Points& b, const std::vector<Live>& live, const double* start,
                               double h, Exchange& sum);
   static void match_velocities(Points& a, Points& b, const std::vector<Live>& live, Exchange& sum);
-  /// Springs by their impulses at both ends of a substep, and those that are too stiff for that; all links.
+  /// Springs by impulses at both ends of a substep, springs too stiff for that, or all links.
   enum class Wanted : uint8_t { kicked, solved, links };
   std::vector<Live>& live_pairs(const Points& a, const Points& b, const StepInput& in, Wanted wanted) const;
-  /// Where a pair would be without its impulse.
+  /// The motion of a pair without its impulse.
   struct FreePair {
     Vec3 r, u;
   };

@@ -38,7 +38,7 @@ Cost attachment_cost(const void* def, const Cost&, const Cost&) {
   return {.state_bytes = 256,
           .workspace_bytes = 32 * pairs,
           .elements = pairs,
-          // A rigid link between points that others share takes several sweeps.
+          // Rigid links that share points take several sweeps.
           .seconds_per_step = pairs * (d.link == AttachmentDef::Link::rigid ? 1.5e-6 : 1e-7)};
 }
 

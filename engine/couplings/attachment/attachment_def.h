@@ -17,16 +17,16 @@ struct AttachmentDef {
   std::vector<Vec3> places;
 };
 
-/// (h omega)^2 of a spring on its two places from which it is solved for: half of what its kicks are stable
-/// at.
+/// (h omega)^2 of a spring between its two points beyond which it is solved implicitly: half the stability
+/// limit of its kicks.
 inline constexpr double kMostKicked = 1;
-/// The same where points answer together: forces that are solved for at a step's end do not hold the second
-/// half of a kick, and the point is seen to move by it. Its kinetic energy is a quarter of this times what
-/// the spring stores.
+/// The same when points respond together: forces solved for at a step's end do not balance the second half of
+/// a kick, and the point visibly moves. Its kinetic energy is a quarter of this times the energy stored in
+/// the spring.
 inline constexpr double kMostKickedTogether = 0.01;
 
 const DefTable& attachment_table();
-/// `a` and `b` are what the two systems cost by themselves.
+/// `a` and `b` are the costs of the two systems alone.
 Cost attachment_cost(const void* def, const Cost& a, const Cost& b);
 
 }  // namespace truestep::attachment

@@ -3,52 +3,20 @@
 #include <algorithm>
 #include <cmath>
 
+#include "engine/couplings/attachment/links.h"
+#include "engine/couplings/attachment/places.h"
 #include "engine/couplings/sides.h"
 
 namespace truestep::attachment {
 
 namespace {
 
-/// Links are swept until each is within this part of its length (or of a metre); rounding itself is 1e-16.
-constexpr double kLengthTolerance = 1e-13;
-constexpr int kMostSweeps = 200;
-/// Newton steps towards the lengths and directions at the end at most, and their own accuracy.
-constexpr int kMostSolutions = 30;
-constexpr double kAccuracy = 1e-12;
-/// Stretch from which a spring's turning is solved for: what it was given at the start has a direction, too.
-constexpr double kLeastTurned = 1e-9;
-
-/// What the last two impulses have in common: forces last, blows do not.
-Vec3 lasting(const Vec3& j, const Vec3& before) {
-  const double d = dot(j, before), jj = norm2(j);
-  return d > 0 ? j * std::min(1.0, d / jj) : Vec3{};
-}
-
-Vec3 arm_of(const auto& bodies, uint32_t body, const Vec3& place) {
-  return rotation(bodies.orientation(body)).apply(place);
-}
-
-/// r of a pair.
-Vec3 separation(const auto& points, size_t point, const auto& bodies, uint32_t body, const Vec3& place) {
-  return points.place(point) - bodies.place(body) - arm_of(bodies, body, place);
-}
-
-/// Correction of r that restores |r| = L along the direction d of the substep's start; along r itself where
-/// the link has turned too far for that.
-Vec3 length_correction(const Vec3& r, const Vec3& d, double rest) {
-  if (rest == 0) return -r;
-  const double rd = dot(r, d), dd = norm2(d), excess = norm2(r) - rest * rest;
-  const double discriminant = rd * rd - dd * excess;
-  if (rd > 0 && discriminant > 0) return d * (-excess / (rd + std::sqrt(discriminant)));
-  return normalized(r) * rest - r;
-}
-
 [[noreturn]] void refuse(const std::string& pointer, const std::string& code, const std::string& why,
                          const std::string& value, const std::string& allowed) {
   throw Error("scene_invalid", why, {{pointer, code, why, value, allowed, "", ""}});
 }
 
-/// Row that an index of the scene names.
+/// Row with an index from the scene.
 size_t named_row(int64_t index, size_t rows, const std::string& id, const char* noun,
                  const std::string& pointer) {
   const auto n = static_cast<int64_t>(rows);
@@ -92,7 +60,7 @@ std::unique_ptr<const BodyAttachment> BodyAttachment::make(const AttachmentDef& 
 
 State BodyAttachment::initial_state() const {
   State s = exchange_state();
-  if (rigid() && sides_.together()) s.add({"pair_impulse", "N s", Scalar::f64, 6}, pairs_.size());
+  if (rigid() && sides_.together()) s.add({kPairImpulse, "N s", Scalar::f64, 6}, pairs_.size());
   return s;
 }
 
@@ -118,7 +86,8 @@ std::vector<BodyAttachment::Live>& BodyAttachment::live(const Points& points, co
     Live l{k, {}, pairs_[k].place, pairs_[k].rest, {}, false};
     l.link.rows[0] = i, l.link.body = j;
     if (!rigid()) {
-      // What is kicked at the start is so at the end; answers of jointed bodies change with the way.
+      // A spring kicked at the start is also kicked at the end; responses of jointed bodies change along the
+      // way.
       double& kicked = in.workspace.doubles("body_attachment.kicked", pairs_.size())[k];
       if (when == When::start) kicked = may_be_kicked(l, points, bodies, in.h);
       l.kicked = kicked != 0;
@@ -126,24 +95,6 @@ std::vector<BodyAttachment::Live>& BodyAttachment::live(const Points& points, co
     out.push_back(l);
   });
   return out;
-}
-
-bool BodyAttachment::may_be_kicked(const Live& l, const Points& points, const Bodies& bodies,
-                                   double h) const {
-  // At most one over the mass and one over the inertia of what hangs at its arm.
-  const uint32_t b = l.link.body;
-  double k = l.link.inverse_mass(points);
-  if (!bodies.free()) {
-    const Vec3 arm = arm_of(bodies, b, l.place);
-    for (const Vec3& n : {Vec3{1, 0, 0}, Vec3{0, 1, 0}, Vec3{0, 0, 1}}) k += bodies.inverse_mass(b, arm, n);
-  } else if (bodies.dynamic(b)) {
-    const BodyForm& f = bodies.form(b);
-    const double least = std::min({f.moments.x, f.moments.y, f.moments.z});
-    k += 1 / f.mass + norm2(l.place) / least;
-  }
-  double share = 0;
-  for (const Pair& p : pairs_) share += p.point == pairs_[l.pair].point || p.body == pairs_[l.pair].body;
-  return h * h * def_.stiffness * k * share <= (sides_.together() ? kMostKickedTogether : kMostKicked);
 }
 
 void BodyAttachment::begin(const CoupledStates& s, const StepInput& in) const {
@@ -167,38 +118,7 @@ void BodyAttachment::begin(const CoupledStates& s, const StepInput& in) const {
   book_sum(s.own, sum);
 }
 
-// Half of a substep's impulse of soft springs: J = -h/2 k (|r| - L) n.
-void BodyAttachment::pull(const std::vector<Live>& live, Points& points, Bodies& bodies, double h,
-                          Exchange& sum) const {
-  for (const Live& l : live) {
-    if (!l.kicked) continue;
-    const Vec3 r = separation(points, l.link.rows[0], bodies, l.link.body, l.place);
-    const Vec3 stretch = l.rest == 0 ? r : r - normalized(r) * l.rest,
-               j = stretch * (-0.5 * h * def_.stiffness);
-    l.link.push(points, bodies, j);
-    sum.add(-j, 0);
-  }
-}
-
-// du/dt = -c K u along n by the trapezoid rule: u' = u (1 - q) / (1 + q), q = c K h / 4.
-void BodyAttachment::damp(const std::vector<Live>& live, Points& points, Bodies& bodies, double h,
-                          Exchange& sum) const {
-  if (def_.damping == 0) return;
-  for (const Live& l : live) {
-    if (!l.kicked) continue;
-    const uint32_t b = l.link.body;
-    const Vec3 r = separation(points, l.link.rows[0], bodies, b, l.place),
-               u = l.link.relative(points, bodies);
-    if (!(norm2(r) > 0)) continue;
-    const Vec3 n = normalized(r);
-    const double k = l.link.inverse_mass(points) + bodies.inverse_mass(b, l.link.arm(points, bodies), n);
-    const double q = 0.25 * def_.damping * k * h, speed = dot(u, n), j = -2 * q / ((1 + q) * k) * speed;
-    l.link.push(points, bodies, n * j);
-    sum.add(n * -j, -j * (speed + 0.5 * k * j));
-  }
-}
-
-// A body takes its part as a force that acts throughout the step.
+// A body takes its part as a force acting throughout the step.
 void BodyAttachment::give(const BodyLink& link, const Vec3& j, Points& points, Bodies& bodies, double h) {
   const uint32_t b = link.body;
   const Vec3 v = bodies.velocity(b), w = bodies.spin(b);
@@ -206,41 +126,6 @@ void BodyAttachment::give(const BodyLink& link, const Vec3& j, Points& points, B
   if (!bodies.free()) return bodies.shift(b, link.arm(points, bodies), j * (0.5 * h), {});
   if (bodies.dynamic(b)) {
     bodies.move(b, (bodies.velocity(b) - v) * (-0.5 * h), (bodies.spin(b) - w) * (-0.5 * h));
-  }
-}
-
-// Forces last about as long as many steps do.
-void BodyAttachment::give_last(const CoupledStates& s, const StepInput& in, Exchange& sum) const {
-  Points points(this->points(s), sides_.points());
-  Bodies bodies(this->bodies(s), sides_.bodies(), &in.workspace);
-  const auto columns = s.own.find("pair_impulse");
-  if (!columns) return;
-  double* last = s.own.f64(*columns).data();
-  for (const Live& l : live(points, bodies, in)) {
-    const Vec3 j = lasting(load3(last, 2 * l.pair), load3(last, 2 * l.pair + 1));
-    store3(last, 2 * l.pair + 1, load3(last, 2 * l.pair));
-    store3(last, 2 * l.pair, j);
-    if (j == Vec3{}) continue;
-    give(l.link, j, points, bodies, in.h);
-    sum.add(-j, 0);
-  }
-}
-
-// What a stretched spring pulls with at the start, so that what it holds is loaded while it moves: a rope
-// that hung loose for a step would be straightened by its load along directions that it no longer has.
-void BodyAttachment::give_first(const CoupledStates& s, const StepInput& in, Exchange& sum) const {
-  Points points(this->points(s), sides_.points());
-  Bodies bodies(this->bodies(s), sides_.bodies(), &in.workspace);
-  double* given = in.workspace.doubles("body_attachment.given", 3 * pairs_.size()).data();
-  for (const Live& l : live(points, bodies, in)) {
-    if (l.kicked) continue;
-    const Vec3 r = separation(points, l.link.rows[0], bodies, l.link.body, l.place);
-    const double stretch = norm(r) - l.rest;
-    const Vec3 j = stretch > 0 ? normalized(r) * (-in.h * def_.stiffness * stretch) : Vec3{};
-    store3(given, l.pair, j);
-    if (j == Vec3{}) continue;
-    give(l.link, j, points, bodies, in.h);
-    sum.add(-j, 0);
   }
 }
 
@@ -265,125 +150,6 @@ void BodyAttachment::end(const CoupledStates& s, const StepInput& in) const {
     match_velocities(pairs, points, bodies, sum);
   }
   book_sum(s.own, sum);
-}
-
-// J = -h f(r', u') with f = K r' - k L n + c (u'.n) n: couplings/attachment.cc has the equations.
-void BodyAttachment::solve_springs(const CoupledStates& s, const StepInput& in, std::vector<Live>& all,
-                                   Exchange& sum) const {
-  Points points(this->points(s), sides_.points());
-  Bodies bodies(this->bodies(s), sides_.bodies(), &in.workspace);
-  auto& links = in.workspace.object<std::vector<AnsweredLink>>("body_attachment.links");
-  links.clear();
-  const double k = def_.stiffness, c = def_.damping, h = in.h;
-  const double* given =
-      sides_.together() ? in.workspace.doubles("body_attachment.given", 3 * pairs_.size()).data() : nullptr;
-  for (const Live& l : all) {
-    if (l.kicked) continue;
-    const Vec3 r = separation(points, l.link.rows[0], bodies, l.link.body, l.place);
-    const Vec3 u = l.link.relative(points, bodies), j0 = given ? load3(given, l.pair) : Vec3{};
-    AnsweredLink a;
-    a.link = l.link, a.n = l.rest == 0 ? Vec3{} : normalized(r);
-    a.give = 1, a.along = std::sqrt(h * (h * k + c));
-    if (l.rest == 0) {
-      a.across = a.along;
-      a.right = (r * k + u * c) * (-h / a.along) - j0 / a.along;
-    } else {
-      a.across = h * std::sqrt(k * std::max(kLeastTurned, 1 - l.rest / std::max(norm(r), l.rest)));
-      const double along = dot(j0, a.n);
-      a.right = a.n * (-h / a.along * (k * (dot(r, a.n) - l.rest) + c * dot(u, a.n)) - along / a.along) -
-                (j0 - a.n * along) / a.across;
-    }
-    links.push_back(a);
-  }
-  if (links.empty()) return;
-  sides_.solve(this->points(s), this->bodies(s), in, links, kAccuracy, 3 * links.size() + 10);
-  sides_.move(this->points(s), this->bodies(s), in, links);
-  for (const AnsweredLink& a : links) {
-    const Vec3 u = a.link.relative(points, bodies);
-    const double u2 = a.n == Vec3{} ? norm2(u) : dot(u, a.n) * dot(u, a.n);
-    sum.add(-a.impulse, h * c * u2);
-  }
-}
-
-// Newton's method for the lengths at the end, both sides solved as one.
-void BodyAttachment::solve_links(const CoupledStates& s, const StepInput& in, std::vector<Live>& all,
-                                 Exchange& sum) const {
-  Points points(this->points(s), sides_.points());
-  Bodies bodies(this->bodies(s), sides_.bodies(), &in.workspace);
-  auto& links = in.workspace.object<std::vector<AnsweredLink>>("body_attachment.links");
-  const auto column = s.own.find("pair_impulse");
-  double* last = column ? s.own.f64(*column).data() : nullptr;
-  for (int solution = 0; solution < kMostSolutions; ++solution) {
-    links.clear();
-    double worst = 0;
-    for (const Live& l : all) {
-      const Vec3 r = separation(points, l.link.rows[0], bodies, l.link.body, l.place);
-      AnsweredLink a;
-      a.link = l.link;
-      a.n = l.rest == 0 ? Vec3{} : normalized(r);
-      a.across = l.rest == 0 ? 1 : 0;
-      a.right = (l.rest == 0 ? -r : a.n * (l.rest - norm(r))) / in.h;
-      worst = std::max(worst, norm(a.right) * in.h / std::max(l.rest, 1.0));
-      links.push_back(a);
-    }
-    if (worst <= kLengthTolerance) break;
-    sides_.solve(this->points(s), this->bodies(s), in, links, kAccuracy, 3 * links.size() + 10);
-    sides_.move(this->points(s), this->bodies(s), in, links);
-    for (size_t k = 0; k < links.size(); ++k) {
-      sum.add(-links[k].impulse, 0);
-      if (last) store3(last, 2 * all[k].pair, load3(last, 2 * all[k].pair) + links[k].impulse);
-    }
-  }
-}
-
-// SHAKE's part: every correction of place is one of velocity, 1/h times it, too. The impulse acts on the body
-// where the link does; what that and the correction leave of the angular momentum is of second order.
-void BodyAttachment::restore_lengths(const std::vector<Live>& live, Points& points, Bodies& bodies, double h,
-                                     Exchange& sum) const {
-  for (int sweep = 0; sweep < kMostSweeps; ++sweep) {
-    double worst = 0;
-    for (const Live& l : live) {
-      const uint32_t b = l.link.body;
-      const size_t i = l.link.rows[0];
-      const Vec3 arm = arm_of(bodies, b, l.place), r = l.link.place(points) - bodies.place(b) - arm;
-      const Vec3 dr = length_correction(r, l.start, l.rest);
-      worst = std::max(worst, norm(dr) / std::max(l.rest, 1.0));
-      const double size = norm(dr);
-      if (!(size > 0)) continue;
-      const double w = points.inverse_mass(i);
-      const Vec3 n = dr / size, p = dr / (w + bodies.inverse_mass(b, arm, n)), j = p / h;
-      points.accelerate(i, j * w);
-      bodies.push(b, arm, -j);
-      const Vec3 gained = (w > 0 ? cross(r, j) : Vec3{}) + l.link.gained(points, bodies, p);
-      points.shift(i, p * w);
-      bodies.shift(b, arm, -p, w > 0 ? gained : Vec3{});
-      sum.add(-j, 0);
-    }
-    if (worst <= kLengthTolerance) break;
-  }
-}
-
-// RATTLE's part: u.n = 0, or u = 0 where two places are one: then the directions are taken one by one.
-void BodyAttachment::match_velocities(const std::vector<Live>& live, Points& points, Bodies& bodies,
-                                      Exchange& sum) const {
-  for (int sweep = 0; sweep < kMostSweeps; ++sweep) {
-    double worst = 0, fastest = 0;
-    for (const Live& l : live) {
-      const Vec3 arm = l.link.arm(points, bodies), u = l.link.relative(points, bodies);
-      const Vec3 r = separation(points, l.link.rows[0], bodies, l.link.body, l.place);
-      const Vec3 along = l.rest == 0 ? u : normalized(r) * dot(u, normalized(r));
-      const double speed = norm(along);
-      worst = std::max(worst, speed),
-      fastest = std::max(fastest, norm(u) + norm(bodies.velocity(l.link.body)));
-      if (!(speed > 0)) continue;
-      const Vec3 n = along / speed;
-      const double k = l.link.inverse_mass(points) + bodies.inverse_mass(l.link.body, arm, n);
-      const Vec3 j = n * (-speed / k);
-      l.link.push(points, bodies, j);
-      sum.add(-j, 0.5 * speed * speed / k);
-    }
-    if (worst <= kLengthTolerance * fastest) break;
-  }
 }
 
 void BodyAttachment::observe(const ConstCoupledStates& s, Observables& out) const {

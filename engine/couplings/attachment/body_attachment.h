@@ -1,14 +1,12 @@
-// The coupling type "attachment" between points and rigid bodies: pairs (point i, place p on body k),
-// r = x_i - p, u its velocity as seen from there, K = w_i + n . K_k n.
-//   spring  J = -h/2 (k (|r| - L) + c u.n) n on the point at both ends of the substep, -J on the body at p;
-//   stiffer
-//           ones, h sqrt(k K) > 1, are solved for together with both sides as in couplings/attachment.h
-//   rigid   |r| = L: RATTLE (Andersen 1983) between point and body, along the link's direction at the
-//   substep's
-//           start; with L = 0 the two places are one and J has any direction. Where the points are solved
-//           implicitly, the impulse of the link is that of both solved as one (points_on_bodies.h), and what
-//           lasts of it is given to both before their own steps.
-// What a correction of places would change of the angular momentum goes to the body's spin
+// The coupling type "attachment" between points and rigid bodies: pairs (point i, place p on body k), r = x_i
+// - p, u its velocity relative to the body there, K = w_i + n . K_k n.
+// Spring: J = -h/2 (k (|r| - L) + c u.n) n on the point at both ends of the substep, -J on the body at p;
+// stiffer springs, h sqrt(k K) > 1, are solved together with both sides as in attachment.h.
+// Rigid link: |r| = L by RATTLE (Andersen 1983) between point and body, along the link's direction at the
+// substep's start; with L = 0 the two places coincide and J has any direction. When the points are solved
+// implicitly, the link's impulse is that of both solved as one (points_on_bodies.h), and its lasting part is
+// given to both before their own steps.
+// The angular momentum that a position correction would change is given to the body's spin
 // (core/body_port.h).
 #pragma once
 #include <memory>
@@ -21,8 +19,8 @@ namespace truestep::attachment {
 
 class BodyAttachment final : public Coupling {
  public:
-  /// Exactly one of the sides has bodies, the other one points. Error "scene_invalid" when a pair names what
-  /// is not there.
+  /// Exactly one side must have bodies, the other points. Error "scene_invalid" when a pair names something
+  /// that does not exist.
   static std::unique_ptr<const BodyAttachment> make(const AttachmentDef& def, const CouplingContext& context);
 
   State initial_state() const override;
@@ -40,7 +38,7 @@ class BodyAttachment final : public Coupling {
     Vec3 place;            ///< m, in the body's frame
     double rest;           ///< m
   };
-  /// A pair that is there and can move.
+  /// A pair that exists and can move.
   struct Live {
     size_t pair;
     BodyLink link;
@@ -54,12 +52,12 @@ class BodyAttachment final : public Coupling {
   State& bodies(const CoupledStates& s) const { return bodies_first_ ? s.a : s.b; }
   bool rigid() const { return def_.link == AttachmentDef::Link::rigid; }
   const char* pass() const { return rigid() ? "links" : "springs"; }
-  /// Visits every pair that is there: visit(index, point row, body row).
+  /// Visits every existing pair: visit(index, point row, body row).
   void each(const auto& points, const auto& bodies, auto&& visit) const;
   enum class When : uint8_t { start, later };
   std::vector<Live>& live(const Points& points, const Bodies& bodies, const StepInput& in,
                           When when = When::later) const;
-  /// Whether a spring is soft enough for a kick at either end of a substep.
+  /// Whether a spring is soft enough to be kicked at both ends of a substep.
   bool may_be_kicked(const Live& l, const Points& points, const Bodies& bodies, double h) const;
   void pull(const std::vector<Live>& live, Points& points, Bodies& bodies, double h, Exchange& sum) const;
   void damp(const std::vector<Live>& live, Points& points, Bodies& bodies, double h, Exchange& sum) const;

@@ -11,14 +11,14 @@ namespace truestep::contact {
 
 namespace {
 
-/// Columns of the coupling's own state, of the last substep.
+/// Columns of the coupling's own state, for the last substep.
 enum : State::Column {
   kContacts = exchange_columns::end,  ///< u64
   kDeepest                            ///< f64, m
 };
-/// Searches per substep at most; what is passed after the last one is found by the guard.
+/// Searches per substep, at most; anything that has passed after the last one is found by the guard.
 constexpr int kMostRounds = 3;
-/// m; touches that are deeper at the end are answered again.
+/// m; touches deeper than this at the end are answered again.
 constexpr double kPassed = 1e-9;
 }  // namespace
 
@@ -28,7 +28,7 @@ struct BodyContact::Scratch {
   std::vector<uint32_t> form_of;
   BodyTouchSearch search;
   std::vector<SolvedTouch> solved;
-  std::vector<double> singles, left;  ///< places as this coupling left them
+  std::vector<double> singles, left;  ///< positions as left by this coupling
   double deepest = 0;
 
   BodyTouchQuery query(const BodyContact& c, const Points& points, const Bodies& bodies) {
@@ -56,7 +56,7 @@ struct BodyContact::Scratch {
     each_place(points, bodies, [&](double x) { same = same && k < left.size() && left[k++] == x; });
     return same;
   }
-  /// Whether anything that can be moved is where it must not be.
+  /// Whether anything movable is where it must not be.
   static bool passed(const std::vector<BodyTouch>& touches, const Points& points, const Bodies& bodies) {
     return std::any_of(touches.begin(), touches.end(), [&](const BodyTouch& t) {
       return BodyTouchSolver::gap(t, points, bodies) < -kPassed &&
@@ -139,7 +139,7 @@ void BodyContact::end(const CoupledStates& s, const StepInput& in) const {
   book_sum(s.own, sum);
 }
 
-// Answers bend ways, which may lead to touches that nobody looked for.
+// Answers bend paths, which may lead to touches not found yet.
 size_t BodyContact::answer(const CoupledStates& s, const StepInput& in, Scratch& scratch,
                            BodyTouchSolver::Bounces bounces, Exchange& sum) const {
   Points points(this->points(s), point_columns_);

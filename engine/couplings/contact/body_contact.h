@@ -1,11 +1,11 @@
 // The coupling type "contact" between points and rigid bodies: no point comes nearer to a body's surface than
 // its own radius (a cloth's half thickness), and no corner or ball of a body passes a triangle between the
-// points. Touches are found on the ways of both sides (body_touch_search.h) and answered by impulses with
-// Newton's restitution and Coulomb's friction (body_touch_solver.h), equal and opposite in one line.
-// Every point answers by its own mass, so that the step has to follow the springs between the points: a
-// system whose method solves for its points together (linear_implicit_euler, implicit_euler) is refused,
-// because what a single point gives there, m d / h^2, is less than what its springs do, and the difference
-// would be energy from nothing. Has the last word after all couplings, as contact_guard.h.
+// points. Touches are found along the paths of both sides (body_touch_search.h) and answered by impulses with
+// Newton's restitution and Coulomb's friction (body_touch_solver.h), equal and opposite in one line. Every
+// point responds by its own mass, so the step has to resolve the springs between the points: a system whose
+// method solves for its points together (linear_implicit_euler, implicit_euler) is refused, because the
+// response of a single point there, m d / h^2, is less than that of its springs, and the difference would be
+// energy from nothing. Runs once more after all couplings, like contact_guard.h.
 #pragma once
 #include <memory>
 
@@ -15,7 +15,7 @@ namespace truestep::contact {
 
 class BodyContact final : public Coupling {
  public:
-  /// Exactly one of the sides has bodies, the other one points. Error "scene_invalid" when the points' method
+  /// Exactly one side must have bodies, the other points. Error "scene_invalid" when the points' method
   /// solves for them together.
   static std::unique_ptr<const BodyContact> make(const ContactDef& def, const CouplingContext& context);
 
@@ -24,7 +24,7 @@ class BodyContact final : public Coupling {
   void midway(const CoupledStates& s, const StepInput& input) const override;
   void end(const CoupledStates& s, const StepInput& input) const override;
   bool guard(const CoupledStates& s, const StepInput& input) const override;
-  /// The exchange, contacts (1) and penetration (m, the deepest): those of the last substep.
+  /// The exchange, contacts (1) and penetration (m, the deepest) of the last substep.
   void observe(const ConstCoupledStates& s, Observables& out) const override;
   std::vector<PlanRow> plan() const override;
 
@@ -42,11 +42,11 @@ class BodyContact final : public Coupling {
   PointPort point_columns_;
   BodyPort body_columns_;
   bool bodies_first_ = false;
-  bool points_are_tied_ = false;  // what springs take up is not told apart from what is lost
+  bool points_are_tied_ = false;  // energy taken up by springs cannot be told from energy lost
   std::string points_id_, bodies_id_;
   PublishedSolids hulls_;
   std::vector<TouchForm> forms_;
-  std::vector<PointEdge> edges_;  // none where no body has any
+  std::vector<PointEdge> edges_;  // empty when no body has any
   double reach_ = 0;              ///< m
 };
 

@@ -11,11 +11,11 @@ namespace truestep::contact {
 
 namespace {
 
-/// Share of a body's inner radius beyond which a point that moves so far is looked for on its way.
+/// Fraction of a body's inner radius; a point that moves farther is searched along its path.
 constexpr double kFar = 0.5;
-/// m; what comes as near as this, or as the distance of a touch, is listed too.
+/// m; anything closer than this, or than the touch distance, is listed too.
 constexpr double kNear = 1e-3;
-/// Share of its reach at which a corner is looked at.
+/// Multiple of its reach at which a corner is examined.
 constexpr double kRoom = 1.01;
 /// m; conservative advancement stops here at the latest.
 constexpr double kTouch = 1e-6;
@@ -25,14 +25,14 @@ bool is_surface(SolidKind k) {
   return k == SolidKind::mesh || k == SolidKind::height_field;
 }
 
-/// On which sides of a box another one lies wholly, a bit each.
+/// The sides of a box that another box lies entirely beyond, one bit each.
 uint8_t sides(const Box& b, const Box& of) {
   return static_cast<uint8_t>((b.high.x < of.low.x) | (b.low.x > of.high.x) << 1 |
                               (b.high.y < of.low.y) << 2 | (b.low.y > of.high.y) << 3 |
                               (b.high.z < of.low.z) << 4 | (b.low.z > of.high.z) << 5);
 }
 
-/// Fraction of the way at which a gap that changes from `before` to `after` closes.
+/// Fraction of the path at which a gap changing from `before` to `after` closes.
 double closes_at(double before, double after) {
   if (before <= 0) return 0;
   return after < 0 ? before / (before - after) : 1;
@@ -68,7 +68,8 @@ void BodyTouchSearch::place_bodies(const BodyTouchQuery& q) {
       unbounded_.push_back(i);
       continue;
     }
-    // An arc leaves its chord by an eighth of the square of the angle, and never by more than the radius.
+    // An arc deviates from its chord by an eighth of the square of the angle, and never by more than the
+    // radius.
     const double angle2 = norm2(m.sweep.turn), reach = q.forms[q.form_of[i]].reach;
     m.slack = std::min(0.125 * angle2, 1.0) * reach;
     Box box = bounds(*solid, m.begin);
@@ -142,7 +143,7 @@ std::optional<BodyTouch> BodyTouchSearch::touch(const BodyTouchQuery& q, uint32_
                          std::optional<double> s) -> std::optional<BodyTouch> {
     n = normal, t.place = place;
     if (flat) {
-      // Over a prism's end there is nothing.
+      // There is nothing beyond the end of a prism.
       n.z = 0;
       if (!(norm2(n) > 0.25)) return std::nullopt;
       n = normalized(n);
@@ -162,7 +163,7 @@ std::optional<BodyTouch> BodyTouchSearch::touch(const BodyTouchQuery& q, uint32_
     return end ? at_end(*end) : std::nullopt;
   }
   if (const auto start = point_distance(solid, p0, within)) {
-    // What touches from the start stays on its side; what only comes near is looked for on its way.
+    // A point touching from the start stays on its side; one that only comes near is searched along its path.
     const Vec3 place = p0 - start->normal * start->distance;
     const double ends = dot(start->normal, p1 - place) - q.reach;
     if ((surface || start->distance <= q.reach) && ends < 0) return found(start->normal, place, std::nullopt);
@@ -191,7 +192,7 @@ void BodyTouchSearch::look_at_point(const BodyTouchQuery& q, uint32_t point,
 void BodyTouchSearch::look_at_hull(const BodyTouchQuery& q, uint32_t hull,
                                    std::vector<BodyTouch>& out) const {
   const SolidList::Corners c = q.hulls.corners(hull);
-  // Where all are on one side of all corners, so is what is between them.
+  // If all corners are beyond one side, so is everything between them.
   uint8_t all = sides_[c.rows[0]];
   for (size_t k = 1; k < c.count; ++k) all &= sides_[c.rows[k]];
   if (all != 0) return;
@@ -210,7 +211,7 @@ void BodyTouchSearch::look_at_hull(const BodyTouchQuery& q, uint32_t hull,
     for (size_t k = 0; k < corners.size(); ++k) {
       const BodyCorner& corner = corners[k];
       const auto& [y0, y1, room] = corners_[m.corners + k];
-      // A line in space has no face that a corner could pass; a ball is wider than it.
+      // A line in space has no face that a corner could pass; a ball is wider than that.
       const bool flat = q.forms[q.form_of[body]].in == BodyAccess::Space::plane;
       if (!room.overlaps(box) || (c.count < 3 && corner.radius == 0 && !flat)) continue;
       const HullPath way{y0, y1 - y0, {}};
@@ -218,7 +219,7 @@ void BodyTouchSearch::look_at_hull(const BodyTouchQuery& q, uint32_t hull,
       if (c.count == 3 && stays_clear(way, paths, kRoom * reach)) continue;
       const auto hit = first_hull_contact(way, paths, c.count, reach);
       if (!hit) continue;
-      // Where it ends, if that is on the same side.
+      // The place at the end, if that is on the same side.
       HullContact now = hull_distance(y1, end, c.count, -hit->n);
       if (!(now.apart > 0) || dot(now.n, hit->n) < 0.5) now = *hit;
       BodyTouch t;

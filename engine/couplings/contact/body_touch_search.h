@@ -1,10 +1,10 @@
-// Which points touch which bodies during a substep, and which places of bodies (corners, centres of balls)
-// touch the triangles and capsules between the points. Slow pairs are looked at where they end; a point that
-// moves further than half of what a body is thick by conservative advancement (collision/time_of_impact.h),
-// and the places of bodies on their straight ways (kernels/point_hull.h), so that nothing is passed within a
-// substep; edges against edges where both stand at the substep's ends (edge_touch.h). What is found is in an
-// order that depends on the rows alone. Not covered: meshes and height fields against the inside of
-// triangles.
+// Which points touch which bodies during a substep, and which places on bodies (corners, centres of balls)
+// touch the triangles and capsules between the points. Slow pairs are tested at the end of the substep; a
+// point that moves more than half a body's thickness is tested by conservative advancement
+// (collision/time_of_impact.h), and the places on bodies along their straight paths (kernels/point_hull.h),
+// so that nothing is passed within a substep; edges against edges in their positions at the substep's start
+// and end (edge_touch.h). The result's order depends only on the rows. Not covered: meshes and height fields
+// against the inside of triangles.
 #pragma once
 #include <vector>
 
@@ -17,7 +17,8 @@
 
 namespace truestep::contact {
 
-/// Poses and velocities of all bodies at the substep's start, and velocities after the systems' own step.
+/// Poses and velocities of all bodies at the substep's start, and their velocities after the systems' own
+/// step.
 class BodyMemory {
  public:
   void store(const ConstBodies& start);
@@ -25,7 +26,7 @@ class BodyMemory {
   const Pose& pose(size_t row) const { return poses_[row]; }
   const Vec3& velocity(size_t row) const { return start_[row].v; }
   const Vec3& spin(size_t row) const { return start_[row].w; }
-  /// m/s^2, of the place at `arm`, mean over the substep.
+  /// m/s^2 at `arm`, averaged over the substep.
   Vec3 acceleration(size_t row, const Vec3& arm, double h) const {
     const Twist a = start_[row], b = free_[row];
     return (b.v + cross(b.w, arm) - a.v - cross(a.w, arm)) / h;
@@ -39,18 +40,19 @@ class BodyMemory {
   std::vector<Twist> start_, free_;
 };
 
-/// Two points with a straight line between them.
+/// Two points joined by a straight line.
 using PointEdge = std::array<uint32_t, 2>;
-/// Every line of the hulls once.
+/// Every edge of the hulls, once.
 std::vector<PointEdge> edges_of(const PublishedSolids& hulls);
 
-/// A blend of points that meets a body in a plane: n from the body to the points, `place` of the body in it.
+/// A blend of points that meets a body in a plane: n from the body to the points, `place` on the body in that
+/// plane.
 struct BodyTouch {
   BodyLink link;
   Vec3 n, place;     ///< world, unit; m, in the body's frame
-  Vec3 from;         ///< m, in the body's frame: where the points were when they first touched
-  double reach = 0;  ///< m, from the plane, at which they touch
-  double s = 0;      ///< fraction of the substep at which they do; 1: they come near only
+  Vec3 from;         ///< m, in the body's frame: where the points first touched
+  double reach = 0;  ///< m, distance from the plane at which they touch
+  double s = 0;      ///< fraction of the substep at which they touch; 1: they only come near
 };
 
 struct BodyTouchQuery {
@@ -68,18 +70,18 @@ struct BodyTouchQuery {
 class BodyTouchSearch {
  public:
   const std::vector<BodyTouch>& run(const BodyTouchQuery& q, const ThreadArena& arena);
-  /// Where the body was, and is.
+  /// The body's motion during the substep.
   const Sweep& sweep(size_t body) const { return bodies_[body].sweep; }
 
  private:
   struct Moving {
     Sweep sweep;
     Transform begin, end;
-    double slack;        ///< m, by which its places leave their chords
-    size_t corners = 0;  ///< its first one of `corners_`
-    size_t edges = 0;    ///< the same of `edges_`
+    double slack;        ///< m, deviation of its places from their chords
+    size_t corners = 0;  ///< index of its first corner in `corners_`
+    size_t edges = 0;    ///< index of its first edge in `edges_`
   };
-  /// Where a corner was and is, and what it may touch on its straight way.
+  /// A corner's positions at start and end, and what it may touch on its straight path.
   struct MovingCorner {
     Vec3 begin, end;
     Box box;
@@ -96,11 +98,11 @@ class BodyTouchSearch {
   std::optional<BodyTouch> touch(const BodyTouchQuery& q, uint32_t point, uint32_t body) const;
 
   std::vector<Moving> bodies_;
-  std::vector<MovingCorner> corners_;  // none where the points have no hulls
-  std::vector<Box> edges_;             // around the ways of bodies' edges
+  std::vector<MovingCorner> corners_;  // empty when the points have no hulls
+  std::vector<Box> edges_;             // around the paths of bodies' edges
   Box corner_bounds_;
-  std::vector<uint8_t> sides_;     // of the corners' bounds that each point's way is on
-  std::vector<Box> boxes_, ways_;  // around bodies, and around where each point was and is
+  std::vector<uint8_t> sides_;     // per point, the sides of the corners' bounds that its path lies beyond
+  std::vector<Box> boxes_, ways_;  // around bodies, and around the paths of points
   std::vector<uint32_t> unbounded_;
   BoxGrid grid_;
   std::vector<std::vector<BodyTouch>> found_;

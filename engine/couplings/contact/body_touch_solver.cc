@@ -7,9 +7,9 @@ namespace truestep::contact {
 
 namespace {
 
-/// Sweeps at most: points that lie on one another through a light body take some.
+/// Maximum number of sweeps: points stacked through a light body need several.
 constexpr int kSweeps = 40;
-/// m and m/s by which a sweep may change a touch when it is the last one.
+/// m and m/s by which the last sweep may change a touch.
 constexpr double kSettledGap = 1e-10, kSettledSpeed = 1e-9;
 
 Vec3 times(const double* m, const Vec3& a) {
@@ -17,7 +17,7 @@ Vec3 times(const double* m, const Vec3& a) {
           m[6] * a.x + m[7] * a.y + m[8] * a.z};
 }
 
-/// The change across n that takes `slip` away, within Coulomb's cone; returns the new sum.
+/// The tangential change that removes `slip`, within Coulomb's cone; returns the new sum.
 Vec3 rubbed(const SolvedTouch& s, const Vec3& sum, const Vec3& slip, double most) {
   const double l = norm(slip);
   if (!(l > 0)) return sum;
@@ -80,7 +80,7 @@ double BodyTouchSolver::place(SolvedTouch& s, Exchange& out) {
   }
   if (by == Vec3{}) return 0;
   t.link.shift(points_, bodies_, by);
-  // What a correction does against the forces of the substep is given back by the velocities it stops.
+  // The work of a correction against the substep's forces is returned by the velocities that it stops.
   out.energy_lost += dot(by, s.pull);
   return norm(by) * s.normal;
 }

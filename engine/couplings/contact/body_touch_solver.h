@@ -1,10 +1,10 @@
-// Answers the touches of points and bodies in one substep. At its end, with gap = n . (q - place) - reach and
-// u the velocity of the points as seen from the body at q, sweep after sweep over all touches (Gauss-Seidel):
-//   places      gap >= wanted,  P_n >= 0,  |P_t| <= mu P_n  against sliding from where the touch began
+// Solves the touches of points and bodies in one substep. At its end, with gap = n . (q - place) - reach and
+// u the velocity of the points relative to the body at q, by Gauss-Seidel sweeps over all touches:
+//   positions   gap >= wanted,  P_n >= 0,  |P_t| <= mu P_n  against sliding since the touch began
 //   velocities  u_n >= wanted,  J_n >= 0,  |J_t| <= mu J_n
-// Wanted is 0, and for a touch that bounces what its flight from the moment of the touch on brings. A point
-// does not spin, so that impulses act on the body where the point's centre is: linear and angular momentum
-// are exchanged to rounding, with friction too.
+// Wanted is 0, or for a bouncing touch the result of its flight since the moment of touch. Points do not
+// spin, so impulses act on the body at the point's centre: linear and angular momentum are exchanged to
+// rounding, with friction too.
 #pragma once
 #include <vector>
 
@@ -18,10 +18,10 @@ struct SolvedTouch {
   BodyTouch touch;
   double mass[9];                ///< rows of W, 1/kg: u' = u + W J
   double normal = 0;             ///< n . W n
-  double gap = 0, speed = 0;     ///< wanted
+  double gap = 0, speed = 0;     ///< target values
   double push = 0, impulse = 0;  ///< along n: kg m, N s
-  Vec3 drag, rub;                ///< across n
-  Vec3 pull;                     ///< m/s^2, mean of the substep, of the points as seen from the body
+  Vec3 drag, rub;                ///< perpendicular to n
+  Vec3 pull;                     ///< m/s^2, averaged over the substep, of the points relative to the body
   enum class Kind : uint8_t { near, touches, bounces } kind = Kind::near;
 };
 
@@ -31,10 +31,10 @@ class BodyTouchSolver {
       : law_(law), points_(points), bodies_(bodies), h_(h) {}
 
   enum class Bounces : uint8_t { no, yes };
-  /// Answers all touches; returns how many acted. `out` is what the points gave to the bodies.
+  /// Solves all touches; returns how many were active. `out` is what the points gave to the bodies.
   size_t run(const std::vector<BodyTouch>& touches, const BodyTouchQuery& q, Bounces bounces,
              std::vector<SolvedTouch>& solved, Exchange& out);
-  /// m, of a touch now.
+  /// m, present gap of a touch.
   static double gap(const BodyTouch& t, const Points& points, const Bodies& bodies);
 
  private:

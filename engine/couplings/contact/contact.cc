@@ -11,11 +11,10 @@ namespace truestep::contact {
 namespace {
 
 constexpr State::Column kContacts = exchange_columns::end;
-/// Searches per substep at most; what touches after the last is found in the next substep, or by the guard.
+/// Searches per substep, at most; touches after the last are found in the next substep, or by the guard.
 constexpr uint32_t kMostRounds = 4;
 
-/// Memory of both sides between the two halves of a substep, and what the
-/// search and the solver keep.
+/// Both sides at the substep's start, and scratch memory of search and solver.
 struct ContactScratch {
   PointMemory points, other;
   RowTraces point_traces, other_traces;
@@ -104,7 +103,7 @@ void ContactCoupling::end(const CoupledStates& s, const StepInput& in) const {
   const bool swapped = roles_ == Roles::b_on_a, itself = roles_ == Roles::on_itself;
   Points points(swapped ? s.b : s.a, points_), other(swapped ? s.a : s.b, other_);
   scratch.copy_singles(points, other);
-  // One that is on itself has both names for the same points.
+  // A coupling of a system with itself has two names for the same points.
   if (itself) other.x = points.x, other.v = points.v;
   const PointMemory& other_memory = itself ? scratch.points : scratch.other;
   RowTraces& other_traces = itself ? scratch.point_traces : scratch.other_traces;
@@ -126,7 +125,7 @@ void ContactCoupling::end(const CoupledStates& s, const StepInput& in) const {
   PointContactSolver solver(def_, query, points, other, scratch.solver);
   size_t acted = 0;
   for (uint32_t round = 0; round < kMostRounds && !touches->empty(); ++round) {
-    // Answers bend ways, which may lead to touches that nobody looked for.
+    // Answers bend paths, which may lead to touches not found yet.
     if (round > 0) touches = &search(round);
     const ProfileScope scope(in.profile, "contacts");
     const size_t more = solver.answer_all(*touches, round);

@@ -1,20 +1,14 @@
-// The coupling type "contact": points of one side against the solids that the
-// other publishes. With the solid's place q = sum b_i x_i (b_i: barycentric
-// weights), u = v_p - sum b_i v_i and K = w_p + sum b_i^2 w_i, an impulse J =
-// du / K on the point and -b_i J on the corners changes u by du: momentum is
-// exchanged, not made, and the laws of a point on a wall
-// (kernels/contact_response.h: restitution, Coulomb's friction, support) hold
-// for u. A touch is answered at its own time within the substep: what follows
-// is flown with the new velocity, on both sides. A cloth's point is pushed with
-// weights b_i as in Bridson, Fedkiw, Anderson 2002, "Robust treatment of
-// collisions, contact and friction for cloth animation", section 7.1.
-// Which side is searched: the points of a against the solids of b; the other
-// way round where b has only balls and a more than that. Points never pass
-// triangles: couplings/contact_guard.h has the last word, after all couplings,
-// and answers as without restitution. Not covered: edges of
-// two cloths against each other. Points do not spin, so friction at the
-// distance of their radii takes angular momentum with it; without friction it
-// is kept.
+// The coupling type "contact": points of one side against the solids that the other publishes. With the place
+// q = sum b_i x_i on the solid (b_i: barycentric weights), u = v_p - sum b_i v_i and K = w_p + sum b_i^2 w_i,
+// an impulse J = du / K on the point and -b_i J on the corners changes u by du: momentum is exchanged, not
+// created, and the laws for a point on a wall (kernels/contact_response.h: restitution, Coulomb friction,
+// support) apply to u. A touch is answered at its own time within the substep; from there both sides continue
+// with the new velocities. A cloth's points are pushed with weights b_i as in Bridson, Fedkiw, Anderson 2002,
+// "Robust treatment of collisions, contact and friction for cloth animation", section 7.1.
+// Searched are the points of a against the solids of b, or the other way round when b has only balls and a
+// has more than that. Points never pass triangles: contact_guard.h runs last, after all couplings, without
+// restitution. Not covered: edges of two cloths against each other. Points do not spin, so friction at the
+// distance of their radii loses angular momentum; without friction it is conserved.
 #pragma once
 #include <memory>
 
@@ -27,8 +21,7 @@ namespace truestep::contact {
 
 class ContactCoupling final : public Coupling {
  public:
-  /// Error "scene_invalid" when a side has no points, or the two can never
-  /// touch.
+  /// Error "scene_invalid" when a side has no points, or the two can never touch.
   static std::unique_ptr<const ContactCoupling> make(const ContactDef& def, const CouplingContext& context);
 
   State initial_state() const override;
@@ -36,12 +29,12 @@ class ContactCoupling final : public Coupling {
   void midway(const CoupledStates& s, const StepInput& input) const override;
   void end(const CoupledStates& s, const StepInput& input) const override;
   bool guard(const CoupledStates& s, const StepInput& input) const override;
-  /// The exchange, and contacts: those of the last substep (1).
+  /// The exchange, and the contacts of the last substep (1).
   void observe(const ConstCoupledStates& s, Observables& out) const override;
   std::vector<PlanRow> plan() const override;
 
  private:
-  /// Whose points are tested against the other's solids.
+  /// Whose points are tested against whose solids.
   enum class Roles : uint8_t { a_on_b, b_on_a, on_itself };
   ContactCoupling(const ContactDef& def) : def_(def) {}
   SolidList solids(const Points& of) const;

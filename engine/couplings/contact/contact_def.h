@@ -12,7 +12,7 @@ struct ContactDef {
 };
 
 const DefTable& contact_table();
-/// `a` and `b` are what the two systems cost by themselves.
+/// `a` and `b` are the costs of the two systems alone.
 Cost contact_cost(const void* def, const Cost& a, const Cost& b);
 
 }  // namespace truestep::contact

@@ -9,11 +9,11 @@ namespace truestep::contact {
 
 namespace {
 
-/// Rounds of stops before zones are made.
+/// Rounds of stopping pairs before zones are formed.
 constexpr int kStopRounds = 20;
-/// As near a point may come to a triangle on its straight way, as a part of the distance at which it touches.
+/// How close a point may come to a triangle on its straight path, as a fraction of the touch distance.
 constexpr double kNearest = 0.05;
-/// m; a point this near a triangle at the start is on neither side.
+/// m; a point this close to a triangle at the start is on neither side.
 constexpr double kUndecided = 1e-13;
 
 HullPath straight(const double* start, const double* end, size_t row) {
@@ -21,7 +21,7 @@ HullPath straight(const double* start, const double* end, size_t row) {
   return {x, load3(end, row) - x, {}};
 }
 
-/// A point and a triangle on their straight ways.
+/// A point and a triangle on their straight paths.
 struct StraightPair {
   HullPath p;
   std::array<HullPath, 3> c;
@@ -31,7 +31,7 @@ struct StraightPair {
     const std::array<uint32_t, 3>& rows = g.solids.solids.triangles[solid];
     for (size_t k = 0; k < 3; ++k) c[k] = straight(g.other_start, g.other.x, rows[k]);
   }
-  /// Distance at the start and at which the pair meets: less where it starts nearer.
+  /// The distance at which the pair meets: reduced when it starts closer.
   double target(double reach) const {
     const std::array<Vec3, 3> at{c[0].x, c[1].x, c[2].x};
     const double d = norm(p.x - blend(at, nearest_on_hull(p.x, at, 3), 3));
@@ -64,7 +64,7 @@ bool PassGuard::run(const GuardedPoints& g, const ContactDef& law, NearPairs& ne
   return true;
 }
 
-// Rows that end outside the boxes of the pairs make new pairs necessary; they began inside.
+// Rows that end outside the pairs' boxes require new pairs; they started inside.
 bool PassGuard::update_boxes(const GuardedPoints& g, NearPairs& near, Look look, const ThreadArena& arena) {
   const auto& triangles = g.solids.solids.triangles;
   const double d = 2 * kNearest * g.reach;
@@ -108,7 +108,8 @@ void PassGuard::detect(const GuardedPoints& g, NearPairs& near, Look look, const
   std::fill(moved_rows_.begin(), moved_rows_.end(), uint8_t{0});
 }
 
-// What comes too near ends as far off along the direction of the meeting as it began, or as it touches.
+// A pair that comes too close ends as far apart, along the direction of their meeting, as it began or as it
+// touches.
 bool PassGuard::stop(const GuardedPoints& g, const ContactDef& law, const Touch& t, Exchange& exchange) {
   const StraightPair ways(g, t.point, t.solid);
   const auto at = ways.meet(g.reach);
@@ -124,7 +125,7 @@ bool PassGuard::stop(const GuardedPoints& g, const ContactDef& law, const Touch&
     c.change(g.points.x, g.other.x, at->n * missing);
     if (dot(u, at->n) < 0) jump = impact(u, at->n, 0.0, law.friction) - u;
   } else {
-    // A triangle that turns under the point: it goes along with the place that it met.
+    // When a triangle turns under the point, the point follows the place that it met.
     c.change(g.points.x, g.other.x, before - after);
     jump = -u;
   }
@@ -140,8 +141,8 @@ uint32_t PassGuard::zone_of(uint32_t row) {
   return row;
 }
 
-// All that meets, directly or through others, goes on together: with its common momentum, or as what is held
-// in it does.
+// Everything that meets, directly or through others, moves on together: with its common momentum, or with
+// whatever is held in it.
 bool PassGuard::join(const GuardedPoints& g, Exchange& exchange) {
   const auto first_other = static_cast<uint32_t>(g.points.count);
   bool joined = false;

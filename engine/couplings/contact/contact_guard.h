@@ -1,14 +1,11 @@
-// Keeps points on their side of the triangles whatever a substep's answers did
-// to both. The way that counts is the straight one from the substep's start,
-// where every point is on its side, to its end: where no point meets a triangle
-// on it, none has passed one. Pairs that do meet are stopped as without
-// restitution and looked at again on the changed ways, round after round
-// (Bridson, Fedkiw, Anderson 2002, "Robust treatment of collisions, contact and
-// friction for cloth animation", section 7.4); what still meets after the last
-// round becomes impact zones (section 7.5), which go on as one body. Zones only
-// grow, and in a zone nothing moves towards anything, so this ends. Differs
-// from the source: zones are translated, not turned, which keeps momentum to
-// rounding and gives their spin up.
+// Keeps points on their side of the triangles whatever a substep's answers did to both. The path that counts
+// is the straight one from the substep's start, where every point is on its side, to its end: if no point
+// meets a triangle on it, none has passed one. Pairs that do meet are stopped without restitution and checked
+// again on the changed paths, round after round (Bridson, Fedkiw, Anderson 2002, "Robust treatment of
+// collisions, contact and friction for cloth animation", section 7.4); pairs that still meet after the last
+// round form impact zones (section 7.5), which move as one body. Zones only grow, and in a zone nothing moves
+// towards anything, so this ends. Unlike the source, zones are translated, not rotated, which conserves
+// momentum to rounding but gives up their spin.
 #pragma once
 #include <vector>
 
@@ -31,7 +28,7 @@ struct GuardedPoints {
 class PassGuard {
  public:
   /// Returns whether anything was changed; what the points gave to the solids is added to `exchange`. `near`
-  /// holds the pairs of this substep's search.
+  /// holds the pairs found by this substep's search.
   bool run(const GuardedPoints& g, const ContactDef& law, NearPairs& near, Exchange& exchange,
            const ThreadArena& arena);
 
@@ -40,7 +37,7 @@ class PassGuard {
   void detect(const GuardedPoints& g, NearPairs& near, Look look, const ThreadArena& arena);
   bool update_boxes(const GuardedPoints& g, NearPairs& near, Look look, const ThreadArena& arena);
   bool stop(const GuardedPoints& g, const ContactDef& law, const Touch& t, Exchange& exchange);
-  /// False when nothing is left to join.
+  /// Returns false when nothing is left to join.
   bool join(const GuardedPoints& g, Exchange& exchange);
   uint32_t zone_of(uint32_t row);
 

@@ -1,5 +1,5 @@
-// A point and the corners of a solid, as an impulse between them sees them: u = v_p - sum b_i v_i changes by
-// du through J = du / K on the point and -b_i J on the corners, K = w_p + sum b_i^2 w_i.
+// A point and the corners of a solid, as seen by an impulse between them: u = v_p - sum b_i v_i changes by du
+// through J = du / K on the point and -b_i J on the corners, K = w_p + sum b_i^2 w_i.
 #pragma once
 #include "engine/couplings/contact/contact_search.h"
 
@@ -21,13 +21,13 @@ struct ContactPair {
       k += b[i] * share[i];
     }
   }
-  /// Value of the point less the blend of the corners'; arrays are n x 3.
+  /// Value at the point minus the blend of the values at the corners; arrays are n x 3.
   Vec3 relative(const double* of_points, const double* of_other) const {
     Vec3 u = load3(of_points, point);
     for (size_t i = 0; i < corners.count; ++i) u -= load3(of_other, corners.rows[i]) * b[i];
     return u;
   }
-  /// Changes the relative value by `by` and keeps the sum weighted with the masses.
+  /// Changes the relative value by `by`, keeping the mass-weighted sum.
   void change(double* of_points, double* of_other, const Vec3& by) const {
     const Vec3 j = by / k;
     store3(of_points, point, load3(of_points, point) + j * w);

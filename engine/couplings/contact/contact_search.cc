@@ -7,7 +7,7 @@ namespace truestep::contact {
 
 namespace {
 
-/// Box around the rest of a row's way: both ends, and an eighth of the bend to every side.
+/// Box around the rest of a row's path: both ends, and an eighth of the bend on every side.
 Box box_of_path(const MovingPoints& p, size_t row, double h) {
   const Vec3 a = p.from(row), b = load3(p.x, row), bend = p.acceleration(row, h) * (0.125 * h * h);
   const auto low = [](double u, double v, double w) { return (u < v ? u : v) - std::fabs(w); };
@@ -47,8 +47,7 @@ void PointMemory::follow(const ConstPoints& end) {
 
 void PointMemory::align(const ConstPoints& now) {
   if (std::equal(ids_.begin(), ids_.end(), now.ids.begin(), now.ids.end())) return;
-  // Ids ascend in both; what is left keeps its order, so reading stays ahead of
-  // writing.
+  // Ids ascend in both lists; remaining rows keep their order, so reading stays ahead of writing.
   const size_t stored = ids_.size();
   size_t from = 0, kept = 0;
   for (size_t row = 0; row < now.count && from < stored; ++row) {
@@ -84,7 +83,7 @@ const std::vector<Touch>& ContactSearch::run(const ContactQuery& q, uint32_t rou
   return touches_;
 }
 
-// Of two balls of one system only one order counts.
+// For two balls of one system only one order counts.
 void ContactSearch::find_pairs(const ContactQuery& q, const ThreadArena& arena) {
   if (q.own == OwnSolids::yes) {
     near_.find(arena,
@@ -134,7 +133,7 @@ void ContactSearch::look_at_pairs(const ContactQuery& q, const ThreadArena& aren
     std::array<HullPath, 3> corners;
     for (const NearPair& pair : pairs) {
       if (!due(pair)) continue;
-      // Pairs come sorted by their points.
+      // Pairs are sorted by point.
       if (pair.point != point) path = q.points.path(point = pair.point, q.h);
       const SolidList::Corners c = q.solids.corners(pair.solid);
       double start = q.points.traces.since(point);

@@ -13,11 +13,12 @@
 
 namespace truestep::contact {
 
-/// Where points were at the substep's start, and how fast the systems alone have made them by its end.
+/// Positions of points at the substep's start, and the velocities that the systems alone have given them by
+/// its end.
 class PointMemory {
  public:
   void store(const ConstPoints& start);
-  /// After the systems' step: follows rows that moved (a point that is new was where it is).
+  /// After the systems' step: follows rows that moved (a new point starts where it is).
   void follow(const ConstPoints& end);
   const double* x() const { return x_.data(); }
   const double* v() const { return v_.data(); }
@@ -30,7 +31,7 @@ class PointMemory {
   std::vector<uint64_t> ids_;
 };
 
-/// What the answers of a substep did to the rows of one side: the rest of a touched row's way begins where
+/// What the answers of a substep did to the rows of one side: the rest of a touched row's path begins where
 /// and when it was last touched.
 class RowTraces {
  public:
@@ -40,10 +41,10 @@ class RowTraces {
     if (end_.size() < 3 * rows) end_.resize(3 * rows), from_.resize(3 * rows);
   }
   bool touched(size_t row) const { return since_[row] >= 0; }
-  /// Fraction of the substep at which the rest begins.
+  /// Fraction of the substep at which the rest of the path begins.
   double since(size_t row) const { return touched(row) ? since_[row] : 0; }
   Vec3 from(size_t row) const { return load3(from_.data(), row); }
-  /// n x 3: of touched rows, the velocity (m/s) at the substep's end had only the acceleration acted.
+  /// n x 3, for touched rows: the velocity (m/s) at the substep's end if only the acceleration had acted.
   double* end() { return end_.data(); }
   Vec3 end(size_t row) const { return load3(end_.data(), row); }
   void touch(size_t row, double s, const Vec3& place, const Vec3& free_velocity, uint32_t round) {
@@ -52,7 +53,7 @@ class RowTraces {
     since_[row] = s;
     round_[row] = round;
   }
-  /// Whether an answer of that round was the row's last.
+  /// Whether the row was last answered in that round.
   bool touched_in(size_t row, uint32_t round) const { return touched(row) && round_[row] == round; }
   void forget(size_t row) { since_[row] = kUntouched; }
 
@@ -62,23 +63,23 @@ class RowTraces {
   std::vector<uint32_t> round_;
 };
 
-/// One side of a contact: its points now and at the substep's start, and what touched them in between.
+/// One side of a contact: its points now and at the substep's start, and the touches in between.
 struct MovingPoints {
   const double *x, *v;
   const PointMemory& memory;
   RowTraces& traces;
 
-  /// m/s^2, the mean one of the substep without any impacts, those of other couplings too.
+  /// m/s^2, averaged over the substep without any impacts, including those of other couplings.
   Vec3 acceleration(size_t row, double h) const {
     return ((traces.touched(row) ? traces.end(row) : free_velocity(row)) - load3(memory.v(), row)) / h;
   }
   Vec3 free_velocity(size_t row) const { return load3(memory.free_v(), row); }
-  /// Where the row's way begins.
+  /// Where the row's path begins.
   Vec3 from(size_t row) const { return traces.touched(row) ? traces.from(row) : load3(memory.x(), row); }
-  /// The parabola from there to the present place with that acceleration, over s in [since, 1].
+  /// The parabola from there to the present position with that acceleration, over s in [since, 1].
   HullPath path(size_t row, double h) const {
     const double since = traces.since(row), rest = 1 - since;
-    // Touched at the very end: it stays where it is.
+    // Touched at the very end: it stays in place.
     if (!(rest > 1e-12)) return {load3(x, row), {}, {}};
     const Vec3 a = acceleration(row, h) * (h * h), begin = from(row);
     const Vec3 slope = (load3(x, row) - begin) / rest - a * (0.5 * rest), v0 = slope - a * since;
@@ -108,7 +109,7 @@ struct SolidList {
   }
 };
 
-/// A point that touches a solid, first at the fraction s of the substep.
+/// A point touching a solid, first at fraction s of the substep.
 struct Touch {
   double s;
   uint32_t point, solid;
@@ -120,9 +121,8 @@ inline bool touch_order(const Touch& a, const Touch& b) {
 }
 
 enum class OwnSolids : uint8_t { no, yes };
-/// What a search is given: points, the solids of `other` (the same system:
-/// OwnSolids::yes, each pair once), the distance (m) at which they touch, the
-/// substep's length (s).
+/// Input of a search: points, the solids of `other` (the same system: OwnSolids::yes, each pair once), the
+/// distance (m) at which they touch, the substep's length (s).
 struct ContactQuery {
   MovingPoints points;
   size_t count;
@@ -133,15 +133,15 @@ struct ContactQuery {
   double reach, h;
 };
 
-/// First contact of the pair on the ways that answers so far have left it; nothing when it does not touch.
+/// First contact of the pair on its present paths; empty when it does not touch.
 std::optional<HullContact> touch_of(const ContactQuery& q, const Touch& t);
 
 class ContactSearch {
  public:
-  /// All touches in round 0, later those of ways that the answers of the last round have changed; by time,
-  /// then point, then solid.
+  /// All touches in round 0, later those on paths changed by the answers of the last round; by time, then
+  /// point, then solid.
   const std::vector<Touch>& run(const ContactQuery& q, uint32_t round, const ThreadArena& arena);
-  /// The pairs that were looked at.
+  /// The pairs that were examined.
   NearPairs& near() { return near_; }
 
  private:
@@ -152,7 +152,7 @@ class ContactSearch {
   void look_at_pairs(const ContactQuery& q, const ThreadArena& arena, Due&& due);
 
   NearPairs near_;
-  std::vector<HullPath> corners_;          // of all rows of the solids' side
+  std::vector<HullPath> corners_;          // of all rows on the solids' side
   std::vector<uint8_t> changed_;           // solids
   std::vector<std::vector<Touch>> found_;  // per block of points
   std::vector<Touch> touches_;

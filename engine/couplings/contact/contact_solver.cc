@@ -8,12 +8,11 @@ namespace truestep::contact {
 
 namespace {
 
-/// Sweeps over the touches after the first: points between several solids need
-/// some.
+/// Sweeps over the touches after the first: points between several solids need several.
 constexpr int kSettlingSweeps = 6;
-/// How often, on average, a touch goes back into the queue before it is answered out of turn.
+/// How often, on average, a touch may return to the queue before it is answered out of turn.
 constexpr size_t kMostDelays = 8;
-/// m; what is left of an overlap then.
+/// m; overlap that may remain.
 constexpr double kSettled = 1e-10;
 
 }  // namespace
@@ -33,12 +32,12 @@ Vec3 PointContactSolver::relative_acceleration(const ContactPair& c) const {
   return a;
 }
 
-// At the time of the touch: u and the relative acceleration a decide between bounce, support and nothing.
+// At the time of the touch, u and the relative acceleration a decide between bounce, support and nothing.
 bool PointContactSolver::answer(const ContactPair& c, const HullContact& at) {
   const double left = (1 - at.s) * q_.h;
   const Vec3 a = relative_acceleration(c), u = c.relative(p_.v, o_.v) - a * left, n = at.n;
   const double approach = -dot(u, n), pull = -dot(a, n);
-  // What leaves and does not come back within the substep.
+  // Leaves and does not come back within the substep.
   if (approach <= 0 && -approach >= 0.5 * pull * left) return false;
 
   Vec3 jump, force;  // of u at the touch, of a after it
@@ -50,7 +49,7 @@ bool PointContactSolver::answer(const ContactPair& c, const HullContact& at) {
     work = 0.5 * dot(jump, u + after);
   } else {
     Support<double> held = support(u, a, n, law_.friction, left);
-    // What pulls away is not held.
+    // A pull away from the contact is not resisted.
     if (pull < 0) held.acceleration -= n * pull;
     jump = held.velocity - u, force = held.acceleration - a;
     work = 0.5 * dot(jump, u + held.velocity) +
@@ -64,20 +63,21 @@ bool PointContactSolver::answer(const ContactPair& c, const HullContact& at) {
   const Vec3 dv = jump + force * left;
   c.change(p_.v, o_.v, dv);
   c.change(p_.x, o_.x, jump * left + force * (0.5 * left * left));
-  // Later touches of these rows see the support. Friction may stop within a moment, and counts as a jump.
+  // Later touches of these rows see the support. Friction may stop the sliding within an instant, and counts
+  // as a jump.
   c.change(pt_.end(), ot_.end(), n * (dot(force, n) * q_.h));
   exchange_.add(dv / -c.k, -work / c.k);
   return true;
 }
 
-// What the answers left: points still within reach at the substep's end stop there and are moved apart. The
-// side is the one that the touch came from.
+// Cleanup: points still within reach at the substep's end are stopped and moved apart, on the side from which
+// they touched.
 bool PointContactSolver::settle(const Touch& t, HullContact& at) {
   const SolidList::Corners corners = q_.solids.corners(t.solid);
   std::array<Vec3, 3> x;
   for (size_t i = 0; i < corners.count; ++i) x[i] = load3(o_.x, corners.rows[i]);
   HullContact now = hull_distance(load3(p_.x, t.point), x, corners.count, -at.n);
-  // Only over a face has a point that sees the other side passed it; around edges the direction just turns.
+  // Only a point that sees the other side over a face has passed it; around edges the direction just turns.
   const bool over_face = corners.count == 3 && now.w[0] > 0 && now.w[1] > 0 && now.w[2] > 0;
   if (over_face && dot(now.n, at.n) < 0) now.apart = -now.apart, now.n = -now.n;
   const double overlap = q_.reach - now.apart;
@@ -97,7 +97,8 @@ bool PointContactSolver::settle(const Touch& t, HullContact& at) {
 
 size_t PointContactSolver::answer_all(const std::vector<Touch>& touches, uint32_t round) {
   round_ = round;
-  // Earlier answers delay or undo later touches: what comes later than it was found goes back into the queue.
+  // Earlier answers delay or cancel later touches: one that now happens later than it was found goes back
+  // into the queue.
   const auto later = [](const Touch& a, const Touch& b) { return touch_order(b, a); };
   std::vector<Touch>& queue = scratch_.queue;
   queue.assign(touches.begin(), touches.end());

@@ -1,5 +1,5 @@
-// Answers the touches of one substep, one after another in the order of their
-// times, each with the velocities and places that the earlier ones left behind.
+// Answers the touches of one substep in order of time, each with the velocities and positions left by the
+// earlier ones.
 #pragma once
 #include <optional>
 #include <vector>
@@ -10,7 +10,7 @@
 
 namespace truestep::contact {
 
-/// Kept from step to step for its memory alone.
+/// Kept between steps only to reuse its memory.
 struct ContactSolverScratch {
   std::vector<Touch> queue, answered;
   std::vector<HullContact> contacts;  ///< one per answered touch
@@ -18,13 +18,13 @@ struct ContactSolverScratch {
 
 class PointContactSolver {
  public:
-  /// `points` and `other` are written to; `q` says where they came from and what touches.
+  /// Writes to `points` and `other`; `q` says where they came from and what touches.
   PointContactSolver(const ContactDef& law, const ContactQuery& q, Points& points, Points& other,
                      ContactSolverScratch& scratch);
 
-  /// Answers the touches of a round in the order of their times; returns how many acted.
+  /// Answers the touches of a round in order of time; returns how many were active.
   size_t answer_all(const std::vector<Touch>& touches, uint32_t round);
-  /// After the last answers: moves apart what is still within reach, and forgets the substep.
+  /// After the last answers: separates pairs still within reach, and forgets the substep.
   void finish();
   /// What the points gave to the solids.
   const Exchange& exchange() const { return exchange_; }

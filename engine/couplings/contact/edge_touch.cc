@@ -11,7 +11,7 @@ std::optional<EdgeMeeting> edges_meet(const MovingEdge& points, const MovingEdge
   const auto start = nearest_inside(points.from0, points.to0, body.from0, body.to0);
   const bool outside = outward == Vec3{};
   if (start && !outside && !(dot(start->apart, outward) > 0)) return std::nullopt;
-  // What was on the other side of the body's edge has passed it.
+  // A line that was on the other side of the body's edge has passed it.
   Vec3 n = normalized(end->apart, start ? normalized(start->apart) : outward);
   double before = reach, after = norm(end->apart);
   if (start) {

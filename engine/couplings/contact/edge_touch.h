@@ -1,7 +1,7 @@
-// Edges of bodies against lines between points. Both are looked at where they stand at the substep's start
-// and end; the direction is the common perpendicular, on the side on which the points were at the start (of
-// convex edges: outside). A pair that passes and leaves the other's ends within one substep is not found;
-// corners, balls and points against faces hold those.
+// Edges of bodies against lines between points. Both are tested in their positions at the substep's start and
+// end; the direction is the common perpendicular, on the side where the points were at the start (for convex
+// edges: outside). A pair that passes and moves beyond the other's ends within one substep is not found;
+// corners, balls and points against faces catch those.
 #pragma once
 #include <optional>
 
@@ -15,13 +15,13 @@ struct MovingEdge {
 };
 
 struct EdgeMeeting {
-  double along = 0;  ///< share of the way along the points' line
+  double along = 0;  ///< fraction along the points' line
   Vec3 n, place;     ///< unit, from the body to the points; m, on the body's edge, at the end
-  double s = 0;      ///< fraction of the substep at which they touch; 1: they come near only
+  double s = 0;      ///< fraction of the substep at which they touch; 1: they only come near
 };
 
-/// Nothing where the nearest places are ends (those are points and corners), further apart than `within` (m),
-/// or the points are behind the edge. `outward`: zero where all directions are.
+/// Empty when the nearest places are ends (handled as points and corners), farther apart than `within` (m),
+/// or the points are behind the edge. `outward`: zero if every direction is outward.
 std::optional<EdgeMeeting> edges_meet(const MovingEdge& points, const MovingEdge& body, const Vec3& outward,
                                       double reach, double within);
 

@@ -7,7 +7,7 @@ namespace truestep::contact {
 
 namespace {
 
-/// Margin of every box as a part of the solids' mean width: small beside what the boxes overlap anyway.
+/// Margin of every box as a fraction of the solids' mean width: small compared with the boxes' usual overlap.
 constexpr double kMargin = 0.05;
 
 }  // namespace

@@ -1,7 +1,6 @@
-// Which points may meet which solids during a substep: pairs whose boxes,
-// widened by a margin, overlap. The pairs stay good while every box stays
-// within the widened one, so that what answers change is looked up in the list
-// and the grid is built once in most substeps.
+// Which points may meet which solids during a substep: pairs whose boxes, widened by a margin, overlap. The
+// pairs remain valid while every box stays within its widened one, so paths changed by answers are looked up
+// in the list, and most substeps build the grid only once.
 #pragma once
 #include <vector>
 
@@ -16,10 +15,10 @@ struct NearPair {
 
 class NearPairs {
  public:
-  /// Boxes of all rows' ways; to be filled before find(). Solids' boxes are as wide as they are felt.
+  /// Boxes around all rows' paths, to be filled before find(). Solids' boxes include their reach.
   std::vector<Box> points, solids;
 
-  /// The pairs of these boxes, by point; `keep(point, solid)` says which count. May run concurrently.
+  /// The pairs of these boxes, by point; `keep(point, solid)` filters them. May run concurrently.
   template <class Keep>
   void find(const ThreadArena& arena, Keep&& keep) {
     widen();
@@ -36,12 +35,12 @@ class NearPairs {
       }
     });
   }
-  /// Whether a point or a solid with this box meets only what is listed; if not, its box is made to hold it
-  /// and find() is due again.
+  /// Whether a point or solid with this box meets only listed pairs; if not, its box is enlarged and find()
+  /// must run again.
   bool holds_point(size_t point, const Box& box) { return holds(points[point], box); }
   bool holds_solid(size_t solid, const Box& box) { return holds(solids[solid], box); }
 
-  /// body(block, pairs) for all blocks, concurrently; blocks are numbered by their points.
+  /// body(block, pairs) for all blocks, concurrently; blocks are ordered by point.
   template <class Body>
   void each_block(const ThreadArena& arena, Body&& body) const {
     arena.for_blocks(blocks_.size(), 1, [&](size_t begin, size_t) { body(begin, blocks_[begin]); });
@@ -49,7 +48,7 @@ class NearPairs {
   size_t blocks() const { return blocks_.size(); }
 
  private:
-  /// Points that look for solids together: enough to be worth a task, few enough to balance.
+  /// Points per block of the search: enough to be worth a task, few enough to balance.
   static constexpr size_t kBlock = 1024;
 
   void widen();

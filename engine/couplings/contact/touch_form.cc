@@ -43,14 +43,14 @@ void add_corners(const Solid& s, const Transform& at, std::vector<BodyCorner>& o
   }
 }
 
-/// Corners of prisms are edges along z, of which one place is enough in the plane; of capsules it is the
+/// Corners of prisms are edges along z, of which one point is enough in the plane; for capsules it is the
 /// middle.
 void flatten(TouchForm& form) {
   std::erase_if(form.corners, [](const BodyCorner& c) { return c.radius > 0 ? c.at.z != 0 : c.at.z < 0; });
   for (BodyCorner& c : form.corners) c.at.z = 0;
 }
 
-/// Straight edges of a convex polyhedron, seen from outside of both faces.
+/// Straight edges of a convex polyhedron, convex as seen from outside.
 void add_edges(const Hull& hull, const Transform& at, std::vector<BodyEdge>& out) {
   for (const HullEdge& e : hull.edges) {
     const Vec3 outward = hull.faces[e.left].normal + hull.faces[e.right].normal;

@@ -85,7 +85,7 @@ std::unique_ptr<const Coupling> build_drive(const void* def, const CouplingConte
     refuse("a", '"' + context.a.id + "\" has no controls", '"' + context.a.id + '"',
            "a system of animation with controls");
   }
-  // The part's rows are the controls in the order of their observables.
+  // The part's rows are the controls, in the order of their observables.
   Observables seen;
   a.observe(context.a.state, 0, seen);
   std::string all;

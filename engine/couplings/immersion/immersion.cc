@@ -30,7 +30,8 @@ Cost immersion_cost(const void*, const Cost& a, const Cost&) {
 
 namespace {
 
-/// Spacings that a parcel may be in a body at the start: it is half of one from its neighbour's middle.
+/// How many spacings deep a parcel may be in a body at the start: it is half a spacing from the middle
+/// between it and its neighbour.
 constexpr double kDeepest = 0.5;
 constexpr State::Column kPull = exchange_columns::end, kImpulse = kPull + 1, kTwist = kPull + 2,
                         kIds = kPull + 3;
@@ -40,8 +41,8 @@ class Immersion final : public Coupling {
   Immersion(const ImmersionDef& def, const BodyPort& bodies, size_t count, std::string medium)
       : def_(def), port_(bodies), count_(count), medium_(std::move(medium)) {}
 
-  /// What the medium and all else did in the last step to the bodies that there are at t = 0; of others it is
-  /// not known.
+  /// What the medium and everything else did in the last step to the bodies existing at t = 0; for others it
+  /// is unknown.
   State initial_state() const override {
     State s = exchange_state();
     s.add({"pull", "m/s^2", Scalar::f64, 3}, count_);
@@ -58,7 +59,7 @@ class Immersion final : public Coupling {
     const bool still = norm2(bodies.velocity(i)) + norm2(bodies.spin(i)) == 0;
     return def_.bodies == ImmersionDef::Which::all || bodies.dynamic(i) || !still;
   }
-  /// Half of what the medium did in the step before, so that contacts know of it.
+  /// Half of what the medium did in the previous step, so that contacts take it into account.
   void begin(const CoupledStates& s, const StepInput&) const override {
     Bodies bodies(s.a, port_);
     for (size_t i = 0; i < std::min(count_, bodies.count()); ++i) {
@@ -118,7 +119,7 @@ class Immersion final : public Coupling {
       sum.add(-b.impulse, 0);
       const Given rest = now + before * -0.5, more = now + before * -1;
       bodies.push_and_turn(i, rest.impulse, rest.twist);
-      // As by a force that lasts.
+      // As by a force lasting through the step.
       const auto by = b.answer(more.impulse, more.twist);
       bodies.move(i, by.velocity * (0.5 * in.h), by.spin * (0.5 * in.h));
     }
@@ -133,7 +134,7 @@ class Immersion final : public Coupling {
 
  private:
   static constexpr uint64_t kNobody = UINT64_MAX;
-  /// N s and N m s that the medium gives a body in a step.
+  /// N s and N m s given to a body by the medium in a step.
   struct Given {
     Vec3 impulse, twist;
     Given operator*(double f) const { return {impulse * f, twist * f}; }
@@ -155,7 +156,7 @@ class Immersion final : public Coupling {
   std::string medium_;
 };
 
-/// Parcels of the medium that are deeper in a body than where two of them touch.
+/// Parcels of the medium that are deeper in a body than two touching parcels would be.
 size_t parcels_in(const ConstBodies& bodies, size_t body, const State& medium, const MediumPort& port) {
   const Transform frame{rotation(bodies.orientation(body)), bodies.place(body)};
   const Solid& solid = *bodies.form(body).solid;

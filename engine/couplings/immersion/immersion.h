@@ -1,6 +1,6 @@
 // The coupling type "immersion": rigid bodies of a in b, a medium that takes bodies (core/medium.h). The
-// medium moves them on within its step by its own pressure and by what accelerated them in the step before;
-// what it did to them is given to the bodies themselves at the step's end, with the way that they went by it.
+// medium moves them within its step by its own pressure and by their acceleration in the previous step; at
+// the step's end the bodies are given the medium's impulses and the resulting displacements.
 #pragma once
 #include <memory>
 
@@ -16,7 +16,7 @@ struct ImmersionDef {
 
 const DefTable& immersion_table();
 Cost immersion_cost(const void* def, const Cost& a, const Cost& b);
-/// Error "scene_invalid" where a has no bodies in space or b is no medium in space.
+/// Error "scene_invalid" when a has no bodies in space or b is not a medium in space.
 std::unique_ptr<const Coupling> build_immersion(const void* def, const CouplingContext& context);
 
 }  // namespace truestep::immersion

@@ -51,7 +51,7 @@ const DefTable& ragdoll_table() {
 
 Cost ragdoll_cost(const void*, const Cost& a, const Cost& b) {
   const double bones = std::min(a.elements, b.elements);
-  // Elements of a are vertices of its skin, too, which the bodies move once they lead.
+  // Elements of a include the vertices of its skin, which the bodies move once they lead.
   return {.state_bytes = 160 * bones + 400,
           .workspace_bytes = 2048 + 600 * bones + 30 * a.elements,
           .elements = bones,
@@ -61,7 +61,7 @@ Cost ragdoll_cost(const void*, const Cost& a, const Cost& b) {
 namespace {
 
 enum : State::Column { kMode, kTime, kImpact, kApart };
-/// Who leads.
+/// Which side leads.
 enum class Lead : uint32_t { skeleton, bodies, skeleton_again };
 
 struct Pair {
@@ -95,7 +95,7 @@ class Ragdoll final : public Coupling {
     carry(s);
     if (lead(s.own) != Lead::skeleton || !def_.at || in.t < *def_.at - 1e-9 * in.h) return;
     hand_over(s.own, in.t);
-    follow(s, in, 0);  // where it is
+    follow(s, in, 0);  // the present pose
   }
   void end(const CoupledStates& s, const StepInput& in) const override {
     const double after = in.t + in.h;
@@ -103,7 +103,7 @@ class Ragdoll final : public Coupling {
       look_for_impact(s);
       if (def_.impact && s.own.f64(kImpact)[0] > *def_.impact) {
         hand_over(s.own, after);
-        // This step's way was the skeleton's own.
+        // In this step the skeleton moved by itself.
         follow(s, in, 0);
       } else {
         carry(s);
@@ -143,7 +143,7 @@ class Ragdoll final : public Coupling {
     own.span<uint32_t>(kMode)[0] = static_cast<uint32_t>(Lead::bodies);
     own.f64(kTime)[0] = t;
   }
-  /// Where a bone has its body, and how fast.
+  /// Where a bone puts its body, and with which velocity.
   struct Carried {
     Pose pose;
     Vec3 velocity, spin;
@@ -173,7 +173,8 @@ class Ragdoll final : public Coupling {
       to.velocity.set_vector(*row, c.velocity), to.spin.set_vector(*row, c.spin);
     }
   }
-  /// Bones are already where they go; what bodies did in the step beyond that is what hit them.
+  /// Bones are already at their new poses; any further motion of the bodies in this step comes from an
+  /// impact.
   void look_for_impact(const CoupledStates& s) const {
     const ConstBodies bones(s.a, rig_.bones), bodies(s.b, bodies_);
     double most = 0;
@@ -252,7 +253,7 @@ std::unique_ptr<const Coupling> build_ragdoll(const void* def, const CouplingCon
                 normalized(back * bodies.orientation(p.body))};
     if (!d.impact_bodies.empty())
       p.feels = std::ranges::find(d.impact_bodies, static_cast<int64_t>(p.body)) != d.impact_bodies.end();
-    // Ids stay when other bodies go.
+    // Ids stay valid when other bodies are removed.
     p.body = bodies.id_of(p.body);
     pairs.push_back(p);
   }

@@ -1,9 +1,9 @@
-// The coupling type "ragdoll": bodies of b are carried by bones of a, a skeleton, in the place that they have
-// on them at t = 0, with the velocities of their bones. At a time, or when something hits a body so that its
-// velocity changes in a step by more than a threshold, they are let go with the velocities that they have
-// then, and the skeleton follows them. After a while it may move by itself again: from the pose that it was
-// left in, over a blend, on from the most alike pose of its own motion (Zordan, Majkowska, Chiu, Fast 2005,
-// "Dynamic response for motion capture animation", without their simulated way there).
+// The coupling type "ragdoll": bodies of b are carried by bones of a, a skeleton, in their places relative to
+// the bones at t = 0, with the bones' velocities. At a given time, or when an impact changes a body's
+// velocity in a step by more than a threshold, they are released with their present velocities, and the
+// skeleton follows them. After a while it may move by itself again: from the pose it was left in, blending
+// into the most similar pose of its own motion (Zordan, Majkowska, Chiu, Fast 2005, "Dynamic response for
+// motion capture animation", without their simulated transition).
 #pragma once
 #include <memory>
 
@@ -24,7 +24,8 @@ struct RagdollDef {
 
 const DefTable& ragdoll_table();
 Cost ragdoll_cost(const void* def, const Cost& a, const Cost& b);
-/// Error "scene_invalid" where a is no skeleton, b has no bodies in space, or a number is none of theirs.
+/// Error "scene_invalid" when a is not a skeleton, b has no bodies in space, or a number is not one of
+/// theirs.
 std::unique_ptr<const Coupling> build_ragdoll(const void* def, const CouplingContext& context);
 
 }  // namespace truestep::ragdoll

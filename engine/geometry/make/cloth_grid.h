@@ -20,15 +20,15 @@ struct ClothGridShape {
 
 struct ClothGrid {
   std::vector<Vec3> x;        ///< m; point (i, j) is row j nx + i
-  std::vector<double> share;  ///< m^2 that a point stands for
-  /// Squares cut along diagonals that alternate, so that the cloth has no preferred one.
+  std::vector<double> share;  ///< m^2, the area that a point represents
+  /// Squares cut along alternating diagonals, so that the cloth has no preferred one.
   std::vector<std::array<uint32_t, 3>> triangles;
 };
 ClothGrid make_cloth_grid(const ClothGridShape& shape);
 
 /// Points (i, j) and (i + di, j + dj), row by row. dj >= 0.
 std::vector<std::array<uint32_t, 2>> grid_pairs(const ClothGridShape& shape, int di, int dj);
-/// Rows of "corners", "corner_00" ..., "edge_u0" ..., "border"; none of any other name.
+/// Rows of "corners", "corner_00" ..., "edge_u0" ..., "border"; empty for any other name.
 std::vector<uint32_t> named_grid_points(const ClothGridShape& shape, std::string_view name);
 
 /// Weights of rods along the sides and the diagonals of a cell, of lengths u, v and d = sqrt(u^2 + v^2),
@@ -42,11 +42,11 @@ struct PlateWeights {
   double u2, v2;  ///< squared lengths, m^2
 };
 PlateWeights plate_weights(const ClothGridShape& shape);
-/// Why the weights are of no use (angles that are not right, cells too long), or null.
+/// Why the weights cannot be used (angles that are not right, cells too long), or null.
 const char* plate_fault(const ClothGridShape& shape);
 
 /// Three points in line; a curvature k (1/m) there has the energy 1/2 D weight |k|^2 times the share of the
-/// point in the middle.
+/// middle point.
 struct PlateRod {
   std::array<uint32_t, 3> points;
   double weight;

@@ -15,7 +15,7 @@ struct HairShape {
   Vec3 direction{0, -1, 0};
 };
 
-/// Strand after strand, links + 1 places each, root first.
+/// Strand after strand, links + 1 positions each, root first.
 std::vector<Vec3> hair_points(const HairShape& shape);
 
 }  // namespace truestep

@@ -10,16 +10,17 @@ namespace truestep {
 struct HelixShape {
   Vec3 centre{};        // m, on the axis, in the plane of the first point
   Vec3 axis{0, 1, 0};   // along which it rises
-  Vec3 start{1, 0, 0};  // from the centre towards the first point; its part along the axis does not count
+  Vec3 start{1, 0, 0};  // direction from the centre to the first point; its component along the axis is
+                        // ignored
   double radius = 0.1;  // m
-  double pitch = 0.05;  // m, rise in a whole turn
+  double pitch = 0.05;  // m, rise per turn
   double turns = 5;
   int links = 100;  // springs; links + 1 points
 };
 
 /// Distance between neighbours, m.
 double helix_link(const HelixShape& shape);
-/// links + 1 places.
+/// links + 1 positions.
 std::vector<Vec3> helix_points(const HelixShape& shape);
 
 }  // namespace truestep

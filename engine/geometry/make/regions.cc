@@ -1,4 +1,4 @@
-// Regions to be filled with tetrahedra: balls, cylinders and what closed surfaces hold.
+// Regions to be filled with tetrahedra: balls, cylinders and the inside of closed surfaces.
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -12,7 +12,7 @@ namespace {
 
 constexpr double kPi = 3.14159265358979323846;
 
-// By halving: for regions that are convex along the way.
+// By bisection: for regions that are convex along the path.
 double halved(const Region& region, const Vec3& in, const Vec3& out) {
   double low = 0, high = 1;
   for (int k = 0; k < 50; ++k) {
@@ -76,8 +76,8 @@ class Closed final : public Region {
   }
   Box bounds() const override { return tree_.bounds(); }
   double volume() const override { return volume_; }
-  // How often a ray along x crosses the surface: an odd number of times from inside. It runs a little aside,
-  // so that it meets no edge of a surface whose coordinates are round numbers.
+  // Counts how often a ray along x crosses the surface: an odd number from inside. The ray is slightly
+  // offset, so that it does not meet an edge of a surface with round coordinates.
   bool inside(const Vec3& p) const override {
     const Vec3 from = p + Vec3{0, aside_ * 0.7548776662, aside_ * 0.5698402909};
     const Vec3 along{2 * (bounds().high.x - p.x) + aside_, 0, 0};
@@ -102,7 +102,7 @@ class Closed final : public Region {
   }
 
  private:
-  // Share of the way at which it goes through a triangle (Moeller, Trumbore 1997).
+  // Fraction of the path at which it goes through a triangle (Moeller, Trumbore 1997).
   std::optional<double> meets(uint32_t k, const Vec3& from, const Vec3& along) const {
     const auto& t = triangles_[k];
     const Vec3 e1 = x_[t[1]] - x_[t[0]], e2 = x_[t[2]] - x_[t[0]], h = cross(along, e2);
@@ -134,7 +134,7 @@ std::unique_ptr<Region> surface_region(std::vector<Vec3> vertices,
 }
 
 std::optional<SurfaceFault> surface_fault(std::span<const std::array<uint32_t, 3>> triangles) {
-  // How often every directed edge occurs, and where first.
+  // How often every directed edge occurs, and where it occurs first.
   std::map<std::array<uint32_t, 2>, std::pair<size_t, size_t>> edges;
   for (size_t k = 0; k < triangles.size(); ++k) {
     for (size_t a = 0; a < 3; ++a) {

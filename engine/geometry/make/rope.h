@@ -1,4 +1,4 @@
-// Points of a rope between two places, at equal distances along it.
+// Points of a rope between two places, equally spaced along it.
 #pragma once
 #include <optional>
 #include <vector>
@@ -15,8 +15,8 @@ struct RopeShape {
 
 /// Length of a link at rest, m.
 double rope_link(const RopeShape& shape);
-/// links + 1 places. A slack rope begins as a parabola of its length, which is close to the catenary it will
-/// become; the sag lies across the chord, along `down` where there is a choice.
+/// links + 1 positions. A slack rope starts as a parabola of its length, which is close to the catenary it
+/// will become; it sags perpendicular to the chord, as far along `down` as possible.
 std::vector<Vec3> rope_points(const RopeShape& shape, const Vec3& down);
 
 }  // namespace truestep

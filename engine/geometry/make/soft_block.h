@@ -16,7 +16,7 @@ struct SoftBlockShape {
 
 struct SoftBlock {
   std::vector<Vec3> x;                              ///< m; x fastest, then y, then z
-  std::vector<double> share;                        ///< m^3 that a point stands for
+  std::vector<double> share;                        ///< m^3, the volume that a point represents
   std::vector<std::array<uint32_t, 4>> tetrahedra;  ///< of positive volume
   std::vector<std::array<uint32_t, 3>> triangles;   ///< the surface, anticlockwise from outside
   std::vector<std::array<uint32_t, 2>> edges;       ///< of the tetrahedra, each once, ascending

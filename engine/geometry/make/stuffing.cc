@@ -10,7 +10,7 @@ namespace truestep {
 
 namespace {
 
-// Shares of an edge within which a cut moves the lattice point (their section 3.3, the safe ones for the
+// Fractions of an edge within which a cut moves the lattice point (their section 3.3, the safe ones for the
 // ungraded mesh).
 constexpr double kLong = 0.24999, kShort = 0.41189;
 
@@ -58,7 +58,7 @@ class Stuffer {
     for (const Vec3& p : x_) sign_.push_back(region_.inside(p) ? Sign::inside : Sign::outside);
   }
 
-  // Four tetrahedra around every pair of centres that are neighbours: both, and an edge of the square
+  // Four tetrahedra around every pair of neighbouring centres: both centres, and an edge of the square
   // between.
   template <class Visit>
   void each_tetrahedron(Visit visit) const {
@@ -99,7 +99,7 @@ class Stuffer {
     });
   }
 
-  // Points close to a cut move onto the nearest one; cuts beside them go.
+  // Points close to a cut move onto the nearest one; neighbouring cuts are dropped.
   void warp() {
     std::vector<std::vector<Edge>> around(x_.size());
     for (const auto& [e, share] : cuts_) around[e[0]].push_back(e), around[e[1]].push_back(e);
@@ -124,7 +124,7 @@ class Stuffer {
     }
     for (const auto& [e, share] : cuts_) {
       cut_point_[e] = static_cast<uint32_t>(x_.size());
-      // Between places as they are now: neither end of a cut that is left has moved.
+      // Between the present positions: neither end of a remaining cut has moved.
       x_.push_back(lattice[e[0]] + share * (lattice[e[1]] - lattice[e[0]]));
     }
   }
@@ -134,8 +134,8 @@ class Stuffer {
     if (volume < 0) std::swap(c, d);
     out_.push_back({a, b, c, d});
   }
-  // A quadrilateral is halved by its shorter diagonal; of equal ones by that of the point numbered lowest. So
-  // both elements that share it do the same. True: the diagonal is a c.
+  // A quadrilateral is split by its shorter diagonal, in a tie by the one with the lowest point number, so
+  // that both elements sharing it do the same. True: the diagonal a c.
   bool by_first(uint32_t a, uint32_t b, uint32_t c, uint32_t d) const {
     const double one = norm2(x_[c] - x_[a]), other = norm2(x_[d] - x_[b]);
     if (std::abs(one - other) > 1e-9 * (one + other)) return one < other;
@@ -150,11 +150,11 @@ class Stuffer {
   }
   // Between triangles a and b with sides a_i b_i.
   void wedge(const std::array<uint32_t, 3>& a, const std::array<uint32_t, 3>& b) {
-    // Of every side k, k + 1: whether the diagonal begins at a_k.
+    // For every side k, k + 1: whether the diagonal starts at a_k.
     std::array<bool, 3> from_first{};
     for (size_t k = 0; k < 3; ++k) from_first[k] = by_first(a[k], a[(k + 1) % 3], b[(k + 1) % 3], b[k]);
     for (size_t k = 0; k < 3; ++k) {
-      // Both sides at a_k have their diagonals there: three elements that all have it.
+      // Both sides at a_k have their diagonals there: three elements that all contain it.
       const size_t next = (k + 1) % 3, before = (k + 2) % 3;
       if (from_first[k] && !from_first[before]) {
         add(a[k], b[0], b[1], b[2]);
@@ -165,7 +165,7 @@ class Stuffer {
         return pyramid(b[k], a[next], a[before], b[before], b[next]);
       }
     }
-    // Diagonals that go round: a point inside sees all faces.
+    // Cyclic diagonals: a point inside sees all faces.
     const auto middle = static_cast<uint32_t>(x_.size());
     Vec3 sum;
     for (size_t k = 0; k < 3; ++k) sum += x_[a[k]] + x_[b[k]];
@@ -219,7 +219,7 @@ class Stuffer {
   uint32_t n_[3];
   std::vector<Vec3> x_;
   std::vector<Sign> sign_;
-  std::map<Edge, double> cuts_;  // share of the edge, from its first end
+  std::map<Edge, double> cuts_;  // fraction of the edge, from its first end
   std::map<Edge, uint32_t> cut_point_;
   std::vector<std::array<uint32_t, 4>> out_;
 };
@@ -230,7 +230,7 @@ Stuffing stuff(const Region& region, double spacing) {
   return Stuffer(region, spacing).run();
 }
 
-// Twelve tetrahedra and two nodes a cell, some more where the surface cuts.
+// Twelve tetrahedra and two nodes per cell, somewhat more where the surface cuts.
 StuffingSize stuffing_size(double volume, double spacing) {
   const double cells = volume / (spacing * spacing * spacing), surface = 6 * trig::pow(cells, 2.0 / 3);
   return {2 * cells + 3 * surface + 10, 12 * cells + 12 * surface};

@@ -1,8 +1,8 @@
 // Tetrahedra that fill a region by isosurface stuffing (Labelle, Shewchuk 2007, "Isosurface stuffing: fast
 // tetrahedral meshes with good dihedral angles", ACM Transactions on Graphics 26(3), 57): a body-centred
-// cubic lattice is laid over it; lattice points that the surface passes closely move onto it; what is left of
-// the lattice's tetrahedra inside is cut along the surface by a few patterns. The surface is smooth to within
-// the lattice: edges and corners of the region sharper than that are rounded off.
+// cubic lattice is laid over it; lattice points close to the surface move onto it; the lattice's tetrahedra
+// inside are then cut along the surface by a few patterns. The surface is smooth on the scale of the lattice:
+// sharper edges and corners of the region are rounded off.
 #pragma once
 #include <array>
 #include <cstdint>
@@ -16,25 +16,25 @@
 
 namespace truestep {
 
-/// What is to be filled.
+/// A region to be filled.
 class Region {
  public:
   virtual ~Region() = default;
   virtual Box bounds() const = 0;
   virtual double volume() const = 0;  ///< m^3
   virtual bool inside(const Vec3& p) const = 0;
-  /// Where the way from a place inside to one outside leaves the region: the share of it, in (0, 1).
+  /// Where the segment from a point inside to one outside leaves the region, as a fraction in (0, 1).
   virtual double leaves(const Vec3& in, const Vec3& out) const = 0;
 };
 
 std::unique_ptr<Region> ball_region(const Vec3& center, double radius);
 /// Flat ends.
 std::unique_ptr<Region> cylinder_region(const Vec3& from, const Vec3& to, double radius);
-/// What a closed surface holds, whose triangles run anticlockwise as seen from outside or inside.
+/// The inside of a closed surface whose triangles run anticlockwise as seen from outside or from inside.
 std::unique_ptr<Region> surface_region(std::vector<Vec3> vertices,
                                        std::vector<std::array<uint32_t, 3>> triangles);
-/// Why triangles are no closed surface: the first edge that does not have exactly two, in words; nothing
-/// where they are one. `triangle`: one of those at fault.
+/// Why triangles do not form a closed surface, in words: the first edge that does not have exactly two; empty
+/// when they do. `triangle`: one of those at fault.
 struct SurfaceFault {
   size_t triangle;
   std::string what;
@@ -46,15 +46,15 @@ struct Stuffing {
   std::vector<std::array<uint32_t, 4>> tetrahedra;  ///< of positive volume
   double least_angle = 0, largest_angle = 0;        ///< rad, between faces of an element
 };
-/// `spacing`: m, of the cubic lattice, twice over. Empty where the region is finer than that.
+/// `spacing`: m, of the cubic lattice, whose double is used. Empty when the region is finer than that.
 Stuffing stuff(const Region& region, double spacing);
-/// About as many nodes and tetrahedra as that makes.
+/// Approximate numbers of nodes and tetrahedra that result.
 struct StuffingSize {
   double nodes, tetrahedra;
 };
 StuffingSize stuffing_size(double volume, double spacing);
 
-/// Least and largest angle between faces (rad).
+/// Smallest and largest angle between faces (rad).
 std::array<double, 2> dihedral_angles(std::span<const Vec3> x,
                                       std::span<const std::array<uint32_t, 4>> tetrahedra);
 

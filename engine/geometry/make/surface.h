@@ -1,4 +1,4 @@
-// Triangle meshes of cloth: what a scene gives, edges with the corners across them, areas of the points.
+// Triangle meshes of cloth: as given by a scene, edges with the corners opposite them, areas of the points.
 #pragma once
 #include <array>
 #include <cstdint>
@@ -14,7 +14,7 @@ struct MeshShape {
 };
 
 std::vector<std::array<uint32_t, 3>> mesh_triangles(const MeshShape& shape);
-/// A third of every triangle's area to each of its corners, m^2.
+/// m^2 per point: a third of every triangle's area for each of its corners.
 std::vector<double> mesh_shares(const MeshShape& shape);
 
 /// An edge of one triangle: (smaller end, larger end, opposite corner). Sorted, so that the triangles of an

@@ -39,7 +39,7 @@ class Reader {
     expect("Time:");
     m_.frame_time = number("the frame time");
     if (!(m_.frame_time > 0)) fail_before("the frame time is not above 0");
-    // What is announced is not allocated before it is there.
+    // Announced data is not allocated before it is there.
     for (size_t f = 0; f < m_.frames; ++f) {
       for (size_t c = 0; c < m_.channels; ++c) {
         if (done()) {
@@ -85,7 +85,7 @@ class Reader {
     skip();
     return word;
   }
-  /// The rest of the line, which may hold blanks: a joint's name.
+  /// The rest of the line, which may contain blanks: a joint's name.
   std::string take_line() {
     const std::string& s = lines_[line_];
     size_t end = s.size();

@@ -1,8 +1,8 @@
 // Motion in the BVH format: a HIERARCHY of joints with offsets and channels, then MOTION with frames of
 // channel values, lengths in the file's own unit, angles in degrees. A joint's rotation is the product of its
 // rotation channels in the order in which they are named, the first outermost; any order and any number of up
-// to six channels is read, positions of joints other than the root too. What is not BVH is a fault with its
-// line.
+// to six channels is read, including positions of joints other than the root. Anything else is a fault with
+// its line.
 #pragma once
 #include <cstdint>
 #include <optional>
@@ -15,7 +15,7 @@
 
 namespace truestep {
 
-/// Where a text is no BVH; lines count from 1.
+/// A text that is not valid BVH; lines count from 1.
 class BvhFault : public std::runtime_error {
  public:
   BvhFault(size_t at_line, const std::string& message)
@@ -36,13 +36,13 @@ struct BvhJoint {
 
 struct BvhMotion {
   std::vector<BvhJoint> joints;  ///< parents first; exactly one without a parent
-  size_t channels = 0;           ///< of all joints
+  size_t channels = 0;           ///< in total over all joints
   size_t frames = 0;
   double frame_time = 1.0 / 30;  ///< s
   std::vector<double> values;    ///< frames x channels, the file's units and degrees
 
-  /// The joint in its parent's frame: its offset, or its position channels where it has some, and its
-  /// rotation channels.
+  /// The joint in its parent's frame: its offset, or its position channels if it has any, and its rotation
+  /// channels.
   Pose local(size_t frame, size_t joint) const;
 };
 

@@ -1,4 +1,4 @@
-// Numbers from bytes of either order.
+// Numbers from bytes in either byte order.
 #pragma once
 #include <algorithm>
 #include <array>

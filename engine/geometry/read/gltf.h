@@ -1,7 +1,7 @@
-// glTF 2.0 (Khronos 2017, ISO/IEC 12113): nodes with their places, meshes with skin weights and morph
-// targets, skins and animations, out of a .glb (a container of a JSON chunk and a binary one) or of a .gltf
-// whose buffers are data URIs. Not read: materials, cameras, sparse accessors, compressed meshes, files
-// beside it. What is wrong is a fault with the byte, or with the JSON pointer into the file's document.
+// glTF 2.0 (Khronos 2017, ISO/IEC 12113): nodes with their poses, meshes with skin weights and morph targets,
+// skins and animations, from a .glb (a container with a JSON chunk and a binary one) or a .gltf whose buffers
+// are data URIs. Not read: materials, cameras, sparse accessors, compressed meshes, external files. Faults
+// name the byte, or the JSON pointer into the file's document.
 #pragma once
 #include <array>
 #include <cstdint>
@@ -24,17 +24,17 @@ struct GltfNode {
   std::string name;
   int32_t parent = -1, mesh = -1, skin = -1;
   Pose local;
-  double scale = 1;  ///< even in all directions
+  double scale = 1;  ///< uniform
 };
 
 struct GltfMesh {
   std::string name;
   std::vector<Vec3> positions;
   std::vector<std::array<uint32_t, 3>> triangles;
-  std::vector<std::array<uint32_t, 4>> joints;  ///< numbers in the skin; empty without one
+  std::vector<std::array<uint32_t, 4>> joints;  ///< indices into the skin's joints; empty without a skin
   std::vector<std::array<double, 4>> weights;
   std::vector<std::vector<Vec3>> targets;  ///< offsets of the positions
-  std::vector<std::string> target_names;   ///< empty, or one each
+  std::vector<std::string> target_names;   ///< empty, or one per target
 };
 
 struct GltfSkin {
@@ -47,7 +47,7 @@ struct GltfChannel {
   enum class Between : uint8_t { linear, step, cubic } between = Between::linear;
   uint32_t node = 0;
   std::vector<double> times;
-  std::vector<double> values;  ///< times (x 3 where cubic: slope in, value, slope out) x width
+  std::vector<double> values;  ///< times (x 3 for cubic: slope in, value, slope out) x width
   size_t width = 3;
 };
 struct GltfAnimation {
@@ -64,7 +64,7 @@ struct GltfModel {
 
 /// Bytes of a .glb, or the text of a .gltf. Throws GltfFault.
 GltfModel read_gltf(std::span<const std::byte> bytes);
-/// Lines as a scene has them, broken anywhere: the text of a .gltf, or a .glb in base64. Throws GltfFault.
+/// Lines as in a scene, broken anywhere: the text of a .gltf, or a .glb in base64. Throws GltfFault.
 GltfModel read_gltf(std::span<const std::string> lines);
 
 }  // namespace truestep

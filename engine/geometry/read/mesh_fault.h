@@ -1,4 +1,4 @@
-// What readers of mesh files share: what a surface file holds, limits, and what is wrong where.
+// What readers of mesh files share: the contents of a surface file, limits, and faults.
 #pragma once
 #include <array>
 #include <cstdint>
@@ -10,8 +10,8 @@
 
 namespace truestep {
 
-/// Where a file is no mesh: a line of a text, a byte of what is binary, each from 1. One past the end where
-/// something is missing.
+/// A file that is not a mesh: the line of a text or the byte of a binary file, counted from 1; one past the
+/// end when something is missing.
 class MeshFault : public std::runtime_error {
  public:
   enum class Unit : uint8_t { line, byte };
@@ -23,16 +23,16 @@ class MeshFault : public std::runtime_error {
   size_t at;
 };
 
-/// Vertices in the file's order and unit; triangles run as the file's faces do. Every index is one of a
-/// vertex, every coordinate finite; triangles may be flat, repeat a corner or leave vertices over.
+/// Vertices in the file's order and unit; triangles are oriented like the file's faces. Every index is valid,
+/// every coordinate finite; triangles may be degenerate, and vertices may be unused.
 struct SurfaceFile {
   std::vector<Vec3> vertices;
   std::vector<std::array<uint32_t, 3>> triangles;
 };
 
-/// Most that a file may hold; kept in mind before anything is allocated.
+/// Limits of a file's contents, checked before anything is allocated.
 inline constexpr size_t kMostFileVertices = 2'000'000, kMostFileTriangles = 4'000'000;
-/// A coordinate beyond this is taken for a mistake.
+/// A larger coordinate is considered a mistake.
 inline constexpr double kMostFileCoordinate = 1e12;
 
 }  // namespace truestep

@@ -19,7 +19,7 @@ constexpr uint8_t kTypeOf[] = {2, 3, 4, 5};  // Gmsh's, by form
   throw MeshFault(MeshFault::Unit::line, lines, message);
 }
 
-// The one form of the highest dimension.
+// The form of the elements of highest dimension, which must be the same for all.
 CellForm form_of(const MshSections& file, std::string_view text) {
   bool has[4] = {};
   for (const MshElement& e : file.elements) {
@@ -117,7 +117,7 @@ SurfaceFile surface_of(const CellFile& mesh) {
   }
   const bool solid = mesh.form >= CellForm::tetrahedra;
   if (solid) {
-    // Faces that two elements share are inside.
+    // Faces shared by two elements are inside.
     std::sort(faces.begin(), faces.end(), [](const Known& a, const Known& b) {
       return a.key != b.key ? a.key < b.key : a.order < b.order;
     });

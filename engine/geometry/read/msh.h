@@ -1,7 +1,7 @@
 // Meshes of elements in Gmsh's MSH format, versions 2.2 and 4.1 as text: triangles, quadrangles, tetrahedra
-// or hexahedra with straight edges, and what physical groups they, their faces, edges and points belong to.
-// Of a file the elements of the highest dimension are the mesh, which all have to be of one form; what is of
-// a lower one only says which vertices a group has. Partitions, periods and fields are passed over.
+// or hexahedra with straight edges, and the physical groups that they, their faces, edges and points belong
+// to. The elements of the highest dimension form the mesh and must all be of one form; those of a lower
+// dimension only say which vertices a group has. Partitions, periods and fields are skipped.
 #pragma once
 #include <string>
 #include <string_view>
@@ -17,13 +17,13 @@ const char* name_of(CellForm form);
 
 struct CellFile {
   CellForm form = CellForm::tetrahedra;
-  std::vector<Vec3> vertices;   ///< in the file's order, without those that no element has
+  std::vector<Vec3> vertices;   ///< in the file's order, without those unused by elements
   std::vector<uint32_t> cells;  ///< corners of every element, one after another, in VTK's order
   struct Group {
-    std::string name;                ///< that of the file, or like "surface_3"
+    std::string name;                ///< the file's name, or one like "surface_3"
     std::vector<uint32_t> vertices;  ///< ascending
   };
-  std::vector<Group> groups;  ///< by dimension, then by number; those of one name are one
+  std::vector<Group> groups;  ///< by dimension, then by number; groups of the same name are merged
 
   size_t size() const { return cells.size() / corners_of(form); }
 };
@@ -31,7 +31,7 @@ struct CellFile {
 /// Throws MeshFault with a line.
 CellFile read_msh(std::string_view text);
 
-/// The surface of a mesh in space, seen from outside; the elements of one in the plane or of a shell.
+/// The surface of a mesh in space, seen from outside; for a mesh in the plane or a shell, its elements.
 /// Quadrangles are cut in two.
 SurfaceFile surface_of(const CellFile& mesh);
 

@@ -58,7 +58,7 @@ class Reader {
   }
   int64_t count(const char* what, int64_t most) {
     const int64_t n = lines_.integer(what, 0, most);
-    // Every one of them takes a digit and a blank or more.
+    // Each of them takes at least a digit and a blank.
     if (static_cast<size_t>(n) > lines_.text_after().size()) {
       lines_.fail(std::string(what) + " is " + std::to_string(n) + ", and " +
                   std::to_string(lines_.text_after().size()) + " bytes follow");
@@ -205,7 +205,7 @@ class Reader {
     const auto [at, fresh] = group_entities_.emplace(key, static_cast<uint32_t>(out_.entities.size()));
     if (fresh) {
       out_.entities.emplace_back();
-      // Group 0 is none.
+      // Group 0 means none.
       if (group != 0) out_.entities.back().push_back(key);
     }
     return at->second;

@@ -1,4 +1,4 @@
-// What the sections of an MSH file say, of either version.
+// The contents of an MSH file's sections, in either version.
 #pragma once
 #include <map>
 #include <utility>
@@ -18,13 +18,13 @@ struct MshSections {
   using Group = std::pair<int, int64_t>;
   std::map<Group, std::string> names;
   std::vector<Vec3> nodes;
-  std::vector<std::pair<int64_t, uint32_t>> tags;  ///< of nodes, ascending, with their places in `nodes`
+  std::vector<std::pair<int64_t, uint32_t>> tags;  ///< of nodes, ascending, with their indices in `nodes`
   std::vector<MshElement> elements;
-  std::vector<uint32_t> corners;             ///< places in `nodes`
+  std::vector<uint32_t> corners;             ///< indices into `nodes`
   std::vector<std::vector<Group>> entities;  ///< groups that elements belong to
 };
 
-/// Of Gmsh's types: 0 for what is not read.
+/// For Gmsh's types; 0 for types that are not read.
 size_t msh_corners(int64_t type);
 int msh_dimension(uint8_t type);
 

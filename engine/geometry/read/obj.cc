@@ -38,7 +38,7 @@ class Reader {
       } else if (!among(key, kPassedOver)) {
         lines_.fail(quoted(key) + " is no statement of an OBJ file");
       } else {
-        // A statement that goes on after a backslash: its next lines are not statements.
+        // A statement continued after a backslash: its next lines are not statements.
         while (lines_.rest().ends_with('\\') && lines_.next()) continue;
       }
     }
@@ -65,7 +65,7 @@ class Reader {
     p.z = lines_.coordinate("a coordinate");
     out_.vertices.push_back(p);
     double more = 0;
-    // A weight, or three parts of a colour.
+    // A weight, or the three components of a colour.
     for (std::string_view w = word(); !w.empty(); w = word()) {
       if (!read_double(w, more)) lines_.fail(quoted(w) + " stands after the coordinates of a vertex");
     }

@@ -63,7 +63,7 @@ class BinaryValues {
   }
   void skip(PlyType type, double count, const std::string& what) {
     last_ = at_;
-    // Counts are of 32 bits: no overflow.
+    // Counts have 32 bits: no overflow.
     const size_t length = size_of(type) * static_cast<size_t>(count);
     if (bytes_.size() - at_ < length) fail("the file ends in " + what);
     at_ += length;

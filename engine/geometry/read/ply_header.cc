@@ -60,7 +60,7 @@ size_t size_of(PlyType type) {
 size_t PlyElement::least_size(PlyFormat format) const {
   size_t out = 0;
   for (const PlyProperty& p : properties) {
-    // As text a digit and what ends it.
+    // As text, a digit and its terminator.
     out += format == PlyFormat::ascii ? 2 : size_of(p.count.value_or(p.type));
   }
   return out;
@@ -98,7 +98,7 @@ PlyHeader read_ply_header(TextLines& lines) {
     if (e.properties.empty() && e.count > 0) lines.fail("element " + quoted(e.name) + " has no properties");
     least += e.count * e.least_size(out.format);
   }
-  // The last word of a text needs nothing that ends it.
+  // The last word of a text needs no terminator.
   if (least > lines.text_after().size() + 1) {
     lines.fail("the header announces " + std::to_string(least) + " bytes or more, and " +
                std::to_string(lines.text_after().size()) + " follow");

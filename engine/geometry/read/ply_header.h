@@ -1,4 +1,4 @@
-// The header of a PLY file: what its elements are called, how many there are and what each of them has.
+// The header of a PLY file: names, counts and properties of its elements.
 #pragma once
 #include <optional>
 #include <string>
@@ -22,7 +22,7 @@ struct PlyElement {
   std::string name;
   size_t count = 0;
   std::vector<PlyProperty> properties;
-  /// Least bytes of one: a list may be empty.
+  /// Minimum bytes per element: a list may be empty.
   size_t least_size(PlyFormat format) const;
 };
 
@@ -31,8 +31,8 @@ struct PlyHeader {
   std::vector<PlyElement> elements;
 };
 
-/// Leaves `lines` at the line end_header. Throws MeshFault: a count that what is left of the text cannot hold
-/// is one.
+/// Leaves `lines` at the line end_header. Throws MeshFault, also for a count that the rest of the text cannot
+/// hold.
 PlyHeader read_ply_header(TextLines& lines);
 
 }  // namespace truestep

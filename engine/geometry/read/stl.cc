@@ -12,11 +12,11 @@ namespace {
 
 constexpr size_t kHead = 80, kCount = 4, kTriangle = 50, kNormal = 12;
 
-/// Corners at the same place become one vertex, numbered as they come.
+/// Merges corners at the same position into one vertex, numbered in order of appearance.
 class Welder {
  public:
   uint32_t vertex(Vec3 p) {
-    // Zero has two signs and is one place.
+    // Zero has two signs but is one position.
     p = {p.x + 0.0, p.y + 0.0, p.z + 0.0};
     const auto [at, fresh] =
         known_.emplace(std::array{p.x, p.y, p.z}, static_cast<uint32_t>(out.vertices.size()));
@@ -101,7 +101,7 @@ class TextReader {
   void facet() {
     expect("facet");
     expect("normal");
-    // Not a coordinate: writers put nan where a triangle has no area.
+    // Not a coordinate: writers put nan for triangles without area.
     for (size_t c = 0; c < 3; ++c) {
       if (lines_.next_word().empty()) lines_.fail("the file ends in a normal");
     }
@@ -134,7 +134,7 @@ bool is_binary_stl(std::string_view bytes) {
 }
 
 SurfaceFile read_stl(std::string_view bytes) {
-  // Binary heads may begin with "solid" too: the length decides.
+  // Binary headers may start with "solid" too: the length decides.
   if (is_binary_stl(bytes)) return read_binary(bytes);
   if (same_word(TextLines(bytes).next_word(), "solid")) return TextReader(bytes).read();
   return read_binary(bytes);

@@ -1,6 +1,6 @@
 // Surfaces in the STL format, text (`solid ... facet normal ... outer loop vertex x y z ...`) and binary (80
-// bytes of anything, a count, then 50 bytes a triangle: normal, three corners, two spare bytes; little
-// endian). Corners at the very same place are one vertex. Normals do not count: triangles run
+// arbitrary bytes, a count, then 50 bytes per triangle: normal, three corners, two spare bytes; little
+// endian). Corners at exactly the same position are one vertex. Normals are ignored: triangles run
 // anticlockwise as seen from outside.
 #pragma once
 #include <string_view>
@@ -9,11 +9,11 @@
 
 namespace truestep {
 
-/// Binary where the length is that which the count says, text where it begins with "solid". Throws MeshFault
-/// with a line or a byte.
+/// Binary if the length matches the count, text if it starts with "solid". Throws MeshFault with a line or a
+/// byte.
 SurfaceFile read_stl(std::string_view bytes);
 
-/// True where the length is that of a binary file.
+/// True if the length is that of a binary file.
 bool is_binary_stl(std::string_view bytes);
 
 }  // namespace truestep

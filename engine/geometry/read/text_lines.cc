@@ -23,7 +23,7 @@ bool read_double(std::string_view word, double& out) {
   if (word.starts_with('+')) word.remove_prefix(1);
   const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), out);
   if (error == std::errc::result_out_of_range && end == word.data() + word.size()) {
-    // Too small to be told from 0 or too large for a double.
+    // Too small to be distinguished from 0, or too large for a double.
     const bool tiny = word.find("e-") != word.npos || word.find("E-") != word.npos;
     out = tiny ? 0 : HUGE_VAL;
     return true;

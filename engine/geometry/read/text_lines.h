@@ -12,28 +12,28 @@ class TextLines {
  public:
   explicit TextLines(std::string_view text) : text_(text) {}
 
-  /// Goes to the next line; false at the end of the text, where the line is one past the last.
+  /// Goes to the next line; false at the end of the text, when the line number is one past the last.
   bool next();
   /// Goes to the next line with a word in it.
   bool next_filled();
-  /// Takes the next word off the line; empty where there is none left.
+  /// Takes the next word of the line; empty when there is none left.
   std::string_view word();
-  /// The next word, which stays.
+  /// The next word, without taking it.
   std::string_view peek() const;
-  /// Goes from line to line for the next word: for formats in which lines mean nothing.
+  /// Goes from line to line for the next word: for formats in which lines have no meaning.
   std::string_view next_word();
-  /// What is left of the line, without blanks around it.
+  /// The rest of the line, trimmed.
   std::string_view rest() const;
-  /// The line that next() went to, of which no word has been taken, without its end.
+  /// The complete line that next() went to, as long as no word has been taken; without its end.
   std::string_view whole() const { return rest_.ends_with('\r') ? rest_.substr(0, rest_.size() - 1) : rest_; }
-  /// What is left of the text after this line.
+  /// The rest of the text after this line.
   std::string_view text_after() const { return text_; }
   size_t line() const { return line_; }
 
   [[noreturn]] void fail(const std::string& message) const;
   /// The next word of the line as a coordinate: finite, at most kMostFileCoordinate. `what` for the message.
   double coordinate(const char* what);
-  /// As a whole number within limits.
+  /// The next word as an integer within limits.
   int64_t integer(const char* what, int64_t least, int64_t most);
 
  private:
@@ -42,11 +42,11 @@ class TextLines {
   bool ended_ = false;
 };
 
-/// A word for a message: quoted, cut to 40 characters, only what can be printed.
+/// A word for a message: quoted, cut to 40 characters, printable characters only.
 std::string quoted(std::string_view word);
-/// A text as a number; false where it is none.
+/// Parses a number; false when the text is not one.
 bool read_double(std::string_view word, double& out);
-/// Upper case and lower case of ASCII are alike.
+/// ASCII comparison without case.
 bool same_word(std::string_view a, std::string_view b);
 
 }  // namespace truestep

@@ -17,7 +17,7 @@ std::string_view trimmed(std::string_view s) {
   return s;
 }
 
-/// Fields between tabs, trimmed; empty ones count.
+/// Tab-separated fields, trimmed, including empty ones.
 std::vector<std::string_view> fields_of(std::string_view line) {
   std::vector<std::string_view> out;
   for (;;) {

@@ -1,7 +1,7 @@
-// Places of optical markers in the TRC format: five lines of heading (the third with rate, frames, markers
-// and unit, the fourth with the markers' names), then a line a frame: its number, its time and x, y, z of
-// every marker, between tabs. A marker out of sight has empty fields, or three zeros as some cameras write
-// it. What is not TRC is a fault with its line.
+// Positions of optical markers in the TRC format: five header lines (the third with rate, frames, markers and
+// unit, the fourth with the markers' names), then one line per frame: its number, its time and x, y, z of
+// every marker, separated by tabs. A hidden marker has empty fields, or three zeros as some cameras write
+// them. Anything else is a fault with its line.
 #pragma once
 #include <cstdint>
 #include <span>
@@ -13,7 +13,7 @@
 
 namespace truestep {
 
-/// Where a text is no TRC; lines count from 1.
+/// A text that is not valid TRC; lines count from 1.
 class TrcFault : public std::runtime_error {
  public:
   TrcFault(size_t at_line, const std::string& message)
@@ -26,7 +26,7 @@ struct MarkerTracks {
   double rate = 60;  ///< 1/s
   size_t frames = 0;
   std::vector<Vec3> places;   ///< frames x markers, m
-  std::vector<uint8_t> seen;  ///< the same
+  std::vector<uint8_t> seen;  ///< frames x markers: whether visible
 };
 
 /// Throws TrcFault.

@@ -42,7 +42,7 @@ void EventWatcher::look(double t, const double* y) {
   }
 }
 
-// Share of the step at which the first guard has crossed that now_ shows on the other side at `high`.
+// Fraction of the step at which the first of the guards that have changed sides at `high` crosses.
 double EventWatcher::earliest(double t0, double h, double low, double high, const Interpolant& between) {
   const auto evaluate = [&](double theta, std::vector<double>& g) {
     between.at(theta, point_.data());
@@ -54,7 +54,7 @@ double EventWatcher::earliest(double t0, double h, double low, double high, cons
   for (size_t k = 0; k < ahead_.size(); ++k) {
     now_[k] = ahead_[k];
     if (!crosses(k)) continue;
-    // Rounding may show the start on the other side already: only its sign is known then.
+    // Rounding may already show the start on the other side: then only its sign is known.
     const double start = side(before_[k]) == sides_[k] ? before_[k] : sides_[k] * std::abs(ahead_[k]);
     const double root = bracketed_root(
         [&](double theta) {
@@ -70,7 +70,7 @@ double EventWatcher::earliest(double t0, double h, double low, double high, cons
 StepWatcher::Verdict EventWatcher::accepted(double t0, double& t1, double* y1, const Interpolant& between) {
   const double h = t1 - t0;
   double low = 0;
-  // On which side a guard leaves zero tells a place a little further on.
+  // The side on which a guard leaves zero is determined slightly further on.
   constexpr double kLittle = 1e-6;
   if (std::ranges::find(sides_, 0) != sides_.end()) {
     between.at(kLittle, point_.data());
@@ -104,7 +104,7 @@ StepWatcher::Verdict EventWatcher::accepted(double t0, double& t1, double* y1, c
       fired_.push_back(static_cast<uint32_t>(k));
       fired_side_.push_back(side(now_[k]));
     }
-    // The place crosses by construction; its time may have moved by rounding.
+    // The point has crossed by construction; its time may have shifted by rounding.
     return fired_.empty() ? Verdict::go_on : Verdict::stop;
   }
   return Verdict::go_on;

@@ -1,10 +1,10 @@
-// Events: moments at which guards g_k(t, y) pass zero, found on the interpolant of each accepted step. Three
-// places inside the step are looked at besides its end; a guard that crosses and comes back between two of
-// them is missed. The earliest crossing is then refined by Chandrupatla's method (1997, "A new hybrid
+// Events: times at which guards g_k(t, y) cross zero, found on the interpolant of each accepted step. Three
+// points inside the step are checked besides its end; a guard that crosses and returns between two of them is
+// missed. The earliest crossing is then refined by Chandrupatla's method (1997, "A new hybrid
 // quadratic/bisection algorithm for finding the zero of a nonlinear function without using derivatives")
-// until t is known to rounding, and stops the run at the first time known to lie behind it. On which side of
-// zero each guard was last seen is the caller's to keep, so that a restored run repeats every event. After an
-// event its guard counts from the next place on, unless the event itself moved it back across zero.
+// until t is known to rounding, and the run stops at the first time known to be past it. The caller keeps the
+// side of zero on which each guard was last seen, so that a restored run repeats every event. After an event
+// its guard counts from the next point on, unless the event itself moved it back across zero.
 #pragma once
 #include <algorithm>
 #include <cmath>
@@ -26,7 +26,7 @@ class Guards {
 
 enum class Crossing : uint8_t { either, rising, falling };
 
-/// Where between a and b a continuous function passes zero, fa = f(a) and fb = f(b) being of opposite signs
+/// Where between a and b a continuous function crosses zero, fa = f(a) and fb = f(b) having opposite signs
 /// (fb may be 0): the end on b's side of a bracket no longer than `tolerance`, or than rounding allows.
 template <class F>
 double bracketed_root(F&& f, double a, double fa, double b, double fb, double tolerance) {
@@ -47,7 +47,7 @@ double bracketed_root(F&& f, double a, double fa, double b, double fb, double to
     const double best = std::abs(fa) < std::abs(fb) ? a : b;
     const double width = std::abs(b - a), limit = (2 * 2.3e-16 * std::abs(best) + 0.5 * tolerance) / width;
     if (!(limit <= 0.5)) return behind();
-    // Inverse quadratic interpolation where it is monotonous between the three points, else bisection.
+    // Inverse quadratic interpolation if it is monotonic between the three points, otherwise bisection.
     const double xi = (a - b) / (c - b), phi = (fa - fb) / (fc - fb);
     share = 0.5;
     if (phi * phi < xi && (1 - phi) * (1 - phi) < 1 - xi) {
@@ -63,18 +63,18 @@ class EventWatcher final : public StepWatcher {
   /// The guards and their directions must outlive the watcher; n: number of equations.
   EventWatcher(Guards& guards, std::span<const Crossing> directions, size_t n);
 
-  /// Side of zero per guard: -1, 1, or 0 where none is known; `accepted` and `look` update it.
+  /// Side of zero per guard: -1, 1, or 0 if unknown; updated by `accepted` and `look`.
   void attach(std::span<int32_t> sides) { sides_ = sides; }
   Verdict accepted(double t0, double& t1, double* y1, const Interpolant& between) override;
 
-  /// Guards that fired when `accepted` last said stop, in their order.
+  /// Guards that fired when `accepted` last returned stop, in order.
   const std::vector<uint32_t>& fired() const { return fired_; }
   void clear() {
     fired_.clear();
     fired_side_.clear();
   }
-  /// Takes the present sides of all guards as their past ones; 0 for those that fired and that nothing has
-  /// moved back since: rounding decides on which side of zero these stand.
+  /// Takes the present sides of all guards as their previous ones; 0 for those that fired and have not been
+  /// moved back since: rounding decides on which side of zero they are.
   void look(double t, const double* y);
 
  private:
@@ -88,7 +88,7 @@ class EventWatcher final : public StepWatcher {
   std::span<int32_t> sides_;
   std::vector<double> now_, before_, ahead_, point_;
   std::vector<uint32_t> fired_;
-  std::vector<int32_t> fired_side_;  ///< per guard that fired, the side that it crossed to
+  std::vector<int32_t> fired_side_;  ///< per fired guard, the side that it crossed to
 };
 
 }  // namespace truestep

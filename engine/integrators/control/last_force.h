@@ -1,7 +1,7 @@
 // Remembers for which arguments the acceleration in the scratch array "integrator.k1" was evaluated, so that
 // a method whose last evaluation is the next step's first need not repeat it. Position-dependent forces are
-// functions of t and of the state without its velocity: an image of all those bytes decides. Being a cache of
-// what the state determines, it may vanish at any time without changing a bit.
+// functions of t and of the state without its velocity: they are compared by a copy of all those bytes. As a
+// cache of something the state determines, it may vanish at any time without changing a bit.
 #pragma once
 #include <vector>
 

@@ -59,7 +59,7 @@ Spectrum estimate_spectrum(const ForceField& field, const State& state, double t
   // Balances truncation against rounding of a central difference.
   const double step = 1e-5 * std::max(reach, 1e-3);
   std::vector<double> direction(x.size()), moved(std::max(x.size(), n)), plus(n), minus(n);
-  // out = -(a(base + s d) - a(base - s d)) / 2 s, both sides where `acceleration` takes them.
+  // out = -(a(base + s d) - a(base - s d)) / 2 s, with both arguments passed to `acceleration`.
   const auto derivative = [&](std::span<const double> base, std::span<const double> d,
                               std::vector<double>& out, const auto& acceleration) {
     const double s = step * std::sqrt(static_cast<double>(n));

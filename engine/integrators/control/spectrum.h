@@ -1,6 +1,6 @@
-// The fastest motion a force field knows, by power iteration (von Mises 1929) on the scene's own
-// linearisation: the largest eigenvalue of -da/dx (omega^2) and of -da/dv (damping rate). Products with the
-// derivatives are central differences of the acceleration, so no matrix is needed.
+// The fastest motion of a force field, by power iteration (von Mises 1929) on the scene's own linearisation:
+// the largest eigenvalue of -da/dx (omega^2) and of -da/dv (damping rate). Products with the derivatives are
+// central differences of the acceleration, so no matrix is needed.
 #pragma once
 #include "engine/core/force_field.h"
 
@@ -9,16 +9,16 @@ namespace truestep {
 struct Spectrum {
   double omega = 0;     ///< 1/s, largest angular frequency of the undamped linearisation
   double damping = 0;   ///< 1/s, largest rate of -da/dv
-  int iterations = 0;   ///< that both together took
-  double residual = 0;  ///< relative |A u - lambda u| of the frequency's vector: how far from settled
+  int iterations = 0;   ///< of both together
+  double residual = 0;  ///< relative |A u - lambda u| for the frequency's vector: how far from converged
 };
 
-/// When an iteration ends: after so many products, or when an eigenvalue changes by less.
+/// When an iteration stops: after this many products, or when an eigenvalue changes by less.
 struct SpectrumEffort {
   int most_iterations = 2000;
   double settled = 1e-7;  ///< relative
 };
-/// Enough to choose a method by: some percent.
+/// Enough for choosing a method: a few percent.
 inline constexpr SpectrumEffort kRoughSpectrum{.most_iterations = 60, .settled = 1e-3};
 
 /// At `state`, time t in s. Positions move along G(x) u where they have coordinates of their own.

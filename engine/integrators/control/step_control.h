@@ -2,9 +2,9 @@
 //   h' = h clamp(safety e^-alpha e_last^beta, shrink, grow),   alpha = 1/q - 3/4 beta,  q = order of e in h:
 // proportional-integral control, Gustafsson 1991, "Control theoretic techniques for stepsize selection in
 // explicit Runge-Kutta methods", as in Hairer and Wanner 1996, section IV.2; beta = 0 is the classical rule.
-// The first step: Hairer, Norsett, Wanner 1993, section II.4, algorithm 4.14.
-// A step's length need not be accurate, only the same on every machine: powers go through polynomials for
-// the logarithm and the exponential to base 2 that are right to 2e-6 and cost a tenth of math/trig's.
+// The first step: Hairer, Norsett, Wanner 1993, section II.4, algorithm 4.14. A step's length need not be
+// accurate, only the same on every machine: powers use polynomials for the base-2 logarithm and exponential
+// that are accurate to 2e-6 and cost a tenth of those in math/trig.
 #pragma once
 #include <algorithm>
 #include <bit>
@@ -49,13 +49,13 @@ struct Law {
   double q = 5;  ///< the error is O(h^q)
   double beta = 0.04;
   double safety = 0.9, shrink = 0.2, grow = 10;
-  /// How far a growth of e / h^q from one step to the next is expected to go on (Gustafsson 1994, "Control
+  /// How far a growth of e / h^q from one step to the next is extrapolated (Gustafsson 1994, "Control
   /// theoretic techniques for stepsize selection in implicit Runge-Kutta methods"): saves most of the
-  /// rejected steps where a solution gets steeper and steeper. 0: not at all.
+  /// rejected steps when a solution keeps getting steeper. 0: not at all.
   double foresight = 1;
 };
 
-/// Proposes steps from squared errors.
+/// Proposes step lengths from squared errors.
 class Controller {
  public:
   Controller(const Law& law, double last_error)
@@ -77,7 +77,7 @@ class Controller {
     rejected_ = false;
     return std::clamp(factor, law_.shrink, most);
   }
-  /// Factor after one that was not; an error that is no number divides the step by 10.
+  /// Factor after a rejected step; a NaN error divides the step by 10.
   double rejected(double squared_error) {
     rejected_ = true;
     if (!std::isfinite(squared_error)) return 0.1;
@@ -92,12 +92,12 @@ class Controller {
   bool rejected_ = false, known_ = false;
 };
 
-/// First step for y' = f(t, y) when nothing is known: y and rate as long as f, two scratch arrays as well;
-/// one evaluation of f. `order` is the method's.
+/// First step for y' = f(t, y) when nothing is known: y, rate and two scratch arrays as long as f; one
+/// evaluation of f. `order` is the method's.
 double first_step(const Advance& in, const double* y, const double* rate, int order, double* scratch,
                   double* scratch_rate);
 
-/// Steps that are not longer than this say that the method cannot go on: a few roundings of t itself, not of
+/// A step no longer than this means that the method cannot continue: a few roundings of t itself, not of
 /// t_end, because integrations over many decades begin with tiny steps.
 inline double smallest_step(const Advance& in, double t) {
   return std::max(4e-16 * std::abs(t), 1e-24 * (in.t_end - in.t));
@@ -109,8 +109,8 @@ inline double weight(const Tolerance& tolerance, size_t i, double y) {
   return std::fma(tolerance.relative, std::abs(y), absolute);
 }
 
-/// Index of the component of y whose error(i) is largest against its tolerance, or of the first whose error
-/// is no number.
+/// Index of the component of y whose error(i) is largest relative to its tolerance, or of the first whose
+/// error is NaN.
 template <class Error>
 long long worst_component(const Advance& in, size_t n, const double* y, Error error) {
   size_t most = 0;
@@ -123,11 +123,11 @@ long long worst_component(const Advance& in, size_t n, const double* y, Error er
   return static_cast<long long>(most);
 }
 
-/// Throws Instability for a step that fell to `h` at time t: names the first component of y or candidate
-/// that is no finite number, else `worst`.
+/// Throws Instability for a step that shrank to `h` at time t: names the first component of y or candidate
+/// that is not finite, otherwise `worst`.
 [[noreturn]] void give_up(const Advance& in, double t, double h, const double* y, const double* candidate,
                           long long worst);
-/// What is said then, with remedies.
+/// The message in that case, with remedies.
 std::string too_many_steps_message(uint64_t most, double t, double h);
 /// Likewise for too many steps.
 [[noreturn]] void too_many_steps(const Advance& in, double t, double h);

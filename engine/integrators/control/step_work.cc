@@ -10,8 +10,8 @@ namespace truestep {
 
 namespace {
 
-/// What an internal step does, as counted on diffusion with a reaction on a grid of 20 x 20 points at a
-/// tolerance of 1e-6; and the internal steps against those of a method of second order.
+/// Work per internal step, as counted on diffusion with a reaction on a grid of 20 x 20 points at a tolerance
+/// of 1e-6; and the number of internal steps relative to a second-order method.
 struct Habits {
   std::string_view method;
   double rates, jacobians, factorisations, solves, steps = 1;
@@ -30,13 +30,13 @@ constexpr Habits kHabits[] = {
 };
 
 /// Internal steps of an adaptive method: as many as the first step's length suggests, but no more than it
-/// takes to grow from that to the whole by a factor per step.
+/// takes to grow from that to the whole step by a factor per step.
 double internal_steps(const RightHandSide& f, double h, const double* y, const Tolerance& tolerance) {
   const size_t n = f.size();
   std::vector<double> rate(n);
   f.rate(0, y, rate.data());
-  // Length over which the solution changes by the cube root of the tolerance: what a method of second order
-  // likes.
+  // Length over which the solution changes by the cube root of the tolerance: typical step of a second-order
+  // method.
   double fastest = 0;
   for (size_t i = 0; i < n; ++i) {
     const double size = std::max(std::abs(y[i]), tolerance.absolute / std::max(tolerance.relative, 1e-12));
@@ -65,7 +65,7 @@ std::optional<StepWork> implicit_step_work(const Integrator& method, const Right
   w.rate = rate + static_cast<double>(f.size());
   w.jacobian = matrix.jacobian_work(rate);
   const FactorWork each = matrix.factor_work();
-  // radau5 factorises one real and one complex matrix, and so it solves.
+  // radau5 factorises and solves with one real and one complex matrix.
   const double complex = method.name == "radau5" ? 2.5 : 1;
   w.factorisation = complex * each.factor, w.solve = complex * each.solve;
   return w;

@@ -1,7 +1,6 @@
-// What a step of an implicit method with direct solves costs, before any is made: how often it evaluates,
-// differentiates, factorises and solves by the method's own habits, times what one of each costs by the
-// pattern of the derivatives. An estimate for admission: how many internal steps an adaptive method takes
-// depends on the solution.
+// Estimates the cost of a step of an implicit method with direct solves: how often the method evaluates,
+// differentiates, factorises and solves, times the cost of each given the pattern of the derivatives. For
+// admission only: how many internal steps an adaptive method takes depends on the solution.
 #pragma once
 #include <optional>
 
@@ -9,7 +8,7 @@
 
 namespace truestep {
 
-/// Per step (or substep) of a scene; one operation is a multiplication with its addition.
+/// Per step (or substep) of a scene; one operation is a multiplication with an addition.
 struct StepWork {
   double rates = 0, jacobians = 0, factorisations = 0, solves = 0;
   double rate = 0, jacobian = 0, factorisation = 0, solve = 0;  ///< operations of one each
@@ -17,12 +16,12 @@ struct StepWork {
   double operations() const {
     return rates * rate + jacobians * jacobian + factorisations * factorisation + solves * solve;
   }
-  /// On one core of a present-day server.
+  /// On one core of a current server.
   double seconds() const { return 1e-9 * operations(); }
 };
 
-/// Nothing for methods that do not solve by NewtonMatrix. `rate` operations of one evaluation of f; h (s) is
-/// the step's length, y and the tolerance as for `advance`.
+/// Empty for methods that do not use NewtonMatrix. `rate`: operations of one evaluation of f; h (s) is the
+/// step's length, y and the tolerance as for `advance`.
 std::optional<StepWork> implicit_step_work(const Integrator& method, const RightHandSide& f, double rate,
                                            double h, const double* y, const Tolerance& tolerance);
 

@@ -1,11 +1,11 @@
-// CVODE behind the face of all methods. Its history (order, step sizes, the Nordsieck array) goes on over
-// calls: steps are taken as CVODE wants them, also over the end of a call, and solutions come from its
-// polynomial. The library neither hands out nor takes back that history, so the state keeps the point where
-// it began and how many steps ago; CVODE's memory itself stays in the workspace. Where that is gone, or is
-// not the one that the state means, the steps are repeated from the beginning, which gives the same bits. So
-// that this takes a bounded time, a history begins anew after kMostRepeated steps; it does so too where y or
-// anything else that f depends on has changed (commands, contacts, events).
-// Costs: a restored run repeats up to kMostRepeated steps once; some forty short steps in kMostRepeated.
+// CVODE behind the common interface of methods. Its history (order, step sizes, the Nordsieck array)
+// continues over calls: steps are taken as CVODE wants them, also past the end of a call, and solutions come
+// from its polynomial. The library neither exports nor imports that history, so the state keeps the point
+// where it began and how many steps ago; CVODE's memory itself stays in the workspace. If that is gone, or is
+// not the one that the state refers to, the steps are repeated from the beginning, which gives the same bits.
+// To bound this, a history starts anew after kMostRepeated steps, and whenever y or anything else that f
+// depends on has changed (commands, contacts, events).
+// Costs: a restored run repeats up to kMostRepeated steps once; about forty short steps in kMostRepeated.
 // A call without memory is a run of its own that stops at its end. CVODE calls the C library's pow: its bits
 // are those of one machine.
 #include "engine/integrators/cvode/cvode.h"
@@ -30,7 +30,7 @@ class Journal {
   Journal(std::span<double> memory, size_t n)
       : m_(memory.size() == cvode_memory(n) ? memory.data() : nullptr), n_(n) {}
 
-  /// Whether the history that it tells of ends in y and under these surroundings.
+  /// Whether the recorded history ends in y under these surroundings.
   bool ends_in(const double* y, uint64_t surroundings) const {
     return m_ && m_[kSteps] >= 0 && m_[kSteps] < kMostRepeated && m_[kLow] == low(surroundings) &&
            m_[kHigh] == high(surroundings) && std::equal(y, y + n_, m_ + kHead + n_);
@@ -59,7 +59,7 @@ class Journal {
   size_t n_;
 };
 
-// Makes `kept` the run that the journal means, or one from y on.
+// Makes `kept` the run that the journal refers to, or a new one from y on.
 CvodeRun& resume(std::unique_ptr<CvodeRun>& kept, const Advance& a, CvodeMethod method,
                  const Journal& journal) {
   const size_t n = a.f.size();
@@ -107,7 +107,7 @@ void advance(Advance& a, CvodeMethod method) {
   const auto report = [&] {
     if (a.statistics) *a.statistics += run.work() - before;
   };
-  // What CVODE has begun cannot be taken up again.
+  // CVODE cannot resume what it has begun.
   const auto give_up = [&] {
     report();
     kept.reset();

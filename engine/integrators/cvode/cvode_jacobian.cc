@@ -23,7 +23,7 @@ CvodeJacobian::CvodeJacobian(const RightHandSide& f) : n_(f.size()) {
     kind_ = Kind::sparse;
   }
   if (second_ && !analytic_) {
-    // Differences are of df/dy as a whole, whose two halves make no band.
+    // Differences give df/dy as a whole, whose two halves do not form a band.
     kind_ = Kind::dense, interleaved_ = false;
   }
   if (kind_ == Kind::dense && n_ > 5000) {
@@ -136,7 +136,7 @@ SUNMatrix CvodeJacobian::sparse_matrix(SUNContext context) const {
 
 namespace {
 
-// A linear solver of CVODE's on our sparse factors.
+// A linear solver for CVODE on top of our sparse factors.
 struct Content {
   std::unique_ptr<SparseLu<double>> lu = make_sparse_lu<double>();
   std::vector<int> start, rows;  // of the pattern that was analysed

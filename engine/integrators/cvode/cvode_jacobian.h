@@ -1,5 +1,5 @@
-// How CVODE's Newton iteration sees the Jacobian of a right-hand side: which matrix it needs, where the
-// values go, and in which order the unknowns stand (equations of second order with a band are interleaved).
+// The Jacobian of a right-hand side as CVODE's Newton iteration sees it: the type of matrix, where the values
+// go, and the order of the unknowns (second-order equations with a band are interleaved).
 #pragma once
 #include <sundials/sundials_linearsolver.h>
 #include <sundials/sundials_matrix.h>
@@ -15,7 +15,7 @@ class CvodeJacobian {
   enum class Kind : uint8_t { dense, band, sparse };
 
   explicit CvodeJacobian(const RightHandSide& f);
-  /// Another object of the same equations, with the same shape.
+  /// Switches to another object for the same equations, with the same shape.
   void bind(const RightHandSide& f);
 
   Kind kind() const { return kind_; }

@@ -72,7 +72,7 @@ struct CvodeRun::Memory {
       } else {
         run.f_->rate(t, at, out);
       }
-      // A value that is no number: CVODE may try a shorter step.
+      // A NaN: CVODE may try a shorter step.
       for (size_t i = 0; i < run.n_; ++i) {
         if (!std::isfinite(out[i])) return 1;
       }

@@ -1,9 +1,9 @@
 // One integration by CVODE of SUNDIALS 6.4 (Hindmarsh et al. 2005) from a point in time on, step by step: a
-// C++ face to its memory, callbacks and errors. Steps are not cut at any time that is asked for; solutions
-// come from CVODE's own polynomial. BDF solves its systems with the right-hand side's own Jacobian (or
-// CVODE's differences, or ours for sparse patterns) and CVODE's dense or band factors; equations of second
-// order with a band are interleaved, (x0, v0, x1, v1, ...), which keeps the band narrow; sparse ones go to
-// our sparse factors (sparse_lu.h). Adams uses fixed-point iterations.
+// C++ interface to its memory, callbacks and errors. Steps are not shortened to hit requested times;
+// solutions come from CVODE's own polynomial. BDF solves its systems with the right-hand side's own Jacobian
+// (or CVODE's differences, or ours for sparse patterns) and CVODE's dense or band factors; equations of
+// second order with a band are interleaved, (x0, v0, x1, v1, ...), which keeps the band narrow; sparse ones
+// go to our sparse factors (sparse_lu.h). Adams uses fixed-point iterations.
 #pragma once
 #include <exception>
 #include <memory>
@@ -18,11 +18,11 @@ enum class CvodeMethod : uint8_t { adams, bdf };
 
 class CvodeRun {
  public:
-  /// Where an integration begins and what its steps depend on besides the right-hand side.
+  /// Where an integration begins, and what its steps depend on besides the right-hand side.
   struct Start {
     CvodeMethod method = CvodeMethod::bdf;
     double t = 0;
-    double first_aim = 0;  ///< s, a time ahead from which CVODE judges how long its first step may be
+    double first_aim = 0;  ///< s, a later time from which CVODE judges how long its first step may be
     std::vector<double> y;
     double relative = 0, absolute = 0;
     std::vector<double> absolute_each;  ///< as in Tolerance
@@ -38,10 +38,10 @@ class CvodeRun {
 
   const Start& start() const { return start_; }
   uint64_t surroundings() const { return surroundings_; }
-  /// Goes on with another object of the same equations; before every use after the first.
+  /// Continues with another object for the same equations; call before every use after the first.
   void bind(const RightHandSide& f);
 
-  /// No step goes beyond t; at t it is over.
+  /// No step goes beyond t; the run ends there.
   void stop_at(double t);
   /// One internal step. Instability, or what the right-hand side threw.
   void step();

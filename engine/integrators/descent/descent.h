@@ -1,8 +1,8 @@
-// Implicit Euler's step as a descent on its incremental potential over the places x at the step's end,
+// A step of implicit Euler as descent on its incremental potential over the positions x at the step's end,
 //   g(x) = 1/2 |x - x0 - h v0|^2_M / h^2 + V(x) + h R(x0, (x - x0) / h),   v = (x - x0) / h,
-// whose gradient is r = M (u - v0) / h - f(x, u), u = (x - x0) / h. Dissipative forces are those of the
-// places at the step's start where the field can tell them apart (core/lagged_dissipation.h). Held rows keep
-// their velocity.
+// whose gradient is r = M (u - v0) / h - f(x, u), u = (x - x0) / h. Dissipative forces are evaluated at the
+// positions at the step's start if the field supports that (core/lagged_dissipation.h). Held rows keep their
+// velocity.
 #pragma once
 #include "engine/integrators/motion.h"
 
@@ -12,7 +12,7 @@ class Descent {
  public:
   explicit Descent(Motion& m);
 
-  /// r (N) at x, 0 on held rows. x may be anything finite.
+  /// r (N) at x, 0 on held rows. x may be any finite positions.
   void gradient(std::span<const double> x, std::span<double> r);
   /// (x - x0) / h of all rows into the array that the next gradient overwrites.
   std::span<const double> velocity(std::span<const double> x);

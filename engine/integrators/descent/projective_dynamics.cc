@@ -1,14 +1,13 @@
-// Projective dynamics (Bouaziz, Martin, Liu, Kavan, Pauly 2014; of springs: Liu, Bargteil, O'Brien, Kavan
-// 2013) as the quasi-Newton method that it is (Liu, Bouaziz, Kavan 2017, "Quasi-Newton methods for real-time
-// simulation of hyperelastic materials", algorithm 1):
+// Projective dynamics (Bouaziz, Martin, Liu, Kavan, Pauly 2014; for springs: Liu, Bargteil, O'Brien, Kavan
+// 2013) in its quasi-Newton form (Liu, Bouaziz, Kavan 2017, "Quasi-Newton methods for real-time simulation of
+// hyperelastic materials", algorithm 1):
 //   x <- x - H r(x),   H = L-BFGS of the last 5 moves on top of A^-1,   A = M / h^2 + B
 //   (core/stiffness_bound.h).
-// Without the moves that is a global step after a local one. A is the same for x, y and z and, as long as
-// masses, stiffness and h stay, for all steps: it is factorised once. A move is taken while the slope along
-// it has fallen to half in size or has not changed sign, and is shortened by the secant rule otherwise, which
-// needs no energies (instead of Armijo's rule of the paper). Iterations end at a residual of
-// `newton_tolerance` of the first. Moves are forgotten at the step's end, so that a step depends on the state
-// alone.
+// Without the moves this is a global step after a local one. A is the same for x, y and z and constant while
+// masses, stiffness and h are: it is factorised once. A move is taken if the slope along it has fallen to
+// half in magnitude or has not changed sign, and otherwise shortened by the secant rule, which needs no
+// energies (instead of the paper's Armijo rule). Iterations end at a residual of `newton_tolerance` times the
+// first. Moves are forgotten at the step's end, so that a step depends only on the state.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -26,7 +25,7 @@ constexpr size_t kMoves = 5;
 constexpr int kMostShortenings = 8;
 constexpr double kSlopeLeft = 0.5;
 
-// A and its factors; a cache of what the state and h determine.
+// A and its factors; a cache of something determined by the state and h.
 struct Global {
   BlockSparse a;
   std::vector<double> factored;
@@ -50,7 +49,7 @@ struct Global {
   }
 };
 
-// The last moves s = dx and the changes y = dr that they made.
+// The last moves s = dx and the resulting changes y = dr.
 struct Moves {
   std::array<std::span<double>, kMoves> s, y;
   std::array<double, kMoves> per_sy{};
@@ -125,7 +124,7 @@ void step_projective_dynamics(const ForceField& field, State& state, const StepI
     const auto &s = moves.s[moves.next], &y = moves.y[moves.next];
     for (size_t i = 0; i < n; ++i) s[i] = x1[i] - x[i], y[i] = r1[i] - r[i];
     const double sy = Descent::dot(s, y);
-    // Where the potential bends down a move tells nothing about its curvature.
+    // Where the potential has negative curvature, a move says nothing about it.
     if (sy > 1e-12 * std::sqrt(Descent::dot(s, s) * Descent::dot(y, y))) {
       moves.per_sy[moves.next] = 1 / sy;
       moves.next = (moves.next + 1) % kMoves;

@@ -1,11 +1,11 @@
 // Vertex block descent (Chen, Liu, Yang, Yuksel 2024, ACM Trans. Graph. 43, 4, "Vertex Block Descent"): the
-// incremental potential of descent.h is lowered point by point, colour after colour, by the Newton step of a
-// point alone while all others rest (eq. 8 to 10),
+// incremental potential of descent.h is lowered point by point, colour by colour, by the Newton step of one
+// point while all others are fixed (eq. 8 to 10),
 //   x_i <- x_i - H_i^-1 r_i,   H_i = m_i / h^2 + K_i,   r_i = m_i (x_i - y_i) / h^2 - f_i,   y = x0 + h v0.
-// Blocks of stiffness are positive semidefinite, so that no line search is needed. Iterations start from x0 +
-// h v0 + h^2 a, a being that share of free fall that the point had in the last step (section 3.7), and are
-// accelerated by Chebyshev's weights (section 3.8, eq. 18) for a spectral radius `kRadius`. The velocities of
-// the step before are state.
+// Stiffness blocks are positive semidefinite, so no line search is needed. Iterations start from x0 + h v0 +
+// h^2 a, a being the fraction of free fall that the point had in the last step (section 3.7), and are
+// accelerated by Chebyshev weights (section 3.8, eq. 18) for a spectral radius `kRadius`. The previous step's
+// velocities are part of the state.
 #include <algorithm>
 #include <cmath>
 
@@ -18,7 +18,7 @@ namespace truestep {
 namespace {
 
 constexpr std::string_view kVelocityBefore = "integrator.velocity_before";
-constexpr double kRadius = 0.95;  // of the paper
+constexpr double kRadius = 0.95;  // as in the paper
 
 // H d = b of a symmetric positive definite H (xx, xy, xz, yy, yz, zz) by its adjugate.
 Vec3 solve(const double H[6], const Vec3& b) {
@@ -59,7 +59,7 @@ void step_vertex_block_descent(const ForceField& field, State& state, const Step
   auto& slopes = in.workspace.object<std::vector<PointSlope>>("vertex_block_descent.slopes");
   slopes.resize(colours.points.size());
 
-  // The start: the share of free fall that the last step had.
+  // Initial guess: the fraction of free fall in the last step.
   const auto last = state.f64(state.at(kVelocityBefore));
   const Vec3 g = forces.free_acceleration(state);
   const double fall = norm(g);

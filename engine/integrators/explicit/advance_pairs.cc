@@ -7,7 +7,7 @@
 namespace truestep {
 
 void advance_euler(Advance& in) {
-  // A second path: 1e6 nodes of a lattice at two to three times the speed (tests/bench/heat.cc).
+  // A second path: 1e6 lattice nodes at two to three times the speed (tests/bench/heat.cc).
   const auto at = [&](uint64_t i) {
     return in.t + static_cast<double>(i) * ((in.t_end - in.t) / static_cast<double>(in.fixed_steps));
   };

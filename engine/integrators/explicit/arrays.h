@@ -21,7 +21,7 @@ class Arrays {
   double* operator[](size_t i) { return data_[i].data(); }
   const double* operator[](size_t i) const { return data_[i].data(); }
   void exchange(size_t i, size_t j) { std::swap(data_[i], data_[j]); }
-  /// Array i receives what j holds.
+  /// Array i takes the contents of array j.
   void take(size_t i, size_t j) { data_[i] = data_[j]; }
 
   /// body(i) for every element; iterations do not depend on each other.
@@ -50,7 +50,7 @@ class Arrays<0, Count> {
  public:
   Arrays(const Advance& in, std::string_view key, size_t n)
       : n_(n), arena_(n > kBlock ? in.arena : nullptr), workspace_(in.workspace) {
-    // Whole cache lines each, so that loops over different arrays are aligned alike.
+    // Whole cache lines each, so that loops over different arrays are equally aligned.
     const size_t stride = (n + 7) / 8 * 8;
     double* data = in.workspace.doubles(key, stride * Count).data();
     for (size_t i = 0; i < Count; ++i) data_[i] = data + i * stride;
@@ -68,7 +68,7 @@ class Arrays<0, Count> {
       run(0, n_, body);
     }
   }
-  /// Eight interleaved partial sums, with an arena those of each block: the same on every machine and for any
+  /// Eight interleaved partial sums, with an arena for each block: the same on every machine and for any
   /// number of threads.
   template <class Term>
   double sum(Term term) const {
@@ -107,13 +107,13 @@ class Arrays<0, Count> {
   std::array<double*, Count> data_{};
 };
 
-/// Positions of equations of second order; Error "unsuitable_method" where there are none.
+/// Number of positions of second-order equations; Error "unsuitable_method" for others.
 inline size_t positions_of(const Advance& in) {
   if (!in.f.second_order()) throw Error("unsuitable_method", "the method needs equations of second order");
   return in.f.size() / 2;
 }
 
-/// Calls run.operator()<N>() with N = n where that is one of Sizes, otherwise with 0.
+/// Calls run.operator()<N>() with N = n if that is one of Sizes, otherwise with 0.
 template <size_t... Sizes, class Run>
 void with_size(size_t n, Run&& run) {
   const bool compiled = ((n == Sizes && (run.template operator()<Sizes>(), true)) || ...);

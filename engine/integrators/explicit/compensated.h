@@ -1,6 +1,6 @@
-// Sums whose rounding errors are carried along: y + low is what y would be in about twice the digits
-// (Kahan 1965; the branch-free error of an addition: Knuth, TAOCP 2, section 4.2.2, theorem B).
-// What the last call's sums left over goes to the next in Advance::memory, beside the y that it belongs to.
+// Sums whose rounding errors are carried along: y + low is what y would be in about twice the digits (Kahan
+// 1965; the branch-free error of an addition: Knuth, TAOCP 2, section 4.2.2, theorem B). The remainders of
+// the last call are passed to the next in Advance::memory, together with the y that they belong to.
 #pragma once
 #include <algorithm>
 
@@ -21,7 +21,7 @@ inline TwoSum two_sum(double a, double b) {
 constexpr size_t sums_memory(size_t n) {
   return 2 * n;
 }
-/// The lower parts that belong to in.y into `low`; false: there are none, zeros.
+/// Copies the lower parts belonging to in.y into `low`; false: there are none, zeros.
 inline bool recall_sums(const Advance& in, double* low) {
   const size_t n = in.f.size();
   const double* memory = in.memory.data();
@@ -33,7 +33,7 @@ inline bool recall_sums(const Advance& in, double* low) {
   }
   return known;
 }
-/// After the last step: `low` for the next call. False: there is no memory for it.
+/// After the last step: stores `low` for the next call. False: there is no memory for it.
 inline bool remember_sums(const Advance& in, const double* low) {
   const size_t n = in.f.size();
   if (in.project && !in.memory.empty()) in.project(in.f, in.y);

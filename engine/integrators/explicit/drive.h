@@ -1,4 +1,5 @@
-// The loop of an adaptive method over [t, t_end]: attempt, judge, accept or try again shorter. `Method` has
+// The loop of an adaptive method over [t, t_end]: attempt, judge, accept or retry with a shorter step.
+// `Method` has
 //   void begin(double t)                     evaluates what the first step needs
 //   double first_step()                      a length when nothing is known
 //   double attempt(double t, double h)       leaves a candidate, returns the squared error (1 = tolerance)

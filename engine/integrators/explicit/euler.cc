@@ -2,10 +2,10 @@
 //   euler             x' = x + h G(x) v              v' = v + h a(x, v, t)
 //   symplectic_euler  v' = v + h a(x, v, t)          x' = x + h G(x) v'
 //   modified_euler    v' = v + h a(x, v, t)          x' = x + h G(x) (v + v') / 2
-// Hairer, Lubich, Wanner 2006, "Geometric numerical integration", eqs. I.1.5 and I.1.9; modified_euler is
-// the trapezoidal position update that treats a constant acceleration exactly.
-// A second path for the first two beside their `advance`, which takes 2.2 times the instructions on a cloth
-// of 9,702 springs, 1.6 times on two points (tests/bench/method_paths.cc).
+// Hairer, Lubich, Wanner 2006, "Geometric numerical integration", eqs. I.1.5 and I.1.9; modified_euler is the
+// trapezoidal position update that treats a constant acceleration exactly. A second path for the first two
+// besides their `advance`, which takes 2.2 times the instructions on a cloth of 9,702 springs, 1.6 times on
+// two points (tests/bench/method_paths.cc).
 #include "engine/integrators/motion.h"
 #include "engine/integrators/table/methods.h"
 

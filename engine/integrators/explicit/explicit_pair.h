@@ -1,8 +1,8 @@
 // Steps of an explicit Runge-Kutta method (tableau.h) on y' = f(t, y): stages unrolled at compile time with
-// the tableau's numbers as constants, one pass per stage over all terms, oldest first (the newest stage's
-// evaluation is still under way while the older ones are summed). N equations known at compile time or, with
-// N = 0, any number. One virtual call per stage evaluates f.
-// With Sums::compensated the solution carries the rounding error of its additions (compensated.h).
+// the tableau's numbers as constants, one pass per stage over all terms, oldest first (the older ones are
+// summed while the newest stage's evaluation is still in flight). N equations known at compile time or, with
+// N = 0, any number. One virtual call per stage evaluates f. With Sums::compensated the solution carries the
+// rounding error of its additions (compensated.h).
 #pragma once
 #include "engine/integrators/explicit/arrays.h"
 #include "engine/integrators/explicit/compensated.h"
@@ -58,7 +58,7 @@ class ExplicitPair final : public Interpolant {
     if (in_.statistics) in_.statistics->rates += rates_;
   }
 
-  /// The candidate as the end of the call.
+  /// Makes the candidate the result of the call.
   void remember() {
     if (sums == Sums::compensated) remember_sums(in_, low_[1]);
   }
@@ -78,7 +78,7 @@ class ExplicitPair final : public Interpolant {
   const double* solution() const { return a_[kY]; }
   const Interpolant& between(double t, double h) {
     t_ = t, h_ = h, dense_stands_ = false;
-    // Hermite interpolation needs the rate at the end, which the next step does too.
+    // Hermite interpolation needs the rate at the end, as does the next step.
     if constexpr (!kFsal) rate(t + h, a_[kNew], a_[kLast]), last_stands_ = true;
     return *this;
   }
@@ -97,7 +97,7 @@ class ExplicitPair final : public Interpolant {
     return step_control::worst_component(in_, n_, a_[kY], [&](size_t i) { return h * error<kError>(i); });
   }
 
-  /// Candidate = one step of length h from the solution; the first stage must stand.
+  /// Candidate = one step of length h from the solution; the first stage must be available.
   void step(double t, double h) {
     [&]<size_t... I>(std::index_sequence<I...>) {
       (stage<I + 1>(t, h), ...);

@@ -6,9 +6,9 @@
 // compensated sums as in Rein, Spiegel 2015, "IAS15: a fast, adaptive, high-order integrator", eqs. 8 to 11.
 // Differences: each coefficient is found by divided differences of the samples over s (the g of the papers);
 // the step's bound on |b_6| / |a_0| is epsilon = max(1e-9, 0.1 tolerance^(7/16)), because |b_6| falls like
-// h^7 and the local error like h^16; a step is solved when no coefficient changes any more, not b_6 alone,
-// which in short steps is below rounding before the others are found. What the sums left over and the
-// polynomials that predict the next step go from call to call in `memory`.
+// h^7 and the local error like h^16; a step has converged when no coefficient changes any more, not b_6
+// alone, which in short steps is below rounding before the others are found. The remainders of the sums and
+// the polynomials that predict the next step are passed from call to call in `memory`.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -77,7 +77,7 @@ class Radau15 final : public Interpolant {
       const double error = converge(t, now);
       // |b_6| grows like h^7.
       const double factor = error > 0 ? step_control::rough_pow(epsilon / error, 1.0 / 7) : kGrow;
-      if (!(factor > kShrink)) {  // includes an error that is no number
+      if (!(factor > kShrink)) {  // includes a NaN error
         h = now * (factor > 0.05 ? factor : 0.05);
         if (in_.statistics) ++in_.statistics->rejected;
         if (h <= step_control::smallest_step(in_, t)) {
@@ -97,7 +97,7 @@ class Radau15 final : public Interpolant {
       h_ = now;
       if (in_.watcher) verdict = in_.watcher->accepted(t, t1, y_[kNew], *this);
       t = t1;
-      // What prediction missed.
+      // The error of the prediction.
       for (size_t k = 0; k < 7; ++k) {
         double *b = a_[kB + k], *e = a_[kE + k];
         loop([=](size_t i) { e[i] = b[i] - e[i]; });
@@ -122,7 +122,7 @@ class Radau15 final : public Interpolant {
   }
 
  private:
-  // g and b: coefficients in Newton's basis and in powers; e: what b was predicted to be.
+  // g and b: coefficients in Newton's basis and in powers; e: the prediction of b.
   enum : size_t { kA0, kAt, kG, kB = kG + 7, kE = kB + 7, kCount = kE + 7 };
   enum : size_t { kNow, kNew, kLow, kLowNew, kYs };
   static constexpr double kShrink = 0.25, kGrow = 4;
@@ -134,12 +134,12 @@ class Radau15 final : public Interpolant {
     for (size_t i = 0; i < m; ++i) body(i);
   }
 
-  /// Length of the next step where `left` is left: two equal ones where less than two remain.
+  /// Length of the next step when `left` remains: two equal ones if less than two remain.
   static double step_within(double left, double h) {
     return h >= left * (1 - 1e-12) ? left : 2 * h > left ? 0.5 * left : h;
   }
 
-  // Lower parts and polynomials of the last call, if nobody has changed y since.
+  // Lower parts and polynomials of the last call, if y has not been changed since.
   void recall() {
     const bool known = recall_sums(in_, y_[kLow]) && in_.memory.size() == ias15_memory(2 * m_);
     const double* from = in_.memory.data() + sums_memory(2 * m_);
@@ -202,7 +202,7 @@ class Radau15 final : public Interpolant {
     return s * h * std::fma(s, p, a_[kA0][i]);
   }
 
-  // Corrects the b until they stand still; returns largest |b_6| over largest |a|, or NaN.
+  // Corrects the b until they no longer change; returns largest |b_6| over largest |a|, or NaN.
   double converge(double t, double h) {
     // g from b: from the highest down.
     for (size_t k = 7; k-- > 0;) {
@@ -233,7 +233,7 @@ class Radau15 final : public Interpolant {
       if (poison != 0) return poison;  // not a number
       const double relative = most_a > 0 ? change / most_a : 0;
       last_b_ = most_a > 0 ? most_b / most_a : 0;
-      // Converged to rounding, or going round in circles there; changes that grow further up go on falling.
+      // Converged to rounding, or cycling there; changes that are still larger keep falling.
       constexpr double kNearRounding = 1e-10;
       if (relative < 1e-16 || (round >= 2 && relative >= last_change && relative < kNearRounding)) break;
       last_change = relative;
@@ -241,7 +241,7 @@ class Radau15 final : public Interpolant {
     return last_b_;
   }
 
-  // Samples node K and puts what it says into g_(K-1) and the b.
+  // Samples node K and adds its information to g_(K-1) and the b.
   template <size_t K>
   void correct(double t, double h) {
     constexpr double s = kNodes[K];
@@ -274,7 +274,8 @@ class Radau15 final : public Interpolant {
     });
   }
 
-  // The prediction of a step q times as long from the same start; what a failed correction left is worthless.
+  // The prediction for a step q times as long from the same start; the result of a failed correction is
+  // useless.
   void predict(double q) {
     double power = q;
     for (size_t k = 0; k < 7; ++k, power *= q) {
@@ -285,7 +286,7 @@ class Radau15 final : public Interpolant {
   }
 
   // b of the next step, q times as long as the finished one: the polynomial around its end,
-  //   b'_k = q^(k + 1) sum_{l >= k} binomial(l + 1, k + 1) b_l, plus what the same rule missed last time.
+  //   b'_k = q^(k + 1) sum_{l >= k} binomial(l + 1, k + 1) b_l, plus the error of the same rule last time.
   void predict_next(double q) {
     constexpr auto kBinomial = [] {
       std::array<std::array<double, 9>, 9> c{};
@@ -295,7 +296,7 @@ class Radau15 final : public Interpolant {
       }
       return c;
     }();
-    const bool far = q > 20;  // nothing to learn from so far away
+    const bool far = q > 20;  // too far away for a prediction
     double power = q;
     for (size_t k = 0; k < 7; ++k, power *= q) {
       double *b = a_[kB + k], *e = a_[kE + k];

@@ -1,4 +1,4 @@
-// Gauss-Radau points of order 15 on [0, 1], the left end among them: the zeros of P_7(2s - 1) + P_8(2s - 1)
+// Gauss-Radau points of order 15 on [0, 1], including the left end: the zeros of P_7(2s - 1) + P_8(2s - 1)
 // (Everhart 1985, table 1).
 #pragma once
 #include <array>

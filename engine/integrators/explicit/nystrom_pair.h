@@ -23,7 +23,7 @@ class NystromPair final : public Interpolant {
     std::copy_n(in.y, 2 * m_, y_[kNow]);
     recall_sums(in, y_[kLow]);
   }
-  /// The candidate as the end of the call.
+  /// Makes the candidate the result of the call.
   void remember() { remember_sums(in_, y_[kLowNew]); }
   ~NystromPair() override {
     if (in_.statistics) in_.statistics->rates += rates_;

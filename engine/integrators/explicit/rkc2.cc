@@ -7,9 +7,8 @@
 //   Y_j = (1 - mu - nu) y + mu Y_{j-1} + nu Y_{j-2} + mu~ h (F_{j-1} - a_{j-1} F_0),
 //   mu = 2 b_j w0 / b_{j-1},  nu = -b_j / b_{j-2},  mu~ = 2 b_j w1 / b_{j-1}
 // The error estimate is 4/5 (y - y') + 2/5 h (F + F'), eq. 2.9. The spectral radius is the right-hand side's
-// own bound, or a nonlinear power iteration's (section 3) with a fifth added, made again after 25 steps and
-// after a rejected one. Not for oscillations without damping: the interval holds nothing of the imaginary
-// axis.
+// own bound, or a nonlinear power iteration's (section 3) plus a fifth, renewed after 25 steps and after a
+// rejected one. Not for undamped oscillations: the stability region contains none of the imaginary axis.
 #include <cmath>
 
 #include "engine/integrators/explicit/arrays.h"
@@ -36,7 +35,7 @@ class Rkc2 final : public Interpolant {
  public:
   explicit Rkc2(Advance& in) : in_(in), n_(in.f.size()), a_(in, "integrator.rkc2", n_) {
     std::copy_n(in.y, n_, a_[kY]);
-    // More stages would let their rounding errors into the tolerance (RKC's own bound).
+    // More stages would let their rounding errors exceed the tolerance (RKC's own bound).
     const double tolerance = std::max(in.tolerance.relative, in.tolerance.absolute);
     most_stages_ = std::clamp(std::sqrt(tolerance / (10 * 0x1p-52)), 50.0, 1e5);
   }
@@ -56,7 +55,7 @@ class Rkc2 final : public Interpolant {
     if (!fresh_ && (rejected_ || steps_ >= kStepsPerEstimate || !known_)) estimate(t);
     const double wanted = 1 + std::sqrt(1.54 * h * radius_ + 1);
     if (wanted > most_stages_) {
-      // The step that the most stages hold, as if the error had asked for it.
+      // The longest step for the largest number of stages, as if the error had required it.
       const double ratio = 1.2 * (wanted * wanted) / (most_stages_ * most_stages_);
       return ratio * ratio * ratio * ratio * ratio * ratio;
     }
@@ -121,7 +120,7 @@ class Rkc2 final : public Interpolant {
     const double w1 = last.d[0] / last.dd[0];
     const double *y = a_[kY], *first = a_[kFirst];
     double b1 = 1 / (4 * w0 * w0), b2 = b1;  // b_{j-1}, b_{j-2}
-    double c1 = w1 * b1, c2 = 0;             // places of the stages in the step
+    double c1 = w1 * b1, c2 = 0;             // positions of the stages in the step
     {
       double *one = a_[kBefore], *none = a_[kBefore2];
       const double z = h * w1 * b1;
@@ -171,7 +170,7 @@ class Rkc2 final : public Interpolant {
     }
     double length = size_of(v);
     if (!(length > 0)) {
-      // A part along everything, the same everywhere.
+      // A vector with a component along everything, the same everywhere.
       for (size_t i = 0; i < n_; ++i) v[i] = 1 + 0.1 * static_cast<double>((i * 2654435761u) % 17);
       length = size_of(v);
     }

@@ -1,8 +1,8 @@
 // ssprk104 (tableau.h) on first-order systems in Ketcheson's low-storage form (2008, section 4.2):
 //   q = y; five times q += h/6 f(q);  r = (y + 9 q) / 25;  q = 15 r - 5 q;  four times q += h/6 f(q);
 //   y' = r + 3/5 q + h/10 f(q).
-// Ten stages touch five arrays, so that systems of some thousand equations stay in the second cache; the
-// embedded solution is y + h (k_1/5 + 3 k_4/10 + k_7/5 + 3 k_9/10). Small systems take the general way.
+// Ten stages touch five arrays, so that systems of a few thousand equations stay in the second-level cache;
+// the embedded solution is y + h (k_1/5 + 3 k_4/10 + k_7/5 + 3 k_9/10). Small systems use the general path.
 #include "engine/integrators/explicit/explicit_pair.h"
 #include "engine/integrators/table/methods.h"
 
@@ -119,8 +119,8 @@ class LowStorage final : public Interpolant {
 }  // namespace
 
 void advance_ssprk104(Advance& in) {
-  // Where stability rules, a stronger proportional part settles the step on its limit without rejections, and
-  // looking ahead would only disturb it.
+  // When stability limits the step, a stronger proportional part settles it at the limit without rejections,
+  // and extrapolating would only disturb it.
   constexpr step_control::Law kLaw{.q = 4, .beta = 0.1, .foresight = 0};
   if (in.f.size() <= 64) return advance_pair<kSsprk104Tableau>(in, kLaw);
   LowStorage method(in);

@@ -1,5 +1,5 @@
-// Explicit Runge-Kutta methods as data, one per named method and the only place where their coefficients
-// stand: fixed steps of force fields (runge_kutta.h) and everything else (explicit_pair.h) read the same.
+// Explicit Runge-Kutta methods as data, one per named method and the only place for their coefficients: fixed
+// steps of force fields (runge_kutta.h) and everything else (explicit_pair.h) read the same.
 //   K_i = f(t + c_i h, y + h sum_j a_ij K_j),   y' = y + h sum_i b_i K_i,   error = h sum_i e_i K_i.
 // Low orders: Hairer, Norsett, Wanner 1993, tables II.1.1 and II.1.2. Pairs: Bogacki, Shampine 1989, "A 3(2)
 // pair of Runge-Kutta formulas"; Fehlberg 1969, table III (formula 2, propagating order 5 as Shampine and
@@ -51,7 +51,7 @@ inline constexpr Tableau kRk4Tableau = {.stages = 4,
                                         .c = {0, 0.5, 0.5, 1},
                                         .order = 4};
 
-/// One rk4 step of h beside two of h/2 (stages 5 to 7 and 8 to 11; the first is common), with local
+/// One rk4 step of h together with two of h/2 (stages 5 to 7 and 8 to 11; the first is common), with local
 /// extrapolation: b = b_half + (b_half - b_whole) / 15. Hairer, Norsett, Wanner 1993, eqs. II.4.3 to II.4.5;
 /// the error is the whole difference, as there.
 inline constexpr Tableau kStepDoublingTableau = {
@@ -152,8 +152,8 @@ inline constexpr Tableau kTsit5Tableau = {
                {0, -27.896526289197286, 65.09189467479366, -34.87065786149661},
                {0, 1.5, -4, 2.5}}}};
 
-/// Ten stages of order 4 whose region of stability contains the disc of radius 6 around -6: explicit steps as
-/// long as any for equations whose fast modes are damped (Ketcheson 2008, "Highly efficient strong
+/// Ten stages of order 4 whose region of stability contains the disc of radius 6 around -6: the longest
+/// explicit steps for equations whose fast modes are damped (Ketcheson 2008, "Highly efficient strong
 /// stability-preserving Runge-Kutta methods with low-storage implementations", section 4; embedded solution:
 /// Conde, Fekete, Shadid 2018, "Embedded error estimation and adaptive step-size control for optimal explicit
 /// strong stability preserving Runge-Kutta methods").

@@ -1,6 +1,6 @@
 // Dormand and Prince's method of order 8 with Hairer and Wanner's two error estimates (orders 5 and 3) and
-// dense output of order 7: Hairer, Norsett, Wanner 1993, section II.10 and code DOP853; the pair that it is
-// made from: Dormand, Prince 1989, "Practical Runge-Kutta processes", table 2. The error of a step is
+// dense output of order 7: Hairer, Norsett, Wanner 1993, section II.10 and code DOP853; based on the pair of
+// Dormand, Prince 1989, "Practical Runge-Kutta processes", table 2. The error of a step is
 //   |h| E5^2 / sqrt(E5^2 + 0.01 E3^2),  E = weighted root mean square of sum_i e_i K_i      (eq. II.10.17)
 #pragma once
 #include "engine/integrators/explicit/tableau.h"

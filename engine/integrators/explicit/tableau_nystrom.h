@@ -1,10 +1,10 @@
 // Runge-Kutta-Nystroem pairs for x'' = a(t, x) as data:
 //   K_i = a(t + c_i h, x + c_i h v + h^2 sum_j a_ij K_j),
-//   x' = x + h v + h^2 sum_i b_i K_i,   v' = v + h sum_i bv_i K_i,   errors h^2 sum e_i K_i and h sum ev_i
-//   K_i.
+//   x' = x + h v + h^2 sum_i b_i K_i,   v' = v + h sum_i bv_i K_i,
+//   errors h^2 sum e_i K_i and h sum ev_i K_i.
 // Both from Dormand, El-Mikkawy, Prince 1987, "High-order embedded Runge-Kutta-Nystroem formulae":
 // RKN8(6)9FM, whose last stage is the next step's first, and RKN12(10)17M. Rational there, correctly rounded
-// here; tests hold them to the order conditions of all Nystroem trees.
+// here; tests check the order conditions of all Nystroem trees.
 #pragma once
 #include <array>
 #include <cstddef>

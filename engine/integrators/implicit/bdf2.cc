@@ -1,8 +1,8 @@
 // Backward differentiation of order 2 for steps of any ratio w = h / h_last:
 //   y1 = ((1 + w)^2 y - w^2 y_last) / (1 + 2w) + h (1 + w)/(1 + 2w) f(t + h, y1)
-// (Hairer, Norsett, Wanner 1993, section III.5). A-stable and L-stable for constant steps. The solution
-// before the present one is kept in `memory`; where there is none, or y was changed since, one step of
-// TR-BDF2 begins.
+// (Hairer, Norsett, Wanner 1993, section III.5). A-stable and L-stable for constant steps. The previous
+// solution is kept in `memory`; if there is none, or y has been changed since, the method starts with one
+// step of TR-BDF2.
 #include <cmath>
 
 #include "engine/integrators/equations.h"
@@ -78,7 +78,7 @@ class Bdf2 final : public Interpolant {
     }
   }
 
-  /// The last step for the next call, after drive_fixed.
+  /// Stores the last step for the next call, after drive_fixed.
   void remember() {
     const size_t n = eq_.size();
     if (a_.project) a_.project(a_.f, a_.y);
@@ -106,7 +106,7 @@ class Bdf2 final : public Interpolant {
     start.statistics = a_.statistics;
     advance_tr_bdf2_fixed(start);
     eq_.rate(t + h, y_new, eq_.array(kEndRate));
-    // The next steps' matrix, so that they allocate nothing.
+    // Prepares the next steps' matrix, so that they do not allocate.
     solver_.prepare(t, eq_.array(y_), eq_.array(kRate), h * (2.0 / 3));
     if (a_.statistics) --a_.statistics->steps;
     return true;

@@ -1,5 +1,5 @@
-// Coefficients of singly diagonally implicit Runge-Kutta methods, where at most the first stage is explicit
-// and all others share the diagonal element gamma, hence one matrix I - h gamma J:
+// Coefficients of singly diagonally implicit Runge-Kutta methods, in which at most the first stage is
+// explicit and all others share the diagonal element gamma and thus one matrix I - h gamma J:
 //   Y_i = y + h sum_{j <= i} a_ij k_j,  k_i = f(t + c_i h, Y_i),  y1 = y + h sum_i b_i k_i
 // `error` holds b - b^ of an embedded method, all zero when there is none.
 #pragma once

@@ -1,13 +1,12 @@
 // Implicit Euler and its one-step linearisation:
 //   implicit_euler         x' = x + h G(x') v',  v' = v + h a(x', v', t + h)
 //   linear_implicit_euler  (M - h df/dv - h^2 df/dx) dv = h (f + h df/dx v),  v' = v + dv,  x' = x + h v'
-// which is one Newton step of the former from x' = x; with v' = dx / h and no damping it reads
-// (M/h^2 - df/dx) dx = M v / h + f. Baraff, Witkin 1998, "Large steps in cloth simulation", eq. 6.
-// Fields without a Jacobian are served with differences: small ones by central differences and a matrix of
-// (x, v), larger ones as first-order equations (sdirk.cc), as are those that solve their linear systems by
-// means of their own.
-// Steps of implicit_euler that ended with damping and air held at the step's start are counted in the state
-// and observed as integrator.held_steps.
+// which is one Newton step of the former from x' = x; with v' = dx / h and no damping it reads (M/h^2 -
+// df/dx) dx = M v / h + f. Baraff, Witkin 1998, "Large steps in cloth simulation", eq. 6. Fields without a
+// Jacobian use differences: small ones central differences and a matrix of (x, v), larger ones as first-order
+// equations (sdirk.cc), as do those with a linear solver of their own. Steps of implicit_euler that ended
+// with damping and air lagged at the step's start are counted in the state and observed as
+// integrator.held_steps.
 #include "engine/integrators/implicit/implicit.h"
 
 #include "engine/core/lagged_dissipation.h"
@@ -49,7 +48,7 @@ std::optional<std::string> refuses_without_jacobian(const ForceField& field) {
   const ThreadArena serial(1);
   const StepInput in{.workspace = workspace, .arena = serial};
   Motion m(field, state, in);
-  // Where dx/dt = v only half of them are solved for.
+  // If dx/dt = v only half of them are solved for.
   const size_t unknowns = m.plain_rate() ? m.v.size() : m.x.size() + m.v.size();
   if (sparse(m) || unknowns <= kMostDifferences) return std::nullopt;
   return "implicit methods need the forces' derivatives, which this system does not provide, and " +

@@ -5,22 +5,21 @@
 
 namespace truestep {
 
-/// Column of one count: steps whose damping and air stayed held at the step's start (stage_newton.h). Only
-/// fields that can hold them have it.
+/// Column with one count: steps whose damping and air stayed lagged at the step's start (stage_newton.h).
+/// Only fields that support this have it.
 inline constexpr std::string_view kHeldSteps = "integrator.held_steps";
 
 /// For fields with a Jacobian and dx/dt = v.
 void implicit_euler_sparse(Motion& m, const IntegratorOptions& options);
 void linear_implicit_euler_sparse(Motion& m, const IntegratorOptions& options);
 
-/// How far a step goes: Newton's method to its tolerance, or exactly one Newton step.
+/// Newton's method to its tolerance, or exactly one Newton step.
 enum class NewtonSteps : uint8_t { converged, one };
 /// For at most kDenseUnknowns components of x and v together; any G(x).
 void implicit_euler_dense(Motion& m, const IntegratorOptions& options, NewtonSteps steps);
 
 inline constexpr size_t kDenseUnknowns = 64;
-/// Unknowns of a step up to which fields without a Jacobian are served by differences: matrices of 50 to 200
-/// MB.
+/// Unknowns of a step up to which fields without a Jacobian use differences: matrices of 50 to 200 MB.
 inline constexpr size_t kMostDifferences = 2500;
 
 }  // namespace truestep

@@ -1,6 +1,6 @@
 // Small systems: y = (x, v), F(y) = (G(x) v, a(x, v, t + h)), Newton's method on y' = y + h F(y') with the
 // matrix I - h dF/dy by central differences and dense LU. The residual is exact, so the differences (relative
-// error some 1e-10) cost at most an iteration, not accuracy.
+// error about 1e-10) cost at most an iteration, not accuracy.
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
@@ -70,7 +70,8 @@ void implicit_euler_dense(Motion& m, const IntegratorOptions& options, NewtonSte
   }
   Vector y = y0, residual = -h * eq.rates(y0);
   const double scale = std::max(residual.norm(), y0.norm());
-  // What has decayed so far that squares underflow is nothing: a norm can no longer tell better from worse.
+  // Values that have decayed until their squares underflow count as zero: a norm can no longer tell better
+  // from worse there.
   constexpr double kNothing = 1e-150;
   for (int it = 0; residual.norm() > options.newton_tolerance * scale + kNothing; ++it) {
     const Vector direction = eq.matrix(y).partialPivLu().solve(-residual);

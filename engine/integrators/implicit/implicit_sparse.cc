@@ -26,8 +26,8 @@ void implicit_euler_sparse(Motion& m, const IntegratorOptions& options) {
 
 namespace {
 
-// dv = y + z: z is what surfaces give, y what is left,  S A S y = S (b - A z);  the surfaces' impulse is what
-// is missing from A dv = b.
+// dv = y + z: z is prescribed by surfaces, y is free, S A S y = S (b - A z); the surfaces' impulse is what is
+// missing from A dv = b.
 void solve_on_surfaces(Motion& m, ImplicitSystem& system, double h, std::span<double> b, std::span<double> dv,
                        double accuracy) {
   const RowContacts& on = *system.contacts();
@@ -68,7 +68,7 @@ void linear_implicit_euler_sparse(Motion& m, const IntegratorOptions& options) {
   const auto a = m.scratch("integrator.k1", n), b = m.scratch("integrator.rhs", n),
              dv = m.scratch("integrator.dv", n);
   m.acceleration(t, m.x, m.v, a);
-  // Not the exact Jacobian: one step along an indefinite system throws compressed cloth apart.
+  // Not the exact Jacobian: a single step along an indefinite system would tear compressed cloth apart.
   system.differentiate(t, m.x, m.v, Derivatives::definite);
   // h (f + h df/dx v); the velocity of held rows counts on the right-hand side.
   const auto w = system.inverse_mass();

@@ -14,8 +14,9 @@ struct ImplicitSystem::Matrices {
   uint64_t version = 0;
   size_t rows = 0;
   BlockSparse dfdx, dfdv, system;
-  BlockSparse dfdv_kept, unused;                        // where df/du is taken at another position
-  BlockSparse definite;                                 // df/dx, for means; without a pattern until reserved
+  BlockSparse dfdv_kept, unused;                        // when df/du is taken at another position
+  BlockSparse definite;                                 // df/dx, for blending; without a pattern until
+                                                        // reserved
   std::vector<BlockSparse::Slot> dfdx_slot, dfdv_slot;  // where their blocks go in `system`
   BlockSolver solver;
 
@@ -70,7 +71,7 @@ void ImplicitSystem::differentiate(double t, std::span<const double> x, std::spa
   const Phase at{t, x, u, m_.state};
   if (width_ == 3) places_ = x;
   if (!x_rate.empty()) {
-    // Both matrices come from one call: what comes with the wrong position is made over.
+    // Both matrices come from one call; the one at the wrong position is discarded.
     if (matrices_.unused.empty()) matrices_.dfdv_kept = matrices_.dfdv, matrices_.unused = matrices_.dfdx;
     m_.field.jacobian({t, x_rate, u, m_.state}, matrices_.unused, matrices_.dfdv_kept, e);
   }
@@ -103,7 +104,7 @@ void ImplicitSystem::assemble(double g, double s, double definite) {
   };
   m_.input.arena.for_blocks(system.block_rows(), kBlockRows, [&](size_t begin, size_t end) {
     std::fill(a + size_t{system.row_begin(begin)} * bb, a + size_t{system.row_begin(end)} * bb, 0.0);
-    double most = 1;  // of the ratios of a diagonal block to its mass
+    double most = 1;  // largest ratio of a diagonal block to its mass
     for (size_t i = begin; i < end; ++i) {
       double* diagonal = a + size_t{system.diagonal_slot(i)} * bb;
       if (w_[i] == 0) {
@@ -185,7 +186,7 @@ void ImplicitSystem::solve_again(std::span<const double> b, std::span<double> d,
 }
 
 double ImplicitSystem::rounding_floor(std::span<const double> x, std::span<const double> u, double g) {
-  // Two units of rounding: one for x0 + s u, one for the arithmetic of the force.
+  // Two units of rounding: one for x0 + s u, one for evaluating the force.
   constexpr double kUnits = 2 * std::numeric_limits<double>::epsilon();
   const auto b = static_cast<size_t>(matrices_.system.block_size()), bb = b * b;
   // sum_j |block_ij| |y_j|

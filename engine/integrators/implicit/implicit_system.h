@@ -14,37 +14,37 @@
 
 namespace truestep {
 
-/// Which derivatives A is made of: ForceField::jacobian, ForceField::definite_jacobian, or a mean of both.
+/// Which derivatives A is made of: ForceField::jacobian, ForceField::definite_jacobian, or a blend of both.
 enum class Derivatives : uint8_t { exact, definite, both };
 
 class ImplicitSystem {
  public:
   explicit ImplicitSystem(Motion& m);
 
-  /// Sets aside what means of Jacobians and any solution of the systems need, so that no later step does.
+  /// Allocates what blends of Jacobians and solving the systems need, so that no later step does.
   void reserve();
-  /// Evaluates df/dx and df/du at (t, x, u); `both` adds the definite ones to the exact ones, which must be
-  /// there already. df/du is taken at `x_rate` where that is given.
+  /// Evaluates df/dx and df/du at (t, x, u); `both` adds the definite ones to existing exact ones. df/du is
+  /// taken at `x_rate` if given.
   void differentiate(double t, std::span<const double> x, std::span<const double> u, Derivatives which,
                      std::span<const double> x_rate = {});
   /// df/dx, exact or definite, of the last call.
   const BlockSparse& force_slope() const;
-  /// A from the last derivatives; of `both`, a share `definite` of [0, 1] is the definite one.
+  /// A from the last derivatives; for `both`, a fraction `definite` in [0, 1] of it is the definite one.
   void assemble(double g, double s, double definite = 0);
-  /// Rows on surfaces; nothing where there are none.
+  /// Rows on surfaces; empty if there are none.
   const std::optional<RowContacts>& contacts() const { return contacts_; }
   /// y = A x.
   void multiply(std::span<const double> x, std::span<double> y) const;
-  /// Takes the directions that surfaces give out of A: their rows and columns become those of the masses.
+  /// Removes the directions prescribed by surfaces from A: their rows and columns become those of the masses.
   void constrain();
-  /// A d = b to the relative accuracy that is asked for. Instability when A is singular.
+  /// Solves A d = b to the requested relative accuracy. Instability when A is singular.
   BlockSolver::Result::Sign solve(std::span<const double> b, std::span<double> d, double accuracy);
 
-  /// The same for another b while A stands, reusing what the last solve made.
+  /// The same for another b with the same A, reusing the last solve's work.
   void solve_again(std::span<const double> b, std::span<double> d, double accuracy);
 
-  /// sqrt(sum_i w_i r_i^2) of the rounding error r of M (u - u0) - g f at (x, u) that cannot be avoided: a
-  /// position is known to eps |x|, so a force is known to eps |df/dx| |x|, row by row. After assemble.
+  /// sqrt(sum_i w_i r_i^2) of the unavoidable rounding error r of M (u - u0) - g f at (x, u): a position is
+  /// known to eps |x|, so a force is known to eps |df/dx| |x|, row by row. Call after assemble.
   double rounding_floor(std::span<const double> x, std::span<const double> u, double g);
 
   std::span<const double> inverse_mass() const { return w_; }
@@ -83,7 +83,7 @@ class ImplicitSystem {
   Matrices& matrices_;
   std::span<double> partial_;  // one number per block of rows
   double condition_ = 1;
-  std::span<const double> places_;  // m, of the last derivatives
+  std::span<const double> places_;  // m, at the last derivatives
 };
 
 }  // namespace truestep

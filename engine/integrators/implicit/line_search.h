@@ -1,9 +1,10 @@
-// How far to go along a direction d of descent: phi(a) is the function that d descends, with its slope phi'.
-// A step a is taken when phi falls by a share of what its slope promised (Armijo 1966),
+// How far to go along a descent direction d: phi(a) is the function that d descends, with its slope phi'. A
+// step a is accepted when phi falls by a fraction of what its slope promised (Armijo 1966),
 //   phi(a) <= phi(0) + c a phi'(0),
-// or, where rounding hides so small a fall, when phi stays and the slope says the same as for a parabola,
+// or, if rounding hides such a small decrease, when phi stays the same and the slope fulfils the condition
+// for a parabola,
 //   phi'(a) <= (2 c - 1) phi'(0)     (approximate Wolfe condition, Hager, Zhang 2005, eq. 4.1);
-// else a becomes the minimum of the cubic through values and slopes at both ends (Nocedal, Wright 2006,
+// otherwise a becomes the minimum of the cubic through values and slopes at both ends (Nocedal, Wright 2006,
 // eq. 3.59), kept within [a / 10, a / 2]. A full step after which most of the slope is left is doubled.
 #pragma once
 #include <algorithm>
@@ -17,9 +18,9 @@ struct Point {
 
 inline constexpr double kShare = 1e-4;      ///< c of Armijo's condition
 inline constexpr double kSlopeShare = 0.1;  ///< c of the approximate condition
-inline constexpr double kLeftSlope = 0.5;   ///< more than this share of the first slope left: go on
+inline constexpr double kLeftSlope = 0.5;   ///< more than this fraction of the initial slope left: go on
 inline constexpr double kLongest = 1024;
-inline constexpr double kShortest = 1e-10;  ///< steps shorter than this are no steps
+inline constexpr double kShortest = 1e-10;  ///< shorter steps do not count
 
 /// Whether step a ends the search; `noise` is the rounding error of a value.
 inline bool accepts(const Point& start, const Point& at, double a, double noise) {
@@ -27,13 +28,13 @@ inline bool accepts(const Point& start, const Point& at, double a, double noise)
   return at.value <= start.value + noise && at.slope <= (2 * kSlopeShare - 1) * start.slope;
 }
 
-/// Whether the slope at an accepted step says that the valley is farther off: a step along a direction with
-/// less curvature than its matrix believed.
+/// Whether the slope at an accepted step says that the minimum is farther away: a direction with less
+/// curvature than its matrix assumed.
 inline bool goes_on(const Point& start, const Point& at) {
   return at.slope < kLeftSlope * start.slope;
 }
 
-/// The next, shorter step to try; non-finite values shorten it most.
+/// The next, shorter step to try; non-finite values shorten it the most.
 inline double shorter(const Point& start, const Point& at, double a) {
   const double p = start.slope + at.slope - 3 * (at.value - start.value) / a;
   const double root = std::sqrt(p * p - start.slope * at.slope);

@@ -1,4 +1,4 @@
-// Newmark's method and the generalized-alpha method for equations of second order, x'' = a(t, x, v):
+// Newmark's method and the generalized-alpha method for second-order equations, x'' = a(t, x, v):
 //   x1 = x + h v + h^2 ((1/2 - beta) a + beta a1),   v1 = v + h ((1 - gamma) a + gamma a1)
 //   (1 - am) a1 + am a = a(t + (1 - af) h, (1 - af) x1 + af x, (1 - af) v1 + af v)
 // Newmark 1959 with beta = 1/4, gamma = 1/2 is am = af = 0: undamped, unconditionally stable. Chung, Hulbert
@@ -63,7 +63,7 @@ class NewmarkSteps final : public Interpolant {
     for (;; fresh = true) {
       if (!linearised_ || h != factored_) {
         if (!linearised_) {
-          // Differences need the rate at the very point.
+          // Differences need the rate at exactly this point.
           double* rate = eq_.array(kPoint);
           const double* y = eq_.array(y_);
           std::copy_n(y + n_, n_, rate);
@@ -153,7 +153,7 @@ class NewmarkSteps final : public Interpolant {
     theta_ = convergence.theta();
     return true;
   }
-  // The larger one, NaN as soon as one is.
+  // The larger one, or NaN if either is.
   static double larger(double a, double b) {
     return b <= a ? a : a != a ? a : b;
   }
@@ -191,9 +191,9 @@ void prepare_generalized_alpha(const ForceField& field, State& state) {
 }
 
 // Without damping the map of one step has eigenvalues on the unit circle up to omega h = 1 / sqrt(gamma/2 -
-// beta) if 2 beta < gamma, always if not (Hughes 1987, section 9.1); damping alone is always stable for
-// gamma >= 1/2, and both together are wherever the undamped motion is. Generalized alpha is unconditionally
-// stable for every r in [0, 1].
+// beta) if 2 beta < gamma, always otherwise (Hughes 1987, section 9.1); damping alone is always stable for
+// gamma >= 1/2, and both together are stable whenever the undamped motion is. Generalized alpha is
+// unconditionally stable for every r in [0, 1].
 StabilityInterval newmark_interval(const IntegratorOptions& options) {
   constexpr double kUnlimited = std::numeric_limits<double>::infinity();
   const double short_of = 0.5 * options.damping.newmark_gamma - options.damping.newmark_beta;

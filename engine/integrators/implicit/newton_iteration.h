@@ -1,8 +1,8 @@
-// When Newton's method is done: simplified iterations contract by a factor theta, so what is left after an
-// increment d is about theta / (1 - theta) |d| (Hairer, Wanner 1996, eq. IV.8.10).
-// Increments are measured against the error tolerance of an adaptive method, 1 = kappa tolerances. Fixed-step
-// methods, and adaptive ones whose tolerance exceeds the solution itself (it then says nothing), measure
-// against a hundredth of newton_tolerance times the largest component.
+// When Newton's method has converged: simplified iterations contract by a factor theta, so the error after an
+// increment d is about theta / (1 - theta) |d| (Hairer, Wanner 1996, eq. IV.8.10). Increments are measured
+// against the error tolerance of an adaptive method, 1 = kappa tolerances. Fixed-step methods, and adaptive
+// ones whose tolerance exceeds the solution itself (it is then meaningless), measure against a hundredth of
+// newton_tolerance times the largest component.
 #pragma once
 #include <cmath>
 
@@ -11,8 +11,8 @@
 namespace truestep {
 
 /// Size of the largest increment `moved` of values up to `size` for a method without error control; 1 is
-/// small enough: a hundredth of newton_tolerance, because what is left over adds up from step to step.
-/// Increments of a few roundings, and those of values that all but vanish, are 0.
+/// small enough: a hundredth of newton_tolerance, because the remaining errors add up from step to step.
+/// Increments of a few roundings, and those of negligible values, count as 0.
 inline double relative_increment(double moved, double size, double newton_tolerance) {
   constexpr double kRoundings = 8 * 0x1p-52, kNothing = 1e-280;
   if (moved <= kRoundings * size || moved <= kNothing) return 0;
@@ -40,14 +40,14 @@ class IncrementScale {
     if (by_ == By::tolerance) return eq_.norm(d, y, y) / kappa_;
     return relative_increment(largest(d), largest(y), eq_.advance().newton_tolerance);
   }
-  /// Iterations after which a shorter step or a new Jacobian is the better idea; a fixed step has no such way
-  /// out.
+  /// Iterations after which a shorter step or a new Jacobian is the better choice; a fixed step has no such
+  /// way out.
   int most_iterations() const { return by_ == By::tolerance ? 10 : 30; }
   /// Whether the method may take a shorter step instead.
   bool shortens_steps() const { return by_ == By::tolerance; }
 
  private:
-  // Largest absolute value, NaN as soon as there is one.
+  // Largest absolute value, NaN if there is one.
   double largest(const double* y) const {
     double m = 0;
     for (size_t i = 0; i < eq_.size(); ++i) {
@@ -61,11 +61,11 @@ class IncrementScale {
   double kappa_ = 0.03;
 };
 
-/// One iteration's progress, fed with the size of every increment.
+/// Progress of one iteration, fed with the size of every increment.
 class Convergence {
  public:
   enum class Verdict : uint8_t { go_on, done, failed };
-  /// `quality` is theta / (1 - theta) as an earlier system with a similar matrix left it.
+  /// `quality` is theta / (1 - theta) left by an earlier system with a similar matrix.
   explicit Convergence(int most, double quality = 1) : most_(most), quality_(quality) {}
 
   Verdict judge(double size) {

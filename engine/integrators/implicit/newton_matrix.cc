@@ -14,11 +14,11 @@ namespace truestep {
 
 namespace {
 
-// Up to this size a dense factorisation is at least as fast as anything that knows a pattern.
+// Up to this size a dense factorisation is at least as fast as any that uses a pattern.
 constexpr size_t kAlwaysDense = 24;
 constexpr size_t kDenseIfNoBand = 128;
 constexpr size_t kLargestDense = 4000;  // 128 MB
-// Multiplications up to which the simple loops of a band beat a sparse factorisation and its bookkeeping.
+// Multiplications up to which the simple loops of a band beat a sparse factorisation with its bookkeeping.
 constexpr double kMostBandWork = 3e8;
 
 bool same(const MatrixShape& a, const MatrixShape& b) {
@@ -99,7 +99,7 @@ void NewtonMatrix::analyse(const MatrixShape& shape) {
   }
 }
 
-// f(i, k) for every entry (i, j) of column j, k being its place among the values.
+// f(i, k) for every entry (i, j) of column j, k being its index among the values.
 template <class F>
 void NewtonMatrix::for_column(size_t j, F&& f) const {
   switch (shape_.kind) {
@@ -172,7 +172,7 @@ FactorWork NewtonMatrix::factor_work() const {
     case Kind::band:
       return {m * l * (l + u), m * (2 * l + u)};
     case Kind::own:
-      // Some thousand per link, which has as many unknowns as its joint's coordinates and velocities.
+      // About a thousand per link, whose unknowns are its joint's coordinates and velocities.
       return {1000 * m, 150 * m};
     case Kind::sparse:
       break;

@@ -1,8 +1,8 @@
-// The linear systems of implicit methods: (I - z J) x = b with J = df/dy of a right-hand side, real z or
-// complex. Equations of second order, y = (x, v) with A = da/dx and B = da/dv, are solved in half the size:
+// The linear systems of implicit methods: (I - z J) x = b with J = df/dy of a right-hand side, real or
+// complex z. Second-order equations, y = (x, v) with A = da/dx and B = da/dv, are solved in half the size:
 //   (I - z B - z^2 A) q = s + z A r,  p = r + z q      for b = (r, s), x = (p, q).
-// Jacobians are the right-hand side's own or differences, of as many columns at once as the pattern allows.
-// The shape decides on the factorisation: dense, band (where an order with few diagonals exists) or sparse.
+// Jacobians are the right-hand side's own or differences, with as many columns at once as the pattern allows.
+// The shape determines the factorisation: dense, band (if an ordering with few diagonals exists) or sparse.
 #pragma once
 #include <memory>
 #include <span>
@@ -17,7 +17,7 @@
 
 namespace truestep {
 
-/// Sparse factorisation behind one face, so that Eigen's headers stay in one file.
+/// Sparse factorisation behind an interface, so that Eigen's headers stay in one file.
 class SparseFactors;
 
 class NewtonMatrix {
@@ -30,7 +30,7 @@ class NewtonMatrix {
   NewtonMatrix(const NewtonMatrix&) = delete;
   NewtonMatrix& operator=(const NewtonMatrix&) = delete;
 
-  /// Must come first; costs little when the shape is the one of the last time.
+  /// Must come first; cheap when the shape is unchanged.
   void bind(const RightHandSide& f);
   Kind kind() const { return kind_; }
   /// Unknowns of the factorised system: the number of equations or half of it.
@@ -42,8 +42,8 @@ class NewtonMatrix {
   /// Operations of one differentiation when one evaluation of f takes `rate`.
   double jacobian_work(double rate) const;
 
-  /// J at (t, y); `fy` is f(t, y), read by differences alone, as is `typical`, the size below which changes
-  /// of a component do not matter.
+  /// J at (t, y); `fy` is f(t, y), used only by differences, as is `typical`, the magnitude below which
+  /// changes of a component do not matter.
   void differentiate(double t, const double* y, const double* fy, double typical, Statistics& count);
   /// False: singular or not finite.
   bool factor(double z);
@@ -61,7 +61,7 @@ class NewtonMatrix {
   struct Factors {
     DenseLu<T> dense;
     BandLu<T> band;
-    std::vector<T> permuted;  // right-hand side in the order of the band
+    std::vector<T> permuted;  // right-hand side in band order
     bool sized = false;
   };
 
@@ -84,8 +84,8 @@ class NewtonMatrix {
   std::vector<int32_t> column_start_, rows_;
   Kind kind_ = Kind::dense;
   size_t lower_ = 0, upper_ = 0;        // band, after reordering
-  std::vector<int32_t> order_, place_;  // band, empty: as it is
-  std::vector<int32_t> group_;          // of columns that are differenced together
+  std::vector<int32_t> order_, place_;  // band; empty: in the original order
+  std::vector<int32_t> group_;          // of columns differenced together
   int32_t groups_ = 0;
 
   std::vector<double> first_, second_;  // values of J, or of A and B

@@ -2,9 +2,9 @@
 // With T^-1 A^-1 T = diag(g, (a -b; b a)) the 3n equations Z = h (A x I) F(y + Z) become a real system and a
 // complex one of size n:
 //   (g/h I - J) w1 = ...,   ((a + i b)/h I - J) (w2 + i w3) = ...
-// solved by simplified Newton iterations with the contraction test, the start from the last step's
+// solved by simplified Newton iterations with the contraction test, the initial guess from the last step's
 // collocation polynomial, the filtered error estimate of order 3 and the predictive step control of Hairer,
-// Wanner 1996, section IV.8. Jacobian and factors live on while iterations contract fast, within one call
+// Wanner 1996, section IV.8. Jacobian and factors are kept while iterations contract fast, within one call
 // only.
 #include <array>
 
@@ -48,7 +48,7 @@ class Radau5 final : public Interpolant {
         continue;
       }
       const double error = estimate(h, retry);
-      // Many iterations, less trust: 1 for a system solved at once.
+      // Many iterations mean less trust: 1 for a system solved at once.
       const double safety = 0.9 * (1 + 2 * kMost) / (iterations_ + 2 * kMost);
       if (!(error < 1)) {
         const double factor =
@@ -67,8 +67,8 @@ class Radau5 final : public Interpolant {
       h_accepted = h, error_accepted = std::max(error, 0.01);
       a_.carry.last_error = error;
       if (finish(h, last)) break;
-      // A step that was cut short by the end says nothing against the longer one; one that would grow by
-      // less than a fifth stays, and its factors with it.
+      // A step cut short by the end says nothing against the longer one; a step that would grow by less than
+      // a fifth is kept, and its factors with it.
       double next = h < h_ ? std::max(h_, h * factor) : h * factor;
       if (slow_contraction()) {
         linearised_ = false;
@@ -92,7 +92,7 @@ class Radau5 final : public Interpolant {
   using Scale = IncrementScale<Equations>;
   // Q: the collocation polynomial's coefficients, Z: stages minus y, W: the same transformed.
   enum : size_t { kY, kNew, kRate, kZ, kW = kZ + 3, kD = kW + 3, kQ = kD + 3, kArgument = kQ + 3, kError };
-  static constexpr int kMost = 7;  // iterations that the step control calls many
+  static constexpr int kMost = 7;  // iterations that the step control considers many
 
   double first_step() {
     ++eq_.count().rates;
@@ -116,7 +116,7 @@ class Radau5 final : public Interpolant {
     return shorter;
   }
 
-  // Solves for the stages; 1, or the factor by which the step should shrink.
+  // Solves for the stages; returns 1, or the factor by which the step should shrink.
   double iterate(double h) {
     for (;;) {
       const bool fresh = !linearised_ || fresh_;
@@ -133,7 +133,7 @@ class Radau5 final : public Interpolant {
       }
       const double shrink = newton(h);
       if (shrink == 1 || fresh) return shrink;
-      // The Jacobian was an old one: the same step with a new one.
+      // The Jacobian was old: the same step with a new one.
       linearised_ = false;
     }
   }
@@ -229,7 +229,7 @@ class Radau5 final : public Interpolant {
     return std::sqrt((a * a + b * b + c * c) / 3);
   }
 
-  // (I - z1 J)^-1 (z1 f(y) + sum_k e_k Z_k), twice where stiff components may inflate it.
+  // (I - z1 J)^-1 (z1 f(y) + sum_k e_k Z_k), twice when stiff components may inflate it.
   double estimate(double h, bool again) {
     const size_t n = eq_.padded();
     double* e = eq_.array(kError);
@@ -258,12 +258,12 @@ class Radau5 final : public Interpolant {
     return error > 1e-10 || std::isnan(error) ? error : 1e-10;
   }
 
-  // Contraction slower than this: a new Jacobian costs less than the iterations it saves.
+  // With slower contraction than this, a new Jacobian costs less than the iterations it saves.
   bool slow_contraction() const {
     return iterations_ > 1 && theta_ > 1e-3;
   }
 
-  // The step is taken; true: the run ends here.
+  // Accepts the step; true: the run ends here.
   bool finish(double h, bool last) {
     const size_t n = eq_.padded();
     double *q1 = eq_.array(kQ), *q2 = eq_.array(kQ + 1), *q3 = eq_.array(kQ + 2);

@@ -1,5 +1,5 @@
 // Radau IIA of order 5 and the transformation that splits its linear systems: Hairer, Wanner 1996, eq. IV.5.9
-// to IV.8.5; error weights eq. IV.8.18. Tests rebuild them from the collocation conditions.
+// to IV.8.5; error weights eq. IV.8.18. Tests recompute them from the collocation conditions.
 #pragma once
 #include <array>
 

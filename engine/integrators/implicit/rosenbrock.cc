@@ -1,6 +1,6 @@
 // Rosenbrock methods: one Newton step per stage, with the Jacobian of the step's start, in place of the
-// stages' equations; no iteration, nothing to converge. Tableaus in rosenbrock_tableau.h. Where f depends on
-// t, df/dt comes from one forward difference per step.
+// stages' equations; no iteration, nothing to converge. Tableaus in rosenbrock_tableau.h. If f depends on t,
+// df/dt comes from one forward difference per step.
 #include "engine/integrators/implicit/rosenbrock_tableau.h"
 
 #include "engine/integrators/equations.h"
@@ -98,7 +98,7 @@ class Rosenbrock final : public Interpolant {
   }
 
  private:
-  // Arrays 0 and 1: the solution at both ends of a step, in turns.
+  // Arrays 0 and 1: the solution at both ends of a step, alternating.
   enum : size_t { kRate = 2, kStageRate, kArgument, kTime, kStages };
   static constexpr double kFailed = 1e6;
   // Stiffly accurate with the last increment as error estimate: y1 = last stage's argument + last u.

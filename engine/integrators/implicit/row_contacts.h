@@ -1,9 +1,9 @@
 // Rows of three components that an implicit step must leave on surfaces (Baraff, Witkin 1998, "Large steps in
-// cloth simulation", section 5): along `normal`, or in every direction where friction makes them stick, the
-// velocity at the step's end is given. Directions that are left are solved for, so that what hangs on such a
-// row knows where it is: put back after the step, a row would stretch springs that nothing had stretched. The
-// system's contact stage fills the columns, the methods that read them (the implicit Euler methods) say what
-// impulse the surfaces had to give.
+// cloth simulation", section 5): along `normal`, or in every direction if friction makes them stick, the
+// velocity at the step's end is prescribed. The remaining directions are solved for, so that neighbours of
+// such a row see where it is: moved back only after the step, a row would stretch springs that nothing had
+// stretched. The system's contact stage fills the columns; the methods that read them (the implicit Euler
+// methods) report the impulse that the surfaces had to supply.
 #pragma once
 #include <optional>
 #include <span>
@@ -17,9 +17,9 @@ struct RowContacts {
   enum Kind : uint32_t { kFree, kSlides, kSticks };
   std::span<uint32_t> kind;
   std::span<double> normal;    ///< 3 per row, unit
-  std::span<double> velocity;  ///< 3 per row, m/s: what the step ends with, of a sliding row along its normal
-  std::span<double> drag;      ///< 3 per row, N s in the step: friction on a sliding row
-  std::span<double> impulse;   ///< 3 per row, N s: out, what the surface gave
+  std::span<double> velocity;  ///< 3 per row, m/s: at the step's end, for a sliding row along its normal
+  std::span<double> drag;      ///< 3 per row, N s per step: friction on a sliding row
+  std::span<double> impulse;   ///< 3 per row, N s: out, supplied by the surface
 
   /// Adds the columns, all rows free.
   static void add_columns(State& s, size_t rows) {
@@ -27,7 +27,7 @@ struct RowContacts {
     for (const char* name : {"contact.normal", "contact.velocity", "contact.drag", "contact.impulse"})
       s.add({name, name == std::string_view("contact.normal") ? "1" : "N s", Scalar::f64, 3}, rows);
   }
-  /// The columns, where the state has them and some row is in contact.
+  /// The columns, if the state has them and some row is in contact.
   static std::optional<RowContacts> of(State& s) {
     const auto c = s.find("contact.kind");
     if (!c) return std::nullopt;
@@ -43,14 +43,14 @@ struct RowContacts {
             s.f64(s.at("contact.velocity")), s.f64(s.at("contact.drag")), s.f64(s.at("contact.impulse"))};
   }
 
-  /// b without its part along directions that are given.
+  /// b without its component along prescribed directions.
   Vec3 left(size_t i, const Vec3& b) const {
     if (kind[i] == kFree) return b;
     if (kind[i] == kSticks) return {};
     const Vec3 n = load3(normal.data(), i);
     return b - n * dot(n, b);
   }
-  /// u with the given part in place of its own.
+  /// u with its component along prescribed directions replaced.
   Vec3 given(size_t i, const Vec3& u) const {
     if (kind[i] == kFree) return u;
     const Vec3 v = load3(velocity.data(), i);

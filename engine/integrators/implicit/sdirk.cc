@@ -1,9 +1,9 @@
 // Singly diagonally implicit Runge-Kutta methods (dirk_tableau.h). Every stage is a system
 //   Y = base + h gamma f(t + c h, Y)
 // solved by Newton's method with one Jacobian per step or less (stage_solver.h). Stage rates are (Y - base) /
-// (h gamma), which damps what f would amplify. Error estimates are filtered, (I - h gamma J)^-1 h sum_i e_i
-// k_i, so that stiff components do not inflate them (Hosea, Shampine 1996, section 3; Hairer, Wanner 1996,
-// eq. IV.8.20).
+// (h gamma), which damps errors that f would amplify. Error estimates are filtered, (I - h gamma J)^-1 h
+// sum_i e_i k_i, so that stiff components do not inflate them (Hosea, Shampine 1996, section 3; Hairer,
+// Wanner 1996, eq. IV.8.20).
 #include "engine/base/errors.h"
 #include "engine/integrators/equations.h"
 #include "engine/integrators/implicit/dirk_tableau.h"
@@ -98,7 +98,7 @@ class Dirk final : public Interpolant {
 
  private:
   using Row = DirkTableau::Row;
-  // Arrays 0 and 1: the solution at both ends of a step, in turns.
+  // Arrays 0 and 1: the solution at both ends of a step, alternating.
   enum : size_t { kRate = 2, kBase, kIncrement, kEndRate, kStages };
   static constexpr double kFailed = T.error_order == 4 ? 3e4 : 4e3;  // (0.9 / 0.25)^(2 order)
 

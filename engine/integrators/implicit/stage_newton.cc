@@ -10,11 +10,12 @@ namespace truestep {
 
 namespace {
 
-constexpr double kNear = 1e-4;  ///< of the first residual: a solution is near
-/// Iterations on the whole equations before damping and air are held, and after they were.
+constexpr double kNear = 1e-4;  ///< of the first residual: close to a solution
+/// Iterations on the full equations before damping and air are lagged, and afterwards.
 constexpr int kDirect = 60, kPolish = 25;
-constexpr double kCrawling = 0.25;  ///< share of a direction below which a line search gets nowhere
-constexpr int kLeap = 6;            ///< full steps that may lead uphill before they must be below the start
+constexpr double kCrawling = 0.25;  ///< fraction of a direction below which a line search makes no progress
+constexpr int kLeap = 6;            ///< full steps that may increase the potential before they must have
+                                    ///< fallen below the start
 constexpr double kNoise = 1e-12;    ///< relative error of sums over many terms, generously
 
 }  // namespace
@@ -71,9 +72,10 @@ StageNewton::Failure StageNewton::find(double tolerance, const StageEquation& eq
   return failure;
 }
 
-// Near the minimum with damping and air held, the whole equations may have a solution; if not, the minimum is
-// the step: as accurate in h, and what Kane, Marsden, Ortiz, West 2000, "Variational integrators and the
-// Newmark algorithm", section 2.4, ask of dissipation: that it be convex in the velocity.
+// Near the minimum with lagged damping and air, the full equations may have a solution; if not, the minimum
+// is taken as the step: as accurate in h, and consistent with the requirement of Kane, Marsden, Ortiz, West
+// 2000, "Variational integrators and the Newmark algorithm", section 2.4, that dissipation be convex in the
+// velocity.
 StageNewton::Failure StageNewton::solve_held(const StageEquation& eq, std::span<double> u) {
   const auto hold = [&](double target) {
     lag_ = Lag::held;
@@ -102,8 +104,8 @@ StageNewton::Failure StageNewton::iterate_to(double target, int most, const Stag
     if (norm_ <= target) return nullptr;
     system_.differentiate(eq.t, x_, u, Derivatives::exact, rate_position());
     report_.floor = system_.rounding_floor(x_, u, eq.g);
-    // What has decayed until its squares underflow is nothing: a norm can no longer tell better from worse
-    // there.
+    // Values that have decayed until their squares underflow count as zero: a norm can no longer tell better
+    // from worse there.
     constexpr double kNothing = 1e-150;
     if (norm_ <= report_.floor + kNothing) return nullptr;
     if (it >= most) return "did not converge";
@@ -120,8 +122,8 @@ StageNewton::Failure StageNewton::iterate_to(double target, int most, const Stag
   }
 }
 
-// Of the guess and of standing still, the one with the lower incremental potential: the solution lies lower
-// still, so V never exceeds what V and the kinetic energy were together.
+// The better of the guess and standing still by incremental potential: the solution is lower still, so V
+// never exceeds the sum of V and the kinetic energy before.
 void StageNewton::choose_start(const StageEquation& eq, std::span<double> u) {
   const auto w = system_.inverse_mass();
   for (size_t k = 0; k < n_; ++k) trial_[k] = w[k / system_.width()] > 0 ? 0 : u[k];
@@ -157,7 +159,7 @@ std::span<const double> StageNewton::rate_position() const {
   return lag_ == Lag::held ? lagged_ : std::span<double>();
 }
 
-// Leaves x(u) and -r; the norm of r.
+// Leaves x(u) and -r; returns the norm of r.
 double StageNewton::evaluate(const StageEquation& eq, std::span<const double> u) {
   ++report_.evaluations;
   move(eq, u);
@@ -176,7 +178,7 @@ double StageNewton::evaluate(const StageEquation& eq, std::span<const double> u)
   return system_.contacts() ? residual_on_surfaces() : norm;
 }
 
-// What is left of -r where surfaces give the rest; the norm of that.
+// The part of -r not supplied by surfaces; returns its norm.
 double StageNewton::residual_on_surfaces() {
   const RowContacts& on = *system_.contacts();
   const auto w = system_.inverse_mass();
@@ -218,13 +220,13 @@ double StageNewton::value(const StageEquation& eq, std::span<const double> u) {
 }
 
 // One iteration. Newton's direction has as little of the definite Jacobian in it as makes the matrix
-// definite: with the definite one alone cloth that buckles takes some hundred iterations, because folds grow
-// by a factor of 1.3 in each. Near a solution that is no minimum (cloth that stays flat by symmetry) descent
-// would leave it at a snail's pace, so there the exact direction may lead to it.
+// definite: with the definite one alone, buckling cloth takes about a hundred iterations, because folds grow
+// by a factor of 1.3 in each. Near a solution that is not a minimum (cloth that stays flat by symmetry)
+// descent would leave it extremely slowly, so there the exact direction may be taken.
 bool StageNewton::iterate(const StageEquation& eq, std::span<double> u, double accuracy, Search kind) {
   constexpr double kFirstShare = 0.25, kSmallShare = 0.1;
   if (lag_ == Lag::iterate) std::copy(x_.begin(), x_.end(), lagged_.begin());
-  // What the last iteration needed, less a half.
+  // Half of what the last iteration needed.
   definite_ = kind == Search::descent && definite_ > kSmallShare ? 0.5 * definite_ : 0;
   bool both = false;
   for (;;) {
@@ -249,10 +251,10 @@ bool StageNewton::iterate(const StageEquation& eq, std::span<double> u, double a
   }
 }
 
-// Springs that are stiff against everything else leave a valley so narrow and bent that every straight
-// direction soon leads up its wall: line searches then go round its bends in tiny steps. Full Newton steps
-// cross it: the first leaves the valley, the next return to its floor further down (a watchdog; Chamberlain,
-// Powell, Lemarechal, Pedersen 1982). What has not fallen below the start by then is taken back.
+// Springs much stiffer than everything else form a valley so narrow and curved that every straight direction
+// soon leads up its wall: line searches then follow its bends in tiny steps. Full Newton steps cross it: the
+// first leaves the valley, the next return to its floor further down (a watchdog; Chamberlain, Powell,
+// Lemarechal, Pedersen 1982). If the potential has not fallen below the start by then, the steps are undone.
 bool StageNewton::leap(const StageEquation& eq, std::span<double> u, double accuracy) {
   if (merit_ != Merit::incremental_potential) return false;
   if (lag_ == Lag::iterate) std::copy(x_.begin(), x_.end(), lagged_.begin());
@@ -270,7 +272,7 @@ bool StageNewton::leap(const StageEquation& eq, std::span<double> u, double accu
         if (sign == BlockSolver::Result::Sign::positive || share >= 1) break;
       }
     } catch (const Instability&) {
-      // So far from home that the matrix holds no numbers.
+      // So far away that the matrix is not finite.
       break;
     }
     m_.loop(n_, [to = u.data(), d = d_.data()](size_t i) { to[i] += d[i]; });
@@ -280,13 +282,13 @@ bool StageNewton::leap(const StageEquation& eq, std::span<double> u, double accu
   }
   std::copy(leap_.begin(), leap_.end(), u.begin());
   norm_ = evaluate(eq, u);
-  // The line search has the next word.
+  // Continue with the line search.
   last_share_ = 1;
   system_.differentiate(eq.t, x_, u, Derivatives::exact, rate_position());
   return false;
 }
 
-// Moves u along d; false when no step is better than none.
+// Moves u along d; false when no step improves it.
 bool StageNewton::search(const StageEquation& eq, std::span<double> u, double slope) {
   const bool potential = merit_ == Merit::incremental_potential;
   const double norm = norm_;

@@ -1,17 +1,17 @@
-// Newton's method for the equation that one stage of an implicit method asks of the velocity u,
+// Newton's method for the equation of one stage of an implicit method in the velocity u,
 //   M (u - u0) = g f(x, u, t),  x = x0 + s u,
 // for any g and s, so that every implicit method can use it (implicit Euler: u0 = v, x0 = x, g = s = h).
 // Where the forces are f = -dV/dx - dR/du, its solutions are stationary points of the incremental potential
 //   phi(u) = 1/2 |u - u0|^2_M + g/s V(x0 + s u) + g R(x, u)      (Kharevych et al. 2006, "Geometric,
 // variational integrators for computer animation"; Gast, Schroeder 2015, "Optimization integrator for large
-// time steps"), which a line search makes fall; R is taken at the iterate's position, so that it falls along
-// every direction that A, made definite where it is not, gives. What A lacks (damping and air change with
-// position, asymmetrically) is brought back by conjugate residuals as soon as that halves the residual.
-// Fields without a potential are judged by the residual norm alone. Where cloth buckles R changes so much
-// with the position that no end is found: then R is taken at x0, which gives phi a minimum that a line search
-// always finds, and Newton's method on the whole equations goes on from there. Where that ends nowhere the
-// minimum is the solution. Where forces are all but rigid, (omega h)^2 > 1e7, the way begins with softer
-// ones.
+// time steps"), which a line search decreases; R is taken at the iterate's position, so that phi falls along
+// every direction given by A, made definite if necessary. What A lacks (damping and air change with position,
+// asymmetrically) is added by conjugate residuals as soon as that halves the residual. Fields without a
+// potential are judged by the residual norm alone. When cloth buckles, R changes so much with the position
+// that the iteration does not converge: then R is taken at x0, which gives phi a minimum that a line search
+// always finds, and Newton's method on the full equations continues from there. If that does not converge,
+// the minimum is the solution. If forces are nearly rigid, (omega h)^2 > 1e7, the iteration starts with
+// softer ones.
 #pragma once
 #include "engine/core/lagged_dissipation.h"
 #include "engine/core/softening_forces.h"
@@ -32,13 +32,13 @@ struct StageEquation {
 struct NewtonReport {
   static constexpr int kKept = 64;
   int iterations = 0;
-  int definite = 0;              ///< of them, with a share of the definite Jacobian
-  int solves = 0;                ///< of linear systems with a matrix of their own
+  int definite = 0;              ///< of them, with a fraction of the definite Jacobian
+  int solves = 0;                ///< of linear systems with a new matrix
   int evaluations = 0;           ///< of the forces
   int softened = 0;              ///< of the iterations, with softened forces
-  bool held = false;             ///< damping and air stayed held at x0
-  double target = 0;             ///< residual norm that the tolerance asks for
-  double floor = 0;              ///< residual norm that rounding leaves, 0: never needed
+  bool held = false;             ///< damping and air stayed lagged at x0
+  double target = 0;             ///< residual norm required by the tolerance
+  double floor = 0;              ///< residual norm due to rounding, 0: never needed
   double last = 0;               ///< residual norm at the end
   double residuals[kKept] = {};  ///< norms before each iteration and after the last, the first of them
 };
@@ -48,11 +48,11 @@ class StageNewton {
  public:
   StageNewton(Motion& m, const IntegratorOptions& options);
 
-  /// u: a guess in, the solution out; rows that are held keep it. Instability when there is none to be found.
+  /// u: a guess in, the solution out; held rows keep theirs. Instability when no solution is found.
   /// Converged: sqrt(sum |r|^2 / m) <= newton_tolerance times its first value or sqrt(sum m |u0|^2),
-  /// whichever is larger, or at the rounding of the forces. From there no step could tell better from worse:
-  /// A >= g s K, so a residual of g |K| eps |x| is a change of position by s |u| = eps |x|.
-  /// What it took is valid until the next call with the same workspace.
+  /// whichever is larger, or at the rounding of the forces, where better cannot be told from worse: A >= g s
+  /// K, so a residual of g |K| eps |x| is a change of position by s |u| = eps |x|. The report is valid until
+  /// the next call with the same workspace.
   const NewtonReport& solve(const StageEquation& equation, std::span<double> u);
 
  private:
@@ -92,15 +92,15 @@ class StageNewton {
   ImplicitSystem system_;
   NewtonReport& report_;
   Merit merit_ = Merit::incremental_potential;
-  const LaggedDissipation* lagging_;  // of the field, if it can
+  const LaggedDissipation* lagging_;  // of the field, if supported
   const SofteningForces* softening_;  // the same
   Lag lag_ = Lag::iterate;
   double first_ = 0;      // norm of the residual at the start
-  double definite_ = 0;   // share of the definite Jacobian in the matrix of the last direction
+  double definite_ = 0;   // fraction of the definite Jacobian in the last direction's matrix
   double norm_ = 0;       // of the residual at the last evaluation
   double magnitude_ = 0;  // sum of |terms| of the last value
   std::span<double> a_, b_, d_, x_, lagged_, trial_, start_, leap_;
-  double last_share_ = 1;  // of its direction that the last line search took
+  double last_share_ = 1;  // fraction of its direction taken by the last line search
   // Conjugate residuals.
   static constexpr size_t kMostDirections = 12;
   std::span<double> a_near_, x_near_, rest_, whole_;

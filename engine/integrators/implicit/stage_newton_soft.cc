@@ -1,4 +1,4 @@
-// Steps with all but rigid forces, solved with softer ones and shifted lengths (core/softening_forces.h).
+// Steps with nearly rigid forces, solved with softer ones and shifted lengths (core/softening_forces.h).
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -9,15 +9,15 @@ namespace truestep {
 
 namespace {
 
-/// (omega h)^2 up to which Newton's method finds the end of a step by itself; that of softened forces; and
-/// how well their first solution must hold.
+/// (omega h)^2 up to which Newton's method converges by itself; that of softened forces; and how well their
+/// first solution must be solved.
 constexpr double kStiffest = 1e7, kSofter = 3e6, kApproach = 1e-6;
 constexpr int kMostShifts = 30, kMostIterations = 25;  ///< the latter of one shift
-/// Shifts that leave more of what was off are too slow, and forces become stiffer for the next: up to (omega
-/// h)^2 where rounding of the matrix does not show.
+/// Shifts that leave more than this fraction of the error are too slow, and forces become stiffer for the
+/// next: up to the (omega h)^2 at which rounding of the matrix is still invisible.
 constexpr double kSlow = 0.25, kStiffer = 4, kStillAccurate = 1e9;
 
-/// Forces are softer while this lives.
+/// Softens the forces while it lives.
 class Softened {
  public:
   Softened(const SofteningForces& forces, Motion& m, double share)
@@ -36,16 +36,16 @@ class Softened {
 
 }  // namespace
 
-// Share of their stiffness that forces may keep.
+// Fraction of their stiffness that the forces may keep.
 double StageNewton::softer(const StageEquation& eq) const {
   if (!softening_) return 1;
   const double stiff = softening_->fastest_squared(m_.state) * eq.g * eq.s;
   return stiff > kStiffest ? kSofter / stiff : 1;
 }
 
-// Links that are all but rigid leave a valley whose floor bends away from every direction within a share
-// 1 / (omega h) of a link's length, and forces whose rounding exceeds what moves them. Softer ones make it
-// wide enough to walk through, and a few shifts of their lengths bring the solution of the whole ones.
+// Nearly rigid links form a valley whose floor bends away from every direction within a fraction 1 / (omega
+// h) of a link's length, and forces whose rounding exceeds their change. Softer forces widen it enough to
+// follow, and a few shifts of their lengths lead to the solution of the full ones.
 StageNewton::Failure StageNewton::approach(double share, const StageEquation& eq, std::span<double> u) {
   const Softened softened(*softening_, m_, share);
   Failure failure = find(kApproach, eq, u);
@@ -59,12 +59,12 @@ StageNewton::Failure StageNewton::approach(double share, const StageEquation& eq
   return failure;
 }
 
-// Every shift takes most out of what lengths are off by: of ropes of n links all but a share of some
-// n^2 / (omega h)^2. When the shifted equations are solved as they stand it is over.
+// Every shift removes most of the length error: for ropes of n links all but a fraction of about n^2 / (omega
+// h)^2. It ends when the shifted equations are solved as they are.
 StageNewton::Failure StageNewton::stiffen(double share, double target, const StageEquation& eq,
                                           std::span<double> u) {
   constexpr double kRoundings = 8 * std::numeric_limits<double>::epsilon(), kStretch = 1e-6;
-  constexpr double kHidden = 8, kSettled = 0.2;  // of the rounding that is expected
+  constexpr double kHidden = 8, kSettled = 0.2;  // multiples of the expected rounding
   const double stiffest = std::min(1.0, share * (kStillAccurate / kSofter));
   Evaluation e{m_.input.workspace, m_.input.arena};
   double reach = 0;
@@ -73,7 +73,7 @@ StageNewton::Failure StageNewton::stiffen(double share, double target, const Sta
   for (int k = 0; k < kMostShifts; ++k) {
     const auto lengths = softening_->shift({eq.t, x_, u, m_.state}, m_.state, share, e);
     if (lengths.off <= kRoundings * reach + kStretch * lengths.stretched) return nullptr;
-    // Sheets that are all but flat have tensions that grow without bound: shifts get nowhere by themselves.
+    // Nearly flat sheets have tensions that grow without bound: shifts alone do not converge.
     if (lengths.off > kSlow * last && share < stiffest) share = std::min(kStiffer * share, stiffest);
     last = lengths.off;
     norm_ = evaluate(eq, u);
@@ -89,7 +89,7 @@ StageNewton::Failure StageNewton::stiffen(double share, double target, const Sta
   return norm_ <= report_.target ? nullptr : "did not converge";
 }
 
-// Rounding hides whether it is better, but what it takes out is what lengths still lack.
+// Rounding hides whether the step is better, but it removes what the lengths still lack.
 void StageNewton::full_step_unasked(const StageEquation& eq, std::span<double> u) {
   system_.differentiate(eq.t, x_, u, Derivatives::exact, rate_position());
   system_.assemble(eq.g, eq.s);

@@ -1,5 +1,5 @@
-// Newton's steps with the whole Jacobian of the residual, of which the matrix that is factorised lacks what
-// is not symmetric (stage_newton.h).
+// Newton steps with the full Jacobian of the residual, whose asymmetric part is missing from the factorised
+// matrix (stage_newton.h).
 #include <algorithm>
 #include <cmath>
 
@@ -30,10 +30,9 @@ void StageNewton::slope_along(const StageEquation& eq, std::span<const double> u
   }
 }
 
-// Fields leave parts of their derivatives out that are not symmetric (damping and air change with position).
-// Conjugate residuals (GCR; Eisenstat, Elman, Schultz 1983) on the whole Jacobian, preconditioned with the
-// matrix at hand, bring them back: the full step is taken when it halves the residual, and d stays as it was
-// when not.
+// Fields omit the asymmetric parts of their derivatives (damping and air change with position). Conjugate
+// residuals (GCR; Eisenstat, Elman, Schultz 1983) on the full Jacobian, preconditioned with the existing
+// matrix, add them: the full step is taken when it halves the residual, otherwise d is unchanged.
 bool StageNewton::full_step(const StageEquation& eq, std::span<double> u, double accuracy) {
   const auto r = rest_, d = whole_;
   std::span<double> z[kMostDirections], q[kMostDirections];

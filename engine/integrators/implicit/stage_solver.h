@@ -1,10 +1,9 @@
 // Solves the equations that most implicit methods consist of,
 //   Y = base + z f(t, Y),
 // by simplified Newton iterations with (I - z J)^-1. The Jacobian is that of a step's start or an earlier
-// one; it is formed again when iterations contract slowly or fail. The factors live as long as z and J do.
-// Where a fixed step fails even so, Newton's whole method follows: a Jacobian at every iterate, and
-// increments shortened until the next one promises to be smaller (natural monotonicity, Deuflhard 2004,
-// section 3.3).
+// one; it is recomputed when iterations contract slowly or fail. The factors are kept as long as z and J are.
+// If a fixed step still fails, the full Newton method follows: a Jacobian at every iterate, and increments
+// shortened until the next one promises to be smaller (natural monotonicity, Deuflhard 2004, section 3.3).
 #pragma once
 #include "engine/integrators/implicit/newton_iteration.h"
 
@@ -48,14 +47,14 @@ class StageSolver {
     slowest_ = std::max(slowest_, convergence.theta());
     return true;
   }
-  /// After a failure: true when the same step deserves another try, with a Jacobian of its own or more.
+  /// After a failure: true when the same step deserves another try, with a new Jacobian or more.
   bool try_again() {
     if (fresh_ && (whole_ || scale_.shortens_steps())) return false;
     whole_ = fresh_;
     linearised_ = false;
     return true;
   }
-  /// After an accepted step: the Jacobian is now an old one, and a bad one if iterations were slow.
+  /// After an accepted step: the Jacobian is now old, and bad if iterations were slow.
   void step_accepted() {
     fresh_ = false;
     if (slowest_ > kSlow || whole_) linearised_ = false;

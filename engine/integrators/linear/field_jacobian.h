@@ -1,6 +1,6 @@
-// A force field's Jacobian, blocks of f = M a, as da/dx and da/dv in compressed columns of one pattern: what
-// implicit methods on y' = f(t, y) ask of equations of second order. Lives in the workspace; the pattern is
-// worked out again only when the field says that it changed.
+// A force field's Jacobian, blocks of f = M a, as da/dx and da/dv in compressed columns of one pattern: as
+// implicit methods on y' = f(t, y) need it for second-order equations. Lives in the workspace; the pattern is
+// recomputed only when the field says that it has changed.
 #pragma once
 #include <vector>
 
@@ -21,7 +21,7 @@ class FieldJacobian {
   void evaluate(const Motion& m, double t, const double* x, const double* v, double* dadx, double* dadv);
 
  private:
-  // Where entry k of the columns comes from: an element of a matrix's values, kNowhere when it is 0.
+  // Source of entry k of the columns: an element of a matrix's values, or kNowhere when it is 0.
   static constexpr uint32_t kNowhere = UINT32_MAX;
   void compress(const BlockSparse& matrix, std::vector<uint32_t>& source) const;
 

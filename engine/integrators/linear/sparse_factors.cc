@@ -27,7 +27,7 @@ struct SparseFactors::Parts {
   size_t n;
   SparseLibrary library;
   std::vector<int> start, rows;
-  std::vector<size_t> place;  // of every given entry among the values with the diagonal
+  std::vector<size_t> place;  // position of every given entry among the values including the diagonal
   std::vector<size_t> diagonal;
   Solver<double> real;
   Solver<std::complex<double>> complex;

@@ -1,8 +1,8 @@
 // Sparse LU of square matrices that share one pattern, by one of two libraries: Eigen's SparseLU (supernodal,
 // Demmel et al. 1999) or KLU (Davis, Palamadai Natarajan 2010, "Algorithm 907": block triangular form, then
-// left-looking columns without supernodes, made for circuits). The order is found once per pattern; pivots
-// are chosen anew for every matrix, never taken over from an older one, so that a restored run repeats every
-// bit. Both allocate at every factorisation, the one exception to "no allocation per step".
+// left-looking columns without supernodes, made for circuits). The ordering is computed once per pattern;
+// pivots are chosen anew for every matrix, never reused from an older one, so that a restored run repeats
+// every bit. Both allocate at every factorisation, the one exception to "no allocation per step".
 #pragma once
 #include <complex>
 #include <cstdint>
@@ -24,9 +24,8 @@ class SparseLu {
 
 enum class SparseLibrary : uint8_t { eigen, klu };
 
-/// KLU where the program was built with it: 2.2 to 2.5 times as fast as Eigen on a chain of 1,000
-/// masses, 1.05 to 1.1 times on a grid of 64 x 64 points (tests/bench/sparse_lu.cc). Results differ in their
-/// last bits.
+/// KLU if the program was built with it: 2.2 to 2.5 times as fast as Eigen on a chain of 1,000 masses, 1.05
+/// to 1.1 times on a grid of 64 x 64 points (tests/bench/sparse_lu.cc). Results differ in their last bits.
 SparseLibrary preferred_sparse_library();
 
 /// Error "not_built" for KLU in a program without it.

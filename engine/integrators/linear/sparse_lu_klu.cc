@@ -1,5 +1,5 @@
-// Sparse LU by KLU (SuiteSparse, LGPL), compiled where it is present. klu_refactor, which takes over the
-// pivots of an older matrix, is left alone: its result depends on the run's past.
+// Sparse LU by KLU (SuiteSparse, LGPL), compiled where it is present. klu_refactor, which reuses the pivots
+// of an older matrix, is not used: its result depends on the run's past.
 #include <klu.h>
 
 #include <algorithm>

@@ -1,6 +1,6 @@
 // Splitting methods on x'' = a(t, x, v) (splitting.h), and velocity Verlet, which keeps its last
-// acceleration. A velocity-dependent acceleration is taken at the velocity half a kick ahead, as on force
-// fields. Without watchers the last drift of a step and the first of the next are one.
+// acceleration. A velocity-dependent acceleration is evaluated at the velocity half a kick ahead, as for
+// force fields. Without watchers, the last drift of a step and the first of the next are merged.
 #include "engine/integrators/explicit/arrays.h"
 #include "engine/integrators/symplectic/splitting.h"
 #include "engine/integrators/table/methods.h"
@@ -48,7 +48,7 @@ class SplittingStepper {
     const double* v = a_[kV];
     a_.loop([=](size_t i) { x[i] = std::fma(h, v[i], x[i]); });
   }
-  // a at the velocity `ahead` times the acceleration further on.
+  // a at the velocity advanced by `ahead` times the acceleration.
   void accelerate(double t, double ahead) {
     double *a = a_[kA], *p = a_[kPredicted];
     const double* v = a_[kV];

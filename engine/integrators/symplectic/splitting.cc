@@ -1,14 +1,13 @@
 // Compositions of drifts (x moves with constant v) and kicks (v changes at constant x), symplectic for
 // forces that depend on position only (splitting.h).
 //   velocity_verlet  kick h/2, drift h, kick h/2          leapfrog  drift h/2, kick h, drift h/2
-// Swope et al. 1982 (velocity Verlet); Hairer, Lubich, Wanner 2006, section I.1.4.
-// Where the acceleration depends on velocity, a kick first predicts the velocity it is evaluated at, which
-// keeps order 2; a composition of such leapfrogs still cancels the h^3 error but, these no longer being their
-// own adjoints, not the h^4 error: order 3.
-// The last evaluation of velocity_verlet is the next step's first, unless a command or a collision changed
-// anything in between: last_force.h keeps it as long as every bit that it depends on stays the same.
-// A second path beside advance_splitting.cc, which takes 1.1 to 2.2 times the instructions on a cloth of
-// 9,702 springs and knows points alone (tests/bench/method_paths.cc).
+// Swope et al. 1982 (velocity Verlet); Hairer, Lubich, Wanner 2006, section I.1.4. If the acceleration
+// depends on velocity, a kick first predicts the velocity it is evaluated at, which keeps order 2; a
+// composition of such leapfrogs still cancels the h^3 error but, since these are no longer self-adjoint, not
+// the h^4 error: order 3. The last evaluation of velocity_verlet is the next step's first, unless a command
+// or a collision changed anything in between: last_force.h keeps it as long as every bit it depends on is
+// unchanged. A second path besides advance_splitting.cc, which takes 1.1 to 2.2 times the instructions on a
+// cloth of 9,702 springs and handles only points (tests/bench/method_paths.cc).
 #include "engine/integrators/symplectic/splitting.h"
 #include "engine/integrators/control/last_force.h"
 #include "engine/integrators/motion.h"
@@ -44,8 +43,8 @@ void drift(Motion& m, double t, double h) {
   m.loop(n, [=](size_t i) { x[i] += w * (k1[i] + 2 * (k2[i] + k3[i]) + k4[i]); });
 }
 
-// v changes by h times the acceleration at (x, v + h/2 a): a itself where it does not depend on velocity.
-// With plain rates the drift that follows shares the pass.
+// v changes by h times the acceleration at (x, v + h/2 a), or a itself if it does not depend on velocity.
+// With plain rates the following drift shares the pass.
 void kick_then_drift(Motion& m, double t, double h, double drift_h) {
   const size_t n = m.v.size();
   const auto a = m.scratch("integrator.k1", n);

@@ -34,7 +34,7 @@ constexpr Splitting composition(int order, const std::array<double, N>& w) {
   for (size_t i = 1; i < N; ++i) s.drift[i] = 0.5 * (w[i - 1] + w[i]);
   return s;
 }
-/// The same from the first weights up to the middle one's neighbour: w_1 ... w_m, 1 - 2 sum w, w_m ... w_1.
+/// The same from the weights before the middle one: w_1 ... w_m, 1 - 2 sum w, w_m ... w_1.
 template <size_t M>
 constexpr Splitting palindrome(int order, const std::array<double, M>& w) {
   std::array<double, 2 * M + 1> all{};

@@ -1,11 +1,10 @@
 // Verlet's method in its position form (Verlet 1967, "Computer experiments on classical fluids", eq. 4):
 //   x_{n+1} = 2 x_n - x_{n-1} + h^2 a_n,        v_{n+1} = (3 x_{n+1} - 4 x_n + x_{n-1}) / (2 h).
 // The velocity is the second-order difference at the step's end, since the state must hold both at the same
-// time (Verlet's own v_n = (x_{n+1} - x_{n-1}) / (2 h) is known one step late). It is also what a
-// velocity-dependent acceleration is evaluated at, which keeps order 2.
-// The state carries x_{n-1}, and the (x, v, h) that this method left behind: an element whose position or
-// velocity was changed since (a command, a collision), a new element, and all of them when h changes, start
-// anew with x_{n-1} = x_n - h v_n + h^2 a_n / 2.
+// time (Verlet's own v_n = (x_{n+1} - x_{n-1}) / (2 h) is known one step late). A velocity-dependent
+// acceleration is also evaluated at it, which keeps order 2. The state carries x_{n-1} and the (x, v, h) left
+// by this method: elements whose position or velocity has been changed since (a command, a collision), new
+// elements, and all of them when h changes, restart with x_{n-1} = x_n - h v_n + h^2 a_n / 2.
 #include "engine/integrators/motion.h"
 #include "engine/integrators/table/methods.h"
 
@@ -20,7 +19,7 @@ constexpr std::string_view kLeftPosition = "integrator.left_position";
 constexpr std::string_view kLeftVelocity = "integrator.left_velocity";
 constexpr std::string_view kLeftStep = "integrator.left_step";
 
-// The column, as long as the position; new rows are NaN, which equals nothing and so forces a new start.
+// The column, as long as the position; new rows are NaN, which equals nothing and so forces a restart.
 double* carried(State& s, std::string_view name, size_t rows) {
   const auto c = s.at(name);
   const size_t old = s.rows(c);
@@ -62,7 +61,7 @@ void step_verlet(const ForceField& field, State& state, const StepInput& in, con
   const auto a = m.scratch("integrator.k1", m.v.size());
   m.acceleration(in.t, m.x, m.v, a);
   const double h = in.h, hh = h * h, per_2h = 0.5 / h;
-  // A step of another length: no stored element counts.
+  // A different step length: no stored element counts.
   const double same_h = left_h == h ? 0 : std::numeric_limits<double>::quiet_NaN();
   double *x = m.x.data(), *v = m.v.data();
   const double* pa = a.data();

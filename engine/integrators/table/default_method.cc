@@ -10,9 +10,9 @@ namespace truestep {
 
 namespace {
 
-// The rates are those of the start, and power iteration finds them from below.
+// The rates are those of the initial state, and power iteration approaches them from below.
 constexpr double kMargin = 0.8;
-// Internal steps of an explicit method in one of the scene's, up to which that costs less than solving.
+// Internal steps of an explicit method per step of the scene up to which they are cheaper than solving.
 constexpr double kMostDivisions = 50;
 
 std::string number(double v) {

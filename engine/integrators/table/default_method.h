@@ -1,5 +1,6 @@
-// The method of a force system whose scene names none: it must hold at the scene's own step. What is asked is
-// the fastest motion of the start, omega and damping rate, against the methods' stability intervals.
+// The method of a force system whose scene names none: it must be stable at the scene's own step. The
+// criterion is the fastest motion of the initial state, omega and damping rate, against the methods'
+// stability intervals.
 #pragma once
 #include <string>
 #include <string_view>
@@ -9,11 +10,12 @@
 
 namespace truestep {
 
-/// Names of what a system uses by itself.
+/// Names of the methods that a system uses by default.
 struct DefaultMethods {
-  std::string_view usual;               ///< of fixed step, while the scene's step is inside its interval
-  std::string_view divides = "dop853";  ///< adaptive and explicit, where it is outside by little
-  std::string_view stiff = "bdf2";      ///< implicit, where that would take too many internal steps
+  std::string_view usual;               ///< fixed step, while the scene's step is within its stability
+                                        ///< interval
+  std::string_view divides = "dop853";  ///< adaptive and explicit, when it is slightly outside
+  std::string_view stiff = "bdf2";      ///< implicit, when that would take too many internal steps
 };
 
 struct ChosenMethod {
@@ -21,7 +23,7 @@ struct ChosenMethod {
   std::string why;  ///< for the plan
 };
 
-/// The method that the scene names, whatever it can hold, or the first of `defaults` that holds steps of `dt`
+/// The method that the scene names, stable or not, or the first of `defaults` that is stable at steps of `dt`
 /// (s) from the field's initial state. Errors of choose_integrator.
 ChosenMethod settle_method(const IntegratorChoice& choice, const DefaultMethods& defaults,
                            const ForceField& field, double dt);

@@ -8,12 +8,12 @@
 
 namespace truestep {
 
-/// All methods, in the order in which they are listed to users.
+/// All methods, in the order shown to users.
 std::span<const Integrator> integrators();
-/// The row of that name, or null.
+/// The row with that name, or null.
 const Integrator* find_integrator(std::string_view name);
-/// The method of that name for this field. Error "scene_invalid" with pointer "/integrator" and the methods
-/// that would do when it is unknown or cannot serve the field.
+/// The method with that name for this field. Error "scene_invalid" with pointer "/integrator", listing the
+/// suitable methods, when it is unknown or cannot handle the field.
 const Integrator& choose_integrator(const IntegratorChoice& choice, std::string_view fallback,
                                     const ForceField& field);
 

@@ -1,6 +1,6 @@
 // The families of the table of methods, in the order in which users see them: one file rows_FAMILY.cc each.
 // Stability limits are the roots of each method's stability polynomial on the imaginary and the negative real
-// axis; tests find them again by bisection on a real field.
+// axis; tests verify them by bisection on a real field.
 #pragma once
 #include <span>
 

@@ -1,5 +1,5 @@
-// Rows of the table: implicit Euler by so many iterations of a descent, for networks of springs. No promise
-// of a stable step: it depends on how far the iterations come.
+// Rows of the table: implicit Euler by a given number of descent iterations, for networks of springs. They
+// promise no stable step: it depends on how far the iterations converge.
 #include <array>
 #include <limits>
 

@@ -11,7 +11,7 @@ namespace truestep {
 
 namespace {
 
-/// Unconditionally stable methods of order 1 and 2; what differs is set afterwards.
+/// Unconditionally stable methods of order 1 and 2; differences are set afterwards.
 Integrator implicit(std::string_view name, std::string_view title, int order, std::string_view source,
                     StepFunction* step) {
   constexpr double kUnlimited = std::numeric_limits<double>::infinity();

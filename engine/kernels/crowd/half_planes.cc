@@ -7,16 +7,17 @@
 namespace truestep::crowd {
 namespace {
 
-// Lines whose normals differ by less than this count as parallel, and lacks below it (m/s) as rounding.
+// Lines whose normals differ by less than this count as parallel; violations below it (m/s) count as
+// rounding.
 constexpr double kParallel = 1e-9, kRounding = 1e-10;
 
-/// What is looked for: the point closest to `aim`, or, where `far`, the one farthest along the unit `aim`.
+/// The objective: the point closest to `aim` or, if `far`, the one farthest along the unit vector `aim`.
 struct Aim {
   Vec3 aim;
   enum class Kind : uint8_t { closest, farthest } kind = Kind::closest;
 };
 
-/// The best point on the line of planes[i] within the disc and planes[0 .. i); false: there is none.
+/// The best point on the line of planes[i] within the disc and planes[0 .. i); false if there is none.
 bool on_line(std::span<const HalfPlane> planes, size_t i, double speed, const Aim& aim, Vec3& v) {
   const HalfPlane& line = planes[i];
   const double room = speed * speed - line.offset * line.offset;
@@ -39,8 +40,8 @@ bool on_line(std::span<const HalfPlane> planes, size_t i, double speed, const Ai
   return true;
 }
 
-/// Moves v, which starts at the disc's own best point, into one half-plane after the other; returns how many
-/// could be kept.
+/// Moves v, which starts at the disc's best point, into one half-plane after the other; returns how many
+/// could be satisfied.
 size_t in_order(std::span<const HalfPlane> planes, double speed, const Aim& aim, Vec3& v) {
   const double far = norm(aim.aim);
   v = aim.kind == Aim::Kind::farthest || far > speed ? aim.aim * (speed / far) : aim.aim;
@@ -55,8 +56,8 @@ size_t in_order(std::span<const HalfPlane> planes, double speed, const Aim& aim,
   return planes.size();
 }
 
-/// From plane `failed` on: v with the least largest lack. The optimum lies where the plane that lacks most
-/// lacks as much as others do, so each is tried in that role against those before it.
+/// From plane `failed` on: minimises the largest violation. At the optimum the most violated plane ties with
+/// others, so each is tried in that role against those before it.
 void relax(std::span<const HalfPlane> planes, size_t hard, size_t failed, double speed, Vec3& v) {
   std::array<HalfPlane, kMostHalfPlanes> level;
   double worst = 0;
@@ -73,7 +74,7 @@ void relax(std::span<const HalfPlane> planes, size_t hard, size_t failed, double
     Vec3 better;
     const bool found =
         in_order({level.data(), n}, speed, {planes[i].normal, Aim::Kind::farthest}, better) == n;
-    // Rounding alone leaves none: v itself is one to its accuracy.
+    // Only rounding can leave none: then v itself is optimal to its accuracy.
     if (found) v = better;
     worst = std::max(worst, planes[i].lack(v));
   }
@@ -88,7 +89,7 @@ Chosen choose_velocity(std::span<const HalfPlane> planes, size_t hard, double sp
   const size_t kept = in_order(planes, speed, {wish}, c.velocity);
   if (kept == planes.size()) return c;
   c.fit = Fit::relaxed;
-  // Walls that contradict each other are people to each other.
+  // Walls that contradict each other are treated like people.
   relax(planes, kept < hard ? 0 : hard, kept, speed, c.velocity);
   return c;
 }

@@ -1,7 +1,7 @@
-// Linear programmes over velocities in the plane: the point of a disc that lies closest to a wish within
+// Linear programmes over velocities in the plane: the point of a disc closest to a desired one within
 // half-planes n . v >= c, found one half-plane at a time (Seidel 1991; de Berg et al., Computational
-// Geometry, chapter 4), and where there is none the point that violates the softer of them least, which is
-// the programme in three dimensions of van den Berg, Guy, Lin, Manocha 2011, section 5.3.
+// Geometry, chapter 4); if there is none, the point that violates the soft ones least, by the
+// three-dimensional programme of van den Berg, Guy, Lin, Manocha 2011, section 5.3.
 #pragma once
 #include <cstdint>
 #include <span>
@@ -17,16 +17,16 @@ struct HalfPlane {
   double lack(const Vec3& v) const { return offset - dot(normal, v); }
 };
 
-/// How the search ended: everything kept, or what had to give.
+/// How the search ended: all satisfied, or which had to give.
 enum class Fit : uint8_t { feasible, relaxed };
 struct Chosen {
   Vec3 velocity;
   Fit fit = Fit::feasible;
 };
 
-/// The velocity of at most `speed` (m/s) closest to `wish` in all half-planes. If none is, the one whose
-/// largest lack among those from `hard` on is least while the first `hard` hold; these are given up only
-/// where they contradict each other. At most kMostHalfPlanes; more are not looked at.
+/// The velocity of at most `speed` (m/s) closest to `wish` in all half-planes. If there is none, the one with
+/// the smallest maximum violation of those from `hard` on while the first `hard` hold; these are given up
+/// only if they contradict each other. At most kMostHalfPlanes; further ones are ignored.
 Chosen choose_velocity(std::span<const HalfPlane> planes, size_t hard, double speed, const Vec3& wish);
 inline constexpr size_t kMostHalfPlanes = 96;
 

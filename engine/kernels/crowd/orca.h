@@ -1,5 +1,5 @@
 // Optimal reciprocal collision avoidance (van den Berg, Guy, Lin, Manocha 2011, "Reciprocal n-body collision
-// avoidance", eqs. 3 to 6): the half-plane of velocities with which somebody does a share of what keeps two
+// avoidance", eqs. 3 to 6): the half-plane of velocities with which an agent does its share of keeping two
 // discs apart for a time tau. The velocities that would collide are a cone cut off by the disc of radius
 // r/tau about p/tau; u is the shortest way out of it from the present relative velocity, and ORCA = {v : (v -
 // (v_A + u/2)) . n >= 0}.
@@ -10,12 +10,12 @@
 
 namespace truestep::crowd {
 
-/// Sine of the least angle by which a way out of a head-on collision leads aside.
+/// Sine of the smallest angle by which the way out of a head-on collision leads aside.
 inline constexpr double kAside = 0.05;
 
 /// p: from A to B (m). dv = v_A - v_B. reach: sum of the radii. horizon: tau (s); dt: the time in which an
-/// overlap is to go (s). share: of u that A takes, 1/2 among equals. fallback: unit, A's way out where both
-/// are at one place.
+/// overlap is to be resolved (s). share: fraction of u taken by A, 1/2 among equals. fallback: unit vector,
+/// A's way out when both coincide.
 inline HalfPlane orca_plane(const Vec3& p, const Vec3& v_a, const Vec3& v_b, double reach, double horizon,
                             double dt, double share, const Vec3& fallback) {
   const Vec3 dv = v_a - v_b;
@@ -23,7 +23,7 @@ inline HalfPlane orca_plane(const Vec3& p, const Vec3& v_a, const Vec3& v_b, dou
   Vec3 n, u;
   const auto leave_disc = [&](double time) {
     Vec3 w = dv - p / time;
-    // Two who meet head-on would only slow down, for ever. The tangent a little aside excludes the collisions
+    // Two who meet head-on would only slow down, for ever. A tangent slightly aside excludes the collisions
     // too.
     const double across = p.x * w.y - p.y * w.x, least = kAside * std::sqrt(p2 * norm2(w));
     if (std::abs(across) < least) w += Vec3{-p.y, p.x, 0} * (((across >= 0 ? least : -least) - across) / p2);
@@ -38,7 +38,7 @@ inline HalfPlane orca_plane(const Vec3& p, const Vec3& v_a, const Vec3& v_b, dou
   } else if (back < 0 && back * back > reach * reach * norm2(w)) {
     leave_disc(horizon);
   } else {
-    // The legs touch the disc of radius `reach` about p; e runs along the one on w's side, away from here.
+    // The legs touch the disc of radius `reach` about p; e runs along the leg on w's side, away from here.
     const double leg = std::sqrt(p2 - reach * reach), side = p.x * w.y - p.y * w.x >= 0 ? 1 : -1;
     const Vec3 e = Vec3{p.x * leg - side * p.y * reach, side * p.x * reach + p.y * leg, 0} / p2;
     n = Vec3{-e.y, e.x, 0} * side;
@@ -48,8 +48,8 @@ inline HalfPlane orca_plane(const Vec3& p, const Vec3& v_a, const Vec3& v_b, dou
 }
 
 /// Velocities that keep a disc of radius r off a wall whose nearest point lies `distance` away along -n (n
-/// unit, from the wall to the disc) for `horizon`: the tangent to the velocities that collide at the one
-/// closest to rest, which is always free (section on static obstacles). Inside a wall: out again within `out`
+/// unit, from the wall to the disc) for `horizon`: the tangent to the colliding velocities at the one closest
+/// to rest, which is always admissible (section on static obstacles). Inside a wall: out again within `out`
 /// seconds.
 inline HalfPlane wall_plane(const Vec3& n, double distance, double r, double horizon, double out) {
   const double gap = distance - r;

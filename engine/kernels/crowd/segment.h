@@ -15,7 +15,7 @@ inline double cross2(const Vec3& a, const Vec3& b) {
   return a.x * b.y - a.y * b.x;
 }
 
-/// Share of the way from a to b at which the segment is nearest to x; 0 where it has no length.
+/// Fraction of the path from a to b at which the segment is nearest to x; 0 if it has no length.
 inline double nearest_share(const Segment& s, const Vec3& x) {
   const Vec3 d = s.b - s.a;
   const double l2 = norm2(d);
@@ -25,8 +25,9 @@ inline Vec3 nearest_point(const Segment& s, const Vec3& x) {
   return s.a + (s.b - s.a) * nearest_share(s, x);
 }
 
-/// Side on which the way from p.a to p.b crosses q: 1 from the right of q (seen from q.a to q.b) to its left,
-/// -1 the other way, 0 not at all. A way that starts on q crosses it, one that ends there does not yet.
+/// Direction in which the path from p.a to p.b crosses q: 1 from the right of q (seen from q.a to q.b) to its
+/// left, -1 the other way, 0 not at all. A path that starts on q crosses it, one that ends there does not
+/// yet.
 inline int crossing(const Segment& p, const Segment& q) {
   const Vec3 d = q.b - q.a;
   const double from = cross2(d, p.a - q.a), to = cross2(d, p.b - q.a);
@@ -36,7 +37,7 @@ inline int crossing(const Segment& p, const Segment& q) {
   return share >= 0 && share <= norm2(d) ? (to > 0 ? 1 : -1) : 0;
 }
 
-/// Whether the way from p.a to p.b ends on q or beyond it. One that starts on q is free to leave to either
+/// Whether the path from p.a to p.b ends on q or beyond it. One that starts on q is free to leave to either
 /// side.
 inline bool runs_into(const Segment& p, const Segment& q) {
   const Vec3 d = q.b - q.a;
@@ -46,7 +47,7 @@ inline bool runs_into(const Segment& p, const Segment& q) {
   return share >= 0 && share <= norm2(d);
 }
 
-/// Shortest distance between two segments; 0 where they cross.
+/// Shortest distance between two segments; 0 if they cross.
 inline double segment_distance(const Segment& p, const Segment& q) {
   if (crossing(p, q) != 0) return 0;
   return std::min({norm(p.a - nearest_point(q, p.a)), norm(p.b - nearest_point(q, p.b)),

@@ -1,5 +1,5 @@
-// Turning and speeding of things that steer, as pure functions: unit headings, angles in rad. Rotations are
-// made of sines and cosines that the caller has at hand, never of inverse functions.
+// Turning and acceleration of steering agents, as pure functions: unit headings, angles in rad. Rotations are
+// made from sines and cosines that the caller already has, never by inverse functions.
 #pragma once
 #include <array>
 #include <cmath>
@@ -9,12 +9,12 @@
 
 namespace truestep::flocking {
 
-/// A unit vector perpendicular to the unit vector a; within the plane z = 0 where a is.
+/// A unit vector perpendicular to the unit vector a; within the plane z = 0 if a is.
 inline Vec3 perpendicular(const Vec3& a) {
   return a.x * a.x + a.y * a.y > 0.25 ? normalized(Vec3{-a.y, a.x, 0}) : normalized(Vec3{0, -a.z, a.y});
 }
 
-/// Unit heading `to`, or what lies `limit` from the unit heading `from` on the way there.
+/// Unit heading `to`, or the heading `limit` away from the unit heading `from` on the way there.
 inline Vec3 turn_towards(const Vec3& from, const Vec3& to, const trig::SinCos& limit) {
   const double along = dot(from, to);
   if (along >= limit.cos) return to;
@@ -36,7 +36,8 @@ inline Vec3 disturbed(const Vec3& heading, double spread, bool plane, const std:
   return normalized(heading * c + a * (s * around.cos) + b * (s * around.sin), heading);
 }
 
-/// Push that keeps neighbours apart: 1 where they meet, 0 from the radius on; d from the neighbour to here.
+/// Push that keeps neighbours apart: 1 where they meet, falling to 0 at the radius; d from the neighbour to
+/// here.
 inline Vec3 separation(const Vec3& d, double r, double radius) {
   return r > 0 && r < radius ? d * ((1 - r / radius) / r) : Vec3{};
 }

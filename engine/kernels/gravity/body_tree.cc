@@ -10,12 +10,12 @@ namespace {
 
 constexpr size_t kNodeBlock = 512;
 
-/// The power of two that brings `size` to (1/2, 1].
+/// The power of two that scales `size` into (1/2, 1].
 double power_of_two(double size) {
   return size > 0 ? std::ldexp(1.0, -std::ilogb(size) - 1) : 1;
 }
 
-/// The lowest 21 bits of x, two zeros after each.
+/// The lowest 21 bits of x, each followed by two zeros.
 uint64_t spread(uint64_t x) {
   x = (x | x << 32) & 0x001f00000000ffff;
   x = (x | x << 16) & 0x001f0000ff0000ff;
@@ -54,7 +54,7 @@ void BodyTree::sort(const Bodies& bodies, const ThreadArena& arena) {
       keyed_[i] = {key, static_cast<uint32_t>(i)};
     }
   });
-  // Digit by digit from the lowest; stable, so that bodies of one key stay in the order of their rows.
+  // Digit by digit from the lowest; stable, so that bodies with the same key stay in the order of their rows.
   constexpr int kDigit = 11;
   constexpr size_t kValues = size_t{1} << kDigit;
   std::array<std::array<uint32_t, kValues>, 6> starts{};
@@ -78,7 +78,7 @@ void BodyTree::sort(const Bodies& bodies, const ThreadArena& arena) {
 }
 
 void BodyTree::divide() {
-  // Enough for bodies that move later, so that their tree allocates nothing.
+  // Enough for bodies that move later, so that their tree does not allocate.
   nodes_.reserve(size() / 2 + 1024), groups_.reserve(size() / 8 + 64), depth_ends_.reserve(kDepths + 2);
   nodes_.assign(1, {0, static_cast<uint32_t>(size())});
   depth_ends_.assign(1, 1);
@@ -91,7 +91,7 @@ void BodyTree::divide() {
       if (parent.end - parent.begin <= kMostInLeaf) continue;
       const auto first = static_cast<uint32_t>(nodes_.size());
       for (uint32_t b = parent.begin; b < parent.end;) {
-        // The end of the octant: by halving, as bodies are sorted by it.
+        // The end of the octant, by bisection, as bodies are sorted by it.
         const uint64_t octant = keyed_[b].key >> shift;
         const auto past =
             std::partition_point(keyed_.begin() + b, keyed_.begin() + parent.end,
@@ -109,7 +109,7 @@ void BodyTree::divide() {
 
 void BodyTree::gather_groups(size_t node) {
   const Node& n = nodes_[node];
-  if (n.children == 0) {  // alone, or more at one place than a group holds
+  if (n.children == 0) {  // single, or more at one position than a group holds
     for (uint32_t b = n.begin; b < n.end; b += kMostInGroup) {
       groups_.push_back({b, std::min<uint32_t>(b + kMostInGroup, n.end)});
     }
@@ -149,7 +149,7 @@ void BodyTree::finish(size_t node) {
   moments_[node].s[6] = static_cast<float>(1.5 * (s[0] + s[3] + s[5]));
   columns_.x[node] = static_cast<float>(c.x), columns_.y[node] = static_cast<float>(c.y);
   columns_.z[node] = static_cast<float>(c.z), columns_.mass[node] = static_cast<float>(c.m);
-  // Exact where the bodies are few; above, what the children's spheres allow.
+  // Exact for few bodies; otherwise a bound from the children's spheres.
   const Node& n = nodes_[node];
   double radius = 0;
   if (n.end - n.begin <= 8 * kMostInGroup || n.children == 0) {
@@ -161,7 +161,7 @@ void BodyTree::finish(size_t node) {
       radius = std::max(radius, std::sqrt(x * x + y * y + z * z) + static_cast<double>(columns_.radius[k]));
     }
   }
-  // A little more than it is, for the rounding of the centre.
+  // Slightly more than it is, because of the centre's rounding.
   radius = radius * (1 + 1e-6) + 1e-7;
   columns_.radius[node] = static_cast<float>(radius);
   columns_.strength[node] = static_cast<float>(c.m * radius * radius * radius);

@@ -1,5 +1,5 @@
 // An octree over bodies (Barnes & Hut 1986) in the order of their Morton keys (Warren & Salmon 1993): a node
-// is a range of that order, its up to eight children follow each other, and those of a depth do too. A node
+// is a range of that order, its up to eight children are consecutive, and so are all nodes of a depth. A node
 // knows its mass M, its centre of mass c and second moments S = sum m (x - c)(x - c)^T: monopole and
 // quadrupole of its field. Nodes of up to 12 bodies are leaves. Neighbours in the order, up to 64 in one
 // cube, make a group, whose bodies are attracted together (Barnes 1990). Lengths are scaled by a power of two
@@ -19,7 +19,7 @@ class BodyTree {
   static constexpr size_t kMostChildren = 8;
   static constexpr int kDepths = 21;  ///< of the keys: 63 bits
 
-  /// Place relative to the tree's centre, and mass, both scaled.
+  /// Position relative to the tree's centre, and mass, both scaled.
   struct Point {
     double x = 0, y = 0, z = 0, m = 0;
   };
@@ -27,12 +27,13 @@ class BodyTree {
   struct alignas(32) Moments {
     std::array<float, 8> s{};
   };
-  /// What decides whether a node may stand for its bodies, a column each and eight rows more than nodes.
+  /// The data that decides whether a node may stand for its bodies, as columns with eight rows more than
+  /// nodes.
   struct Columns {
     std::vector<float> x, y, z;  ///< centre of mass
     std::vector<float> mass;
-    std::vector<float> radius;    ///< no body is farther from the centre of mass
-    std::vector<float> strength;  ///< M radius^3: over d^5 the size of what the moments leave out at d
+    std::vector<float> radius;    ///< distance of the farthest body from the centre of mass
+    std::vector<float> strength;  ///< M radius^3: divided by d^5, the size of the terms omitted at distance d
   };
   struct Node {
     uint32_t begin = 0, end = 0;             ///< of the tree's order
@@ -54,10 +55,10 @@ class BodyTree {
   const Point& center(size_t node) const { return centers_[node]; }
   const Moments& moments(size_t node) const { return moments_[node]; }
   const Point& point(size_t k) const { return points_[k]; }
-  /// Row of the body that is k-th in the tree's order.
+  /// Row of the k-th body in the tree's order.
   uint32_t row(size_t k) const { return rows_[k]; }
 
-  /// A length of the tree is this times one of the bodies.
+  /// Factor from lengths of the bodies to lengths of the tree.
   double length_scale() const { return length_scale_; }
   /// The same of G m.
   double mass_scale() const { return mass_scale_; }

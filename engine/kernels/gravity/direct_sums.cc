@@ -8,9 +8,9 @@ namespace {
 
 constexpr size_t kUnit = 8;        // bodies side by side
 constexpr size_t kBlock = 64;      // bodies whose own pairs are computed both ways
-constexpr size_t kTile = 256;      // bodies whose columns stay in the nearest cache
-constexpr size_t kMostStrips = 8;  // shares of the work with sums of their own
-constexpr double kTiny = 1e-180;   // m^2; its root's third power is still a number after times a mass
+constexpr size_t kTile = 256;      // bodies whose columns stay in the first-level cache
+constexpr size_t kMostStrips = 8;  // shares of the work with separate sums
+constexpr double kTiny = 1e-180;   // m^2; the third power of its root, times a mass, is still a normal number
 
 size_t filled(size_t n) {
   return (n + kUnit - 1) / kUnit * kUnit;
@@ -28,11 +28,11 @@ PairColumns columns(const Bodies& bodies, DirectScratch& scratch) {
   return {c, c + rows, c + 2 * rows, c + 3 * rows, nullptr, nullptr, nullptr};
 }
 
-/// pair(i0, i1, j0, j1) and self(i0, i1) over all pairs that the strip answers for.
+/// pair(i0, i1, j0, j1) and self(i0, i1) for all pairs assigned to the strip.
 template <class Pair, class Self>
 void for_strip(size_t rows, size_t strip, size_t strips, const Pair& pair, const Self& self) {
   const size_t blocks = (rows + kBlock - 1) / kBlock;
-  // There and back again, because later blocks have fewer others after them.
+  // Alternating direction, because later blocks have fewer others after them.
   const auto strip_of = [strips](size_t block) {
     const size_t at = block % (2 * strips);
     return at < strips ? at : 2 * strips - 1 - at;

@@ -1,7 +1,7 @@
 // Attraction of all bodies by all others, in f64:
 //   a_i = G sum_j m_j w(r_ij) (x_j - x_i),   V = -G sum_{i<j} m_i m_j p(r_ij)      (softening.h)
 // Each pair is computed once and counts for both (Newton's third law), four pairs side by side. Two bodies at
-// one place do not attract each other.
+// the same position do not attract each other.
 #pragma once
 #include <span>
 #include <vector>
@@ -22,9 +22,8 @@ using AlignedDoubles = std::vector<double, CacheLineAllocator<double>>;
 
 /// Scratch of these sums; grows once.
 struct DirectScratch {
-  AlignedDoubles
-      columns;          ///< x, y, z, mu one after the other, filled up to whole lanes with bodies of no mass
-  AlignedDoubles sums;  ///< of each strip: ax, ay, az
+  AlignedDoubles columns;  ///< x, y, z, mu one after the other, padded to whole lanes with massless bodies
+  AlignedDoubles sums;     ///< per strip: ax, ay, az
 };
 
 /// a (n x 3, m/s^2) of every body.

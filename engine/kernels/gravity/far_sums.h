@@ -1,5 +1,5 @@
-// A group of a tree's bodies and what is summed for them (lanes/pair_loops.h). s is the vector from a body to
-// a source, R^2 = s^2 + eps^2:
+// A group of a tree's bodies and the sums for them (lanes/pair_loops.h). s is the vector from a body to a
+// source, R^2 = s^2 + eps^2:
 //   body  a = m w(s) s
 //   node  a = s (M/R^3 - 3/2 tr S/R^5 + 5/2 3 s.S s/R^7) - 3 S s/R^5
 //   phi   = -M/R + 1/2 tr S/R^3 - 3/2 s.S s/R^5
@@ -12,8 +12,8 @@
 
 namespace truestep::gravity {
 
-/// Places relative to the group's centre, accelerations and sum m p. The rows after the last body are copies
-/// of it.
+/// Positions relative to the group's centre, accelerations and sum m p. The rows after the last body are
+/// copies of it.
 template <class T, size_t kMost>
 struct alignas(64) GroupSums {
   static constexpr size_t kUnit = 64 / sizeof(T);

@@ -8,13 +8,13 @@ namespace {
 
 using walk::Opened;
 
-/// Nodes and masks for one depth, and what a node of it hands on.
+/// Nodes and masks for one depth, and what a node passes on.
 struct Level {
   std::vector<Opened> left;
 };
 using Levels = std::array<Level, BodyTree::kDepths + 2>;
 
-/// A subtree that can be gone through by itself.
+/// A subtree that can be processed independently.
 struct Task {
   uint32_t node = 0;
   std::vector<Opened> left;
@@ -28,7 +28,7 @@ struct MultipoleScratch::Parts {
   std::vector<float> accelerations;
   std::vector<Task> tasks;
   size_t task_count = 0;
-  std::vector<Levels> levels;  // the first for what is above the tasks, then each task's
+  std::vector<Levels> levels;  // the first for the part above the tasks, then one per task
 };
 
 MultipoleScratch::MultipoleScratch() : parts_(std::make_unique<Parts>()) {}
@@ -52,8 +52,8 @@ class Descent {
         levels_(levels),
         way_(tree, settings, laws) {}
 
-  /// A node whose parent left `left` over and took the rest into `series`, about the node's own centre.
-  /// `on_child(child, left, series)` is asked for every child of many bodies.
+  /// Processes a node for which its parent left over `left` and included the rest in `series`, about the
+  /// node's own centre. `on_child(child, left, series)` is asked for every child of many bodies.
   template <class OnChild>
   void go(uint32_t node, std::span<const Opened> left, FieldSeries series, size_t depth,
           const OnChild& on_child) {
@@ -82,7 +82,7 @@ class Descent {
     for (; group < end_group; ++group) finish(group, keep, about(parts_.places[group].center));
   }
 
-  /// The whole subtree.
+  /// Processes the whole subtree.
   void all(uint32_t node, std::span<const Opened> left, const FieldSeries& series, size_t depth) {
     go(node, left, series, depth,
        [&](uint32_t child, std::span<const Opened> rest, const FieldSeries& field) {
@@ -174,7 +174,7 @@ template <class T>
 void descend(const BodyTree& tree, const TreeSettings& settings, const TreeSums& out,
              MultipoleScratch::Parts& parts, const ThreadArena& arena) {
   constexpr size_t kShare = 16;    // groups
-  constexpr uint32_t kTasks = 64;  // shares of all bodies below which a subtree is a task
+  constexpr uint32_t kTasks = 64;  // a subtree with less than this share of all bodies is a task
   constexpr Opened kRoot{0, 0xff};
   const walk::Laws laws = walk::laws_of(tree, settings, out);
   parts.places.resize(tree.groups().size()), parts.accelerations.resize(tree.groups().size());

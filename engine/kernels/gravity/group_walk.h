@@ -1,6 +1,6 @@
 // How a group of bodies finds its sources in a tree (tree_walk.h), for the two methods that end there: a walk
-// from the root for every group, and one that shares what is far with the groups around (fast_multipole.h).
-// Not for others.
+// from the root for every group, and one that shares distant sources with neighbouring groups
+// (fast_multipole.h). Private to them.
 #pragma once
 #include <algorithm>
 #include <bit>
@@ -15,8 +15,9 @@ namespace truestep::gravity::walk {
 
 using Lanes = Wide<float>;
 using Eight = Lanes::Mask;
-inline constexpr size_t kPending = 512;  // sources that are gathered before they are summed
-inline constexpr float kTiny = 1e-24f;   // scaled; its root's third power times a mass is still a float
+inline constexpr size_t kPending = 512;  // sources gathered before they are summed
+inline constexpr float kTiny = 1e-24f;   // scaled; the third power of its root, times a mass, is still a
+                                         // normal float
 inline constexpr double kTiny64 = 1e-180;
 
 inline unsigned bits(Eight mask) {
@@ -35,16 +36,16 @@ inline Lanes load(const std::vector<float>& column, size_t at) {
   return r;
 }
 
-/// What a way through the tree needs to know of its laws, in the tree's lengths.
+/// What a walk through the tree needs to know of the force laws, in the tree's lengths.
 struct Laws {
   const LawLoops& bodies;
   const LawLoops& nodes;
-  double eps;    ///< of both; the nodes' is 0 where the bodies' law ends before them
-  double clear;  ///< distance within which no node may be
+  double eps;    ///< of both; 0 for the nodes if the bodies' law ends before them
+  double clear;  ///< distance within which no node may be used
   Sums sums;
 };
 
-/// Where a group lies and how much error it bears.
+/// The extent of a group and its error tolerance.
 struct Box {
   Lanes x, y, z, half_x, half_y, half_z, radius, bearable;
   float clear;  // no node may be nearer
@@ -59,20 +60,20 @@ inline Laws laws_of(const BodyTree& tree, const TreeSettings& settings, const Tr
           out.p.empty() ? Sums::accelerations : Sums::accelerations_and_potentials};
 }
 
-/// Bodies that are hardly softened pull as hard as only doubles can tell; others are as exact in floats as
-/// the nodes.
+/// Hardly softened bodies pull so hard that only doubles can resolve them; others are as accurate in floats
+/// as the nodes.
 inline bool in_doubles(const BodyTree& tree, const TreeSettings& settings) {
   constexpr double kSoft = 1e-5;
   return settings.softening.length * tree.length_scale() < kSoft;
 }
 
-/// A node that is opened, and which of its children are still to be judged, a bit each.
+/// A node that is opened, and a bit mask of its children still to be tested.
 struct Opened {
   uint32_t node;
   unsigned left;
 };
 
-/// A node as seen from a centre, in the tree's lengths.
+/// A node relative to a centre, in the tree's lengths.
 inline NodeSource source_of(const BodyTree& tree, size_t node, const std::array<double, 3>& center) {
   const auto& c = tree.center(node);
   NodeSource s{static_cast<float>(c.x - center[0]),
@@ -88,7 +89,7 @@ inline NodeSource source_of(const BodyTree& tree, size_t node, const std::array<
 struct Place {
   std::array<double, 3> center{};
   std::array<float, 3> half{};
-  float radius = 0;  // no body is farther from the centre
+  float radius = 0;  // distance of the farthest body from the centre
 
   Place() = default;
   Place(const BodyTree& tree, const BodyTree::Group& group) {
@@ -118,7 +119,7 @@ struct Place {
   }
 };
 
-/// Nodes that wait to be opened: of every depth of the tree at most seven behind the one that is open.
+/// Nodes waiting to be opened: at most seven per depth behind the open one.
 class OpenNodes {
  public:
   bool empty() const { return count_ == 0; }
@@ -130,8 +131,8 @@ class OpenNodes {
   size_t count_ = 0;
 };
 
-/// How eight nodes may stand for their bodies, a bit each: for every body of the group, or even for the group
-/// as a whole.
+/// For eight nodes, a bit each: whether they may stand for their bodies for every body of the group, or even
+/// for the group as a whole.
 struct Standing {
   unsigned near, far;
 };
@@ -152,8 +153,8 @@ inline Standing standing(const BodyTree::Columns& c, size_t first, const Box& bo
   return {bits(near), bits(far)};
 }
 
-/// Size of the acceleration at the middle of a group by a coarse walk of monopoles; not less than a share of
-/// the sum of the sizes of its parts, which cancel where the group is in the middle of everything.
+/// Magnitude of the acceleration at the centre of a group by a coarse walk of monopoles; at least a fraction
+/// of the sum of the magnitudes of its parts, which cancel when the group is in the middle of everything.
 inline float coarse_acceleration(const BodyTree& tree, const Place& place, const Laws& laws) {
   const auto eps2 = static_cast<float>(laws.eps * laws.eps);
   constexpr float kShare = 0.1f;
@@ -185,7 +186,7 @@ inline float coarse_acceleration(const BodyTree& tree, const Place& place, const
   return std::max(std::sqrt(x * x + y * y + z * z), kShare * sum(all));
 }
 
-/// One group's way through the tree. T: of the sums over bodies; nodes are summed in floats.
+/// One group's walk through the tree. T: scalar of the sums over bodies; nodes are summed in floats.
 template <class T>
 class Walk {
  public:
@@ -195,8 +196,8 @@ class Walk {
         laws_(laws),
         node_eps2_(static_cast<float>(laws.clear > 0 ? 0 : laws.eps * laws.eps)) {}
 
-  /// The group's sums from `start` on, nodes of whose children only those of the mask are left, and from the
-  /// field that all others make.
+  /// The group's sums from `start` on (nodes of which only the children in the mask remain) and from the
+  /// field of all others.
   TreeWork run(const BodyTree::Group& group, const Place& at, float acceleration,
                std::span<const Opened> start, const FieldSeries* field, const TreeSums& out) {
     center_ = at.center;

@@ -4,8 +4,8 @@
 //   dt = r0 G1 + eta G2 + mu G3,   r = r0 + eta G1 + zeta G2 (= dt's slope in s)
 //   x = (1 - mu/r0 G2) x0 + (dt - mu G3) v0,   v = -mu G1/(r0 r) x0 + (1 - mu/r G2) v0
 // (Stumpff 1962; Danby 1992, ch. 6.9; Rein & Tamayo 2015, eqs. 26 to 33.) Ellipses, parabolas and hyperbolas
-// alike. dt's equation is solved by Newton's method between bounds: it rises with s everywhere. Not here:
-// fall straight into the centre.
+// alike. The equation for dt is solved by Newton's method between bounds: it increases monotonically with s.
+// Not covered: a straight fall into the centre.
 #pragma once
 #include <algorithm>
 #include <cmath>
@@ -22,10 +22,10 @@ struct Stumpff {
 };
 
 inline Stumpff stumpff(double x) {
-  // Quartered until the series needs seven terms, then doubled back.
+  // The argument is quartered until the series needs seven terms, then doubled back.
   int halvings = 0;
   while (std::abs(x) > 0.1) x *= 0.25, ++halvings;
-  double c2 = 1, c3 = 1;  // over their values at x = 0
+  double c2 = 1, c3 = 1;  // relative to their values at x = 0
   for (int k = 16; k >= 4; k -= 2) {
     c2 = 1 - x * c2 / (k * (k - 1));
     c3 = 1 - x * c3 / ((k + 1) * k);
@@ -54,7 +54,7 @@ inline void kepler_motion(Vec3& x, Vec3& v, double mu, double h) {
   }
   const double beta = 2 * mu / r0 - norm2(v), eta = dot(x, v), zeta = mu - beta * r0;
   double left = h;
-  if (beta > 0) {  // whole turns change nothing
+  if (beta > 0) {  // full revolutions change nothing
     const double turn = 6.283185307179586 * mu / (beta * std::sqrt(beta));
     left -= turn * std::nearbyint(h / turn);
   }
@@ -65,7 +65,8 @@ inline void kepler_motion(Vec3& x, Vec3& v, double mu, double h) {
     r = r0 + eta * g1 + zeta * g2;
     return r0 * g1 + eta * g2 + mu * g3 - left;
   };
-  // Bounds: the smallest distance ever, the pericentre q, is the smallest slope; s lies between 0 and left/q.
+  // Bounds: the smallest possible distance, the pericentre q, is the smallest slope; s lies between 0 and
+  // left/q.
   const double l2 = norm2(x) * norm2(v) - eta * eta, e2 = std::max(0.0, 1 - beta * l2 / (mu * mu));
   const double q = std::max(l2 / (mu * (1 + std::sqrt(e2))), 1e-14 * r0);
   double low = std::min(0.0, left / q), high = std::max(0.0, left / q);
@@ -74,12 +75,12 @@ inline void kepler_motion(Vec3& x, Vec3& v, double mu, double h) {
   double last = high - low;
   for (int k = 0; k < 100; ++k) {
     const double fault = evaluate(s);
-    // Far out along a hyperbola there are no numbers any more: that is too far.
+    // Far out along a hyperbola the numbers overflow: that is too far.
     const bool beyond = std::isfinite(fault) && std::isfinite(r) ? fault > 0 : s > 0;
     (beyond ? high : low) = s;
     double next = s - fault / r;
-    // Along a hyperbola's exponentials Newton's steps are all alike: those that do not shrink are taken by
-    // halving.
+    // Along a hyperbola's exponentials Newton steps stay the same size: steps that do not shrink are replaced
+    // by bisection.
     const bool creeps = std::abs(next - s) > 0.5 * std::abs(last) && std::abs(next - s) > 1e-8 * std::abs(s);
     if (creeps || !(next >= low && next <= high)) next = 0.5 * (low + high);
     last = next - s;

@@ -22,9 +22,9 @@ struct FieldSeries {
     for (size_t k = 0; k < kTerms; ++k) t[k] += other.t[k];
     return *this;
   }
-  /// The same field about the place (ux, uy, uz).
+  /// The same field expanded about the position (ux, uy, uz).
   FieldSeries shifted(float ux, float uy, float uz) const;
-  /// Adds the field at the places of a group's bodies to their sums.
+  /// Adds the field at the positions of a group's bodies to their sums.
   template <size_t kMost>
   void add_to(GroupSums<float, kMost>& g) const;
 
@@ -33,7 +33,7 @@ struct FieldSeries {
   struct At;
 };
 
-/// Sums the series of many nodes about one place.
+/// Sums the series of many nodes about one position.
 class LocalField {
  public:
   void clear() {
@@ -49,7 +49,7 @@ class LocalField {
     if (++waiting_ == Lanes::kLanes) take_pending(eps2);
   }
 
-  /// Of all nodes that have been added.
+  /// The series of all nodes added so far.
   FieldSeries series(float eps2);
 
  private:
@@ -90,7 +90,7 @@ inline void LocalField::take_pending(float eps2) {
 }
 
 inline FieldSeries LocalField::series(float eps2) {
-  if (waiting_ > 0) {  // filled up with nodes without mass
+  if (waiting_ > 0) {  // padded with massless nodes
     for (int k = waiting_; k < Lanes::kLanes; ++k) {
       pending_[0].set(k, 1);
       for (size_t number = 1; number < kNumbers; ++number) pending_[number].set(k, 0);
@@ -105,7 +105,7 @@ inline FieldSeries LocalField::series(float eps2) {
   return out;
 }
 
-/// The series' value, slope and so on at u, for one place or eight.
+/// The value, gradient and higher derivatives of the series at u, for one position or eight.
 template <class L>
 struct FieldSeries::At {
   L p, gx, gy, gz;                 // value and slope

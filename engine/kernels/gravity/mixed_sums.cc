@@ -8,7 +8,7 @@ namespace truestep::gravity {
 namespace {
 
 constexpr size_t kMost = BodyTree::kMostInGroup;
-constexpr double kNear = 1.5;  // radii of a group within which bodies meet it in doubles
+constexpr double kNear = 1.5;  // radii of a group within which interactions use doubles
 
 class MixedGroup {
  public:

@@ -1,11 +1,11 @@
 // Attraction by a tree of bodies (body_tree.h), a group at a time: a node stands for its bodies when the
-// error that this leaves is a small share of what attracts the group anyway,
+// resulting error is a small fraction of the group's acceleration,
 //   M r^3 / d^5 < error |a_group|,   d > r,
 // d from the node's centre of mass to the box around the group, r the node's radius; otherwise its children
-// are looked at, and bodies in the end (Barnes & Hut 1986; groups: Barnes 1990; the criterion is Springel's
-// 2005, eq. 18, for the second order, with radii in place of cells, and |a_group| from a first coarse walk of
-// the same tree, so that no step depends on an earlier one). Third-law symmetry is not kept: momentum is
-// conserved to the error of the forces.
+// are tested, and finally bodies (Barnes & Hut 1986; groups: Barnes 1990; the criterion is Springel's 2005,
+// eq. 18, for the second order, with radii in place of cells, and |a_group| from a first coarse walk of the
+// same tree, so that no step depends on an earlier one). The sums do not obey Newton's third law exactly:
+// momentum is conserved to the error of the forces.
 #pragma once
 #include <span>
 
@@ -18,8 +18,7 @@ struct TreeSettings {
   double opening = 1e-3;  ///< the criterion's `error`
 };
 
-/// What attracts the bodies of a group: how many sources each of them on its own, how many through the field
-/// of the group.
+/// Number of sources of a group's bodies: individually for each body, and through the group's field.
 struct TreeWork {
   double bodies = 0, nodes = 0, far_nodes = 0;
 };
@@ -31,7 +30,7 @@ struct TreeSums {
   std::span<TreeWork> work = {};
 };
 
-/// Attraction of all bodies that the tree was built from.
+/// Attraction of all bodies from which the tree was built.
 void tree_sums(const BodyTree& tree, const TreeSettings& settings, const TreeSums& out,
                const ThreadArena& arena);
 

@@ -1,7 +1,7 @@
-// What holds molecules together: energy and forces of
+// Interactions within molecules: energy and forces of
 //   a bond k/2 (r - L)^2,  an angle k/2 (theta - theta0)^2,  a dihedral k (1 + cos(n phi - delta))
-// phi and its gradient after Blondel and Karplus 1996, eqs. 4 and 27: no singularity but at straight angles.
-// Where a direction is not defined (coincident atoms, a straight angle) the force is 0.
+// phi and its gradient after Blondel and Karplus 1996, eqs. 4 and 27: no singularity except at straight
+// angles. If a direction is not defined (coincident atoms, a straight angle) the force is 0.
 #pragma once
 #include <cmath>
 
@@ -40,7 +40,7 @@ struct DihedralForce {
   double energy;
   Vec3 on_a, on_b, on_c, on_d;
 };
-/// f = x_a - x_b, g = x_b - x_c, h = x_d - x_c; phi = 0 where a and d lie on one side.
+/// f = x_a - x_b, g = x_b - x_c, h = x_d - x_c; phi = 0 when a and d are on the same side.
 inline DihedralForce dihedral(const Vec3& f, const Vec3& g, const Vec3& h, double k, double n, double phase) {
   const Vec3 a = cross(f, g), b = cross(h, g);
   const double a2 = norm2(a), b2 = norm2(b), length = norm(g);

@@ -19,8 +19,8 @@ ErfSeries::One ErfSeries::exact(double u) {
 }
 
 std::vector<ErfSeries::Pair> ErfSeries::split(const std::vector<double>& c) {
-  // T_2k+1 = t R_k with R_0 = 1, R_k = 2 T_k(s) - R_k-1: every odd coefficient counts in all lower d, in turn
-  // up and down.
+  // T_2k+1 = t R_k with R_0 = 1, R_k = 2 T_k(s) - R_k-1: every odd coefficient contributes to all lower d,
+  // with alternating sign.
   std::vector<Pair> out(c.size() / 2);
   double below = 0;
   for (size_t k = out.size(); k-- > 0;) {

@@ -1,9 +1,9 @@
 // erf(z) / z and minus its slope over z, as Chebyshev series in u = z^2 on [0, u_max]; both are entire in u:
 //   E(u) = erf(z) / z = 2/sqrt(pi) exp(-u) sum_k (2 u)^k / (1 3 5 ... (2k+1)),    G(u) = -2 dE/du
-// The coefficients come from the series above (all its terms are positive), so that no libm is needed and
-// every machine has the same bits. What a pair's charges need: the part of 1/r that Ewald's sum takes over is
-// alpha E(alpha^2 r^2), and the force over r of it alpha^3 G(alpha^2 r^2).
-// The terms of even and of odd order are summed side by side (Clenshaw's recurrence waits for itself):
+// The coefficients come from the series above (all its terms are positive), so no libm is needed and every
+// machine gives the same bits. For a pair of charges: the part of 1/r included in Ewald's reciprocal sum is
+// alpha E(alpha^2 r^2), and its force over r is alpha^3 G(alpha^2 r^2). The terms of even and of odd order
+// are summed side by side (Clenshaw's recurrence waits for itself):
 //   sum_k c_2k T_2k(t) = sum_k c_2k T_k(s),    sum_k c_2k+1 T_2k+1(t) = t sum_k d_k T_k(s),    s = 2 t^2 - 1
 #pragma once
 #include <cstddef>
@@ -16,7 +16,7 @@ namespace truestep::molecular {
 class ErfSeries {
  public:
   ErfSeries() = default;
-  /// For u up to `u_max` (at most 40). Terms below `least` are left out; the rest is good to some 1e-15.
+  /// For u up to `u_max` (at most 40). Terms below `least` are dropped; the error is about 1e-15.
   explicit ErfSeries(double u_max, double least = 2e-16);
 
   Wide<double> e(Wide<double> u) const { return sum(e_, u); }
@@ -27,7 +27,7 @@ class ErfSeries {
   One at(double u) const { return {e(Wide<double>(u))[0], g(Wide<double>(u))[0]}; }
   double u_max() const { return 2 / scale_; }
 
-  /// The series above itself: E and G at u (0 to 60), slowly.
+  /// Evaluates the series above directly: E and G at u (0 to 60), slowly.
   static One exact(double u);
 
  private:

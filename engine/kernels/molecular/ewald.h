@@ -2,7 +2,7 @@
 // section 5.5.2), surrounded by a conductor:
 //   U = 4 pi k / V sum over half of all k of A(k) |S(k)|^2 - k alpha / sqrt(pi) sum q^2 - pi k Q^2 / (2 V
 //   alpha^2) A = exp(-k^2 / 4 alpha^2) / k^2,    S(k) = sum q_i exp(i k . x_i)
-// The pairs' part is in pair_law.h. Sums over atoms go in fixed blocks: the same bits on any threads.
+// The pair part is in pair_law.h. Sums over atoms use fixed blocks: the same bits for any number of threads.
 #pragma once
 #include <array>
 #include <cstdint>
@@ -20,14 +20,14 @@ struct EwaldSetting {
   double k_max = 0;    ///< 1/m, longest wave vector
   friend bool operator==(const EwaldSetting&, const EwaldSetting&) = default;
 };
-/// alpha and k_max such that erfc-like ends of both sums are about `accuracy` at the cut-off (m).
+/// alpha and k_max such that the truncation errors of both sums are about `accuracy` at the cut-off (m).
 EwaldSetting ewald_setting(double coulomb, double cutoff, double accuracy);
 
 struct EwaldEnergy {
   double energy = 0, virial = 0;  ///< J
 };
 
-/// Arrays that stay from call to call.
+/// Keeps its arrays from call to call.
 class EwaldSum {
  public:
   /// Energy of n x 3 positions (m) and charges (C); adds forces (N) to n x 3 `force` unless that is empty.
@@ -55,7 +55,7 @@ class EwaldSum {
   int most_[3] = {};
   std::vector<double> weight_;  // of every wave: 4 pi k / V A, J/C^2
   std::vector<double> sums_;    // blocks x waves x 2, then reduced into the first
-  std::vector<Tables> tables_;  // one a block
+  std::vector<Tables> tables_;  // one per block
 };
 
 }  // namespace truestep::molecular

@@ -3,8 +3,9 @@
 // truncated: U for r < rc; shifted: U - U(rc); switched: U S with S falling from 1 at rs to 0 at rc,
 //   S = (rc^2 - r^2)^2 (rc^2 + 2 r^2 - 3 rs^2) / (rc^2 - rs^2)^3           (Brooks et al. 1983, CHARMM, eq.
 //   10)
-// Kinds mix by Lorentz and Berthelot: sigma = (sigma_a + sigma_b) / 2, eps = sqrt(eps_a eps_b).
-// What lies beyond rc, were the fluid uniform there (Allen, Tildesley 1987, eqs. 2.137, 2.138), is a tail.
+// Kinds are mixed by the Lorentz-Berthelot rules: sigma = (sigma_a + sigma_b) / 2, eps = sqrt(eps_a eps_b).
+// The tail is the contribution from beyond rc, assuming a uniform fluid there (Allen, Tildesley 1987, eqs.
+// 2.137, 2.138).
 #pragma once
 #include <cmath>
 
@@ -45,7 +46,8 @@ inline Switch lj_switch(double r2, double from2, double to2) {
   return {left * left * (to2 + 2 * r2 - 3 * from2) * scale, 6 * left * (from2 - r2) * scale};
 }
 
-/// Integrals from rc on of r^2 U (J m^3) and of r^3 dU/dr (J m^3), for the tails of energy and pressure.
+/// Integrals from rc to infinity of r^2 U (J m^3) and of r^3 dU/dr (J m^3), for the tails of energy and
+/// pressure.
 struct LjTail {
   double energy, virial;
 };

@@ -54,7 +54,7 @@ size_t wave_number(size_t m, size_t points) {
 
 MeshSetting mesh_setting(const EwaldSetting& s, const Vec3& edges, double accuracy) {
   MeshSetting out{.ewald = s, .order = accuracy >= 2e-4 ? 4 : accuracy >= 2e-6 ? 6 : 8, .points = {}};
-  // The splines' error goes as (alpha h)^p; measured beside the plain sum.
+  // The splines' error scales as (alpha h)^p; measured against the plain sum.
   const double p = out.order, constant = out.order == 4 ? 1.3 : out.order == 6 ? 1.5 : 1.45;
   const double h = constant * trig::pow(accuracy, 1 / p) / s.alpha;
   for (size_t a = 0; a < 3; ++a) {
@@ -109,7 +109,7 @@ void MeshEwald::place(const Vec3& edges, std::span<const double> x, const Thread
       for (size_t a = 0; a < 3; ++a) {
         const auto points = static_cast<double>(planned_.points[a]);
         const double share = x[3 * i + a] / component(edges, a), u = (share - std::floor(share)) * points;
-        // Rounding may bring u to K itself; what is no number goes to 0.
+        // Rounding may bring u to K itself; NaN goes to 0.
         const double cell = u >= 0 ? std::min(std::floor(u), points - 1) : 0;
         s.last[a] = static_cast<uint32_t>(cell);
         splines(u - cell, p, s.weight[a].data(), s.slope[a].data());
@@ -188,7 +188,7 @@ void MeshEwald::gather(const Vec3& edges, std::span<const double> charge, const 
   });
 }
 
-// Rows of charges, eight at a time, to their waves along z.
+// Transforms rows of charges, eight at a time, to waves along z.
 void MeshEwald::transform_z(const ThreadArena& arena) {
   const auto [kx, ky, kz] = planned_.points;
   arena.for_blocks(kx, 1, [&, ky = ky, kz = kz](size_t plane, size_t) {
@@ -289,7 +289,7 @@ MeshEwald::Sums MeshEwald::convolve(const Vec3& edges, const ThreadArena& arena)
   return all;
 }
 
-// To the potential at every point, which is real.
+// Back to the potential at every point, which is real.
 void MeshEwald::transform_z_back(const ThreadArena& arena) {
   const auto [kx, ky, kz] = planned_.points;
   arena.for_blocks(kx, 1, [&, ky = ky, kz = kz](size_t plane, size_t) {

@@ -1,5 +1,5 @@
-// Which of a run of rows lie within a reach of a place, appended in their order: four squared distances at a
-// time, the chosen lanes packed to the front by a table of permutations.
+// The rows of a range that are within a reach of a position, appended in order: four squared distances at a
+// time, with the selected lanes packed to the front by a table of permutations.
 #pragma once
 #include <array>
 #include <cstddef>
@@ -11,7 +11,7 @@
 namespace truestep::molecular {
 
 namespace near_detail {
-/// For every set of four lanes, where its i-th lane comes from, in bytes of four uint32_t.
+/// For every set of four lanes, the source of its i-th lane, in bytes of four uint32_t.
 constexpr auto packings() {
   std::array<std::array<uint8_t, 16>, 16> out{};
   for (unsigned set = 0; set < 16; ++set) {
@@ -27,13 +27,13 @@ constexpr auto packings() {
 alignas(16) inline constexpr auto kPackings = packings();
 }  // namespace near_detail
 
-/// Places of rows, column by column, m; three more numbers than rows may be read.
+/// Positions of rows as columns, m; up to three numbers past the end may be read.
 struct PlaceColumns {
   const double *x, *y, *z;
 };
 
-/// Appends rows of [from, to) with |place - at|^2 < reach2 to list[used] on and returns how many there are
-/// then; list has room for to - from + 4 more.
+/// Appends the rows of [from, to) with |place - at|^2 < reach2 to list[used] on and returns the new count;
+/// list needs room for to - from + 4 more.
 inline size_t append_near(const PlaceColumns& p, size_t from, size_t to, const Vec3& at, double reach2,
                           uint32_t* list, size_t used) {
 #if defined(__AVX2__) && defined(__FMA__)

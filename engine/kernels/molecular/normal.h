@@ -1,6 +1,7 @@
-// Normal numbers of mean 0 and variance 1 as functions of (seed, stream, counter): Box and Muller 1958,
+// Normally distributed numbers with mean 0 and variance 1 as functions of (seed, stream, counter): Box and
+// Muller 1958,
 //   sqrt(-2 log u1) (cos, sin)(2 pi u2), of Philox's numbers and math/trig, the same bits everywhere.
-// And sums of squares of many of them: gamma numbers by Marsaglia and Tsang 2000.
+// Also sums of squares of many of them: gamma-distributed numbers by Marsaglia and Tsang 2000.
 #pragma once
 #include <array>
 #include <cmath>
@@ -16,7 +17,7 @@ inline std::array<double, 4> normal4(uint64_t seed, uint64_t stream, uint64_t co
   const auto u = uniform4(seed, stream, counter);
   std::array<double, 4> out;
   for (size_t k = 0; k < 4; k += 2) {
-    // The middle of the interval that the 32 bits stand for: never 0.
+    // The midpoint of the interval that the 32 bits stand for: never 0.
     const double r = std::sqrt(-2 * trig::log(u[k] + 0x1p-33));
     const trig::SinCos a = trig::sincos(kTurn * u[k + 1]);
     out[k] = r * a.cos, out[k + 1] = r * a.sin;
@@ -28,8 +29,8 @@ inline Vec3 normal3(uint64_t seed, uint64_t stream, uint64_t counter) {
   return {n[0], n[1], n[2]};
 }
 
-/// Sum of the squares of `count` (at least 1) normal numbers: twice a gamma number of shape count / 2. Draws
-/// from counters `counter` on; a stream of its own.
+/// Sum of the squares of `count` (at least 1) normal numbers: twice a gamma-distributed number with shape
+/// count / 2. Draws from counter `counter` on; needs a stream of its own.
 inline double squares_of_normals(double count, uint64_t seed, uint64_t stream, uint64_t counter) {
   double shape = 0.5 * count, boost = 1;
   if (shape < 1) {

@@ -1,8 +1,9 @@
 // The sum over one atom's neighbours of Lennard-Jones and Coulomb, four neighbours at a time:
 //   f_i = sum_j s(r) (x_i - x_j),    s = -U'(r) / r
 // Coulomb ends at the cut-off as k q q (1/r + a r^2 + b r + c): a reaction field (Barker, Watts 1973) or a
-// force that is shifted to 0; or it is what Ewald's sum leaves to pairs. Lists are padded to fours by a row
-// that is far from all. Both ends of a pair compute it, with opposite bits; sums go in the list's order.
+// force that is shifted to 0; or it is the direct part of Ewald's sum. Lists are padded to multiples of four
+// with a row far from everything. Both ends of a pair compute it, with exactly opposite results; sums follow
+// the list's order.
 #pragma once
 #include <cstddef>
 #include <cstdint>
@@ -21,7 +22,7 @@ struct PairLaw {
   std::vector<double> table;  ///< kinds x kinds rows of 4: c12, c6, shift, 0
   Truncation truncation = Truncation::truncated;
   double cutoff2 = 0, from2 = 0;  ///< m^2: rc^2, rs^2 of a switched potential
-  /// m^2: atoms that are nearer count as this near in the size of the force, so that it is finite.
+  /// m^2: closer atoms are treated as this close in the magnitude of the force, so that it stays finite.
   double floor2 = 0;
   Charges charges = Charges::none;
   double coulomb = 0;          ///< N m^2/C^2
@@ -36,7 +37,7 @@ struct PairLaw {
 };
 
 /// Atoms and their images in the order of the list: rows of x, y, z (m) and charge (C), 32-byte aligned, and
-/// kinds, whose column is only read where there is more than one.
+/// kinds, whose column is only read if there are several.
 struct PairRows {
   const double* rows;
   const uint32_t* kinds;
@@ -48,8 +49,8 @@ struct PairSum {
   double virial = 0;  ///< J: half of r . f of every pair
 };
 
-/// Sum over `count` neighbours (a multiple of four) of the row i. Energy and virial are 0 where only forces
-/// are asked for.
+/// Sum over `count` neighbours (a multiple of four) of the row i. Energy and virial are 0 when only forces
+/// are requested.
 using PairSumFunction = PairSum (*)(const PairLaw&, const PairRows&, uint32_t i, const uint32_t* list,
                                     size_t count);
 enum class Wanted : uint8_t { forces, energies };

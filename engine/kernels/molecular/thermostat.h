@@ -1,4 +1,4 @@
-// What holds a temperature, as factors on velocities. N_f freedoms, kinetic energy K, target kT.
+// Thermostats as factors on velocities. N_f degrees of freedom, kinetic energy K, target kT.
 //   velocity rescaling   K follows the canonical distribution with relaxation time tau
 //                        (Bussi, Donadio, Parrinello 2007, eq. A7, exact for any step)
 //   Nose-Hoover chain    Q_1 = N_f kT tau^2, Q_j = kT tau^2 (Martyna, Tuckerman, Tobias, Klein 1996, eqs. 29,
@@ -12,12 +12,12 @@
 
 namespace truestep::molecular {
 
-/// Where a random number comes from.
+/// Identifies a random number.
 struct Draw {
   uint64_t seed, stream, step;
 };
 
-/// Factor on all velocities for a step of h / tau = `share`. K and kT in J; 1 where nothing moves.
+/// Factor on all velocities for a step with h / tau = `share`. K and kT in J; 1 when nothing moves.
 inline double rescaling_factor(double kinetic, double freedoms, double kt, double share, const Draw& draw) {
   if (!(kinetic > 0)) return 1;
   const double c = trig::exp(-share), ratio = 0.5 * kt / kinetic;  // mean K over N_f K
@@ -30,7 +30,7 @@ inline double rescaling_factor(double kinetic, double freedoms, double kt, doubl
   return sign * std::sqrt(a2 > 0 ? a2 : 0);
 }
 
-/// Places and velocities of the chain, as many as links.
+/// Positions and velocities of the chain, as many as links.
 struct Chain {
   std::span<double> xi, v;
 };
@@ -39,7 +39,7 @@ struct ChainSetting {
   double mass(size_t j) const { return (j == 0 ? freedoms : 1) * kt * tau * tau; }
 };
 
-/// Moves the chain by half a step h / 2; the factor on all velocities.
+/// Advances the chain by h / 2; returns the factor on all velocities.
 inline double chain_half_step(Chain c, const ChainSetting& s, double kinetic, double h) {
   const size_t n = c.xi.size();
   const auto pull = [&](size_t j, double twice_k) {
@@ -58,7 +58,7 @@ inline double chain_half_step(Chain c, const ChainSetting& s, double kinetic, do
   return factor;
 }
 
-/// What the chain adds to the conserved energy, J.
+/// The chain's contribution to the conserved energy, J.
 inline double chain_energy(std::span<const double> xi, std::span<const double> v, const ChainSetting& s) {
   double sum = 0;
   for (size_t j = 0; j < xi.size(); ++j) {
@@ -68,8 +68,8 @@ inline double chain_energy(std::span<const double> xi, std::span<const double> v
 }
 
 /// Change of ln V over h: stochastic cell rescaling (Bernetti, Bussi 2020, eq. 5), with `rate` = beta / tau
-/// (1/(Pa s)), pressures in Pa, the volume in m^3, a normal number r. A start far from the pressure
-/// approaches it by at most 2 % at once.
+/// (1/(Pa s)), pressures in Pa, the volume in m^3, a normal number r. If the pressure is far off, the volume
+/// changes by at most 2 % at once.
 inline double cell_rescaling(double pressure, double target, double volume, double kt, double rate, double h,
                              double r) {
   constexpr double kMost = 0.02;

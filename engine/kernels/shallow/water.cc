@@ -17,7 +17,7 @@ inline double most(double a, double b) {
   return a > b ? a : b;
 }
 
-// The mean of both differences, at most twice either, 0 where they disagree.
+// The mean of both differences, limited to twice either, 0 when their signs differ.
 inline double slope(double a, double b) {
   const double low = least(a, b), high = most(a, b), mean = 0.5 * (a + b);
   return most(0, least(2 * low, mean)) + least(0, most(2 * high, mean));
@@ -27,13 +27,13 @@ inline double slope_at(const double* q, ptrdiff_t s) {
 }
 
 struct Fluxes {
-  // Of mass; of momentum along the normal for the cell before and after the face; of that across it.
+  // Fluxes of mass, of normal momentum for the cell before and after the face, and of transverse momentum.
   double mass[kColumns + 1], before[kColumns + 1], after[kColumns + 1], across[kColumns + 1];
 };
 
 // Faces between the cells at 0 .. n - 1 of the pointers and those a stride after them. The bed's push on a
-// cell is what its own depth at the face would press with; the rest of it, g h times the surface's slope, is
-// the caller's.
+// cell is included as the pressure of its own depth at the face; the rest of it, g h times the surface's
+// slope, is left to the caller.
 void face_fluxes(const double* h, const double* eta, const double* normal, const double* other, ptrdiff_t s,
                  double g, size_t n, Fluxes& out, double* fastest) {
   for (size_t i = 0; i < n; ++i) {

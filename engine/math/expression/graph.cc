@@ -30,7 +30,7 @@ bool same(const ExpressionGraph::Entry& p, const ExpressionGraph::Entry& q) {
          std::bit_cast<uint64_t>(p.value) == std::bit_cast<uint64_t>(q.value);
 }
 
-/// Addition and its like: the order of the operands changes no bit.
+/// Addition and similar: the order of the operands does not change the bits.
 bool commutes(O op) {
   return op == O::add || op == O::multiply || op == O::equal || op == O::not_equal || op == O::both ||
          op == O::either;
@@ -109,7 +109,7 @@ Node ExpressionGraph::unary(O op, Node a) {
 Node ExpressionGraph::binary(O op, Node a, Node b) {
   const Entry ea = at(a), eb = at(b);
   const auto ca = constant_value(a), cb = constant_value(b);
-  // A condition that is decided leaves the other side out, faults and all.
+  // A decided condition drops the other side, faults and all.
   if (op == O::both && ((ca && *ca == 0) || (cb && *cb == 0))) return constant(0);
   if (op == O::either && ((ca && *ca != 0) || (cb && *cb != 0))) return constant(1);
   if (ea.op == O::fault) return a;

@@ -1,6 +1,6 @@
 // Expressions as one directed acyclic graph in which equal subexpressions are the same node, shared by all
 // components of a right-hand side. Building a node folds constants and replaces operations by cheaper ones,
-// only where the result has the same bits: x^n by products, x^(n/2) by a square root, division by a power of
+// but only if the result has the same bits: x^n by products, x^(n/2) by a square root, division by a power of
 // two by a product, (b - a)^2 by (a - b)^2, a + -b by a - b. A sign of zero or a NaN is never simplified
 // away.
 #pragma once
@@ -13,7 +13,7 @@
 
 namespace truestep {
 
-/// Why a text is no expression, and the character (from 0) where that shows.
+/// Why a text is not an expression, and the character (from 0) where it fails.
 struct ExpressionFault {
   size_t position = 0;
   std::string message;
@@ -35,7 +35,7 @@ class ExpressionGraph {
 
   Node constant(double value);
   Node variable(int32_t number);
-  /// A value that does not exist, for the reason given; using it spreads through every operation but a
+  /// A value that does not exist, for the given reason; it propagates through every operation except a
   /// choice.
   Node fault(ExpressionFault why);
   Node unary(Operator op, Node a);
@@ -50,7 +50,7 @@ class ExpressionGraph {
   /// The reason of a fault node, or null.
   const ExpressionFault* fault_of(Node n) const;
 
-  /// Counts work of a parser against kMaxWork.
+  /// Counts a parser's work against kMaxWork.
   void charge(size_t position);
 
   /// Partial derivatives of `root` by the variables [first, first + count): appends (variable - first, node)
@@ -60,7 +60,7 @@ class ExpressionGraph {
     Node node;
   };
   void differentiate(Node root, int32_t first, int32_t count, std::vector<Partial>& out);
-  /// Numbers of all variables that the roots depend on, ascending.
+  /// Indices of all variables that the roots depend on, ascending.
   std::vector<int32_t> variables_of(std::span<const Node> roots) const;
 
  private:

@@ -1,4 +1,4 @@
-// Characters, names and functions of expressions; shared by names.cc and reader.cc.
+// Characters, names and functions of expressions; shared by names.cc and reader*.cc.
 #pragma once
 #include <string_view>
 
@@ -18,7 +18,7 @@ inline bool blank(char c) {
   return c == ' ' || c == '\t' || c == '\n' || c == '\r';
 }
 
-/// Length of the name that begins at `at`, primes included; 0 when none does.
+/// Length of the name that starts at `at`, including primes; 0 if there is none.
 inline size_t name_length(std::string_view text, size_t at) {
   size_t end = at;
   if (end == text.size() || !letter(text[end])) return 0;

@@ -1,6 +1,6 @@
-// The operators of user-written expressions and what each does to numbers. Folding, the evaluation of one
-// point and that of many rows all go through `apply`, so they agree to the bit. Powers with small integer or
-// half-integer exponents are no operators: the graph writes them as products and a square root.
+// The operators of user-written expressions and their effect on numbers. Folding, the evaluation of one point
+// and that of many rows all go through `apply`, so they agree to the bit. Powers with small integer or
+// half-integer exponents are not operators: the graph writes them as products and a square root.
 #pragma once
 #include <cmath>
 #include <cstdint>
@@ -12,7 +12,7 @@ namespace truestep {
 enum class Operator : uint8_t {
   constant,
   variable,
-  fault,  ///< a value that does not exist (x[-1]); an error unless a condition leaves it out
+  fault,  ///< a value that does not exist (x[-1]); an error unless a condition excludes it
   negate,
   sqrt,
   abs,
@@ -41,13 +41,13 @@ enum class Operator : uint8_t {
   both,
   either,
   choose,
-  // What a program's peephole pass makes of a product and a sum; rounded twice, never fused.
+  // Made from a product and a sum by a program's peephole pass; rounded twice, never fused.
   multiply_add,       ///< a b + c
   multiply_subtract,  ///< a b - c
   subtract_multiply,  ///< c - a b
 };
 
-/// Number of operands; 0 for what is no operation.
+/// Number of operands; 0 for anything that is not an operation.
 constexpr int arity(Operator op) {
   if (op < Operator::negate) return 0;
   if (op < Operator::add) return 1;

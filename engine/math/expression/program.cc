@@ -13,9 +13,9 @@ using Node = ExpressionGraph::Node;
 namespace {
 
 constexpr size_t kLanes = 4;
-/// Fewer alike operations than this stay scalar.
+/// Fewer equal operations than this stay scalar.
 constexpr size_t kWorthLanes = 3;
-/// Neighbouring operands of at least this many operations are worth an instruction of their own.
+/// Neighbouring operands of at least this many operations get an instruction of their own.
 constexpr size_t kLongRun = 8;
 
 uint32_t round_up(uint32_t n) {
@@ -41,7 +41,7 @@ Lanes4 apply4(Lanes4 a, Lanes4 b) {
 
 }  // namespace
 
-/// The loops of wide instructions.
+/// The loops of vector instructions.
 struct ExpressionProgram::Kernels {
   template <Source source>
   static Lanes4 load(const double* r, const uint32_t* lists, uint32_t from, uint32_t k) {
@@ -52,7 +52,7 @@ struct ExpressionProgram::Kernels {
 
   template <O op, Source sa, Source sb>
   static void wide(const Instruction& in, double* r, const uint32_t* lists) {
-    // The lanes beyond the last result are padding in registers and lists alike.
+    // Lanes beyond the last result are padding, in registers and lists alike.
     for (uint32_t k = 0; k < in.lanes; k += kLanes) {
       const Lanes4 a = load<sa>(r, lists, in.from[0], k);
       apply4<op>(a, arity(op) == 2 ? load<sb>(r, lists, in.from[1], k) : a).store(r + in.to + k);
@@ -115,8 +115,8 @@ struct ExpressionProgram::Builder {
       program.code_.push_back(in);
     }
   }
-  /// Neighbouring results, padded only at the group's end: a store beyond them is overwritten by what
-  /// follows.
+  /// Neighbouring results, padded only at the group's end: whatever a store writes beyond them is overwritten
+  /// by what follows.
   void lanes(std::span<const Node> nodes) {
     if (nodes.size() < kWorthLanes) return scalars(nodes);
     Instruction in{graph.at(nodes[0]).op};
@@ -153,7 +153,7 @@ struct ExpressionProgram::Builder {
   }
 
   /// Operations of one kind and depth: long runs with neighbouring (or common) operands become instructions
-  /// of their own, the rest one with scattered operands.
+  /// of their own, the rest one instruction with scattered operands.
   void group(std::vector<Node>& nodes) {
     // Neighbouring operands make neighbouring results.
     std::stable_sort(nodes.begin(), nodes.end(), [&](Node p, Node q) { return operands(p) < operands(q); });
@@ -190,7 +190,7 @@ struct ExpressionProgram::Builder {
     return end;
   }
 
-  /// Scalar products with one reader, a scalar sum, go into it.
+  /// Merges scalar products whose only reader is a scalar sum into that sum.
   void join_products() {
     std::vector<uint32_t> readers(program.registers_);
     for (const Instruction& in : program.code_) {
@@ -274,7 +274,7 @@ ExpressionProgram::ExpressionProgram(const ExpressionGraph& graph, std::span<con
     build.group(group);
     group.clear();
   }
-  registers_ += kLanes;  // a wide load may look beyond the last register
+  registers_ += kLanes;  // a vector load may read beyond the last register
   for (size_t k = 0; k < roots.size(); ++k) {
     const uint32_t from = build.place[static_cast<size_t>(roots[k])];
     if (!copies_.empty() && copies_.back().from + copies_.back().count == from) {

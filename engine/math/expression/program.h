@@ -1,7 +1,7 @@
 // A vector of expressions compiled to register code and evaluated at one point. Nodes of equal depth with the
 // same operation, whichever components they belong to, become one instruction over neighbouring registers:
 // seven bodies' forces or a thousand springs run in SIMD lanes although each was written as scalar text.
-// What stands alone becomes a scalar instruction. Immutable; scratch belongs to the caller.
+// Single operations become scalar instructions. Immutable; scratch belongs to the caller.
 #pragma once
 #include <cstdint>
 #include <span>
@@ -16,7 +16,7 @@ class ExpressionProgram {
   using Node = ExpressionGraph::Node;
 
   ExpressionProgram() = default;
-  /// Registers [0, variables) hold the graph's variables of those numbers. No root may be a fault.
+  /// Registers [0, variables) hold the graph's variables. No root may be a fault.
   ExpressionProgram(const ExpressionGraph& graph, std::span<const Node> roots, size_t variables);
 
   size_t outputs() const { return outputs_; }
@@ -27,7 +27,7 @@ class ExpressionProgram {
 
   /// Once per scratch: writes the constants.
   void start(double* registers) const;
-  /// Reads the variables from registers [0, variables), writes `outputs` values that do not overlap them.
+  /// Reads the variables from registers [0, variables), writes `outputs` values, which must not overlap them.
   void run(double* registers, double* out) const;
 
  private:

@@ -14,7 +14,7 @@ namespace {
 
 constexpr size_t kBlock = ExpressionRows::kBlock;
 
-/// One operation on a block; operands may be where the result goes.
+/// One operation on a block; the result may overwrite an operand.
 template <O op>
 void block(double* to, const double* a, const double* b, const double* c) {
   if constexpr (op == O::sin) return trig::sin_rows(a, to, kBlock);
@@ -34,7 +34,7 @@ void store(const double* from, const ExpressionRows::Output& out, size_t first, 
   }
 }
 
-/// Hands out registers, the one freed last first.
+/// Hands out registers, the most recently freed first.
 class Registers {
  public:
   uint16_t take() {
@@ -64,7 +64,7 @@ class Registers {
 ExpressionRows::ExpressionRows(const ExpressionGraph& graph, std::span<const Node> roots)
     : outputs_(roots.size()) {
   const Node last = roots.empty() ? -1 : *std::max_element(roots.begin(), roots.end());
-  // The number of a node's last reader; operands come before their readers.
+  // Index of each node's last reader; operands come before their readers.
   std::vector<Node> reader(static_cast<size_t>(last) + 1, ExpressionGraph::kNone);
   std::vector<int32_t> root_of(reader.size(), -1);
   for (size_t k = 0; k < roots.size(); ++k) {

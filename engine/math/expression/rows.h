@@ -1,7 +1,7 @@
 // A vector of expressions evaluated over many rows (particles, tracers): register code whose registers hold a
 // block of rows each, so that one dispatched instruction does a block's work in SIMD lanes and a block's
 // registers stay in the first-level cache. Registers are reused as soon as their last reader has run.
-// Immutable and without memory of its own beyond the stack, so any thread may run it.
+// Immutable, with no memory of its own beyond the stack, so any thread may run it.
 #pragma once
 #include <cstdint>
 #include <span>
@@ -25,7 +25,7 @@ class ExpressionRows {
     const double* data = nullptr;
     size_t stride = 0;
   };
-  /// Where row i of a root goes: data[(i - begin) * stride].
+  /// Where row i of a root is written: data[(i - begin) * stride].
   struct Output {
     double* data = nullptr;
     size_t stride = 1;
@@ -33,7 +33,7 @@ class ExpressionRows {
   /// Rows [begin, end): variables[number] for every variable that occurs, outputs one per root.
   void run(std::span<const Column> variables, std::span<const Output> outputs, size_t begin,
            size_t end) const;
-  /// True when the variable of that number occurs.
+  /// True when the variable with that index occurs.
   bool uses(size_t variable) const;
   size_t outputs() const { return outputs_; }
   size_t instructions() const { return code_.size(); }
@@ -48,7 +48,7 @@ class ExpressionRows {
   struct Instruction {
     Operator op;
     uint16_t to, from[3];
-    int32_t output;  ///< root that this is, or -1
+    int32_t output;  ///< the root that this is, or -1
   };
   struct Store {
     uint16_t from;
@@ -58,7 +58,7 @@ class ExpressionRows {
 
   std::vector<Input> inputs_;
   std::vector<Instruction> code_;
-  std::vector<Store> stores_;  ///< roots that are inputs, or the same as another root
+  std::vector<Store> stores_;  ///< roots that are inputs, or equal to another root
   size_t outputs_ = 0, registers_ = 0;
 };
 

@@ -39,7 +39,7 @@ bool BandLu<T>::factor() {
   return recurrences_ || factor_general();
 }
 
-// Leaves the matrix as it is and gives up as soon as a row would have to be exchanged.
+// Keeps the matrix and gives up as soon as rows would have to be exchanged.
 template <class T>
 bool BandLu<T>::factor_tridiagonal() {
   // Column j holds, from the top: fill, (j - 1, j), (j, j), (j + 1, j).

@@ -1,6 +1,6 @@
-// P A = L U of a band matrix with `lower` diagonals below and `upper` above the main one, partial pivoting
-// (U then has lower + upper diagonals). Golub, Van Loan 2013, section 4.3.5. T is double or Complex.
-// Tridiagonal matrices that need no exchange are solved by two recurrences of one fused multiply-add a row.
+// P A = L U of a band matrix with `lower` diagonals below and `upper` above the main one, partial pivoting (U
+// then has lower + upper diagonals). Golub, Van Loan 2013, section 4.3.5. T is double or Complex. Tridiagonal
+// matrices that need no exchange are solved by two recurrences with one fused multiply-add per row.
 #pragma once
 #include <cstddef>
 #include <vector>
@@ -13,8 +13,8 @@ template <class T>
 class BandLu {
  public:
   void resize(size_t n, size_t lower, size_t upper);
-  /// Where column j's part of the band starts: element (i, j) at column(j)[upper + i - j], for the rows i
-  /// inside the matrix and the band. Write all of them before `factor`, which uses them up.
+  /// Start of column j's part of the band: element (i, j) is at column(j)[upper + i - j], for rows i inside
+  /// the matrix and the band. Write all of them before `factor`, which overwrites them.
   T* column(size_t j) { return a_.data() + j * height_ + lower_; }
   /// False: the matrix is singular or not finite.
   bool factor();

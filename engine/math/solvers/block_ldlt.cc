@@ -12,7 +12,7 @@ namespace truestep {
 
 namespace {
 
-// A block of the row under work holds its columns 4 apart, so that whole columns load and store.
+// The block row in progress stores its columns 4 apart, so that whole columns load and store.
 template <int B>
 constexpr size_t kStride = B == 1 ? 1 : 4;
 
@@ -137,7 +137,7 @@ BlockLdlt::Outcome BlockLdlt::factorize_blocks(const BlockSparse& a) {
       }
       while (length > 0) stack_[--top] = stack_[--length];
     }
-    // y_i = row k, column i of L D; subtract its share from the columns to the right.
+    // y_i = row k, column i of L D; subtract its contribution from the columns to the right.
     double* diagonal = row_.data() + k * kPadded;
     for (; top < n_; ++top) {
       const uint32_t i = stack_[top];

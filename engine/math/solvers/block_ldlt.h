@@ -14,17 +14,17 @@ namespace truestep {
 
 class BlockLdlt {
  public:
-  /// Order, elimination tree and fill of a pattern; does nothing when this pattern was analysed before.
+  /// Order, elimination tree and fill of a pattern; does nothing if this pattern has been analysed already.
   /// Error "bad_pattern" unless the block size is 1 or 3.
   void analyze(const BlockSparse& a);
-  /// Products of blocks that a factorisation takes, after analyze.
+  /// Block products of a factorisation, after analyze.
   double work() const { return work_; }
   size_t fill_blocks() const { return column_begin_.empty() ? 0 : column_begin_.back(); }
 
   enum class Outcome : uint8_t { positive_definite, indefinite, singular };
   /// Factorises the values of `a` (its lower and upper half must agree; the lower one is read).
   Outcome factorize(const BlockSparse& a);
-  /// x = A^-1 b after a factorisation that was not singular; x may be b.
+  /// x = A^-1 b after a nonsingular factorisation; x may be b.
   void solve(std::span<const double> b, std::span<double> x);
   /// Three right-hand sides of a matrix of single numbers at once, row by row: b and x are 3 per row.
   void solve_three(std::span<const double> b, std::span<double> x);

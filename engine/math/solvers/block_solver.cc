@@ -11,10 +11,10 @@ namespace truestep {
 namespace {
 // Measured nanoseconds per stored block of one iteration, and per product of blocks of a factorisation.
 constexpr double kIterationCost = 9, kFactorCost = 13;
-// Fewer iterations than this need no thought, and no analysis of the pattern.
+// Fewer iterations than this need no estimate, and no analysis of the pattern.
 constexpr double kAlwaysIterate = 60;
-// Two grids: rows from which they are looked at, iterations for a reduction by e, products with the matrix of
-// one iteration and of the preparation.
+// Two grids: rows from which they are considered, iterations for a reduction by e, products with the matrix
+// per iteration and in the preparation.
 constexpr size_t kLarge = 12'000;
 constexpr double kTwoGridIterations = 1.6, kProducts = 7, kPreparation = 60;
 

@@ -66,7 +66,7 @@ bool DenseLu<T>::factor_panel(size_t first, size_t width) {
   return regular;
 }
 
-// Brings the columns behind a panel up to date: exchanges, the panel's unit triangle, then the product.
+// Updates the columns behind a panel: exchanges, the panel's unit triangle, then the product.
 template <class T>
 void DenseLu<T>::update_columns(size_t first, size_t width) {
   const size_t end = first + width;

@@ -13,7 +13,7 @@ template <class T>
 class DenseLu {
  public:
   void resize(size_t n);
-  /// Where to put the matrix before `factor`: element (i, j) at j * n + i. Its contents are used up.
+  /// Where to put the matrix before `factor`: element (i, j) at j * n + i. It is overwritten.
   T* matrix() { return a_.data(); }
   /// False: the matrix is singular or not finite.
   bool factor();

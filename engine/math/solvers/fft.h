@@ -15,7 +15,7 @@ namespace truestep {
 class Fft {
  public:
   static constexpr size_t kLanes = 8;
-  /// Doubles of one element: the real parts of its lanes, then the imaginary ones.
+  /// Doubles per element: the real parts of its lanes, then the imaginary ones.
   static constexpr size_t kElement = 2 * kLanes;
   using Buffer = std::vector<double, CacheLineAllocator<double>>;
 
@@ -23,14 +23,14 @@ class Fft {
   ~Fft();
   Fft(Fft&&) noexcept;
   size_t size() const { return n_; }
-  /// Doubles that `scratch` has.
+  /// Size of `scratch` in doubles.
   size_t scratch_size() const;
   /// In place: n elements at `x`.
   void run(double* x, double* scratch) const;
 
  private:
   struct Stage {
-    size_t radix, length, stride;  ///< of what is left, and between its elements
+    size_t radix, length, stride;  ///< of the remaining transform, and between its elements
     std::vector<double> twiddles;  ///< exp(-2 pi i j p / length), j = 1 ... radix - 1 for every p
   };
   struct Chirp;

@@ -56,7 +56,7 @@ void breadth_first(const Graph& g, int32_t root, std::vector<char>& seen, std::v
   }
 }
 
-// A node far out: the last one of repeated breadth-first searches (George, Liu 1979, in short).
+// A peripheral node: the last one of repeated breadth-first searches (after George, Liu 1979).
 int32_t outer_node(const Graph& g, int32_t root, size_t n) {
   for (int turn = 0; turn < 3; ++turn) {
     std::vector<char> seen(n, 0);
@@ -99,7 +99,7 @@ Bandwidth bandwidth(const ColumnPattern& a, std::span<const int32_t> order) {
 
 ColumnGroups group_columns(const ColumnPattern& a) {
   const size_t n = a.columns();
-  // Columns of every row, to find whom a column meets.
+  // Columns of every row, to find the columns that share a row.
   std::vector<int32_t> row_start(n + 1, 0), columns(a.rows.size());
   for (const int32_t i : a.rows) ++row_start[size_t(i) + 1];
   for (size_t i = 0; i < n; ++i) row_start[i + 1] += row_start[i];

@@ -1,7 +1,7 @@
-// What the pattern of a sparse square matrix tells before any number is known: an order of the unknowns that
-// brings the entries near the diagonal (reverse Cuthill-McKee: Cuthill, McKee 1969; George 1971), and groups
-// of columns that share no row, which one difference quotient can measure together (Curtis, Powell, Reid
-// 1974). Patterns are compressed columns; both results depend on the pattern alone.
+// Analysis of the pattern of a sparse square matrix, before any number is known: an order of the unknowns
+// that brings the entries close to the diagonal (reverse Cuthill-McKee: Cuthill, McKee 1969; George 1971),
+// and groups of columns that share no row, which one difference quotient can measure together (Curtis,
+// Powell, Reid 1974). Patterns are compressed columns; both results depend on the pattern alone.
 #pragma once
 #include <cstddef>
 #include <cstdint>
@@ -23,7 +23,7 @@ std::vector<int32_t> reverse_cuthill_mckee(const ColumnPattern& a);
 struct Bandwidth {
   size_t lower = 0, upper = 0;
 };
-/// Diagonals in use when unknown order[k] is renamed k.
+/// Diagonals in use when unknown order[k] is renumbered k.
 Bandwidth bandwidth(const ColumnPattern& a, std::span<const int32_t> order);
 
 /// Group of every column, 0 ... groups - 1, greedily in the order of the columns.

@@ -1,6 +1,6 @@
 // P A = L U of an N x N matrix with N known at compile time (N <= 8 or so): partial pivoting, loops unrolled,
-// everything in a few registers or one cache line. Columns after each other; T is double or Complex.
-// Golub, Van Loan 2013, algorithm 3.4.1.
+// everything in a few registers or one cache line. Column by column; T is double or Complex. Golub, Van Loan
+// 2013, algorithm 3.4.1.
 #pragma once
 #include <array>
 #include <cstddef>
@@ -12,7 +12,7 @@ namespace truestep {
 template <class T, int N>
 class SmallLu {
  public:
-  /// Where to put the matrix before `factor`: element (i, j) at j * N + i. Its contents are used up.
+  /// Where to put the matrix before `factor`: element (i, j) at j * N + i. It is overwritten.
   T* matrix() { return a_.data(); }
 
   /// False: the matrix is singular or not finite.

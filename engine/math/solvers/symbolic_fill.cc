@@ -32,7 +32,7 @@ FactorWork symbolic_factor_work(const ColumnPattern& a) {
     if (k % 256 == 0) interruption_point();
     seen[static_cast<size_t>(k)] = k;
     for (Matrix::InnerIterator it(both, order.indices()[k]); it; ++it) {
-      // From every earlier unknown of row k up the tree, until where another path has been.
+      // From every earlier unknown of row k up the tree, until a node already visited.
       for (int i = place[static_cast<size_t>(it.row())]; i < k && seen[static_cast<size_t>(i)] != k;
            i = parent[static_cast<size_t>(i)]) {
         if (parent[static_cast<size_t>(i)] == -1) parent[static_cast<size_t>(i)] = k;

@@ -21,7 +21,7 @@ double TrigTransform::angle(size_t i) const {
   const auto k = static_cast<double>(i), n = static_cast<double>(n_);
   if (low_ == End::periodic) return 2 * std::numbers::pi * k / n;
   if (low_ == high_) return std::numbers::pi * k / n;
-  // The slowest wave stands at the end that is even last or first.
+  // The slowest wave is at the even end, last or first.
   return std::numbers::pi * (low_ == End::zero ? k - 0.5 : n - k - 0.5) / n;
 }
 
@@ -43,7 +43,7 @@ void TrigTransform::run(Way way, double* x, size_t node_stride, size_t line_stri
   const size_t total = fft_.size(), n = n_;
   double *e = scratch, *rest = scratch + total * kE;
   const bool mixed = low_ != high_;
-  // Mixed ends are always handled from the zero end: place j from there.
+  // Mixed ends are always handled from the zero end: index j counts from there.
   const auto node = [&](size_t j) { return mixed && low_ == End::even ? n - j : j; };
   const auto load = [&](size_t j, double* to) {
     const double* from = x + node(j) * node_stride;
@@ -69,7 +69,7 @@ void TrigTransform::run(Way way, double* x, size_t node_stride, size_t line_stri
     for (size_t l = 0; l < kE; ++l) at(to)[l] = -at(from)[l];
   };
   double values[kE];
-  // Of odd extensions a line in the real lanes ends in the imaginary ones: -2i S.
+  // For odd extensions, a line in the real lanes ends up in the imaginary ones: -2i S.
   const auto store_odd = [&](size_t j, size_t k, double scale) {
     const double* z = at(k);
     for (size_t l = 0; l < kL; ++l) values[l] = -scale * z[kL + l], values[kL + l] = scale * z[l];

@@ -6,9 +6,10 @@
 //   zero, even      1 ... n              sin(pi j (k + 1/2) / n)   odd, even          (DST-III)
 //   even, zero      0 ... n-1            the same from the other end
 //   periodic        0 ... n-1            cos + sin (2 pi j k / n)  none               (Hartley)
-// Coefficients stand where the nodes stand, those of (zero, even) one place further, so that every transform
-// is in place; values at zero ends are neither read nor written. Sixteen lines go at once, two in each
-// complex lane (Strang 1999, "The discrete cosine transform"; Bracewell 1983 for Hartley's).
+// Coefficients are stored where the nodes are, those of (zero, even) one place further, so that every
+// transform is in place; values at zero ends are neither read nor written. Sixteen lines are transformed at
+// once, two in each complex lane (Strang 1999, "The discrete cosine transform"; Bracewell 1983 for
+// Hartley's).
 #pragma once
 #include "engine/math/solvers/fft.h"
 
@@ -24,7 +25,7 @@ class TrigTransform {
   size_t nodes() const { return low_ == End::periodic ? n_ : n_ + 1; }
   size_t first() const { return low_ == End::zero ? 1 : 0; }
   size_t last() const { return high_ == End::even ? n_ : n_ - 1; }
-  /// Angle of the wave whose coefficient stands at place i: its second difference is 2 cos(angle) - 2 times
+  /// Angle of the wave whose coefficient is at index i: its second difference is 2 cos(angle) - 2 times
   /// itself.
   double angle(size_t i) const;
 

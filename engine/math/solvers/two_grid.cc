@@ -11,10 +11,10 @@ namespace truestep {
 namespace {
 
 constexpr size_t kRows = 1024;              // per task
-constexpr size_t kWanted = 400;             // aggregates: a factorisation of as many costs little
-constexpr size_t kLeast = 24, kMost = 512;  // rows of one
+constexpr size_t kWanted = 400;             // number of aggregates: a factorisation of this size costs little
+constexpr size_t kLeast = 24, kMost = 512;  // rows per aggregate
 constexpr int kPowerSteps = 10;
-constexpr double kAbove = 1.15, kLowest = 0.12;  // of the spectrum that polynomials smooth
+constexpr double kAbove = 1.15, kLowest = 0.12;  // part of the spectrum that the polynomials smooth
 constexpr int kDegree = 3;
 
 template <class Body>
@@ -72,7 +72,7 @@ void TwoGrid::analyze(const BlockSparse& a) {
         ring.push_back(next);
       }
     }
-    // What is left over between others goes to the smallest of them.
+    // Remainders between other aggregates join the smallest neighbour.
     uint32_t host = own;
     if (ring.size() < most / 4) {
       for (const uint32_t i : ring) {
@@ -130,7 +130,7 @@ bool TwoGrid::prepare(const BlockSparse& a, std::span<const double> places, cons
   blocks(arena, n, [&](size_t, size_t begin, size_t end) {
     for (size_t i = begin; i < end; ++i) {
       invert_block3(a.block(a.diagonal_slot(i)).data(), inverse_.data() + 9 * i);
-      // Components that nothing is coupled to stay out of the coarse grid.
+      // Components coupled to nothing stay out of the coarse grid.
       double coupled[3] = {};
       for (auto s = a.row_begin(i); s < a.row_begin(i + 1); ++s) {
         if (a.column(s) == i) continue;
@@ -140,7 +140,7 @@ bool TwoGrid::prepare(const BlockSparse& a, std::span<const double> places, cons
       for (size_t c = 0; c < 3; ++c) free_[3 * i + c] = coupled[c] > 0 ? 1 : 0;
     }
   });
-  // Aggregates write rows of their own; their arms first, which neighbours read.
+  // Aggregates write rows of their own; first their arms, which neighbours read.
   arena.for_blocks(aggregates(), 8, [&](size_t begin, size_t end) {
     for (size_t k = begin; k < end; ++k) {
       Vec3 centre;
@@ -174,7 +174,7 @@ bool TwoGrid::prepare(const BlockSparse& a, std::span<const double> places, cons
       }
     }
   });
-  // Motions that an aggregate does not have, as rotations of a single row or of what is held.
+  // Motions that an aggregate does not have, like rotations of a single row or of held rows.
   constexpr double kNothing = 1e-12;
   for (size_t k = 0; k < 2 * aggregates(); ++k) {
     const auto diagonal = coarse_.block(coarse_.diagonal_slot(k));
@@ -188,7 +188,7 @@ bool TwoGrid::prepare(const BlockSparse& a, std::span<const double> places, cons
   return highest_ > 0 && std::isfinite(highest_);
 }
 
-// Of D^-1 A, by power steps from a vector of signs without order, which has a share of every mode.
+// Of D^-1 A, by power iteration from a vector of pseudo-random signs, which contains every mode.
 double TwoGrid::largest_eigenvalue(const BlockSparse& a, const ThreadArena& arena) {
   const size_t n = a.block_rows();
   for (size_t i = 0; i < 3 * n; ++i) p_[i] = (i * 2654435761u >> 7) % 2 ? 1 : -1;

@@ -3,7 +3,7 @@
 // part of the spectrum; Adams and others 2003, Journal of Computational Physics 188), and rigid motions of
 // aggregates of neighbouring rows on the coarse one, whose system A_c = P^T A P is solved directly (Vanek,
 // Mandel, Brezina 1996, Computing 56, without their smoothing of P). A row i of an aggregate with centre c
-// moves as u + w x (x_i - c), so that what bends a body slowly is known to the coarse grid. Sums run over
+// moves as u + w x (x_i - c), so that the coarse grid represents the slow bending of a body. Sums run over
 // fixed blocks of rows or over the rows of an aggregate: any number of threads gives the same bits.
 #pragma once
 #include <span>
@@ -16,13 +16,13 @@ namespace truestep {
 
 class TwoGrid {
  public:
-  /// Aggregates of a pattern of blocks of 3; nothing when this pattern was analysed before.
+  /// Forms aggregates for a pattern with blocks of 3; does nothing if this pattern has been analysed already.
   void analyze(const BlockSparse& a);
   size_t aggregates() const { return begin_.empty() ? 0 : begin_.size() - 1; }
-  /// Products of blocks that the coarse factorisation takes, after analyze.
+  /// Block products of the coarse factorisation, after analyze.
   double coarse_work() const { return coarse_solver_.work(); }
 
-  /// As Pcg::solve. `places`: m, three a block row. Negative curvature also where the coarse matrix has it.
+  /// As Pcg::solve. `places`: m, three per block row. Also reports negative curvature of the coarse matrix.
   Pcg::Result solve(const BlockSparse& a, std::span<const double> places, std::span<const double> b,
                     std::span<double> x, double tolerance, int max_iterations, const ThreadArena& arena);
   /// Another right-hand side for the matrix of the last solve.
@@ -40,8 +40,8 @@ class TwoGrid {
   uint64_t stamp_ = 0;
   std::vector<uint32_t> aggregate_;      // of a row
   std::vector<uint32_t> begin_, rows_;   // rows of an aggregate
-  std::vector<BlockSparse::Slot> slot_;  // of a block: the coarse block of translations; the others follow
-  BlockSparse coarse_;                   // two rows an aggregate: translation, rotation
+  std::vector<BlockSparse::Slot> slot_;  // per block: the coarse block of translations; the others follow
+  BlockSparse coarse_;                   // two rows per aggregate: translation, rotation
   BlockLdlt coarse_solver_;
   double highest_ = 1;  // eigenvalue of D^-1 A
   Vector inverse_, arm_, free_, r_, z_, p_, q_, d_, s_, t_, sums_;

@@ -1,5 +1,5 @@
-// glTF 2.0 (Khronos 2017): nodes 0 to n - 1 are the joints, a node after them carries the mesh; everything is
-// in one binary buffer, numbers in f32 as the format has them.
+// glTF 2.0 (Khronos 2017): nodes 0 to n - 1 are the joints, a node after them carries the mesh; all data is
+// in one binary buffer, with numbers in f32 as the format requires.
 #include <boost/json.hpp>
 #include <cmath>
 #include <cstring>
@@ -20,7 +20,7 @@ struct MotionExport::Document {
   json::array roots;
   std::string binary;
 
-  /// Rows of `width` numbers; the accessor's number.
+  /// Appends rows of `width` numbers; returns the accessor's index.
   size_t numbers(std::span<const double> all, size_t width, bool bounds) {
     static constexpr const char* kTypes[] = {"", "SCALAR", "", "VEC3", "VEC4"};
     const size_t first = view(all.size() * 4);

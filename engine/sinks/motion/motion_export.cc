@@ -41,7 +41,7 @@ void MotionExport::add(const State& state, double t) {
       const Pose here = pose(j), above = p < 0 ? Pose{} : pose(static_cast<size_t>(p));
       const Quat back = conjugate(above.orientation);
       Pose local{rotate(back, here.position - above.position), normalized(back * here.orientation)};
-      // The same sign from frame to frame, so that what interpolates goes the short way.
+      // Keeps the sign from frame to frame, so that interpolation takes the short way.
       if (frames_ > 1) local.orientation = nearer(locals_[locals_.size() - n].orientation, local.orientation);
       locals_.push_back(local);
     }

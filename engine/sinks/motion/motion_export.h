@@ -1,5 +1,5 @@
-// A skeleton or a blended surface as files of other programs: BVH (joints alone) or glTF 2.0 (joints, skin
-// with its weights, targets, and their motion), collected frame by frame.
+// Exports a skeleton or a blended surface to files of other programs: BVH (joints only) or glTF 2.0 (joints,
+// skin with its weights, targets, and their motion), collected frame by frame.
 #pragma once
 #include <cstddef>
 #include <memory>
@@ -14,16 +14,16 @@ namespace truestep {
 
 class MotionExport {
  public:
-  /// Of a system with a skeleton or targets; Error "unsuitable_system" otherwise. `rate`: frames a second.
+  /// For a system with a skeleton or targets; Error "unsuitable_system" otherwise. `rate`: frames per second.
   MotionExport(const System& system, std::string name, double rate);
   static bool suits(const System& system);
 
   void add(const State& state, double t);
   size_t frames() const { return frames_; }
 
-  /// Lines with their ends; lengths in m. Error "unsuitable_system" where there is no skeleton.
+  /// Lines with their line ends; lengths in m. Error "unsuitable_system" without a skeleton.
   std::string bvh() const;
-  /// A .glb, and a .gltf with its data in it.
+  /// A .glb, and a .gltf with embedded data.
   std::string glb() const;
   std::string gltf() const;
 
@@ -37,7 +37,7 @@ class MotionExport {
   std::string name_;
   double rate_;
   size_t frames_ = 0;
-  std::vector<Pose> locals_;     ///< frames x joints, each in its parent's frame; of a surface frames x 1
+  std::vector<Pose> locals_;     ///< frames x joints, each in its parent's frame; for a surface frames x 1
   std::vector<double> weights_;  ///< frames x targets
 };
 

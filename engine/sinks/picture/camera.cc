@@ -79,7 +79,7 @@ struct Slab {
 
 Axes axes_of(const Vec3& up_hint) {
   const Vec3 up = normalized(finite(up_hint) ? up_hint : Vec3{0, 1, 0}, {0, 1, 0});
-  // y-up looks along z as most scenes do; for another up the horizontal axis farthest from it serves.
+  // y-up looks along z as most scenes do; for another up, the horizontal axis farthest from it is used.
   const Vec3 hint = std::abs(up.z) < 0.9 ? Vec3{0, 0, 1} : Vec3{0, -1, 0};
   const Vec3 side = normalized(cross(up, hint));
   return {side, up, cross(side, up)};
@@ -97,7 +97,7 @@ DrawCamera camera_for(const DrawList& list, double aspect) {
   camera.up = list.up, camera.fov_degrees = list.fov_degrees;
   const Axes axes = axes_of(list.up);
   const Vec3 oblique = axes.side * 0.5 + axes.up * 0.42 + axes.front;
-  // Never quite along `up`, or the picture would have no upper side.
+  // Never exactly along `up`, or the picture would have no upright direction.
   const Vec3 back = normalized(list.facing ? *list.facing + axes.front * 1e-3 : oblique);
   const Vec3 right = normalized(cross(axes.up, back)), above = cross(back, right);
   const double ky = std::tan(camera.fov_degrees * kDegree / 2) * list.fill, kx = ky * aspect;
@@ -117,7 +117,7 @@ DrawCamera camera_for(const DrawList& list, double aspect) {
   double d =
       std::max((horizontal.plus + horizontal.minus) / (2 * kx), (vertical.plus + vertical.minus) / (2 * ky));
   const double middle = (nearest + farthest) / 2;
-  // A lone point without radius has no size: stand back by one metre or a millionth of its coordinates.
+  // A lone point without radius has no size: step back by one metre or a millionth of its coordinates.
   const double least =
       std::max({1e-6 * (std::abs(x) + std::abs(y) + std::abs(middle)), (nearest - farthest) / 2, 0.0});
   if (d - middle <= least) d = middle + (least > 0 ? 2 * least : 1.0);

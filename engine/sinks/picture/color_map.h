@@ -4,10 +4,10 @@
 
 namespace truestep::picture {
 
-/// Colour of the i-th system that names none; repeats after eight.
+/// Default colour of the i-th system; repeats after eight.
 Color palette(size_t i);
 
-/// What is written and ruled on paper of this colour: dark on bright, bright on dark.
+/// Colour of text and lines on a background of this colour: dark on bright, bright on dark.
 Color ink_over(const Color& paper);
 
 /// Colour of t in [0, 1] (clamped; not-a-number counts as 0), piecewise linear between the map's stops.

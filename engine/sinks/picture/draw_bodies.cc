@@ -13,12 +13,12 @@ namespace {
 using Motion = Visual::Motion;
 
 constexpr Color kFixed{0.70f, 0.715f, 0.735f}, kKinematic{0.53f, 0.60f, 0.70f}, kSensor{0.35f, 0.62f, 0.75f};
-constexpr float kShade = 0.09f;  // by which neighbours of one colour differ
-constexpr double kWide = 2.5;    // a fixed body this many times wider than all that moves is a floor
+constexpr float kShade = 0.09f;  // by which neighbours of the same colour differ
+constexpr double kWide = 2.5;    // a fixed body this many times wider than everything that moves is a floor
 constexpr Color kContact{0.86f, 0.13f, 0.13f}, kRevolute{0.10f, 0.45f, 0.85f},
     kSpherical{0.05f, 0.60f, 0.35f}, kPrismatic{0.80f, 0.45f, 0.05f}, kWeld{0.45f, 0.20f, 0.60f};
 
-/// A number in [-1, 1] that neighbouring rows do not share.
+/// A number in [-1, 1] that differs between neighbouring rows.
 float shade_of(uint32_t row) {
   const uint32_t h = (row + 1) * 2654435761u;
   return static_cast<float>(h >> 8) / 8388608.0f - 1.0f;
@@ -61,7 +61,7 @@ double radius_of(const DrawShape& s) {
   return r;
 }
 
-/// A camera that nobody gave looks at what moves and at what is not much wider.
+/// A camera chosen automatically frames what moves and anything not much wider.
 void frame(std::vector<DrawShape>& shapes, const std::vector<Motion>& motions) {
   Vec3 low{HUGE_VAL, HUGE_VAL, HUGE_VAL}, high = -low;
   for (size_t i = 0; i < shapes.size(); ++i) {

@@ -6,13 +6,13 @@
 
 namespace truestep {
 
-/// Where a part's rows are, how they are turned and which are asleep.
+/// Positions and orientations of a part's rows, and which of them are asleep.
 struct Poses {
   FrameValues position, orientation, asleep;
 };
 
-/// Appends what the rows of a part carry. `values` colour them row by row where there is one per row, else
-/// their own colour does, or that of their group. Sleeping bodies are paler and darker.
+/// Appends the visuals carried by the rows of a part. `values` colour them if there is one per row, otherwise
+/// their own colour or that of their group does. Sleeping bodies are paler and darker.
 void add_bodies(DrawList& list, const PartDrawing& drawing, const Poses& poses, const DrawPoints& values);
 
 /// Appends contacts (a point, and a line along the normal as long as the force) and joints (their ends, and

@@ -12,7 +12,7 @@ namespace truestep {
 namespace {
 
 constexpr size_t kSlices = 9;        // of a volume
-constexpr double kCurveShare = 0.3;  // of a curve's length, its height
+constexpr double kCurveShare = 0.3;  // a curve's height as a fraction of its length
 constexpr size_t kMostArrows = 28;   // along a side
 constexpr Color kInk{0.08f, 0.09f, 0.12f};
 
@@ -23,10 +23,10 @@ Vec3 unit(size_t axis) {
   return {axis == 0 ? 1.0 : 0.0, axis == 1 ? 1.0 : 0.0, axis == 2 ? 1.0 : 0.0};
 }
 
-/// Two directions of a lattice and a place on the third: a plane of rows.
+/// A plane of rows: two directions of a lattice and a position along the third.
 struct Plane {
   const Lattice& lattice;
-  size_t u, v, w;    ///< axes; w is at right angles
+  size_t u, v, w;    ///< axes; w is perpendicular to the plane
   size_t layer = 0;  ///< index along w
   size_t nu() const { return lattice.counts[u]; }
   size_t nv() const { return lattice.counts[v]; }
@@ -43,7 +43,7 @@ struct Plane {
   }
 };
 
-/// The axes that a lattice has, then those that it has not.
+/// The axes that a lattice has, then those that it lacks.
 std::array<size_t, 3> axes_of(const Lattice& l) {
   std::array<size_t, 3> axes{0, 1, 2};
   std::stable_partition(axes.begin(), axes.end(), [&](size_t a) { return l.counts[a] > 1; });
@@ -81,7 +81,7 @@ Shown shown_of(const PartInfo& part, size_t field, const FrameValues& values, co
   return s;
 }
 
-/// Pieces of lines with a radius that shows.
+/// Line segments with a visible radius.
 DrawPoints strokes(const Color& color, double radius) {
   DrawPoints out;
   out.color = color;
@@ -116,7 +116,7 @@ DrawPoints surface(const Plane& p, const Shown& s, double height) {
   return out;
 }
 
-/// m; what lines over a plane are thick.
+/// m; thickness of lines on a plane.
 double line_size(const Plane& p) {
   return 0.0018 * norm(p.at(static_cast<double>(p.nu() - 1), static_cast<double>(p.nv() - 1)) - p.at(0, 0));
 }
@@ -180,7 +180,7 @@ void add_streamlines(DrawList& list, const Plane& p, const Shown& s, int64_t cou
   }
   const PlaneField field{u, v, p.nu(), p.nv()};
   DrawPoints lines = strokes(kInk, line_size(p));
-  // Seeds as even as the shape allows.
+  // Seeds as evenly spaced as the shape allows.
   const double share = static_cast<double>(p.nu()) / static_cast<double>(p.nv());
   const auto columns =
       static_cast<size_t>(std::max(1.0, std::round(std::sqrt(static_cast<double>(count) * share))));

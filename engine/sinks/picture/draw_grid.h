@@ -1,6 +1,5 @@
-// Grids as pictures show them: a curve in one dimension; in the plane colours, or a surface that stands out
-// by the value; in space a slice, or a few translucent ones. Level lines, arrows and streamlines over them on
-// request.
+// How pictures show grids: in one dimension a curve; in the plane colours, or a surface whose height is the
+// value; in space a slice, or a few translucent ones. On request with contours, arrows and streamlines.
 #pragma once
 #include <string>
 
@@ -10,15 +9,15 @@
 
 namespace truestep {
 
-/// Appends the grid of `part` with the values of its field `field`; of a vector field the colours show the
-/// length.
+/// Appends the grid of `part` with the values of its field `field`; for a vector field, colours show the
+/// magnitude.
 void add_grid(DrawList& list, const PartInfo& part, size_t field, const FrameValues& values,
               const ViewerParams& viewer);
 
 /// Name and unit beside a colour bar; pure numbers have no unit.
 std::string label_of(const std::string& name, const std::string& unit);
 
-/// The side to look from at a grid of this part; nothing where obliquely from above is best.
+/// The side from which to view a grid of this part; empty when obliquely from above is best.
 std::optional<Vec3> facing_side(const PartInfo& part, const ViewerParams& viewer);
 
 }  // namespace truestep

@@ -1,6 +1,6 @@
-// What a picture shows, as plain numbers: points with their lines and triangles, solid shapes, a camera, a
-// ground and a caption. It knows no State and no system; whoever has a frame fills one of these. Lengths
-// in metres, colours are sRGB in [0, 1], indices refer to the points of the same set.
+// The contents of a picture as plain numbers: points with their lines and triangles, solid shapes, a camera,
+// a ground and a caption. It knows no State and no system; it is filled from a frame. Lengths in metres,
+// colours are sRGB in [0, 1], indices refer to the points of the same set.
 #pragma once
 #include <cstdint>
 #include <optional>
@@ -26,21 +26,21 @@ struct DrawPoints {
   std::vector<float> positions;            ///< n x 3, m; points that are not finite are left out
   float radius = 0;                        ///< m; 0 = points are not drawn, only their lines and triangles
   std::vector<float> radii;                ///< n, m; overrides `radius`
-  std::optional<Color> color;              ///< none = the next one of the palette
+  std::optional<Color> color;              ///< empty = the next one of the palette
   std::vector<float> scalar;               ///< n; colours points (and triangles) by `color_map`
   ColorMap color_map = ColorMap::viridis;  ///< used when `scalar` is given
-  std::optional<float> scalar_min;         ///< none = smallest finite value
-  std::optional<float> scalar_max;         ///< none = largest finite value
+  std::optional<float> scalar_min;         ///< empty = smallest finite value
+  std::optional<float> scalar_max;         ///< empty = largest finite value
   std::string scalar_label;                ///< name and unit beside the colour bar; empty = no colour bar
   std::vector<uint32_t> lines;             ///< 2 per line
   std::vector<uint8_t> line_kinds;         ///< LineKind per line; empty = all structural
-  std::optional<Color> line_color;         ///< none = from `color`
+  std::optional<Color> line_color;         ///< empty = from `color`
   std::vector<float> line_scalar;          ///< one per line; colours lines instead of points
   float line_radius = 0;                   ///< m; lines are never thinner than about 1.5 pixels
-  double line_pixels = 0;                  ///< width that lines have at least in a picture 720 pixels high
-  double point_pixels = 0;                 ///< the same, diameter of points
+  double line_pixels = 0;                  ///< minimum width of lines in a picture 720 pixels high
+  double point_pixels = 0;                 ///< the same for the diameter of points
   std::vector<uint32_t> triangles;         ///< 3 per triangle, smooth, seen from both sides
-  /// How triangles look: lit, in the very colours of the map, or in these and the clearer the lower the
+  /// How triangles look: lit, in exactly the map's colours, or in those and more transparent the lower the
   /// value.
   enum class Surface : uint8_t { lit, plain, translucent } surface = Surface::lit;
 };
@@ -53,28 +53,28 @@ struct DrawShape {
   Vec3 position;
   double orientation[4] = {1, 0, 0, 0};  ///< unit quaternion w x y z
   Vec3 size{1, 1, 1};
-  bool container = false;  ///< things live inside: drawn as edges and a breath of glass
+  bool container = false;  ///< things live inside: drawn as edges with a hint of glass
   std::optional<Color> color;
-  std::shared_ptr<const DrawnMesh> mesh = {};  ///< of kind mesh
-  /// Whether a camera that nobody gave looks at it: a wide floor would make what stands on it small.
+  std::shared_ptr<const DrawnMesh> mesh = {};  ///< for kind mesh
+  /// Whether an automatically chosen camera frames it: a wide floor would make what stands on it small.
   enum class Framing : uint8_t { counts, ignored } framing = Framing::counts;
 };
 
-/// A straight mark over everything else, seen through solids.
+/// A straight mark on top of everything, visible through solids.
 struct DrawMark {
   Vec3 from, to;  ///< m
   Color color;
   double radius = 0;  ///< m; never thinner than about 1.5 pixels
 };
 
-/// Words at a place of the scene, over everything.
+/// Text at a position in the scene, on top of everything.
 struct DrawLabel {
   std::string text;
   Vec3 at;  ///< m
-  /// Where the words are, seen from the place: left and right of it, centred above or below it, one line
+  /// Position of the text relative to the point: left or right of it, centred above or below it, one line
   /// farther below, or above it and ending there.
   enum class Side : uint8_t { left, right, above, below, under, corner } side = Side::right;
-  std::optional<Color> color = {};  ///< none = the theme's ink
+  std::optional<Color> color = {};  ///< empty = the theme's ink
 };
 
 /// A name and its colour.
@@ -83,11 +83,11 @@ struct LegendRow {
   Color color;
 };
 
-/// Where the picture is taken from; `fov_degrees` is the vertical opening angle, 1 to 160.
+/// Where the picture is taken from; `fov_degrees` is the vertical field of view, 1 to 160.
 struct DrawCamera {
   Vec3 eye{3, 2, 4};
   Vec3 target;
-  std::optional<Vec3> up;  ///< none = the list's up
+  std::optional<Vec3> up;  ///< empty = the list's up
   double fov_degrees = 35;
 };
 
@@ -98,13 +98,14 @@ struct DrawList {
   std::vector<DrawMark> marks;
   std::vector<DrawLabel> labels;
   std::vector<LegendRow> legend;        ///< top left
-  std::vector<Vec3> framed;             ///< m; what a chosen camera shows besides
-  double fill = 0.9;                    ///< share of the picture's half that a chosen camera fills
-  double fov_degrees = 35;              ///< of a chosen camera
+  std::vector<Vec3> framed;             ///< m; additional points that an automatic camera frames
+  double fill = 0.9;                    ///< share of the picture's half that an automatic camera fills
+  double fov_degrees = 35;              ///< of an automatic camera
   Vec3 up{0, 1, 0};                     ///< away from the ground; opposite to gravity
-  std::optional<DrawCamera> camera;     ///< none = chosen so that all points and shapes are in the picture
-  std::optional<Vec3> facing;           ///< side that a chosen camera looks from; none = obliquely from above
-  std::optional<double> ground_height;  ///< m along `up`; none = no ground
+  std::optional<DrawCamera> camera;     ///< empty = chosen so that all points and shapes are in the picture
+  std::optional<Vec3> facing;           ///< side from which an automatic camera looks; empty = obliquely from
+                                        ///< above
+  std::optional<double> ground_height;  ///< m along `up`; empty = no ground
   Color background_top{0.925f, 0.94f, 0.96f};
   Color background_bottom{0.80f, 0.83f, 0.87f};
   std::string caption;  ///< scene name and time, bottom left; ASCII, others become '?'

@@ -12,10 +12,10 @@ namespace truestep {
 namespace {
 
 constexpr int kTicks = 5;
-constexpr double kRoom = 0.04;       // between what is shown and the frame, part of its side
-constexpr double kFill = 0.76;       // of the picture's half, with ticks and names outside
-constexpr double kAuthored = 0.8;    // share of a camera's own frame that matters
-constexpr double kAspect = 4.0 / 3;  // of the pictures that scenes' cameras are made for
+constexpr double kRoom = 0.04;       // margin between curves and frame, as a fraction of its side
+constexpr double kFill = 0.76;       // of the picture's half; ticks and names are outside
+constexpr double kAuthored = 0.8;    // share of a given camera's own frame that matters
+constexpr double kAspect = 4.0 / 3;  // of the pictures that the scenes' cameras are made for
 constexpr float kFrameShare = 0.85f, kGridShare = 0.1f;
 
 struct Sides {
@@ -80,7 +80,7 @@ void add_axes(DrawList& list, std::span<const PlotAxis> axes, const PlotBox& box
   const auto& [x0, y0, z0] = s.low;
   const auto& [x1, y1, z1] = s.high;
   const double back = solid ? z0 : 0, front = solid ? z1 : 0;
-  // A side that is short beside the others has room for fewer words.
+  // A side much shorter than the others has room for fewer labels.
   const double longest = std::max({x1 - x0, y1 - y0, solid ? z1 - z0 : 0});
   const auto ticks = [&](size_t k) {
     const double share = (s.high[k] - s.low[k]) / longest;

@@ -6,7 +6,8 @@
 
 namespace truestep {
 
-/// Appends the frame's strings in the ink of the list's theme; one whose rows the frame lacks is left out.
+/// Appends the frame's strings in the ink of the list's theme; those whose rows are missing from the frame
+/// are skipped.
 void add_strings(DrawList& list, const World& world, const Frame& frame);
 
 }  // namespace truestep

@@ -19,13 +19,14 @@ namespace truestep {
 namespace {
 
 constexpr double kLinePixels = 3.5;  // of ropes, rods and curves
-constexpr double kMarkPixels = 9;    // of the points of a net that has no size
-constexpr size_t kNet = 1500;        // lines from which they are a net, and as thin as can be seen
+constexpr double kMarkPixels = 9;    // of the points of a net without a size
+constexpr size_t kNet = 1500;        // from this many lines on they form a net and are drawn as thin as
+                                     // possible
 constexpr size_t kMarked = 128;      // points
-constexpr double kGridFill = 0.8;    // of a field's picture: caption and colour bar stand below it
-constexpr double kFlatFov = 12;      // degrees: of a plane scene the faces are seen, not the sides
+constexpr double kGridFill = 0.8;    // for a field's picture: caption and colour bar are below it
+constexpr double kFlatFov = 12;      // degrees: a planar scene shows its faces, not its sides
 
-// Length of each row: colours show the size of a vector field, or the value of a scalar one.
+// Magnitude of each row: the length of a vector, or the value of a scalar field.
 std::vector<float> magnitudes(const std::vector<float>& values, uint32_t width) {
   std::vector<float> out(values.size() / width);
   for (size_t i = 0; i < out.size(); ++i) {
@@ -36,14 +37,14 @@ std::vector<float> magnitudes(const std::vector<float>& values, uint32_t width) 
   return out;
 }
 
-// The field of a part that colours it. "speed" is understood for everything that has velocities.
+// The field that colours a part. "speed" is understood for everything that has velocities.
 std::optional<size_t> color_field(const PartInfo& part, const std::string& color_by) {
   if (color_by.empty()) return std::nullopt;
   if (const auto f = part.find(color_by)) return f;
   return color_by == "speed" ? part.find(Meaning::velocity) : std::nullopt;
 }
 
-/// Values of the lines that a part draws, where its system has a part of such.
+/// Values of the lines drawn by a part, if its system has a part for them.
 struct LineValues {
   size_t part, field;
 };
@@ -94,7 +95,7 @@ DrawPoints points_of(const World& world, const Frame& frame, size_t p, const Vie
     const FieldInfo& field = world.parts()[at->part].info().fields[at->field];
     points.scalar_label = label_of(color_by, field.unit);
   }
-  // Under a surface its springs would only be noise.
+  // Springs under a surface would only be clutter.
   if (!points.triangles.empty()) points.lines.clear(), points.line_kinds.clear();
   if (topology.color) {
     const auto& c = *topology.color;
@@ -117,13 +118,13 @@ DrawShape shape_of(const DrawnShape& s) {
   return d;
 }
 
-// Names of systems as a person writes them.
+// Names of systems in readable form.
 std::string spaced(std::string id) {
   std::replace(id.begin(), id.end(), '_', ' ');
   return id;
 }
 
-// Pictures stand upright: up is the axis that gravity points against; y when there is none, or a slanted one.
+// Pictures are upright: up is the axis opposite to gravity; y when there is no gravity or it is slanted.
 Vec3 up_of(const Vec3& gravity) {
   const Vec3 up = normalized(-gravity, {0, 1, 0});
   for (const Vec3& axis : {Vec3{1, 0, 0}, Vec3{0, 0, 1}}) {
@@ -132,7 +133,7 @@ Vec3 up_of(const Vec3& gravity) {
   return {0, 1, 0};
 }
 
-// The viewer gives its palette to the parts in the same order.
+// The viewer assigns its palette to the parts in the same order.
 std::vector<size_t> palette_places(const World& world) {
   std::vector<size_t> out;
   size_t next = 0;
@@ -174,7 +175,7 @@ bool lies_in_plane(const World& world, const Frame& frame) {
   return world.parts().size() > 0;
 }
 
-// Seen from afar through a long lens: the same part of the plane, and next to nothing of the sides.
+// Viewed from afar through a long lens: the same part of the plane, and hardly any of the sides.
 void flatten(DrawList& list) {
   list.fov_degrees = kFlatFov;
   list.ground_height.reset();
@@ -186,7 +187,7 @@ void flatten(DrawList& list) {
   if (farther > 1) c.eye = c.target + (c.eye - c.target) * farther, c.fov_degrees = kFlatFov;
 }
 
-// A camera looks from here; the front is the side that z points to, or x where z is up.
+// Where a camera looks from; the front is the side that z points to, or x where z is up.
 Vec3 side_of(PictureLook::View view, const Vec3& up) {
   const Vec3 front = std::abs(up.z) > 0.9 ? Vec3{1, 0, 0} : Vec3{0, 0, 1};
   if (view == PictureLook::View::front) return front;
@@ -219,7 +220,7 @@ double reach_down(const DrawShape& s, const Vec3& up) {
   }
 }
 
-/// Longest line of a mark (m): what is in the picture, less a lot.
+/// Longest line of a mark (m), from the size of the scene without outliers.
 double mark_size(const DrawList& list) {
   Vec3 low{HUGE_VAL, HUGE_VAL, HUGE_VAL}, high = -low;
   const auto cover = [&](const Vec3& p) {
@@ -239,7 +240,7 @@ double mark_size(const DrawList& list) {
   return std::isfinite(size) && size > 0 ? 0.08 * size : 0.2;
 }
 
-// The ground lies under everything that is drawn.
+// The ground lies below everything drawn.
 double lowest_point(const DrawList& list) {
   double low = HUGE_VAL;
   for (const DrawPoints& p : list.points) {
@@ -298,7 +299,7 @@ FrameRequest picture_request(const World& world, const PictureLook& look) {
 DrawList draw_list_of(const World& world, const Frame& frame, const PictureLook& look) {
   DrawList list;
   const SceneHeader& header = world.scene().header;
-  // A range belongs to the field that the scene names.
+  // A range belongs to the field named by the scene.
   ViewerParams viewer = header.viewer;
   if (look.color_by && *look.color_by != viewer.color_by)
     viewer.color_by = *look.color_by, viewer.range.clear();
@@ -318,7 +319,7 @@ DrawList draw_list_of(const World& world, const Frame& frame, const PictureLook&
     const auto rows = [&](Meaning m) { return FrameValues(frame, p, info.find(m)); };
     add_bodies(list, frame.constant->parts[p],
                {rows(Meaning::position), rows(Meaning::orientation), rows(Meaning::asleep)}, points);
-    // Rows that only carry bodies are not looked at either; coloured ones bring the colour bar.
+    // Rows that only carry bodies are not framed either; coloured ones provide the colour bar.
     const bool only_bodies = list.shapes.size() > before && points.radius == 0 && points.lines.empty() &&
                              points.triangles.empty() && points.scalar.empty();
     if (points.positions.empty() || only_bodies) continue;
@@ -334,7 +335,7 @@ DrawList draw_list_of(const World& world, const Frame& frame, const PictureLook&
     }
     if (!points.color) points.color = picture::palette(places[p]);
     const bool main = world.parts()[p].index == 0;
-    // Rows that other shapes are drawn for show no colour of their own.
+    // Rows drawn by other shapes show no colour of their own.
     const bool visible = points.radius > 0 || !points.lines.empty() || !points.triangles.empty();
     if (main && visible && !colored && list.shapes.size() == before && drawing.plot.empty())
       systems.push_back({spaced(world.parts()[p].id), own_color(world, frame, p).value_or(*points.color)});
@@ -370,7 +371,7 @@ DrawList draw_list_of(const World& world, const Frame& frame, const PictureLook&
     add_axes(list, axes, plot);
   }
   if (lies_in_plane(world, frame)) flatten(list);
-  // Names stand outside a plot's frame: there is room for them in a picture that is framed anew.
+  // Names are outside a plot's frame: an automatic camera leaves room for them.
   if (!list.labels.empty() && list.camera) frame_as(list, *std::exchange(list.camera, std::nullopt));
   char time[48];
   // Planets take years, atoms picoseconds.

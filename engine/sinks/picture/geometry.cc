@@ -11,7 +11,7 @@
 namespace truestep::picture {
 namespace {
 
-constexpr double kSpritePixels = 5;     // radius below which flat depth cannot be told from a ball's
+constexpr double kSpritePixels = 5;     // radius below which flat depth cannot be distinguished from a ball's
 constexpr double kSpriteRadius = 0.01;  // picture units
 constexpr float kVisible = 1e4f;  // picture units; beyond it a coordinate is off the far plane by any account
 
@@ -39,7 +39,7 @@ void check(const DrawPoints& set, size_t index) {
       if (i >= n) refuse(index, "index " + std::to_string(i) + " but only " + std::to_string(n) + " points");
 }
 
-// Colours of `values` by the set's map; of none, `base`.
+// Colours of `values` by the set's map, or `base` without values.
 std::vector<Bytes4> mapped_colors(const DrawPoints& set, const std::vector<float>& values, size_t n,
                                   const Color& base) {
   std::vector<Bytes4> colors(n, bytes_of(base));
@@ -56,7 +56,7 @@ std::vector<Bytes4> mapped_colors(const DrawPoints& set, const std::vector<float
   return colors;
 }
 
-// Structural springs carry the colour; shear and bending ones step back so that a net stays readable.
+// Structural springs have full colour; shear and bending springs are fainter so that a net stays readable.
 std::array<Bytes4, 4> line_colors(const Color& base) {
   return {bytes_of(base), bytes_of(mixed(base, {1, 1, 1}, 0.35f)),
           bytes_of(mixed(base, {0.62f, 0.64f, 0.68f}, 0.7f)),
@@ -76,7 +76,7 @@ void add_surface(Geometry& g, const View& view, const DrawPoints& set, const std
       g.triangles.push_back(first + i);
     }
   }
-  // Without a normal a vertex has its colour whatever the light.
+  // A vertex without a normal keeps its colour regardless of the light.
   const bool lit = set.surface == DrawPoints::Surface::lit;
   for (size_t i = 0; i < p.size(); ++i) {
     g.mesh.push_back({p[i], lit ? normalized(normals[i], {0, 1, 0}) : Vec3f{}, colors[i]});
@@ -84,7 +84,7 @@ void add_surface(Geometry& g, const View& view, const DrawPoints& set, const std
   }
 }
 
-// Low values are clear, high ones dim what is behind them.
+// Low values are transparent, high ones dim what is behind them.
 void add_translucent(Geometry& g, const View& view, const DrawPoints& set, const std::vector<Vec3f>& p,
                      std::vector<Bytes4> colors) {
   constexpr float kLeast = 0.03f, kMost = 0.5f;
@@ -100,7 +100,7 @@ void add_translucent(Geometry& g, const View& view, const DrawPoints& set, const
   sort_far_to_near(g.glass, view);
 }
 
-// Half of so many pixels of a picture 720 high, at this place, in picture units.
+// Half this many pixels of a picture 720 high, at this position, in picture units.
 float half_pixels(const View& view, const Vec3f& p, double pixels) {
   const double depth = -dot(Vec3{p.x, p.y, p.z} - view.eye, view.back);
   const double scaled = pixels > 0 ? std::max(1.5, pixels * view.height / 720) : 0;
@@ -137,8 +137,8 @@ void add_points(Geometry& g, const View& view, const DrawPoints& set, const Colo
   }
 }
 
-// Small in the picture and in the shadow map (whose texels have a least width), and not
-// centred outside the picture, where a point would be clipped as a whole.
+// Small both in the picture and in the shadow map (whose texels have a minimum width), and with its centre
+// inside the picture, outside of which a point would be clipped as a whole.
 bool is_sprite(const View& view, const Vec3f& centre, float radius) {
   const Vec3 c = Vec3{centre.x, centre.y, centre.z} - view.eye;
   const double depth = -dot(c, view.back), half = depth * view.pixel * view.height / 2;

@@ -48,14 +48,14 @@ struct Geometry {
 
 Bytes4 bytes_of(const Color& color);
 
-/// Limits of the colour map of `set`: the given ones, else the smallest and largest finite value (0, 1 if
-/// none).
+/// Limits of the colour map of `set`: the given ones, otherwise the smallest and largest finite value (0, 1
+/// if there is none).
 std::pair<float, float> scalar_range(const DrawPoints& set);
 
-/// Sorts triangles by their middles' distances from the eye.
+/// Sorts triangles by the distance of their centroids from the eye.
 void sort_far_to_near(std::vector<MeshVertex>& triangles, const View& view);
 
-/// Appends `shape` (see shape_mesh.cc); planes need `extent` to be known.
+/// Appends `shape` (see shape_mesh.cc); planes need `extent`.
 void add_shape(Geometry& geometry, const View& view, const DrawShape& shape);
 
 }  // namespace truestep::picture

@@ -12,7 +12,7 @@
 namespace truestep::picture {
 namespace {
 
-// Sizes follow the picture's height but stay readable in a small one.
+// Sizes follow the picture's height but stay readable in a small picture.
 struct Style {
   explicit Style(const DrawList& list, const Canvas& canvas)
       : capital(std::max(7.0, canvas.height / 54.0)),

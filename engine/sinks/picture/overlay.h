@@ -10,7 +10,7 @@ struct Canvas {
   int width, height;
 };
 
-/// Draws the list's labels where their places are, its caption bottom left, its legend top left and, bottom
+/// Draws the list's labels at their positions, its caption bottom left, its legend top left and, bottom
 /// right, the colour bar of the first set whose scalar has a label.
 void draw_overlay(const DrawList& list, const View& view, Canvas canvas);
 

@@ -50,7 +50,7 @@ GLuint make_quad_indices(const GlApi& gl) {
   return buffer;
 }
 
-// What lives in the context; made and used while it is current.
+// Objects in the context; created and used while it is current.
 struct Scene {
   explicit Scene(const GlApi& g)
       : gl(g),
@@ -145,7 +145,7 @@ void Scene::draw_color(const Geometry& g) const {
   nothing.bind(gl);
   gl.ColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
   gl.DrawArrays(GL_TRIANGLES, 0, 3);
-  gl.ColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_FALSE);  // the background's opacity stays
+  gl.ColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_FALSE);  // keeps the background's opacity
 
   gl.Enable(GL_DEPTH_TEST);
   use(ShaderKind::mesh);
@@ -175,7 +175,7 @@ void Scene::draw_color(const Geometry& g) const {
   gl.DepthMask(GL_TRUE);
   gl.Disable(GL_BLEND);
   if (g.marks.empty()) return;
-  gl.Clear(GL_DEPTH_BUFFER_BIT);  // marks hide one another, nothing hides them
+  gl.Clear(GL_DEPTH_BUFFER_BIT);  // marks hide each other, nothing else hides them
   use(ShaderKind::line);
   draw_quads(marks, g.marks.size());
 }

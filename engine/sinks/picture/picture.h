@@ -13,8 +13,8 @@
 
 namespace truestep {
 
-/// Holds an off-screen OpenGL context. Making one and drawing its first picture costs some 0.5 s (shaders are
-/// compiled), so callers keep one per worker.
+/// Holds an off-screen OpenGL context. Creating one and drawing its first picture costs about 0.5 s (shaders
+/// are compiled), so callers keep one per worker.
 /// Any thread may use it, one at a time.
 class PictureRenderer {
  public:

@@ -15,8 +15,8 @@ std::string printed(const char* format, int digits, double value) {
   return text.data();
 }
 
-// An axis whose values pile up at one end, as those of log(x + 1), tells apart only the decades whose
-// distance comes near the widest one.
+// An axis whose values crowd at one end, like those of log(x + 1), labels only decades whose spacing is close
+// to the widest one.
 std::vector<Tick> decade_ticks(const PlotAxis& axis, double low, double high, int wanted) {
   std::vector<std::array<double, 2>> inside;
   for (const auto& d : axis.decades) {

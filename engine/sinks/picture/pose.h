@@ -1,4 +1,4 @@
-// Where a shape stands: its position and the columns of its rotation matrix.
+// The pose of a shape: its position and the columns of its rotation matrix.
 #pragma once
 #include <cmath>
 
@@ -6,7 +6,7 @@
 
 namespace truestep::picture {
 
-/// A shape's own axes in the scene; a quaternion that is no rotation counts as none.
+/// A shape's own axes in the scene; an invalid quaternion counts as no rotation.
 struct Pose {
   Vec3 position;
   Vec3 axis[3];  ///< the shape's x, y, z in the scene

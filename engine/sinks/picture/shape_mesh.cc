@@ -1,5 +1,5 @@
-// Shapes as triangles: boxes, capsules, cylinders and plane patches are tessellated, as finely as their size
-// in the picture asks for, solid spheres stay exact. A container is its edges plus a film of glass whose
+// Shapes as triangles: boxes, capsules, cylinders and plane patches are tessellated as finely as their size
+// in the picture requires; solid spheres stay exact. A container is its edges plus a film of glass whose
 // triangles are sorted far to near.
 #include <algorithm>
 #include <cmath>
@@ -11,7 +11,7 @@
 namespace truestep::picture {
 namespace {
 
-constexpr int kAround = 48;  // segments around the axis of what is large
+constexpr int kAround = 48;  // segments around the axis of a large shape
 constexpr double kTurn = 6.28318530717958647692;
 constexpr Color kSolid{0.78f, 0.80f, 0.83f}, kEdge{0.42f, 0.46f, 0.52f};
 
@@ -44,7 +44,8 @@ void box_faces(Triangles& out, const View& view, const Pose& pose, const Vec3& h
   }
 }
 
-// Segments around a circle of radius r (m): their sagitta stays under a fifth of a pixel, a multiple of 4.
+// Segments around a circle of radius r (m): a multiple of 4 for which the sagitta stays below a fifth of a
+// pixel.
 int segments(const View& view, const Pose& pose, double r) {
   const Vec3f c = view.units.position(pose.position);
   const double distance = std::max(norm(Vec3{c.x, c.y, c.z} - view.eye), view.near_plane);
@@ -53,7 +54,7 @@ int segments(const View& view, const Pose& pose, double r) {
   return std::clamp(4 * static_cast<int>(std::ceil(n / 4)), 8, kAround);
 }
 
-// A ring of a solid of revolution about y: where it is and where its surface looks.
+// A ring of a solid of revolution about y: its position and the normal of the surface.
 struct Ring {
   double radius, y, normal_radial, normal_y;
 };
@@ -100,7 +101,7 @@ void cylinder_faces(Triangles& out, const View& view, const Pose& pose, double r
   turned_faces(out, view, pose, segments(view, pose, r), rings, color);
 }
 
-// A mesh brings its own vertices, which the triangles share.
+// A mesh has its own vertices, shared by its triangles.
 void add_mesh(Geometry& g, const View& view, const Pose& pose, const DrawnMesh& mesh, Bytes4 color) {
   const auto first = static_cast<uint32_t>(g.mesh.size());
   for (size_t i = 0; i < mesh.positions.size() / 3; ++i) {

@@ -1,6 +1,6 @@
 // Glyphs as polylines on a grid of 5 columns (0 to 4) and 9 rows: 2 is the baseline, 6 the top of small
 // letters, 8 that of capitals, 0 the foot of a g. Two digits are a point (column, row), a blank lifts the
-// pen, a point alone is a dot. Coverage of a pixel is its distance to the nearest stroke.
+// pen, a single point is a dot. Coverage of a pixel is its distance to the nearest stroke.
 #include "engine/sinks/picture/stroke_font.h"
 
 #include <algorithm>
@@ -59,7 +59,7 @@ const char* strokes_of(char c) {
   return g != std::end(kGlyphs) ? g->strokes : find('?')->strokes;
 }
 
-// Leftmost and rightmost column; digits all take the full width, so that a running clock does not wobble.
+// Leftmost and rightmost column; all digits take the full width, so that a running clock does not jitter.
 std::pair<double, double> columns(char c) {
   if (c >= '0' && c <= '9') return {0, 4};
   int low = 4, high = 0;

@@ -24,7 +24,7 @@ Vec3 linear(const Color& c) {
   return {linear_from_srgb(c.r), linear_from_srgb(c.g), linear_from_srgb(c.b)};
 }
 
-// Pictures are kept top row first, so y points down in clip space and no copy has to be turned over.
+// Pictures are stored top row first, so y points down in clip space and no copy has to be flipped.
 Mat4 projection(const View& v) {
   Mat4 p;
   const double f = 2 / (v.pixel * v.height);
@@ -67,7 +67,7 @@ View::View(const DrawList& list, int w, int h)
   if (norm2(cross(upward, back)) < 1e-8) upward = axes.front;  // looking straight down
   right = normalized(cross(upward, back));
   above = cross(back, right);
-  // From above, the left and the front: shadows fall away from the viewer and every edge gets a light side.
+  // From above, the left and the front: shadows fall away from the viewer and every edge gets a lit side.
   light = normalized(axes.up * 1.0 - axes.side * 0.5 + axes.front * 0.45);
   light_side = normalized(cross(axes.up, light), axes.side);
   light_above = cross(light, light_side);
@@ -106,8 +106,7 @@ Uniforms make_uniforms(const DrawList& list, const View& v, const Extent& extent
       depth_texels);
   set(u.viewport, {static_cast<double>(v.width), static_cast<double>(v.height), 0}, 0);
 
-  // Grid lines stay where they are in the scene: the centre below the target is moved to the nearest
-  // crossing.
+  // Grid lines are fixed in the scene: the centre below the target snaps to the nearest crossing.
   const double reach = std::max(extent.radius, 0.05);
   const double major = std::pow(10.0, std::ceil(std::log10(reach / v.units.scale / 4)));  // m
   const auto snapped = [&](const Vec3& axis) {

@@ -1,5 +1,5 @@
 // The one uniform block that all shaders share, and the units they work in: the camera's target is the origin
-// and the distance from eye to target is 1, so a molecule and a galaxy meet the same single-precision
+// and the distance from eye to target is 1, so a molecule and a galaxy lead to the same single-precision
 // numbers.
 #pragma once
 #include "engine/sinks/picture/camera.h"

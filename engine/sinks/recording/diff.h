@@ -1,4 +1,4 @@
-// Where two recordings part: the first frame, system and field that differ, and by how much.
+// Where two recordings diverge: the first frame, system and field that differ, and by how much.
 #pragma once
 #include <optional>
 #include <string>
@@ -20,8 +20,8 @@ struct RecordingDifference {
   std::string message;           ///< one sentence for a person
 };
 
-/// Compares frames in order; values differ when |a - b| > tolerance (NaN equals NaN). Nothing when all agree.
-/// Throws what reading throws.
+/// Compares frames in order; values differ when |a - b| > tolerance (NaN equals NaN). Empty when all agree.
+/// Throws whatever reading throws.
 std::optional<RecordingDifference> first_difference(RecordingReader& a, RecordingReader& b, double tolerance);
 
 }  // namespace truestep

@@ -34,8 +34,8 @@ class Columns {
   std::map<const DrawnMesh*, uint32_t> places_;
 };
 
-// Every triangle with corners and a normal of its own: what was drawn may have been smooth, the recorded
-// surface is the same.
+// Every triangle with its own corners and normal: what was drawn may have been smooth, the recorded surface
+// is the same.
 std::shared_ptr<const DrawnMesh> flat_mesh(const RecordedMesh& m) {
   auto out = std::make_shared<DrawnMesh>();
   const auto corner = [&](size_t k) {

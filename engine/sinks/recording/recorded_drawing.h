@@ -1,4 +1,4 @@
-// The constant part of a world's drawing as a recording keeps it, and back.
+// The constant part of a world's drawing as kept in a recording, and back.
 #pragma once
 #include <span>
 
@@ -7,12 +7,12 @@
 
 namespace truestep {
 
-/// The shapes of `parts` (in the layout's order; null: none) and of obstacles, which come as one more part
-/// whose rows they are, unless there are none.
+/// The shapes of `parts` (in the layout's order; null: none) and of the obstacles, if any, as one more part
+/// whose rows they are.
 RecordedDrawing recorded_drawing(std::span<const PartDrawing* const> parts,
                                  std::span<const DrawnShape> obstacles);
 
-/// Visuals, instances and the points' radius of a recorded part; lines and triangles stay as they are.
+/// Restores visuals, instances and the point radius of a recorded part; lines and triangles are unchanged.
 void restore_shapes(const RecordedDrawing& drawing, size_t part, PartDrawing& out);
 
 }  // namespace truestep

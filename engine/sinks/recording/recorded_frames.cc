@@ -13,7 +13,7 @@ namespace {
 
 std::unique_ptr<const World> world_of(const RecordingLayout& layout) {
   boost::json::value scene = parse_json(layout.scene_json);
-  // Nothing is stepped, so nothing has to be measured either.
+  // Nothing is stepped, so nothing has to be measured.
   if (scene.is_object()) scene.as_object().erase("accuracy");
   return std::make_unique<const World>(require_scene(read_scene(scene)));
 }
@@ -36,7 +36,7 @@ RecordedFrames::RecordedFrames(RecordingReader& reader)
     parts_.push_back(at == world_->parts().end() ? std::nullopt
                                                  : std::optional<size_t>(at - world_->parts().begin()));
     if (!parts_.back()) continue;
-    // Bodies that came later are in the recording only.
+    // Bodies that appeared later are only in the recording.
     PartDrawing& look = drawing->parts[*parts_.back()];
     if (s < info.layout.drawing.parts.size() &&
         info.layout.drawing.parts[s].instances.size() != 2 * look.instances.size())
@@ -51,7 +51,7 @@ RecordedFrames::RecordedFrames(RecordingReader& reader)
         std::max<uint64_t>(1, static_cast<uint64_t>(reader.read_clock(1).step - reader.read_clock(0).step));
 }
 
-// Frames that a film has gone past are forgotten.
+// Frames that a film has passed are forgotten.
 const std::vector<double>& RecordedFrames::trail_values(uint64_t index, size_t part, size_t field) {
   const auto [at, fresh] = earlier_.try_emplace({part, index});
   if (fresh) reader_.read_field(index, part, field, at->second);

@@ -1,7 +1,7 @@
-// A recording's frames as a session gives them, so that they are drawn the same way. The world comes from the
-// recorded scene; nothing is simulated. Trails are put together from earlier frames, obstacles from the part
-// that holds them. What a recording does not hold (contacts, joints, fields that were not recorded) is not in
-// its frames.
+// A recording's frames in the form that a session provides, so that they are drawn the same way. The world
+// comes from the recorded scene; nothing is simulated. Trails are assembled from earlier frames, obstacles
+// come from their own part. Anything not in the recording (contacts, joints, unrecorded fields) is not in its
+// frames.
 #pragma once
 #include <map>
 #include <memory>
@@ -15,8 +15,8 @@ namespace truestep {
 
 class RecordedFrames {
  public:
-  /// Error "recording_foreign" when the recording has no frames, or its scene no such parts. `reader`
-  /// outlives this.
+  /// Error "recording_foreign" when the recording has no frames, or its scene lacks its parts. `reader` must
+  /// outlive this.
   explicit RecordedFrames(RecordingReader& reader);
 
   const World& world() const { return *world_; }
@@ -31,11 +31,11 @@ class RecordedFrames {
 
   RecordingReader& reader_;
   std::unique_ptr<const World> world_;
-  std::vector<std::optional<size_t>> parts_;  ///< per recorded part: index in the world; none: the obstacles
+  std::vector<std::optional<size_t>> parts_;  ///< per recorded part: index in the world; empty: the obstacles
   std::shared_ptr<const Drawing> constant_;
   std::vector<DrawnShape> obstacles_;
   uint64_t every_ = 1;                                                  ///< steps between frames
-  std::map<std::pair<size_t, uint64_t>, std::vector<double>> earlier_;  ///< of trails: by part and frame
+  std::map<std::pair<size_t, uint64_t>, std::vector<double>> earlier_;  ///< for trails: by part and frame
 };
 
 }  // namespace truestep

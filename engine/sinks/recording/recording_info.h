@@ -1,10 +1,11 @@
-// What reading a recording gives: its description, and frames as numbers.
+// The result of reading a recording: its description, and frames as numbers.
 #pragma once
 #include "engine/sinks/recording/file/layout.h"
 
 namespace truestep {
 
-/// Whether the run ended properly (journal and VTKHDF part present) or the file was left while frames came.
+/// Whether the run ended properly (journal and VTKHDF part present) or the file was abandoned while frames
+/// arrived.
 enum class RecordingCompletion { kFinalized, kUnfinished };
 
 struct RecordingInfo {
@@ -20,7 +21,7 @@ struct RecordedRows {
   std::vector<std::vector<double>> fields;
 };
 
-/// What belongs to a frame besides its fields.
+/// The parts of a frame other than its fields.
 struct RecordedClock {
   int64_t step = 0;
   double time = 0;           ///< s

@@ -16,7 +16,7 @@ namespace {
               {{"/recording/fields/" + std::to_string(index), "unknown_field", message, "", "", "", ""}});
 }
 
-// Observables that a recording keeps: those that the scene names, all where it names none; probes always.
+// Observables that a recording keeps: those named by the scene, or all if it names none; probes always.
 bool wants_observable(const Scene& scene, std::string_view name) {
   const auto& wanted = scene.header.observables;
   const auto& probes = scene.header.probes;
@@ -42,7 +42,7 @@ bool usual(const PartInfo& part, const FieldInfo& field, const std::string& colo
   return false;
 }
 
-// Fields to record of a part: those named, else the usual ones.
+// Fields of a part to record: the named ones, otherwise the usual ones.
 std::vector<size_t> wanted_fields(const PartInfo& part, const RecordingParams& params,
                                   const std::string& color_by) {
   std::vector<size_t> out;

@@ -1,4 +1,4 @@
-// What a session's recording holds.
+// The contents of a session's recording.
 #pragma once
 #include <optional>
 
@@ -7,11 +7,11 @@
 
 namespace truestep {
 
-/// Where a recorded part's rows come from. Without a part they are the obstacles of the drawing.
+/// Where a recorded part's rows come from. Without a part, they are the obstacles of the drawing.
 struct RecordedSource {
   std::optional<size_t> part;
   std::vector<size_t> fields;  ///< of the part, in the layout's order
-  size_t stride = 1;           ///< every so many rows one is recorded: those between are its trail
+  size_t stride = 1;           ///< one in this many rows is recorded: those between are its trail
 };
 
 struct PlannedRecording {
@@ -19,10 +19,10 @@ struct PlannedRecording {
   std::vector<RecordedSource> sources;  ///< in the layout's order
 };
 
-/// What the scene's `recording` asks for. By default what drawing needs (places, orientations, shapes, the
-/// values that colour them, which rows sleep), all of a grid, and the states of systems that are numbers
-/// alone; energies and probes always. Error "scene_invalid" with the pointer of a field that no system has or
-/// that cannot be recorded.
+/// What the scene's `recording` asks for. By default, whatever drawing needs (positions, orientations,
+/// shapes, the values that colour them, which rows sleep), all of a grid, and the states of purely numerical
+/// systems; energies and probes always. Error "scene_invalid" with the pointer of a field that no system has
+/// or that cannot be recorded.
 PlannedRecording plan_recording(const World& world, const std::string& path);
 
 /// The shapes of a drawing in the order of `sources`.

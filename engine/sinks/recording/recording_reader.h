@@ -9,20 +9,20 @@ namespace truestep {
 
 class RecordingReader {
  public:
-  /// Opens a finished recording, one that is being written, or one whose writer died. Throws Error:
+  /// Opens a finished recording, one being written, or one whose writer died. Throws Error:
   /// recording_damaged, recording_foreign, recording_io.
   RecordingReader(std::shared_ptr<RecordingThread> thread, const std::string& path);
   ~RecordingReader();
   RecordingReader(const RecordingReader&) = delete;
   RecordingReader& operator=(const RecordingReader&) = delete;
 
-  /// The file as it was when it was opened; `frames` does not grow with a live writer.
+  /// The file as it was when opened; `frames` does not grow with a live writer.
   const RecordingInfo& info() const;
 
   /// Frame `index`, checksums verified. Throws Error: out_of_range, recording_damaged.
   void read(uint64_t index, RecordedFrame& frame);
 
-  /// Step, time, row counts and observables of frame `index` alone.
+  /// Only step, time, row counts and observables of frame `index`.
   RecordedClock read_clock(uint64_t index);
 
   /// One field of frame `index`: rows x width elements.

@@ -149,7 +149,7 @@ RecordingStatus RecordingSink::close() {
         {"step", e.step}, {"sequence", e.sequence}, {"command", write_command(e.command)}});
   }
   if (first_look_ == last_look_) return writer_.finalize(write_json(journal));
-  // Bodies that came later have shapes, too; obstacles keep theirs.
+  // Bodies that appeared later have shapes, too; obstacles keep theirs.
   RecordedDrawing end = recorded_drawing(sources_, *last_look_, first_obstacles_);
   return writer_.finalize(write_json(journal), &end);
 }

@@ -1,6 +1,6 @@
-// A session's recording: takes every n-th step's fields and hands them to the writer, which makes the session
-// wait rather than leave a hole. The recording ends at the scene's duration, when the clock goes back, or
-// when it is told to.
+// A session's recording: takes the fields of every n-th step and passes them to the writer, which makes the
+// session wait rather than leave a gap. The recording ends at the scene's duration, when the clock goes back,
+// or when it is told to.
 #pragma once
 #include <functional>
 #include <memory>
@@ -13,10 +13,10 @@
 
 namespace truestep {
 
-/// How a recording begins, and who hears of its end.
+/// How a recording begins, and who is told of its end.
 struct RecordingTies {
-  /// It goes on behind an earlier file whose last frame was of this step: the next one is the first that is
-  /// missing there.
+  /// Continues an earlier file whose last frame was of this step: the next frame is the first one missing
+  /// there.
   std::optional<uint64_t> after;
   /// Called once, by `finish`.
   std::function<void(const RecordingStatus&)> finished;
@@ -24,8 +24,8 @@ struct RecordingTies {
 
 class RecordingSink : public Sink {
  public:
-  /// What the scene's `recording` (or its default) asks for: recording_layout.h. Creates the file and, unless
-  /// it goes on behind another, records the session's present state.
+  /// Records what the scene's `recording` (or its default) asks for: recording_layout.h. Creates the file
+  /// and, unless it continues another, records the session's present state.
   RecordingSink(std::shared_ptr<RecordingThread> thread, const Session& session, const std::string& path,
                 RecordingTies ties = {});
 
@@ -34,11 +34,11 @@ class RecordingSink : public Sink {
   void accept(const FramePtr& frame) override;
   void notify(std::string_view kind, uint64_t step, const std::string& detail) override;
 
-  /// Completes the file: journal, VTKHDF part. Afterwards it can be downloaded; a second call does nothing.
+  /// Completes the file: journal, VTKHDF part. It can be downloaded afterwards; a second call does nothing.
   RecordingStatus finish();
-  /// The same without telling anybody: the session goes on elsewhere, and its recording with it.
+  /// The same without telling anybody: the session continues elsewhere, and its recording with it.
   RecordingStatus close();
-  /// The last step whose frame outlives the process; none before the first.
+  /// The last step whose frame survives the process; empty before the first.
   std::optional<uint64_t> durable_step() const;
   /// Whether a frame of a later step than `step` belongs to the recording.
   static bool goes_on(const World& world, uint64_t step);
@@ -48,7 +48,7 @@ class RecordingSink : public Sink {
  private:
   RecordingSink(std::shared_ptr<RecordingThread> thread, const Session& session, PlannedRecording plan,
                 RecordingTies ties);
-  /// Rows of the recorded part `i`; the values are borrowed from the frame or lie in gathered_.
+  /// Rows of the recorded part `i`; the values are borrowed from the frame or stored in gathered_.
   size_t rows_of(const Frame& frame, size_t i, std::vector<FieldValues>& values);
   size_t obstacles_of(const Frame& frame, size_t i, std::vector<FieldValues>& values);
 
@@ -59,7 +59,7 @@ class RecordingSink : public Sink {
   std::vector<RecordedSource> sources_;
   RecordingWriter writer_;
   FrameRequest request_;
-  /// Rows on their way to the writer; of fields whose rows are handed over as they are it is empty.
+  /// Rows on their way to the writer; empty for fields whose rows are passed as they are.
   std::vector<std::vector<std::vector<double>>> gathered_;
   std::shared_ptr<const Drawing> first_look_, last_look_;
   std::vector<DrawnShape> first_obstacles_;

@@ -12,7 +12,7 @@ namespace {
 
 std::atomic<int> threads_alive{0};
 
-// A call that somebody waits for; it takes no room in the queue.
+// A call that somebody waits for; it takes no space in the queue.
 struct WaitedTask final : RecordingTask {
   const std::function<void()>& work;
   std::promise<void>& done;

@@ -1,6 +1,6 @@
-// The one thread of a process on which HDF5 runs: the serial library is not thread-safe, so every recording
-// and every reader shares it. The queue is bounded in bytes; a producer that is too fast waits, because
-// a hole in a file is a lie.
+// The only thread of a process on which HDF5 runs: the serial library is not thread-safe, so all recordings
+// and readers share it. The queue is bounded in bytes; a producer that is too fast has to wait, because a gap
+// in a file is a lie.
 #pragma once
 #include <condition_variable>
 #include <cstddef>
@@ -12,7 +12,7 @@
 
 namespace truestep {
 
-/// Work for the thread. `run` owns the task, so that its memory can go back to where it came from.
+/// Work for the thread. `run` owns the task, so that its memory can be returned to where it came from.
 class RecordingTask {
  public:
   virtual ~RecordingTask() = default;
@@ -30,10 +30,10 @@ class RecordingThread {
   RecordingThread(const RecordingThread&) = delete;
   RecordingThread& operator=(const RecordingThread&) = delete;
 
-  /// Queues `task`; waits while the queue holds more than its bound (a larger task waits for an empty queue).
+  /// Queues `task`; waits while the queue is above its bound (a larger task waits for an empty queue).
   void post(std::unique_ptr<RecordingTask> task);
 
-  /// Runs `work` on the thread after what is queued and waits for it; what it throws is thrown here.
+  /// Runs `work` on the thread after the queued tasks and waits for it; its exceptions are rethrown here.
   void run(const std::function<void()>& work);
 
  private:

@@ -51,7 +51,7 @@ struct RecordingWriter::Core {
     unflushed = 0;
     durable = file->durable_frames();
   }
-  // Runs `work` so that no error leaves this recording.
+  // Runs `work` so that errors affect only this recording.
   template <typename Work>
   void guarded(const Work& work) noexcept {
     try {
@@ -146,7 +146,7 @@ RecordingStatus RecordingWriter::finalize(const std::string& journal, const Reco
       core_->state = RecordingState::kFinalized;
     });
   });
-  // Batches hold the core while they are queued or filled, never while they rest.
+  // Batches hold the core while queued or being filled, but never while idle.
   std::lock_guard lock(core_->mutex);
   core_->free.clear();
   batch_.reset();

@@ -22,12 +22,12 @@ struct RecordingStatus {
 
 class RecordingWriter {
  public:
-  /// When the file is made; what comes to no frame then leaves none, and what goes wrong shows in the status.
+  /// When the file is created; a recording without frames then leaves none, and errors appear in the status.
   enum class File : uint8_t { at_once, with_first_frames };
   /// Creates the file. Throws Error("recording_invalid") for a layout that cannot be recorded, or the HDF5
   /// error.
   RecordingWriter(std::shared_ptr<RecordingThread> thread, RecordingLayout layout, File file = File::at_once);
-  ~RecordingWriter();  ///< finalises with an empty journal when that was not done
+  ~RecordingWriter();  ///< finalises with an empty journal if that has not been done
   RecordingWriter(const RecordingWriter&) = delete;
   RecordingWriter& operator=(const RecordingWriter&) = delete;
 
@@ -37,9 +37,9 @@ class RecordingWriter {
   void append(int64_t step, double time, std::span<const PartRows> systems,
               std::span<const double> observables);
 
-  /// Writes what is left, the journal and the VTKHDF part, closes the file and waits for it; a second call
-  /// does nothing.
-  /// `drawing` replaces the shapes of the start where there is one.
+  /// Writes the remaining frames, the journal and the VTKHDF part, closes the file and waits for it; a second
+  /// call does nothing.
+  /// If given, `drawing` replaces the initial shapes.
   RecordingStatus finalize(const std::string& journal, const RecordedDrawing* drawing = nullptr);
 
   RecordingStatus status() const;

@@ -42,7 +42,7 @@ EncodedBlocks DeltaCoder::encode(const FramePtr& frame, const QuantisedFramePtr&
     const QuantumBox& box = (*now_->boxes)[k];
     packed.clear();
     if (usable) pack_differences(values, usable->values[k], packed);
-    // Values that have nothing to do with the base's may take more than the values themselves.
+    // Differences to an unrelated base may take more space than the values themselves.
     if (usable && packed.size() < 2 * values.size()) {
       append_block(*bytes, field, block, WireEncoding::q16_delta, box, packed);
       encoded.kind = EncodedBlocks::Kind::refers_to_base;
@@ -83,7 +83,7 @@ bool DeltaCoder::fill(const Frame& frame, QuantisedFrame& into) const {
   return true;
 }
 
-// With keep_seen the boxes hold what earlier frames reached too: what swings to and fro leaves them once.
+// With keep_seen the boxes also cover what earlier frames reached: oscillating values leave them only once.
 bool DeltaCoder::renew_boxes(const Frame& frame, bool keep_seen) {
   std::vector<ColumnBounds> bounds;
   for (const WireField& field : fields_) {

@@ -1,11 +1,10 @@
-// Q16_DELTA: 16-bit values in a box that stays for many frames, sent as differences to a frame the client
-// holds. Both ends count in the same integers, so a decoded value is within half a quantum of the true one
-// however many differences led to it: errors do not add up, and any frame of the same box serves as a base.
-// A key frame (the values themselves, as Q16) goes to a client that holds none of this box. The box is
-// renewed when a value leaves it, and every kBoxFrames frames so that it follows what shrinks. One coder
-// serves all clients that asked for the same fields. A frame is encoded once per base that occurs: clients
-// that keep up share one, one that skipped frames has its own, and only bases that some client holds stay in
-// memory.
+// Q16_DELTA: 16-bit values in a box that is kept for many frames, sent as differences to a frame the client
+// holds. Both ends use the same integers, so a decoded value is within half a quantum of the true one after
+// any number of differences: errors do not add up, and any frame of the same box can be a base. A key frame
+// (the values themselves, as Q16) goes to a client that holds none of this box. The box is renewed when a
+// value leaves it, and every kBoxFrames frames so that it can shrink. One coder serves all clients that asked
+// for the same fields. A frame is encoded once per base in use: clients that keep up share one, one that
+// skipped frames has its own, and only bases that some client holds stay in memory.
 #pragma once
 #include <memory>
 #include <vector>
@@ -15,7 +14,7 @@
 
 namespace truestep {
 
-/// The integers of one frame that were sent to a client, and their boxes (one each per Q16_DELTA field).
+/// The integers of one frame that were sent to a client, and their boxes (one per Q16_DELTA field).
 struct QuantisedFrame {
   std::shared_ptr<const std::vector<QuantumBox>> boxes;
   std::vector<std::vector<uint16_t>> values;
@@ -47,7 +46,7 @@ class DeltaCoder {
   std::vector<WireField> fields_;
   FramePtr frame_;
   QuantisedFramePtr now_;           ///< of frame_; null: a value is not finite
-  std::vector<ColumnBounds> seen_;  ///< what the boxes were made for
+  std::vector<ColumnBounds> seen_;  ///< bounds that the boxes were made for
   std::shared_ptr<const std::vector<QuantumBox>> boxes_;
   uint64_t frames_in_box_ = 0;
   std::vector<std::pair<QuantisedFramePtr, EncodedBlocks>> encodings_;  ///< of frame_, by base

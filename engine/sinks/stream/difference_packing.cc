@@ -10,11 +10,11 @@ namespace truestep {
 namespace {
 
 constexpr size_t kLanes = 16;
-constexpr size_t kEntries = 16;  // of a lane in a full group
+constexpr size_t kEntries = 16;  // per lane of a full group
 constexpr size_t kGroup = kLanes * kEntries;
 
 // One vector register of 16-bit lanes; compilers turn each operation into one instruction, or several
-// narrower.
+// narrower ones.
 typedef uint16_t Lanes __attribute__((vector_size(2 * kLanes)));
 typedef int16_t SignedLanes __attribute__((vector_size(2 * kLanes)));
 
@@ -57,7 +57,7 @@ size_t pack_entries(const Lanes* z, size_t entries, unsigned bits, char* to) {
   return size;
 }
 
-// The group that begins at `first`: in place when it is whole, else in `copy` with zeros after its end.
+// The group that starts at `first`: in place when complete, otherwise in `copy`, padded with zeros.
 const uint16_t* group_of(std::span<const uint16_t> values, size_t first, std::array<uint16_t, kGroup>& copy) {
   if (first + kGroup <= values.size()) return values.data() + first;
   copy.fill(0);

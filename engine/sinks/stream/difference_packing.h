@@ -1,4 +1,4 @@
-// Differences of 16-bit values in as few bits as each group of them needs (the bytes of a Q16_DELTA block).
+// Differences of 16-bit values, packed in as few bits as each group needs (the bytes of a Q16_DELTA block).
 //   d = now - base mod 2^16, z = 2 d for d >= 0, -2 d - 1 for d < 0 (as int16), b = bits of the greatest z
 // Layout, little-endian: one byte b (0 ... 16) per group of 256 values, zeros up to a multiple of 4, then the
 // groups. A group is 16 lanes side by side; value 16 j + l of the group is entry j of lane l, and a lane is

@@ -11,7 +11,7 @@ namespace truestep {
 
 namespace {
 
-// Rotations have an encoding of their own: QUAT32 wherever small frames were asked for.
+// Rotations have an encoding of their own: QUAT32 whenever small frames are requested.
 bool is_rotation(const FieldInfo& info) {
   return info.meaning == Meaning::orientation && info.width == 4;
 }
@@ -63,7 +63,7 @@ std::vector<WireField> wire_fields(const World& world, const std::vector<std::st
     if (!parts.empty() && std::none_of(parts.begin(), parts.end(), means)) continue;
     const PartInfo& part = table[p].info();
     if (fields.empty()) {
-      // What shows most: where points are, what a grid holds.
+      // The main visible fields: positions of points, contents of a grid.
       if (part.kind == PartInfo::Kind::grid) take(p, 0);
       if (const auto f = part.find(Meaning::position)) take(p, *f);
       continue;

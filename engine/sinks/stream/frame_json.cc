@@ -68,7 +68,7 @@ std::string encode_json(const Frame& frame, std::span<const WireField> fields) {
   for (size_t k = 0; k < fields.size(); ++k) {
     const WireField& f = fields[k];
     const FrameBlock& block = block_of(frame, f);
-    // Ids, field names and units hold no character that JSON escapes.
+    // Ids, field names and units contain no character that JSON escapes.
     out += std::string(k ? "," : "") + "{\"system\":\"" + f.system + "\",\"field\":\"" + f.name +
            "\",\"unit\":\"" + f.unit + "\",\"count\":" + std::to_string(block.rows) +
            ",\"width\":" + std::to_string(block.width) + ",\"values\":";

@@ -11,14 +11,14 @@ namespace truestep {
 namespace {
 
 constexpr double kLast = 65535;
-constexpr uint32_t kInfinity = 0x7f800000;  // bits of a float; anything above is not a number
+constexpr uint32_t kInfinity = 0x7f800000;  // bits of a float; anything above is NaN
 
 uint32_t magnitude_bits(float v) {
   return std::bit_cast<uint32_t>(v) & 0x7fffffff;
 }
 
-// Rows are taken a tile at a time: kTileRows rows are whole vectors whatever the width is, and the inner
-// loops know their length. The rest goes through the same arithmetic one value at a time.
+// Rows are processed in tiles: kTileRows rows are whole vectors for any width, and the inner loops know their
+// length. The rest uses the same arithmetic one value at a time.
 constexpr size_t kTileRows = 8;
 
 template <uint32_t W>
@@ -45,11 +45,10 @@ size_t bounds_of_tiles(const float* v, size_t rows, ColumnBounds& bounds, uint32
   return tiles * kTileRows;
 }
 
-// Shifted up by one so that what lies below the box does not round to 0; `strays` collects bits above the
-// 16th.
+// Shifted up by one so that values below the box do not round to 0; `strays` collects bits above the 16th.
 int32_t shifted_quantum(float v, double offset, double inverse) {
   const double s = (v - offset) * inverse + 1.5;
-  const double above = s > 0 ? s : 0;  // also for what is not a number
+  const double above = s > 0 ? s : 0;  // also for NaN
   return static_cast<int32_t>(above < kLast + 3 ? above : kLast + 3);
 }
 
@@ -126,8 +125,7 @@ QuantumBox roomy_box(const ColumnBounds& bounds) {
     farthest = std::max({farthest, std::abs(static_cast<double>(bounds.low[c])),
                          std::abs(static_cast<double>(bounds.high[c]))});
   }
-  // A component that stands still gets a thousandth of the others' extent, and never less than floats
-  // resolve.
+  // A constant component gets a thousandth of the others' extent, and never less than floats resolve.
   const double least = std::max({1e-3 * widest, 0x1p-10 * farthest, 0x1p-100});
   QuantumBox box;
   for (size_t c = 0; c < bounds.low.size(); ++c) {

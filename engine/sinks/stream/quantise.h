@@ -9,7 +9,7 @@
 
 namespace truestep {
 
-/// Offsets and quanta of a row's components; a scale of 0 stands for a component that holds its offset only.
+/// Offsets and quanta of a row's components; a scale of 0 means that the component is always its offset.
 struct QuantumBox {
   std::vector<double> offset, scale;
   friend bool operator==(const QuantumBox&, const QuantumBox&) = default;
@@ -20,16 +20,16 @@ struct ColumnBounds {
   std::vector<float> low, high;
 };
 
-/// Bounds of rows x width values into `bounds` (zeros where there is no row); false when one is not finite.
+/// Bounds of rows x width values into `bounds` (zeros if there are no rows); false when one is not finite.
 bool column_bounds(const float* values, size_t rows, uint32_t width, ColumnBounds& bounds);
 
 /// The box whose first and last quantum are the bounds.
 QuantumBox tight_box(const ColumnBounds& bounds);
-/// A box with an eighth of the extent to spare on every side, for values that move.
+/// A box with an eighth of the extent to spare on every side, for moving values.
 QuantumBox roomy_box(const ColumnBounds& bounds);
 
-/// Writes rows x width 16-bit values to `out`; false when a value lies outside the box or is not finite, and
-/// then `out` holds nothing of use.
+/// Writes rows x width 16-bit values to `out`; false when a value is outside the box or not finite, and then
+/// `out` is meaningless.
 bool quantise(const float* values, size_t rows, uint32_t width, const QuantumBox& box, uint16_t* out);
 
 }  // namespace truestep

@@ -9,8 +9,8 @@ namespace {
 
 constexpr double kQuantaPerUnit = 722.6631303101366;  // 511 sqrt(2)
 
-// The three factors are at most 1 / sqrt(2) in size, so the sum is from 0 to 1022 (1/2 more for rounding);
-// 0 for what comes of a quaternion that is not finite.
+// The three factors are at most 1 / sqrt(2) in magnitude, so the sum is from 0 to 1022 (1/2 more for
+// rounding); 0 for the result of a quaternion that is not finite.
 uint32_t quantum(double v) {
   const double sum = v * kQuantaPerUnit + 511.5;
   return static_cast<uint32_t>(sum > 0 ? sum : 0);

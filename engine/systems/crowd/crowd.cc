@@ -10,7 +10,7 @@
 namespace truestep::crowd {
 namespace {
 
-/// m, beyond the rims, to which walls are looked for.
+/// m, distance beyond the rims within which walls are searched.
 double wall_reach(const CrowdDef& d) {
   const double beyond = d.model == Model::orca ? 2 * d.max_speed * d.wall_horizon : d.reach;
   return std::max(largest_radius(d) + beyond, d.clearance + 1);
@@ -114,8 +114,7 @@ void Crowd::move(State& s, size_t i, const Vec3& v, double h) const {
   double *x = s.f64(Columns::position).data(), *all_v = s.f64(Columns::velocity).data();
   const Vec3 from = load3(x, i);
   Vec3 u = v;
-  // Nobody crosses a wall: what would carry through one is taken from the velocity, twice in a corner, then
-  // all.
+  // Nobody crosses a wall: the velocity component that would is removed, twice in a corner, then everything.
   for (int attempt = 0; attempt < 3; ++attempt) {
     const Segment* hit = walls_.crossed(from, from + u * h);
     if (!hit) break;
@@ -157,7 +156,7 @@ void Crowd::arrive(State& s, const StepInput& in) const {
       if (row[2] < 0) row[2] = row[3];
     }
   }
-  // Who has arrived goes, and those behind close up in their order.
+  // Those who have arrived are removed, and the others keep their order.
   const std::span<uint32_t> group = s.span<uint32_t>(Columns::group);
   size_t kept = 0;
   for (size_t i = 0; i < n; ++i) {

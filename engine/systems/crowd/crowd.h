@@ -1,11 +1,11 @@
-// The system type "crowd": pedestrians as discs in the plane z = 0 that make for their goals around walls.
+// The system type "crowd": pedestrians as discs in the plane z = 0 that head for their goals around walls.
 //   social_force  m v' = m (v0 e - v)/tau + sum f_ij + sum f_iW  (Helbing, Farkas, Vicsek 2000): the drive
 //                 exactly, v <- w + (v - w) exp(-h/tau), w = v0 e + tau F/m, then x <- x + h v; in as many
 //                 substeps as contacts want
 //   orca          v = closest to the wanted velocity in the half-planes of neighbours and walls (van den
 //                 Berg, Guy, Lin, Manocha 2011), x <- x + h v; nobody takes more than half of a gap in a step
-// e comes from navigation.h. Who arrives may leave: the row goes. Commands: impulse (social_force),
-// set_parameter speed_factor.
+// e comes from navigation.h. Those who arrive may leave: their row is removed. Commands: impulse
+// (social_force), set_parameter speed_factor.
 #pragma once
 #include <memory>
 #include <optional>
@@ -18,12 +18,12 @@
 namespace truestep::crowd {
 
 struct Columns {
-  /// One row per person who is still there.
+  /// One row per person still present.
   static constexpr State::Column position = 0, velocity = 1, goal = 2, radius = 3, mass = 4, wanted_speed = 5,
                                  person = 6, group = 7;
   /// Per door: crossings forward and backward, times of the first and the last forward (s; -1: none yet).
   static constexpr State::Column doors = 8;
-  /// How many have left; factor on all wanted speeds.
+  /// How many have left; a factor on all desired speeds.
   static constexpr State::Column tally = 9;
 };
 
@@ -40,7 +40,7 @@ class Crowd final : public StagedSystem {
   std::vector<std::string> remedies() const override;
   void check(StateCheck& check, double t) const override;
 
-  /// Velocity that row i of the state wants, m/s, without noise.
+  /// Desired velocity of row i of the state, m/s, without noise.
   Vec3 wish(const State& state, size_t i) const;
 
  private:
@@ -51,11 +51,11 @@ class Crowd final : public StagedSystem {
   void choose(State& state, const StepInput& in) const;
   void arrive(State& state, const StepInput& in) const;
 
-  /// Force on whoever is in a slot, and how stiff it is.
+  /// Force on the person in a slot, and its stiffness.
   Load load(const Sorted& sorted, const State& state, size_t slot) const;
-  /// Moves a row by h v, but not through walls, and around the corridor.
+  /// Moves a row by h v, but not through walls, and around a periodic corridor.
   void move(State& state, size_t i, const Vec3& v, double h) const;
-  /// visit(shift): every image of x at which those within `reach` of it may lie.
+  /// visit(shift): every image of x at which people within `reach` of it may be.
   template <class Visit>
   void images(const Vec3& x, double reach, Visit&& visit) const {
     visit(Vec3{});
@@ -77,7 +77,8 @@ class Crowd final : public StagedSystem {
   SocialLaw law_;
   Walls walls_;
   std::optional<WayGrid> grid_;
-  std::vector<std::shared_ptr<const Navigation>> ways_;  ///< per group; null: a heading or goals of their own
+  std::vector<std::shared_ptr<const Navigation>> ways_;  ///< per group; null: a fixed heading or individual
+                                                         ///< goals
 };
 
 std::unique_ptr<const System> build_crowd(const void* def, const BuildContext& context);

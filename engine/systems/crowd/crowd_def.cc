@@ -10,7 +10,7 @@ namespace {
 
 constexpr int64_t kMost = 200'000;
 constexpr double kMostNodes = 4e6, kPi = 3.141592653589793;
-/// Discs thrown at random one after the other jam at a share of 0.547 of the area.
+/// Discs placed at random one after the other jam at an area fraction of 0.547.
 constexpr double kFullest = 0.5;
 
 void check_group(const CrowdDef& d, size_t k, const DefTable::Report& report) {
@@ -165,7 +165,7 @@ Bounds bounds_of(const CrowdDef& d) {
     if (g.goal_end) take(*g.goal_end, {});
   }
   if (!(b.low.x <= b.high.x)) b = {};
-  // Room to walk around what stands at the rim.
+  // Room to walk around obstacles at the rim.
   const double room = 2 * d.clearance + 4 * largest_radius(d);
   b.low -= Vec3{room, room, 0}, b.high += Vec3{room, room, 0};
   return b;
@@ -269,8 +269,8 @@ Cost crowd_cost(const void* def) {
   const double n = static_cast<double>(people_of(d)), nodes = way_nodes(d);
   double goals = 0;
   for (const GroupDef& g : d.groups) goals += g.goal ? 1 : 0;
-  // Measured: orca 4 to 5 us a person; social forces 0.6 to 2.3, and several times that in a throng, by its
-  // substeps.
+  // Measured: orca takes 4 to 5 us per person; social forces 0.6 to 2.3, and several times that in a dense
+  // crowd, because of its substeps.
   return {.state_bytes = 120 * n,
           .workspace_bytes = 200 * n + nodes * (10 * goals + 7),
           .elements = n,

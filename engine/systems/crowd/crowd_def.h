@@ -1,4 +1,4 @@
-// What a scene says about a crowd; units and bounds stand in the table (crowd_def.cc).
+// What a scene says about a crowd; units and bounds are in the table (crowd_def.cc).
 #pragma once
 #include <optional>
 #include <string>
@@ -70,21 +70,21 @@ Cost crowd_cost(const void* def);
 /// People of a group at the start.
 size_t people_of(const GroupDef& group);
 size_t people_of(const CrowdDef& def);
-/// Largest radius there may be, m.
+/// Largest possible radius, m.
 double largest_radius(const CrowdDef& def);
 
-/// Where a group is to go: a point, a segment or a box with sides along the axes.
+/// A group's destination: a point, a segment or an axis-aligned box.
 struct Goal {
   Segment line;       ///< a = b: a point
   Vec3 half_extents;  ///< of the box about a; zero: none
   Vec3 nearest(const Vec3& x) const;
 };
 Goal goal_of(const GroupDef& group);
-/// Spacing of the grid that ways are found on, m; 0 where no wall stands in anybody's way.
+/// Spacing of the navigation grid, m; 0 when no walls are in the way.
 double way_spacing(const CrowdDef& def);
 /// Nodes of that grid.
 double way_nodes(const CrowdDef& def);
-/// Corners of what walls, starts and goals take up, m.
+/// Corners of the region covered by walls, starts and goals, m.
 struct Bounds {
   Vec3 low, high;
 };

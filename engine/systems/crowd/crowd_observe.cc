@@ -1,4 +1,4 @@
-// What a crowd as a whole is like, and how it looks.
+// Observables of a crowd as a whole, and its drawing.
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -11,8 +11,9 @@ namespace {
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN(), kPi = 3.141592653589793;
 }  // namespace
 
-/// Nowak, Schadschneider 2012 (Phys. Rev. E 85:066128, after Rex, Loewen 2007), with a strip about everybody
-/// instead of a row of cells: 1 where all within it walk alike, little where both ways are mixed.
+/// Nowak, Schadschneider 2012 (Phys. Rev. E 85:066128, after Rex, Loewen 2007), with a strip around each
+/// person instead of a row of cells: 1 when everybody in it walks the same way, small when both directions
+/// are mixed.
 double Crowd::lane_order(const State& s) const {
   const size_t n = s.rows(Columns::position);
   const double* x = s.f64(Columns::position).data();
@@ -68,7 +69,7 @@ void Crowd::observe(const State& s, double, Observables& out) const {
   out.add("speed.mean", n > 0 ? speed / count : kNone, "m/s");
   out.add("density.mean", n > 0 ? density / (count * kPi * disc) : kNone, "1/m^2");
   out.add("energy.kinetic", energy, "J");
-  // No value where nobody has a neighbour.
+  // No value when nobody has a neighbour.
   out.add("separation.smallest", smallest < HUGE_VAL ? smallest : kNone, "m");
   out.add("pressure.largest", pressure, "N/m");
   out.add("lanes.order", lane_order(s), "1");

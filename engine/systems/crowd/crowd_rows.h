@@ -1,4 +1,4 @@
-// People in the order of a grid's cells, and what acts on one of them.
+// People in the order of a grid's cells, and the forces on one of them.
 #pragma once
 #include <algorithm>
 #include <cmath>
@@ -40,9 +40,9 @@ struct Crowd::Load {
   }
 };
 
-/// Longest substep (s) that symplectic Euler holds with what presses here, at a quarter of its limits 2 /
-/// omega and 2 / gamma: two neighbours that move against each other feel twice their own stiffness. Nobody
-/// moves further than half of what the repulsion falls over.
+/// Longest stable substep (s) of symplectic Euler under these contact forces, at a quarter of its limits 2 /
+/// omega and 2 / gamma: two neighbours moving against each other feel twice their own stiffness. Nobody moves
+/// farther than half the decay length of the repulsion.
 inline double stable_substep(double stiffness, double sliding, double mass, double speed, double range) {
   double h = 1;
   if (stiffness > 0) h = std::min(h, 0.5 * std::sqrt(0.5 * mass / stiffness));

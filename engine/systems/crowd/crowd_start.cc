@@ -1,5 +1,4 @@
-// Where people stand at the start, and what each of them is like: functions of the seed and the person's
-// number.
+// Initial positions and individual properties: functions of the seed and the person's number.
 #include <algorithm>
 #include <cmath>
 
@@ -10,10 +9,10 @@ namespace truestep::crowd {
 namespace {
 
 constexpr double kTurn = 6.283185307179586;
-/// Streams of random numbers below the people's own.
+/// Streams of random numbers below those of individual people.
 enum Stream : uint64_t { kBodies, kPlaces };
 
-/// A draw of the standard normal distribution cut off at two deviations (Box, Muller 1958).
+/// A draw of the standard normal distribution truncated at two deviations (Box, Muller 1958).
 double normal(const std::array<double, 4>& u) {
   const double size = std::sqrt(-2 * trig::log(1 - u[0]));
   return std::clamp(size * trig::cos(kTurn * u[1]), -2.0, 2.0);
@@ -66,7 +65,7 @@ void Crowd::place(State& s, size_t g, size_t first) const {
     }
     return;
   }
-  // Those who stand already, by cells of two largest radii, so that a look is cheap.
+  // People placed so far, in cells of two largest radii, so that lookups are cheap.
   const double edge = std::max(2 * largest_radius_, 1e-3);
   const Bounds b = bounds_of(def_);
   constexpr double kMostCells = 1e6;
@@ -99,7 +98,8 @@ void Crowd::place(State& s, size_t g, size_t first) const {
     });
     return least;
   };
-  // The first of many places that overlaps nobody; in a crowd without one the place that overlaps least.
+  // The first of many candidate places that overlaps nobody; if the crowd has none, the one with the least
+  // overlap.
   constexpr uint64_t kTries = 2000;
   for (size_t i = first; i < first + n; ++i) {
     Vec3 best;

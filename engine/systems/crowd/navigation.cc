@@ -8,7 +8,7 @@
 namespace truestep::crowd {
 namespace {
 constexpr float kNever = std::numeric_limits<float>::infinity();
-/// Beside a wall one walks this much slower, so that ways keep off it where there is room.
+/// People next to a wall walk this much slower, so that paths keep off it where there is room.
 constexpr double kSlowest = 0.2;
 }  // namespace
 
@@ -39,7 +39,7 @@ void Navigation::look(double clearance) {
   }
 }
 
-/// The time of an upwind neighbour pair per axis: T solves sum max(T - T_axis, 0)^2 = (h slowness)^2.
+/// Arrival time from one upwind neighbour per axis: T solves sum max(T - T_axis, 0)^2 = (h slowness)^2.
 double Navigation::arrival(size_t node, double slowness) const {
   const long nx = grid_->nx, x = static_cast<long>(node) % nx, y = static_cast<long>(node) / nx;
   const auto at = [&](long i, long j) {
@@ -108,7 +108,7 @@ double Navigation::time(const Vec3& x) const {
   const long i = index((x.x - grid_->low.x) / grid_->h, grid_->nx),
              j = index((x.y - grid_->low.y) / grid_->h, grid_->ny);
   double least = kNever;
-  // A place beside a wall is reached by the nodes around it that it sees.
+  // A place next to a wall is reached from the surrounding nodes that it sees.
   for (long b = std::max(0L, j - 1); b <= std::min(grid_->ny - 1, j + 1); ++b) {
     for (long a = std::max(0L, i - 1); a <= std::min(grid_->nx - 1, i + 1); ++a) {
       const size_t k = static_cast<size_t>(b * grid_->nx + a);
@@ -140,7 +140,7 @@ Vec3 Navigation::direction(const Vec3& x) const {
   for (int c = 0; c < 4; ++c) {
     const size_t k = nodes[c];
     if (!(time_[k] < kNever)) continue;
-    // Across a wall the way is another.
+    // On the other side of a wall the path is different.
     const Vec3 to = grid_->place(k);
     if (at_wall && walls_.blocked(x, to, 0)) continue;
     d += Vec3{way_[2 * k], way_[2 * k + 1], 0} * weights[c];

@@ -1,5 +1,5 @@
-// Which way a goal lies around walls: straight where nothing stands between, elsewhere down the time T of a
-// walk,
+// The direction to a goal around walls: straight if nothing is in between, otherwise along the descent of the
+// walking time T,
 //   |grad T| = 1 / F,  F = 1 but slower within `clearance` of walls,
 // by fast marching from the nodes that see the goal (Sethian 1996, PNAS 93:1591), of first order. Built once.
 #pragma once
@@ -10,7 +10,7 @@
 
 namespace truestep::crowd {
 
-/// The grid that all goals share, and how far its nodes are from walls.
+/// The grid shared by all goals, and its nodes' distances from walls.
 struct WayGrid {
   WayGrid(const CrowdDef& def, const Walls& walls);
 
@@ -22,7 +22,8 @@ struct WayGrid {
     const long i = static_cast<long>(node);
     return low + Vec3{static_cast<double>(i % nx), static_cast<double>(i / nx), 0} * h;
   }
-  /// Nodes this near to a wall are in it: no way leads over them, nor between two others across it.
+  /// Nodes this close to a wall count as inside it: no path leads over them, nor between two others across
+  /// it.
   bool solid(size_t node) const { return room[node] <= 0.51 * h; }
 };
 
@@ -34,7 +35,7 @@ class Navigation {
   const Goal& goal() const { return goal_; }
   /// Unit direction to walk in at x; zero at the goal.
   Vec3 direction(const Vec3& x) const;
-  /// s at 1 m/s from near x to the goal; infinite where no way leads.
+  /// s at 1 m/s from near x to the goal; infinite if no path leads there.
   double time(const Vec3& x) const;
 
  private:

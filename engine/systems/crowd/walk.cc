@@ -1,5 +1,5 @@
 // The steps of the two models. Everyone gathers from the neighbours in the order of the sorted cells, which
-// is a function of the places alone.
+// is a function of the positions alone.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -14,16 +14,16 @@ namespace truestep::crowd {
 namespace {
 
 constexpr size_t kBlock = 64;
-/// Streams of random numbers up to here belong to the start.
+/// Lower streams of random numbers belong to the initial state.
 constexpr uint64_t kFirstPerson = 2;
 
-/// The neighbours that are nearest so far, in order; of equals the one that came first.
+/// The nearest neighbours so far, in order; ties go to the first.
 struct Nearest {
   static constexpr size_t kMost = 36;
   struct One {
     double gap;  ///< m, between the rims
     uint32_t slot;
-    Vec3 d;  ///< m, on the way there
+    Vec3 d;  ///< m, from the neighbour to here
   };
   std::array<One, kMost> ones;
   size_t count = 0;
@@ -46,7 +46,7 @@ Vec3 Crowd::wish(const State& s, size_t i) const {
   const Navigation* way = way_of(s.span<uint32_t>(Columns::group)[i]);
   const Vec3 goal = way ? way->goal().nearest(x) : load3(s.f64(Columns::goal).data(), i);
   const Vec3 e = way ? way->direction(x) : normalized(goal - x, Vec3{});
-  // Who stays at the goal slows down towards it.
+  // Those who stay at the goal slow down towards it.
   if (!g.leave) speed = std::min(speed, norm(goal - x) / def_.relaxation_time);
   return e * speed;
 }
@@ -121,7 +121,7 @@ void Crowd::push_and_press(State& s, const StepInput& in) const {
       }
     });
     const double allowed = *std::min_element(steps.begin(), steps.begin() + static_cast<long>(n));
-    // Equal parts of what is left, so that no splinter remains.
+    // Equal parts of the remainder, so that no tiny one is left.
     const double parts = std::ceil(left / allowed);
     if (static_cast<double>(k) + parts > static_cast<double>(def_.max_substeps)) {
       Instability failure(id_, "velocity", -1,
@@ -146,7 +146,7 @@ void Crowd::push_and_press(State& s, const StepInput& in) const {
 }
 
 void Crowd::choose(State& s, const StepInput& in) const {
-  // An overlap goes within this time (s), not within a step: people do not jump.
+  // An overlap is resolved within this time (s), not within a step: people do not jump.
   constexpr double kPart = 0.1;
   const size_t n = s.rows(Columns::position), most = static_cast<size_t>(def_.max_neighbours);
   const double out = std::max(in.h, kPart);
@@ -171,7 +171,7 @@ void Crowd::choose(State& s, const StepInput& in) const {
           }
         });
       });
-      // Who is not looked at is not met within a step, either.
+      // Neighbours beyond the search range cannot be reached within a step either.
       const Vec3 w = load3<double>(wishes.data(), i);
       const double seen = nearest.count < Nearest::kMost ? def_.neighbour_distance : nearest.ones.back().gap;
       const double speed = std::min(std::max(def_.max_speed, norm(w)), std::max(0.0, 0.5 * seen / in.h));
@@ -184,7 +184,7 @@ void Crowd::choose(State& s, const StepInput& in) const {
       const auto aside = [&](uint32_t q) {
         return Vec3{sorted.person[slot] < sorted.person[q] ? 1.0 : -1.0, 0, 0};
       };
-      // Whatever becomes of the rest, nobody takes more than half of a gap.
+      // Whatever the rest does, nobody takes more than half of a gap.
       for (size_t k = 0; k < nearest.count && nearest.ones[k].gap < 2 * in.h * speed; ++k) {
         const auto& [gap, q, d] = nearest.ones[k];
         planes[count++] = wall_plane(apart(-d, norm(d), aside(q)), 0.5 * gap, 0, in.h, out);

@@ -7,7 +7,7 @@
 namespace truestep::crowd {
 namespace {
 
-/// Shares of [0, 1] along a piece that doors leave, by cutting one door after the other.
+/// The intervals of [0, 1] along a piece that remain after cutting one door after the other.
 void cut(std::vector<std::array<double, 2>>& kept, double from, double to) {
   std::vector<std::array<double, 2>> out;
   for (const auto& [a, b] : kept) {
@@ -26,7 +26,7 @@ void Walls::add(const Vec3& a, const Vec3& b, std::span<const DoorDef> doors) {
   if (!(length > 0)) return;
   std::vector<std::array<double, 2>> kept{{0, 1}};
   for (const DoorDef& door : doors) {
-    // A door lies along a wall to a thousandth of a metre.
+    // A door must lie along a wall to within a millimetre.
     const Vec3 p = door.from - a, q = door.to - a;
     if (std::abs(cross2(d, p)) > 1e-3 * length || std::abs(cross2(d, q)) > 1e-3 * length) continue;
     const double s = dot(p, d) / (length * length), t = dot(q, d) / (length * length);
@@ -47,7 +47,7 @@ Walls::Walls(const CrowdDef& def, double reach) : reach_(reach) {
     }
   }
   if (def.period > 0) {
-    // Those near one end see what stands at the other.
+    // Those near one end see obstacles at the other.
     const size_t n = pieces_.size();
     for (const double shift : {-def.period, def.period}) {
       for (size_t i = 0; i < n; ++i)
@@ -71,7 +71,7 @@ Walls::Walls(const CrowdDef& def, double reach) : reach_(reach) {
   size_ = std::max(0.5 * reach, std::sqrt((high.x - low_.x) * (high.y - low_.y) / kMostCells));
   nx_ = static_cast<long>((high.x - low_.x) / size_) + 1,
   ny_ = static_cast<long>((high.y - low_.y) / size_) + 1;
-  // Two rounds over the cells that a piece may be near to: how many there are, and which.
+  // Two passes over the cells that a piece may be near: first to count, then to fill.
   const double far = reach + 0.7072 * size_;
   const auto each = [&](auto&& visit) {
     for (uint32_t k = 0; k < pieces_.size(); ++k) {
@@ -137,7 +137,7 @@ double Walls::distance(const Vec3& x) const {
 }
 
 bool Walls::blocked(const Vec3& a, const Vec3& b, double clearance) const {
-  // Whoever stands beside a wall may walk off it, or along it, and so at the goal.
+  // People standing next to a wall may walk away from it or along it, and so at the goal.
   const double room = std::min({clearance, distance(a), distance(b)}) - 1e-9;
   const Segment way{a, b};
   return along(a, b, clearance,

@@ -1,4 +1,4 @@
-// Walls as straight pieces, with doors cut out, and a table of which pieces are near a place.
+// Walls as straight pieces, with doors cut out, and a table of the pieces near a place.
 #pragma once
 #include <span>
 #include <vector>
@@ -9,16 +9,16 @@ namespace truestep::crowd {
 
 class Walls {
  public:
-  /// Pieces within `reach` (m) of a place are found by `near`.
+  /// `near` finds pieces within `reach` (m) of a place.
   Walls(const CrowdDef& def, double reach);
 
   std::span<const Segment> pieces() const { return pieces_; }
-  /// Numbers of all pieces within the reach of x, and others.
+  /// Indices of all pieces within reach of x, and possibly others.
   std::span<const uint32_t> near(const Vec3& x) const;
 
-  /// visit(normal, distance) for every piece near x that x looks at: unit normal from the wall to x, distance
-  /// in m. A corner where two pieces meet counts once, and not at all beside one whose inside is nearer. On a
-  /// wall the normal is its left one.
+  /// visit(normal, distance) for every piece near x that faces it: unit normal from the wall to x, distance
+  /// in m. A corner where two pieces meet counts once, and not at all if the inside of one of them is nearer.
+  /// On a wall the normal is its left one.
   template <class Visit>
   void faces(const Vec3& x, Visit&& visit) const {
     for (const uint32_t k : near(x)) {
@@ -32,20 +32,20 @@ class Walls {
     }
   }
 
-  /// m, to the nearest piece; beyond the reach: the reach.
+  /// m, to the nearest piece; at most the reach.
   double distance(const Vec3& x) const;
-  /// Whether a straight way from a to b crosses a wall, or comes nearer to one than `clearance` (m, below the
-  /// reach) and than its ends are.
+  /// Whether the straight path from a to b crosses a wall, or comes nearer to one than `clearance` (m, below
+  /// the reach) and than its ends are.
   bool blocked(const Vec3& a, const Vec3& b, double clearance) const;
-  /// A piece that the straight way from a to b runs into, or null.
+  /// A piece hit by the straight path from a to b, or null.
   const Segment* crossed(const Vec3& a, const Vec3& b) const;
 
  private:
-  /// visit(piece) until it is true, over all pieces within `clearance` of the way, and others; whether it
-  /// was.
+  /// Calls visit(piece) until it returns true, for all pieces within `clearance` of the path, and possibly
+  /// others; returns whether it did.
   template <class Visit>
   bool along(const Vec3& a, const Vec3& b, double clearance, Visit&& visit) const {
-    // Looks every so far see together all that is nearer to the way than the clearance.
+    // Lookups at these intervals together cover everything closer to the path than the clearance.
     const double step = 2 * (reach_ - clearance);
     const long looks = static_cast<long>(norm(b - a) / step) + 1;
     for (long i = 0; i < looks; ++i) {
@@ -58,7 +58,7 @@ class Walls {
   }
 
   static constexpr uint32_t kNone = ~0u;
-  /// Whether the piece `other`, which shares `corner` with piece k, already speaks for what x sees there.
+  /// Whether the piece `other`, which shares `corner` with piece k, already accounts for what x sees there.
   bool hidden(uint32_t other, const Vec3& corner, const Vec3& x, uint32_t k) const;
   void add(const Vec3& a, const Vec3& b, std::span<const DoorDef> doors);
   void join();

@@ -12,7 +12,7 @@ namespace truestep::flocking {
 namespace {
 
 constexpr double kTurn = 6.283185307179586;
-/// Streams of random numbers below the rows' own.
+/// Streams of random numbers below those of rows.
 enum Stream : uint64_t { kPlaces, kHeadings, kRows };
 
 constexpr std::string_view kWeightNames[kWeights] = {"separation",    "alignment", "cohesion",
@@ -30,7 +30,7 @@ Vec3 random_heading(bool plane, const std::array<double, 4>& u) {
 Vec3 Box::wrapped(Vec3 x) const {
   const auto wrap = [](double at, double from, double to) {
     const double size = to - from, in = at - size * std::floor((at - from) / size);
-    // Rounding may leave a place just outside on the upper side; the lower side is the same one.
+    // Rounding may leave a place just outside the upper side, which is the same as the lower one.
     return in >= from && in < to ? in : from;
   };
   x.x = wrap(x.x, low.x, high.x), x.y = wrap(x.y, low.y, high.y);
@@ -105,14 +105,14 @@ State Flocking::initial_state() const {
     const auto u = uniform4(seed_, kPlaces, i);
     Vec3 at = center + Vec3{half.x * (2 * u[0] - 1), half.y * (2 * u[1] - 1), half.z * (2 * u[2] - 1)};
     if (!def_.positions.empty() && i < boids_) at = def_.positions[i];
-    // Predators come from the box's own corner, not out of the midst of those they chase.
+    // Predators come from the box's corner, not from among those they chase.
     if (i >= boids_) at = def_.center - def_.half_extents * (0.8 + 0.1 * u[0]);
     Vec3 speed = random_heading(box_.plane, uniform4(seed_, kHeadings, i));
     if (def_.heading) speed = normalized(*def_.heading);
     speed *= i < boids_ ? def_.speed : def_.predator_speed;
     if (!def_.velocities.empty() && i < boids_) speed = def_.velocities[i];
     if (box_.plane) at.z = speed.z = 0;
-    // Who would start in a collider starts on it, of two that overlap on the one that is nearer.
+    // A member that would start inside a collider starts on its surface; if two overlap, on the nearer one.
     for (int k = 0; k < 4 && !colliders_.empty(); ++k) {
       const NearSurface near = colliders_.nearest(at, 0);
       if (near.distance >= kContactSlop) break;
@@ -153,7 +153,7 @@ void Flocking::touch(State& s, const StepInput& in) const {
   auto before = in.workspace.doubles("flocking.before", 6 * rows_);
   double *x = s.f64(Columns::position).data(), *v = s.f64(Columns::velocity).data();
   if (box_.sides == Sides::periodic) {
-    // Whoever went through a side came from beside it.
+    // A member that passed through a periodic side came from beyond it.
     const Vec3 size = box_.high - box_.low;
     const auto beside = [](double& was, double is, double edge) {
       if (edge > 0) was += edge * std::floor((is - was) / edge + 0.5);
@@ -173,7 +173,7 @@ void Flocking::touch(State& s, const StepInput& in) const {
   for (size_t i = 0; i < rows_; ++i) {
     Vec3 at = load3(x, i), u = load3(v, i);
     if (box_.plane) at.z = u.z = 0;
-    // Who has bounced goes on at a speed of the rule's.
+    // After a bounce it continues at the rule's speed.
     if (def_.rule != Rule::cucker_smale) {
       const double fastest = i < boids_ ? def_.max_speed : def_.predator_speed,
                    slowest = i < boids_ ? def_.min_speed : def_.predator_speed, size = norm(u);

@@ -1,11 +1,10 @@
-// The system type "flocking": many that steer by their neighbours, after one of three rules.
-//   reynolds      a = separation sum (1 - r/R) d/r + alignment (mean v - v) + cohesion (mean x - x) + walls +
-//                 goal + flight, bounded; v += h a with bounded speed and turn; x += h v   (Reynolds 1987)
-//   vicsek        x += h v; heading = mean heading within the radius, turned at random     (Vicsek et al.
-//   1995) cucker_smale  v' = (K/N) sum (1 + r^2/sigma^2)^-beta (v_j - v), by Runge-Kutta of order 4 (Cucker,
-//   Smale
-//                 2007)
-// Noise is a function of seed, row and step. Nobody has a mass, so there is no energy. Command:
+// The system type "flocking": many members that steer by their neighbours, by one of three rules.
+//   reynolds      a = separation sum (1 - r/R) d/r + alignment (mean v - v) + cohesion (mean x - x) + walls
+//                 + goal + flight, bounded; v += h a with bounded speed and turn; x += h v  (Reynolds 1987)
+//   vicsek        x += h v; heading = mean heading within the radius, plus noise  (Vicsek et al. 1995)
+//   cucker_smale  v' = (K/N) sum (1 + r^2/sigma^2)^-beta (v_j - v), by Runge-Kutta of order 4  (Cucker, Smale
+//   2007)
+// Noise is a function of seed, row and step. Members have no mass, so there is no energy. Command:
 // set_parameter.
 #pragma once
 #include <memory>
@@ -20,7 +19,7 @@ namespace truestep::flocking {
 struct Columns {
   static constexpr State::Column position = 0, velocity = 1, weights = 2, goal = 3;
 };
-/// Rows of the column of weights: what a command may set.
+/// Rows of the column of weights, which commands can set.
 enum class Weight : uint8_t { separation, alignment, cohesion, goal_strength, noise, coupling };
 inline constexpr size_t kWeights = 6;
 
@@ -30,7 +29,7 @@ struct Box {
   Vec3 low, high;
   bool plane;
 
-  /// visit(shift): every image of a place at which the points within `reach` of x may lie.
+  /// visit(shift): every image of a place at which points within `reach` of x may be.
   template <class Visit>
   void images(const Vec3& x, double reach, Visit&& visit) const;
   Vec3 wrapped(Vec3 x) const;
@@ -69,7 +68,7 @@ template <class Visit>
 void Box::images(const Vec3& x, double reach, Visit&& visit) const {
   if (sides != Sides::periodic) return visit(Vec3{});
   const Vec3 size = high - low;
-  // At most one image along a direction: half the box is no shorter than the reach.
+  // At most one image along a direction: half the box is at least the reach.
   const auto other = [reach](double at, double low_side, double high_side, double edge) {
     return at - low_side < reach ? edge : high_side - at < reach ? -edge : 0.0;
   };

@@ -1,4 +1,4 @@
-// What a scene says about a flock; units and bounds stand in the table (flocking_def.cc).
+// What a scene says about a flock; units and bounds are in the table (flocking_def.cc).
 #pragma once
 #include <optional>
 #include <vector>
@@ -48,7 +48,7 @@ struct FlockingDef {
 const DefTable& flocking_table();
 const Outputs& flocking_outputs();
 Cost flocking_cost(const void* def);
-/// Rows without the predators, which come last.
+/// Number of rows without the predators, which come last.
 size_t boid_count(const FlockingDef& def);
 /// m, distance beyond which nobody is a neighbour.
 double reach_of(const FlockingDef& def);

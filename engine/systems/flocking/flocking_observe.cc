@@ -1,4 +1,4 @@
-// What a flock as a whole is like.
+// Observables of a flock as a whole.
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -53,7 +53,7 @@ void Flocking::observe(const State& s, double, Observables& out) const {
   out.add("velocity.mean.y", mean.y, "m/s");
   out.add("velocity.mean.z", mean.z, "m/s");
   out.add("velocity.spread", std::sqrt(spread), "m/s");
-  // No value where nobody has a neighbour.
+  // No value when nobody has a neighbour.
   out.add("distance.nearest",
           nearest < HUGE_VAL ? std::sqrt(nearest) : std::numeric_limits<double>::quiet_NaN(), "m");
   out.add("groups", groups, "1");

@@ -26,7 +26,7 @@ void Sorted::build_wide(const double* x, const double* velocities, size_t n, dou
 
 namespace {
 
-/// Places of the bits that are set, in order; behind them anything.
+/// Positions of the set bits, in order; arbitrary values behind them.
 constexpr auto kPacked = [] {
   std::array<std::array<uint32_t, 4>, 16> out{};
   for (unsigned bits = 0; bits < 16; ++bits) {
@@ -46,7 +46,7 @@ void Gather::begin(size_t slot, const Vec3& heading) {
 }
 
 void Gather::look_from(const Vec3& p) {
-  // The list's places are seen from the one before.
+  // The list's offsets refer to the previous position.
   sum();
   const double at[4] = {p.x, p.y, p.z, 0};
   at_ = Lanes4::load(at);
@@ -77,7 +77,7 @@ void Gather::sum() {
   Lanes4 away = away_, v = v_, x = x_;
   const Lanes4 at = at_, u = u_;
   const bool cone = sight_.field == Sight::Field::cone;
-  // A hair more than the square: the root decides.
+  // Slightly more than the square: the root decides.
   const double near2 = sight_.apart * sight_.apart * (1 + 1e-12);
   for (size_t k = 0; k < count_; ++k) {
     const size_t q = list_[k];
@@ -88,7 +88,7 @@ void Gather::sum() {
     if (cone || r2 < near2) {
       const double r = std::sqrt(r2);
       if (cone && heading_.x * c[0] + heading_.y * c[1] + heading_.z * c[2] < sight_.cos_view * r) continue;
-      // 1 where they meet, 0 from the radius on, along the unit way here.
+      // 1 where they meet, falling to 0 at the radius, along the unit vector towards here.
       if (r > 0 && r < sight_.apart) away = away - d * Lanes4::all((1 - r / sight_.apart) / r);
     }
     if (r2 < sight_.align2) v = v + (Lanes4::load(&sorted_.v4[4 * q]) - u), with += 1;
@@ -99,7 +99,7 @@ void Gather::sum() {
 
 void Gather::finish() {
   sum();
-  // The member itself has added nothing but to the counts.
+  // The member itself has contributed only to the counts.
   with -= 1, near -= 1;
   double c[4];
   away_.store(c), away = {c[0], c[1], c[2]};

@@ -1,6 +1,6 @@
-// Members in the order of a grid's slots, and what one of them sums up over its neighbours after Reynolds.
-// Neighbours are first listed, four candidates at a time and without a branch, since most of them are none;
-// sums follow the list's order, which is that of the slots.
+// Members in the order of a grid's slots, and the sums over a member's neighbours in Reynolds' rule.
+// Neighbours are first listed, four candidates at a time and branch-free, since most candidates are not
+// neighbours; sums follow the list's order, which is that of the slots.
 #pragma once
 #include <cstdint>
 #include <vector>
@@ -10,7 +10,7 @@
 
 namespace truestep::flocking {
 
-/// Candidates that are looked at together.
+/// Candidates tested together.
 inline constexpr size_t kAtOnce = 4;
 
 struct Sorted {
@@ -19,9 +19,9 @@ struct Sorted {
   std::vector<double> xs, ys, zs;  ///< n, and room to read four at a time
   std::vector<double> x4, v4;      ///< n x 4, the last one 0
 
-  /// Velocities as n x 3 only.
+  /// Positions and velocities as n x 3 only.
   void build(const double* x, const double* velocities, size_t n, double reach);
-  /// All of it.
+  /// All layouts.
   void build_wide(const double* x, const double* velocities, size_t n, double reach);
 };
 
@@ -31,18 +31,18 @@ struct Sight {
   enum class Field : uint8_t { all, cone } field = Field::all;
 };
 
-/// Sums over neighbours: d of their places, differences of their velocities, pushes away from them.
+/// Sums over neighbours: relative positions, relative velocities, and pushes away from them.
 class Gather {
  public:
   Gather(const Sorted& sorted, const Sight& sight) : sorted_(sorted), sight_(sight) {}
 
-  /// Begins anew, for the member in a slot.
+  /// Starts over, for the member in a slot.
   void begin(size_t slot, const Vec3& heading);
-  /// Looks from another place than the member's own from here on: from an image of it.
+  /// From here on looks from another position than the member's own: an image of it.
   void look_from(const Vec3& p);
-  /// Those of the slots [from, to) that p, where it looks from, sees; the member itself among them.
+  /// Adds those of the slots [from, to) seen from p, the present viewpoint; includes the member itself.
   void add(const Vec3& p, size_t from, size_t to);
-  /// To be called last.
+  /// Call last.
   void finish();
 
   Vec3 away, mean_v, mean_x;

@@ -1,5 +1,5 @@
 // The steps of the three rules, and of predators. Everyone gathers from the neighbours in the order of the
-// sorted cells, which is a function of the places alone.
+// sorted cells, which is a function of the positions alone.
 #include <algorithm>
 #include <cmath>
 
@@ -13,7 +13,7 @@ namespace {
 
 constexpr size_t kBlock = 256;
 constexpr double kHalfTurn = 3.141592653589793;
-/// Streams of random numbers up to here belong to the start.
+/// Lower streams of random numbers belong to the initial state.
 constexpr uint64_t kFirstRow = 2;
 
 double weight(const State& s, Weight w) {
@@ -37,7 +37,8 @@ Vec3 Flocking::avoidance(const State& s, const Vec3& x, const Vec3& heading, dou
     const NearSurface near = colliders_.nearest(x, t);
     const double push = def_.wall_strength * std::max(0.0, 1 - near.distance / def_.wall_margin);
     const double into = dot(heading, near.normal);
-    // Who heads for the surface is turned aside along it, too: off alone would be stopped in front of it.
+    // A member heading for the surface is also turned aside along it: a push outwards alone would only stop
+    // it.
     if (push > 0 && into < 0)
       a += normalized(heading - near.normal * into, perpendicular(near.normal)) * push;
     a += near.normal * push;
@@ -150,7 +151,7 @@ void Flocking::approach(State& s, const StepInput& in) const {
       }
     });
   };
-  // The classical method of order 4 on (x, v); `share` of the step lies between the start and a stage.
+  // The classical method of order 4 on (x, v); `share`: position of a stage in the step.
   constexpr double kShare[4] = {0, 0.5, 0.5, 1}, kWeight[4] = {1, 2, 2, 1};
   std::fill_n(sum_v, 2 * n, 0.0);
   std::fill_n(a, n, 0.0), std::copy_n(v, n, vs);

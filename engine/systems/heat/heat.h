@@ -1,9 +1,9 @@
 // Heat conduction in a box:
 //   u_t = div(a grad u) + s,   a diffusivity, s heating,
 // on nodes (lattice/lattice.h) with Dirichlet, Neumann, Robin or periodic sides, by any method of the table
-// that serves right-hand sides. Without a named one: rk4 while the scene's step is inside its interval
-// (2.785 over the spectral radius, 4 a d / dx^2), rkc2 up to some hundred stages, sdirk4 beyond.
-// Commands: set_parameter diffusivity (where it is a number); impulse adds heat at a node.
+// for right-hand sides. Default: rk4 while the scene's step is within its stability interval (2.785 over the
+// spectral radius, 4 a d / dx^2), rkc2 up to about a hundred stages, sdirk4 beyond. Commands: set_parameter
+// diffusivity (where it is a number); impulse adds heat at a node.
 #pragma once
 #include "engine/core/linear_solver.h"
 #include "engine/core/system.h"
@@ -13,7 +13,7 @@
 
 namespace truestep::heat {
 
-/// u_t = L u + b(t) as methods see it.
+/// u_t = L u + b(t) for the integrators.
 class HeatEquations final : public RightHandSide, public LinearSolver {
  public:
   /// Both must outlive this.
@@ -53,7 +53,8 @@ class Heat final : public StagedSystem {
   FieldView field(const State& state, size_t part, size_t field, std::vector<double>& scratch) const override;
   void apply(State& state, const Command& command) const override;
   std::optional<double> limit(Limit which, const State& state, double h) const override;
-  /// Half the integral of the squared temperature: no joules, but conduction alone can only lower it.
+  /// Half the integral of the squared temperature: not an energy in joules, but conduction alone can only
+  /// decrease it.
   std::optional<Energy> energy(const State& state, double t, Workspace& workspace,
                                const ThreadArena& arena) const override;
   std::vector<std::string> remedies() const override;

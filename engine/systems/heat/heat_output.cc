@@ -1,4 +1,4 @@
-// What heat conduction shows.
+// Parts, fields, observables and drawing of heat conduction.
 #include "engine/systems/heat/heat.h"
 
 namespace truestep::heat {

@@ -1,5 +1,5 @@
-// The texts of a scene of shallow water as numbers: the bed, the surface and the velocity at the start, the
-// surface that is known.
+// The expressions of a shallow-water scene: the bed, the initial surface and velocity, and the exact surface
+// if known.
 #pragma once
 #include "engine/math/expression/rows.h"
 #include "engine/systems/heightfield_wave/heightfield_wave_def.h"
@@ -14,7 +14,7 @@ struct BasinTexts {
   std::array<ExpressionRows, 2> velocity;
   bool has_exact = false;
 
-  /// out = the text at the centres of the cells, x running fastest.
+  /// out = the expression at the cell centres, x running fastest.
   static void sample(const ExpressionRows& text, const shallow::Basin& basin, double t, double* out);
 };
 

@@ -1,4 +1,4 @@
-// What shallow water measures and shows.
+// Observables, fields and drawing of shallow water.
 #include <algorithm>
 #include <cmath>
 

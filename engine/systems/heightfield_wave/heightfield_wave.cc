@@ -112,7 +112,7 @@ void HeightfieldWave::finish(const Water& water, const Work& work, double fricti
       const double depth = 0.5 * (before[i] + water.h[i]), qx = 0.5 * (before[n + i] + water.qx[i]);
       const double qy = water.qy ? 0.5 * (before[2 * n + i] + water.qy[i]) : 0;
       const bool wet = depth > basin_.dry;
-      // Euler backwards for q' = -friction |q| q / depth^2, |q| as it is.
+      // Backward Euler for q' = -friction |q| q / depth^2, with |q| lagged.
       const double slowed = 1 + h * friction * std::sqrt(qx * qx + qy * qy) / (depth * depth);
       const double kept = wet ? 1 / slowed : 0;
       water.h[i] = depth, water.qx[i] = kept * qx;
@@ -140,7 +140,7 @@ void HeightfieldWave::advance(State& s, const StepInput& in) const {
   while (left > 0) {
     copy(now, before);
     double speed = crossing();
-    // A first stage may raise waves that are faster than those it was made for: then it is made again.
+    // A first stage may raise faster waves than the substep was chosen for: then it is repeated.
     for (double h = 0;;) {
       const double wanted = std::ceil(left * speed / def_.cfl - 1e-9);
       if (!(wanted + taken <= kMostSubsteps)) {

@@ -1,8 +1,8 @@
 // Shallow water over a bed in a basin of one or two dimensions (kernels/shallow/water.h): waves much longer
-// than the water is deep, bores, floods that run onto dry ground. Time goes by Heun's method in the form that
-// keeps what Euler's steps keep (Shu, Osher 1988), in as many substeps as the waves ask for. Gravity's
-// magnitude pulls along -z. Mass is kept to rounding, a lake at rest stays at rest, also around islands.
-// Commands: set_parameter friction; impulse gives momentum to the water of a cell.
+// than the depth, bores, floods over dry ground. Integrated by Heun's method in strong-stability-preserving
+// form (Shu, Osher 1988), in as many substeps as the waves require. Gravity's magnitude acts along -z. Mass
+// is conserved to rounding; a lake at rest stays at rest, also around islands. Commands: set_parameter
+// friction; impulse gives momentum to the water of a cell.
 #pragma once
 #include "engine/core/system.h"
 #include "engine/systems/heightfield_wave/basin_texts.h"
@@ -25,7 +25,7 @@ class HeightfieldWave final : public StagedSystem {
   static constexpr int kMostSubsteps = 2000;
 
  private:
-  /// What a step works in; it points to nothing of any state.
+  /// Scratch memory of a step; it points into no state.
   struct Work {
     shallow::Primitives p;
     std::vector<double> rates, before, row_speeds;
@@ -34,7 +34,7 @@ class HeightfieldWave final : public StagedSystem {
   void advance(State& state, const StepInput& in) const;
   /// water += h rates, no depth below 0.
   void add(const shallow::Water& water, const Work& work, double h, const ThreadArena& arena) const;
-  /// The mean of water and what it was before the substep, slowed by the bed.
+  /// The mean of water and its state before the substep, slowed by friction at the bed.
   void finish(const shallow::Water& water, const Work& work, double friction, double h,
               const ThreadArena& arena) const;
   shallow::Water water(State& state) const;

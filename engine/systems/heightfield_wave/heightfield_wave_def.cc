@@ -142,7 +142,7 @@ Cost heightfield_wave_cost(const void* def) {
   const double n = cell_count(d), unknowns = d.cells.size() == 2 ? 3 : 2;
   Cost c;
   c.state_bytes = 8 * n * unknowns + 2e3;
-  // Bed and four more with ghosts; rates and what the substep started from.
+  // Bed and four more arrays with ghosts; rates and the substep's initial state.
   c.workspace_bytes = 8 * (6 * padded + 2 * unknowns * n) + 3e4;
   c.elements = n;
   // Measured on one core: a substep of two stages.

@@ -24,12 +24,12 @@ struct EdgesDef {
 struct HeightfieldWaveDef {
   std::vector<int64_t> cells = {64, 64};
   std::vector<double> size;    ///< m; empty: 1 along every axis
-  std::optional<Vec3> origin;  ///< m, lower corner; heights count from its z
+  std::optional<Vec3> origin;  ///< m, lower corner; heights are measured from its z
   std::optional<EdgeDef> all;
   EdgesDef sides;
   std::string bed = "0", surface = "0.1";  ///< m
   std::vector<std::string> velocity;       ///< m/s, at the start
-  std::string exact;                       ///< m, surface that is known; empty: none
+  std::string exact;                       ///< m, exact surface; empty: unknown
   double friction = 0;
   double density = 1000;  ///< kg/m^3
   double cfl = 0.45;
@@ -42,7 +42,7 @@ Cost heightfield_wave_cost(const void* def);
 const Resolution& heightfield_wave_resolution();
 
 EdgeDef::Kind edge_of(const HeightfieldWaveDef& d, size_t axis, size_t end);
-/// Cells and sides as the scene says them.
+/// Cells and sides as given by the scene.
 shallow::Basin make_basin(const HeightfieldWaveDef& d);
 
 }  // namespace truestep::heightfield_wave

@@ -34,7 +34,7 @@ Vec3 extent(const LatticeDef& d) {
 void fill_lattice(const MolecularDef& def, Atoms& out) {
   const LatticeDef& d = *def.lattice;
   const double a = spacing(d);
-  // Sites keep off the box's sides by half of what is between them.
+  // Sites keep away from the box's sides by half their distance.
   const double inset = sites(d) == 4 ? 0.25 : 0.5;
   const Vec3 low = d.center - extent(d) * 0.5;
   std::vector<uint32_t> turn;
@@ -100,7 +100,8 @@ void fill_water(const MolecularDef& def, uint64_t seed, Atoms& out) {
   });
 }
 
-/// Normal velocities without momentum and without parts along rigid sides, of the def's temperature exactly.
+/// Normally distributed velocities without net momentum and without components along rigid sides, at exactly
+/// the def's temperature.
 void set_temperature(const MolecularDef& def, uint64_t seed, Atoms& out) {
   const auto mass = [&](size_t i) { return def.kinds[out.kinds[i]].mass; };
   double total = 0, twice = 0;
@@ -144,7 +145,7 @@ void check_places(const MolecularDef& d, const DefTable::Report& report) {
     const Vec3 at = atoms.cell.wrapped(x);
     flat.insert(flat.end(), {at.x, at.y, at.z});
   }
-  // Many atoms come from crystals, and reading a scene is to be quick.
+  // Large sets come from crystals, and reading a scene must be quick.
   constexpr size_t kMostCompared = 200'000;
   if (atoms.size() > kMostCompared) return;
   const double least = shortest_distance(d);
@@ -283,7 +284,7 @@ void check_atoms(const MolecularDef& d, const DefTable::Report& report) {
 Atoms make_atoms(const MolecularDef& def, uint64_t seed) {
   Atoms out;
   out.cell = cell_of(def);
-  // Those with positions come first: theirs are the first rows.
+  // Those with given positions come first: positions refer to the first rows.
   fill_given(def, out);
   if (def.lattice) fill_lattice(def, out);
   if (def.water) fill_water(def, seed, out);

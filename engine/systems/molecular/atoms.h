@@ -1,4 +1,4 @@
-// The atoms of a scene: where they start, of which kind they are, and the box that follows from them.
+// The atoms of a scene: their initial positions, their kinds, and the resulting box.
 #pragma once
 #include <array>
 #include <cstdint>
@@ -17,20 +17,20 @@ struct Atoms {
   size_t size() const { return positions.size(); }
 };
 
-/// m, of the box that is given or that the lattice has; 0 where there is none.
+/// m, the given box or that of the lattice; 0 when there is none.
 Vec3 box_edges(const MolecularDef& def);
 /// Number of atoms, from counts alone.
 size_t atom_count(const MolecularDef& def);
-/// Everything about the start that tables cannot say. `report` as in DefTable.
+/// Every check of the start that tables cannot express. `report` as in DefTable.
 void check_atoms(const MolecularDef& def, const DefTable::Report& report);
-/// Of a def without faults. Velocities of `temperature` are normal numbers of `seed` without momentum, scaled
-/// to be of that temperature exactly.
+/// For a def without faults. Velocities for `temperature` are normal draws of `seed` without net momentum,
+/// scaled to exactly that temperature.
 Atoms make_atoms(const MolecularDef& def, uint64_t seed);
-/// Masses and sides of the def's water.
+/// Masses and side lengths of the def's water.
 WaterShape water_shape(const MolecularDef& def);
-/// Row of the kind of that name, or kinds.size().
+/// Row of the kind with that name, or kinds.size().
 size_t kind_index(const MolecularDef& def, std::string_view name);
-/// m: nearer than this no two atoms may be, a hundredth of the largest sigma (or a thousandth of the
+/// m: no two atoms may be closer than this, a hundredth of the largest sigma (or a thousandth of the
 /// cut-off).
 double shortest_distance(const MolecularDef& def);
 

@@ -1,5 +1,5 @@
-// What holds temperature and pressure (kernels/molecular/thermostat.h). Random numbers are functions of seed,
-// row and step.
+// Thermostats and barostats (kernels/molecular/thermostat.h). Random numbers are functions of seed, row and
+// step.
 #include <algorithm>
 #include <cmath>
 #include <functional>
@@ -11,7 +11,7 @@
 namespace truestep::molecular {
 namespace {
 
-/// Streams of random numbers; up to kRows they belong to the whole.
+/// Streams of random numbers; those below kRows belong to the whole system.
 enum Stream : uint64_t { kStart, kRescaling, kBox, kRows };
 
 double bath(const State& s, Bath which) {

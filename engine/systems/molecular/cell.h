@@ -1,4 +1,4 @@
-// The box that atoms live in: open, or periodic with edges along x, y, z about its centre.
+// The box of the atoms: open, or periodic with edges along x, y, z about its centre.
 #pragma once
 #include <cmath>
 
@@ -13,7 +13,7 @@ struct Cell {
   Vec3 low, edges;  ///< m
 
   double volume() const { return edges.x * edges.y * edges.z; }
-  /// How many boxes x lies away from the first one, along each axis.
+  /// Number of boxes between x and the first one, along each axis.
   Vec3 image(const Vec3& x) const {
     if (sides == Sides::open) return {};
     return {std::floor((x.x - low.x) / edges.x), std::floor((x.y - low.y) / edges.y),

@@ -10,7 +10,7 @@ Molecular::Molecular(std::unique_ptr<const MolecularField> field, const ChosenMe
       atoms_(static_cast<const MolecularField&>(force_field())) {
   const MolecularDef& d = atoms_.def();
   main_part().fields.push_back({"speed", "m/s"});
-  // What draws solids turns them.
+  // Drawn solids need an orientation.
   if (d.has_looks()) main_part().fields.push_back({"orientation", "1", Scalar::f64, 4, Meaning::orientation});
   std::vector<PartInfo> all{main_part()};
   if (d.sides == Sides::periodic) {
@@ -73,7 +73,7 @@ Energy::Exchange Molecular::exchange(const State&) const {
 
 std::unique_ptr<const Molecular> Molecular::make(const MolecularDef& def, const BuildContext& context) {
   auto field = std::make_unique<const MolecularField>(def, context);
-  // Too long a step is an error that names a shorter one: adaptive methods would take millions for it.
+  // Too long a step is an error that suggests a shorter one: adaptive methods would take millions.
   const ChosenMethod method{choose_integrator(def.choice(), "velocity_verlet", *field),
                             def.integrator.empty() ? "the default" : "named by the scene"};
   return std::unique_ptr<const Molecular>(new Molecular(std::move(field), method, def.choice().options));

@@ -1,4 +1,4 @@
-// Forces within molecules, and what Ewald's waves add. Serial: few beside pairs.
+// Forces within molecules, and Ewald's reciprocal sum. Serial: they are few compared with pairs.
 #include <cmath>
 
 #include "engine/kernels/molecular/bonded.h"
@@ -11,7 +11,7 @@ void add3(std::span<double> force, size_t i, const Vec3& f) {
   if (!force.empty()) store3(force.data(), i, load3<double>(force.data(), i) + f);
 }
 
-/// E and G at u, beyond the series, too, where erf is 1 to its accuracy.
+/// E and G at u, also beyond the series, where erf is 1 to its accuracy.
 ErfSeries::One smooth_part(const ErfSeries& series, double u) {
   if (u < series.u_max()) return series.at(u);
   const double i1 = 1 / std::sqrt(u);
@@ -33,7 +33,7 @@ Energies MolecularField::add_bonds(const Phase& at, const Cell& cell, std::span<
     out.bonds += f.energy, out.virial += dot(d, f.on_a);
     add(b.a, f.on_a), add(b.b, -f.on_a);
   }
-  // Angles do not change where all is scaled: no virial.
+  // Angles do not change under uniform scaling: no virial.
   for (const AngleDef& b : def_.angles) {
     const AngleForce f = angle(between(b.a, b.b), between(b.c, b.b), b.stiffness, b.angle);
     out.bonds += f.energy;
@@ -63,7 +63,7 @@ Energies MolecularField::add_waves(const Phase& at, const Cell& cell, std::span<
     const Vec3 d = cell.nearest(load3(at.x.data(), i) - load3(at.x.data(), j));
     const double r2 = norm2(d), qq = ewald_.coulomb * setting_.charges[i] * setting_.charges[j];
     const auto f = smooth_part(law_.erf, a * a * r2);
-    // Minus q q erf(alpha r) / r, whose force pushes apart.
+    // Minus q q erf(alpha r) / r, whose force is repulsive.
     const Vec3 push = d * (-qq * a * a * a * f.g);
     out.waves -= qq * a * f.e, out.virial += dot(push, d);
     add3(force, i, push), add3(force, j, -push);

@@ -153,7 +153,7 @@ double mesh_points(const MolecularDef& d) {
   return static_cast<double>(mesh.points[0] * mesh.points[1]) * static_cast<double>(mesh.points[2]);
 }
 
-/// s, of Ewald's smooth part in one step, measured on one core.
+/// s per step for Ewald's smooth part, measured on one core.
 double waves_seconds(const MolecularDef& d) {
   return 5e-9 * ewald_waves(d) * static_cast<double>(atom_count(d));
 }
@@ -280,7 +280,7 @@ const Outputs& molecular_outputs() {
 Cost molecular_cost(const void* def) {
   const auto& d = *static_cast<const MolecularDef*>(def);
   const double n = static_cast<double>(atom_count(d));
-  // Neighbours at a liquid's density, one atom in 1.1 sigma^3.
+  // Neighbours at liquid density, one atom in 1.1 sigma^3.
   double sigma = 0.3 * d.cutoff;
   for (const KindDef& k : d.kinds) sigma = k.sigma > 0 && k.sigma < sigma ? k.sigma : sigma;
   const double reach = (d.cutoff + d.skin) / sigma, near = std::min(0.6 * n, 3.8 * reach * reach * reach);

@@ -1,5 +1,5 @@
-// What a scene says about atoms and molecules; units and bounds stand in the tables (molecular_def.cc).
-// Any coherent units do, as nothing but `boltzmann` and `coulomb_constant` knows which: in reduced ones mass,
+// What a scene says about atoms and molecules; units and bounds stand in the tables (molecular_def.cc). Any
+// consistent units work, since only `boltzmann` and `coulomb_constant` depend on them: in reduced units mass,
 // sigma, epsilon and boltzmann are 1.
 #pragma once
 #include <algorithm>
@@ -32,7 +32,7 @@ struct LatticeDef {
   Vec3 center;
 };
 
-/// Rigid water: an oxygen and two hydrogens a molecule, on a cubic lattice, turned at random.
+/// Rigid water: one oxygen and two hydrogens per molecule, on a cubic lattice, randomly rotated.
 struct WaterDef {
   std::vector<int64_t> cells{4, 4, 4};
   std::optional<double> radius;  // m, of a ball of them
@@ -59,7 +59,7 @@ enum class Coulomb : uint8_t { shifted, reaction_field, ewald, truncated };
 /// How Ewald's smooth part is summed: wave by wave, or through a mesh.
 enum class EwaldMethod : uint8_t { automatic, waves, mesh };
 
-/// What holds the temperature.
+/// Temperature control.
 struct ThermostatDef {
   enum class Method : uint8_t {
     velocity_rescaling,
@@ -70,7 +70,7 @@ struct ThermostatDef {
   double time = 1e-13;       // s
   int64_t chain = 3;
 };
-/// What holds the pressure: stochastic cell rescaling.
+/// Pressure control: stochastic cell rescaling.
 struct BarostatDef {
   double pressure = 101325;          // Pa
   double time = 1e-12;               // s
@@ -114,7 +114,7 @@ struct MolecularDef : IntegratorParams {
   double draw_radius = 1e-10;
   std::optional<Vec3> color;
 
-  /// Whether kinds are drawn in sizes or colours of their own.
+  /// Whether kinds have sizes or colours of their own for drawing.
   bool has_looks() const {
     const auto looks = [](const KindDef& k) { return k.draw_radius || k.color; };
     return std::any_of(kinds.begin(), kinds.end(), looks);
@@ -122,7 +122,7 @@ struct MolecularDef : IntegratorParams {
 };
 
 const DefTable& molecular_table();
-/// Whether Ewald's smooth part, if there is one, goes through a mesh.
+/// Whether Ewald's smooth part, if any, uses a mesh.
 bool by_mesh(const MolecularDef& def);
 const Outputs& molecular_outputs();
 Cost molecular_cost(const void* def);

@@ -6,10 +6,10 @@
 namespace truestep::molecular {
 namespace {
 
-/// Of half a skin: what a step may be expected to leave over.
+/// Fraction of half a skin that a step may use up.
 constexpr double kMargin = 0.95;
 
-/// Largest squared distance, over the atoms, of x + h v from where they were.
+/// Largest squared distance, over the atoms, of x + h v from the reference positions.
 double largest_move2(std::span<const double> x, const double* v, double h, const double* from,
                      const ThreadArena& arena, std::span<double> blocks) {
   const size_t n = x.size() / 3;
@@ -19,7 +19,7 @@ double largest_move2(std::span<const double> x, const double* v, double h, const
       Vec3 d = load3(x.data(), i) - load3(from, i);
       if (v) d += load3(v, i) * h;
       const double d2 = norm2(d);
-      // What is not a number has moved, too.
+      // A NaN counts as moved.
       most = d2 <= most ? most : d2;
     }
     blocks[begin / kBlockRows] = most;
@@ -85,7 +85,7 @@ void MolecularField::make_coulomb() {
     ewald_ = ewald_setting(def_.coulomb_constant, rc, def_.ewald_accuracy);
     law_.alpha = ewald_.alpha;
     if (by_mesh(def_)) mesh_ = mesh_setting(ewald_, start_.cell.edges, def_.ewald_accuracy);
-    // The series is far better than the sums' ends.
+    // The series is accurate well beyond the sums' cut-offs.
     law_.erf = ErfSeries(1.001 * law_.alpha * law_.alpha * law_.cutoff2,
                          std::max(2e-16, 1e-7 * def_.ewald_accuracy));
   }
@@ -125,7 +125,7 @@ Cell MolecularField::cell(const State& state) const {
 const NeighbourList& MolecularField::list(const Phase& at, Evaluation& e) const {
   const auto reference = at.state.f64(Columns::reference);
   const auto blocks = e.workspace.doubles("molecular.blocks", block_count(size()));
-  // Asked for by the barostat in later steps, too.
+  // The barostat needs them in later steps, too.
   e.workspace.doubles("molecular.energies", 2 * (size() / NeighbourList::kBlock + 1));
   const double moved = largest_move2(at.x, nullptr, 0, reference.data(), e.arena, blocks);
   const bool near = moved <= 0.25 * def_.skin * def_.skin;

@@ -1,7 +1,7 @@
 // Forces between atoms: m a = sum over pairs within the cut-off (kernels/molecular/pair_law.h) + bonds,
-// angles and dihedrals (bonded.h) + Ewald's waves (ewald.h). Lists of neighbours belong to the column of
-// reference positions, so that they are functions of the state; an integrator's stage that is further away
-// than half a skin has a list of its own.
+// angles and dihedrals (bonded.h) + Ewald's waves (ewald.h). Neighbour lists belong to the column of
+// reference positions, so they are functions of the state; an integrator stage that is farther away than half
+// a skin gets a list of its own.
 #pragma once
 #include <memory>
 #include <optional>
@@ -19,18 +19,17 @@ namespace truestep::molecular {
 /// Columns of the state, in the order in which initial_state adds them.
 struct Columns {
   enum : State::Column {
-    position,  ///< m, in no particular image
+    position,  ///< m, unwrapped
     velocity,
-    reference,  ///< m, positions that the list of neighbours belongs to
+    reference,  ///< m, positions for which the neighbour list was made
     start,      ///< m, positions at t = 0, for the mean square displacement
-    box,        ///< m, edges; 0 where there are none
+    box,        ///< m, edges; 0 when there is no box
     bath,       ///< see Bath
-    chain,      ///< places (1) and velocities (1/s) of a chain of Nose and Hoover
+    chain,      ///< positions (1) and velocities (1/s) of a Nose-Hoover chain
   };
 };
 
-/// Rows of the column `bath`: temperature (K) and pressure (Pa) that are held, heat (J) that the thermostat
-/// gave.
+/// Rows of the column `bath`: target temperature (K) and pressure (Pa), heat (J) added by the thermostat.
 enum class Bath : uint8_t { temperature, pressure, heat, count };
 
 /// Energy and virial of the forces, J.
@@ -54,7 +53,7 @@ class MolecularField final : public ForceField {
   std::optional<Stiffness> stiffness(const State& state) const override;
 
   Energies energies(const Phase& at, Evaluation& e) const;
-  /// Half a skin may be used up within the next h: then the present positions become the reference.
+  /// If half a skin may be used up within the next h, the present positions become the reference.
   void renew_reference(State& state, double h, const ThreadArena& arena, Workspace& workspace) const;
 
   const MolecularDef& def() const { return def_; }
@@ -64,7 +63,7 @@ class MolecularField final : public ForceField {
   const std::vector<uint32_t>& kinds() const { return setting_.kinds; }
   size_t size() const { return masses_.size(); }
   uint64_t seed() const { return seed_; }
-  /// Degrees of freedom: without those of the whole where nothing disturbs its momentum.
+  /// Degrees of freedom: without those of the centre of mass when its momentum is conserved.
   double freedoms() const { return freedoms_; }
   Cell cell(const State& state) const;
 
@@ -72,9 +71,9 @@ class MolecularField final : public ForceField {
   const NeighbourList& list(const Phase& at, Evaluation& e) const;
   void make_law();
   void make_coulomb();
-  /// Adds forces (N) of bonds, angles and dihedrals unless `force` is empty; their energy and virial.
+  /// Adds forces (N) of bonds, angles and dihedrals unless `force` is empty; returns their energy and virial.
   Energies add_bonds(const Phase& at, const Cell& cell, std::span<double> force) const;
-  /// Ewald's smooth part, without that of the pairs that are left out.
+  /// Ewald's smooth part, without that of the excluded pairs.
   Energies add_waves(const Phase& at, const Cell& cell, std::span<double> force, Evaluation& e) const;
   bool has_more() const;
 

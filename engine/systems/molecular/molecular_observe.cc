@@ -11,7 +11,8 @@ namespace {
 
 constexpr double kTurn = 6.283185307179586;
 
-/// Tails of energy (J) and pressure (Pa) of the atoms beyond the cut-off, were they spread evenly.
+/// Tail corrections of energy (J) and pressure (Pa) for atoms beyond the cut-off, assuming they are spread
+/// evenly.
 LjTail tails(const MolecularField& atoms, double volume) {
   const MolecularDef& d = atoms.def();
   std::vector<double> count(d.kinds.size());
@@ -26,7 +27,7 @@ LjTail tails(const MolecularField& atoms, double volume) {
   return {kTurn / volume * sum.energy, -kTurn / (3 * volume * volume) * sum.virial};
 }
 
-/// J, of a thermostat of Nose and Hoover; 0 of others.
+/// J, of a Nose-Hoover thermostat; 0 for others.
 double energy_of_chain(const State& s, const MolecularField& atoms) {
   const auto chain = s.f64(Columns::chain);
   if (chain.empty()) return 0;

@@ -8,10 +8,10 @@
 namespace truestep::molecular {
 namespace {
 
-/// Atom of the two points that only hold the grid in place.
+/// Owner of the two points that only fix the grid's extent.
 constexpr uint32_t kNobody = UINT32_MAX;
 constexpr double kFar = 1e30;  // m
-/// Room for images and neighbours beyond those of the first list, so that later ones allocate nothing.
+/// Spare room for images and neighbours beyond the first list, so that later ones do not allocate.
 constexpr double kRoom = 1.5;
 
 template <class V>
@@ -55,7 +55,7 @@ void NeighbourList::add_images(const ListSetting& setting, std::span<const doubl
   if (cell.sides == Sides::open) return;
   const Vec3 margin{setting.reach, setting.reach, setting.reach};
   const Vec3 low = cell.low - margin, high = cell.low + cell.edges + margin;
-  // Shifts along an axis that bring a place into the margin.
+  // Shifts along an axis that bring a position into the margin.
   const auto shifts = [](double at, double edge, double from, double to, double out[3]) {
     int count = 0;
     out[count++] = 0;
@@ -74,7 +74,7 @@ void NeighbourList::add_images(const ListSetting& setting, std::span<const doubl
       add(static_cast<uint32_t>(i), at + shift, own + shift);
     }
   }
-  // The grid has the same cells at every rebuild.
+  // Keeps the grid's cells the same at every rebuild.
   add(kNobody, low, {}), add(kNobody, high, {});
 }
 
@@ -82,7 +82,7 @@ void NeighbourList::sort(const ListSetting& setting) {
   const size_t n = reference_.size() / 3;
   grid_.reserve(points_.capacity() / 3);
   grid_.build(points_, setting.reach);
-  // Without those whose place is not finite, which nothing is near.
+  // Without atoms whose position is not finite, which have no neighbours.
   const size_t all = grid_.size();
   for (auto* column : {&px_, &py_, &pz_}) make_room(*column, all + 4), column->resize(all + 4);
   make_room(shift_, 3 * all), make_room(owner_, all), make_room(kinds_, all + 1);
@@ -121,7 +121,7 @@ void NeighbourList::find(const ListSetting& setting, size_t begin, size_t end) {
       const size_t before = used;
       used = append_near(places, from, to, at, reach2, list, used);
       if (row < from || row >= to) return;
-      // An atom is no neighbour of itself.
+      // An atom is not its own neighbour.
       used = static_cast<size_t>(std::remove(list + before, list + used, row) - list);
     });
     used = start + keep_allowed(setting, owner_[row], out.data() + start, used - start);

@@ -1,6 +1,6 @@
-// A step of velocity Verlet that keeps rigid molecules (kernels/molecular/settle.h), and that of langevin:
-// kick, half a drift, friction and noise, half a drift, kick (BAOAB, Leimkuhler and Matthews 2013; with rigid
-// molecules 2016), whose places have errors of h^2 that vanish in harmonic wells.
+// A velocity Verlet step with rigid molecules (kernels/molecular/settle.h), and the langevin step: kick, half
+// a drift, friction and noise, half a drift, kick (BAOAB, Leimkuhler and Matthews 2013; with rigid molecules
+// 2016), whose positions have errors of order h^2 that vanish in harmonic wells.
 #include "engine/integrators/control/last_force.h"
 #include "engine/systems/molecular/molecular.h"
 

@@ -15,7 +15,7 @@ std::string_view take_line(std::string_view& text) {
   return line;
 }
 
-/// Takes a word off the line; empty where there is none left.
+/// Takes a word off the line; empty when there is none left.
 std::string_view take_word(std::string_view& line) {
   const size_t begin = line.find_first_not_of(" \t");
   if (begin == std::string_view::npos) return {};

@@ -1,5 +1,5 @@
 // Atoms in the text format XYZ: a line with their number, a line of comment, then a line per atom with a name
-// and three coordinates; what follows them on a line, and lines after the last atom, do not count.
+// and three coordinates; anything after them on a line, and lines after the last atom, are ignored.
 #pragma once
 #include <stdexcept>
 #include <string>
@@ -15,13 +15,13 @@ struct XyzAtoms {
   std::vector<Vec3> positions;  ///< in the text's own unit
 };
 
-/// What is wrong, and in which line, from 1.
+/// What is wrong, with the line number, from 1.
 struct XyzFault : std::runtime_error {
   XyzFault(size_t at, const std::string& what) : std::runtime_error(what), line(at) {}
   size_t line;
 };
 
-/// Most atoms a text may hold.
+/// Maximum number of atoms in a text.
 inline constexpr size_t kMostXyzAtoms = 1'000'000;
 XyzAtoms read_xyz(std::string_view text);
 

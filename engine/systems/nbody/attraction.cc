@@ -20,8 +20,8 @@ std::span<const double> strengths(const State& s, Workspace& workspace) {
   return mu;
 }
 
-/// The tree's errors do not cancel between the two of a pair as forces do: what they add up to is taken from
-/// everybody alike, so that the centre of mass goes straight on.
+/// The tree's errors do not cancel between the two bodies of a pair as forces do: their sum is removed
+/// evenly, so that the centre of mass moves in a straight line.
 void remove_net_force(const gravity::Bodies& bodies, std::span<double> a, const ThreadArena& arena) {
   const size_t n = bodies.size();
   const auto total = [&](size_t component) {
@@ -30,7 +30,7 @@ void remove_net_force(const gravity::Bodies& bodies, std::span<double> a, const 
       for (size_t i = begin; i < end; ++i) sum += bodies.mu[i] * (component < 3 ? a[3 * i + component] : 1.0);
       return sum;
     };
-    return arena.sum_blocks(n, kBlockRows, std::ref(block));  // by reference: nothing to allocate
+    return arena.sum_blocks(n, kBlockRows, std::ref(block));  // by reference, so as not to allocate
   };
   const double mu = total(3);
   if (!(mu > 0)) return;
@@ -43,7 +43,8 @@ void remove_net_force(const gravity::Bodies& bodies, std::span<double> a, const 
 }  // namespace
 
 gravity::TreeSettings Attraction::settings(const State& s) const {
-  // Measured over Plummer spheres of 1e4 to 1e6 bodies: the error goes as the opening's power 0.65 to 0.7.
+  // Measured on Plummer spheres of 1e4 to 1e6 bodies: the error grows as the opening angle to the power 0.65
+  // to 0.7.
   constexpr double kOpening = 100;
   return {{def_.softening_kind, parameter(s, Parameter::softening)},
           kOpening * def_.force_error * std::sqrt(def_.force_error)};

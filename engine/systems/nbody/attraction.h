@@ -1,5 +1,5 @@
-// Accelerations and potential of all bodies by whichever way the def asks for: all pairs in doubles or mostly
-// in floats, a tree, or the fast multipole method.
+// Accelerations and potential of all bodies by the method that the def selects: all pairs in doubles or
+// mostly in floats, a tree, or the fast multipole method.
 #pragma once
 #include <vector>
 
@@ -16,10 +16,10 @@ class Attraction {
   /// a (n x 3, m/s^2) of bodies at x (n x 3, m).
   void accelerations(const State& s, std::span<const double> x, std::span<double> a, Workspace& workspace,
                      const ThreadArena& arena) const;
-  /// J; with the tree to the error of its sums.
+  /// J; with the tree, to the accuracy of its sums.
   double potential(const State& s, std::span<const double> x, Workspace& workspace,
                    const ThreadArena& arena) const;
-  /// Why n bodies are summed as they are, for the plan.
+  /// Why n bodies are summed this way, for the plan.
   std::string reason(size_t n) const;
 
  private:
@@ -30,7 +30,7 @@ class Attraction {
   NbodyDef def_;
 };
 
-/// m/s^2, of bodies among themselves.
+/// m/s^2, mutual attraction of bodies.
 std::vector<Vec3> attraction_at_start(const std::vector<Body>& bodies, const NbodyDef& def);
 
 }  // namespace truestep::nbody

@@ -17,7 +17,7 @@ struct Touch {
   uint32_t a, b;
 };
 
-/// Share of the step at which two balls touch: 0 where they overlap at its start and approach; none: 2.
+/// Fraction of the step at which two balls touch: 0 if they overlap at its start and approach; 2 for never.
 double first_touch(const Vec3& d0, const Vec3& d1, double reach) {
   const Vec3 u = d1 - d0;
   const double b = dot(d0, u), c = norm2(d0) - reach * reach, a = norm2(u);
@@ -109,7 +109,7 @@ void collide(State& s, const CollisionsDef& def, std::span<const double> before,
     const Vec3 d = d0 + (load3(x, t.b) - load3(x, t.a) - d0) * t.share;
     const Vec3 normal = normalized(d), u = load3(v, t.b) - load3(v, t.a);
     const double along = dot(u, normal), sum = mass[t.a] + mass[t.b];
-    // Of bodies without mass either takes half.
+    // For two massless bodies, each takes half.
     const double to_a = sum > 0 ? mass[t.b] / sum : 0.5;
     const Vec3 change =
         def.response == Response::stop ? -u : normal * (-(1 + def.restitution) * std::min(along, 0.0));

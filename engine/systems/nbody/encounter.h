@@ -1,4 +1,5 @@
-// What bodies that meet feel beside the sun in mercurius.h, and how their pairs are told.
+// The forces on bodies in a close encounter besides the sun's, for mercurius.h, and how such pairs are
+// detected.
 //   x_i'' = -mu x_i/|x_i|^3 - sum_j (1 - L(r_ij)) G m_j (x_i - x_j)/(r_ij^2 + eps^2)^(3/2)
 //   L(y) = 10 y^3 - 15 y^4 + 6 y^5,   y = (r - 0.1 R)/(0.9 R) between 0 and 1          (Rein et al. 2019, eq.
 //   11)
@@ -12,15 +13,15 @@
 
 namespace truestep::nbody {
 
-/// L: the share of a pair's force that is a kick. r, radius in m.
+/// L: the fraction of a pair's force that is applied as a kick. r, radius in m.
 inline double changeover(double r, double radius) {
   const double y = (r - 0.1 * radius) / (0.9 * radius);
   if (!(y > 0)) return 0;
   return y >= 1 ? 1 : y * y * y * (10 - y * (15 - 6 * y));
 }
 
-/// Smallest distance (m) from the origin on the cubic from d0 with slope u0 to d1 with slope u1, slopes times
-/// the step's length; of sixteen chords.
+/// Smallest distance (m) from the origin to the cubic from d0 with slope u0 to d1 with slope u1, slopes times
+/// the step's length; approximated by sixteen chords.
 inline double closest_on_cubic(const Vec3& d0, const Vec3& u0, const Vec3& d1, const Vec3& u1) {
   constexpr int kChords = 16;
   double least2 = norm2(d0);
@@ -37,12 +38,12 @@ inline double closest_on_cubic(const Vec3& d0, const Vec3& u0, const Vec3& d1, c
   return std::sqrt(least2);
 }
 
-/// Motion of the bodies that meet, about the sun at the origin.
+/// Motion of the bodies in an encounter, about the sun at the origin.
 class Encounter final : public RightHandSide, public SecondOrder {
  public:
   double sun = 0, eps2 = 0;       ///< G m_0 (m^3/s^2), softening squared (m^2)
   std::vector<double> mu, reach;  ///< of each: G m (m^3/s^2), changeover radius (m)
-  std::vector<double> y;          ///< places, then velocities
+  std::vector<double> y;          ///< positions, then velocities
 
   size_t size() const override { return 6 * mu.size(); }
   const SecondOrder* second_order() const override { return this; }

@@ -38,7 +38,7 @@ class Draws {
   size_t at_ = 4;
 };
 
-/// Takes away the group's own mean position and velocity, so that its middle is where it is asked to be.
+/// Removes the group's own mean position and velocity, so that its centre is where it was requested.
 void center_on(std::vector<Body>& bodies, const Placed& place) {
   Vec3 x, v;
   double mass = 0;
@@ -46,16 +46,17 @@ void center_on(std::vector<Body>& bodies, const Placed& place) {
   for (Body& b : bodies) b.x += place.center - x / mass, b.v += place.velocity - v / mass;
 }
 
-/// Radius within which a share u of a Plummer sphere of a = 1 lies.
+/// Radius that contains a fraction u of a Plummer sphere with a = 1.
 double plummer_radius(double u) {
   return 1 / std::sqrt(trig::pow(u, -2.0 / 3) - 1);
 }
 
 Body plummer_body(Draws& draw, const PlummerDef& d, double mass, double g) {
-  const double within = trig::pow(1 + 1 / (d.cut * d.cut), -1.5);  // share inside the cut
+  const double within = trig::pow(1 + 1 / (d.cut * d.cut), -1.5);  // fraction inside the cut
   const double r = plummer_radius(std::max(draw.next(), 1e-10) * within);
   const Vec3 x = draw.direction() * (d.radius * r);
-  // The speed over that of escape goes as q^2 (1 - q^2)^(7/2), which is below 0.1 everywhere.
+  // The ratio q of speed to escape speed is distributed as q^2 (1 - q^2)^(7/2), which is below 0.1
+  // everywhere.
   double q, p;
   do {
     q = draw.next(), p = 0.1 * draw.next();
@@ -90,7 +91,7 @@ std::vector<Body> make(const SphereDef& d, uint64_t seed, size_t group, double g
   return out;
 }
 
-/// Two directions across `axis`, which is made a unit vector.
+/// Two directions perpendicular to `axis`, which is normalised.
 struct Frame {
   Vec3 a, b, axis;
   explicit Frame(const Vec3& along) : axis(normalized(along)) {
@@ -99,7 +100,7 @@ struct Frame {
   }
 };
 
-/// x of 1 - (1 + x) exp(-x) = u: the radius within which a share u of an exponential disk lies.
+/// x with 1 - (1 + x) exp(-x) = u: the radius that contains a fraction u of an exponential disk.
 double disk_radius(double u) {
   double low = 0, high = 40;
   for (int k = 0; k < 60; ++k) {
@@ -129,10 +130,10 @@ std::vector<Body> make(const GalaxyDef& d, uint64_t seed, size_t group, const Nb
   for (size_t i = 0; i < static_cast<size_t>(d.halo_count); ++i) {
     Draws draw(seed, group, disk + i);
     out.push_back(plummer_body(draw, halo, d.halo_mass / static_cast<double>(d.halo_count), g));
-    // The disk and the middle bind the halo too.
+    // The disk and the central mass bind the halo too.
     out.back().v *= std::sqrt(1 + (d.mass + d.central_mass) / d.halo_mass);
   }
-  // On circles in the field of everything there is of this galaxy.
+  // Circular orbits in the field of this whole galaxy.
   const std::vector<Vec3> a = attraction_at_start(out, def);
   for (size_t i = first; i < first + disk; ++i) {
     Draws draw(seed, group, out.size() + i);
@@ -140,7 +141,8 @@ std::vector<Body> make(const GalaxyDef& d, uint64_t seed, size_t group, const Nb
     const Vec3 across = b.x - frame.axis * dot(b.x, frame.axis);
     const double r = norm(across), inward = -dot(a[i], across) / std::max(r, 1e-300);
     const double speed = std::sqrt(std::max(inward, 0.0) * r), sigma = d.dispersion * speed;
-    const Vec3 u{draw.normal(), draw.normal(), draw.normal()};  // in braces: in this order everywhere
+    const Vec3 u{draw.normal(), draw.normal(), draw.normal()};  // in braces: evaluated in this order
+                                                                // everywhere
     b.v = normalized(cross(frame.axis, across)) * speed +
           (frame.a * u.x + frame.b * u.y + frame.axis * u.z) * sigma;
   }
@@ -153,7 +155,7 @@ std::vector<Body> make(const RingDef& d, uint64_t seed, size_t group, double g, 
   std::vector<Body> out;
   for (size_t i = 0; i < static_cast<size_t>(d.count); ++i) {
     Draws draw(seed, group, i);
-    // Even in area.
+    // Uniform in area.
     const double inner2 = d.inner_radius * d.inner_radius, outer2 = d.outer_radius * d.outer_radius;
     const double r = std::sqrt(inner2 + draw.next() * (outer2 - inner2));
     const trig::SinCos phi = trig::sincos(kTurn * draw.next());
@@ -165,7 +167,7 @@ std::vector<Body> make(const RingDef& d, uint64_t seed, size_t group, double g, 
   return out;
 }
 
-/// E of M = E - e sin E by Newton's method from E = M + e sin M, damped where e is near 1.
+/// E with M = E - e sin E, by Newton's method from E = M + e sin M, damped when e is near 1.
 double eccentric_anomaly(double mean, double e) {
   double at = mean + e * trig::sin(mean);
   for (int k = 0; k < 50; ++k) {

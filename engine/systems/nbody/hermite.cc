@@ -18,11 +18,11 @@ namespace {
 constexpr int kDepth = 30;  // the shortest step is the session's over 2^30
 constexpr uint64_t kTicks = uint64_t{1} << kDepth;
 constexpr size_t kUnit = 8, kRowBlock = 8;
-constexpr double kTiny = 1e-180, kStart = 0.1;  // a first step, without a history, is shorter
+constexpr double kTiny = 1e-180, kStart = 0.1;  // a first step, which has no history, is shorter
 
 using Column = std::vector<double, CacheLineAllocator<double>>;
 
-/// What a step works in. Times are ticks since the step's start.
+/// Scratch memory of a step. Times are ticks since the step's start.
 struct Blocks {
   std::array<Column, 7> predicted;  // x, y, z, vx, vy, vz, mu in whole units
   std::vector<Vec3> x, v, a, j;     // at each body's own time
@@ -41,7 +41,7 @@ Vec3 vec(const double* p) {
   return {p[0], p[1], p[2]};
 }
 
-/// The longest power of two of ticks that is no longer than h (s) of a step of `dt`.
+/// The largest power of two in ticks that is at most h (s) of a step of `dt`.
 uint64_t ticks_of(double h, double dt) {
   uint64_t ticks = kTicks;
   double length = dt;
@@ -109,7 +109,7 @@ class Run {
     return next;
   }
 
-  /// Everybody to the same time; their columns.
+  /// Predicts all bodies to the same time, into columns.
   void predict(uint64_t now) {
     for (size_t i = 0; i < n_; ++i) {
       const double h = seconds(now - b_.time[i]);
@@ -145,14 +145,14 @@ class Run {
     b_.v[i] = v0 + (a0 + a1) * (h / 2) + (j0 - j1) * (h * h / 12);
     b_.x[i] = b_.x[i] + (v0 + b_.v[i]) * (h / 2) + (a0 - a1) * (h * h / 12);
     b_.a[i] = a1, b_.j[i] = j1, b_.time[i] = now;
-    // The cubic through both ends: its second and third derivative at the end.
+    // The cubic through both ends: its second and third derivatives at the end.
     const Vec3 crackle = ((a0 - a1) * 2 + (j0 + j1) * h) * (6 / (h * h * h));
     const Vec3 snap = ((a1 - a0) * 6 - (j0 * 4 + j1 * 2) * h) * (1 / (h * h)) + crackle * h;
     const double a = norm(a1), j = norm(j1), s = norm(snap), c = norm(crackle);
     const double below = j * c + s * s,
                  wanted = below > 0 ? std::sqrt(eta_ * (a * s + j * j) / below) : in_.h;
     uint64_t next = ticks_of(wanted, in_.h);
-    // Blocks: twice as long only where such a step may begin.
+    // Blocks: a step may double only where one of twice the length may begin.
     if (next > b_.step[i]) next = now % (2 * b_.step[i]) == 0 ? 2 * b_.step[i] : b_.step[i];
     b_.step[i] = std::max<uint64_t>(std::min(next, kTicks), 1);
   }

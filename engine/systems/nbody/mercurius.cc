@@ -12,11 +12,11 @@ namespace truestep::nbody {
 
 namespace {
 
-/// Pairs are looked for a little beyond their changeover radius, because the cubic between a step's ends is
-/// not quite their path.
+/// Pairs are searched slightly beyond their changeover radius, because the cubic between a step's ends is not
+/// exactly their path.
 constexpr double kMargin = 1.2;
 
-/// What a step works in; row 0 of `x` and `v` is the centre of mass.
+/// Scratch memory of a step; row 0 of `x` and `v` is the centre of mass.
 struct Scratch {
   std::vector<Vec3> x, v, x1, v1;  // m, m/s: at the drift's start and end
   std::vector<double> mu, reach;   // m^3/s^2, m

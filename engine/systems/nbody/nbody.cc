@@ -14,7 +14,8 @@ namespace truestep::nbody {
 namespace {
 
 constexpr const char* kBefore = "nbody.before";
-/// m: seen from where everything is in the picture, a dot. Most bodies decide, not the farthest.
+/// m, a dot as seen from where everything is in the picture. The bulk of the bodies decides, not the
+/// farthest.
 double dot_radius(const State& s) {
   const auto x = s.f64(Columns::position);
   const size_t n = x.size() / 3;
@@ -34,7 +35,7 @@ double dot_radius(const State& s) {
                 "", ""}});
 }
 
-/// Error "scene_invalid" where no body outweighs the others.
+/// Error "scene_invalid" when no body outweighs the others.
 void check_sun(std::string_view integrator, const NbodyField& field) {
   const State s = field.initial_state();
   const auto mass = s.f64(Columns::mass);
@@ -44,7 +45,7 @@ void check_sun(std::string_view integrator, const NbodyField& field) {
     refuse(integrator, "the first body must outweigh all others ten times");
 }
 
-/// Error "scene_invalid" where it would not be true to the scene.
+/// Error "scene_invalid" when the method would not do justice to the scene.
 void check_mercurius(const NbodyDef& def, const NbodyField& field) {
   check_sun(kMercuriusName, field);
   if (def.softening_kind == gravity::SofteningKind::spline && def.softening > 0)
@@ -80,11 +81,11 @@ ChosenMethod method_of(const NbodyDef& def, const NbodyField& field, double dt) 
 }
 
 IntegratorOptions options_of(const NbodyDef& def, const ChosenMethod& method) {
-  constexpr double kAarseth = 0.01;  // eta, as is usual
+  constexpr double kAarseth = 0.01;  // eta, the usual value
   IntegratorOptions out = def.choice().options;
   if (def.integrator == kHermiteName) out.tolerance = def.tolerance.value_or(kAarseth);
-  // Rounding through close encounters, too: a step's error is 5e-17 of it. The table's own default loses 5e-9
-  // of the energy in one encounter of planets.
+  // To rounding through close encounters: a step's error is 5e-17 of it. The table's default loses 5e-9 of
+  // the energy in one planetary encounter.
   constexpr double kRounding = 1e-14;
   if (method.row.name == "ias15" || method.row.name == kMercuriusName)
     out.tolerance = def.tolerance.value_or(kRounding);

@@ -9,7 +9,7 @@ namespace truestep::nbody {
 
 class Nbody final : public ForceSystem {
  public:
-  /// Error "scene_invalid" when the integrator is unknown or does not fit.
+  /// Error "scene_invalid" when the integrator is unknown or unsuitable.
   static std::unique_ptr<const Nbody> make(const NbodyDef& def, const BuildContext& context);
 
   /// Besides the energies: momentum and angular_momentum .x/y/z, center .x/y/z, virial_ratio,
@@ -21,7 +21,7 @@ class Nbody final : public ForceSystem {
   void apply(State& state, const Command& command) const override;
   void draw(const State& state, double t, Wish wishes, Drawing& out) const override;
   std::vector<std::string> remedies() const override;
-  /// Open where bodies collide and while hands hold them.
+  /// Open when bodies collide and while drags hold them.
   Energy::Exchange exchange(const State& state) const override;
 
  private:

@@ -1,5 +1,5 @@
-// What commands do to bodies; errors name the member of the command that is wrong. A body named by its row is
-// remembered by its id, since rows move when bodies merge.
+// Commands on bodies; errors name the offending member of the command. A body given by its row is remembered
+// by its id, since rows move when bodies merge.
 #include "engine/core/command_checks.h"
 #include "engine/systems/nbody/hermite.h"
 #include "engine/systems/nbody/mercurius.h"
@@ -9,7 +9,7 @@ namespace truestep::nbody {
 
 namespace {
 
-/// Row of the command's body, which a force can move.
+/// Row of the command's body, which must have a mass.
 size_t massive_row(const State& s, const Command& c) {
   const size_t i = checked_command_row(c, s.rows(Columns::position), "body");
   if (!(s.f64(Columns::mass)[i] > 0)) {
@@ -59,7 +59,7 @@ void Nbody::apply(State& s, const Command& c) const {
       const size_t i = massive_row(s, c);
       if (c.value < 0) refuse_command("value", "out_of_range", "the stiffness must be at least 0");
       if (c.value == 0) {
-        // What nature's own scale of time is here nobody can say from outside.
+        // The natural time scale here cannot be known from outside.
         refuse_command("value", "missing", "a drag of a body needs its stiffness", "N/m, above 0");
       }
       return Columns::kHands.set_drag(s, id_of(s, i), c.vector, c.value, std::nullopt);

@@ -208,13 +208,13 @@ size_t body_count(const NbodyDef& d) {
 
 namespace {
 
-/// s, of one evaluation on one core, measured: half a pair, and what a body meets in the tree.
+/// s per evaluation on one core, measured: half a pair, and the interactions of a body in the tree.
 double direct_seconds(const NbodyDef& d, double n) {
   const bool spline = d.softening_kind == gravity::SofteningKind::spline && d.softening > 0;
   return n * n * (spline ? 1.4e-9 : 0.75e-9);
 }
 double tree_seconds(const NbodyDef& d, double n) {
-  // A body meets some 140 more for every ten times as many, and (1/error)^0.6.
+  // A body interacts with about 140 more for every tenfold number of bodies, times (1/error)^0.6.
   const double met = (400 + 61 * trig::log(std::max(n, 1e3) / 1e3)) * trig::pow(2e-3 / d.force_error, 0.6);
   return n * (5e-8 + 1.25e-9 * std::min(met, 0.8 * n) * (d.softening > 0 ? 1 : 1.4));
 }
@@ -222,7 +222,7 @@ double tree_seconds(const NbodyDef& d, double n) {
 }  // namespace
 
 Method chosen_method(const NbodyDef& d, size_t n) {
-  // Measured: from there on what groups share is worth the way down.
+  // Measured: beyond this, sharing between groups pays for the downward pass.
   constexpr size_t kShared = 50'000;
   if (d.method != Method::automatic) return d.method;
   const auto bodies = static_cast<double>(n);
@@ -243,7 +243,7 @@ Cost nbody_cost(const void* def) {
   c.workspace_bytes = n * (direct ? 60 + 24 * std::clamp(n / 256, 1.0, 8.0) : 280);
   c.elements = n;
   if (d.collisions) c.workspace_bytes += 130 * n;
-  // ias15 has seven stages, which it goes through two or three times.
+  // ias15 has seven stages, iterated two or three times.
   const bool by_itself = d.integrator.empty() && body_count(d) <= kFewBodies;
   const bool divides = by_itself || d.integrator == "ias15" || d.integrator == "hermite";
   const double evaluations = divides ? 20 : 1;

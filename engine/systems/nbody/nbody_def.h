@@ -1,4 +1,4 @@
-// What a scene says about bodies that attract each other; units and bounds stand in the table (nbody_def.cc).
+// What a scene says about bodies that attract each other; units and bounds are in the table (nbody_def.cc).
 #pragma once
 #include <optional>
 #include <variant>
@@ -10,37 +10,37 @@
 
 namespace truestep::nbody {
 
-/// What all groups of bodies have.
+/// Members of all groups of bodies.
 struct Placed {
   Vec3 center, velocity;  // m, m/s
 };
 
-/// Plummer's sphere in equilibrium (Aarseth, Henon & Wielen 1974).
+/// Plummer sphere in equilibrium (Aarseth, Henon & Wielen 1974).
 struct PlummerDef : Placed {
   int64_t count = 1000;
   double mass = 1, radius = 1;  // kg in all, m (the model's a)
-  double cut = 20;              // radii beyond which nobody is put
+  double cut = 20;              // radii beyond which no body is placed
 };
 
-/// A ball of even density.
+/// A ball of uniform density.
 struct SphereDef : Placed {
   int64_t count = 1000;
   double mass = 1, radius = 1;
   double virial_ratio = 0;  // 2 K / |W|, 0: at rest
 };
 
-/// A disk galaxy: an exponential disk, a body in its middle and a Plummer sphere around.
+/// A disk galaxy: an exponential disk, a central body and a surrounding Plummer sphere.
 struct GalaxyDef : Placed {
   int64_t count = 2000;
   double mass = 1, scale_length = 1, height = 0.1;
-  double dispersion = 0.05;  // random speeds over the circular one
+  double dispersion = 0.05;  // random speeds relative to the circular one
   double central_mass = 0;
   int64_t halo_count = 0;
   double halo_mass = 0, halo_radius = 2;
   Vec3 axis{0, 0, 1};
 };
 
-/// Bodies on circles around one of the bodies of the scene.
+/// Bodies on circular orbits around one of the bodies of the scene.
 struct RingDef {
   int64_t count = 1000, around = 0;
   double mass = 0, inner_radius = 1, outer_radius = 2;  // kg in all
@@ -82,15 +82,15 @@ struct NbodyDef : IntegratorParams {
 };
 
 inline constexpr int64_t kMostBodies = 4'000'000;
-/// Few bodies are planets or the like: what counts is where they are, and near passages need short steps.
+/// Few bodies are planets or the like: their positions matter, and close passages need short steps.
 inline constexpr size_t kFewBodies = 32;
 
 const DefTable& nbody_table();
 const Outputs& nbody_outputs();
 Cost nbody_cost(const void* def);
-/// Bodies at t = 0.
+/// Number of bodies at t = 0.
 size_t body_count(const NbodyDef& def);
-/// How n bodies are summed: as asked, or in the way that takes the least time; never automatic.
+/// How n bodies are summed: as requested, or the fastest way; never automatic.
 Method chosen_method(const NbodyDef& def, size_t n);
 
 }  // namespace truestep::nbody

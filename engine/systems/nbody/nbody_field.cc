@@ -30,12 +30,12 @@ NbodyField::NbodyField(const NbodyDef& def, uint64_t seed)
       attraction_(def),
       start_(nbody_state(bodies_at_start(def, seed), def.gravitational_constant, def.softening)),
       orbits_(orbits_of(start_)) {
-  // Only the numbers are needed from here on.
+  // Only the parameters are needed from here on.
   for (auto* list : {&def_.positions, &def_.velocities}) list->clear(), list->shrink_to_fit();
 }
 
 Dependence NbodyField::dependence() const {
-  // A drag is damped, but it is a person's hand: no method is refused for it.
+  // A drag is damped, but it is user input: no method is refused because of it.
   return Dependence::position;
 }
 
@@ -54,7 +54,7 @@ void NbodyField::acceleration(const Phase& at, std::span<double> a, Evaluation& 
     const UserForces::Drag d = Columns::kHands.drag(s, k);
     const auto i = row_of(s, d.who);
     if (!i) continue;
-    // Critically damped, so that the body follows the hand without swinging.
+    // Critically damped, so that the body follows the drag without oscillating.
     add(*i, (d.target - load3(at.x.data(), *i)) * d.stiffness -
                 (at.v.empty() ? Vec3{} : load3(at.v.data(), *i)) * (2 * std::sqrt(d.stiffness * mass[*i])));
   }

@@ -1,6 +1,6 @@
-// Newton's attraction of bodies and what hands do to them:
-//   x_i'' = G sum_j m_j (x_j - x_i) w(|x_j - x_i|) + pushes and drags,   V = -G sum_{i<j} m_i m_j p(|x_i -
-//   x_j|)
+// Newton's attraction of bodies, and pushes and drags:
+//   x_i'' = G sum_j m_j (x_j - x_i) w(|x_j - x_i|) + pushes and drags,
+//   V = -G sum_{i<j} m_i m_j p(|x_i - x_j|)
 // with w, p of kernels/gravity/softening.h.
 #pragma once
 #include "engine/core/force_field.h"
@@ -17,14 +17,14 @@ class NbodyField final : public ForceField {
   Dependence dependence() const override;
   std::optional<double> potential(const Phase& at, Evaluation& e) const override;
   double kinetic(const Phase& at, Evaluation& e) const override;
-  /// Of many bodies: free fall across a softening, or across half the mass, under the strongest pull there
-  /// is. Of few it is not known.
+  /// For many bodies: free fall across a softening length, or across half the mass, under the strongest pull.
+  /// Unknown for few.
   std::optional<Stiffness> stiffness(const State& state) const override;
 
-  /// What the orbit of a body about the first one says at t = 0; 0 of the first.
+  /// Properties of a body's orbit about the first one at t = 0; 0 for the first.
   struct Orbit {
     double hill_radius = 0,
-           circular_speed = 0;  ///< m, m/s; of the semi-major axis, or where unbound of the distance
+           circular_speed = 0;  ///< m, m/s; for the semi-major axis, or for the distance if unbound
   };
   /// By row at t = 0.
   const std::vector<Orbit>& orbits() const { return orbits_; }

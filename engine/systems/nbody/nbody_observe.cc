@@ -1,4 +1,4 @@
-// Numbers of a state of bodies that an astronomer plots.
+// Observables of an N-body state, as astronomers plot them.
 #include <algorithm>
 #include <cmath>
 
@@ -8,7 +8,7 @@ namespace truestep::nbody {
 
 namespace {
 
-/// m: within it around the centre of mass is half of the mass.
+/// m: radius around the centre of mass that contains half of the mass.
 double half_mass_radius(const State& s, const Vec3& center, double all) {
   const auto mass = s.f64(Columns::mass);
   const double* x = s.f64(Columns::position).data();

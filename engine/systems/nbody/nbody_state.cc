@@ -43,7 +43,8 @@ std::optional<size_t> row_of(const State& s, uint64_t id) {
 void remove_rows(State& s, std::span<const uint8_t> dead) {
   const size_t n = s.rows(Columns::position);
   for (State::Column c = 0; c < s.columns(); ++c) {
-    // Rows of the method's are as wide as positions; its own numbers are as many however few bodies are left.
+    // The method's per-row columns are as wide as positions; its other columns do not depend on the number of
+    // bodies.
     const ColumnInfo& info = s.info(c);
     const bool carried = info.name.starts_with("integrator.") && s.rows(c) == n && info.width == 3;
     if (c >= Columns::per_body_end && !carried) continue;

@@ -1,5 +1,4 @@
-// Columns of the system "nbody". Rows of bodies that merge with others are closed up; ids tell the bodies
-// apart.
+// Columns of the system "nbody". Rows of merged bodies are removed; ids identify the bodies.
 #pragma once
 #include <optional>
 #include <span>
@@ -47,10 +46,9 @@ struct Body {
 };
 
 State nbody_state(std::span<const Body> bodies, double gravitational_constant, double softening);
-/// Row of a body, if it has not merged with another.
+/// Row of a body, unless it has merged with another.
 std::optional<size_t> row_of(const State& s, uint64_t id);
-/// Closes up over the rows that are dead, in the columns of the bodies and in what the method of integration
-/// carries for each.
+/// Removes dead rows from the columns of the bodies and from the integration method's per-body columns.
 void remove_rows(State& s, std::span<const uint8_t> dead);
 
 }  // namespace truestep::nbody

@@ -7,8 +7,8 @@ namespace truestep::nbody {
 
 namespace {
 
-/// Each body as seen from the centre of mass of those before it; row 0 is the centre of mass of all. In and
-/// out: n x 3.
+/// Positions relative to the centre of mass of the preceding bodies; row 0 is the centre of mass of all. In
+/// and out: n x 3.
 void to_jacobi(std::span<const double> mass, const double* in, double* out) {
   Vec3 sum = load3(in, 0) * mass[0];
   double eta = mass[0];
@@ -25,7 +25,7 @@ void from_jacobi(std::span<const double> mass, double total, const double* in, d
   double eta = total;
   for (size_t i = mass.size() - 1; i > 0; --i) {
     const Vec3 x = load3(in, i);
-    // Of those up to i; what is before i is nearer to it by i's share.
+    // Centre of mass of those up to i; that of those before i is closer to it by i's share.
     center -= x * (mass[i] / eta);
     store3(out, i, center + x);
     eta -= mass[i];

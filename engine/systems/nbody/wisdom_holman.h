@@ -1,11 +1,11 @@
-// Wisdom and Holman's splitting for bodies about one that outweighs them: Kepler's ellipses, exactly, and the
-// planets' pulls on each other as kicks in between, so that the energy's error is a share (mass of the
-// planets/mass of the sun) h^2 and does not grow (Wisdom & Holman 1991). In Jacobi's coordinates, where body
-// i is seen from the centre of mass of those before it, with eta_i = m_0 + ... + m_i:
+// Wisdom and Holman's splitting for bodies about a dominant one: exact Kepler ellipses, with the planets'
+// mutual attraction as kicks in between, so that the energy error is a fraction (mass of the planets/mass of
+// the sun) h^2 and does not grow (Wisdom & Holman 1991). In Jacobi coordinates, where body i is relative to
+// the centre of mass of those before it, with eta_i = m_0 + ... + m_i:
 //   H = P^2/2M + sum_i [ p_i'^2/2 mu_i - G mu_i eta_i/r_i' ] + [ sum_i G mu_i eta_i/r_i' - sum_{i<j} G m_i
-//   m_j/r_ij ] step = half of the first bracket, kick by the second, half of the first       (drift, kick,
-//   drift: Rein & Tamayo 2015)
-// Rows are taken in their order: the heavy one first, then from the inside out. Not here: close encounters,
+//   m_j/r_ij ] step = half of the first bracket, kick by the second, half of the first  (drift, kick, drift:
+//   Rein & Tamayo 2015)
+// Rows must be in order: the heavy one first, then from the inside out. Not covered: close encounters,
 // correctors.
 #pragma once
 #include "engine/core/integrator.h"
@@ -14,7 +14,7 @@ namespace truestep::nbody {
 
 inline constexpr std::string_view kWisdomHolmanName = "wisdom_holman";
 
-/// A row like those of the table, for fields of this system alone.
+/// A row like those of the table, for this system's fields only.
 const Integrator& wisdom_holman();
 
 }  // namespace truestep::nbody

@@ -16,11 +16,11 @@ using C = OdeColumns;
 
 namespace {
 
-/// Events of one step; more of them are taken for a pile-up that never ends.
+/// Events per step; more are considered an endless pile-up.
 constexpr int kMaxEventsPerStep = 1000;
 }  // namespace
 
-/// What a step computes with; rebuilt whenever the workspace was thrown away.
+/// Scratch memory of a step; rebuilt whenever the workspace was discarded.
 struct Ode::Scratch {
   const OdeModel* model = nullptr;
   std::unique_ptr<OdeEquations> equations;
@@ -32,9 +32,9 @@ struct Ode::Scratch {
   /// Guards whose event has just led away from zero, with the side: too short a flight is a crossing as well.
   std::vector<std::pair<uint32_t, int32_t>> departing;
   std::unique_ptr<OdeEvaluation> plot;
-  std::vector<double> points;                               ///< that `plot` gives
+  std::vector<double> points;                               ///< produced by `plot`
   std::vector<double> start, middle, rate_start, rate_end;  ///< of the states, for tracers
-  std::vector<double> rates;                                ///< of the states, or these before an event
+  std::vector<double> rates;                                ///< of the states, or the states before an event
 
   void set_parameters(std::span<const double> p) {
     equations->set_parameters(p);
@@ -139,7 +139,7 @@ State Ode::initial_state() const {
     Workspace workspace;
     Scratch& work = scratch(s, workspace);
     work.watcher->look(0, model_.initial.data());
-    // What begins at zero in contact rests there; an event in either direction does not say on which side.
+    // A contact that starts at zero rests there; an event in either direction does not say on which side.
     for (uint32_t k = 0; k < model_.contacts.size(); ++k) {
       const Crossing direction = work.guards->directions()[k];
       if (s.span<int32_t>(C::kEventSigns)[k] != 0 || direction == Crossing::either) continue;
@@ -177,7 +177,7 @@ void Ode::integrate(State& s, const StepInput& in) const {
   Scratch& work = scratch(s, in.workspace);
   const auto y = s.f64(C::kStates);
   if (def_.tracers) work.start.assign(y.begin(), y.end());
-  // The next step begins exactly where this one ends. Times closer than `slack` are one.
+  // The next step begins exactly where this one ends. Times closer than `slack` are considered equal.
   const double t_end = static_cast<double>(in.step + 1) * in.h, slack = 1e-9 * in.h;
   double t = in.t;
   int times = 0;
@@ -264,7 +264,7 @@ void Ode::forget(State& s) {
   std::ranges::fill(s.f64(C::kMemory), NAN);
 }
 
-// The event of a guard that crosses zero; or the end of its contact.
+// Handles the event of a guard that crosses zero, or the end of its contact.
 void Ode::cross(State& s, Scratch& work, uint32_t guard, double t) const {
   const size_t event = work.guards->event(guard);
   if (model_.contacts.empty() || !work.contacts->possible(guard)) return fire(s, work, event, t);
@@ -276,7 +276,7 @@ void Ode::cross(State& s, Scratch& work, uint32_t guard, double t) const {
     return forget(s);
   }
   const int32_t side = s.span<int32_t>(C::kEventSigns)[guard];
-  // What moves away from zero only seems to cross it, by rounding.
+  // Something moving away from zero only seems to cross it, because of rounding.
   if (side * contacts.motion(guard, t, y.data()).rate > 0) {
     work.departing.emplace_back(guard, side);
     return;
@@ -287,7 +287,7 @@ void Ode::cross(State& s, Scratch& work, uint32_t guard, double t) const {
   if (!contacts.resting(guard)) work.departing.emplace_back(guard, side);
 }
 
-// Rests what would fly no farther than the tolerance.
+// Brings to rest whatever would fly no farther than the tolerance.
 void Ode::settle(State& s, Scratch& work, uint32_t guard, int32_t side, double t) const {
   const auto y = s.f64(C::kStates);
   work.rates.resize(y.size());
@@ -298,7 +298,7 @@ void Ode::settle(State& s, Scratch& work, uint32_t guard, int32_t side, double t
   }
 }
 
-// Whatever rests elsewhere goes on resting unless the event has moved it.
+// Resting contacts elsewhere keep resting unless the event has moved them.
 void Ode::wake(State& s, Scratch& work, double t, std::span<const double> before) const {
   const auto y = s.f64(C::kStates);
   for (uint32_t k = 0; k < model_.contacts.size(); ++k) {
@@ -337,7 +337,7 @@ void Ode::carry_tracers(State& s, const StepInput& in) const {
   const double* end = s.f64(C::kStates).data();
   OdeSurroundings around{in.t, in.h, s.f64(C::kParameters), {work.start.data(), nullptr, end}};
   if (n > 0) {
-    // Half way by Hermite's cubic, whose error is of the order of the tracers' own.
+    // Midpoint by Hermite's cubic, whose error is of the order of the tracers' own.
     for (auto* v : {&work.middle, &work.rate_start, &work.rate_end}) v->resize(n);
     work.equations->rate(in.t, work.start.data(), work.rate_start.data());
     work.equations->rate(in.t + in.h, end, work.rate_end.data());

@@ -1,13 +1,12 @@
 // The system type "ode": states, parameters and right-hand sides as a user writes them,
 //   dy/dt = f(t, y, p)   or   d2x/dt2 = a(t, x, x', p),
-// integrated by any method of the table that serves right-hand sides, with events on the way; and tracers,
-// points that a velocity field v(x, y, z, t) carries. Without a named integrator the default is tsit5 (dop853
-// for tolerances below 1e-9), or radau5 where the system looks stiff: at the start, or one explicit Euler
-// step of a scene step from it, the dominant eigenvalue of df/dy (power iteration, differences of f) is real,
-// negative and such that an explicit method would need more than 50 internal steps per step. An event that
-// turns a motion round rests at its guard once it moves nothing by more than the tolerance (ode_contacts.h).
-// Commands:
-// set_parameter of a parameter or a state ("mu", "m[3]", "x").
+// integrated by any method of the table for right-hand sides, with events along the way; and tracers, points
+// carried by a velocity field v(x, y, z, t). The default integrator is tsit5 (dop853 for tolerances below
+// 1e-9), or radau5 if the system looks stiff: at the start, or one explicit Euler step of a scene step from
+// it, the dominant eigenvalue of df/dy (power iteration, differences of f) is real, negative and such that an
+// explicit method would need more than 50 internal steps per step. An event that reverses a motion comes to
+// rest at its guard once it moves nothing by more than the tolerance (ode_contacts.h). Command: set_parameter
+// of a parameter or a state ("mu", "m[3]", "x").
 #pragma once
 #include "engine/core/system.h"
 #include "engine/integrators/advance.h"
@@ -24,9 +23,9 @@ class Ode final : public StagedSystem {
   /// Every number state (arrays of at most 16 elements as well), invariants and their drift relative to the
   /// start, event counts, work of the integrator.
   void observe(const State& state, double t, Observables& out) const override;
-  /// position (tracers, or what "plot" draws with its trail), tag (tracers: place along x at the start, 0 to
-  /// 1), then every state by name.
-  /// Parts: tracers or trails where there are any, the states that are numbers, and arrays by their lengths.
+  /// position (tracers, or what "plot" draws with its trail), tag (tracers: position along x at the start, 0
+  /// to 1), then every state by name.
+  /// Parts: tracers or trails if there are any, the states that are numbers, and arrays by their lengths.
   FieldView field(const State& state, size_t part, size_t field, std::vector<double>& scratch) const override;
   void apply(State& state, const Command& command) const override;
   void draw(const State& state, double t, Wish wishes, Drawing& out) const override;
@@ -45,7 +44,7 @@ class Ode final : public StagedSystem {
   void integrate(State& state, const StepInput& in) const;
   double advance(State& state, Scratch& work, Workspace& workspace, double t, double t_end) const;
   double next_timed_event(double t, double slack) const;
-  /// The integrator begins afresh: what it knows of earlier steps belongs to other equations.
+  /// The integrator starts afresh: its memory of earlier steps belongs to other equations.
   static void forget(State& state);
   void cross(State& state, Scratch& work, uint32_t guard, double t) const;
   void settle(State& state, Scratch& work, uint32_t guard, int32_t side, double t) const;

@@ -9,21 +9,20 @@ struct OdeColumns {
     kStates,       ///< y, Role::position
     kTracers,      ///< x, y, z of every tracer, m, Role::position
     kParameters,   ///< values of all parameters
-    kCarry,        ///< proposal for the next internal step, error of the last one
+    kCarry,        ///< proposed next internal step, error of the last one
     kEventCounts,  ///< u64, times that each event has happened
     kEventSigns,   ///< i32, side of zero on which the guard of each `when` was last seen, 0: not since it
-                   ///< fired
     kStopped,      ///< 1 and the time, once an event has stopped the system
     kInvariantsAtStart,  ///< value of each invariant at t = 0
     kWork,               ///< u64: internal steps, rejected ones, right-hand sides, Jacobians
-    kMemory,             ///< what the method remembers of earlier steps, NaN in front: nothing yet
-    kTrail,   ///< what is drawn: for every body its present point, then the past ones, newest first
+    kMemory,             ///< the method's memory of earlier steps, NaN at the front: empty
+    kTrail,              ///< what is drawn: for every body its present point, then past ones, newest first
     kResting  ///< i32, only where events can rest: per guard the side of zero that its contact pushes to, 0:
               ///< it does not rest
   };
 };
 
-/// Places in the column of work.
+/// Indices in the column of work.
 enum OdeWork : size_t { kOdeSteps, kOdeRejected, kOdeRates, kOdeJacobians, kOdeWorkCounters };
 
 }  // namespace truestep::ode

@@ -1,4 +1,4 @@
-// The order of the work on a scene's texts, and what its parts share: faults, reading, elements of arrays.
+// The order in which a scene's texts are processed, and shared helpers: faults, reading, elements of arrays.
 #include "engine/systems/ode/ode_compiler.h"
 
 #include <algorithm>

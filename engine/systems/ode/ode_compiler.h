@@ -1,5 +1,5 @@
-// One pass over a scene's texts with the states in a given order: names, definitions, equations, events, what
-// is drawn, programs. Faults are collected and reported together.
+// One pass over a scene's texts with the states in a given order: names, definitions, equations, events,
+// plot, programs. Faults are collected and reported together.
 #pragma once
 #include <functional>
 #include <string>
@@ -15,13 +15,13 @@ namespace truestep::ode {
 
 class OdeCompiler {
  public:
-  /// order[k]: place of the k-th declared state; empty: as declared.
+  /// order[k]: index of the k-th declared state; empty: as declared.
   OdeCompiler(const OdeDef& def, std::vector<uint32_t> order) : def_(def), order_(std::move(order)) {}
 
-  /// Throws Error "scene_invalid" with all faults. Once only.
+  /// Throws Error "scene_invalid" with all faults. Call once.
   OdeModel compile();
 
-  /// After compile: positions, then velocities in the same order, as places of the declared states; empty
+  /// After compile: indices of the declared states, positions first, then velocities in the same order; empty
   /// when the equations do not pair up.
   const std::vector<uint32_t>& paired() const { return paired_; }
 
@@ -35,11 +35,11 @@ class OdeCompiler {
   void issue(const std::string& pointer, const char* code, const std::string& message,
              std::string_view value = "", const std::string& allowed = "",
              const std::string& did_you_mean = "");
-  /// The node of a text, or of 0 when it is faulty.
+  /// The node of a text, or of 0 if it is faulty.
   Node read(const std::string& pointer, const std::string& text,
             const ExpressionNames::Bindings& bindings = {});
   const OdeModel::Named* named(const std::vector<OdeModel::Named>& list, std::string_view name) const;
-  /// Calls use(place, bindings) for every element that the left-hand side "x", "x[i]" or "x[3]" names.
+  /// Calls use(index, bindings) for every element named by the left-hand side "x", "x[i]" or "x[3]".
   void each_element(const std::string& pointer, const std::string& left, const OdeModel::Named& n,
                     const ExpressionTarget& target, const EachUse& use);
 
@@ -66,7 +66,7 @@ class OdeCompiler {
   // --- ode_compiler_plot.cc, ode_compiler_axes.cc
 
   void plot();
-  /// What the k-th axis shows and where.
+  /// What the k-th axis shows, and where.
   PlotAxis axis(size_t k, const std::string& text) const;
   std::vector<ExpressionProgram::Node> along(size_t k) const;
   /// Name of a state's or parameter's element, with its index or without; "t" for time.
@@ -74,7 +74,7 @@ class OdeCompiler {
   std::string name_of(int32_t variable, Index index) const;
   bool is_parameter(int32_t variable) const { return variable > 0 && variable < first_state_; }
   std::vector<std::string> curves() const;
-  /// Points that an axis stands for: elements of the array that it names, or of the longest when it uses [i];
+  /// Number of points of an axis: the length of the array that it names, or of the longest when it uses [i];
   /// 0: any number.
   size_t elements(const std::string& axis) const;
   /// The first two or three arrays of equal length, or the first two or three numbers; velocities come last.
@@ -87,11 +87,11 @@ class OdeCompiler {
   ExpressionProgram program(const std::vector<Node>& roots) const;
   void programs();
   Node rate_of(Node n);
-  /// What an event's guard and its first two rates make of the states that the event sets.
+  /// Derives from each event's guard and its first two rates the contact with the states that the event sets.
   void contacts();
-  /// Finds P and V such that x' = v for x in P, v in V, one to one, and P and V are all states.
+  /// Finds P and V such that x' = v for x in P, v in V, one to one, and P and V together are all states.
   void pair_up();
-  /// Derivatives of the roots by `blocks` groups of n states, all of one shape.
+  /// Derivatives of the roots with respect to `blocks` groups of n states, all of the same shape.
   void differentiate(const std::vector<Node>& roots, int32_t n, int32_t blocks, OdeMatrix& out);
 
   const OdeDef& def_;

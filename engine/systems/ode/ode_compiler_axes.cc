@@ -1,6 +1,6 @@
-// What the axes of a plot show. Of an axis that is a function of one name, the same for all points, that
-// name's values are told: evenly spaced ones by slope and offset, others by the places of powers of ten. Any
-// other axis shows its own coordinate.
+// What the axes of a plot show. An axis that is a function of a single name, the same for all points, is
+// labelled with that name's values: evenly spaced ones by slope and offset, others by the positions of powers
+// of ten. Any other axis shows its own coordinate.
 #include <algorithm>
 #include <cmath>
 

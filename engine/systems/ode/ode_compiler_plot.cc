@@ -1,4 +1,4 @@
-// What is drawn, and what is drawn where the scene does not say.
+// What is drawn, also when the scene does not say.
 #include "engine/systems/ode/ode_compiler.h"
 
 #include <algorithm>

@@ -1,5 +1,4 @@
-// Programs of all roots; pairs of equations that make a system of second order; derivatives in the shape that
-// they have.
+// Programs of all roots; pairing of equations into a second-order system; derivatives in their sparse shape.
 #include "engine/systems/ode/ode_compiler.h"
 
 #include <algorithm>
@@ -91,7 +90,7 @@ void OdeCompiler::contacts() {
       c.program = program(outputs);
       any = any || !c.places.empty();
     } catch (const ExpressionFault&) {
-      c = {};  // too large: such an event never rests
+      c = {};  // too large: such an event never comes to rest
     }
   }
   if (!any) m.contacts.clear();
@@ -102,7 +101,7 @@ void OdeCompiler::pair_up() {
   if (n == 0 || n % 2) return;
   std::vector<int32_t> velocity_of(n, -1);
   std::vector<uint8_t> is_velocity(n);
-  // In the order of declaration, so that the order of the scene decides where several pairings exist.
+  // In declaration order, so that the scene decides when several pairings exist.
   std::vector<uint32_t> declared(n);
   for (uint32_t d = 0; d < n; ++d) declared[d] = order_.empty() ? d : order_[d];
   size_t pairs = 0;

@@ -37,7 +37,8 @@ bool OdeContacts::ends_here(size_t guard, int32_t side, double t, const double* 
   const Motion m = motion(guard, t, y);
   const double away = side * m.rate, pressed = -side * m.acceleration;
   if (!(away >= 0) || !(pressed > 0)) return false;
-  // A parabola: the top after half of the flight, half as far as the first rate leads until then.
+  // A parabola: its apex is at half of the flight, half as high as the first rate alone would lead until
+  // then.
   const double reach = 0.5 * away / pressed;
   for (const uint32_t i : model_.contacts[guard].watched) {
     const double absolute = tolerance.absolute_each.empty() ? tolerance.absolute : tolerance.absolute_each[i];
@@ -72,7 +73,7 @@ void OdeContacts::support_accelerations(double t, const double* x, const double*
   const size_t half = model_.size() / 2;
   std::copy_n(x, half, y_.begin());
   if (v) std::copy_n(v, half, y_.begin() + static_cast<std::ptrdiff_t>(half));
-  // Places of contacts are velocities here; their rates are the accelerations.
+  // The contacts' states are velocities here; their rates are the accelerations.
   support(t, y_.data(), half, a);
 }
 

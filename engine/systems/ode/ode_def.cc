@@ -114,7 +114,7 @@ Cost ode_cost(const void* def) {
   for (const auto* list : {&d.states, &d.parameters}) {
     for (const NamedNumbers& e : *list) longest = std::max(longest, static_cast<double>(e.values.size()));
   }
-  // An operation per four characters; a family repeats its text, each sum repeats what stands in it.
+  // One operation per four characters; a family repeats its text, each sum repeats its terms.
   const auto operations = [longest](const std::vector<NamedText>& texts) {
     double sum = 0;
     for (const NamedText& e : texts) {
@@ -124,7 +124,7 @@ Cost ode_cost(const void* def) {
         one *= longest;
       sum += one;
     }
-    // What a system may expand to is bounded.
+    // The expansion of a system is bounded.
     return std::min(sum, 1.5e6);
   };
   double points = 0, tracer_operations = 0;
@@ -143,8 +143,8 @@ Cost ode_cost(const void* def) {
   // Programs and stages; an implicit method's matrix is dense below 100 states and sparse above.
   c.workspace_bytes = 240 * work + 8 * (30 * n + std::min(n, 100.0) * n) + 24 * points;
   c.elements = n + points;
-  // Measured: some 30 right-hand sides a step; 4 stages of a tracer, 3 ns an operation and point.
-  // A long trail does not stay in the cache from step to step.
+  // Measured: about 30 right-hand sides per step; 4 stages per tracer, 3 ns per operation and point. A long
+  // trail does not stay in the cache from step to step.
   const double trail = 1e-9 * std::max(static_cast<double>(d.trail.value_or(400)) - 600, 0.0);
   c.seconds_per_step = 1.3e-6 + trail + 25e-9 * work + 4 * 0.8e-9 * tracer_operations * points;
   return c;

@@ -11,7 +11,7 @@
 
 namespace truestep::ode {
 
-/// Points without mass carried by a velocity field v(x, y, z, t).
+/// Massless points carried by a velocity field v(x, y, z, t).
 struct TracersDef {
   std::vector<NamedText> velocity;  ///< of x, y and z; a missing one is 0
   int count = 0;                    ///< drawn at random inside the box
@@ -21,7 +21,7 @@ struct TracersDef {
   enum class Method : uint8_t { euler, midpoint, heun, rk4 } method = Method::rk4;
 };
 
-/// Something that happens at a time, again and again, or when an expression crosses zero.
+/// Something that happens at a time, periodically, or when an expression crosses zero.
 struct OdeEventDef {
   std::string name;
   std::optional<double> at, every;
@@ -47,7 +47,7 @@ struct OdeDef : IntegratorParams {
 };
 
 const DefTable& ode_table();
-/// What it gives out.
+/// Its outputs.
 const Outputs& ode_outputs();
 Cost ode_cost(const void* def);
 

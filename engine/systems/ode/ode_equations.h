@@ -1,4 +1,4 @@
-// A compiled model as the right-hand side that integrators see, together with the scratch of one thread.
+// A compiled model as the right-hand side for integrators, together with the scratch memory of one thread.
 #pragma once
 #include <vector>
 
@@ -23,7 +23,7 @@ class OdeEvaluation {
     std::copy_n(y, n, registers_.data() + 1 + parameters);
     program_.run(registers_.data(), out);
   }
-  /// States in two parts.
+  /// States given in two parts.
   void operator()(double t, const double* x, const double* v, size_t half, size_t parameters, double* out) {
     registers_[0] = t;
     double* y = registers_.data() + 1 + parameters;
@@ -45,7 +45,7 @@ class OdeEquations final : public RightHandSide, public SecondOrder {
   explicit OdeEquations(const OdeModel& model);
   void set_parameters(std::span<const double> p);
   const OdeModel& model() const { return model_; }
-  /// The states that rest somewhere are held there; null: nothing rests. Valid until the next call.
+  /// States at rest are held there; null: nothing rests. Valid until the next call.
   void rest_on(OdeContacts* contacts) { contacts_ = contacts; }
 
   size_t size() const override { return model_.size(); }
@@ -55,9 +55,9 @@ class OdeEquations final : public RightHandSide, public SecondOrder {
     if (contacts_) support_rates(t, y, dydt);
   }
   MatrixShape jacobian_shape() const override { return model_.jacobian.shape(); }
-  /// Of both: the first-order equations and, where there are such, those of second order.
+  /// Covers both the first-order equations and the second-order ones, if any.
   bool has_jacobian() const override {
-    // What holds a contact is not among the compiled derivatives.
+    // The constraint of a contact is not part of the compiled derivatives.
     return !contacts_ && model_.jacobian.program.outputs() > 0 &&
            (!model_.second_order || model_.acceleration_jacobian.program.outputs() > 0);
   }

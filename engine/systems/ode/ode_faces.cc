@@ -1,4 +1,4 @@
-// What an ode system shows and what commands may change.
+// Parts, fields, observables, drawing and commands of an ode system.
 #include <algorithm>
 #include <cmath>
 
@@ -14,7 +14,7 @@ using C = OdeColumns;
 
 namespace {
 
-/// Longer arrays are fields only.
+/// Longer arrays are available only as fields.
 constexpr size_t kObservedElements = 16;
 
 [[noreturn]] void refuse(const char* pointer, const char* code, const std::string& why,
@@ -181,11 +181,11 @@ void Ode::apply(State& s, const Command& c) const {
   if (!std::isfinite(c.value)) refuse("/value", "not_finite", "the value must be finite", "a finite number");
   using Kind = OdeModel::Event::Target::Kind;
   s.f64(target->kind == Kind::state ? C::kStates : C::kParameters)[target->place] = c.value;
-  // Guards count from where they are next seen, and a system that stood still goes on.
+  // Guards count from where they are next seen, and a stopped system continues.
   forget(s);
   std::ranges::fill(s.span<int32_t>(C::kEventSigns), 0);
   if (!model_.contacts.empty()) {
-    // What rested is put on the side that its contact pushed it to: it falls back, or it rises.
+    // Resting states are put on the side to which their contact pushed: they fall back or rise.
     const auto resting = s.span<int32_t>(C::kResting);
     std::ranges::copy(resting, s.span<int32_t>(C::kEventSigns).begin());
     std::ranges::fill(resting, 0);

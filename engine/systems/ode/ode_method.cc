@@ -15,12 +15,13 @@ double norm(const std::vector<double>& v) {
   return std::sqrt(sum);
 }
 
-/// The dominant eigenvalue of df/dy at y when that is real, by power iteration; 0 when it is one of a pair.
+/// The dominant eigenvalue of df/dy at y if it is real, by power iteration; 0 if it belongs to a complex
+/// pair.
 double dominant_rate(const OdeEquations& f, const std::vector<double>& y) {
   const size_t n = y.size();
   std::vector<double> v(n), w(n), at(n), base(n);
   f.rate(0, y.data(), base.data());
-  // A start with a part along everything, the same everywhere.
+  // A start vector with a component along everything, the same everywhere.
   for (size_t i = 0; i < n; ++i) v[i] = 1 + 0.1 * static_cast<double>((i * 2654435761u) % 17);
   double rate = 0;
   for (int k = 0; k < 25; ++k) {
@@ -36,7 +37,7 @@ double dominant_rate(const OdeEquations& f, const std::vector<double>& y) {
     }
     const double grown = norm(w);
     if (!(grown > 0) || !std::isfinite(grown)) return 0;
-    // Of an imaginary pair v and J v never become parallel, whatever their product.
+    // For an imaginary pair, v and J v never become parallel, whatever their product.
     constexpr double kParallel = 0.9;
     rate = up * up >= kParallel * down * grown * grown ? up / down : 0;
     for (size_t i = 0; i < n; ++i) v[i] = w[i] / grown;
@@ -44,7 +45,7 @@ double dominant_rate(const OdeEquations& f, const std::vector<double>& y) {
   return std::isfinite(rate) ? rate : 0;
 }
 
-/// Largest decay rate that the system shows at the start, and one Euler step of length dt later.
+/// Largest decay rate found at the start, and one Euler step of length dt later.
 double decay_rate(const OdeModel& model, double dt) {
   OdeEquations f(model);
   f.set_parameters(model.parameter_values);
@@ -85,7 +86,7 @@ OdeMethod choose_ode_method(const OdeDef& def, const OdeModel& model, double dt)
                 {{"/integrator", row ? "unsuitable_integrator" : "unknown_integrator", why, '"' + name + '"',
                   allowed, row ? "" : nearest_name(name, fitting), ""}});
   }
-  // Explicit methods hold to about 3.3 / rate.
+  // Explicit methods are stable to about 3.3 / rate.
   constexpr double kManySteps = 50;
   if (dt * decay_rate(model, dt) / 3.3 > kManySteps) {
     if (const Integrator* row = first_that_serves({"radau5", "rodas5p", "sdirk4"}, f)) {

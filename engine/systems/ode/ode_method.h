@@ -1,4 +1,4 @@
-// Which method integrates a scene's equations.
+// The choice of the integration method for a scene's equations.
 #pragma once
 #include <string>
 
@@ -12,8 +12,8 @@ struct OdeMethod {
   std::string why;  ///< one sentence for the plan
 };
 
-/// The method that the scene names, or the default; see ode.h. `dt`: a substep, s. Error "scene_invalid" with
-/// the methods that would do.
+/// The method that the scene names, or the default; see ode.h. `dt`: a substep, s. Error "scene_invalid"
+/// listing the suitable methods.
 OdeMethod choose_ode_method(const OdeDef& def, const OdeModel& model, double dt);
 
 }  // namespace truestep::ode

@@ -31,7 +31,7 @@ OdeModel compile_ode(const OdeDef& def) {
     OdeCompiler first(def, {});
     OdeModel model = first.compile();
     if (first.paired().empty() || model.second_order) return model;
-    // All states pair up, but stand in another order than positions, velocities: once more in that one.
+    // All states pair up, but in another order than positions, velocities: compile again in that order.
     return OdeCompiler(def, first.paired()).compile();
   } catch (const ExpressionFault& fault) {
     throw Error("scene_invalid", fault.message,

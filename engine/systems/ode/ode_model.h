@@ -1,8 +1,8 @@
 // A scene's equations compiled: layout of states and parameters, right-hand side, Jacobian, accelerations,
-// events, invariants and what is drawn, each a program over the same variables
+// events, invariants and plot, each a program over the same variables
 //   t, parameters, states
-// in this order. States whose equation is x' = v, v being a state, come first, then their velocities in the
-// same order, when all states pair up like that: then the system is one of second order as well.
+// in this order. If all states pair up as x' = v with v a state, the x come first, then their velocities in
+// the same order, and the system is also available as second-order equations.
 #pragma once
 #include <string>
 #include <vector>
@@ -27,7 +27,7 @@ struct OdeMatrix {
 };
 
 struct OdeModel {
-  /// A named state or parameter: places of its elements among the states or parameters.
+  /// A named state or parameter: indices of its elements among the states or parameters.
   struct Named {
     std::string name;
     std::vector<uint32_t> places;
@@ -44,9 +44,9 @@ struct OdeModel {
     ExpressionProgram values;  ///< of the targets
   };
 
-  /// What a guard's event could rest against (ode_contacts.h).
+  /// The contact against which a guard's event may come to rest (ode_contacts.h).
   struct Contact {
-    std::vector<uint32_t> places;   ///< states that the event sets and g' depends on; none: no contact
+    std::vector<uint32_t> places;   ///< states that the event sets and on which g' depends; empty: no contact
     std::vector<uint32_t> watched;  ///< other states that g depends on
     ExpressionProgram program;      ///< g', g'', then dg'/dy of `places`
   };
@@ -70,14 +70,14 @@ struct OdeModel {
   std::vector<std::string> invariant_names;
   std::vector<Event> events;
   std::vector<PlotAxis> axes;       ///< of the plot
-  std::vector<std::string> curves;  ///< states that the points show, where each shows one of its own
-  size_t bodies = 0;                ///< points that `plot` gives, 3 coordinates each
+  std::vector<std::string> curves;  ///< states shown by the points, if each shows one of its own
+  size_t bodies = 0;                ///< points produced by `plot`, 3 coordinates each
 
   ExpressionRows tracer_velocity;  ///< over the variables, then x, y, z; no outputs: no tracers
 
   size_t size() const { return initial.size(); }
   size_t variables() const { return 1 + parameter_values.size() + initial.size(); }
-  /// The state or parameter element of that name ("x", "m[3]"); nothing when there is none.
+  /// The state or parameter element with that name ("x", "m[3]"); empty when there is none.
   std::optional<Event::Target> find(std::string_view name) const;
 };
 

@@ -13,7 +13,7 @@ struct TracerStage {
   double from;  ///< fraction of the previous stage's velocity that leads here
   double weight;
 };
-/// Methods whose every stage depends on the one before alone.
+/// Methods in which every stage depends only on the one before.
 std::span<const TracerStage> stages_of(TracersDef::Method method) {
   static constexpr TracerStage kEuler[] = {{0, 0, 1}}, kMidpoint[] = {{0, 0, 0}, {1, 0.5, 1}},
                                kHeun[] = {{0, 0, 0.5}, {2, 1, 0.5}},

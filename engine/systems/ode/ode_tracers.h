@@ -10,7 +10,7 @@
 
 namespace truestep::ode {
 
-/// Where tracers start, 3 numbers each, m.
+/// Initial positions of tracers, 3 numbers each, m.
 std::vector<double> tracer_positions(const TracersDef& def, uint64_t seed);
 
 /// Parameters and states (null when there are none) at the step's start, middle and end.

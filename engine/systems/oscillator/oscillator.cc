@@ -102,7 +102,7 @@ class Oscillator : public ForceSystem {
         {"drive_frequency", C::kDriveFrequency}};
     for (const auto& [name, column] : kSettable) {
       if (c.name != name) continue;
-      // Without damping the scene was planned for forces of position alone.
+      // Without damping the scene was planned for position-dependent forces only.
       if (column == C::kDamping && def_.damping == 0) {
         refuse("/name", "damping can change only in a scene that starts with some",
                "a scene with damping > 0");

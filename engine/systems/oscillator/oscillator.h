@@ -1,4 +1,4 @@
-// The damped, driven harmonic oscillator, every method's first test:
+// The damped, driven harmonic oscillator, the first test of every method:
 //   m x'' = -k x - c x' + F sin(2 pi f t).
 // Its one point moves along the first axis of space; positions have three components so that it streams and
 // draws like every other point. Without a driving force the exact solution is known and the distance from it
@@ -31,7 +31,7 @@ const Outputs& oscillator_outputs();
 std::unique_ptr<const System> make_oscillator(const void* def, const BuildContext& context);
 Cost cost_oscillator(const void* def);
 
-/// Columns of an oscillator's state in their order: everything that a command may change is one.
+/// Columns of an oscillator's state in order: everything that a command may change has one.
 struct OscillatorColumns {
   enum Index : State::Column {
     kPosition,

@@ -1,6 +1,6 @@
-// The exact solution is that of any textbook, written so that all three kinds of damping agree at their
-// borders: with g = c / 2m and w^2 = |k/m - g^2|, x = e^{-gt} (x0 C + (v0 + g x0) S) where C = cos wt and
-// S = sin(wt) / w (oscillating), cosh and sinh (creeping), 1 and t (critical).
+// The exact solution as in any textbook, written so that the three damping regimes agree at their boundaries:
+// with g = c / 2m and w^2 = |k/m - g^2|, x = e^{-gt} (x0 C + (v0 + g x0) S) where C = cos wt and S = sin(wt)
+// / w (oscillating), cosh and sinh (creeping), 1 and t (critical).
 #include <cassert>
 #include <numbers>
 

@@ -32,7 +32,7 @@ void attract(const double* row, const double* __restrict x, double* __restrict a
   for (size_t i = begin; i < end; ++i) {
     const double dx = cx - x[3 * i], dy = cy - x[3 * i + 1], dz = cz - x[3 * i + 2];
     const double r2 = dx * dx + dy * dy + dz * dz + soft;
-    // A particle on the very centre of an unsoftened attractor has no direction to go.
+    // A particle exactly at the centre of an unsoftened attractor has no direction to go.
     const double s = r2 > 0 ? mu / (r2 * std::sqrt(r2)) : 0.0;
     a[3 * i] += s * dx, a[3 * i + 1] += s * dy, a[3 * i + 2] += s * dz;
   }

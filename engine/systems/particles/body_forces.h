@@ -4,7 +4,7 @@
 //   attractor           a += mu d / (|d|^2 + eps^2)^(3/2),      d = centre - x
 //   charge              a += q (E + v x B) / m
 //   propulsion          a += thrust e / m,                      e = v/|v| or fixed
-// Each loop runs over contiguous rows and vectorises; what is zero is not run.
+// Each loop runs over contiguous rows and vectorises; terms that are zero are skipped.
 #pragma once
 #include <cstddef>
 #include <cstdint>
@@ -15,16 +15,16 @@
 
 namespace truestep::particles {
 
-/// What acts, read off a state once per evaluation.
+/// The active forces, read from a state once per evaluation.
 struct BodyForces {
   Vec3 gravity, wind;
   double linear_drag = 0, quadratic_drag = 0;
   std::span<const double> attractors;  ///< rows of 5: position, mu, softening
   double charge = 0;
-  std::span<const double> charges;  ///< one per row, in place of `charge`; empty: none
+  std::span<const double> charges;  ///< one per row, overriding `charge`; empty: none
   Vec3 electric, magnetic;
   double thrust = 0;
-  std::optional<Vec3> thrust_direction;  ///< unit vector; nothing: along the velocity
+  std::optional<Vec3> thrust_direction;  ///< unit vector; empty: along the velocity
 };
 
 /// Flat columns that the loops read.

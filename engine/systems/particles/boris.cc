@@ -12,7 +12,7 @@ namespace {
 
 constexpr size_t kTurnBlock = 1024;
 
-/// Half a turn of all rows; particles of one charge and mass share their numbers.
+/// Half a rotation for all rows; particles with the same charge and mass share coefficients.
 void turn(const UniformFields& f, std::span<const double> mass, std::span<double> x, std::span<double> v,
           double s, const ThreadArena& arena) {
   const double strength = norm(f.magnetic);
@@ -52,7 +52,7 @@ void step(const ForceField& field, State& s, const StepInput& in, const Integrat
   turn(uniform, mass, x, v, 0.5 * in.h, in.arena);
 }
 
-/// Whether a word stands in a text.
+/// Whether a word occurs in a text.
 bool mentions(const std::string& text, std::string_view word) {
   const auto letter = [](char c) { return std::isalnum(static_cast<unsigned char>(c)) || c == '_'; };
   for (size_t at = text.find(word); at != std::string::npos; at = text.find(word, at + 1)) {

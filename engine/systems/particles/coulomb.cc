@@ -16,7 +16,7 @@ gravity::Softening softening(const CoulombDef& d) {
   return {gravity::SofteningKind::plummer, d.softening};
 }
 
-/// The sums' bodies: strength factor q each, of those of one sign or (0) of all.
+/// The bodies of the sums: strength factor q each, for charges of one sign or (0) all of them.
 gravity::Bodies bodies(const Charges& charges, double factor, int sign, const Phase& at,
                        Workspace& workspace) {
   const size_t n = at.x.size() / 3;
@@ -55,7 +55,7 @@ void add_tree_sums(const CoulombDef& d, const Charges& charges, const Phase& at,
   }
 }
 
-/// Sum of term(i) over n rows, the same on any number of threads.
+/// Sum of term(i) over n rows, the same for any number of threads.
 template <class Term>
 double sum_over(size_t n, const ThreadArena& arena, const Term& term) {
   const auto block = [&](size_t begin, size_t end) {
@@ -63,10 +63,11 @@ double sum_over(size_t n, const ThreadArena& arena, const Term& term) {
     for (size_t i = begin; i < end; ++i) sum += term(i);
     return sum;
   };
-  return arena.sum_blocks(n, kSumBlock, std::ref(block));  // by reference: nothing to allocate
+  return arena.sum_blocks(n, kSumBlock, std::ref(block));  // by reference, so as not to allocate
 }
 
-/// Takes what the forces q_i field_i add up to from all accelerations alike; `factor` makes them newtons.
+/// Removes the net force of the forces q_i field_i evenly from all accelerations; `factor` converts them to
+/// newtons.
 void remove_net_force(const Charges& charges, std::span<const double> field, double factor,
                       const double* mass, std::span<double> a, const ThreadArena& arena) {
   const size_t n = a.size() / 3;
@@ -90,7 +91,7 @@ void add_coulomb(const CoulombDef& d, const Charges& charges, const Phase& at, c
   if (n < 2) return;
   const bool tree = by_tree(d, n);
   const auto field = e.workspace.doubles("particles.coulomb.field", 3 * n).first(3 * n);
-  // The sums attract: minus for the repulsion of like charges.
+  // The sums are attractive: minus for the repulsion of like charges.
   if (tree) {
     std::fill(field.begin(), field.end(), 0.0);
     add_tree_sums(d, charges, at, field, {}, e);

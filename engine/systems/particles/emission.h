@@ -1,5 +1,5 @@
 // Births. Particle n of an emitter is a pure function of (seed, emitter, n): its birth time is start + n /
-// rate (bursts: their times), so a stream shows no bands however long the step is; its place, direction,
+// rate (bursts: their times), so a stream shows no bands however long the step is; its position, direction,
 // speed and lifetime are counter-based draws.
 #pragma once
 #include <limits>
@@ -8,7 +8,7 @@
 
 namespace truestep::particles {
 
-/// Birth time (s) of particle n, infinity when the emitter has no such particle.
+/// Birth time (s) of particle n; infinity if the emitter has no such particle.
 double birth_time(const EmitterDef& e, uint64_t n);
 
 struct Birth {

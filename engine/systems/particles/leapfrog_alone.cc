@@ -1,7 +1,7 @@
-// The leapfrog of integrators/symplectic/splitting.cc for particles that only outside forces act on, in one
-// pass over memory: every few rows go through drift, kick and drift while they are in the nearest cache, so
-// that a step reads and writes x and v and reads the masses once, 104 bytes a particle in place of 400. The
-// operations on a number are the same in the same order, and so are the bits.
+// The leapfrog of integrators/symplectic/splitting.cc for particles with external forces only, in one pass
+// over memory: a few rows at a time go through drift, kick and drift while they are in the first-level cache,
+// so that a step reads and writes x and v and reads the masses once, 104 bytes per particle instead of 400.
+// The operations on each number are the same and in the same order, and so are the bits.
 #include <algorithm>
 #include <array>
 
@@ -11,7 +11,7 @@ namespace truestep::particles {
 
 namespace {
 
-/// Rows at a time: their scratch is 12 kB.
+/// Rows per chunk: their scratch is 12 kB.
 constexpr size_t kRows = 256;
 
 void add_product(double h, const double* __restrict a, double* __restrict y, size_t n) {

@@ -7,7 +7,7 @@
 namespace truestep::particles {
 namespace {
 
-/// Rows of a block: neighbour loops are long, so blocks are short.
+/// Rows per block: neighbour loops are long, so blocks are short.
 constexpr size_t kPairBlock = 256;
 
 double largest_cutoff(std::span<const PairLaw> laws) {
@@ -22,7 +22,7 @@ PointGrid& grid_of(const Phase& at, double reach, Workspace& workspace) {
   return grid;
 }
 
-/// visit(point j, d = x_j - x_i, |d|^2) for the neighbours of the point in a slot, itself left out.
+/// visit(point j, d = x_j - x_i, |d|^2) for the neighbours of the point in a slot, excluding itself.
 template <class Visit>
 void for_neighbours(const PointGrid& grid, size_t slot, double reach2, Visit&& visit) {
   const Vec3 x = grid.position(slot);

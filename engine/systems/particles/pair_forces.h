@@ -1,6 +1,6 @@
-// Forces between near particles: every particle gathers from its neighbours in a cell-sorted grid, in an
-// order that is a function of the positions alone. Pairs are computed twice, from both ends, with opposite
-// bits.
+// Short-range forces between particles: every particle gathers from its neighbours in a cell-sorted grid, in
+// an order that is a function of the positions alone. Pairs are computed twice, from both ends, with exactly
+// opposite results.
 #pragma once
 #include <span>
 #include <vector>

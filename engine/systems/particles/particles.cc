@@ -22,7 +22,7 @@ uint64_t counter(const State& s, Counter c) {
   return s.span<uint64_t>(columns::counters)[static_cast<size_t>(c)];
 }
 
-/// The colliders' surfaces as they stand in the state.
+/// The colliders' surfaces as stored in the state.
 std::span<const Surface> surfaces(const State& s, Workspace& workspace) {
   auto& out = workspace.object<std::vector<Surface>>("particles.surfaces");
   const auto rows = s.f64(columns::surfaces);
@@ -36,7 +36,7 @@ bool each_alone(const ParticlesDef& d) {
   return d.pair_forces.empty() && !d.coulomb && d.springs.empty();
 }
 
-/// Error "scene_invalid" where the method cannot serve the particles.
+/// Error "scene_invalid" when the method cannot handle the particles.
 const Integrator& checked_boris(const ParticlesDef& def) {
   const auto why = boris_refusal(def);
   if (!why) return boris();
@@ -80,7 +80,7 @@ void Particles::plan_stages(const std::string& why_this_method) {
               "advances position and velocity with leapfrog in one pass, particles being each alone" +
                   (why_this_method.empty() ? "" : ": " + why_this_method),
               [this](State& s, const StepInput& in) {
-                // A hand that pulls is looked up among all rows.
+                // A drag is searched among all rows.
                 if (particles_.each_alone(s)) return particles_.leapfrog_alone(s, in);
                 integrator().step(particles_, s, in, options());
               });
@@ -123,7 +123,7 @@ void Particles::plan_stages(const std::string& why_this_method) {
 
 State Particles::initial_state() const {
   State s = ForceSystem::initial_state();
-  // What the integrator carries per particle grows with the particles.
+  // The integrator's per-particle columns grow with the particles.
   for (State::Column c = 0; c < s.columns(); ++c) {
     if (s.info(c).name.starts_with("integrator.") && s.rows(c) != 1) s.reserve(c, particles_.capacity());
   }
@@ -132,7 +132,7 @@ State Particles::initial_state() const {
 
 void Particles::remember(State& s, const StepInput& in) const {
   const auto x = s.f64(columns::position), v = s.f64(columns::velocity);
-  // Sized for the largest number of particles at once, so that births allocate nothing later.
+  // Sized for the largest simultaneous number of particles, so that births do not allocate later.
   double* old_x = in.workspace.doubles(kOldPositions, 3 * particles_.capacity()).data();
   double* old_v = in.workspace.doubles(kOldVelocities, 3 * particles_.capacity()).data();
   in.arena.for_blocks(x.size(), 3 * kBlockRows, [&](size_t begin, size_t end) {
@@ -258,7 +258,7 @@ void Particles::draw(const State& s, double time, Wish wishes, Drawing& out) con
 }
 
 uint32_t Particles::drawing_version(const State& s) const {
-  // Lines name rows, which move only when particles die.
+  // Lines refer to rows, which move only when particles die.
   if (particles_.def().springs.empty()) return 1;
   return static_cast<uint32_t>(1 + counter(s, Counter::killed));
 }
@@ -317,15 +317,15 @@ Cost particles_cost(const void* def) {
   const auto n = static_cast<double>(largest_count(d));
   Cost c;
   c.state_bytes = n * 80 + static_cast<double>(d.springs.size()) * 32;
-  // Two accelerations or velocities and what methods of many stages need, unless one pass or one kick will
-  // do; the step's start where there are contacts.
+  // Two accelerations or velocities and the arrays of multi-stage methods, unless one pass or one kick
+  // suffices; the step's initial state if there are contacts.
   const bool usual = d.integrator.empty() || d.integrator == kDefaultIntegrator;
   const double stages = d.integrator == kBorisName ? 24
                         : usual && each_alone(d)   ? 14
                                                    : 70 + (d.expression ? 80 : 0);
   c.workspace_bytes = n * (stages + (d.colliders.empty() ? 0 : 50));
   const bool tree = d.coulomb && by_tree(*d.coulomb, largest_count(d));
-  if (d.coulomb)  // the tree with what it says of either sign; sums over all pairs, by strips
+  if (d.coulomb)  // the tree with its results for either sign; sums over all pairs, in strips
     c.workspace_bytes += n * (tree ? 330 : 60 + 24 * std::clamp(n / 256, 1.0, 8.0));
   c.elements = n + static_cast<double>(d.springs.size());
   const double pairs = d.pair_forces.empty() ? 0
@@ -333,7 +333,7 @@ Cost particles_cost(const void* def) {
                                                           static_cast<double>(d.pair_forces.size());
   const double charged = tree ? 1.5e-6 : d.coulomb ? 5e-10 * n : 0;  // each pair once
   const double own = d.expression ? 6e-8 : 0;
-  // Measured with every particle near the colliders; walls of a container are near for most.
+  // Measured with every particle near the colliders; the walls of a container are near most particles.
   double walls = 0;
   for (const ColliderDef& any : d.colliders) {
     const auto* box = std::get_if<BoxColliderDef>(&any);

@@ -9,13 +9,13 @@ namespace truestep::particles {
 
 class Particles final : public ForceSystem {
  public:
-  /// Error "scene_invalid" when the integrator does not fit or an expression does not parse.
+  /// Error "scene_invalid" when the integrator is unsuitable or an expression does not parse.
   static std::unique_ptr<const Particles> make(const ParticlesDef& def, const BuildContext& context);
 
   State initial_state() const override;
   /// Besides the energies: momentum.x/y/z (kg m/s), count, emitted, killed, refused (1).
   void observe(const State& state, double t, Observables& out) const override;
-  /// position, velocity, speed (m/s), age (s), id; the last three are computed when asked for.
+  /// position, velocity, speed (m/s), age (s), id; the last three are computed on demand.
   FieldView field(const State& state, size_t part, size_t field, std::vector<double>& scratch) const override;
   void check(StateCheck& check, double t) const override;
   void apply(State& state, const Command& command) const override;
@@ -23,7 +23,7 @@ class Particles final : public ForceSystem {
   uint32_t drawing_version(const State& state) const override;
   /// The solids: a ball around every particle.
   Ports ports() const override;
-  /// Open where particles come, go, are driven, held by hands or put back by obstacles.
+  /// Open when particles are created, removed, driven, dragged or pushed out by obstacles.
   Energy::Exchange exchange(const State& state) const override;
 
  private:

@@ -1,5 +1,5 @@
-// What a state from outside may hold: particles up to the room that is set aside, springs between particles
-// that are there, and emitters that are not far behind the clock.
+// What a state from outside may contain: particles up to the reserved capacity, springs between existing
+// particles, and emitters that are not far behind the clock.
 #include "engine/systems/particles/emission.h"
 #include "engine/systems/particles/particles.h"
 #include "engine/systems/particles/particles_state.h"
@@ -7,7 +7,7 @@
 namespace truestep::particles {
 
 void Particles::check(StateCheck& check, double t) const {
-  constexpr uint64_t kMostBehind = 1000;  // births; a run leaves none behind, but rounds
+  constexpr uint64_t kMostBehind = 1000;  // births; a run leaves none behind except by rounding
   const State& s = check.state();
   check.together(columns::position, columns::per_particle_end, particles_.capacity())
       .together({columns::spring_rows, columns::spring_values}, particles_.def().springs.size())

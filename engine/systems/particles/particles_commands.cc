@@ -1,5 +1,5 @@
-// What commands do to a particles state; errors name the member of the command that is wrong. A row named by
-// a command is remembered by its id, since rows move when particles die.
+// Commands on a particles state; errors name the offending member of the command. A row given by a command is
+// remembered by its id, since rows move when particles die.
 #include <algorithm>
 #include <cmath>
 
@@ -19,7 +19,7 @@ uint64_t id_of(const State& s, size_t row) {
   return s.span<uint64_t>(columns::id)[row];
 }
 
-/// Parameters of the whole system that set_parameter changes.
+/// System-wide parameters that set_parameter changes.
 struct Settable {
   std::string_view name;
   Parameter place;
@@ -51,7 +51,7 @@ void Particles::apply(State& s, const Command& c) const {
     case CommandKind::drag: {
       const size_t i = checked_row(s, c);
       if (c.value < 0) refuse_command("value", "out_of_range", "the stiffness must be at least 0");
-      // 100 m: a period of 0.6 s, soft enough for every step that draws smoothly.
+      // 100 N/m per kg: a period of 0.6 s, soft enough for every step that draws smoothly.
       return columns::kHands.set_drag(s, id_of(s, i), c.vector,
                                       c.value > 0 ? c.value : 100 * s.f64(columns::mass)[i], std::nullopt);
     }
@@ -103,7 +103,7 @@ void Particles::set_parameter(State& s, const Command& c) const {
     *place = c.value;
     return;
   }
-  // "restitution" and "friction" are those of all colliders, "<id>.restitution" that of one.
+  // "restitution" and "friction" refer to all colliders, "<id>.restitution" to one.
   const size_t dot_at = c.name.rfind('.');
   const std::string id = dot_at == std::string::npos ? "" : c.name.substr(0, dot_at);
   const std::string what = dot_at == std::string::npos ? c.name : c.name.substr(dot_at + 1);

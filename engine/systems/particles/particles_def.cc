@@ -268,7 +268,7 @@ size_t largest_count(const ParticlesDef& d) {
     }
     n += static_cast<double>(alive) * static_cast<double>(e.burst_count);
   }
-  // Without an end in sight: a default that the scene can raise.
+  // Without a foreseeable end: a default that the scene can raise.
   if (!(n < kMostParticles)) return std::max<size_t>(initial_count(d), 100'000);
   return std::max<size_t>(static_cast<size_t>(n), 1);
 }

@@ -1,4 +1,4 @@
-// Parameters of the system "particles"; units and bounds stand in the table (particles_def.cc).
+// Parameters of the system "particles"; units and bounds are in the table (particles_def.cc).
 #pragma once
 #include <optional>
 #include <string>
@@ -13,7 +13,7 @@
 
 namespace truestep::particles {
 
-/// Particles that are there at t = 0, spread over a box or a ball.
+/// Particles present at t = 0, spread over a box or a ball.
 struct FillDef {
   enum class Shape { box, sphere } shape = Shape::box;
   enum class Arrangement { lattice, random } arrangement = Arrangement::lattice;
@@ -81,7 +81,7 @@ struct NamedNumberDef {
   std::string name;
   double value = 0;
 };
-/// Force as expressions of x y z vx vy vz t m and own constants.
+/// Force as expressions in x y z vx vy vz t m and user-defined constants.
 struct ExpressionDef {
   std::string fx = "0", fy = "0", fz = "0";
   std::vector<NamedNumberDef> constants;
@@ -109,12 +109,12 @@ struct ParticlesDef : IntegratorParams, KillDefs {
 };
 
 const DefTable& particles_table();
-/// What it gives out.
+/// Its outputs.
 const Outputs& particles_outputs();
 
-/// Particles at t = 0.
+/// Number of particles at t = 0.
 size_t initial_count(const ParticlesDef& def);
-/// Most particles there may be at once: max_particles, or what the emitters can keep alive.
+/// Largest possible number of particles at once: max_particles, or what the emitters can keep alive.
 size_t largest_count(const ParticlesDef& def);
 
 }  // namespace truestep::particles

@@ -23,7 +23,7 @@ void add(std::span<double> a, size_t row, const Vec3& da) {
   store3(a.data(), row, load3<double>(a.data(), row) + da);
 }
 
-/// The three components compiled together, all faults reported at once.
+/// Compiles the three components together, reporting all faults at once.
 ExpressionRows compile_expressions(const ExpressionDef& d) {
   ExpressionGraph graph;
   ExpressionNames names;
@@ -176,7 +176,7 @@ void ParticlesField::add_commands(const Phase& at, std::span<double> a) const {
     const UserForces::Drag d = columns::kHands.drag(s, k);
     const auto i = row_of(s, d.who);
     if (!i) continue;
-    // Critically damped, so that the particle follows the hand without swinging.
+    // Critically damped, so that the particle follows the drag without oscillating.
     const double m = mass[*i];
     const Vec3 pull = (d.target - load3(at.x.data(), *i)) * d.stiffness -
                       load3(at.v.data(), *i) * (2 * std::sqrt(d.stiffness * m));
@@ -216,7 +216,8 @@ std::optional<ForceField::Stiffness> ParticlesField::stiffness(const State& s) c
   const auto mass = s.f64(columns::mass);
   if (mass.empty()) return out;
   const double lightest = *std::min_element(mass.begin(), mass.end());
-  // A spring between two masses: omega^2 = k (1/m + 1/m); neighbours add, bounded by twice the largest sum.
+  // A spring between two masses: omega^2 = k (1/m + 1/m); neighbours add up, bounded by twice the largest
+  // sum.
   double stiffest = 0, damping = 0;
   const double* values = s.f64(columns::spring_values).data();
   for (size_t k = 0; k < s.rows(columns::spring_rows); ++k) {
@@ -241,7 +242,7 @@ Vec3 ParticlesField::single_acceleration(const State& s, double t, const Vec3& x
   const double xs[3] = {x.x, x.y, x.z}, vs[3] = {v.x, v.y, v.z};
   double a[3];
   BodyForces body = body_forces(s);
-  body.charges = {};  // it has no row yet, and the system's charge
+  body.charges = {};  // it has no row yet, so it uses the system's charge
   body_accelerations(body, {xs, vs, &mass}, a, 0, 1);
   if (expression_.outputs() > 0) add_expression({t, xs, vs, s}, &mass, a, 0, 1);
   return load3(a, 0);

@@ -1,5 +1,5 @@
 // Right-hand side of the system "particles": forces on single particles (body_forces.h), between neighbours
-// (pair_forces.h), springs, user expressions, and what commands push and drag.
+// (pair_forces.h), springs, user expressions, and pushes and drags from commands.
 #pragma once
 #include "engine/core/force_field.h"
 #include "engine/core/system.h"
@@ -30,17 +30,17 @@ class ParticlesField final : public ForceField {
   double kinetic(const Phase& at, Evaluation& e) const override;
   std::optional<Stiffness> stiffness(const State& state) const override;
 
-  /// What is the same everywhere, and whether there is anything else; the rest of `acceleration`, for methods
-  /// that take the uniform part exactly.
+  /// The uniform part of the forces, and whether there is anything else; for methods that integrate the
+  /// uniform part exactly and call `acceleration` for the rest.
   UniformFields uniform_fields(const State& state) const;
   bool varies(const State& state) const;
   void varying_acceleration(const Phase& at, std::span<double> a, Evaluation& e) const;
 
-  /// Whether no particle acts on another and no hand on one; then a step of the leapfrog in one pass.
+  /// Whether no particle acts on another and none is pushed or dragged; then a leapfrog step takes one pass.
   bool each_alone(const State& state) const;
   void leapfrog_alone(State& state, const StepInput& in) const;
 
-  /// Acceleration of one particle by the forces that act on it alone, at its birth.
+  /// Acceleration of a single particle by the forces that act on it alone, at its birth.
   Vec3 single_acceleration(const State& state, double t, const Vec3& x, const Vec3& v, double mass) const;
 
   const ParticlesDef& def() const { return def_; }

@@ -48,7 +48,7 @@ void add_springs(State& s, const ParticlesDef& def) {
   }
 }
 
-/// Rows that no per-particle column has, in the order of the enumeration.
+/// Rows of the columns that are not per particle, in the order of the enumeration.
 void add_columns(State& s, const ParticlesDef& def, size_t colliders) {
   using S = Scalar;
   s.add({"position", "m", S::f64, 3, Role::position}, 0);
@@ -100,7 +100,7 @@ State particles_at_start(const ParticlesDef& def, const ColliderSet& colliders, 
                         def.masses.empty() ? def.mass : def.masses[i], 0, kForever,
                         def.charges.empty() ? def.charge : def.charges[i]});
   }
-  // Streams of random numbers: emitters use those from 0 on, fills those from the top half.
+  // Streams of random numbers: emitters use those from 0 on, fills the top half.
   for (size_t k = 0; k < def.fill.size(); ++k) {
     fill_region(s, def.fill[k], def.mass, def.charge, seed, (uint64_t{1} << 63) + 2 * k);
   }

@@ -1,6 +1,6 @@
 // Columns of a particles state. The first group has one row per particle, in order of birth, so that ids
-// ascend; dead particles are closed over without changing the order of the others. What a command may change
-// while the session runs (gravity, drag, surfaces ...) lives here too.
+// ascend; dead particles are removed without changing the order of the others. Whatever a command may change
+// while the session runs (gravity, drag, surfaces ...) is here too.
 #pragma once
 #include "engine/collision/points/collider_set.h"
 #include "engine/core/state.h"
@@ -15,8 +15,8 @@ enum : State::Column {
   velocity,
   mass,   ///< kg
   birth,  ///< s
-  death,  ///< s, infinity: never
-  id,     ///< u64, ascending, never used twice
+  death,  ///< s; infinity: never
+  id,     ///< u64, ascending, never reused
   per_particle_end,
   time = per_particle_end,  ///< s, of this state
   next_particle,            ///< u64 per emitter: number of the next particle
@@ -32,14 +32,14 @@ enum : State::Column {
   drag_id,                  ///< u64
   drag_target,              ///< f64 x 3, m
   drag_stiffness,           ///< f64, N/m
-  charge,                   ///< f64 per particle, C; only where the scene gives charges
+  charge,                   ///< f64 per particle, C; only if the scene gives charges
 };
 inline constexpr UserForces kHands{{push_id, push_force, push_remaining},
                                    {drag_id, drag_target, drag_stiffness}};
 }  // namespace columns
 
 enum class Counter : uint8_t { next_id, emitted, killed, refused, count };
-/// Places in the column `parameters`; vectors take three.
+/// Indices in the column `parameters`; vectors take three.
 enum class Parameter : uint8_t {
   gravity = 0,
   linear_drag = 3,
@@ -58,15 +58,15 @@ inline double parameter(const State& s, Parameter p) {
   return s.f64(columns::parameters)[static_cast<size_t>(p)];
 }
 
-/// The state at t = 0, with memory set aside for `capacity` particles.
+/// The state at t = 0, with capacity for `capacity` particles.
 State particles_at_start(const ParticlesDef& def, const ColliderSet& colliders, const Vec3& gravity,
                          uint64_t seed, size_t capacity);
 
-/// One particle more, at the end; its id.
+/// Appends one particle; returns its id.
 struct NewParticle {
   Vec3 x, v;
   double mass, birth, death;
-  double charge = 0;  ///< kept where particles have charges of their own
+  double charge = 0;  ///< kept when particles have individual charges
 };
 /// Whether the state has the column of charges.
 inline bool has_charges(const State& s) {
@@ -74,11 +74,11 @@ inline bool has_charges(const State& s) {
 }
 uint64_t append_particle(State& s, const NewParticle& p);
 
-/// Row of the particle with this id, or nothing.
+/// Row of the particle with this id, or empty.
 std::optional<size_t> row_of(const State& s, uint64_t id);
 
-/// Removes the rows whose flag is not zero, keeping the order of the others: every per-particle column and
-/// the integrator's columns of the same length, springs with a removed end.
+/// Removes the rows with a non-zero flag, keeping the order of the others: in every per-particle column, in
+/// the integrator's columns of the same length, and springs that lost an end.
 void remove_rows(State& s, std::span<const uint8_t> dead, Workspace& workspace);
 
 }  // namespace truestep::particles

@@ -1,4 +1,4 @@
-// Closing over dead rows in every column that has one per particle, and springs that lose an end.
+// Removes dead rows from every per-particle column, and springs that lost an end.
 #include "engine/core/living_rows.h"
 #include "engine/systems/particles/particles_state.h"
 
@@ -29,7 +29,8 @@ void remove_rows(State& s, std::span<const uint8_t> dead, Workspace& workspace) 
   auto& living = workspace.object<LivingRows>("particles.living");
   living.set(dead);
   for (State::Column c = 0; c < s.columns(); ++c) {
-    // Rows of the integrator's are as wide as positions; its own numbers are as many however few are left.
+    // The integrator's per-row columns are as wide as positions; its other columns do not depend on the
+    // number of particles.
     const ColumnInfo& info = s.info(c);
     const bool carried = info.name.starts_with("integrator.") && s.rows(c) == n &&
                          info.width == s.info(columns::position).width;

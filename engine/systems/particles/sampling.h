@@ -43,7 +43,7 @@ inline Vec3 point_in_disk(const Vec3& axis, double u, double w) {
   return a * (r * phi.cos) + b * (r * phi.sin);
 }
 
-/// Points per axis of a box lattice that holds at least `count`, spaced alike on all axes as far as possible.
+/// Points per axis of a box lattice with at least `count` points, spaced as evenly as possible on all axes.
 struct LatticeShape {
   size_t nx = 1, ny = 1, nz = 1;
 };
@@ -80,7 +80,7 @@ inline Vec3 lattice_point(const LatticeShape& s, size_t i, const Vec3& half) {
 /// Point i of `count` spread evenly through the unit ball (golden-angle spiral, radius by volume).
 inline Vec3 ball_spiral_point(size_t i, size_t count) {
   const double u = (static_cast<double>(i) + 0.5) / static_cast<double>(count);
-  // The direction sequence must not follow the radius: another irrational step for the height.
+  // The direction sequence must not follow the radius: the height uses another irrational step.
   const double height = 0.5 + static_cast<double>(i) * 0.7548776662466927;
   const double c = 2 * (height - std::floor(height)) - 1, s = std::sqrt(std::max(0.0, 1 - c * c));
   const trig::SinCos phi = trig::sincos(kTurn * std::fmod(static_cast<double>(i) * 0.5698402909980532, 1.0));

@@ -137,7 +137,7 @@ class Pendulum final : public ForceSystem {
     const bool damping = c.name == "damping";
     if (!damping && c.name != "gravity")
       refuse("/name", "no parameter " + c.name + " to set", "damping, gravity");
-    // Otherwise the scene was planned for forces of position alone.
+    // Otherwise the scene was planned for position-dependent forces only.
     if (damping && chain_.dependence() == Dependence::position) {
       refuse("/name", "damping can change only in a scene that starts with some", "a scene with damping > 0");
     }
@@ -159,7 +159,8 @@ class Pendulum final : public ForceSystem {
 std::unique_ptr<const System> make_pendulum(const void* def, const BuildContext& context) {
   const auto& d = *static_cast<const PendulumDef*>(def);
   auto field = std::make_unique<PendulumField>(d, context.gravity);
-  // Links that flip turn many times faster than any did at the start: a step that divides itself holds them.
+  // Links that flip over rotate many times faster than any did at the start: an adaptive method copes with
+  // that.
   const ChosenMethod method =
       settle_method(d.choice(), {.usual = "dop853", .stiff = "radau5"}, *field, context.dt);
   return std::make_unique<Pendulum>(std::move(field), method, d);

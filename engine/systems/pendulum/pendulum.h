@@ -1,7 +1,7 @@
-// A chain of n point masses on massless rigid rods that swings in a plane, in generalised coordinates: the
-// angles theta_i of the rods from the direction of gravity. With u_i the direction of rod i and t_i the one
-// across it, the relative accelerations along the rods, (a_i - a_{i-1}) . u_i = -l_i theta_i'^2, give a
-// tridiagonal system for the rods' tensions T,
+// A chain of n point masses on massless rigid rods swinging in a plane, in generalised coordinates: the
+// angles theta_i of the rods from the direction of gravity. With u_i the direction of rod i and t_i
+// perpendicular to it, the relative accelerations along the rods, (a_i - a_{i-1}) . u_i = -l_i theta_i'^2,
+// give a tridiagonal system for the rods' tensions T,
 //   (1/m_i + 1/m_{i-1}) T_i - (u_i . u_{i+1}) / m_i T_{i+1} - (u_i . u_{i-1}) / m_{i-1} T_{i-1}
 //     = l_i theta_i'^2 + (f_i / m_i - f_{i-1} / m_{i-1}) . u_i,        a_0 = 0,
 // after which theta_i'' = (a_i - a_{i-1}) . t_i / l_i: the exact equations of motion (those of the dense mass
@@ -36,7 +36,7 @@ struct PendulumColumns {
     kAngularVelocity,  ///< named velocity, rad/s
     kDamping,          ///< N s/m
     kGravity,          ///< m/s^2, size
-    kPushRow,          ///< link that is pushed, -1: none
+    kPushRow,          ///< link being pushed, -1: none
     kPushForce,        ///< N, in the plane: along the horizontal, along gravity
     kPushRemaining     ///< s
   };
@@ -58,9 +58,9 @@ class PendulumField final : public ForceField {
   void positions(std::span<const double> angles, double* out) const;
   /// Velocities of the same points, m/s.
   void velocities(std::span<const double> angles, std::span<const double> rates, double* out) const;
-  /// Changes of the angular velocities when mass `link` (from 0) is hit by `impulse` (N s).
+  /// Changes of the angular velocities when mass `link` (from 0) receives `impulse` (N s).
   std::vector<double> response(std::span<const double> angles, size_t link, const Vec3& impulse) const;
-  /// The part of a vector in the plane of motion: along the horizontal and along gravity.
+  /// The component of a vector in the plane of motion: along the horizontal and along gravity.
   std::array<double, 2> in_plane(const Vec3& v) const { return {dot(v, right_), dot(v, down_)}; }
 
  private:
@@ -78,7 +78,7 @@ class PendulumField final : public ForceField {
 };
 
 const DefTable& pendulum_table();
-/// What it gives out.
+/// Its outputs.
 const Outputs& pendulum_outputs();
 std::unique_ptr<const System> make_pendulum(const void* def, const BuildContext& context);
 Cost cost_pendulum(const void* def);

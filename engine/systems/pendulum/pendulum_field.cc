@@ -22,7 +22,7 @@ PendulumField::PendulumField(const PendulumDef& def, const Vec3& gravity)
       mass_(each(def.masses, def.mass, static_cast<size_t>(def.links))),
       gravity_(norm(gravity)),
       down_(normalized(gravity, {0, -1, 0})) {
-  // The plane holds gravity and the first axis, or the second one where gravity points along the first.
+  // The plane contains gravity and the first axis, or the second one if gravity points along the first.
   const Vec3 axis = std::abs(down_.x) < 0.9 ? Vec3{1, 0, 0} : Vec3{0, 1, 0};
   right_ = normalized(axis - dot(axis, down_) * down_);
 }
@@ -54,8 +54,8 @@ PendulumField::Arrays PendulumField::arrays(double* m) const {
   return {m, m + n, m + 2 * n, m + 3 * n, m + 4 * n, m + 5 * n};
 }
 
-// In: sin, cos, and the accelerations f_i / m_i that act on the masses from outside (x along the horizontal,
-// y along gravity). Out: angular accelerations.
+// In: sin, cos, and the external accelerations f_i / m_i of the masses (x along the horizontal, y along
+// gravity). Out: angular accelerations.
 void PendulumField::solve(const Arrays& s, std::span<const double> rates, std::span<double> a) const {
   const size_t n = links();
   const auto along = [&](size_t i, size_t j) { return s.sin[i] * s.sin[j] + s.cos[i] * s.cos[j]; };
@@ -111,7 +111,7 @@ void PendulumField::acceleration(const Phase& at, std::span<double> a, Evaluatio
 
 std::vector<double> PendulumField::response(std::span<const double> angles, size_t link,
                                             const Vec3& impulse) const {
-  // An impulse acts like a force for a short time: no gravity, no centrifugal terms.
+  // An impulse acts like a force for an instant: no gravity, no centrifugal terms.
   const size_t n = links();
   std::vector<double> memory(6 * n, 0.0), rest(n, 0.0), change(n);
   const Arrays s = arrays(memory.data());

@@ -188,7 +188,7 @@ class RodChain final : public StagedSystem {
     }
   }
 
-  // A step from which no way leads back to a closed chain is taken as two.
+  // A step from which projection finds no way back to a closed chain is split in two.
   void project(const Chain& c, double h, int halvings, rod_chain::Scratch& scratch) const {
     if (rod_chain::step_projection(c, scratch.rods, h, def_.tolerance * def_.length, scratch)) return;
     if (halvings == 0) throw Instability("", "joints.gap", 0, "no places without gaps were found");

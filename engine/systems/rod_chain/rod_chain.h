@@ -2,7 +2,7 @@
 // maximal coordinates (centre x and direction u of every rod),
 //   m x'' = m g + sum F,   u' = w x u,   I w' = sum arm x F,   w . u = 0,
 // where the joints' forces F must keep C_j = (x_j - a u_j) - (x_{j-1} + a u_{j-1}) at 0 (a: half a length).
-// How they are found is the scene's choice, one of the three treatments of the field:
+// The scene chooses one of three treatments common in the field:
 //   penalty     springs, F = -k C - c C'; stable for h < 2 / sqrt(k max eig(J M^-1 J^T)); the gap is F / k.
 //               Without "substeps" there are as many as keep h below an eighth of that: the energy of
 //               semi-implicit Euler swings by omega h / 2
@@ -33,7 +33,7 @@ struct RodChainDef {
 };
 
 const DefTable& rod_chain_table();
-/// What it gives out.
+/// Its outputs.
 const Outputs& rod_chain_outputs();
 std::unique_ptr<const System> build_rod_chain(const void* def, const BuildContext& context);
 Cost rod_chain_cost(const void* def);

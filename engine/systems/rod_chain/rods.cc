@@ -45,7 +45,8 @@ void constraint_matrix(const Chain& c, std::span<const Rod> rods, BlockTridiagon
 }
 
 double largest_eigenvalue(const Chain& c) {
-  // Two rods of which each end gives 1/m + a^2/I, and their far ends |1/m - a^2/I| at most (or 1/m, along).
+  // Two rods, each end contributing 1/m + a^2/I, and their far ends at most |1/m - a^2/I| (or 1/m, along the
+  // rod).
   const double s = 1 / c.mass, t = c.half * c.half / c.inertia;
   return 2 * (s + t) + 2 * std::max(s, std::abs(s - t));
 }

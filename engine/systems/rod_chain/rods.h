@@ -1,5 +1,5 @@
-// The equations of a chain of thin rods: its constraints, their matrix and what forces do. Arrays of one
-// entry per rod; joint j is at the start of rod j.
+// The equations of a chain of thin rods: its constraints, their matrix and the effect of forces. Arrays with
+// one entry per rod; joint j is at the start of rod j.
 #pragma once
 #include <span>
 #include <vector>
@@ -28,9 +28,9 @@ inline Vec3 turned(const Vec3& x, const Vec3& r) {
 void gaps(const Chain& c, std::span<const Rod> rods, std::span<Vec3> out);
 /// C_j' (m/s).
 void gap_rates(const Chain& c, std::span<const Rod> rods, std::span<Vec3> out);
-/// J M^-1 J^T (1/kg) of these places, factorised.
+/// J M^-1 J^T (1/kg) for these positions, factorised.
 void constraint_matrix(const Chain& c, std::span<const Rod> rods, BlockTridiagonal& a);
-/// A bound of its largest eigenvalue (1/kg), whatever the places.
+/// An upper bound of its largest eigenvalue (1/kg) for any positions.
 double largest_eigenvalue(const Chain& c);
 /// M^-1 J^T F of rod j: changes of v and w per unit of time (or of x and u, where F is an impulse per mass).
 struct Change {
@@ -40,7 +40,7 @@ Change response(const Chain& c, std::span<const Rod> rods, std::span<const Vec3>
 /// Energies (J).
 double kinetic(const Chain& c, std::span<const Rod> rods);
 double potential(const Chain& c, std::span<const Rod> rods);
-/// Of joints that are springs of k (N/m).
+/// Of joints that are springs with stiffness k (N/m).
 double stored(const Chain& c, std::span<const Rod> rods, double k);
 double largest_gap(const Chain& c, std::span<const Rod> rods);
 

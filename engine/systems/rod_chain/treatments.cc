@@ -16,8 +16,8 @@ double largest(std::span<const Vec3> v) {
   return std::sqrt(most);
 }
 
-/// Newton's method on C = 0, corrections weighed by mass; ends at the tolerance or when nothing gets better.
-/// The widest gap (m) that is left.
+/// Newton's method on C = 0 with mass-weighted corrections; stops at the tolerance or when there is no
+/// improvement. Returns the widest remaining gap (m).
 double project_places(const Chain& c, std::span<Rod> rods, double tolerance, Scratch& s) {
   double last = HUGE_VAL;
   for (int k = 0; k < kMostIterations; ++k) {
@@ -38,7 +38,7 @@ double project_places(const Chain& c, std::span<Rod> rods, double tolerance, Scr
   return largest(s.force);
 }
 
-/// C' = 0, by the impulses that do it.
+/// Enforces C' = 0 by impulses.
 void project_velocities(const Chain& c, std::span<Rod> rods, Scratch& s) {
   gap_rates(c, rods, s.force);
   for (Vec3& f : s.force) f = -f;
@@ -50,9 +50,10 @@ void project_velocities(const Chain& c, std::span<Rod> rods, Scratch& s) {
   }
 }
 
-/// Rates of all that changes, with the joints' exact forces.
+/// Rates of change of the whole state, with the exact joint forces.
 void lagrange_rates(const Chain& c, std::span<const Rod> rods, std::span<Rod> rates, Scratch& s) {
-  // C'' = J M^-1 f + J' v + (J M^-1 J^T) F = 0. Gravity moves all rods alike: only the anchor resists it.
+  // C'' = J M^-1 f + J' v + (J M^-1 J^T) F = 0. Gravity accelerates all rods equally: only the anchor resists
+  // it.
   Vec3 before;
   for (size_t j = 0; j < rods.size(); ++j) {
     const Vec3 inward = cross(rods[j].w, cross(rods[j].w, rods[j].u)) * c.half;
@@ -119,7 +120,7 @@ bool step_projection(const Chain& chain, std::span<Rod> rods, double h, double t
     r.v += chain.gravity * h;
     r.x += r.v * h, r.u = normalized(turned(r.u, r.w * h));
   }
-  constexpr double kClosed = 1e-9;  // of a rod: far above rounding, far below what could be seen
+  constexpr double kClosed = 1e-9;  // of a rod: far above rounding, far below anything visible
   if (!(project_places(chain, rods, tolerance, s) <= std::max(tolerance, kClosed * chain.half))) {
     std::copy(s.stage.begin(), s.stage.end(), rods.begin());
     return false;

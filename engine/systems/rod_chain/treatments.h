@@ -1,18 +1,18 @@
-// One step of a chain of rods by each of the three treatments of its constraints (rod_chain.h).
+// One step of a chain of rods with each of the three treatments of its constraints (rod_chain.h).
 #pragma once
 #include "engine/core/right_hand_side.h"
 #include "engine/systems/rod_chain/rods.h"
 
 namespace truestep::rod_chain {
 
-/// Memory of a step; nothing in it outlives one.
+/// Scratch memory of a step.
 struct Scratch {
   BlockTridiagonal matrix;
   std::vector<Vec3> force;
   std::vector<Rod> rods, from, stage, rates, sum;
 };
 
-/// The chain with its joints' exact forces as equations of first order: every rod's x, u, v, w.
+/// The chain with exact joint forces as first-order equations: x, u, v, w of every rod.
 class RodEquations final : public RightHandSide {
  public:
   /// Both must outlive this.
@@ -32,15 +32,16 @@ class RodEquations final : public RightHandSide {
   size_t rods_;
 };
 
-/// Springs of k (N/m) and c (N s/m) for h (s); semi-implicit Euler.
+/// Springs with k (N/m) and c (N s/m) for h (s); semi-implicit Euler.
 void step_penalty(const Chain& chain, std::span<Rod> rods, double h, double k, double c, Scratch& s);
 /// Free flight and projection until no gap is wider than `tolerance` (m), or rounding is reached. False when
-/// places without gaps are too far away to be found; the rods are then as they were.
+/// positions without gaps are too far away to be found; the rods are then unchanged.
 [[nodiscard]] bool step_projection(const Chain& chain, std::span<Rod> rods, double h, double tolerance,
                                    Scratch& s);
-/// Exact multipliers, RK4, then places and velocities are projected.
+/// Exact multipliers, RK4, then projection of positions and velocities.
 void step_lagrange(const Chain& chain, std::span<Rod> rods, double h, double tolerance, Scratch& s);
-/// What ends a step of multipliers: unit directions, spins across them, then gaps and their rates are closed.
+/// Completes a step with multipliers: normalises directions, makes spins perpendicular to them, then closes
+/// gaps and their rates.
 void close_gaps(const Chain& chain, std::span<Rod> rods, double tolerance, Scratch& s);
 
 }  // namespace truestep::rod_chain

@@ -68,8 +68,8 @@ State Wave::initial_state() const {
 void Wave::integrate(State& s, const StepInput& in) const {
   auto& work = in.workspace.object<LatticeWork>("wave");
   work.bind(model_, constants(s), in.arena);
-  // The usual method in one sweep over the state itself: by the table's copy of it a million nodes take nine
-  // times as long (bench heat).
+  // The usual method in one sweep over the state itself: with the table's implementation a million nodes take
+  // nine times as long (bench heat).
   const bool undamped_leapfrog = s.f64(kConstants)[1] == 0 && stepper_->method().name == "leapfrog";
   if (const double h = EquationStepper::end_of(in) - in.t;
       undamped_leapfrog &&
@@ -152,7 +152,7 @@ void Wave::apply(State& s, const Command& c) const {
       if (!(c.value > 0)) refuse_command("value", "out_of_range", "the speed must be positive", "> 0");
       s.f64(kConstants)[0] = c.value * c.value;
     } else if (c.name == "damping") {
-      // Without damping the scene was planned for forces of position alone.
+      // Without damping the scene was planned for position-dependent forces only.
       if (def_.damping == 0) {
         refuse_command("name", "planned_without", "damping can change only in a scene that starts with some",
                        "a scene with damping > 0");

@@ -1,10 +1,10 @@
 // Waves in a box:
 //   u_tt = div(c^2 grad u) - k u_t + s,   c speed, k damping, s acceleration,
 // on nodes (lattice/lattice.h) with Dirichlet, Neumann, Robin or periodic sides, by any method of the table
-// that serves equations of first or second order. Without a named one: leapfrog while the scene's step is
-// inside its interval (2 over the highest frequency, dx / (c sqrt(d))), the implicit midpoint rule beyond:
-// both keep the energy without drift. Per unit of density energy is 1/2 integral (u_t^2 + c^2 |grad u|^2).
-// Commands: set_parameter speed (where it is a number), damping (where there is some); impulse adds velocity.
+// for first- or second-order equations. Default: leapfrog while the scene's step is within its stability
+// interval (2 over the highest frequency, dx / (c sqrt(d))), the implicit midpoint rule beyond: neither has
+// an energy drift. Per unit of density energy is 1/2 integral (u_t^2 + c^2 |grad u|^2). Commands:
+// set_parameter speed (where it is a number), damping (where there is some); impulse adds velocity.
 #pragma once
 #include "engine/core/linear_solver.h"
 #include "engine/core/system.h"
@@ -14,7 +14,7 @@
 
 namespace truestep::wave {
 
-/// u' = v, v' = L u - k v + b(t) as methods see it; y = (u, v).
+/// u' = v, v' = L u - k v + b(t) for the integrators; y = (u, v).
 class WaveEquations final : public RightHandSide, public SecondOrder, public LinearSolver {
  public:
   /// All must outlive this.

@@ -43,7 +43,7 @@ Cost wave_cost(const void* def) {
   c.state_bytes = 16 * n + 2e3;
   c.workspace_bytes = lattice::lattice_workspace_bytes(d, "leapfrog");
   c.elements = n;
-  // Their energy is watched.
+  // Includes monitoring their energy.
   c.seconds_per_step = lattice::lattice_step_seconds(d, "leapfrog");
   return c;
 }

@@ -1,4 +1,4 @@
-// Waves as first-order equations y = (u, v) and as equations of second order; implicit methods solve for v
+// Waves as first-order equations y = (u, v) and as second-order equations; implicit methods solve for v
 // alone, (1 + z k - z^2 L) q = s + z L r.
 #include <algorithm>
 
@@ -25,7 +25,7 @@ void WaveEquations::acceleration(double t, const double* x, const double* v, dou
   if (damping_ == 0) return work_.rate(t, x, a);
   work_.homogeneous(t, x, a);
   for (size_t i = 0; i < n_; ++i) a[i] -= damping_ * v[i];
-  // After the damping: nodes with given values have their side's acceleration and nothing else.
+  // After the damping: nodes with prescribed values have only their side's acceleration.
   work_.force(t, a);
 }
 

@@ -1,4 +1,4 @@
-// What waves show.
+// Parts, fields, observables and drawing of waves.
 #include "engine/systems/wave/wave.h"
 
 namespace truestep::wave {

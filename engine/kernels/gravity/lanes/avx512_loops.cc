@@ -1,5 +1,5 @@
-// The loops for processors with AVX-512; this file alone is compiled for them. It includes nothing that could
-// leave a function behind which others call too.
+// The loops for processors with AVX-512; only this file is compiled for them. It includes nothing that could
+// emit a function which others call too.
 #include <immintrin.h>
 
 #include "engine/kernels/gravity/lanes/pair_kernels.h"

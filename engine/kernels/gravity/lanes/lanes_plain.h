@@ -1,4 +1,4 @@
-// Eight doubles and sixteen floats side by side, as two halves of what math/wide.h holds. Included inside a
+// Eight doubles and sixteen floats side by side, as two halves each of a math/wide.h type. Included inside a
 // namespace of its own; the same names and bits as lanes_avx512.h.
 template <class T>
 struct Halves {

@@ -16,7 +16,7 @@ struct LawNumbers {
   double eps = 0, tiny = 0;
 };
 
-/// Bodies, a column each, filled up to whole units of 8 with bodies without mass; ax, ay, az are added to.
+/// Bodies as columns, padded to whole units of 8 with massless bodies; ax, ay, az are accumulated.
 struct PairColumns {
   const double *x, *y, *z, *mu;
   double *ax, *ay, *az;
@@ -41,8 +41,8 @@ struct DirectLoops {
   JerkSums (*jerk)(const MotionColumns&, const LawNumbers&, size_t i);
 };
 
-/// Places of a group's bodies relative to its centre, and their sums; `rows` is a whole number of units of 64
-/// bytes.
+/// Positions of a group's bodies relative to its centre, and their sums; `rows` is a whole number of units of
+/// 64 bytes.
 template <class T>
 struct GroupColumns {
   const T *x, *y, *z;
@@ -82,9 +82,9 @@ struct PairLoops {
   LawLoops newton, plummer, spline;
 };
 
-/// Those of this processor.
+/// Those for this processor.
 const PairLoops& pair_loops();
-/// Those that every processor has, for tests.
+/// Those that every processor supports, for tests.
 const PairLoops& plain_pair_loops();
 
 }  // namespace truestep::gravity

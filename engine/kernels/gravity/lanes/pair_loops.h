@@ -1,6 +1,6 @@
-// The loops over pairs of bodies, and of bodies with nodes, that all time goes into. Included inside a
-// namespace after one of lanes_*.h, once for every kind of processor, so that nothing in here may have a name
-// outside of it. Formulas: ../softening.h, ../far_sums.h.
+// The loops over pairs of bodies, and of bodies with nodes, which take all the time. Included inside a
+// namespace after one of lanes_*.h, once per kind of processor, so nothing in here may have a name outside of
+// it. Formulas: ../softening.h, ../far_sums.h.
 //
 // 1/sqrt(x) is taken from multiplications alone: processors' own estimates differ from maker to maker, and
 // roots and quotients are slow. The first guess halves and negates the exponent in the number's bits; with e
@@ -92,8 +92,8 @@ struct Row {
   }
 };
 
-/// Every body of [i0, i1) with every one of [j0, j1), for both: two rows against lanes, what is done to the
-/// rows stays in registers.
+/// Every body of [i0, i1) with every one of [j0, j1), for both: two rows against lanes; the rows' sums stay
+/// in registers.
 template <class Law>
 void cross_pairs(const PairColumns& c, const LawNumbers& numbers, size_t i0, size_t i1, size_t j0,
                  size_t j1) {
@@ -197,8 +197,8 @@ inline void meet(Targets<L>& t, const BodySource<T>& b, const Law& law) {
   const L r2 = madd(x, x, madd(y, y, z * z)), f = law(r2, inverse) * m;
   t.ax = madd(f, x, t.ax), t.ay = madd(f, y, t.ay), t.az = madd(f, z, t.az);
   if constexpr (kSums == Sums::accelerations_and_potentials) {
-    // The bodies of the group meet themselves: to be taken off later, that would have to be known to the last
-    // place.
+    // The bodies of the group include themselves: subtracting that later would require knowing it to the last
+    // digit.
     t.p = madd(where_above(r2, L::all(0), inverse, L::all(0)), m, t.p);
   }
 }
@@ -221,7 +221,7 @@ inline void meet(Targets<Floats>& t, const NodeSource& n, const Law& law) {
   }
 }
 
-/// Adds what `count` sources do to every body of the group.
+/// Adds the contributions of `count` sources to every body of the group.
 template <Sums kSums, class L, class Law, class T, class Source>
 void meet_all(const GroupColumns<T>& g, const Source* sources, size_t count, const LawNumbers& numbers) {
   constexpr size_t kLanes = 64 / sizeof(T);

@@ -1,5 +1,5 @@
 // The OpenGL functions that pictures use, fetched by name from whichever library made the context: nothing
-// links against libGL, whose symbols would hide those of OSMesa. The prototypes are only asked for their
+// links against libGL, whose symbols would hide those of OSMesa. The prototypes are used only for their
 // types.
 #pragma once
 #define GL_GLEXT_PROTOTYPES

@@ -9,13 +9,13 @@
 
 namespace truestep::picture {
 
-/// An OpenGL 3.3 core context without a default framebuffer worth using.
+/// An OpenGL 3.3 core context; its default framebuffer is not used.
 class GlContext {
  public:
   virtual ~GlContext() = default;
   /// Makes it current in the calling thread; throws Error("render_unavailable") when the driver refuses.
   virtual void bind() = 0;
-  /// Frees the calling thread of it, so that another thread may bind it.
+  /// Detaches it from the calling thread, so that another thread may bind it.
   virtual void release() = 0;
   /// "osmesa" or "egl".
   virtual std::string backend() const = 0;
@@ -32,7 +32,7 @@ class GlContext {
   GlApi gl_;
 };
 
-/// Binds for as long as it lives.
+/// Keeps a context bound while alive.
 class GlCurrent {
  public:
   explicit GlCurrent(GlContext& context) : context_(context) { context_.bind(); }
@@ -48,7 +48,7 @@ class GlCurrent {
 std::unique_ptr<GlContext> create_osmesa_context();
 std::unique_ptr<GlContext> create_egl_context();
 
-/// OSMesa, else EGL; throws Error("render_unavailable") with both reasons.
+/// OSMesa, otherwise EGL; throws Error("render_unavailable") with both reasons.
 std::unique_ptr<GlContext> create_gl_context();
 
 }  // namespace truestep::picture

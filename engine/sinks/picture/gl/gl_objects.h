@@ -31,7 +31,8 @@ class VertexStream {
   GLuint array_ = 0, buffer_ = 0, indices_ = 0;
 };
 
-/// The shadow map: one depth texture, sampled compared and filtered (unit 0) and as plain numbers (unit 1).
+/// The shadow map: one depth texture, sampled with comparison and filtering (unit 0) and as plain numbers
+/// (unit 1).
 class ShadowTarget {
  public:
   explicit ShadowTarget(const GlApi& gl);
@@ -47,7 +48,7 @@ class ShadowTarget {
 /// 4-fold multisampled sRGB colour and depth, and the plain buffer that it is resolved into.
 class ColorTarget {
  public:
-  /// Replaces what was there; throws Error("render_unavailable") when the driver refuses the format.
+  /// Replaces the previous buffers; throws Error("render_unavailable") when the driver refuses the format.
   void allocate(const GlApi& gl, int width, int height);
   void bind(const GlApi& gl) const { gl.BindFramebuffer(GL_FRAMEBUFFER, samples_); }
   /// Averages the samples in linear light and copies the upper-left width x height pixels to `rgba`.

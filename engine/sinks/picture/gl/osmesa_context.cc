@@ -1,4 +1,4 @@
-// Off-screen Mesa: the context draws into memory of ours. The library is opened, not linked, and never
+// Off-screen Mesa: the context draws into our own memory. The library is opened, not linked, and never
 // closed, since its compiler threads outlive the last context.
 #include <dlfcn.h>
 

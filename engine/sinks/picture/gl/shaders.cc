@@ -1,7 +1,7 @@
-// Light: one warm key light with a shadow map (percentage-closer filtering; on the ground with a
-// blocker search, Fernando 2005), a cool sky and
-// a warm bounce from below (hemisphere ambient), a weak fill from the camera. All in linear light; the
-// framebuffer encodes sRGB. Spheres are ray-cast in their billboard, silhouettes become sample coverage.
+// Light: one warm key light with a shadow map (percentage-closer filtering; on the ground with a blocker
+// search, Fernando 2005), a cool sky and a warm bounce from below (hemisphere ambient), a weak fill from the
+// camera. All in linear light; the framebuffer encodes sRGB. Spheres are ray-cast in their billboard;
+// silhouettes become sample coverage.
 #include "engine/sinks/picture/gl/shaders.h"
 
 namespace truestep::picture {
@@ -33,12 +33,12 @@ float filtered(vec3 q, int taps, float spread) {
   for (int i = 0; i < taps; ++i) sum += texture(shadow_map, vec3(q.xy + disc[i] * (spread / depth.z), z));
   return sum / float(taps);
 }
-// Share of the key light that reaches p, whose lit side faces n; the edge is `spread` texels soft.
+// Fraction of the key light that reaches p, whose lit side faces n; the edge is `spread` texels soft.
 float lit(vec3 p, vec3 n, int taps, float spread) {
   vec3 q = in_light(p, n, spread);
   return outside(q) ? 1.0 : filtered(q, taps, spread);
 }
-// The same with an edge that widens with the distance to what casts it, as under a lamp of finite size.
+// The same with an edge that widens with the distance from the caster, as under a lamp of finite size.
 float lit_softly(vec3 p, vec3 n) {
   const float widest = 7.0, lamp = 0.03;
   vec3 q = in_light(p, n, 1.5);
@@ -92,7 +92,7 @@ constexpr const char* kGroundFragment = R"(
 in vec2 v_at;
 in vec3 v_point;
 out vec4 color;
-// Coverage of lines `step` apart and about `pixels` wide; fades out where they would be denser than pixels.
+// Coverage of lines `step` apart and about `pixels` wide; fades out when they get denser than pixels.
 float lines(float step, float pixels) {
   vec2 cell = v_at / step;
   vec2 width = fwidth(cell);
@@ -229,8 +229,8 @@ void main() {
 }
 )";
 constexpr const char* kEmptyFragment = "void main() {}\n";
-// Two-sided: the smooth normal is turned to the side that the flat one shows to the viewer. A sheet lit from
-// behind lets a third of the light through. What has no normal shows its colour as it is.
+// Two-sided: the smooth normal is flipped to the side that the flat one shows to the viewer. A sheet lit from
+// behind transmits a third of the light. Vertices without a normal show their plain colour.
 constexpr const char* kMeshFragment = R"(
 in vec3 v_point, v_normal, v_albedo;
 out vec4 color;
@@ -300,7 +300,8 @@ void main() {
   v_point = end ? a_to : a_from;
   c.xy += shift * (2.0 * half_width * c.w) / size;
 #ifndef SHADOW
-  c.z = (depth.x + depth.y / (c.w * 0.997)) * c.w;  // a hair nearer, so that a net stays visible on its cloth
+  c.z = (depth.x + depth.y / (c.w * 0.997)) * c.w;  // slightly nearer, so that a net stays visible on its
+                                                    // cloth
 #endif
   gl_Position = c;
 }

@@ -1,5 +1,5 @@
-// GLSL 3.30 sources. Each pair exists twice where the thing casts a shadow: compiled with SHADOW defined, the
-// same vertices are drawn as the light sees them and only depth is kept.
+// GLSL 3.30 sources. Shadow casters are compiled twice: with SHADOW defined, the same vertices are drawn from
+// the light and only depth is kept.
 #pragma once
 #include <string>
 

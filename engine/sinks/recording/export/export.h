@@ -14,7 +14,7 @@ enum class ExportFormat { kCsv, kPly, kNpz, kVtu, kVti };
 
 struct ExportOptions {
   ExportFormat format = ExportFormat::kCsv;
-  std::string output;  ///< path without the ending, which is added (one that is there is cut off)
+  std::string output;  ///< path without its extension, which is added (an existing one is removed)
   std::vector<std::string> systems;  ///< ids; empty means all
   uint64_t first = 0;                ///< frames first, first + every, ... up to last
   uint64_t last = std::numeric_limits<uint64_t>::max();
@@ -25,8 +25,8 @@ struct ExportOptions {
 ExportFormat export_format(const std::string& name);
 
 /// Writes the files and returns their paths: csv one per system and one of observables; ply and vtu one per
-/// frame and system (those without positions are left out), vti one per frame and grid; npz a single one.
-/// Throws Error: unknown_system, disk_full, export_io, and what reading throws.
+/// frame and system (systems without positions are skipped), vti one per frame and grid; npz a single one.
+/// Throws Error: unknown_system, disk_full, export_io, and whatever reading throws.
 std::vector<std::string> export_recording(RecordingReader& reader, const ExportOptions& options);
 
 }  // namespace truestep

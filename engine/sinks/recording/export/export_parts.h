@@ -18,7 +18,7 @@ class OutputFile {
     bytes(&v, sizeof v);
   }
   uint64_t position() const { return position_; }
-  void rewrite(uint64_t at, const void* data, size_t size);  ///< and goes on at the end
+  void rewrite(uint64_t at, const void* data, size_t size);  ///< then continues at the end
   void close();
 
  private:
@@ -34,19 +34,19 @@ void pack(Precision precision, const std::vector<double>& values, std::vector<ch
 /// Shortest text that reads back as the same number of that precision; appended.
 void print(Precision precision, double value, std::string& out);
 
-/// Where the position of a system is among its fields; -1 when it has none of width 3 that is a float.
+/// Index of a system's position among its fields; -1 when it has no floating-point one of width 3.
 int position_field(const RecordedPart& system);
 
-/// Frames that the options choose, in order.
+/// Frames selected by the options, in order.
 std::vector<uint64_t> chosen_frames(const RecordingInfo& info, const ExportOptions& options);
 
-/// Indices of the systems that the options choose; throws Error("unknown_system").
+/// Indices of the systems selected by the options; throws Error("unknown_system").
 std::vector<size_t> chosen_systems(const RecordingInfo& info, const ExportOptions& options);
 
 /// Frame number as six digits or more, for file names that sort.
 std::string digits(uint64_t frame);
 
-/// The formats; `stem` is the output without its ending. They return the paths that they wrote.
+/// The formats; `stem` is the output without its extension. They return the paths written.
 using Paths = std::vector<std::string>;
 Paths write_csv(RecordingReader& reader, const ExportOptions& options, const std::string& stem);
 Paths write_ply(RecordingReader& reader, const ExportOptions& options, const std::string& stem);

@@ -1,6 +1,6 @@
 // Polygon files, binary little-endian: vertices with every field as properties (position is x y z, other
-// fields of several components are field_0, field_1 ...), triangles as faces; lines of what has no triangles
-// as faces of two corners, because few readers know the element "edge". Source: G. Turk, The PLY polygon file
+// fields of several components are field_0, field_1 ...), triangles as faces; without triangles, lines as
+// faces with two corners, because few readers know the element "edge". Source: G. Turk, The PLY polygon file
 // format, 1994.
 #include "engine/sinks/recording/export/export_parts.h"
 

@@ -25,7 +25,7 @@ void append_field(Document& d, const RecordedField& f, const std::vector<double>
 /// The document, whose XML lacks the closing tags, to a file.
 void write(const std::string& path, Document& d);
 
-/// Writes a part's rows to a file; false: this part is none of the format's.
+/// Writes a part's rows to a file; false: this part does not suit the format.
 using WritePart =
     std::function<bool(const std::string& path, const RecordedPart& part, const RecordedRows& rows)>;
 /// One file per chosen frame and part, and the .pvd.

@@ -1,6 +1,6 @@
 // VTK XML unstructured grids with raw appended data, one per frame and system, and a .pvd that gives their
-// times. Cells: triangles, else lines, else a vertex per point (lines and triangles both where both are
-// recorded). Source: VTK file formats, XML section; cell types 1 vertex, 3 line, 5 triangle.
+// times. Cells: triangles, otherwise lines, otherwise a vertex per point (both lines and triangles if both
+// are recorded). Source: VTK file formats, XML section; cell types 1 vertex, 3 line, 5 triangle.
 #include "engine/sinks/recording/export/export_vtk.h"
 
 namespace truestep::exporting {

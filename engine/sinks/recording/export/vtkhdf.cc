@@ -35,8 +35,8 @@ void write_zeros(hid_t group, const char* name, uint64_t rows, uint64_t columns)
   h5_dataset(group, name, H5T_NATIVE_INT64, dims, zeros.data());
 }
 
-// [T, N, w] at `source` in another shape of as many elements: both selections are whole, so elements map in
-// storage order.
+// [T, N, w] at `source` in another shape with as many elements: both selections are complete, so elements map
+// in storage order.
 void write_view(hid_t group, const std::string& name, const std::string& source, const RecordedField& field,
                 std::vector<hsize_t> from, std::vector<hsize_t> to) {
   if (field.width > 1) {
@@ -113,7 +113,7 @@ void write_block(hid_t file, hid_t block, const RecordedPart& system, const std:
       write_flat_view(point_data, f.name, source, f, frames, system.max_rows);
     }
   }
-  // Points that nothing connects are vertices, so that they are seen.
+  // Points that nothing connects become vertices, so that they are visible.
   std::vector<int64_t> none(rows.size(), 0), vertices;
   const bool bare = system.lines.empty() && system.triangles.empty();
   if (bare) {
@@ -137,7 +137,7 @@ void write_image(hid_t block, const RecordedPart& part, const std::vector<double
   const Lattice& l = part.lattice;
   const bool cells = l.centring == Lattice::Centring::cells;
   write_type(block, "ImageData");
-  // The extent counts nodes; cells have one more of them along each direction that the grid has.
+  // The extent counts nodes, of which there is one more than cells along each direction of the grid.
   int64_t extent[6];
   for (size_t axis = 0; axis < 3; ++axis) {
     extent[2 * axis] = 0;

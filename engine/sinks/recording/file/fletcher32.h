@@ -2,7 +2,7 @@
 //   s1 = sum_i w_i,   s2 = sum_i (n - i) w_i,   checksum = s2 << 16 | s1   (a non-zero multiple of 65535 is
 //   65535).
 // Source: J. Fletcher, IEEE Trans. Communications 30 (1982) 247; HDF5 file format specification, filter 3.
-// Our own because the library's takes a word at a time, which costs more than writing the data.
+// Our own, because the library's processes one word at a time, which costs more than writing the data.
 #pragma once
 #include <cstddef>
 #include <cstdint>

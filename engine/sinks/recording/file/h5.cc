@@ -11,10 +11,10 @@ namespace {
 
 struct StackText {
   std::string innermost;
-  int code = 0;  // errno, where the library says it
+  int code = 0;  // errno, if the library reports it
 };
 
-// The library's description names the file, which is nobody's business but the owner's.
+// The library's description contains the file name, which only the owner may see.
 std::string without_path(const std::string& text) {
   const size_t begin = text.find("name = '"), end = text.find('\'', begin + 8);
   if (begin == text.npos || end == text.npos) return text;
@@ -66,7 +66,7 @@ void throw_h5_error(const char* what) {
 
 void h5_quiet() {
   // Every handle here is closed by its owner. The library's own cleanup at exit crashes on a file whose last
-  // writes failed (a full disk), and must not take the process's exit code with it.
+  // writes failed (a full disk), and must not change the process's exit code.
   H5dont_atexit();
   H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
 }
@@ -77,7 +77,7 @@ H5 h5_group(hid_t parent, const std::string& path) {
   h5_ok(H5Pset_create_intermediate_group(links, 1), "set link properties");
   h5_ok(H5Pset_link_creation_order(group, H5P_CRT_ORDER_TRACKED | H5P_CRT_ORDER_INDEXED),
         "track the order of links");
-  // Room for links that are added after the frames, so that the group's header need not continue behind them.
+  // Room for links added after the frames, so that the group's header need not continue behind them.
   h5_ok(H5Pset_est_link_info(group, 8, 16), "reserve room for links");
   return h5_id(H5Gcreate2(parent, path.c_str(), links, group, H5P_DEFAULT), "create a group");
 }

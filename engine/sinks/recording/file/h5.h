@@ -35,8 +35,8 @@ class H5 {
   hid_t id_ = -1;
 };
 
-/// The library's error stack as an Error: disk_full where the system said so, else recording_io. `what` is a
-/// verb phrase.
+/// Throws the library's error stack as an Error: disk_full if the system said so, otherwise recording_io.
+/// `what` is a verb phrase.
 [[noreturn]] void throw_h5_error(const char* what);
 
 /// `id`, or throws when it is negative.

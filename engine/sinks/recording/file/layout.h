@@ -1,6 +1,6 @@
-// What a recording holds, in plain data: parts with their fields, observables and the parameters that
-// reproduce the run. The layout is fixed when a recording begins, only the number of frames grows.
-// It knows no World and no Session, so a file can be written and rebuilt without either.
+// The contents of a recording, as plain data: parts with their fields, observables and the parameters that
+// reproduce the run. The layout is fixed when a recording begins; only the number of frames grows. It knows
+// no World and no Session, so a file can be written and rebuilt without either.
 #pragma once
 #include <cstdint>
 #include <span>
@@ -38,20 +38,20 @@ struct RecordedPart {
   std::vector<uint32_t> triangles;  ///< triples
   PartInfo::Kind kind = PartInfo::Kind::points;
   Lattice lattice = {};  ///< of a grid; it has as many rows
-  /// Rows to expect where their number varies: room is made for these first; 0: for all of max_rows.
+  /// Expected rows when their number varies: space is reserved for these first; 0: for all of max_rows.
   uint32_t usual_rows = 0;
 };
 
-/// The solids that rows of a part carry, as columns: shape k has entry k of each.
+/// The solids attached to rows of a part, as columns: shape k has entry k of each.
 struct RecordedShapes {
   std::vector<uint32_t> instances;   ///< pairs: row, shape
   std::vector<uint32_t> kinds;       ///< DrawnShape::Kind
   std::vector<double> positions;     ///< m, 3 each, in the row's frame
   std::vector<double> orientations;  ///< 4 each: w x y z
   std::vector<double> sizes;         ///< m, 3 each, as in DrawnShape
-  std::vector<double> colors;        ///< sRGB in [0, 1], 3 each; NaN where the shape has none
+  std::vector<double> colors;        ///< sRGB in [0, 1], 3 each; NaN for a shape without one
   std::vector<uint32_t> motions;     ///< Visual::Motion
-  std::vector<uint32_t> groups;      ///< shapes of one group look alike where they have no colour
+  std::vector<uint32_t> groups;      ///< shapes of one group look alike when they have no colour
   std::vector<uint32_t> meshes;      ///< index in RecordedDrawing::meshes, or kNoMesh
   double point_radius = 0;           ///< m; 0: rows without shapes are not drawn as spheres
   static constexpr uint32_t kNoMesh = UINT32_MAX;
@@ -63,7 +63,7 @@ struct RecordedMesh {
   std::vector<uint32_t> triangles;  ///< 3 each
 };
 
-/// How a recording's rows look: recorded once.
+/// The look of a recording's rows, recorded once.
 struct RecordedDrawing {
   std::vector<RecordedShapes> parts;  ///< in the layout's order
   std::vector<RecordedMesh> meshes;
@@ -75,7 +75,7 @@ struct RecordedObservable {
   std::string unit;
 };
 
-/// Everything that is known before the first frame.
+/// Everything known before the first frame.
 struct RecordingLayout {
   std::string path;
   std::vector<RecordedPart> parts;
@@ -87,7 +87,7 @@ struct RecordingLayout {
   std::string build;  ///< version, compiler, flags: whatever identifies the program
 };
 
-/// Borrowed rows of one field, converted to the field's precision when they are taken.
+/// Borrowed rows of one field, converted to the field's precision when they are stored.
 using FieldValues = std::variant<std::span<const double>, std::span<const float>, std::span<const uint32_t>>;
 
 /// Borrowed rows of one part: `rows` rows of every field, in the layout's order.

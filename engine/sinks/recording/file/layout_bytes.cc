@@ -30,7 +30,7 @@ class Out {
   std::vector<std::byte> bytes;
 };
 
-// Reads nothing behind the end: then everything is empty and `good` is no longer said.
+// Never reads past the end: from there on everything is empty and `good` is false.
 class In {
  public:
   explicit In(std::span<const std::byte> b) : rest_(b) {}

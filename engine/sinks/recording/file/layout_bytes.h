@@ -1,5 +1,5 @@
-// A layout as bytes and back, for the chunk log: what a file needs to be made again without a line of the
-// damaged one. Little-endian; texts and lists carry their length. The path is left out.
+// A layout as bytes and back, for the chunk log: what is needed to make a file again without anything from
+// the damaged one. Little-endian; texts and lists carry their length. The path is left out.
 #pragma once
 #include <cstddef>
 #include <optional>
@@ -12,7 +12,7 @@ namespace truestep {
 
 std::vector<std::byte> layout_bytes(const RecordingLayout& layout);
 
-/// Nothing when the bytes are no layout that may be recorded.
+/// Empty when the bytes are not a valid layout.
 std::optional<RecordingLayout> layout_from_bytes(std::span<const std::byte> bytes);
 
 }  // namespace truestep

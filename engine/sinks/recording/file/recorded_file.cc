@@ -20,11 +20,10 @@ H5 open_file(const std::string& path, RecordingOwner owner) {
   H5 access = h5_id(H5Pcreate(H5P_FILE_ACCESS), "make file properties");
   h5_ok(H5Pset_fclose_degree(access, H5F_CLOSE_STRONG), "set how the file closes");
   h5_ok(H5Pset_file_locking(access, 1, 1), "set file locking");
-  // The library waits twice as long before each new attempt: 20 take a millisecond, its own 100 would never
-  // end.
+  // The library doubles the wait before each attempt: 20 take a millisecond, its default 100 would never end.
   const unsigned attempts = owner == RecordingOwner::kDead ? 1 : 20;
   h5_ok(H5Pset_metadata_read_attempts(access, attempts), "set the attempts");
-  // A file whose writer lives or died is marked: only a SWMR reader may open it, and needs no repair.
+  // A file whose writer is alive or died is marked: only a SWMR reader may open it, and needs no repair.
   for (unsigned mode : {H5F_ACC_RDONLY, H5F_ACC_RDONLY | H5F_ACC_SWMR_READ}) {
     const hid_t id = H5Fopen(path.c_str(), mode, access);
     if (id >= 0) return H5(id);
@@ -50,7 +49,7 @@ std::vector<std::string> links(hid_t file, const char* path) {
   return names;
 }
 
-// A text of `bytes` bytes is no longer than the file that holds it.
+// A text of `bytes` bytes cannot be longer than the file that contains it.
 std::string room_for_text(hid_t type, uint64_t file_size) {
   const size_t bytes = H5Tget_size(type);
   if (H5Tget_class(type) != H5T_STRING || bytes > file_size)
@@ -62,7 +61,7 @@ std::string text_of(const std::string& bytes) {
   return bytes.substr(0, bytes.find_last_not_of('\0') + 1);
 }
 
-// One element, or reading it would write over what lies behind the place for one.
+// Must be one element, or reading it would write past the end of the destination.
 void check_scalar(hid_t space) {
   if (H5Sget_simple_extent_npoints(space) != 1) damaged("a single value is many");
 }
@@ -210,7 +209,7 @@ RecordedFile::Array RecordedFile::open_array(const std::string& path, uint64_t& 
   if (!known || chunk[2] != dims[2] || a.rows == 0 || a.rows > UINT32_MAX || a.chunk_rows == 0) {
     damaged("a dataset has an unknown shape");
   }
-  // A chunk that is there fits into the file; none of these products overflows then.
+  // An existing chunk fits into the file, so none of these products overflows.
   if (dims[0] > 0 && (a.width > file_size_ || a.chunk_rows > file_size_ / (a.width * a.element) ||
                       a.frames > file_size_ / (a.chunk_rows * a.width * a.element))) {
     damaged("a dataset's chunks are larger than the file");
@@ -232,7 +231,7 @@ RecordedFile::Array RecordedFile::open_number(const std::string& path, Precision
 RecordedField RecordedFile::read_field(const std::string& path, const std::string& name) {
   fields_.back().push_back(open_array(path + "/" + name + "/value", info_.frames));
   const Array& a = fields_.back().back();
-  // A part that grows while its file is read may have one more row here than there.
+  // A part that grows while its file is being read may have one more row here than there.
   const bool grows = info_.completion == RecordingCompletion::kUnfinished;
   if ((!grows && a.rows != fields_.back().front().rows) ||
       (a.precision == Precision::kU32 && a.element != 4)) {
@@ -290,8 +289,8 @@ void RecordedFile::read_observables() {
   }
 }
 
-// HDF5 reads zeros behind the end of a file that lost its tail, and zeros have the checksum zero. The search
-// is linear in the frames, so it is made for chunks of zeros only.
+// HDF5 reads zeros past the end of a file that lost its tail, and zeros have the checksum zero. The search is
+// linear in the frames, so it is made only for chunks of zeros.
 void RecordedFile::check_not_behind_end(hid_t set, const hsize_t* at, uint64_t frame) {
   haddr_t address = HADDR_UNDEF;
   hsize_t size = 0;
@@ -302,7 +301,7 @@ void RecordedFile::check_not_behind_end(hid_t set, const hsize_t* at, uint64_t f
   }
 }
 
-// The stored row of `frame` in chunk column `column`, checked and kept for the frames beside it.
+// The stored row of `frame` in chunk column `column`, checked, and cached for neighbouring frames.
 const std::byte* RecordedFile::row_data(Array& a, uint64_t frame, size_t column) {
   const uint64_t row = frame / a.frames;
   const size_t frame_bytes = a.chunk_rows * a.width * a.element;
@@ -333,7 +332,7 @@ void RecordedFile::read_rows(Array& a, uint64_t frame, size_t rows, std::vector<
   for (size_t c = 0; c * a.chunk_rows < std::max<size_t>(rows, 1); ++c) {
     const std::byte* from = row_data(a, frame, c);
     const size_t count = std::min(rows - c * a.chunk_rows, a.chunk_rows) * a.width;
-    // Grown as chunks are found, so that no claim of a damaged file is believed beforehand.
+    // Grown as chunks are found, so that sizes claimed by a damaged file are never trusted in advance.
     out.resize(out.size() + count);
     double* to = out.data() + out.size() - count;
     for (size_t i = 0; i < count; ++i) to[i] = element(a.precision, from + i * a.element);

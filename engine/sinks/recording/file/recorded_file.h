@@ -1,5 +1,5 @@
-// Reads a recording, for a single thread: finished files, files that a writer still extends (SWMR) and files
-// whose writer died. Frames are read chunk by chunk and each chunk's Fletcher-32 is checked here.
+// Reads a recording, for a single thread: finished files, files still being extended by a writer (SWMR) and
+// files whose writer died. Frames are read chunk by chunk and each chunk's Fletcher-32 is checked here.
 #pragma once
 #include <string>
 #include <vector>
@@ -9,10 +9,10 @@
 
 namespace truestep {
 
-/// Whether somebody may be writing the file, so that a torn look at it is worth another.
+/// Whether somebody may be writing the file, so that a torn read is worth repeating.
 enum class RecordingOwner { kMayLive, kDead };
 
-/// Every member throws Error: recording_damaged where bytes are missing or wrong, recording_foreign for other
+/// Every member throws Error: recording_damaged when bytes are missing or wrong, recording_foreign for other
 /// files.
 class RecordedFile {
  public:

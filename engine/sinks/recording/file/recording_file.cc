@@ -15,9 +15,9 @@ H5 file_access() {
   H5 access = h5_id(H5Pcreate(H5P_FILE_ACCESS), "make file properties");
   h5_ok(H5Pset_libver_bounds(access, H5F_LIBVER_V110, H5F_LIBVER_V110), "set the format's version");
   h5_ok(H5Pset_fclose_degree(access, H5F_CLOSE_STRONG), "set how the file closes");
-  // A kill can tear a write between two pages, and metadata is written again in place: what fits into a page
-  // must lie within one. Chunks are written once, before they are told, and are found by their pages when
-  // larger metadata (the pages of a long index) is torn: chunk_search.h.
+  // A kill can tear a write between two pages, and metadata is rewritten in place: anything that fits into a
+  // page must lie within one. Chunks are written once, before they are announced, and are found by their
+  // pages when larger metadata (the pages of a long index) is torn: chunk_search.h.
   h5_ok(H5Pset_alignment(access, 64, 4096), "align blocks to pages");
   // File systems without locks (some network mounts) must not make recording impossible.
   h5_ok(H5Pset_file_locking(access, 1, 1), "set file locking");
@@ -91,7 +91,7 @@ void RecordingFile::create_groups() {
   for (const auto kind : {PartInfo::Kind::points, PartInfo::Kind::grid, PartInfo::Kind::values})
     h5_group(file_, part_folder(kind));
   h5_group(file_, "/connectivity");
-  // Made now and filled at the end: finalising then changes no group that leads to recorded frames.
+  // Created now and filled at the end, so that finalising changes no group that leads to recorded frames.
   h5_group(file_, "/VTKHDF");
   write_shapes(file_, layout_, layout_.drawing);
   for (const RecordedPart& s : layout_.parts) {
@@ -115,7 +115,7 @@ void RecordingFile::create_groups() {
   }
 }
 
-// A part with a varying number of rows grows to what its frames have.
+// A part with a varying number of rows grows as its frames require.
 size_t RecordingFile::rows_of(const PlannedArray& a) const {
   return a.system < 0 ? a.rows : rows_[static_cast<size_t>(a.system)];
 }
@@ -157,8 +157,8 @@ void RecordingFile::write_chunks(const PlannedArray& a, hid_t set, const std::by
   const hsize_t dims[3] = {first + frames, rows_of(a), a.width};
   h5_ok(H5Dset_extent(set, dims), "extend a dataset");
   for (size_t c = 0; c < chunks_used; ++c) {
-    // The image is already what HDF5's filter would make of it, so the library only stores it: one pass over
-    // the data instead of three, and never a partly filled chunk that is written again.
+    // The image already is the output of HDF5's filter, so the library only stores it: one pass over the data
+    // instead of three, and never a partly filled chunk that is written again.
     const std::byte* chunk = chunks + c * a.stride;
     const hsize_t at[3] = {first, c * a.chunk_rows, 0};
     h5_ok(H5Dwrite_chunk(set, H5P_DEFAULT, 0, at, a.chunk_bytes + 4, chunk), "write a frame");

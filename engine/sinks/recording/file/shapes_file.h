@@ -10,11 +10,11 @@ namespace truestep {
 /// Writes `drawing`, whose parts are those of `layout`; parts without shapes have no group.
 void write_shapes(hid_t file, const RecordingLayout& layout, const RecordedDrawing& drawing);
 
-/// Removes what write_shapes made and writes `drawing` in its place.
+/// Removes what write_shapes wrote and writes `drawing` in its place.
 void replace_shapes(hid_t file, const RecordingLayout& layout, const RecordedDrawing& drawing);
 
-/// What write_shapes wrote; nothing for files without shapes. Throws Error("recording_damaged") where columns
-/// do not fit each other.
+/// What write_shapes wrote; empty for files without shapes. Throws Error("recording_damaged") when columns do
+/// not match.
 RecordedDrawing read_shapes(hid_t file, const RecordingLayout& layout, uint64_t file_size);
 
 }  // namespace truestep

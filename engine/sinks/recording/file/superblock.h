@@ -1,8 +1,7 @@
-// Puts an HDF5 superblock (version 3) right after a crash, in a copy of the file: no writer's marks, and
-// the end of file that the file really has. What h5clear does, without opening the file for writing,
-// which would cut off what lies behind the recorded end.
-// Source: HDF5 file format specification 3.0, superblock version 2 and 3; checksum: B. Jenkins, lookup3,
-// 2006.
+// Repairs an HDF5 superblock (version 3) after a crash, in a copy of the file: clears the writer's marks and
+// sets the real end of file. Like h5clear, but without opening the file for writing, which would cut off
+// everything behind the recorded end. Source: HDF5 file format specification 3.0, superblock version 2 and 3;
+// checksum: B. Jenkins, lookup3, 2006.
 #pragma once
 #include <cstddef>
 #include <cstdint>
@@ -13,7 +12,7 @@ namespace truestep {
 /// Jenkins' lookup3 hash of bytes with initial value 0: the checksum of HDF5's metadata.
 uint32_t lookup3(const void* data, size_t size);
 
-/// Edits the file in place; false when it does not begin with such a superblock or cannot be written.
+/// Edits the file in place; false when it does not start with such a superblock or cannot be written.
 bool repair_superblock(const std::string& path);
 
 }  // namespace truestep

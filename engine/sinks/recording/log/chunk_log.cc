@@ -19,7 +19,7 @@ namespace {
 
 constexpr char kHead[8] = {'T', 'S', 'C', 'H', 'U', 'N', 'K', '2'};
 constexpr char kRecord[4] = {'C', 'R', 'E', 'C'};
-constexpr size_t kWholeBytes = 2048;  // below, HDF5 may pack chunks closer than pages
+constexpr size_t kWholeBytes = 2048;  // below this size, HDF5 may pack chunks closer than pages
 
 void put(std::vector<std::byte>& to, const void* data, size_t size) {
   const auto* p = static_cast<const std::byte*>(data);
@@ -91,7 +91,7 @@ bool is_logged_whole(const PlannedArray& a) {
   return a.chunk_bytes <= kWholeBytes;
 }
 
-// The checksum sees every byte; the samples make two chunks with the same one as unlikely as 64 bits allow.
+// The checksum covers every byte; the samples make a collision as unlikely as 64 bits allow.
 uint64_t chunk_key(const std::byte* chunk, size_t size) {
   constexpr size_t kSamples = 16, kBytes = 16;
   std::array<std::byte, kSamples * kBytes + 4> sample;

@@ -2,11 +2,11 @@
 // acknowledged frame again when HDF5's own index of chunks is torn (its pages are rewritten in place while
 // the file grows, so that a kill may leave half of an old and half of a new one). It holds the layout, then
 // one record per batch of frames, only ever appended, written after the batch's chunks and before its clock:
-//   small chunks (clock, observables, fields of few rows) as they are,
-//   of every other chunk a key, a hash of its checksum and of samples of it.
-// Chunks begin at pages of the recording (recording_file.cc asks for that), so that whoever looks at every
-// page of it finds a chunk by its key wherever it lies, and no address needs to be known.
-// All integers little-endian:  "TSCHUNK1" | u64 size | layout | u32 sum  and
+//   small chunks (clock, observables, fields of few rows) verbatim,
+//   for every other chunk a key: a hash of its checksum and of samples of it.
+// Chunks are aligned to pages of the recording (recording_file.cc requests that), so that a search through
+// all pages finds a chunk by its key wherever it lies, and no address needs to be known. All integers
+// little-endian: "TSCHUNK1" | u64 size | layout | u32 sum and
 //   "CREC" | u32 size | body | u32 sum,   body = u64 frames | per array: its bytes, or u64 count | u64 keys
 // (sum: lookup3 of what stands before it). A finished recording has no log.
 #pragma once
@@ -23,7 +23,7 @@ std::string chunk_log_path(const std::string& recording);
 /// Whether the log holds this array's chunks themselves.
 bool is_logged_whole(const PlannedArray& array);
 
-/// Key of a chunk of `size` bytes whose checksum stands behind it (at least 64 bytes).
+/// Key of a chunk of `size` bytes followed by its checksum (at least 64 bytes).
 uint64_t chunk_key(const std::byte* chunk, size_t size);
 
 /// Writes the log of one recording.
@@ -35,9 +35,9 @@ class ChunkLog {
   ChunkLog(const ChunkLog&) = delete;
   ChunkLog& operator=(const ChunkLog&) = delete;
 
-  /// Takes note of the first `frames` frames of a sealed batch's image.
+  /// Notes the first `frames` frames of a sealed batch's image.
   void add(const std::byte* image, size_t frames);
-  /// Hands what was noted to the system.
+  /// Writes what was noted.
   void write();
   /// Removes the log: the recording is finished.
   void remove();
@@ -50,11 +50,11 @@ class ChunkLog {
   std::vector<std::byte> bytes_;
 };
 
-/// What a log says, up to the first record that is not whole.
+/// The contents of a log, up to the first incomplete record.
 struct LoggedChunks {
   struct Batch {
     uint64_t frames = 0;
-    std::vector<std::byte> whole;  ///< chunks of the arrays that are logged whole, in the plan's order
+    std::vector<std::byte> whole;             ///< chunks of the arrays logged verbatim, in the plan's order
     std::vector<std::vector<uint64_t>> keys;  ///< of the others, in the plan's order
   };
   RecordingLayout layout;  ///< path: the recording's
@@ -63,7 +63,7 @@ struct LoggedChunks {
   uint64_t frames = 0;  ///< in all batches
 };
 
-/// The log of `recording`; nothing when there is none or its head is damaged.
+/// The log of `recording`; empty when there is none or its head is damaged.
 std::optional<LoggedChunks> read_chunk_log(const std::string& recording);
 
 }  // namespace truestep

@@ -10,11 +10,12 @@
 namespace truestep {
 namespace {
 
-constexpr size_t kBatchBytes = size_t{256} << 10;  // small frames are gathered up to this
-constexpr size_t kImageBytes = size_t{4} << 20;    // and their image takes no more than this
-constexpr size_t kMaxFrames = 64;                  // and to this many
-constexpr size_t kChunkBytes = size_t{1} << 20;    // a big frame is split into chunks of about this
-constexpr size_t kGrowth = 64;                     // chunks that a part grows to its most rows by
+constexpr size_t kBatchBytes = size_t{256} << 10;  // small frames are gathered up to this size
+constexpr size_t kImageBytes = size_t{4} << 20;    // the image of a batch is limited to this size
+constexpr size_t kMaxFrames = 64;                  // and a batch to this many frames
+constexpr size_t kChunkBytes = size_t{1} << 20;    // a large frame is split into chunks of about this size
+constexpr size_t kGrowth = 64;                     // number of chunks in which a part may grow to its maximum
+                                                   // rows
 
 enum class Rows : uint8_t { usual, most };
 
@@ -33,7 +34,7 @@ size_t frame_bytes(const RecordingLayout& layout, Rows which) {
   return bytes;
 }
 
-// Rows of a chunk: what there usually is, so that the room for more costs nothing until it is used.
+// Rows per chunk: the usual number, so that room for more costs nothing until it is used.
 size_t chunk_rows(const ChunkPlan& plan, const PlannedArray& a, size_t usual) {
   const size_t rows = std::max<size_t>(a.rows, 1);
   const size_t fitting = std::min(rows, std::max(usual, (rows + kGrowth - 1) / kGrowth));
@@ -85,7 +86,7 @@ void fill_absent(ElementType type, std::byte* to, size_t count) {
   if (type == ElementType::kU32) std::memset(to, 0xff, count * sizeof(uint32_t));
 }
 
-// The rows that there are; what lies behind them is filled when the batch is sealed.
+// The existing rows; what lies behind them is filled when the batch is sealed.
 void fill_array(const PlannedArray& a, std::byte* image, size_t slot, const FieldValues& values,
                 size_t rows) {
   for (size_t c = 0; c * a.chunk_rows < rows; ++c) {

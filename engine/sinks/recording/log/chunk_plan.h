@@ -1,7 +1,7 @@
 // How frames become chunks. A batch is the `frames` frames that share a chunk: one frame when frames are big,
-// up to 64 when they are small, so that a chunk is worth its entry in the index. Every dataset of a file uses
-// the same number, hence a batch completes one chunk row of each and every chunk is written exactly once,
-// by one call, already laid out and with its checksum behind it.
+// up to 64 when they are small, so that a chunk is worth its entry in the index. All datasets of a file use
+// the same number, so a batch completes one chunk row of each, and every chunk is written exactly once, by
+// one call, already laid out and followed by its checksum.
 #pragma once
 #include <cstddef>
 #include <string>
@@ -20,7 +20,7 @@ struct PlannedArray {
   ElementType type = ElementType::kF64;
   size_t rows = 0;  ///< 0: one number per frame
   size_t width = 1;
-  int system = -1;  ///< index of the system whose row count bounds it, or -1
+  int system = -1;  ///< index of the system whose row count limits it, or -1
   size_t chunk_rows = 1;
   size_t chunks = 1;
   size_t row_bytes = 0;
@@ -45,17 +45,17 @@ struct ChunkPlan {
 /// Plans the file of `layout`.
 ChunkPlan plan_chunks(const RecordingLayout& layout);
 
-/// Writes one frame into place `slot` of a batch's image, converting. Throws Error("recording_mismatch") when
-/// `systems` or `observables` do not fit the layout.
+/// Converts one frame into slot `slot` of a batch's image. Throws Error("recording_mismatch") when `systems`
+/// or `observables` do not match the layout.
 void fill_frame(const RecordingLayout& layout, const ChunkPlan& plan, std::byte* image, size_t slot,
                 int64_t step, double time, std::span<const PartRows> systems,
                 std::span<const double> observables);
 
-/// Fills absent rows with NaN (u32: all ones) and puts the checksums behind the chunks of a filled image,
-/// soon after it was filled: then it is in the cache.
+/// Fills absent rows with NaN (u32: all ones) and appends the checksums to the chunks of a filled image,
+/// while it is still in the cache.
 void seal_batch(const RecordingLayout& layout, const ChunkPlan& plan, std::byte* image);
 
-/// Chunks of an array that a filled image writes; those that hold no rows in any of its frames are left out.
+/// Chunks of an array written for a filled image; those without rows in any of its frames are skipped.
 size_t used_chunks(const RecordingLayout& layout, const ChunkPlan& plan, const std::byte* image,
                    const PlannedArray& array);
 
@@ -63,7 +63,7 @@ size_t used_chunks(const RecordingLayout& layout, const ChunkPlan& plan, const s
 size_t rows_in_image(const RecordingLayout& layout, const ChunkPlan& plan, const std::byte* image,
                      size_t system, size_t slot);
 
-/// Most rows that `system` has in the first `frames` frames of a filled image.
+/// Largest row count of `system` in the first `frames` frames of a filled image.
 size_t most_rows(const RecordingLayout& layout, const ChunkPlan& plan, const std::byte* image, size_t system,
                  size_t frames);
 

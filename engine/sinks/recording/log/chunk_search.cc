@@ -47,7 +47,7 @@ bool has_checksum(const std::byte* chunk, size_t size) {
   return sum == fletcher32(chunk, size);
 }
 
-/// Where the chunks of one size lie. Chunks with the same key are the same, so one place is enough.
+/// Locations of the chunks of one size. Chunks with the same key are identical, so one location is enough.
 class Places {
  public:
   explicit Places(size_t size) : size_(size) {}
@@ -82,7 +82,7 @@ class Search {
     }
   }
 
-  /// The batch as it was handed to the file, or false when a chunk is missing or damaged.
+  /// The batch as it was passed to the file, or false when a chunk is missing or damaged.
   bool restore(const LoggedChunks& log, const LoggedChunks::Batch& batch, std::byte* image) const {
     const ChunkPlan& plan = log.plan;
     const std::byte* whole = batch.whole.data();
@@ -108,7 +108,7 @@ class Search {
   }
 
  private:
-  // As many chunks as the row counts in the image say.
+  // As many chunks as the row counts in the image require.
   static bool keys_fit_rows(const LoggedChunks& log, const LoggedChunks::Batch& batch,
                             const std::byte* image) {
     size_t k = 0;
@@ -124,7 +124,7 @@ class Search {
   }
 
   std::vector<Places> places_;
-  std::vector<std::ptrdiff_t> arrays_;  // of each array that is not logged whole: index in places_
+  std::vector<std::ptrdiff_t> arrays_;  // for each array that is not logged verbatim: index in places_
 };
 
 }  // namespace

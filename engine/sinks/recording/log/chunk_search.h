@@ -1,6 +1,6 @@
-// A recording made again from its chunk log (chunk_log.h): every page of the damaged file is looked at as the
-// possible beginning of a chunk whose key the log names; what has the key and the right checksum is the
-// chunk. Nothing of HDF5's structures in the file is read.
+// Rebuilds a recording from its chunk log (chunk_log.h): every page of the damaged file is tried as the start
+// of a chunk whose key is in the log; data with the key and the right checksum is the chunk. None of the
+// file's HDF5 structures are read.
 #pragma once
 #include <string>
 
@@ -9,7 +9,7 @@
 namespace truestep {
 
 /// Writes the longest prefix of the log's frames whose chunks are all in the recording at `damaged` into a
-/// new, finished file `fresh`; the number of frames. Throws Error when it cannot be written.
+/// new, finished file `fresh`; returns the number of frames. Throws Error when it cannot be written.
 uint64_t rebuild_from_log(const LoggedChunks& log, const std::string& damaged, const std::string& fresh);
 
 }  // namespace truestep

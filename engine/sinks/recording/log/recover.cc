@@ -21,7 +21,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// The answer of the child through a pipe: plain bytes, less than PIPE_BUF, so written at once.
+// The child's answer through a pipe: plain bytes, less than PIPE_BUF, so written atomically.
 struct Answer {
   RecoveryOutcome outcome;
   uint64_t found, kept;
@@ -78,7 +78,7 @@ uint64_t rewrite(RecordedFile& source, const std::string& path, std::string& why
   return kept;
 }
 
-// What a repair leaves behind when it is killed itself.
+// What a killed repair leaves behind.
 void remove_leftovers(const std::string& path) {
   std::error_code ignored;
   for (const std::string& part : {path + ".recovering", path + ".repair"}) {
@@ -87,7 +87,7 @@ void remove_leftovers(const std::string& path) {
   }
 }
 
-// Puts `path`.recovering, which holds `kept` of `found` frames, in the place of `path`.
+// Replaces `path` by `path`.recovering, which holds `kept` of `found` frames.
 Answer replace(const std::string& path, uint64_t found, uint64_t kept, const std::string& why) {
   const std::string log = chunk_log_path(path), damaged = path + ".damaged";
   std::error_code no_log;
@@ -102,7 +102,7 @@ Answer replace(const std::string& path, uint64_t found, uint64_t kept, const std
 
 using Copy = std::function<uint64_t(const std::string& fresh, std::string& why)>;
 
-// Copies frames into a new file that replaces the old one; kUnreadable when they are fewer than `least`.
+// Copies frames into a new file that replaces the old one; kUnreadable when there are fewer than `least`.
 Answer copy_and_replace(const std::string& path, uint64_t found, uint64_t least, const Copy& copy) {
   const std::string fresh = path + ".recovering";
   std::string why;
@@ -125,7 +125,7 @@ Answer from_log(const std::string& path, const LoggedChunks& log, uint64_t least
   });
 }
 
-// From HDF5's structures, of the file itself or of a copy whose superblock was put right.
+// From HDF5's structures, of the file itself or of a copy with a repaired superblock.
 Answer from_structures(const std::string& path, uint64_t found, uint64_t least) {
   const auto read = [&](const std::string& from) {
     RecordedFile file(from, RecordingOwner::kDead);
@@ -157,7 +157,7 @@ Answer from_structures(const std::string& path, uint64_t found, uint64_t least) 
   return result;
 }
 
-// What the file says of itself, if it can be read.
+// The file's own description, if it can be read.
 std::optional<RecordingInfo> info_of(const std::string& path) {
   try {
     return RecordedFile(path, RecordingOwner::kDead).info();
@@ -168,8 +168,8 @@ std::optional<RecordingInfo> info_of(const std::string& path) {
 
 enum class Trust : uint8_t { structures_and_log, log };
 
-// In the child, where nothing else runs. The log comes first, as soon as it is known that the file was not
-// finished: then it names every frame. Only where chunks are missing may the structures know better.
+// In the child, where nothing else runs. The log comes first, once it is clear that the file was not
+// finished: then it names every frame. Only if chunks are missing may the structures know better.
 Answer recover_here(const std::string& path, Trust trust) {
   const auto log = read_chunk_log(path);
   if (trust == Trust::log) {
@@ -179,7 +179,7 @@ Answer recover_here(const std::string& path, Trust trust) {
   const auto info = info_of(path);
   const bool finished = info && info->completion == RecordingCompletion::kFinalized;
   if (!log || log->frames == 0 || finished) return from_structures(path, 0, 0);
-  // A log is told before the clock is: when it names fewer frames it is the log that was damaged.
+  // The log is written before the clock: when it names fewer frames, it is the log that was damaged.
   if (info && info->frames > log->frames) {
     const Answer read = from_structures(path, 0, log->frames);
     if (read.outcome != RecoveryOutcome::kUnreadable) return read;
@@ -190,7 +190,7 @@ Answer recover_here(const std::string& path, Trust trust) {
   return read.outcome == RecoveryOutcome::kUnreadable && whole.kept > 0 ? from_log(path, *log, 1) : read;
 }
 
-// Waits for the child's end at most `limit`, then ends it. Its answer stays in the pipe.
+// Waits for the child to exit for at most `limit`, then kills it. Its answer stays in the pipe.
 Answer wait_for(int pipe_end, pid_t child, std::chrono::milliseconds limit) {
   const auto end = std::chrono::steady_clock::now() + limit;
   pid_t ended = 0;
@@ -207,7 +207,7 @@ Answer wait_for(int pipe_end, pid_t child, std::chrono::milliseconds limit) {
   return answer(RecoveryOutcome::kUnreadable, 0, 0, "reading the file crashed the HDF5 library");
 }
 
-// Forked from the HDF5 thread itself, so that the child's library is in no half-done state.
+// Forked from the HDF5 thread itself, so that the child's library is in a consistent state.
 RecoveryReport recover_in_child(const std::string& path, const RecoveryOptions& options, Trust trust) {
   RecoveryReport report;
   int ends[2];
@@ -216,8 +216,8 @@ RecoveryReport recover_in_child(const std::string& path, const RecoveryOptions& 
   const pid_t child = fork();
   if (child == 0) {
     close(ends[0]);
-    // A killed server must not leave a repair behind that meets the next server's. Its parent may be gone
-    // already.
+    // A killed server must not leave a repair running that collides with the next server's. Its parent may be
+    // gone already.
     prctl(PR_SET_PDEATHSIG, SIGKILL);
     if (getppid() != parent) _exit(1);
     const Answer a = recover_here(path, trust);

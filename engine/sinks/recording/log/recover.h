@@ -1,9 +1,9 @@
-// Repair of recordings whose writer died, at the start of a server. The longest prefix of frames whose every
-// checksum is right is read from the file as it is (as a SWMR reader, without touching it) or, where HDF5
-// refuses that, from a copy whose superblock was put right, and written into a new, finalised file that
-// takes the old one's name. Where there is a chunk log (chunk_log.h) that names every frame's chunks, they
-// are taken from there instead, whatever the structures of the file say. It runs in a child process: HDF5 may
-// loop or crash on a damaged file.
+// Repairs recordings whose writer died, when a server starts. The longest prefix of frames with correct
+// checksums is read from the file as it is (as a SWMR reader, without changing it) or, if HDF5 refuses that,
+// from a copy with a repaired superblock, and written into a new, finalised file that takes the old one's
+// name. If there is a chunk log (chunk_log.h) that names every frame's chunks, they are taken from there
+// instead, whatever the file's structures say. This runs in a child process, because HDF5 may loop or crash
+// on a damaged file.
 #pragma once
 #include <chrono>
 #include <string>
@@ -15,9 +15,9 @@ namespace truestep {
 enum class RecoveryOutcome {
   kIntact,      ///< finalised already, nothing was done
   kRecovered,   ///< replaced by a finalised file
-  kUnreadable,  ///< nothing could be read; the file is as it was
-  kFailed,      ///< the new file could not be written (disk full ...); the file is as it was
-  kTimedOut,    ///< the time limit passed; the file is as it was
+  kUnreadable,  ///< nothing could be read; the file is unchanged
+  kFailed,      ///< the new file could not be written (disk full ...); the file is unchanged
+  kTimedOut,    ///< the time limit passed; the file is unchanged
 };
 
 struct RecoveryOptions {
@@ -27,11 +27,12 @@ struct RecoveryOptions {
 struct RecoveryReport {
   RecoveryOutcome outcome = RecoveryOutcome::kUnreadable;
   uint64_t frames_found = 0;  ///< frames the file claims
-  uint64_t frames_kept = 0;   ///< frames of the finalised file; fewer keeps the old file as <path>.damaged
+  uint64_t frames_kept = 0;   ///< frames in the finalised file; if fewer, the old file is kept as
+                              ///< <path>.damaged
   std::string message;        ///< why, for a person; empty when all went well
 };
 
-/// Repairs the recording at `path`; never throws for what the file contains. Blocks `thread` while it works.
+/// Repairs the recording at `path`; never throws because of the file's contents. Blocks `thread` meanwhile.
 RecoveryReport recover_recording(RecordingThread& thread, const std::string& path,
                                  const RecoveryOptions& options);
 

@@ -12,7 +12,7 @@ namespace truestep {
 
 namespace {
 
-// Frames from the first on whose every checksum is right.
+// Number of frames from the first on with correct checksums.
 uint64_t good_frames(const std::string& path) {
   uint64_t good = 0;
   try {

@@ -1,7 +1,7 @@
-// What to do with a recording that could not be completed because its disk is full: where there is room by
-// now it is repaired like one whose writer died (recover.h). Where there is none, its superblock is put right
-// in place, which needs no room, so that any reader of HDF5 opens it; when not every frame that could be read
-// before can be read then, the old superblock is put back.
+// What to do with a recording that could not be completed because its disk is full. If there is room by now,
+// it is repaired like one whose writer died (recover.h). If not, its superblock is repaired in place, which
+// needs no room, so that any HDF5 reader opens it; if that would lose frames that were readable before, the
+// old superblock is restored.
 #pragma once
 #include "engine/sinks/recording/recording_thread.h"
 

@@ -1,0 +1,33 @@
+// Which fields the viewer asks of a stream.
+import { meaning, partsOf } from "../client/parts";
+import type { Hello, Topology } from "../client/gen/truestep/v1/stream_pb";
+
+/** What points and lines are coloured by, and whether the colours are on the screen. */
+export interface Coloring {
+  colorBy: string;
+  bySpeed: boolean;
+}
+
+/**
+ * Position; where rows carry bodies also orientation and who sleeps; and for points what the scene colours them
+ * by, or their speed if they have no colour of their own.
+ */
+export function fieldsOf({ colorBy, bySpeed }: Coloring, hello: Hello, topology: Topology | undefined): string[] {
+  const parts = partsOf(hello);
+  const wanted = new Set<string>();
+  const want = (name: string | undefined): void => void (name && wanted.add(name));
+  for (const drawn of topology?.systems ?? []) {
+    const part = parts.get(drawn.system);
+    const has = (name: string): string | undefined => (name && part?.fields.some((field) => field.name === name) ? name : undefined);
+    const bodies = drawn.visuals.length > 0;
+    want(meaning(part, "position"));
+    if (part?.lattice) want(has(colorBy) ?? part.fields[0]?.name);
+    if (bodies) for (const what of ["orientation", "asleep"]) want(meaning(part, what));
+    const colored = (drawn.pointRadius > 0 && (colorBy || drawn.color.length === 0)) || (bodies && colorBy);
+    if (bySpeed && colored) want(has(colorBy) ?? has("speed") ?? meaning(part, "velocity"));
+    // A system's lines have values in a part of their own.
+    const lines = [...parts.values()].find((one) => one.elements === "lines" && one.system === drawn.system);
+    if (bySpeed && colorBy && lines?.fields.some((field) => field.name === colorBy)) want(colorBy);
+  }
+  return [...wanted];
+}
