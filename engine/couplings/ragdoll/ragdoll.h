@@ -1,5 +1,6 @@
 // The coupling type "ragdoll": bodies of b are carried by bones of a, a skeleton, in the place that they have
-// on them at t = 0, with the velocities of their bones. At a time, or when something hits a body so that its
+// on them at t = 0, with the velocities of their bones (links of an articulation as near as their joints let
+// them, systems/articulation/carried_links.h). At a time, or when something hits a body so that its
 // velocity changes in a step by more than a threshold, they are let go with the velocities that they have
 // then, and the skeleton follows them. After a while it may move by itself again: from the pose that it was
 // left in, over a blend, on from the most alike pose of its own motion (Zordan, Majkowska, Chiu, Fast 2005,
