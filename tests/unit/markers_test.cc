@@ -110,7 +110,7 @@ TEST(Triangulation, SightingsOfSomethingElseAreSetAside) {
       const bool blocked = c == 2 && k % 5 == 0;
       // At most one of a place, where there are three cameras or more.
       const double way = 160 + 140 * u(engine), angle = 3.14 * u(engine), chance = 0.5 * (1 + u(engine));
-      if (chance < 0.1 && wrong[k] == 0)
+      if (!blocked && chance < 0.1 && wrong[k] == 0)
         p.u += way * std::cos(angle), p.v += way * std::sin(angle), wrong[k] = 1;
       if (!blocked) seen[k].push_back({c, p});
     }
@@ -124,18 +124,27 @@ TEST(Triangulation, SightingsOfSomethingElseAreSetAside) {
   EXPECT_GT(s, 0.4);
   EXPECT_LT(s, 0.9);
   double worst_robust = 0, worst_plain = 0;
-  size_t misled = 0;
+  size_t misled = 0, of_three = 0, of_three_off = 0;
   for (int k = 0; k < kPlaces; ++k) {
     const auto agreed = triangulate_agreed(cameras, seen[k], s);
     ASSERT_TRUE(agreed) << k;
     misled += wrong[k];
-    worst_robust = std::max(worst_robust, norm(agreed->found.place - truth[k]));
+    const double off = norm(agreed->found.place - truth[k]);
+    if (seen[k].size() == 3 && wrong[k] > 0) {
+      // Two rays against one: a false one that happens to meet another is as good as the true pair.
+      ++of_three, of_three_off += off > 0.02;
+    } else {
+      worst_robust = std::max(worst_robust, off);
+    }
     if (const auto p = triangulate(cameras, seen[k]))
       worst_plain = std::max(worst_plain, norm(p->place - truth[k]));
   }
   EXPECT_GT(misled, 100u);
-  // Half a pixel at 4 m and 1000 pixels of focal length is 2 mm; of two rays, five times that at the edges.
+  // Half a pixel at 4 m and 1000 pixels of focal length is 2 mm, some more at the edges.
   EXPECT_LT(worst_robust, 0.02);
+  // False ones miss the other rays by less than three pixels of some 160 in one case of fifty, for either.
+  EXPECT_GT(of_three, 10u);
+  EXPECT_LE(of_three_off, of_three / 8);
   EXPECT_GT(worst_plain, 0.2) << "the control: they do mislead";
 }
 

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "engine/core/rig_port.h"
+#include "engine/kernels/animation/rotations.h"
 #include "tests/support/coupled.h"
 
 namespace truestep {
@@ -12,8 +13,9 @@ namespace {
 
 struct Told {
   std::string coupling;
-  std::string turn_a = R"("0", "0.3*sin(2*t)", "3*t")", pin = "0.4*sin(3*t)", slide = "0.1*sin(4*t)",
-              turn_d = R"("0.5*sin(5*t)", "0", "0.3*t")", gravity = "[0, -9.81, 0]", more = "", more_couplings = "";
+  std::string turn_a = R"s("0", "0.3*sin(2*t)", "3*t")s", pin = "0.4*sin(3*t)", slide = "0.1*sin(4*t)",
+              turn_d = R"s("0.5*sin(5*t)", "0", "0.3*t")s", gravity = "[0, -9.81, 0]", more = "",
+              more_couplings = "";
   double dt = 0.005;
 };
 
@@ -190,12 +192,41 @@ TEST(RagdollLinks, LimitsOfPinAndSliderHoldWhereItFalls) {
   EXPECT_GT(slide, 0.15), EXPECT_LT(slide, 0.15 + 0.8 * std::sqrt(1.3 / 1000) + 0.05);
 }
 
+TEST(RagdollLinks, ConeAndTwistOfABallHoldWhereItFalls) {
+  // Let go while it swings at 4 rad/s and twists at 3: a cone of 0.4 rad about x and 0.3 rad of twist.
+  std::string scene = arm({.coupling = R"("at": 0.05)",
+                           .turn_a = R"("0", "0", "0")",
+                           .pin = "0",
+                           .slide = "0",
+                           .turn_d = R"("3*t", "0", "4*t")",
+                           .gravity = "[0, 0, 0]"});
+  const std::string ball = R"("joint": "spherical")";
+  scene.replace(scene.find(ball), ball.size(),
+                ball + R"(, "axis": [1, 0, 0], "cone": 0.4, "lowest": -0.3, "highest": 0.3)");
+  testing_coupled::SceneRun run(scene);
+  double swing = 0, twist = 0, first = 0;
+  for (int k = 0; k < 400; ++k) {
+    run.session.step(1);
+    const auto q = run.session.state().systems[1].f64(0);  // of the ball after 7 + 1 + 1
+    const auto [s, t] = animation::swing_twist({q[9], q[10], q[11], q[12]}, {1, 0, 0});
+    swing = std::max(swing, norm(free_rotation::rotation_vector(s))), twist = std::max(twist, std::abs(t));
+    if (k == 12) first = run.observe("doll.energy.total");
+    // Springs give back what they take: 1e-4 of some 3 J, the integrator's tolerance over two seconds.
+    if (k > 12) {
+      ASSERT_NEAR(run.observe("doll.energy.total"), first, 1e-3) << k;
+    }
+  }
+  // Springs of 1000 N m/rad give way to 5 rad/s by no more than sqrt(I / k) of it, I some 0.02 kg m^2.
+  EXPECT_GT(swing, 0.4), EXPECT_LT(swing, 0.4 + 5 * std::sqrt(0.02 / 1000) + 0.02);
+  EXPECT_GT(twist, 0.3), EXPECT_LT(twist, 0.3 + 5 * std::sqrt(0.02 / 1000) + 0.02);
+}
+
 TEST(RagdollLinks, AnImpactLetsThemGoWithTheirMomentum) {
   const Told told{
       .coupling = R"("impact": 1)",
       .gravity = "[0, 0, 0]",
       .more =
-          R"(, {"type": "rigid3d", "id": "ball", "precision": "f64", "bodies": [{"type": "sphere", "radius": 0.1, "mass": 3, "position": [0.55, 3.1, 0.02], "velocity": [0.8, -6, 0], "restitution": 0.5}]})",
+          R"(, {"type": "particles", "id": "ball", "positions": [[0.55, 3.1, 0.02]], "velocities": [[0.8, -6, 0]], "mass": 3, "radius": 0.1})",
       .more_couplings =
           R"(, {"type": "contact", "id": "hit", "a": "ball", "b": "doll", "restitution": 0.5})"};
   std::string scene = arm(told);

@@ -37,6 +37,20 @@ class Fit {
     w.tried.assign(motion.begin(), motion.end());
     forward_kinematics(joints, motion, {}, w.poses);
   }
+  /// Begins again at a pose.
+  void restart(std::span<const JointMotion> at) {
+    std::ranges::copy(at, motion_.begin());
+    std::ranges::fill(w_.pulled, 0.0);
+    forward_kinematics(joints_, motion_, {}, w_.poses);
+  }
+  /// m^2, of the distances measured, none taken for more than `most`.
+  double cut_squares(double most) const {
+    double sum = 0;
+    for (size_t i = 0; i < markers_.size(); ++i) {
+      if (seen_[i]) sum += std::min(w_.distances[i], most) * std::min(w_.distances[i], most);
+    }
+    return sum;
+  }
   size_t freedoms_count() const { return n_; }
 
   double squares(std::span<const Pose> poses) const {
@@ -194,10 +208,10 @@ double minimise(Fit& fit, MarkerWork& w, int most, int& iterations) {
 
 constexpr int kMost = 100;
 
-/// From a fit to all to one without those that are too far off; squares at the end.
-double set_outliers_aside(Fit& fit, MarkerWork& w, double farthest, int& iterations) {
+/// From where the fit stands to one without what is too far off; squares at the end.
+double set_outliers_aside(Fit& fit, MarkerWork& w, int& iterations) {
   constexpr int kRounds = 60;
-  double c = farthest;
+  double c = fit.measure();
   for (int k = 0; k < kRounds; ++k) {
     fit.weigh([c](double r) {
       const double x = 1 - (r / c) * (r / c);
@@ -219,16 +233,40 @@ double set_outliers_aside(Fit& fit, MarkerWork& w, double farthest, int& iterati
   return e;
 }
 
+/// The better of two such ways: from the pose given, which is right when the frame before was, and from the
+/// fit to all, which needs none before.
+double fit_without_outliers(Fit& fit, MarkerWork& w, std::span<const JointMotion> motion, int& iterations) {
+  const std::vector<JointMotion> all(motion.begin(), motion.end());
+  fit.restart(w.start);
+  double e = set_outliers_aside(fit, w, iterations);
+  const double spread = fit.spread();
+  const std::vector<JointMotion> first(motion.begin(), motion.end());
+  const std::vector<double> weights = w.weights, distances = w.distances;
+  fit.restart(all);
+  const double other = set_outliers_aside(fit, w, iterations);
+  const double most = kCut * std::min(spread, fit.spread()), squares = fit.cut_squares(most);
+  w.distances = distances;
+  if (fit.cut_squares(most) > squares) return other;
+  fit.restart(first);
+  w.weights = weights;
+  return e;
+}
+
 }  // namespace
 
 MarkerFit fit_markers(std::span<const Joint> joints, std::span<const MarkerPlacement> markers,
                       std::span<const Vec3> places, std::span<const uint8_t> seen,
                       std::span<JointMotion> motion, std::span<uint8_t> known, MarkerWork& w) {
+  w.start.assign(motion.begin(), motion.end());
   Fit fit(joints, markers, places, seen, motion, w);
   MarkerFit out;
   double e = minimise(fit, w, kMost, out.iterations);
   const double farthest = fit.measure();
-  if (farthest > kSuspect * fit.spread()) e = set_outliers_aside(fit, w, farthest, out.iterations);
+  if (farthest > kSuspect * fit.spread()) {
+    e = fit_without_outliers(fit, w, motion, out.iterations);
+    fit.measure();
+  }
+  out.spread = fit.spread();
   fit.differentiate();
   constexpr double kTold = 1e-6;  // m^2: a radian moves a marker by a millimetre
   std::ranges::fill(known, uint8_t{0});

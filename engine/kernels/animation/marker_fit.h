@@ -8,9 +8,9 @@
 // Markers that are where none can be (taken for another, a reflection) are found by their distances: where
 // one is beyond six spreads s (of a coordinate, by the median), the fit is repeated with Tukey's weights
 //   w = (1 - (r/c)^2)^2,  r < c,   else 0          (Beaton, Tukey 1974)
-// c from the largest distance down to 4.7 s, and ends as a fit to those within that (Rousseeuw, Leroy 1987,
-// section 1.2). Where none is, nothing of that is done. More than half of what tells about a joint must be
-// right.
+// c from the largest distance down to 4.7 s, from the pose given and from that of all markers, and ends as a
+// fit to those within that (Rousseeuw, Leroy 1987, section 1.2). Where none is, nothing of that is done. More
+// than half of what tells about a joint must be right.
 #pragma once
 #include "engine/kernels/animation/inverse_kinematics.h"
 
@@ -23,11 +23,12 @@ struct MarkerPlacement {
 struct MarkerFit {
   double error = 0;  ///< m, root of the mean square distance of the markers that count
   int iterations = 0;
+  double spread = 0;    ///< m, of a coordinate, by the median distance of all markers seen
   size_t outliers = 0;  ///< seen, and set aside
 };
 struct MarkerWork {
   std::vector<Pose> poses, tried_poses;
-  std::vector<JointMotion> tried;
+  std::vector<JointMotion> tried, start;
   std::vector<uint32_t> joint_of, freedom_of;
   std::vector<double> weights, distances, sorted;  ///< per marker
   std::vector<double> normal, factor, gradient, step, column, pulled;

@@ -137,7 +137,9 @@ void start(const Model& model, std::span<const MarkerPlacement> markers, std::sp
     }
     if (count > 0) tried[0].shift = rotate(conjugate(model.joints[0].rest.orientation), off / count);
     const MarkerFit fit = fit_markers(model.joints, markers, places, seen, tried, known, work);
-    if (fit.error < least) least = fit.error, best = tried;
+    // A wrong pose may set aside what speaks against it: then the median speaks.
+    const double score = fit.outliers > 0 ? std::max(fit.error, 1.732 * fit.spread) : fit.error;
+    if (score < least) least = score, best = tried;
   }
   motion = best;
 }
