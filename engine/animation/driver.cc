@@ -28,7 +28,7 @@ Driver::Driver(const DriverDef& def, std::string system)
     : system_(std::move(system)), frame_rate_(def.frame_rate.value_or(0)) {
   add_name("", "t", 0);
   names_.add_value("pi", graph_.constant(3.141592653589793));
-  // Paths first, so that controls may follow them.
+  // Paths and vectors first, so that controls may follow them.
   const auto first_path = static_cast<int32_t>(1 + def.controls.size());
   variables_ = static_cast<size_t>(first_path) + 3 * def.paths.size();
   for (size_t i = 0; i < def.paths.size(); ++i) {
@@ -42,9 +42,22 @@ Driver::Driver(const DriverDef& def, std::string system)
     Path path{KeyCurve(keys), std::nullopt, d.extend};
     if (even) path.length.emplace(path.curve);
     paths_.push_back(std::move(path));
+    path_names_.push_back(d.name);
     for (int32_t k = 0; k < 3; ++k) {
       const auto variable = first_path + static_cast<int32_t>(3 * i) + k;
       add_name(at("paths", i, "name"), d.name + "_" + "xyz"[k], variable);
+    }
+  }
+  for (size_t i = 0; i < def.vectors.size(); ++i) {
+    const VectorDef& d = def.vectors[i];
+    Keys keys{.width = d.width(), .times = d.times, .values = d.values};
+    keys.slopes_in = d.slopes_in, keys.slopes_out = d.slopes_out, keys.handles = d.handles;
+    keys.interpolation = d.interpolation, keys.extend = d.extend;
+    vectors_.emplace_back(keys);
+    vector_names_.push_back(d.name);
+    for (size_t k = 0; k < keys.width; ++k) {
+      add_name(at("vectors", i, "name"), d.name + "_" + std::to_string(k),
+               static_cast<int32_t>(variables_++));
     }
   }
   for (size_t i = 0; i < def.controls.size(); ++i) {
@@ -152,6 +165,8 @@ void Driver::values_at(double t, std::span<const double> set, Scratch& s) const 
   std::vector<double>& v = s.variables;
   v[0] = t;
   for (size_t p = 0; p < paths_.size(); ++p) store3(&v[1 + controls_.size()], p, paths_[p].at(t));
+  size_t next = 1 + controls_.size() + 3 * paths_.size();
+  for (const KeyCurve& c : vectors_) c.sample(t, &v[next]), next += c.width();
   for (size_t k = 0; k < controls_.size(); ++k) {
     double& value = v[1 + k];
     if (set[k] == set[k]) {
@@ -179,6 +194,43 @@ std::span<const double> Driver::outputs_at(double at, std::span<const double> se
   std::copy(s.variables.begin(), s.variables.end(), s.registers.begin());
   program_.run(s.registers.data(), s.outputs.data());
   return s.outputs;
+}
+
+namespace {
+std::string joined(std::span<const std::string> names) {
+  std::string all;
+  for (const std::string& n : names) all += (all.empty() ? "" : ", ") + n;
+  return all.empty() ? "none is given" : all;
+}
+}  // namespace
+
+std::optional<Driver::Channel> Driver::channel(Channel::Kind kind, std::string_view name) const {
+  using enum Channel::Kind;
+  const auto& names = kind == path ? path_names_ : kind == vector ? vector_names_ : turn_names_;
+  const auto found = std::ranges::find(names, name);
+  if (found == names.end()) return std::nullopt;
+  const auto index = static_cast<size_t>(found - names.begin());
+  return Channel{kind, index, kind == path ? 3 : kind == vector ? vectors_[index].width() : 4};
+}
+
+std::string Driver::channel_names(Channel::Kind kind) const {
+  using enum Channel::Kind;
+  return joined(kind == path ? path_names_ : kind == vector ? vector_names_ : turn_names_);
+}
+
+void Driver::sample(const Channel& c, double at, std::span<double> out) const {
+  const double t = frame_time(at, frame_rate_);
+  switch (c.kind) {
+    case Channel::Kind::path:
+      return store3(out.data(), 0, paths_[c.index].at(t));
+    case Channel::Kind::vector:
+      return vectors_[c.index].sample(t, out.data());
+    case Channel::Kind::turn: {
+      const Quat q = turns_[c.index].sample(t);
+      out[0] = q.w, store3(out.data() + 1, 0, Vec3{q.x, q.y, q.z});
+      return;
+    }
+  }
 }
 
 bool Driver::apply(State& state, State::Column column, const Command& command) const {

@@ -1,7 +1,9 @@
-// A scene's controls, paths and turns, compiled: their values at a time, with all expressions as one program.
-// A control set by a command keeps that value; the column of set values is the only state.
+// Controls, paths, vectors and turns of a scene, compiled: what they are at a time, and all expressions of
+// them as one program. A control that a command has set keeps that value; the column of such values is the
+// only state there is.
 #pragma once
 #include <array>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -52,7 +54,18 @@ class Driver {
   /// The turn at time t, or at the frame that t falls in when there is a frame rate.
   Quat turn_at(size_t turn, double t) const { return turns_[turn].sample(frame_time(t, frame_rate_)); }
 
-  /// set_parameter of a control: true when `name` is one. The caller refuses values of another kind.
+  /// What couplings take along by name: a path (3 numbers), a vector, a turn (w, x, y, z).
+  struct Channel {
+    enum class Kind : uint8_t { path, vector, turn } kind = Kind::path;
+    size_t index = 0, width = 3;
+  };
+  std::optional<Channel> channel(Channel::Kind kind, std::string_view name) const;
+  /// Names of all of a kind, for messages.
+  std::string channel_names(Channel::Kind kind) const;
+  /// `width` numbers at time t (s), which is that of a frame where there are frames.
+  void sample(const Channel& channel, double t, std::span<double> out) const;
+
+  /// set_parameter of a control: true when `name` is one. A value of another kind is refused by its caller.
   bool apply(State& state, State::Column column, const Command& command) const;
   /// Values of all controls, as control.<name>.
   void observe(double t, std::span<const double> set, Observables& out) const;
@@ -81,13 +94,22 @@ class Driver {
   std::vector<Issue> issues_;
   std::vector<std::string> names_of_;
   std::vector<Control> controls_;
+  std::vector<std::string> path_names_, vector_names_;
   std::vector<Path> paths_;
+  std::vector<KeyCurve> vectors_;
   std::vector<std::string> turn_names_;
   std::vector<RotationCurve> turns_;
   std::vector<Node> roots_;
   std::vector<std::string> pointers_;  ///< of the roots' texts
-  size_t variables_ = 0;               // t, controls, paths x 3
+  size_t variables_ = 0;               // t, controls, paths x 3, vectors one behind the other
   ExpressionProgram program_;
+};
+
+/// A system that such channels move.
+class Animated {
+ public:
+  virtual ~Animated() = default;
+  virtual const Driver& driver() const = 0;
 };
 
 }  // namespace truestep::animation

@@ -84,6 +84,42 @@ const DefTable& path_table() {
   return t;
 }
 
+const DefTable& vector_table() {
+  using D = VectorDef;
+  static const DefTable t =
+      TableOf<D>("numbers that go from key to key together, each by itself interpolated")
+          .text("name", &D::name, "letters, digits and _")
+          .required()
+          .numbers("times", &D::times, "s", any(), {1, kKeys.max}, "of the keys, ascending")
+          .required()
+          .numbers("values", &D::values, "1", any(), {1, kKeys.max},
+                   "all numbers of the first key, then those of the next; as many per key")
+          .required()
+          .numbers("slopes_in", &D::slopes_in, "1/s", any(), kKeys,
+                   "as many as values, before each key, for hermite and bezier; absent: those of catmull_rom")
+          .numbers("slopes_out", &D::slopes_out, "1/s", any(), kKeys, "after each key; absent: slopes_in")
+          .numbers("handles", &D::handles, "1", between(0, 1), kKeys,
+                   "two per key, for bezier, as those of controls; absent: 1/3")
+          .choice("interpolation", &D::interpolation, kInterpolations, "between keys")
+          .choice("extend", &D::extend, kExtends, "before the first and after the last key")
+          .check([](const D& d, const DefTable::Report& report) {
+            check_times(d.times, report);
+            const size_t n = d.times.size();
+            if (n > 0 && d.values.size() % n != 0) {
+              report("/values", std::to_string(n) + " keys with as many numbers each: a multiple of " +
+                                    std::to_string(n));
+            }
+            if (n > 0 && d.values.size() / n > 1000) report("/values", "1000 numbers a key at most");
+            if (!d.slopes_in.empty())
+              check_count(d.slopes_in.size(), d.values.size(), "/slopes_in", "one per value", report);
+            if (!d.slopes_out.empty())
+              check_count(d.slopes_out.size(), d.values.size(), "/slopes_out", "one per value", report);
+            if (!d.handles.empty()) check_count(d.handles.size(), 2 * n, "/handles", "two per key", report);
+          })
+          .build();
+  return t;
+}
+
 const DefTable& turn_table() {
   using D = TurnDef;
   static const DefTable t =

@@ -27,11 +27,14 @@ std::span<const CouplingRow> coupling_catalogue() {
        {"what one side gains in momentum the other loses", "second order in the step",
         "a rigid link keeps its length to rounding"}},
       {"drive",
-       "a control of an animation sets a parameter of another system at every step",
+       "controls, paths and vectors of an animation set parameters of another system at every step, paths "
+       "and "
+       "turns move its bodies",
        &drive::drive_table(),
        drive::build_drive,
        drive::drive_cost,
-       {"the parameter is the control at the substep's start"}},
+       {"parameters are the channels at the substep's start",
+        "a driven body has the velocities that take it where it is a substep later"}},
       {"immersion",
        "rigid bodies of a float, sink and are carried in b, a medium such as water of particles",
        &immersion::immersion_table(),

@@ -67,7 +67,7 @@ struct Resolving {
       const auto known = std::find(std::begin(kFileUses) + 1, std::end(kFileUses), given);
       if (known == std::end(kFileUses)) {
         return fault(pointer + "/as", "not_a_choice", "there is no such use of a file", std::string(given),
-                     "surface, cells, vertices, triangles, text, lines");
+                     "surface, cells, vertices, triangles, text, lines, gltf");
       }
       use = static_cast<FileUse>(known - std::begin(kFileUses));
     }

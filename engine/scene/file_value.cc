@@ -17,10 +17,11 @@ namespace json = boost::json;
 
 namespace {
 
-enum class Format : uint8_t { json, obj, stl, ply, msh, bvh, unknown };
+enum class Format : uint8_t { json, obj, stl, ply, msh, bvh, glb, unknown };
 
 // Recognised by how it begins; binary STL by its length.
 Format format_of(std::string_view bytes) {
+  if (bytes.starts_with("glTF")) return Format::glb;
   if (is_binary_stl(bytes)) return Format::stl;
   TextLines lines(bytes);
   const std::string_view word = lines.next_word();
@@ -80,6 +81,7 @@ SurfaceFile surface_file(Format format, std::string_view bytes) {
       return surface_of(read_msh(bytes));
     case Format::json:
     case Format::bvh:
+    case Format::glb:
     case Format::unknown:
       break;
   }
@@ -112,6 +114,38 @@ json::array lines_value(std::string_view text) {
   return out;
 }
 
+/// What the members `gltf` of scenes take: base64 of a .glb, the text of a .gltf.
+json::array gltf_value(Format format, std::string_view bytes) {
+  constexpr size_t kPiece = 4000;
+  std::string text(bytes);
+  if (format == Format::glb) {
+    constexpr char kDigits[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+    text.clear();
+    for (size_t i = 0; i < bytes.size(); i += 3) {
+      uint32_t three = 0;
+      for (size_t k = 0; k < 3; ++k) {
+        three = three << 8 | (i + k < bytes.size() ? static_cast<uint8_t>(bytes[i + k]) : 0u);
+      }
+      for (size_t k = 0; k < 4; ++k) {
+        text += i + k > bytes.size() ? '=' : kDigits[three >> (18 - 6 * k) & 63];
+      }
+    }
+  } else if (format != Format::json) {
+    throw FileFault("the file is no glTF: it begins with neither glTF nor {");
+  } else if (!valid_utf8(bytes)) {
+    throw FileFault("byte " + std::to_string(find_invalid_utf8(bytes) + 1) + ": a .gltf is valid UTF-8");
+  }
+  json::array out;
+  for (size_t at = 0; at < text.size();) {
+    size_t end = std::min(at + kPiece, text.size());
+    // Not within a character of several bytes.
+    while (end < text.size() && (static_cast<uint8_t>(text[end]) & 0xC0) == 0x80) --end;
+    out.push_back(json::string(std::string_view(text).substr(at, end - at)));
+    at = end;
+  }
+  return out;
+}
+
 }  // namespace
 
 bool is_mesh_file(std::string_view bytes) {
@@ -129,10 +163,13 @@ json::value file_value(std::string_view bytes, FileUse use, double scale) {
     }
     return lines ? json::value(lines_value(bytes)) : json::value(json::string(bytes));
   }
+  if (use == FileUse::gltf || (use == FileUse::automatic && format == Format::glb))
+    return gltf_value(format, bytes);
   if (use == FileUse::automatic && format == Format::json) return parse_json(bytes);
   if (use == FileUse::automatic && format == Format::unknown) {
     throw FileFault(
-        "the file is none of JSON, OBJ, STL, PLY, MSH and BVH: for a text say what it is to be, \"as\": "
+        "the file is none of JSON, OBJ, STL, PLY, MSH, BVH and .glb: for a text say what it is to be, "
+        "\"as\": "
         "\"text\" or \"lines\"");
   }
   try {

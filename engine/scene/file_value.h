@@ -1,6 +1,7 @@
 // Files as values in a scene. A surface (OBJ, STL, PLY; engine/geometry/read) becomes {"vertices",
 // "triangles"}, a mesh of elements (MSH) {"vertices", "cells", "form", "sets"}, motion (BVH) a list of its
-// lines, JSON its own value: the forms that members of scenes expect.
+// lines, glTF (a .glb by itself, a .gltf with "as") pieces of its text or base64, JSON what it says: what the
+// members of scenes that want such things look like.
 #pragma once
 #include <boost/json/value.hpp>
 #include <stdexcept>
@@ -9,12 +10,13 @@
 
 namespace truestep {
 
-/// How a file is used: `automatic` is the above; `surface` also takes the surface of a mesh of elements;
-/// `vertices` and `triangles` give just these lists of a surface; `text` and `lines` apply to any text.
-enum class FileUse : uint8_t { automatic, surface, cells, vertices, triangles, text, lines };
-/// Their names in scenes, in that order; automatic is "".
+/// What is wanted of a file: `automatic` is the above; `surface` of a mesh of elements too; `vertices` and
+/// `triangles` of a surface alone, as lists; `text` and `lines` of any text; `gltf` of glTF, whose
+/// text is broken anywhere.
+enum class FileUse : uint8_t { automatic, surface, cells, vertices, triangles, text, lines, gltf };
+/// By their names in scenes, in that order; automatic is "".
 inline constexpr std::string_view kFileUses[] = {"",          "surface", "cells", "vertices",
-                                                 "triangles", "text",    "lines"};
+                                                 "triangles", "text",    "lines", "gltf"};
 
 /// Why a file is not what it should be, with its line or byte.
 struct FileFault : std::runtime_error {

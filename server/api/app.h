@@ -69,6 +69,7 @@ void add_session_routes(net::Router& router, App& app);
 void add_playback_routes(net::Router& router, App& app);
 void add_snapshot_routes(net::Router& router, App& app);
 void add_frame_routes(net::Router& router, App& app);
+void add_motion_routes(net::Router& router, App& app);
 void add_query_routes(net::Router& router, App& app);
 void add_asset_routes(net::Router& router, App& app);
 void add_catalogue_routes(net::Router& router, App& app);

@@ -61,6 +61,13 @@ curl -sf -X PUT --json '{"systems": [{"type": "oscillator", "id": "a", "position
     {M::get, "/v1/sessions/{id}/picture.png",
      "curl -sf \"$base/v1/sessions/$id/picture.png?size=640x400&color_by=speed&theme=dark&camera=front\" -o "
      "picture.png"},
+    {M::get, "/v1/sessions/{id}/motion.bvh",
+     R"(arm=$(curl -sf --json '{"gallery": "anim_two_link_arm"}' $base/v1/sessions | cut -d'"' -f4)
+curl -sf --json '{"seconds": 1}' $base/v1/sessions/$arm/step
+curl -sf "$base/v1/sessions/$arm/motion.bvh?rate=24" -o arm.bvh)"},
+    {M::get, "/v1/sessions/{id}/motion.gltf", "curl -sf $base/v1/sessions/$arm/motion.gltf -o arm.gltf"},
+    {M::get, "/v1/sessions/{id}/motion.glb",
+     "curl -sf \"$base/v1/sessions/$arm/motion.glb?seconds=0.5\" -o arm.glb"},
     {M::post, "/v1/sessions/{id}/snapshots",
      R"(sid=$(curl -sf -X POST $base/v1/sessions/$id/snapshots | cut -d'"' -f4))"},
     {M::get, "/v1/sessions/{id}/snapshots", "curl -sf $base/v1/sessions/$id/snapshots"},

@@ -17,6 +17,11 @@ constexpr std::string_view kIdempotency = R"({"type": "string", "pattern": "^[!-
 constexpr std::string_view kNames = R"({"type": "string", "pattern": "^[^\\u0000-\\u001f\\u007f]*$"})";
 constexpr std::string_view kPixels = R"({"type": "integer", "minimum": 16, "maximum": 4096})";
 constexpr std::string_view kColor = R"({"type": "string", "pattern": "^[a-z_]{0,64}$"})";
+constexpr std::string_view kFrameRate =
+    R"({"type": "number", "minimum": 0.01, "maximum": 10000, "default": 30})";
+constexpr std::string_view kSeconds = R"({"type": "number", "minimum": 0, "maximum": 1e18})";
+constexpr std::string_view kLastSeconds = "the last so many of the session's time; all if absent";
+constexpr std::string_view kMotionSystem = "an id; the first with joints or blended shapes if absent";
 constexpr std::string_view kOnce =
     "of a request that is not to be done twice: the same key gets the same answer";
 constexpr std::string_view kFields = "names, separated by commas; position if absent";
@@ -51,6 +56,15 @@ constexpr RouteParameter kParameters[] = {
     {net::Method::get, "/v1/sessions/{id}/observables", "query", "max_points",
      R"({"type": "integer", "minimum": 1, "maximum": 1000000, "default": 4096})",
      "points of a series at most"},
+    {net::Method::get, "/v1/sessions/{id}/motion.bvh", "query", "system", kNames, kMotionSystem},
+    {net::Method::get, "/v1/sessions/{id}/motion.bvh", "query", "rate", kFrameRate, "frames a second"},
+    {net::Method::get, "/v1/sessions/{id}/motion.bvh", "query", "seconds", kSeconds, kLastSeconds},
+    {net::Method::get, "/v1/sessions/{id}/motion.gltf", "query", "system", kNames, kMotionSystem},
+    {net::Method::get, "/v1/sessions/{id}/motion.gltf", "query", "rate", kFrameRate, "frames a second"},
+    {net::Method::get, "/v1/sessions/{id}/motion.gltf", "query", "seconds", kSeconds, kLastSeconds},
+    {net::Method::get, "/v1/sessions/{id}/motion.glb", "query", "system", kNames, kMotionSystem},
+    {net::Method::get, "/v1/sessions/{id}/motion.glb", "query", "rate", kFrameRate, "frames a second"},
+    {net::Method::get, "/v1/sessions/{id}/motion.glb", "query", "seconds", kSeconds, kLastSeconds},
     {net::Method::get, "/v1/sessions/{id}/picture.png", "query", "camera",
      R"({"type": "string", "pattern": "^(all|front|side|top|(-?[0-9]{1,6}([.][0-9]{1,6})?,){5}-?[0-9]{1,6}([.][0-9]{1,6})?)$"})",
      "ex,ey,ez,tx,ty,tz in m; or all that is drawn, seen obliquely (all), from the front, the side or the "

@@ -124,6 +124,7 @@ net::Router make_router(App& app) {
   add_playback_routes(router, app);
   add_snapshot_routes(router, app);
   add_frame_routes(router, app);
+  add_motion_routes(router, app);
   add_query_routes(router, app);
   add_asset_routes(router, app);
   add_recording_routes(router, app);

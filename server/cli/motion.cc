@@ -1,14 +1,12 @@
 #include "server/cli/motion.h"
 
 #include <CLI/CLI.hpp>
-#include <cmath>
 #include <iostream>
 
 #include "engine/base/errors.h"
 #include "engine/scene/admission.h"
 #include "engine/session/describe.h"
-#include "engine/session/session.h"
-#include "engine/sinks/motion/motion_export.h"
+#include "engine/sinks/motion/session_motion.h"
 #include "server/cli/exit_codes.h"
 #include "server/cli/input.h"
 #include "server/cli/interruption.h"
@@ -22,42 +20,30 @@ struct MotionOptions {
   double rate = 30, seconds = -1;
 };
 
-size_t system_of(const World& world, const std::string& wanted) {
-  std::string suitable;
-  for (size_t i = 0; i < world.size(); ++i) {
-    if (!MotionExport::suits(world.system(i))) continue;
-    if (wanted.empty() || wanted == world.id(i)) return i;
-    suitable += (suitable.empty() ? "" : ", ") + world.id(i);
-  }
-  const std::string all = suitable.empty() ? "the scene has none" : suitable;
-  throw Error("unknown_system",
-              wanted.empty() ? "the scene has no skeleton and no blended shapes"
-                             : "no skeleton and no blended shapes are called \"" + wanted + "\": " + all);
-}
-
 int motion(const MotionOptions& o) {
   const bool bvh = o.output.ends_with(".bvh"), glb = o.output.ends_with(".glb");
   if (!bvh && !glb && !o.output.ends_with(".gltf"))
     throw Error("unknown_format", "-o ends in .bvh, .gltf or .glb");
+  const MotionFormat format = bvh ? MotionFormat::bvh : glb ? MotionFormat::glb : MotionFormat::gltf;
   const AdmissionLimits limits{.memory_bytes = 16e9, .elements = 1e9, .seconds_per_step = 1e6};
   Scene scene = require_scene(examine_scene(load_scene_document(o.scene), limits));
   require_admission(estimate(scene), limits);
   const double dt = scene.header.time.dt;
   const double seconds = o.seconds >= 0 ? o.seconds : scene.header.time.duration;
   const auto world = std::make_shared<const World>(std::move(scene));
-  const size_t system = system_of(*world, o.system);
+  const size_t system = motion_system(*world, o.system, format, "--system");
   MotionExport file(world->system(system), world->id(system), o.rate);
   Session session(world, std::make_shared<const ThreadArena>(1), {.history_bytes = 0});
   note_interruptions();
-  const auto frames = static_cast<uint64_t>(std::floor(seconds * o.rate + 1e-9)) + 1;
+  const FrameSteps steps{0, o.rate, dt};
+  const uint64_t frames = steps.count(seconds);
   for (uint64_t f = 0; f < frames && !interrupted(); ++f) {
-    // The step nearest to the frame.
-    const auto step = static_cast<uint64_t>(std::llround(static_cast<double>(f) / o.rate / dt));
+    const uint64_t step = steps.step(f);
     if (step > session.step_index() && session.step(step - session.step_index()) == 0) break;
     if (session.failure()) break;
     file.add(session.state().systems[system], session.time());
   }
-  const std::string text = bvh ? file.bvh() : glb ? file.glb() : file.gltf();
+  const std::string text = write_motion(file, format);
   save_bytes(o.output, std::as_bytes(std::span(text)));
   std::cout << o.output << ": " << file.frames() << " frames\n";
   if (session.failure()) {

@@ -21,8 +21,11 @@ constexpr size_t kJoints = 60, kVertices = 10'000, kKeys = 30;
 
 struct Skin {
   std::vector<Joint> joints{kJoints};
-  std::vector<RotationCurve> curves;
-  std::vector<std::vector<Eigen::Quaterniond>> keys{kJoints};
+  /// Two motions, of which the second is blended in.
+  static constexpr double kShare = 0.3;
+  std::vector<RotationCurve> curves[2];
+  std::vector<std::vector<Eigen::Quaterniond>> keys[2]{std::vector<std::vector<Eigen::Quaterniond>>(kJoints),
+                                                       std::vector<std::vector<Eigen::Quaterniond>>(kJoints)};
   std::vector<SkinWeights> weights{kVertices};
   std::vector<double> rest = std::vector<double>(3 * kVertices), out = rest;
   std::vector<Eigen::Vector3d> eigen_rest{kVertices}, eigen_out{kVertices};
@@ -39,12 +42,14 @@ struct Skin {
     for (size_t j = 0; j < kJoints; ++j) {
       joints[j].parent = j == 0 ? -1 : static_cast<int32_t>(engine() % j);
       joints[j].rest.position = {u(engine), u(engine), u(engine)};
-      std::vector<Quat> turns;
-      for (size_t k = 0; k < kKeys; ++k) {
-        turns.push_back(free_rotation::turn({u(engine), u(engine), u(engine)}));
-        keys[j].emplace_back(turns.back().w, turns.back().x, turns.back().y, turns.back().z);
+      for (int motion = 0; motion < 2; ++motion) {
+        std::vector<Quat> turns;
+        for (size_t k = 0; k < kKeys; ++k) {
+          turns.push_back(free_rotation::turn({u(engine), u(engine), u(engine)}));
+          keys[motion][j].emplace_back(turns.back().w, turns.back().x, turns.back().y, turns.back().z);
+        }
+        curves[motion].emplace_back(times, turns, Turning::slerp, Extend::loop);
       }
-      curves.emplace_back(times, turns, Turning::slerp, Extend::loop);
     }
     forward_kinematics(joints, motion, {}, rest_poses);
     for (size_t i = 0; i < kVertices; ++i) {
@@ -59,7 +64,8 @@ struct Skin {
     }
   }
   void pose(double t) {
-    for (size_t j = 0; j < kJoints; ++j) motion[j].turn = curves[j].sample(t);
+    for (size_t j = 0; j < kJoints; ++j)
+      motion[j].turn = slerp(curves[0][j].sample(t), curves[1][j].sample(t), kShare);
     forward_kinematics(joints, motion, {}, poses);
   }
   void linear(double t) {
@@ -79,8 +85,10 @@ struct Skin {
     const auto k = static_cast<size_t>(place);
     for (size_t j = 0; j < kJoints; ++j) {
       M local = M::Identity();
-      local.block<3, 3>(0, 0) =
-          keys[j][k].slerp(place - static_cast<double>(k), keys[j][k + 1]).toRotationMatrix();
+      const auto at = [&](int m) {
+        return keys[m][j][k].slerp(place - static_cast<double>(k), keys[m][j][k + 1]);
+      };
+      local.block<3, 3>(0, 0) = at(0).slerp(kShare, at(1)).toRotationMatrix();
       const Vec3& p = joints[j].rest.position;
       local.block<3, 1>(0, 3) = Eigen::Vector3d(p.x, p.y, p.z);
       world[j] = joints[j].parent < 0 ? local : M(world[static_cast<size_t>(joints[j].parent)] * local);
@@ -137,7 +145,7 @@ struct Reach {
     double iterations = 0, seconds = 0, error = 0;
     int reached = 0;
   };
-  Row run(IkMethod method) {
+  Row run(IkMethod method, double tolerance = 1e-4) {
     Row row;
     std::vector<JointMotion> motion;
     for (size_t k = 0; k < targets.size(); ++k) {
@@ -148,7 +156,7 @@ struct Reach {
       for (int again = 0; again < 3; ++again) {
         motion = starts[k];
         const double t0 = bench::thread_seconds();
-        r = solve_ik(joints, {}, std::span(&g, 1), {.method = method, .tolerance = 1e-4, .most = 1000},
+        r = solve_ik(joints, {}, std::span(&g, 1), {.method = method, .tolerance = tolerance, .most = 1000},
                      motion, work);
         best = std::min(best, bench::thread_seconds() - t0);
       }
@@ -166,20 +174,22 @@ void skins() {
   double t = 0.013;
   const auto linear = bench::interleaved(
       41, [&] { skin.linear(t); }, [&] { skin.eigen(t); });
-  bench::report({.bench = "animation",
-                 .metric = "seconds per skeleton of 60 joints with 10,000 vertices, matrices",
-                 .ours = linear.ours,
-                 .peer = linear.peer,
-                 .peer_name = "the same in Eigen",
-                 .error_ours = skin.difference(),
-                 .error_peer = 0.0});
+  bench::report(
+      {.bench = "animation",
+       .metric = "seconds per skeleton of 60 joints, two motions blended, 10,000 vertices, matrices",
+       .ours = linear.ours,
+       .peer = linear.peer,
+       .peer_name = "the same in Eigen",
+       .error_ours = skin.difference(),
+       .error_peer = 0.0});
   const auto dual = bench::interleaved(
       41, [&] { skin.dual(t); }, [&] { skin.eigen(t); });
-  bench::report({.bench = "animation",
-                 .metric = "seconds per skeleton of 60 joints with 10,000 vertices, dual quaternions",
-                 .ours = dual.ours,
-                 .peer = dual.peer,
-                 .peer_name = "matrices in Eigen"});
+  bench::report(
+      {.bench = "animation",
+       .metric = "seconds per skeleton of 60 joints, two motions blended, 10,000 vertices, dual quaternions",
+       .ours = dual.ours,
+       .peer = dual.peer,
+       .peer_name = "matrices in Eigen"});
 }
 
 void solvers() {
@@ -206,6 +216,40 @@ void solvers() {
                        .peer_name = "fabrik (ours)",
                        .error_ours = row.error,
                        .error_peer = fabrik.error});
+      }
+    }
+  }
+}
+
+/// What a smaller residual costs: iterations and time of every solver until the end is within it.
+void residuals() {
+  struct Solver {
+    IkMethod method;
+    const char* name;
+  };
+  constexpr Solver kSolvers[] = {{IkMethod::gradient, "gradient"},
+                                 {IkMethod::gauss_newton, "gauss_newton"},
+                                 {IkMethod::damped_least_squares, "damped_least_squares"},
+                                 {IkMethod::ccd, "ccd"},
+                                 {IkMethod::fabrik, "fabrik"}};
+  for (const size_t n : {3, 10, 30, 100}) {
+    Reach reach(n, Reach::Kind::reachable);
+    for (const Solver& s : kSolvers) {
+      const Reach::Row coarse = reach.run(s.method, 1e-2);
+      for (const double residual : {1e-4, 1e-6, 1e-8}) {
+        const Reach::Row row = reach.run(s.method, residual);
+        char metric[160];
+        std::snprintf(
+            metric, sizeof metric,
+            "seconds per solution, %s, %zu joints, to %.0e m (iterations %.1f beside %.1f, reached %d of 20)",
+            s.name, n, residual, row.iterations, coarse.iterations, row.reached);
+        bench::report({.bench = "animation",
+                       .metric = metric,
+                       .ours = row.seconds,
+                       .peer = coarse.seconds,
+                       .peer_name = "the same to 1e-2 m",
+                       .error_ours = row.error,
+                       .error_peer = coarse.error});
       }
     }
   }
@@ -273,6 +317,7 @@ void channels() {
 int main() {
   skins();
   solvers();
+  residuals();
   following();
   channels();
 }

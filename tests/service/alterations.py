@@ -97,6 +97,7 @@ ALTERED = {
         "test_earlier_frames_are_exact": [body(FRAMES, put("state_hash", "0" * 16))],
         "test_observables_as_json_and_csv": [body("GET .*/observables", lambda o: o["series"]["values"]["energy.total"].__setitem__(0, 50 + 1e-11))],
         "test_plan_names_passes_and_what_was_skipped": [body("GET .*/plan", lambda o: o["passes"][-1].update(reason=""))],
+        "test_motion_of_a_skeleton_as_bvh_and_gltf": [answer("GET .*seconds=0.3", text(b"Frames: 4", b"Frames: 5"))],
         "test_picture_is_a_png_of_the_wanted_size": [answer("GET .*width=320", text(b"\x00\x00\x01\x40", b"\x00\x00\x01\x41"))],
         "test_recording_is_refused_while_written_and_served_afterwards": [answer("GET .*/recording", lambda a: a.status == 206 and text(b"\x89", b"\x88")(a))],
         "test_recording_ends_by_itself_at_the_scenes_duration": [answer("GET .*/recording", status(409))],

@@ -1,4 +1,6 @@
 """What comes out of a session over HTTP: frames, observables, the plan, pictures, recordings."""
+import json
+import math
 import struct
 import time
 import unittest
@@ -60,6 +62,42 @@ class Output(Case):
         passes = self.service.get(s["links"]["plan"]).json()["passes"]
         self.assertTrue(any(p["pass"] == "integrate" and p["runs"] and p["share"] > 0 for p in passes))
         self.assertTrue(all(p["reason"] for p in passes))
+
+    def test_motion_of_a_skeleton_as_bvh_and_gltf(self):
+        # A turn of 90 degrees a second about z, and what a command has changed of it half a second later.
+        s = self.service.create({"name": "arm", "time": {"dt": 0.01, "duration": 2}, "systems": [
+            {"type": "skeleton", "id": "arm", "controls": [{"name": "bend", "value": "0.5"}], "joints": [
+                {"id": "a", "rotation": ["0", "0", "1.5707963267948966*t"]},
+                {"id": "b", "parent": "a", "offset": [0.5, 0, 0], "type": "revolute", "axis": [1, 0, 0], "value": "bend", "end": [0.3, 0, 0]}]}]})
+        motion = s["links"]["self"] + "/motion"
+        self.service.post(s["links"]["step"], {"steps": 50})
+        self.service.post(s["links"]["commands"], {"type": "set_parameter", "system": "arm", "name": "bend", "value": 1.0})
+        self.service.post(s["links"]["step"], {"steps": 50})
+        answer = self.service.get(motion + ".bvh?rate=10")
+        self.assertEqual((answer.status, answer.headers["Content-Type"]), (200, "text/plain; charset=utf-8"))
+        lines = answer.body.decode().splitlines()
+        self.assertEqual(lines[0], "HIERARCHY")
+        frames = [[float(x) for x in line.split()] for line in lines[lines.index("MOTION") + 3:]]
+        self.assertEqual(len(frames), 11)  # 0 to 1 s, both
+        for k, f in enumerate(frames):
+            # Root: x y z, then turns about z, x, y in degrees; then those of the other joint.
+            self.assertAlmostEqual(f[3], 9 * k, delta=1e-9)
+            # Step 50's state is from before the command, whose value the next step has.
+            self.assertAlmostEqual(f[7], math.degrees(0.5 if k <= 5 else 1.0), delta=1e-9)
+        last = self.service.get(motion + ".bvh?rate=10&seconds=0.3&system=arm").body.decode().splitlines()
+        self.assertEqual(last[-4:], lines[-4:])
+        self.assertEqual(last[last.index("MOTION") + 1].split()[-1], "4")
+        glb, gltf = self.service.get(motion + ".glb"), self.service.get(motion + ".gltf")
+        self.assertEqual((glb.headers["Content-Type"], glb.body[:4]), ("model/gltf-binary", b"glTF"))
+        self.assertEqual(struct.unpack("<I", glb.body[8:12])[0], len(glb.body))
+        document = json.loads(glb.body[20:20 + struct.unpack("<I", glb.body[12:16])[0]])
+        self.assertEqual(len(gltf.json()["nodes"]), len(document["nodes"]))
+        for query, pointer in (("system=leg", "?system"), ("rate=0", "?rate"), ("rate=9999999", "?rate"), ("rate=x", "?rate")):
+            refused = self.service.get(motion + ".bvh?" + query)
+            self.assertIn(refused.status, (400, 422))
+            self.assertEqual(refused.json()["errors"][0]["pointer"], pointer)
+        other = self.service.create(OSCILLATOR)
+        self.assertEqual(self.service.get(other["links"]["self"] + "/motion.glb").json()["code"], "unknown_system")
 
     def test_picture_is_a_png_of_the_wanted_size(self):
         s = self.service.create(OSCILLATOR)

@@ -24,6 +24,12 @@ TEST(InverseKinematics, TwoLinksHaveTheReferencesAngles) {
   EXPECT_NEAR(two_link_angles(1, 0.8, 3, 4).miss, 3.2, 1e-15);
   EXPECT_NEAR(two_link_angles(1, 0.8, 0.1, 0).miss, 0.1, 1e-15);
   EXPECT_NEAR(two_link_angles(1, 0.8, 3, 4).first[0], std::atan2(4, 3), 1e-15);
+  using enum TwoLinkAngles::Reach;
+  EXPECT_EQ(a.reach, both);
+  EXPECT_EQ(straight.reach, one) << "singular";
+  EXPECT_EQ(two_link_angles(1, 0.8, 0, -0.2).reach, one) << "folded";
+  EXPECT_EQ(two_link_angles(1, 0.8, 3, 4).reach, too_far);
+  EXPECT_EQ(two_link_angles(1, 0.8, 0.1, 0).reach, too_near);
 }
 
 TEST(InverseKinematics, TheTreesTwoLinksAreThose) {
@@ -44,6 +50,28 @@ TEST(InverseKinematics, TheTreesTwoLinksAreThose) {
   const Vec3 u = normalized(g.target), middle = chain.work.poses[1].position;
   const Vec3 across = middle - u * dot(u, middle), side = *g.pole - u * dot(u, *g.pole);
   EXPECT_GT(dot(normalized(across), normalized(side)), 1 - 1e-12);
+}
+
+TEST(InverseKinematics, APoleTurnsWhatEverySolverFinds) {
+  for (const IkMethod method : kIterative) {
+    for (const Vec3& pole : {Vec3{0, 0, 5}, Vec3{-4, 1, -3}}) {
+      Chain chain(3, 0.5);
+      std::mt19937 engine(9);
+      chain.shake(engine, 0.5);
+      IkGoal g = chain.goal({0.5, 0.7, -0.4});
+      g.pole = pole;
+      // Turning about the line to the target leaves the end where it is.
+      EXPECT_LT(chain.solve(g, {.method = method, .tolerance = 1e-6, .most = 500}).error, 1e-5);
+      const Vec3 u = normalized(g.target), side = normalized(pole - u * dot(u, pole));
+      Vec3 bend;
+      for (size_t j = 1; j < 3; ++j) {
+        const Vec3 off = chain.work.poses[j].position, across = off - u * dot(u, off);
+        if (norm2(across) > norm2(bend)) bend = across;
+      }
+      // The joint furthest off the line lies on the pole's side: to the end's millionths.
+      EXPECT_GT(dot(normalized(bend), side), 1 - 1e-6) << static_cast<int>(method);
+    }
+  }
 }
 
 TEST(InverseKinematics, AllSolversReachWhatCanBeReached) {

@@ -4,6 +4,7 @@
 #include <string>
 
 #include "engine/base/errors.h"
+#include "engine/core/body_carrier.h"
 #include "engine/core/rig_port.h"
 
 namespace truestep::ragdoll {
@@ -92,7 +93,7 @@ class Ragdoll final : public Coupling {
   void begin(const CoupledStates& s, const StepInput& in) const override {
     rig_.follower->prepare(s.a);
     if (lead(s.own) == Lead::bodies) return;
-    carry(s);
+    carry(s, in);
     if (lead(s.own) != Lead::skeleton || !def_.at || in.t < *def_.at - 1e-9 * in.h) return;
     hand_over(s.own, in.t);
     follow(s, in, 0);  // the present pose
@@ -106,7 +107,7 @@ class Ragdoll final : public Coupling {
         // In this step the skeleton moved by itself.
         follow(s, in, 0);
       } else {
-        carry(s);
+        carry(s, in);
       }
       return;
     }
@@ -143,35 +144,29 @@ class Ragdoll final : public Coupling {
     own.span<uint32_t>(kMode)[0] = static_cast<uint32_t>(Lead::bodies);
     own.f64(kTime)[0] = t;
   }
-  /// Where a bone puts its body, and with which velocity.
-  struct Carried {
-    Pose pose;
-    Vec3 velocity, spin;
-  };
-  static Carried carried(const ConstBodies& bones, const Pair& p) {
+  /// Where a bone has its body, and how fast.
+  static BodyMotion carried(const ConstBodies& bones, const Pair& p) {
     const Pose bone{bones.place(p.bone), bones.orientation(p.bone)};
     const Vec3 arm = rotate(bone.orientation, p.offset.position);
-    return {{bone.position + arm, normalized(bone.orientation * p.offset.orientation)},
-            bones.velocity_at(p.bone, arm),
-            bones.spin(p.bone)};
+    return {bone.position + arm, normalized(bone.orientation * p.offset.orientation),
+            bones.velocity_at(p.bone, arm), bones.spin(p.bone)};
   }
-  void carry(const CoupledStates& s) const {
+  void carry(const CoupledStates& s, const StepInput& in) const {
     const ConstBodies bones(s.a, rig_.bones);
-    Bodies bodies(s.b, bodies_);
-    struct {
-      RealColumn<double> place, orientation, velocity, spin;
-    } to{{s.b, bodies_.position},
-         {s.b, bodies_.orientation},
-         {s.b, bodies_.velocity},
-         {s.b, bodies_.angular_velocity}};
+    const ConstBodies bodies(s.b, bodies_);
+    auto& wanted = in.workspace.object<CarriedBodies>("ragdoll.wanted");
+    wanted.start(bodies.count());
     for (const Pair& p : pairs_) {
-      const auto row = bodies.row_of(p.body);
-      if (!row) continue;
-      const Carried c = carried(bones, p);
-      bodies.wake(*row);
-      to.place.set_vector(*row, c.pose.position), to.orientation.set_quaternion(*row, c.pose.orientation);
-      to.velocity.set_vector(*row, c.velocity), to.spin.set_vector(*row, c.spin);
+      if (const auto row = bodies.row_of(p.body)) wanted.want(*row, carried(bones, p));
     }
+    truestep::carry(s.b, bodies_, wanted, in.workspace);
+    if (bodies.free()) return;
+    // Joints may hold them back.
+    double most = 0;
+    for (size_t row = 0; row < wanted.given.size(); ++row) {
+      if (wanted.given[row]) most = std::max(most, norm(bodies.place(row) - wanted.motions[row].place));
+    }
+    s.own.f64(kApart)[0] = most;
   }
   /// Bones are already at their new poses; any further motion of the bodies in this step comes from an
   /// impact.
@@ -229,7 +224,11 @@ std::unique_ptr<const Coupling> build_ragdoll(const void* def, const CouplingCon
   }
   if (!b.bodies || rig_of(context.b.system)) {
     refuse("b", '"' + context.b.id + "\" has no bodies that move by themselves", '"' + context.b.id + '"',
-           "a rigid3d");
+           "a rigid3d or an articulation");
+  }
+  if (!can_be_carried(*b.bodies)) {
+    refuse("b", "bodies of \"" + context.b.id + "\" are not carried by bones", '"' + context.b.id + '"',
+           "a rigid3d or an articulation");
   }
   const ConstBodies bones(context.a.state, rig->bones), bodies(context.b.state, *b.bodies);
   const size_t n = !d.bones.empty()    ? d.bones.size()

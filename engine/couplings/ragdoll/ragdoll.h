@@ -1,9 +1,10 @@
-// The coupling type "ragdoll": bodies of b are carried by bones of a, a skeleton, in their places relative to
-// the bones at t = 0, with the bones' velocities. At a given time, or when an impact changes a body's
-// velocity in a step by more than a threshold, they are released with their present velocities, and the
-// skeleton follows them. After a while it may move by itself again: from the pose it was left in, blending
-// into the most similar pose of its own motion (Zordan, Majkowska, Chiu, Fast 2005, "Dynamic response for
-// motion capture animation", without their simulated transition).
+// The coupling type "ragdoll": bodies of b are carried by bones of a, a skeleton, in the place that they have
+// on them at t = 0, with the velocities of their bones (links of an articulation as near as their joints let
+// them, systems/articulation/carried_links.h). At a time, or when something hits a body so that its
+// velocity changes in a step by more than a threshold, they are let go with the velocities that they have
+// then, and the skeleton follows them. After a while it may move by itself again: from the pose that it was
+// left in, over a blend, on from the most alike pose of its own motion (Zordan, Majkowska, Chiu, Fast 2005,
+// "Dynamic response for motion capture animation", without their simulated way there).
 #pragma once
 #include <memory>
 

@@ -16,6 +16,11 @@ TwoLinkAngles two_link_angles(double l1, double l2, double x, double y) {
   const double cosine = std::clamp((d2 - l1 * l1 - l2 * l2) / (2 * l1 * l2), -1.0, 1.0);
   // From the sine, which keeps its digits near a stretched arm.
   const double sine = std::sqrt((1 - cosine) * (1 + cosine));
+  using enum TwoLinkAngles::Reach;
+  constexpr double kStraight = 1e-6;
+  if (sine < kStraight) out.reach = one;
+  // Rounding of a target at reach is no miss.
+  if (out.miss > 1e-12 * (l1 + l2)) out.reach = d > l1 + l2 ? too_far : too_near;
   for (int k = 0; k < 2; ++k) {
     const double s = k == 0 ? sine : -sine;
     out.second[k] = trig::atan2(s, cosine);

@@ -87,6 +87,9 @@ constexpr size_t ik_rows(const IkGoal& g) {
 struct TwoLinkAngles {
   double first[2], second[2];  ///< rad; [0] with a positive second angle
   double miss = 0;             ///< m
+  /// How many solutions there are: one, singular, where the arm is stretched or folded (within a millionth of
+  /// a radian); none where the target is too far or too near.
+  enum class Reach : uint8_t { both, one, too_far, too_near } reach = Reach::both;
 };
 TwoLinkAngles two_link_angles(double l1, double l2, double x, double y);
 

@@ -9,7 +9,9 @@ namespace truestep::animation {
 
 namespace {
 
-constexpr uint32_t kShift = 3;  // freedoms 3 to 5 of the first joint: its shift
+constexpr uint32_t kShift = 3;                // freedoms 3 to 5 of the first joint: its shift
+constexpr double kSuspect = 6, kCut = 4.685;  // spreads; Tukey's c for 95 % efficiency
+constexpr double kFinest = 1e-4;              // m: no spread is taken for less
 constexpr double kHeld = 1e-8;  // m^2: a radian from the start counts as a tenth of a millimetre of a marker
 
 Vec3 axis_of(size_t k) {
@@ -21,6 +23,7 @@ class Fit {
   Fit(std::span<const Joint> joints, std::span<const MarkerPlacement> markers, std::span<const Vec3> places,
       std::span<const uint8_t> seen, std::span<JointMotion> motion, MarkerWork& w)
       : joints_(joints), markers_(markers), places_(places), seen_(seen), motion_(motion), w_(w) {
+    w.weights.assign(seen.begin(), seen.end());
     w.joint_of.clear(), w.freedom_of.clear();
     for (uint32_t k = 0; k < 3; ++k) w.joint_of.push_back(0), w.freedom_of.push_back(kShift + k);
     for (uint32_t j = 0; j < joints.size(); ++j) {
@@ -34,12 +37,26 @@ class Fit {
     w.tried.assign(motion.begin(), motion.end());
     forward_kinematics(joints, motion, {}, w.poses);
   }
+  /// Begins again at a pose.
+  void restart(std::span<const JointMotion> at) {
+    std::ranges::copy(at, motion_.begin());
+    std::ranges::fill(w_.pulled, 0.0);
+    forward_kinematics(joints_, motion_, {}, w_.poses);
+  }
+  /// m^2, of the distances measured, none taken for more than `most`.
+  double cut_squares(double most) const {
+    double sum = 0;
+    for (size_t i = 0; i < markers_.size(); ++i) {
+      if (seen_[i]) sum += std::min(w_.distances[i], most) * std::min(w_.distances[i], most);
+    }
+    return sum;
+  }
   size_t freedoms_count() const { return n_; }
 
   double squares(std::span<const Pose> poses) const {
     double sum = 0;
     for (size_t i = 0; i < markers_.size(); ++i) {
-      if (seen_[i]) sum += norm2(places_[i] - place(poses, i));
+      if (w_.weights[i] > 0) sum += w_.weights[i] * norm2(places_[i] - place(poses, i));
     }
     return sum;
   }
@@ -48,7 +65,8 @@ class Fit {
     std::ranges::fill(w_.normal, 0.0);
     std::ranges::fill(w_.gradient, 0.0);
     for (size_t i = 0; i < markers_.size(); ++i) {
-      if (!seen_[i]) continue;
+      const double weight = w_.weights[i];
+      if (!(weight > 0)) continue;
       const Vec3 at = place(w_.poses, i), r = places_[i] - at;
       // Columns of the freedoms on the marker's way, in their order.
       on_way_.clear();
@@ -65,12 +83,12 @@ class Fit {
         }
         store3(w_.column.data(), c, move);
         on_way_.push_back(static_cast<uint32_t>(c));
-        w_.gradient[c] += dot(move, r);
+        w_.gradient[c] += weight * dot(move, r);
       }
       for (const uint32_t a : on_way_) {
         const Vec3 ca = load3(w_.column.data(), a);
         for (const uint32_t b : on_way_) {
-          if (b <= a) w_.normal[a * n_ + b] += dot(ca, load3(w_.column.data(), b));
+          if (b <= a) w_.normal[a * n_ + b] += weight * dot(ca, load3(w_.column.data(), b));
         }
       }
     }
@@ -80,6 +98,32 @@ class Fit {
       w_.normal[c * n_ + c] += held, w_.gradient[c] -= held * w_.pulled[c];
     }
   }
+  /// Distances of all markers, and the largest of one that was seen.
+  double measure() {
+    double most = 0;
+    w_.distances.resize(markers_.size());
+    for (size_t i = 0; i < markers_.size(); ++i) {
+      w_.distances[i] = norm(places_[i] - place(w_.poses, i));
+      if (seen_[i]) most = std::max(most, w_.distances[i]);
+    }
+    return most;
+  }
+  /// Of a coordinate, by the median of the distances measured: that of three normal numbers is 1.538.
+  double spread() {
+    w_.sorted.clear();
+    for (size_t i = 0; i < markers_.size(); ++i) {
+      if (seen_[i]) w_.sorted.push_back(w_.distances[i]);
+    }
+    const auto middle = w_.sorted.begin() + static_cast<ptrdiff_t>(w_.sorted.size() / 2);
+    std::nth_element(w_.sorted.begin(), middle, w_.sorted.end());
+    return std::max(w_.sorted.empty() ? 0 : *middle / 1.538, kFinest);
+  }
+  /// Weights by the distances measured.
+  template <class Weight>
+  void weigh(Weight weight) {
+    for (size_t i = 0; i < markers_.size(); ++i) w_.weights[i] = seen_[i] ? weight(w_.distances[i]) : 0;
+  }
+
   double information(size_t c) const { return w_.normal[c * n_ + c] - kHeld; }
 
   /// Squares after the damped step, which is tried.
@@ -140,20 +184,14 @@ class Fit {
   std::vector<uint32_t> on_way_;
 };
 
-}  // namespace
-
-MarkerFit fit_markers(std::span<const Joint> joints, std::span<const MarkerPlacement> markers,
-                      std::span<const Vec3> places, std::span<const uint8_t> seen,
-                      std::span<JointMotion> motion, std::span<uint8_t> known, MarkerWork& w) {
-  constexpr int kMost = 100;
+/// Levenberg and Marquardt from where the fit stands; squares at the end.
+double minimise(Fit& fit, MarkerWork& w, int most, int& iterations) {
   constexpr double kSettled = 1e-9;  // rad or m
-  Fit fit(joints, markers, places, seen, motion, w);
   double e = fit.squares(w.poses), damping = 1e-3;
-  MarkerFit out;
   bool settled = false;
-  while (out.iterations < kMost && !settled) {
+  for (int round = 0; round < most && !settled; ++round) {
     fit.differentiate();
-    ++out.iterations;
+    ++iterations;
     settled = true;
     for (int k = 0; k < 12; ++k) {
       const double after = fit.attempt(damping);
@@ -165,6 +203,70 @@ MarkerFit fit_markers(std::span<const Joint> joints, std::span<const MarkerPlace
       damping *= 10;
     }
   }
+  return e;
+}
+
+constexpr int kMost = 100;
+
+/// From where the fit stands to one without what is too far off; squares at the end.
+double set_outliers_aside(Fit& fit, MarkerWork& w, int& iterations) {
+  constexpr int kRounds = 60;
+  double c = fit.measure();
+  for (int k = 0; k < kRounds; ++k) {
+    fit.weigh([c](double r) {
+      const double x = 1 - (r / c) * (r / c);
+      return x > 0 ? x * x : 0;
+    });
+    minimise(fit, w, 10, iterations);
+    fit.measure();
+    const double least = kCut * fit.spread();
+    if (c <= least) break;
+    c = std::max(0.8 * c, least);
+  }
+  double e = 0;
+  for (int k = 0; k < 2; ++k) {
+    const double cut = kCut * fit.spread();
+    fit.weigh([cut](double r) { return r <= cut ? 1.0 : 0.0; });
+    e = minimise(fit, w, kMost, iterations);
+    fit.measure();
+  }
+  return e;
+}
+
+/// The better of two such ways: from the pose given, which is right when the frame before was, and from the
+/// fit to all, which needs none before.
+double fit_without_outliers(Fit& fit, MarkerWork& w, std::span<const JointMotion> motion, int& iterations) {
+  const std::vector<JointMotion> all(motion.begin(), motion.end());
+  fit.restart(w.start);
+  double e = set_outliers_aside(fit, w, iterations);
+  const double spread = fit.spread();
+  const std::vector<JointMotion> first(motion.begin(), motion.end());
+  const std::vector<double> weights = w.weights, distances = w.distances;
+  fit.restart(all);
+  const double other = set_outliers_aside(fit, w, iterations);
+  const double most = kCut * std::min(spread, fit.spread()), squares = fit.cut_squares(most);
+  w.distances = distances;
+  if (fit.cut_squares(most) > squares) return other;
+  fit.restart(first);
+  w.weights = weights;
+  return e;
+}
+
+}  // namespace
+
+MarkerFit fit_markers(std::span<const Joint> joints, std::span<const MarkerPlacement> markers,
+                      std::span<const Vec3> places, std::span<const uint8_t> seen,
+                      std::span<JointMotion> motion, std::span<uint8_t> known, MarkerWork& w) {
+  w.start.assign(motion.begin(), motion.end());
+  Fit fit(joints, markers, places, seen, motion, w);
+  MarkerFit out;
+  double e = minimise(fit, w, kMost, out.iterations);
+  const double farthest = fit.measure();
+  if (farthest > kSuspect * fit.spread()) {
+    e = fit_without_outliers(fit, w, motion, out.iterations);
+    fit.measure();
+  }
+  out.spread = fit.spread();
   fit.differentiate();
   constexpr double kTold = 1e-6;  // m^2: a radian moves a marker by a millimetre
   std::ranges::fill(known, uint8_t{0});
@@ -172,7 +274,10 @@ MarkerFit fit_markers(std::span<const Joint> joints, std::span<const MarkerPlace
     if (w.freedom_of[c] < kShift && fit.information(c) > kTold) known[w.joint_of[c]] = 1;
   }
   size_t count = 0;
-  for (const uint8_t s : seen) count += s;
+  for (size_t i = 0; i < seen.size(); ++i) {
+    count += w.weights[i] > 0;
+    out.outliers += seen[i] && !(w.weights[i] > 0);
+  }
   out.error = count > 0 ? std::sqrt(e / static_cast<double>(count)) : 0;
   return out;
 }

@@ -1,6 +1,8 @@
 #include "engine/kernels/animation/triangulation.h"
 
+#include <algorithm>
 #include <cmath>
+#include <vector>
 
 namespace truestep::animation {
 
@@ -83,6 +85,65 @@ std::optional<Triangulated> triangulate(std::span<const PinholeCamera> cameras,
     out.place += by;
   }
   return out;
+}
+
+double picture_noise(std::span<const Triangulated> found, std::span<const uint32_t> sightings) {
+  constexpr double kFinest = 0.05;
+  std::vector<double> variances;
+  for (size_t i = 0; i < found.size(); ++i) {
+    const double n = 2.0 * sightings[i], freedoms = n - 3;
+    if (!(freedoms > 0)) continue;
+    // Median of chi^2 (Wilson, Hilferty 1931).
+    const double cube = 1 - 2 / (9 * freedoms);
+    variances.push_back(n * found[i].residual * found[i].residual / (freedoms * cube * cube * cube));
+  }
+  if (variances.empty()) return kFinest;
+  const auto middle = variances.begin() + static_cast<ptrdiff_t>(variances.size() / 2);
+  std::nth_element(variances.begin(), middle, variances.end());
+  return std::max(std::sqrt(*middle), kFinest);
+}
+
+namespace {
+/// Pixels between a sighting and where the place would be seen; infinite behind the camera.
+double miss(const PinholeCamera& camera, const Sighting& s, const Vec3& place) {
+  const auto at = project(camera, place);
+  if (!at) return HUGE_VAL;
+  const double u = at->u - s.at.u, v = at->v - s.at.v;
+  return std::sqrt(u * u + v * v);
+}
+}  // namespace
+
+std::optional<Agreed> triangulate_agreed(std::span<const PinholeCamera> cameras,
+                                         std::span<const Sighting> seen, double noise) {
+  constexpr double kSuspect = 6, kCut = 4.685;
+  const auto all = triangulate(cameras, seen);
+  const auto farthest = [&](const Vec3& place) {
+    double most = 0;
+    for (const Sighting& s : seen) most = std::max(most, miss(cameras[s.camera], s, place));
+    return most;
+  };
+  if (all && farthest(all->place) <= kSuspect * noise)
+    return Agreed{*all, static_cast<uint32_t>(seen.size())};
+  std::optional<Agreed> best;
+  std::vector<Sighting> agree;
+  for (size_t i = 0; i < seen.size(); ++i) {
+    for (size_t k = i + 1; k < seen.size(); ++k) {
+      const Sighting pair[] = {seen[i], seen[k]};
+      const auto place = triangulate(cameras, pair);
+      if (!place) continue;
+      agree.clear();
+      for (const Sighting& s : seen) {
+        if (miss(cameras[s.camera], s, place->place) <= kCut * noise) agree.push_back(s);
+      }
+      const auto refined = agree.size() >= 2 ? triangulate(cameras, agree) : std::nullopt;
+      if (!refined) continue;
+      const auto used = static_cast<uint32_t>(agree.size());
+      if (!best || used > best->used || (used == best->used && refined->residual < best->found.residual)) {
+        best = Agreed{*refined, used};
+      }
+    }
+  }
+  return best;
 }
 
 }  // namespace truestep::animation

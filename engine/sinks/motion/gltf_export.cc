@@ -174,7 +174,7 @@ void MotionExport::add_skeleton(Document& d) const {
     attributes["JOINTS_0"] = d.joints(rig.weights);
     attributes["WEIGHTS_0"] = d.numbers(weights, 4, false);
     json::object primitive{{"attributes", std::move(attributes)}, {"indices", d.indices(rig.triangles)}};
-    d.meshes.push_back(json::object{{"primitives", json::array{std::move(primitive)}}});
+    d.meshes.push_back(json::object{{"name", name_}, {"primitives", json::array{std::move(primitive)}}});
     d.roots.push_back(n);
     d.nodes.push_back(json::object{{"name", name_}, {"mesh", 0}, {"skin", 0}});
   }
@@ -210,6 +210,7 @@ void MotionExport::add_surface(Document& d) const {
   json::object mesh{{"extras", json::object{{"targetNames", std::move(names)}}}};
   if (!targets.empty()) primitive["targets"] = std::move(targets);
   mesh["primitives"] = json::array{std::move(primitive)};
+  mesh["name"] = name_;
   d.meshes.push_back(std::move(mesh));
   d.roots.push_back(0);
   d.nodes.push_back(json::object{{"name", name_}, {"mesh", 0}});

@@ -28,6 +28,11 @@ bool MotionExport::suits(const System& system) {
   return rig_of(system) || dynamic_cast<const Morphed*>(&system);
 }
 
+size_t MotionExport::rows(const System& system) {
+  if (const auto rig = rig_of(system)) return rig->joints.size();
+  return 1 + dynamic_cast<const Morphed&>(system).morph().targets.size();
+}
+
 void MotionExport::add(const State& state, double t) {
   ++frames_;
   if (const auto rig = rig_of(system_)) {

@@ -48,7 +48,7 @@ Articulation::Articulation(std::unique_ptr<const ArticulationField> field, const
   }
   add_stage("push", "ends a push command when its time is over", end_push);
   const auto& drives = tree_.model().drives;
-  if (std::ranges::none_of(drives, [](const Drive& d) { return d.limits != Drive::Limits::none; })) {
+  if (std::ranges::none_of(drives, [](const Drive& d) { return d.limited(); })) {
     skip_stage("limits", "no joint has limits");
   }
   const size_t n = tree_.model().links.size();

@@ -75,7 +75,15 @@ void check_link(const LinkDef& d, const DefTable::Report& report) {
     double n = 0;
     for (size_t k = nq - 4; k < d.q.size(); ++k) n += d.q[k] * d.q[k];
     if (d.q.size() == nq && !(std::abs(n - 1) < 1e-6)) report("/q", "the quaternion must have length 1");
-    if (d.lowest || d.highest) report(d.lowest ? "/lowest" : "/highest", "this joint has no limits");
+    if (d.joint == JointType::free && (d.lowest || d.highest))
+      report(d.lowest ? "/lowest" : "/highest", "this joint has no limits");
+  }
+  if (d.cone && d.joint != JointType::spherical) report("/cone", "only spherical joints have a cone");
+  if (d.joint == JointType::spherical) {
+    constexpr double kHalfTurn = 3.141592653589793;
+    if (d.lowest && !(std::abs(*d.lowest) <= kHalfTurn)) report("/lowest", "a twist is within half a turn");
+    if (d.highest && !(std::abs(*d.highest) <= kHalfTurn))
+      report("/highest", "a twist is within half a turn");
   }
   if (!(norm(d.axis) > 0)) report("/axis", "the axis must not be zero");
   if (d.joint == JointType::universal && !(norm(cross(d.axis, d.second_axis)) > 1e-9)) {
@@ -139,8 +147,12 @@ const DefTable& link_table() {
           .number("stiffness", &LinkDef::stiffness, "", at_least(0),
                   "spring towards rest, N m or N/m; spherical: 2 k sin^2(angle / 2) towards no turn")
           .number("rest", &LinkDef::rest, "", any(), "coordinate where the spring is slack")
-          .number("lowest", &LinkDef::lowest, "", any(), "soft limit of the first coordinate")
-          .number("highest", &LinkDef::highest, "", any(), "soft limit of the first coordinate")
+          .number("lowest", &LinkDef::lowest, "", any(),
+                  "soft limit of the first coordinate; of a spherical joint of its twist about axis, rad")
+          .number("highest", &LinkDef::highest, "", any(),
+                  "soft limit of the first coordinate; of a spherical joint of its twist about axis, rad")
+          .number("cone", &LinkDef::cone, "rad", between(0, 3.1),
+                  "soft limit of how far axis swings in a spherical joint")
           .number("limit_stiffness", &LinkDef::limit_stiffness, "", above(0),
                   "spring beyond a limit, N m or N/m")
           .number("limit_damping", &LinkDef::limit_damping, "", at_least(0),

@@ -53,7 +53,7 @@ struct LinkDef {
   std::vector<AnyLinkShapeDef> shapes;
   std::vector<double> q, v, torque;
   double damping = 0, stiffness = 0, rest = 0;
-  std::optional<double> lowest, highest;
+  std::optional<double> lowest, highest, cone;
   double limit_stiffness = 1000, limit_damping = 0;
   Vec3 force, moment;
   enum class Axes : uint8_t { world, link } force_frame = Axes::world;

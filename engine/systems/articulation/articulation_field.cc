@@ -5,6 +5,7 @@
 
 #include "engine/base/errors.h"
 #include "engine/integrators/control/spectrum.h"
+#include "engine/systems/articulation/ball_limits.h"
 
 namespace truestep::articulation {
 
@@ -96,8 +97,8 @@ void ArticulationField::refuse_empty_joints() {
                       "mass off the axis, or an inertia", "", ""}});
       }
       const Drive& d = model_.drives[size_t(i)];
-      const double k = d.stiffness + (d.limits != Drive::Limits::none ? d.limit_stiffness : 0);
-      const double c = d.damping + (d.limits != Drive::Limits::none ? d.limit_damping : 0);
+      const double k = d.stiffness + (d.limited() ? d.limit_stiffness : 0);
+      const double c = d.damping + (d.limited() ? d.limit_damping : 0);
       stiffness_.omega = std::max(stiffness_.omega, std::sqrt(k / moved));
       stiffness_.damping = std::max(stiffness_.damping, c / moved);
     }
@@ -135,6 +136,9 @@ void ArticulationField::efforts(const Phase& at, std::span<double> tau) const {
     } else if (n.move == Move::spherical) {
       const double k = 2 * d.stiffness * q[0] / length2(q);
       for (uint32_t j = 0; j < 3; ++j) tau[n.v + j] -= k * q[j + 1];
+      if (!d.limited()) continue;
+      const Vec3 push = ball_limit(d, n.axis, q, load3(at.v.data() + n.v, 0)).torque;
+      tau[n.v] += push.x, tau[n.v + 1] += push.y, tau[n.v + 2] += push.z;
     } else if (n.move == Move::translation) {
       for (uint32_t j = 0; j < 3; ++j) tau[n.v + j] -= d.stiffness * q[j];
     }
@@ -232,6 +236,7 @@ std::optional<double> ArticulationField::potential(const Phase& at, Evaluation& 
       sum += limit_push(d, q[0], 0).energy + 0.5 * d.stiffness * (q[0] - d.rest) * (q[0] - d.rest);
     } else if (n.move == Move::spherical) {
       sum += 2 * d.stiffness * (1 - q[0] * q[0] / length2(q));
+      if (d.limited()) sum += ball_limit(d, n.axis, q, {}).energy;
     } else if (n.move == Move::translation) {
       sum += 0.5 * d.stiffness * norm2(load3(q, 0));
     }

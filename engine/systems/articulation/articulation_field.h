@@ -1,8 +1,8 @@
 // The equations of motion of a tree of links as a force field: x are the joints' coordinates, v their
 // velocities, x' = G(x) v where quaternions have four numbers for three velocities.
 // Joints may drive: tau = torque - damping v - stiffness (q - rest) - limits; balls have the potential
-// 2 k sin^2(angle / 2), whose torque is -2 k w (x, y, z) of the unit quaternion. Beyond a limit a spring and
-// a damper push back, together never pulling.
+// 2 k sin^2(angle / 2), whose torque is -2 k w (x, y, z) of the unit quaternion; their limits are in
+// ball_limits.h. Beyond a limit a spring and a damper push back, together never pulling.
 #pragma once
 #include "engine/core/force_field.h"
 #include "engine/systems/articulation/model.h"

@@ -4,6 +4,7 @@
 
 #include "engine/core/linear_solver.h"
 #include "engine/systems/articulation/articulation_field.h"
+#include "engine/systems/articulation/ball_limits.h"
 #include "engine/systems/articulation/tree_newton.h"
 
 namespace truestep::articulation {
@@ -59,11 +60,13 @@ void add_limit_slope(const Drive& d, double q, double v, DriveSlope& out) {
   if (pushes) out.stiffness[0][0] += d.limit_stiffness, out.damping += d.limit_damping;
 }
 
-DriveSlope slope_of(const Drive& d, Move move, const double* q, const double* v) {
+DriveSlope slope_of(const Drive& d, const Node& node, const double* q, const double* v) {
+  const Move move = node.move;
   DriveSlope out;
   out.damping = d.damping;
   if (move == Move::spherical) {
     ball_slope(d.stiffness, q, out);
+    if (d.limited()) add_ball_limit_slope(d, node.axis, q, out);
     return out;
   }
   for (size_t k = 0; k < velocities_of(move); ++k) out.stiffness[k][k] = d.stiffness;
@@ -88,7 +91,7 @@ void ArticulationField::linearise(const Phase& at, LinearTree& out, Evaluation& 
   solve(at, work, e.workspace.doubles("articulation.efforts", at.v.size()), scratch, a);
   for (size_t i = 0; i < n; ++i) {
     const Node& node = model_.tree.nodes[i];
-    slopes[i] = slope_of(model_.drives[i], node.move, at.x.data() + node.q, at.v.data() + node.v);
+    slopes[i] = slope_of(model_.drives[i], node, at.x.data() + node.q, at.v.data() + node.v);
   }
   out.linearise(model_.tree, at.x, at.v, a, work, scratch.outside, slopes);
 }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 
+#include "engine/systems/articulation/carried_links.h"
 #include "engine/systems/articulation/frames.h"
 
 namespace truestep::articulation {
@@ -218,6 +219,14 @@ void LinkBodies::shift(State& s, size_t row, const BodyImpulse& by, const Vec3& 
   const auto change = respond(s, scratch);
   const auto v = s.f64(Columns::kVelocity);
   for (size_t i = 0; i < v.size(); ++i) v[i] += change[i];
+}
+
+void LinkBodies::carry(State& s, std::span<const BodyMotion> to, std::span<const uint8_t> given,
+                       Workspace& memory) const {
+  Scratch& scratch = Scratch::of(memory);
+  carry_links(field_.model(), to, given, s.f64(Columns::kPosition), s.f64(Columns::kVelocity),
+              memory.object<CarryWork>("articulation.carry"));
+  scratch.posed = false, ++scratch.version;
 }
 
 }  // namespace truestep::articulation

@@ -7,7 +7,7 @@
 #pragma once
 #include <deque>
 
-#include "engine/core/body_port.h"
+#include "engine/core/body_carrier.h"
 #include "engine/geometry/solid.h"
 #include "engine/systems/articulation/articulation_field.h"
 
@@ -15,7 +15,7 @@ namespace truestep::articulation {
 
 struct LinkResponse;
 
-class LinkBodies final : public BodyAccess {
+class LinkBodies final : public BodyAccess, public BodyCarrier {
  public:
   explicit LinkBodies(const ArticulationField& field);
 
@@ -33,6 +33,9 @@ class LinkBodies final : public BodyAccess {
                Workspace& memory) const override;
   void push(State& state, size_t row, const BodyImpulse& on, Workspace& memory) const override;
   void shift(State& state, size_t row, const BodyImpulse& by, const Vec3& gained,
+             Workspace& memory) const override;
+  /// See carried_links.h.
+  void carry(State& state, std::span<const BodyMotion> to, std::span<const uint8_t> given,
              Workspace& memory) const override;
 
  private:

@@ -86,6 +86,7 @@ Drive drive_of(const LinkDef& d, size_t part) {
                                      : Drive::Limits::none;
   }
   if (part == 1) r.rest = 0;
+  if (d.joint == JointType::spherical) r.cone = d.cone.value_or(kNoCone);
   return r;
 }
 

@@ -9,12 +9,22 @@
 
 namespace truestep::articulation {
 
+/// No limit of a ball's swing.
+inline constexpr double kNoCone = 1e30;
+
 /// What acts between a node and its parent besides the joint.
 struct Drive {
   double damping = 0, stiffness = 0, rest = 0;
   double lowest = 0, highest = 0, limit_stiffness = 0, limit_damping = 0;
-  enum class Limits : uint8_t { none, lower, upper, both } limits = Limits::none;
-  bool anything() const { return damping > 0 || stiffness > 0 || limits != Limits::none; }
+  enum class Limits : uint8_t {
+    none,
+    lower,
+    upper,
+    both
+  } limits = Limits::none;  ///< of a ball: of its twist
+  double cone = kNoCone;    ///< rad, of a ball's swing
+  bool limited() const { return limits != Limits::none || cone < kNoCone; }
+  bool anything() const { return damping > 0 || stiffness > 0 || limited(); }
 };
 
 /// Spring and damper between points of two nodes.

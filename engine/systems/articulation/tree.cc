@@ -41,22 +41,6 @@ Rotation turn(const double* q) {
            {n * (x * z - w * y), n * (y * z + w * x), 1 - n * (x * x + y * y)}}};
 }
 
-Frame frame_of(const Node& n, const double* q) {
-  switch (n.move) {
-    case Move::revolute:
-      return {product(n.frame.R, turn(n.axis, q[n.q])), n.frame.p};
-    case Move::prismatic:
-      return {n.frame.R, n.frame.p + n.frame.R.apply(n.axis * q[n.q])};
-    case Move::spherical:
-      return {product(n.frame.R, turn(q + n.q)), n.frame.p};
-    case Move::translation:
-      return {n.frame.R, n.frame.p + n.frame.R.apply(load3(q + n.q, 0))};
-    case Move::fixed:
-      break;
-  }
-  return n.frame;
-}
-
 // S v, also S v'.
 Motion joint_motion(const Node& n, const double* v) {
   switch (n.move) {
@@ -173,6 +157,22 @@ void give_way(const Node& n, NodeWork& w, const Motion& a, double* qdd) {
 
 }  // namespace
 
+Frame node_frame(const Node& n, const double* q) {
+  switch (n.move) {
+    case Move::revolute:
+      return {product(n.frame.R, turn(n.axis, q[n.q])), n.frame.p};
+    case Move::prismatic:
+      return {n.frame.R, n.frame.p + n.frame.R.apply(n.axis * q[n.q])};
+    case Move::spherical:
+      return {product(n.frame.R, turn(q + n.q)), n.frame.p};
+    case Move::translation:
+      return {n.frame.R, n.frame.p + n.frame.R.apply(load3(q + n.q, 0))};
+    case Move::fixed:
+      break;
+  }
+  return n.frame;
+}
+
 int32_t Tree::add(Node node) {
   node.q = positions, node.v = velocities;
   positions += positions_of(node.move), velocities += velocities_of(node.move);
@@ -184,7 +184,7 @@ void move(const Tree& tree, std::span<const double> q, std::span<const double> v
   for (size_t i = 0; i < tree.nodes.size(); ++i) {
     const Node& n = tree.nodes[i];
     NodeWork& w = work[i];
-    w.frame = frame_of(n, q.data());
+    w.frame = node_frame(n, q.data());
     const Motion own = v.empty() ? Motion{} : joint_motion(n, v.data());
     w.v = n.parent == kGround ? own : w.frame.into(work[size_t(n.parent)].v) + own;
     w.c = cross(w.v, own);
@@ -335,7 +335,7 @@ BodyMotion link_motion(const Tree& tree, std::span<const double> q, std::span<co
     velocity += own.v + truestep::cross(own.w, place);
     sum.w += own.w;
     // On to the parent's frame.
-    const Frame x = frame_of(n, q.data());
+    const Frame x = node_frame(n, q.data());
     place = x.R.apply(place) + x.p;
     velocity = x.R.apply(velocity), sum.w = x.R.apply(sum.w);
     f = {product(x.R, f.R), {}};

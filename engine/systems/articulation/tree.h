@@ -66,6 +66,8 @@ struct Push {
   enum class Axes : uint8_t { world, node } axes = Axes::world;  ///< of force and torque
 };
 
+/// A node in its parent at the tree's coordinates q.
+spatial::Frame node_frame(const Node& node, const double* q);
 /// Frames and velocities of all nodes into `work` (as many elements as nodes); v may be empty: at rest.
 void move(const Tree& tree, std::span<const double> q, std::span<const double> v, std::span<NodeWork> work);
 

@@ -5,6 +5,7 @@
 
 #include "engine/animation/moved_bodies.h"
 #include "engine/core/command_checks.h"
+#include "engine/systems/blend_shapes/shape_files.h"
 
 namespace truestep::blend_shapes {
 
@@ -19,8 +20,9 @@ struct BlendShapes::Scratch {
   std::vector<double> x;
 };
 
-BlendShapes::BlendShapes(const BlendShapesDef& def, const BuildContext& context)
-    : driver_(def, context.id), dt_(context.dt), order_(def.order), color_(def.color) {
+BlendShapes::BlendShapes(const BlendShapesDef& given, const BuildContext& context)
+    : driver_(given, context.id), dt_(context.dt), order_(given.order), color_(given.color) {
+  const BlendShapesDef def = with_files(given);
   build_base(def);
   for (size_t k = 0; k < def.targets.size(); ++k) add_target(def.targets[k], k);
   position_ = driver_.add_vector("/position", def.position);

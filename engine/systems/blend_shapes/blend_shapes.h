@@ -1,6 +1,7 @@
 // The system type "blend_shapes": a surface that is a weighted sum of shapes, x = b + sum w_k (t_k - b)
 // (kernels/animation/blend.h), with weights that are expressions of time and controls (animation/driver.h).
-// Base and targets are lists of vertices or expressions of the base's coordinates. Its triangles are
+// Base and targets are lists of vertices (an OBJ or PLY file gives one), meshes of glTF files
+// (shape_files.h) or expressions of the base's coordinates. Its triangles are
 // published as solids that nothing moves. Commands: set_parameter of a control.
 #pragma once
 #include <array>
@@ -23,13 +24,16 @@ struct BallDef {
 struct TargetDef {
   std::string name, weight;
   std::vector<Vec3> vertices;
-  std::vector<std::string> offset;
+  std::vector<std::string> offset, gltf;
+  std::string mesh;
 };
 
 struct BlendShapesDef : animation::DriverDef {
   std::vector<Vec3> vertices;
   std::vector<int64_t> triangles;
   std::optional<BallDef> ball;
+  std::vector<std::string> gltf;
+  std::string mesh;
   std::vector<std::string> base;
   std::vector<TargetDef> targets;
   std::vector<std::string> position, rotation;
@@ -41,7 +45,7 @@ const DefTable& blend_shapes_table();
 const Outputs& blend_shapes_outputs();
 Cost blend_shapes_cost(const void* def);
 
-class BlendShapes final : public StagedSystem, public Morphed {
+class BlendShapes final : public StagedSystem, public Morphed, public animation::Animated {
  public:
   BlendShapes(const BlendShapesDef& def, const BuildContext& context);
 
@@ -51,6 +55,7 @@ class BlendShapes final : public StagedSystem, public Morphed {
   void apply(State& state, const Command& command) const override;
   void draw(const State& state, double t, Wish wishes, Drawing& out) const override;
   Ports ports() const override;
+  const animation::Driver& driver() const override { return driver_; }
   std::vector<std::string> remedies() const override;
   Morphed::Port morph() const override;
   Pose morph_at(const State& state, double t, std::span<double> weights) const override;

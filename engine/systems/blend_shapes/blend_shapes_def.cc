@@ -5,7 +5,7 @@ namespace truestep::blend_shapes {
 
 namespace {
 
-constexpr Count kVertices{0, 1'000'000};
+constexpr Count kVertices{0, 1'000'000}, kLines{0, 1'000'000};
 
 const DefTable& ball_table() {
   using D = BallDef;
@@ -28,9 +28,15 @@ const DefTable& target_table() {
           .vectors("vertices", &D::vertices, "m", any(), kVertices, "all of the target, in the base's order")
           .texts("offset", &D::offset, {0, 3},
                  "of x, y and z of the base (m): how far its points are from the base's; a missing one is 0")
+          .texts("gltf", &D::gltf, kLines,
+                 "a mesh with its vertices in the base's order: a .gltf file with its data in it, or a .glb "
+                 "file "
+                 "in base64, in lines broken anywhere")
+          .text("mesh", &D::mesh, "name of the mesh in that file; the first if absent")
           .check([](const D& d, const DefTable::Report& report) {
-            if (d.vertices.empty() == d.offset.empty())
-              report("", "a target has vertices or an offset, one of them");
+            if (!d.vertices.empty() + !d.offset.empty() + !d.gltf.empty() > 1)
+              report("", "a target has vertices, an offset or a file, one of them");
+            if (!d.mesh.empty() && d.gltf.empty()) report("/mesh", "belongs to a file");
           })
           .build();
   return t;
@@ -45,6 +51,11 @@ const DefTable& blend_shapes_table() {
     table.vectors("vertices", &D::vertices, "m", any(), kVertices, "of the base")
         .integers("triangles", &D::triangles, at_least(0), {0, 6'000'000}, "three vertices each")
         .object("ball", &D::ball, ball_table(), "a ball as the base, instead of vertices and triangles")
+        .texts("gltf", &D::gltf, kLines,
+               "a mesh as the base, whose targets those of the same names are: a .gltf file with its data in "
+               "it, "
+               "or a .glb file in base64, in lines broken anywhere")
+        .text("mesh", &D::mesh, "name of the mesh in that file; the first if absent")
         .texts("base", &D::base, {0, 3},
                "reshapes the base: its x, y and z as expressions of x, y and z; a missing one stays")
         .objects("targets", &D::targets, target_table(), {0, 1000}, "shapes to blend in")
@@ -55,14 +66,22 @@ const DefTable& blend_shapes_table() {
     animation::add_driver_rows(table);
     return table
         .check([](const D& d, const DefTable::Report& report) {
-          if (d.vertices.empty() == !d.ball) report("", "the base is vertices or a ball, one of them");
+          if (!d.vertices.empty() + d.ball.has_value() + !d.gltf.empty() != 1)
+            report("", "the base is vertices, a ball or a file, one of them");
+          if (!d.mesh.empty() && d.gltf.empty()) report("/mesh", "belongs to a file");
+          if (!d.gltf.empty() && !d.triangles.empty()) report("/triangles", "those are the file's");
           if (d.triangles.size() % 3 != 0) report("/triangles", "three vertices a triangle");
-          for (size_t i = 0; i < d.triangles.size(); ++i) {
+          for (size_t i = 0; d.gltf.empty() && i < d.triangles.size(); ++i) {
             if (static_cast<size_t>(d.triangles[i]) < d.vertices.size()) continue;
             return report("/triangles/" + std::to_string(i), "there is no such vertex");
           }
           for (size_t k = 0; k < d.targets.size(); ++k) {
-            const size_t n = d.targets[k].vertices.size();
+            const TargetDef& target = d.targets[k];
+            const size_t n = target.vertices.size();
+            if (n == 0 && target.offset.empty() && target.gltf.empty() && d.gltf.empty())
+              report("/targets/" + std::to_string(k),
+                     "a target has vertices, an offset or a file, one of them");
+            if (!d.gltf.empty()) continue;
             const size_t want =
                 d.ball ? 2 + static_cast<size_t>(d.ball->rings) * static_cast<size_t>(d.ball->around)
                        : d.vertices.size();
@@ -91,6 +110,12 @@ const Outputs& blend_shapes_outputs() {
 Cost blend_shapes_cost(const void* def) {
   const auto& d = *static_cast<const BlendShapesDef*>(def);
   double n = static_cast<double>(d.vertices.size());
+  if (!d.gltf.empty()) {
+    // Three f32 a vertex and a target, two triangles of 16 or 32 bits a vertex, in base64.
+    double text = 0;
+    for (const std::string& line : d.gltf) text += static_cast<double>(line.size());
+    n = 0.75 * text / (30 + 12 * static_cast<double>(d.targets.size()));
+  }
   if (d.ball) n = 2 + static_cast<double>(d.ball->rings) * d.ball->around;
   const auto targets = static_cast<double>(d.targets.size()),
              controls = static_cast<double>(d.controls.size());

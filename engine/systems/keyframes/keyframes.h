@@ -14,7 +14,7 @@
 
 namespace truestep::keyframes {
 
-class Keyframes final : public StagedSystem {
+class Keyframes final : public StagedSystem, public animation::Animated {
  public:
   Keyframes(const KeyframesDef& def, const BuildContext& context);
 
@@ -24,6 +24,7 @@ class Keyframes final : public StagedSystem {
   void apply(State& state, const Command& command) const override;
   void draw(const State& state, double t, Wish wishes, Drawing& out) const override;
   Ports ports() const override;
+  const animation::Driver& driver() const override { return driver_; }
   std::vector<std::string> remedies() const override;
 
  private:

@@ -44,7 +44,8 @@ const DefTable& keyframes_table() {
     animation::add_driver_rows(table);
     return table
         .check([](const D& d, const DefTable::Report& report) {
-          if (d.shapes.empty() && d.controls.empty())
+          if (d.shapes.empty() && d.controls.empty() && d.paths.empty() && d.vectors.empty() &&
+              d.turns.empty())
             report("", "no shapes and no controls: nothing to animate");
         })
         .build();
@@ -78,6 +79,7 @@ Cost keyframes_cost(const void* def) {
   for (const MovedShapeDef& s : d.shapes) stretched += !s.scale.empty();
   for (const auto& c : d.controls) keys += static_cast<double>(c.times.size());
   for (const auto& p : d.paths) keys += 3 * static_cast<double>(p.times.size());
+  for (const auto& v : d.vectors) keys += static_cast<double>(v.values.size());
   for (const auto& t : d.turns) keys += 4 * static_cast<double>(t.times.size());
   const double controls = static_cast<double>(d.controls.size());
   return {

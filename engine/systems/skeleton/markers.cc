@@ -39,7 +39,7 @@ bool read(std::string_view s, T& x) {
 }
 
 /// Lines "frame camera marker u v".
-MarkerTracks triangulated(const MarkersDef& def, const std::string& where, double& residual) {
+MarkerTracks triangulated(const MarkersDef& def, const std::string& where, MarkerReport& report) {
   constexpr double kMostPixels = 1e9;
   constexpr uint32_t kMostFrames = 1'000'000;
   MarkerTracks out;
@@ -82,21 +82,34 @@ MarkerTracks triangulated(const MarkersDef& def, const std::string& where, doubl
   if (static_cast<double>(out.frames) * static_cast<double>(out.names.size()) > 2e7)
     refuse(where + "/images", "there are too many frames");
   out.places.resize(out.frames * out.names.size()), out.seen.resize(out.places.size());
-  double sum = 0, count = 0;
-  std::vector<Sighting> group;
-  for (size_t i = 0; i < all.size();) {
-    size_t end = i;
-    group.clear();
-    for (; end < all.size() && all[end].frame == all[i].frame && all[end].marker == all[i].marker; ++end)
-      group.push_back(all[end].sighting);
-    if (const auto point = triangulate(cameras, group)) {
-      const size_t row = all[i].frame * out.names.size() + all[i].marker;
-      out.places[row] = point->place, out.seen[row] = 1;
-      sum += point->residual * point->residual, ++count;
+  const auto groups = [&](auto&& take) {
+    std::vector<Sighting> group;
+    for (size_t i = 0; i < all.size();) {
+      size_t end = i;
+      group.clear();
+      for (; end < all.size() && all[end].frame == all[i].frame && all[end].marker == all[i].marker; ++end)
+        group.push_back(all[end].sighting);
+      take(all[i].frame * out.names.size() + all[i].marker, group);
+      i = end;
     }
-    i = end;
-  }
-  residual = count > 0 ? std::sqrt(sum / count) : 0;
+  };
+  std::vector<Triangulated> plain;
+  std::vector<uint32_t> sightings;
+  groups([&](size_t, const std::vector<Sighting>& group) {
+    const auto found = triangulate(cameras, group);
+    if (found) plain.push_back(*found), sightings.push_back(static_cast<uint32_t>(group.size()));
+  });
+  const double noise = picture_noise(plain, sightings);
+  double sum = 0, count = 0;
+  groups([&](size_t row, const std::vector<Sighting>& group) {
+    const auto point = triangulate_agreed(cameras, group, noise);
+    // One camera alone says nothing, and nothing wrong.
+    if (group.size() > 1) report.outliers += static_cast<double>(group.size()) - (point ? point->used : 0);
+    if (!point) return;
+    out.places[row] = point->found.place, out.seen[row] = 1;
+    sum += point->found.residual * point->found.residual, ++count;
+  });
+  report.residual = count > 0 ? std::sqrt(sum / count) : 0;
   return out;
 }
 
@@ -124,7 +137,9 @@ void start(const Model& model, std::span<const MarkerPlacement> markers, std::sp
     }
     if (count > 0) tried[0].shift = rotate(conjugate(model.joints[0].rest.orientation), off / count);
     const MarkerFit fit = fit_markers(model.joints, markers, places, seen, tried, known, work);
-    if (fit.error < least) least = fit.error, best = tried;
+    // A wrong pose may set aside what speaks against it: then the median speaks.
+    const double score = fit.outliers > 0 ? std::max(fit.error, 1.732 * fit.spread) : fit.error;
+    if (score < least) least = score, best = tried;
   }
   motion = best;
 }
@@ -167,7 +182,7 @@ Recording recording_of(const MarkersDef& def, double scale, const Model& model, 
       refuse(where + "/trc/" + std::to_string(std::min(f.line, def.trc.size()) - 1), f.what());
     }
   } else {
-    tracks = triangulated(def, where, report.residual);
+    tracks = triangulated(def, where, report);
   }
   const size_t count = def.placements.size(), n = model.joints.size();
   std::vector<MarkerPlacement> markers;
@@ -194,7 +209,7 @@ Recording recording_of(const MarkersDef& def, double scale, const Model& model, 
   std::vector<Vec3> places(count);
   std::vector<uint8_t> seen(count), known(n), all_known;
   MarkerWork work;
-  double squares = 0, markers_seen = 0;
+  double squares = 0, markers_seen = 0, count_all = 0;
   bool started = false;
   for (size_t f = 0; f < out.frames; ++f) {
     size_t now = 0;
@@ -207,7 +222,9 @@ Recording recording_of(const MarkersDef& def, double scale, const Model& model, 
     if (now >= 3) {
       if (!started) start(model, markers, places, seen, motion, work, known), started = true;
       const MarkerFit fit = fit_markers(model.joints, markers, places, seen, motion, known, work);
-      squares += fit.error * fit.error * static_cast<double>(now), markers_seen += static_cast<double>(now);
+      const auto counted = static_cast<double>(now - fit.outliers);
+      squares += fit.error * fit.error * counted, count_all += counted;
+      markers_seen += static_cast<double>(now), report.outliers += static_cast<double>(fit.outliers);
     }
     for (size_t j = 0; j < n; ++j) {
       out.turns.push_back(motion[j].turn), out.shifts.push_back(motion[j].shift),
@@ -217,7 +234,7 @@ Recording recording_of(const MarkersDef& def, double scale, const Model& model, 
   }
   if (!started) refuse(where, "no frame has three markers in sight");
   fill(out, all_known);
-  report.error = std::sqrt(squares / markers_seen);
+  report.error = count_all > 0 ? std::sqrt(squares / count_all) : 0;
   report.seen = markers_seen / (static_cast<double>(count) * static_cast<double>(out.frames));
   return out;
 }

@@ -9,9 +9,11 @@
 namespace truestep::skeleton {
 
 struct MarkerReport {
-  double error = 0;  ///< m, root of the mean square distance of all markers seen from where the fit has them
-  double seen = 1;   ///< share of all markers and frames
+  double error =
+      0;  ///< m, root of the mean square distance of all markers that count from where the fit has them
+  double seen = 1;      ///< share of all markers and frames
   double residual = 0;  ///< pixels, root of the mean square of what is left in the pictures
+  double outliers = 0;  ///< sightings and markers set aside
 };
 
 /// Joints are those of the model. Throws Error "scene_invalid" with pointers below `where`.

@@ -33,7 +33,7 @@ struct SkeletonColumns {
   };
 };
 
-class Skeleton final : public StagedSystem, public FollowsBones, public Rigged {
+class Skeleton final : public StagedSystem, public FollowsBones, public Rigged, public animation::Animated {
  public:
   Skeleton(const SkeletonDef& def, const BuildContext& context);
 
@@ -44,6 +44,7 @@ class Skeleton final : public StagedSystem, public FollowsBones, public Rigged {
   void check(StateCheck& check, double t) const override;
   void draw(const State& state, double t, Wish wishes, Drawing& out) const override;
   Ports ports() const override;
+  const animation::Driver& driver() const override { return driver_; }
   std::vector<std::string> remedies() const override;
   RigPort rig() const override;
   void prepare(State& state) const override;

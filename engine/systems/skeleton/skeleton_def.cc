@@ -219,6 +219,10 @@ const Outputs& skeleton_outputs() {
           {"ik.iterations", "1", "of the solver in the last step; with goals"},
           {"ik.reached", "1", "1 where all goals are within the tolerance; with goals"},
           {"goal.<id>.error", "m", "distance of a goal"},
+          {"goal.<id>.stretch", "1",
+           "distance of a goal from where its chain begins, in lengths of the chain: at 1 it is stretched, "
+           "which is "
+           "singular, beyond that the goal is out of reach"},
           {"joint.<id>.x", "m", "where a joint is, of skeletons of at most 32"},
           {"joint.<id>.y", "m", ""},
           {"joint.<id>.z", "m", ""},
@@ -226,6 +230,7 @@ const Outputs& skeleton_outputs() {
           {"prior.explained", "1", "share of that motion's variance in the components; with a prior"},
           {"markers.error", "m", "root of the mean square distance of markers from the fit; with markers"},
           {"markers.seen", "1", "share of markers in sight; with markers"},
+          {"markers.outliers", "1", "places in space and in pictures that were set aside; with markers"},
           {"markers.residual", "1", "pixels, what is left in the pictures; with markers from cameras"},
           {"foot_lock.slide", "m", "largest way of a standing foot in the recording, before it is held"},
           {"foot_lock.error", "m", "largest distance of a foot from where it is held"}}};

@@ -97,10 +97,12 @@ void Skeleton::follow(State& s, std::span<const Pose> bones, std::span<const uin
       const Quat local = normalized(conjugate(before.orientation) * turn);
       if (joint.kind == JointKind::ball) m.turn = nearer(m.turn, local);
       if (joint.kind == JointKind::revolute) m.value = swing_twist(local, joint.axis).twist;
-      // Bodies that hang together say where the root is; the rest follows from their turns.
-      if (joint.parent >= 0) continue;
       const Vec3 place = bones[b].position - rotate(turn, bone_poses_[b].position);
-      m.shift = rotate(conjugate(before.orientation), place - before.position);
+      const Vec3 way = rotate(conjugate(before.orientation), place - before.position);
+      Vec3 along;
+      if (joint.kind == JointKind::prismatic) m.value = dot(way, joint.axis), along = joint.axis * m.value;
+      // Bodies that hang together say where the root is; the rest follows from their turns.
+      if (joint.parent < 0) m.shift = way - along;
     }
     poses[j] =
         (joint.parent < 0 ? scratch.root : poses[static_cast<size_t>(joint.parent)]) * local_pose(joint, m);

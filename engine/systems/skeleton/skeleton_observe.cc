@@ -26,7 +26,13 @@ void Skeleton::observe(const State& s, double at, Observables& out) const {
     for (const GoalDrive& g : model_.goals) {
       const double* q = &s.f64(C::kJointOrientation)[4 * g.goal.joint];
       const Vec3 place = load3(x, g.goal.joint) + rotate({q[0], q[1], q[2], q[3]}, g.goal.point);
-      out.add("goal." + g.id + ".error", norm(goal(g, outputs).target - place), "m");
+      const Vec3 target = goal(g, outputs).target;
+      out.add("goal." + g.id + ".error", norm(target - place), "m");
+      double length = norm(g.goal.point);
+      for (uint32_t j = g.goal.joint; j != g.goal.base; j = static_cast<uint32_t>(model_.joints[j].parent))
+        length += norm(model_.joints[j].rest.position);
+      if (length > 0)
+        out.add("goal." + g.id + ".stretch", norm(target - load3(x, g.goal.base)) / length, "1");
     }
   }
   if (!prior_.empty()) {
@@ -39,6 +45,7 @@ void Skeleton::observe(const State& s, double at, Observables& out) const {
   if (markers_) {
     out.add("markers.error", markers_->error, "m");
     out.add("markers.seen", markers_->seen, "1");
+    out.add("markers.outliers", markers_->outliers, "1");
     if (markers_->residual > 0) out.add("markers.residual", markers_->residual, "1");
   }
   if (clip_.feet() > 0) {

@@ -1,0 +1,125 @@
+// A body that a path and a turn move, by BodyPort: at the start of a substep it is where they are, with the
+// velocities (x1 - x0) / h and rotation_vector(q1 q0*) / h, at its end where they are then, whatever happened
+// to it in between.
+#include "engine/animation/driver.h"
+#include "engine/core/body_carrier.h"
+#include "engine/couplings/drive/drive.h"
+#include "engine/geometry/shape.h"
+#include "engine/kernels/animation/joint_tree.h"
+
+namespace truestep::drive {
+
+using animation::conjugate;
+using animation::Driver;
+using animation::operator*;
+using animation::rotate;
+
+namespace {
+
+/// Where the channels' frame is.
+struct Guide {
+  const Driver& driver;
+  std::optional<Driver::Channel> path, turn;
+
+  Pose at(double t) const {
+    Pose out;
+    double x[4];
+    if (path) driver.sample(*path, t, x), out.position = load3(x, 0);
+    if (turn) driver.sample(*turn, t, x), out.orientation = {x[0], x[1], x[2], x[3]};
+    return out;
+  }
+};
+
+class BodyDrive final : public Coupling {
+ public:
+  BodyDrive(const Guide& guide, const BodyPort& port, uint64_t body, const Pose& offset, std::string what)
+      : guide_(guide), port_(port), body_(body), offset_(offset), what_(std::move(what)) {}
+
+  State initial_state() const override { return {}; }
+  void begin(const CoupledStates& s, const StepInput& in) const override { put(s, in, in.t); }
+  void end(const CoupledStates& s, const StepInput& in) const override { put(s, in, in.t + in.h); }
+  void observe(const ConstCoupledStates& s, Observables& out) const override {
+    const ConstBodies bodies(s.b, port_);
+    const auto row = bodies.row_of(body_);
+    const Vec3 x = row ? bodies.place(*row) : Vec3{};
+    out.add("x", x.x, "m");
+    out.add("y", x.y, "m");
+    out.add("z", x.z, "m");
+  }
+  std::vector<PlanRow> plan() const override { return {{PlanRow::Status::runs, "drive", what_}}; }
+
+ private:
+  /// Where the body is at t, with the velocities that take it on in a substep.
+  void put(const CoupledStates& s, const StepInput& in, double t) const {
+    const ConstBodies bodies(s.b, port_);
+    const auto row = bodies.row_of(body_);
+    if (!row) return;
+    const Pose now = guide_.at(t) * offset_, then = guide_.at(t + in.h) * offset_;
+    const Quat on = animation::nearer({}, normalized(then.orientation * conjugate(now.orientation)));
+    auto& wanted = in.workspace.object<CarriedBodies>("drive.wanted");
+    wanted.start(bodies.count());
+    wanted.want(*row, {now.position, normalized(now.orientation), (then.position - now.position) / in.h,
+                       free_rotation::rotation_vector(on) / in.h});
+    carry(s.b, port_, wanted, in.workspace);
+  }
+
+  Guide guide_;
+  BodyPort port_;
+  uint64_t body_;
+  Pose offset_;  ///< of the body in the guide's frame
+  std::string what_;
+};
+
+}  // namespace
+
+std::unique_ptr<const Coupling> build_body_drive(const DriveDef& d, const CouplingContext& context) {
+  const Driver& driver = dynamic_cast<const animation::Animated&>(context.a.system).driver();
+  Guide guide{driver, {}, {}};
+  const auto find = [&](const std::string& name, const char* member, Driver::Channel::Kind kind) {
+    const auto channel = driver.channel(kind, name);
+    if (!channel && !name.empty()) {
+      refuse_drive(member, std::string("there is no ") + member + " \"" + name + '"', name,
+                   driver.channel_names(kind));
+    }
+    return channel;
+  };
+  guide.path = find(d.path, "path", Driver::Channel::Kind::path);
+  guide.turn = find(d.turn, "turn", Driver::Channel::Kind::turn);
+  const Ports b = context.b.system.ports();
+  if (!b.bodies) {
+    refuse_drive("b", '"' + context.b.id + "\" has no bodies", '"' + context.b.id + '"',
+                 "a rigid3d or an articulation");
+  }
+  const ConstBodies bodies(context.b.state, *b.bodies);
+  const auto row = static_cast<size_t>(*d.body);
+  if (row >= bodies.count()) {
+    refuse_drive("body", "there is no such body", std::to_string(row),
+                 bodies.count() == 0 ? "there are none" : "0 to " + std::to_string(bodies.count() - 1));
+  }
+  if (!can_be_carried(*b.bodies)) {
+    refuse_drive("b", "bodies of \"" + context.b.id + "\" are not moved by paths", '"' + context.b.id + '"',
+                 "a rigid3d or an articulation");
+  }
+  if (!bodies.dynamic(row)) {
+    // Kinematic ones take a velocity, fixed ones do not.
+    Command probe;
+    probe.kind = CommandKind::set_parameter, probe.system = context.b.id, probe.name = "velocity";
+    probe.index = *d.body;
+    State there = context.b.state;
+    try {
+      context.b.system.apply(there, probe);
+    } catch (const Error& e) {
+      refuse_drive("body", e.what(), std::to_string(row), "a dynamic or kinematic body");
+    }
+  }
+  const Pose start = guide.at(0);
+  const Quat back = conjugate(start.orientation);
+  const Pose offset{rotate(back, bodies.place(row) - start.position),
+                    normalized(back * bodies.orientation(row))};
+  std::string what = "body " + std::to_string(row) + " of " + context.b.id + " along";
+  if (guide.path) what += " " + d.path;
+  if (guide.turn) what += " " + d.turn;
+  return std::make_unique<BodyDrive>(guide, *b.bodies, bodies.id_of(row), offset, what);
+}
+
+}  // namespace truestep::drive
