@@ -298,7 +298,8 @@ const Resolution& mpm_resolution() {
 Cost mpm_cost(const void* def) {
   const auto& d = *static_cast<const MpmDef*>(def);
   const double scalar = d.precision == Precision::f32 ? 4 : 8;
-  const double n = static_cast<double>(largest_count(d, static_cast<size_t>(expected_particles(d))));
+  const double n = static_cast<double>(
+      largest_count(d, static_cast<size_t>(std::min(expected_particles(d), kMostParticles))));
   const bool plane = d.dimension == 2;
   // What blocks.h and substep.h set aside: for four times the blocks that the particles are in and reach (or
   // all of the box), a tile and nodes of four numbers; columns in the order of blocks before and after they
