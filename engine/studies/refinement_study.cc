@@ -230,7 +230,10 @@ class Study {
                    : t.end == Trace::End::unstable ? "unstable"
                                                    : "over budget";
     const bool complete = t.end == Trace::End::complete;
-    if (complete) {
+    // Errors against an exact solution need no places that resolutions share, which particles do not have.
+    if (says_exact()) {
+      common_.emplace_back();
+    } else if (complete) {
       common_.push_back(ladder_.at_common(coarsest_, world, request_.field, t.values.back()));
     } else {
       common_.emplace_back(common_.empty() ? 1 : common_[0].size(), NAN);

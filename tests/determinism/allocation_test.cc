@@ -289,8 +289,7 @@ TEST(Allocation, StepsOfMaterialAllocateNothingAfterTheFirst) {
     piece.center = {0.3, 0.3, 0.5}, piece.half_extents = {0.2, 0.3, 0.3}, piece.velocity = {3, 0, 0};
     piece.material = mpm::Law::sand;
     d.bodies = {piece};
-    d.bodies.push_back(
-        {.center = {0.8, 0.1, 0.5}, .half_extents = {0.1, 0.1, 0.3}, .material = mpm::Law::fluid});
+    d.bodies.push_back({{.material = mpm::Law::fluid}, mpm::Shape::box, {0.8, 0.1, 0.5}, {0.1, 0.1, 0.3}});
     testing_rig::MpmRun run(d, 1.0 / 120, {0, -9.81, 0});
     std::vector<ImmersedBody> bodies(1);
     bodies[0].solid = &ball, bodies[0].mass = 7, bodies[0].moments = Vec3{1, 1, 1} * (0.4 * 7 * 0.01);

@@ -45,6 +45,21 @@ TEST(MpmScene, SaysWhatDoesNotFit) {
   EXPECT_EQ(faults(d), Faults{}) << "control: both are right in space";
 }
 
+TEST(MpmScene, TheImplicitStepTakesStiffSolidsInDoublesAlone) {
+  MpmDef d = piece();
+  d.integration = Integration::implicit_steps;
+  EXPECT_EQ(faults(d), Faults{"/precision"});
+  d.precision = Precision::f64;
+  EXPECT_EQ(faults(d), Faults{}) << "control";
+  for (const Law law : {Law::fluid, Law::snow, Law::sand, Law::foam}) {
+    d.bodies[0].material = law;
+    EXPECT_EQ(faults(d), Faults{"/bodies/0/material"});
+  }
+  EXPECT_FALSE(testing_rig::MpmRun(piece()).system.ports().medium == std::nullopt);
+  d = piece(), d.integration = Integration::implicit_steps, d.precision = Precision::f64;
+  EXPECT_TRUE(testing_rig::MpmRun(d).system.ports().medium == std::nullopt) << "no bodies in it";
+}
+
 TEST(MpmScene, SaysWhatDoesNotFitOfTexts) {
   MpmDef d = piece();
   d.force = {"x"};

@@ -9,13 +9,14 @@
 //   sand         mu tr(e^2) + lambda/2 tr(e)^2 of the Hencky strain e, Drucker-Prager's cone and the volume
 //                correction of Klar, Gast, Pradhana, Fu, Schroeder, Jiang, Teran 2016 (and Tampubolon 2017)
 //   foam         the same energy with von Mises' limit |dev(2 mu e)| <= sqrt(2/3) yield_stress
+//   elastic      any isotropic energy, given by its derivatives by the singular values
 #pragma once
 #include "engine/kernels/mpm/small_matrix.h"
 #include "engine/math/trig.h"
 
 namespace truestep::mpm {
 
-enum class Law : unsigned char { fluid, corotated, neo_hookean, snow, sand, foam };
+enum class Law : unsigned char { fluid, corotated, neo_hookean, snow, sand, foam, elastic };
 
 struct Material {
   Law law = Law::corotated;
@@ -208,7 +209,30 @@ Response<D, T> solid_response(const Material& mat, const Svd<D, T>& d, Wide<T> p
                            madd(W(2), mu, lambda) * widening);
 }
 
-/// Of any law, from deformation and volume ratio as they are.
+/// Stress of any isotropic energy (J/m^3), given with its first and second derivatives by each singular value
+/// (which are positive): tau_k = s_k dpsi/ds_k. The modulus is that of the stiffest of a stretch and of the
+/// shears between two axes, whose stiffness is the slopes' difference over that of the values, or their sum
+/// over the values' sum (Stomakhin, Howes, Schroeder, Teran 2012, section 4).
+template <int D, class T>
+Response<D, T> principal_response(const Svd<D, T>& d, Wide<T> energy, const Wide<T>* slope,
+                                  const Wide<T>* bend) {
+  using W = Wide<T>;
+  W tau[D], stiffest = W::zero(), widest = W(1);
+  for (int k = 0; k < D; ++k) {
+    tau[k] = d.s[k] * slope[k];
+    stiffest = max(stiffest, abs(bend[k])), widest = max(widest, d.s[k] * d.s[k]);
+    for (int i = 0; i < k; ++i) {
+      const W apart = abs(d.s[k] - d.s[i]);
+      const auto differ = apart > W(1e-2);
+      stiffest = max(stiffest, abs(slope[k] + slope[i]) / (d.s[k] + d.s[i]));
+      stiffest =
+          max(stiffest, select(differ, abs(slope[k] - slope[i]) / select(differ, apart, W(1)), W::zero()));
+    }
+  }
+  return detail::principal(d.u, tau, energy, stiffest * widest);
+}
+
+/// Of any law but `elastic`, from deformation and volume ratio as they are.
 template <int D, class T>
 Response<D, T> response(const Material& mat, const Square<D, T>& f, Wide<T> j, Wide<T> plastic) {
   if (mat.law == Law::fluid) return fluid_response<D, T>(mat, j);

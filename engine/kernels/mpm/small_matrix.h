@@ -33,6 +33,15 @@ Square<D, T> operator*(const Square<D, T>& a, const Square<D, T>& b) {
   return out;
 }
 
+template <int D, class T>
+Square<D, T> transposed(const Square<D, T>& a) {
+  Square<D, T> out;
+  for (int r = 0; r < D; ++r) {
+    for (int c = 0; c < D; ++c) out(r, c) = a(c, r);
+  }
+  return out;
+}
+
 /// a diag(s) b^T.
 template <int D, class T>
 Square<D, T> compose(const Square<D, T>& a, const Wide<T>* s, const Square<D, T>& b) {

@@ -4,6 +4,7 @@
 // less than a cell since they were sorted.
 #pragma once
 #include <algorithm>
+#include <cmath>
 #include <vector>
 
 #include "engine/base/cache_line.h"
@@ -106,11 +107,15 @@ struct Blocks {
     return id;
   }
 
-  /// Sets memory aside for n particles that are in four times as many blocks as now, or in all that there
-  /// are.
-  void reserve(size_t n, size_t bodies, Sorted<D, T>& a, Sorted<D, T>& b) {
-    const size_t own = std::min(table.size(), 4 * owners.size() + 64);
-    const size_t all = std::min(table.size(), 4 * blocks.size() + 256), most = std::min(n, own * bodies);
+  /// Sets memory aside for n particles that are in four times as many blocks as now (or as `expected`, where
+  /// that is more), or in all that there are.
+  void reserve(size_t n, size_t bodies, double expected, Sorted<D, T>& a, Sorted<D, T>& b) {
+    const double side = (D == 2 ? std::sqrt(expected) : std::cbrt(expected)) + 2;
+    const auto around = static_cast<size_t>(expected > 0 ? (D == 2 ? side * side : side * side * side) : 0);
+    const size_t own =
+        std::min(table.size(), 4 * std::max(owners.size(), static_cast<size_t>(expected)) + 64);
+    const size_t all = std::min(table.size(), 4 * std::max(blocks.size(), around) + 256),
+                 most = std::min(n, own * bodies);
     const size_t slots = n + most * (Sorted<D, T>::kLanes - 1);
     owners.reserve(own), blocks.reserve(all), ids.reserve(all), runs.reserve(most);
     counts.reserve(own * bodies + 1), keys.reserve(slots);

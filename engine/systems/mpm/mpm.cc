@@ -12,12 +12,21 @@ namespace {
 std::unique_ptr<const Setting> settle(const MpmDef& def, const std::string& id) {
   auto out = std::make_unique<Setting>(Setting{.def = def,
                                                .pieces = {},
+                                               .inlets = {},
                                                .colliders = build_colliders(def.colliders),
                                                .force = Texts(def.force, def.dimension, "/force"),
                                                .exact = Texts(def.exact, def.dimension, "/exact"),
                                                .id = id});
   size_t first = 0;
-  for (const BodyDef& b : def.bodies) {
+  const auto add = [&](const MaterialDef& m, double volume, size_t count, const std::string& at) {
+    Piece p{material_of(m), m.density, volume * m.density, volume, first, first + count, nullptr};
+    if (m.material == Law::elastic)
+      p.energy = std::make_shared<const EnergyLaw>(m.energy, def.dimension, p.material, at + "/energy");
+    out->pieces.push_back(std::move(p));
+    first += count;
+  };
+  for (size_t k = 0; k < def.bodies.size(); ++k) {
+    const BodyDef& b = def.bodies[k];
     const size_t count = places_of(def, b).size();
     // A box is divided evenly; of a ball every particle has the lattice's share.
     const Vec3 reach = b.shape == Shape::ball ? Vec3{b.radius, b.radius, b.radius} : b.half_extents;
@@ -26,9 +35,14 @@ std::unique_ptr<const Setting> settle(const MpmDef& def, const std::string& id) 
     for (int a = 0; a < def.dimension; ++a) {
       volume *= 2 * r[a] / std::max(1.0, std::floor(2 * r[a] / target + 0.5));
     }
-    out->pieces.push_back({material_of(b), b.density, volume * b.density, volume, first, first + count});
-    first += count;
+    add(b, volume, count, "/bodies/" + std::to_string(k));
   }
+  for (size_t k = 0; k < def.emitters.size(); ++k) {
+    out->inlets.emplace_back(def, def.emitters[k]);
+    const double s = def.spacing();
+    add(def.emitters[k], def.dimension == 2 ? s * s : s * s * s, 0, "/emitters/" + std::to_string(k));
+  }
+  out->capacity = largest_count(def, first);
   return out;
 }
 
@@ -38,8 +52,22 @@ Mpm::Mpm(const MpmDef& def, const BuildContext& context)
     : gravity_(context.gravity), setting_(settle(def, context.id)), solver_(make_solver(*setting_)) {
   if (def.dimension == 2) gravity_.z = 0;
   add_stage("substeps",
-            "explicit, as many as the fastest particle or wave asks for: particles to grid and back",
+            def.is_implicit()
+                ? "implicit, as many as the fastest particle asks for: particles to grid and back"
+                : "explicit, as many as the fastest particle or wave asks for: particles to grid and back",
             [this](State& s, const StepInput& in) { solver_->step(s, in); });
+  if (def.emitters.empty()) {
+    skip_stage("births", "no emitters given");
+  } else {
+    add_stage("births", "layers that nozzles pour out",
+              [this](State& s, const StepInput& in) { pour(*setting_, s, in.t + in.h, in.workspace); });
+  }
+  if (def.any_regions()) {
+    add_stage("removal", "kill regions",
+              [this](State& s, const StepInput& in) { remove_killed(*setting_, s, in); });
+  } else {
+    skip_stage("removal", "no kill regions given");
+  }
   if (def.colliders.empty()) skip_stage("colliders", "none given");
   if (def.force.empty()) skip_stage("force", "no acceleration by place");
   const Scalar real = def.precision == Precision::f32 ? Scalar::f32 : Scalar::f64;
@@ -49,7 +77,8 @@ Mpm::Mpm(const MpmDef& def, const BuildContext& context)
                    {"density", "kg/m^3"},
                    {"plastic_strain", "1"},
                    {"material", "1"}};
-  points.max_rows = setting_->rows();
+  if (def.changes()) points.fields.push_back({"id", "1", Scalar::u64});
+  points.max_rows = setting_->capacity;
   set_parts({std::move(points)});
 }
 
@@ -61,7 +90,7 @@ void fill(State& s, const Setting& set) {
              c = s.span<T>(columns::affine), f = s.span<T>(columns::deformation),
              plastic = s.span<T>(columns::plastic), j = s.span<T>(columns::jacobian);
   const auto d = static_cast<size_t>(set.def.dimension);
-  for (size_t b = 0; b < set.pieces.size(); ++b) {
+  for (size_t b = 0; b < set.def.bodies.size(); ++b) {
     const BodyDef& body = set.def.bodies[b];
     const std::vector<Vec3> places = places_of(set.def, body);
     const double w[3] = {body.spin.x, body.spin.y, body.spin.z};
@@ -102,6 +131,19 @@ State Mpm::initial_state() const {
   s.add({"jacobian", "1", real}, n);
   s.add({"gravity", "m/s^2", Scalar::f64, 3}, 1);
   store3(s.f64(columns::gravity).data(), 0, gravity_);
+  if (set.def.changes()) {
+    s.add({"piece", "1", Scalar::u32}, n);
+    s.add({"id", "1", Scalar::u64}, n);
+    s.add({"emitter.next_layer", "1", Scalar::u64}, set.inlets.size());
+    s.add({"counts", "1", Scalar::u64}, counts::count);
+    for (size_t k = 0; k < n; ++k) {
+      s.span<uint32_t>(columns::piece)[k] = set.piece_of(k, {});
+      s.span<uint64_t>(columns::id)[k] = k;
+    }
+    s.span<uint64_t>(columns::counts)[counts::born] = n;
+    for (State::Column c = 0; c < columns::per_particle_end; ++c) s.reserve(c, set.capacity);
+    s.reserve(columns::piece, set.capacity), s.reserve(columns::id, set.capacity);
+  }
   if (real == Scalar::f32) {
     fill<float>(s, set);
   } else {
@@ -112,35 +154,53 @@ State Mpm::initial_state() const {
 
 FieldView Mpm::field(const State& s, size_t, size_t which, std::vector<double>& scratch) const {
   const Setting& set = *setting_;
-  const size_t n = set.rows();
+  const size_t n = s.rows(columns::position);
+  if (which == 5) return {s.bytes(columns::id).data(), Scalar::u64, n, 1};
   if (which < 2) {
     const State::Column c = which == 0 ? columns::position : columns::velocity;
     return {s.bytes(c).data(), s.info(c).type, n, 3};
   }
   scratch.resize(n);
   const RealColumn<const double> j(s, columns::jacobian), plastic(s, columns::plastic);
-  for (const Piece& p : set.pieces) {
-    for (size_t i = p.first; i < p.last; ++i) {
+  for_runs(set, s, [&](const Piece& p, size_t begin, size_t end) {
+    for (size_t i = begin; i < end; ++i) {
       const double strain = p.material.law == Law::snow ? 1 - plastic.at(i) : plastic.at(i);
       scratch[i] = which == 2   ? p.density / j.at(i)
                    : which == 3 ? strain
                                 : static_cast<double>(p.material.law);
     }
-  }
+  });
   return {scratch.data(), Scalar::f64, n, 1};
+}
+
+void Mpm::check(StateCheck& check, double t) const {
+  const Setting& set = *setting_;
+  if (!set.def.changes()) return;
+  constexpr uint64_t kMostBehind = 1000;  // layers; a run leaves none behind, but rounds
+  const State& s = check.state();
+  check.together(columns::position, columns::per_particle_end, set.capacity);
+  check.together({columns::position, columns::piece, columns::id}, set.capacity);
+  check.below(columns::piece, set.pieces.size());
+  for (const uint32_t p : s.span<uint32_t>(columns::piece)) check.require(p < set.pieces.size(), "a piece");
+  const auto next = s.span<uint64_t>(columns::layers);
+  check.require(next.size() == set.inlets.size(), "emitters");
+  for (size_t k = 0; k < set.inlets.size() && k < next.size(); ++k) {
+    const bool near = next[k] <= UINT64_MAX / 2 && set.inlets[k].birth(next[k] + kMostBehind) >= t;
+    check.require(near, "an emitter is far behind the clock");
+  }
 }
 
 void Mpm::apply(State& s, const Command& c) const {
   check_command_numbers(c);
   if (c.kind == CommandKind::impulse) {
     refuse_place(c, "particle");
-    const size_t row = checked_command_row(c, setting_->rows(), "particle");
+    const size_t row = checked_command_row(c, s.rows(columns::position), "particle");
     if (setting_->def.dimension == 2 && c.vector.z != 0) {
       refuse_command("vector", "out_of_range", "a plane body stays in z = 0");
     }
     RealColumn<double> v(s, columns::velocity);
-    v.set_vector(row, v.vector(row) +
-                          c.vector / setting_->pieces[setting_->piece_of(static_cast<uint32_t>(row))].mass);
+    const Piece& piece = setting_->pieces[setting_->piece_of(row, setting_->pieces_of(s))];
+    v.set_vector(row, v.vector(row) + c.vector / piece.mass);
     return;
   }
   if (c.kind != CommandKind::set_parameter) {
@@ -165,6 +225,8 @@ void Mpm::draw(const State&, double t, Wish wishes, Drawing& out) const {
 
 Ports Mpm::ports() const {
   const MpmDef& d = setting_->def;
+  // What bodies do to nodes is not in the solve of the implicit step.
+  if (d.is_implicit()) return {};
   return {.medium = MediumPort{d.dimension, columns::position, d.cell / d.particles_per_axis}};
 }
 

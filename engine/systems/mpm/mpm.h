@@ -15,10 +15,11 @@ class Mpm final : public StagedSystem {
   State initial_state() const override;
   /// energy.kinetic, energy.elastic, energy.gravity, energy.total; momenta, angular momenta about the origin;
   /// centre, low and high of all particles; plastic.mean, jacobian.min, jacobian.max; error.exact where the
-  /// scene knows places.
+  /// scene knows places; mass; count, emitted, killed and refused where particles come or go.
   void observe(const State& state, double t, Observables& out) const override;
   /// position, velocity, density, plastic_strain, material.
   FieldView field(const State& state, size_t part, size_t field, std::vector<double>& scratch) const override;
+  void check(StateCheck& check, double t) const override;
   void apply(State& state, const Command& command) const override;
   void draw(const State& state, double t, Wish wishes, Drawing& out) const override;
   /// A medium: bodies may be in it (coupling immersion).

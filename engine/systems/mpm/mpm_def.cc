@@ -4,7 +4,9 @@
 #include <array>
 #include <cmath>
 
+#include "engine/kernels/mpm/stiffness.h"
 #include "engine/math/trig.h"
+#include "engine/systems/mpm/inlet.h"
 
 namespace truestep::mpm {
 
@@ -13,32 +15,91 @@ namespace {
 constexpr double kPi = 3.14159265358979323846;
 constexpr double kMostParticles = 1e7, kMostCells = 1e8;
 
+/// The rows of a def that is one.
+template <class D>
+TableOf<D>& add_material_rows(TableOf<D>& table) {
+  Law D::*material = &MaterialDef::material;
+  std::string D::*energy = &MaterialDef::energy;
+  const auto number = [](double MaterialDef::*m) { return static_cast<double D::*>(m); };
+  using M = MaterialDef;
+  return table
+      .choice("material", material, {"fluid", "corotated", "neo_hookean", "snow", "sand", "foam", "elastic"},
+              "how its stress follows from its deformation")
+      .text(
+          "energy", energy,
+          "J/m^3, of elastic: an expression of the singular values s1, s2 (s3) of the deformation gradient, "
+          "of I1, I2 and J, mu and lambda")
+      .number("density", number(&M::density), "kg/m^3", above(0), "at rest")
+      .number("youngs_modulus", number(&M::youngs_modulus), "Pa", above(0), "of everything but a fluid")
+      .number("poisson_ratio", number(&M::poisson_ratio), "1", {.min = -0.99, .max = 0.495},
+              "of everything but a fluid")
+      .number("bulk_modulus", number(&M::bulk_modulus), "Pa", above(0),
+              "of a fluid: pressure per relative change of volume; its waves run at sqrt(K / density)")
+      .number("hardening", number(&M::hardening), "1", between(0, 30), "xi of snow")
+      .number("critical_compression", number(&M::critical_compression), "1", between(0, 0.5),
+              "theta_c of snow")
+      .number("critical_stretch", number(&M::critical_stretch), "1", between(0, 0.5), "theta_s of snow")
+      .number("friction_angle", number(&M::friction_angle), "rad", between(0, 1.4), "of sand")
+      .number("yield_stress", number(&M::yield_stress), "Pa", above(0), "of foam, in tension (von Mises)");
+}
+
 const DefTable& body_table() {
   using D = BodyDef;
-  static const DefTable t =
-      TableOf<D>("a piece of one material")
-          .choice("shape", &D::shape, {"box", "ball"}, "what it fills")
-          .vector("center", &D::center, "m", any(), "of the shape")
-          .vector("half_extents", &D::half_extents, "m", above(0), "of a box")
-          .number("radius", &D::radius, "m", above(0), "of a ball")
-          .number("inner_radius", &D::inner_radius, "m", at_least(0), "of a ball that is hollow")
-          .vector("velocity", &D::velocity, "m/s", any(), "initial, of its centre")
-          .vector("spin", &D::spin, "rad/s", any(), "initial, about its centre")
-          .choice("material", &D::material, {"fluid", "corotated", "neo_hookean", "snow", "sand", "foam"},
-                  "how its stress follows from its deformation")
-          .number("density", &D::density, "kg/m^3", above(0), "at rest")
-          .number("youngs_modulus", &D::youngs_modulus, "Pa", above(0), "of everything but a fluid")
-          .number("poisson_ratio", &D::poisson_ratio, "1", {.min = -0.99, .max = 0.495},
-                  "of everything but a fluid")
-          .number("bulk_modulus", &D::bulk_modulus, "Pa", above(0),
-                  "of a fluid: pressure per relative change of volume; its waves run at sqrt(K / density)")
-          .number("hardening", &D::hardening, "1", between(0, 30), "xi of snow")
-          .number("critical_compression", &D::critical_compression, "1", between(0, 0.5), "theta_c of snow")
-          .number("critical_stretch", &D::critical_stretch, "1", between(0, 0.5), "theta_s of snow")
-          .number("friction_angle", &D::friction_angle, "rad", between(0, 1.4), "of sand")
-          .number("yield_stress", &D::yield_stress, "Pa", above(0), "of foam, in tension (von Mises)")
-          .build();
+  static const DefTable t = [] {
+    TableOf<D> table("a piece of one material");
+    table.choice("shape", &D::shape, {"box", "ball"}, "what it fills")
+        .vector("center", &D::center, "m", any(), "of the shape")
+        .vector("half_extents", &D::half_extents, "m", above(0), "of a box")
+        .number("radius", &D::radius, "m", above(0), "of a ball")
+        .number("inner_radius", &D::inner_radius, "m", at_least(0), "of a ball that is hollow")
+        .vector("velocity", &D::velocity, "m/s", any(), "initial, of its centre")
+        .vector("spin", &D::spin, "rad/s", any(), "initial, about its centre");
+    return add_material_rows(table).build();
+  }();
   return t;
+}
+
+const DefTable& inlet_table() {
+  static const DefTable t = [] {
+    TableOf<InletDef> table("a nozzle: a disk, in the plane a line, that material leaves in layers");
+    return add_material_rows(add_source_rows(table))
+        .check([](const InletDef& d, const DefTable::Report& report) {
+          check_source(d, report);
+          if (!(d.speed > 0)) report("/speed", "a nozzle pours only at a speed above 0");
+        })
+        .build();
+  }();
+  return t;
+}
+
+/// The nozzle and what is behind it must lie in the box.
+void check_inlet(const MpmDef& d, const InletDef& def, const std::string& at,
+                 const DefTable::Report& report) {
+  if (d.dimension == 2 && def.direction.z != 0)
+    return report(at + "/direction", "a plane material moves in z = 0");
+  if (def.radius > std::sqrt(kMostParticles / kPi) * d.spacing())
+    return report(at + "/radius", "more than ten million particles in a layer");
+  const Inlet inlet(d, def);
+  if (inlet.places.empty()) return report(at + "/radius", "is too small for a single particle");
+  const auto inside = [&](const Vec3& p) {
+    const Vec3 from = p - d.low, to = d.high - p;
+    const double least = std::min({from.x, from.y, to.x, to.y});
+    return least >= 0 && (d.dimension == 2 || std::min(from.z, to.z) >= 0);
+  };
+  for (const Vec3& p : inlet.places) {
+    if (inside(inlet.mouth + p) && inside(inlet.back() + p)) continue;
+    return report(at + "/position", "the nozzle, two cells deep behind its position, must lie in the box");
+  }
+}
+
+void check_material(const MpmDef& d, const MaterialDef& m, const std::string& at,
+                    const DefTable::Report& report) {
+  if (d.is_implicit() && !has_stiffness(m.material))
+    report(at + "/material", "the implicit step takes corotated and neo_hookean alone; others are explicit");
+  if (m.material == Law::elastic && m.energy.empty())
+    report(at + "/energy",
+           "material elastic needs an energy, as \"mu/2*(I1-3)-mu*log(J)+lambda/2*log(J)^2\"");
+  if (m.material != Law::elastic && !m.energy.empty()) report(at + "/energy", "only of material elastic");
 }
 
 /// Places along every axis of the lattice that fills a body; 1 across the plane.
@@ -66,9 +127,22 @@ void check_def(const MpmDef& d, const DefTable::Report& report) {
   if (!(least >= 4 * d.cell)) return report("/high", "the box must be at least four cells wide");
   if (cells_of(d) > kMostCells) return report("/cell", "more than 1e8 cells");
   if (expected_particles(d) > kMostParticles) return report("/bodies", "more than ten million particles");
+  for (size_t k = 0; k < d.emitters.size(); ++k) {
+    const std::string at = "/emitters/" + std::to_string(k);
+    check_inlet(d, d.emitters[k], at, report), check_material(d, d.emitters[k], at, report);
+  }
+  if (d.bodies.empty() && d.emitters.empty())
+    report("/bodies", "no bodies and no emitters: nothing to simulate");
+  if (d.max_particles && static_cast<double>(*d.max_particles) < expected_particles(d))
+    report("/max_particles", "fewer than the particles at t = 0");
+  if (d.is_implicit() && d.precision == Precision::f32)
+    report("/precision", "the implicit step solves in f64: floats do not hold what is stiff");
+  if (d.changes() && !d.exact.empty())
+    report("/exact", "places are known only where no particles come or go (emitters, kill regions)");
   for (size_t k = 0; k < d.bodies.size(); ++k) {
     const BodyDef& b = d.bodies[k];
     const std::string at = "/bodies/" + std::to_string(k);
+    check_material(d, b, at, report);
     Vec3 reach = b.shape == Shape::ball ? Vec3{b.radius, b.radius, b.radius} : b.half_extents;
     Vec3 from = b.center - reach - d.low, to = d.high - b.center - reach;
     if (plane) from.z = to.z = 0;
@@ -87,7 +161,7 @@ void check_def(const MpmDef& d, const DefTable::Report& report) {
 
 }  // namespace
 
-Material material_of(const BodyDef& b) {
+Material material_of(const MaterialDef& b) {
   Material m;
   m.law = b.material;
   const double e = b.youngs_modulus, nu = b.poisson_ratio;
@@ -141,6 +215,19 @@ double expected_particles(const MpmDef& d) {
   return sum;
 }
 
+size_t largest_count(const MpmDef& d, size_t start) {
+  if (!d.changes()) return start;
+  if (d.max_particles) return std::max(static_cast<size_t>(*d.max_particles), start);
+  double n = static_cast<double>(start);
+  for (const InletDef& e : d.emitters) n += Inlet(d, e).most();
+  // Without an end in sight: a default that the scene can raise.
+  return n <= kMostParticles ? static_cast<size_t>(n) : std::max<size_t>(start, 100'000);
+}
+
+double expected_blocks(const MpmDef& d, double n) {
+  return 1.2 * n / (64 * std::pow(d.particles_per_axis, d.dimension)) + 4;
+}
+
 const DefTable& mpm_table() {
   static const DefTable t = [] {
     using D = MpmDef;
@@ -154,15 +241,21 @@ const DefTable& mpm_table() {
         .number("cell", &D::cell, "m", above(0), "width of the grid's cells")
         .integer("particles_per_axis", &D::particles_per_axis, between(1, 8),
                  "particles of a cell along each axis: 2 makes 4 in the plane, 8 in space")
-        .objects("bodies", &D::bodies, body_table(), {1, 1000}, "what there is")
-        .required()
+        .objects("bodies", &D::bodies, body_table(), {0, 1000}, "what there is at the start")
+        .objects("emitters", &D::emitters, inlet_table(), {0, 64}, "nozzles")
+        .integer("max_particles", &D::max_particles, between(1, kMostParticles),
+                 "most particles at once; absent: what the emitters pour out, 100,000 where that has no end")
         .choice("splines", &D::splines, {"quadratic", "cubic"}, "how far a particle reaches")
         .choice("transfer", &D::transfer, {"apic", "flip"},
                 "what particles keep from step to step: their own affine velocity (apic, which conserves "
                 "momentum and angular momentum) or what is left of their velocity (flip)")
         .number("flip", &D::flip, "1", between(0, 1), "of transfer flip: 1 is FLIP, 0 is PIC")
+        .choice(
+            "integration", &D::integration, {"explicit", "implicit"},
+            "explicit: substeps as short as waves ask for; implicit: backward Euler for stiff corotated and "
+            "neo_hookean solids, whose waves may cross any number of cells (precision f64)")
         .number("courant", &D::courant, "1", {.min = 0.01, .max = 0.8},
-                "cells that a particle or a wave may cross in a substep")
+                "cells that a particle, of the explicit step also a wave, may cross in a substep")
         .integer("max_substeps", &D::max_substeps, between(1, 1e6), "of a step, beyond which it is refused")
         .choice("walls", &D::walls, kinds, "what the sides of the box do to velocities at them")
         .choice("floor", &D::floor, {"sticky", "slip", "separate", "as_walls"},
@@ -177,6 +270,7 @@ const DefTable& mpm_table() {
         .texts("exact", &D::exact, {0, 3},
                "m, place that is known at t of what starts at x, y, z: expressions; observed as error.exact")
         .choice("precision", &D::precision, {"f32", "f64"}, "of particles and grid");
+    add_kill_rows(table);
     add_collider_rows(table, &D::colliders);
     return table.check(check_def).build();
   }();
@@ -203,15 +297,16 @@ const Resolution& mpm_resolution() {
 
 Cost mpm_cost(const void* def) {
   const auto& d = *static_cast<const MpmDef*>(def);
-  const double n = expected_particles(d), scalar = d.precision == Precision::f32 ? 4 : 8;
+  const double scalar = d.precision == Precision::f32 ? 4 : 8;
+  const double n = static_cast<double>(
+      largest_count(d, static_cast<size_t>(std::min(expected_particles(d), kMostParticles))));
   const bool plane = d.dimension == 2;
   // What blocks.h and substep.h set aside: for four times the blocks that the particles are in and reach (or
   // all of the box), a tile and nodes of four numbers; columns in the order of blocks before and after they
   // are sorted, whose groups of lanes are filled up for every block and body.
   const double components = plane ? 17 : 32, block = plane ? 8 : 4, lanes = 32 / scalar;
   const double tile = plane ? 12.0 * 13 : 8.0 * 8 * 9;
-  const double per_cell = std::pow(d.particles_per_axis, d.dimension);
-  const double owners = 1.2 * n / (64 * per_cell) + 4;
+  const double owners = expected_blocks(d, n);
   const double side = plane ? std::sqrt(owners) : std::cbrt(owners);
   double table = 1;
   for (int a = 0; a < d.dimension; ++a) {
@@ -220,23 +315,36 @@ Cost mpm_cost(const void* def) {
   }
   const double own = std::min(table, 4 * owners + 64);
   const double all = std::min(table, 4 * std::pow(side + 2, d.dimension) + 256);
-  const double slots = n + std::min(n, own * static_cast<double>(d.bodies.size())) * (lanes - 1);
+  const double slots =
+      n + std::min(n, own * static_cast<double>(d.bodies.size() + d.emitters.size())) * (lanes - 1);
   const double flip = d.transfer == Transfer::flip ? 2 : 1;
   // Laws that flow take singular values and logarithms; snow that is packed hardens, which more than doubles
   // the speed of its waves.
   double fastest = 0, law = 1;
-  for (const BodyDef& b : d.bodies) {
+  const auto count = [&](const MaterialDef& b, double speed) {
     const Material m = material_of(b);
     const double harder = b.material == Law::snow ? 2.5 : 1;
-    fastest = std::max({fastest, harder * std::sqrt((m.lambda + 2 * m.mu) / b.density), norm(b.velocity)});
-    if (b.material == Law::snow || b.material == Law::sand || b.material == Law::foam) law = 1.6;
-  }
-  const double substeps_per_second = fastest / (d.courant * d.cell);
-  return {.state_bytes = n * scalar * (plane ? 16 : 26),
+    fastest = std::max({fastest, harder * std::sqrt((m.lambda + 2 * m.mu) / b.density), speed});
+    if (b.material == Law::snow || b.material == Law::sand || b.material == Law::foam)
+      law = std::max(law, 1.6);
+    if (b.material == Law::elastic) law = std::max(law, 8.0);
+  };
+  for (const BodyDef& b : d.bodies) count(b, norm(b.velocity));
+  for (const InletDef& e : d.emitters) count(e, e.speed);
+  const double substeps = std::max(1.0, fastest / (d.courant * d.cell) / 60);
+  // Of the implicit step seven vectors of nodes and every particle's stiffness.
+  const double implicit = d.is_implicit() ? 8 * (7 * 4 * 64 * all + slots * (plane ? 14 : 33)) : 0;
+  // Directions take as many products as a wave would need substeps, or cells that it could cross.
+  const double across = std::cbrt(cells_of(d)),
+               products = d.is_implicit() ? 6 * std::min(substeps, across) : substeps;
+  // A letter of an expression is about a third of an instruction.
+  double letters = 0;
+  for (const std::string& text : d.force) letters += static_cast<double>(text.size());
+  return {.state_bytes = n * (scalar * (plane ? 16 : 26) + (d.changes() ? 12 : 0)),
           .workspace_bytes = slots * (2 * components * scalar + 16) + n * (plane ? 24 : 30) * scalar +
-                             flip * 4 * scalar * (own * tile + all * 64) + 180 * all + 4 * table,
+                             flip * 4 * scalar * (own * tile + all * 64) + 180 * all + 4 * table + implicit,
           .elements = n,
-          .seconds_per_step = n * law * (plane ? 3.5e-8 : 1.1e-7) * std::max(1.0, substeps_per_second / 60)};
+          .seconds_per_step = n * products * (law * (plane ? 3.5e-8 : 1.1e-7) + 4e-10 * letters)};
 }
 
 }  // namespace truestep::mpm

@@ -5,10 +5,12 @@
 #include <vector>
 
 #include "engine/collision/points/collider_def.h"
+#include "engine/collision/points/kill_def.h"
 #include "engine/core/build.h"
 #include "engine/core/def.h"
 #include "engine/core/outputs.h"
 #include "engine/core/resolution.h"
+#include "engine/core/source_def.h"
 #include "engine/kernels/mpm/laws.h"
 
 namespace truestep::mpm {
@@ -18,27 +20,39 @@ enum class Contact : uint8_t { sticky, slip, separate };
 enum class Transfer : uint8_t { apic, flip };
 enum class Splines : uint8_t { quadratic, cubic };
 enum class Precision : uint8_t { f32, f64 };
+enum class Integration : uint8_t { explicit_steps, implicit_steps };
 
-/// A piece of one material that fills a shape.
-struct BodyDef {
-  Shape shape = Shape::box;
-  Vec3 center, half_extents{0.1, 0.1, 0.1}, velocity, spin;
-  double radius = 0.1, inner_radius = 0;
+/// What something is made of.
+struct MaterialDef {
   Law material = Law::corotated;
   double density = 1000, youngs_modulus = 1e5, poisson_ratio = 0.3, bulk_modulus = 1e5;
   double hardening = 10, critical_compression = 0.025, critical_stretch = 0.0075;
   double friction_angle = 0.61, yield_stress = 1e3;
+  std::string energy;
 };
 
-struct MpmDef {
+/// A piece of one material that fills a shape.
+struct BodyDef : MaterialDef {
+  Shape shape = Shape::box;
+  Vec3 center, half_extents{0.1, 0.1, 0.1}, velocity, spin;
+  double radius = 0.1, inner_radius = 0;
+};
+
+/// A nozzle that pours a material out.
+struct InletDef : SourceDef, MaterialDef {};
+
+struct MpmDef : KillDefs {
   int dimension = 2;
   Vec3 low, high{1, 1, 1};
   double cell = 1.0 / 64;
   int particles_per_axis = 2;
   std::vector<BodyDef> bodies;
+  std::vector<InletDef> emitters;
+  std::optional<int64_t> max_particles;
   Splines splines = Splines::quadratic;
   Transfer transfer = Transfer::apic;
   double flip = 0.95;
+  Integration integration = Integration::explicit_steps;
   double courant = 0.4;
   int max_substeps = 10'000;
   Contact walls = Contact::separate;
@@ -49,6 +63,12 @@ struct MpmDef {
   double body_friction = 0.4;
   std::vector<std::string> force, exact;
   Precision precision = Precision::f32;
+
+  bool is_implicit() const { return integration == Integration::implicit_steps; }
+  /// Whether particles come or go.
+  bool changes() const { return !emitters.empty() || any_regions(); }
+  /// m, between particles that nozzles pour out.
+  double spacing() const { return cell / particles_per_axis; }
 };
 
 const DefTable& mpm_table();
@@ -57,10 +77,14 @@ Cost mpm_cost(const void* def);
 const Resolution& mpm_resolution();
 
 /// Lame's parameters and what else the law needs.
-Material material_of(const BodyDef& body);
+Material material_of(const MaterialDef& of);
 /// m, where the particles of a body are at t = 0, in the order of rows.
 std::vector<Vec3> places_of(const MpmDef& def, const BodyDef& body);
 /// Particles of all bodies, by the lattices that fill them.
 double expected_particles(const MpmDef& def);
+/// Most particles that there may be at once, `start` of them from the beginning.
+size_t largest_count(const MpmDef& def, size_t start);
+/// Blocks of cells that hold n particles which lie as close as they do at the start.
+double expected_blocks(const MpmDef& def, double n);
 
 }  // namespace truestep::mpm

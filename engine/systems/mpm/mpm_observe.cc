@@ -11,12 +11,12 @@ namespace {
 
 /// Elastic energy of a piece per undeformed volume of a particle, summed over its particles in their order.
 template <int D>
-double energy_densities(const Piece& piece, const RealColumn<const double>& f,
+double energy_densities(const Piece& piece, size_t begin, size_t end, const RealColumn<const double>& f,
                         const RealColumn<const double>& j, const RealColumn<const double>& plastic) {
   using W = Wide<double>;
   double sum = 0;
-  for (size_t i = piece.first; i < piece.last; i += W::kLanes) {
-    const size_t count = std::min<size_t>(W::kLanes, piece.last - i);
+  for (size_t i = begin; i < end; i += W::kLanes) {
+    const size_t count = std::min<size_t>(W::kLanes, end - i);
     Square<D, double> a = Square<D, double>::identity();
     W volume = W::all(1), flown = W::all(1);
     for (size_t lane = 0; lane < count; ++lane) {
@@ -24,7 +24,7 @@ double energy_densities(const Piece& piece, const RealColumn<const double>& f,
       for (size_t k = 0; k < D * D; ++k) a.m[k].set(at, f.at(D * D * (i + lane) + k));
       volume.set(at, j.at(i + lane)), flown.set(at, plastic.at(i + lane));
     }
-    const W energy = response(piece.material, a, volume, flown).energy;
+    const W energy = response(piece, a, volume, flown).energy;
     for (size_t lane = 0; lane < count; ++lane) sum += energy[static_cast<int>(lane)];
   }
   return sum;
@@ -34,8 +34,8 @@ double energy_densities(const Piece& piece, const RealColumn<const double>& f,
 double distance_from_exact(const Setting& set, const RealColumn<const double>& x, double t) {
   constexpr size_t kMost = Texts::kMost;
   const auto d = static_cast<size_t>(set.def.dimension);
-  double sum = 0, from[3][kMost], to[kMost];
-  for (size_t b = 0; b < set.pieces.size(); ++b) {
+  double sum = 0, from[3][kMost], to[3][kMost];
+  for (size_t b = 0; b < set.def.bodies.size(); ++b) {
     const std::vector<Vec3> places = places_of(set.def, set.def.bodies[b]);
     for (size_t first = 0; first < places.size(); first += kMost) {
       const size_t many = std::min(kMost, places.size() - first);
@@ -43,10 +43,10 @@ double distance_from_exact(const Setting& set, const RealColumn<const double>& x
         const Vec3& p = places[first + k];
         from[0][k] = p.x, from[1][k] = p.y, from[2][k] = p.z;
       }
+      set.exact.run(t, from[0], from[1], from[2], many, to[0], kMost);
       for (size_t a = 0; a < d; ++a) {
-        set.exact.run(a, t, from[0], from[1], from[2], many, to);
         for (size_t k = 0; k < many; ++k) {
-          const double off = x.at(3 * (set.pieces[b].first + first + k) + a) - to[k];
+          const double off = x.at(3 * (set.pieces[b].first + first + k) + a) - to[a][k];
           sum += off * off;
         }
       }
@@ -68,11 +68,11 @@ void Mpm::observe(const State& s, double t, Observables& out) const {
   const bool affine = set.def.transfer == Transfer::apic;
   double kinetic = 0, elastic = 0, height = 0, mass = 0, strain = 0, least = HUGE_VAL, most = 0;
   Vec3 p, l, centre, low{HUGE_VAL, HUGE_VAL, HUGE_VAL}, high = -low;
-  for (const Piece& piece : set.pieces) {
+  for_runs(set, s, [&](const Piece& piece, size_t begin, size_t end) {
     const double m = piece.mass;
-    elastic += piece.volume * (d == 2 ? energy_densities<2>(piece, f, jacobian, plastic)
-                                      : energy_densities<3>(piece, f, jacobian, plastic));
-    for (size_t i = piece.first; i < piece.last; ++i) {
+    elastic += piece.volume * (d == 2 ? energy_densities<2>(piece, begin, end, f, jacobian, plastic)
+                                      : energy_densities<3>(piece, begin, end, f, jacobian, plastic));
+    for (size_t i = begin; i < end; ++i) {
       const Vec3 at = x.vector(i), u = v.vector(i);
       const double j = jacobian.at(i), q = plastic.at(i);
       kinetic += 0.5 * m * norm2(u), mass += m;
@@ -90,7 +90,9 @@ void Mpm::observe(const State& s, double t, Observables& out) const {
       low = {std::min(low.x, at.x), std::min(low.y, at.y), std::min(low.z, at.z)};
       high = {std::max(high.x, at.x), std::max(high.y, at.y), std::max(high.z, at.z)};
     }
-  }
+  });
+  const size_t n = s.rows(columns::position);
+  if (n == 0) low = high = centre / mass;  // nothing is nowhere: not a number
   out.add("energy.kinetic", kinetic, "J");
   out.add("energy.elastic", elastic, "J");
   out.add("energy.gravity", height, "J");
@@ -107,17 +109,29 @@ void Mpm::observe(const State& s, double t, Observables& out) const {
   out.add("jacobian.min", least, "1");
   out.add("jacobian.max", most, "1");
   if (!set.exact.empty()) out.add("error.exact", distance_from_exact(set, x, t), "m");
+  out.add("mass", mass, "kg");
+  if (!set.def.changes()) return;
+  const auto c_of = s.span<uint64_t>(columns::counts);
+  out.add("count", static_cast<double>(n), "1");
+  out.add("emitted", static_cast<double>(c_of[counts::emitted]), "1");
+  out.add("killed", static_cast<double>(c_of[counts::killed]), "1");
+  out.add("refused", static_cast<double>(c_of[counts::refused]), "1");
 }
 
 const Outputs& mpm_outputs() {
   static const Outputs kOutputs{
-      .rows = "a particle, body after body",
+      .rows =
+          "a particle, body after body; rows of particles that are removed are closed up, new ones come at "
+          "the "
+          "end",
       .fields = {{"position", "m", 3, ""},
                  {"velocity", "m/s", 3, ""},
                  {"density", "kg/m^3", 1, "at rest over the change of volume so far"},
                  {"plastic_strain", "1", 1,
                   "snow: 1 - Jp, how much it is packed; sand: volume correction; foam: plastic strain"},
-                 {"material", "1", 1, "0 fluid, 1 corotated, 2 neo_hookean, 3 snow, 4 sand, 5 foam"}},
+                 {"material", "1", 1,
+                  "0 fluid, 1 corotated, 2 neo_hookean, 3 snow, 4 sand, 5 foam, 6 elastic"},
+                 {"id", "1", 1, "number that is never used twice, where particles come or go"}},
       .observables = {{"energy.kinetic", "J", "of the particles' own velocities"},
                       {"energy.elastic", "J", "what deformation has stored"},
                       {"energy.gravity", "J", "potential, about the origin"},
@@ -142,7 +156,12 @@ const Outputs& mpm_outputs() {
                       {"jacobian.max", "1", "greatest volume ratio"},
                       {"error.exact", "m",
                        "distance of particles from where the scene knows them to be, "
-                       "root mean square"}}};
+                       "root mean square"},
+                      {"mass", "kg", "of all particles"},
+                      {"count", "1", "particles that there are, where they come or go"},
+                      {"emitted", "1", "particles born from nozzles"},
+                      {"killed", "1", "particles removed by kill regions"},
+                      {"refused", "1", "births that the most particles allowed left no room for"}}};
   return kOutputs;
 }
 

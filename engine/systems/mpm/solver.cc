@@ -5,7 +5,8 @@
 
 #include "engine/base/errors.h"
 #include "engine/base/short_number.h"
-#include "engine/systems/mpm/substep.h"
+#include "engine/systems/mpm/implicit.h"
+#include "engine/systems/mpm/rows.h"
 
 namespace truestep::mpm {
 
@@ -22,8 +23,16 @@ class SolverOf final : public Solver {
     auto& grid = in.workspace.object<Grid<D, Nodes, T>>("mpm.grid");
     const bool first = grid.blocks.table.empty();
     if (first) grid.blocks.set(set_.def.low, set_.def.high, set_.def.cell);
-    load_rows(s, grid, in);
-    if (first) grid.reserve(set_);
+    grid.piece_of_row = set_.pieces_of(s);
+    const Rows<D, T> rows(s);
+    load_rows(rows, grid, in);
+    if (first) {
+      grid.reserve(set_);
+      if constexpr (sizeof(T) == 8) {
+        if (set_.def.is_implicit())
+          in.workspace.object<Implicit<D, Nodes>>("mpm.implicit").reserve(grid, grid.blocks.keys.capacity());
+      }
+    }
     {
       const ProfileScope scope(in.profile, "mpm stresses");
       grid.stresses(set_, in.arena);
@@ -38,15 +47,16 @@ class SolverOf final : public Solver {
       drift = substep(grid, gravity, in, parts > 1 ? left / parts : left, drift, left);
     }
     grid.bodies.end(in.bodies);
-    store_rows(s, grid.now, in.arena);
+    const ProfileScope scope(in.profile, "mpm sort");
+    rows.save(grid.now, in.arena);
   }
 
  private:
-  using L = Layout<D>;
-
   /// s that the fastest particle or wave allows.
   double limit(const Grid<D, Nodes, T>& grid) const {
-    const double own = std::sqrt(std::max(grid.largest(grid.fastest), grid.largest(grid.modulus)));
+    // Waves do not limit an implicit step.
+    const double waves = set_.def.is_implicit() ? 0 : grid.largest(grid.modulus);
+    const double own = std::sqrt(std::max(grid.largest(grid.fastest), waves));
     const double speed = std::max(own, grid.bodies.fastest());
     return speed > 0 ? set_.def.courant * set_.def.cell / speed : HUGE_VAL;
   }
@@ -72,6 +82,17 @@ class SolverOf final : public Solver {
         const ProfileScope scope(in.profile, "mpm nodes");
         const double t = in.t + in.h - left;
         speed = grid.move_nodes(set_, gravity, t, length, in.arena);
+        if constexpr (sizeof(T) == 8) {
+          if (set_.def.is_implicit()) {
+            auto& implicit = in.workspace.object<Implicit<D, Nodes>>("mpm.implicit");
+            const auto found = implicit.solve(grid, set_, t, h, norm(gravity), in.arena);
+            if (!found.converged) {
+              h *= 0.5;
+              continue;
+            }
+            speed = found.fastest;
+          }
+        }
         if (grid.bodies.any()) speed = std::max(speed, grid.touch_bodies(set_, gravity, t, length));
       }
       // Nodes may be faster than any particle was: tiles hold a cell of drift, no more.
@@ -85,20 +106,23 @@ class SolverOf final : public Solver {
       }
       {
         const ProfileScope scope(in.profile, "mpm gather");
-        grid.gather_all(set_, length, in.arena);
+        // Nobody asks for the stress after the last.
+        const bool last = !(h < left);
+        grid.gather_all(set_, length, last ? Then::flow : Then::both, in.arena);
       }
       grid.bodies.accept(h);
       left = h < left ? left - h : 0;
       return drift + speed * h / cell;
     }
-    throw Instability(set_.id, "velocity", -1, "no substep keeps nodes from crossing a cell");
+    throw Instability(set_.id, "velocity", -1, "no substep keeps nodes from crossing a cell, or is solved");
   }
 
   /// From grid.next to grid.now.
   void sort(Grid<D, Nodes, T>& grid, const StepInput& in) const {
     const ProfileScope scope(in.profile, "mpm sort");
     grid.blocks.sort(
-        grid.next, grid.now, set_.pieces.size(), [&](uint32_t row) { return set_.piece_of(row); }, in.arena);
+        grid.next, grid.now, set_.pieces.size(),
+        [&](uint32_t row) { return set_.piece_of(row, grid.piece_of_row); }, in.arena);
   }
 
   [[noreturn]] void refuse(double allowed) const {
@@ -111,58 +135,18 @@ class SolverOf final : public Solver {
   }
 
   /// Particles in the order of blocks, bodies and rows.
-  void load_rows(const State& s, Grid<D, Nodes, T>& grid, const StepInput& in) const {
+  void load_rows(const Rows<D, T>& rows, Grid<D, Nodes, T>& grid, const StepInput& in) const {
     const ProfileScope scope(in.profile, "mpm sort");
-    const size_t n = set_.rows();
+    const size_t n = rows.count();
     auto& blocks = grid.blocks;
-    Sorted<D, T>& to = grid.now;
-    const T *x = s.span<T>(columns::position).data(), *v = s.span<T>(columns::velocity).data(),
-            *c = s.span<T>(columns::affine).data(), *f = s.span<T>(columns::deformation).data(),
-            *plastic = s.span<T>(columns::plastic).data(), *j = s.span<T>(columns::jacobian).data();
     blocks.keys.resize(n);
     in.arena.for_blocks(n, kBlockRows, [&](size_t begin, size_t end) {
-      for (size_t i = begin; i < end; ++i) blocks.keys[i] = blocks.block_of(x + 3 * i);
+      for (size_t i = begin; i < end; ++i) blocks.keys[i] = blocks.block_of(rows.place(i));
     });
-    const auto row_of = [](size_t i) { return static_cast<uint32_t>(i); };
     blocks.arrange(
-        n, set_.pieces.size(), [&](size_t i) { return set_.piece_of(row_of(i)); }, row_of, to);
-    in.arena.for_blocks(to.slots(), kBlockRows, [&](size_t begin, size_t end) {
-      for (size_t k = begin; k < end; ++k) {
-        if (to.row[k] == Sorted<D, T>::kNone) continue;
-        const size_t i = to.row[k];
-        for (int a = 0; a < D; ++a) {
-          to.at(k, L::x + a) = x[3 * i + static_cast<size_t>(a)];
-          to.at(k, L::v + a) = v[3 * i + static_cast<size_t>(a)];
-        }
-        for (size_t m = 0; m < D * D; ++m) {
-          to.at(k, L::c + static_cast<int>(m)) = c[D * D * i + m];
-          to.at(k, L::f + static_cast<int>(m)) = f[D * D * i + m];
-        }
-        to.at(k, L::plastic) = plastic[i], to.at(k, L::jacobian) = j[i];
-      }
-    });
-    blocks.fill_up(to);
-  }
-
-  void store_rows(State& s, const Sorted<D, T>& from, const ThreadArena& arena) const {
-    T *x = s.span<T>(columns::position).data(), *v = s.span<T>(columns::velocity).data(),
-      *c = s.span<T>(columns::affine).data(), *f = s.span<T>(columns::deformation).data(),
-      *plastic = s.span<T>(columns::plastic).data(), *j = s.span<T>(columns::jacobian).data();
-    arena.for_blocks(from.slots(), kBlockRows, [&](size_t begin, size_t end) {
-      for (size_t k = begin; k < end; ++k) {
-        if (from.row[k] == Sorted<D, T>::kNone) continue;
-        const size_t i = from.row[k];
-        for (int a = 0; a < D; ++a) {
-          x[3 * i + static_cast<size_t>(a)] = from.at(k, L::x + a);
-          v[3 * i + static_cast<size_t>(a)] = from.at(k, L::v + a);
-        }
-        for (size_t m = 0; m < D * D; ++m) {
-          c[D * D * i + m] = from.at(k, L::c + static_cast<int>(m));
-          f[D * D * i + m] = from.at(k, L::f + static_cast<int>(m));
-        }
-        plastic[i] = from.at(k, L::plastic), j[i] = from.at(k, L::jacobian);
-      }
-    });
+        n, set_.pieces.size(), [&](size_t i) { return set_.piece_of(i, grid.piece_of_row); },
+        [](size_t i) { return static_cast<uint32_t>(i); }, grid.now);
+    rows.load(grid.now, in.arena);
   }
 
   const Setting& set_;

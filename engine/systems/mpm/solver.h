@@ -9,38 +9,86 @@
 
 #include "engine/core/state.h"
 #include "engine/core/system.h"
+#include "engine/systems/mpm/energy.h"
+#include "engine/systems/mpm/inlet.h"
 #include "engine/systems/mpm/mpm_def.h"
 #include "engine/systems/mpm/texts.h"
 
 namespace truestep::mpm {
 
 namespace columns {
+/// Where particles come or go there are four more: `piece` and `id` of each, of each nozzle the number of its
+/// next layer, and `counts`.
 inline constexpr State::Column position = 0, velocity = 1, affine = 2, deformation = 3, plastic = 4,
-                               jacobian = 5, gravity = 6;
+                               jacobian = 5, gravity = 6, piece = 7, id = 8, layers = 9, counts = 10;
+/// Columns with a row for each particle: the first six, and `piece` and `id` where they are.
+inline constexpr State::Column per_particle_end = gravity;
+}  // namespace columns
+
+/// Entries of the column `counts`; `born` counts those of the start, too: the next particle's id.
+namespace counts {
+inline constexpr size_t emitted = 0, killed = 1, refused = 2, born = 3, count = 4;
 }
 
-/// What all particles of a body share; its rows are [first, last).
+/// What all particles of a body, or of a nozzle, share; its rows at the start are [first, last).
 struct Piece {
   Material material;
   double density, mass, volume;  ///< kg/m^3, kg and m^3 of a particle
   size_t first, last;
+  std::shared_ptr<const EnergyLaw> energy;  ///< of material elastic
 };
+
+/// Stress of a piece's material.
+template <int D, class T>
+Response<D, T> response(const Piece& p, const Square<D, T>& f, Wide<T> j, Wide<T> plastic) {
+  return p.energy ? p.energy->response(f) : response(p.material, f, j, plastic);
+}
 
 struct Setting {
   MpmDef def;
-  std::vector<Piece> pieces;
+  std::vector<Piece> pieces;  ///< bodies, then nozzles
+  std::vector<Inlet> inlets;
+  size_t capacity = 0;  ///< most particles at once
   ColliderSet colliders;
   Texts force, exact;  ///< m/s^2; m, of a particle that starts at x, y, z
   std::string id;
 
+  /// Particles at the start.
   size_t rows() const { return pieces.back().last; }
-  uint32_t piece_of(size_t row) const {
+  /// Pieces of rows; empty where they are those of the start.
+  std::span<const uint32_t> pieces_of(const State& s) const {
+    if (!def.changes()) return {};
+    return s.span<uint32_t>(columns::piece);
+  }
+  /// Piece of a row, with what `pieces_of` gave.
+  uint32_t piece_of(size_t row, std::span<const uint32_t> of_rows) const {
+    if (!of_rows.empty()) return of_rows[row];
     if (pieces.size() == 1) return 0;
     const auto at = std::upper_bound(pieces.begin(), pieces.end(), row,
                                      [](size_t r, const Piece& p) { return r < p.last; });
     return static_cast<uint32_t>(at - pieces.begin());
   }
 };
+
+/// Visits runs of rows of one piece, in their order: visit(piece, begin, end).
+template <class Visit>
+void for_runs(const Setting& set, const State& s, const Visit& visit) {
+  const std::span<const uint32_t> of = set.pieces_of(s);
+  if (!set.def.changes()) {
+    for (const Piece& p : set.pieces) visit(p, p.first, p.last);
+    return;
+  }
+  for (size_t begin = 0, end; begin < of.size(); begin = end) {
+    for (end = begin + 1; end < of.size() && of[end] == of[begin];) ++end;
+    visit(set.pieces[of[begin]], begin, end);
+  }
+}
+
+/// Adds the layers that nozzles have given birth to before time t (s), where they are then; nothing where
+/// something is already.
+void pour(const Setting& set, State& s, double t, Workspace& workspace);
+/// Removes the particles that are in kill regions.
+void remove_killed(const Setting& set, State& s, const StepInput& in);
 
 class Solver {
  public:

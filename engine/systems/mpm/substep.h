@@ -23,6 +23,9 @@ Vec3T<T> bounded(const Vec3T<T>& v, const Vec3T<T>& n, const Vec3T<T>& of, Conta
   return speed > -friction * into ? of + along * (1 + friction * into / speed) : of;
 }
 
+/// What follows from a deformation: the stress; the flow back to what the law allows; or both, flow first.
+enum class Then : unsigned char { stress, flow, both };
+
 template <int D, int Nodes, class T>
 struct Grid {
   using Size = Tiling<D, Nodes>;
@@ -38,6 +41,7 @@ struct Grid {
   Aligned<T> impulses,
       changes;  ///< of FLIP: tiles of stress alone; of nodes, what the substep adds to velocities
   std::vector<double> fastest, modulus;
+  std::span<const uint32_t> piece_of_row;  ///< of the state, where particles come or go
 
   /// Largest of a list of non-negative numbers.
   static double largest(const std::vector<double>& v) {
@@ -48,7 +52,9 @@ struct Grid {
 
   /// After particles were sorted for the first time: memory for the run.
   void reserve(const Setting& set) {
-    blocks.reserve(set.rows(), set.pieces.size(), now, next);
+    const double expected =
+        set.def.changes() ? expected_blocks(set.def, static_cast<double>(set.capacity)) : 0;
+    blocks.reserve(set.capacity, set.pieces.size(), expected, now, next);
     const bool flip = set.def.transfer == Transfer::flip;
     tiles.reserve(blocks.reserved_owners() * kTileNumbers);
     nodes.reserve(blocks.reserved() * kBlockNumbers);
@@ -80,23 +86,25 @@ struct Grid {
     return largest_lane(r.modulus);
   }
 
-  /// Stress of a group; `flows` says whether its deformation goes back to what the law allows. Returns the
-  /// largest modulus.
-  static T respond(const Piece& piece, T* group, bool flows) {
+  /// Returns the largest modulus of a group; 0 where no stress was asked for.
+  static T respond(const Piece& piece, T* group, Then then) {
     const Material& mat = piece.material;
+    const bool plastic_law = mat.law == Law::snow || mat.law == Law::sand || mat.law == Law::foam;
+    if (then == Then::flow && !plastic_law) return 0;
     if (mat.law == Law::fluid) return respond_fluid(mat, group);
     const W j = load(group + L::jacobian * W::kLanes);
     W plastic = load(group + L::plastic * W::kLanes);
     const Square<D, T> f = load_square(group, L::f);
     Response<D, T> r;
-    if (flows && (mat.law == Law::snow || mat.law == Law::sand || mat.law == Law::foam)) {
+    if (then != Then::stress && plastic_law) {
       Svd<D, T> d = svd(f);
       return_map(mat, d, plastic);
       store_square(group, L::f, compose(d.u, d.s, d.v));
       store(group + L::plastic * W::kLanes, plastic);
+      if (then == Then::flow) return 0;
       r = solid_response(mat, d, plastic);
     } else {
-      r = response(mat, f, j, plastic);
+      r = response(piece, f, j, plastic);
     }
     int c = L::tau;
     for (int i = 0; i < D; ++i) {
@@ -116,7 +124,7 @@ struct Grid {
           const Piece& piece = set.pieces[run.body];
           for (size_t s = run.begin; s < run.end; s += W::kLanes) {
             T* group = now.group(s);
-            const T most = respond(piece, group, false);
+            const T most = respond(piece, group, Then::stress);
             modulus[k] = std::max(modulus[k], double{most} / piece.density);
             fastest[k] = std::max(fastest[k], speed2(group));
           }
@@ -163,18 +171,18 @@ struct Grid {
     }
   }
 
-  /// Adds to the momenta in `rows` what the scene's force gives particles from slot s on in h s.
-  void add_force(const Setting& set, double t, T h, T mass, size_t s, T* rows) const {
-    double x[3][W::kLanes] = {}, a[W::kLanes];
-    for (int i = 0; i < D; ++i) {
-      const W at = load(now.group(s) + (L::x + i) * W::kLanes);
-      for (int lane = 0; lane < W::kLanes; ++lane) x[i][lane] = double{at[lane]};
+  /// m/s^2, of the particles in slots [s, end), no more than texts take at once: all of one component, then
+  /// of the next.
+  void accelerations(const Setting& set, double t, size_t s, size_t end, double* out) const {
+    alignas(64) double x[3][Texts::kMost] = {};
+    const size_t many = std::min(end - s + W::kLanes - 1, Texts::kMost) / W::kLanes * W::kLanes;
+    for (size_t k = 0; k < many; k += W::kLanes) {
+      for (int i = 0; i < D; ++i) {
+        const W at = load(now.group(s + k) + (L::x + i) * W::kLanes);
+        for (size_t lane = 0; lane < W::kLanes; ++lane) x[i][k + lane] = double{at[static_cast<int>(lane)]};
+      }
     }
-    for (size_t i = 0; i < D; ++i) {
-      set.force.run(i, t, x[0], x[1], x[2], W::kLanes, a);
-      for (size_t lane = 0; lane < W::kLanes; ++lane)
-        rows[4 * lane + i + 1] += mass * h * static_cast<T>(a[lane]);
-    }
+    set.force.run(t, x[0], x[1], x[2], many, out, Texts::kMost);
   }
 
   void scatter_all(const Setting& set, double t, T h, const ThreadArena& arena) {
@@ -187,6 +195,7 @@ struct Grid {
       Stencils<D, Nodes, T> at;
       alignas(64) T rows[kRowNumbers];
       alignas(64) T still[kRowNumbers] = {};
+      alignas(64) double pull[3 * Texts::kMost];
       for (size_t k = begin; k < end; ++k) {
         T* tile = tiles.data() + k * kTileNumbers;
         std::fill(tile, tile + kTileNumbers, T{0});
@@ -197,7 +206,8 @@ struct Grid {
           const Run& run = blocks.runs[r];
           const Piece& piece = set.pieces[run.body];
           const T mass = static_cast<T>(piece.mass), keep = affine ? mass : T{0};
-          const T push = -h * static_cast<T>(piece.volume) / second;
+          // An implicit step adds what stress does afterwards.
+          const T push = set.def.is_implicit() ? T{0} : -h * static_cast<T>(piece.volume) / second;
           for (size_t s = run.begin; s < run.end; s += W::kLanes) {
             const int many = static_cast<int>(std::min<size_t>(W::kLanes, run.end - s));
             locate(b, now.group(s), dx, at);
@@ -207,7 +217,14 @@ struct Grid {
               std::copy(rows, rows + 4 * W::kLanes, still);
               std::fill(rows, rows + 4 * W::kLanes, T{0});
             }
-            if (!set.force.empty()) add_force(set, t, h, mass, s, rows);
+            if (!set.force.empty()) {
+              const size_t from = (s - run.begin) % Texts::kMost;
+              if (from == 0) accelerations(set, t, s, run.end, pull);
+              for (size_t i = 0; i < D; ++i) {
+                for (size_t lane = 0; lane < W::kLanes; ++lane)
+                  rows[4 * lane + i + 1] += mass * h * static_cast<T>(pull[i * Texts::kMost + from + lane]);
+              }
+            }
             T* first = impulse ? impulse : tile;
             for (int lane = 0; lane < many; ++lane) {
               scatter<D, Nodes, Size::kReach, Size::kRow>(at, lane, rows, first);
@@ -246,6 +263,20 @@ struct Grid {
     }
   }
 
+  /// The nodes of a block from the tiles around it.
+  void sum_tiles(const Block& b, const Aligned<T>& from, T* own) const {
+    std::fill(own, own + kBlockNumbers, T{0});
+    for (int m = 0; m < Size::kNeighbours; ++m) {
+      if (b.neighbours[m] < 0) continue;
+      const Block& other = blocks.blocks[static_cast<size_t>(b.neighbours[m])];
+      if (other.tile < 0) continue;
+      const T* tile = from.data() + static_cast<size_t>(other.tile) * kTileNumbers;
+      shared_rows(m, [&](size_t to, size_t at, size_t many) {
+        for (size_t i = 0; i < many; ++i) own[to + i] += tile[at + i];
+      });
+    }
+  }
+
   /// Sums tiles into blocks and moves on the nodes' velocities. Returns the fastest node's speed.
   double move_nodes(const Setting& set, const Vec3& gravity, double t, T h, const ThreadArena& arena) {
     nodes.resize(blocks.blocks.size() * kBlockNumbers);
@@ -257,20 +288,8 @@ struct Grid {
         const Block& b = blocks.blocks[k];
         T* own = nodes.data() + k * kBlockNumbers;
         T* change = flip ? changes.data() + k * kBlockNumbers : nullptr;
-        std::fill(own, own + kBlockNumbers, T{0});
-        if (flip) std::fill(change, change + kBlockNumbers, T{0});
-        for (int m = 0; m < Size::kNeighbours; ++m) {
-          if (b.neighbours[m] < 0) continue;
-          const Block& other = blocks.blocks[static_cast<size_t>(b.neighbours[m])];
-          if (other.tile < 0) continue;
-          const T* tile = tiles.data() + static_cast<size_t>(other.tile) * kTileNumbers;
-          shared_rows(m, [&](size_t to, size_t from, size_t many) {
-            for (size_t i = 0; i < many; ++i) own[to + i] += tile[from + i];
-            if (!flip) return;
-            const T* impulse = impulses.data() + static_cast<size_t>(other.tile) * kTileNumbers;
-            for (size_t i = 0; i < many; ++i) change[to + i] += impulse[from + i];
-          });
-        }
+        sum_tiles(b, tiles, own);
+        if (flip) sum_tiles(b, impulses, change);
         fastest[k] = move_block(set, b, gravity, t, h, own, change);
       }
     });
@@ -326,7 +345,7 @@ struct Grid {
                     T* change) const {
     const MpmDef& def = set.def;
     const T g[3] = {static_cast<T>(gravity.x), static_cast<T>(gravity.y), static_cast<T>(gravity.z)};
-    if (!change && set.colliders.empty() && is_inside(def, b)) return move_free(g, h, own);
+    if (!change && is_free(set, b)) return move_free(g, h, own);
     double most = 0;
     for (size_t n = 0; n < Size::kBlockNodes; ++n) {
       T* node = own + 4 * n;
@@ -338,7 +357,8 @@ struct Grid {
         const T* impulse = change + 4 * n;
         v += Vec3T<T>{impulse[1], impulse[2], D == 3 ? impulse[3] : T{0}} * inverse;
       }
-      v = held(set, place_of(def, b, n), t, v);
+      // Boundaries are part of an implicit step's solve.
+      if (!def.is_implicit()) v = held(set, place_of(def, b, n), t, v);
       if (change) {
         T* c = change + 4 * n;
         c[0] = 0, c[1] = v.x - before.x, c[2] = v.y - before.y, c[3] = v.z - before.z;
@@ -359,20 +379,26 @@ struct Grid {
     }
     return {x[0], x[1], x[2]};
   }
-  /// Velocity of a node at place x as colliders and walls let it.
-  Vec3T<T> held(const Setting& set, const Vec3& place, double t, Vec3T<T> v) const {
+  /// Visits what holds a node at place x, in its order: visit(normal into the free side, velocity, kind,
+  /// friction).
+  template <class Visit>
+  void for_boundaries(const Setting& set, const Vec3& place, double t, const Visit& visit) const {
     const MpmDef& def = set.def;
     const double x[3] = {place.x, place.y, place.z}, far[3] = {def.high.x, def.high.y, def.high.z};
     const Contact floor = def.floor == MpmDef::Floor::as_walls ? def.walls : static_cast<Contact>(def.floor);
+    const auto single = [](const Vec3& a) {
+      return Vec3T<T>{static_cast<T>(a.x), static_cast<T>(a.y), D == 3 ? static_cast<T>(a.z) : T{0}};
+    };
     if (!set.colliders.empty()) {
       const NearSurface near = set.colliders.nearest(place, t);
       if (near.collider != NearSurface::kNone && near.distance < 0) {
-        const auto single = [](const Vec3& a) {
-          return Vec3T<T>{static_cast<T>(a.x), static_cast<T>(a.y), D == 3 ? static_cast<T>(a.z) : T{0}};
-        };
         const double mu = set.colliders.colliders()[near.collider].surface.friction;
-        v = bounded(v, single(near.normal), single(near.velocity), def.contact, static_cast<T>(mu));
+        visit(single(near.normal), single(near.velocity), def.contact, static_cast<T>(mu));
       }
+    }
+    for (const Inlet& inlet : set.inlets) {
+      if (inlet.holds(place, t, 0.5 * def.cell))
+        visit(single(inlet.along), single(inlet.velocity()), Contact::sticky, T{0});
     }
     const T slack = static_cast<T>(1e-6 * def.cell), mu = static_cast<T>(def.wall_friction);
     for (int a = 0; a < D; ++a) {
@@ -380,9 +406,19 @@ struct Grid {
       if (!below && !above) continue;
       const T side = below ? T{1} : T{-1};
       const Vec3T<T> n_wall{a == 0 ? side : 0, a == 1 ? side : 0, a == 2 ? side : 0};
-      v = bounded(v, n_wall, {}, below && a == 1 ? floor : def.walls, mu);
+      visit(n_wall, Vec3T<T>{}, below && a == 1 ? floor : def.walls, mu);
     }
+  }
+  /// Velocity of a node at place x as colliders, nozzles and walls let it.
+  Vec3T<T> held(const Setting& set, const Vec3& place, double t, Vec3T<T> v) const {
+    for_boundaries(set, place, t, [&](const Vec3T<T>& n, const Vec3T<T>& of, Contact kind, T friction) {
+      v = bounded(v, n, of, kind, friction);
+    });
     return v;
+  }
+  /// Whether nothing can hold a node of the block.
+  bool is_free(const Setting& set, const Block& b) const {
+    return set.colliders.empty() && set.inlets.empty() && is_inside(set.def, b);
   }
 
   /// Nodes and the bodies in them, before the substep is taken. Returns the speed of the fastest such node.
@@ -447,8 +483,8 @@ struct Grid {
     }
   }
 
-  /// Velocities, places, deformations and stresses of all particles from the nodes.
-  void gather_all(const Setting& set, T h, const ThreadArena& arena) {
+  /// Velocities, places, deformations and what follows from them of all particles from the nodes.
+  void gather_all(const Setting& set, T h, Then then, const ThreadArena& arena) {
     const MpmDef& def = set.def;
     const T dx = static_cast<T>(def.cell);
     const W per_second(1 / (Spline<Nodes, T>::kSecond * dx * dx)), hh(h), share(def.flip);
@@ -494,7 +530,7 @@ struct Grid {
               }
             }
             deform(piece, group, h);
-            modulus[k] = std::max(modulus[k], double{respond(piece, group, true)} / piece.density);
+            modulus[k] = std::max(modulus[k], double{respond(piece, group, then)} / piece.density);
             fastest[k] = std::max(fastest[k], speed2(group));
           }
         }

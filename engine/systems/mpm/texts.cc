@@ -11,23 +11,25 @@ Texts::Texts(const std::vector<std::string>& texts, int dimension, const std::st
   const char* const variables[] = {"t", "x", "y", "z"};
   for (int32_t v = 0; v <= dimension; ++v) names.add_value(variables[v], graph.variable(v));
   std::vector<Issue> issues;
+  std::vector<ExpressionGraph::Node> roots;
   for (size_t c = 0; c < texts.size(); ++c) {
     try {
-      const ExpressionGraph::Node n = names.require(graph, texts[c]);
-      programs_.emplace_back(graph, std::span<const ExpressionGraph::Node>(&n, 1));
+      roots.push_back(names.require(graph, texts[c]));
+      if (roots.size() == texts.size()) program_ = ExpressionRows(graph, roots);
     } catch (const ExpressionFault& f) {
       issues.push_back({pointer + "/" + std::to_string(c), "bad_expression", describe(f, texts[c]), texts[c],
                         "", f.did_you_mean, ""});
     }
   }
   if (!issues.empty()) throw Error("scene_invalid", issues[0].message, issues);
+  components_ = roots.size();
 }
 
-void Texts::run(size_t c, double t, const double* x, const double* y, const double* z, size_t count,
-                double* out) const {
+void Texts::run(double t, const double* x, const double* y, const double* z, size_t count, double* out,
+                size_t stride) const {
   const ExpressionRows::Column variables[] = {{&t, 0}, {x, 1}, {y, 1}, {z, 1}};
-  const ExpressionRows::Output to{out, 1};
-  programs_[c].run(variables, {&to, 1}, 0, count);
+  const ExpressionRows::Output to[3] = {{out, 1}, {out + stride, 1}, {out + 2 * stride, 1}};
+  program_.run(variables, {to, components_}, 0, count);
 }
 
 }  // namespace truestep::mpm

@@ -17,13 +17,15 @@ class Texts {
   /// Error "scene_invalid" with `pointer` and a number behind it where a text is none. Empty texts: nothing.
   Texts(const std::vector<std::string>& texts, int dimension, const std::string& pointer);
 
-  bool empty() const { return programs_.empty(); }
-  /// Component c at `count` (at most kMost) places.
-  void run(size_t c, double t, const double* x, const double* y, const double* z, size_t count,
-           double* out) const;
+  bool empty() const { return components_ == 0; }
+  size_t instructions() const { return program_.instructions(); }
+  /// All components at `count` (at most kMost) places, `stride` apart.
+  void run(double t, const double* x, const double* y, const double* z, size_t count, double* out,
+           size_t stride) const;
 
  private:
-  std::vector<ExpressionRows> programs_;
+  ExpressionRows program_;  ///< one, so that what components share is computed once
+  size_t components_ = 0;
 };
 
 }  // namespace truestep::mpm

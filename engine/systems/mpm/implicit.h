@@ -1,0 +1,403 @@
+// The implicit substep: velocities v of the nodes that make
+//   E(v) = sum_i m_i |v_i - v*_i|^2 / 2 + sum_p V_p psi((1 + h C_p(v)) F_p)
+// least, v* being velocities after gravity and forces: backward Euler for what is stored in the
+// deformation (Gast, Schroeder, Stomakhin, Jiang, Teran 2015). Newton's method with the stiffness's positive
+// part (kernels/mpm/stiffness.h), each direction by conjugate gradients whose matrix is never formed: a
+// direction goes to particles, changes their stress and comes back; preconditioned by the nodes' masses. Each
+// step is shortened until E falls. What lets go is held where it is pressed on, by an active set. Friction
+// acts on v*, before the stresses of the substep are known.
+#pragma once
+#include <span>
+
+#include "engine/kernels/mpm/stiffness.h"
+#include "engine/systems/mpm/substep.h"
+
+namespace truestep::mpm {
+
+template <int D, int Nodes>
+class Implicit {
+  using G = Grid<D, Nodes, double>;
+  using W = Wide<double>;
+  using L = Layout<D>;
+  using M = Square<D, double>;
+  using Vector = Aligned<double>;
+
+ public:
+  struct Report {
+    bool converged = false;
+    double fastest = 0;  ///< m/s, of any node
+  };
+
+  void reserve(const G& g, size_t slots) {
+    for (Vector* v : {&v_, &anchor_, &gradient_, &step_, &r_, &p_, &q_}) v->reserve(g.nodes.capacity());
+    tangents_.reserve(slots * kTangent);
+    sums_.reserve(g.blocks.reserved()), stored_.reserve(g.blocks.reserved_owners());
+    contacts_.reserve(g.blocks.reserved() * G::Size::kBlockNodes / 8);
+    held_.reserve(contacts_.capacity());
+  }
+
+  /// From velocities v* in g.nodes, which no boundary has changed, to those after h s, in their place; with
+  /// FLIP what they gained goes to g.changes. `pull` is the acceleration that sets the scale of what is
+  /// small.
+  Report solve(G& g, const Setting& set, double t, double h, double pull, const ThreadArena& arena) {
+    h_ = h, set_ = &set;
+    const size_t n = g.nodes.size();
+    for (Vector* v : {&v_, &anchor_, &gradient_, &step_, &r_, &p_, &q_}) v->resize(n);
+    tangents_.resize(g.now.slots() * kTangent);
+    double mass = 0, squares = 0;
+    for (size_t k = 0; k < n; ++k) {
+      anchor_[k] = k % 4 == 0 ? 0 : g.nodes[k];
+      if (k % 4 == 0) mass += g.nodes[k];
+      squares += g.nodes[k - k % 4] * anchor_[k] * anchor_[k];
+    }
+    Report out{.converged = true};
+    if (mass > 0) {
+      find_contacts(g, t);
+      const double small =
+          kTolerance * std::max({std::sqrt(squares / mass), pull * h, 1e-9 * set.def.cell / h});
+      start(g, arena);
+      out.converged = false;
+      for (int round = 0; round < kRounds; ++round) {
+        if (!newton(g, small * std::sqrt(mass), arena)) return out;
+        out.converged = !change_contacts(g);
+        if (out.converged) break;
+      }
+    }
+    for (size_t k = 0; k < n; k += 4) {
+      double speed2 = 0;
+      for (size_t i = k + 1; i < k + 4; ++i) {
+        if (!g.changes.empty()) g.changes[i] += v_[i] - g.nodes[i];
+        g.nodes[i] = v_[i], speed2 += v_[i] * v_[i];
+      }
+      out.fastest = std::max(out.fastest, speed2);
+    }
+    out.fastest = std::sqrt(out.fastest);
+    return out;
+  }
+
+ private:
+  static constexpr double kTolerance = 1e-6;  ///< of velocities, in the norm of masses
+  static constexpr int kRounds = 12, kNewton = 40, kHalvings = 30, kMostProducts = 3000;
+  static constexpr size_t kTangent = 2 * D * D + D * D + D * (D - 1);
+
+  /// A boundary at a node; where it is active the node keeps its velocity along the normal, or all of it.
+  struct Contact {
+    size_t node;  ///< first of its numbers
+    Vec3 normal, velocity;
+    bool all, lets_go, active;
+  };
+  /// Directions, at right angles to each other, in which a node may not move.
+  struct Held {
+    size_t node;
+    int count;
+    Vec3 axes[3];
+  };
+
+  static Vec3 at(const Vector& v, size_t node) { return {v[node + 1], v[node + 2], v[node + 3]}; }
+  static void put(Vector& v, size_t node, const Vec3& to) {
+    v[node + 1] = to.x, v[node + 2] = to.y, v[node + 3] = to.z;
+  }
+
+  void find_contacts(const G& g, double t) {
+    contacts_.clear();
+    v_ = anchor_;
+    for (size_t k = 0; k < g.blocks.blocks.size(); ++k) {
+      const Block& b = g.blocks.blocks[k];
+      if (g.is_free(*set_, b)) continue;
+      for (size_t n = 0; n < G::Size::kBlockNodes; ++n) {
+        const size_t node = k * G::kBlockNumbers + 4 * n;
+        if (!(g.nodes[node] > 0)) continue;
+        Vec3 v = at(anchor_, node);
+        g.for_boundaries(
+            *set_, g.place_of(set_->def, b, n), t,
+            [&](const Vec3& normal, const Vec3& of, mpm::Contact kind, double friction) {
+              const bool lets_go = kind == mpm::Contact::separate;
+              const bool active = !lets_go || dot(v - of, normal) < 0;
+              const Vec3 gain = bounded(v, normal, of, kind, friction) - v;
+              v += gain;
+              // Friction changes v*; along the normal the solve finds what is to be given.
+              put(anchor_, node, at(anchor_, node) + gain - normal * dot(gain, normal));
+              const bool stuck = active && friction > 0 && norm2(v - of) == 0;
+              contacts_.push_back(
+                  {node, normal, of, kind == mpm::Contact::sticky || (lets_go && stuck), lets_go, active});
+            });
+        put(v_, node, v);
+      }
+    }
+    hold();
+  }
+
+  /// Axes that active boundaries hold.
+  void hold() {
+    held_.clear();
+    for (const Contact& c : contacts_) {
+      if (!c.active) continue;
+      if (held_.empty() || held_.back().node != c.node) held_.push_back({c.node, 0, {}});
+      Held& held = held_.back();
+      const auto add = [&](Vec3 axis) {
+        for (int k = 0; k < held.count; ++k) axis -= held.axes[k] * dot(axis, held.axes[k]);
+        const double left = norm(axis);
+        if (held.count < D && left > 1e-6) held.axes[held.count++] = axis / left;
+      };
+      add(c.normal);
+      if (c.all) add({1, 0, 0}), add({0, 1, 0});
+      if (c.all && D == 3) add({0, 0, 1});
+    }
+  }
+  void project(Vector& v) const {
+    for (const Held& held : held_) {
+      Vec3 u = at(v, held.node);
+      for (int k = 0; k < held.count; ++k) u -= held.axes[k] * dot(u, held.axes[k]);
+      put(v, held.node, held.count == D ? Vec3{} : u);
+    }
+  }
+
+  /// Boundaries that are pulled at let go, those that nodes would pass begin to hold. Whether any has
+  /// changed.
+  bool change_contacts(const G& g) {
+    bool any = false;
+    for (Contact& c : contacts_) {
+      if (!c.lets_go) continue;
+      const Vec3 v = at(v_, c.node);
+      // The gradient is what the boundary has to give: along the normal where it presses.
+      const bool pulled = c.active && dot(at(gradient_, c.node), c.normal) < -kStill * push_;
+      const double into = dot(v - c.velocity, c.normal), reach = kPass * speed_;
+      if (pulled) {
+        c.active = false, any = true;
+      } else if (!c.active && into < -reach) {
+        put(v_, c.node, v - c.normal * into);
+        c.active = true, any = true;
+      }
+    }
+    if (any) hold();
+    return any;
+  }
+
+  /// Where Newton's method begins: v* as boundaries let it, or at rest where that would turn a particle
+  /// inside out.
+  void start(G& g, const ThreadArena& arena) {
+    if (std::isfinite(energy(g, v_, arena))) return;
+    std::fill(v_.begin(), v_.end(), 0.0);
+    for (const Contact& c : contacts_) {
+      if (c.active) put(v_, c.node, c.all ? c.velocity : c.normal * dot(c.velocity, c.normal));
+    }
+  }
+
+  /// Velocity gradient of a group where nodes move as `tile` says.
+  static M gradient_of(const Stencils<D, Nodes, double>& at, const double* tile, double per_second) {
+    alignas(64) double rows[G::kRowNumbers];
+    for (int lane = 0; lane < W::kLanes; ++lane)
+      gather<D, Nodes, G::Size::kReach, G::Size::kRow>(at, lane, tile, rows);
+    M c;
+    W moment[4];
+    for (int q = 0; q < D; ++q) {
+      from_rows(rows + (q + 1) * 4 * W::kLanes, moment);
+      for (int i = 0; i < D; ++i) c(i, q) = moment[i + 1] * W(per_second);
+    }
+    return c;
+  }
+  /// Visits every group of particles: visit(piece, slot, how many, stencil, h times the gradient of `nodes`,
+  /// number of the tile).
+  template <class Visit>
+  void for_groups(G& g, const Vector& nodes, const ThreadArena& arena, const Visit& visit) {
+    const double dx = set_->def.cell, per_second = h_ / (Spline<Nodes, double>::kSecond * dx * dx);
+    arena.for_blocks(g.blocks.owners.size(), 4, [&](size_t begin, size_t end) {
+      alignas(64) double tile[G::kTileNumbers];
+      Stencils<D, Nodes, double> at;
+      for (size_t k = begin; k < end; ++k) {
+        const Block& b = g.blocks.blocks[g.blocks.owners[k]];
+        g.fill_tile(b, nodes, tile);
+        for (size_t r = b.first; r < b.last; ++r) {
+          const Run& run = g.blocks.runs[r];
+          for (size_t s = run.begin; s < run.end; s += W::kLanes) {
+            g.locate(b, g.now.group(s), dx, at);
+            const int many = static_cast<int>(std::min<size_t>(W::kLanes, run.end - s));
+            visit(set_->pieces[run.body], s, many, at, gradient_of(at, tile, per_second), k);
+          }
+        }
+      }
+    });
+  }
+  /// out = sum over particles of what `stress_of(piece, slot, h C)`, J/m^3 (P F^T of the substep's start),
+  /// gives nodes, N s.
+  template <class StressOf>
+  void impulses(G& g, const Vector& nodes, Vector& out, const ThreadArena& arena, const StressOf& stress_of) {
+    const double dx = set_->def.cell, second = Spline<Nodes, double>::kSecond * dx * dx;
+    g.tiles.resize(g.blocks.owners.size() * G::kTileNumbers);
+    std::fill(g.tiles.begin(), g.tiles.end(), 0.0);
+    for_groups(g, nodes, arena,
+               [&](const Piece& piece, size_t s, int many, const Stencils<D, Nodes, double>& at, const M& c,
+                   size_t k) {
+                 const M a = stress_of(piece, s, c);
+                 const W share(h_ * piece.volume / second), zero = W::zero();
+                 alignas(64) double rows[G::kRowNumbers] = {};
+                 for (int q = 0; q < D; ++q) {
+                   W four[4] = {zero, zero, zero, zero};
+                   for (int i = 0; i < D; ++i) four[i + 1] = share * a(i, q);
+                   to_rows(four, rows + (q + 1) * 4 * W::kLanes);
+                 }
+                 double* tile = g.tiles.data() + k * G::kTileNumbers;
+                 for (int lane = 0; lane < many; ++lane)
+                   scatter<D, Nodes, G::Size::kReach, G::Size::kRow>(at, lane, rows, tile);
+               });
+    arena.for_blocks(g.blocks.blocks.size(), 8, [&](size_t begin, size_t end) {
+      for (size_t k = begin; k < end; ++k)
+        g.sum_tiles(g.blocks.blocks[k], g.tiles, out.data() + k * G::kBlockNumbers);
+    });
+  }
+
+  static M moved(const double* group, const M& c) {
+    M f = c;
+    for (int k = 0; k < D; ++k) f(k, k) += W(1);
+    return f * G::load_square(group, L::f);
+  }
+
+  /// Sum over blocks of nodes, in their order.
+  template <class Of>
+  double sum(const G& g, const ThreadArena& arena, const Of& of) {
+    const size_t blocks = g.blocks.blocks.size();
+    sums_.assign(blocks, 0);
+    arena.for_blocks(blocks, 16, [&](size_t begin, size_t end) {
+      for (size_t k = begin; k < end; ++k) {
+        double part = 0;
+        for (size_t i = k * G::kBlockNumbers; i < (k + 1) * G::kBlockNumbers; ++i) part += of(i);
+        sums_[k] = part;
+      }
+    });
+    double total = 0;
+    for (const double s : sums_) total += s;
+    return total;
+  }
+  double dot_of(const G& g, const Vector& a, const Vector& b, const ThreadArena& arena) {
+    return sum(g, arena, [&](size_t i) { return a[i] * b[i]; });
+  }
+  /// Square of a residual in the norm of the inverse masses.
+  double size_of(const G& g, const Vector& r, const ThreadArena& arena) {
+    return sum(g, arena, [&](size_t i) {
+      const double m = g.nodes[i - i % 4];
+      return m > 0 ? r[i] * r[i] / m : 0.0;
+    });
+  }
+
+  /// E, or infinity where a particle is turned inside out that may not be.
+  double energy(G& g, const Vector& v, const ThreadArena& arena) {
+    stored_.assign(g.blocks.owners.size(), 0);
+    for_groups(
+        g, v, arena,
+        [&](const Piece& piece, size_t s, int many, const Stencils<D, Nodes, double>&, const M& c, size_t k) {
+          const M f = moved(g.now.group(s), c);
+          const W psi = response<D, double>(piece.material, f, W(1), W(1)).energy, j = determinant(f);
+          for (int lane = 0; lane < many; ++lane) {
+            const bool out = piece.material.law == Law::neo_hookean && !(j[lane] > kLeastVolume);
+            stored_[k] += out ? HUGE_VAL : piece.volume * psi[lane];
+          }
+        });
+    double total = sum(g, arena, [&](size_t i) {
+      const double d = v[i] - anchor_[i];
+      return i % 4 == 0 ? 0 : 0.5 * g.nodes[i - i % 4] * d * d;
+    });
+    for (const double e : stored_) total += e;
+    return total;
+  }
+
+  /// The gradient of E at v_, and the particles' stiffness there.
+  void linearise(G& g, const ThreadArena& arena) {
+    impulses(g, v_, gradient_, arena, [&](const Piece& piece, size_t s, const M& c) {
+      Stiffness<D, double> k;
+      const double* group = g.now.group(s);
+      const M p = stress_and_stiffness(piece.material, moved(group, c), k);
+      double* to = tangents_.data() + s * kTangent;
+      for (const M* m : {&k.u, &k.v, &k.stretch}) {
+        for (int i = 0; i < D * D; ++i, to += W::kLanes) store(to, m->m[i]);
+      }
+      for (int i = 0; i < Stiffness<D, double>::kPairs; ++i, to += 2 * W::kLanes)
+        store(to, k.shear[i]), store(to + W::kLanes, k.turn[i]);
+      return p * transposed(G::load_square(group, L::f));
+    });
+    push_ = speed_ = 0;
+    for (size_t i = 0; i < gradient_.size(); ++i) {
+      push_ = std::max(push_, std::abs(gradient_[i])), speed_ = std::max(speed_, std::abs(v_[i]));
+      if (i % 4 != 0) gradient_[i] += g.nodes[i - i % 4] * (v_[i] - anchor_[i]);
+    }
+  }
+  /// q_ = second derivative of E times p_.
+  void product(G& g, const ThreadArena& arena) {
+    impulses(g, p_, q_, arena, [&](const Piece&, size_t s, const M& c) {
+      Stiffness<D, double> k;
+      const double* from = tangents_.data() + s * kTangent;
+      for (M* m : {&k.u, &k.v, &k.stretch}) {
+        for (int i = 0; i < D * D; ++i, from += W::kLanes) m->m[i] = load(from);
+      }
+      for (int i = 0; i < Stiffness<D, double>::kPairs; ++i, from += 2 * W::kLanes)
+        k.shear[i] = load(from), k.turn[i] = load(from + W::kLanes);
+      const M f = G::load_square(g.now.group(s), L::f);
+      return k.apply(c * f) * transposed(f);
+    });
+    for (size_t i = 0; i < q_.size(); ++i) q_[i] += g.nodes[i - i % 4] * p_[i];
+    project(q_);
+  }
+
+  /// step_ ~ -(second derivative)^-1 gradient, until the residual has fallen to `tolerance` of its first
+  /// size.
+  void direction(G& g, double tolerance, const ThreadArena& arena) {
+    const size_t n = gradient_.size();
+    std::fill(step_.begin(), step_.end(), 0.0);
+    for (size_t i = 0; i < n; ++i) r_[i] = -gradient_[i];
+    project(r_);
+    const auto over_mass = [&](size_t i) {
+      const double m = g.nodes[i - i % 4];
+      return m > 0 ? r_[i] / m : 0.0;
+    };
+    for (size_t i = 0; i < n; ++i) p_[i] = over_mass(i);
+    double now = size_of(g, r_, arena);
+    const double enough = tolerance * tolerance * now;
+    for (int k = 0; k < kMostProducts && now > enough; ++k) {
+      product(g, arena);
+      const double curvature = dot_of(g, p_, q_, arena);
+      if (!(curvature > 0)) break;
+      const double alpha = now / curvature;
+      for (size_t i = 0; i < n; ++i) step_[i] += alpha * p_[i], r_[i] -= alpha * q_[i];
+      const double next = size_of(g, r_, arena), beta = next / now;
+      for (size_t i = 0; i < n; ++i) p_[i] = over_mass(i) + beta * p_[i];
+      now = next;
+    }
+  }
+
+  /// Until the gradient is `small` (in the norm of the inverse masses) in the directions that are free.
+  bool newton(G& g, double small, const ThreadArena& arena) {
+    double before = energy(g, v_, arena);
+    for (int k = 0; k < kNewton; ++k) {
+      linearise(g, arena);
+      r_ = gradient_;
+      project(r_);
+      const double size = std::sqrt(size_of(g, r_, arena));
+      if (!std::isfinite(size)) return false;
+      if (size <= small) return true;
+      direction(g, std::clamp(0.3 * small / size, 1e-8, 0.1), arena);
+      const double slope = dot_of(g, step_, gradient_, arena);
+      double share = 1, after = HUGE_VAL;
+      p_ = v_;
+      bool falls = false;
+      for (int tries = 0; tries < kHalvings && !falls; ++tries, share *= 0.5) {
+        for (size_t i = 0; i < v_.size(); ++i) v_[i] = p_[i] + share * step_[i];
+        after = energy(g, v_, arena);
+        // Armijo's condition, to rounding of the energy.
+        falls = after <= before + 1e-4 * share * slope + kRound * std::abs(before);
+      }
+      // As near as rounding of the energy lets it come.
+      if (!falls) return size <= kNear * small;
+      before = after;
+    }
+    return false;
+  }
+
+  static constexpr double kStill = 1e-9, kPass = 1e-9, kRound = 1e-12, kNear = 100;
+  const Setting* set_ = nullptr;
+  double h_ = 0, push_ = 0, speed_ = 0;
+  Vector v_, anchor_, gradient_, step_, r_, p_, q_, tangents_;
+  std::vector<double> sums_, stored_;
+  std::vector<Contact> contacts_;
+  std::vector<Held> held_;
+};
+
+}  // namespace truestep::mpm

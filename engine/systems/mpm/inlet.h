@@ -1,0 +1,14 @@
+// A nozzle that pours a material out (collision/points/nozzle.h), born as deep behind its mouth as a particle
+// reaches; nodes in it move at its speed.
+#pragma once
+#include "engine/collision/points/nozzle.h"
+#include "engine/systems/mpm/mpm_def.h"
+
+namespace truestep::mpm {
+
+struct Inlet : Nozzle {
+  Inlet(const MpmDef& d, const InletDef& e)
+      : Nozzle(e, {d.dimension, d.spacing(), 2 * d.cell, norm(d.high - d.low)}) {}
+};
+
+}  // namespace truestep::mpm
