@@ -46,10 +46,9 @@ class BorderSearch {
   };
 
   /// The first limit between `guess` / 256 and 256 `guess`, and stable spans within a factor of four above
-  /// it. Steps are tried from below, `resolution` apart near the guess and near a limit, because some
-  /// compositions lose stability over a span of only 1.4 %; every limit is then bisected. Runs are shortened,
-  /// down to kFewestSteps, and then steps set further apart, so that the search ends within `cpu_limit` s; if
-  /// even that is too much, it returns what is known by then.
+  /// it. Steps are tried from below, `resolution` apart near the guess and near a limit, as some compositions
+  /// lose stability over only 1.4 %; every limit is bisected. To end within `cpu_limit` s, runs get shorter,
+  /// down to kFewestSteps, then steps set further apart; at worst the result is incomplete.
   Found find(double guess, double cpu_limit) {
     const double begin = thread_cpu_seconds();
     stop_at_ = begin + cpu_limit;
@@ -76,7 +75,6 @@ class BorderSearch {
     found.runs = runs_;
     return found;
   }
-  /// Steps of a run.
   int64_t steps() const { return steps_; }
   /// Spans narrower than this fraction of the step may have been missed.
   double resolution() const { return resolution_; }
@@ -163,7 +161,7 @@ class BorderSearch {
     try {
       built.emplace(require_scene(read_scene(d)));
     } catch (const Error& e) {
-      // Long steps are refused with a pointer; a fault that shorter steps have as well is left to the caller.
+      // Long steps are refused with a pointer; faults that shorter steps share are left to the caller.
       if (e.code() != "scene_invalid" || runs_ < 3) throw;
       throw TooLong{};
     }
@@ -240,7 +238,7 @@ class BorderSearch {
         reaches_.emplace_back(static_cast<double>(n + 1) * world.dt(), most);
       }
     } catch (const Instability&) {
-      // The motion up to there is what is compared with.
+      // Compared with the motion up to there.
     }
     if (reaches_.empty()) reaches_.emplace_back(0, most);
   }

@@ -114,7 +114,7 @@ export class Decoder {
       case Encoding.I32:
         return view(block.data, Int32Array);
       case Encoding.U64:
-        // Ids are counted from 0: every one that comes up is a number without loss.
+        // Ids count from 0: every one that occurs is exact as a number.
         return Float64Array.from(view(block.data, BigUint64Array), Number);
       case Encoding.QUAT32:
         return unpackQuaternions(view(block.data, Uint32Array));
@@ -124,7 +124,7 @@ export class Decoder {
         return scaled(block, raw);
       }
       case Encoding.Q16_DELTA: {
-        // A group of 256 elements takes a byte at least: more than that is no answer to these bytes.
+        // A group of 256 elements takes at least one byte: a greater length contradicts these bytes.
         if (length > 256 * block.data.length) throw new RangeError(`${block.system}.${block.field}: ${block.data.length} bytes for ${length} differences`);
         const raw = this.base(`${block.system} ${block.field}`, length);
         addDifferences(block.data, raw);

@@ -1,5 +1,5 @@
-// Where in a JSON text the value of a JSON pointer (RFC 6901) stands, so that an editor can show it.
-// Written against text that may be wrong further down: the scan stops at the first thing it cannot read.
+// Locates the value of a JSON pointer (RFC 6901) in a JSON text, so that an editor can show it. The text may be invalid
+// further down: the scan stops at the first thing it cannot read.
 
 export interface Range {
   start: number;

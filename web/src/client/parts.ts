@@ -1,4 +1,4 @@
-// Parts as a stream's Hello names them: rows that belong together, and fields that say what they mean.
+// Parts as named by a stream's Hello: rows that belong together, and fields that say what they mean.
 import type { Hello, Part } from "./gen/truestep/v1/stream_pb";
 
 /** The field of `part` that means `what`. */

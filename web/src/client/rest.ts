@@ -1,4 +1,4 @@
-// The HTTP face of the service as typed calls. Every refusal is a ProblemError.
+// The service's HTTP interface as typed calls. Every refusal is a ProblemError.
 import { ProblemError, problemOfResponse, type Issue } from "./problem";
 import type { Method, Operation, StudyKind, StudyResult } from "./studies";
 
@@ -107,7 +107,7 @@ export class Service {
 
   async createSession(body: { gallery: string } | Scene): Promise<Session> {
     let session = (await this.call("POST", "/v1/sessions", body)) as Session;
-    // Large scenes take a while to build; until then the session says how far that is.
+    // Large scenes take a while to build; meanwhile the session reports its progress.
     while (session.status === "creating") {
       await new Promise((resolve) => setTimeout(resolve, 500));
       session = await this.session(session.id);
@@ -201,7 +201,7 @@ export class Service {
   }
 
   private async call(method: string, path: string, body?: unknown): Promise<unknown> {
-    // Answers lost on the way are asked for again, once: the key lets the service do a creation or a step once only.
+    // A lost answer is requested again, once: the key makes the service create or step only once.
     const headers: Record<string, string> = { accept: "application/json" };
     if (body !== undefined) headers["content-type"] = "application/json";
     if (method === "POST") headers["idempotency-key"] = `${Date.now().toString(36)}-${Math.random().toString(36).slice(2)}`;

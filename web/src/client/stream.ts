@@ -4,11 +4,11 @@
 //   stream.on("playback", p => ...);
 //   for await (const frame of stream.frames()) draw(frame);
 //
-// Frames are taken newest first: while the loop's body runs, later frames replace each other, and asking for
-// the next frame returns the credit of all that arrived. A consumer that is slow, or a hidden tab, therefore
-// makes the server drop frames, never queue them; where frames arrive only to be replaced, credit is held back
-// until the next one is just there in time, and handed out again when none is replaced any more. A lost connection comes back by itself with growing,
-// jittered pauses; a session that is gone, or a refused key, ends the stream with the server's problem.
+// Frames are taken newest first: while the loop's body runs, later frames replace each other, and asking for the next
+// frame returns the credit of all that arrived. A slow consumer, or a hidden tab, therefore makes the server drop
+// frames, never queue them; if frames arrive only to be replaced, credit is held back until the next one arrives just
+// in time, and given again when none is replaced any more. A lost connection is re-established automatically with
+// growing, jittered pauses; a session that is gone, or a refused key, ends the stream with the server's problem.
 import { create, fromBinary, toBinary, type MessageInitShape } from "@bufbuild/protobuf";
 import { Decoder, MissingBase, type DecodedFrame } from "./decode";
 import { ProblemError, problemOfResponse, type Problem } from "./problem";
@@ -29,8 +29,8 @@ import {
 } from "./gen/truestep/v1/stream_pb";
 
 export const kSubprotocol = "truestep.v1.proto";
-const kCalm = 120; // turns of the consumer before one more frame may be in flight
-const kLeast = 2; // the frame that is being used, and the next one on its way
+const kCalm = 120; // iterations of the consumer before one more frame may be in flight
+const kLeast = 2; // the frame in use, and the next one on its way
 
 export type StreamState = "connecting" | "open" | "waiting" | "closed";
 
@@ -285,7 +285,7 @@ export class Stream {
         this.emit("playback", kind.value);
         break;
       case "bye":
-        // A server that ends may come back.
+        // A server that is shutting down may come back.
         if (kind.value.code === "draining") break;
         this.finish({ title: "The session has ended", status: 0, code: kind.value.code, detail: kind.value.reason });
         break;

@@ -1,4 +1,4 @@
-// Studies as the service tells them: kinds with parameter tables, operations, results.
+// Studies as described by the service: kinds with parameter tables, operations, results.
 import type { Issue } from "./problem";
 
 /** One row of a parameter table; `kind` is number, integer, numbers, string, strings, choice, object or objects. */

@@ -1,4 +1,4 @@
-// Follows an operation to its end: by server-sent events, or by asking again and again where those do not arrive.
+// Follows an operation to its end: by server-sent events, or by polling if those do not arrive.
 import type { Service } from "./rest";
 import { ended, type Operation } from "./studies";
 
@@ -50,7 +50,7 @@ export function watch(service: Service, operation: Operation, watcher: Watcher):
   source.addEventListener("progress", heard);
   source.addEventListener("end", heard);
   source.addEventListener("error", () => {
-    // A connection that broke is made again by the browser; one that was refused is not.
+    // The browser reconnects after a broken connection, but not after a refused one.
     if (source?.readyState !== EventSource.CLOSED) return;
     void ask();
   });

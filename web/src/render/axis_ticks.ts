@@ -7,7 +7,7 @@ export interface Tick {
   label: string;
 }
 
-/** A number as an axis writes it. */
+/** A number as written on an axis. */
 export function tickText(value: number): string {
   if (value === 0) return "0";
   const size = Math.abs(value);
@@ -26,7 +26,7 @@ export function roundValues(low: number, high: number, wanted: number): number[]
   return out;
 }
 
-/** Where an axis draws a value; between the powers of ten that it tells by the value's logarithm. */
+/** Where an axis draws a value; between its powers of ten, by the value's logarithm. */
 export function placeOf({ slope, offset, decades }: Pick<PlotAxis, "slope" | "offset" | "decades">, value: number): number {
   if (decades.length < 4) return offset + slope * value;
   if (!(value > decades[0]!)) return decades[1]!;
@@ -36,7 +36,7 @@ export function placeOf({ slope, offset, decades }: Pick<PlotAxis, "slope" | "of
   return p0 + ((p1 - p0) * Math.log(value / v0)) / Math.log(v1 / v0);
 }
 
-/** Ticks of an axis from `low` to `high` (m of the drawing), and what it is called. */
+/** Ticks of an axis from `low` to `high` (m in the drawing), and its name. */
 export function axisOf(axis: Pick<PlotAxis, "name" | "unit" | "slope" | "offset" | "decades">, low: number, high: number, wanted: number): { label: string; ticks: Tick[] } {
   const { name, unit, decades } = axis;
   const label = unit && unit !== "1" ? `${name} (${unit})` : name;
@@ -48,7 +48,7 @@ export function axisOf(axis: Pick<PlotAxis, "name" | "unit" | "slope" | "offset"
   const inside: Tick[] = [];
   for (let k = 0; k < decades.length; k += 2) if (decades[k + 1]! >= low && decades[k + 1]! <= high) inside.push({ at: decades[k + 1]!, label: tickText(decades[k]!) });
   const widest = inside.reduce((most, { at }, k) => (k > 0 ? Math.max(most, at - inside[k - 1]!.at) : most), 0);
-  // Below the smallest value that it tells apart, a logarithm with an offset has decades on top of each other.
+  // Below the smallest value it resolves, a logarithm with an offset has overlapping decades.
   const apart = inside.filter(({ at }, k) => (inside[k + 1]?.at ?? Infinity) - at > 0.4 * widest);
   const ticks: Tick[] = [];
   for (const tick of apart) if (ticks.length === 0 || tick.at - ticks.at(-1)!.at > (0.7 * (high - low)) / (1.8 * wanted)) ticks.push(tick);

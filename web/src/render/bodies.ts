@@ -12,7 +12,7 @@ import { bodyFragment, bodyVertex, paletteColor, rampUniform } from "./shading";
 
 const kMany = 400; // instances of a round shape, drawn with fewer triangles beyond
 const kDarkest = 0.055; // linear
-const kWide = 2.5; // a fixed body this many times wider than all that moves is a floor
+const kWide = 2.5; // a fixed body this many times wider than everything that moves is a floor
 
 const motionColor = new Map([
   [Motion.FIXED, new Color("#8a919c")],
@@ -20,7 +20,7 @@ const motionColor = new Map([
   [Motion.SENSOR, new Color("#58b4d8")],
 ]);
 
-/** A visual as numbers: where it sits on its row, and the box around it in its own frame. */
+/** A visual as numbers: its pose relative to its row, and the box around it in its own frame. */
 interface Part {
   visual: Visual;
   kind: string;
@@ -51,7 +51,7 @@ export interface FloorUniforms {
 
 export class Bodies {
   readonly group = new Group();
-  /** Radius about each row, m; -1 for rows that nothing can move. */
+  /** Radius around each row, m; -1 for rows that cannot be moved. */
   readonly reach: Float32Array;
   readonly rows: number;
   private readonly batches: Batch[] = [];
@@ -81,7 +81,7 @@ export class Bodies {
     }
   }
 
-  /** Puts every body where its row is. `values` colour them (0 to 1) if `byValue`, else they tell who sleeps. */
+  /** Moves every body to its row. `values` colour them (0 to 1) if `byValue`, otherwise they say who sleeps. */
   update(position: Float32Array, orientation: ArrayLike<number>, values: ArrayLike<number> | undefined, scale: number, byValue: boolean): void {
     for (const batch of this.batches) {
       const { rows, parts } = batch;
@@ -114,7 +114,7 @@ export class Bodies {
     }
   }
 
-  /** Adds the corners of what moves. */
+  /** Adds the corners of everything that moves. */
   reachOf(out: Extent): void {
     const one = new Box3();
     for (const batch of this.batches) {
@@ -123,7 +123,7 @@ export class Bodies {
     }
   }
 
-  /** Middle of what moves; undefined where nothing does. */
+  /** Centre of everything that moves; undefined if nothing does. */
   middle(): Vector3 | undefined {
     const sum = new Vector3();
     let count = 0;
@@ -246,10 +246,10 @@ function baseGeometry(kind: string, count: number, topology: SystemTopology): Bu
   }
 }
 
-/** A number in [-1, 1] that neighbouring rows do not share. */
+/** A number in [-1, 1] that differs between neighbouring rows. */
 const shade = (row: number): number => (Math.imul(row + 1, 2654435761) >>> 8) / 8388608 - 1;
 
-/** Black things are dark grey, or nothing of their shape would be seen. */
+/** Black things are drawn dark grey, so that their shape stays visible. */
 function lifted(color: Color): Color {
   const lack = kDarkest - Math.max(color.r, color.g, color.b);
   return lack > 0 ? color.addScalar(lack) : color;

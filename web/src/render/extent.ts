@@ -1,5 +1,5 @@
-// How far a scene reaches, as the farthest things seen so far in 26 directions, and from where a camera sees all
-// of them. Far tighter than a box: what is kept are places where something was.
+// The extent of a scene as the farthest things seen so far in 26 directions, and the position from which a camera sees
+// all of them. Much tighter than a box, because it keeps positions where something was.
 
 type Vec = readonly [number, number, number];
 
@@ -28,7 +28,7 @@ export interface Frustum {
 
 export class Extent {
   private readonly reach = new Float64Array(directions.length).fill(-Infinity);
-  /** x, y, z and radius of the farthest thing of each direction. */
+  /** x, y, z and radius of the farthest thing in each direction. */
   private readonly places = new Float64Array(4 * directions.length);
 
   clear(): void {
@@ -39,18 +39,18 @@ export class Extent {
     return this.reach[0] === -Infinity;
   }
 
-  /** Takes a ball. */
+  /** Adds a ball. */
   add(x: number, y: number, z: number, radius = 0): void {
     if (!Number.isFinite(x + y + z + radius)) return;
     directions.forEach((d, k) => this.offer(k, dot(d, [x, y, z]) + radius, x, y, z, radius));
   }
 
-  /** Takes what `other` has seen. */
+  /** Adds what `other` has seen. */
   merge(other: Extent): void {
     if (!other.empty) other.forEach((x, y, z, r) => this.add(x, y, z, r));
   }
 
-  /** Takes a cloud of points; of many, the outermost half percent in each direction are left aside. */
+  /** Adds a cloud of points; of many, the outermost half percent in each direction are ignored. */
   addCloud(positions: ArrayLike<number>, count: number, radius: number, strays: boolean): void {
     const step = Math.max(1, Math.floor(count / kSamples));
     const rows: number[] = [];
@@ -77,7 +77,7 @@ export class Extent {
     for (let k = 0; k < p.length; k += 4) if (this.reach[k / 4] !== -Infinity) visit(p[k]!, p[k + 1]!, p[k + 2]!, p[k + 3]!);
   }
 
-  /** Greatest and least along an axis (0, 1, 2). */
+  /** Maximum and minimum along an axis (0, 1, 2). */
   along(axis: number): [number, number] {
     let low = Infinity;
     let high = -Infinity;
@@ -89,7 +89,7 @@ export class Extent {
     return [low, high];
   }
 
-  /** The highest place. */
+  /** The highest point. */
   top(): [number, number, number] {
     let best: [number, number, number] = [0, -Infinity, 0];
     this.forEach((x, y, z, r) => {

@@ -34,7 +34,7 @@ const sides: Record<Exclude<Side, "scene">, Vector3> = { front: new Vector3(0, 0
 export class Framing {
   readonly controls: OrbitControls;
   readonly seen = new Extent();
-  /** The person has turned the camera: it is theirs until they ask for the scene's again. */
+  /** The user has turned the camera and keeps it until asking for the scene's view again. */
   held = false;
   following = false;
   private side: Side = "scene";
@@ -63,7 +63,7 @@ export class Framing {
     this.put([3, 2, 4], [0, 0.8, 0]);
   }
 
-  /** Forgets the last scene. `pose` is what the scene asks for; `facing` the side from which a flat one is seen. */
+  /** Forgets the last scene. `pose` is the scene's own camera; `facing` the side from which a flat scene is viewed. */
   clear(pose: CameraPose | undefined): void {
     this.fill = kFill;
     this.pose = pose;
@@ -77,7 +77,7 @@ export class Framing {
     this.camera.fov = pose?.fov ? (pose.fov * 180) / Math.PI : 40;
     const { eye, target } = pose ?? {};
     if (!eye || !target) return;
-    // Who wrote the scene knew how far it will reach: the middle of that frame stays in the picture.
+    // The scene's author knew how far it will reach: the middle of that frame stays in the picture.
     const back = new Vector3().fromArray(eye).sub(new Vector3().fromArray(target));
     const { right, above } = this.axes(back.clone());
     const half = kAuthored * back.length() * Math.tan((this.camera.fov * Math.PI) / 360);
@@ -87,12 +87,12 @@ export class Framing {
     }
   }
 
-  /** Ticks and names stand around the scene. */
+  /** There are ticks and names around the scene. */
   leaveRoom(labelled: boolean): void {
     this.fill = labelled ? kLabelled : kFill;
   }
 
-  /** Where the scene is seen from if it does not say so itself. */
+  /** The direction of view if the scene does not set one. */
   setFacing(facing: Vector3 | undefined): void {
     this.facing = facing;
   }
@@ -104,7 +104,7 @@ export class Framing {
     if (!this.held && !this.seen.empty) this.aim(1, false);
   }
 
-  /** The picture has another size. */
+  /** The picture's size has changed. */
   project(): void {
     const { clientWidth: width, clientHeight: height } = this.canvas;
     if (width === 0 || height === 0) return;
@@ -127,7 +127,7 @@ export class Framing {
     this.ranges();
   }
 
-  /** Takes what is there now; true when the frame had to grow. */
+  /** Takes the present extent; true when the frame had to grow. */
   grow(now: Extent): boolean {
     if (this.gone(now) > 0) return false;
     this.seen.merge(now);
@@ -140,12 +140,12 @@ export class Framing {
     return true;
   }
 
-  /** True when all of what is there now has left the scene. */
+  /** True when everything has left the scene. */
   lost(now: Extent): boolean {
     return this.gone(now) > 2 * now.ball().radius;
   }
 
-  /** How far (m) what is there reaches beyond what still counts as the scene. An emitter starts with nothing. */
+  /** How far (m) the present extent reaches beyond what still counts as the scene. An emitter starts with nothing. */
   private gone(now: Extent): number {
     const { center, radius } = now.ball();
     const home = this.seen.ball();
@@ -153,7 +153,7 @@ export class Framing {
     return Math.hypot(...center.map((c, k) => c - home.center[k]!)) + radius - kLargest * this.first;
   }
 
-  /** Everything seen so far, from the scene's own side or another. */
+  /** Frames everything seen so far, from the scene's own side or another. */
   frameAll(side: Side = "scene"): void {
     this.side = side;
     this.held = this.following = false;
@@ -161,7 +161,7 @@ export class Framing {
     this.ranges();
   }
 
-  /** Keeps the camera at its distance from what moves. */
+  /** Keeps the camera's distance from everything that moves. */
   follow(on: boolean): void {
     this.following = on;
     this.centered = false;
@@ -169,7 +169,7 @@ export class Framing {
     this.motion = undefined;
   }
 
-  /** The middle of what moves is at `center` now. */
+  /** The centre of everything that moves is now at `center`. */
   track(center: Vector3): void {
     if (!this.following) return;
     if (this.centered) {
@@ -185,7 +185,7 @@ export class Framing {
     this.center.copy(center);
   }
 
-  /** Moves on; true while the camera is on its way. */
+  /** Advances the animation; true while the camera is moving. */
   update(now: number): void {
     if (this.motion) {
       if (this.motion.since < 0) this.motion.since = now;
@@ -200,7 +200,7 @@ export class Framing {
     this.controls.update();
   }
 
-  /** What a shared address keeps. */
+  /** The part kept in a shared address. */
   get view(): { eye: number[]; target: number[] } {
     return { eye: this.camera.position.toArray(), target: this.controls.target.toArray() };
   }

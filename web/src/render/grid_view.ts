@@ -14,9 +14,9 @@ import type { Has, Visibility } from "./system_view";
 const kColors = 256;
 const ink = new Color("#14171f");
 const kSlices = 9;
-const kCurveShare = 0.3; // of a curve's length, its height
+const kCurveShare = 0.3; // a curve's height as a fraction of its length
 
-/** What the colours of a grid mean. */
+/** The meaning of a grid's colours. */
 export interface Scale {
   label: string;
   map: ColorMap;
@@ -100,7 +100,7 @@ export class GridView {
     this.count = this.positions.length / 3;
   }
 
-  /** The side that a flat grid shows; undefined for one that stands out of its plane, or fills space. */
+  /** The visible side of a flat grid; undefined for a grid drawn as a height surface or filling space. */
   get facing(): [number, number, number] | undefined {
     const { counts } = this.part.lattice!;
     const axes = [0, 1, 2].filter((axis) => counts[axis]! > 1);
@@ -115,7 +115,7 @@ export class GridView {
     return undefined;
   }
 
-  /** Adds where the grid is now. */
+  /** Adds the grid's present extent. */
   reachOf(out: Extent): void {
     out.addCloud(this.positions, this.count, 0, false);
     for (const { positions } of this.sheets) out.addCloud(positions, positions.length / 3, 0, false);

@@ -54,11 +54,11 @@ void main() {
 
 export class Ground {
   readonly object: Mesh;
-  /** False where the machine is too slow for the second picture. */
+  /** False if the machine is too slow for the second picture. */
   shadows = true;
   /** True for one picture that may take its time. */
   full = false;
-  /** What samplers hold while the coverage picture is drawn: a texture cannot be read and drawn at once. */
+  /** Bound to samplers while the coverage picture is drawn: a texture cannot be read and rendered to at once. */
   private readonly nothing = Object.assign(new DataTexture(new Uint8Array(4), 1, 1), { needsUpdate: true });
   private readonly target = new WebGLRenderTarget(kMapSize, kMapSize, {
     generateMipmaps: true, minFilter: LinearMipmapLinearFilter, magFilter: LinearFilter,
@@ -66,7 +66,7 @@ export class Ground {
   private readonly light = new OrthographicCamera();
   private readonly uniforms: Record<string, IUniform>;
 
-  /** What another floor needs to take the same shadows. */
+  /** What another floor needs to receive the same shadows. */
   get shadowUniforms(): { coverage: IUniform; toLight: IUniform; shadow: IUniform } {
     const { coverage, toLight, shadow } = this.uniforms;
     return { coverage: coverage!, toLight: toLight!, shadow: shadow! };

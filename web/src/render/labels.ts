@@ -1,5 +1,5 @@
-// Names on the picture: elements that follow places of the scene. They are text of the page, so that they are sharp
-// and can be read out.
+// Names on the picture: elements that follow positions in the scene. They are page text, so that they are sharp and
+// accessible to screen readers.
 import { Vector3, type PerspectiveCamera } from "three";
 
 export interface Label {
@@ -33,7 +33,7 @@ export class Labels {
     });
   }
 
-  /** Moves every label to where its place is on a screen of this size. */
+  /** Moves every label to its position on a screen of this size. */
   place(camera: PerspectiveCamera, width: number, height: number): void {
     this.labels.forEach(({ at }, k) => {
       const p = this.point.fromArray(at).project(camera);

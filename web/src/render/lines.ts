@@ -15,7 +15,7 @@ void main() {
   vec4 a = modelViewMatrix * vec4(from, 1.0);
   vec4 b = modelViewMatrix * vec4(to, 1.0);
   bool perspective = projectionMatrix[3][3] == 0.0;
-  // What is behind the eye has no place on the screen: the line ends in front of it.
+  // Points behind the eye have no position on the screen: the line ends in front of it.
   if (perspective) {
     float near = -0.001 - 0.5 * abs(projectionMatrix[3][2] / projectionMatrix[2][2]);
     if (a.z > near && b.z > near) { gl_Position = vec4(2.0, 2.0, 2.0, 1.0); return; }
@@ -49,14 +49,14 @@ void main() {
 }`;
 
 export interface LineLook {
-  /** Width on the screen, CSS pixels, that a line has at least. */
+  /** Minimum width of a line on the screen, CSS pixels. */
   pixels: number;
-  /** m; 0 for lines as wide everywhere. */
+  /** m; 0 for lines of constant width on the screen. */
   radius: number;
   opacity: number;
-  /** Rounded by the light. */
+  /** Shaded as tubes. */
   tube: boolean;
-  /** Seen through everything. */
+  /** Visible through everything. */
   above?: boolean;
 }
 
@@ -82,7 +82,7 @@ export class WideLines {
     this.reserve(16);
   }
 
-  /** Room for `count` lines; what was in it is gone when it grows. */
+  /** Ensures room for `count` lines; growing discards the contents. */
   reserve(count: number): void {
     if (count <= this.capacity) return;
     this.capacity = Math.max(count, Math.ceil(1.5 * this.capacity));
@@ -130,7 +130,7 @@ export class WideLines {
     for (let k = 0; k < this.capacity; ++k) this.color(k, color);
   }
 
-  /** Colours lines by their values, 0 to 1; undefined gives them their own colours back. */
+  /** Colours lines by their values, 0 to 1; undefined restores their own colours. */
   values(values: ArrayLike<number> | undefined): void {
     this.object.material.uniforms.byValue!.value = values !== undefined;
     if (!values) return;

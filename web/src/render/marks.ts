@@ -47,7 +47,7 @@ export class MarkLines {
     this.update(undefined, 1);
   }
 
-  /** Draws `marks`, undefined for none; the longest line is `size` (m). */
+  /** Draws `marks` (undefined: none); the longest line is `size` (m). */
   update(marks: Marks | undefined, size: number): void {
     this.lines.begin();
     this.dots.begin();

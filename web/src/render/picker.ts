@@ -1,5 +1,5 @@
 // Finds the point under the mouse by projecting every point (a multiply-add per coordinate, under a
-// millisecond for 100,000), and the place a dragged point should go to.
+// millisecond for 100,000), and the position that a dragged point should go to.
 import { Matrix4, Plane, Ray, Vector3, type PerspectiveCamera } from "three";
 import type { SystemView } from "./system_view";
 
@@ -21,7 +21,7 @@ export function pickPoint(views: Iterable<SystemView>, camera: PerspectiveCamera
     const p = view.positions;
     const reach_of = view.bodies?.reach;
     for (let index = 0; index < view.count; ++index) {
-      // Half of a body's reach: the corners of a long one lie beside it.
+      // About half of a body's reach: the corners of a long body would be beside it.
       const radius = reach_of ? 0.6 * (reach_of[index] ?? -1) : view.pointRadius;
       if (radius < 0) continue;
       const px = p[3 * index]!, py = p[3 * index + 1]!, pz = p[3 * index + 2]!;

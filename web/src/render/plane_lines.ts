@@ -1,13 +1,13 @@
 // Lines over a plane of a lattice, as the service's pictures draw them: level lines by marching squares (saddles by
 // the mean of the corners), arrows, and streamlines by the classical Runge-Kutta method on the bilinear interpolant.
-// All in lattice coordinates, x fastest; an answer is four numbers a piece: both ends.
+// All in lattice coordinates, x fastest; a segment is four numbers: both ends.
 
 export interface Plane {
   nx: number;
   ny: number;
 }
 
-/** Pieces of the line where `values` are `level`. */
+/** Segments of the contour where `values` equal `level`. */
 export function levelLine(values: ArrayLike<number>, { nx, ny }: Plane, level: number, out: number[]): void {
   const px = [0, 1, 1, 0];
   const py = [0, 0, 1, 1];
@@ -46,7 +46,7 @@ export interface PlaneField extends Plane {
 
 const kMostArrows = 28; // along a side
 
-/** Arrows at every few nodes; one of size `most` is nine tenths of their distance long. */
+/** Arrows at every few nodes; one of magnitude `most` is nine tenths of their spacing long. */
 export function arrows({ nx, ny, u, v }: PlaneField, most: number, out: number[]): void {
   if (!(most > 0)) return;
   const stride = Math.max(1, Math.ceil(nx / kMostArrows), Math.ceil(ny / kMostArrows));
@@ -71,7 +71,7 @@ function direction({ nx, ny, u, v }: PlaneField, x: number, y: number): [number,
   return size > 0 && Number.isFinite(size) ? [a / size, b / size] : [0, 0];
 }
 
-/** `count` lines along the field, both ways from seeds as even as the shape allows. */
+/** `count` lines along the field, in both directions from evenly spaced seeds. */
 export function streamlines(field: PlaneField, count: number, out: number[]): void {
   const { nx, ny } = field;
   const columns = Math.max(1, Math.round(Math.sqrt((count * nx) / ny)));

@@ -26,7 +26,7 @@ export class PlotAxes {
     this.object.add(this.grid.object, this.frame.object);
   }
 
-  /** Adds where an axis of time begins and ends, for the run's length is known before it runs, and the frame's corners. */
+  /** Adds the ends of a time axis, since the run's length is known in advance, and the frame's corners. */
   reachOf(out: Extent): void {
     const { axes, duration } = this;
     if (out.empty) return;

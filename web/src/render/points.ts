@@ -87,7 +87,7 @@ export class PointCloud {
     };
   }
 
-  /** Takes `count` positions and, where the server sends it, a value per point to colour by. */
+  /** Takes `count` positions and, if the server sends it, a value per point to colour by. */
   update(positions: Float32Array, count: number, values: Float32Array | undefined, range?: number[]): void {
     if (count > this.capacity || !this.object) this.allocate(Math.max(16, Math.ceil(count * 1.25)));
     (this.center.array as Float32Array).set(positions.subarray(0, 3 * count));

@@ -1,8 +1,8 @@
-// What a scene says beyond what is drawn of it.
+// Information from a scene besides what is drawn.
 import type { Scene } from "../client/rest";
 
 export interface SceneInfo {
-  /** Gravity pulls: there is a floor, unless everything is a plot. */
+  /** There is gravity, and therefore a floor, unless everything is a plot. */
   pulled: boolean;
   duration: number | undefined;
   dt: number | undefined;
@@ -11,7 +11,7 @@ export interface SceneInfo {
 type Json = Record<string, unknown>;
 const number = (value: unknown): number | undefined => (typeof value === "number" ? value : undefined);
 
-/** Everything known about `scene` (the session's own, with defaults), or nothing much without it. */
+/** What is known about `scene` (the session's own, with defaults); defaults without it. */
 export function infoOf(scene: Scene | undefined): SceneInfo {
   const time = (scene?.time as Json | undefined) ?? {};
   const gravity = Array.isArray(scene?.gravity) ? (scene.gravity as unknown[]) : [0, -9.81, 0];

@@ -39,7 +39,7 @@ vec3 shade(vec3 albedo, vec3 n, vec3 toEye) {
 
 const kStops = 16;
 
-/** The map that colours stand for, in linear light; all that colours by a value shares it. */
+/** The colour map in linear light, shared by everything coloured by a value. */
 export const rampUniform: IUniform<Vector3[]> = { value: [] };
 
 export function setRamp(map: ColorMap): void {
@@ -47,7 +47,7 @@ export function setRamp(map: ColorMap): void {
   const color = new Color();
   rampUniform.value = Array.from({ length: kStops }, (_, k) => {
     color.setRGB(table[3 * k]! / 255, table[3 * k + 1]! / 255, table[3 * k + 2]! / 255, "srgb");
-    // The dark end of a map would be lost on a dark ground.
+    // The dark end of a map would be invisible on a dark ground.
     const lift = 0.045 * (1 - k / (kStops - 1));
     return new Vector3(color.r + lift, color.g + lift, color.b + lift);
   });
@@ -65,7 +65,7 @@ vec3 ramp(float t) {
 
 const palette = paletteHex.map((hex) => new Color(hex));
 
-/** Colours for systems that bring none, in the order of the scene: those of the service's pictures. */
+/** Colours of systems without their own, in the order of the scene; as in the service's pictures. */
 export const paletteColor = (k: number): Color => palette[k % palette.length]!;
 
 export const bodyVertex = /* glsl */ `
@@ -93,7 +93,7 @@ void main() {
   gl_Position = projectionMatrix * (viewMatrix * vec4(vWorld, 1.0));
 }`;
 
-/** Sleepers are paler and darker; a faint pattern shows how a sphere turns; floors take the ground's shadow. */
+/** Sleeping bodies are paler and darker; a faint pattern shows a sphere's rotation; floors receive the ground's shadow. */
 export const bodyFragment = /* glsl */ `
 uniform bool byValue, receives, stripes;
 uniform float opacity, shadow;

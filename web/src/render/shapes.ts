@@ -1,5 +1,5 @@
-// The scene's solid shapes: planes, boxes, spheres and capsules. Containers are drawn as their edges and a
-// breath of their inner faces, so that what is inside stays visible. A plane that faces up is the ground.
+// The scene's solid shapes: planes, boxes, spheres and capsules. Containers are drawn as their edges and faint inner
+// faces, so that what is inside stays visible. A plane that faces up is the ground.
 import {
   BackSide, BoxGeometry, BufferGeometry, CapsuleGeometry, Color, DoubleSide, EdgesGeometry, FrontSide, Group, LineBasicMaterial,
   LineSegments, Mesh, PlaneGeometry, Quaternion, ShaderMaterial, SphereGeometry, Vector3, type Object3D,
@@ -31,7 +31,7 @@ void main() {
 
 const edgeColor = new Color("#7f8fa6");
 
-/** True for a horizontal plane that faces up: the viewer's ground takes its place. */
+/** True for a horizontal plane facing up, which is replaced by the viewer's ground. */
 export function isGround(shape: Shape): boolean {
   const normal = planeNormal(shape);
   return shape.kind === "plane" && normal.y > 0.999;
@@ -75,7 +75,7 @@ export function makeShape(shape: Shape, extent: number): Object3D | undefined {
     fragmentShader: fragment,
     transparent: open,
     depthWrite: !open,
-    // A container's floor in the plane of the ground would flicker with it.
+    // A container's floor in the ground's plane would flicker.
     polygonOffset: open,
     polygonOffsetFactor: 2,
     polygonOffsetUnits: 4,

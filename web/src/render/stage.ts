@@ -19,7 +19,7 @@ import { Strings } from "./strings";
 import { SystemView, type Has, type Visibility } from "./system_view";
 
 const kMany = 20000; // points
-const kCheckEvery = 200; // ms between two looks at whether the scene outgrew its frame
+const kCheckEvery = 200; // ms between two checks whether the scene has outgrown its frame
 const kSmall = 4000; // rows whose names follow them with every frame
 const kRest = 350; // ms without a new picture, after which one is drawn at its best
 const kFlatFov = 12; // degrees: a plane scene shows its faces, not its sides
@@ -39,7 +39,7 @@ export class Stage {
   private readonly marks = new MarkLines();
   private parts = new Map<string, Part>();
   private settings: ViewerSettings = {};
-  /** In the order of the topology; undefined where nothing is drawn, as for the ground. */
+  /** In the order of the topology; undefined if nothing is drawn, as for the ground. */
   private shapes: (Object3D | undefined)[] = [];
   private topology: Topology | undefined;
   private framed = false;
@@ -52,7 +52,7 @@ export class Stage {
   private readonly strings = new Strings(this.viewHeight);
   private axes: PlotAxes[] = [];
   private flat = false;
-  /** Bodies' and points' floors are found once; a plane says itself where it is. */
+  /** Floors of bodies and points are determined once; a plane has a position of its own. */
   private floor = 0;
   private dirty = true;
   private shadowsDirty = true;
@@ -61,7 +61,7 @@ export class Stage {
   private restores = 3;
   private last = 0;
   private drew = false;
-  /** When the last picture was asked for, and whether it was drawn as well as can be. */
+  /** When the last picture was requested, and whether it was drawn at full quality. */
   private asked = 0;
   private best = false;
   private presented: (() => void)[] = [];
@@ -83,7 +83,7 @@ export class Stage {
     return this.framing.controls;
   }
 
-  /** Forgets the last session; the next scene's camera is in `settings`, without one what appears is framed. */
+  /** Forgets the last session; the next scene's camera is in `settings`, otherwise whatever appears is framed. */
   clear(settings: ViewerSettings, info: SceneInfo): void {
     this.settings = settings;
     this.info = info;
@@ -112,12 +112,12 @@ export class Stage {
     this.invalidate(true);
   }
 
-  /** Takes what there is to show; the topology comes after it. */
+  /** Takes the parts; the topology follows. */
   setParts(parts: Map<string, Part>): void {
     this.parts = parts;
   }
 
-  /** Takes a new topology; systems that are connected as before keep their place on the screen. */
+  /** Takes a new topology; systems with unchanged connectivity keep their views. */
   setTopology(topology: Topology): void {
     const before = this.topology;
     this.topology = topology;
@@ -174,12 +174,12 @@ export class Stage {
     this.invalidate();
   }
 
-  /** Views of parts whose rows can be taken hold of. */
+  /** Views of parts whose rows can be grabbed. */
   pointViews(): SystemView[] {
     return [...this.views.values()].filter((view) => view instanceof SystemView);
   }
 
-  /** What the colours mean: of a grid, or else of points, bodies and lines that are coloured by a value. */
+  /** The meaning of the colours: of a grid, otherwise of points, bodies and lines coloured by a value. */
   get colorScale(): Scale | undefined {
     for (const view of this.views.values()) if (view instanceof GridView) return view.scale;
     let low = Infinity;
@@ -196,7 +196,7 @@ export class Stage {
     return { label: unit && unit !== "1" ? `${name} (${unit})` : name, map: this.settings.color_map ?? "viridis", low, high };
   }
 
-  /** Draws `frame` with the next picture; the promise ends when that picture is out. */
+  /** Draws `frame` with the next picture; the promise resolves when that picture has been drawn. */
   present(frame: DecodedFrame): Promise<void> {
     for (const view of this.views.values()) {
       // Values of a system's lines travel as a part of their own.
@@ -221,7 +221,7 @@ export class Stage {
     this.invalidate(true);
   }
 
-  /** Nothing but grids is on the screen. */
+  /** Only grids are on the screen. */
   get onlyGrids(): boolean {
     return this.views.size > 0 && [...this.views.values()].every((view) => view instanceof GridView);
   }
@@ -232,13 +232,13 @@ export class Stage {
     return { points: some("points"), lines: some("lines"), surface: some("surface"), bodies: some("bodies") };
   }
 
-  /** Everything seen so far in the free part of the picture, from the scene's own side or another. */
+  /** Frames everything seen so far in the free part of the picture, from the scene's own side or another. */
   frameAll(side: Side = "scene"): void {
     this.framing.frameAll(side);
     this.invalidate(true);
   }
 
-  /** Tells how much of the picture other things cover (CSS pixels); the scene is framed in the rest. */
+  /** Sets how much of the picture is covered (CSS pixels); the scene is framed in the rest. */
   setInset(inset: Inset): void {
     this.framing.setInset(inset);
   }
@@ -250,7 +250,7 @@ export class Stage {
     this.shadowsDirty ||= shadows;
   }
 
-  /** What is there now. */
+  /** The present extent. */
   private reach(): Extent {
     const now = new Extent();
     for (const view of this.views.values()) view.reachOf(now);
@@ -280,7 +280,7 @@ export class Stage {
     this.fitAxes();
   }
 
-  /** The side of a flat scene that a person looks at. */
+  /** The side from which a flat scene is viewed. */
   private facing(): Vector3 | undefined {
     if (this.flat) return new Vector3(0, 0, 1);
     const sides = [...this.views.values()].map((view) => (view instanceof GridView ? view.facing : undefined));
@@ -291,10 +291,10 @@ export class Stage {
     const { center, radius } = this.framing.seen.ball();
     this.bounds = new Sphere(new Vector3().fromArray(center), Math.max(radius, 0.05));
     const plane = this.topology?.shapes.some(isGround);
-    // What swings below the floor that was guessed takes it along.
+    // Anything that swings below the guessed floor lowers it.
     const [low] = this.framing.seen.along(1);
     if (!plane && low < this.floor) this.floor = low - 0.02 * radius;
-    // What hangs far above the ground throws its shadow outside the light's view; include the floor below it.
+    // Objects far above the ground cast their shadow outside the light's view; include the floor below them.
     this.ground.fit(this.bounds.clone().expandByPoint(new Vector3(center[0], this.floor, center[2])), this.floor);
   }
 
@@ -303,7 +303,7 @@ export class Stage {
     this.nameSystems();
   }
 
-  /** Ticks and names of axes, and names beside systems where there are a few. */
+  /** Ticks and names of axes, and names next to systems if there are only a few. */
   private nameSystems(): void {
     const labels: Label[] = this.axes.flatMap((axes) => axes.labels);
     const drawn = [...this.views.values()].filter((view) => view instanceof SystemView && !view.id.includes(".") && view.count > 0) as SystemView[];
@@ -334,7 +334,7 @@ export class Stage {
     this.sinceCheck = performance.now();
     const before = this.framing.seen.ball().radius;
     const now = this.reach();
-    // What has left for good is followed: an empty picture shows nothing.
+    // Follow what has left for good: an empty picture shows nothing.
     if (this.framing.lost(now) && !this.framing.held && !this.framing.following) this.framing.follow(true);
     if (this.framing.grow(now) || this.framing.seen.ball().radius > 1.1 * before) {
       this.fitGround();
@@ -345,7 +345,7 @@ export class Stage {
     }
   }
 
-  /** Keeps the middle of what moves where it is on the screen. */
+  /** Keeps the centre of everything that moves at its place on the screen. */
   private track(): void {
     const middles = [...this.views.values()].flatMap((view) => (view instanceof SystemView ? [view.middle()] : [])).filter((middle) => middle !== undefined);
     if (middles.length === 0) return;
@@ -402,7 +402,7 @@ export class Stage {
     this.labels.place(this.camera, clientWidth, clientHeight);
   }
 
-  /** A slow machine's last picture, once nothing moves any more: all pixels, and shadows. */
+  /** The final picture on a slow machine, once nothing moves any more: all pixels, and shadows. */
   private finish(): void {
     if (this.best || performance.now() - this.asked < kRest) return;
     this.best = true;
@@ -432,7 +432,7 @@ export class Stage {
     this.late = elapsed > 42 ? Math.max(0, this.late) + elapsed : elapsed < 21 ? Math.min(0, this.late) - elapsed : 0;
     if (this.late > 1000) {
       this.late = 0;
-      // With many points it is drawing them twice that costs, with few it is filling the picture.
+      // With many points the second pass is expensive, with few the fill rate is.
       const many = [...this.views.values()].reduce((sum, view) => sum + view.count, 0) > kMany;
       if (this.ground.shadows && (many || this.scale < 1)) this.ground.shadows = false;
       else this.scale = Math.max(0.6, this.scale * 0.8);
@@ -449,7 +449,7 @@ export class Stage {
   }
 }
 
-/** The ground's height: 0 if the scene stands near it, else a little under it. Faces in its plane would flicker. */
+/** The ground's height: 0 if the scene is near it, otherwise slightly below it. Faces in its plane would flicker. */
 function floorUnder(low: number, bodies: boolean, radius: number): number {
   if (bodies) return low - 0.02 * radius;
   return low >= -1e-3 * radius && low < 1.5 * radius ? 0 : low - 0.15 * radius;
@@ -461,7 +461,7 @@ function sameTopology(a: SystemTopology, b: SystemTopology): boolean {
   return a.pointRadius === b.pointRadius && sameBytes(a.lines, b.lines) && sameBytes(a.triangles, b.triangles) && sameBytes(a.instances, b.instances) && a.visuals.length === b.visuals.length && a.color.join() === b.color.join();
 }
 
-/** WebGL 2, smoothed where a graphics processor draws; a processor that draws by itself is spared that. */
+/** WebGL 2, with anti-aliasing on a graphics processor but not with software rendering. */
 function contextOf(canvas: HTMLCanvasElement): WebGL2RenderingContext {
   const probe = document.createElement("canvas").getContext("webgl2");
   const info = probe?.getExtension("WEBGL_debug_renderer_info");

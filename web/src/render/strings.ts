@@ -1,5 +1,5 @@
-// Strings between things: distance joints, springs and attachments have no shape of their own. The topology names
-// their ends; their rows are followed here.
+// Strings between things: distance joints, springs and attachments, which have no shape of their own. The topology
+// names their ends; this follows their rows.
 import { Group, Vector3, Quaternion, type IUniform } from "three";
 import { WideLines } from "./lines";
 import type { DrawnString, StringEnd } from "../client/gen/truestep/v1/stream_pb";
@@ -23,7 +23,7 @@ export class Strings {
     this.object.add(this.lines.object);
   }
 
-  /** Follows the rows; strings of parts that are not there are not drawn. */
+  /** Follows the rows; strings of missing parts are not drawn. */
   update(view: (part: string) => SystemView | undefined): void {
     if (!this.lines) return;
     const ends: number[] = [];

@@ -18,15 +18,15 @@ export interface Visibility {
   points: boolean;
   lines: boolean;
   surface: boolean;
-  /** Colour points by their speed, or by the field that the scene names, where the server sends it. */
+  /** Colour points by their speed, or by the field named in the scene, if the server sends it. */
   bySpeed: boolean;
   /** Name of that field; "" for speed, and only where a system has no colour of its own. */
   colorBy: string;
-  /** Lowest and highest value of the colours, where the scene says. */
+  /** Lowest and highest value of the colours, if given by the scene. */
   range?: number[];
 }
 
-/** Which switches do something. */
+/** Which switches have an effect. */
 export interface Has {
   points: boolean;
   lines: boolean;
@@ -39,7 +39,7 @@ export class SystemView {
   readonly bodies: Bodies | undefined;
   positions = new Float32Array(0);
   count = 0;
-  /** Orientations of the rows (w x y z), where they have any. */
+  /** Orientations of the rows (w x y z), if any. */
   turns: ArrayLike<number> | undefined;
   private attribute = new BufferAttribute(this.positions, 3);
   private points: PointCloud | undefined;
@@ -77,7 +77,7 @@ export class SystemView {
     if (topology.pointRadius > 0) this.points = new PointCloud(topology.pointRadius, this.fill(), viewHeight);
   }
 
-  /** The colour that the scene gives to something of it. */
+  /** The colour that the scene gives to part of it. */
   get givenColor(): Color | undefined {
     if (this.color) return this.color;
     const [r, g, b] = this.topology.visuals.find((visual) => visual.color.length === 3)?.color ?? [];
@@ -130,7 +130,7 @@ export class SystemView {
     this.group.removeFromParent();
   }
 
-  /** Adds what there is now; strays of a cloud of particles are left aside. */
+  /** Adds the present extent, ignoring outliers of a cloud of particles. */
   reachOf(out: Extent): void {
     if (this.bodies) this.bodies.reachOf(out);
     if (this.bodies && !this.points && this.pairs.length === 0) return;
@@ -138,7 +138,7 @@ export class SystemView {
     out.addCloud(this.positions, this.count, this.points ? this.pointRadius : 0, loose);
   }
 
-  /** Middle of what moves. */
+  /** Centre of everything that moves. */
   middle(): Vector3 | undefined {
     if (this.bodies) return this.bodies.middle();
     if (this.count === 0) return undefined;
@@ -168,7 +168,7 @@ export class SystemView {
     return this.color ?? paletteColor(this.index);
   }
 
-  /** Marks the points of a small network that has no size of its own, or two masses on springs are two thin lines. */
+  /** Marks the points of a small network without a size; otherwise two masses on springs would be two thin lines. */
   private mark(): void {
     if (this.points || this.bodies || this.triangles.length > 0 || this.count === 0 || this.count > kMarked) return;
     let longest = 0;
@@ -190,7 +190,7 @@ export class SystemView {
     this.lines?.connect(this.positions, this.drawn);
   }
 
-  /** Tubes for ropes, hair and trails; over a surface the structural springs as a breath of a net. */
+  /** Tubes for ropes, hair and trails; over a surface the structural springs as a faint net. */
   private string(): void {
     const kinds = this.topology.lineKind;
     const faint = this.surface !== undefined;
@@ -198,7 +198,7 @@ export class SystemView {
     for (let k = 0; 2 * k < this.pairs.length; ++k) if (!faint || (kinds[k] ?? 0) === 0) kept.push(k);
     this.kept = kept;
     this.drawn = Uint32Array.from(kept.flatMap((k) => [this.pairs[2 * k]!, this.pairs[2 * k + 1]!]));
-    // Many lines at many points are a net or a lock of hair: as wide as a rope they would be a lump.
+    // Many lines at many points are a net or hair: as wide as ropes they would merge.
     const many = kept.length > kNet && !this.trails;
     this.lines = new WideLines(this.viewHeight, { pixels: faint ? 1 : many ? 1.6 : 3, radius: faint || many ? 0 : this.topology.pointRadius / 4, opacity: faint ? 0.16 : 1, tube: !faint });
     this.lines.reserve(kept.length);
@@ -209,7 +209,7 @@ export class SystemView {
     this.group.add(this.lines.object);
   }
 
-  /** Trails of equations: what is not connected is another curve, and has another colour. */
+  /** Trails of equations: unconnected pieces are separate curves with separate colours. */
   private threads(kept: number[]): Color[] | undefined {
     if (!this.trails || this.color) return undefined;
     let thread = this.index - 1;
@@ -219,7 +219,7 @@ export class SystemView {
     });
   }
 
-  /** Names of a plot's curves where each has its own, at their newest points. */
+  /** Names of a plot's curves, if each has one, at their newest points. */
   curves(): Label[] {
     const names = this.topology.curves;
     if (names.length === 0) return [];
@@ -231,7 +231,7 @@ export class SystemView {
     });
   }
 
-  /** Colours lines by the field that the scene names, where a part has a value for each line. */
+  /** Colours lines by the field named in the scene, if a part has a value for each line. */
   private colorLines(fields: FieldArray[], show: Visibility): void {
     if (!this.lines) return;
     const field = show.bySpeed && show.colorBy ? fields.find((one) => one.system !== this.id && one.field === show.colorBy && one.count === this.pairs.length / 2) : undefined;
@@ -243,12 +243,12 @@ export class SystemView {
     this.lines.values(this.kept.map((k) => (high > low ? (size[k]! - low) / (high - low) : 0)));
   }
 
-  /** Lowest and highest value that colours stand for; undefined where nothing is coloured. */
+  /** Range of values shown by the colours; undefined if nothing is coloured. */
   get range(): [number, number] | undefined {
     return this.lineScale ?? this.points?.range ?? this.bodyRange;
   }
 
-  /** New arrays, and lines and triangles over them; a topology that names rows beyond them is not drawn. */
+  /** New arrays, with lines and triangles over them; a topology with invalid rows is not drawn. */
   private grow(count: number): void {
     this.positions = new Float32Array(3 * count);
     this.attribute = new BufferAttribute(this.positions, 3).setUsage(DynamicDrawUsage);
@@ -299,7 +299,7 @@ function extremes(values: ArrayLike<number>): [number, number] {
 
 let scratch = new Float32Array(0);
 
-/** A value per point: the named field, else speed, else the length of velocity; undefined without any. */
+/** A value per point: the named field, otherwise speed, otherwise the length of velocity; undefined without any. */
 function values(fields: FieldArray[], name: string, names: Names): Float32Array | undefined {
   for (const wanted of [name, "speed"]) {
     const scalar = fields.find((field) => field.field === wanted && field.width === 1);

@@ -1,7 +1,7 @@
 // The service's answer to a scene that asked for an accuracy, as a paragraph.
 import { duration, quantity } from "./numbers";
 
-/** A session's "accuracy": the method that was chosen for the tolerance, and what was measured for the choice. */
+/** A session's "accuracy": the method chosen for the tolerance, and the measurements behind the choice. */
 export interface Accuracy {
   tolerance: number;
   quantity?: string;

@@ -20,13 +20,13 @@ export interface Axis {
 export const shows = (scale: Scale, value: number | null | undefined): value is number =>
   typeof value === "number" && Number.isFinite(value) && (scale === "linear" || value > 0);
 
-/** Where `value` lies on the axis: 0 at its start, 1 at its end. */
+/** Position of `value` on the axis: 0 at its start, 1 at its end. */
 export function place(axis: Axis, value: number): number {
   if (axis.scale === "linear") return (value - axis.min) / (axis.max - axis.min);
   return Math.log(value / axis.min) / Math.log(axis.max / axis.min);
 }
 
-/** An axis around all `values` with about `wanted` labels; `unit` "s" writes times with the unit that fits. */
+/** An axis around all `values` with about `wanted` labels; with `unit` "s", times get a suitable unit. */
 export function makeAxis(values: readonly (number | null)[], scale: Scale, wanted: number, unit = ""): Axis {
   const good = values.filter((value): value is number => shows(scale, value));
   const low = good.length > 0 ? good.reduce((a, b) => Math.min(a, b)) : scale === "log" ? 0.1 : 0;

@@ -1,4 +1,4 @@
-// A plot as SVG, drawn in the pixels that it has, with a read-out of the point nearest to the mouse or finger.
+// A plot as SVG at its actual size in pixels, with a read-out of the point nearest to the mouse or finger.
 import { make } from "../ui/dom";
 import { makeAxis, place, type Axis } from "./axis";
 import type { Curve, Model } from "./model";
@@ -130,7 +130,7 @@ export function makeFigure(model: Model, describe: (curve: Curve, point: { x: nu
   function point(event: PointerEvent): void {
     const box = svg.getBoundingClientRect();
     const at = { x: event.clientX - box.left, y: event.clientY - box.top };
-    // Curves in front attract from a little farther than the others.
+    // Curves in front attract from slightly farther away than the others.
     const distance = (dot: (typeof dots)[number]): number => Math.hypot(dot.px - at.x, dot.py - at.y) - (front.has(dot.curve.name) ? 5 : 0);
     const nearest = dots.reduce<(typeof dots)[number] | undefined>((best, dot) => (!best || distance(dot) < distance(best) ? dot : best), undefined);
     if (!nearest || distance(nearest) > kReach) return leave();

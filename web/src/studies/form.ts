@@ -6,7 +6,7 @@ import { make } from "../ui/dom";
 import { countOf, fieldOf, isUseful, numberPointers, placeholderOf, systemsOf, type Draft } from "./form_model";
 import { quantity } from "./numbers";
 
-/** What the scene offers to choose from. */
+/** The choices offered by the scene. */
 export interface Offers {
   scene?: Scene;
   methods: Method[];
@@ -34,7 +34,7 @@ export class Form {
     this.draw();
   }
 
-  /** Marks the fields that the service found fault with, and goes to the first. */
+  /** Marks the fields that the service complained about, and goes to the first. */
   mark(issues: readonly Issue[]): void {
     for (const note of this.host.querySelectorAll(".fault")) note.remove();
     for (const input of this.host.querySelectorAll("[aria-invalid]")) input.removeAttribute("aria-invalid");

@@ -1,4 +1,4 @@
-// From what a person typed to the request's members. Every field is a text under its JSON pointer.
+// From typed text to the request's members. Every field is a text under its JSON pointer.
 import type { Parameter } from "../client/studies";
 import type { Scene } from "../client/rest";
 
@@ -12,7 +12,7 @@ export const isUseful = (parameter: Parameter): boolean => parameter.required ==
 
 const listOf = (text: string): string[] => text.split(/[,;\n]/).map((part) => part.trim()).filter((part) => part !== "");
 
-/** A number where it is one; anything else goes as it stands, for the service knows units such as "5 ms". */
+/** A number if it is one; anything else is sent unchanged, because the service understands units such as "5 ms". */
 const numberOf = (text: string): number | string => (text !== "" && Number.isFinite(Number(text)) ? Number(text) : text);
 
 /** The JSON value of a text for a parameter of this kind. */
@@ -30,7 +30,7 @@ export function countOf(parameter: Parameter, draft: Draft, path: string): numbe
   return Number(draft.get(`${path}#`) ?? (parameter.required ? 1 : 0));
 }
 
-/** The members that were filled in; what was left empty is left to the service. */
+/** The members that were filled in; empty ones are left to the service. */
 export function readDraft(parameters: readonly Parameter[], draft: Draft, base = ""): Record<string, unknown> {
   const out: Record<string, unknown> = {};
   for (const parameter of parameters) {
@@ -50,7 +50,7 @@ export function readDraft(parameters: readonly Parameter[], draft: Draft, base =
   return out;
 }
 
-/** What an empty field stands for, as its placeholder. */
+/** Placeholder saying what an empty field means. */
 export function placeholderOf(parameter: Parameter, scene: Scene | undefined): string {
   if (parameter.name === "horizon") {
     const length = (scene?.time as { duration?: unknown } | undefined)?.duration;
@@ -87,7 +87,7 @@ export function systemsOf(scene: Scene | undefined): SystemOfScene[] {
   return systems.map((system) => ({ id: String(system.id ?? system.type ?? ""), type: String(system.type ?? "") }));
 }
 
-/** The pointer among `fields` that an issue's pointer lies in, the deepest first; undefined when there is none. */
+/** The deepest of `fields` that contains an issue's pointer; undefined when there is none. */
 export function fieldOf(pointer: string, fields: readonly string[]): string | undefined {
   return fields.filter((field) => pointer === field || pointer.startsWith(`${field}/`)).sort((a, b) => b.length - a.length)[0];
 }

@@ -1,4 +1,4 @@
-// What is drawn of a result: which curves, in which manner, and which of many stand out.
+// What is drawn of a result: which curves, in which style, and which ones stand out.
 import type { Row, Scale, StudyResult } from "../client/studies";
 import { shows } from "./axis";
 import { wordsOf } from "./words";
@@ -51,7 +51,7 @@ function stabilityModel(result: StudyResult): Model {
     { name: "linear theory", manner: "rings", points: points("theory_dt") },
     { name: "measured", manner: "marks", points: points("largest_stable_dt") },
   ];
-  // Some methods hold again above their first border: where each of these spans begins and ends.
+  // Some methods are stable again above their first limit: where each of these spans begins and ends.
   const again = (result.summary.stable_again ?? {}) as Record<string, { from: number; to: number }[]>;
   const ends = rows.flatMap((row, y) => (again[String(row.integrator)] ?? []).flatMap((span) => [{ x: span.from, y }, { x: span.to, y }]));
   if (ends.length > 0) curves.push({ name: "stable again", manner: "rings", points: ends });

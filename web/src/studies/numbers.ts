@@ -1,4 +1,4 @@
-// Numbers as a person reads them: powers of ten with raised digits, times with the unit that fits.
+// Numbers in readable form: powers of ten with superscripts, times with a suitable unit.
 const raised = "⁰¹²³⁴⁵⁶⁷⁸⁹";
 
 /** 10 to the power n as text: 1, 10, 100, otherwise 10³ and 10⁻⁶. */

@@ -1,4 +1,4 @@
-// The right-hand side of the page: how far a study is, then what it found.
+// The right-hand side of the page: a study's progress, then its findings.
 import type { Operation, StudyResult } from "../client/studies";
 import { byId, icon, make } from "../ui/dom";
 import { makeFigure, type Figure } from "./figure";

@@ -10,7 +10,7 @@ import { readDraft, systemsOf, type Draft } from "./form_model";
 import { Outcome } from "./outcome";
 import { questionOf, titleOf } from "./words";
 
-const kOwn = ":own"; // the choice of the session's scene; no gallery name begins with a colon
+const kOwn = ":own"; // choice of the session's scene; no gallery name starts with a colon
 const kEarlier = 6;
 const needsMethods = new Set(["work_precision", "convergence", "stability"]);
 
@@ -44,7 +44,7 @@ export class StudyPage {
     this.scenes.addEventListener("change", () => void this.attempt(() => this.chooseScene()));
     byId("cancel").addEventListener("click", () => void this.attempt(() => this.cancel()));
     await this.attempt(async () => {
-      // A session that has ended leaves the gallery to choose from.
+      // If the session has ended, the gallery is left to choose from.
       const own = session ? this.attempt(async () => { this.own = await this.service.sessionScene(session); }) : undefined;
       [this.kinds, this.gallery] = await Promise.all([this.service.studies(), this.service.gallery(), own]);
       this.listKinds(query.get("kind") ?? "");
@@ -73,7 +73,7 @@ export class StudyPage {
     const mine = ++this.chosen;
     const name = this.scenes.value;
     const scene = name === kOwn ? this.own : name === "" ? undefined : (await this.service.galleryScene(name)).scene;
-    // Another scene was chosen while this one was on its way.
+    // Another scene was chosen while this one was loading.
     if (mine !== this.chosen) return;
     this.scene = scene;
     const entry = this.gallery.find((one) => one.name === name);
@@ -88,7 +88,7 @@ export class StudyPage {
     const mine = this.chosen;
     const kind = this.kind();
     if (!kind) return;
-    // The first system whose method can be chosen, as the service takes it.
+    // The first system whose method can be chosen, as in the service.
     const types = [...new Set(systemsOf(this.scene).map((system) => system.type))];
     const all = await Promise.all(types.map((type) => this.service.methods(type).catch(() => [])));
     if (mine !== this.chosen) return;
@@ -100,7 +100,7 @@ export class StudyPage {
     this.form.show(kind.parameters, offers);
   }
 
-  /** Says why this question cannot be put to this scene; "" lets it begin. */
+  /** Says why this question cannot be asked of this scene; "" allows it to start. */
   private refuse(reason: string): void {
     const note = byId("not-offered");
     note.hidden = reason === "";
@@ -130,7 +130,7 @@ export class StudyPage {
     byId("outcome").scrollIntoView({ block: "start" });
   }
 
-  /** Shows a study of earlier, with the form on its kind and scene. */
+  /** Shows an earlier study, with the form set to its kind and scene. */
   private async open(operation: Operation): Promise<void> {
     this.follow(operation);
     const radio = byId("kinds").querySelector<HTMLInputElement>(`input[value="${CSS.escape(operation.kind)}"]`);
@@ -210,7 +210,7 @@ export class StudyPage {
   }
 }
 
-/** A study that failed on its way, in the form of a refused request. */
+/** A study that failed while running, in the form of a refused request. */
 function problemOfOperation(operation: Operation): Problem {
   const { code = "study_failed", detail = "", errors = [] } = operation.error ?? {};
   return { title: "The study cannot be done", status: 0, code, detail, errors };

@@ -17,7 +17,7 @@ export interface Words {
   winners: Winner[];
   /** How it was measured. */
   basis: string[];
-  /** Methods that were left out, each with its reason. */
+  /** Methods left out, each with its reason. */
   refused: { method: string; reason: string }[];
 }
 
@@ -37,7 +37,7 @@ const questions: Record<string, string> = {
   sweep: "What becomes of a quantity when parameters change?",
 };
 
-/** What a kind answers; kinds that this page does not know have the service's sentence. */
+/** What a kind of study answers; for unknown kinds, the service's own sentence. */
 export const questionOf = (kind: string, sentence: string): string => questions[kind] ?? sentence;
 
 export const titleOf = (kind: string): string => titles[kind] ?? kind.replaceAll("_", " ").replace(/^./, (first) => first.toUpperCase());
@@ -87,7 +87,7 @@ function workPrecision(result: StudyResult, words: Words): void {
 
 function convergence(result: StudyResult, words: Words): void {
   const { summary } = result;
-  // What was refined is a system's resolution, or else a method's step.
+  // Either a system's resolution or a method's step was refined.
   const method = text(summary.subject) || text(summary.integrator);
   const observed = number(summary.observed_order);
   const promised = number(summary.promised_order);
@@ -151,7 +151,7 @@ function sweep(result: StudyResult, words: Words): void {
   if (reused > 0) words.basis.push(`${plural(reused, "case")} came from an earlier run.`);
 }
 
-/** The summary of any kind of study; kinds that this page does not know give their warning only. */
+/** The summary of any kind of study; for unknown kinds, only their warning. */
 export function wordsOf(result: StudyResult): Words {
   const words: Words = { warnings: [], findings: [], winners: [], basis: [], refused: [] };
   const tell: Record<string, (result: StudyResult, words: Words) => void> = { work_precision: workPrecision, convergence, stability, cross_check: crossCheck, sweep };

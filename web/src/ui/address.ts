@@ -1,5 +1,5 @@
-// What a shared address says: the session while it lives, and in the part after # how to make it again: the scene
-// (a name of the gallery, or its text packed), the time, the camera.
+// What a shared address contains: the session while it lives, and after # how to recreate it: the scene (a gallery name
+// or its packed text), the time, the camera.
 import type { Scene } from "../client/rest";
 
 export interface Shared {
@@ -21,7 +21,7 @@ async function through(bytes: Uint8Array, stream: ReadableWritablePair<Uint8Arra
   return new Uint8Array(await new Response(new Blob([bytes as BlobPart]).stream().pipeThrough(stream as never)).arrayBuffer());
 }
 
-/** A scene as letters that an address may hold; undefined for one that is too long. */
+/** A scene as characters allowed in an address; undefined if it is too long. */
 export async function packScene(scene: Scene): Promise<string | undefined> {
   const packed = await through(new TextEncoder().encode(JSON.stringify(scene)), new CompressionStream("deflate-raw") as never);
   const text = btoa(Array.from(packed, (byte) => String.fromCharCode(byte)).join("")).replaceAll("+", "-").replaceAll("/", "_").replaceAll("=", "");
@@ -33,7 +33,7 @@ async function unpackScene(text: string): Promise<Scene> {
   return JSON.parse(new TextDecoder().decode(await through(bytes, new DecompressionStream("deflate-raw") as never))) as Scene;
 }
 
-/** The part of the address after #; nothing where it says nothing. */
+/** Parses the part of the address after #; empty if it says nothing. */
 export async function readShared(hash: string): Promise<Shared> {
   const said = new URLSearchParams(hash.replace(/^#/, ""));
   const shared: Shared = {};
@@ -51,7 +51,7 @@ export async function readShared(hash: string): Promise<Shared> {
 
 const short = (numbers: number[]): string => numbers.map((x) => String(+x.toPrecision(5))).join(",");
 
-/** The part after # of what is on the screen; `packed` is a scene's text, a gallery name is enough where it has one. */
+/** The part after # for what is on the screen; `packed` is the scene's text, unless a gallery name suffices. */
 export function writeShared({ gallery, packed, time, eye, target }: { gallery?: string | undefined; packed?: string | undefined; time: number; eye?: number[]; target?: number[] }): string {
   const parts: string[] = [];
   if (gallery) parts.push(`scene=${encodeURIComponent(gallery)}`);

@@ -27,7 +27,7 @@ import { SpeedChoice } from "./speed_choice";
 import { speedAtFirst } from "./speeds";
 
 const kHistory = 1500; // points of a plot's past
-const kAddress = 1200; // ms between two looks at what the address says
+const kAddress = 1200; // ms between two updates of the address
 const kMarks = 5000; // pictures that leave a performance mark, for scripts/measure.mjs
 
 export class App {
@@ -49,7 +49,7 @@ export class App {
   private readonly marks = { contacts: false, joints: false };
   private measured = 0;
   private info: SceneInfo = infoOf(undefined);
-  /** The session's scene, with its defaults; undefined until it has come. */
+  /** The session's scene, with its defaults; undefined until it has been received. */
   private scene: Scene | undefined;
   private galleryName: string | undefined;
   private packed: string | undefined;
@@ -69,7 +69,7 @@ export class App {
     this.wire();
   }
 
-  /** Opens what the address asks for. */
+  /** Opens what the address refers to. */
   async start(): Promise<void> {
     const query = new URLSearchParams(location.search);
     const session = query.get("session");
@@ -80,7 +80,7 @@ export class App {
     const shared = await readShared(location.hash);
     if (session) {
       await this.attempt(() => this.openSession(session, shared));
-      // A session that is gone leaves nothing to look at but the way to another one.
+      // If the session is gone, all that is left is to choose another one.
       if (this.id === undefined) this.page.panel("gallery");
     } else if (scene) await this.attempt(() => this.openGallery(scene));
     await listed;
@@ -130,7 +130,7 @@ export class App {
     await this.service.play(session.id, this.speed.value);
   }
 
-  /** Opens a session; one that is gone is made again if the address says how. */
+  /** Opens a session; one that is gone is recreated if the address says how. */
   private async openSession(id: string, shared: Shared): Promise<void> {
     let session: Session;
     try {
@@ -152,7 +152,7 @@ export class App {
     if (session.instability) this.unstable(session.instability);
   }
 
-  /** Ends what was on the screen. */
+  /** Closes what was on the screen. */
   private leave(): void {
     this.stream?.close();
     if (this.id !== undefined && this.own) void this.service.deleteSession(this.id).catch(() => undefined);
@@ -218,7 +218,7 @@ export class App {
     void this.consume(stream);
   }
 
-  /** The session itself knows more than the event: what would have helped. */
+  /** The session knows more than the event: what would have helped. */
   private async explain(id: string, detail: string): Promise<void> {
     const session = await this.service.session(id).catch(() => undefined);
     if (this.id === id) this.unstable(session?.instability ?? { detail });
@@ -246,7 +246,7 @@ export class App {
     }
   }
 
-  /** Takes the past from the service: at the start, and where frames were missing. */
+  /** Fetches earlier samples from the service: at the start, and where frames are missing. */
   private fillPlot(id: string): void {
     if (this.filling) return;
     this.filling = true;
@@ -256,7 +256,7 @@ export class App {
     }, () => undefined).finally(done);
   }
 
-  /** A plot or a field that has come to the end of its scene stops there, once. */
+  /** Pauses a plot or field once at the end of its scene. */
   private end(): void {
     const { duration, dt = 0 } = this.info;
     if (!this.own || this.ended || duration === undefined || this.time < duration - 0.5 * dt || (!this.stage.plotted && !this.stage.onlyGrids)) return;
@@ -265,7 +265,7 @@ export class App {
     this.page.hint(`the end of the scene, after ${duration.toLocaleString("en-US", { maximumSignificantDigits: 4 })} s`);
   }
 
-  /** Keeps in the address how to come back to what is on the screen. */
+  /** Keeps in the address how to return to what is on the screen. */
   private address(): void {
     if (this.id === undefined || this.stream?.state !== "open") return;
     const { framing } = this.stage;
@@ -321,7 +321,7 @@ export class App {
       },
       panel: (which) => this.page.panel(which),
       layout: () => this.page.layout(),
-      // The session waits where it is.
+      // The session is paused where it is.
       left: () => {
         if (this.id !== undefined && this.own && this.playing) void fetch(`/v1/sessions/${encodeURIComponent(this.id)}/pause`, { method: "POST", keepalive: true, headers: { "content-type": "application/json" }, body: "{}" });
       },

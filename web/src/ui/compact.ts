@@ -1,11 +1,11 @@
-// Which encoding a session's frames travel in: as floats while they are small, as 16-bit differences where points
-// are many, and as floats again where a quantum of those could be seen (one point far away makes the box large).
+// The encoding of a session's frames: floats while they are small, 16-bit differences when there are many points, and
+// floats again if a quantum would be visible (one distant point makes the box large).
 import { meaning } from "../client/parts";
 import type { DecodedFrame } from "../client/decode";
 import { Encoding, type Hello, type Topology } from "../client/gen/truestep/v1/stream_pb";
 
 const kMany = 20000; // rows of a frame's positions
-const kSeen = 0.1; // quanta a point's radius
+const kSeen = 0.1; // of a point's radius, visible size of a quantum
 
 export class Compact {
   private able = false;
@@ -23,7 +23,7 @@ export class Compact {
     this.radius = new Map(topology.systems.map((system) => [system.system, system.pointRadius]));
   }
 
-  /** What the frames after this one should travel in. */
+  /** The encoding for the frames after this one. */
   choose(frame: DecodedFrame): Encoding {
     const positions = frame.fields.filter((field) => field.field === this.position.get(field.system));
     if (positions.some((field) => field.quantum > kSeen * (this.radius.get(field.system) ?? 0))) {

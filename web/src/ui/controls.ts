@@ -20,7 +20,7 @@ export interface Controls {
   marked(): void;
   panel(which: "gallery" | "editor" | "none"): void;
   layout(): void;
-  /** Nobody looks any more. */
+  /** The page is being left. */
   left(): void;
 }
 

@@ -1,6 +1,6 @@
 // Elements without a framework.
 
-/** The element of the page with this id; the page has it, or the build is broken. */
+/** The page's element with this id; if it is missing, the build is broken. */
 export function byId<T extends Element = HTMLElement>(id: string): T {
   const found = document.getElementById(id);
   if (!found) throw new Error(`the page has no #${id}`);
@@ -21,7 +21,7 @@ export function make<K extends keyof HTMLElementTagNameMap>(tag: K, attributes: 
   return element;
 }
 
-/** One icon of the page's sprite. */
+/** An icon from the page's sprite. */
 export function icon(name: string): SVGSVGElement {
   const svg = document.createElementNS("http://www.w3.org/2000/svg", "svg");
   const use = document.createElementNS("http://www.w3.org/2000/svg", "use");

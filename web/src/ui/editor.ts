@@ -1,5 +1,5 @@
-// The scene editor: JSON text with line numbers, the service's findings below it, and a jump from each
-// finding to the lines it is about. Text that is no JSON is told apart here, before it is sent.
+// The scene editor: JSON text with line numbers, the service's findings below it, and a link from each finding to its
+// lines. Text that is not JSON is caught here, before it is sent.
 import type { Issue } from "../client/problem";
 import { ProblemError, problemOf } from "../client/problem";
 import { locate } from "../client/locate";
@@ -51,7 +51,7 @@ export class Editor {
     this.timer = setTimeout(() => void this.validate(), 600);
   }
 
-  /** The scene of the text, or undefined after saying where it stops being JSON. */
+  /** The scene in the text, or undefined after reporting where it stops being JSON. */
   private parse(): Scene | undefined {
     try {
       return JSON.parse(this.text.value) as Scene;
@@ -112,7 +112,7 @@ export class Editor {
     this.number(lines);
   }
 
-  /** Selects the value of a pointer and scrolls to it. */
+  /** Selects the value at a pointer and scrolls to it. */
   private select(pointer: string): void {
     const range = locate(this.text.value, pointer);
     if (!range) return;
@@ -122,7 +122,7 @@ export class Editor {
     this.text.scrollTop = Math.max(0, (this.lineOf(range.start) - 3) * height);
   }
 
-  /** Puts the suggested name in the place of the unknown key or value. */
+  /** Replaces the unknown key or value by the suggested name. */
   private fix(issue: Issue): void {
     const range = locate(this.text.value, issue.pointer);
     if (!range || !issue.did_you_mean) return;

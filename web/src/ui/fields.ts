@@ -1,4 +1,4 @@
-// Which fields the viewer asks of a stream.
+// The fields that the viewer requests from a stream.
 import { meaning, partsOf } from "../client/parts";
 import type { Hello, Topology } from "../client/gen/truestep/v1/stream_pb";
 
@@ -9,8 +9,8 @@ export interface Coloring {
 }
 
 /**
- * Position; where rows carry bodies also orientation and who sleeps; and for points what the scene colours them
- * by, or their speed if they have no colour of their own.
+ * Positions; for rows with bodies also orientations and sleep states; and for points the field by which the scene
+ * colours them, or their speed if they have no colour of their own.
  */
 export function fieldsOf({ colorBy, bySpeed }: Coloring, hello: Hello, topology: Topology | undefined): string[] {
   const parts = partsOf(hello);
@@ -25,7 +25,7 @@ export function fieldsOf({ colorBy, bySpeed }: Coloring, hello: Hello, topology:
     if (bodies) for (const what of ["orientation", "asleep"]) want(meaning(part, what));
     const colored = (drawn.pointRadius > 0 && (colorBy || drawn.color.length === 0)) || (bodies && colorBy);
     if (bySpeed && colored) want(has(colorBy) ?? has("speed") ?? meaning(part, "velocity"));
-    // A system's lines have values in a part of their own.
+    // Values of a system's lines are in a separate part.
     const lines = [...parts.values()].find((one) => one.elements === "lines" && one.system === drawn.system);
     if (bySpeed && colorBy && lines?.fields.some((field) => field.name === colorBy)) want(colorBy);
   }

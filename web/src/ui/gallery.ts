@@ -1,4 +1,4 @@
-// The gallery by chapters: one card a scene, with the server's picture of it or, without one, a drawing of its kind.
+// The gallery by chapters: one card per scene, with the server's picture of it or, without one, a drawing of its kind.
 // A card under the mouse plays: a session of its own is stepped and drawn by the service until the mouse leaves.
 import type { GalleryEntry } from "../client/rest";
 import { byId, make } from "./dom";
@@ -13,7 +13,7 @@ const drawings: [RegExp, string][] = [
   [/oscill|ode|wave|euler|damp|integrat/, "M10 40c10-44 20-44 30 0s20 44 30 0 20-30 24-12 10 12 16 12"],
 ];
 
-/** Chapters in their order; a scene is in the first whose tags it has. */
+/** Chapters in order; a scene belongs to the first whose tags it has. */
 const chapters: [string, RegExp][] = [
   ["Things that meet", /^coupling$/],
   ["Elastic bodies", /^(finite elements|shape matching|elastic block)$/],
@@ -34,7 +34,7 @@ const chapters: [string, RegExp][] = [
 /** The chapter of a scene with these tags. */
 export const chapterOf = (tags: readonly string[]): string => chapters.find(([, pattern]) => tags.some((tag) => pattern.test(tag)))?.[0] ?? "More";
 
-/** True when every word of `query` begins or is in something that the entry says. */
+/** True when every word of `query` occurs in the entry or starts one of its words. */
 export function matches(entry: GalleryEntry, query: string): boolean {
   const text = [entry.name, entry.title, entry.teaches, entry.description, ...(entry.tags ?? [])].join(" ").toLowerCase();
   return query.toLowerCase().split(/\s+/).every((word) => text.includes(word));
@@ -54,7 +54,7 @@ function drawing(entry: GalleryEntry): SVGSVGElement {
 function cardOf(entry: GalleryEntry, open: (name: string) => void, edit: (name: string) => void): HTMLElement {
   const picture = make("span", { class: "thumbnail" });
   if (entry.thumbnail) {
-    // Made ahead by scripts/thumbnails.mjs; a scene that is newer has the service's picture.
+    // Made in advance by scripts/thumbnails.mjs; newer scenes use the service's picture.
     const image = make("img", { src: `/thumbnails/${encodeURIComponent(entry.name)}.webp`, alt: "", loading: "lazy", decoding: "async" });
     const drawn = entry.thumbnail;
     image.addEventListener("error", () => {
@@ -96,7 +96,7 @@ export function showGallery(entries: GalleryEntry[], open: (name: string) => voi
   filter();
 }
 
-/** Marks the card of the scene that runs. */
+/** Marks the card of the running scene. */
 export function markScene(name: string | undefined): void {
   for (const card of byId("gallery").querySelectorAll<HTMLElement>("article")) card.toggleAttribute("data-current", card.dataset.scene === name);
 }

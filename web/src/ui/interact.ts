@@ -1,5 +1,5 @@
-// Mouse and touch on the picture: a point under the pointer is marked, pressed it is pulled by a spring of
-// the service's, double clicked it is pinned or set free. The background turns the camera.
+// Mouse and touch on the picture: a point under the pointer is marked, dragging it pulls it by a spring of the service,
+// a double click pins or releases it. Dragging the background turns the camera.
 import { Vector3 } from "three";
 import { dragTarget, pickPoint, pointOf, type Pick } from "../render/picker";
 import type { Stage } from "../render/stage";
@@ -12,11 +12,11 @@ const kReachTouch = 26;
 export interface Commands {
   /** Sends a command of the session; failures are shown by the caller. */
   send(body: Record<string, unknown>): void;
-  /** The same; ends when the session has taken it, throws when it has not. */
+  /** The same; resolves when the session has accepted it, throws when it has not. */
   ask(body: Record<string, unknown>): Promise<void>;
-  /** The same for commands that come many a second. */
+  /** The same for commands sent many times a second. */
   post(body: Record<string, unknown>): void;
-  /** A short sentence for the person. */
+  /** Shows a short sentence to the user. */
   say(text: string): void;
 }
 
@@ -27,10 +27,10 @@ export class Interaction {
   private readonly target = new Vector3();
   private readonly at = new Vector3();
   private moved = false;
-  /** Where the next drag command takes hold, if not at the row's point. */
+  /** Where the next drag command grabs, if not at the row's point. */
   private hold: number[] | undefined;
   private queued = false;
-  /** What is held, by the command that lets it go. */
+  /** What is held, with the command that releases it. */
   private pinned = new Map<string, "unpin" | "release">();
   private readonly probe = byId("probe");
   private pointer: { x: number; y: number; touch: boolean } | undefined;
@@ -57,7 +57,7 @@ export class Interaction {
     this.unmark();
   }
 
-  /** Moves the mark with its point; to be called when a frame is on the screen. */
+  /** Moves the mark with its point; call when a frame is on the screen. */
   follow(): void {
     if (this.dragged) this.mark(this.dragged, this.moved ? this.target : undefined);
     else if (this.pointer && !this.pointer.touch) this.hover();
@@ -77,7 +77,7 @@ export class Interaction {
     this.dragged = pick;
     this.moved = false;
     pointOf(pick, this.anchor);
-    // A body is held where the mouse took hold of it, not by its centre.
+    // A body is held where the mouse grabbed it, not by its centre.
     this.hold = undefined;
     if (pick.view.bodies && dragTarget(this.stage.camera, this.anchor, (2 * this.pointer.x) / box.width - 1, 1 - (2 * this.pointer.y) / box.height, this.target)) {
       this.anchor.copy(this.target);
@@ -99,7 +99,7 @@ export class Interaction {
     if (!hit) return;
     this.moved = true;
     this.mark(this.dragged, this.target);
-    // At most one command a picture.
+    // At most one command per picture.
     if (this.queued) return;
     this.queued = true;
     requestAnimationFrame(() => {
@@ -117,7 +117,7 @@ export class Interaction {
     this.stage.controls.enabled = true;
     if (this.moved) {
       this.commands.send({ type: "release", system: pick.view.id, index: pick.index });
-      // What a spring held, the hand has taken over and let go.
+      // A drag has replaced the spring that held this, and released it.
       if (this.pinned.get(`${pick.view.id} ${pick.index}`) === "release") this.pinned.delete(`${pick.view.id} ${pick.index}`);
     }
     this.unmark();
@@ -134,7 +134,7 @@ export class Interaction {
     if (pick) void this.keep(pick, event);
   }
 
-  /** Holds a row or lets it go. Bodies in space have no pins: a spring to the world holds them where they were taken. */
+  /** Holds a row or releases it. Bodies in space cannot be pinned: a spring to the world holds them where they were grabbed. */
   private async keep({ view, index }: Pick, event: MouseEvent): Promise<void> {
     const key = `${view.id} ${index}`;
     const name = `${view.id}, ${view.bodies ? "body" : "point"} ${index}`;

@@ -46,7 +46,7 @@ export class Page {
     lesson.textContent = text ?? "";
   }
 
-  /** Which method a requested accuracy led to. */
+  /** Shows the method that was chosen for a requested accuracy. */
   accuracy(report: Accuracy | undefined): void {
     const line = byId("accuracy");
     line.hidden = !report;
@@ -67,7 +67,7 @@ export class Page {
     this.hintTimer = setTimeout(() => (hint.hidden = true), 1600);
   }
 
-  /** Shows only the switches that do something in this scene. */
+  /** Shows only the switches that have an effect in this scene. */
   toggles(): void {
     const { points, lines, surface, bodies } = this.stage.has;
     byId("show-points").hidden = !points;

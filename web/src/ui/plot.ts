@@ -17,7 +17,7 @@ const colors = ["--series-1", "--series-2", "--series-3", "--series-4", "--serie
 type Column = (number | null)[];
 
 export class Plot {
-  /** Asks the service for the past; undefined where it keeps none. */
+  /** Asks the service for earlier samples; undefined if it keeps none. */
   onGap: (() => void) | undefined;
   private readonly figure = byId("energy");
   private readonly host = byId("plot");
@@ -60,12 +60,12 @@ export class Plot {
     this.chooser.replaceChildren();
   }
 
-  /** Colours of the page have changed. */
+  /** Call after the page's colours have changed. */
   restyle(): void {
     if (this.plot) this.build();
   }
 
-  /** Takes what was before: it replaces the samples up to its end, whose times were those of frames. */
+  /** Takes earlier samples: they replace the samples up to their end, which were taken at frames. */
   fill({ series, units }: History): void {
     const { time, values } = series;
     const end = time.at(-1);
@@ -89,7 +89,7 @@ export class Plot {
   add({ values, time }: Observables): void {
     if (values.length === 0) return;
     const last = this.times.at(-1);
-    // The clock went back: a reset or a seek. What was after it is no longer true.
+    // The clock went back, by a reset or a seek: later samples are no longer valid.
     if (last !== undefined && time < last) {
       const keep = this.times.findIndex((t) => t >= time);
       this.times.length = keep;
@@ -115,7 +115,7 @@ export class Plot {
     this.schedule();
   }
 
-  /** Samples of a name that the service keeps no series of, at other times: where they fall. */
+  /** Places samples of a name for which the service keeps no series, at other times. */
   private sampled(name: string, times: number[]): Column {
     const old = this.columns.get(name);
     const out = new Array<number | null>(times.length).fill(null);
@@ -144,7 +144,7 @@ export class Plot {
     this.list();
   }
 
-  /** The names that there are, to choose from. */
+  /** The available names. */
   private list(): void {
     const boxes = [...this.columns.keys()].map((name) => {
       const box = make("input", { type: "checkbox", checked: this.chosen.includes(name), onchange: () => {
@@ -209,7 +209,7 @@ export class Plot {
     this.write();
   }
 
-  /** The chosen columns, with holes where frames are missing. */
+  /** The chosen columns, with gaps where frames are missing. */
   private rows(): uPlot.AlignedData {
     const gaps = gapsIn(this.times);
     const columns = this.chosen.map((name) => {
@@ -248,7 +248,7 @@ export class Plot {
 
   private draw(): void {
     this.pending = false;
-    // Energies of parts that appear later belong to what is shown at first.
+    // Energies of parts that appear later belong to the initial selection.
     if (!this.touched && this.chosen.length > 0 && this.chooser.childElementCount !== this.columns.size) this.list();
     if (!this.plot || this.figure.offsetParent === null) return;
     this.plot.setData(this.rows());

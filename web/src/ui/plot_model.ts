@@ -1,4 +1,4 @@
-// What a plot shows, apart from the page: which observables at first, where samples are missing, how ticks are
+// What a plot shows, independent of the page: which observables at first, where samples are missing, how ticks are
 // written.
 
 export interface Choice {
@@ -20,13 +20,13 @@ export function chooseAtFirst(names: readonly string[]): Choice {
   return { title: "Observables", names: (plain.length > 0 ? plain : [...names]).slice(0, 3) };
 }
 
-/** A name as short as the title lets it be. */
+/** A name, shortened by what the title already says. */
 export function seriesLabel(name: string, title: string): string {
   if (/energy/i.test(title)) return name.replace(/\.energy\.(total|kinetic)$|^energy\./, "") || name;
   return name;
 }
 
-/** Rows before which samples are missing: their distance is many times the usual one, and a part of what is seen. */
+/** Rows before which samples are missing: the gap is many times the usual distance, and visible in the plot. */
 export function gapsIn(times: readonly number[]): number[] {
   if (times.length < 4) return [];
   const steps = times.slice(1).map((t, k) => t - times[k]!);
@@ -35,14 +35,14 @@ export function gapsIn(times: readonly number[]): number[] {
   return steps.flatMap((step, k) => (step > least ? [k + 1] : []));
 }
 
-/** Changes since the first value, over its size; as they are where that is nothing. */
+/** Changes since the first value, relative to it; absolute where it is zero. */
 export function relative(column: readonly (number | null)[]): (number | null)[] {
   const first = column.find((value) => value !== null) ?? 0;
   const size = Math.abs(first) || 1;
   return column.map((value) => (value === null ? null : (value - first) / size));
 }
 
-/** Labels of ticks `step` apart, and the power of ten that they leave to the axis. */
+/** Labels of ticks `step` apart, and the power of ten to be shown on the axis. */
 export function scaleOf(ticks: readonly number[], step: number): { exponent: number; labels: string[] } {
   const size = ticks.reduce((most, tick) => Math.max(most, Math.abs(tick)), 0);
   const power = size > 0 ? Math.floor(Math.log10(size) + 1e-9) : 0;

@@ -1,8 +1,8 @@
-// What a card of the gallery plays under the mouse: pictures that the service draws of a session that is stepped
-// for them. It begins after a moment, so that a mouse on its way costs nothing, and ends with the session.
+// Preview of a gallery card under the mouse: pictures drawn by the service of a session stepped for them. It starts
+// after a moment, so that a passing mouse costs nothing, and ends with the session.
 import { Service } from "../client/rest";
 
-const kRest = 350; // ms that the mouse stays before a card plays
+const kRest = 350; // ms that the mouse must rest before a card plays
 const kPictures = 60;
 const kEvery = 0.12; // s of a scene of kWhole s between two pictures
 const kWhole = 7;

@@ -1,8 +1,8 @@
-// Problems as cards a person can read: what happened, where in the input, what would have been allowed.
+// Problems as readable cards: what happened, where in the input, what would have been allowed.
 import type { Issue, Problem } from "../client/problem";
 import { brief, byId, icon, make } from "./dom";
 
-/** One issue as a list item; `onShow` goes to the place of its pointer, `onFix` puts the suggested name there. */
+/** One issue as a list item; `onShow` goes to its pointer, `onFix` inserts the suggested name there. */
 export function issueItem(issue: Issue, onShow?: (issue: Issue) => void, onFix?: (issue: Issue) => void): HTMLElement {
   const pointer = make(onShow ? "button" : "code", { class: "pointer", ...(onShow ? { type: "button", title: "Show it in the scene", onclick: () => onShow(issue) } : {}) }, issue.pointer === "" ? "(whole scene)" : issue.pointer);
   const item = make("li", { class: "issue" }, pointer);
@@ -24,7 +24,7 @@ export function issueItem(issue: Issue, onShow?: (issue: Issue) => void, onFix?:
 /** A computed number needs no more digits than a person would type. */
 const rounded = (value: unknown): string => (typeof value === "number" ? String(+value.toPrecision(4)) : brief(value));
 
-/** What would help, one item a remedy; undefined when the problem names none. */
+/** What would help, one item per remedy; undefined when the problem names none. */
 function remedyList(problem: Problem): HTMLElement | undefined {
   const remedies = problem.remedies;
   if (!Array.isArray(remedies) || remedies.length === 0) return undefined;

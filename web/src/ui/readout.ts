@@ -30,12 +30,12 @@ export class Readout {
     this.fps.textContent = "0 /s";
   }
 
-  /** Half of the smallest request's round trip is the way of a frame. */
+  /** Half the round trip of the smallest request approximates a frame's transit time. */
   roundTrip(milliseconds: number): void {
     this.trip = this.trip === 0 ? milliseconds : Math.min(milliseconds, 0.7 * this.trip + 0.3 * milliseconds);
   }
 
-  /** A frame is on the screen. */
+  /** Call when a frame is on the screen. */
   shown(frame: DecodedFrame, superseded: number): void {
     ++this.pictures;
     this.age = 0.9 * this.age + 0.1 * (performance.now() - frame.arrived);
@@ -64,5 +64,5 @@ export class Readout {
   }
 }
 
-/** Thousands apart by a narrow space. */
+/** Groups thousands with a narrow space. */
 const group = (value: number): string => String(value).replace(/\B(?=(\d{3})+$)/g, "\u202f");

@@ -1,4 +1,4 @@
-// The bar that says what a grid's colours mean.
+// The colour bar of a grid.
 import { cssGradient } from "../render/color_map";
 import type { Scale } from "../render/grid_view";
 import { byId } from "./dom";

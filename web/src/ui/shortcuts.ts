@@ -1,4 +1,4 @@
-// Keys: the elements with aria-keyshortcuts say theirs themselves, so that the page and the keys agree.
+// Keyboard shortcuts. Elements name theirs in aria-keyshortcuts, so that page and keys agree.
 import { byId } from "./dom";
 
 const buttons: Record<string, string> = {
@@ -14,7 +14,7 @@ export interface KeyActions {
 }
 
 export function installShortcuts(actions: KeyActions): void {
-  // A button pressed with the mouse gives the keys back, or Space would press it again.
+  // A button clicked with the mouse gives up the focus, or Space would press it again.
   document.addEventListener("click", (event) => {
     if (event.detail > 0) (event.target as Element).closest("button")?.blur();
   });
@@ -32,7 +32,7 @@ export function installShortcuts(actions: KeyActions): void {
     else if (key === "Escape") actions.escape();
     else if (buttons[key]) {
       const button = byId<HTMLButtonElement>(buttons[key]);
-      // What is in a closed list of buttons answers to its key as well.
+      // Buttons in a closed menu respond to their keys as well.
       if (!button.disabled && (button.offsetParent !== null || button.closest("#views"))) button.click();
     } else return;
     event.preventDefault();

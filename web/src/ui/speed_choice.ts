@@ -5,7 +5,7 @@ import { speedsFor, speedText } from "./speeds";
 export class SpeedChoice {
   private readonly list = byId<HTMLSelectElement>("speed");
   private speeds = speedsFor(undefined);
-  /** Playing does not come to its speed, and the hint has said so. */
+  /** Playing is slower than requested, and the hint has said so. */
   private late = false;
 
   onChange(handler: () => void): void {
@@ -31,7 +31,7 @@ export class SpeedChoice {
     return `speed ${speedText(this.speeds[next]!)}`;
   }
 
-  /** Shows the speed of a session that plays, and what it comes to; returns a hint when it has begun to fall behind. */
+  /** Shows the requested and achieved speed of a playing session; returns a hint when it starts to fall behind. */
   playing(speed: number, achieved: number, dt: number | undefined): string | undefined {
     if (!this.speeds.includes(speed)) this.offer(dt, speed);
     this.list.value = String(speed);

@@ -14,14 +14,14 @@ const kMost = 20000; // of the fastest
 const kShort = 5; // s that a run should last at least
 const kLong = 90; // and at most
 
-/** Speeds whose steps of `dt` (s) come neither one by one nor by the ten thousand; 1 is among them where it means anything. */
+/** Speeds at which steps of `dt` (s) are neither visible one by one nor ten thousands at a time; includes 1 if that makes sense. */
 export function speedsFor(dt: number | undefined): number[] {
   if (!dt || !(dt > 0)) return all.filter((speed) => speed >= 0.05 && speed <= 100);
   const some = all.filter((speed) => speed / dt >= kLeast && speed / dt <= kMost);
   return dt >= 1e-4 && dt <= 10 && !some.includes(1) ? [...some, 1].sort((a, b) => a - b) : some;
 }
 
-/** The speed that shows a run of `duration` (s) neither in a blink nor in an afternoon; 1 where it does. */
+/** A speed at which a run of `duration` (s) takes neither a blink nor an afternoon; 1 if possible. */
 export function speedAtFirst(dt: number | undefined, duration: number | undefined): number {
   const speeds = speedsFor(dt);
   if (duration === undefined || !(duration > 0)) return 1;
@@ -30,6 +30,6 @@ export function speedAtFirst(dt: number | undefined, duration: number | undefine
   return 1;
 }
 
-/** 0.05 and 1,000 as a person reads them. */
+/** Speeds in readable form: 0.05, 1,000. */
 export const speedText = (speed: number): string =>
   speed >= 1e-3 && speed < 1e6 ? `${speed.toLocaleString("en-US", { maximumSignificantDigits: 3 })}×` : `${speed.toExponential(0).replace("e+", "e")}×`;
