@@ -188,8 +188,10 @@ TEST(RagdollLinks, LimitsOfPinAndSliderHoldWhereItFalls) {
   }
   // Springs of 1000 N m/rad and N/m stop what moves: by sqrt(I / k) and sqrt(m / k) of the speeds at most,
   // with the inertias of all that hangs behind (1.3 kg within 1 m, 1.3 kg).
-  EXPECT_GT(pin, 0.5), EXPECT_LT(pin, 0.5 + 4 * std::sqrt(1.3 / 1000));
-  EXPECT_GT(slide, 0.15), EXPECT_LT(slide, 0.15 + 0.8 * std::sqrt(1.3 / 1000) + 0.05);
+  EXPECT_GT(pin, 0.5);
+  EXPECT_LT(pin, 0.5 + 4 * std::sqrt(1.3 / 1000));
+  EXPECT_GT(slide, 0.15);
+  EXPECT_LT(slide, 0.15 + 0.8 * std::sqrt(1.3 / 1000) + 0.05);
 }
 
 TEST(RagdollLinks, ConeAndTwistOfABallHoldWhereItFalls) {
@@ -217,8 +219,10 @@ TEST(RagdollLinks, ConeAndTwistOfABallHoldWhereItFalls) {
     }
   }
   // Springs of 1000 N m/rad give way to 5 rad/s by no more than sqrt(I / k) of it, I some 0.02 kg m^2.
-  EXPECT_GT(swing, 0.4), EXPECT_LT(swing, 0.4 + 5 * std::sqrt(0.02 / 1000) + 0.02);
-  EXPECT_GT(twist, 0.3), EXPECT_LT(twist, 0.3 + 5 * std::sqrt(0.02 / 1000) + 0.02);
+  EXPECT_GT(swing, 0.4);
+  EXPECT_LT(swing, 0.4 + 5 * std::sqrt(0.02 / 1000) + 0.02);
+  EXPECT_GT(twist, 0.3);
+  EXPECT_LT(twist, 0.3 + 5 * std::sqrt(0.02 / 1000) + 0.02);
 }
 
 TEST(RagdollLinks, AnImpactLetsThemGoWithTheirMomentum) {
