@@ -28,6 +28,8 @@ export interface ViewerSettings {
   slice?: { axis?: "x" | "y" | "z"; at?: number };
   /** m per unit of a grid's value. */
   height?: number;
+  /** How particles that have a size are drawn. */
+  liquid?: "balls" | "surface";
   /** Lines of equal value over a plane of a grid. */
   contours?: number;
   /** Lines along a vector field; without them it is drawn as arrows. */
