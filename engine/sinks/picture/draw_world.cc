@@ -6,15 +6,14 @@
 #include <utility>
 
 #include "engine/base/errors.h"
-#include "engine/geometry/particle_surface.h"
 #include "engine/math/quaternion.h"
 #include "engine/scene/params.h"
 #include "engine/scene/params_text.h"
 #include "engine/sinks/picture/color_map.h"
 #include "engine/sinks/picture/draw_grid.h"
+#include "engine/sinks/picture/draw_liquid.h"
 #include "engine/sinks/picture/draw_plot.h"
 #include "engine/sinks/picture/draw_strings.h"
-#include "engine/sinks/picture/geometry.h"
 
 namespace truestep {
 
@@ -107,21 +106,6 @@ DrawPoints points_of(const World& world, const Frame& frame, size_t p, const Vie
   if (!net && points.radius == 0 && n <= kMarked && points.triangles.empty() && topology.plot.empty())
     points.point_pixels = topology.visuals.empty() ? kMarkPixels : 0;
   return points;
-}
-
-/// The surface of the liquid that particles are, in place of them.
-void wrap(DrawPoints& points) {
-  constexpr double kCell = 0.5;  // spacings
-  const double spacing = 2 * double{points.radius};
-  ParticleSurface s = particle_surface(points.positions, points.scalar, {spacing, kCell * spacing});
-  // Colours mean what they meant of the particles.
-  if (!points.scalar.empty()) {
-    const auto [low, high] = picture::scalar_range(points);
-    points.scalar_min = low, points.scalar_max = high;
-  }
-  points.positions = std::move(s.positions), points.scalar = std::move(s.values);
-  points.triangles = std::move(s.triangles);
-  points.radius = 0, points.point_pixels = 0;
 }
 
 DrawShape shape_of(const DrawnShape& s) {
@@ -350,11 +334,7 @@ DrawList draw_list_of(const World& world, const Frame& frame, const PictureLook&
       continue;
     }
     if (!points.color) points.color = picture::palette(places[p]);
-    if (viewer.liquid == Liquid::surface && points.radius > 0 && points.lines.empty() &&
-        points.triangles.empty() && list.shapes.size() == before &&
-        drawing.space == PartDrawing::Space::solid) {
-      wrap(points);
-    }
+    if (viewer.liquid == Liquid::surface && list.shapes.size() == before) wrap_liquid(points, drawing.space);
     const bool main = world.parts()[p].index == 0;
     // Rows that other shapes are drawn for show no colour of their own.
     const bool visible = points.radius > 0 || !points.lines.empty() || !points.triangles.empty();
