@@ -51,9 +51,31 @@ void of_triangle(const MeshTriangle& t, const Vec3& p, double within, std::optio
   if (d <= within && (!best || d < best->distance)) best = {d, d > 0 ? r / d : t.normal};
 }
 
+/// The nearest of the triangles that enclose a volume. Where several are equally near the point is on an
+/// edge's or a corner's side, and the triangle that it stands highest over, on either side, says on which.
+struct Enclosing {
+  double distance = HUGE_VAL, height = 0;
+  Vec3 way;  ///< from the nearest place
+
+  void take(const MeshTriangle& t, const Vec3& p) {
+    constexpr double kEqual = 1e-9;
+    const std::array<Vec3, 3> c{t.corner[0], t.corner[1], t.corner[2]};
+    const Vec3 r = p - blend(c, nearest_on_hull(p, c, 3), 3);
+    const double d = norm(r), over = dot(t.normal, p - c[0]);
+    const double margin = kEqual * (d + distance);
+    if (d > distance + margin || (d >= distance - margin && std::fabs(over) <= std::fabs(height))) return;
+    distance = std::min(d, distance), height = over, way = d > 0 ? r / d : t.normal;
+    if (height < 0) way = -way;
+  }
+};
+
 }  // namespace
 
-std::optional<PointDistance> point_distance(const Solid& s, const Vec3& p, double within) {
+MeshSides mesh_sides(const Solid& s) {
+  return s.kind == SolidKind::mesh && !s.mesh->closed() ? MeshSides::front : MeshSides::enclosed;
+}
+
+std::optional<PointDistance> point_distance(const Solid& s, const Vec3& p, double within, MeshSides sides) {
   const auto near = [&](const PointDistance& d) {
     return d.distance <= within ? std::optional(d) : std::nullopt;
   };
@@ -82,6 +104,12 @@ std::optional<PointDistance> point_distance(const Solid& s, const Vec3& p, doubl
       });
       return best;
     case SolidKind::mesh:
+      if (sides == MeshSides::enclosed) {
+        Enclosing found;
+        s.mesh->tree().overlapping(box, [&](uint32_t i) { found.take(s.mesh->triangle(i), p); });
+        if (!(found.distance <= within)) return std::nullopt;
+        return PointDistance{std::copysign(found.distance, found.height), found.way};
+      }
       s.mesh->tree().overlapping(box, [&](uint32_t i) { of_triangle(s.mesh->triangle(i), p, within, best); });
       return best;
     case SolidKind::height_field:

@@ -57,6 +57,9 @@ struct SliceParams {
   std::optional<double> at;  ///< m; empty: in the middle
 };
 
+/// How particles that have a size are drawn.
+enum class Liquid : uint8_t { balls, surface };
+
 struct ViewerParams {
   std::optional<CameraParams> camera;
   std::string color_by;  ///< name of a field
@@ -64,6 +67,7 @@ struct ViewerParams {
   std::vector<double> range;  ///< lowest and highest value of the colours; empty: those shown
   std::optional<SliceParams> slice;
   std::optional<double> height;  ///< m per unit of the value
+  Liquid liquid = Liquid::balls;
   int64_t contours = 0;
   int64_t streamlines = 0;
 };

@@ -98,6 +98,10 @@ const DefTable& viewer_table() {
                   "cut through a grid in space; without one it is shown as translucent slices")
           .number("height", &ViewerParams::height, "", any(),
                   "m per unit: values of a grid in the plane stand out of it as a surface")
+          .choice("liquid", &ViewerParams::liquid, {"balls", "surface"},
+                  "how particles that have a size are drawn: each as a ball, or in space all of a system as "
+                  "the smooth "
+                  "surface of the liquid that they are")
           .integer("contours", &ViewerParams::contours, between(0, 64),
                    "level lines of a grid in the plane or a slice")
           .integer("streamlines", &ViewerParams::streamlines, between(0, 400),

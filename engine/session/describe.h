@@ -30,6 +30,8 @@ boost::json::object describe_cost(const Cost& cost);
 boost::json::array describe_plan(const World& world, std::span<const Profile> profiles);
 /// {system, quantity, index, detail, last_good_step, remedies}, and suggested_dt when known.
 boost::json::object describe_failure(const Failure& failure);
+/// [{system, quantity, value, limit, detail, first_step, suggested_dt}]
+boost::json::array describe_warnings(const std::vector<SessionWarning>& warnings);
 boost::json::object describe_observables(const Observables& values);
 
 /// The report of read_scene plus, if it found faults, those that only building reveals (World::more_faults),

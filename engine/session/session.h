@@ -41,7 +41,14 @@ struct Failure {
   std::vector<std::string> remedies;      ///< what helped when tried, one sentence each
 };
 
-/// The outcome of a step.
+/// A result that is not to be trusted though nothing has failed.
+struct SessionWarning {
+  std::string system;
+  Warning warning;          ///< the worst so far of its quantity
+  uint64_t first_step = 0;  ///< that it was seen at
+};
+
+/// What became of a step.
 enum class StepOutcome : uint8_t {
   done,
   failed,      ///< the session has failed and stays at its last good step
@@ -185,7 +192,10 @@ class Session {
   /// Largest memory that the series may take.
   static double most_series_bytes(const World& world);
   const std::optional<Failure>& failure() const { return failure_; }
-  /// Profiles the steps from now on; the clock is read in every pass.
+  /// One for every quantity of a system that has made results up to the present step doubtful, seen at the
+  /// steps of World::watched and by `examine`; sinks are told of each once.
+  const std::vector<SessionWarning>& warnings() const { return warnings_; }
+  /// Where the time of steps goes, from now on; the clock is looked at in every pass.
   void start_profiling() {
     if (profiles_.empty()) profiles_.resize(world_->profiled());
   }
@@ -214,6 +224,7 @@ class Session {
   void fail(Failure failure);
   void notify(std::string_view kind, const std::string& detail);
   void record_series();
+  void collect_warnings(Output output);
   WorldState snapshot_at_or_before(uint64_t step) const;
 
   std::shared_ptr<const World> world_;
@@ -260,6 +271,7 @@ class Session {
   std::vector<std::shared_ptr<Sink>> sinks_;
   std::vector<std::shared_ptr<Sink>> due_;  ///< of the present step
   std::optional<Failure> failure_;
+  std::vector<SessionWarning> warnings_;
 };
 
 }  // namespace truestep

@@ -94,7 +94,15 @@ class World {
   /// this world's systems.
   Cost cost(const WorldState& state) const;
 
-  /// Systems, then couplings: each has a profile of its own.
+  /// What systems say of the results of the last step (System::warn), `suggested_dt` that of the session
+  /// step.
+  struct SystemWarning {
+    size_t system;
+    Warning warning;
+  };
+  std::vector<SystemWarning> warnings(const WorldState& state) const;
+
+  /// Systems, then couplings: what has a profile of its own.
   size_t profiled() const { return systems_.size() + couplings_.size(); }
 
   struct PlanEntry {

@@ -16,8 +16,8 @@ from pathlib import Path
 
 HERE = Path(__file__).resolve().parent
 SECONDS, STEP, EDGE, SPACING = 0.5, 0.01, 38, 0.025
-# Our solver and density error, the peer's method.
-CASES = (("dfsph", 1e-3, 4), ("dfsph", 1e-4, 4), ("pbf", None, 5))
+# Our solver, density error and courant number, the peer's method.
+CASES = (("dfsph", 2e-3, 0.8, 4), ("dfsph", 1e-3, 0.4, 4), ("dfsph", 1e-4, 0.4, 4), ("pbf", None, 0.4, 5))
 
 
 def peer_python(build):
@@ -36,19 +36,19 @@ def peer_python(build):
     return str(python), env, str(next(folder.rglob("UnitBox.obj")))
 
 
-def scene(solver, error):
+def scene(solver, error, courant=0.4):
     half = EDGE * SPACING / 2
-    water = {"type": "sph", "id": "water", "high": [3, 2, 1], "spacing": SPACING, "viscosity": 0.01, "xsph": 0, "solver": solver,
+    water = {"type": "sph", "id": "water", "high": [3, 2, 1], "spacing": SPACING, "viscosity": 0.01, "xsph": 0, "solver": solver, "courant": courant,
              "bodies": [{"center": [half] * 3, "half_extents": [half] * 3}]}
     if error:
         water["density_error"] = error
     return {"schema_version": "1.0", "name": "bench", "gravity": [0, -9.81, 0], "time": {"dt": STEP, "duration": SECONDS}, "systems": [water]}
 
 
-def ours(binary, solver, error, threads):
+def ours(binary, solver, error, courant, threads):
     with tempfile.TemporaryDirectory() as folder:
         path, table = Path(folder) / "scene.json", Path(folder) / "out.csv"
-        path.write_text(json.dumps(scene(solver, error)))
+        path.write_text(json.dumps(scene(solver, error, courant)))
 
         def run(seconds):
             before = resource.getrusage(resource.RUSAGE_CHILDREN)
@@ -69,12 +69,12 @@ def main():
     build, binary = Path(os.environ["TRUESTEP_BUILD"]), os.environ["TRUESTEP_BINARY"]
     python, env, model = peer_python(build)
     peers = {}
-    for solver, error, method in CASES:
+    for solver, error, courant, method in CASES:
         if method not in peers:
             command = [python, str(HERE / "sph/splishsplash_dam_break.py"), str(method), str(SPACING / 2), str(SECONDS), model]
             peers[method] = json.loads(subprocess.run(command, check=True, env=env, capture_output=True, text=True).stdout.splitlines()[-1])
-        mine, peer = ours(binary, solver, error, 1), peers[method]
-        name = f"{solver}{f' to {error:g}' if error else ''}"
+        mine, peer = ours(binary, solver, error, courant, 1), peers[method]
+        name = f"{solver}{f' to {error:g}' if error else ''}, courant {courant:g}"
         print(f"{name}: largest compression {mine['most']:.3g}, the peer's {peer['most']:.3g}", file=sys.stderr)
         print(json.dumps({"bench": "sph", "metric": f"dam break of {peer['particles']} particles, {name}, CPU s a simulated second",
                           "ours": mine["seconds"], "peer": peer["seconds"], "peer_name": "SPlisHSPlasH 2.19.0",

@@ -38,6 +38,27 @@ TEST(ImmersionValidation, ACrateFloatsAtItsDepth) {
   EXPECT_GT(std::abs(draft(400, "dfsph") - 0.06), 0.007) << "control: a lighter one";
 }
 
+// The same at 4.8 spacings of draft, to 2 % of it: what is a tenth of a spacing above counts for less.
+TEST(ImmersionValidation, ALargeCrateFloatsAtItsDepthToTwoPercent) {
+  const auto draft_of = [](double density) {
+    Bath bath;
+    bath.body =
+        R"("type": "box", "half_extents": [0.18, 0.12, 0.18], "position": [0.3, 0.31, 0.3], "density": )" +
+        number(density);
+    bath.hollow = R"("center": [0.3, 0.31, 0.3], "half_extents": [0.18, 0.12, 0.18])";
+    SceneRun run(bath.scene());
+    run.session.step(45);
+    double height = 0;
+    for (int k = 0; k < 45; ++k) run.session.step(1), height += body_height(run) / 45;
+    // As above: level area - footprint (level - bottom) = water.
+    constexpr double kArea = 0.36, kFootprint = 0.36 * 0.36;
+    const double bottom = height - 0.12, water = run.observe("water.mass") / 1000;
+    return (water - kFootprint * bottom) / (kArea - kFootprint) - bottom;
+  };
+  EXPECT_NEAR(draft_of(500), 0.12, 0.02 * 0.12);
+  EXPECT_LT(draft_of(470), 0.12 - 0.02 * 0.12) << "control: a lighter one";
+}
+
 // A ball that starts from rest in still water moves half of its displaced water with it (Lamb, Hydrodynamics,
 // section 92); in a concentric shell b times as wide 1/2 (b^3 + 2) / (b^3 - 1) of it. The walls are 3.5 to 4
 // radii away, which is 1.05 to 1.07 of the free ball's. Into the ball pressure goes on with its acceleration

@@ -3,7 +3,7 @@
 import assert from "node:assert/strict";
 import { readFileSync } from "node:fs";
 import { test } from "node:test";
-import { arrows, axisOf, chapterOf, chooseAtFirst, colorStops, Extent, gapsIn, infoOf, levelLine, matches, packScene, placeOf, readShared, relative, scaleOf, speedAtFirst, speedsFor, streamlines, writeShared } from "../build/view.mjs";
+import { arrows, axisOf, chapterOf, chooseAtFirst, colorStops, Extent, gapsIn, infoOf, levelLine, matches, packScene, particleSurface, placeOf, readShared, relative, scaleOf, speedAtFirst, speedsFor, streamlines, writeShared } from "../build/view.mjs";
 
 const front = { right: [1, 0, 0], above: [0, 1, 0], back: [0, 0, 1] };
 
@@ -123,4 +123,37 @@ test("the viewer has the colours of the service's pictures", () => {
     const table = new RegExp(`k${name}\\[\\] = \\{([^}]*)\\}`, "i").exec(header)[1].split(",").map(Number);
     assert.deepEqual(hex, table, name);
   }
+});
+
+test("a ball of particles has the smooth surface of a ball, closed and outward", () => {
+  const places = [];
+  const [spacing, radius] = [0.1, 0.8];
+  for (let i = -8; i < 8; ++i) for (let j = -8; j < 8; ++j) for (let k = -8; k < 8; ++k) {
+    const p = [i, j, k].map((n) => (n + 0.5) * spacing);
+    if (Math.hypot(...p) < radius) places.push(...p);
+  }
+  places.push(NaN, 0, 0);
+  const count = places.length / 3;
+  const { positions, triangles, values } = particleSurface(Float32Array.from(places), count, Float32Array.from({ length: count }, () => 3), spacing, 0.75 * spacing);
+  const at = (k) => positions.subarray(3 * k, 3 * k + 3);
+  let volume = 0;
+  const edges = new Map();
+  for (let t = 0; t < triangles.length; t += 3) {
+    const [a, b, c] = [at(triangles[t]), at(triangles[t + 1]), at(triangles[t + 2])];
+    volume += (a[0] * (b[1] * c[2] - b[2] * c[1]) + a[1] * (b[2] * c[0] - b[0] * c[2]) + a[2] * (b[0] * c[1] - b[1] * c[0])) / 6;
+    for (let e = 0; e < 3; ++e) {
+      const [p, q] = [triangles[t + e], triangles[t + ((e + 1) % 3)]];
+      edges.set(`${p} ${q}`, (edges.get(`${p} ${q}`) ?? 0) + 1);
+    }
+  }
+  // Every edge once in each direction.
+  for (const [edge, times] of edges) assert.ok(times === 1 && edges.get(edge.split(" ").reverse().join(" ")) === 1);
+  // A tenth of a spacing all round is 4 % of the volume that the particles have.
+  const own = (count - 1) * spacing ** 3;
+  assert.ok(Math.abs(volume - own) < 0.05 * own, `${volume} ${own}`);
+  for (let k = 0; k < positions.length / 3; ++k) assert.ok(Math.abs(Math.hypot(...at(k)) - radius) < 0.7 * spacing);
+  for (const value of values) assert.ok(Math.abs(value - 3) < 1e-3);
+  // Control: particles with half the spacing that they are said to have are twice as many for the same surface.
+  const none = particleSurface(new Float32Array(0), 0, undefined, spacing, spacing);
+  assert.equal(none.triangles.length, 0);
 });

@@ -161,12 +161,13 @@ size_t parcels_in(const ConstBodies& bodies, size_t body, const State& medium, c
   const Transform frame{rotation(bodies.orientation(body)), bodies.place(body)};
   const Solid& solid = *bodies.form(body).solid;
   const double reach = bounding_radius(solid), near = reach * reach;
+  const MeshSides sides = mesh_sides(solid);
   const RealColumn<const double> places(medium, port.place);
   size_t out = 0;
   for (size_t k = 0; k < medium.rows(port.place); ++k) {
     const Vec3 p = places.vector(k);
     if (norm2(p - frame.position) > near) continue;
-    const auto at = point_distance(solid, frame.inverse_point(p), port.spacing);
+    const auto at = point_distance(solid, frame.inverse_point(p), reach, sides);
     if (at && at->distance < -kDeepest * port.spacing) ++out;
   }
   return out;

@@ -11,6 +11,7 @@
 #include "engine/scene/params_text.h"
 #include "engine/sinks/picture/color_map.h"
 #include "engine/sinks/picture/draw_grid.h"
+#include "engine/sinks/picture/draw_liquid.h"
 #include "engine/sinks/picture/draw_plot.h"
 #include "engine/sinks/picture/draw_strings.h"
 
@@ -334,6 +335,7 @@ DrawList draw_list_of(const World& world, const Frame& frame, const PictureLook&
       continue;
     }
     if (!points.color) points.color = picture::palette(places[p]);
+    if (viewer.liquid == Liquid::surface && list.shapes.size() == before) wrap_liquid(points, drawing.space);
     const bool main = world.parts()[p].index == 0;
     // Rows drawn by other shapes show no colour of their own.
     const bool visible = points.radius > 0 || !points.lines.empty() || !points.triangles.empty();

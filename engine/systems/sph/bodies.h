@@ -177,6 +177,7 @@ class BodiesIn {
     auto& list = touching_[k];
     list.clear();
     const ImmersedBody& b = bodies_[k];
+    const VolumeMap& map = maps_[map_of_[k]].map;
     const Transform frame = b.frame();
     // Particles may have gone a little way since they were sorted.
     const double reach = setting_->support, margin = reach + 0.5 * setting_->def.spacing;
@@ -195,10 +196,10 @@ class BodiesIn {
         for (size_t i = first; i < last; ++i) {
           const Vec3 x{double{f.x[0][i]}, double{f.x[1][i]}, D == 3 ? double{f.x[2][i]} : 0};
           const Vec3 local = frame.inverse_point(x);
-          const auto near = point_distance(*b.solid, local, reach);
+          const auto near = point_distance(*b.solid, local, reach, map.sides());
           if (!near) continue;
           const HalfSpace::At flat = setting_->wall.at(near->distance);
-          const VolumeMap::At shape = maps_[map_of_[k]].map.at(local, near->normal);
+          const VolumeMap::At shape = map.at(local, near->normal);
           const Vec3 n = frame.direction(near->normal);
           list.push_back({static_cast<uint32_t>(i), static_cast<uint32_t>(k), flat.share * shape.share,
                           near->distance, 0, frame.direction(shape.slope) * flat.slope,

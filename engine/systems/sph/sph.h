@@ -21,6 +21,7 @@ class Sph final : public StagedSystem {
   void apply(State& state, const Command& command) const override;
   void draw(const State& state, double t, Wish wishes, Drawing& out) const override;
   std::vector<std::string> remedies() const override;
+  void warn(const State& s, double h, std::vector<Warning>& out) const override;
   Ports ports() const override;
 
   const Setting& setting() const { return *setting_; }

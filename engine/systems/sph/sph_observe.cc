@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "engine/base/short_number.h"
 #include "engine/core/real_column.h"
 #include "engine/systems/sph/sph.h"
 
@@ -60,6 +61,29 @@ void Sph::observe(const State& s, double, Observables& out) const {
   out.add("emitted", static_cast<double>(c[counts::emitted]), "1");
   out.add("killed", static_cast<double>(c[counts::killed]), "1");
   out.add("refused", static_cast<double>(c[counts::refused]), "1");
+}
+
+// Density off by more than 1 % on the mean: more than weakly compressible flow may be (Monaghan 1994), and
+// than solves are run with. How many spacings are crossed is no question: longer steps are divided.
+void Sph::warn(const State& s, double h, std::vector<Warning>& out) const {
+  constexpr double kMostOff = 0.01, kSpare = 1.1;
+  const SphDef& d = setting_->def;
+  const auto r = s.f64(columns::report);
+  const double value = r[report::mean_error], limit = std::max(kMostOff, d.density_error);
+  if (!(value > limit)) return;
+  Warning w{.quantity = "density.mean_error", .value = value, .limit = limit};
+  w.detail = "density is " + short_number(100 * value, 2) + " % off on the mean: ";
+  if (d.solver == Method::wcsph) {
+    // Of the same pressures sound sqrt(k) times as fast makes a k-th.
+    w.detail += "a sound_speed of " + short_number(kSpare * setting_->sound * std::sqrt(value / limit), 2) +
+                " m/s would do";
+  } else {
+    // What a substep compresses grows with its square.
+    w.suggested_dt = h / std::max(1.0, r[report::substeps]) * std::sqrt(limit / value) / kSpare;
+    w.detail += "dt " + short_number(w.suggested_dt, 2) + " s, or more " +
+                (d.solver == Method::pbf ? "pbf_iterations" : "max_iterations") + " would do";
+  }
+  out.push_back(std::move(w));
 }
 
 const Outputs& sph_outputs() {

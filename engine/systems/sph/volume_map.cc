@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "engine/collision/point_distance.h"
-
 namespace truestep::sph {
 
 namespace {
@@ -89,7 +87,7 @@ bool VolumeMap::lay(const Solid& solid, const Setting& setting) {
   return false;
 }
 
-VolumeMap::VolumeMap(const Solid& solid, const Setting& setting) {
+VolumeMap::VolumeMap(const Solid& solid, const Setting& setting) : sides_(mesh_sides(solid)) {
   if (!lay(solid, setting)) return;
   const double support = setting.support;
   const Stencil stencil(setting.def.kernel, support, width_);
@@ -104,7 +102,7 @@ VolumeMap::VolumeMap(const Solid& solid, const Setting& setting) {
         for (n[0] = 0; n[0] < count_[0]; ++n[0]) body(n);
   };
   each([&](const std::array<int, 3>& n) {
-    const auto d = point_distance(solid, place(n), 2 * support);
+    const auto d = point_distance(solid, place(n), 2 * support + 2 * width_, sides_);
     distance[index(n)] = static_cast<float>(d ? d->distance : 2 * support);
     filled[index(n)] = static_cast<float>(inside(distance[index(n)], width_));
   });

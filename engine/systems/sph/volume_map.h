@@ -6,6 +6,7 @@
 #include <array>
 #include <vector>
 
+#include "engine/collision/point_distance.h"
 #include "engine/geometry/solid.h"
 #include "engine/systems/sph/setting.h"
 
@@ -21,6 +22,8 @@ class VolumeMap {
   };
   /// At a place in the solid's frame whose nearest surface has the outward normal.
   At at(const Vec3& p, const Vec3& normal) const;
+  /// How distances from the solid are to be asked for.
+  MeshSides sides() const { return sides_; }
 
  private:
   /// Share and slope factors of a node.
@@ -35,6 +38,7 @@ class VolumeMap {
     return low_ + Vec3{n[0] * width_, n[1] * width_, n[2] * width_};
   }
 
+  MeshSides sides_ = MeshSides::front;
   Vec3 low_;
   double width_ = 0;  ///< m, between nodes
   std::array<int, 3> count_{};

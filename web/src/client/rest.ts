@@ -28,6 +28,8 @@ export interface ViewerSettings {
   slice?: { axis?: "x" | "y" | "z"; at?: number };
   /** m per unit of a grid's value. */
   height?: number;
+  /** How particles that have a size are drawn. */
+  liquid?: "balls" | "surface";
   /** Lines of equal value over a plane of a grid. */
   contours?: number;
   /** Lines along a vector field; without them it is drawn as arrows. */
@@ -60,6 +62,8 @@ export interface Session {
   links: Record<string, string>;
   /** Present when the session stopped because its numbers left what makes sense. */
   instability?: Instability;
+  /** Results that are not to be trusted though nothing has failed. */
+  warnings?: { system: string; quantity: string; detail: string; suggested_dt?: number }[];
   [key: string]: unknown;
 }
 

@@ -128,7 +128,7 @@ export class Stage {
       const part = this.parts.get(system.system);
       const view = part?.lattice
         ? new GridView(part, this.settings, this.viewHeight)
-        : new SystemView(system.system, system, index, this.viewHeight, this.ground.shadowUniforms, part, system.plot.length > 0);
+        : new SystemView(system.system, system, index, this.viewHeight, this.ground.shadowUniforms, part, system.plot.length > 0, this.settings.liquid === "surface");
       this.views.set(view.id, view);
       this.scene.add(view.group);
     });

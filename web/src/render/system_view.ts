@@ -6,6 +6,7 @@ import { meaning } from "../client/parts";
 import type { Extent } from "./extent";
 import type { Part, SystemTopology } from "../client/gen/truestep/v1/stream_pb";
 import type { Label } from "./labels";
+import { Liquid } from "./liquid";
 import { kindColors, WideLines } from "./lines";
 import { PointCloud } from "./points";
 import { paletteColor } from "./shading";
@@ -44,8 +45,12 @@ export class SystemView {
   private attribute = new BufferAttribute(this.positions, 3);
   private points: PointCloud | undefined;
   private surface: Surface | undefined;
+  private liquid: Liquid | undefined;
   private lines: WideLines | undefined;
   private lineScale: [number, number] | undefined;
+  /** What colours the points, and whether the liquid's surface is that of the last frame. */
+  private shades: Float32Array | undefined;
+  private wrapped = false;
   private readonly pairs: Uint32Array;
   /** Which of the lines are drawn, and their rows. */
   private kept: number[] = [];
@@ -63,6 +68,7 @@ export class SystemView {
     floor: FloorUniforms,
     part: Part | undefined,
     private readonly trails = false,
+    smooth = false,
   ) {
     this.names = { position: meaning(part, "position"), orientation: meaning(part, "orientation"), asleep: meaning(part, "asleep"), velocity: meaning(part, "velocity") };
 
@@ -75,6 +81,11 @@ export class SystemView {
       this.group.add(this.bodies.group);
     }
     if (topology.pointRadius > 0) this.points = new PointCloud(topology.pointRadius, this.fill(), viewHeight);
+    if (smooth && this.points && !this.bodies && !topology.plane && this.pairs.length === 0 && this.triangles.length === 0) {
+      this.liquid = new Liquid(2 * topology.pointRadius, this.fill());
+      this.liquid.object.layers.enable(1);
+      this.group.add(this.liquid.object);
+    }
   }
 
   /** The colour that the scene gives to part of it. */
@@ -91,7 +102,7 @@ export class SystemView {
   /** What a viewer can switch: points, lines, surface. */
   get has(): Has {
     const bodies = this.bodies !== undefined;
-    const surface = this.triangles.length > 0 || bodies;
+    const surface = this.triangles.length > 0 || bodies || this.liquid !== undefined;
     return { points: this.points !== undefined || (!surface && this.count <= kMarked), lines: this.pairs.length > 0, surface, bodies };
   }
 
@@ -102,19 +113,26 @@ export class SystemView {
     this.mark();
     this.carry(fields, show);
     this.colorLines(fields, show);
-    this.points?.update(this.positions, this.count, show.bySpeed && (show.colorBy || !this.color) ? values(mine(fields, this.id), show.colorBy, this.names) : undefined, show.range);
+    this.shades = show.bySpeed && (show.colorBy || !this.color) ? values(mine(fields, this.id), show.colorBy, this.names) : undefined;
+    this.points?.update(this.positions, this.count, this.shades, show.range);
     if (this.points?.object && !this.points.object.parent) {
       this.points.object.layers.enable(1);
       this.group.add(this.points.object);
     }
     if (this.surface?.object.visible) this.surface.update();
+    this.wrapped = false;
     this.apply(show);
   }
 
   /** Hides and shows the parts. */
   apply(show: Visibility): void {
     if (this.bodies) this.bodies.group.visible = show.surface;
-    if (this.points?.object) this.points.object.visible = show.points;
+    if (this.points?.object) this.points.object.visible = show.points && !(this.liquid && show.surface);
+    if (this.liquid) {
+      this.liquid.object.visible = show.surface;
+      if (show.surface && !this.wrapped) this.liquid.update(this.positions, this.count, this.shades, this.points?.range);
+      this.wrapped = this.wrapped || show.surface;
+    }
     if (this.lines) this.lines.object.visible = show.lines;
     if (this.surface && this.surface.object.visible !== show.surface) {
       this.surface.object.visible = show.surface;
@@ -126,6 +144,7 @@ export class SystemView {
     this.points?.dispose();
     this.bodies?.dispose();
     this.surface?.dispose();
+    this.liquid?.dispose();
     this.lines?.dispose();
     this.group.removeFromParent();
   }

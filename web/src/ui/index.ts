@@ -1,6 +1,7 @@
 // What the viewer computes without a page, for tests in Node.
 export { axisOf, placeOf } from "../render/axis_ticks";
 export { Extent } from "../render/extent";
+export { particleSurface } from "../render/particle_surface";
 export { arrows, levelLine, streamlines } from "../render/plane_lines";
 export { infoOf } from "../render/scene_info";
 export * as colorStops from "../render/color_stops";
