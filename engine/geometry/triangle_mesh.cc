@@ -54,7 +54,7 @@ TriangleMesh::TriangleMesh(std::vector<Vec3> vertices, std::vector<uint32_t> tri
       id[k] = triangles[t + k];
       if (id[k] >= vertices.size())
         throw Error("bad_solid", "a mesh's triangle names a vertex that is not there");
-      m.corner[k] = vertices[id[k]];
+      m.corner[k] = vertices[id[k]], m.vertex[k] = id[k];
     }
     if (!m.complete()) continue;
     const auto index = static_cast<uint32_t>(triangles_.size());

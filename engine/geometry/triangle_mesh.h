@@ -19,9 +19,10 @@ namespace truestep {
 struct MeshTriangle {
   static constexpr uint32_t kBorder = 0xffffffff;
   std::array<Vec3, 3> corner;
-  Vec3 normal;                 ///< unit, to the front
-  std::array<Vec3, 3> inward;  ///< per edge k -> k + 1: unit, into this triangle
-  std::array<Vec3, 3> beyond;  ///< unit, into the neighbour; zero at a border
+  std::array<uint32_t, 3> vertex{};  ///< of a mesh: the corners' numbers
+  Vec3 normal;                       ///< unit, to the front
+  std::array<Vec3, 3> inward;        ///< per edge k -> k + 1: unit, into this triangle
+  std::array<Vec3, 3> beyond;        ///< unit, into the neighbour; zero at a border
   std::array<uint32_t, 3> neighbor{kBorder, kBorder, kBorder};
 
   /// Fills normal and inward from the corners. False for a triangle without area.

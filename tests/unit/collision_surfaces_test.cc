@@ -228,6 +228,44 @@ TEST(CollisionSurfaces, CompoundsAreTheirParts) {
   }
 }
 
+TEST(CollisionSurfaces, MeshesMeetPlanesWithTheirOutermostVertices) {
+  // A block of 9 x 9 points on its lower side, of which the corners carry it.
+  std::vector<Vec3> vertices;
+  std::vector<uint32_t> triangles;
+  for (int i = 0; i < 9; ++i) {
+    for (int j = 0; j < 9; ++j) vertices.push_back({0.25 * i - 1, 0, 0.25 * j - 1});
+  }
+  for (uint32_t i = 0; i < 8; ++i) {
+    for (uint32_t j = 0; j < 8; ++j) {
+      const uint32_t a = 9 * i + j;
+      for (const uint32_t k : {a, a + 9, a + 10, a, a + 10, a + 1}) triangles.push_back(k);
+    }
+  }
+  const Solid mesh = mesh_solid(vertices, triangles), plane = plane_solid({0, 1, 0});
+  std::vector<Manifold> all;
+  ASSERT_EQ(collide(plane, {}, mesh, transform_of(Pose{{0, -0.01, 0}, {}}), 0.05, all), 1u);
+  ASSERT_EQ(all[0].count, 4);
+  for (int k = 0; k < 4; ++k) {
+    EXPECT_NEAR(all[0].points[k].separation, -0.01, 1e-15);
+    EXPECT_NEAR(std::fabs(all[0].points[k].position.x * all[0].points[k].position.z), 1, 1e-12);
+  }
+  // From either side, in any place: the deepest vertex is among the points.
+  for (uint64_t i = 0; i < 200; ++i) {
+    const Transform at = random_transform(61, i, 1), ground_at = random_transform(62, i, 1);
+    double lowest = 1e300;
+    for (const Vec3& v : vertices)
+      lowest = std::min(lowest, dot(ground_at.direction(plane.size), at.point(v) - ground_at.position));
+    std::vector<Manifold> one, other;
+    collide(plane, ground_at, mesh, at, 0.05, one);
+    collide(mesh, at, plane, ground_at, 0.05, other);
+    ASSERT_EQ(one.size(), lowest <= 0.05 ? 1u : 0u);
+    ASSERT_EQ(other.size(), one.size());
+    if (one.empty()) continue;
+    EXPECT_NEAR(one[0].deepest(), -lowest, 1e-12);
+    EXPECT_LT(norm(one[0].normal + other[0].normal), 1e-15);
+  }
+}
+
 TEST(CollisionSurfaces, BadSurfacesAreRefused) {
   EXPECT_THROW(mesh_solid({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {0, 1, 3}), Error);
   EXPECT_THROW(mesh_solid({{0, 0, 0}, {1, 0, 0}, {2, 0, 0}}, {0, 1, 2}), Error);

@@ -21,8 +21,11 @@ inline void add_sheet(MeshShape& mesh, const Vec3& corner, const Vec3& u, const 
   }
 }
 
-inline size_t piercings(const XpbdRun& run) {
-  const auto& triangles = run.system->body().triangles;
+/// Edges, each counted by its triangles, that pierce one of `triangles`; `meets`(k, l): whether two of them
+/// are asked.
+template <class Meets>
+size_t piercings_of(const XpbdRun& run, const std::vector<std::array<uint32_t, 3>>& triangles,
+                    const Meets& meets) {
   const auto side = [](const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& p) {
     return dot(p - a, cross(b - a, c - a));
   };
@@ -37,19 +40,26 @@ inline size_t piercings(const XpbdRun& run) {
   grid.build(boxes);
   size_t count = 0;
   // Both triangles of an edge count it.
-  const auto pierce = [&](uint32_t e, uint32_t f) {
+  const auto pierce = [&](size_t own, uint32_t e, uint32_t f) {
     const Vec3 p = run.position(e), q = run.position(f);
     grid.overlapping(box(std::array{e, f}), [&](uint32_t k) {
       const auto& t = triangles[k];
-      if (std::ranges::count(t, e) + std::ranges::count(t, f) > 0) return;
+      if (std::ranges::count(t, e) + std::ranges::count(t, f) > 0 || !meets(own, size_t{k})) return;
       const Vec3 a = run.position(t[0]), b = run.position(t[1]), c = run.position(t[2]);
       if (side(a, b, c, p) * side(a, b, c, q) >= 0) return;
       const double s0 = side(p, q, a, b), s1 = side(p, q, b, c), s2 = side(p, q, c, a);
       count += (s0 > 0 && s1 > 0 && s2 > 0) || (s0 < 0 && s1 < 0 && s2 < 0);
     });
   };
-  for (const auto& t : triangles) pierce(t[0], t[1]), pierce(t[1], t[2]), pierce(t[2], t[0]);
+  for (size_t k = 0; k < triangles.size(); ++k) {
+    const auto& t = triangles[k];
+    pierce(k, t[0], t[1]), pierce(k, t[1], t[2]), pierce(k, t[2], t[0]);
+  }
   return count;
+}
+
+inline size_t piercings(const XpbdRun& run) {
+  return piercings_of(run, run.system->body().triangles, [](size_t, size_t) { return true; });
 }
 
 }  // namespace truestep::testing_rig

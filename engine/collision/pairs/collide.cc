@@ -92,6 +92,16 @@ size_t collide_surface(const Solid& surface, const Transform& at, const Solid& b
   return out.size() - before;
 }
 
+size_t collide_plane_and_mesh(const Solid& plane, const Transform& at, const Solid& mesh,
+                              const Transform& at_mesh, double margin, std::vector<Manifold>& out) {
+  Manifold m;
+  collide_plane_mesh(plane.size, *mesh.mesh, relative(at, at_mesh), margin, m);
+  if (m.count == 0) return 0;
+  to_world(at, m);
+  out.push_back(m);
+  return 1;
+}
+
 }  // namespace
 
 void collide_local(const Convex& a, const Convex& b, const Transform& place, double margin, Manifold& out) {
@@ -121,6 +131,13 @@ size_t collide(const Solid& a, const Transform& at_a, const Solid& b, const Tran
                std::vector<Manifold>& out) {
   const bool fixed_a = is_surface(a.kind) || a.kind == SolidKind::plane,
              fixed_b = is_surface(b.kind) || b.kind == SolidKind::plane;
+  if (a.kind == SolidKind::plane && b.kind == SolidKind::mesh)
+    return collide_plane_and_mesh(a, at_a, b, at_b, margin, out);
+  if (a.kind == SolidKind::mesh && b.kind == SolidKind::plane) {
+    const size_t count = collide_plane_and_mesh(b, at_b, a, at_a, margin, out);
+    if (count > 0) out.back().normal = -out.back().normal;
+    return count;
+  }
   if (fixed_a && fixed_b) return 0;
   const size_t before = out.size();
   if (is_surface(a.kind)) return collide_surface(a, at_a, b, at_b, margin, out);

@@ -57,7 +57,72 @@ void cylinder_points(const Convex& b, const Transform& place, const Vec3& n, Bel
   below.add(place.point({e.z, low, -e.x}), end + 3);
 }
 
+/// Of any number of vertices those that reach furthest along directions that do not change.
+class Outermost {
+ public:
+  Outermost(const Vec3& normal, double margin) : n_(normal), margin_(margin) {
+    const Vec3 u = normalized(cross(normal, std::fabs(normal.x) < 0.7 ? Vec3{1, 0, 0} : Vec3{0, 1, 0}),
+                              {1, 0, 0}),
+               v = cross(normal, u);
+    along_[0] = -normal;
+    for (int k = 0; k < 4; ++k) {
+      constexpr double kCos[4] = {1, 0.7071067811865476, 0, -0.7071067811865476},
+                       kSin[4] = {0, 0.7071067811865476, 1, 0.7071067811865476};
+      along_[1 + k] = u * kCos[k] + v * kSin[k], along_[5 + k] = -along_[1 + k];
+    }
+  }
+  void add(const Vec3& p, uint32_t id) {
+    const double s = dot(n_, p);
+    if (s > margin_) return;
+    for (int k = 0; k < kDirections; ++k) {
+      const double reach = dot(along_[k], p);
+      // Of equals, as many are on a flat face, always the same.
+      if (best_[k].id != 0 && (reach < reach_[k] || (reach == reach_[k] && id >= best_[k].id))) continue;
+      reach_[k] = reach, best_[k] = {p - n_ * (0.5 * s), s, id};
+    }
+  }
+  void finish(Manifold& out) const {
+    ContactPoint points[kDirections];
+    size_t count = 0;
+    for (const ContactPoint& p : best_) {
+      bool known = p.id == 0;
+      for (size_t i = 0; i < count; ++i) known = known || points[i].id == p.id;
+      if (!known) points[count++] = p;
+    }
+    out.normal = n_;
+    keep_best({points, count}, n_, out);
+  }
+
+ private:
+  static constexpr int kDirections = 9;
+  Vec3 n_;
+  double margin_;
+  Vec3 along_[kDirections];
+  double reach_[kDirections] = {};
+  ContactPoint best_[kDirections];
+};
+
 }  // namespace
+
+void collide_plane_mesh(const Vec3& n, const TriangleMesh& mesh, const Transform& place, double margin,
+                        Manifold& out) {
+  out.count = 0;
+  const Vec3 d = place.inverse_direction(n);
+  const double offset = dot(n, place.position);
+  Outermost outermost(n, margin);
+  mesh.tree().each(
+      [&](const Box& b) {
+        const double lowest = d.x * (d.x > 0 ? b.low.x : b.high.x) + d.y * (d.y > 0 ? b.low.y : b.high.y) +
+                              d.z * (d.z > 0 ? b.low.z : b.high.z);
+        // Boxes are exact, their transform rounds.
+        return lowest + offset <= margin + 1e-12 * (std::fabs(lowest) + std::fabs(offset));
+      },
+      [&](uint32_t i) {
+        const MeshTriangle& t = mesh.triangle(i);
+        for (size_t k = 0; k < 3; ++k) outermost.add(place.point(t.corner[k]), t.vertex[k] + 1);
+      });
+  outermost.finish(out);
+}
 
 void collide_plane(const Vec3& n, const Convex& b, const Transform& place, double margin, Manifold& out) {
   out.count = 0;

@@ -2,6 +2,8 @@
 #pragma once
 #include <array>
 #include <cstdint>
+#include <optional>
+#include <string>
 #include <vector>
 
 #include "engine/math/vec3.h"
@@ -20,5 +22,14 @@ std::vector<double> mesh_shares(const MeshShape& shape);
 /// An edge of one triangle: (smaller end, larger end, opposite corner). Sorted, so that the triangles of an
 /// edge are neighbours.
 std::vector<std::array<uint32_t, 3>> sorted_edges(const std::vector<std::array<uint32_t, 3>>& triangles);
+
+struct ClothFault {
+  size_t corner;  ///< index into MeshShape::triangles
+  std::string what;
+};
+/// The first edge without length or triangle without area. Nothing where indices are out of range.
+std::optional<ClothFault> flat_triangle(const MeshShape& shape);
+/// The first edge of more than two triangles: nobody knows what bends there.
+std::optional<ClothFault> crowded_edge(const MeshShape& shape);
 
 }  // namespace truestep

@@ -12,6 +12,7 @@
 #include "engine/core/point_forces.h"
 #include "engine/integrators/descent/descent.h"
 #include "engine/integrators/table/methods.h"
+#include "engine/kernels/chebyshev.h"
 
 namespace truestep {
 
@@ -67,7 +68,7 @@ void step_vertex_block_descent(const ForceField& field, State& state, const Step
     Vec3 a;
     if (w[i] > 0 && fall > 0) {
       const double had = dot(load3(v0.data(), i) - load3(last.data(), i), g) * per_h / (fall * fall);
-      a = g * std::clamp(had, 0.0, 1.0);
+      a = forces.allowed(i, g * std::clamp(had, 0.0, 1.0));
     }
     const Vec3 v = load3(v0.data(), i) + a * h;
     store3(u.data(), i, v);
@@ -104,7 +105,7 @@ void step_vertex_block_descent(const ForceField& field, State& state, const Step
       });
     }
     if (iteration == 0) continue;
-    omega = iteration == 1 ? 2 / (2 - kRadius * kRadius) : 4 / (4 - kRadius * kRadius * omega);
+    omega = chebyshev_weight(iteration, kRadius, omega);
     m.loop(n, [&](size_t k) {
       x[k] = older[k] + omega * (x[k] - older[k]);
       u[k] = (x[k] - x0[k]) * per_h;

@@ -10,8 +10,10 @@ namespace truestep {
 
 namespace {
 
-constexpr double kNear = 1e-4;  ///< of the first residual: close to a solution
-/// Iterations on the full equations before damping and air are lagged, and afterwards.
+/// Share of u by which a last correction may change it, and of the places.
+constexpr double kSettled = 1e-6, kStill = 1e-12;
+constexpr double kNear = 1e-4;  ///< of the first residual: a solution is near
+/// Iterations on the whole equations before damping and air are held, and after they were.
 constexpr int kDirect = 60, kPolish = 25;
 constexpr double kCrawling = 0.25;  ///< fraction of a direction below which a line search makes no progress
 constexpr int kLeap = 6;            ///< full steps that may increase the potential before they must have
@@ -36,6 +38,7 @@ StageNewton::StageNewton(Motion& m, const IntegratorOptions& options)
       trial_(m.scratch("integrator.u", n_)),
       start_(m.scratch("integrator.u_start", n_)),
       leap_(m.scratch("integrator.u_leap", n_)),
+      before_(m.scratch("integrator.u_before", n_)),
       a_near_(m.scratch("integrator.k2", n_)),
       x_near_(m.scratch("integrator.x_near", n_)),
       rest_(m.scratch("integrator.krylov_r", n_)),
@@ -95,6 +98,16 @@ StageNewton::Failure StageNewton::solve_held(const StageEquation& eq, std::span<
   return hold(report_.target);
 }
 
+bool StageNewton::settled(const StageEquation& eq, std::span<const double> u) const {
+  double change = 0, size = 0, places = 0;
+  for (size_t k = 0; k < n_; ++k) {
+    change += (u[k] - before_[k]) * (u[k] - before_[k]);
+    size += u[k] * u[k];
+    places += x_[k] * x_[k];
+  }
+  return change <= kSettled * kSettled * size || eq.s * eq.s * change <= kStill * kStill * places;
+}
+
 StageNewton::Failure StageNewton::iterate_to(double target, int most, const StageEquation& eq,
                                              std::span<double> u) {
   for (int it = 0;; ++it) {
@@ -107,7 +120,9 @@ StageNewton::Failure StageNewton::iterate_to(double target, int most, const Stag
     // Values that have decayed until their squares underflow count as zero: a norm can no longer tell better
     // from worse there.
     constexpr double kNothing = 1e-150;
-    if (norm_ <= report_.floor + kNothing) return nullptr;
+    const bool rounded = norm_ <= report_.floor + kNothing;
+    if (rounded && (eq.end == StageEquation::End::rounding || (it > 0 && settled(eq, u)))) return nullptr;
+    if (eq.end == StageEquation::End::correction) std::copy(u.begin(), u.end(), before_.begin());
     if (it >= most) return "did not converge";
     // No more accuracy than this iterate deserves.
     const double accuracy =

@@ -26,6 +26,11 @@ struct StageEquation {
   double s = 0;                ///< s, factor of the velocity in the position
   std::span<const double> x0;  ///< m
   std::span<const double> u0;  ///< m/s
+  /// Where the forces' own rounding hides what is left of the residual: `rounding` ends there, which moves
+  /// nothing by more than rounding as long as the mass counts; `correction` goes on until Newton's
+  /// corrections are small against u, for equilibria, whose softest motions weigh nothing beside the stiffest
+  /// ones.
+  enum class End : uint8_t { rounding, correction } end = End::rounding;
 };
 
 /// What the last solution took; kept in the workspace under kNewtonReport for tests and benchmarks.
@@ -67,6 +72,8 @@ class StageNewton {
   void full_step_unasked(const StageEquation& eq, std::span<double> u);
   Failure stiffen(double share, double target, const StageEquation& eq, std::span<double> u);
   Failure approach(double share, const StageEquation& eq, std::span<double> u);
+  /// Whether the last change of u is small against u, or moves nothing that could be told from rounding.
+  bool settled(const StageEquation& eq, std::span<const double> u) const;
   Failure iterate_to(double target, int most, const StageEquation& eq, std::span<double> u);
   Failure solve_held(const StageEquation& eq, std::span<double> u);
   void accelerate(double t, std::span<const double> x, std::span<const double> u, std::span<double> a);
@@ -99,8 +106,8 @@ class StageNewton {
   double definite_ = 0;   // fraction of the definite Jacobian in the last direction's matrix
   double norm_ = 0;       // of the residual at the last evaluation
   double magnitude_ = 0;  // sum of |terms| of the last value
-  std::span<double> a_, b_, d_, x_, lagged_, trial_, start_, leap_;
-  double last_share_ = 1;  // fraction of its direction taken by the last line search
+  std::span<double> a_, b_, d_, x_, lagged_, trial_, start_, leap_, before_;
+  double last_share_ = 1;  // of its direction that the last line search took
   // Conjugate residuals.
   static constexpr size_t kMostDirections = 12;
   std::span<double> a_near_, x_near_, rest_, whole_;

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "engine/kernels/fem/principal.h"
+#include "engine/kernels/fem/relaxed_cell.h"
 
 namespace truestep::fem {
 
@@ -171,6 +172,10 @@ struct Pulls {
 }  // namespace
 
 Mat3 deformation(const Material& material, const CellRule& rule, const Vec3* x, size_t point) {
+  if (rule.modes > 0) {
+    const RelaxedCell inner(material, rule, x);
+    return deformation(material, inner.rule(), inner.x(), point);
+  }
   Mat3 f = gradient_of(rule, x, point);
   if (rule.across == Across::membrane) f = seen_in(frame_of(f), f);
   if (is_thin(rule.across)) f.m[8] = free_thickness(material, f);
@@ -178,6 +183,7 @@ Mat3 deformation(const Material& material, const CellRule& rule, const Vec3* x, 
 }
 
 double cell_forces(const Material& material, const CellRule& rule, const Vec3* x, Vec3* forces) {
+  if (rule.modes > 0) return RelaxedCell(material, rule, x).forces(material, forces);
   std::array<Response, kMostPoints> at;
   double energy = 0;
   for (size_t q = 0; q < rule.points; ++q) {
@@ -285,6 +291,7 @@ Pulls add_points(const Material& material, const CellRule& rule, const Vec3* x, 
 
 void cell_stiffness(const Material& material, const CellRule& rule, const Vec3* x, Definite definite,
                     double* k) {
+  if (rule.modes > 0) return RelaxedCell(material, rule, x).stiffness(material, definite, k);
   std::fill_n(k, 9 * rule.nodes * rule.nodes, 0.0);
   const bool linear = material.law == Law::linear, condensed = is_thin(rule.across);
   const Pulls pulls = condensed                   ? add_points(material, rule, x, definite, k)
@@ -307,6 +314,31 @@ void cell_stiffness(const Material& material, const CellRule& rule, const Vec3* 
     }
   }
   mirror(rule.nodes, k);
+}
+
+void cell_node(const Material& material, const CellRule& rule, const Vec3* x, size_t a, Vec3& force,
+               double* k) {
+  for (size_t q = 0; q < rule.points; ++q) {
+    const double w = rule.weights[q];
+    const Vec3 g = rule.gradients[q * rule.nodes + a];
+    const Mat3 f = gradient_of(rule, x, q);
+    Response at;
+    respond(material, f, at, nullptr);
+    const Volumetric u = volumetric(material, at.theta);
+    force -= (w * (at.p + u.du * at.dtheta)) * g;
+    if (material.law != Law::linear) {
+      const Svd3 svd = svd3(f);
+      PrincipalSlope h = principal_slope(material, svd.s, {u, true});
+      clamp(h);
+      add_stiffness(h, svd, {&g, 1}, w, k);
+      continue;
+    }
+    const double along[] = {g.x, g.y, g.z};
+    for (size_t c = 0; c < 3; ++c) {
+      for (size_t r = 0; r < 3; ++r) k[3 * c + r] += w * (u.ddu + material.mu) * along[r] * along[c];
+      k[4 * c] += w * material.mu * norm2(g);
+    }
+  }
 }
 
 }  // namespace truestep::fem

@@ -5,6 +5,10 @@
 // element's mean of theta: E = sum_q w_q psi_shape(F_q) + V U(mean theta), the mixed element whose pressure
 // and dilatation are constant and condensed (Simo, Taylor, Pister 1985): Q1-P0, Q2-P0, P2-P0. Plane bodies
 // have F_zz = 1, or in plane stress the F_zz for which P_zz = 0, found at every point.
+// With incompatible modes F = sum_a x_a (x) grad N_a + sum_k alpha_k (x) G_k, where alpha is an element's own
+// and such that E is least: bending that an element of first order cannot follow is then free of shear
+// (Wilson, Taylor, Doherty, Ghaboussi 1973; G of Taylor, Beresford, Wilson 1976, which passes the patch test;
+// Simo, Rifai 1990). Forces are those at that alpha, stiffness is condensed.
 #pragma once
 #include <cstddef>
 #include <span>
@@ -24,7 +28,10 @@ struct CellRule {
   const double* weights;  ///< m^3
   Across across = Across::space;
   bool mean_volume = false;
+  size_t modes = 0;
+  const Vec3* mode_gradients = nullptr;  ///< 1/m, G at [point * modes + k]
 };
+inline constexpr size_t kMostModes = 3;
 
 /// F of a point; with plane stress F_zz follows from the material. Of a membrane: as seen in its own plane,
 /// the first axis along the image of x.
@@ -38,5 +45,10 @@ enum class Definite : uint8_t { no, yes };
 /// with the slopes of every point made positive semidefinite.
 void cell_stiffness(const Material& material, const CellRule& rule, const Vec3* x, Definite definite,
                     double* k);
+
+/// Force on node a (N) and d2E / dx_a2 (N/m, column by column) with the slopes of every point made positive
+/// semidefinite, both added: what the node feels as it alone moves. In space, theta of every point its own.
+void cell_node(const Material& material, const CellRule& rule, const Vec3* x, size_t a, Vec3& force,
+               double* k);
 
 }  // namespace truestep::fem

@@ -66,6 +66,35 @@ void set_geometry(const FemDef& def, Body& b) {
   }
 }
 
+// G_k = |J0| / |J| J0^-T grad (1 - xi_k^2) of the modes 1 - xi_k^2: with the middle's J0 they pass the patch
+// test.
+void set_modes(Body& b) {
+  const Element& kind = *b.mesh.kind;
+  b.modes = kind.dimension;
+  std::vector<double> n(kind.size());
+  std::vector<Vec3> g(kind.size());
+  shape_at(kind, {}, n, g);
+  for (size_t cell = 0; cell < b.mesh.cells(); ++cell) {
+    Mat3 j0;
+    if (kind.dimension == 2) j0.m[8] = 1;
+    size_t a = 0;
+    for (const uint32_t p : b.mesh.cell(cell)) {
+      const Vec3 &x = b.mesh.x[p], &d = g[a++];
+      j0.m[0] += x.x * d.x, j0.m[1] += x.x * d.y, j0.m[2] += x.x * d.z;
+      j0.m[3] += x.y * d.x, j0.m[4] += x.y * d.y, j0.m[5] += x.y * d.z;
+      j0.m[6] += x.z * d.x, j0.m[7] += x.z * d.y, j0.m[8] += x.z * d.z;
+    }
+    const Mat3 back = transposed(inverse(j0));
+    const double middle = determinant(j0);
+    for (size_t q = 0; q < kind.points.size(); ++q) {
+      const double share = middle / jacobian(b.mesh, cell, q).size;
+      const Vec3& xi = kind.points[q];
+      const Vec3 slopes[] = {{-2 * xi.x, 0, 0}, {0, -2 * xi.y, 0}, {0, 0, -2 * xi.z}};
+      for (size_t k = 0; k < b.modes; ++k) b.mode_gradients.push_back(share * (back * slopes[k]));
+    }
+  }
+}
+
 // integral of N_a over a facet at rest, times the traction there; the area.
 double add_traction(const Body& b, const Facet& f, const ExpressionRows* traction, uint8_t axes,
                     const Vec3& even, std::vector<double>& out) {
@@ -285,6 +314,7 @@ Body build_body(const FemDef& def) {
   b.plane = in_plane(def);
   b.plane_stress = b.plane && def.plane == Plane::stress;
   b.mean_volume = def.volume == Volume::mean;
+  if (def.incompatible_modes == Incompatible::wilson) set_modes(b);
   if (b.mesh.kind->dimension == 2) b.thickness = def.plane_thickness;
   set_geometry(def, b);
   set_loads(def, b);

@@ -23,11 +23,13 @@ struct PressureFacet {
 struct Body {
   Mesh mesh;
   bool plane = false, plane_stress = false, mean_volume = false;
-  double thickness = 1;         ///< m, of a plane body or a sheet
-  std::vector<Vec3> gradients;  ///< dN_a / dX, 1/m, at [(cell * points + q) * nodes + a]
-  std::vector<double> weights;  ///< m^3 of point q, at [cell * points + q]
-  std::vector<double> masses;   ///< kg, lumped
-  std::vector<double> loads;    ///< N, 3 a node: forces that keep their direction
+  double thickness = 1;              ///< m, of a plane body or a sheet
+  std::vector<Vec3> gradients;       ///< dN_a / dX, 1/m, at [(cell * points + q) * nodes + a]
+  std::vector<double> weights;       ///< m^3 of point q, at [cell * points + q]
+  size_t modes = 0;                  ///< incompatible ones of every element
+  std::vector<Vec3> mode_gradients;  ///< 1/m, at [(cell * points + q) * modes + k]
+  std::vector<double> masses;        ///< kg, lumped
+  std::vector<double> loads;         ///< N, 3 a node: forces that keep their direction
   std::vector<PressureFacet> pressures;
   std::vector<Hold> holds;
   std::vector<uint8_t> axes;   ///< components of every node that are prescribed, bits

@@ -15,7 +15,8 @@ using Columns = FemColumns;
 
 namespace {
 
-constexpr std::string_view kUsual = "implicit_euler", kMeetsBodies = "velocity_verlet";
+constexpr std::string_view kUsual = "implicit_euler", kLinear = "linear_implicit_euler",
+                           kMeetsBodies = "velocity_verlet";
 constexpr std::string_view kOldPosition = "fem.x_old", kOldVelocity = "fem.v_old";
 
 ChosenMethod settle(const FemDef& def, const BuildContext& context, const FemField& field) {
@@ -98,35 +99,69 @@ void Fem::plan_stages(const FemDef& def, const std::string& why) {
               [this](State& s, const StepInput& in) { equilibrium(s, in); });
     skip_stage("integrate", "motion is quasi-static");
   } else {
-    if (!def.holds.empty()) {
-      add_stage("holds", std::to_string(def.holds.size()) + " sets have prescribed displacements",
-                [this](State& s, const StepInput& in) { begin_holds(s, in.t, in.h); });
-    }
-    if (!colliders_.empty() && !barrier_)
-      add_stage("remember", "contacts need where every node came from", remember);
-    if (barrier_) {
-      add_stage("barrier", "implicit Euler in which the surface never touches anything, by Newton's method",
-                [this](State& s, const StepInput& in) { barrier_->step(s, in); });
-    } else {
-      add_integration_stage(why);
-    }
-    if (!def.holds.empty()) {
-      add_stage("velocities of holds", "components that are prescribed move as their expressions do",
-                [this](State& s, const StepInput& in) { end_holds(s, in.t, in.h); });
-    }
-    if (barrier_) {
-      skip_stage("contacts", "the barrier keeps all apart");
-    } else if (colliders_.empty()) {
-      skip_stage("contacts", "there are no colliders");
-    } else {
-      add_stage("contacts", std::to_string(colliders_.colliders().size()) + " colliders keep the nodes out",
-                [this](State& s, const StepInput& in) { resolve_contacts(s, in); });
-    }
+    add_dynamic_stages(def, why);
     if (!(def.damping > 0)) skip_stage("damping", "damping is 0");
   }
   add_stage("hands", "ends pushes whose time is over",
             [](State& s, const StepInput& in) { Columns::kHands.count_down(s, in.h); });
   if (def.holds.empty()) skip_stage("holds", "no displacement is prescribed");
+}
+
+void Fem::add_dynamic_stages(const FemDef& def, const std::string& why) {
+  if (!def.holds.empty()) {
+    add_stage("holds", std::to_string(def.holds.size()) + " sets have prescribed displacements",
+              [this](State& s, const StepInput& in) { begin_holds(s, in.t, in.h); });
+  }
+  if (barrier_) {
+    add_stage("barrier", "implicit Euler in which the surface never touches anything, by Newton's method",
+              [this](State& s, const StepInput& in) { barrier_->step(s, in); });
+    skip_stage("contacts", "the barrier keeps all apart");
+  } else if (colliders_.empty()) {
+    add_integration_stage(why);
+    skip_stage("contacts", "there are no colliders");
+  } else {
+    add_contact_stages(why);
+  }
+  if (!def.holds.empty()) {
+    add_stage("velocities of holds", "components that are prescribed move as their expressions do",
+              [this](State& s, const StepInput& in) { end_holds(s, in.t, in.h); });
+  }
+}
+
+// Methods that solve for a step keep nodes on surfaces within it: put back afterwards they would squeeze what
+// is behind them, which of a stiff body makes energy without end.
+void Fem::add_contact_stages(const std::string& why) {
+  const std::string count = std::to_string(colliders_.colliders().size());
+  if (solves_contacts()) {
+    add_stage("integrate",
+              "advances position and velocity with " + std::string(integrator().name) + ", nodes on " +
+                  count + " colliders held to them: " + why,
+              [this](State& s, const StepInput& in) { step_on_surfaces(s, in); });
+    return;
+  }
+  add_stage("remember", "contacts need where every node came from", remember);
+  add_integration_stage(why);
+  add_stage("contacts", count + " colliders keep the nodes out",
+            [this](State& s, const StepInput& in) { resolve_contacts(s, in); });
+}
+
+bool Fem::solves_contacts() const {
+  return motion_ == Motion::dynamic && !barrier_ && !colliders_.empty() &&
+         (integrator().name == kUsual || integrator().name == kLinear);
+}
+
+State Fem::initial_state() const {
+  State s = ForceSystem::initial_state();
+  if (solves_contacts()) RowContacts::add_columns(s, s.rows(Columns::position));
+  return s;
+}
+
+void Fem::step_on_surfaces(State& s, const StepInput& in) const {
+  const Body& b = body();
+  const bool driven =
+      Columns::kHands.any(s) || !b.pressures.empty() || !b.holds.empty() || elements_.load_share(in.t) < 1;
+  on_surfaces_.step(force_field(), integrator(), options(), s, in,
+                    driven ? SurfaceContacts::Supply::some : SurfaceContacts::Supply::none);
 }
 
 void Fem::name_parts() {
@@ -232,7 +267,14 @@ void Fem::equilibrium(State& s, const StepInput& in) const {
       std::fill(balance.begin(), balance.end(), 0.0);
     };
     try {
-      StageNewton(m, options()).solve({.t = in.t + in.h, .g = scale, .s = scale, .x0 = x, .u0 = none}, u);
+      StageNewton(m, options())
+          .solve({.t = in.t + in.h,
+                  .g = scale,
+                  .s = scale,
+                  .x0 = x,
+                  .u0 = none,
+                  .end = StageEquation::End::correction},
+                 u);
     } catch (const Instability& failure) {
       share *= 0.5;
       take_back();

@@ -5,6 +5,7 @@
 // (barrier_step.h) nothing of the surface ever touches them or itself.
 // Commands: push, impulse, drag, release, pin, unpin, set_parameter (youngs_modulus, damping, gravity).
 #pragma once
+#include "engine/collision/points/surface_contacts.h"
 #include "engine/core/force_system.h"
 #include "engine/core/impulse_answer.h"
 #include "engine/integrators/table/default_method.h"
@@ -18,6 +19,7 @@ class Fem final : public ForceSystem, public AnswersImpulses {
   /// Error "scene_invalid" when the def's integrator, an expression or a hold is no good.
   static std::unique_ptr<const Fem> make(const FemDef& def, const BuildContext& context);
 
+  State initial_state() const override;
   /// Besides the energies: energy.elastic, energy.external, momenta, displacement.max, jacobian.min, pins,
   /// reaction.x/y/z, frequency.1 ... as many as `modes`; of a barrier energy.contact, contact.gap,
   /// contact.pairs.
@@ -57,6 +59,11 @@ class Fem final : public ForceSystem, public AnswersImpulses {
   void end_holds(State& s, double t, double h) const;
   void equilibrium(State& s, const StepInput& in) const;
   void resolve_contacts(State& s, const StepInput& in) const;
+  /// Whether nodes are held to colliders within the solution of a step.
+  bool solves_contacts() const;
+  void add_dynamic_stages(const FemDef& def, const std::string& why);
+  void add_contact_stages(const std::string& why);
+  void step_on_surfaces(State& s, const StepInput& in) const;
   double default_drag(const State& s, size_t row) const;
 
   const FemField& elements_;
@@ -65,6 +72,12 @@ class Fem final : public ForceSystem, public AnswersImpulses {
   ColliderSet colliders_;
   std::vector<Surface> surfaces_;  // one per collider
   double radius_;                  // m, kept from colliders
+  SurfaceContacts on_surfaces_{
+      colliders_,
+      surfaces_,
+      radius_,
+      {FemColumns::position, FemColumns::velocity, FemColumns::inverse_mass, FemColumns::gravity},
+      body().axes};
   std::vector<double> frequencies_;
   std::unique_ptr<const BarrierStep> barrier_;  // null: no barrier
 };

@@ -54,6 +54,13 @@ void check_element(const FemDef& d, const Report& report) {
   if (kind.dimension == 3 && d.plane != Plane::strain)
     report("/plane", "only bodies of tri3, tri6, quad4 or quad9 are plane or sheets");
   if (is_sheet(d)) check_sheet(d, report);
+  if (d.incompatible_modes == Incompatible::wilson) {
+    const bool first = !kind.simplex && kind.size() == kind.corners;
+    if (!first || is_sheet(d))
+      report("/incompatible_modes", "those of hex8 and of plane quad4: other elements bend without them");
+    if (d.volume == Volume::mean)
+      report("/incompatible_modes", "with volume mean there are none: leave volume pointwise");
+  }
   if (d.volume != Volume::mean) return;
   if (kind.points.size() == 1) {
     report("/volume", "an element with one point has no other mean: take tri6, quad4, tet10, hex8 ...");
@@ -368,6 +375,8 @@ const DefTable& fem_table() {
                 "mean: an element resists the change of its volume as a whole, so that nearly incompressible "
                 "bodies "
                 "do not lock")
+        .choice("incompatible_modes", &D::incompatible_modes, {"none", "wilson"},
+                "wilson: hex8 and quad4 bend within themselves, so that they are not too stiff in bending")
         .number("damping", &D::damping, "1/s", at_least(0), "force -damping * mass * v")
         .vector("velocity", &D::velocity, "m/s", any(), "initial, of every node that is not held")
         .integers("pins", &D::pins, at_least(0), {}, "indices of nodes that are held")

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 
+#include "engine/integrators/table/integrators.h"
 #include "engine/math/trig.h"
 namespace truestep::fem {
 
@@ -52,6 +53,8 @@ FemField::FemField(const FemDef& def, const BuildContext& context)
     for (const double sum : sums) most = std::max(most, sum / body_.masses[i]);
   }
   omega_ = std::sqrt(most);
+  const Integrator* method = find_integrator(def.integrator);
+  if (method && method->name == "vertex_block_descent") colour_points();
 }
 
 State FemField::initial_state() const {
@@ -122,7 +125,9 @@ CellRule FemField::rule(size_t cell) const {
           : !body_.plane       ? Across::space
           : body_.plane_stress ? Across::plane_stress
                                : Across::plane_strain,
-          body_.mean_volume};
+          body_.mean_volume,
+          body_.modes,
+          body_.mode_gradients.data() + cell * points * body_.modes};
 }
 
 void FemField::gather(const double* x, size_t cell, Vec3* out) const {

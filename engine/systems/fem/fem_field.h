@@ -5,6 +5,7 @@
 #pragma once
 #include "engine/core/build.h"
 #include "engine/core/force_field.h"
+#include "engine/core/point_forces.h"
 #include "engine/core/user_forces.h"
 #include "engine/kernels/fem/cell.h"
 #include "engine/systems/fem/body.h"
@@ -30,7 +31,7 @@ struct FemColumns {
                                      {drag_row, drag_target, drag_stiffness}};
 };
 
-class FemField final : public ForceField {
+class FemField final : public ForceField, public PointForces {
  public:
   FemField(const FemDef& def, const BuildContext& context);
 
@@ -48,6 +49,14 @@ class FemField final : public ForceField {
   void jacobian(const Phase& at, BlockSparse& dfdx, BlockSparse& dfdv, Evaluation& e) const override;
   void definite_jacobian(const Phase& at, BlockSparse& dfdx, BlockSparse& dfdv, Evaluation& e) const override;
   std::optional<Stiffness> stiffness(const State& state) const override;
+
+  /// Of solid elements with pointwise volume, without pressure.
+  const PointForces* point_forces() const override { return colours_.points.empty() ? nullptr : this; }
+  const PointColours& colours() const override { return colours_; }
+  Vec3 free_acceleration(const State& state) const override;
+  Vec3 allowed(size_t node, const Vec3& a) const override;
+  void point_slopes(const Phase& at, std::span<const double> x_lagged, double h,
+                    std::span<const uint32_t> points, std::span<PointSlope> out) const override;
 
   const Body& body() const { return body_; }
   Material material(const State& state) const;
@@ -77,6 +86,7 @@ class FemField final : public ForceField {
   void add_pressure(const Phase& at, std::span<double> f) const;
   void add_pressure_slope(const Phase& at, BlockSparse& dfdx) const;
   void free_axes_only(std::span<double> f) const;
+  void colour_points();
 
   Body body_;
   Law law_;
@@ -86,6 +96,12 @@ class FemField final : public ForceField {
   std::vector<CopyDef> copies_;
   Dependence dependence_;
   double omega_ = 0;  // 1/s, bound at rest
+  PointColours colours_;
+  struct Corner {
+    uint32_t cell, node;  // which of the cell's
+  };
+  std::vector<uint32_t> corners_begin_;
+  std::vector<Corner> corners_;  // of every node
 };
 
 }  // namespace truestep::fem

@@ -68,11 +68,24 @@ Cost fem_cost(const void* def) {
   const double matrices = (76 * 3 + 84 * fill) * n.blocks + 700 * n.nodes;
   const double element_seconds = points * (2e-7 + 6e-9 * nodes * nodes);
   const double factor_seconds = 3e-8 * fill * fill * n.blocks * 10;
-  return {.state_bytes = 56 * n.nodes,
-          .workspace_bytes = system + (solves ? matrices : 100 * n.nodes),
+  // Incompatible modes: an element's own gradients, and of every force and stiffness a search for its modes.
+  const double modes =
+      d.incompatible_modes == Incompatible::wilson ? n.elements * points * 24 * kind.dimension : 0;
+  const double dear = modes > 0 ? 5 : 1;
+  // Nodes that may touch colliders: what the surfaces say of them.
+  const double touches = d.colliders.empty() || d.contact == Meeting::barrier || !solves ? 0 : 250 * n.nodes;
+  if (named && named->name == "vertex_block_descent") {
+    const double visits = n.elements * nodes * d.choice().options.descent_iterations;
+    return {.state_bytes = 80 * n.nodes,
+            .workspace_bytes = system + 8 * nodes * n.elements + 300 * n.nodes,
+            .elements = n.nodes + n.elements,
+            .seconds_per_step = visits * points * 4e-7};
+  }
+  return {.state_bytes = (touches > 0 ? 156 : 56) * n.nodes,
+          .workspace_bytes = touches + modes + system + (solves ? matrices : 100 * n.nodes),
           .elements = n.nodes + n.elements,
-          .seconds_per_step =
-              solves ? 4 * (n.elements * element_seconds + factor_seconds) : 1.5e-7 * n.elements * points};
+          .seconds_per_step = solves ? 4 * (dear * n.elements * element_seconds + factor_seconds)
+                                     : 1.5e-7 * n.elements * points};
 }
 
 }  // namespace truestep::fem

@@ -65,7 +65,9 @@ MassSpring::MassSpring(std::unique_ptr<const MassSpringField> field, const Chose
               "advances position and velocity with " + std::string(method.row.name) + ", points on " +
                   std::to_string(colliders_.colliders().size()) + " colliders held to them: " + method.why,
               [this](State& s, const StepInput& in) {
-                on_surfaces_.step(force_field(), integrator(), options(), s, in);
+                const bool driven = s.span<uint32_t>(Columns::air)[0] != 0 || s.rows(Columns::push_row) > 0;
+                on_surfaces_.step(force_field(), integrator(), options(), s, in,
+                                  driven ? SurfaceContacts::Supply::some : SurfaceContacts::Supply::none);
               });
   } else {
     if (!colliders_.empty()) {
@@ -83,6 +85,11 @@ MassSpring::MassSpring(std::unique_ptr<const MassSpringField> field, const Chose
             [](State& s, const StepInput& in) { Columns::kHands.count_down(s, in.h); });
   if (!def.wind) skip_stage("air", "no wind is given; set_parameter wind brings it");
   if (!(def.damping > 0)) skip_stage("viscous damping", "damping is 0");
+  if (const auto crowded = def.mesh ? crowded_edge(*def.mesh) : std::nullopt) {
+    skip_stage(
+        "bending at crowded edges",
+        crowded->what + ": cloth is joined there and folds freely; to let it bend, split the mesh there");
+  }
   if (!(def.internal_damping > 0)) skip_stage("internal damping", "internal_damping is 0");
 
   const SpringSchedule& schedule = springs_.schedule();

@@ -2,11 +2,11 @@
 // and the end of pushes. Commands: push, impulse, drag, release, pin, unpin, set_parameter (stiffness,
 // shear_stiffness, bending_stiffness, damping, internal_damping, gravity, wind).
 #pragma once
+#include "engine/collision/points/surface_contacts.h"
 #include "engine/core/force_system.h"
 #include "engine/core/impulse_answer.h"
 #include "engine/integrators/table/default_method.h"
 #include "engine/systems/mass_spring/mass_spring_field.h"
-#include "engine/systems/mass_spring/surface_contacts.h"
 
 namespace truestep::mass_spring {
 
@@ -54,7 +54,11 @@ class MassSpring final : public ForceSystem, public AnswersImpulses {
   ColliderSet colliders_;
   std::vector<Surface> surfaces_;  // one per collider
   double radius_;                  // m, distance kept from colliders
-  SurfaceContacts on_surfaces_{colliders_, surfaces_, radius_};
+  SurfaceContacts on_surfaces_{colliders_,
+                               surfaces_,
+                               radius_,
+                               {MassSpringColumns::position, MassSpringColumns::velocity,
+                                MassSpringColumns::inverse_mass, MassSpringColumns::gravity}};
   std::vector<std::array<uint32_t, 2>> segments_;  // published where there are no triangles
 };
 

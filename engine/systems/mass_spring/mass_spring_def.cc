@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "engine/geometry/make/surface.h"
+
 namespace truestep::mass_spring {
 
 namespace {
@@ -48,6 +50,20 @@ const DefTable& free_table() {
   return t;
 }
 
+/// Springs without length have no direction, triangles without area no mass; across an edge of three
+/// triangles nobody knows what bends.
+void check_mesh(const MassSpringDef& d, const DefTable::Report& report) {
+  const auto fault = [&](const ClothFault& f, const char* more) {
+    report("/mesh/triangles/" + std::to_string(f.corner), f.what + more);
+  };
+  if (const auto flat = flat_triangle(*d.mesh)) return fault(*flat, "");
+  if (!(d.bending_stiffness > 0)) return;
+  if (const auto crowded = crowded_edge(*d.mesh)) {
+    fault(*crowded,
+          ", so that what bends there is not known: split the mesh there or leave bending_stiffness out");
+  }
+}
+
 void check_def(const MassSpringDef& d, const DefTable::Report& report) {
   const int shapes = d.rope.has_value() + d.hair.has_value() + d.cloth_grid.has_value() + d.mesh.has_value() +
                      d.free.has_value();
@@ -65,6 +81,7 @@ void check_def(const MassSpringDef& d, const DefTable::Report& report) {
       report("/flexural_rigidity", fault);
     }
   }
+  if (d.mesh) check_mesh(d, report);
   const MassSpringCounts counts = mass_spring_counts(d);
   if (counts.points > 1e7) report("", "more than ten million points");
   for (size_t i = 0; i < d.pins.size(); ++i) {

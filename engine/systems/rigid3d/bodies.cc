@@ -192,6 +192,34 @@ void add_copies(const BodyKind& kind, const BodyDef& d, uint32_t index, uint64_t
   }
 }
 
+bool is_surface(const BodyKind& k) {
+  return k.solid.kind == SolidKind::mesh || k.solid.kind == SolidKind::height_field;
+}
+
+/// Surfaces of triangles do not meet one another: one that forces move would fall through the other.
+void refuse_surfaces_that_meet(const BodyList& list, std::vector<Issue>& issues) {
+  std::vector<size_t> copies(list.kinds.size(), 0);
+  for (const BodyStart& b : list.starts) ++copies[b.kind];
+  for (size_t i = 0; i < list.kinds.size(); ++i) {
+    const BodyKind& a = list.kinds[i];
+    if (!is_surface(a) || !a.moved_by_forces() || a.sensor) continue;
+    for (size_t j = 0; j < list.kinds.size(); ++j) {
+      const BodyKind& b = list.kinds[j];
+      const bool asked = (a.category & b.mask) && (b.category & a.mask) && !b.sensor;
+      const bool other = i != j ? !b.moved_by_forces() || i < j : copies[i] > 1;
+      if (!is_surface(b) || !asked || !other) continue;
+      issues.push_back({"/bodies/" + std::to_string(i), "surfaces_do_not_meet",
+                        "a mesh that forces move meets planes and convex shapes, not other meshes and height "
+                        "fields, as body " +
+                            std::to_string(j) +
+                            " is: it would fall through. Make it a hull or a compound of "
+                            "hulls, or let category and mask part the two",
+                        "\"mesh\"", "hull, compound, box ...", "", ""});
+      break;
+    }
+  }
+}
+
 }  // namespace
 
 Pose BodyKind::body_pose(const Pose& shape) const {
@@ -226,6 +254,7 @@ BodyList build_bodies(const Rigid3dDef& def, uint64_t seed) {
     if (!issues.empty()) continue;
     add_copies(list.kinds.back(), common(def.bodies[i]), static_cast<uint32_t>(i), seed, list.starts);
   }
+  if (issues.empty()) refuse_surfaces_that_meet(list, issues);
   if (!issues.empty()) throw Error("scene_invalid", "a body's shape makes no solid", std::move(issues));
   return list;
 }

@@ -16,7 +16,29 @@ FoldSurface::FoldSurface(const Body& body) : rest_(body.x) {
   }
   own();
   find_near();
-  const auto edges = sorted_edges(body.triangles);
+  if (!body.triangles.empty()) find_hinges();
+}
+
+void FoldSurface::follow_tears(std::span<const uint32_t> corners, std::span<const uint32_t> origin) {
+  rest_.resize(origin.size());
+  // Rows that are split off come behind those from which they came.
+  for (size_t i = 0; i < origin.size(); ++i) rest_[i] = rest_[origin[i]];
+  for (size_t f = 0; f < facets_.size(); ++f) {
+    facets_[f] = {.points = {corners[3 * f], corners[3 * f + 1], corners[3 * f + 2]},
+                  .corners = 3,
+                  .own_points = 0,
+                  .own_edges = 0};
+  }
+  mean_edge_ = 0;
+  own();
+  find_hinges();
+}
+
+void FoldSurface::find_hinges() {
+  std::vector<std::array<uint32_t, 3>> triangles;
+  for (const Facet& f : facets_) triangles.push_back(f.points);
+  hinges_.clear();
+  const auto edges = sorted_edges(triangles);
   for (size_t i = 1; i < edges.size(); ++i) {
     const auto &e = edges[i], &f = edges[i - 1];
     if (e[0] == f[0] && e[1] == f[1] && e[2] != f[2]) hinges_.push_back({e[0], e[1], f[2], e[2]});

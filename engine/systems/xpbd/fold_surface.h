@@ -24,6 +24,10 @@ struct Facet {
 class FoldSurface {
  public:
   explicit FoldSurface(const Body& body);
+  /// Corners of torn cloth, rows and the rows from which they came: every point and edge that tearing has
+  /// made gets a facet of its own. What was near stays near, so that lips of a tear, one place at rest, are
+  /// let be beside it.
+  void follow_tears(std::span<const uint32_t> corners, std::span<const uint32_t> origin);
 
   std::span<const Facet> facets() const { return facets_; }
   /// Facets behind this one within two rings of it, ascending.
@@ -38,6 +42,7 @@ class FoldSurface {
  private:
   void own();
   void find_near();
+  void find_hinges();
 
   std::vector<Facet> facets_;
   std::vector<size_t> begin_;

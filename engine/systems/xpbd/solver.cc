@@ -5,6 +5,7 @@
 #include <type_traits>
 
 #include "engine/kernels/air.h"
+#include "engine/kernels/chebyshev.h"
 #include "engine/kernels/xpbd/dihedral.h"
 #include "engine/kernels/xpbd/linear.h"
 #include "engine/kernels/xpbd/neo_hookean.h"
@@ -136,6 +137,10 @@ double Solver<T>::iterate(const SolverInput& what, const State& s, const StepInp
   cosserat_.forget_multipliers();
   strands_.forget_multipliers();
   matcher_.forget_multipliers();
+  jacobi_.forget_multipliers();
+  const bool accelerated = what.options.sweep == Sweep::chebyshev;
+  const double radius = accelerated ? chebyshev_radius(what.options.iterations) : 0;
+  double omega = 1;
   const double bending = stiffness_of(s.f64(Columns::stiffness), Family::bending);
   for (int k = 0; k < what.options.iterations; ++k) {
     each_batch(schedule.rods, in, [&](size_t b) {
@@ -181,6 +186,10 @@ double Solver<T>::iterate(const SolverInput& what, const State& s, const StepInp
     if constexpr (std::is_same_v<T, double>) {
       if (!what.rods.empty()) q = std::max(q, cosserat_.solve(what.rods, h, rows, in.arena));
     }
+    if (!jacobi_.empty()) {
+      omega = chebyshev_weight(k, radius, omega);
+      q = std::max<double>(q, jacobi_.iterate(per, static_cast<T>(omega), relax_, rows, in.arena));
+    }
     hold_tethers(what, s, in);
   }
   return q;
@@ -223,7 +232,7 @@ template <class T>
 double Solver<T>::meet_self(const SolverInput& what, const State& s, const StepInput& in, double h) {
   const double* start = s.f64(Columns::position).data();
   unpack(what, s, in);
-  if (!self_.resolve(*what.folds, what.options.self, {x_old_, x_, w_, h}, in.arena)) return 0;
+  if (!self_.resolve(folds(what), what.options.self, {x_old_, x_, w_, h}, in.arena)) return 0;
   double most = 0;
   for (size_t i = 0; i < points_; ++i) {
     if (!self_.moved(i)) continue;
@@ -278,7 +287,7 @@ void Solver<T>::step(const SolverInput& what, State& s, const StepInput& in) {
   double& tightness = s.f64(Columns::tightness)[0];
   prepare(what, s);
   load(what, s, in);
-  if (what.folds) self_.begin_step(*what.folds);
+  if (what.folds) self_.begin_step(folds(what));
   const bool rods = kRods && !what.rods.empty();
   int left = options.substeps;
   for (double done = 0; left > 0; --left) {

@@ -19,6 +19,7 @@
 #include "engine/kernels/xpbd/chain.h"
 #include "engine/systems/xpbd/air_drag.h"
 #include "engine/systems/xpbd/columns.h"
+#include "engine/systems/xpbd/jacobi_links.h"
 #include "engine/systems/xpbd/match_solver.h"
 #include "engine/systems/xpbd/rod_solver.h"
 #include "engine/systems/xpbd/schedule.h"
@@ -31,6 +32,7 @@ namespace truestep::xpbd {
 struct SolverOptions {
   Scheme scheme = Scheme::xpbd;
   int substeps = 1, iterations = 1;
+  Sweep sweep = Sweep::chains;
   enum class Division : uint8_t { fixed, by_tension } division = Division::fixed;
   double projection = 1;
   std::optional<double> poisson_ratio;  ///< of tetrahedra that are elastic; absent: their volume is kept
@@ -139,8 +141,11 @@ class Solver {
   std::vector<double> x_old_, v_old_, x_, v_, w_;  // for what collides
   std::vector<double> put_back_;                   // per block, m
   SelfContacts self_;
+  std::optional<FoldSurface> torn_folds_;  // of a cloth that tears and meets itself
+  const FoldSurface& folds(const SolverInput& what) const { return torn_folds_ ? *torn_folds_ : *what.folds; }
   RodSolver cosserat_;
   MatchSolver matcher_;
+  JacobiLinks<T> jacobi_;    // empty where links are solved one after another
   std::vector<Vec3> blows_;  // N s, per triangle
   AirFaces torn_faces_;      // of a cloth that tears
 };

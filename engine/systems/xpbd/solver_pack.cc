@@ -138,6 +138,10 @@ void Solver<T>::prepare(const SolverInput& what, const State& s) {
     torn_faces_.begin.reserve(what.body.capacity + 2);
     torn_faces_.build(corners_, s.rows(Columns::position));
   }
+  if (what.tears && what.folds) {
+    if (!torn_folds_) torn_folds_ = *what.folds;
+    torn_folds_->follow_tears(corners_, s.span<uint32_t>(what.tears->columns.origin));
+  }
   if (what.tears) {
     strands_.pack(*what.tears, what.body, schedule, s, {stiffness, damping[1], soft_, keeps_});
   }
@@ -145,6 +149,12 @@ void Solver<T>::prepare(const SolverInput& what, const State& s) {
   pack_volumes(what, s);
   pack_sheet(what, s);
   matcher_.prepare(what.matches, keeps_);
+  if (is_simultaneous(options.sweep)) {
+    std::vector<double> each;
+    for (const Link& l : what.body.links)
+      each.push_back(compliance(stiffness_of(stiffness, l.family) * l.factor));
+    jacobi_.prepare(what.body, each);
+  }
   if (what.colliders.empty() && !what.folds) return;
   for (auto* column : {&x_old_, &v_old_, &x_, &v_}) column->resize(3 * what.body.capacity);
   w_.resize(what.body.capacity);
@@ -212,6 +222,7 @@ void Solver<T>::load(const SolverInput& what, const State& s, const StepInput& i
   });
   if (!what.rods.empty()) cosserat_.load(what.rods, s);
   load_chains(what, x, in);
+  jacobi_.load(x, in.arena);
   if (what.tears) strands_.load(x);
   load_bends(what.schedule.rods, what.body.rods, x, rods_);
   load_bends(what.schedule.hinges, what.body.hinges, x, hinges_);

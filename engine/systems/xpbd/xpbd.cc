@@ -48,7 +48,8 @@ bool is_elastic(const XpbdDef& def) {
 /// What is solved by itself. Links of rods are solved with their frames; of what is matched or elastic they
 /// are edges alone.
 Body solved(Body body, const XpbdDef& def) {
-  if (def.rod || def.matching || is_elastic(def) || is_membrane(def)) body.links.clear();
+  if (def.rod || def.matching || is_elastic(def) || is_membrane(def) || is_simultaneous(def.sweep))
+    body.links.clear();
   if (def.matching) body.tetrahedra.clear();
   return body;
 }
@@ -131,18 +132,21 @@ Xpbd::Xpbd(const XpbdDef& def, const BuildContext& context)
       tethers_(def.tether_slack ? build_tethers(body_, *def.tether_slack) : std::vector<Tether>{}),
       attachments_(def.attachments),
       tears_(def.tear ? std::optional<TearSurface>(body_) : std::nullopt),
-      schedule_(solved(body_, def), def.scheme == Scheme::pbd ? Sweep::links : def.sweep,
+      schedule_(solved(body_, def),
+                def.scheme == Scheme::pbd && def.sweep == Sweep::chains ? Sweep::links : def.sweep,
                 lanes_of(def.precision), tears_ ? &*tears_ : nullptr),
       colliders_(build_colliders(def.colliders)) {
   const Division division = divide(def, context, body_);
-  options_ = {.scheme = def.scheme,
-              .substeps = division.substeps,
-              .iterations = def.iterations.value_or(def.scheme == Scheme::pbd ? 20 : 1),
-              .division = division.division,
-              .projection = def.projection,
-              .radius = 0.5 * def.thickness,
-              .shortest_link = shortest_link(body_),
-              .self = {.thickness = def.thickness, .friction = def.self_friction}};
+  options_ = {
+      .scheme = def.scheme,
+      .substeps = division.substeps,
+      .iterations = def.iterations.value_or(def.scheme == Scheme::pbd || is_simultaneous(def.sweep) ? 20 : 1),
+      .sweep = def.sweep,
+      .division = division.division,
+      .projection = def.projection,
+      .radius = 0.5 * def.thickness,
+      .shortest_link = shortest_link(body_),
+      .self = {.thickness = def.thickness, .friction = def.self_friction}};
   if (elastic_) options_.poisson_ratio = def.poisson_ratio.value_or(0.3);
   if (membrane_) options_.membrane = def.membrane, options_.sheet_ratio = def.poisson_ratio.value_or(0.3);
   if (def.self_collision) folds_.emplace(body_);
@@ -188,7 +192,8 @@ void Xpbd::plan_stages(const XpbdDef& def, const std::string& why) {
       std::to_string(options_.substeps) + " substeps of " + std::to_string(options_.iterations) +
           " iterations: " + why + "; " + std::to_string(body_.links.size()) + " links in " +
           std::to_string(schedule_.chains.colours.size()) + " colours" +
-          (schedule_.chains.batches.empty() || schedule_.chains.colours.front().longest <= 1
+          (is_simultaneous(options_.sweep) ? ", all from the same places"
+           : schedule_.chains.batches.empty() || schedule_.chains.colours.front().longest <= 1
                ? ", each by itself"
                : ", chain by chain") +
           (colliders_.empty() ? ""
@@ -235,6 +240,12 @@ void Xpbd::plan_stages(const XpbdDef& def, const std::string& why) {
   if (!tears_) skip_stage("tear", "no limit is given");
   if (!folds_) skip_stage("self-collision", "self_collision is not asked for");
   if (bends == 0) skip_stage("bending", "no rigidity is given");
+  if (const auto crowded = def.mesh ? crowded_edge(*def.mesh) : std::nullopt) {
+    skip_stage("bending at crowded edges",
+               crowded->what +
+                   ": cloth is joined there and folds freely; to let it bend and tear, "
+                   "split the mesh there and attach the parts");
+  }
   if (body_.tetrahedra.empty()) skip_stage("volumes", "there are no tetrahedra");
   if (!(def.damping > 0)) skip_stage("viscous damping", "damping is 0");
   if (!(def.internal_damping > 0)) skip_stage("internal damping", "internal_damping is 0");

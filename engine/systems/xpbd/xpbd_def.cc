@@ -84,6 +84,22 @@ void check_self_collision(const XpbdDef& d, const DefTable::Report& report) {
                            std::to_string(most) + " m: give fewer points or less");
 }
 
+/// What is solved from the same places is links alone.
+void check_sweep(const XpbdDef& d, const DefTable::Report& report) {
+  if (!is_simultaneous(d.sweep)) return;
+  const char* other = d.rod                                               ? "rods"
+                      : d.bending_rigidity > 0 || d.flexural_rigidity > 0 ? "bending"
+                      : d.matching                                        ? "shape matching"
+                      : d.block                                           ? "volumes"
+                      : is_membrane(d)                                    ? "membranes"
+                      : d.tear                                            ? "what tears"
+                      : d.internal_damping > 0                            ? "internal_damping"
+                      : d.tether_slack                                    ? "tethers"
+                                                                          : nullptr;
+  if (other)
+    report("/sweep", std::string("jacobi and chebyshev solve links alone, not ") + other + ": take chains");
+}
+
 void check_def(const XpbdDef& d, const DefTable::Report& report) {
   const int shapes = d.rope.has_value() + d.helix.has_value() + d.hair.has_value() +
                      d.cloth_grid.has_value() + d.mesh.has_value() + d.block.has_value();
@@ -97,6 +113,7 @@ void check_def(const XpbdDef& d, const DefTable::Report& report) {
   check_soft(d, report);
   check_sheet(d, report);
   check_self_collision(d, report);
+  check_sweep(d, report);
   if (d.scheme == Scheme::xpbd && d.projection != 1) {
     report("/projection", "only the scheme pbd has one; of xpbd give stiffness");
   }
@@ -234,16 +251,18 @@ const DefTable& xpbd_table() {
                 "xpbd: stiffness in N/m whatever the step; pbd: the textbook's projections, as stiff as "
                 "steps and "
                 "iterations make them")
-        .choice("sweep", &D::sweep, {"chains", "links"},
+        .choice("sweep", &D::sweep, {"chains", "links", "jacobi", "chebyshev"},
                 "chains: links in line are solved at once, which carries loads through a cloth in one sweep; "
-                "links: one by one, as pbd always does")
+                "links: one by one, as pbd does instead; jacobi: all from the same places, chebyshev: so and "
+                "accelerated, for links alone and with the iterations that are given")
         .choice("precision", &D::precision, {"f64", "f32"}, "of the numbers inside a step")
         .integer(
             "substeps", &D::substeps, between(1, 10'000),
             "into which a step is divided; default for xpbd: 10 in 1/60 s, and more while tension would turn "
             "links too far in one; for pbd 1")
-        .integer("iterations", &D::iterations, between(1, 10'000),
-                 "over all constraints in a substep; default 1, for pbd 20")
+        .integer(
+            "iterations", &D::iterations, between(1, 10'000),
+            "over all constraints in a substep; default 1, for pbd and the sweeps jacobi and chebyshev 20")
         .number(
             "projection", &D::projection, "1", between(0, 1),
             "scheme pbd: share k of a correction that is taken, in n iterations 1 - (1 - k)^(1/n) in each");

@@ -12,7 +12,7 @@
 namespace truestep::xpbd {
 
 enum class Scheme : uint8_t { xpbd, pbd };
-enum class Sweep : uint8_t { chains, links };
+enum class Sweep : uint8_t { chains, links, jacobi, chebyshev };
 enum class Precision : uint8_t { f64, f32 };
 /// What resists stretching and shearing in cloth; see kernels/xpbd/membrane.h.
 enum class Membrane : uint8_t { links, st_venant_kirchhoff, neo_hookean };
@@ -62,6 +62,11 @@ struct MatchDef {
   std::optional<double> frequency;  // Hz; absent: rigid
   double linear = 0;
 };
+
+/// Whether all links are solved at once from the same places.
+inline bool is_simultaneous(Sweep s) {
+  return s >= Sweep::jacobi;
+}
 
 struct XpbdDef {
   std::optional<RopeShape> rope;

@@ -58,7 +58,9 @@ double substeps_of(const XpbdDef& d, double points) {
 Cost xpbd_cost(const void* def) {
   const auto& d = *static_cast<const XpbdDef*>(def);
   const XpbdCounts n = xpbd_counts(d);
-  const double iterations = d.iterations ? *d.iterations : d.scheme == Scheme::pbd ? 20 : 1;
+  const double iterations = d.iterations                                          ? *d.iterations
+                            : d.scheme == Scheme::pbd || is_simultaneous(d.sweep) ? 20
+                                                                                  : 1;
   const bool single = d.precision == Precision::f32, collides = !d.colliders.empty();
   const double constraints = n.links + n.bends + n.volumes;
   // Of a point its places and triangles, of a constraint what the body, the order and the solver keep of it.

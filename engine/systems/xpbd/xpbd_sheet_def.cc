@@ -1,8 +1,7 @@
 // What a scene says about membranes, attachments and tethers.
-#include <algorithm>
-#include <array>
-#include <vector>
+#include <string>
 
+#include "engine/geometry/make/surface.h"
 #include "engine/systems/xpbd/xpbd_def.h"
 
 namespace truestep::xpbd {
@@ -21,37 +20,21 @@ const DefTable& attachment_table() {
 
 namespace {
 
-/// Edges without length, which have no direction, and edges of three triangles, which have no angle. Indices
-/// that are out of range have an error of their own.
+/// Edges without length, which have no direction, triangles without area, which have no mass, and edges of
+/// three triangles, which have no angle.
 void check_mesh(const XpbdDef& d, const DefTable::Report& report) {
-  const auto& corners = d.mesh->triangles;
-  const auto n = static_cast<int64_t>(d.mesh->vertices.size());
-  std::vector<std::array<int64_t, 3>> edges;  // lower, higher, corner
-  for (size_t k = 0; k + 2 < corners.size(); k += 3) {
-    for (size_t i = 0; i < 3; ++i) {
-      const int64_t a = corners[k + i], b = corners[k + (i + 1) % 3];
-      if (a < 0 || b < 0 || a >= n || b >= n) return;
-      if (a == b) continue;
-      edges.push_back({std::min(a, b), std::max(a, b), static_cast<int64_t>(k + i)});
-    }
-  }
-  std::sort(edges.begin(), edges.end());
-  const auto fault = [&](const std::array<int64_t, 3>& edge, const std::string& what) {
-    report("/mesh/triangles/" + std::to_string(edge[2]),
-           "the edge of vertices " + std::to_string(edge[0]) + " and " + std::to_string(edge[1]) + what);
+  const auto fault = [&](const ClothFault& f, const char* more) {
+    report("/mesh/triangles/" + std::to_string(f.corner), f.what + more);
   };
-  for (const auto& e : edges) {
-    const Vec3 along =
-        d.mesh->vertices[static_cast<size_t>(e[1])] - d.mesh->vertices[static_cast<size_t>(e[0])];
-    if (!(norm2(along) > 0) && !d.matching) return fault(e, " has no length: merge them");
-  }
-  if (!(d.flexural_rigidity > 0)) return;
-  for (size_t i = 2; i < edges.size(); ++i) {
-    if (edges[i][0] != edges[i - 2][0] || edges[i][1] != edges[i - 2][1]) continue;
-    return fault(edges[i],
-                 " has more than two triangles, so that what bends there is not known: "
-                 "split the mesh there or leave flexural_rigidity out");
-  }
+  const auto flat = d.matching ? std::nullopt : flat_triangle(*d.mesh);
+  if (flat) return fault(*flat, "");
+  if (!(d.flexural_rigidity > 0) && !d.tear) return;
+  const auto crowded = crowded_edge(*d.mesh);
+  if (!crowded) return;
+  fault(*crowded,
+        d.tear ? ", so that what a tear parts there is not known: split the mesh there or leave tear out"
+               : ", so that what bends there is not known: split the mesh there or leave "
+                 "flexural_rigidity out");
 }
 
 }  // namespace

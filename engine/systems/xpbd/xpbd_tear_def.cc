@@ -23,8 +23,6 @@ const DefTable& tear_table() {
 void check_tear(const XpbdDef& d, const DefTable::Report& report) {
   if (!d.tear) return;
   if (!d.cloth_grid && !d.mesh) return report("/tear", "only cloth_grid and mesh tear");
-  if (d.self_collision)
-    report("/self_collision", "what tears cannot be kept from itself: leave one of them out");
   if (d.scheme == Scheme::pbd && d.tear->force) report("/tear/force", "links of pbd have none: give strain");
 }
 

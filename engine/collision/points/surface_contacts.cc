@@ -1,14 +1,11 @@
-#include "engine/systems/mass_spring/surface_contacts.h"
+#include "engine/collision/points/surface_contacts.h"
 
 #include <algorithm>
 #include <cmath>
 
 #include "engine/base/errors.h"
-#include "engine/systems/mass_spring/mass_spring_field.h"
 
-namespace truestep::mass_spring {
-
-using Columns = MassSpringColumns;
+namespace truestep {
 
 namespace {
 
@@ -30,16 +27,17 @@ constexpr double kSame = 0.25, kPulled = 0.05;
 }  // namespace
 
 void SurfaceContacts::step(const ForceField& field, const Integrator& method,
-                           const IntegratorOptions& options, State& s, const StepInput& in) const {
+                           const IntegratorOptions& options, State& s, const StepInput& in,
+                           Supply supply) const {
   const RowContacts on = RowContacts::all(s);
   const size_t n = on.kind.size();
-  const auto x = s.f64(Columns::position), v = s.f64(Columns::velocity);
+  const auto x = s.f64(columns_.position), v = s.f64(columns_.velocity);
   const auto x_begin = in.workspace.doubles("surfaces.x_begin", x.size());
   const auto v_begin = in.workspace.doubles("surfaces.v_begin", v.size());
   const auto held = in.workspace.doubles("surfaces.held", n);
   std::copy(x.begin(), x.end(), x_begin.begin()), std::copy(v.begin(), v.end(), v_begin.begin());
   for (size_t i = 0; i < n; ++i) held[i] = on.kind[i];
-  const EnergyBound bound = energy_bound(field, s, in);
+  const EnergyBound bound = energy_bound(field, s, in, supply);
   divided(field, method, options, s, in, Friction::coulomb);
   if (bound.most == HUGE_VAL || energy(field, s, in.t + in.h, in) <= bound.most) return;
   // Friction that is revised from solution to solution may run away where springs are stiff; without it
@@ -57,7 +55,7 @@ void SurfaceContacts::step(const ForceField& field, const Integrator& method,
   const double kinetic = field.kinetic({in.t + in.h, x, v, s}, e);
   const double left = std::max(0.0, kinetic - (end - bound.start));
   const double share = kinetic > 0 ? std::sqrt(left / kinetic) : 0;
-  const auto w = s.f64(Columns::inverse_mass);
+  const auto w = s.f64(columns_.inverse_mass);
   for (size_t i = 0; i < n; ++i) {
     if (w[i] > 0) store3(v.data(), i, load3(v.data(), i) * share);
   }
@@ -66,7 +64,7 @@ void SurfaceContacts::step(const ForceField& field, const Integrator& method,
 void SurfaceContacts::divided(const ForceField& field, const Integrator& method,
                               const IntegratorOptions& options, State& s, const StepInput& in,
                               Friction friction) const {
-  const auto x = s.f64(Columns::position), v = s.f64(Columns::velocity);
+  const auto x = s.f64(columns_.position), v = s.f64(columns_.velocity);
   const auto x_begin = in.workspace.doubles("surfaces.x_begin", x.size());
   const auto v_begin = in.workspace.doubles("surfaces.v_begin", v.size());
   for (int halvings = 0;; ++halvings) {
@@ -87,19 +85,18 @@ void SurfaceContacts::divided(const ForceField& field, const Integrator& method,
 
 double SurfaceContacts::energy(const ForceField& field, const State& s, double t, const StepInput& in) const {
   Evaluation e{in.workspace, in.arena};
-  const Phase at{t, s.f64(Columns::position), s.f64(Columns::velocity), s};
+  const Phase at{t, s.f64(columns_.position), s.f64(columns_.velocity), s};
   return field.kinetic(at, e) + field.potential(at, e).value_or(0);
 }
 
 // Nothing but what moves, blows or pushes can bring any.
 SurfaceContacts::EnergyBound SurfaceContacts::energy_bound(const ForceField& field, const State& s,
-                                                           const StepInput& in) const {
+                                                           const StepInput& in, Supply supply) const {
   const bool moved =
       std::ranges::any_of(colliders_.colliders(), [](const Collider& c) { return !c.motion.at_rest(); });
-  if (moved || s.span<uint32_t>(Columns::air)[0] != 0 || s.rows(Columns::push_row) > 0)
-    return {HUGE_VAL, HUGE_VAL};
-  const auto v = s.f64(Columns::velocity), w = s.f64(Columns::inverse_mass);
-  const double fall = norm(load3(s.f64(Columns::gravity).data(), 0)) * in.h;
+  if (moved || supply == Supply::some) return {HUGE_VAL, HUGE_VAL};
+  const auto v = s.f64(columns_.velocity), w = s.f64(columns_.inverse_mass);
+  const double fall = norm(load3(s.f64(columns_.gravity).data(), 0)) * in.h;
   double moving = 0;
   for (size_t i = 0; i < w.size(); ++i) {
     const double speed = norm(load3(v.data(), i)) + fall;
@@ -112,7 +109,7 @@ SurfaceContacts::EnergyBound SurfaceContacts::energy_bound(const ForceField& fie
 void SurfaceContacts::whole(const ForceField& field, const Integrator& method,
                             const IntegratorOptions& options, State& s, const StepInput& in,
                             Friction friction) const {
-  const auto x = s.f64(Columns::position), v = s.f64(Columns::velocity);
+  const auto x = s.f64(columns_.position), v = s.f64(columns_.velocity);
   const RowContacts on = RowContacts::all(s);
   const size_t n = on.kind.size();
   const auto x0 = in.workspace.doubles("surfaces.x", x.size()),
@@ -132,8 +129,23 @@ void SurfaceContacts::whole(const ForceField& field, const Integrator& method,
   finish(s, on, start, in, before);
 }
 
-void SurfaceContacts::hold(const RowContacts& on, size_t i, const Vec3& x0, const NearSurface& at,
+Vec3 SurfaceContacts::free_normal(size_t i, const Vec3& normal) const {
+  if (fixed_.empty() || fixed_[i] == 0) return normal;
+  constexpr double kLeast = 0.1;
+  const uint8_t bits = fixed_[i];
+  const Vec3 n{bits & 1 ? 0 : normal.x, bits & 2 ? 0 : normal.y, bits & 4 ? 0 : normal.z};
+  const double size = norm(n);
+  return size > kLeast ? n / size : Vec3{};
+}
+
+void SurfaceContacts::hold(const RowContacts& on, size_t i, const Vec3& x0, const NearSurface& surface,
                            const Vec3& place, RowContacts::Kind kind, double h) const {
+  NearSurface at = surface;
+  at.normal = free_normal(i, surface.normal);
+  if (norm2(at.normal) == 0) {
+    on.kind[i] = RowContacts::kFree;
+    return;
+  }
   // Sticking to what moves; along the normal to where the surface is.
   const Vec3 to = (place - x0) / h;
   on.kind[i] = kind;
@@ -145,7 +157,7 @@ void SurfaceContacts::hold(const RowContacts& on, size_t i, const Vec3& x0, cons
 // What the last step held stays held where it still touches.
 void SurfaceContacts::take_up(const State& s, const RowContacts& on, const Start& start,
                               const StepInput& in) const {
-  const auto w = s.f64(Columns::inverse_mass);
+  const auto w = s.f64(columns_.inverse_mass);
   for (size_t i = 0; i < on.kind.size(); ++i) {
     store3(on.impulse.data(), i, Vec3{});
     if (on.kind[i] == RowContacts::kFree) continue;
@@ -164,8 +176,8 @@ void SurfaceContacts::take_up(const State& s, const RowContacts& on, const Start
 // Looks at a solution; says whether another one is needed.
 bool SurfaceContacts::revise(State& s, const RowContacts& on, const Start& start, const StepInput& in,
                              int round, Friction friction) const {
-  const auto x = s.f64(Columns::position), v = s.f64(Columns::velocity);
-  const auto w = s.f64(Columns::inverse_mass);
+  const auto x = s.f64(columns_.position), v = s.f64(columns_.velocity);
+  const auto w = s.f64(columns_.inverse_mass);
   const auto xr = in.workspace.doubles("surfaces.x_apart", x.size()),
              vr = in.workspace.doubles("surfaces.v_apart", v.size());
   std::copy(x.begin(), x.end(), xr.begin()), std::copy(v.begin(), v.end(), vr.begin());
@@ -183,7 +195,7 @@ bool SurfaceContacts::revise(State& s, const RowContacts& on, const Start& start
   const auto released = in.workspace.doubles("surfaces.released", on.kind.size());
   const bool takes = round < kTakingRounds;
   const double slack = kOff + kOffRadius * radius_;
-  const double g = norm(load3(s.f64(Columns::gravity).data(), 0));
+  const double g = norm(load3(s.f64(columns_.gravity).data(), 0));
   bool again = false;
   if (round + 1 == kTakingRounds) {
     // No end is in sight: without friction the points that are held only need letting go.
@@ -253,15 +265,15 @@ bool SurfaceContacts::revise(State& s, const RowContacts& on, const Start& start
 
 void SurfaceContacts::finish(State& s, const RowContacts& on, const Start& start, const StepInput& in,
                              std::span<const double> held_before) const {
-  const auto x = s.f64(Columns::position), v = s.f64(Columns::velocity);
-  const auto w = s.f64(Columns::inverse_mass);
-  const Vec3 g = load3(s.f64(Columns::gravity).data(), 0);
+  const auto x = s.f64(columns_.position), v = s.f64(columns_.velocity);
+  const auto w = s.f64(columns_.inverse_mass);
+  const Vec3 g = load3(s.f64(columns_.gravity).data(), 0);
   for (size_t i = 0; i < on.kind.size(); ++i) {
     if (w[i] == 0) continue;
     const Vec3 x1 = load3(x.data(), i), v1 = load3(v.data(), i), v0 = load3(start.v.data(), i);
     if (on.kind[i] == RowContacts::kFree) continue;
     const NearSurface at = colliders_.nearest(x1, in.t + in.h);
-    const Vec3 n = at.normal, relative = v1 - at.velocity;
+    const Vec3 n = free_normal(i, at.normal), relative = v1 - at.velocity;
     const double approach = -dot(n, v0 - at.velocity), e = surfaces_[at.collider].restitution;
     const bool rests = held_before[i] != double{RowContacts::kFree} ||
                        approach <= surfaces_[at.collider].rest_speed || e * approach <= 0.51 * norm(g) * in.h;
@@ -269,4 +281,4 @@ void SurfaceContacts::finish(State& s, const RowContacts& on, const Start& start
   }
 }
 
-}  // namespace truestep::mass_spring
+}  // namespace truestep
