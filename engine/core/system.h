@@ -20,6 +20,7 @@
 #include "engine/core/ports.h"
 #include "engine/core/state.h"
 #include "engine/core/state_check.h"
+#include "engine/core/warning.h"
 #include "engine/core/workspace.h"
 
 namespace truestep {
@@ -101,6 +102,9 @@ class System {
   /// What helps when a step fails, one sentence each, in this system's own words; empty: a shorter step,
   /// another method or softer forces.
   virtual std::vector<std::string> remedies() const { return {}; }
+  /// Adds what makes the last step's result one that is not to be trusted; `h` (s) is that step's length.
+  /// Asked for every few steps: it looks at what the step has noted, not at rows.
+  virtual void warn(const State& state, double h, std::vector<Warning>& out) const {}
   /// Energies of this state at time t (s); nothing when the system knows none. Asked for every few steps, and
   /// allocates nothing after the first time.
   virtual std::optional<Energy> energy(const State& state, double t, Workspace& workspace,

@@ -152,6 +152,18 @@ json::array describe_plan(const World& world, std::span<const Profile> profiles)
   return a;
 }
 
+json::array describe_warnings(const std::vector<SessionWarning>& warnings) {
+  json::array out;
+  for (const SessionWarning& w : warnings) {
+    json::object o{{"system", w.system},         {"quantity", w.warning.quantity},
+                   {"value", w.warning.value},   {"limit", w.warning.limit},
+                   {"detail", w.warning.detail}, {"first_step", w.first_step}};
+    if (w.warning.suggested_dt > 0) o["suggested_dt"] = w.warning.suggested_dt;
+    out.push_back(std::move(o));
+  }
+  return out;
+}
+
 json::object describe_failure(const Failure& f) {
   json::object o{{"system", f.system},
                  {"quantity", f.quantity},

@@ -31,6 +31,8 @@ boost::json::object describe_cost(const Cost& cost);
 boost::json::array describe_plan(const World& world, std::span<const Profile> profiles);
 /// {system, quantity, index, detail, last_good_step, remedies}, and suggested_dt where it is known.
 boost::json::object describe_failure(const Failure& failure);
+/// [{system, quantity, value, limit, detail, first_step, suggested_dt}]
+boost::json::array describe_warnings(const std::vector<SessionWarning>& warnings);
 boost::json::object describe_observables(const Observables& values);
 
 /// What read_scene says and, where it found faults, those that only building shows (World::more_faults),

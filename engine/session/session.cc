@@ -48,6 +48,7 @@ uint64_t Session::step(uint64_t n) {
 
 void Session::examine() {
   if (failure_) return;
+  collect_warnings(Output::aloud);
   try {
     world_->examine(state_, workspace_, *arena_);
   } catch (const Instability& e) {
@@ -171,6 +172,7 @@ StepOutcome Session::commit_aside(Output output) {
 void Session::after_step(Output output) {
   const InterruptScope undisturbed(nullptr);
   record_series();
+  if (World::watched(state_.step)) collect_warnings(output);
   if (output == Output::silent || sinks_.empty()) return;
   // One frame serves every sink that is due; it holds the union of what they ask for.
   due_.clear();
@@ -378,6 +380,7 @@ void Session::load(WorldState state) {
   journal_.clear();
   journal_cursor_ = 0;
   failure_.reset();
+  warnings_.clear();
   accumulator_ = 0;
   record_series();
 }
@@ -402,6 +405,7 @@ void Session::begin_seek(uint64_t step) {
   while (journal_cursor_ < journal_.size() && journal_[journal_cursor_].step < state_.step) ++journal_cursor_;
   series_.truncate(state_.step);
   failure_.reset();
+  std::erase_if(warnings_, [&](const SessionWarning& w) { return w.first_step > state_.step; });
 }
 
 void Session::end_seek() {
@@ -471,6 +475,22 @@ void Session::add_sink(std::shared_ptr<Sink> sink) {
 
 void Session::remove_sink(const Sink* sink) {
   std::erase_if(sinks_, [&](const auto& s) { return s.get() == sink; });
+}
+
+void Session::collect_warnings(Output output) {
+  for (World::SystemWarning& found : world_->warnings(state_)) {
+    const std::string& id = world_->id(found.system);
+    const auto known = std::ranges::find_if(warnings_, [&](const SessionWarning& w) {
+      return w.system == id && w.warning.quantity == found.warning.quantity;
+    });
+    if (known == warnings_.end()) {
+      warnings_.push_back({id, std::move(found.warning), state_.step});
+      if (output == Output::aloud)
+        notify("warning", "system \"" + id + "\": " + warnings_.back().warning.detail);
+    } else if (std::abs(found.warning.value) > std::abs(known->warning.value)) {
+      known->warning = std::move(found.warning);
+    }
+  }
 }
 
 void Session::notify(std::string_view kind, const std::string& detail) {

@@ -41,6 +41,13 @@ struct Failure {
   std::vector<std::string> remedies;      ///< what helped when it was tried, one sentence each
 };
 
+/// A result that is not to be trusted though nothing has failed.
+struct SessionWarning {
+  std::string system;
+  Warning warning;          ///< the worst so far of its quantity
+  uint64_t first_step = 0;  ///< that it was seen at
+};
+
 /// What became of a step.
 enum class StepOutcome : uint8_t {
   done,
@@ -183,6 +190,9 @@ class Session {
   /// What they can come to.
   static double most_series_bytes(const World& world);
   const std::optional<Failure>& failure() const { return failure_; }
+  /// One for every quantity of a system that has made results up to the present step doubtful, seen at the
+  /// steps of World::watched and by `examine`; sinks are told of each once.
+  const std::vector<SessionWarning>& warnings() const { return warnings_; }
   /// Where the time of steps goes, from now on; the clock is looked at in every pass.
   void start_profiling() {
     if (profiles_.empty()) profiles_.resize(world_->profiled());
@@ -212,6 +222,7 @@ class Session {
   void fail(Failure failure);
   void notify(std::string_view kind, const std::string& detail);
   void record_series();
+  void collect_warnings(Output output);
   WorldState snapshot_at_or_before(uint64_t step) const;
 
   std::shared_ptr<const World> world_;
@@ -258,6 +269,7 @@ class Session {
   std::vector<std::shared_ptr<Sink>> sinks_;
   std::vector<std::shared_ptr<Sink>> due_;  ///< those of the present step
   std::optional<Failure> failure_;
+  std::vector<SessionWarning> warnings_;
 };
 
 }  // namespace truestep

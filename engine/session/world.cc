@@ -279,6 +279,20 @@ uint32_t World::drawing_version(const WorldState& state) const {
   return version;
 }
 
+std::vector<World::SystemWarning> World::warnings(const WorldState& state) const {
+  std::vector<SystemWarning> out;
+  std::vector<Warning> of_system;
+  for (size_t i = 0; i < systems_.size(); ++i) {
+    of_system.clear();
+    systems_[i]->warn(state.systems[i], scene_.substep(), of_system);
+    for (Warning& w : of_system) {
+      w.suggested_dt *= static_cast<double>(scene_.substeps());
+      out.push_back({i, std::move(w)});
+    }
+  }
+  return out;
+}
+
 std::optional<double> World::stable_dt(const WorldState& state) const {
   std::optional<double> dt;
   const auto bound = [&](std::optional<double> h) {

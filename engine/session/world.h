@@ -93,6 +93,14 @@ class World {
   /// world's systems have.
   Cost cost(const WorldState& state) const;
 
+  /// What systems say of the results of the last step (System::warn), `suggested_dt` that of the session
+  /// step.
+  struct SystemWarning {
+    size_t system;
+    Warning warning;
+  };
+  std::vector<SystemWarning> warnings(const WorldState& state) const;
+
   /// Systems, then couplings: what has a profile of its own.
   size_t profiled() const { return systems_.size() + couplings_.size(); }
 

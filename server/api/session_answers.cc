@@ -71,6 +71,7 @@ json::object describe_session(SessionEntry& e) {
   if (!header.teaches.empty()) o["teaches"] = header.teaches;
   o["viewer"] = write_params(*scene_table().find("viewer")->nested, &header.viewer);
   if (const auto& f = s.failure()) o["instability"] = describe_failure(*f);
+  if (!s.warnings().empty()) o["warnings"] = describe_warnings(s.warnings());
   if (!e.accuracy.empty()) o["accuracy"] = e.accuracy;
   if (e.keeper) {
     o["kept"] = e.keeper->problem().empty();

@@ -150,6 +150,7 @@ int run(const RunOptions& options) {
                    {"expect", describe_verdicts(verdicts, reach)}};
     if (interrupted()) o["interrupted"] = true;
     if (!accuracy.empty()) o["accuracy"] = accuracy;
+    if (!session.warnings().empty()) o["warnings"] = describe_warnings(session.warnings());
     if (failure) {
       o["instability"] = describe_failure(*failure);
     }
@@ -164,6 +165,8 @@ int run(const RunOptions& options) {
       report << v.name << " = " << v.value << ' ' << v.unit << '\n';
     if (!accuracy.empty()) report << "chosen  " << write_json(accuracy.at("chosen")) << '\n';
     print_verdicts(verdicts, reach, report);
+    for (const SessionWarning& w : session.warnings())
+      std::cerr << "warning: system \"" << w.system << "\": " << w.warning.detail << '\n';
     if (interrupted())
       std::cerr << "interrupted at step " << session.step_index() << "; what was asked for is written\n";
     if (failure) {

@@ -60,6 +60,8 @@ export interface Session {
   links: Record<string, string>;
   /** Present when the session stopped because its numbers left what makes sense. */
   instability?: Instability;
+  /** Results that are not to be trusted though nothing has failed. */
+  warnings?: { system: string; quantity: string; detail: string; suggested_dt?: number }[];
   [key: string]: unknown;
 }
 

@@ -149,6 +149,7 @@ export class App {
     if (this.scene) this.editor.set(this.scene);
     markScene(this.galleryName);
     if (session.instability) this.unstable(session.instability);
+    for (const { system, detail } of session.warnings ?? []) this.warn(`system "${system}": ${detail}`);
   }
 
   /** Ends what was on the screen. */
@@ -212,7 +213,7 @@ export class App {
     stream.on("event", mine((event) => {
       if (event.kind === "instability") void this.explain(session.id, event.detail);
       else if (/error|fail|full/.test(event.kind)) showProblem({ title: event.kind.replaceAll("_", " "), status: 0, code: event.kind, detail: event.detail });
-      else if (event.kind === "warning") showProblem({ title: "Warning", status: 0, code: event.kind, detail: event.detail }, "warning");
+      else if (event.kind === "warning") this.warn(event.detail);
     }));
     void this.consume(stream);
   }
@@ -221,6 +222,10 @@ export class App {
   private async explain(id: string, detail: string): Promise<void> {
     const session = await this.service.session(id).catch(() => undefined);
     if (this.id === id) this.unstable(session?.instability ?? { detail });
+  }
+
+  private warn(detail: string): void {
+    showProblem({ title: "Warning", status: 0, code: "warning", detail }, "warning");
   }
 
   private unstable(instability: Instability): void {
