@@ -12,8 +12,8 @@ namespace truestep {
 
 class HeightField {
  public:
-  /// Error "bad_solid" when the grid is smaller than 2 x 2, the number of heights does not match, a height is
-  /// infinite, or the spacing (m) is not positive.
+  /// Error "bad_solid" when the heights are too few, too many or not nx x nz, when one is infinite, or when
+  /// the spacing (m) is not positive and finite.
   HeightField(size_t nx, size_t nz, double spacing, std::vector<double> heights);
 
   size_t triangle_count() const { return 2 * (nx_ - 1) * (nz_ - 1); }

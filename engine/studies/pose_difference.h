@@ -8,7 +8,7 @@
 
 namespace truestep {
 
-/// How a state's configuration holds poses: none, x y angle (plane), or x y z and quaternion (space).
+/// How a state's configuration holds poses: none, x y z and angle (plane), or x y z and quaternion (space).
 enum class RigidKind : uint8_t { none, plane, space };
 RigidKind rigid_kind(const State& state);
 

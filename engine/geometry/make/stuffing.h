@@ -46,7 +46,7 @@ struct Stuffing {
   std::vector<std::array<uint32_t, 4>> tetrahedra;  ///< of positive volume
   double least_angle = 0, largest_angle = 0;        ///< rad, between faces of an element
 };
-/// `spacing`: m, of the cubic lattice, whose double is used. Empty when the region is finer than that.
+/// `spacing`: m, of each of the two interleaved cubic lattices. Empty when the region is finer than that.
 Stuffing stuff(const Region& region, double spacing);
 /// Approximate numbers of nodes and tetrahedra that result.
 struct StuffingSize {

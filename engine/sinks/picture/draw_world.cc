@@ -221,7 +221,7 @@ double reach_down(const DrawShape& s, const Vec3& up) {
   }
 }
 
-/// Longest line of a mark (m), from the size of the scene without outliers.
+/// Longest line of a mark (m): a fraction of the size of what is drawn.
 double mark_size(const DrawList& list) {
   Vec3 low{HUGE_VAL, HUGE_VAL, HUGE_VAL}, high = -low;
   const auto cover = [&](const Vec3& p) {
