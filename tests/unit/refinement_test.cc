@@ -82,10 +82,14 @@ TEST_F(Refining, ParticlesOfMaterialHaveAnOrderAgainstAnExactSolution) {
     "half_extents":[0.5,0.25,1],"youngs_modulus":1000,"poisson_ratio":0,"density":1000}],
     "force":["1e-5*2*pi^2*(sin(pi*x)^2*cos(2*pi*t)-cos(2*pi*x)*(1-cos(2*pi*t))/2)","0"],
     "exact":["x+1e-5*sin(pi*x)^2*(1-cos(2*pi*t))/2","y"]}]})j";
-  const auto r = run(convergence(scene, R"("refine":"space","budget":20,"halvings":2)"));
-  ASSERT_EQ(r.table.rows.size(), 3u) << json::serialize(r.summary);
+  const auto r = run(convergence(scene, R"("refine":"space","budget":20,"halvings":3)"));
+  ASSERT_EQ(r.table.rows.size(), 4u) << json::serialize(r.summary);
   EXPECT_EQ(r.summary.at("subject").as_string(), "block.cell");
   EXPECT_EQ(r.summary.at("measured_against").as_string(), "the scene's exact solution");
+  // Second order, as quadratic splines between slip walls that nothing strains promise; steps in time add a
+  // twentieth to the error of the third level and a fifth to that of the fourth. Measured 1.91 and 2.03.
+  for (const size_t row : {1u, 2u})
+    EXPECT_NEAR(std::get<double>(r.table.rows[row][5]), 2, 0.15) << json::serialize(r.summary);
 }
 
 TEST_F(Refining, TheLimitOfEverFinerOnesIsTheExactSolution) {
