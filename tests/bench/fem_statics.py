@@ -18,7 +18,8 @@ from pathlib import Path
 TIP = -0.0150166
 PACKAGES = ("calculix-ccx", "libspooles2.2", "libarpack2", "libblas3", "liblapack3", "libgfortran5")
 # Cells along the beam (a tenth of them across), our element, the peer's.
-CASES = ((20, "hex27", "C3D20R"), (20, "hex27", "C3D20"), (20, "tet10", "C3D10"), (40, "hex27", "C3D20R"), (40, "tet10", "C3D10"), (20, "hex8", "C3D8I"))
+CASES = ((20, "hex27", "C3D20R"), (20, "hex27", "C3D20"), (20, "tet10", "C3D10"), (40, "hex27", "C3D20R"), (40, "tet10", "C3D10"), (20, "hex8", "C3D8I"), (20, "hex8+modes", "C3D8I"),
+         (40, "hex8+modes", "C3D8I"))
 # Of a box, alternating so that faces fit.
 EVEN = ((0, 1, 2, 5), (0, 2, 3, 7), (0, 5, 7, 4), (2, 5, 6, 7), (0, 2, 7, 5))
 ODD = ((1, 0, 4, 3), (1, 2, 3, 6), (1, 4, 5, 6), (3, 4, 6, 7), (1, 3, 4, 6))
@@ -71,7 +72,8 @@ def write_ours(folder, corners, cells, element):
     lines += ["$EndNodes", "$Elements", str(len(cells))]
     lines += [f"{k + 1} {kind} 0 " + " ".join(str(p + 1) for p in cell) for k, cell in enumerate(cells)] + ["$EndElements", ""]
     (folder / "beam.msh").write_text("\n".join(lines))
-    system = {"type": "fem", "id": "beam", "mesh": {"path": "beam.msh"}, "element": element, "material": "linear", "youngs_modulus": 1e6,
+    element, modes = element.removesuffix("+modes"), "wilson" if element.endswith("+modes") else "none"
+    system = {"type": "fem", "incompatible_modes": modes, "id": "beam", "mesh": {"path": "beam.msh"}, "element": element, "material": "linear", "youngs_modulus": 1e6,
               "poisson_ratio": 0.3, "density": 1, "motion": "quasi_static", "sets": [{"name": "foot", "high": [1e-9, 2, 2]}], "pinned": ["foot"]}
     probe = min(range(len(corners)), key=lambda p: sum((c - t) ** 2 for c, t in zip(corners[p], (10, 0.5, 0.5))))
     scene = {"schema_version": "1.0", "name": "beam", "time": {"dt": 1, "duration": 1}, "gravity": [0, -1, 0], "systems": [system],

@@ -38,7 +38,6 @@ StageNewton::StageNewton(Motion& m, const IntegratorOptions& options)
       trial_(m.scratch("integrator.u", n_)),
       start_(m.scratch("integrator.u_start", n_)),
       leap_(m.scratch("integrator.u_leap", n_)),
-      before_(m.scratch("integrator.u_before", n_)),
       a_near_(m.scratch("integrator.k2", n_)),
       x_near_(m.scratch("integrator.x_near", n_)),
       rest_(m.scratch("integrator.krylov_r", n_)),
@@ -98,10 +97,21 @@ StageNewton::Failure StageNewton::solve_held(const StageEquation& eq, std::span<
   return hold(report_.target);
 }
 
-bool StageNewton::settled(const StageEquation& eq, std::span<const double> u) const {
+// Looks at Newton's correction without taking it, so that what has converged keeps its bits: with the factors
+// of the last iteration, which are near enough, or of a matrix of its own where there was none.
+bool StageNewton::settled(const StageEquation& eq, std::span<const double> u, int iteration) {
+  constexpr double kAccurate = 1e-6;
+  if (iteration > 0) {
+    system_.solve_again(b_, d_, kAccurate);
+  } else {
+    system_.assemble(eq.g, eq.s, 0);
+    system_.constrain();
+    system_.solve(b_, d_, kAccurate);
+    ++report_.solves;
+  }
   double change = 0, size = 0, places = 0;
   for (size_t k = 0; k < n_; ++k) {
-    change += (u[k] - before_[k]) * (u[k] - before_[k]);
+    change += d_[k] * d_[k];
     size += u[k] * u[k];
     places += x_[k] * x_[k];
   }
@@ -121,8 +131,7 @@ StageNewton::Failure StageNewton::iterate_to(double target, int most, const Stag
     // from worse there.
     constexpr double kNothing = 1e-150;
     const bool rounded = norm_ <= report_.floor + kNothing;
-    if (rounded && (eq.end == StageEquation::End::rounding || (it > 0 && settled(eq, u)))) return nullptr;
-    if (eq.end == StageEquation::End::correction) std::copy(u.begin(), u.end(), before_.begin());
+    if (rounded && (eq.end == StageEquation::End::rounding || settled(eq, u, it))) return nullptr;
     if (it >= most) return "did not converge";
     // No more accuracy than this iterate deserves.
     const double accuracy =

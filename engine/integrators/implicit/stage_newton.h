@@ -72,8 +72,8 @@ class StageNewton {
   void full_step_unasked(const StageEquation& eq, std::span<double> u);
   Failure stiffen(double share, double target, const StageEquation& eq, std::span<double> u);
   Failure approach(double share, const StageEquation& eq, std::span<double> u);
-  /// Whether the last change of u is small against u, or moves nothing that could be told from rounding.
-  bool settled(const StageEquation& eq, std::span<const double> u) const;
+  /// Whether a further correction is small against u, or moves nothing that could be told from rounding.
+  bool settled(const StageEquation& eq, std::span<const double> u, int iteration);
   Failure iterate_to(double target, int most, const StageEquation& eq, std::span<double> u);
   Failure solve_held(const StageEquation& eq, std::span<double> u);
   void accelerate(double t, std::span<const double> x, std::span<const double> u, std::span<double> a);
@@ -106,7 +106,7 @@ class StageNewton {
   double definite_ = 0;   // fraction of the definite Jacobian in the last direction's matrix
   double norm_ = 0;       // of the residual at the last evaluation
   double magnitude_ = 0;  // sum of |terms| of the last value
-  std::span<double> a_, b_, d_, x_, lagged_, trial_, start_, leap_, before_;
+  std::span<double> a_, b_, d_, x_, lagged_, trial_, start_, leap_;
   double last_share_ = 1;  // of its direction that the last line search took
   // Conjugate residuals.
   static constexpr size_t kMostDirections = 12;
