@@ -48,10 +48,18 @@ StaggeredSolver::AxisWaves StaggeredSolver::waves(const mac::MacGrid& g, size_t 
 }
 
 StaggeredSolver::StaggeredSolver(const mac::MacGrid& grid, size_t place,
-                                 const std::array<std::array<Mirror, 2>, 3>& mirrors)
+                                 const std::array<std::array<Mirror, 2>, 3>& mirrors, Differences differences)
     : grid_(grid) {
   for (size_t a = 0; a < grid.dimensions; ++a) {
     axes_.push_back(waves(grid, place, a, mirrors[a]));
+    // With s = sin(k dx / 2) the second difference of a wave is -4 s^2 / dx^2; that of fourth order
+    // -4 (s^2 + s^4 / 3) / dx^2, and the staggered first difference 2 i (s + s^3 / 6) / dx.
+    const double scale = -4 / (grid.spacing[a] * grid.spacing[a]);
+    for (double& e : axes_[a].eigenvalue) {
+      const double s2 = e / scale;
+      if (differences == Differences::fourth) e *= 1 + s2 / 3;
+      if (differences == Differences::fourth_divergence) e *= (1 + s2 / 6) * (1 + s2 / 6);
+    }
     counts_[a] = axes_[a].count;
   }
   x_.resize(counts_[0] * counts_[1] * counts_[2]);

@@ -13,9 +13,13 @@ namespace truestep::lattice {
 
 class StaggeredSolver {
  public:
+  /// The differences that `lap` is made of: second order, fourth order (kernels/mac/fourth_order.h), or the
+  /// divergence of the gradient of those, which a projection asks for.
+  enum class Differences : uint8_t { second, fourth, fourth_divergence };
   /// Of values at `place` (mac::kCentre or an axis of faces); `given` sides are zero.
   StaggeredSolver(const mac::MacGrid& grid, size_t place,
-                  const std::array<std::array<mac::Mirror, 2>, 3>& mirrors);
+                  const std::array<std::array<mac::Mirror, 2>, 3>& mirrors,
+                  Differences differences = Differences::second);
 
   /// In place; faces on sides whose value is given are neither read nor written. Where shift is 0 and a
   /// constant solves the homogeneous equation, the mean of b is left out and that of x is 0.

@@ -15,6 +15,7 @@ struct Kind {
   A advection;
   GridFluidDef::Stepping stepping;
   bool solid, space;
+  bool moves = false;
 };
 
 std::unique_ptr<GridFlow> make(const Kind& k, int threads) {
@@ -30,6 +31,10 @@ std::unique_ptr<GridFlow> make(const Kind& k, int threads) {
   d.sides.y_min = FlowSideDef{SideKind::periodic, {}};
   d.vorticity_confinement = k.advection == A::central ? 0 : 0.2;
   if (k.solid) d.obstacles = {ObstacleDef{.center = {0.4, 0.5, 0.5}, .radius = 0.15}};
+  if (k.moves) {
+    d.obstacles[0].displacement = {"0.2*sin(3*t)", "0.1*t"};
+    if (k.space) d.obstacles[0].displacement.emplace_back("0");
+  }
   return std::make_unique<GridFlow>(d, 0.02, threads, Vec3{0, -9.81, 0});
 }
 
@@ -64,6 +69,9 @@ constexpr auto kRk3 = GridFluidDef::Stepping::rk3, kAb2 = GridFluidDef::Stepping
 INSTANTIATE_TEST_SUITE_P(Flows, GridFluidBits,
                          testing::Values(Kind{"rk3", A::central, kRk3, false, false},
                                          Kind{"ab2_solid", A::central, kAb2, true, false},
+                                         Kind{"ab2_moving_solid", A::central, kAb2, true, false, true},
+                                         Kind{"rk3_moving_solid", A::central, kRk3, true, true, true},
+                                         Kind{"bfecc_moving_solid", A::bfecc, kRk3, true, false, true},
                                          Kind{"semi_lagrangian", A::semi_lagrangian, kRk3, false, true},
                                          Kind{"maccormack_solid", A::maccormack, kRk3, true, true},
                                          Kind{"bfecc", A::bfecc, kRk3, false, false}),

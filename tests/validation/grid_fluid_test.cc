@@ -110,6 +110,49 @@ TEST(GridFluid, TaylorAndGreensEddiesDecayWithSecondOrder) {
   EXPECT_GT(error(32, GridFluidDef::Stepping::rk3, GridFluidDef::Viscous::explicit_, 0.012), 0.01);
 }
 
+// Carried along at (1, 1/2) m/s, so that convection counts; and in a box that lets slide.
+TEST(GridFluid, DifferencesOfFourthOrderHaveIt) {
+  for (const bool slides : {false, true}) {
+    const auto error = [&](int64_t cells, GridFluidDef::Order order) {
+      GridFluidDef d;
+      d.cells = {cells, cells};
+      d.viscosity = 0.01;
+      d.order = order;
+      if (slides) {
+        d.all = FlowSideDef{SideKind::slip, {}};
+        d.initial = {"sin(pi*x)*cos(pi*y)", "-cos(pi*x)*sin(pi*y)"};
+        d.exact = {"sin(pi*x)*cos(pi*y)*exp(-2*pi^2*0.01*t)", "-cos(pi*x)*sin(pi*y)*exp(-2*pi^2*0.01*t)"};
+      } else {
+        d.all = FlowSideDef{SideKind::periodic, {}};
+        d.initial = {"1-cos(2*pi*x)*sin(2*pi*y)", "0.5+sin(2*pi*x)*cos(2*pi*y)"};
+        d.exact = {"1-cos(2*pi*(x-t))*sin(2*pi*(y-0.5*t))*exp(-8*pi^2*0.01*t)",
+                   "0.5+sin(2*pi*(x-t))*cos(2*pi*(y-0.5*t))*exp(-8*pi^2*0.01*t)"};
+      }
+      GridFlow run(d, 0.0025);  // the error in time is a hundredth of that in space
+      run.steps(200);
+      EXPECT_LT(run.observed("divergence.max"), 1e-10);
+      return run.observed("error.exact");
+    };
+    using Order = GridFluidDef::Order;
+    const double a = error(8, Order::fourth), b = error(16, Order::fourth), second = error(16, Order::second);
+    std::printf("  %.3e %.3e order %.2f; of second order %.3e\n", a, b, std::log2(a / b), second);
+    EXPECT_NEAR(std::log2(a / b), 4, 0.35);  // the next term is (2 pi / 8)^2 of the first
+    EXPECT_GT(second, 5 * b) << "control: differences of second order";
+  }
+}
+
+// The last face of a periodic axis is its first one, whatever the array's margin holds.
+TEST(GridFluid, PeriodicFlowsShowNoDivergenceAtTheirSeam) {
+  GridFluidDef d;
+  d.cells = {16, 16};
+  d.viscosity = 0.01;
+  d.all = FlowSideDef{SideKind::periodic, {}};
+  d.initial = {"1-cos(2*pi*x)*sin(2*pi*y)", "0.5+sin(2*pi*x)*cos(2*pi*y)"};
+  GridFlow run(d, 0.01);
+  run.steps(5);
+  EXPECT_LT(run.observed("divergence.max"), 1e-12);
+}
+
 TEST(GridFluid, KovasznaysFlowIsOfSecondOrder) {
   const auto error = [](int64_t cells, const char* lambda) {
     const std::string l = lambda, e = "exp(" + l + "*x)";

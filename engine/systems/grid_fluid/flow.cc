@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "engine/base/errors.h"
+#include "engine/kernels/mac/fourth_order.h"
 
 namespace truestep::grid_fluid {
 
@@ -87,16 +88,26 @@ void Flow::bind(const FlowModel& m, const ThreadArena& arena) {
       for (size_t end = 0; end < 2; ++end) sides[a][end].mirror = mirrors[a][end];
     }
   };
+  using Differences = lattice::StaggeredSolver::Differences;
+  const bool fourth = m.fourth_order();
   for (size_t c = 0; c < m.grid.dimensions; ++c) {
     set(sides_[c], c);
-    viscous_[c].emplace(m.grid, c, m.mirrors(c));
+    viscous_[c].emplace(m.grid, c, m.mirrors(c), fourth ? Differences::fourth : Differences::second);
     force_[c].clear();
   }
   set(scalar_sides_, kCentre), set(pressure_sides_, kPressure);
+  solids_ = &m.solids, solids_time_ = -1, places_ = {};
   if (m.solids.any()) {
+    m.texts.place_obstacles(m.def.obstacles, 0, places_);
+    if (m.texts.obstacles_move) {
+      moving_ = m.solids, solids_ = &moving_;
+      moving_.set_aside();
+      for (size_t c = 0; c < m.grid.dimensions; ++c) were_inside_[c].reserve(moving_.inside[c].capacity());
+    }
     cut_pressure_.emplace(m.grid, m.mirrors(kPressure), m.solids.open);
   } else {
-    pressure_.emplace(m.grid, kCentre, m.mirrors(kPressure));
+    pressure_.emplace(m.grid, kCentre, m.mirrors(kPressure),
+                      fourth ? Differences::fourth_divergence : Differences::second);
   }
   if (m.def.scalar && m.def.scalar->diffusivity > 0) scalar_.emplace(m.grid, kCentre, m.mirrors(kCentre));
   for (Buffer& b : arrays_) b.data.assign(m.grid.size(), 0);
@@ -133,7 +144,7 @@ void Flow::fill(FlowFields& f, double t) {
   for (size_t c = 0; c < model_->grid.dimensions; ++c) fill_component(c, f.u[c]);
 }
 
-double Flow::crossing_rate(const FlowFields& f, double t) {
+double Flow::crossing_rate(FlowFields& f, double t) {
   sides_at(t);
   const mac::MacGrid& g = model_->grid;
   double sum = 0;
@@ -148,13 +159,28 @@ double Flow::crossing_rate(const FlowFields& f, double t) {
     }
     sum += most / g.spacing[c];
   }
+  if (model_->texts.obstacles_move) {
+    place_obstacles(t);
+    for (size_t n = 0; n < places_.velocity.size(); ++n) {
+      double rate = 0;
+      for (size_t c = 0; c < g.dimensions; ++c)
+        rate += std::abs(obstacle_velocity(static_cast<uint32_t>(n), c)) / g.spacing[c];
+      sum = std::max(sum, rate);
+    }
+  }
   return std::max(sum, side_rate_);
+}
+
+bool FlowModel::sharp_walls() const {
+  return solids.any() && def.advection == GridFluidDef::Advection::central &&
+         def.viscous != GridFluidDef::Viscous::implicit;
 }
 
 bool Flow::implicit(double viscosity, double h) const {
   const GridFluidDef& d = model_->def;
   if (viscosity == 0) return false;
   if (d.advection != GridFluidDef::Advection::central) return true;
+  if (model_->sharp_walls()) return false;
   if (d.viscous != GridFluidDef::Viscous::automatic) return d.viscous == GridFluidDef::Viscous::implicit;
   double rate = 0;
   for (size_t a = 0; a < model_->grid.dimensions; ++a)
@@ -208,11 +234,18 @@ void Flow::stage(FlowFields& f, double t, double h, const Weights& w, bool impli
   const mac::MacGrid& g = model_->grid;
   const mac::ConstFields u{f.u[0], f.u[1], f.u[2]};
   fill(f, t);
+  const bool walls = model_->sharp_walls(), fourth = model_->fourth_order();
+  if (walls) {
+    place_obstacles(t);
+    extend_into_solids(f, At::centre);
+  }
   mac::fill_ghosts(g, kCentre, pressure_sides_, f.pressure, *arena_);
   if (f.scalar) mac::fill_ghosts(g, kCentre, scalar_sides_, f.scalar, *arena_);
   for (size_t c = 0; c < g.dimensions; ++c) {
     double *now = array(c), *before = f.rate[c] ? f.rate[c] : array(3 + c);
-    mac::momentum_rate(g, c, u, implicit ? 0 : f.viscosity, now, *arena_);
+    const double viscosity = implicit ? 0 : f.viscosity;
+    fourth ? mac::momentum_rate4(g, c, u, viscosity, now, *arena_)
+           : mac::momentum_rate(g, c, u, viscosity, now, *arena_);
     add_force(f, t, c, 1, now);
     double* change = array(6 + c);
     const double a = h * w.gamma, b = h * w.zeta;
@@ -225,11 +258,15 @@ void Flow::stage(FlowFields& f, double t, double h, const Weights& w, bool impli
       }
     });
     const double alpha = h * w.alpha;
-    mac::subtract_gradient(g, c, f.pressure, 2 * alpha, change, *arena_);
+    fourth ? mac::subtract_gradient4(g, c, f.pressure, 2 * alpha, change, *arena_)
+           : mac::subtract_gradient(g, c, f.pressure, 2 * alpha, change, *arena_);
     if (implicit) {
-      mac::add_laplacian(g, c, f.u[c], 2 * alpha * f.viscosity, change, *arena_);
+      const double amount = 2 * alpha * f.viscosity;
+      fourth ? mac::add_laplacian4(g, c, f.u[c], amount, change, *arena_)
+             : mac::add_laplacian(g, c, f.u[c], amount, change, *arena_);
       viscous_[c]->solve(1, alpha * f.viscosity, change, *arena_);
     }
+    if (walls) hold_solids(f, c, change);
   }
   for (size_t c = 0; c < g.dimensions; ++c) {
     const auto x = model_->unknown(c, 0), y = model_->unknown(c, 1), z = model_->unknown(c, 2);
@@ -271,24 +308,6 @@ void Flow::balance(FlowFields& f) {
   }
 }
 
-void Flow::stop_in_solids(FlowFields& f) {
-  const mac::MacGrid& g = model_->grid;
-  for (size_t c = 0; c < g.dimensions; ++c) {
-    const double* fluid = model_->solids.fluid[c].data();
-    double taken = 0;
-    const size_t rows = g.count(c, 1) * g.count(c, 2);
-    for (size_t r = 0; r < rows; ++r) {
-      const size_t at = g.at(0, r % g.count(c, 1), r / g.count(c, 1));
-      for (size_t i = at; i < at + g.count(c, 0); ++i) {
-        if (fluid[i] == 1) continue;
-        taken += (1 - fluid[i]) * f.u[c][i];
-        f.u[c][i] *= fluid[i];
-      }
-    }
-    f.impulse[c] += taken * g.cell_volume();
-  }
-}
-
 void Flow::project(FlowFields& f, double t, double h) {
   const mac::MacGrid& g = model_->grid;
   fill(f, t + h);
@@ -296,24 +315,28 @@ void Flow::project(FlowFields& f, double t, double h) {
   balance(f);
   double* phi = array(9);
   if (cut_pressure_) {
-    stop_in_solids(f);
-    // div(open u): what passes is what the open share of a face lets pass.
-    double* passing[3] = {array(6), array(7), array(8)};
-    for (size_t c = 0; c < g.dimensions; ++c) {
-      const double *open = model_->solids.open[c].data(), *u = f.u[c];
-      arena_->for_blocks(g.size(), kBlockRows, [&](size_t begin, size_t end) {
-        for (size_t i = begin; i < end; ++i) passing[c][i] = open[i] * u[i];
-      });
-    }
-    mac::divergence(g, {passing[0], passing[1], passing[2]}, phi, *arena_);
+    move_obstacles(f, t + h);
+    model_->sharp_walls() ? extend_into_solids(f, At::open_part) : stop_in_solids(f);
+    divergence_between_solids(f, phi);
     f.solved = cut_pressure_->solve(phi, model_->def.tolerance, *arena_);
   } else {
-    mac::divergence(g, {f.u[0], f.u[1], f.u[2]}, phi, *arena_);
+    const mac::ConstFields u{f.u[0], f.u[1], f.u[2]};
+    if (model_->fourth_order()) {
+      // What was balanced on the sides is mirrored beyond them.
+      for (size_t c = 0; c < g.dimensions; ++c) fill_component(c, f.u[c]);
+      mac::divergence4(g, u, phi, *arena_);
+    } else {
+      mac::divergence(g, u, phi, *arena_);
+    }
     // -lap phi = -div u: the solver's step is -1 and its shift 0.
     pressure_->solve(0, -1, phi, *arena_);
   }
   mac::fill_ghosts(g, kCentre, pressure_sides_, phi, *arena_);
   for (size_t c = 0; c < g.dimensions; ++c) {
+    if (model_->fourth_order()) {
+      mac::subtract_gradient4(g, c, phi, 1, f.u[c], *arena_);
+      continue;
+    }
     const auto x = model_->unknown(c, 0), y = model_->unknown(c, 1), z = model_->unknown(c, 2);
     const double scale = 1 / g.spacing[c];
     const size_t s = g.stride(c);
@@ -323,24 +346,14 @@ void Flow::project(FlowFields& f, double t, double h) {
       const double *high = phi + at, *low = high - s;
       for (size_t i = x[0]; i < x[1]; ++i) u[i] -= scale * (high[i] - low[i]);
     });
-    if (!cut_pressure_) continue;
-    // Faces that are shut take up what the pressure would have given them.
-    const double* open = model_->solids.open[c].data();
-    double taken = 0;
-    const size_t rows = g.count(c, 1) * g.count(c, 2);
-    for (size_t r = 0; r < rows; ++r) {
-      const size_t at = g.at(0, r % g.count(c, 1), r / g.count(c, 1));
-      for (size_t i = at; i < at + g.count(c, 0); ++i) {
-        if (open[i] == 0) taken += f.u[c][i], f.u[c][i] = 0;
-      }
-    }
-    f.impulse[c] += taken * g.cell_volume();
+    if (cut_pressure_) settle_shut_faces(f, c, phi);
   }
   if (h > 0) {
     const double per = 1 / h;
     mac::for_rows(g, kCentre, *arena_, [&](size_t at, size_t, size_t, size_t n) {
       for (size_t i = 0; i < n; ++i) f.pressure[at + i] += per * phi[at + i];
     });
+    if (model_->texts.obstacles_move) extend_pressure(f);
   }
 }
 

@@ -5,7 +5,10 @@
 // convection, alpha for viscosity by Crank and Nicolson), or one of Adams and Bashforth with Crank and
 // Nicolson; each takes the last pressure's gradient and is projected (van Kan 1986, "A second-order accurate
 // pressure-correction scheme"). Advection along paths: advect, force, viscosity by Euler backwards, project
-// (Stam 1999, "Stable fluids"). Scratch of one thread's run; everything that lasts is in the state.
+// (Stam 1999, "Stable fluids"). Obstacles cut cells: what passes a face is what its open share lets pass
+// beside the obstacle's own motion (Ng, Min, Gibou 2009). With central advection and explicit viscosity they
+// have walls of second order (solids.h), otherwise the volume around a face takes on their velocity by its
+// solid share. Scratch of one thread's run; everything that lasts is in the state.
 #pragma once
 #include <memory>
 #include <optional>
@@ -29,6 +32,11 @@ struct FlowModel {
   Vec3 gravity;       ///< m/s^2
   bool open = false;  ///< a side is an outflow
   std::array<std::array<SideKind, 2>, 3> kinds{};
+  /// Obstacles have walls of second order.
+  bool sharp_walls() const;
+  /// The largest divergence is noted at the end of a step, where a single state does not show it.
+  bool keeps_divergence() const { return texts.obstacles_move || fourth_order(); }
+  bool fourth_order() const { return def.order == GridFluidDef::Order::fourth; }
   /// How values of a place are mirrored at the sides; kCentre + 1 is the pressure.
   std::array<std::array<mac::Mirror, 2>, 3> mirrors(size_t place) const;
   /// Faces [first, last) of component c along axis a that the equations decide.
@@ -51,13 +59,15 @@ class Flow {
   void bind(const FlowModel& model, const ThreadArena& arena);
 
   /// Cells per second that the fastest crosses, summed over the axes, sides included.
-  double crossing_rate(const FlowFields& f, double t);
+  double crossing_rate(FlowFields& f, double t);
   /// Whether viscosity is stepped implicitly in a substep of h.
   bool implicit(double viscosity, double h) const;
   void substep(FlowFields& f, double t, double h);
   /// Makes the velocity free of divergence; p += scale of what it took. Faces on sides are set for time t.
   void project(FlowFields& f, double t, double h);
   void fill(FlowFields& f, double t);
+  /// 1/s, largest divergence of a cell at time t, obstacles where they are then.
+  double largest_divergence(FlowFields& f, double t);
 
  private:
   struct Buffer {
@@ -75,8 +85,29 @@ class Flow {
   void carry(FlowFields& f, double t, double h);
   void add_force(FlowFields& f, double t, size_t c, double factor, double* to);
   void confine(FlowFields& f, double h);
-  /// Fluid in obstacles comes to rest.
+  // Obstacles (flow_solids.cc).
+  /// Obstacles as they are at time t (s).
+  void place_obstacles(double t);
+  /// The same within a step, from where they were at its start.
+  void move_obstacles(FlowFields& f, double t);
+  /// Fluid in obstacles takes on their velocity.
   void stop_in_solids(FlowFields& f);
+  /// Faces in obstacles take what the parabola through the wall has at their centres, or in the mean of their
+  /// open part.
+  enum class At : uint8_t { centre, open_part };
+  void extend_into_solids(FlowFields& f, At where);
+  /// Faces in obstacles do not change; the obstacles have had what would have changed them.
+  void hold_solids(FlowFields& f, size_t c, double* change);
+  /// phi = div(what passes the faces).
+  void divergence_between_solids(const FlowFields& f, double* phi);
+  /// Faces that are shut move with their obstacles, which have had what the pressure gives them.
+  void settle_shut_faces(FlowFields& f, size_t c, const double* phi);
+  /// Pressure in cells that are shut: the mean of those around, so that they start well when they open.
+  void extend_pressure(FlowFields& f);
+  double obstacle_velocity(uint32_t obstacle, size_t c) const {
+    const Vec3& v = places_.velocity[obstacle];
+    return c == 0 ? v.x : c == 1 ? v.y : v.z;
+  }
   void open_sides(size_t c, double* u);
   void balance(FlowFields& f);
   double* array(size_t k) { return arrays_[k].data.data(); }
@@ -91,6 +122,11 @@ class Flow {
   std::optional<lattice::CutPoisson> cut_pressure_;
   std::array<Buffer, 10> arrays_;
   std::array<std::vector<double>, 3> force_;  ///< constant in time
+  const Solids* solids_ = nullptr;            ///< the model's, or those that move
+  Solids moving_;
+  ObstaclePlaces places_;
+  double solids_time_ = -1;  ///< s, that `moving_` are placed for
+  std::array<std::vector<Solids::Face>, 3> were_inside_;
 };
 
 }  // namespace truestep::grid_fluid

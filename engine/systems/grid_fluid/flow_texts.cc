@@ -33,6 +33,23 @@ class Reader {
       return {};
     }
   }
+  /// The text and its derivative by t.
+  ExpressionRows read_motion(const std::string& pointer, const std::string& text) {
+    try {
+      const Node n = names_.require(graph_, text);
+      std::vector<ExpressionGraph::Partial> by_time;
+      graph_.differentiate(n, kT, 1, by_time);
+      const Node roots[] = {n, by_time.empty() ? graph_.constant(0) : by_time[0].node};
+      const ExpressionRows rows(graph_, roots);
+      if (rows.uses(kX) || rows.uses(kY) || rows.uses(kZ))
+        issues_.push_back({pointer, "bad_expression", "an obstacle is displaced by a function of t alone",
+                           text, "t", "", ""});
+      return rows;
+    } catch (const ExpressionFault& f) {
+      issues_.push_back({pointer, "bad_expression", describe(f, text), text, "", f.did_you_mean, ""});
+      return {};
+    }
+  }
   void throw_faults() const {
     if (!issues_.empty()) throw Error("scene_invalid", issues_[0].message, issues_);
   }
@@ -67,7 +84,31 @@ FlowTexts::FlowTexts(const GridFluidDef& def, const mac::MacGrid& grid) {
       for (const Program& p : sides[a][end]) sides_move = sides_move || p.time;
     }
   }
+  motion_.resize(def.obstacles.size());
+  for (size_t n = 0; n < def.obstacles.size(); ++n) {
+    const auto& texts = def.obstacles[n].displacement;
+    obstacles_move = obstacles_move || !texts.empty();
+    for (size_t c = 0; c < texts.size() && c < grid.dimensions; ++c) {
+      motion_[n][c] =
+          r.read_motion("/obstacles/" + std::to_string(n) + "/displacement/" + std::to_string(c), texts[c]);
+    }
+  }
   r.throw_faults();
+}
+
+void FlowTexts::place_obstacles(const std::vector<ObstacleDef>& start, double t, ObstaclePlaces& out) const {
+  if (out.obstacles.size() != start.size()) out.obstacles = start, out.velocity.assign(start.size(), {});
+  for (size_t n = 0; n < start.size(); ++n) {
+    double moved[3] = {}, speed[3] = {};
+    for (size_t c = 0; c < 3; ++c) {
+      if (motion_[n][c].outputs() == 0) continue;
+      const ExpressionRows::Column in[] = {{&t, 0}, {}, {}, {}};
+      const ExpressionRows::Output to[] = {{&moved[c], 1}, {&speed[c], 1}};
+      motion_[n][c].run(in, to, 0, 1);
+    }
+    out.obstacles[n].center = start[n].center + Vec3{moved[0], moved[1], moved[2]};
+    out.velocity[n] = {speed[0], speed[1], speed[2]};
+  }
 }
 
 void FlowTexts::sample(const Program& p, const mac::MacGrid& g, size_t place, double t, double* u) const {

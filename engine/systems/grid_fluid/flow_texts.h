@@ -16,6 +16,12 @@ struct Program {
   bool time = false, zero = true;
 };
 
+/// Where obstacles are at a time, and how fast.
+struct ObstaclePlaces {
+  std::vector<ObstacleDef> obstacles;  ///< with `center` where it is now
+  std::vector<Vec3> velocity;          ///< m/s
+};
+
 class FlowTexts {
  public:
   /// Error "scene_invalid" with every fault.
@@ -24,13 +30,20 @@ class FlowTexts {
   std::array<Program, 3> initial, force, exact;
   Program scalar_initial, scalar_source;
   std::array<std::array<std::array<Program, 3>, 2>, 3> sides;  ///< [axis][end][component]
-  bool has_exact = false, forced = false, sides_move = false;
+  bool has_exact = false, forced = false, sides_move = false, obstacles_move = false;
+
+  /// Of the scene's obstacles at time t (s); allocates the first time.
+  void place_obstacles(const std::vector<ObstacleDef>& start, double t, ObstaclePlaces& out) const;
 
   /// u = program at the values of `place` that are its own.
   void sample(const Program& program, const mac::MacGrid& grid, size_t place, double t, double* u) const;
   /// The values of one component on a side's padded plane.
   void sample_side(const mac::MacGrid& grid, size_t axis, size_t end, size_t component, double t,
                    std::vector<double>& out) const;
+
+ private:
+  std::vector<std::array<ExpressionRows, 3>>
+      motion_;  ///< per obstacle and axis: displacement and its derivative
 };
 
 }  // namespace truestep::grid_fluid

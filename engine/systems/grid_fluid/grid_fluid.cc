@@ -20,7 +20,8 @@ enum Number : size_t {
   kResidual,
   kDrag,
   kLift,
-  kNumbers
+  kNumbers,
+  kDivergence = kNumbers  ///< FlowModel::keeps_divergence: there is one more
 };
 constexpr const char* kAxes[] = {"x", "y", "z"};
 
@@ -52,7 +53,8 @@ GridFluid::GridFluid(const GridFluidDef& def, const BuildContext& context)
     start_.add({std::string("velocity.") + kAxes[c], "m/s", Scalar::f64, 1, Role::position}, g.size());
   }
   start_.add({"pressure", "m^2/s^2", Scalar::f64, 1, Role::internal}, g.size());
-  numbers_ = start_.add({"numbers", "1", Scalar::f64, 1, Role::internal}, kNumbers);
+  numbers_ = start_.add({"numbers", "1", Scalar::f64, 1, Role::internal},
+                        kNumbers + (model_.keeps_divergence() ? 1 : 0));
   if (def.advection == GridFluidDef::Advection::central && def.stepping == GridFluidDef::Stepping::ab2) {
     for (size_t c = 0; c < g.dimensions; ++c) {
       const auto column =
@@ -81,7 +83,7 @@ GridFluid::GridFluid(const GridFluidDef& def, const BuildContext& context)
                 (model_.solids.any() ? "; pressure by conjugate gradients and multigrid"
                                      : "; pressure by transforms"),
             [this](State& s, const StepInput& in) { advance(s, in); });
-  if (def.obstacles.empty()) skip_stage("obstacles", "nothing stands in the flow");
+  if (def.obstacles.empty()) skip_stage("obstacles", "nothing is in the flow");
   if (def.viscosity == 0) skip_stage("viscosity", "the fluid has none");
   if (!def.scalar) skip_stage("scalar", "the flow carries nothing");
   if (!model_.texts.forced) skip_stage("force", "nothing pushes the fluid");
@@ -108,7 +110,7 @@ double GridFluid::largest_substep(double crossing_rate, double viscosity, double
   // and grow slowly enough only well below 1.
   const double cfl = d.cfl.value_or(!central ? 3 : rk3 ? 1.2 : 0.5);
   double largest = crossing_rate > 0 ? std::min(h, cfl / crossing_rate) : h;
-  if (central && d.viscous == GridFluidDef::Viscous::explicit_) {
+  if (central && (d.viscous == GridFluidDef::Viscous::explicit_ || model_.sharp_walls())) {
     double rate = 0;
     for (size_t a = 0; a < model_.grid.dimensions; ++a)
       rate += 4 / (model_.grid.spacing[a] * model_.grid.spacing[a]);
@@ -126,9 +128,12 @@ void GridFluid::advance(State& s, const StepInput& in) const {
   const double crossing = flow.crossing_rate(f, in.t);
   const double wanted = std::ceil(in.h / largest_substep(crossing, f.viscosity, in.h) - 1e-9);
   if (!(wanted <= kMostSubsteps)) {
+    const bool viscous = wanted > std::ceil(in.h / largest_substep(crossing, 0, in.h) - 1e-9);
     Instability e(id_, "velocity.x", -1,
-                  "the flow crosses " + short_number(crossing * in.h) + " cells in a step: more than " +
-                      std::to_string(kMostSubsteps) + " substeps would be needed");
+                  (viscous ? "explicit viscosity holds " +
+                                 short_number(largest_substep(crossing, f.viscosity, in.h)) + " s"
+                           : "the flow crosses " + short_number(crossing * in.h) + " cells in a step") +
+                      ": more than " + std::to_string(kMostSubsteps) + " substeps would be needed");
     if (std::isfinite(wanted)) e.suggested_dt = in.h * kMostSubsteps / wanted;
     throw e;
   }
@@ -143,6 +148,7 @@ void GridFluid::advance(State& s, const StepInput& in) const {
   numbers[kLift] = model_.def.density * f.impulse[1] / h;
   numbers[kLastStep] = f.last_h, numbers[kSubsteps] = n;
   numbers[kCfl] = flow.crossing_rate(f, in.t + in.h) * h;
+  if (model_.keeps_divergence()) numbers[kDivergence] = flow.largest_divergence(f, in.t + in.h);
 }
 
 void GridFluid::apply(State& s, const Command& c) const {
@@ -173,15 +179,36 @@ void GridFluid::apply(State& s, const Command& c) const {
       if (cell[a] >= first) u[at_cell] += change;
       if (cell[a] + 1 < last) u[at_cell + g.stride(a)] += change;
     }
-    static const ThreadArena kSerial(1);
-    Flow flow;
-    flow.bind(model_, kSerial);
-    FlowFields f = fields(s);
-    flow.project(f, 0, 0);
+    // Obstacles that move are where the next step finds them, and it projects as well.
+    if (!model_.texts.obstacles_move) {
+      static const ThreadArena kSerial(1);
+      Flow flow;
+      flow.bind(model_, kSerial);
+      FlowFields f = fields(s);
+      flow.project(f, 0, 0);
+    }
   } else {
     refuse_command("kind", "unknown_command", "grid_fluid knows no such command", "impulse, set_parameter");
   }
   s.f64(numbers_)[kLastStep] = 0;
+}
+
+// Runge and Kutta's three stages hold sqrt(3) cells, two steps about 1.
+void GridFluid::warn(const State& s, double h, std::vector<Warning>& out) const {
+  const GridFluidDef& d = model_.def;
+  const bool central = d.advection == GridFluidDef::Advection::central;
+  const double most = !central ? kMostTraced : d.stepping == GridFluidDef::Stepping::rk3 ? std::sqrt(3.0) : 1;
+  const auto numbers = s.f64(numbers_);
+  warn_of_crossing(numbers[kCfl], most, h / std::max(1.0, numbers[kSubsteps]), out);
+}
+
+void warn_of_crossing(double cells, double most, double h, std::vector<Warning>& out) {
+  if (!(cells > most)) return;
+  Warning w{.quantity = "cfl", .value = cells, .limit = most, .suggested_dt = h * most / cells};
+  w.detail = "the flow crosses " + short_number(cells) +
+             " cells in a substep, where results are to be trusted up to " + short_number(most) + "; dt " +
+             short_number(w.suggested_dt) + " s or a cfl of at most " + short_number(most) + " would do";
+  out.push_back(std::move(w));
 }
 
 std::vector<std::string> GridFluid::remedies() const {

@@ -18,6 +18,7 @@ class GridFluid final : public StagedSystem {
   void draw(const State& state, double t, Wish wishes, Drawing& out) const override;
   void apply(State& state, const Command& command) const override;
   std::vector<std::string> remedies() const override;
+  void warn(const State& state, double h, std::vector<Warning>& out) const override;
   void check(StateCheck& check, double) const override { check.finish(); }
 
   const FlowModel& model() const { return model_; }
@@ -40,6 +41,12 @@ class GridFluid final : public StagedSystem {
   std::optional<State::Column> rate_, scalar_;
   State start_;
 };
+
+/// Cells along paths that a first-order rule follows closely enough (Foster, Fedkiw 2001, "Practical
+/// animation of liquids", section 4).
+inline constexpr double kMostTraced = 5;
+/// Warns when more than `most` cells are crossed in a substep of h (s).
+void warn_of_crossing(double cells, double most, double h, std::vector<Warning>& out);
 
 std::unique_ptr<const System> build_grid_fluid(const void* def, const BuildContext& context);
 

@@ -63,11 +63,13 @@ const DefTable& scalar_table() {
 const DefTable& obstacle_table() {
   using D = ObstacleDef;
   static const DefTable kTable =
-      TableOf<D>("a solid that stands in the flow")
+      TableOf<D>("a solid in the flow, at rest or moved by the scene")
           .choice("shape", &D::shape, {"sphere", "box"}, "a sphere is a disk in the plane")
           .vector("center", &D::center, "m", any(), "its middle")
           .number("radius", &D::radius, "m", above(0), "of a sphere")
           .vector("half_extents", &D::half, "m", above(0), "of a box")
+          .texts("displacement", &D::displacement, {0, 3},
+                 "m, how far its middle has moved from `center`: expressions of t; without it it is at rest")
           .build();
   return kTable;
 }
@@ -115,7 +117,6 @@ void check_liquid(const GridFluidDef& d, const DefTable::Report& report) {
     return;
   }
   if (d.bodies.empty()) report("/bodies", "flip and apic need to know where there is liquid");
-  if (d.viscosity > 0) report("/viscosity", "flip and apic step liquids without viscosity");
   if (d.scalar) report("/scalar", "flip and apic carry nothing but the liquid");
   if (!d.exact.empty()) report("/exact", "flip and apic compare with nothing exact");
   if (d.vorticity_confinement > 0) report("/vorticity_confinement", "not with flip and apic");
@@ -145,6 +146,22 @@ void check_liquid(const GridFluidDef& d, const DefTable::Report& report) {
   }
 }
 
+void check_fourth_order(const GridFluidDef& d, const DefTable::Report& report) {
+  if (d.advection != GridFluidDef::Advection::central) {
+    report("/order", "only central advection has differences of fourth order");
+  } else if (!d.obstacles.empty()) {
+    report("/order", "walls of obstacles are of second order at most");
+  }
+  for (size_t a = 0; a < d.cells.size(); ++a) {
+    for (size_t end = 0; end < 2; ++end) {
+      const SideKind kind = side_of(d, a, end).kind;
+      if (kind != SideKind::periodic && kind != SideKind::slip)
+        report(side_pointer(d, a, end) + "/kind",
+               "differences of fourth order need sides that are periodic or slip");
+    }
+  }
+}
+
 void check_flow(const GridFluidDef& d, const DefTable::Report& report) {
   if (!d.size.empty() && d.size.size() != d.cells.size())
     report("/size", "as many lengths as cells has numbers");
@@ -154,9 +171,19 @@ void check_flow(const GridFluidDef& d, const DefTable::Report& report) {
       report(pointer, "as many components as the box has dimensions");
   };
   components(d.initial, "/initial"), components(d.force, "/force"), components(d.exact, "/exact");
+  for (size_t n = 0; n < d.obstacles.size(); ++n) {
+    const std::string at = "/obstacles/" + std::to_string(n) + "/displacement";
+    if (d.obstacles[n].displacement.empty()) continue;
+    if (d.obstacles[n].displacement.size() != d.cells.size()) {
+      report(at, "as many components as the box has dimensions");
+    } else if (d.liquid()) {
+      report(at, "obstacles around a liquid stand still");
+    }
+  }
   check_sides(d, report);
   check_liquid(d, report);
   using A = GridFluidDef::Advection;
+  if (d.order == GridFluidDef::Order::fourth) check_fourth_order(d, report);
   if (d.advection != A::central && d.viscous == GridFluidDef::Viscous::explicit_) {
     report("/viscous", "advection along paths takes viscosity implicitly");
   }
@@ -263,6 +290,10 @@ const DefTable& grid_fluid_table() {
                   "trace paths backwards and hold any step: of first order, or corrected to second with "
                   "limits; flip and apic: liquids with a surface, carried by particles that keep what the "
                   "grid changes of their velocity (flip) or its slopes (apic)")
+          .choice("order", &D::order, {"second", "fourth"},
+                  "of central advection's differences; fourth for smooth flows between sides that are "
+                  "periodic or "
+                  "slip, without obstacles")
           .choice("stepping", &D::stepping, {"rk3", "ab2"},
                   "of central advection: Runge and Kutta's of three stages, or Adams and Bashforth's of two "
                   "steps")
@@ -279,7 +310,7 @@ const DefTable& grid_fluid_table() {
           .number(
               "vorticity_confinement", &D::vorticity_confinement, "1", at_least(0),
               "strength of the force that gives small eddies back what advection along paths takes from them")
-          .objects("obstacles", &D::obstacles, obstacle_table(), {0, 1000}, "solids that stand in the flow")
+          .objects("obstacles", &D::obstacles, obstacle_table(), {0, 1000}, "solids in the flow")
           .number("tolerance", &D::tolerance, "1", between(1e-14, 0.1),
                   "to which the pressure's residual falls where obstacles stand or there is a surface; "
                   "elsewhere it is solved to rounding")
@@ -347,9 +378,12 @@ Cost liquid_cost(const GridFluidDef& d, double padded) {
                affine = d.advection == GridFluidDef::Advection::apic ? dim * dim : 0;
   Cost c;
   c.state_bytes = 8 * padded * 2 + 8 * n * (6 + affine) + 4e3;
+  // Rows of faces with their neighbours, as many as the liquid has.
+  const double cells = n / trig::pow(static_cast<double>(d.particles_per_axis), dim);
+  const double viscous = d.viscosity > 0 ? 4 * padded + cells * (60 + 24 * dim) : 0;
   const double solver = (dim == 2 ? 4.0 / 3 : 8.0 / 7) * (8 * (dim + 4) + 1) + 8 * 5;
   c.workspace_bytes =
-      padded * (8 * (5 * dim + 3) + dim + 2 + solver) + n * (16 * (2 * dim + affine) + 12) + 3e5;
+      padded * (8 * (5 * dim + 3) + dim + 2 + solver) + viscous + n * (16 * (2 * dim + affine) + 12) + 3e5;
   c.elements = n;
   c.seconds_per_step = 1e-4 + 1e-6 * padded + 6e-7 * n;
   return c;
@@ -364,11 +398,15 @@ Cost grid_fluid_cost(const void* def) {
   const double components = static_cast<double>(d.cells.size());
   const bool ab2 = d.stepping == GridFluidDef::Stepping::ab2;
   const double solids = d.obstacles.empty() ? 0 : components + 1;
+  const bool moving =
+      std::ranges::any_of(d.obstacles, [](const ObstacleDef& o) { return !o.displacement.empty(); });
   Cost c;
   c.state_bytes = 8 * padded * (components + 1 + (ab2 ? components : 0) + (d.scalar ? 1 : 0)) + 4e3;
   // Rates, right-hand sides and transforms; ways there and back of the scalar; fractions and levels where
   // there are solids.
   c.workspace_bytes = 8 * padded * (3 * components + 4 + 4 * solids + (d.scalar ? 5 : 0)) + 3e5;
+  // Shares of faces again.
+  if (moving) c.workspace_bytes += padded * (17 * components + 1);
   c.elements = cell_count(d);
   // Measured on one core: a substep's transforms and differences.
   c.seconds_per_step = 1e-5 + 1.5e-7 * padded;
@@ -390,10 +428,9 @@ const Resolution& grid_fluid_resolution() {
                                  },
                                  .order =
                                      [](const void* def) {
-                                       return static_cast<const GridFluidDef*>(def)->advection ==
-                                                      GridFluidDef::Advection::semi_lagrangian
-                                                  ? 1
-                                                  : 2;
+                                       const auto& d = *static_cast<const GridFluidDef*>(def);
+                                       if (d.order == GridFluidDef::Order::fourth) return 4;
+                                       return d.advection == GridFluidDef::Advection::semi_lagrangian ? 1 : 2;
                                      }};
   return kCells;
 }

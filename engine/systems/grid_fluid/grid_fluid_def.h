@@ -33,12 +33,13 @@ struct ScalarDef {
   double expansion = 0;    ///< acceleration = -gravity expansion scalar: positive rises
 };
 
-/// A solid in the flow that does not move.
+/// A solid in the flow, at rest or moved by the scene.
 struct ObstacleDef {
   enum class Shape : uint8_t { sphere, box } shape = Shape::sphere;
   Vec3 center;
-  double radius = 0.1;       ///< m
-  Vec3 half{0.1, 0.1, 0.1};  ///< m
+  double radius = 0.1;                    ///< m
+  Vec3 half{0.1, 0.1, 0.1};               ///< m
+  std::vector<std::string> displacement;  ///< m, of the middle; empty: at rest
 };
 
 /// Where there is liquid at the start.
@@ -66,6 +67,7 @@ struct GridFluidDef {
     flip,
     apic
   } advection = Advection::central;
+  enum class Order : uint8_t { second, fourth } order = Order::second;
   enum class Stepping : uint8_t { rk3, ab2 } stepping = Stepping::rk3;
   enum class Viscous : uint8_t { automatic, explicit_, implicit } viscous = Viscous::automatic;
   std::optional<double> cfl;

@@ -21,6 +21,12 @@ void for_cells(const mac::MacGrid& g, F&& f) {
   }
 }
 
+// From a cell to its face after it: the last one of a periodic axis is the first.
+ptrdiff_t after(const mac::MacGrid& g, size_t axis, size_t cell) {
+  const auto s = static_cast<ptrdiff_t>(g.stride(axis));
+  return g.periodic[axis] && cell + 1 == g.cells[axis] ? -s * static_cast<ptrdiff_t>(cell) : s;
+}
+
 }  // namespace
 
 double GridFluid::rms_error(const State& s, double t) const {
@@ -52,14 +58,15 @@ void GridFluid::vorticity(const State& s, double* out) const {
   for_cells(g, [&](size_t row, size_t at, size_t i, size_t j, size_t k) {
     const size_t place[] = {i, j, k};
     const auto slope = [&](size_t c, size_t a) {
-      const size_t sa = g.stride(a), sc = g.stride(c);
+      const size_t sa = g.stride(a);
+      const ptrdiff_t sc = after(g, c, place[c]);
       const bool low = place[a] > 0 || g.periodic[a], high = place[a] + 1 < g.cells[a] || g.periodic[a];
       const double* here = u[c] + at;
       const size_t wrap = g.cells[a] * sa;
-      const double* before = !low ? here : place[a] > 0 ? here - sa : here - sa + wrap;
-      const double* after = !high ? here : place[a] + 1 < g.cells[a] ? here + sa : here + sa - wrap;
+      const double* behind = !low ? here : place[a] > 0 ? here - sa : here - sa + wrap;
+      const double* ahead = !high ? here : place[a] + 1 < g.cells[a] ? here + sa : here + sa - wrap;
       const double width = (low && high ? 2 : 1) * g.spacing[a];
-      return 0.5 * (after[0] + after[sc] - before[0] - before[sc]) / width;
+      return 0.5 * (ahead[0] + ahead[sc] - behind[0] - behind[sc]) / width;
     };
     if (g.dimensions == 2) {
       out[row] = slope(1, 0) - slope(0, 1);
@@ -76,11 +83,12 @@ FieldView GridFluid::field(const State& s, size_t, size_t field, std::vector<dou
   const bool vector = field == 0;
   scratch.assign(vector ? 3 * n : n, 0);
   if (field <= 1) {
-    for_cells(g, [&](size_t row, size_t at, size_t, size_t, size_t) {
+    for_cells(g, [&](size_t row, size_t at, size_t i, size_t j, size_t k) {
+      const size_t place[] = {i, j, k};
       double v[3] = {};
       for (size_t c = 0; c < g.dimensions; ++c) {
         const double* u = s.f64(static_cast<State::Column>(c)).data() + at;
-        v[c] = 0.5 * (u[0] + u[g.stride(c)]);
+        v[c] = 0.5 * (u[0] + u[after(g, c, place[c])]);
       }
       if (vector) {
         std::copy_n(v, 3, &scratch[3 * row]);
@@ -103,11 +111,12 @@ void GridFluid::observe(const State& s, double t, Observables& out) const {
   double energy = 0, enstrophy = 0, divergence = 0, fastest = 0;
   std::vector<double> curl(g.cell_count());
   vorticity(s, curl.data());
-  for_cells(g, [&](size_t row, size_t at, size_t, size_t, size_t) {
+  for_cells(g, [&](size_t row, size_t at, size_t i, size_t j, size_t k) {
+    const size_t place[] = {i, j, k};
     double div = 0;
     for (size_t c = 0; c < g.dimensions; ++c) {
       const double* u = s.f64(static_cast<State::Column>(c)).data() + at;
-      const double low = u[0], high = u[g.stride(c)];
+      const double low = u[0], high = u[after(g, c, place[c])];
       energy += 0.25 * (low * low + high * high);
       fastest = std::max({fastest, std::abs(low), std::abs(high)});
       const double* open = model_.solids.any() ? model_.solids.open[c].data() + at : nullptr;
@@ -119,7 +128,8 @@ void GridFluid::observe(const State& s, double t, Observables& out) const {
   const double volume = g.cell_volume();
   out.add("energy.kinetic", model_.def.density * volume * energy, "J");
   out.add("enstrophy", volume * enstrophy, "1/s^2");
-  out.add("divergence.max", divergence, "1/s");
+  // Where obstacles move or differences reach beyond the sides, as the step has left it.
+  out.add("divergence.max", model_.keeps_divergence() ? s.f64(numbers_)[8] : divergence, "1/s");
   out.add("speed.max", fastest, "m/s");
   out.add("cfl", s.f64(numbers_)[3], "1");
   out.add("substeps", s.f64(numbers_)[2], "1");
@@ -139,17 +149,19 @@ void GridFluid::observe(const State& s, double t, Observables& out) const {
   if (model_.texts.has_exact) out.add("error.exact", rms_error(s, t), "m/s");
 }
 
-void GridFluid::draw(const State&, double, Wish wishes, Drawing& out) const {
+void GridFluid::draw(const State&, double t, Wish wishes, Drawing& out) const {
   if (wants(wishes, Wish::constant)) {
     out.parts.resize(parts().size());
     if (model_.grid.dimensions == 2) out.parts[0].space = PartDrawing::Space::plane;
   }
   if (!wants(wishes, Wish::obstacles)) return;
-  draw_obstacles(model_.def, out);
+  ObstaclePlaces now;
+  model_.texts.place_obstacles(model_.def.obstacles, t, now);
+  draw_obstacles(now.obstacles, out);
 }
 
-void draw_obstacles(const GridFluidDef& def, Drawing& out) {
-  for (const ObstacleDef& o : def.obstacles) {
+void draw_obstacles(const std::vector<ObstacleDef>& obstacles, Drawing& out) {
+  for (const ObstacleDef& o : obstacles) {
     DrawnShape shape;
     const bool sphere = o.shape == ObstacleDef::Shape::sphere;
     shape.kind = sphere ? DrawnShape::Kind::sphere : DrawnShape::Kind::box;

@@ -6,6 +6,7 @@
 #include "engine/base/errors.h"
 #include "engine/base/short_number.h"
 #include "engine/core/command_checks.h"
+#include "engine/systems/grid_fluid/grid_fluid.h"
 
 namespace truestep::grid_fluid {
 
@@ -77,6 +78,7 @@ Liquid::Liquid(const GridFluidDef& def, const BuildContext& context)
                 "; pressure and density by conjugate gradients and multigrid",
             [this](State& s, const StepInput& in) { advance(s, in); });
   if (def.obstacles.empty()) skip_stage("obstacles", "nothing stands in the flow");
+  if (def.viscosity == 0) skip_stage("viscosity", "the liquid has none");
   if (!model_.texts.forced) skip_stage("force", "nothing but gravity pushes the liquid");
 }
 
@@ -188,7 +190,7 @@ void Liquid::draw(const State&, double, Wish wishes, Drawing& out) const {
       for (PartDrawing& part : out.parts) part.space = PartDrawing::Space::plane;
     }
   }
-  if (wants(wishes, Wish::obstacles)) draw_obstacles(model_.def, out);
+  if (wants(wishes, Wish::obstacles)) draw_obstacles(model_.def.obstacles, out);
 }
 
 void Liquid::apply(State& s, const Command& c) const {
@@ -201,6 +203,19 @@ void Liquid::apply(State& s, const Command& c) const {
     refuse_command("vector", "out_of_range", "a plane liquid stays in z = 0");
   double* v = s.f64(velocity_).data();
   store3(v, row, load3(v, row) + c.vector / mass_);
+}
+
+void Liquid::warn(const State& s, double h, std::vector<Warning>& out) const {
+  const auto numbers = s.f64(numbers_);
+  warn_of_crossing(numbers[kCfl], kMostTraced, h / std::max(1.0, numbers[kSubsteps]), out);
+  // Twice the mean of a dam break at the moment when it runs out thinnest.
+  constexpr double kMostCompressed = 0.05;
+  if (!(numbers[kMeanCompression] > kMostCompressed)) return;
+  out.push_back({.quantity = "density.mean_error",
+                 .value = numbers[kMeanCompression],
+                 .limit = kMostCompressed,
+                 .detail = "cells hold " + short_number(100 * numbers[kMeanCompression]) +
+                           " % more liquid than fits in them: more cells or a smaller cfl would do"});
 }
 
 std::vector<std::string> Liquid::remedies() const {

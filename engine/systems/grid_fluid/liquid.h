@@ -16,6 +16,7 @@ class Liquid final : public StagedSystem {
   void draw(const State& state, double t, Wish wishes, Drawing& out) const override;
   void apply(State& state, const Command& command) const override;
   std::vector<std::string> remedies() const override;
+  void warn(const State& state, double h, std::vector<Warning>& out) const override;
 
   const FlowModel& model() const { return model_; }
   double particle_mass() const { return mass_; }
@@ -35,5 +36,5 @@ class Liquid final : public StagedSystem {
 };
 
 /// Obstacles as drawings show them.
-void draw_obstacles(const GridFluidDef& def, Drawing& out);
+void draw_obstacles(const std::vector<ObstacleDef>& obstacles, Drawing& out);
 }  // namespace truestep::grid_fluid

@@ -45,6 +45,7 @@ void LiquidFlow::bind(const FlowModel& m, size_t rows, const ThreadArena& arena)
   liquid_.assign(n, 0), fresh_.assign(n, 0);
   for (Array* a : {&room_, &depth_, &work_}) a->assign(n, 0);
   solver_.emplace(g, mirrors);
+  if (m.def.viscosity > 0) viscosity_.bind(m);
   measure_room();
 }
 
@@ -264,6 +265,7 @@ LiquidReport LiquidFlow::substep(LiquidFields& f, double t, double h) {
   plane ? spread<2>(f) : spread<3>(f);
   settle_faces(t, h);
   find_surface(f);
+  if (model_->def.viscosity > 0) thicken(h, report);
   project(f, h, report);
   take_back_compression(f, report);
   continue_outwards();

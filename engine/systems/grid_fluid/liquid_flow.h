@@ -4,12 +4,14 @@
 //            (kernels/mac/surface.h), and the displacement that takes compression back: lap psi = -(fill -
 //            1), dx = -grad psi (Kugelstadt, Longva, Thuerey, Bender 2019, "Implicit density projection for
 //            volume conserving liquids"; here with the same cells and matrix as the pressure)
+//   thicken: viscosity, before the pressure (face_viscosity.h)
 //   carry: what particles keep of their own velocity (Zhu, Bridson 2005; Jiang et al. 2015), paths by the
 //          midpoint rule through the new velocity, continued beyond the surface.
 // Scratch of one thread's run; everything that lasts is in the state.
 #pragma once
 #include "engine/kernels/mac/surface.h"
 #include "engine/lattice/cut_poisson.h"
+#include "engine/systems/grid_fluid/face_viscosity.h"
 #include "engine/systems/grid_fluid/flow.h"
 
 namespace truestep::grid_fluid {
@@ -25,6 +27,7 @@ struct LiquidFields {
 /// What the last substep found.
 struct LiquidReport {
   lattice::CutPoisson::Outcome pressure, density;
+  int viscosity_iterations = 0;  ///< of the component that took most
   double mean_compression = 0, max_compression = 0;
 };
 
@@ -49,6 +52,7 @@ class LiquidFlow {
   void carry(double h);
   void settle_faces(double t, double h);
   void find_surface(LiquidFields& f);
+  void thicken(double h, LiquidReport& report);
   void project(LiquidFields& f, double h, LiquidReport& report);
   void take_back_compression(LiquidFields& f, LiquidReport& report);
   void accelerate_beside(size_t c);
@@ -77,6 +81,7 @@ class LiquidFlow {
   double whole_ = 1;           ///< the same far from everything
   std::array<std::vector<double>, 3> force_;
   std::optional<lattice::CutPoisson> solver_;
+  FaceViscosity viscosity_;
 };
 
 template <class F>

@@ -61,6 +61,16 @@ void LiquidFlow::find_surface(LiquidFields& f) {
   solver_->set({open[0].data(), open[1].data(), open[2].data()}, liquid_.data(), *arena_);
 }
 
+void LiquidFlow::thicken(double h, LiquidReport& report) {
+  const mac::MacGrid& g = model_->grid;
+  for (size_t c = 0; c < g.dimensions; ++c) {
+    const auto out = viscosity_.solve(c, liquid_.data(), depth_.data(), h * model_->def.viscosity,
+                                      model_->def.tolerance, u_[c].data(), *arena_);
+    report.viscosity_iterations = std::max(report.viscosity_iterations, out.iterations);
+    mac::wrap_periodic(g, u_[c].data());
+  }
+}
+
 void LiquidFlow::project(LiquidFields& f, double h, LiquidReport& report) {
   const mac::MacGrid& g = model_->grid;
   double* phi = f.pressure;
