@@ -5,6 +5,9 @@
 // Wanted is 0, and for a touch that bounces what its flight from the moment of the touch on brings. A point
 // does not spin, so that impulses act on the body where the point's centre is: linear and angular momentum
 // are exchanged to rounding, with friction too.
+// Newton's law of restitution for several touches at once, of which some bounce and others hold, may ask for
+// more energy than there was (Brach 1989, "Rigid body collisions"): where all that the answers do, against
+// the substep's forces and in velocities, adds up to a gain, they are taken back and nothing bounces.
 #pragma once
 #include <vector>
 
@@ -41,6 +44,10 @@ class BodyTouchSolver {
   void prepare(const BodyTouch& t, const BodyTouchQuery& q, Bounces bounces, SolvedTouch& s) const;
   double place(SolvedTouch& s, Exchange& out);
   double stop(SolvedTouch& s, Exchange& out);
+  /// All places, then all velocities.
+  void sweep(std::vector<SolvedTouch>& solved, Exchange& out);
+  /// Undoes what was done for a touch, which from then on does not bounce.
+  void take_back(SolvedTouch& s);
 
   const ContactDef& law_;
   Points& points_;
