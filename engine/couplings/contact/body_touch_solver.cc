@@ -11,6 +11,8 @@ namespace {
 constexpr int kSweeps = 40;
 /// m and m/s by which the last sweep may change a touch.
 constexpr double kSettledGap = 1e-10, kSettledSpeed = 1e-9;
+/// Share of what bounces that answers may gain: sweeps do not end at the last bit.
+constexpr double kGain = 0.01;
 
 Vec3 times(const double* m, const Vec3& a) {
   return {m[0] * a.x + m[1] * a.y + m[2] * a.z, m[3] * a.x + m[4] * a.y + m[5] * a.z,
@@ -102,6 +104,29 @@ double BodyTouchSolver::stop(SolvedTouch& s, Exchange& out) {
   return norm(by) * s.normal;
 }
 
+void BodyTouchSolver::sweep(std::vector<SolvedTouch>& solved, Exchange& out) {
+  for (int sweep = 0; sweep < kSweeps; ++sweep) {
+    double worst = 0;
+    for (SolvedTouch& s : solved) worst = std::max(worst, place(s, out));
+    if (worst <= kSettledGap) break;
+  }
+  for (int sweep = 0; sweep < kSweeps; ++sweep) {
+    double worst = 0;
+    for (SolvedTouch& s : solved) {
+      if (s.kind != SolvedTouch::Kind::near) worst = std::max(worst, stop(s, out));
+    }
+    if (worst <= kSettledSpeed) break;
+  }
+}
+
+void BodyTouchSolver::take_back(SolvedTouch& s) {
+  const auto undo = [&](double along, const Vec3& across) { return -(s.touch.n * along + across); };
+  s.touch.link.push(points_, bodies_, undo(s.impulse, s.rub));
+  s.touch.link.shift(points_, bodies_, undo(s.push, s.drag));
+  s.impulse = s.push = s.gap = s.speed = 0, s.rub = s.drag = {};
+  if (s.kind == SolvedTouch::Kind::bounces) s.kind = SolvedTouch::Kind::touches;
+}
+
 size_t BodyTouchSolver::run(const std::vector<BodyTouch>& touches, const BodyTouchQuery& q, Bounces bounces,
                             std::vector<SolvedTouch>& solved, Exchange& out) {
   solved.clear();
@@ -110,17 +135,18 @@ size_t BodyTouchSolver::run(const std::vector<BodyTouch>& touches, const BodyTou
     prepare(t, q, bounces, s);
     if (s.normal > 0) solved.push_back(s);
   }
-  for (int sweep = 0; sweep < kSweeps; ++sweep) {
-    double worst = 0;
-    for (SolvedTouch& s : solved) worst = std::max(worst, place(s, out));
-    if (worst <= kSettledGap) break;
+  const Exchange before = out;
+  sweep(solved, out);
+  double bounced = 0;
+  for (const SolvedTouch& s : solved) {
+    if (s.kind == SolvedTouch::Kind::bounces) bounced += 0.5 * s.impulse * s.impulse * s.normal;
+  }
+  if (bounced > 0 && before.energy_lost - out.energy_lost > kGain * bounced) {
+    for (size_t k = solved.size(); k-- > 0;) take_back(solved[k]);
+    out = before;
+    sweep(solved, out);
   }
   std::erase_if(solved, [](const SolvedTouch& s) { return s.kind == SolvedTouch::Kind::near; });
-  for (int sweep = 0; sweep < kSweeps; ++sweep) {
-    double worst = 0;
-    for (SolvedTouch& s : solved) worst = std::max(worst, stop(s, out));
-    if (worst <= kSettledSpeed) break;
-  }
   return static_cast<size_t>(std::count_if(solved.begin(), solved.end(),
                                            [](const SolvedTouch& s) { return s.push > 0 || s.impulse > 0; }));
 }

@@ -2,9 +2,12 @@
 // u the velocity of the points relative to the body at q, by Gauss-Seidel sweeps over all touches:
 //   positions   gap >= wanted,  P_n >= 0,  |P_t| <= mu P_n  against sliding since the touch began
 //   velocities  u_n >= wanted,  J_n >= 0,  |J_t| <= mu J_n
-// Wanted is 0, or for a bouncing touch the result of its flight since the moment of touch. Points do not
-// spin, so impulses act on the body at the point's centre: linear and angular momentum are exchanged to
-// rounding, with friction too.
+// Wanted is 0, and for a touch that bounces what its flight from the moment of the touch on brings. A point
+// does not spin, so that impulses act on the body where the point's centre is: linear and angular momentum
+// are exchanged to rounding, with friction too.
+// Newton's law of restitution for several touches at once, of which some bounce and others hold, may ask for
+// more energy than there was (Brach 1989, "Rigid body collisions"): where all that the answers do, against
+// the substep's forces and in velocities, adds up to a gain, they are taken back and nothing bounces.
 #pragma once
 #include <vector>
 
@@ -41,6 +44,10 @@ class BodyTouchSolver {
   void prepare(const BodyTouch& t, const BodyTouchQuery& q, Bounces bounces, SolvedTouch& s) const;
   double place(SolvedTouch& s, Exchange& out);
   double stop(SolvedTouch& s, Exchange& out);
+  /// All places, then all velocities.
+  void sweep(std::vector<SolvedTouch>& solved, Exchange& out);
+  /// Undoes what was done for a touch, which from then on does not bounce.
+  void take_back(SolvedTouch& s);
 
   const ContactDef& law_;
   Points& points_;

@@ -131,7 +131,10 @@ void Rigid3d::choose_substeps(State& s, const StepInput& in) const {
   const int wanted = scratch(in).buckling.substeps(s, bodies_.kinds, settings_, now, in.h);
   // One at a time: what the springs' stiffness stores changes little by little.
   const int next = std::clamp(wanted, now - 1, now + 1);
-  if (next == now) return;
+  if (next != now) change_substeps(s, in.h, now, next);
+}
+
+void Rigid3d::change_substeps(State& s, double h, int now, int next) const {
   // Impulses are those of one substep.
   const double share = static_cast<double>(now) / next;
   for (const auto c : {columns::contact_impulse, columns::contact_friction, columns::contact_roll,
@@ -144,7 +147,7 @@ void Rigid3d::choose_substeps(State& s, const StepInput& in) const {
       for (double& offset : s.f64(c)) offset *= share * share;
     }
   }
-  substep = in.h / next;
+  s.f64(columns::substep)[0] = h / next;
 }
 
 void Rigid3d::find_contacts(State& s, const StepInput& in) const {
@@ -178,7 +181,9 @@ double Rigid3d::restitution_speed(const Vec3& gravity, double dt) const {
 void Rigid3d::solve(State& s, const StepInput& in) const {
   Scratch& scratch = Rigid3d::scratch(in);
   SolverSettings settings = settings_;
-  if (scratch.parts > 1) settings.turning = SolverSettings::Turning::fast;
+  if (scratch.parts > 1 || contacts_turn_fast(s, scratch.contacts.all(), in.h)) {
+    settings.turning = SolverSettings::Turning::fast;
+  }
   settings.restitution_speed =
       restitution_speed(load3(s.f64(columns::gravity).data(), 0), in.h * scratch.parts);
   settings.substeps = substeps(s, in.h);

@@ -60,9 +60,17 @@ class Rigid3d final : public StagedSystem, public BodyOwner {
   static Scratch& scratch(const StepInput& in);
   /// Whether contacts of the last step are mostly of bodies that turn far in a step of h.
   bool contacts_turn_fast(const State& s, double h) const;
+  /// The same of those of this step.
+  bool contacts_turn_fast(const State& s, std::span<Contact* const> found, double h) const;
+  bool turns_fast(const State& s, uint32_t body, double h) const;
+  bool all_turn_fast(const State& s, size_t turning) const;
   void apply_forces(State& s, const StepInput& in) const;
   int substeps(const State& s, double h) const;
   void choose_substeps(State& s, const StepInput& in) const;
+  /// From now on there are `next` in a step of h: what the state has of one substep is rewritten.
+  void change_substeps(State& s, double h, int now, int next) const;
+  /// As many as keep the turns of what touches small in each.
+  int substeps_of_turns(const State& s, double h) const;
   void find_contacts(State& s, const StepInput& in) const;
   void solve(State& s, const StepInput& in) const;
   /// m/s, as given or by gravity.

@@ -25,6 +25,15 @@ json::object body(Dice& d, const Vec3& at, double mass) {
   return b;
 }
 
+/// m by which a body must be higher than half a metre over what it falls on, however it is turned: what
+/// starts inside something is pushed out, which is work.
+double lift(const json::object& b) {
+  const bool round = b.contains("half_length");
+  return round ? std::max(0.0,
+                          b.at("radius").to_number<double>() + b.at("half_length").to_number<double>() - 0.45)
+               : 0;
+}
+
 json::object bodies(json::array all, Dice& d) {
   return {{"type", "rigid3d"}, {"bodies", std::move(all)}, {"precision", d.of({"f32", "f64"})}};
 }
@@ -56,9 +65,17 @@ void cloth_and_bodies(Dice& d, Trial& t) {
                      {"pinned", json::array{d.of({"corners", "border"})}}};
   json::array fall;
   const int n = d.whole(1, 4);
-  for (int i = 0; i < n; ++i)
-    fall.push_back(
-        body(d, Vec3{d.between(-0.2, 0.2), 1.5 + 0.6 * i, d.between(-0.2, 0.2)}, d.spread(0.05, 2)));
+  double raised = 0;
+  for (int i = 0; i < n; ++i) {
+    json::object b =
+        body(d, Vec3{d.between(-0.2, 0.2), 1.5 + 0.6 * i, d.between(-0.2, 0.2)}, d.spread(0.05, 2));
+    if (i == 0) raised = lift(b);
+    if (raised > 0) {
+      json::value& y = b["position"].as_array()[1];
+      y = y.to_number<double>() + raised;
+    }
+    fall.push_back(std::move(b));
+  }
   set_scene(t, 1.0 / 60, 2, kDown, {cloth, bodies(std::move(fall), d)});
   t.scene["couplings"] = json::array{contact(d)};
   t.rules.gain = 0.02;
