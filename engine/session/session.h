@@ -48,13 +48,6 @@ struct SessionWarning {
   uint64_t first_step = 0;  ///< that it was seen at
 };
 
-/// A result that is not to be trusted though nothing has failed.
-struct SessionWarning {
-  std::string system;
-  Warning warning;          ///< the worst so far of its quantity
-  uint64_t first_step = 0;  ///< that it was seen at
-};
-
 /// What became of a step.
 enum class StepOutcome : uint8_t {
   done,
