@@ -48,6 +48,7 @@ void Session::load(WorldState state) {
   journal_.clear();
   journal_cursor_ = 0;
   failure_.reset();
+  warnings_.clear();
   accumulator_ = 0;
   record_series();
 }
@@ -72,6 +73,7 @@ void Session::begin_seek(uint64_t step) {
   while (journal_cursor_ < journal_.size() && journal_[journal_cursor_].step < state_.step) ++journal_cursor_;
   series_.truncate(state_.step);
   failure_.reset();
+  std::erase_if(warnings_, [&](const SessionWarning& w) { return w.first_step > state_.step; });
 }
 
 void Session::end_seek() {

@@ -111,6 +111,7 @@ StepOutcome Session::commit_aside(Output output) {
 void Session::after_step(Output output) {
   const InterruptScope undisturbed(nullptr);
   record_series();
+  if (World::watched(state_.step)) collect_warnings(output);
   if (output == Output::silent || sinks_.empty()) return;
   // One frame serves every sink that is due; it holds the union of what they ask for.
   due_.clear();
