@@ -44,6 +44,8 @@ TEST(SphWarnings, ASlowSoundIsNamedWithOneThatDoes) {
 
 TEST(SphWarnings, ACompressedLiquidIsNamedWithTheStepThatDoes) {
   SphDef d = pool(Method::pbf);
+  // Case pbf.claims: below 1 % with four iterations.
+  EXPECT_TRUE(warnings(d, 1.0 / 60).empty());
   d.pbf_iterations = 2;
   const auto compressed = warnings(d, 1.0 / 60);
   ASSERT_EQ(compressed.size(), 1u);
