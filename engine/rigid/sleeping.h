@@ -1,20 +1,25 @@
 // When a body may sleep. Slow alone is not at rest: a pendulum is slow where it turns, what begins to fall is
 // slow at first. A body rests while its points are slow and stay near the place where its rest began: on the
-// average over that time it moves by no more than 0.4 of sleep_speed, and no force that contacts and joints
-// leave over pushes it (a constant one would bend its way). Balls and capsules roll in heaps at some mm/s for
-// ever; at an eighth of sleep_speed, of three heaps one slept within 10 s of rest. (Box2D and Rapier ask for
-// speeds alone, 0.05 and 0.4 m/s for 0.5 and 2 s; Jolt for points within 15 mm for 0.5 s.) An island sleeps
-// when all its bodies have rested for sleep_time and something that does not move bears it: a contact under
-// load or a joint. What floats free never sleeps, unless it does not move at all.
+// average over that time it moves by no more than an eighth of sleep_speed, and no force that contacts and
+// joints leave over pushes it (a constant one would carry it further). An island sleeps when all its bodies
+// have rested for sleep_time and something that does not move bears it: a contact under load or a joint. What
+// floats free never sleeps, unless it does not move at all.
+// What only friction holds may go on at 0.4 of sleep_speed: balls and capsules roll in heaps at some mm/s for
+// ever, and at an eighth two of three heaps were awake for 20 s and more. (Box2D and Rapier ask for speeds
+// alone, 0.05 and 0.4 m/s for 0.5 and 2 s; Jolt for points within 15 mm for 0.5 s.)
 #pragma once
 
 namespace truestep {
 
 struct SleepRule {
   double speed = 0.05, time = 0.5;  ///< m/s, s
+  double share = 0.125;             ///< of `speed`, that a body may have on the average
+
+  /// The rule for what touches others with friction and is held by nothing else.
+  SleepRule of_rolling() const { return {speed, time, 0.4}; }
 
   /// m by which a resting body's points may go from where its rest began.
-  double drift() const { return 0.4 * speed * time; }
+  double drift() const { return share * speed * time; }
   /// m by which the middle of its way in sleep_time may lie beside the middle between its ends: a force that
   /// is left over, as on a pendulum that turns back, bends the way by a (time / 2)^2 / 2.
   double bend() const { return 0.0125 * speed * time; }

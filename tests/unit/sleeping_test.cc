@@ -10,10 +10,10 @@ namespace {
 
 TEST(Sleeping, RestNeedsToBeSlowAndToStay) {
   const SleepRule rule{0.08, 0.5};
-  EXPECT_DOUBLE_EQ(rule.drift(), 0.016);
-  EXPECT_DOUBLE_EQ(rest_after(0.2, 0.01, 0.07, 0.015, rule), 0.21);
-  EXPECT_EQ(rest_after(0.2, 0.01, 0.09, 0.015, rule), 0);
-  EXPECT_EQ(rest_after(0.2, 0.01, 0.07, 0.017, rule), 0);
+  EXPECT_DOUBLE_EQ(rule.drift(), 0.005);
+  EXPECT_DOUBLE_EQ(rest_after(0.2, 0.01, 0.07, 0.004, rule), 0.21);
+  EXPECT_EQ(rest_after(0.2, 0.01, 0.09, 0.004, rule), 0);
+  EXPECT_EQ(rest_after(0.2, 0.01, 0.07, 0.006, rule), 0);
   // Where rest begins, nothing has moved yet.
   EXPECT_DOUBLE_EQ(rest_after(0, 0.01, 0.07, 1, rule), 0.01);
 }

@@ -323,9 +323,9 @@ const DefTable& rigid2d_table() {
               "slower impacts do not bounce; absent: half of what gravity adds in a step, hops of one step")
           .boolean("sleeping", &D::sleeping, "bodies at rest cost nothing until something touches them")
           .number("sleep_speed", &D::sleep_speed, "m/s", at_least(0),
-                  "slower counts as at rest where it also stays within 0.4 of this times sleep_time: so "
-                  "sleep takes "
-                  "no mean momentum above 0.4 of this times the mass")
+                  "slower counts as at rest where it also stays within an eighth of this times sleep_time: "
+                  "so sleep takes no "
+                  "mean momentum above an eighth of this times the mass")
           .number("sleep_time", &D::sleep_time, "s", at_least(0),
                   "rest needed before sleep; what floats free does not sleep")
           .vector("color", &D::color, "1", between(0, 1),

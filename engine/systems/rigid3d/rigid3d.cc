@@ -313,6 +313,8 @@ void Rigid3d::update_sleeping(State& s, const StepInput& in) const {
   const auto kind = s.span<uint32_t>(columns::kind);
   const auto calm = s.f64(columns::sleep_timer);
   double *v = s.f64(columns::velocity).data(), *w = s.f64(columns::angular_velocity).data();
+  // By what a body is held: by contacts with friction alone, or otherwise too.
+  constexpr double kRolls = 2, kHeld = 1;
   // What rests presses on something, and all that it leans on ends at something that does not move. Bodies
   // that touch in space go on for ever.
   scratch.parent.resize(n), scratch.rested.assign(n, 0), scratch.adrift.assign(n, 1);
@@ -320,8 +322,11 @@ void Rigid3d::update_sleeping(State& s, const StepInput& in) const {
   const auto holds = [&](uint32_t i) { return i == kNoBody || now[i].part == Part::fixed; };
   for (const Contact* c : scratch.contacts.all()) {
     const bool a = now[c->a].part == Part::active, b = now[c->b].part == Part::active;
-    if (a) scratch.rested[c->a] = 1;
-    if (b) scratch.rested[c->b] = 1;
+    const bool grips = bodies_.kinds[kind[c->a]].friction * bodies_.kinds[kind[c->b]].friction > 0;
+    for (const uint32_t i : {c->a, c->b}) {
+      if (now[i].part == Part::active && (!grips || scratch.rested[i] == 0))
+        scratch.rested[i] = grips ? kRolls : kHeld;
+    }
     if (a && b) link_islands(scratch.parent, c->a, c->b);
     if (a == b || !holds(a ? c->b : c->a)) continue;
     if (std::any_of(c->impulse, c->impulse + c->manifold.count, [](double l) { return l > 0; })) {
@@ -333,7 +338,7 @@ void Rigid3d::update_sleeping(State& s, const StepInput& in) const {
     if (s.span<uint32_t>(columns::joint_broken)[k / 2]) continue;
     const uint32_t a = held[k], b = held[k + 1];
     for (const uint32_t i : {a, b}) {
-      if (i != kNoBody && now[i].part == Part::active) scratch.rested[i] = 1;
+      if (i != kNoBody && now[i].part == Part::active) scratch.rested[i] = kHeld;
     }
     if (a != kNoBody && b != kNoBody && now[a].part == Part::active && now[b].part == Part::active) {
       link_islands(scratch.parent, a, b);
@@ -354,7 +359,7 @@ void Rigid3d::update_sleeping(State& s, const StepInput& in) const {
       if (i != kNoBody) scratch.rested[i] = 0;
     }
   }
-  const SleepRule rule{sleep_speed_, sleep_time_};
+  const SleepRule rule{sleep_speed_, sleep_time_}, of_rolling = rule.of_rolling();
   const double *x = s.f64(columns::position).data(), *q = s.f64(columns::orientation).data();
   double *x0 = s.f64(columns::sleep_position).data(), *q0 = s.f64(columns::sleep_orientation).data();
   double* middle = s.f64(columns::sleep_middle).data();
@@ -367,7 +372,9 @@ void Rigid3d::update_sleeping(State& s, const StepInput& in) const {
     const Vec3 shift = load3(x, i) - load3(x0, i), turn = turned(load_quat(q0, i), load_quat(q, i));
     const bool may_rest = scratch.rested[i] > 0 && (!scratch.adrift[i] || speed == 0);
     const double before = calm[i];
-    calm[i] = may_rest ? rest_after(before, in.h, speed, norm(shift) + reach * norm(turn), rule) : 0;
+    calm[i] = may_rest ? rest_after(before, in.h, speed, norm(shift) + reach * norm(turn),
+                                    scratch.rested[i] == kRolls ? of_rolling : rule)
+                       : 0;
     if (before <= 0.5 * rule.time) store3(middle, 2 * i, shift), store3(middle, 2 * i + 1, turn);
     if (before < rule.time && calm[i] >= rule.time) {
       const Vec3 aside = load3(middle, 2 * i) - 0.5 * shift, twist = load3(middle, 2 * i + 1) - 0.5 * turn;

@@ -330,10 +330,11 @@ const DefTable& rigid3d_table() {
           .also("contact_damping")
           .number("push_out_speed", &D::push_out_speed, "m/s", above(0), "fastest way out of one another")
           .boolean("sleeping", &D::sleeping, "groups of bodies that rest are not computed")
-          .number("sleep_speed", &D::sleep_speed, "m/s", above(0),
-                  "bodies whose points are slower may rest, where they also stay within 0.4 of this times "
-                  "sleep_time: "
-                  "so sleep takes no mean momentum above 0.4 of this times the mass")
+          .number(
+              "sleep_speed", &D::sleep_speed, "m/s", above(0),
+              "bodies whose points are slower may rest, where they also stay within 0.4 of this times "
+              "sleep_time (an eighth where joints or contacts without friction hold them): sleep takes no "
+              "mean speed above that")
           .number("sleep_time", &D::sleep_time, "s", at_least(0), "for this long before they sleep")
           .check([](const D& d, const DefTable::Report& report) {
             double n = 0;
