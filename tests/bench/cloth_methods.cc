@@ -140,8 +140,9 @@ int main(int argc, char** argv) {
         d.pinned = {"edge_v0"};
         d.integrator = method;
         if (iterations > 0) d.descent_iterations = iterations;
-        report(method + (iterations > 0 ? " " + std::to_string(iterations) : std::string()),
-               run(*mass_spring::build_mass_spring(&d, context), n));
+        std::string name = method;
+        if (iterations > 0) name += ' ', name += std::to_string(iterations);
+        report(name, run(*mass_spring::build_mass_spring(&d, context), n));
       };
       for (const int k : {5, 10, 20, 50}) {
         if (n == 100 || k == 10) by_springs("projective_dynamics", k);

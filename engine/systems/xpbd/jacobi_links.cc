@@ -26,6 +26,12 @@ void JacobiLinks<T>::prepare(const Body& body, const std::vector<double>& compli
     links_a_.push_back(static_cast<T>(begin_[a_[k] + 1] - begin_[a_[k]]));
     links_b_.push_back(static_cast<T>(begin_[b_[k] + 1] - begin_[b_[k]]));
   }
+  softness_ = HUGE_VAL;
+  for (size_t k = 0; k < links; ++k) {
+    const double own = static_cast<double>(links_a_[k]) / body.masses[a_[k]] +
+                       static_cast<double>(links_b_[k]) / body.masses[b_[k]];
+    softness_ = std::min(softness_, compliances[k] / own);
+  }
   base_.resize(3 * links), pull_.resize(3 * links), tension_.resize(links);
   lambda_.assign(links, T(0)), before_.assign(links, T(0));
   old_.assign(3 * points_, T(0));
@@ -44,6 +50,11 @@ void JacobiLinks<T>::load(const double* x, const ThreadArena& arena) {
 template <class T>
 void JacobiLinks<T>::forget_multipliers() {
   std::fill(lambda_.begin(), lambda_.end(), T(0));
+}
+
+template <class T>
+double JacobiLinks<T>::radius(const PerStep<T>& per) const {
+  return 1 / (1 + softness_ * static_cast<double>(per.h2));
 }
 
 template <class T>

@@ -23,6 +23,9 @@ class JacobiLinks {
   /// Places at the step's start.
   void load(const double* x, const ThreadArena& arena);
   void forget_multipliers();
+  /// Bound of the spectral radius: with J W J^T >= 0 no eigenvalue of D^-1 (J W J^T + alpha~) is below the
+  /// least alpha~ / D of any link.
+  double radius(const PerStep<T>& per) const;
   /// Moves the points of all rows (x, y, z, inverse mass) in one iteration, weighted by omega. Returns the
   /// largest q (kernels/xpbd/chain.h) of all points.
   T iterate(const PerStep<T>& per, T omega, T relax, T* rows, const ThreadArena& arena);
@@ -38,6 +41,7 @@ class JacobiLinks {
   std::vector<T> old_;                // 3 a point, an iteration ago
   std::vector<T> q_;                  // a block
   size_t points_ = 0;
+  double softness_ = 0;  // least compliance over D - alpha~ of all links
 };
 
 extern template class JacobiLinks<float>;

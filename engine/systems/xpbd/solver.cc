@@ -139,7 +139,8 @@ double Solver<T>::iterate(const SolverInput& what, const State& s, const StepInp
   matcher_.forget_multipliers();
   jacobi_.forget_multipliers();
   const bool accelerated = what.options.sweep == Sweep::chebyshev;
-  const double radius = accelerated ? chebyshev_radius(what.options.iterations) : 0;
+  const double radius =
+      accelerated ? std::min(chebyshev_radius(what.options.iterations), jacobi_.radius(per)) : 0;
   double omega = 1;
   const double bending = stiffness_of(s.f64(Columns::stiffness), Family::bending);
   for (int k = 0; k < what.options.iterations; ++k) {
