@@ -131,7 +131,7 @@ TEST(GridFluidFaults, StepsFarTooLongAreDividedOrSayWhatWorks) {
   using A = GridFluidDef::Advection;
   for (const A advection : {A::central, A::semi_lagrangian, A::maccormack, A::bfecc}) {
     for (const bool obstacle : {false, true}) {
-      for (const double viscosity : {0.0, 1e-3, 0.1}) {
+      for (const double viscosity : {0.0, 1e-3, 0.1, 10.0}) {
         GridFluidDef d;
         d.cells = {16, 16};
         d.advection = advection, d.viscosity = viscosity;

@@ -26,7 +26,10 @@ void tangential_end(double* cell, ptrdiff_t inwards, const SideValues& side, siz
     const auto k = static_cast<ptrdiff_t>(m);
     cell[-(k + 1) * inwards] = 2 * g + sign * cell[k * inwards];
   }
-  if (given) cell[-inwards] = (8 * g - 6 * cell[0] + cell[inwards]) / 3;
+  if (!given) return;
+  const double parabola = (8 * g - 6 * cell[0] + cell[inwards]) / 3;
+  cell[-inwards] =
+      side.curvature == 1 ? parabola : cell[-inwards] + side.curvature * (parabola - cell[-inwards]);
 }
 
 }  // namespace

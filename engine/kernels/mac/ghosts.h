@@ -16,6 +16,7 @@ enum class Mirror : uint8_t { given, even, periodic, odd };
 struct SideValues {
   Mirror mirror = Mirror::even;
   std::vector<double> values;  ///< empty: 0
+  double curvature = 1;        ///< share of the parabola along a given value; 0: its mirror image
   double at(size_t plane) const { return values.empty() ? 0 : values[plane]; }
 };
 /// [axis][end]

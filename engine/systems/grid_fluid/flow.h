@@ -78,6 +78,7 @@ class Flow {
   };
   void sides_at(double t);
   void fill_component(size_t c, double* u);
+  void curve_walls(double diffusion);
   void stage(FlowFields& f, double t, double h, const Weights& w, bool implicit);
   void along_paths(FlowFields& f, double t, double h);
   void advect(size_t place, const mac::Sides& sides, const mac::ConstFields& u, double h, const double* from,
