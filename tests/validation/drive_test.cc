@@ -59,14 +59,14 @@ TEST(Drive, APathSetsAVectorAndExpressionsSeeVectors) {
   testing_coupled::SceneRun run(swinging(
       R"("paths": [{"name": "g", "times": [0, 1], "points": [[0, -10, 0], [2, -4, 6]], "interpolation": "linear"}],
                   "vectors": [{"name": "v", "times": [0, 1], "values": [1, 10, 3, 20], "interpolation": "linear"}],
-                  "controls": [{"name": "sum", "value": "v_0 + v_1"}])",
+                  "controls": [{"name": "both", "value": "v_0 + v_1"}])",
       R"("b": "dust", "path": "g", "parameter": "gravity")"));
   run.session.step(51);
   // Set at t = 0.5.
   EXPECT_NEAR(run.observe("d.value.0"), 1, 1e-12);
   EXPECT_NEAR(run.observe("d.value.1"), -7, 1e-12);
   EXPECT_NEAR(run.observe("d.value.2"), 3, 1e-12);
-  EXPECT_NEAR(run.observe("keys.control.sum"), 11 + 12 * 0.51, 1e-12);
+  EXPECT_NEAR(run.observe("keys.control.both"), 11 + 12 * 0.51, 1e-12);
   // It falls in what it is told: v = integral of g, by sums at the steps' starts.
   double vx = 0, vy = 0;
   for (int k = 0; k < 51; ++k) vx += 0.01 * 2 * 0.01 * k, vy += 0.01 * (-10 + 6 * 0.01 * k);

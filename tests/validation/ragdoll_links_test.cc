@@ -110,12 +110,13 @@ TEST(RagdollLinks, AreCarriedWithTheBonesMomenta) {
 }
 
 TEST(RagdollLinks, WhatJointsCanDoGoesOnToRounding) {
-  // A travel, a slide at even speed: means over a step are the velocities, whatever the orientation.
+  // A travel, a slide at even speed: means over a step are the velocities. Bones begin where the links are
+  // (a pair keeps the offset that it has at t = 0).
   testing_coupled::SceneRun run(arm({.coupling = R"("at": 30)",
-                                     .turn_a = R"("0.2", "0.3", "0.4")",
-                                     .pin = "0.3",
-                                     .slide = "0.4*t - 0.1",
-                                     .turn_d = R"("0.1", "0", "0.3")"}));
+                                     .turn_a = R"("0", "0", "0")",
+                                     .pin = "0",
+                                     .slide = "0.4*t",
+                                     .turn_d = R"("0", "0", "0")"}));
   run.session.step(40);
   const auto [v, w] = Sides(run).faster();
   EXPECT_LT(v, 1e-12);
@@ -275,9 +276,10 @@ TEST(RagdollLinks, EveryPhaseRestoresToTheBitAndItFindsBack) {
 }
 
 TEST(RagdollLinks, BodiesOfThePlaneAreRefused) {
-  std::string scene =
-      arm({.coupling = R"("at": 1)",
-           .more = R"(, {"type": "rigid2d", "id": "flat", "bodies": [{"type": "circle", "radius": 0.1}]})"});
+  std::string scene = arm(
+      {.coupling = R"("at": 1)",
+       .more =
+           R"(, {"type": "rigid2d", "id": "flat", "bodies": [{"shapes": [{"type": "circle", "radius": 0.1}]}]})"});
   const std::string b = R"("b": "doll")";
   scene.replace(scene.find(b), b.size(), R"("b": "flat")");
   try {
