@@ -120,7 +120,7 @@ class Routes(Case):
         (block,) = self.service.get(s["links"]["latest_frame"]).json()["blocks"]
         self.assertEqual(block["values"][3], [0, 0, 1])
         bad = self.issue(self.service.post("/v1/sessions", cloth({"asset": name, "as": "solid"})), 422)
-        self.assertEqual((bad["pointer"], bad["allowed"]), ("/systems/0/mesh/as", "surface, cells, vertices, triangles, text, lines"))
+        self.assertEqual((bad["pointer"], bad["allowed"]), ("/systems/0/mesh/as", "surface, cells, vertices, triangles, text, lines, gltf"))
         bad = self.issue(self.service.post("/v1/sessions", cloth({"asset": name, "as": "cells"})), 422)
         self.assertEqual((bad["pointer"], bad["code"]), ("/systems/0/mesh/asset", "bad_file"))
         self.assertEqual(self.issue(self.service.post("/v1/sessions", cloth({"path": "a.obj"})), 422)["pointer"], "/systems/0/mesh/path")

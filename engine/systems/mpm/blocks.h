@@ -72,6 +72,13 @@ struct Block {
   int32_t neighbours[27];      ///< first axis slowest; -1: not in use
 };
 
+/// Least whole side of a square or cube of so many.
+inline double side_of(double many, int dimension) {
+  double side = 1;
+  while ((dimension == 2 ? side * side : side * side * side) < many) ++side;
+  return side;
+}
+
 template <int D, int Nodes, class T>
 struct Blocks {
   using Size = Tiling<D, Nodes>;
@@ -110,7 +117,7 @@ struct Blocks {
   /// Sets memory aside for n particles that are in four times as many blocks as now (or as `expected`, where
   /// that is more), or in all that there are.
   void reserve(size_t n, size_t bodies, double expected, Sorted<D, T>& a, Sorted<D, T>& b) {
-    const double side = (D == 2 ? std::sqrt(expected) : std::cbrt(expected)) + 2;
+    const double side = side_of(expected, D) + 2;
     const auto around = static_cast<size_t>(expected > 0 ? (D == 2 ? side * side : side * side * side) : 0);
     const size_t own =
         std::min(table.size(), 4 * std::max(owners.size(), static_cast<size_t>(expected)) + 64);

@@ -6,6 +6,7 @@
 
 #include "engine/kernels/mpm/stiffness.h"
 #include "engine/math/trig.h"
+#include "engine/systems/mpm/blocks.h"
 #include "engine/systems/mpm/inlet.h"
 
 namespace truestep::mpm {
@@ -225,7 +226,8 @@ size_t largest_count(const MpmDef& d, size_t start) {
 }
 
 double expected_blocks(const MpmDef& d, double n) {
-  return 1.2 * n / (64 * std::pow(d.particles_per_axis, d.dimension)) + 4;
+  const double axis = d.particles_per_axis, per_cell = axis * axis * (d.dimension == 2 ? 1 : axis);
+  return 1.2 * n / (64 * per_cell) + 4;
 }
 
 const DefTable& mpm_table() {
@@ -307,14 +309,14 @@ Cost mpm_cost(const void* def) {
   const double components = plane ? 17 : 32, block = plane ? 8 : 4, lanes = 32 / scalar;
   const double tile = plane ? 12.0 * 13 : 8.0 * 8 * 9;
   const double owners = expected_blocks(d, n);
-  const double side = plane ? std::sqrt(owners) : std::cbrt(owners);
+  const double side = side_of(owners, d.dimension) + 2;
   double table = 1;
   for (int a = 0; a < d.dimension; ++a) {
     const double size = a == 0 ? d.high.x - d.low.x : a == 1 ? d.high.y - d.low.y : d.high.z - d.low.z;
     table *= (size / d.cell + 4 * block) / block + 1;
   }
   const double own = std::min(table, 4 * owners + 64);
-  const double all = std::min(table, 4 * std::pow(side + 2, d.dimension) + 256);
+  const double all = std::min(table, 4 * side * side * (plane ? 1 : side) + 256);
   const double slots =
       n + std::min(n, own * static_cast<double>(d.bodies.size() + d.emitters.size())) * (lanes - 1);
   const double flip = d.transfer == Transfer::flip ? 2 : 1;
@@ -335,7 +337,7 @@ Cost mpm_cost(const void* def) {
   // Of the implicit step seven vectors of nodes and every particle's stiffness.
   const double implicit = d.is_implicit() ? 8 * (7 * 4 * 64 * all + slots * (plane ? 14 : 33)) : 0;
   // Directions take as many products as a wave would need substeps, or cells that it could cross.
-  const double across = std::cbrt(cells_of(d)),
+  const double across = side_of(cells_of(d), 3),
                products = d.is_implicit() ? 6 * std::min(substeps, across) : substeps;
   // A letter of an expression is about a third of an instruction.
   double letters = 0;
