@@ -117,7 +117,8 @@ double twist_lost(double share) {
 TEST(XpbdReference, ATwistedRingLeavesItsPlaneAtMichellsTwist) {
   // The case's own tolerance, 2 % of the twist, to both sides. Below, the ring is as it was, to what its
   // links are shorter than the circle and its weight, a ten-thousandth of g, bends it; above, it turns over,
-  // and gives two turns of its twist back.
+  // and gives two turns of its twist back. The twist is the case's; which share lost tells the two apart was
+  // set after seeing both.
   EXPECT_LT(twist_lost(0.98), 0.05);
   EXPECT_GT(twist_lost(1.02), 0.5);
 }

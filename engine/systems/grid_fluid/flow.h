@@ -78,6 +78,8 @@ class Flow {
   };
   void sides_at(double t);
   void fill_component(size_t c, double* u);
+  /// How much of a parabola walls have beyond them; diffusion: alpha h viscosity of an implicit stage (m^2),
+  /// 0 of an explicit one.
   void curve_walls(double diffusion);
   void stage(FlowFields& f, double t, double h, const Weights& w, bool implicit);
   void along_paths(FlowFields& f, double t, double h);
