@@ -1,7 +1,15 @@
-# join_sources(BATCH FOLDER...): compiles the files of each folder BATCH at a time, so that the headers that they share are
-# read once. For code that no step runs: files of steps stay apart, because tests look at their objects one by one. Names in anonymous namespaces of joined files must
-# differ; APART names the files of which that is not so.
-set(joined_apart dense_lu.cc export_vtu.cc saved_session.cc session_folder.cc)
+# join_sources(TARGET BATCH FOLDER...): compiles the files of each folder BATCH at a time, so that the headers that they share
+# are read once: most of what a file takes. Names in anonymous namespaces of joined files must differ. Apart stay files of
+# which that is not so, those with flags of their own, those that tests/layering and tests/determinism make exceptions for, and the long ones,
+# whose loops take longer than their headers.
+set(joined_apart
+    dense_lu.cc export_vtu.cc saved_session.cc session_folder.cc osmesa_context.cc flocking_def.cc crowd_observe.cc
+    msh_sections.cc obj.cc mercurius.cc solver_pack.cc heightfield_wave.cc heightfield_observe.cc mesh_ewald.cc contact.cc
+    liquid.cc linear_tree.cc skeleton_observe.cc hull_faces.cc ply.cc bdf2.cc rosenbrock.cc joint_build.cc
+    # exceptions of tests
+    step_work.cc mass_spring_cost.cc fem_outputs.cc ode_compiler_axes.cc band_lu.cc sparse_lu_eigen.cc
+    # flags of their own
+    avx512_loops.cc plain_loops.cc tree_newton.cc skeleton_lead.cc multigrid.cc version.cc engines.cc parallel.cc thread_team.cc)
 function(join_sources target batch)
   set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_MODE GROUP)
   foreach(folder ${ARGN})

@@ -1,9 +1,11 @@
 #!/usr/bin/env python3
-"""compare_hashes.py PROGRAM SCENES EXPECTED [--threads N] [--alter | --resume]: the hashes that a build's gallery_hashes prints are
+"""compare_hashes.py PROGRAM SCENES EXPECTED [--threads N] [--alter | --resume | --short]: the hashes that a build's gallery_hashes prints are
 the committed ones, line by line. After a change that is meant to move the physics, write them anew with
   build/release/bin/gallery_hashes scenes 0 > tests/determinism/gallery_hashes.txt
+  build/release/bin/gallery_hashes scenes 0 short > tests/determinism/gallery_hashes_short.txt
 --alter is the control: with one digit of one hash changed the comparison must fail. --resume runs the second half of
-every scene in another process, from the states that the first one saved."""
+every scene in another process, from the states that the first one saved. --short: fewer steps of large scenes, for builds
+that are slow."""
 import argparse
 import subprocess
 import sys
@@ -18,6 +20,7 @@ def main():
     parser.add_argument("--threads", default="0")
     parser.add_argument("--alter", action="store_true")
     parser.add_argument("--resume", action="store_true")
+    parser.add_argument("--short", action="store_true")
     a = parser.parse_args()
     expected = Path(a.expected).read_text().splitlines()
     if a.alter:
@@ -32,7 +35,7 @@ def main():
             hashes("save", states)
             found = hashes("resume", states)
     else:
-        found = hashes()
+        found = hashes(*(["short"] if a.short else []))
     wrong = sorted(set(expected) ^ set(found))
     print("\n".join(wrong) or f"{len(found)} scenes agree")
     return 1 if wrong or not found else 0

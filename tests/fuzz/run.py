@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Runs a fuzz target: run.py NAME | run.py control.
 
-NAME runs fuzz_NAME on its kept seeds (corpus/NAME), then for TRUESTEP_FUZZ_SECONDS (15; 20 in `.ci/run`) on mutations of them
+NAME runs fuzz_NAME on its kept seeds (corpus/NAME), then for TRUESTEP_FUZZ_SECONDS (15; 10 in `.ci/run`) on mutations of them
 and of what earlier runs found (build/fuzz/found/NAME). A crash, a sanitizer report, a leak, 12 s for one input (more on a
 busy machine: TRUESTEP_SLOWDOWN) or 2 GiB of memory fail the run; the input stays in build/fuzz/artifacts. control expects
 that of a target with a planted fault.

@@ -103,6 +103,17 @@ class Rules(unittest.TestCase):
         self.assertEqual(self.broken(self.compile("std::sqrt(x) + std::floor(x) + std::fma(x, x, x)")), set())
         self.assertEqual(self.broken(self.compile("std::pow(x, x)")), {"libm"})
 
+    def test_joined_sources_are_judged_as_their_folder(self):
+        top = self.compile("std::pow(x, x)") / "engine/CMakeFiles/truestep_engine.dir"
+        joined = top / "Unity/unity_kernels_0_cxx.cxx"
+        joined.parent.mkdir()
+        joined.write_text(f'#include "{self.root}/engine/kernels/wave.cc"\n')
+        (top / "kernels/wave.cc.o").rename(joined.with_suffix(".cxx.o"))
+        self.assertEqual(self.broken(self.root / "build"), {"libm"})
+        # Of sources that are not there any more nothing is known.
+        joined.write_text(f'#include "{self.root}/engine/kernels/gone.cc"\n')
+        self.assertIn("build first", " ".join(str(f) for f in check.run(Tree(self.root, self.root / "build"), ["libm"])))
+
     def test_a_call_into_a_layer_below_is_found_although_it_is_declared_above(self):
         build = self.compile("x * x")
         top = build / "engine/CMakeFiles/truestep_engine.dir"

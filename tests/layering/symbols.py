@@ -6,6 +6,7 @@ libm_exceptions.txt with its reason.
 
 No layer calls what is defined in a layer below it, even where the declaration stands in a layer above.
 """
+import re
 import subprocess
 
 from includes import LAYERS, layer_of
@@ -41,44 +42,52 @@ def undefined(objects):
     return found
 
 
+def sources_of_objects(tree, layers):
+    """{object: one of its sources}. Joined sources are of one folder, and files with exceptions are never joined; an
+    object of a source that has since gone is no evidence."""
+    top = tree.build / "engine/CMakeFiles/truestep_engine.dir"
+    sources = {}
+    for path in sorted(top.glob("**/*.o")):
+        if path.parent.name == "Unity":
+            joined = path.with_suffix("")
+            names = re.findall(r'/(engine/[^"]*)"', joined.read_text()) if joined.exists() else []
+        else:
+            names = ["engine/" + path.relative_to(top).as_posix().removesuffix(".o")]
+        if names and all(n in tree.paths for n in names) and layer_of(names[0]) in layers:
+            sources[str(path)] = names[0]
+    return sources
+
+
 def check(tree):
     if tree.build is None:
         return
     allowed = exceptions(tree)
     for path in sorted(set(allowed) - set(tree.paths)):
         yield Finding("tests/layering/libm_exceptions.txt", 1, "libm", f"{path} is not there any more")
-    top = tree.build / "engine/CMakeFiles/truestep_engine.dir"
-    objects = [o for layer in STEP_LAYERS for o in sorted(top.glob(f"{layer}/**/*.o"))]
-    # An object of a source that has since gone is no evidence.
-    objects = [o for o in objects if source_of(o, top) in tree.paths]
+    objects = sources_of_objects(tree, STEP_LAYERS)
     if not objects:
-        yield Finding("engine", 1, "libm", f"no object files below {top}: build first")
+        yield Finding("engine", 1, "libm", f"no object files below {tree.build}: build first")
         return
     for name, symbols in sorted(undefined(objects).items()):
-        path = "engine/" + name.removeprefix(str(top) + "/").removesuffix(".o")
+        path = objects[name]
         for symbol in sorted((symbols & INEXACT) - allowed.get(path, set())):
             yield Finding(path, 1, "libm", f"imports {symbol} of libm: use engine/math/trig.h, or list it with its reason")
-
-
-def source_of(path, top):
-    return "engine/" + path.relative_to(top).as_posix().removesuffix(".o")
 
 
 def check_calls(tree):
     """Symbols that a file imports and that only a layer below its own defines."""
     if tree.build is None:
         return
-    top = tree.build / "engine/CMakeFiles/truestep_engine.dir"
-    objects = [o for layer in LAYERS for o in sorted(top.glob(f"{layer}/**/*.o")) if source_of(o, top) in tree.paths]
+    objects = sources_of_objects(tree, LAYERS)
     if not objects:
-        yield Finding("engine", 1, "calls", f"no object files below {top}: build first")
+        yield Finding("engine", 1, "calls", f"no object files below {tree.build}: build first")
         return
     listing = subprocess.run(["nm", "-A", "--format=posix", *objects], capture_output=True, text=True, check=True)
     defined, imported = {}, []
     for line in listing.stdout.splitlines():
         name, rest = line.split(": ", 1)
         symbol, kind = rest.split()[:2]
-        path = "engine/" + name.removeprefix(str(top) + "/").removesuffix(".o")
+        path = objects[name]
         # Weak symbols (inline functions, templates) have a copy in every file that uses them.
         if kind in "TDBR":
             defined[symbol] = path

@@ -84,7 +84,13 @@ double busiest(const std::vector<double>& took) {
   return most;
 }
 
-Figures measure(const boost::json::value& document, double most_seconds) {
+// When a scene has been weighed enough.
+enum class Until {
+  kSeconds,  // after its time
+  kSettled   // or once its memory has rested for half of its steps, well within what is allowed
+};
+
+Figures measure(const boost::json::value& document, double most_seconds, Until until) {
   const auto arena = std::make_shared<const ThreadArena>(1);
   Figures f;
   Scene scene = require_scene(read_scene(document));
@@ -100,8 +106,15 @@ Figures measure(const boost::json::value& document, double most_seconds) {
   std::vector<double> took;
   const double start = cpu_seconds();
   double grown = 0, held = 0;
-  const auto weigh = [&] { grown = peak_bytes() - peak_before, held = allocated() - before; };
-  constexpr size_t kWeighed = 120, kMost = 600;
+  const auto weight = [&] { return std::max(held, grown - kCoarse); };
+  // Whether it is the same as half as many steps ago.
+  const auto weigh = [&] {
+    const double last = weight();
+    grown = peak_bytes() - peak_before, held = allocated() - before;
+    const double ratio = f.estimated_bytes / weight();
+    return std::abs(weight() - last) <= 0.01 * last && ratio > 0.8 && ratio < 1.35;
+  };
+  constexpr size_t kFewest = 32, kWeighed = 120, kMost = 600;
   const auto go_on = [&] {
     const double spent = cpu_seconds() - start;
     return spent < most_seconds || (took.size() < kWeighed && spent < 10 * most_seconds);
@@ -115,9 +128,12 @@ Figures measure(const boost::json::value& document, double most_seconds) {
     }
     took.push_back(cpu_seconds() - begun);
     // What a failure leaves says nothing: the last weight before it counts.
-    if (took.size() == kWeighed || (took.size() < kWeighed && std::has_single_bit(took.size()))) weigh();
+    if (took.size() == kWeighed || (took.size() < kWeighed && std::has_single_bit(took.size()))) {
+      const bool rests = weigh();
+      if (until == Until::kSettled && rests && took.size() >= kFewest) break;
+    }
   }
-  f.bytes = std::max(held, grown - kCoarse);
+  f.bytes = weight();
   if (!took.empty()) {
     f.steps = static_cast<double>(took.size());
     f.seconds = busiest(took);
@@ -129,14 +145,14 @@ Figures measure(const boost::json::value& document, double most_seconds) {
 
 // In a process of its own: memory that another scene has left would be used again. No systems where the scene
 // cannot be had so large; nothing where the process died.
-std::optional<Figures> measure_apart(const boost::json::value& document, double most_seconds) {
+std::optional<Figures> measure_apart(const boost::json::value& document, double most_seconds, Until until) {
   int ends[2];
   if (pipe(ends) != 0) throw Error("internal", "no pipe");
   const pid_t child = fork();
   if (child == 0) {
     Figures f;
     try {
-      f = measure(document, most_seconds);
+      f = measure(document, most_seconds, until);
     } catch (const Error& e) {
       std::fprintf(stderr, "%s\n", e.what());
     }
@@ -202,7 +218,8 @@ int main(int count, char** arguments) {
   mallopt(M_MMAP_THRESHOLD, 1 << 20);
 
   const auto figures = [&](const GalleryScene& scene) {
-    const auto measured = measure_apart(scaled_scene(parse_json(scene.text), times), seconds);
+    const auto measured = measure_apart(scaled_scene(parse_json(scene.text), times), seconds,
+                                        judge == "memory" ? Until::kSettled : Until::kSeconds);
     if (!measured) std::printf("%s: the process died\n", scene.name.data()), std::exit(1);
     Figures f = *measured;
     f.estimated_bytes *= factor;
