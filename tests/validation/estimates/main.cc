@@ -130,7 +130,8 @@ Figures measure(const boost::json::value& document, double most_seconds, Until u
     // What a failure leaves says nothing: the last weight before it counts.
     if (took.size() == kWeighed || (took.size() < kWeighed && std::has_single_bit(took.size()))) {
       const bool rests = weigh();
-      if (until == Until::kSettled && rests && took.size() >= kFewest) break;
+      const size_t enough = cpu_seconds() - start > most_seconds ? kFewest / 4 : kFewest;
+      if (until == Until::kSettled && rests && took.size() >= enough) break;
     }
   }
   f.bytes = weight();
