@@ -1,5 +1,5 @@
-// Prints, for every scene of a folder, its name and its state's hash after 40 steps: what all builds must
-// agree on. Or the first half of that in one process, which saves the states, and the other half in another.
+// Prints, for every scene of a folder, its name and its state's hash after 40 steps: all builds must agree on
+// these. Or the first half of that in one process, which saves the states, and the second half in another.
 //   gallery_hashes FOLDER THREADS
 //   gallery_hashes FOLDER THREADS save | resume STATES
 #include <algorithm>
@@ -31,7 +31,7 @@ std::vector<std::byte> bytes_of(const std::filesystem::path& file) {
   return bytes;
 }
 
-// A scene that is there to fail ends at its last good step, which belongs to what is compared.
+// A scene that is meant to fail ends at its last good step, which is part of the comparison.
 uint64_t run(truestep::Session& session, uint64_t steps) {
   try {
     session.step(steps);
