@@ -16,7 +16,7 @@ TEST(Rigid3dFastBodies, ThatAreInOneAnotherMayPart) {
   testing::RigidRun run(d, 1.0 / 60, 1, {});
   run.run(10);
   EXPECT_GT(run.x(1).x - run.x(0).x, 5);
-  // The control: a wall stops a ball that comes from the other side.
+  // The control: a wall in the ball's way stops it.
   BoxBodyDef wall = testing::box({0.005, 3, 3}, {3, 0, 0});
   wall.motion = BodyDef::Motion::fixed;
   d.bodies.push_back(wall);

@@ -67,8 +67,8 @@ TEST(StiffestRope, SwingsWithoutGainAndAtACostThatStiffnessDoesNotRaise) {
   }
 }
 
-// 1e8 N/m and 1e13 N/m differ by a strain of 1e-7 per ten newtons of pull: the motion is the same until small
-// differences have grown, by some hundred times in half a second.
+// 1e8 N/m and 1e13 N/m differ by a strain of about 1e-7 per newton of pull: the motion is the same until
+// small differences have grown, by some hundred times in half a second.
 TEST(StiffestRope, MovesAsAnInextensibleOneDoes) {
   Rope soft(1e8, 20, {1, 1, 0}), stiff(1e13, 20, {1, 1, 0}), softest(1e3, 20, {1, 1, 0});
   for (int i = 0; i < 30; ++i) soft.step(), stiff.step(), softest.step();

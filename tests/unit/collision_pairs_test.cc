@@ -219,7 +219,7 @@ TEST(CollisionPairs, WhatIsDeepInsideIsInContact) {
     return n;
   };
   EXPECT_EQ(lost(0.0), 0);
-  // The control: beside it, none is lost.
+  // The control: beside it, every contact is lost.
   EXPECT_EQ(lost(4.0), 500);
 }
 
