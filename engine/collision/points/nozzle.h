@@ -71,8 +71,8 @@ struct Nozzle {
   }
 };
 
-/// Flags the rows of `position` that are in kill regions and returns their number. `dead` must have the right
-/// size.
+/// Flags the rows of `position` that are in kill regions and returns their number. Does not allocate if
+/// `dead` has the capacity.
 uint64_t find_killed(const KillDefs& regions, const State& s, State::Column position,
                      const ThreadArena& arena, std::vector<uint8_t>& dead);
 
